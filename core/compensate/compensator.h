@@ -1,0 +1,82 @@
+// The exact inverse of the chain at a pose: the linear-axis commands whose predicted tool point, on this machine, is
+// the programmed one.
+//
+// Find q' with  tip_in_table(q'; machine with errors) = tip_in_table(q; nominal machine),  q' = q on rotary axes.
+// One affine step is exact for constant errors (the tool point is affine in the linear axes at a rotary pose); errors
+// that vary with the position are evaluated at the command that the machine gets, q', so the step is repeated to
+// kToleranceMm.
+#ifndef AXISCAL_CORE_COMPENSATE_COMPENSATOR_H_
+#define AXISCAL_CORE_COMPENSATE_COMPENSATOR_H_
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/machine/machine.h"
+
+namespace axiscal::machine {
+struct ErrorModel;
+}
+
+namespace axiscal::compensate {
+
+struct Options {
+  // Nominal tool point at home (all axes at zero), machine frame. A longer tool needs another compensator.
+  Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();
+  // When and at which temperature the program runs. Errors that depend on either are left out, and listed by
+  // not_carried(), when it is unknown.
+  std::optional<double> time_s;
+  std::optional<double> temperature_celsius;
+};
+
+inline constexpr double kToleranceMm = 1e-5;  // 0.01 um
+
+// Commands in the order of machine.axes: mm, rad. `sense` is the direction of each axis' last motion, +1 or -1, 0
+// unknown.
+struct Pose {
+  std::array<double, machine::kMaxAxes> position{};
+  std::array<double, machine::kMaxAxes> sense{};
+};
+
+struct Correction {
+  std::array<double, machine::kMaxAxes> corrected{};  // commands to give instead, mm, rad; rotary axes as programmed
+  double before_mm = 0;                               // predicted tool-point error without correction, table frame
+  double after_mm = 0;                                // with it, <= kToleranceMm
+  double tilt_left_rad =
+      0;  // angle between the predicted and the programmed tool direction, table frame; linear axes cannot change it
+  // Column k: tool point's motion in the table frame per mm of linear_axes()[k]. For the effect of rounding a command.
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, machine::kMaxAxes> tip_per_mm;
+};
+
+class Compensator {
+ public:
+  // INVALID_ARGUMENT when the machine, a term or the tool tip is not valid.
+  static absl::StatusOr<Compensator> Create(const machine::Machine& machine, const machine::ErrorModel& errors,
+                                            const Options& options);
+  Compensator(Compensator&&) noexcept;
+  Compensator& operator=(Compensator&&) noexcept;
+  ~Compensator();
+
+  // FAILED_PRECONDITION: the linear axes reach fewer than three directions, or no convergence (errors too large), with
+  // the pose in the text. Thread safe.
+  absl::StatusOr<Correction> Correct(const Pose& pose) const;
+
+  const machine::Machine& machine() const;
+  const std::vector<int>& linear_axes() const;  // indices into machine().axes
+  bool is_null() const;                         // no error term differs from zero: every correction is zero
+  // Terms that need a time or temperature which the options do not state, in words.
+  const std::vector<std::string>& not_carried() const;
+
+ private:
+  struct Impl;
+  explicit Compensator(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace axiscal::compensate
+
+#endif  // AXISCAL_CORE_COMPENSATE_COMPENSATOR_H_

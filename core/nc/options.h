@@ -1,0 +1,75 @@
+// What the user states about a program before it is rewritten, and what may be done with it.
+// Program units are those of the controller (mm, inch, deg); everything here is mm and rad.
+#ifndef AXISCAL_CORE_NC_OPTIONS_H_
+#define AXISCAL_CORE_NC_OPTIONS_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+
+namespace axiscal::nc {
+
+// What to do with a block that moves axes in a way that cannot be corrected (arcs, G28, G53, macros, unknown codes
+// ...).
+enum class OnUnsupported {
+  kRefuse,  // the job fails with line, block and reason; nothing that was written may be used
+  kPass,    // the block stays as it is and is listed; axis positions are unknown until they are programmed again
+};
+
+// Blocks that begin with '/' are skipped when the operator's switch is on. Text of both cases must stay safe.
+enum class BlockDelete {
+  kEither,    // switch unknown: what such a block moves is unknown after it, until programmed again
+  kExecuted,  // switch off for sure
+  kSkipped,   // switch on for sure: such blocks stay as they are and move nothing
+};
+
+// Axis words without a decimal point.
+enum class IntegerWords {
+  kWholeUnits,  // X10 is 10 mm; five digits or more are refused, because they are least increments on other controllers
+  kLeastIncrement,  // X10 is 10 times the machine's resolution (0.001 mm at three decimals); no decimals are added to
+                    // such a word
+};
+
+struct AxisValue {
+  std::string axis;  // name in machine.json
+  double value = 0;  // mm or rad
+};
+
+// A work offset that programs may select: axis position = programmed position + offset.
+struct WorkOffset {
+  std::string code;  // "G54" ... "G59"
+  std::vector<AxisValue> offsets;
+};
+
+struct RewriteOptions {
+  // Name and version of the calibration, for the mark; letters, digits, blanks and "._-+:/".
+  std::string calibration = "unnamed";
+  std::string dialect = "fanuc";  // a name of Dialects()
+  OnUnsupported on_unsupported = OnUnsupported::kRefuse;
+  BlockDelete block_delete = BlockDelete::kEither;
+  IntegerWords integer_words = IntegerWords::kWholeUnits;
+  // The machine's resolution: corrected words get at least so many decimals. 0 to 6.
+  int decimals_mm = 4;
+  int decimals_inch = 5;
+  // A larger correction of one axis stops the job: the calibration or the program is not what it seems. > 0.
+  double max_correction_mm = 0.5;
+  // A linear move is split where the correction along it departs from linear by more than this. > 0; infinity never
+  // splits.
+  double tolerance_mm = 0.001;
+  // Where axes stand when the program starts, for those that it does not program before they matter.
+  std::vector<AxisValue> initial_position;
+  // Offsets that the program may select. A program that selects another one is refused.
+  std::vector<WorkOffset> work_offsets;
+  // CRC-32 of the whole source for the mark; RewriteText and RewriteFile compute it themselves.
+  std::optional<uint32_t> source_crc32;
+};
+
+// INVALID_ARGUMENT that names field, value and rule.
+absl::Status Validate(const RewriteOptions& options);
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_OPTIONS_H_

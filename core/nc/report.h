@@ -1,0 +1,62 @@
+// What a rewriting did to a program. Lengths in mm; the JSON text is in um.
+#ifndef AXISCAL_CORE_NC_REPORT_H_
+#define AXISCAL_CORE_NC_REPORT_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace axiscal::nc {
+
+// One block and why it was not corrected. Long blocks are cut for the report, never in the program.
+struct Finding {
+  int64_t line = 0;  // of the source, from 1
+  std::string block;
+  std::string reason;
+};
+
+// Largest and root mean square of a quantity over all corrected blocks.
+struct Spread {
+  double max_mm = 0;
+  double sum_squares_mm2 = 0;
+  int64_t count = 0;
+
+  void Add(double value_mm);
+  double rms_mm() const;
+};
+
+struct AxisSpread {
+  std::string axis;  // linear axes only
+  Spread correction;
+};
+
+inline constexpr int kMaxFindings = 100;  // listed per kind; the counts go on
+
+struct RewriteReport {
+  std::string calibration;
+  bool is_null_correction = false;  // the output is the input, byte for byte
+  int64_t blocks_read = 0;          // lines that hold at least one word
+  int64_t blocks_corrected = 0;  // moves whose end point was computed, also where rounding left the bytes as they were
+  int64_t blocks_split = 0;
+  int64_t blocks_inserted = 0;  // pieces added by splitting
+  int64_t blocks_passed = 0;    // moves left uncorrected (kPass, null correction, skipped blocks)
+  int64_t blocks_refused = 0;
+  std::vector<Finding> passed, refused;  // the first kMaxFindings of each
+  std::vector<std::string>
+      notes;  // what the reader must know: tool changes, text after the program's end, effects not carried
+  std::vector<AxisSpread> axes;
+  // Predicted tool-point error at block ends, in the table's frame, without the correction, and with it as written
+  // (rounding included).
+  Spread error_before, error_after;
+  double max_tilt_left_rad = 0;  // orientation error that linear axes cannot correct
+  double max_departure_mm = 0;   // largest departure from linear of the correction along a written move (G01)
+  uint32_t source_crc32 = 0;
+  bool has_source_crc32 = false;
+};
+
+// The report as JSON text, um and urad. Never fails.
+std::string ToJson(const RewriteReport& report);
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_REPORT_H_

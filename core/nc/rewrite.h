@@ -1,0 +1,74 @@
+// Rewrites NC programs so that the tool point goes where the program says, on this machine.
+//
+// Programs of G00 and G01 moves in axis positions (G90/G91, G20/G21, stated work offsets). Every byte that is not a
+// corrected axis word stays. A null correction returns the program byte for byte, whatever it holds. Any other output
+// carries a mark in a comment and is refused as input. What is written before an error must not be used: RewriteText
+// and RewriteFile hand out nothing in that case.
+#ifndef AXISCAL_CORE_NC_REWRITE_H_
+#define AXISCAL_CORE_NC_REWRITE_H_
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/status.h"
+#include "core/nc/options.h"
+#include "core/nc/report.h"
+
+namespace axiscal::compensate {
+class Compensator;
+}
+
+namespace axiscal::nc {
+
+// Takes the next bytes of the output. An error ends the job with that error.
+using ByteSink = std::function<absl::Status(const char* bytes, size_t size)>;
+
+// Streaming form, in constant memory. Not thread safe. Statuses of Feed and Finish:
+//   INVALID_ARGUMENT     options, or a program that was compensated before
+//   FAILED_PRECONDITION  blocks refused (report().refused says which and why), a correction beyond its limit, travel
+//   exceeded any status of the sink.
+// After an error no more bytes reach the sink and every later call returns the same error.
+class Rewriter {
+ public:
+  // `compensator` must outlive the rewriter. INVALID_ARGUMENT on bad options.
+  static absl::StatusOr<Rewriter> Create(const compensate::Compensator& compensator, const RewriteOptions& options,
+                                         ByteSink sink);
+  Rewriter(Rewriter&&) noexcept;
+  ~Rewriter();
+
+  // Any number of bytes, cut anywhere. A refused block does not end the reading: Finish reports all of them.
+  absl::Status Feed(const char* bytes, size_t size);
+  absl::Status Finish();
+  // Complete after Finish, also when it failed.
+  const RewriteReport& report() const;
+
+ private:
+  struct Impl;
+  explicit Rewriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// Bytes of the source, in order, each time from the start: called twice (checksum, then rewriting) unless
+// options.source_crc32 is given. Calls `take` with each piece and returns its error, or its own.
+using ByteSource = std::function<absl::Status(const ByteSink& take)>;
+
+// `report` is filled also when the program is refused.
+absl::Status RewriteProgram(const ByteSource& source, const ByteSink& sink, const compensate::Compensator& compensator,
+                            const RewriteOptions& options, RewriteReport* report);
+
+// The whole program in memory.
+absl::StatusOr<std::string> RewriteText(const std::string& program, const compensate::Compensator& compensator,
+                                        const RewriteOptions& options, RewriteReport* report);
+
+// From file to file; writes a temporary file beside `output_path` and renames it at the end, so a refused program
+// leaves no output and an existing file as it was. NOT_FOUND or UNAVAILABLE with the path when a file cannot be read or
+// written.
+absl::Status RewriteFile(const std::string& input_path, const std::string& output_path,
+                         const compensate::Compensator& compensator, const RewriteOptions& options,
+                         RewriteReport* report);
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_REWRITE_H_
