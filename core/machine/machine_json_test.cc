@@ -1,0 +1,166 @@
+#include "core/machine/machine_json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "core/base/units.h"
+
+namespace axiscal::machine {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kMachine[] = R"({
+ "id": "mt", "structure": "w-C'bZYXB(C1)-t", "note": "as delivered",
+ "axes": {
+  "C": {"kind": "rotary", "direction": [0, 0, 1], "point_mm": [-490, 0, 0]},
+  "X": {"kind": "linear", "direction": [1, 0, 0], "travel_mm": [-600, 50.5]},
+  "B": {"kind": "rotary", "direction": [0, 1, 0], "point_mm": [0, 0, 0], "travel_deg": [-30, 210]}
+ },
+ "tool_branch": ["X", "B"],
+ "work_branch": ["C"],
+ "tool_direction": [0, 0, -1],
+ "declared": ["EA0B", "XOC", "EZ0T"]
+})";
+
+std::string With(const std::string& from, const std::string& to) {
+  std::string text = kMachine;
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string Problem(const std::string& text) {
+  const auto machine = MachineFromJson(text);
+  EXPECT_EQ(machine.status().code(), absl::StatusCode::kInvalidArgument) << text;
+  return std::string(machine.status().message());
+}
+
+TEST(MachineJson, AxesStandInTheOrderOfTheBranches) {
+  const auto machine = MachineFromJson(kMachine);
+  ASSERT_TRUE(machine.ok()) << machine.status();
+  ASSERT_EQ(machine->axis_count(), 3);
+  EXPECT_EQ(machine->axes[0].name, "X");
+  EXPECT_EQ(machine->axes[1].name, "B");
+  EXPECT_EQ(machine->axes[2].name, "C");
+  EXPECT_EQ(machine->tool_branch, (std::vector<int>{0, 1}));
+  EXPECT_EQ(machine->work_branch, (std::vector<int>{2}));
+  EXPECT_EQ(machine->axes[2].point_mm, Eigen::Vector3d(-490, 0, 0));
+  EXPECT_EQ(ToString(machine->declared[1]), "EX0C");
+}
+
+TEST(MachineJson, TravelIsInCoreUnits) {
+  const auto machine = MachineFromJson(kMachine);
+  ASSERT_TRUE(machine.ok());
+  EXPECT_EQ(machine->axes[0].max_position, 50.5);
+  EXPECT_EQ(machine->axes[1].min_position, -30 * base::kRadPerDeg);
+  EXPECT_FALSE(machine->axes[2].max_position.has_value());
+}
+
+TEST(MachineJson, WritesWhatReadsBackEqual) {
+  const auto machine = MachineFromJson(With("[0, 0, 1]", "[0, 0.6, 0.8]"));
+  ASSERT_TRUE(machine.ok());
+  const std::string text = MachineToJson(*machine);
+  const auto again = MachineFromJson(text);
+  ASSERT_TRUE(again.ok()) << again.status() << text;
+  EXPECT_EQ(MachineToJson(*again), text);
+  EXPECT_EQ(again->axes[1].min_position, machine->axes[1].min_position);
+  EXPECT_EQ(again->axes[2].direction, machine->axes[2].direction);
+  EXPECT_EQ(again->declared, machine->declared);
+  EXPECT_EQ(again->structure, "w-C'bZYXB(C1)-t");
+  EXPECT_THAT(text, HasSubstr(R"("X": {"kind": "linear", "direction": [1, 0, 0], "travel_mm": [-600, 50.5]})"));
+}
+
+struct BadMachine {
+  const char* from;
+  const char* to;
+  const char* message;
+};
+
+class MachineJsonRefuses : public ::testing::TestWithParam<BadMachine> {};
+
+TEST_P(MachineJsonRefuses, NamingFieldValueAndRule) {
+  EXPECT_THAT(Problem(With(GetParam().from, GetParam().to)), HasSubstr(GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, MachineJsonRefuses,
+    ::testing::Values(
+        BadMachine{R"("direction": [0, 1, 0])", R"("direction": [0, 2, 0])",
+                   "axes.B.direction: [0,2,0], must have length 1"},
+        BadMachine{R"("direction": [0, 1, 0])", R"("direction": [0, 1])",
+                   "axes.B.direction: [0,1], expected [x, y, z], 3 numbers"},
+        BadMachine{R"("direction": [0, 1, 0])", R"("direction": [0, "1", 0])",
+                   R"(axes.B.direction: [0,"1",0], expected [x, y, z])"},
+        BadMachine{R"("direction": [0, 1, 0])", R"("direction": [0, 1e999, 0])", "number overflow parsing '1e999'"},
+        BadMachine{R"("kind": "linear")", R"("kind": "prismatic")",
+                   R"(axes.X.kind: "prismatic", expected "linear" or "rotary")"},
+        BadMachine{R"("kind": "linear", )", "", "axes.X.kind: is missing"},
+        BadMachine{R"(, "point_mm": [0, 0, 0])", "", "axes.B.point_mm: is missing"},
+        BadMachine{R"("point_mm": [0, 0, 0])", R"("point": [0, 0, 0])", "axes.B.point: unknown field"},
+        BadMachine{R"("travel_mm": [-600, 50.5])", R"("point_mm": [1, 0, 0])",
+                   "axes.X.point_mm: [1,0,0], a linear axis has no point"},
+        BadMachine{R"("travel_mm": [-600, 50.5])", R"("travel_deg": [-6, 5])",
+                   "axes.X.travel_deg: [-6,5], a linear axis has travel_mm"},
+        BadMachine{R"("travel_deg": [-30, 210])", R"("travel_deg": [210, -30])",
+                   "axes.B.travel_deg: [210,-30], the lower limit"},
+        BadMachine{R"("tool_branch": ["X", "B"])", R"("tool_branch": ["X", "Q"])",
+                   "tool_branch[1]: 'Q', expected the name of an axis"},
+        BadMachine{R"("tool_branch": ["X", "B"])", R"("tool_branch": ["X"])", "axes.B: is in no branch"},
+        BadMachine{R"("tool_branch": ["X", "B"])", R"("tool_branch": ["X", "B", "C"])",
+                   "work_branch[0]: 'C', stands in a branch already"},
+        BadMachine{R"("tool_branch": ["X", "B"],)", "", "tool_branch: is missing"},
+        BadMachine{R"("tool_branch": ["X", "B"])", R"("tool_branch": "XB")", "tool_branch: \"XB\", expected a list"},
+        BadMachine{R"("tool_direction": [0, 0, -1])", R"("tool_direction": [0, 0, 0])",
+                   "tool_direction: [0,0,0], must have length 1"},
+        BadMachine{R"("EA0B")", R"("EA0Q")", "declared[0]: 'EA0Q', the machine has no axis Q"},
+        BadMachine{R"("EA0B")", R"("EX0C")", "declared[1]: 'XOC', is there twice"},
+        BadMachine{R"("EA0B")", R"("EAB")", "declared[0]: 'EAB', must be a constant error"},
+        BadMachine{R"("EA0B")", R"("FOO")", "declared[0]: 'FOO' is not an error symbol"},
+        BadMachine{R"("EA0B")", "7", "declared[0]: 7, expected a text"},
+        BadMachine{R"("id": "mt")", R"("id": "a b")", "id must be 1 to 100 letters"},
+        BadMachine{R"("id": "mt")", R"("id": 5)", "id: 5, expected a text"},
+        BadMachine{R"("id": "mt", )", "", "id: is missing"},
+        BadMachine{R"("structure")", R"("struktur")", "struktur: unknown field, expected one of id, structure"},
+        BadMachine{R"("structure")", R"("id")", "'id' is there twice"},
+        BadMachine{R"("B": {)", R"("X": {)", "'X' is there twice"},
+        BadMachine{R"("B": {)", R"("b": {)", "axes.b: expected a capital letter"},
+        BadMachine{R"("B": {)", R"("T": {)", "axes.T: expected a capital letter other than T and W"},
+        BadMachine{R"(["C"],)", R"(["C"])", "line 10, column"}));
+
+TEST(MachineJson, WhatIsNoObjectIsRefused) {
+  EXPECT_EQ(Problem("[1, 2]"), "machine: [1,2], expected a JSON object");
+  EXPECT_THAT(Problem(""), HasSubstr("is empty"));
+  EXPECT_THAT(Problem(std::string("{\"id\": \"m\0\"}", 12)), HasSubstr("line 1"));
+  EXPECT_THAT(Problem(R"({"id": "m", "axes": {}})"), HasSubstr("axes: {}, expected an object with a member"));
+}
+
+void ExpectEveryMachineLoads(const std::filesystem::path& folder, size_t at_least) {
+  size_t count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const auto& path = entry.path();
+    if (path.extension() != ".json" ||
+        (path.filename() != "machine.json" && path.parent_path().filename() != "machines"))
+      continue;
+    std::stringstream text;
+    text << std::ifstream(path).rdbuf();
+    const auto machine = MachineFromJson(text.str());
+    EXPECT_TRUE(machine.ok()) << path << ": " << machine.status();
+    ++count;
+  }
+  EXPECT_GE(count, at_least);
+}
+
+TEST(MachineJson, SharedMachinesAndArmsLoad) {
+  const std::filesystem::path shared = std::filesystem::path(AXISCAL_SOURCE_DIR) / ".." / "shared" / "data";
+  if (!std::filesystem::exists(shared)) GTEST_SKIP() << "../shared is absent";
+  ExpectEveryMachineLoads(shared / "machines", 5);
+  ExpectEveryMachineLoads(shared / "robots", 2);
+}
+
+}  // namespace
+}  // namespace axiscal::machine
