@@ -38,6 +38,11 @@ find_package(absl REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
+find_package(OpenSSL REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(ISAL REQUIRED IMPORTED_TARGET libisal)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 include(GoogleTest)
 
 # axiscal_library(name SOURCES a.cc ... [DEPS lib ...] [PCH header ...]): static library axiscal_<name>.

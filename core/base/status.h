@@ -1,5 +1,5 @@
-// Expected failures are absl::Status: a message says what, where and which limit ("run 12, sample 340: length_mm = nan").
-// Messages are built as std::string: Debian's Abseil has a string_view of its own.
+// Expected failures are absl::Status: a message says what, where and which limit ("run 12, sample 340: length_mm =
+// nan"). Messages are built as std::string: Debian's Abseil has a string_view of its own.
 #ifndef AXISCAL_CORE_BASE_STATUS_H_
 #define AXISCAL_CORE_BASE_STATUS_H_
 
@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
@@ -15,10 +16,10 @@
 #define AXISCAL_CONCAT(a, b) AXISCAL_CONCAT_INNER(a, b)
 
 // Returns from the calling function when `expression` is not OK.
-#define RETURN_IF_ERROR(expression)                                                   \
-  do {                                                                                \
-    ::absl::Status axiscal_status = (expression);                                     \
-    if (!axiscal_status.ok()) return axiscal_status;                                  \
+#define RETURN_IF_ERROR(expression)                  \
+  do {                                               \
+    ::absl::Status axiscal_status = (expression);    \
+    if (!axiscal_status.ok()) return axiscal_status; \
   } while (false)
 
 // ASSIGN_OR_RETURN(auto value, Function()): assigns the value or returns the error.
@@ -31,10 +32,12 @@
 
 namespace axiscal::base {
 
-// The same code and message with `where` in front: "fit/00-BX.csv: line 12: ...". OK stays OK.
+// The same code, payloads and message with `where` in front: "fit/00-BX.csv: line 12: ...". OK stays OK.
 inline absl::Status Within(const std::string& where, const absl::Status& status) {
   if (status.ok()) return status;
-  return absl::Status(status.code(), absl::StrCat(where, ": ", status.message()));
+  absl::Status longer(status.code(), absl::StrCat(where, ": ", status.message()));
+  status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) { longer.SetPayload(url, payload); });
+  return longer;
 }
 
 }  // namespace axiscal::base

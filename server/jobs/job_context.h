@@ -1,0 +1,51 @@
+// What a running job sees of the service around it.
+#ifndef AXISCAL_SERVER_JOBS_JOB_CONTEXT_H_
+#define AXISCAL_SERVER_JOBS_JOB_CONTEXT_H_
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/base/clock.h"
+#include "server/storage/database.h"
+
+namespace axiscal::jobs {
+
+// Why a job should stop.
+enum class StopReason { kNone, kCancelled, kDeadline, kDraining, kLeaseLost };
+
+class JobContext {
+ public:
+  using Publish = std::function<void(const storage::JobProgress&)>;
+  JobContext(base::Clock& clock, base::SteadyTime deadline, Publish publish)
+      : clock_(clock), deadline_(deadline), publish_(std::move(publish)) {}
+
+  // Cheap; ask in every solver iteration. Once true it stays true: return soon, with any error.
+  bool cancelled();
+  // Which is it; kNone while cancelled() is false.
+  StopReason stop_reason() const { return stop_reason_.load(); }
+  // The hard limit of this job's kind, steady time.
+  base::SteadyTime deadline() const { return deadline_; }
+  // Told to watchers at once and stored with the next heartbeat. Call as often as you like.
+  void ReportProgress(const std::string& stage, double fraction, const std::string& detail);
+
+  // For the runner: asks the job to stop. The first reason stands.
+  void Stop(StopReason reason);
+
+ private:
+  base::Clock& clock_;
+  const base::SteadyTime deadline_;
+  const Publish publish_;
+  std::atomic<StopReason> stop_reason_{StopReason::kNone};
+};
+
+// Does the work of one kind. What it returns is stored with the job's success in one transaction, so a repeated attempt
+// never stores twice. An error of code UNAVAILABLE, ABORTED or RESOURCE_EXHAUSTED is tried again (with backoff, up to
+// max_attempts), any other ends the job as FAILED with that code, message and base::ErrorDetail reason. Runs on a
+// worker's thread; several jobs of a kind may run at once.
+using JobFunction = std::function<absl::StatusOr<storage::JobProduct>(const storage::JobRecord&, JobContext&)>;
+
+}  // namespace axiscal::jobs
+
+#endif  // AXISCAL_SERVER_JOBS_JOB_CONTEXT_H_

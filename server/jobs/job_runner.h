@@ -1,0 +1,64 @@
+// Runs the jobs of a database in this process: claims, runs, keeps the lease, stores the outcome, tells watchers.
+// All creating and cancelling goes through here, so that workers and watchers hear of it.
+#ifndef AXISCAL_SERVER_JOBS_JOB_RUNNER_H_
+#define AXISCAL_SERVER_JOBS_JOB_RUNNER_H_
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "server/jobs/job_context.h"
+#include "server/jobs/job_watch.h"
+#include "server/storage/database.h"
+
+namespace axiscal::jobs {
+
+struct JobRunnerOptions {
+  int workers = 2;                                                    // jobs at once, > 0; a job uses one core
+  int max_queued = 1000;                                              // waiting jobs, > 0; more are refused
+  std::chrono::milliseconds lease = std::chrono::seconds(30);         // a worker silent for so long has lost its job
+  std::chrono::milliseconds heartbeat = std::chrono::seconds(5);      // < lease / 2
+  std::chrono::milliseconds first_backoff = std::chrono::seconds(5);  // then 4 times longer each attempt
+  base::Clock* clock = &base::SystemClock();
+};
+
+struct JobKind {
+  JobFunction run;
+  std::chrono::milliseconds time_limit = std::chrono::minutes(10);  // of one attempt; then it ends as FAILED, DEADLINE
+};
+
+// Safe from any thread after Start().
+class JobRunner {
+ public:
+  // `database` must outlive the runner.
+  JobRunner(storage::Database& database, const JobRunnerOptions& options);
+  // Drains at once: running jobs are told to stop and parked.
+  ~JobRunner();
+  JobRunner(const JobRunner&) = delete;
+  JobRunner& operator=(const JobRunner&) = delete;
+
+  // Before Start().
+  void Register(const std::string& kind, JobKind job_kind);
+  void Start();
+
+  // INVALID_ARGUMENT JOB_KIND_UNKNOWN, RESOURCE_EXHAUSTED QUEUE_FULL, UNAVAILABLE DRAINING, or as Database::CreateJob.
+  absl::StatusOr<storage::JobRecord> Create(const storage::NewJob& job);
+  // With the progress of this moment.
+  absl::StatusOr<storage::JobRecord> Get(JobId id);
+  absl::StatusOr<storage::JobRecord> Cancel(JobId id, const storage::Caller& caller);
+  absl::StatusOr<storage::JobRecord> Requeue(JobId id, const storage::Caller& caller);
+  // NOT_FOUND JOB_NOT_FOUND. The watch outlives the job and, closed, the runner.
+  absl::StatusOr<std::shared_ptr<JobWatch>> Watch(JobId id);
+
+  // Claims nothing more, lets running jobs go on for `patience`, then tells the rest to stop and puts them back into
+  // the queue, their attempt not counted. Returns when no job runs; watches are then closed.
+  void Drain(std::chrono::milliseconds patience);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace axiscal::jobs
+
+#endif  // AXISCAL_SERVER_JOBS_JOB_RUNNER_H_

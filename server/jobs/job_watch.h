@@ -1,0 +1,54 @@
+// Follows one job: for a server stream, without reading the disk again and again.
+#ifndef AXISCAL_SERVER_JOBS_JOB_WATCH_H_
+#define AXISCAL_SERVER_JOBS_JOB_WATCH_H_
+
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "server/storage/records.h"
+
+namespace axiscal::jobs {
+
+// One subscriber's view. Changes that come faster than Next() is called are merged: the newest is given, the terminal
+// one never skipped.
+class JobWatch {
+ public:
+  // The next state not seen yet: the first call gives the present one at once. Nothing after `timeout` without a change
+  // (see whether the caller still listens, then call again), and nothing at once when done().
+  std::optional<storage::JobRecord> Next(std::chrono::milliseconds timeout);
+  // A terminal state was given, or the runner is gone.
+  bool done();
+
+ private:
+  friend class JobBoard;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<storage::JobRecord> unseen_;  // guarded by mutex_, as is:
+  bool closed_ = false;                       // nothing comes after `unseen_`
+};
+
+// Where changes of jobs are told to those who watch. Safe from any thread.
+class JobBoard {
+ public:
+  // Follows `job` from its present state on.
+  std::shared_ptr<JobWatch> Watch(JobId job);
+  void Publish(const storage::JobRecord& record);
+  // Ends every watch.
+  void Close();
+
+ private:
+  void Deliver(JobWatch& watch, const storage::JobRecord& record);
+
+  std::mutex mutex_;
+  std::map<JobId, std::vector<std::weak_ptr<JobWatch>>> watches_;  // guarded by mutex_, as is:
+  bool closed_ = false;
+};
+
+}  // namespace axiscal::jobs
+
+#endif  // AXISCAL_SERVER_JOBS_JOB_WATCH_H_

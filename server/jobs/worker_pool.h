@@ -1,0 +1,46 @@
+// A fixed number of threads that run tasks from a bounded queue in order of submission.
+#ifndef AXISCAL_SERVER_JOBS_WORKER_POOL_H_
+#define AXISCAL_SERVER_JOBS_WORKER_POOL_H_
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace axiscal::jobs {
+
+// Safe from any thread.
+class WorkerPool {
+ public:
+  WorkerPool(int workers, int max_waiting);
+  // Runs what was accepted, then joins.
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  // RESOURCE_EXHAUSTED QUEUE_FULL when `max_waiting` tasks wait, UNAVAILABLE DRAINING after Drain(): the task is then
+  // not run.
+  absl::Status Submit(std::function<void()> task);
+  // Accepts nothing more and returns when every accepted task has run.
+  void Drain();
+  int workers() const { return static_cast<int>(threads_.size()); }
+
+ private:
+  void Work();
+
+  const int max_waiting_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> waiting_;  // guarded by mutex_, as are:
+  int running_ = 0;
+  bool draining_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace axiscal::jobs
+
+#endif  // AXISCAL_SERVER_JOBS_WORKER_POOL_H_

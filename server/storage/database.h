@@ -1,0 +1,163 @@
+// The store, in core types. Every call is safe from any thread and blocks until it is done; a write that returned OK is
+// durable (on disk, fsync).
+//
+// Failures carry base::ErrorDetail; apart from those named below any call may return
+//   RESOURCE_EXHAUSTED DISK_LOW (refused before the disk is full) or DISK_FULL, UNAVAILABLE STORE_BUSY / STORE_DOWN
+//   (try again), DATA_LOSS STORE_DAMAGED / CHUNK_DAMAGED. A failed write changed nothing. NOT_FOUND comes with
+//   MACHINE_, SESSION_, JOB_, CALIBRATION_, PROGRAM_NOT_FOUND; a bad page with INVALID_ARGUMENT PAGE_INVALID. A
+//   request_id seen before with another body: INVALID_ARGUMENT REQUEST_ID_REUSED; with the same body: the row made
+//   then.
+#ifndef AXISCAL_SERVER_STORAGE_DATABASE_H_
+#define AXISCAL_SERVER_STORAGE_DATABASE_H_
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/storage/records.h"
+
+namespace axiscal::storage {
+
+// How an attempt at a job ended without success.
+enum class JobEnd {
+  kFailed,     // for good
+  kCancelled,  // as asked
+  kRetry,      // QUEUED again after `retry_after`; DEAD when the attempts are used up
+  kParked,     // QUEUED again and the attempt not counted: the server is shutting down
+};
+
+class Database {
+ public:
+  virtual ~Database() = default;
+
+  // ---- machines
+  // The same id with the same description gives the machine that is there; with another one ALREADY_EXISTS
+  // MACHINE_EXISTS.
+  virtual absl::StatusOr<MachineRecord> CreateMachine(const MachineId& id, const std::string& description_json,
+                                                      const Caller& caller) = 0;
+  // The current revision; also of a deleted machine, whose history stays readable.
+  virtual absl::StatusOr<MachineRecord> GetMachine(const MachineId& id) = 0;
+  virtual absl::StatusOr<MachineRecord> GetMachineRevision(const MachineId& id, int64_t revision) = 0;
+  // `expected_revision` 0: whatever it is; otherwise ABORTED ETAG_MISMATCH when it is another.
+  virtual absl::StatusOr<MachineRecord> UpdateMachine(const MachineId& id, int64_t expected_revision,
+                                                      const std::string& description_json, const Caller& caller) = 0;
+  // Hides it from lists and takes no new sessions for it (FAILED_PRECONDITION MACHINE_DELETED). Repeating is OK.
+  virtual absl::StatusOr<MachineRecord> DeleteMachine(const MachineId& id, int64_t expected_revision,
+                                                      const Caller& caller) = 0;
+  virtual absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page) = 0;
+
+  // ---- sessions
+  virtual absl::StatusOr<SessionRecord> CreateSession(const NewSession& session) = 0;
+  virtual absl::StatusOr<SessionRecord> GetSession(SessionId id) = 0;
+  virtual absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) = 0;
+
+  // Appends chunk `seq` (from 0, contiguous) with the session's columns, in its order, all equally long, 1 .. 65536
+  // readings. `crc32c` is session::ChunkCrc32c of `columns`. Returns when the chunk is durable; concurrent calls share
+  // a commit.
+  //   wrong crc32c or columns: INVALID_ARGUMENT CHUNK_CORRUPT or CHUNK_INVALID; seq too large: OUT_OF_RANGE SEQ_GAP
+  //   (fact next_seq); seq there with other content: ALREADY_EXISTS CHUNK_CONFLICT; session not open:
+  //   FAILED_PRECONDITION SESSION_CLOSED.
+  // A repeat with equal content is OK, also after the session is complete.
+  virtual absl::StatusOr<AppendResult> AppendChunk(SessionId id, int64_t seq,
+                                                   const std::vector<session::Column>& columns, uint32_t crc32c) = 0;
+  // The same without waiting, so that one stream can keep several chunks under way: encodes at once, then `done` is
+  // called exactly once, with what AppendChunk would return, in order of the calls, on the writer's thread (or on the
+  // caller's when it fails at once). `done` must be quick and must not call the database. Blocks only while too many
+  // writes wait already.
+  virtual void AppendChunkAsync(SessionId id, int64_t seq, const std::vector<session::Column>& columns, uint32_t crc32c,
+                                std::function<void(absl::StatusOr<AppendResult>)> done) = 0;
+  // Checks the totals (else FAILED_PRECONDITION TOTALS_MISMATCH) and makes the session COMPLETE and immutable.
+  // Repeating with the same totals is OK.
+  virtual absl::StatusOr<SessionRecord> FinishSession(SessionId id, const SessionTotals& totals) = 0;
+  // Drops the chunks; the row stays as ABORTED. A complete session is refused (SESSION_CLOSED); repeating is OK.
+  virtual absl::StatusOr<SessionRecord> AbortSession(SessionId id) = 0;
+  // Open sessions without a chunk since `idle_since` become EXPIRED, their chunks dropped. How many.
+  virtual absl::StatusOr<int> ExpireSessions(UtcTime idle_since) = 0;
+
+  // Only complete sessions have data: else FAILED_PRECONDITION SESSION_NOT_COMPLETE. Every chunk's checksum is
+  // verified; a damaged one is DATA_LOSS CHUNK_DAMAGED (facts session, seq).
+  virtual absl::StatusOr<session::Session> ReadSession(SessionId id) = 0;
+  // The same chunk by chunk from `first_seq`; an error from `visit` ends it and is returned. Holds no lock while
+  // `visit` runs.
+  virtual absl::Status ReadChunks(
+      SessionId id, int64_t first_seq,
+      const std::function<absl::Status(int64_t seq, const std::vector<session::Column>&)>& visit) = 0;
+
+  // ---- jobs (use jobs::JobRunner: it tells watchers; these calls do not)
+  // RESOURCE_EXHAUSTED QUEUE_FULL when `max_queued` jobs wait.
+  virtual absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) = 0;
+  virtual absl::StatusOr<JobRecord> GetJob(JobId id) = 0;
+  virtual absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) = 0;
+  // The best waiting job whose time has come, now RUNNING under a new lease_token, or nothing.
+  virtual absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) = 0;
+  // When the next waiting job may be claimed; nothing when none waits.
+  virtual absl::StatusOr<std::optional<UtcTime>> NextJobTime() = 0;
+  // Prolongs the lease and stores the progress. The record tells whether to cancel.
+  virtual absl::StatusOr<JobRecord> HeartbeatJob(const JobClaim& claim, std::chrono::microseconds lease,
+                                                 const JobProgress& progress) = 0;
+  // Stores all that the job made and its success, or nothing of it.
+  virtual absl::StatusOr<JobRecord> SucceedJob(const JobClaim& claim, const JobProduct& product) = 0;
+  virtual absl::StatusOr<JobRecord> EndJob(const JobClaim& claim, JobEnd end, const JobError& error,
+                                           std::chrono::microseconds retry_after) = 0;
+  // A waiting job is CANCELLED at once, a running one gets cancel_requested, a finished one is returned as it is.
+  virtual absl::StatusOr<JobRecord> CancelJob(JobId id, const Caller& caller) = 0;
+  // FAILED, CANCELLED or DEAD: QUEUED again with all attempts. Others: FAILED_PRECONDITION JOB_NOT_ENDED.
+  virtual absl::StatusOr<JobRecord> RequeueJob(JobId id, int max_queued, const Caller& caller) = 0;
+  // RUNNING jobs whose lease is over go back to QUEUED, or DEAD after max_attempts. What changed. (Jobs of a dead
+  // process are rescued on open.)
+  virtual absl::StatusOr<std::vector<JobRecord>> RescueJobs() = 0;
+
+  // ---- calibrations
+  virtual absl::StatusOr<CalibrationRecord> CreateCalibration(const NewCalibration& calibration) = 0;
+  virtual absl::StatusOr<CalibrationRecord> GetCalibration(CalibrationId id) = 0;
+  // The approved one; NOT_FOUND CALIBRATION_NOT_FOUND when the machine has none.
+  virtual absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine) = 0;
+  // In lists `content` comes without model_json, options_json, report_json.
+  virtual absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter,
+                                                                   const PageRequest& page) = 0;
+  // A candidate, or a retired one (roll back), becomes the approved one; the machine's former one retires.
+  // `expected_etag` 0: whatever it is, else ABORTED ETAG_MISMATCH. Repeating is OK.
+  virtual absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t expected_etag,
+                                                               const Caller& caller) = 0;
+  virtual absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t expected_etag,
+                                                              const Caller& caller) = 0;
+
+  // ---- history
+  // At most max_points points per symbol, in order of symbol; an unknown symbol has no series. Unknown machine:
+  // NOT_FOUND.
+  virtual absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) = 0;
+  // The newest estimate of each symbol (empty: all) of each machine, a page of machines at a time.
+  virtual absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols,
+                                                     const PageRequest& page) = 0;
+
+  // ---- programs: begin, append parts at increasing offsets, finish; never the whole in memory
+  virtual absl::StatusOr<ProgramRecord> BeginProgram(const NewProgram& program) = 0;
+  // `bytes`: 1 .. 4 MiB. `offset` beyond byte_count: OUT_OF_RANGE OFFSET_GAP (fact next_offset); a repeat of a stored
+  // part is OK, other content there is ALREADY_EXISTS PART_CONFLICT. Complete: FAILED_PRECONDITION PROGRAM_CLOSED.
+  // Returns the record with the new byte_count.
+  virtual absl::StatusOr<ProgramRecord> AppendProgram(ProgramId id, int64_t offset, const std::string& bytes) = 0;
+  // Checks the size and, unless empty, `sha256` (TOTALS_MISMATCH). When the same content is stored already that program
+  // is returned and this one is dropped: use the returned id. Repeating is OK.
+  virtual absl::StatusOr<ProgramRecord> FinishProgram(ProgramId id, int64_t byte_count, const std::string& sha256) = 0;
+  virtual absl::StatusOr<ProgramRecord> GetProgram(ProgramId id) = 0;
+  virtual absl::StatusOr<Page<ProgramRecord>> ListPrograms(const ProgramFilter& filter, const PageRequest& page) = 0;
+  // The bytes from `offset` to the end in pieces, checksums verified (DATA_LOSS PART_DAMAGED). Only complete programs
+  // (PROGRAM_NOT_COMPLETE).
+  virtual absl::Status ReadProgram(ProgramId id, int64_t offset,
+                                   const std::function<absl::Status(const std::string& bytes)>& visit) = 0;
+
+  // ---- audit: append only. Changes of machines, calibrations and jobs by callers are entered by the store itself.
+  virtual absl::Status AppendAudit(const AuditEntry& entry) = 0;
+  virtual absl::StatusOr<Page<AuditEntry>> ListAudit(const PageRequest& page) = 0;
+
+  // Schema version of the file, for GetServerInfo.
+  virtual int schema_version() const = 0;
+};
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_DATABASE_H_

@@ -1,0 +1,34 @@
+// The embedded store: one SQLite file in WAL mode, one process at a time.
+#ifndef AXISCAL_SERVER_STORAGE_SQLITE_DATABASE_H_
+#define AXISCAL_SERVER_STORAGE_SQLITE_DATABASE_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/clock.h"
+#include "server/storage/database.h"
+
+namespace axiscal::storage {
+
+struct SqliteOptions {
+  // The database file; made when it is not there. "FILE-wal", "FILE-shm" and "FILE.lock" stand beside it.
+  std::string path;
+  // Refuse growing writes below this much free disk, so that ending, aborting and cleaning up still work.
+  int64_t min_free_bytes = 64 << 20;
+  // Free bytes on the disk of the file; empty: ask the file system.
+  std::function<int64_t()> free_bytes;
+  base::Clock* clock = &base::SystemClock();
+};
+
+// Opens, locks and migrates the file, and returns RUNNING jobs of a process that died to the queue.
+//   held by another process or Database: UNAVAILABLE STORE_LOCKED; written by a newer version, or not ours:
+//   FAILED_PRECONDITION SCHEMA_NEWER, NOT_A_DATABASE, SCHEMA_CHANGED; the file is left as it was.
+// Ignores SIGXFSZ in this process: a file-size limit is then an error of the write instead of death.
+// The database is closed, with the log merged, when it is destroyed; no call may be under way then.
+absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& options);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_SQLITE_DATABASE_H_
