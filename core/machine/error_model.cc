@@ -1,0 +1,67 @@
+#include "core/machine/error_model.h"
+
+#include <numbers>
+
+#include "core/base/demand.h"
+
+namespace axiscal::machine {
+namespace {
+
+// "45" for an order per turn, "10mm" for a period along a linear axis.
+std::string FrequencyText(const Machine& machine, const shapes::Harmonic& harmonic) {
+  if (machine.axes[harmonic.axis].kind == AxisKind::kRotary) return absl::StrFormat("%g", harmonic.frequency);
+  return absl::StrFormat("%gmm", 2.0 * std::numbers::pi / harmonic.frequency);
+}
+
+}  // namespace
+
+ErrorTerm ConstantTerm(const Machine& machine, const ErrorSymbol& symbol, double amplitude) {
+  ErrorTerm term;
+  term.joint = FindJoint(machine, symbol.axis);
+  DEMAND(term.joint >= 0);
+  term.component = symbol.component;
+  term.amplitude[0] = amplitude;
+  return term;
+}
+
+ErrorModel DeclaredModel(const Machine& machine) {
+  ErrorModel model;
+  for (const ErrorSymbol& symbol : machine.declared) model.terms.push_back(ConstantTerm(machine, symbol));
+  return model;
+}
+
+std::string SymbolOf(const Machine& machine, const ErrorTerm& term) {
+  const bool is_constant = std::holds_alternative<shapes::Constant>(term.shape);
+  return ToString({term.component, JointName(machine, term.joint), is_constant});
+}
+
+std::string NameOf(const Machine& machine, const ErrorTerm& term) {
+  if (std::holds_alternative<shapes::Constant>(term.shape)) return SymbolOf(machine, term);
+  std::string arguments;
+  if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) arguments = FrequencyText(machine, *harmonic);
+  const std::optional<int> axis = shapes::VariableAxis(term.shape);
+  if (axis && *axis != term.joint) {
+    arguments = machine.axes[*axis].name + (arguments.empty() ? "" : "," + arguments);
+  }
+  return absl::StrCat(SymbolOf(machine, term), ":", shapes::Name(term.shape),
+                      arguments.empty() ? "" : "(" + arguments + ")");
+}
+
+JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, const shapes::State& state) {
+  JointErrors<double> errors;
+  double basis[shapes::kMaxBasisCount];
+  for (const ErrorTerm& term : model.terms) {
+    shapes::Basis(term.shape, state, basis);
+    double& error = errors[term.joint][static_cast<int>(term.component)];
+    for (int i = 0; i < shapes::BasisCount(term.shape); ++i) error += term.amplitude[i] * basis[i];
+  }
+  return errors;
+}
+
+bool DependsOnMoreThanPosition(const ErrorTerm& term) {
+  return !std::holds_alternative<shapes::Constant>(term.shape) && !std::holds_alternative<shapes::Linear>(term.shape) &&
+         !std::holds_alternative<shapes::Quadratic>(term.shape) &&
+         !std::holds_alternative<shapes::Harmonic>(term.shape);
+}
+
+}  // namespace axiscal::machine

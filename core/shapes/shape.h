@@ -1,0 +1,46 @@
+// The registry of shapes: an error term is axis x component x shape (design.md, "One measurement equation"). A new
+// shape is one header with the same four members and one entry in this variant; everything else reaches shapes through
+// the functions below.
+#ifndef AXISCAL_CORE_SHAPES_SHAPE_H_
+#define AXISCAL_CORE_SHAPES_SHAPE_H_
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "core/shapes/backlash.h"
+#include "core/shapes/constant.h"
+#include "core/shapes/drift.h"
+#include "core/shapes/drift_exp.h"
+#include "core/shapes/harmonic.h"
+#include "core/shapes/lag.h"
+#include "core/shapes/linear.h"
+#include "core/shapes/quadratic.h"
+#include "core/shapes/reversal.h"
+#include "core/shapes/state.h"
+#include "core/shapes/thermal.h"
+
+namespace axiscal::shapes {
+
+using Shape = std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag>;
+
+inline constexpr int kMaxBasisCount = 2;
+
+// "harmonic", "drift-exp": the name in files.
+std::string Name(const Shape& shape);
+// Number of amplitudes that the term has (a harmonic has a cosine and a sine).
+int BasisCount(const Shape& shape);
+// The axis that a shape looks at, or nothing (constant, time, temperature).
+std::optional<int> VariableAxis(const Shape& shape);
+// The non-linear parameter (decay length, time constant), or nullptr.
+double* NonlinearParameter(Shape& shape);
+const double* NonlinearParameter(const Shape& shape);
+
+// basis[0 .. BasisCount): the error is the sum of amplitude[i] * basis[i].
+void Basis(const Shape& shape, const State& state, double* basis);
+// d basis[i] / d (non-linear parameter); zero for shapes without one.
+void BasisSlope(const Shape& shape, const State& state, double* slope);
+
+}  // namespace axiscal::shapes
+
+#endif  // AXISCAL_CORE_SHAPES_SHAPE_H_

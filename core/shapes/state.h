@@ -1,0 +1,29 @@
+// The state at one reading: all that the shape of an error term may depend on.
+#ifndef AXISCAL_CORE_SHAPES_STATE_H_
+#define AXISCAL_CORE_SHAPES_STATE_H_
+
+#include <limits>
+#include <span>
+
+namespace axiscal::shapes {
+
+// Temperature at which thermal terms vanish: ISO 1 reference temperature.
+inline constexpr double kReferenceTemperatureCelsius = 20.0;
+
+struct AxisState {
+  double position = 0.0;  // commanded or latched, mm or rad
+  double sense = 0.0;     // sense of motion: +1, -1, and 0 for an axis that has not moved yet
+  double travel_since_reversal =
+      std::numeric_limits<double>::infinity();  // mm or rad; infinite before the first reversal
+  double speed = 0.0;                           // signed, mm/s or rad/s; 0 where the session has no times
+};
+
+struct State {
+  std::span<const AxisState> axes;  // in the machine's order
+  double time_s = 0.0;
+  double temperature_celsius = kReferenceTemperatureCelsius;
+};
+
+}  // namespace axiscal::shapes
+
+#endif  // AXISCAL_CORE_SHAPES_STATE_H_
