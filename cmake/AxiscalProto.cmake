@@ -1,0 +1,42 @@
+# axiscal_proto_library(name ROOT dir PROTOS a.proto ... [IMPORTS dir ...] [DEPS lib ...] [GRPC]): C++ from .proto files, as library axiscal_<name>.
+# Messages (and with GRPC the service stubs) are generated below ${CMAKE_BINARY_DIR}/generated and included as "axiscal/v1/job.pb.h".
+find_package(Protobuf REQUIRED)
+find_package(gRPC CONFIG REQUIRED)
+find_program(AXISCAL_GRPC_PLUGIN grpc_cpp_plugin REQUIRED)
+
+set(AXISCAL_GENERATED_DIR ${CMAKE_BINARY_DIR}/generated)
+
+function(axiscal_proto_library name)
+  cmake_parse_arguments(ARG "GRPC" "ROOT" "PROTOS;IMPORTS;DEPS" ${ARGN})
+  set(flags -I ${ARG_ROOT})
+  foreach(dir ${ARG_IMPORTS})
+    list(APPEND flags -I ${dir})
+  endforeach()
+  set(pch <google/protobuf/message.h> <google/protobuf/generated_message_reflection.h> <google/protobuf/reflection_ops.h>
+          <google/protobuf/repeated_field.h> <google/protobuf/io/coded_stream.h> <google/protobuf/wire_format.h>)
+  if(ARG_GRPC)
+    list(APPEND flags --grpc_out=${AXISCAL_GENERATED_DIR} --plugin=protoc-gen-grpc=${AXISCAL_GRPC_PLUGIN})
+    list(APPEND pch <grpcpp/grpcpp.h>)
+  endif()
+  set(sources)
+  foreach(proto ${ARG_PROTOS})
+    string(REPLACE ".proto" "" stem ${proto})
+    set(outputs ${AXISCAL_GENERATED_DIR}/${stem}.pb.cc ${AXISCAL_GENERATED_DIR}/${stem}.pb.h)
+    if(ARG_GRPC)
+      list(APPEND outputs ${AXISCAL_GENERATED_DIR}/${stem}.grpc.pb.cc ${AXISCAL_GENERATED_DIR}/${stem}.grpc.pb.h)
+    endif()
+    add_custom_command(OUTPUT ${outputs} DEPENDS ${ARG_ROOT}/${proto} VERBATIM
+      COMMAND ${CMAKE_COMMAND} -E make_directory ${AXISCAL_GENERATED_DIR}
+      COMMAND protobuf::protoc ${flags} --cpp_out=${AXISCAL_GENERATED_DIR} ${ARG_ROOT}/${proto})
+    list(APPEND sources ${outputs})
+  endforeach()
+  add_library(axiscal_${name} STATIC ${sources})
+  # Generated headers come as system headers: their warnings are not ours.
+  target_include_directories(axiscal_${name} SYSTEM PUBLIC ${AXISCAL_GENERATED_DIR})
+  target_link_libraries(axiscal_${name} PUBLIC protobuf::libprotobuf ${ARG_DEPS})
+  target_compile_options(axiscal_${name} PRIVATE -w)
+  target_precompile_headers(axiscal_${name} PRIVATE ${pch})
+  if(ARG_GRPC)
+    target_link_libraries(axiscal_${name} PUBLIC gRPC::grpc++)
+  endif()
+endfunction()
