@@ -1,0 +1,236 @@
+#include "core/machine/error_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
+
+#include "core/base/strict_json.h"
+#include "core/base/units.h"
+
+namespace axiscal::machine {
+namespace {
+
+using base::kDegPerRad;
+using base::kRadPerDeg;
+using json = nlohmann::ordered_json;
+
+absl::Status Refuse(const std::string& where, const std::string& what) {
+  return absl::InvalidArgumentError(absl::StrCat("errors: ", where, ": ", what));
+}
+
+bool IsRotary(const Machine& machine, int axis) { return machine.axes[axis].kind == AxisKind::kRotary; }
+
+absl::StatusOr<double> Number(const json& object, const std::string& where, const std::string& key) {
+  const auto it = object.find(key);
+  if (it == object.end()) return Refuse(where, absl::StrCat("'", key, "' is missing"));
+  if (!it->is_number() || !std::isfinite(it->get<double>())) {
+    return Refuse(where, absl::StrCat("'", key, "' = ", it->dump(), ", expected a finite number"));
+  }
+  return it->get<double>();
+}
+
+absl::StatusOr<double> PositiveNumber(const json& object, const std::string& where, const std::string& key) {
+  ASSIGN_OR_RETURN(const double number, Number(object, where, key));
+  if (number <= 0.0) return Refuse(where, absl::StrCat("'", key, "' = ", number, ", must be > 0"));
+  return number;
+}
+
+absl::StatusOr<std::string> Text(const json& object, const std::string& where, const std::string& key) {
+  const auto it = object.find(key);
+  if (it == object.end()) return Refuse(where, absl::StrCat("'", key, "' is missing"));
+  if (!it->is_string()) return Refuse(where, absl::StrCat("'", key, "' = ", it->dump(), ", expected a text"));
+  return it->get<std::string>();
+}
+
+absl::StatusOr<ErrorSymbol> SymbolOfMachine(const std::string& text, const Machine& machine, const std::string& where) {
+  const auto symbol = ParseErrorSymbol(text);
+  if (!symbol.ok()) return base::Within("errors: " + where, symbol.status());
+  if (FindJoint(machine, symbol->axis) < 0) {
+    return Refuse(where, absl::StrCat("machine '", machine.id, "' has no axis ", symbol->axis));
+  }
+  return *symbol;
+}
+
+// The axis of the shape's variable: the field "variable", or the term's own axis.
+absl::StatusOr<int> VariableOf(const json& object, const std::string& where, const Machine& machine,
+                               const ErrorSymbol& symbol) {
+  std::string name = symbol.axis;
+  if (object.contains("variable")) {
+    ASSIGN_OR_RETURN(name, Text(object, where, "variable"));
+  }
+  const int axis = FindAxis(machine, name);
+  if (axis < 0) return Refuse(where, absl::StrCat("variable '", name, "' is no axis of machine '", machine.id, "'"));
+  return axis;
+}
+
+absl::StatusOr<shapes::Shape> ReadHarmonic(const json& object, const std::string& where, const Machine& machine,
+                                           int axis) {
+  if (IsRotary(machine, axis)) {
+    ASSIGN_OR_RETURN(const double order, PositiveNumber(object, where, "order"));
+    return shapes::Harmonic{axis, order};
+  }
+  ASSIGN_OR_RETURN(const double period_mm, PositiveNumber(object, where, "period_mm"));
+  return shapes::Harmonic{axis, 2.0 * std::numbers::pi / period_mm};
+}
+
+absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& where, const Machine& machine,
+                                        const ErrorSymbol& symbol) {
+  ASSIGN_OR_RETURN(const std::string name, Text(object, where, "shape"));
+  if (name == shapes::Constant::kName) return shapes::Constant{};
+  if (name == shapes::Drift::kName) return shapes::Drift{};
+  if (name == shapes::Thermal::kName) return shapes::Thermal{};
+  if (name == shapes::DriftExp::kName) {
+    ASSIGN_OR_RETURN(const double tau_s, PositiveNumber(object, where, "tau_s"));
+    return shapes::DriftExp{tau_s};
+  }
+  ASSIGN_OR_RETURN(const int axis, VariableOf(object, where, machine, symbol));
+  const bool is_rotary = IsRotary(machine, axis);
+  if (name == shapes::Linear::kName) {
+    return shapes::Linear{axis, is_rotary ? shapes::Linear::kReferenceRad : shapes::Linear::kReferenceMm};
+  }
+  if (name == shapes::Quadratic::kName) {
+    return shapes::Quadratic{axis, is_rotary ? shapes::Quadratic::kReferenceRad : shapes::Quadratic::kReferenceMm};
+  }
+  if (name == shapes::Harmonic::kName) return ReadHarmonic(object, where, machine, axis);
+  if (name == shapes::Backlash::kName) return shapes::Backlash{axis};
+  if (name == shapes::Lag::kName) return shapes::Lag{axis};
+  if (name == shapes::Reversal::kName) {
+    ASSIGN_OR_RETURN(const double length, PositiveNumber(object, where, is_rotary ? "length_deg" : "length_mm"));
+    return shapes::Reversal{axis, is_rotary ? length * kRadPerDeg : length};
+  }
+  return Refuse(where, absl::StrCat("unknown shape '", name, "'"));
+}
+
+absl::Status RefuseUnknownFields(const json& object, const std::string& where) {
+  static const std::set<std::string> kKnown = {"symbol",    "shape",      "variable",  "order",     "period_mm",
+                                               "length_mm", "length_deg", "tau_s",     "amplitude", "amplitude_sigma",
+                                               "phase_deg", "unit",       "equivalent"};
+  for (const auto& [key, value] : object.items()) {
+    if (!kKnown.contains(key)) return Refuse(where, absl::StrCat("unknown field '", key, "'"));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ErrorTerm> ReadTerm(const json& object, const std::string& where, const Machine& machine) {
+  if (!object.is_object()) return Refuse(where, "expected an object");
+  RETURN_IF_ERROR(RefuseUnknownFields(object, where));
+  ASSIGN_OR_RETURN(const std::string symbol_text, Text(object, where, "symbol"));
+  ASSIGN_OR_RETURN(const ErrorSymbol symbol, SymbolOfMachine(symbol_text, machine, where));
+  ErrorTerm term = ConstantTerm(machine, symbol);
+  ASSIGN_OR_RETURN(term.shape, ReadShape(object, where, machine, symbol));
+  if (symbol.is_constant != std::holds_alternative<shapes::Constant>(term.shape)) {
+    return Refuse(where, absl::StrCat("symbol ", symbol_text, " does not go with shape '", shapes::Name(term.shape),
+                                      "': a 0 in the symbol means constant"));
+  }
+  ASSIGN_OR_RETURN(double amplitude, Number(object, where, "amplitude"));
+  amplitude *= AmplitudeFactor(term);
+  term.amplitude = {amplitude, 0.0};
+  if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
+    ASSIGN_OR_RETURN(const double phase_deg, Number(object, where, "phase_deg"));
+    term.amplitude = {amplitude * std::cos(phase_deg * kRadPerDeg), amplitude * std::sin(phase_deg * kRadPerDeg)};
+  }
+  if (object.contains("unit")) {
+    ASSIGN_OR_RETURN(const std::string unit, Text(object, where, "unit"));
+    if (unit != AmplitudeUnit(term, machine)) {
+      return Refuse(where, absl::StrCat("unit '", unit, "', expected '", AmplitudeUnit(term, machine), "'"));
+    }
+  }
+  return term;
+}
+
+}  // namespace
+
+double AmplitudeFactor(const ErrorTerm& term) { return IsAngle(term.component) ? base::kRadPerUrad : base::kMmPerUm; }
+
+std::string AmplitudeUnit(const ErrorTerm& term, const Machine& machine) {
+  const std::string unit = IsAngle(term.component) ? "urad" : "um";
+  const std::optional<int> axis = shapes::VariableAxis(term.shape);
+  const bool is_rotary = axis && IsRotary(machine, *axis);
+  if (std::holds_alternative<shapes::Linear>(term.shape)) return unit + (is_rotary ? "/rad" : "/m");
+  if (std::holds_alternative<shapes::Drift>(term.shape)) return unit + "/h";
+  if (std::holds_alternative<shapes::Thermal>(term.shape)) return unit + "/K";
+  if (std::holds_alternative<shapes::Lag>(term.shape)) return unit + (is_rotary ? "/(rad/s)" : "/(mm/s)");
+  return unit;
+}
+
+nlohmann::ordered_json TermToJson(const ErrorTerm& term, const Machine& machine) {
+  json object;
+  object["symbol"] = SymbolOf(machine, term);
+  object["shape"] = shapes::Name(term.shape);
+  const std::optional<int> axis = shapes::VariableAxis(term.shape);
+  if (axis) object["variable"] = machine.axes[*axis].name;
+  if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
+    if (IsRotary(machine, *axis)) {
+      object["order"] = harmonic->frequency;
+    } else {
+      object["period_mm"] = 2.0 * std::numbers::pi / harmonic->frequency;
+    }
+  } else if (const auto* reversal = std::get_if<shapes::Reversal>(&term.shape)) {
+    const bool is_rotary = IsRotary(machine, *axis);
+    object[is_rotary ? "length_deg" : "length_mm"] = is_rotary ? reversal->length * kDegPerRad : reversal->length;
+  } else if (const auto* drift = std::get_if<shapes::DriftExp>(&term.shape)) {
+    object["tau_s"] = drift->tau_s;
+  }
+  return object;
+}
+
+absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& machine) {
+  const auto parsed = base::ParseStrictJson(text);
+  if (!parsed.ok()) return base::Within("errors", parsed.status());
+  const json& root = *parsed;
+  if (!root.is_object())
+    return absl::InvalidArgumentError("errors: expected an object {\"EA0B\": -101.2, ...} in um and urad");
+  ErrorModel model;
+  std::set<std::string> names;
+  const auto add = [&](const ErrorTerm& term, const std::string& where) {
+    if (!names.insert(NameOf(machine, term)).second)
+      return Refuse(where, absl::StrCat(NameOf(machine, term), " is there twice"));
+    model.terms.push_back(term);
+    return absl::OkStatus();
+  };
+  for (const auto& [key, value] : root.items()) {
+    if (key == "terms") continue;
+    ASSIGN_OR_RETURN(const ErrorSymbol symbol, SymbolOfMachine(key, machine, key));
+    if (!symbol.is_constant) {
+      return Refuse(key, absl::StrCat("is not constant, expected E", std::string(1, Letter(symbol.component)), "0",
+                                      symbol.axis, " or an entry of \"terms\" with a shape"));
+    }
+    ASSIGN_OR_RETURN(const double amplitude, Number(root, key, key));
+    ErrorTerm term = ConstantTerm(machine, symbol);
+    term.amplitude[0] = amplitude * AmplitudeFactor(term);
+    RETURN_IF_ERROR(add(term, key));
+  }
+  if (!root.contains("terms")) return model;
+  if (!root["terms"].is_array()) return Refuse("terms", "expected an array");
+  for (size_t i = 0; i < root["terms"].size(); ++i) {
+    const std::string where = absl::StrCat("terms[", i, "]");
+    ASSIGN_OR_RETURN(const ErrorTerm term, ReadTerm(root["terms"][i], where, machine));
+    RETURN_IF_ERROR(add(term, where));
+  }
+  return model;
+}
+
+std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
+  json root = json::object();
+  json terms = json::array();
+  for (const ErrorTerm& term : model.terms) {
+    const double factor = AmplitudeFactor(term);
+    if (std::holds_alternative<shapes::Constant>(term.shape)) {
+      root[SymbolOf(machine, term)] = term.amplitude[0] / factor;
+      continue;
+    }
+    json object = TermToJson(term, machine);
+    object["amplitude"] = term.amplitude[0] / factor;
+    if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
+      object["amplitude"] = std::hypot(term.amplitude[0], term.amplitude[1]) / factor;
+      object["phase_deg"] = std::atan2(term.amplitude[1], term.amplitude[0]) * kDegPerRad;
+    }
+    object["unit"] = AmplitudeUnit(term, machine);
+    terms.push_back(object);
+  }
+  if (!terms.empty()) root["terms"] = terms;
+  return root.dump(1) + "\n";
+}
+
+}  // namespace axiscal::machine

@@ -1,0 +1,33 @@
+// Identified errors as JSON, the form in which users bring and get them (formats.md, "Loop report"):
+//   {"EA0B": -101.2, "EX0C": 53.1,                                                   constant errors, um and urad
+//    "terms": [{"symbol": "EBB", "shape": "harmonic", "variable": "B", "order": 45, "amplitude": 21.3,
+//    "phase_deg": 12.0}]}
+// Amplitudes in um or urad, per reference where the shape has one: linear per m or rad, quadratic at 250 mm or 1 rad,
+// drift per h, thermal per K, lag per mm/s or rad/s. backlash is peak to peak. harmonic is amplitude cos(order q -
+// phase), with period_mm instead of order on a linear axis. reversal has length_mm or length_deg, drift-exp tau_s.
+#ifndef AXISCAL_CORE_MACHINE_ERROR_JSON_H_
+#define AXISCAL_CORE_MACHINE_ERROR_JSON_H_
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "core/machine/error_model.h"
+
+namespace axiscal::machine {
+
+// INVALID_ARGUMENT naming the entry, its value and what was expected: no JSON object, a symbol or axis that the machine
+// has not, a number that is not finite, an unknown shape or field, the same error twice.
+absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& machine);
+// Every digit is kept: ReadErrors gives the same model to rounding of the unit factors.
+std::string WriteErrors(const ErrorModel& model, const Machine& machine);
+
+// One term without its amplitude: symbol, shape, variable and the shape's own parameters.
+nlohmann::ordered_json TermToJson(const ErrorTerm& term, const Machine& machine);
+// Unit of the amplitude in files: "um", "urad", "um/m", "urad/K" ...
+std::string AmplitudeUnit(const ErrorTerm& term, const Machine& machine);
+// mm or rad per file unit: 1e-3 or 1e-6.
+double AmplitudeFactor(const ErrorTerm& term);
+
+}  // namespace axiscal::machine
+
+#endif  // AXISCAL_CORE_MACHINE_ERROR_JSON_H_
