@@ -16,11 +16,7 @@
 #include <vector>
 
 #include "core/base/status.h"
-#include "core/machine/machine.h"
-
-namespace axiscal::machine {
-struct ErrorModel;
-}
+#include "core/machine/error_model.h"
 
 namespace axiscal::compensate {
 
@@ -62,13 +58,17 @@ class Compensator {
   ~Compensator();
 
   // FAILED_PRECONDITION: the linear axes reach fewer than three directions, or no convergence (errors too large), with
-  // the pose in the text. Thread safe.
+  // the pose in the text. INVALID_ARGUMENT: a position that is not finite. Thread safe.
   absl::StatusOr<Correction> Correct(const Pose& pose) const;
+  // The same without copying the result; `correction` is undefined after an error.
+  absl::Status Correct(const Pose& pose, Correction* correction) const;
 
   const machine::Machine& machine() const;
   const std::vector<int>& linear_axes() const;  // indices into machine().axes
   bool is_null() const;                         // no error term differs from zero: every correction is zero
-  // Terms that need a time or temperature which the options do not state, in words.
+  // True for an axis whose sense of motion matters (backlash).
+  bool uses_sense(int axis) const;
+  // Terms that are left out, with the reason: "EXX:drift: no time is stated".
   const std::vector<std::string>& not_carried() const;
 
  private:

@@ -1,0 +1,248 @@
+#include "core/compensate/compensator.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/units.h"
+#include "core/compensate/folded_chain.h"
+
+namespace axiscal::compensate {
+namespace {
+
+using machine::ErrorModel;
+using machine::ErrorTerm;
+using machine::Machine;
+
+constexpr int kMaxIterations = 50;
+// Smallest ratio of singular values at which three directions count as reached: a degenerate machine has 1e-16, a
+// squareness error of a tenth of a radian 0.9.
+constexpr double kRankTolerance = 1e-6;
+
+bool IsZero(const ErrorTerm& term) {
+  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
+    if (term.amplitude[i] != 0.0) return false;
+  }
+  return true;
+}
+
+// Why a term cannot be carried by a program, or "".
+std::string WhyNotCarried(const ErrorTerm& term, const Options& options) {
+  const std::string shape = shapes::Name(term.shape);
+  if (shape == "drift" || shape == "drift-exp") return options.time_s ? "" : "no time is stated";
+  if (shape == "thermal") return options.temperature_celsius ? "" : "no temperature is stated";
+  if (shape == "reversal") return "it decays along a move, a program's end points cannot follow it";
+  if (shape == "lag") return "it follows the speed, which a program does not fix";
+  return "";
+}
+
+absl::Status ValidateTerm(const Machine& machine, const ErrorTerm& term) {
+  if (term.joint < 0 || term.joint >= machine.joint_count()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("error term of joint ", term.joint, ", the machine has ", machine.joint_count()));
+  }
+  const std::optional<int> variable = shapes::VariableAxis(term.shape);
+  if (variable && (*variable < 0 || *variable >= machine.axis_count())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("error term over axis ", *variable, ", the machine has ", machine.axis_count()));
+  }
+  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
+    if (!std::isfinite(term.amplitude[i])) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(machine::NameOf(machine, term), " = ", term.amplitude[i], ", must be finite"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+std::string PoseText(const Machine& machine, const Pose& pose) {
+  std::string text;
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    const bool is_rotary = machine.axes[i].kind == machine::AxisKind::kRotary;
+    absl::StrAppendFormat(&text, "%s%s%.4f", text.empty() ? "" : " ", machine.axes[i].name,
+                          pose.position[i] * (is_rotary ? base::kDegPerRad : 1.0));
+  }
+  return text;
+}
+
+}  // namespace
+
+struct Compensator::Impl {
+  Machine machine;
+  Options options;
+  ErrorModel carried;
+  std::vector<std::string> not_carried;
+  std::vector<int> linear_axes;
+  std::array<bool, machine::kMaxAxes> uses_sense{};
+  bool is_constant = true;  // all carried terms are: the folded chain is exact
+  FoldedChain nominal, actual;
+
+  machine::JointErrors<double> ErrorsAt(const Pose& pose) const {
+    std::array<shapes::AxisState, machine::kMaxAxes> axes;
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      axes[i].position = pose.position[i];
+      axes[i].sense = pose.sense[i];
+    }
+    shapes::State state;
+    state.axes = {axes.data(), static_cast<size_t>(machine.axis_count())};
+    if (options.time_s) state.time_s = *options.time_s;
+    if (options.temperature_celsius) state.temperature_celsius = *options.temperature_celsius;
+    return machine::ErrorsAt(machine, carried, state);
+  }
+
+  absl::Status RankError(const Pose& pose) const {
+    std::string names;
+    for (const int axis : linear_axes) absl::StrAppend(&names, names.empty() ? "" : ", ", machine.axes[axis].name);
+    return absl::FailedPreconditionError(
+        absl::StrCat("machine '", machine.id, "': its linear axes (", names.empty() ? "none" : names,
+                     ") cannot move the tool in three directions at ", PoseText(machine, pose)));
+  }
+
+  // Commands of the linear axes that move the tool point by `move_mm`; the shortest ones when there are more than three
+  // axes.
+  absl::Status Solve(const Pose& pose, const Columns& tip_per_mm, const Eigen::Vector3d& move_mm,
+                     double* change_mm) const {
+    if (tip_per_mm.cols() == 3) {
+      const Eigen::Vector3d a = tip_per_mm.col(0), b = tip_per_mm.col(1), c = tip_per_mm.col(2);
+      const Eigen::Vector3d bc = b.cross(c);
+      const double volume = a.dot(bc);  // columns are unit vectors: 1 where the axes are square
+      if (!(std::abs(volume) > kRankTolerance)) return RankError(pose);
+      change_mm[0] = move_mm.dot(bc) / volume;
+      change_mm[1] = move_mm.dot(c.cross(a)) / volume;
+      change_mm[2] = move_mm.dot(a.cross(b)) / volume;
+      return absl::OkStatus();
+    }
+    const Eigen::Matrix3d gram = tip_per_mm * tip_per_mm.transpose();
+    if (!(std::abs(gram.determinant()) > kRankTolerance * kRankTolerance)) return RankError(pose);
+    const Eigen::Vector3d weights = gram.inverse() * move_mm;
+    Eigen::Map<Eigen::VectorXd>(change_mm, tip_per_mm.cols()) = tip_per_mm.transpose() * weights;
+    return absl::OkStatus();
+  }
+
+  void Apply(const double* change_mm, std::array<double, machine::kMaxAxes>* positions) const {
+    for (size_t k = 0; k < linear_axes.size(); ++k) (*positions)[linear_axes[k]] += change_mm[k];
+  }
+
+  // Constant errors: the tool point is affine in the linear axes, one solve is the answer.
+  absl::Status CorrectFolded(const Pose& pose, Correction* correction) const {
+    Turns turns;
+    EvaluateTurns(machine, pose.position.data(), &turns);
+    double linear_mm[machine::kMaxAxes];
+    for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = pose.position[linear_axes[k]];
+    AffineTip wanted, found;
+    Evaluate(nominal, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, &wanted);
+    Evaluate(actual, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, &found);
+    const Eigen::Vector3d move_mm = wanted.tip_in_table_mm - found.tip_in_table_mm;
+    double change_mm[machine::kMaxAxes];
+    RETURN_IF_ERROR(Solve(pose, found.tip_per_mm, move_mm, change_mm));
+    correction->corrected = pose.position;
+    Apply(change_mm, &correction->corrected);
+    Eigen::Vector3d left_mm = move_mm;
+    for (Eigen::Index k = 0; k < found.tip_per_mm.cols(); ++k) left_mm -= found.tip_per_mm.col(k) * change_mm[k];
+    correction->before_mm = move_mm.norm();
+    correction->after_mm = left_mm.norm();
+    correction->tilt_left_rad = wanted.direction_in_table.cross(found.direction_in_table).norm();
+    correction->tip_per_mm = found.tip_per_mm;
+    return absl::OkStatus();
+  }
+
+  // Any errors, by chain.h alone. Errors act at the command that the machine gets, so the solve is repeated.
+  absl::Status CorrectGeneral(const Pose& pose, Correction* correction) const {
+    const auto nominal_pose = machine::EvaluateChain<double>(machine, pose.position.data(), {});
+    const Eigen::Vector3d wanted_mm = machine::TipInTable(nominal_pose, options.tool_tip_mm);
+    Pose commanded = pose;
+    machine::JointErrors<double> errors = ErrorsAt(commanded);
+    const auto tip = [&](const Pose& at) {
+      return machine::TipInTable(machine::EvaluateChain<double>(machine, at.position.data(), errors),
+                                 options.tool_tip_mm);
+    };
+    Eigen::Vector3d found_mm = tip(commanded);
+    correction->before_mm = (wanted_mm - found_mm).norm();
+    // With the errors held, the tool point is affine: a difference over 1 mm is the derivative.
+    correction->tip_per_mm.resize(3, static_cast<Eigen::Index>(linear_axes.size()));
+    for (size_t k = 0; k < linear_axes.size(); ++k) {
+      Pose moved = commanded;
+      moved.position[linear_axes[k]] += 1.0;
+      correction->tip_per_mm.col(static_cast<Eigen::Index>(k)) = tip(moved) - found_mm;
+    }
+    double change_mm[machine::kMaxAxes];
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+      RETURN_IF_ERROR(Solve(pose, correction->tip_per_mm, wanted_mm - found_mm, change_mm));
+      Apply(change_mm, &commanded.position);
+      errors = ErrorsAt(commanded);
+      found_mm = tip(commanded);
+      correction->after_mm = (wanted_mm - found_mm).norm();
+      if (!(correction->after_mm < 1e6)) break;
+      if (correction->after_mm > 0.01 * kToleranceMm) continue;
+      correction->corrected = commanded.position;
+      const auto actual_pose = machine::EvaluateChain<double>(machine, commanded.position.data(), errors);
+      correction->tilt_left_rad = machine::ToolDirectionInTable(machine, nominal_pose)
+                                      .cross(machine::ToolDirectionInTable(machine, actual_pose))
+                                      .norm();
+      return absl::OkStatus();
+    }
+    return absl::FailedPreconditionError(
+        absl::StrFormat("no correction found at %s: %.3g um left after %d steps, the errors are too large",
+                        PoseText(machine, pose), correction->after_mm * base::kUmPerMm, kMaxIterations));
+  }
+};
+
+Compensator::Compensator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Compensator::Compensator(Compensator&&) noexcept = default;
+Compensator& Compensator::operator=(Compensator&&) noexcept = default;
+Compensator::~Compensator() = default;
+
+absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const ErrorModel& errors,
+                                                const Options& options) {
+  RETURN_IF_ERROR(machine::Validate(machine));
+  if (!options.tool_tip_mm.allFinite() || options.tool_tip_mm.cwiseAbs().maxCoeff() > 1e6) {
+    return absl::InvalidArgumentError("tool tip: every component must be finite, at most 1e6 mm");
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->machine = machine;
+  impl->options = options;
+  for (const ErrorTerm& term : errors.terms) {
+    RETURN_IF_ERROR(ValidateTerm(machine, term));
+    if (IsZero(term)) continue;
+    const std::string reason = WhyNotCarried(term, options);
+    if (!reason.empty()) {
+      impl->not_carried.push_back(machine::NameOf(machine, term) + ": " + reason);
+      continue;
+    }
+    impl->carried.terms.push_back(term);
+    impl->is_constant &= std::holds_alternative<shapes::Constant>(term.shape);
+    if (const auto* backlash = std::get_if<shapes::Backlash>(&term.shape)) impl->uses_sense[backlash->axis] = true;
+  }
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    if (machine.axes[i].kind == machine::AxisKind::kLinear) impl->linear_axes.push_back(i);
+  }
+  if (impl->is_constant) {
+    impl->nominal = Fold(impl->machine, impl->linear_axes, {});
+    impl->actual = Fold(impl->machine, impl->linear_axes, impl->ErrorsAt({}));
+  }
+  return Compensator(std::move(impl));
+}
+
+absl::StatusOr<Correction> Compensator::Correct(const Pose& pose) const {
+  Correction correction;
+  RETURN_IF_ERROR(Correct(pose, &correction));
+  return correction;
+}
+
+absl::Status Compensator::Correct(const Pose& pose, Correction* correction) const {
+  for (int i = 0; i < impl_->machine.axis_count(); ++i) {
+    if (!std::isfinite(pose.position[i])) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("axis ", impl_->machine.axes[i].name, " = ", pose.position[i], ", must be finite"));
+    }
+  }
+  return impl_->is_constant ? impl_->CorrectFolded(pose, correction) : impl_->CorrectGeneral(pose, correction);
+}
+
+const Machine& Compensator::machine() const { return impl_->machine; }
+const std::vector<int>& Compensator::linear_axes() const { return impl_->linear_axes; }
+bool Compensator::is_null() const { return impl_->carried.terms.empty(); }
+bool Compensator::uses_sense(int axis) const { return impl_->uses_sense[axis]; }
+const std::vector<std::string>& Compensator::not_carried() const { return impl_->not_carried; }
+
+}  // namespace axiscal::compensate

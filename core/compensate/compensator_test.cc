@@ -1,0 +1,255 @@
+#include "core/compensate/compensator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numbers>
+#include <random>
+
+#include "core/base/units.h"
+#include "core/machine/testing/machines.h"
+
+namespace axiscal::compensate {
+namespace {
+
+using base::kMmPerUm;
+using base::kRadPerArcsec;
+using base::kRadPerDeg;
+using base::kRadPerUrad;
+using base::kUmPerMm;
+using machine::ErrorModel;
+using machine::FindAxis;
+using machine::Machine;
+using ::testing::HasSubstr;
+
+machine::ErrorTerm Term(const Machine& machine, const std::string& symbol, double amplitude) {
+  return machine::ConstantTerm(machine, *machine::ParseErrorSymbol(symbol), amplitude);
+}
+
+Compensator MustCreate(const Machine& machine, const ErrorModel& errors, const Options& options) {
+  auto compensator = Compensator::Create(machine, errors, options);
+  EXPECT_TRUE(compensator.ok()) << compensator.status();
+  return *std::move(compensator);
+}
+
+// The tool point by chain.h alone, nominal machine or with errors.
+Eigen::Vector3d Tip(const Machine& machine, const ErrorModel& errors, const Options& options, const Pose& at) {
+  std::array<shapes::AxisState, machine::kMaxAxes> axes;
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    axes[i].position = at.position[i];
+    axes[i].sense = at.sense[i];
+  }
+  shapes::State state;
+  state.axes = {axes.data(), static_cast<size_t>(machine.axis_count())};
+  if (options.time_s) state.time_s = *options.time_s;
+  if (options.temperature_celsius) state.temperature_celsius = *options.temperature_celsius;
+  return machine::TipInTable(
+      machine::EvaluateChain<double>(machine, at.position.data(), machine::ErrorsAt(machine, errors, state)),
+      options.tool_tip_mm);
+}
+
+TEST(Compensator, APerfectMachineNeedsNoCorrection) {
+  const Machine machine = machine::testing::MultiTasking();
+  const Compensator compensator =
+      MustCreate(machine, machine::DeclaredModel(machine), {Eigen::Vector3d(0, 0, -350), {}, {}});
+  EXPECT_TRUE(compensator.is_null());
+  Pose pose;
+  pose.position = {1, 2, 3, 0.5, 0.7};
+  const auto correction = compensator.Correct(pose);
+  ASSERT_TRUE(correction.ok()) << correction.status();
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(correction->corrected[i], pose.position[i]);
+  EXPECT_EQ(correction->before_mm, 0.0);
+  EXPECT_EQ(correction->tilt_left_rad, 0.0);
+}
+
+// Yao 2022, seeds: bXB = 24.11 arcsec in the model's sign, R_B = 356.3945.
+TEST(Compensator, KnownAnswerTiltOfTheHeadAboutB) {
+  constexpr double kToleranceUm = 0.005;  // digits of the known answer, and second order: 0.0417^2 / 2 / 356 = 2e-6 mm
+  const Machine machine = machine::testing::MultiTasking();
+  Options options;
+  options.tool_tip_mm = {0, 0, -356.3945};
+  ErrorModel errors;
+  errors.terms.push_back(Term(machine, "EB0B", 24.11 * kRadPerArcsec));
+  const Compensator compensator = MustCreate(machine, errors, options);
+  const int x = FindAxis(machine, "X"), y = FindAxis(machine, "Y"), z = FindAxis(machine, "Z"),
+            b = FindAxis(machine, "B");
+  struct Known {
+    double b_deg, dx_um, dz_um;
+  };
+  for (const Known& known : {Known{0, 41.66, 0}, Known{45, 29.46, -29.46}, Known{90, 0, -41.66}}) {
+    Pose pose;
+    pose.position[x] = -390.0;
+    pose.position[z] = -112.2605;
+    pose.position[b] = known.b_deg * kRadPerDeg;
+    const auto correction = compensator.Correct(pose);
+    ASSERT_TRUE(correction.ok()) << correction.status();
+    EXPECT_NEAR((correction->corrected[x] - pose.position[x]) * kUmPerMm, known.dx_um, kToleranceUm) << known.b_deg;
+    EXPECT_NEAR((correction->corrected[y] - pose.position[y]) * kUmPerMm, 0.0, kToleranceUm);
+    EXPECT_NEAR((correction->corrected[z] - pose.position[z]) * kUmPerMm, known.dz_um, kToleranceUm) << known.b_deg;
+    EXPECT_EQ(correction->corrected[b], pose.position[b]);
+    EXPECT_NEAR(correction->before_mm * kUmPerMm, 41.66, kToleranceUm);
+    EXPECT_LE(correction->after_mm, kToleranceMm);
+    EXPECT_NEAR(correction->tilt_left_rad, 24.11 * kRadPerArcsec, 1e-10);
+  }
+}
+
+// Every declared error at once, 50 to 200 um and urad, over the whole working space of each structure.
+TEST(Compensator, ConstantErrorsOfAllThreeStructuresAreTakenOutByTheChainItself) {
+  std::mt19937 random(20);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const Machine& machine :
+       {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
+    ErrorModel errors = machine::DeclaredModel(machine);
+    for (auto& term : errors.terms) {
+      const double size = unit(random) * 200;
+      term.amplitude[0] = size * (machine::IsAngle(term.component) ? kRadPerUrad : kMmPerUm);
+    }
+    errors.terms.push_back(Term(machine, "EZ0W", 0.05));
+    Options options;
+    options.tool_tip_mm = {3, -2, -180};
+    const Compensator compensator = MustCreate(machine, errors, options);
+    for (int i = 0; i < 200; ++i) {
+      Pose pose;
+      for (int axis = 0; axis < machine.axis_count(); ++axis) {
+        const bool is_linear = machine.axes[axis].kind == machine::AxisKind::kLinear;
+        pose.position[axis] = unit(random) * (is_linear ? 500.0 : std::numbers::pi);
+      }
+      const auto correction = compensator.Correct(pose);
+      ASSERT_TRUE(correction.ok()) << correction.status();
+      Pose commanded = pose;
+      commanded.position = correction->corrected;
+      const Eigen::Vector3d wanted = Tip(machine, {}, options, pose);
+      EXPECT_LT((Tip(machine, errors, options, commanded) - wanted).norm(), 1e-10) << machine.id;
+      EXPECT_NEAR(correction->before_mm, (Tip(machine, errors, options, pose) - wanted).norm(), 1e-10);
+      // Rounding a command moves the tool as tip_per_mm says.
+      const int first = compensator.linear_axes()[0];
+      Pose rounded = commanded;
+      rounded.position[first] += 0.01;
+      EXPECT_LT((Tip(machine, errors, options, rounded) - wanted - 0.01 * correction->tip_per_mm.col(0)).norm(), 1e-10);
+    }
+  }
+}
+
+TEST(Compensator, LargeErrorsNeedTheWholeInverse) {
+  constexpr double kTiltRad = 0.05;  // 3 degrees: one linearised step would leave 0.4 mm
+  const Machine machine = machine::testing::TiltingTable();
+  ErrorModel errors;
+  errors.terms = {Term(machine, "EB0A", kTiltRad), Term(machine, "EX0C", 2.0), Term(machine, "EC0Y", -kTiltRad)};
+  machine::ErrorTerm scale = Term(machine, "EX0X", 0);
+  scale.shape = shapes::Linear{FindAxis(machine, "X"), shapes::Linear::kReferenceMm};
+  scale.amplitude[0] = 20.0;  // 2 percent
+  errors.terms.push_back(scale);
+  Options options;
+  options.tool_tip_mm = {0, 0, -200};
+  const Compensator compensator = MustCreate(machine, errors, options);
+  Pose pose;
+  pose.position = {300, -100, 200, 1.0, -2.0};
+  const auto correction = compensator.Correct(pose);
+  ASSERT_TRUE(correction.ok()) << correction.status();
+  Pose commanded = pose;
+  commanded.position = correction->corrected;
+  EXPECT_LT((Tip(machine, errors, options, commanded) - Tip(machine, {}, options, pose)).norm(), kToleranceMm);
+  EXPECT_GT(correction->before_mm, 5.0);
+}
+
+TEST(Compensator, BacklashFollowsTheSenseAndHarmonicsThePosition) {
+  const Machine machine = machine::testing::MultiTasking();
+  const int x = FindAxis(machine, "X"), b = FindAxis(machine, "B");
+  machine::ErrorTerm backlash = Term(machine, "EX0X", 0);
+  backlash.shape = shapes::Backlash{x};
+  backlash.amplitude[0] = 0.010;  // peak to peak: 5 um each way
+  ErrorModel errors;
+  errors.terms = {backlash};
+  const Compensator reversing = MustCreate(machine, errors, {});
+  EXPECT_TRUE(reversing.uses_sense(x));
+  EXPECT_FALSE(reversing.uses_sense(b));
+  Pose pose;
+  for (const double sense : {-1.0, 0.0, 1.0}) {
+    pose.sense[x] = sense;
+    EXPECT_NEAR(reversing.Correct(pose)->corrected[x], -0.005 * sense, 1e-9);
+  }
+
+  machine::ErrorTerm harmonic = Term(machine, "EZ0B", 0);
+  harmonic.shape = shapes::Harmonic{b, 2.0};
+  harmonic.amplitude = {0.02, 0.0};
+  errors.terms = {backlash, harmonic};
+  const Compensator both = MustCreate(machine, errors, {});
+  pose.position[b] = std::numbers::pi / 2;  // cos(2 B) = -1: the point stands 20 um low
+  const auto correction = both.Correct(pose);
+  ASSERT_TRUE(correction.ok());
+  EXPECT_NEAR(correction->corrected[FindAxis(machine, "Z")], 0.020, 1e-9);
+  EXPECT_NEAR(correction->corrected[x], -0.005, 1e-9);
+}
+
+TEST(Compensator, WhatAProgramCannotCarryIsListedUnlessItsArgumentIsStated) {
+  const Machine machine = machine::testing::MultiTasking();
+  ErrorModel errors;
+  machine::ErrorTerm thermal = Term(machine, "EZ0T", 0);
+  thermal.shape = shapes::Thermal{};
+  thermal.amplitude[0] = 0.003;
+  errors.terms = {thermal};
+  Options options;
+  const Compensator cold = MustCreate(machine, errors, options);
+  EXPECT_TRUE(cold.is_null());
+  ASSERT_EQ(cold.not_carried().size(), 1u);
+  EXPECT_THAT(cold.not_carried()[0], HasSubstr("no temperature is stated"));
+  options.temperature_celsius = 30.0;
+  const Compensator warm = MustCreate(machine, errors, options);
+  EXPECT_TRUE(warm.not_carried().empty());
+  EXPECT_NEAR(warm.Correct(Pose())->corrected[FindAxis(machine, "Z")], -0.030, 1e-9);
+}
+
+TEST(Compensator, AMachineThatCannotReachThreeDirectionsIsAnError) {
+  using machine::testing::kX;
+  using machine::testing::kY;
+  using machine::testing::kZ;
+  const Machine two = machine::testing::Make("two",
+                                             {machine::testing::Linear("X", kX), machine::testing::Linear("Z", kZ),
+                                              machine::testing::Rotary("B", kY, {0, 0, 0})},
+                                             {}, {});
+  ErrorModel errors;
+  errors.terms = {Term(two, "EA0B", 1e-4)};
+  const Compensator compensator = MustCreate(two, errors, {});
+  const absl::Status status = compensator.Correct(Pose()).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("(X, Z) cannot move the tool in three directions at X0.0000"));
+
+  const Machine parallel = machine::testing::Make(
+      "parallel",
+      {machine::testing::Linear("X", kX), machine::testing::Linear("Z", kZ), machine::testing::Linear("V", kZ)}, {},
+      {});
+  EXPECT_FALSE(MustCreate(parallel, {}, {}).Correct(Pose()).ok());
+}
+
+TEST(Compensator, AFourthLinearAxisSharesTheCorrection) {
+  using machine::testing::kX;
+  using machine::testing::kY;
+  using machine::testing::kZ;
+  const Machine quill = machine::testing::Make("quill",
+                                               {machine::testing::Linear("X", kX), machine::testing::Linear("Y", kY),
+                                                machine::testing::Linear("Z", kZ), machine::testing::Linear("V", kZ)},
+                                               {}, {});
+  ErrorModel errors;
+  errors.terms = {Term(quill, "EZ0T", 0.1)};
+  const auto correction = MustCreate(quill, errors, {}).Correct(Pose());
+  ASSERT_TRUE(correction.ok()) << correction.status();
+  EXPECT_NEAR(correction->corrected[2], -0.05, 1e-12);
+  EXPECT_NEAR(correction->corrected[3], -0.05, 1e-12);
+}
+
+TEST(Compensator, BadInputIsNamed) {
+  const Machine machine = machine::testing::MultiTasking();
+  Options options;
+  options.tool_tip_mm.x() = std::nan("");
+  EXPECT_EQ(Compensator::Create(machine, {}, options).status().code(), absl::StatusCode::kInvalidArgument);
+  ErrorModel errors;
+  errors.terms = {Term(machine, "EA0B", std::nan(""))};
+  EXPECT_THAT(std::string(Compensator::Create(machine, errors, {}).status().message()), HasSubstr("EA0B = nan"));
+  Pose pose;
+  pose.position[1] = std::nan("");
+  EXPECT_EQ(MustCreate(machine, {}, {}).Correct(pose).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace axiscal::compensate

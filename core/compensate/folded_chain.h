@@ -1,0 +1,55 @@
+// chain.h for constant errors, folded: from the tool point through the bed to the table every run of joints between two
+// rotary axes is one constant affine map of the point and of the linear axes' commands. Same numbers (a test holds it
+// against chain.h), a tenth of the time:
+//   x -> rotation * x + translation + columns * q_linear, then the turn of a rotary axis, and so on.
+#ifndef AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_
+#define AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/machine/chain.h"
+
+namespace axiscal::compensate {
+
+// Column k: effect of linear axis k (in the caller's order), per mm.
+using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, machine::kMaxAxes>;
+
+struct FoldedChain {
+  struct Stage {
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d translation_mm = Eigen::Vector3d::Zero();
+    Columns columns;  // zero where the axis is in another stage
+    bool has_columns = false;
+    // The turn that follows: about turn_direction by turn_sign * position of the axis; -1: none, the last stage.
+    int turn_axis = -1;
+    double turn_sign = 1.0;
+    Eigen::Matrix3d turn_skew, turn_skew_squared;
+  };
+  std::vector<Stage> stages;  // from the tool point to the table
+};
+
+// `linear_axes`: indices into machine.axes, the order of columns.
+FoldedChain Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
+                 const machine::JointErrors<double>& errors);
+
+struct AffineTip {
+  Eigen::Vector3d tip_in_table_mm;     // with the linear axes at the positions given
+  Eigen::Vector3d direction_in_table;  // unit
+  Columns tip_per_mm;
+};
+
+// Sine and cosine of every rotary axis, shared by chains that stand at the same pose.
+struct Turns {
+  double sine[machine::kMaxAxes];
+  double one_minus_cosine[machine::kMaxAxes];
+};
+void EvaluateTurns(const machine::Machine& machine, const double* positions, Turns* turns);
+
+// `linear_mm`: positions of the linear axes in the order of columns. Columns are only computed on request.
+void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear_mm, const Eigen::Vector3d& tip_mm,
+              const Eigen::Vector3d& tool_direction, bool with_columns, AffineTip* out);
+
+}  // namespace axiscal::compensate
+
+#endif  // AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_
