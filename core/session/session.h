@@ -1,5 +1,6 @@
-// One measuring session as its file holds it (formats.md, "Measuring session"): header entries, then named columns of equal length in time
-// order. This is also the form in which sessions travel and are stored; instruments give the columns their meaning.
+// One measuring session as its file holds it (formats.md, "Measuring session"): header entries, then named columns of
+// equal length in time order. This is also the form in which sessions travel and are stored; instruments give the
+// columns their meaning.
 #ifndef AXISCAL_CORE_SESSION_SESSION_H_
 #define AXISCAL_CORE_SESSION_SESSION_H_
 
@@ -20,8 +21,8 @@ struct HeaderEntry {
   bool operator==(const HeaderEntry&) const = default;
 };
 
-// One column in the file's own unit (the suffix of its name says which: _mm _deg _s _C _um). A text column (`feature`, `rod`) has `texts`
-// instead of `values`. An empty cell, where the instrument allows one, is NaN.
+// One column in the file's own unit (the suffix of its name says which: _mm _deg _s _C _um). A text column (`feature`,
+// `rod`) has `texts` instead of `values`. An empty cell, where the instrument allows one, is NaN.
 struct Column {
   std::string name;
   std::vector<double> values;

@@ -1,0 +1,144 @@
+#include "core/session/column_rules.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+
+#include "core/base/demand.h"
+#include "core/session/text.h"
+
+namespace axiscal::session {
+namespace {
+
+absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
+
+const InstrumentFormat& FormatOf(const std::vector<HeaderEntry>& header) {
+  const InstrumentFormat* format = nullptr;
+  for (const HeaderEntry& entry : header) {
+    if (entry.key == "instrument") format = FindInstrumentFormat(entry.value);
+  }
+  DEMAND(format != nullptr);  // the header was validated
+  return *format;
+}
+
+std::set<std::string> FeatureNames(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
+  std::set<std::string> names;
+  for (const HeaderEntry& entry : header) {
+    const FeatureRule* rule = FindFeatureRule(format, entry.key);
+    if (rule != nullptr) names.insert(entry.key.substr(rule->prefix.size() + 1));
+  }
+  return names;
+}
+
+ColumnRule RangeRule(const std::string& name, ColumnKind kind, double min, double max, const std::string& unit) {
+  ColumnRule rule{name, kind, "", min, max, absl::StrFormat("%s from %g to %g", unit, min, max), false, {}};
+  return rule;
+}
+
+// The rule of a column, or nothing when the instrument has no such column.
+std::optional<ColumnRule> RuleOf(const std::string& name, const InstrumentFormat& format,
+                                 const std::set<std::string>& feature_names) {
+  for (const ReadingColumn& column : format.columns) {
+    if (column.name != name) continue;
+    const bool is_feature = column.is_name && (name == "feature" || name == "rod");
+    return ColumnRule{name,
+                      column.is_name ? ColumnKind::kName : ColumnKind::kReading,
+                      "",
+                      column.min,
+                      column.max,
+                      column.expected,
+                      column.may_be_empty,
+                      is_feature ? feature_names : std::set<std::string>()};
+  }
+  if (name == "t_s") return RangeRule(name, ColumnKind::kTime, -kMaxTimeS, kMaxTimeS, "s");
+  if (name == "temp_C") return RangeRule(name, ColumnKind::kTemperature, kMinTemperatureC, kMaxTemperatureC, "deg C");
+  std::string axis;
+  ColumnKind kind;
+  if (!ParseAxisColumn(name, &axis, &kind)) return std::nullopt;
+  const bool linear = kind == ColumnKind::kLinearAxis;
+  const double limit = linear ? kMaxLengthMm : kMaxAngleDeg;
+  ColumnRule rule = RangeRule(name, kind, -limit, limit, linear ? "mm" : "deg");
+  rule.axis = axis;
+  return rule;
+}
+
+std::string KnownColumns(const InstrumentFormat& format) {
+  std::string known = format.has_time ? "t_s, " : "";
+  if (format.axes == AxisColumns::kAll) known += "axis columns such as X_mm or B_deg, ";
+  if (format.axes == AxisColumns::kRotaryOnly) known += "rotary axis columns such as B_deg, ";
+  known += "temp_C";
+  for (const ReadingColumn& column : format.columns) known += ", " + column.name;
+  return known;
+}
+
+absl::Status RequireColumns(const std::vector<std::string>& columns, const InstrumentFormat& format, size_t line) {
+  std::vector<std::string> required;
+  if (format.has_time) required.push_back("t_s");
+  for (const ReadingColumn& column : format.columns) required.push_back(column.name);
+  for (const std::string& name : required) {
+    if (std::find(columns.begin(), columns.end(), name) != columns.end()) continue;
+    return Refuse(absl::StrCat("line ", line, ": column ", name, " is missing, instrument ", format.name, " needs it"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::string Place(size_t line, size_t column, const std::string& name) {
+  return absl::StrCat("line ", line, ", column ", column + 1, " (", name, ")");
+}
+
+bool ParseAxisColumn(const std::string& column, std::string* axis, ColumnKind* kind) {
+  const size_t bar = column.find('_');
+  if (bar == std::string::npos || bar == 0 || column[0] < 'A' || column[0] > 'Z') return false;
+  const auto digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+  if (!std::all_of(column.begin() + 1, column.begin() + bar, digit)) return false;
+  const std::string unit = column.substr(bar);
+  if (unit != "_mm" && unit != "_deg") return false;
+  *axis = column.substr(0, bar);
+  *kind = unit == "_mm" ? ColumnKind::kLinearAxis : ColumnKind::kRotaryAxis;
+  return true;
+}
+
+absl::Status CheckName(const ColumnRule& rule, const std::string& text) {
+  if (text.empty() || text.size() > kMaxNameBytes || !IsPlainText(text) || text.find(',') != std::string::npos) {
+    return Refuse(
+        absl::StrCat(Quoted(text), ", expected a name of 1 to ", kMaxNameBytes, " bytes of UTF-8 without a comma"));
+  }
+  if (rule.names.empty() || rule.names.count(text) != 0) return absl::OkStatus();
+  return Refuse(
+      absl::StrCat(Quoted(text), ", expected a name that the header describes, such as '", *rule.names.begin(), "'"));
+}
+
+absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntry>& header,
+                                                    const std::vector<std::string>& columns) {
+  const InstrumentFormat& format = FormatOf(header);
+  const size_t line = HeaderLine(header.size());
+  if (columns.size() > kMaxColumns) {
+    return Refuse(absl::StrCat("line ", line, ": ", columns.size(), " columns, at most ", kMaxColumns, " are read"));
+  }
+  const std::set<std::string> feature_names = FeatureNames(header, format);
+  std::vector<ColumnRule> rules;
+  std::map<std::string, size_t> seen;  // column or axis -> its index
+  for (size_t i = 0; i < columns.size(); ++i) {
+    const std::string place = Place(line, i, columns[i].empty() ? "no name" : Printable(columns[i]));
+    std::optional<ColumnRule> rule = RuleOf(columns[i], format, feature_names);
+    const bool wrong_axis = rule && ((format.axes != AxisColumns::kAll && rule->kind == ColumnKind::kLinearAxis) ||
+                                     (format.axes == AxisColumns::kNone && rule->kind == ColumnKind::kRotaryAxis));
+    if (!rule || wrong_axis) {
+      const bool other_separator = columns.size() == 1 && columns[i].find_first_of(";\t") != std::string::npos;
+      return Refuse(absl::StrCat(place, ": unknown column for instrument ", format.name, ", expected ",
+                                 other_separator ? "names separated by commas" : KnownColumns(format)));
+    }
+    const auto [first, is_new] = seen.emplace(rule->axis.empty() ? rule->name : "axis " + rule->axis, i);
+    if (!is_new) {
+      return Refuse(absl::StrCat(place, ": ", rule->axis.empty() ? "the same name" : "the same axis", " as column ",
+                                 first->second + 1, ", expected once"));
+    }
+    rules.push_back(*std::move(rule));
+  }
+  RETURN_IF_ERROR(RequireColumns(columns, format, line));
+  return rules;
+}
+
+}  // namespace axiscal::session

@@ -1,0 +1,51 @@
+// What the cells of each column of a session must be. Places are those of the session's file: the header lines, the
+// line of column names, then one line per reading.
+#ifndef AXISCAL_CORE_SESSION_COLUMN_RULES_H_
+#define AXISCAL_CORE_SESSION_COLUMN_RULES_H_
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/session/header_rules.h"
+#include "core/session/session.h"
+
+namespace axiscal::session {
+
+inline constexpr size_t kMaxColumns = 64;
+
+enum class ColumnKind { kTime, kTemperature, kLinearAxis, kRotaryAxis, kReading, kName };
+
+// What a cell of one column must be.
+struct ColumnRule {
+  std::string name;
+  ColumnKind kind = ColumnKind::kReading;
+  std::string axis;  // of an axis column: "X"
+  double min = 0, max = 0;
+  std::string expected;
+  bool may_be_empty = false;
+  std::set<std::string> names;  // kName: what it may say, anything when empty
+
+  bool Fits(double number) const { return number >= min && number <= max; }  // NaN fits nothing
+};
+
+// The line, from 1, of reading `index` (from 0).
+inline size_t ReadingLine(size_t header_entries, size_t index) { return header_entries + 2 + index; }
+// "line 9, column 3 (Y_mm)": line from 1, column from 0.
+std::string Place(size_t line, size_t column, const std::string& name);
+
+// The rules of the columns in their order; the header must be valid. INVALID_ARGUMENT at a missing, unknown or
+// duplicate column.
+absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntry>& header,
+                                                    const std::vector<std::string>& columns);
+
+// OK when `text` may stand in a name column of this rule; the message has no place.
+absl::Status CheckName(const ColumnRule& rule, const std::string& text);
+
+// An axis column's axis and kind ("X_mm": X, linear), or false.
+bool ParseAxisColumn(const std::string& column, std::string* axis, ColumnKind* kind);
+
+}  // namespace axiscal::session
+
+#endif  // AXISCAL_CORE_SESSION_COLUMN_RULES_H_

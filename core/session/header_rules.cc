@@ -1,0 +1,134 @@
+#include "core/session/header_rules.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "core/session/text.h"
+
+namespace axiscal::session {
+namespace {
+
+absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
+
+std::string EntryPlace(size_t index, const HeaderEntry& entry) {
+  return absl::StrCat("line ", HeaderLine(index), ": ", Printable(entry.key), ": ");
+}
+
+// Index of the only entry with `key`; a second one is refused, none is npos.
+absl::StatusOr<size_t> FindOnce(const std::vector<HeaderEntry>& header, const std::string& key) {
+  size_t found = std::string::npos;
+  for (size_t i = 0; i < header.size(); ++i) {
+    if (header[i].key != key) continue;
+    if (found != std::string::npos) {
+      return Refuse(
+          absl::StrCat(EntryPlace(i, header[i]), "stands in line ", HeaderLine(found), " already, expected once"));
+    }
+    found = i;
+  }
+  return found;
+}
+
+absl::Status ValidateEntry(size_t index, const HeaderEntry& entry, const HeaderRule& rule) {
+  const auto refuse = [&] {
+    return Refuse(absl::StrCat(EntryPlace(index, entry), Quoted(entry.value), ", expected ", rule.expected));
+  };
+  if (rule.count == 0) {
+    if (!entry.value.empty() && entry.value.size() <= kMaxNameBytes) return absl::OkStatus();
+    return Refuse(absl::StrCat(EntryPlace(index, entry), Quoted(entry.value), ", expected a text of 1 to ",
+                               kMaxNameBytes, " bytes"));
+  }
+  std::vector<double> numbers;
+  if (!ParseNumbers(entry.value, &numbers) || static_cast<int>(numbers.size()) != rule.count) return refuse();
+  const auto fits = [&rule](double number) { return number >= rule.min && number <= rule.max; };
+  return std::all_of(numbers.begin(), numbers.end(), fits) ? absl::OkStatus() : refuse();
+}
+
+absl::Status ValidateKeys(const std::vector<HeaderEntry>& header, const std::vector<HeaderRule>& rules,
+                          const std::string& who) {
+  for (const HeaderRule& rule : rules) {
+    ASSIGN_OR_RETURN(const size_t found, FindOnce(header, rule.key));
+    if (found == std::string::npos) {
+      return Refuse(absl::StrCat("line ", HeaderLine(header.size()), ": header key ", rule.key, " is missing, ", who,
+                                 " needs '# ", rule.key, ": ...' (", rule.expected, ")"));
+    }
+    RETURN_IF_ERROR(ValidateEntry(found, header[found], rule));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateFeatures(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
+  bool any = format.features.empty();
+  for (size_t i = 0; i < header.size(); ++i) {
+    const FeatureRule* rule = FindFeatureRule(format, header[i].key);
+    if (rule == nullptr) continue;
+    any = true;
+    RETURN_IF_ERROR(FindOnce(header, header[i].key).status());
+    RETURN_IF_ERROR(ValidateEntry(i, header[i], {"", rule->count, -kMaxLengthMm, kMaxLengthMm, rule->expected}));
+  }
+  if (any) return absl::OkStatus();
+  return Refuse(absl::StrCat("line ", HeaderLine(header.size()), ": no '# ", format.features[0].prefix,
+                             " NAME: ...', instrument ", format.name, " needs at least one"));
+}
+
+// YYYY-MM-DD, then nothing or T and a time.
+bool IsIso8601(const std::string& text) {
+  const std::string form = "dddd-dd-dd";
+  if (text.size() < form.size() || text.size() > 40) return false;
+  for (size_t i = 0; i < form.size(); ++i) {
+    if (form[i] == 'd' ? !std::isdigit(static_cast<unsigned char>(text[i])) : text[i] != '-') return false;
+  }
+  if (text.size() == form.size()) return true;
+  const bool time = std::all_of(text.begin() + form.size() + 1, text.end(), [](unsigned char c) {
+    return std::isdigit(c) || c == ':' || c == '.' || c == '+' || c == '-' || c == 'Z';
+  });
+  return (text[form.size()] == 'T' || text[form.size()] == ' ') && text.size() >= 16 && time;
+}
+
+absl::Status ValidateOptional(const std::vector<HeaderEntry>& header) {
+  ASSIGN_OR_RETURN(const size_t setup, FindOnce(header, "setup"));
+  if (setup != std::string::npos) RETURN_IF_ERROR(ValidateEntry(setup, header[setup], {"setup", 0, 0, 0, "a text"}));
+  ASSIGN_OR_RETURN(const size_t started, FindOnce(header, "started"));
+  if (started != std::string::npos && !IsIso8601(header[started].value)) {
+    return Refuse(absl::StrCat(EntryPlace(started, header[started]), Quoted(header[started].value),
+                               ", expected a date and time of ISO 8601: 2026-05-31T14:03:00Z"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+const FeatureRule* FindFeatureRule(const InstrumentFormat& format, const std::string& key) {
+  for (const FeatureRule& rule : format.features) {
+    if (key.size() > rule.prefix.size() + 1 && key.compare(0, rule.prefix.size() + 1, rule.prefix + " ") == 0)
+      return &rule;
+  }
+  return nullptr;
+}
+
+absl::Status ValidateHeader(const std::vector<HeaderEntry>& header) {
+  if (header.size() > kMaxHeaderEntries) {
+    return Refuse(absl::StrCat(header.size(), " header lines, at most ", kMaxHeaderEntries, " are read"));
+  }
+  for (size_t i = 0; i < header.size(); ++i) {
+    const HeaderEntry& entry = header[i];
+    const auto trimmed = [](const std::string& text) {
+      return text.empty() || (text.front() != ' ' && text.back() != ' ');
+    };
+    if (entry.key.empty() || entry.key.find(':') != std::string::npos || !trimmed(entry.key) || !trimmed(entry.value) ||
+        !IsPlainText(entry.key) || !IsPlainText(entry.value)) {
+      return Refuse(absl::StrCat(EntryPlace(i, entry), Quoted(entry.value), ", expected '# key: value' in UTF-8"));
+    }
+  }
+  RETURN_IF_ERROR(ValidateKeys(header, CommonHeader(), "every session"));
+  ASSIGN_OR_RETURN(const size_t instrument, FindOnce(header, "instrument"));
+  const InstrumentFormat* format = FindInstrumentFormat(header[instrument].value);
+  if (format == nullptr) {
+    return Refuse(absl::StrCat(EntryPlace(instrument, header[instrument]), Quoted(header[instrument].value),
+                               ", expected one of ", InstrumentNames()));
+  }
+  RETURN_IF_ERROR(ValidateKeys(header, format->header, "instrument " + format->name));
+  RETURN_IF_ERROR(ValidateFeatures(header, *format));
+  return ValidateOptional(header);
+}
+
+}  // namespace axiscal::session

@@ -1,0 +1,22 @@
+// Small text helpers of the session readers.
+#ifndef AXISCAL_CORE_SESSION_TEXT_H_
+#define AXISCAL_CORE_SESSION_TEXT_H_
+
+#include <string>
+#include <vector>
+
+namespace axiscal::session {
+
+// Numbers separated by blanks; false when `text` is anything else.
+bool ParseNumbers(const std::string& text, std::vector<double>* numbers);
+
+// Well-formed UTF-8 without control characters.
+bool IsPlainText(const std::string& text);
+
+// `text` cut after 40 bytes, with control characters and bytes beyond ASCII as \xNN, bare or in quotes: for messages.
+std::string Printable(const std::string& text);
+std::string Quoted(const std::string& text);
+
+}  // namespace axiscal::session
+
+#endif  // AXISCAL_CORE_SESSION_TEXT_H_
