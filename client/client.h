@@ -1,0 +1,166 @@
+// The client library of Axiscal, for shop-floor cells, MES systems and the command line: core types in and out.
+//
+//   ASSIGN_OR_RETURN(client::Client client, client::Client::Connect("axiscal.shop:7410", {.user = "cell-7"}));
+//   ASSIGN_OR_RETURN(client::UploadResult upload, client.Upload(MachineId("mt"), session));
+//
+// Every call has a deadline, waits for the server to be there, and is tried again with backoff while the answer is
+// UNAVAILABLE. A failed call changed nothing. Errors are the server's: code, text, and base::GetErrorDetail with its
+// reason (SEQ_GAP) and facts (field, next_seq); texts end in "[REASON]". No connection: UNAVAILABLE, reason
+// NO_CONNECTION. An answer that cannot be read: INTERNAL. Calls that create take a request_id: the same id again
+// returns what was made then, so a call may be repeated after a crash. An empty one is made up for the call. Safe from
+// any thread. All calls block.
+#ifndef AXISCAL_CLIENT_CLIENT_H_
+#define AXISCAL_CLIENT_CLIENT_H_
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/options.h"
+#include "core/base/ids.h"
+#include "core/base/status.h"
+#include "core/session/session.h"
+#include "proto/convert/calibration.h"
+#include "proto/convert/job_params.h"
+#include "server/storage/records.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace axiscal::client {
+
+// The records are those of the store, in core types; fields that do not travel are left empty.
+using storage::CalibrationFilter;
+using storage::CalibrationRecord;
+using storage::DriftQuery;
+using storage::DriftSeries;
+using storage::FleetRow;
+using storage::JobRecord;
+using storage::JobState;
+using storage::MachineRecord;
+using storage::Page;
+using storage::PageRequest;
+using storage::ProgramRecord;
+using storage::SessionRecord;
+
+struct UploadResult {
+  SessionRecord session;         // COMPLETE
+  bool was_there = false;        // the same session had been uploaded before: nothing was sent
+  int64_t duplicate_chunks = 0;  // sent again although the server had them
+  int interruptions = 0;
+};
+
+struct SessionFilter {
+  std::optional<MachineId> machine;
+  std::optional<storage::SessionState> state;
+};
+
+struct JobFilter {
+  std::optional<MachineId> machine;
+  std::optional<JobState> state;
+};
+
+struct ServerInfo {
+  std::string software_version;
+  int schema_version = 0;
+  int open_uploads = 0, max_uploads = 0;
+  int workers = 0;
+  bool draining = false;
+};
+
+class Client {
+ public:
+  // `address` as gRPC takes it: "127.0.0.1:7410", "unix:/run/axiscal.sock". UNAVAILABLE (NO_CONNECTION) when the server
+  // is not there in time.
+  static absl::StatusOr<Client> Connect(const std::string& address, const Options& options = {});
+  // Over a channel to a server in this process (server/embedded.h).
+  static absl::StatusOr<Client> InProcess(std::shared_ptr<grpc::Channel> channel, const Options& options = {});
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
+  ~Client();
+
+  // ---- machines; descriptions are machine.json texts
+  // The same description again returns the stored machine; another one under the same id is ALREADY_EXISTS
+  // MACHINE_EXISTS.
+  absl::StatusOr<MachineRecord> CreateMachine(const std::string& description_json);
+  absl::StatusOr<MachineRecord> GetMachine(const MachineId& id);
+  // An earlier revision of its description: what a calibration was fitted with.
+  absl::StatusOr<MachineRecord> GetMachineRevision(const MachineId& id, int64_t revision);
+  absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page = {});
+  // `etag` is the revision that was edited; ABORTED ETAG_MISMATCH when it is no longer the present one.
+  absl::StatusOr<MachineRecord> UpdateMachine(const std::string& description_json, int64_t etag);
+  absl::StatusOr<MachineRecord> DeleteMachine(const MachineId& id, int64_t etag);
+
+  // ---- sessions
+  // Stores a whole session durably: chunks as options say, resumed where the server stands when the stream breaks. The
+  // request id is the session's content, so the same session is stored once, whoever crashed in between. `progress` is
+  // called on this thread.
+  absl::StatusOr<UploadResult> Upload(const MachineId& machine, const session::Session& session,
+                                      const ProgressCallback& progress = nullptr);
+  // With header and columns.
+  absl::StatusOr<SessionRecord> GetSession(SessionId id);
+  // Newest first, without header and columns.
+  absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter = {}, const PageRequest& page = {});
+  absl::StatusOr<SessionRecord> AbortSession(SessionId id);
+  absl::StatusOr<session::Session> DownloadSession(SessionId id);
+
+  // ---- jobs
+  absl::StatusOr<JobRecord> CreateJob(const convert::JobParams& params, const std::string& request_id = "");
+  absl::StatusOr<JobRecord> GetJob(JobId id);
+  // Newest first.
+  absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter = {}, const PageRequest& page = {});
+  absl::StatusOr<JobRecord> CancelJob(JobId id);
+  absl::StatusOr<JobRecord> RequeueJob(JobId id);
+  // As it stands when it has ended or `timeout` is over.
+  absl::StatusOr<JobRecord> WaitJob(JobId id, std::chrono::milliseconds timeout);
+  // Calls `on_change` with the job now and after each change until it has ended; returns it as it ended. `on_change`
+  // returning false ends the watch early (the job goes on). Resumes over a restart of the server.
+  absl::StatusOr<JobRecord> WatchJob(JobId id, const std::function<bool(const JobRecord&)>& on_change);
+
+  // ---- calibrations
+  // Newest first, without JSON texts.
+  absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter = {},
+                                                           const PageRequest& page = {});
+  absl::StatusOr<CalibrationRecord> GetCalibration(CalibrationId id);
+  // NOT_FOUND CALIBRATION_NOT_FOUND when the machine has none.
+  absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine);
+  // Puts it in use; the machine's former one retires. Approving an older version is the way back. ABORTED
+  // ETAG_MISMATCH.
+  absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t etag, const std::string& approved_by);
+  absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t etag);
+
+  // ---- programs, byte for byte; resumed when the stream breaks
+  absl::StatusOr<ProgramRecord> PutProgram(const std::string& name, const std::string& bytes,
+                                           const ProgressCallback& progress = nullptr);
+  // From a file, in constant memory. NOT_FOUND when it cannot be read.
+  absl::StatusOr<ProgramRecord> PutProgramFile(const std::string& path, const ProgressCallback& progress = nullptr);
+  absl::StatusOr<std::string> GetProgram(ProgramId id, const ProgressCallback& progress = nullptr);
+  // In constant memory: `take` gets the bytes in order; its error ends the call and is returned. DATA_LOSS when the
+  // checksum does not fit at the end: then what was taken must not be used.
+  absl::StatusOr<ProgramRecord> GetProgram(ProgramId id,
+                                           const std::function<absl::Status(const std::string& bytes)>& take,
+                                           const ProgressCallback& progress = nullptr);
+  absl::StatusOr<Page<ProgramRecord>> ListPrograms(const PageRequest& page = {});
+
+  // ---- history
+  absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query);
+  // The newest estimate of each symbol (none named: all) of every machine.
+  absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page = {});
+
+  // ---- the server
+  absl::StatusOr<ServerInfo> GetServerInfo();
+  // OK while the server takes work, UNAVAILABLE (DRAINING) while it stops.
+  absl::Status CheckHealth();
+
+ private:
+  class Impl;
+  explicit Client(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace axiscal::client
+
+#endif  // AXISCAL_CLIENT_CLIENT_H_

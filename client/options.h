@@ -1,0 +1,46 @@
+// How a client behaves: deadlines, retries, windows.
+#ifndef AXISCAL_CLIENT_OPTIONS_H_
+#define AXISCAL_CLIENT_OPTIONS_H_
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "core/base/status.h"
+
+namespace axiscal::client {
+
+struct Options {
+  // Who asks, as written into created_by and the audit. Request ids are this user's own.
+  std::string user = "anonymous";
+  // How long Connect() waits for the server; 0 connects when the first call needs it.
+  std::chrono::milliseconds connect_deadline = std::chrono::seconds(5);
+  // Of one call, its retries included. Longer over slow links.
+  std::chrono::milliseconds call_deadline = std::chrono::seconds(20);
+  // Of one upload, download or watch stream; a stream that made progress before is resumed.
+  std::chrono::milliseconds stream_deadline = std::chrono::minutes(30);
+  // A transfer gives up after so long without any progress. Longer for cells that must survive a server's restart.
+  std::chrono::milliseconds give_up_after = std::chrono::seconds(60);
+  // Wait between attempts: doubles from first to max.
+  std::chrono::milliseconds first_backoff = std::chrono::milliseconds(100);
+  std::chrono::milliseconds max_backoff = std::chrono::seconds(1);
+  // Readings per chunk, 1 to 4096. Smaller where memory is scarce; below 100 it is slow.
+  int chunk_readings = 1000;
+  // Chunks sent and not yet acknowledged, at most, 1 to 64.
+  int window_chunks = 8;
+};
+
+// INVALID_ARGUMENT that names field, value and rule.
+absl::Status Validate(const Options& options);
+
+// How far a transfer is.
+struct TransferProgress {
+  int64_t done = 0;  // readings (sessions) or bytes (programs) that the other side has for sure
+  int64_t total = 0;
+  int interruptions = 0;  // how often the stream broke and was resumed
+};
+using ProgressCallback = std::function<void(const TransferProgress&)>;
+
+}  // namespace axiscal::client
+
+#endif  // AXISCAL_CLIENT_OPTIONS_H_

@@ -1,0 +1,104 @@
+#include "proto/convert/calibration.h"
+
+#include "proto/convert/field.h"
+#include "proto/convert/time.h"
+
+namespace axiscal::convert {
+namespace {
+
+v1::Provenance ProvenanceToProto(const storage::CalibrationRecord& record) {
+  v1::Provenance message;
+  if (record.job) message.set_job_id(record.job->number());
+  for (const SessionId& id : record.content.sessions) message.add_session_ids(id.number());
+  message.set_machine_revision(record.content.machine_revision);
+  message.set_options_json(record.content.options_json);
+  message.set_engine_version(record.content.engine_version);
+  message.set_created_by(record.content.created_by);
+  message.set_measured_utc_us(base::ToUtcUs(record.content.measured_at));
+  return message;
+}
+
+void ProvenanceFromProto(const v1::Provenance& message, storage::CalibrationRecord* record) {
+  if (message.job_id() != 0) record->job = JobId(message.job_id());
+  for (const int64_t id : message.session_ids()) record->content.sessions.push_back(SessionId(id));
+  record->content.machine_revision = message.machine_revision();
+  record->content.options_json = message.options_json();
+  record->content.engine_version = message.engine_version();
+  record->content.created_by = message.created_by();
+  record->content.measured_at = base::FromUtcUs(message.measured_utc_us());
+}
+
+v1::FitStatistics StatisticsToProto(const storage::NewCalibration& content) {
+  v1::FitStatistics message;
+  message.set_rank(content.rank);
+  if (content.condition) message.set_condition(*content.condition);
+  if (content.chi2_per_dof) message.set_chi2_per_dof(*content.chi2_per_dof);
+  if (content.rms_before_um) message.set_rms_before_um(*content.rms_before_um);
+  if (content.rms_after_um) message.set_rms_after_um(*content.rms_after_um);
+  return message;
+}
+
+void StatisticsFromProto(const v1::FitStatistics& message, storage::NewCalibration* content) {
+  content->rank = message.rank();
+  if (message.has_condition()) content->condition = message.condition();
+  if (message.has_chi2_per_dof()) content->chi2_per_dof = message.chi2_per_dof();
+  if (message.has_rms_before_um()) content->rms_before_um = message.rms_before_um();
+  if (message.has_rms_after_um()) content->rms_after_um = message.rms_after_um();
+}
+
+}  // namespace
+
+v1::Calibration ToProto(const storage::CalibrationRecord& record) {
+  v1::Calibration message;
+  message.set_calibration_id(record.id.number());
+  message.set_machine_id(record.content.machine.text());
+  message.set_version(record.version);
+  message.set_state(ToProto(record.state));
+  message.set_etag(record.etag);
+  message.set_created_utc_us(base::ToUtcUs(record.created_at));
+  SET_OPTIONAL_UTC(message, approved_utc_us, record.approved_at);
+  message.set_approved_by(record.approved_by);
+  SET_OPTIONAL_UTC(message, retired_utc_us, record.retired_at);
+  *message.mutable_statistics() = StatisticsToProto(record.content);
+  for (const storage::Estimate& estimate : record.content.estimates) *message.add_estimates() = ToProto(estimate);
+  for (const Combination& combination : CombinationsOf(record.content.report_json)) {
+    v1::Combination* const out = message.add_combinations();
+    out->set_name(combination.name);
+    if (combination.value) out->set_value(*combination.value);
+    if (combination.sigma) out->set_sigma(*combination.sigma);
+    out->set_unit(combination.unit);
+  }
+  *message.mutable_provenance() = ProvenanceToProto(record);
+  message.set_model_json(record.content.model_json);
+  message.set_report_json(record.content.report_json);
+  return message;
+}
+
+absl::StatusOr<storage::CalibrationRecord> FromProto(const v1::Calibration& message) {
+  RETURN_IF_ERROR(RequirePositive("calibration_id", message.calibration_id()));
+  RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
+  RETURN_IF_ERROR(RequirePositive("version", message.version()));
+  RETURN_IF_ERROR(RequirePositive("etag", message.etag()));
+  storage::CalibrationRecord record;
+  record.id = CalibrationId(message.calibration_id());
+  record.version = message.version();
+  ASSIGN_OR_RETURN(record.state, FromProto(message.state()));
+  record.etag = message.etag();
+  record.created_at = base::FromUtcUs(message.created_utc_us());
+  record.approved_at = OPTIONAL_UTC(message, approved_utc_us);
+  record.approved_by = message.approved_by();
+  record.retired_at = OPTIONAL_UTC(message, retired_utc_us);
+  record.content.machine = MachineId(message.machine_id());
+  for (int i = 0; i < message.estimates_size(); ++i) {
+    absl::StatusOr<storage::Estimate> estimate = FromProto(message.estimates(i));
+    if (!estimate.ok()) return InField(absl::StrCat("estimates[", i, "]"), estimate.status());
+    record.content.estimates.push_back(*std::move(estimate));
+  }
+  StatisticsFromProto(message.statistics(), &record.content);
+  ProvenanceFromProto(message.provenance(), &record);
+  record.content.model_json = message.model_json();
+  record.content.report_json = message.report_json();
+  return record;
+}
+
+}  // namespace axiscal::convert

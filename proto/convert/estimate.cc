@@ -1,0 +1,105 @@
+// States, units, estimates and named combinations of calibrations.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "proto/convert/calibration.h"
+#include "proto/convert/field.h"
+
+namespace axiscal::convert {
+namespace {
+
+std::optional<double> NumberOf(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number()) return std::nullopt;
+  return found->get<double>();
+}
+
+std::string TextOf(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+v1::CalibrationState ToProto(storage::CalibrationState state) {
+  switch (state) {
+    case storage::CalibrationState::kCandidate:
+      return v1::CALIBRATION_STATE_CANDIDATE;
+    case storage::CalibrationState::kApproved:
+      return v1::CALIBRATION_STATE_APPROVED;
+    case storage::CalibrationState::kRetired:
+      return v1::CALIBRATION_STATE_RETIRED;
+  }
+  return v1::CALIBRATION_STATE_UNSPECIFIED;
+}
+
+absl::StatusOr<storage::CalibrationState> FromProto(v1::CalibrationState state) {
+  switch (state) {
+    case v1::CALIBRATION_STATE_CANDIDATE:
+      return storage::CalibrationState::kCandidate;
+    case v1::CALIBRATION_STATE_APPROVED:
+      return storage::CalibrationState::kApproved;
+    case v1::CALIBRATION_STATE_RETIRED:
+      return storage::CalibrationState::kRetired;
+    default:
+      return FieldError("state", absl::StrCat(static_cast<int>(state), ", must be CANDIDATE, APPROVED or RETIRED"));
+  }
+}
+
+v1::EstimateUnit ToProto(storage::EstimateUnit unit) {
+  return unit == storage::EstimateUnit::kUm ? v1::ESTIMATE_UNIT_UM : v1::ESTIMATE_UNIT_URAD;
+}
+
+absl::StatusOr<storage::EstimateUnit> FromProto(v1::EstimateUnit unit) {
+  if (unit == v1::ESTIMATE_UNIT_UM) return storage::EstimateUnit::kUm;
+  if (unit == v1::ESTIMATE_UNIT_URAD) return storage::EstimateUnit::kUrad;
+  return FieldError("unit", absl::StrCat(static_cast<int>(unit), ", must be UM or URAD"));
+}
+
+v1::Estimate ToProto(const storage::Estimate& estimate) {
+  v1::Estimate message;
+  message.set_symbol(estimate.symbol);
+  message.set_unit(ToProto(estimate.unit));
+  message.set_identifiable(estimate.identifiable);
+  if (estimate.value) message.set_value(*estimate.value);
+  if (estimate.sigma) message.set_sigma(*estimate.sigma);
+  return message;
+}
+
+absl::StatusOr<storage::Estimate> FromProto(const v1::Estimate& message) {
+  RETURN_IF_ERROR(RequireText("symbol", message.symbol(), 1, 100));
+  storage::Estimate estimate;
+  estimate.symbol = message.symbol();
+  ASSIGN_OR_RETURN(estimate.unit, FromProto(message.unit()));
+  estimate.identifiable = message.identifiable();
+  if (message.identifiable()) RETURN_IF_ERROR(RequireMessage("value", message.has_value()));
+  if (message.has_value()) {
+    RETURN_IF_ERROR(RequireFinite("value", message.value()));
+    estimate.value = message.value();
+  }
+  if (message.has_sigma()) {
+    RETURN_IF_ERROR(RequireFinite("sigma", message.sigma()));
+    if (message.sigma() < 0) return FieldError("sigma", absl::StrCat(message.sigma(), ", must be >= 0"));
+    estimate.sigma = message.sigma();
+  }
+  return estimate;
+}
+
+std::vector<Combination> CombinationsOf(const std::string& report_json) {
+  const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, /*allow_exceptions=*/false);
+  std::vector<Combination> combinations;
+  if (!report.is_object()) return combinations;
+  const auto found = report.find("combinations");
+  if (found == report.end() || !found->is_array()) return combinations;
+  for (const nlohmann::json& entry : *found) {
+    if (entry.is_string()) {
+      combinations.push_back({entry.get<std::string>(), {}, {}, ""});
+    } else if (entry.is_object()) {
+      combinations.push_back(
+          {TextOf(entry, "name"), NumberOf(entry, "value"), NumberOf(entry, "sigma"), TextOf(entry, "unit")});
+    }
+  }
+  return combinations;
+}
+
+}  // namespace axiscal::convert

@@ -1,0 +1,27 @@
+// Drift history on the wire.
+#ifndef AXISCAL_PROTO_CONVERT_HISTORY_H_
+#define AXISCAL_PROTO_CONVERT_HISTORY_H_
+
+#include "axiscal/v1/history_service.pb.h"
+#include "core/base/status.h"
+#include "server/storage/records.h"
+
+namespace axiscal::convert {
+
+inline constexpr int kDefaultDriftPoints = 500;
+inline constexpr int kMaxDriftPoints = 100'000;
+
+v1::QueryDriftRequest ToProto(const storage::DriftQuery& query);
+// Unset ends are the beginning and the end of time. FIELD_INVALID: no machine, from after to, max_points outside 0 to
+// kMaxDriftPoints.
+absl::StatusOr<storage::DriftQuery> FromProto(const v1::QueryDriftRequest& message);
+
+v1::DriftSeries ToProto(const storage::DriftSeries& series);
+absl::StatusOr<storage::DriftSeries> FromProto(const v1::DriftSeries& message);
+
+v1::MachineLatest ToProto(const storage::FleetRow& row);
+absl::StatusOr<storage::FleetRow> FromProto(const v1::MachineLatest& message);
+
+}  // namespace axiscal::convert
+
+#endif  // AXISCAL_PROTO_CONVERT_HISTORY_H_

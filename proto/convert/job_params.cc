@@ -1,0 +1,125 @@
+#include "proto/convert/job_params.h"
+
+#include <set>
+
+#include "proto/convert/field.h"
+
+namespace axiscal::convert {
+namespace {
+
+v1::IdentifyParams IdentifyToProto(const IdentifyParams& params) {
+  v1::IdentifyParams message;
+  message.set_machine_id(params.machine.text());
+  for (const SessionId& id : params.sessions) message.add_session_ids(id.number());
+  for (const std::string& symbol : params.declared) message.add_declared_errors(symbol);
+  return message;
+}
+
+absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
+  RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
+  RETURN_IF_ERROR(RequireMessage("session_ids", message.session_ids_size() > 0));
+  IdentifyParams params;
+  params.machine = MachineId(message.machine_id());
+  std::set<int64_t> seen;
+  for (int i = 0; i < message.session_ids_size(); ++i) {
+    const std::string field = absl::StrCat("session_ids[", i, "]");
+    RETURN_IF_ERROR(RequirePositive(field, message.session_ids(i)));
+    if (!seen.insert(message.session_ids(i)).second) {
+      return FieldError(field, absl::StrCat(message.session_ids(i), " stands twice"));
+    }
+    params.sessions.push_back(SessionId(message.session_ids(i)));
+  }
+  for (int i = 0; i < message.declared_errors_size(); ++i) {
+    RETURN_IF_ERROR(RequireText(absl::StrCat("declared_errors[", i, "]"), message.declared_errors(i), 1, 100));
+    params.declared.push_back(message.declared_errors(i));
+  }
+  return params;
+}
+
+v1::CompensateParams CompensateToProto(const CompensateParams& params) {
+  v1::CompensateParams message;
+  message.set_machine_id(params.machine.text());
+  message.set_program_id(params.program.number());
+  if (params.calibration) message.set_calibration_id(params.calibration->number());
+  for (const double value_mm : params.tool_tip_mm) message.add_tool_tip_mm(value_mm);
+  *message.mutable_options() = ToProto(params.options);
+  if (params.time_s) message.set_time_s(*params.time_s);
+  if (params.temperature_celsius) message.set_temperature_celsius(*params.temperature_celsius);
+  return message;
+}
+
+absl::StatusOr<JobParams> CompensateFromProto(const v1::CompensateParams& message) {
+  RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
+  RETURN_IF_ERROR(RequirePositive("program_id", message.program_id()));
+  CompensateParams params;
+  params.machine = MachineId(message.machine_id());
+  params.program = ProgramId(message.program_id());
+  if (message.has_calibration_id()) {
+    RETURN_IF_ERROR(RequirePositive("calibration_id", message.calibration_id()));
+    params.calibration = CalibrationId(message.calibration_id());
+  }
+  if (message.tool_tip_mm_size() != 3) {
+    return FieldError("tool_tip_mm", absl::StrCat(message.tool_tip_mm_size(), " numbers, must be 3"));
+  }
+  for (int i = 0; i < 3; ++i) {
+    RETURN_IF_ERROR(RequireFinite(absl::StrCat("tool_tip_mm[", i, "]"), message.tool_tip_mm(i)));
+    params.tool_tip_mm[i] = message.tool_tip_mm(i);
+  }
+  absl::StatusOr<nc::RewriteOptions> options = FromProto(message.options());
+  if (!options.ok()) return InField("options", options.status());
+  params.options = *std::move(options);
+  if (message.has_time_s()) {
+    RETURN_IF_ERROR(RequireFinite("time_s", message.time_s()));
+    params.time_s = message.time_s();
+  }
+  if (message.has_temperature_celsius()) {
+    RETURN_IF_ERROR(RequireFinite("temperature_celsius", message.temperature_celsius()));
+    params.temperature_celsius = message.temperature_celsius();
+  }
+  return params;
+}
+
+}  // namespace
+
+std::string KindOf(const JobParams& params) {
+  return std::holds_alternative<IdentifyParams>(params) ? kIdentify : kCompensate;
+}
+
+const MachineId& MachineOf(const JobParams& params) {
+  return std::visit([](const auto& kind) -> const MachineId& { return kind.machine; }, params);
+}
+
+v1::JobParams ToProto(const JobParams& params) {
+  v1::JobParams message;
+  if (const auto* identify = std::get_if<IdentifyParams>(&params)) {
+    *message.mutable_identify() = IdentifyToProto(*identify);
+  } else {
+    *message.mutable_compensate() = CompensateToProto(std::get<CompensateParams>(params));
+  }
+  return message;
+}
+
+absl::StatusOr<JobParams> FromProto(const v1::JobParams& message) {
+  switch (message.kind_case()) {
+    case v1::JobParams::kIdentify: {
+      absl::StatusOr<JobParams> params = IdentifyFromProto(message.identify());
+      return params.ok() ? params : InField("identify", params.status());
+    }
+    case v1::JobParams::kCompensate: {
+      absl::StatusOr<JobParams> params = CompensateFromProto(message.compensate());
+      return params.ok() ? params : InField("compensate", params.status());
+    }
+    default:
+      return FieldError("kind", "must be one of identify, compensate");
+  }
+}
+
+std::string Serialize(const JobParams& params) { return ToProto(params).SerializeAsString(); }
+
+absl::StatusOr<JobParams> ParseJobParams(const std::string& bytes) {
+  v1::JobParams message;
+  if (!message.ParseFromString(bytes)) return absl::DataLossError("the job's params are no message");
+  return FromProto(message);
+}
+
+}  // namespace axiscal::convert

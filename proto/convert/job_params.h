@@ -1,0 +1,59 @@
+// What a job is to do, as client and job runner see it. The store keeps it as the bytes of its message.
+#ifndef AXISCAL_PROTO_CONVERT_JOB_PARAMS_H_
+#define AXISCAL_PROTO_CONVERT_JOB_PARAMS_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "axiscal/v1/job.pb.h"
+#include "core/base/ids.h"
+#include "core/base/status.h"
+#include "core/nc/options.h"
+
+namespace axiscal::convert {
+
+// Fit a machine's errors to sessions; makes a candidate calibration.
+struct IdentifyParams {
+  MachineId machine;
+  std::vector<SessionId> sessions;    // complete ones of that machine
+  std::vector<std::string> declared;  // errors to fit ("EA0B"); empty: those that the machine declares
+};
+
+// Rewrite a stored NC program for a machine's errors; makes a program.
+struct CompensateParams {
+  MachineId machine;
+  ProgramId program;
+  std::optional<CalibrationId> calibration;  // nothing: the machine's approved one. A candidate must be named.
+  Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();  // nominal tool point at home, machine frame
+  nc::RewriteOptions options;                             // its `calibration` and `source_crc32` are set by the job
+  std::optional<double> time_s;                           // when the program will run, of the sessions' clock
+  std::optional<double> temperature_celsius;
+};
+
+using JobParams = std::variant<IdentifyParams, CompensateParams>;
+
+inline constexpr char kIdentify[] = "identify";
+inline constexpr char kCompensate[] = "compensate";
+// The store's name of the kind.
+std::string KindOf(const JobParams& params);
+const MachineId& MachineOf(const JobParams& params);
+
+v1::JobParams ToProto(const JobParams& params);
+// FIELD_INVALID: no kind, no machine, no session or one twice, a tool tip of other than three finite numbers, unknown
+// choices. Symbols, dialects and the like are judged by the engine that uses them.
+absl::StatusOr<JobParams> FromProto(const v1::JobParams& message);
+
+v1::RewriteOptions ToProto(const nc::RewriteOptions& options);
+// Unset fields take the defaults of nc::RewriteOptions.
+absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message);
+
+// The bytes that the store keeps, and back. Equal params have equal bytes.
+std::string Serialize(const JobParams& params);
+absl::StatusOr<JobParams> ParseJobParams(const std::string& bytes);
+
+}  // namespace axiscal::convert
+
+#endif  // AXISCAL_PROTO_CONVERT_JOB_PARAMS_H_

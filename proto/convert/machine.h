@@ -1,0 +1,17 @@
+// Machines on the wire. The description travels as its JSON text; machine::MachineFromJson reads it.
+#ifndef AXISCAL_PROTO_CONVERT_MACHINE_H_
+#define AXISCAL_PROTO_CONVERT_MACHINE_H_
+
+#include "axiscal/v1/machine.pb.h"
+#include "core/base/status.h"
+#include "server/storage/records.h"
+
+namespace axiscal::convert {
+
+v1::Machine ToProto(const storage::MachineRecord& record);
+// INVALID_ARGUMENT FIELD_INVALID: no id, no description, an etag that is none.
+absl::StatusOr<storage::MachineRecord> FromProto(const v1::Machine& message);
+
+}  // namespace axiscal::convert
+
+#endif  // AXISCAL_PROTO_CONVERT_MACHINE_H_

@@ -1,0 +1,105 @@
+// nc::RewriteOptions on the wire.
+#include "proto/convert/field.h"
+#include "proto/convert/job_params.h"
+
+namespace axiscal::convert {
+namespace {
+
+v1::OnUnsupported ToProto(nc::OnUnsupported value) {
+  return value == nc::OnUnsupported::kRefuse ? v1::ON_UNSUPPORTED_REFUSE : v1::ON_UNSUPPORTED_PASS;
+}
+
+v1::BlockDelete ToProto(nc::BlockDelete value) {
+  if (value == nc::BlockDelete::kExecuted) return v1::BLOCK_DELETE_EXECUTED;
+  return value == nc::BlockDelete::kSkipped ? v1::BLOCK_DELETE_SKIPPED : v1::BLOCK_DELETE_EITHER;
+}
+
+v1::IntegerWords ToProto(nc::IntegerWords value) {
+  return value == nc::IntegerWords::kWholeUnits ? v1::INTEGER_WORDS_WHOLE_UNITS : v1::INTEGER_WORDS_LEAST_INCREMENT;
+}
+
+absl::Status ReadChoices(const v1::RewriteOptions& message, nc::RewriteOptions* options) {
+  if (message.on_unsupported() == v1::ON_UNSUPPORTED_PASS) {
+    options->on_unsupported = nc::OnUnsupported::kPass;
+  } else if (message.on_unsupported() > v1::ON_UNSUPPORTED_PASS) {
+    return FieldError("on_unsupported", "must be REFUSE or PASS");
+  }
+  if (message.block_delete() == v1::BLOCK_DELETE_EXECUTED) {
+    options->block_delete = nc::BlockDelete::kExecuted;
+  } else if (message.block_delete() == v1::BLOCK_DELETE_SKIPPED) {
+    options->block_delete = nc::BlockDelete::kSkipped;
+  } else if (message.block_delete() > v1::BLOCK_DELETE_SKIPPED) {
+    return FieldError("block_delete", "must be EITHER, EXECUTED or SKIPPED");
+  }
+  if (message.integer_words() == v1::INTEGER_WORDS_LEAST_INCREMENT) {
+    options->integer_words = nc::IntegerWords::kLeastIncrement;
+  } else if (message.integer_words() > v1::INTEGER_WORDS_LEAST_INCREMENT) {
+    return FieldError("integer_words", "must be WHOLE_UNITS or LEAST_INCREMENT");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<nc::AxisValue>> ReadAxisValues(
+    const std::string& field, const google::protobuf::RepeatedPtrField<v1::AxisValue>& message) {
+  std::vector<nc::AxisValue> values;
+  for (int i = 0; i < message.size(); ++i) {
+    const std::string at = absl::StrCat(field, "[", i, "]");
+    RETURN_IF_ERROR(RequireText(at + ".axis", message[i].axis(), 1, 20));
+    RETURN_IF_ERROR(RequireFinite(at + ".value_mm_or_rad", message[i].value_mm_or_rad()));
+    values.push_back({message[i].axis(), message[i].value_mm_or_rad()});
+  }
+  return values;
+}
+
+void WriteAxisValues(const std::vector<nc::AxisValue>& values,
+                     google::protobuf::RepeatedPtrField<v1::AxisValue>* message) {
+  for (const nc::AxisValue& value : values) {
+    v1::AxisValue* const out = message->Add();
+    out->set_axis(value.axis);
+    out->set_value_mm_or_rad(value.value);
+  }
+}
+
+}  // namespace
+
+v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
+  v1::RewriteOptions message;
+  message.set_dialect(options.dialect);
+  message.set_on_unsupported(ToProto(options.on_unsupported));
+  message.set_block_delete(ToProto(options.block_delete));
+  message.set_integer_words(ToProto(options.integer_words));
+  message.set_decimals_mm(options.decimals_mm);
+  message.set_decimals_inch(options.decimals_inch);
+  message.set_max_correction_mm(options.max_correction_mm);
+  message.set_tolerance_mm(options.tolerance_mm);
+  WriteAxisValues(options.initial_position, message.mutable_initial_position());
+  for (const nc::WorkOffset& offset : options.work_offsets) {
+    v1::WorkOffset* const out = message.add_work_offsets();
+    out->set_code(offset.code);
+    WriteAxisValues(offset.offsets, out->mutable_offsets());
+  }
+  return message;
+}
+
+absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) {
+  nc::RewriteOptions options;
+  RETURN_IF_ERROR(ReadChoices(message, &options));
+  if (message.has_dialect()) options.dialect = message.dialect();
+  if (message.has_decimals_mm()) options.decimals_mm = message.decimals_mm();
+  if (message.has_decimals_inch()) options.decimals_inch = message.decimals_inch();
+  if (message.has_max_correction_mm()) options.max_correction_mm = message.max_correction_mm();
+  if (message.has_tolerance_mm()) options.tolerance_mm = message.tolerance_mm();
+  if (!(options.max_correction_mm > 0)) return FieldError("max_correction_mm", "must be > 0");
+  if (!(options.tolerance_mm > 0)) return FieldError("tolerance_mm", "must be > 0");
+  ASSIGN_OR_RETURN(options.initial_position, ReadAxisValues("initial_position", message.initial_position()));
+  for (int i = 0; i < message.work_offsets_size(); ++i) {
+    const v1::WorkOffset& offset = message.work_offsets(i);
+    const std::string field = absl::StrCat("work_offsets[", i, "]");
+    RETURN_IF_ERROR(RequireText(field + ".code", offset.code(), 1, 20));
+    ASSIGN_OR_RETURN(std::vector<nc::AxisValue> values, ReadAxisValues(field + ".offsets", offset.offsets()));
+    options.work_offsets.push_back({offset.code(), std::move(values)});
+  }
+  return options;
+}
+
+}  // namespace axiscal::convert
