@@ -47,7 +47,7 @@ TEST(ErrorJson, EveryShapeComesBackAsItWasWritten) {
 
 TEST(ErrorJson, BadInputNamesTheEntryAndTheRule) {
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"", "errors: line 1"},
+      {"", "errors: is empty"},
       {"[1]", "expected an object"},
       {R"({"EA0B": -101.2)", "errors: line 1"},
       {R"({"EA0Q": 1})", "machine 'mt' has no axis Q"},

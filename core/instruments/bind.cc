@@ -1,0 +1,187 @@
+#include <charconv>
+#include <cmath>
+
+#include "core/base/units.h"
+#include "core/instruments/centres/centres_model.h"
+#include "core/instruments/registry.h"
+#include "core/instruments/run.h"
+#include "core/instruments/tracker/tracker_model.h"
+
+namespace axiscal::instruments {
+namespace {
+
+using base::kMmPerUm;
+using base::kRadPerDeg;
+using session::Session;
+
+class Binder {
+ public:
+  Binder(const Session& session, const machine::Machine& machine) : session_(session), machine_(machine) {}
+
+  absl::StatusOr<MeasuringRun> Bind() {
+    RETURN_IF_ERROR(BindHeader());
+    RETURN_IF_ERROR(BindReadings());
+    RETURN_IF_ERROR(BindPositions());
+    RETURN_IF_ERROR(BindTimes());
+    DeriveMotion(&run_);
+    if (run_.kind == Kind::kTracker) run_.tracker_from_machine = tracker::StartingPose(machine_, run_);
+    return std::move(run_);
+  }
+
+ private:
+  absl::Status Refuse(const std::string& what) const {
+    return absl::InvalidArgumentError(absl::StrCat("session '", run_.session, "': ", what));
+  }
+
+  absl::StatusOr<std::string> Text(const std::string& key) const {
+    const std::optional<std::string> value = session::FindHeader(session_, key);
+    if (!value) return Refuse(absl::StrCat("header key '", key, "' is missing"));
+    return *value;
+  }
+
+  // `count` finite numbers separated by blanks.
+  absl::StatusOr<std::vector<double>> Numbers(const std::string& key, size_t count) const {
+    ASSIGN_OR_RETURN(const std::string text, Text(key));
+    std::vector<double> numbers;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    while (true) {
+      while (at != end && (*at == ' ' || *at == '\t')) ++at;
+      if (at == end) break;
+      double number = 0.0;
+      const auto [next, error] = std::from_chars(at, end, number);
+      if (error != std::errc() || !std::isfinite(number)) break;
+      numbers.push_back(number);
+      at = next;
+    }
+    if (at != end || numbers.size() != count) {
+      return Refuse(absl::StrCat("header '", key, ": ", text, "', expected ", count, " number(s)"));
+    }
+    return numbers;
+  }
+
+  absl::StatusOr<double> PositiveNumber(const std::string& key) const {
+    ASSIGN_OR_RETURN(const std::vector<double> numbers, Numbers(key, 1));
+    if (numbers[0] <= 0.0) return Refuse(absl::StrCat("header '", key, ": ", numbers[0], "', must be > 0"));
+    return numbers[0];
+  }
+
+  absl::StatusOr<Eigen::Vector3d> Point(const std::string& key) const {
+    ASSIGN_OR_RETURN(const std::vector<double> numbers, Numbers(key, 3));
+    return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+  }
+
+  // A header may state the setup better than the prior does: `# ball_x_sigma_um: 2`.
+  absl::Status ReadPriors() {
+    for (SetupParameter& parameter : run_.setup) {
+      const std::string key = absl::StrCat(parameter.name, parameter.is_angle ? "_sigma_urad" : "_sigma_um");
+      if (!session::FindHeader(session_, key)) continue;
+      ASSIGN_OR_RETURN(const double sigma, PositiveNumber(key));
+      parameter.prior_sigma = sigma * (parameter.is_angle ? base::kRadPerUrad : kMmPerUm);
+      parameter.is_weak = false;  // stated by whoever mounted it: knowledge
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status BindHeader() {
+    run_.session = session::FindHeader(session_, "session").value_or("");
+    ASSIGN_OR_RETURN(run_.session, Text("session"));
+    ASSIGN_OR_RETURN(const std::string machine, Text("machine"));
+    if (machine != machine_.id) {
+      return Refuse(absl::StrCat("was measured on machine '", machine, "', expected '", machine_.id, "'"));
+    }
+    ASSIGN_OR_RETURN(const std::string name, Text("instrument"));
+    instrument_ = FindInstrument(name);
+    if (instrument_ == nullptr) return Refuse(absl::StrCat("instrument '", name, "' cannot be identified from yet"));
+    run_.kind = instrument_->kind;
+    run_.setup = instrument_->setup();
+    run_.setup_name = session::FindHeader(session_, "setup").value_or(run_.session);
+    ASSIGN_OR_RETURN(const double sigma_um, PositiveNumber("sigma_um"));
+    run_.sigma_mm = sigma_um * kMmPerUm;
+    ASSIGN_OR_RETURN(run_.tip_mm, Point("tool_tip_mm"));
+    if (instrument_->has_table_ball) {
+      ASSIGN_OR_RETURN(run_.ball_mm, Point("table_ball_mm"));
+    }
+    if (instrument_->has_bar) {
+      ASSIGN_OR_RETURN(run_.bar_length_mm, PositiveNumber("bar_length_mm"));
+    }
+    return ReadPriors();
+  }
+
+  absl::StatusOr<const session::Column*> ColumnOf(const std::string& name) const {
+    const session::Column* column = session::FindColumn(session_, name);
+    if (column == nullptr) return Refuse(absl::StrCat("column '", name, "' is missing"));
+    if (column->values.size() != session_.reading_count()) {
+      return Refuse(absl::StrCat("column '", name, "' has ", column->values.size(), " numbers, expected ",
+                                 session_.reading_count()));
+    }
+    for (size_t k = 0; k < column->values.size(); ++k) {
+      if (!std::isfinite(column->values[k])) {
+        return Refuse(absl::StrCat("reading ", k + 1, ": ", name, " = ", column->values[k], ", expected a number"));
+      }
+    }
+    return column;
+  }
+
+  absl::Status BindReadings() {
+    const size_t readings = session_.reading_count();
+    if (readings == 0) return Refuse("has no readings");
+    run_.row_count = static_cast<int>(instrument_->reading_columns.size());
+    run_.measured_mm.resize(run_.row_count, readings);
+    for (int row = 0; row < run_.row_count; ++row) {
+      ASSIGN_OR_RETURN(const session::Column* column, ColumnOf(instrument_->reading_columns[row]));
+      for (size_t k = 0; k < readings; ++k) run_.measured_mm(row, k) = column->values[k];
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status BindPositions() {
+    run_.axis_count = machine_.axis_count();
+    const size_t readings = session_.reading_count();
+    run_.positions.assign(run_.axis_count * readings, 0.0);
+    for (int axis = 0; axis < run_.axis_count; ++axis) {
+      const bool is_rotary = machine_.axes[axis].kind == machine::AxisKind::kRotary;
+      if (!is_rotary && !instrument_->has_linear_columns) continue;
+      ASSIGN_OR_RETURN(const session::Column* column,
+                       ColumnOf(machine_.axes[axis].name + (is_rotary ? "_deg" : "_mm")));
+      const double unit = is_rotary ? kRadPerDeg : 1.0;
+      for (size_t k = 0; k < readings; ++k) run_.positions[k * run_.axis_count + axis] = column->values[k] * unit;
+    }
+    if (instrument_->has_linear_columns) return absl::OkStatus();
+    for (size_t k = 0; k < readings; ++k) {
+      RETURN_IF_ERROR(
+          centres::SolveNominalCommands(machine_, run_.tip_mm, run_.ball_mm, &run_.positions[k * run_.axis_count]));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status BindTimes() {
+    const size_t readings = session_.reading_count();
+    run_.time_s.assign(readings, 0.0);
+    run_.temperature_celsius.assign(readings, shapes::kReferenceTemperatureCelsius);
+    run_.has_time = session::FindColumn(session_, "t_s") != nullptr;
+    run_.has_temperature = session::FindColumn(session_, "temp_C") != nullptr;
+    if (run_.has_time) {
+      ASSIGN_OR_RETURN(const session::Column* column, ColumnOf("t_s"));
+      run_.time_s = column->values;
+    }
+    if (run_.has_temperature) {
+      ASSIGN_OR_RETURN(const session::Column* column, ColumnOf("temp_C"));
+      run_.temperature_celsius = column->values;
+    }
+    return absl::OkStatus();
+  }
+
+  const Session& session_;
+  const machine::Machine& machine_;
+  const Instrument* instrument_ = nullptr;
+  MeasuringRun run_;
+};
+
+}  // namespace
+
+absl::StatusOr<MeasuringRun> BindSession(const Session& session, const machine::Machine& machine) {
+  return Binder(session, machine).Bind();
+}
+
+}  // namespace axiscal::instruments

@@ -1,0 +1,29 @@
+#include "core/instruments/run.h"
+
+namespace axiscal::instruments {
+
+void DeriveMotion(MeasuringRun* run) {
+  const int axes = run->axis_count, readings = run->reading_count();
+  run->axis_states.assign(static_cast<size_t>(axes) * readings, {});
+  for (int axis = 0; axis < axes; ++axis) {
+    shapes::AxisState state;
+    for (int k = 0; k < readings; ++k) {
+      const double position = run->PositionsOf(k)[axis];
+      const double change = k == 0 ? 0.0 : position - state.position;
+      state.position = position;
+      state.speed = 0.0;
+      if (change != 0.0) {
+        const double sense = change > 0.0 ? 1.0 : -1.0;
+        const bool is_reversal = state.sense != 0.0 && sense != state.sense;
+        state.sense = sense;
+        // The reversal happened at the reading before: its travel is what has been covered since.
+        state.travel_since_reversal = (is_reversal ? 0.0 : state.travel_since_reversal) + std::abs(change);
+        const double elapsed_s = run->has_time ? run->time_s[k] - run->time_s[k - 1] : 0.0;
+        if (elapsed_s > 0.0) state.speed = change / elapsed_s;
+      }
+      run->axis_states[static_cast<size_t>(k) * axes + axis] = state;
+    }
+  }
+}
+
+}  // namespace axiscal::instruments

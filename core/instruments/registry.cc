@@ -1,0 +1,27 @@
+#include "core/instruments/registry.h"
+
+#include "core/instruments/ballbar/ballbar_model.h"
+#include "core/instruments/centres/centres_model.h"
+#include "core/instruments/rtest/rtest_model.h"
+#include "core/instruments/tracker/tracker_model.h"
+
+namespace axiscal::instruments {
+
+const std::vector<Instrument>& Instruments() {
+  static const std::vector<Instrument>& rows = *new std::vector<Instrument>{
+      {Kind::kBallbar, "ballbar", {"dL_mm"}, true, true, true, ballbar::SetupParameters},
+      {Kind::kRtest, "rtest", {"dx_mm", "dy_mm", "dz_mm"}, true, false, true, rtest::SetupParameters},
+      {Kind::kCentres, "centres", {"cx_mm", "cy_mm", "cz_mm"}, true, false, false, centres::SetupParameters},
+      {Kind::kTracker, "tracker", {"px_mm", "py_mm", "pz_mm"}, false, false, true, tracker::SetupParameters},
+  };
+  return rows;
+}
+
+const Instrument* FindInstrument(const std::string& name) {
+  for (const Instrument& row : Instruments()) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace axiscal::instruments

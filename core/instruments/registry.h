@@ -1,0 +1,28 @@
+// What the product knows of each instrument that a session may name: one row each.
+#ifndef AXISCAL_CORE_INSTRUMENTS_REGISTRY_H_
+#define AXISCAL_CORE_INSTRUMENTS_REGISTRY_H_
+
+#include <string>
+#include <vector>
+
+#include "core/instruments/run.h"
+
+namespace axiscal::instruments {
+
+struct Instrument {
+  Kind kind;
+  std::string name;                          // as in `# instrument: ballbar`
+  std::vector<std::string> reading_columns;  // mm
+  bool has_table_ball = false;
+  bool has_bar = false;
+  bool has_linear_columns = true;  // false: rotary columns only, linear commands follow from the condition
+  std::vector<SetupParameter> (*setup)();
+};
+
+const std::vector<Instrument>& Instruments();
+// The row with this name, or nullptr.
+const Instrument* FindInstrument(const std::string& name);
+
+}  // namespace axiscal::instruments
+
+#endif  // AXISCAL_CORE_INSTRUMENTS_REGISTRY_H_

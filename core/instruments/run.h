@@ -1,0 +1,72 @@
+// A measuring session bound to its machine: what its columns mean, in core units, with the motion that led to each
+// reading.
+#ifndef AXISCAL_CORE_INSTRUMENTS_RUN_H_
+#define AXISCAL_CORE_INSTRUMENTS_RUN_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/geometry/rigid.h"
+#include "core/machine/machine.h"
+#include "core/session/session.h"
+#include "core/shapes/state.h"
+
+namespace axiscal::instruments {
+
+enum class Kind { kBallbar, kRtest, kCentres, kTracker };
+
+inline constexpr int kMaxRows = 3;             // readings that one line of a session holds
+inline constexpr int kMaxSetupParameters = 9;  // setup offsets of one session
+
+// One setup offset: refitted with its session, never taken for a machine error.
+struct SetupParameter {
+  std::string name;          // ball_x, run_out_x, bar_length, frame_a ...
+  double prior_sigma = 0.0;  // mm or rad; infinite where nothing is known
+  // A weak prior only keeps the offset sane ("mounted by hand"); the others are knowledge that errors may be separated
+  // by.
+  bool is_weak = true;
+  bool is_angle = false;
+};
+
+struct MeasuringRun {
+  std::string session;
+  std::string setup_name;  // sessions with the same name share their setup offsets
+  Kind kind = Kind::kBallbar;
+  double sigma_mm = 0.0;                              // stated repeatability of one reading
+  Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();   // nominal tool point or stylus centre at home, machine frame
+  Eigen::Vector3d ball_mm = Eigen::Vector3d::Zero();  // nominal table ball at home, machine frame
+  double bar_length_mm = 0.0;
+  geometry::Rigid<double> tracker_from_machine;  // tracker only: where its setup offsets start from
+  std::vector<SetupParameter> setup;
+
+  int axis_count = 0;
+  int row_count = 1;  // rows per reading: 1 or 3
+  bool has_time = false, has_temperature = false;
+  // Reading-major: entry k * axis_count + i.
+  std::vector<double> positions;               // mm or rad
+  std::vector<shapes::AxisState> axis_states;  // the same positions with sense, travel and speed
+  std::vector<double> time_s;
+  std::vector<double> temperature_celsius;
+  Eigen::MatrixXd measured_mm;  // row_count x readings; column k = reading k
+
+  int reading_count() const { return static_cast<int>(measured_mm.cols()); }
+  const double* PositionsOf(int reading) const { return positions.data() + static_cast<size_t>(reading) * axis_count; }
+  shapes::State StateOf(int reading) const {
+    return {{axis_states.data() + static_cast<size_t>(reading) * axis_count, static_cast<size_t>(axis_count)},
+            time_s[reading],
+            temperature_celsius[reading]};
+  }
+};
+
+// INVALID_ARGUMENT naming session, key or column and the rule when the session does not fit the machine or its
+// instrument.
+absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine);
+
+// Fills run->axis_states from positions and times: sense of motion is that of the last commanded change (0 before the
+// first), travel counts from the last change of sense.
+void DeriveMotion(MeasuringRun* run);
+
+}  // namespace axiscal::instruments
+
+#endif  // AXISCAL_CORE_INSTRUMENTS_RUN_H_
