@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "core/base/files.h"
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
 
@@ -239,6 +240,13 @@ absl::StatusOr<Machine> MachineFromJson(const std::string& text) {
   ASSIGN_OR_RETURN(machine.tool_direction, ReadDirection(*tool_direction, "tool_direction"));
   RETURN_IF_ERROR(ReadDeclared(root, machine));
   RETURN_IF_ERROR(Validate(machine));
+  return machine;
+}
+
+absl::StatusOr<Machine> ReadMachineFile(const std::string& path) {
+  ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, base::kMaxJsonBytes));
+  auto machine = MachineFromJson(text);
+  if (!machine.ok()) return base::Within(path, machine.status());
   return machine;
 }
 

@@ -18,6 +18,9 @@ namespace axiscal::machine {
 // have length 1".
 absl::StatusOr<Machine> MachineFromJson(const std::string& text);
 
+// The same from a file, its path in front of the message; NOT_FOUND when there is none.
+absl::StatusOr<Machine> ReadMachineFile(const std::string& path);
+
 // One line per axis; reads back as an equal machine.
 std::string MachineToJson(const Machine& machine);
 
