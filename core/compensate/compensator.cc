@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "core/base/units.h"
 #include "core/compensate/folded_chain.h"
@@ -18,6 +20,8 @@ constexpr int kMaxIterations = 50;
 // Smallest ratio of singular values at which three directions count as reached: a degenerate machine has 1e-16, a
 // squareness error of a tenth of a radian 0.9.
 constexpr double kRankTolerance = 1e-6;
+constexpr double kSmoothTurnRad = 15.0 * base::kRadPerDeg;
+constexpr double kSmoothTravelMm = 250.0;  // a quadratic shows in any three samples
 
 bool IsZero(const ErrorTerm& term) {
   for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
@@ -76,6 +80,24 @@ struct Compensator::Impl {
   std::array<bool, machine::kMaxAxes> uses_sense{};
   bool is_constant = true;  // all carried terms are: the folded chain is exact
   FoldedChain nominal, actual;
+  double translation_errors_mm = 0, angle_errors_rad = 0, fixed_lever_mm = 0;  // sums of magnitudes, for DepartureBound
+  std::array<double, machine::kMaxAxes> smooth_travel{};
+
+  void MeasureErrors() {
+    fixed_lever_mm = options.tool_tip_mm.norm();
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      const machine::Axis& axis = machine.axes[i];
+      fixed_lever_mm += 2.0 * axis.point_mm.norm();
+      smooth_travel[i] = axis.kind == machine::AxisKind::kRotary ? kSmoothTurnRad : kSmoothTravelMm;
+    }
+    for (const ErrorTerm& term : carried.terms) {
+      (machine::IsAngle(term.component) ? angle_errors_rad : translation_errors_mm) += std::abs(term.amplitude[0]);
+      if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
+        const double eighth = 0.25 * std::numbers::pi / std::max(std::abs(harmonic->frequency), 1e-9);
+        smooth_travel[harmonic->axis] = std::min(smooth_travel[harmonic->axis], eighth);
+      }
+    }
+  }
 
   machine::JointErrors<double> ErrorsAt(const Pose& pose) const {
     std::array<shapes::AxisState, machine::kMaxAxes> axes;
@@ -216,6 +238,7 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
   for (int i = 0; i < machine.axis_count(); ++i) {
     if (machine.axes[i].kind == machine::AxisKind::kLinear) impl->linear_axes.push_back(i);
   }
+  impl->MeasureErrors();
   if (impl->is_constant) {
     impl->nominal = Fold(impl->machine, impl->linear_axes, {});
     impl->actual = Fold(impl->machine, impl->linear_axes, impl->ErrorsAt({}));
@@ -239,6 +262,27 @@ absl::Status Compensator::Correct(const Pose& pose, Correction* correction) cons
   return impl_->is_constant ? impl_->CorrectFolded(pose, correction) : impl_->CorrectGeneral(pose, correction);
 }
 
+// The correction is a product of at most two turns per rotary axis (the errors' and the inverse's), linear in the
+// linear axes: its second derivative along a move is at most (2 turns)^2 M + 2 (2 turns) (angle errors) travel, M the
+// largest error; a chord departs by an eighth.
+double Compensator::DepartureBound(const Pose& from, const Pose& to) const {
+  if (!impl_->is_constant) return std::numeric_limits<double>::infinity();
+  constexpr double kSecondOrder = 2.0;  // products of errors, axes out of square
+  double turn_rad = 0, travel_mm = 0, lever_mm = impl_->fixed_lever_mm;
+  for (int i = 0; i < impl_->machine.axis_count(); ++i) {
+    const double change = std::abs(to.position[i] - from.position[i]);
+    if (impl_->machine.axes[i].kind == machine::AxisKind::kRotary) {
+      turn_rad += 2.0 * change;
+    } else {
+      travel_mm += change;
+      lever_mm += std::max(std::abs(from.position[i]), std::abs(to.position[i]));
+    }
+  }
+  const double largest_mm = impl_->translation_errors_mm + impl_->angle_errors_rad * lever_mm;
+  return kSecondOrder / 8.0 * (turn_rad * turn_rad * largest_mm + 2.0 * turn_rad * impl_->angle_errors_rad * travel_mm);
+}
+
+double Compensator::smooth_travel(int axis) const { return impl_->smooth_travel[axis]; }
 const Machine& Compensator::machine() const { return impl_->machine; }
 const std::vector<int>& Compensator::linear_axes() const { return impl_->linear_axes; }
 bool Compensator::is_null() const { return impl_->carried.terms.empty(); }

@@ -63,6 +63,12 @@ class Compensator {
   // The same without copying the result; `correction` is undefined after an error.
   absl::Status Correct(const Pose& pose, Correction* correction) const;
 
+  // How far the correction between two poses departs from its linear interpolation, at most (mm at the tool point, all
+  // axes moving linearly). Cheap: for skipping moves that need no splitting. Infinity when errors vary with position.
+  double DepartureBound(const Pose& from, const Pose& to) const;
+  // Travel of one axis (mm or rad) over which the correction bends so little that samples that far apart show it.
+  double smooth_travel(int axis) const;
+
   const machine::Machine& machine() const;
   const std::vector<int>& linear_axes() const;  // indices into machine().axes
   bool is_null() const;                         // no error term differs from zero: every correction is zero

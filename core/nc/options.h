@@ -63,8 +63,8 @@ struct RewriteOptions {
   std::vector<AxisValue> initial_position;
   // Offsets that the program may select. A program that selects another one is refused.
   std::vector<WorkOffset> work_offsets;
-  // CRC-32 of the whole source for the mark; RewriteText and RewriteFile compute it themselves.
-  std::optional<uint32_t> source_crc32;
+  // CRC-32C of the whole source for the mark; RewriteText and RewriteFile compute it themselves.
+  std::optional<uint32_t> source_crc32c;
 };
 
 // INVALID_ARGUMENT that names field, value and rule.

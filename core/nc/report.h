@@ -50,8 +50,8 @@ struct RewriteReport {
   Spread error_before, error_after;
   double max_tilt_left_rad = 0;  // orientation error that linear axes cannot correct
   double max_departure_mm = 0;   // largest departure from linear of the correction along a written move (G01)
-  uint32_t source_crc32 = 0;
-  bool has_source_crc32 = false;
+  uint32_t source_crc32c = 0;
+  bool has_source_crc32c = false;
 };
 
 // The report as JSON text, um and urad. Never fails.

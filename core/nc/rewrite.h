@@ -51,7 +51,7 @@ class Rewriter {
 };
 
 // Bytes of the source, in order, each time from the start: called twice (checksum, then rewriting) unless
-// options.source_crc32 is given. Calls `take` with each piece and returns its error, or its own.
+// options.source_crc32c is given. Calls `take` with each piece and returns its error, or its own.
 using ByteSource = std::function<absl::Status(const ByteSink& take)>;
 
 // `report` is filled also when the program is refused.

@@ -1,0 +1,51 @@
+// One block (line) of a program as words. Offsets count bytes from the block's begin; the bytes themselves stay with
+// the caller.
+#ifndef AXISCAL_CORE_NC_BLOCK_H_
+#define AXISCAL_CORE_NC_BLOCK_H_
+
+#include <array>
+#include <cstdint>
+
+#include "core/nc/decimal.h"
+
+namespace axiscal::nc {
+
+struct Word {
+  char letter = 0;  // capital
+  bool is_lower = false;
+  uint32_t letter_at = 0;
+  uint32_t number_at = 0;  // sign included
+  uint32_t end = 0;
+  Decimal number;
+};
+
+// Why a block cannot be read as words. kNone: it was.
+enum class LexProblem : uint8_t {
+  kNone,
+  kNestedComment,  // ended at the first or at the last ')': controllers differ
+  kUnclosedComment,
+  kNoNumber,       // a letter without a number: text, keywords, empty words
+  kNumberTooLong,  // more than 18 digits
+  kTooManyWords,
+  kExpression,  // # [ ] = , macro arithmetic
+  kStrayCharacter,
+  kSlashInside,  // '/' that does not begin the block
+};
+
+inline constexpr int kMaxWords = 64;
+
+struct Block {
+  std::array<Word, kMaxWords> words;
+  int word_count = 0;
+  bool is_deletable = false;  // begins with '/'
+  bool is_marked = false;     // a comment carries our mark
+  LexProblem problem = LexProblem::kNone;
+  uint32_t problem_at = 0;
+
+  const Word* begin() const { return words.data(); }
+  const Word* end() const { return words.data() + word_count; }
+};
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_BLOCK_H_

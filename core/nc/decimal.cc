@@ -1,0 +1,68 @@
+#include "core/nc/decimal.h"
+
+#include <cmath>
+
+namespace axiscal::nc {
+namespace {
+
+// Pairs of digits, so that one division gives two characters.
+struct DigitPairs {
+  char text[200];
+  constexpr DigitPairs() : text() {
+    for (int i = 0; i < 100; ++i) {
+      text[2 * i] = static_cast<char>('0' + i / 10);
+      text[2 * i + 1] = static_cast<char>('0' + i % 10);
+    }
+  }
+};
+constexpr DigitPairs kPairs;
+
+}  // namespace
+
+std::optional<Ticks> ToTicks(const Decimal& number, Ticks ticks_per_unit) {
+  if (number.decimals > kMaxDecimals) return std::nullopt;
+  Ticks ticks = 0;
+  if (__builtin_mul_overflow(number.mantissa, GrainTicks(ticks_per_unit, number.decimals), &ticks)) return std::nullopt;
+  constexpr Ticks kRange = 9'000'000'000'000'000'000;
+  if (ticks > kRange || ticks < -kRange) return std::nullopt;
+  return ticks;
+}
+
+double ValueOf(const Decimal& number) {
+  return static_cast<double>(number.mantissa) * std::pow(10.0, -static_cast<double>(number.decimals));
+}
+
+int64_t RoundToGrains(Ticks ticks, Ticks grain_ticks) {
+  const int64_t half = grain_ticks / 2;
+  return ticks >= 0 ? (ticks + half) / grain_ticks : (ticks - half) / grain_ticks;
+}
+
+void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::string* text) {
+  char buffer[32];
+  char* const end = buffer + sizeof(buffer);
+  char* begin = end;
+  const bool negative = mantissa < 0;
+  uint64_t rest = negative ? uint64_t{0} - static_cast<uint64_t>(mantissa) : static_cast<uint64_t>(mantissa);
+  int left = decimals;
+  for (; left >= 2; left -= 2, rest /= 100) {
+    begin -= 2;
+    __builtin_memcpy(begin, kPairs.text + 2 * (rest % 100), 2);
+  }
+  if (left == 1) {
+    *--begin = static_cast<char>('0' + rest % 10);
+    rest /= 10;
+  }
+  if (decimals > 0 || point) *--begin = '.';
+  do {
+    *--begin = static_cast<char>('0' + rest % 10);
+    rest /= 10;
+  } while (rest != 0);
+  if (negative) {
+    *--begin = '-';
+  } else if (plus) {
+    *--begin = '+';
+  }
+  text->append(begin, static_cast<size_t>(end - begin));
+}
+
+}  // namespace axiscal::nc

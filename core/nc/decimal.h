@@ -1,0 +1,48 @@
+// Numbers as programs write them, and axis positions as exact integers.
+//
+// A position is counted in ticks of 1e-10 mm (or deg): one inch word with nine decimals and one mm word with ten are
+// whole ticks, so that sums of G91 words never round. Range +-9e8 mm.
+#ifndef AXISCAL_CORE_NC_DECIMAL_H_
+#define AXISCAL_CORE_NC_DECIMAL_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace axiscal::nc {
+
+// mantissa * 10^-decimals, as written.
+struct Decimal {
+  int64_t mantissa = 0;
+  int8_t decimals = 0;
+  int8_t digits = 0;  // written, leading zeros included
+  bool has_point = false;
+  bool has_plus = false;
+};
+
+using Ticks = int64_t;
+inline constexpr double kTicksPerUnit = 1e10;  // per mm or deg
+inline constexpr Ticks kTicksPerMm = 10'000'000'000;
+inline constexpr Ticks kTicksPerInch = 254'000'000'000;
+inline constexpr int kMaxDecimals = 9;
+
+inline constexpr int64_t kPowersOfTen[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000, 1000000000};
+
+// Ticks of the last decimal of a word. 0 <= decimals <= kMaxDecimals.
+inline Ticks GrainTicks(Ticks ticks_per_unit, int decimals) { return ticks_per_unit / kPowersOfTen[decimals]; }
+
+// Nothing when the number has more than nine decimals or is beyond the range.
+std::optional<Ticks> ToTicks(const Decimal& number, Ticks ticks_per_unit);
+
+double ValueOf(const Decimal& number);
+
+// The whole number of grains nearest to `ticks`, halves away from zero.
+int64_t RoundToGrains(Ticks ticks, Ticks grain_ticks);
+
+// Appends units of 10^-decimals in fixed notation: "-12.0500", "+0.5000" with `plus`, never "-0.0000". No decimals:
+// "12", or "12." with `point`.
+void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::string* text);
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_DECIMAL_H_

@@ -1,0 +1,184 @@
+#include "core/nc/lexer.h"
+
+#include "absl/strings/str_cat.h"
+#include "core/nc/mark.h"
+
+namespace axiscal::nc {
+namespace {
+
+enum CharClass : uint8_t { kOther, kBlank, kDigit, kUpper, kLower, kMacro };
+
+struct CharClasses {
+  uint8_t of[256];
+  constexpr CharClasses() : of() {
+    of[static_cast<int>(' ')] = of[static_cast<int>('\t')] = of[0] = kBlank;  // NUL: the leader of punched tape
+    for (int c = '0'; c <= '9'; ++c) of[c] = kDigit;
+    for (int c = 'A'; c <= 'Z'; ++c) of[c] = kUpper;
+    of[static_cast<int>(':')] = kUpper;  // ISO's letter of the program number
+    for (int c = 'a'; c <= 'z'; ++c) of[c] = kLower;
+    for (const char c : {'#', '[', ']', '=', ',', '<', '>', '*'}) of[static_cast<int>(c)] = kMacro;
+  }
+};
+constexpr CharClasses kClasses;
+
+class BlockLexer {
+ public:
+  BlockLexer(const char* text, size_t size, const Dialect& dialect, Block* block)
+      : text_(text), end_(text + size), at_(text), dialect_(dialect), block_(*block) {}
+
+  void Run() {
+    SkipReturns();
+    SkipBlanks();
+    if (at_ != end_ && *at_ == '/') ReadBlockDelete();
+    while (true) {
+      SkipBlanks();
+      if (at_ == end_) return;
+      const uint8_t kind = Class(*at_);
+      if (kind == kUpper || kind == kLower) {
+        if (!ReadWord(kind == kLower)) return;
+      } else if (*at_ == '(' && dialect_.has_parenthesis_comments) {
+        if (!ReadComment()) return;
+      } else if (*at_ == dialect_.line_comment && dialect_.line_comment != 0) {
+        block_.is_marked |= HasMark(at_ + 1, end_);
+        return;
+      } else {
+        Fail(kind == kMacro ? LexProblem::kExpression
+             : *at_ == '/'  ? LexProblem::kSlashInside
+                            : LexProblem::kStrayCharacter,
+             at_);
+        return;
+      }
+    }
+  }
+
+ private:
+  static uint8_t Class(char c) { return kClasses.of[static_cast<unsigned char>(c)]; }
+  uint32_t Offset(const char* p) const { return static_cast<uint32_t>(p - text_); }
+
+  bool Fail(LexProblem problem, const char* at) {
+    block_.problem = problem;
+    block_.problem_at = Offset(at);
+    return false;
+  }
+
+  void SkipBlanks() {
+    while (at_ != end_ && Class(*at_) == kBlank) ++at_;
+  }
+
+  // Punched tape ends its blocks with LF CR CR: the returns stand at the begin of the next line.
+  void SkipReturns() {
+    while (at_ != end_ && *at_ == '\r') ++at_;
+    while (at_ != end_ && end_[-1] == '\r') --end_;
+  }
+
+  void ReadBlockDelete() {
+    block_.is_deletable = true;
+    ++at_;
+    if (at_ != end_ && Class(*at_) == kDigit) ++at_;  // "/2": one of several switches
+  }
+
+  bool ReadComment() {
+    const char* const open = at_++;
+    const char* const inside = at_;
+    while (at_ != end_ && *at_ != ')' && *at_ != '(') ++at_;
+    if (at_ == end_) return Fail(LexProblem::kUnclosedComment, open);
+    if (*at_ == '(') return Fail(LexProblem::kNestedComment, at_);
+    block_.is_marked |= HasMark(inside, at_);
+    ++at_;
+    return true;
+  }
+
+  bool ReadWord(bool is_lower) {
+    if (block_.word_count == kMaxWords) return Fail(LexProblem::kTooManyWords, at_);
+    Word& word = block_.words[block_.word_count];
+    word.letter = is_lower ? static_cast<char>(*at_ - 'a' + 'A') : *at_ == ':' ? 'O' : *at_;
+    word.is_lower = is_lower;
+    word.letter_at = Offset(at_);
+    const char* const letter = at_++;
+    SkipBlanks();
+    word.number_at = Offset(at_);
+    if (!ReadNumber(letter, &word)) return false;
+    ++block_.word_count;
+    return true;
+  }
+
+  bool ReadNumber(const char* letter, Word* word) {
+    bool negative = false;
+    Decimal& number = word->number;
+    number.has_plus = number.has_point = false;
+    if (at_ != end_ && (*at_ == '-' || *at_ == '+')) {
+      negative = *at_ == '-';
+      number.has_plus = *at_ == '+';
+      ++at_;
+    }
+    uint64_t mantissa = 0;
+    int digits = 0, decimals = 0;
+    const char* last = at_;
+    for (; at_ != end_; ++at_) {
+      const unsigned digit = static_cast<unsigned char>(*at_) - static_cast<unsigned>('0');
+      if (digit <= 9) {
+        if (++digits > 18) return Fail(LexProblem::kNumberTooLong, letter);
+        mantissa = mantissa * 10 + digit;
+        decimals += number.has_point;
+      } else if (*at_ == '.' && !number.has_point) {
+        number.has_point = true;
+      } else if (Class(*at_) == kBlank) {
+        continue;
+      } else {
+        break;
+      }
+      last = at_ + 1;
+    }
+    if (digits == 0)
+      return Fail(at_ != end_ && Class(*at_) == kMacro ? LexProblem::kExpression : LexProblem::kNoNumber, letter);
+    at_ = last;
+    word->end = Offset(last);
+    number.mantissa = negative ? -static_cast<int64_t>(mantissa) : static_cast<int64_t>(mantissa);
+    number.digits = static_cast<int8_t>(digits);
+    number.decimals = static_cast<int8_t>(decimals);
+    return true;
+  }
+
+  const char* const text_;
+  const char* end_;
+  const char* at_;
+  const Dialect& dialect_;
+  Block& block_;
+};
+
+}  // namespace
+
+void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
+  block->word_count = 0;
+  block->is_deletable = block->is_marked = false;
+  block->problem = LexProblem::kNone;
+  block->problem_at = 0;
+  BlockLexer(text, size, dialect, block).Run();
+}
+
+std::string ToString(LexProblem problem, uint32_t at) {
+  const std::string where = absl::StrCat(" at column ", at + 1);
+  switch (problem) {
+    case LexProblem::kNone:
+      return "no problem";
+    case LexProblem::kNestedComment:
+      return "nested comment" + where + " (controllers differ on where it ends)";
+    case LexProblem::kUnclosedComment:
+      return "comment without end" + where;
+    case LexProblem::kNoNumber:
+      return "letter without a number" + where;
+    case LexProblem::kNumberTooLong:
+      return "number of more than 18 digits" + where;
+    case LexProblem::kTooManyWords:
+      return absl::StrCat("more than ", kMaxWords, " words", where);
+    case LexProblem::kExpression:
+      return "macro or expression" + where;
+    case LexProblem::kStrayCharacter:
+      return "unexpected character" + where;
+    case LexProblem::kSlashInside:
+      return "'/' inside a block" + where;
+  }
+  return "unknown problem";
+}
+
+}  // namespace axiscal::nc

@@ -1,0 +1,166 @@
+#include "core/nc/move_corrector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/units.h"
+
+namespace axiscal::nc {
+namespace {
+
+constexpr int kMinIntervals = 4;
+constexpr int kMaxIntervals = 8192;
+// Samples that stand in one piece of a split move, at least: the departure between two samples is then 1/64 of the
+// piece's.
+constexpr int kSamplesPerPiece = 8;
+// Rounding of words and the samples' spacing must not carry a piece beyond the tolerance.
+constexpr double kShare = 0.95;
+
+}  // namespace
+
+// Largest distance of the samples between `first` and `last` from the straight line between these two.
+double MoveCorrector::ChordDeparture(const std::vector<Change>& samples, int first, int last) {
+  double largest = 0;
+  const double length = last - first;
+  for (int i = first + 1; i < last; ++i) {
+    const double t = (i - first) / length;
+    const Change line = (1.0 - t) * samples[static_cast<size_t>(first)] + t * samples[static_cast<size_t>(last)];
+    largest = std::max(largest, (samples[static_cast<size_t>(i)] - line).norm());
+  }
+  return largest;
+}
+
+MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options)
+    : compensator_(&compensator), tolerance_mm_(options.tolerance_mm), axis_count_(compensator.machine().axis_count()) {
+  for (int i = 0; i < axis_count_; ++i) {
+    const bool is_rotary = compensator.machine().axes[i].kind == machine::AxisKind::kRotary;
+    unit_per_tick_[i] = (is_rotary ? base::kRadPerDeg : 1.0) / kTicksPerUnit;
+  }
+}
+
+void MoveCorrector::PoseAt(const AxisTicks& nominal, const Step& step, compensate::Pose* pose) const {
+  for (int i = 0; i < axis_count_; ++i) {
+    pose->position[i] = static_cast<double>(nominal[i]) * unit_per_tick_[i];
+    pose->sense[i] = step.end[i].sense;
+  }
+}
+
+absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Step& step, Piece* piece) const {
+  compensate::Pose pose;
+  PoseAt(nominal, step, &pose);
+  RETURN_IF_ERROR(compensator_->Correct(pose, &piece->correction));
+  piece->nominal = piece->targets = nominal;
+  for (const int axis : compensator_->linear_axes()) {
+    // The change alone is converted: a position of 500 mm has no digits to lose to it.
+    const double change_mm = piece->correction.corrected[axis] - pose.position[axis];
+    if (!(std::abs(change_mm) < 1e6)) return absl::FailedPreconditionError("the correction is beyond any machine");
+    piece->targets[axis] += std::llround(change_mm * kTicksPerUnit);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MoveCorrector::CorrectEnd(const Step& step, Piece* piece) const {
+  AxisTicks nominal{};
+  for (int i = 0; i < axis_count_; ++i) nominal[i] = step.end[i].ticks;
+  piece->end_fraction = 1.0;
+  return CorrectAt(nominal, step, piece);
+}
+
+AxisTicks MoveCorrector::Between(const Step& step, double fraction) const {
+  AxisTicks nominal{};
+  for (int i = 0; i < axis_count_; ++i) {
+    const double travel = static_cast<double>(step.end[i].ticks - step.start[i].ticks);
+    nominal[i] = step.start[i].ticks + std::llround(travel * fraction);
+  }
+  return nominal;
+}
+
+absl::Status MoveCorrector::Sample(const Step& step, int intervals, std::vector<Change>* corrections) const {
+  corrections->clear();
+  const std::vector<int>& axes = compensator_->linear_axes();
+  Piece piece;
+  for (int k = 0; k <= intervals; ++k) {
+    RETURN_IF_ERROR(CorrectAt(Between(step, static_cast<double>(k) / intervals), step, &piece));
+    Change change(static_cast<Eigen::Index>(axes.size()));
+    for (size_t i = 0; i < axes.size(); ++i) {
+      change[static_cast<Eigen::Index>(i)] =
+          static_cast<double>(piece.targets[axes[i]] - piece.nominal[axes[i]]) / kTicksPerUnit;
+    }
+    corrections->push_back(std::move(change));
+  }
+  return absl::OkStatus();
+}
+
+int MoveCorrector::SampleIntervals(const Step& step) const {
+  double intervals = kMinIntervals;
+  for (int i = 0; i < axis_count_; ++i) {
+    const double travel = std::abs(static_cast<double>(step.end[i].ticks - step.start[i].ticks)) * unit_per_tick_[i];
+    intervals = std::max(intervals, kMinIntervals * std::ceil(travel / compensator_->smooth_travel(i)));
+  }
+  return static_cast<int>(std::min<double>(intervals, kMaxIntervals));
+}
+
+absl::StatusOr<double> MoveCorrector::Departure(const Step& step) const {
+  compensate::Pose from, to;
+  AxisTicks start{}, end{};
+  for (int i = 0; i < axis_count_; ++i) {
+    start[i] = step.start[i].ticks;
+    end[i] = step.end[i].ticks;
+  }
+  PoseAt(start, step, &from);
+  PoseAt(end, step, &to);
+  const double bound_mm = compensator_->DepartureBound(from, to);
+  if (bound_mm <= tolerance_mm_) return bound_mm;
+  std::vector<Change> samples;
+  const int intervals = SampleIntervals(step);
+  RETURN_IF_ERROR(Sample(step, intervals, &samples));
+  return ChordDeparture(samples, 0, intervals);
+}
+
+absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const AxisTicks& grain) const {
+  std::vector<Change> samples;
+  int intervals = SampleIntervals(step);
+  std::vector<int> ends;
+  while (true) {
+    RETURN_IF_ERROR(Sample(step, intervals, &samples));
+    ends.clear();
+    int shortest = intervals;
+    for (int first = 0; first < intervals;) {
+      int last = first + 1;
+      while (last < intervals && ChordDeparture(samples, first, last + 1) <= kShare * tolerance_mm_) ++last;
+      if (last < intervals) shortest = std::min(shortest, last - first);
+      ends.push_back(last);
+      first = last;
+    }
+    if (static_cast<int>(ends.size()) > kMaxPieces) {
+      return absl::FailedPreconditionError(absl::StrCat("the move needs more than ", kMaxPieces, " pieces"));
+    }
+    if (shortest >= kSamplesPerPiece || intervals >= kMaxIntervals) break;
+    intervals = std::min(2 * intervals, kMaxIntervals);
+  }
+  // As many pieces of equal length, where they keep the tolerance too: even, and with plain numbers.
+  const int count = static_cast<int>(ends.size());
+  const int even_length = (intervals + count - 1) / count;
+  RETURN_IF_ERROR(Sample(step, even_length * count, &samples));
+  bool is_even = true;
+  for (int k = 0; k < count && is_even; ++k) {
+    is_even = ChordDeparture(samples, k * even_length, (k + 1) * even_length) <= kShare * tolerance_mm_;
+  }
+  if (is_even) {
+    intervals = even_length * count;
+    for (int k = 0; k < count; ++k) ends[static_cast<size_t>(k)] = (k + 1) * even_length;
+  }
+  std::vector<Piece> pieces(ends.size());
+  for (size_t k = 0; k < ends.size(); ++k) {
+    Piece& piece = pieces[k];
+    piece.end_fraction = static_cast<double>(ends[k]) / intervals;
+    AxisTicks nominal = Between(step, piece.end_fraction);
+    for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i) {
+      nominal[i] = RoundToGrains(nominal[i], grain[i]) * grain[i];
+    }
+    RETURN_IF_ERROR(CorrectAt(nominal, step, &piece));
+  }
+  return pieces;
+}
+
+}  // namespace axiscal::nc

@@ -1,0 +1,52 @@
+#include "core/nc/options.h"
+
+#include <cctype>
+#include <cmath>
+
+#include "core/nc/dialect.h"
+
+namespace axiscal::nc {
+namespace {
+
+constexpr int kMaxWordDecimals = 6;
+constexpr size_t kMaxNameLength = 80;  // a mark must fit a block of the narrowest controllers
+
+bool IsNameCharacter(unsigned char c) {
+  return std::isalnum(c) || c == ' ' || c == '.' || c == '_' || c == '-' || c == '+' || c == ':' || c == '/';
+}
+
+absl::Status CheckDecimals(const std::string& field, int decimals) {
+  if (decimals >= 0 && decimals <= kMaxWordDecimals) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(field, " = ", decimals, ", must be 0 to ", kMaxWordDecimals));
+}
+
+}  // namespace
+
+absl::Status Validate(const RewriteOptions& options) {
+  if (FindDialect(options.dialect) == nullptr) {
+    std::string names;
+    for (const Dialect& dialect : Dialects()) absl::StrAppend(&names, names.empty() ? "" : ", ", dialect.name);
+    return absl::InvalidArgumentError(absl::StrCat("dialect = '", options.dialect, "', must be one of: ", names));
+  }
+  RETURN_IF_ERROR(CheckDecimals("decimals_mm", options.decimals_mm));
+  RETURN_IF_ERROR(CheckDecimals("decimals_inch", options.decimals_inch));
+  if (!(options.max_correction_mm > 0)) {
+    return absl::InvalidArgumentError(absl::StrCat("max_correction_mm = ", options.max_correction_mm, ", must be > 0"));
+  }
+  if (!(options.tolerance_mm > 0)) {
+    return absl::InvalidArgumentError(absl::StrCat("tolerance_mm = ", options.tolerance_mm, ", must be > 0"));
+  }
+  if (options.calibration.empty() || options.calibration.size() > kMaxNameLength) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("calibration: a name of 1 to ", kMaxNameLength, " characters is expected"));
+  }
+  for (const char c : options.calibration) {
+    if (IsNameCharacter(static_cast<unsigned char>(c))) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("calibration = '", options.calibration,
+                     "', must be letters, digits, blanks and \"._-+:/\", because it stands in a comment"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace axiscal::nc
