@@ -8,6 +8,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "core/base/demand.h"
+
 namespace axiscal::base {
 namespace {
 
@@ -16,17 +18,6 @@ absl::Status Failure(const std::string& path, int error) {
   if (error == ENOENT) return absl::NotFoundError(what);
   if (error == ENOSPC || error == EDQUOT || error == EFBIG) return absl::ResourceExhaustedError(what);
   return absl::InvalidArgumentError(what);
-}
-
-// 0 or errno.
-int WriteAll(int file, const std::string& bytes) {
-  for (size_t done = 0; done < bytes.size();) {
-    const ssize_t wrote = write(file, bytes.data() + done, bytes.size() - done);
-    if (wrote < 0 && errno == EINTR) continue;
-    if (wrote < 0) return errno;
-    done += static_cast<size_t>(wrote);
-  }
-  return fsync(file) == 0 ? 0 : errno;
 }
 
 // The rename itself must reach the disk too.
@@ -59,23 +50,54 @@ absl::StatusOr<std::string> ReadFile(const std::string& path, size_t max_bytes) 
   return bytes;
 }
 
-absl::Status WriteFileAtomically(const std::string& path, const std::string& bytes) {
+AtomicFile::~AtomicFile() {
+  if (file_ >= 0) close(file_);
+  if (!beside_.empty()) unlink(beside_.c_str());
+}
+
+absl::Status AtomicFile::Fail(int error) { return Failure(path_, error); }
+
+absl::Status AtomicFile::Open(const std::string& path) {
+  DEMAND(file_ < 0);
+  path_ = path;
   std::string beside = path + ".XXXXXX";
-  const int file = mkostemp(beside.data(), O_CLOEXEC);
-  if (file < 0) return Failure(path, errno);
-  // mkstemp makes 0600; the file shall have the rights of any new file of this user.
+  file_ = mkostemp(beside.data(), O_CLOEXEC);
+  if (file_ < 0) return Fail(errno);
+  beside_ = beside;
+  // mkostemp makes 0600; the file shall have the rights of any new file of this user.
   const mode_t mask = umask(0);
   umask(mask);
-  int error = fchmod(file, 0666 & ~mask) == 0 ? 0 : errno;
-  if (error == 0) error = WriteAll(file, bytes);
-  if (close(file) != 0 && error == 0) error = errno;
-  if (error == 0 && rename(beside.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) {
-    unlink(beside.c_str());
-    return Failure(path, error);
+  return fchmod(file_, 0666 & ~mask) == 0 ? absl::OkStatus() : Fail(errno);
+}
+
+absl::Status AtomicFile::Write(const std::string& bytes) {
+  DEMAND(file_ >= 0);
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t wrote = write(file_, bytes.data() + done, bytes.size() - done);
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote < 0) return Fail(errno);
+    done += static_cast<size_t>(wrote);
   }
-  SyncFolderOf(path);
   return absl::OkStatus();
+}
+
+absl::Status AtomicFile::Commit() {
+  DEMAND(file_ >= 0);
+  if (fsync(file_) != 0) return Fail(errno);
+  const int file = file_;
+  file_ = -1;
+  if (close(file) != 0) return Fail(errno);
+  if (rename(beside_.c_str(), path_.c_str()) != 0) return Fail(errno);
+  beside_.clear();
+  SyncFolderOf(path_);
+  return absl::OkStatus();
+}
+
+absl::Status WriteFileAtomically(const std::string& path, const std::string& bytes) {
+  AtomicFile file;
+  RETURN_IF_ERROR(file.Open(path));
+  RETURN_IF_ERROR(file.Write(bytes));
+  return file.Commit();
 }
 
 }  // namespace axiscal::base

@@ -12,9 +12,28 @@ namespace axiscal::base {
 // (refused before reading).
 absl::StatusOr<std::string> ReadFile(const std::string& path, size_t max_bytes);
 
-// Writes a new file beside `path`, syncs it and renames it over `path`: a reader sees the old bytes or the new ones,
-// never half of them, and after an error or a crash `path` is what it was. INVALID_ARGUMENT when the folder cannot be
-// written, RESOURCE_EXHAUSTED on a full disk.
+// A file that takes its place only when it is whole: written beside `path`, synced and renamed over it by Commit().
+// Until then, after an error and after a crash `path` is what it was; without Commit() the destructor removes what was
+// written. Errors: NOT_FOUND (no such folder), RESOURCE_EXHAUSTED (full disk), INVALID_ARGUMENT (any other, with the
+// reason).
+class AtomicFile {
+ public:
+  AtomicFile() = default;
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  absl::Status Open(const std::string& path);
+  absl::Status Write(const std::string& bytes);
+  absl::Status Commit();
+
+ private:
+  absl::Status Fail(int error);
+
+  std::string path_, beside_;  // beside_: empty when there is nothing to remove
+  int file_ = -1;
+};
+
 absl::Status WriteFileAtomically(const std::string& path, const std::string& bytes);
 
 }  // namespace axiscal::base

@@ -42,6 +42,18 @@ TEST_F(Files, AFailedWriteLeavesNothingBehind) {
   EXPECT_EQ(FileCount(), 1u);
 }
 
+TEST_F(Files, WithoutCommitTheOldFileStays) {
+  ASSERT_TRUE(WriteFileAtomically(Path("a"), "old").ok());
+  {
+    AtomicFile file;
+    ASSERT_TRUE(file.Open(Path("a")).ok());
+    ASSERT_TRUE(file.Write("half").ok());
+    EXPECT_EQ(FileCount(), 2u);
+  }
+  EXPECT_EQ(FileCount(), 1u);
+  EXPECT_EQ(*ReadFile(Path("a"), 100), "old");
+}
+
 TEST_F(Files, WhatCannotBeReadIsNamed) {
   EXPECT_EQ(ReadFile(Path("none"), 10).status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(ReadFile(folder_.string(), 10).status().message()), HasSubstr("is not a file"));
