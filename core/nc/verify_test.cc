@@ -1,0 +1,190 @@
+#include "core/nc/verify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include "core/base/units.h"
+#include "core/nc/rewrite.h"
+#include "core/nc/testing/yao.h"
+
+namespace axiscal::nc {
+namespace {
+
+using base::kUmPerMm;
+using ::testing::HasSubstr;
+
+std::string ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file.good()) << path;
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// The real program of Yao 2022, Fig 4.30: tool point on a circle, B in steps of 0.2778 degrees, tool length 356.3945
+// mm.
+class RealProgram : public ::testing::Test {
+ protected:
+  const std::string original_ = ReadFile(AXISCAL_SOURCE_DIR "/tests/data/yao/fig-4.30-original.nc");
+  const machine::Machine machine_ = machine::testing::MultiTasking();
+  // Table 4.5: bXB = -24.11 arcsec; spindle-side angles there have the opposite sign of the model, so EB0B = +24.11.
+  const machine::ErrorModel errors_ = testing::ConstantErrors(machine_, {{"EB0B", testing::kTiltRad}});
+};
+
+// Each block by hand: X + b R cos B, Z - b R sin B, rounded to four decimals; second order below 1e-6 mm.
+TEST_F(RealProgram, EveryBlockIsTheHandComputedOne) {
+  RewriteReport report;
+  const auto text = RewriteText(original_, testing::LeaningHead(), {}, &report);
+  ASSERT_TRUE(text.ok()) << text.status();
+  std::istringstream lines(original_), rewritten(*text);
+  std::string line, found;
+  ASSERT_TRUE(std::getline(rewritten, found));
+  EXPECT_THAT(found, ::testing::StartsWith("(AXISCAL COMPENSATED BY "));
+  int blocks = 0;
+  while (std::getline(lines, line)) {
+    double x, y, z, b, c;
+    ASSERT_EQ(std::sscanf(line.c_str(), "G01 X%lf Y%lf Z%lf B%lf C%lf F2000", &x, &y, &z, &b, &c), 5) << line;
+    const double b_rad = b * base::kRadPerDeg;
+    const double lean_mm = testing::kTiltRad * testing::kToolMm;
+    const std::string expected = absl::StrFormat("G01 X%.4f Y0.0000 Z%.4f B%.4f C0.0000 F2000",
+                                                 x + lean_mm * std::cos(b_rad), z - lean_mm * std::sin(b_rad), b);
+    ASSERT_TRUE(std::getline(rewritten, found));
+    EXPECT_EQ(found.substr(0, expected.size()), expected);
+    ++blocks;
+  }
+  EXPECT_FALSE(std::getline(rewritten, found));
+  EXPECT_GE(blocks, 10);
+  EXPECT_EQ(report.blocks_corrected, blocks);
+  EXPECT_NEAR(report.error_before.rms_mm() * kUmPerMm, 41.66, 0.005);
+  EXPECT_LT(report.error_after.max_mm * kUmPerMm, 0.08);  // two words rounded to 0.1 um: 0.05 sqrt 2
+}
+
+TEST_F(RealProgram, VerificationAgreesWithTheRewritersPrediction) {
+  RewriteReport report;
+  const auto text = RewriteText(original_, testing::LeaningHead(), {}, &report);
+  ASSERT_TRUE(text.ok());
+  VerifyOptions options;
+  options.tool_tip_mm = {0, 0, -testing::kToolMm};
+  const auto verified = VerifyText(original_, *text, machine_, errors_, options);
+  ASSERT_TRUE(verified.ok()) << verified.status();
+  EXPECT_EQ(verified->moves, report.blocks_corrected);
+  EXPECT_NEAR(verified->end_before.max_mm, report.error_before.max_mm, 1e-9);
+  EXPECT_NEAR(verified->end_after.max_mm, report.error_after.max_mm, 1e-7);
+  EXPECT_LT(verified->path_after.max_mm * kUmPerMm, 0.15);
+  EXPECT_GT(verified->path_before.max_mm * kUmPerMm, 20.0);
+}
+
+// The published rule (X - b Z, Z + b X about the machine origin) leaves a constant error of (-54.78, +45.59) um: 71 um.
+TEST_F(RealProgram, ThePublishedRuleIsFoundOut) {
+  std::istringstream lines(original_);
+  std::string line, published;
+  while (std::getline(lines, line)) {
+    double x, y, z, b, c;
+    ASSERT_EQ(std::sscanf(line.c_str(), "G01 X%lf Y%lf Z%lf B%lf C%lf", &x, &y, &z, &b, &c), 5);
+    const double tilt = -testing::kTiltRad;  // as the paper signs it
+    published += absl::StrFormat("G01 X%.4f Y%.4f Z%.4f B%.4f C%.4f F2000\n", x - tilt * z, y, z + tilt * x, b, c);
+  }
+  VerifyOptions options;
+  options.tool_tip_mm = {0, 0, -testing::kToolMm};
+  const auto verified = VerifyText(original_, published, machine_, errors_, options);
+  ASSERT_TRUE(verified.ok()) << verified.status();
+  EXPECT_GT(verified->end_after.rms_mm() * kUmPerMm, 40.0);
+}
+
+// Random five-axis programs on the three structures with all errors at once: ends to the words' rounding, paths to the
+// tolerance.
+TEST(Verify, AllThreeStructuresStayWithinToleranceAlongTheWholePath) {
+  constexpr double kToleranceMm = 0.001;
+  constexpr double kRoundingMm = 0.0002;  // words of 0.1 um at both ends of a piece
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const machine::Machine& machine :
+       {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
+    machine::ErrorModel errors = machine::DeclaredModel(machine);
+    for (auto& term : errors.terms) term.amplitude[0] = unit(random) * 5e-5;  // 50 urad or 0.05 um ...
+    for (auto& term : errors.terms) {
+      if (!machine::IsAngle(term.component)) term.amplitude[0] *= 1e3;  // ... 50 um
+    }
+    std::string program = "G90 G21\n";
+    for (int i = 0; i < 40; ++i) {
+      program += absl::StrFormat("N%d G01", 10 * i);
+      for (const machine::Axis& axis : machine.axes) {
+        const bool is_linear = axis.kind == machine::AxisKind::kLinear;
+        absl::StrAppendFormat(&program, " %s%.4f", axis.name,
+                              unit(random) * (is_linear          ? 250
+                                              : axis.name == "C" ? 180
+                                                                 : 90));
+      }
+      program += i % 3 == 0 ? " F500 (move)\n" : "\n";
+    }
+    const Eigen::Vector3d tip_mm(0, 0, -150);
+    RewriteOptions options;
+    options.tolerance_mm = kToleranceMm;
+    RewriteReport report;
+    const auto text = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), options, &report);
+    ASSERT_TRUE(text.ok()) << text.status();
+    VerifyOptions verify;
+    verify.tool_tip_mm = tip_mm;
+    const auto verified = VerifyText(program, *text, machine, errors, verify);
+    ASSERT_TRUE(verified.ok()) << verified.status();
+    EXPECT_EQ(verified->moves, 40);
+    EXPECT_EQ(verified->pieces, 40 + report.blocks_inserted);
+    EXPECT_GT(report.blocks_split, 10);
+    EXPECT_LT(verified->end_after.max_mm, 0.0001);
+    EXPECT_NEAR(verified->end_after.max_mm, report.error_after.max_mm, 0.0001);
+    EXPECT_LT(verified->path_after.max_mm, kToleranceMm + kRoundingMm) << machine.id;
+    EXPECT_GT(verified->path_before.max_mm, 0.02);
+
+    // Without splitting the ends are as good and the paths are not: what splitting is for.
+    options.tolerance_mm = std::numeric_limits<double>::infinity();
+    const auto chords = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), options, &report);
+    ASSERT_TRUE(chords.ok());
+    EXPECT_GT(VerifyText(program, *chords, machine, errors, verify)->path_after.max_mm, 5 * kToleranceMm);
+  }
+}
+
+TEST(Verify, AnUncompensatedProgramShowsItsError) {
+  VerifyOptions options;
+  options.tool_tip_mm = {0, 0, -testing::kToolMm};
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
+  const std::string program = "G1 X0 Y0 Z0 B0 C0\nX10.\n";
+  const auto verified = VerifyText(program, program, machine, errors, options);
+  ASSERT_TRUE(verified.ok()) << verified.status();
+  EXPECT_NEAR(verified->end_after.max_mm * kUmPerMm, 41.66, 0.01);
+  EXPECT_EQ(verified->end_after.max_mm, verified->end_before.max_mm);
+}
+
+TEST(Verify, ProgramsThatDoNotPairAreErrors) {
+  VerifyOptions options;
+  options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto message = [&](const std::string& original, const std::string& other) {
+    return std::string(VerifyText(original, other, machine, {}, options).status().message());
+  };
+  EXPECT_EQ(message("G1 X1.\n", "G1 X1.01\n"), "");
+  EXPECT_THAT(message("G1 X1.\n", "G1 X9.\n"),
+              HasSubstr("line 1 of the compensated program does not go to the same position as line 1"));
+  EXPECT_THAT(message("G1 X1.\nX2.\n", "G1 X1.\n"),
+              HasSubstr("line 2 of the original: the compensated program ends before it"));
+  EXPECT_THAT(message("G1 X1.\n", "G1 X1.\nX2.\n"),
+              HasSubstr("line 2 of the compensated program: the original has no such move"));
+  EXPECT_THAT(message("G1 X1.\nB10.\n", "G1 X1.\nB11.\n"), HasSubstr("line 2"));
+  EXPECT_THAT(message("G28 X0\n", "G1 X0\n"), HasSubstr("is not the same block"));
+}
+
+TEST(Verify, MissingFilesAreNamed) {
+  const auto status =
+      VerifyFiles("/no/such/original.nc", "/no/such/other.nc", machine::testing::MultiTasking(), {}, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("/no/such/original.nc"));
+}
+
+}  // namespace
+}  // namespace axiscal::nc
