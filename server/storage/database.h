@@ -143,12 +143,16 @@ class Database {
   // Checks the size and, unless empty, `sha256` (TOTALS_MISMATCH). When the same content is stored already that program
   // is returned and this one is dropped: use the returned id. Repeating is OK.
   virtual absl::StatusOr<ProgramRecord> FinishProgram(ProgramId id, int64_t byte_count, const std::string& sha256) = 0;
+  // For an id that was merged into equal content, the program that has it.
   virtual absl::StatusOr<ProgramRecord> GetProgram(ProgramId id) = 0;
   virtual absl::StatusOr<Page<ProgramRecord>> ListPrograms(const ProgramFilter& filter, const PageRequest& page) = 0;
   // The bytes from `offset` to the end in pieces, checksums verified (DATA_LOSS PART_DAMAGED). Only complete programs
   // (PROGRAM_NOT_COMPLETE).
   virtual absl::Status ReadProgram(ProgramId id, int64_t offset,
                                    const std::function<absl::Status(const std::string& bytes)>& visit) = 0;
+
+  // Open programs without a part since `idle_since` are given up, their parts dropped. How many.
+  virtual absl::StatusOr<int> ExpirePrograms(UtcTime idle_since) = 0;
 
   // ---- audit: append only. Changes of machines, calibrations and jobs by callers are entered by the store itself.
   virtual absl::Status AppendAudit(const AuditEntry& entry) = 0;

@@ -253,7 +253,7 @@ struct FleetRow {
 // ---- programs (NC programs, tables, reports: byte strings named by their content)
 
 // Never renumber.
-enum class ProgramState { kOpen = 1, kComplete = 2 };
+enum class ProgramState { kOpen = 1, kComplete = 2, kMerged = 3, kExpired = 4 };
 
 struct NewProgram {
   std::string kind;  // "nc", "table", "report"

@@ -1,0 +1,16 @@
+# Writes OUTPUT, a C++ file with the migrations in SQL_FILES (NNNN_name.sql, in order of version) as embedded text.
+# Run at build time: cmake -DOUTPUT=... -DSQL_FILES=a.sql|b.sql -P EmbedMigrations.cmake
+set(text "// Generated from migrations/*.sql; do not edit.\n#include \"server/storage/migrate.h\"\n\nnamespace axiscal::storage {\n\n")
+string(APPEND text "const std::vector<Migration>& EmbeddedMigrations() {\n  static const auto* const migrations = new std::vector<Migration>{\n")
+string(REPLACE "|" ";" SQL_FILES "${SQL_FILES}")
+foreach(file IN LISTS SQL_FILES)
+  get_filename_component(name ${file} NAME_WE)
+  if(NOT name MATCHES "^([0-9][0-9][0-9][0-9])_[a-z0-9_]+$")
+    message(FATAL_ERROR "${file}: a migration is named NNNN_lower_case.sql")
+  endif()
+  math(EXPR version "1${CMAKE_MATCH_1} - 10000")
+  file(READ ${file} sql)
+  string(APPEND text "      {${version}, \"${name}\", R\"sql~(${sql})sql~\"},\n")
+endforeach()
+string(APPEND text "  };\n  return *migrations;\n}\n\n}  // namespace axiscal::storage\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,204 @@
+#include "server/storage/calibrations.h"
+
+#include "server/storage/audit.h"
+#include "server/storage/estimates.h"
+#include "server/storage/machines.h"
+#include "server/storage/page_token.h"
+#include "server/storage/refusal.h"
+
+namespace axiscal::storage {
+namespace {
+
+// The three long texts come last: lists leave them out.
+constexpr char kColumns[] =
+    "SELECT c.id, c.version, c.state, c.etag, c.job_id, m.name, c.machine_revision, c.measured_at_utc_us, "
+    "c.engine_version, c.rank, "
+    "c.condition, c.chi2_per_dof, c.rms_before_um, c.rms_after_um, c.created_by, c.created_at_utc_us, c.approved_by, "
+    "c.approved_at_utc_us, c.retired_at_utc_us, c.machine_id";
+constexpr char kFrom[] = " FROM calibration AS c JOIN machine AS m ON m.id = c.machine_id ";
+
+std::string Place(CalibrationId id) { return absl::StrCat("calibration ", id.number()); }
+
+CalibrationRecord ReadRow(const Statement& row) {
+  CalibrationRecord record;
+  record.id = CalibrationId(row.Int(0));
+  record.version = row.Int(1);
+  record.state = row.As<CalibrationState>(2);
+  record.etag = row.Int(3);
+  if (!row.IsNull(4)) record.job = JobId(row.Int(4));
+  record.content.machine = MachineId(row.Text(5));
+  record.content.machine_revision = row.Int(6);
+  record.content.measured_at = row.Time(7);
+  record.content.engine_version = row.Text(8);
+  record.content.rank = static_cast<int>(row.Int(9));
+  record.content.condition = row.OptionalReal(10);
+  record.content.chi2_per_dof = row.OptionalReal(11);
+  record.content.rms_before_um = row.OptionalReal(12);
+  record.content.rms_after_um = row.OptionalReal(13);
+  record.content.created_by = row.Text(14);
+  record.created_at = row.Time(15);
+  record.approved_by = row.Text(16);
+  record.approved_at = row.OptionalTime(17);
+  record.retired_at = row.OptionalTime(18);
+  return record;
+}
+
+absl::Status ReadLists(Connection& connection, int64_t machine_key, CalibrationRecord& record) {
+  {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT session_id FROM calibration_session WHERE calibration_id = ?1 ORDER BY position",
+                       record.id));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      record.content.sessions.push_back(SessionId(row.Int(0)));
+    }
+  }
+  ASSIGN_OR_RETURN(record.content.estimates,
+                   ReadEstimates(connection, machine_key, record.content.measured_at, record.id));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<CalibrationRecord> ReadOne(Connection& connection, Statement row) {
+  CalibrationRecord record = ReadRow(row);
+  record.content.model_json = row.Text(20);
+  record.content.options_json = row.Text(21);
+  record.content.report_json = row.Text(22);
+  RETURN_IF_ERROR(ReadLists(connection, row.Int(19), record));
+  return record;
+}
+
+std::string SelectOne(const std::string& where) {
+  return std::string(kColumns) + ", c.model_json, c.options_json, c.report_json" + kFrom + where;
+}
+
+absl::Status InsertSessions(Connection& connection, int64_t machine_key, CalibrationId id,
+                            const std::vector<SessionId>& sessions) {
+  for (size_t i = 0; i < sessions.size(); ++i) {
+    {
+      ASSIGN_OR_RETURN(Statement row,
+                       connection.Ask("SELECT machine_id, state FROM session WHERE id = ?1", sessions[i]));
+      ASSIGN_OR_RETURN(const bool found, row.Step());
+      if (!found) return NotFound("session", "SESSION", std::to_string(sessions[i].number()));
+      const std::string place = absl::StrCat("session ", sessions[i].number());
+      if (row.Int(0) != machine_key) return InvalidArgument(place + " is of another machine", "CALIBRATION_INVALID");
+      if (row.As<SessionState>(1) != SessionState::kComplete)
+        return FailedPrecondition(place + " is not complete", "SESSION_NOT_COMPLETE");
+    }
+    RETURN_IF_ERROR(
+        connection.Run("INSERT INTO calibration_session (calibration_id, position, session_id) VALUES (?1, ?2, ?3)", id,
+                       static_cast<int64_t>(i), sessions[i]));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<int64_t> NextVersion(Connection& connection, int64_t machine_key) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT coalesce(max(version), 0) + 1 FROM calibration WHERE machine_id = ?1", machine_key));
+  RETURN_IF_ERROR(row.Step().status());
+  return row.Int(0);
+}
+
+}  // namespace
+
+absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcTime now,
+                                                    const NewCalibration& calibration, std::optional<JobId> job) {
+  RETURN_IF_ERROR(CheckEstimates(calibration.estimates));
+  if (base::ToUtcUs(calibration.measured_at) < 0)
+    return InvalidArgument("measured_at lies before 1970", "CALIBRATION_INVALID");
+  RETURN_IF_ERROR(GetMachineRevision(connection, calibration.machine, calibration.machine_revision).status());
+  ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, calibration.machine));
+  ASSIGN_OR_RETURN(const int64_t version, NextVersion(connection, machine_key));
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO calibration (machine_id, version, machine_revision, state, etag, job_id, "
+                     "measured_at_utc_us, model_json, options_json, "
+                     "report_json, engine_version, rank, condition, chi2_per_dof, rms_before_um, rms_after_um, "
+                     "created_by, created_at_utc_us) "
+                     "VALUES (?1, ?2, ?3, 1, 1, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)",
+                     machine_key, version, calibration.machine_revision, job, calibration.measured_at,
+                     calibration.model_json, calibration.options_json, calibration.report_json,
+                     calibration.engine_version, calibration.rank, calibration.condition, calibration.chi2_per_dof,
+                     calibration.rms_before_um, calibration.rms_after_um, calibration.created_by, now));
+  const CalibrationId id(connection.last_insert_id());
+  RETURN_IF_ERROR(InsertSessions(connection, machine_key, id, calibration.sessions));
+  RETURN_IF_ERROR(InsertEstimates(connection, machine_key, calibration.measured_at, id, calibration.estimates));
+  const Caller caller = {calibration.created_by, ""};
+  RETURN_IF_ERROR(
+      AuditChange(connection, now, caller, "calibration.create", absl::StrCat("calibrations/", id.number())));
+  return GetCalibration(connection, id);
+}
+
+absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(SelectOne("WHERE c.id = ?1"), id));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("calibration", "CALIBRATION", std::to_string(id.number()));
+  return ReadOne(connection, std::move(row));
+}
+
+absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection, const MachineId& machine) {
+  ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, machine));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(SelectOne("WHERE c.machine_id = ?1 AND c.state = 2"), machine_key));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("calibration", "CALIBRATION", "approved for machine " + machine.text());
+  return ReadOne(connection, std::move(row));
+}
+
+absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
+                                                         const PageRequest& request) {
+  const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
+  const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
+  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, absl::StrCat("calibrations|", machine, "|", state)));
+  int64_t machine_key = 0;
+  std::string sql = std::string(kColumns) + kFrom + "WHERE c.id < ?1";
+  if (filter.machine.has_value()) {
+    ASSIGN_OR_RETURN(machine_key, MachineKey(connection, *filter.machine));
+    sql += " AND c.machine_id = ?2";
+  }
+  if (filter.state.has_value()) sql += " AND c.state = ?3";
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY c.id DESC LIMIT ?4", start.before_id(), machine_key,
+                                                 state, start.row_limit()));
+  Page<CalibrationRecord> page;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) break;
+    page.rows.push_back(ReadRow(row));
+    RETURN_IF_ERROR(ReadLists(connection, row.Int(19), page.rows.back()));
+  }
+  EndPage(
+      start, [](const CalibrationRecord& record) { return std::to_string(record.id.number()); }, page);
+  return page;
+}
+
+absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,
+                                                     int64_t expected_etag, const Caller& caller) {
+  ASSIGN_OR_RETURN(const CalibrationRecord present, GetCalibration(connection, id));
+  if (present.state == CalibrationState::kApproved) return present;
+  RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.etag));
+  ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, present.content.machine));
+  RETURN_IF_ERROR(connection.Run(
+      "UPDATE calibration SET state = 3, etag = etag + 1, retired_at_utc_us = ?2 WHERE machine_id = ?1 AND state = 2",
+      machine_key, now));
+  RETURN_IF_ERROR(
+      connection.Run("UPDATE calibration SET state = 2, etag = etag + 1, approved_by = ?2, approved_at_utc_us = ?3, "
+                     "retired_at_utc_us = NULL WHERE id = ?1",
+                     id, caller.principal, now));
+  RETURN_IF_ERROR(
+      AuditChange(connection, now, caller, "calibration.approve", absl::StrCat("calibrations/", id.number())));
+  return GetCalibration(connection, id);
+}
+
+absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcTime now, CalibrationId id,
+                                                    int64_t expected_etag, const Caller& caller) {
+  ASSIGN_OR_RETURN(const CalibrationRecord present, GetCalibration(connection, id));
+  if (present.state == CalibrationState::kRetired) return present;
+  RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.etag));
+  RETURN_IF_ERROR(connection.Run(
+      "UPDATE calibration SET state = 3, etag = etag + 1, retired_at_utc_us = ?2 WHERE id = ?1", id, now));
+  RETURN_IF_ERROR(
+      AuditChange(connection, now, caller, "calibration.retire", absl::StrCat("calibrations/", id.number())));
+  return GetCalibration(connection, id);
+}
+
+}  // namespace axiscal::storage

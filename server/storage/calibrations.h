@@ -1,0 +1,25 @@
+// Rows of `calibration` and `calibration_session`. What each function returns: database.h.
+#ifndef AXISCAL_SERVER_STORAGE_CALIBRATIONS_H_
+#define AXISCAL_SERVER_STORAGE_CALIBRATIONS_H_
+
+#include <optional>
+
+#include "server/storage/connection.h"
+#include "server/storage/records.h"
+
+namespace axiscal::storage {
+
+absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcTime now,
+                                                    const NewCalibration& calibration, std::optional<JobId> job);
+absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id);
+absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection, const MachineId& machine);
+absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
+                                                         const PageRequest& request);
+absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,
+                                                     int64_t expected_etag, const Caller& caller);
+absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcTime now, CalibrationId id,
+                                                    int64_t expected_etag, const Caller& caller);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_CALIBRATIONS_H_

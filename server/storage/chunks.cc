@@ -1,0 +1,87 @@
+#include "server/storage/chunks.h"
+
+#include "core/session/checksum.h"
+#include "server/storage/chunk_codec.h"
+#include "server/storage/refusal.h"
+
+namespace axiscal::storage {
+namespace {
+
+std::string Place(SessionId id, int64_t seq) { return absl::StrCat("session ", id.number(), ", chunk ", seq); }
+
+absl::Status Damaged(SessionId id, int64_t seq, const std::string& what) {
+  return base::Error(absl::StatusCode::kDataLoss, absl::StrCat(Place(id, seq), " is damaged: ", what),
+                     {"CHUNK_DAMAGED", {{"session", std::to_string(id.number())}, {"seq", std::to_string(seq)}}});
+}
+
+// A chunk that was appended before.
+absl::StatusOr<AppendResult> CheckRepeat(Connection& connection, SessionId id, const EncodedChunk& chunk,
+                                         int64_t next_seq) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT crc32c, reading_count FROM chunk WHERE session_id = ?1 AND seq = ?2", id, chunk.seq));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return Damaged(id, chunk.seq, "missing");
+  if (row.Int(0) != chunk.crc32c || row.Int(1) != chunk.reading_count) {
+    return base::Error(absl::StatusCode::kAlreadyExists, Place(id, chunk.seq) + " is there with other content",
+                       {"CHUNK_CONFLICT", {{"next_seq", std::to_string(next_seq)}}});
+  }
+  return AppendResult{next_seq, true};
+}
+
+}  // namespace
+
+absl::StatusOr<EncodedChunk> PrepareChunk(int64_t seq, const std::vector<session::Column>& columns, uint32_t crc32c,
+                                          const std::vector<ColumnSpec>& specs) {
+  if (seq < 0) return InvalidArgument(absl::StrCat("seq = ", seq, ", must be >= 0"), "CHUNK_INVALID");
+  RETURN_IF_ERROR(CheckColumns(columns, specs));
+  const uint32_t computed = session::ChunkCrc32c(columns);
+  if (computed != crc32c) {
+    return InvalidArgument(absl::StrFormat("chunk %d: crc32c = %08x, its content has %08x", seq, crc32c, computed),
+                           "CHUNK_CORRUPT");
+  }
+  const size_t count = specs[0].is_text ? columns[0].texts.size() : columns[0].values.size();
+  return EncodedChunk{seq, static_cast<int64_t>(count), crc32c, EncodeChunk(columns)};
+}
+
+absl::StatusOr<AppendResult> AppendChunk(Connection& connection, UtcTime now, SessionId id, const EncodedChunk& chunk) {
+  SessionState state;
+  int64_t next_seq;
+  {
+    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT state, next_seq FROM session WHERE id = ?1", id));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return NotFound("session", "SESSION", std::to_string(id.number()));
+    state = row.As<SessionState>(0);
+    next_seq = row.Int(1);
+  }
+  if (chunk.seq < next_seq) return CheckRepeat(connection, id, chunk, next_seq);
+  if (state != SessionState::kOpen)
+    return FailedPrecondition(Place(id, chunk.seq) + ": the session is closed", "SESSION_CLOSED");
+  if (chunk.seq > next_seq) {
+    return base::Error(absl::StatusCode::kOutOfRange, absl::StrCat(Place(id, chunk.seq), ": expected seq ", next_seq),
+                       {"SEQ_GAP", {{"next_seq", std::to_string(next_seq)}}});
+  }
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO chunk (session_id, seq, reading_count, crc32c, content) VALUES (?1, ?2, ?3, ?4, ?5)",
+                     id, chunk.seq, chunk.reading_count, static_cast<int64_t>(chunk.crc32c), Blob{chunk.content}));
+  RETURN_IF_ERROR(
+      connection.Run("UPDATE session SET next_seq = next_seq + 1, reading_count = reading_count + ?2, "
+                     "last_seen_at_utc_us = ?3 WHERE id = ?1",
+                     id, chunk.reading_count, now));
+  return AppendResult{next_seq + 1, false};
+}
+
+absl::StatusOr<std::optional<std::vector<session::Column>>> ReadChunk(Connection& connection,
+                                                                      const SessionRecord& session, int64_t seq) {
+  if (seq >= session.next_seq) return std::nullopt;
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT crc32c, content FROM chunk WHERE session_id = ?1 AND seq = ?2",
+                                                 session.id, seq));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return Damaged(session.id, seq, "missing");
+  absl::StatusOr<std::vector<session::Column>> columns = DecodeChunk(row.Text(1), session.columns);
+  if (!columns.ok()) return Damaged(session.id, seq, std::string(columns.status().message()));
+  if (session::ChunkCrc32c(*columns) != row.Int(0)) return Damaged(session.id, seq, "checksum differs");
+  return *std::move(columns);
+}
+
+}  // namespace axiscal::storage

@@ -1,0 +1,113 @@
+#include "server/storage/estimates.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "server/storage/refusal.h"
+
+namespace axiscal::storage {
+namespace {
+
+constexpr char kAddToWeek[] =
+    "INSERT INTO estimate_week (machine_id, symbol, week, unit, estimate_count, not_identifiable_count, min_um_urad, "
+    "max_um_urad, "
+    "sum_um_urad, first_at_utc_us, last_at_utc_us, last_sigma_um_urad, last_calibration_id) "
+    "VALUES (?1, ?2, ?3, ?4, 1, 0, ?5, ?5, ?5, ?6, ?6, ?7, ?8) "
+    "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET estimate_count = estimate_count + 1, "
+    "min_um_urad = min(coalesce(min_um_urad, ?5), ?5), max_um_urad = max(coalesce(max_um_urad, ?5), ?5), "
+    "sum_um_urad = coalesce(sum_um_urad, 0.0) + ?5, first_at_utc_us = min(coalesce(first_at_utc_us, ?6), ?6), "
+    "last_sigma_um_urad = iif(?6 >= coalesce(last_at_utc_us, ?6), ?7, last_sigma_um_urad), "
+    "last_calibration_id = iif(?6 >= coalesce(last_at_utc_us, ?6), ?8, last_calibration_id), "
+    "last_at_utc_us = max(coalesce(last_at_utc_us, ?6), ?6)";
+constexpr char kAddUnknownToWeek[] =
+    "INSERT INTO estimate_week (machine_id, symbol, week, unit, estimate_count, not_identifiable_count) VALUES (?1, "
+    "?2, ?3, ?4, 0, 1) "
+    "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET not_identifiable_count = not_identifiable_count + 1";
+
+absl::Status Invalid(const std::string& symbol, const std::string& rule) {
+  return InvalidArgument("estimate " + symbol + ": " + rule, "CALIBRATION_INVALID");
+}
+
+absl::Status InsertOne(Connection& connection, int64_t machine_key, UtcTime measured_at, CalibrationId id,
+                       int64_t position, const Estimate& estimate) {
+  const int unit = static_cast<int>(estimate.unit);
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO estimate (machine_id, symbol, measured_at_utc_us, calibration_id, position, unit, "
+                     "identifiable, estimated_um_urad, "
+                     "sigma_um_urad) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
+                     machine_key, estimate.symbol, measured_at, id, position, unit, estimate.identifiable,
+                     estimate.value, estimate.sigma));
+  const int64_t week = base::ToUtcUs(measured_at) / kWeekUs;
+  if (!estimate.identifiable) return connection.Run(kAddUnknownToWeek, machine_key, estimate.symbol, week, unit);
+  return connection.Run(kAddToWeek, machine_key, estimate.symbol, week, unit, estimate.value, measured_at,
+                        estimate.sigma, id);
+}
+
+}  // namespace
+
+absl::Status CheckEstimates(const std::vector<Estimate>& estimates) {
+  std::set<std::string> symbols;
+  for (const Estimate& estimate : estimates) {
+    if (estimate.symbol.empty()) return Invalid("without a symbol", "not allowed");
+    if (!symbols.insert(estimate.symbol).second) return Invalid(estimate.symbol, "twice");
+    if (estimate.identifiable != estimate.value.has_value()) {
+      return Invalid(estimate.symbol, "has a value if and only if it is identifiable");
+    }
+    if (!estimate.identifiable && estimate.sigma.has_value())
+      return Invalid(estimate.symbol, "not identifiable, but has a sigma");
+    if (!std::isfinite(estimate.value.value_or(0.0))) return Invalid(estimate.symbol, "value is not finite");
+    if (!std::isfinite(estimate.sigma.value_or(0.0)) || estimate.sigma.value_or(0.0) < 0.0) {
+      return Invalid(estimate.symbol, "sigma must be finite and >= 0");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at, CalibrationId id,
+                             const std::vector<Estimate>& estimates) {
+  for (size_t i = 0; i < estimates.size(); ++i) {
+    RETURN_IF_ERROR(InsertOne(connection, machine_key, measured_at, id, static_cast<int64_t>(i), estimates[i]));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,
+                                                    CalibrationId id) {
+  // By whole keys of the clustered table, a symbol at a time: an index by calibration would grow the history by half
+  // for this one use.
+  ASSIGN_OR_RETURN(const std::vector<std::string> symbols, MachineSymbols(connection, machine_key));
+  std::map<int64_t, Estimate> by_position;
+  for (const std::string& symbol : symbols) {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT position, unit, identifiable, estimated_um_urad, sigma_um_urad FROM estimate "
+                       "WHERE machine_id = ?1 AND symbol = ?2 AND measured_at_utc_us = ?3 AND "
+                       "calibration_id = ?4",
+                       machine_key, symbol, measured_at, id));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) continue;
+    by_position[row.Int(0)] = {symbol, row.As<EstimateUnit>(1), row.Bool(2), row.OptionalReal(3), row.OptionalReal(4)};
+  }
+  std::vector<Estimate> estimates;
+  for (auto& [position, estimate] : by_position) estimates.push_back(std::move(estimate));
+  return estimates;
+}
+
+absl::StatusOr<std::vector<std::string>> MachineSymbols(Connection& connection, int64_t machine_key) {
+  // Skips from one symbol to the next instead of reading every row for DISTINCT.
+  std::vector<std::string> symbols;
+  std::string last;
+  while (true) {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT symbol FROM estimate_week WHERE machine_id = ?1 AND symbol > ?2 "
+                                    "ORDER BY symbol LIMIT 1",
+                                    machine_key, last));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return symbols;
+    last = row.Text(0);
+    symbols.push_back(last);
+  }
+}
+
+}  // namespace axiscal::storage

@@ -1,0 +1,28 @@
+// Rows of `estimate` and `estimate_week`: what each calibration found for each error symbol.
+#ifndef AXISCAL_SERVER_STORAGE_ESTIMATES_H_
+#define AXISCAL_SERVER_STORAGE_ESTIMATES_H_
+
+#include <string>
+#include <vector>
+
+#include "server/storage/connection.h"
+#include "server/storage/records.h"
+
+namespace axiscal::storage {
+
+inline constexpr int64_t kWeekUs = 7LL * 24 * 3600 * 1'000'000;
+
+// INVALID_ARGUMENT CALIBRATION_INVALID: a symbol twice or empty, a value that is not finite or belongs to an error that
+// was not identifiable.
+absl::Status CheckEstimates(const std::vector<Estimate>& estimates);
+absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at, CalibrationId id,
+                             const std::vector<Estimate>& estimates);
+// Those of one calibration, in the order in which they were given.
+absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,
+                                                    CalibrationId id);
+// In order.
+absl::StatusOr<std::vector<std::string>> MachineSymbols(Connection& connection, int64_t machine_key);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_ESTIMATES_H_

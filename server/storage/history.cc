@@ -1,0 +1,227 @@
+#include "server/storage/history.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_join.h"
+#include "server/storage/estimates.h"
+#include "server/storage/machines.h"
+#include "server/storage/page_token.h"
+#include "server/storage/refusal.h"
+
+namespace axiscal::storage {
+namespace {
+
+constexpr int kMaxPoints = 100'000;
+
+// Microseconds since 1970: [from, to).
+struct Span {
+  int64_t from = 0;
+  int64_t to = 0;
+};
+
+// One symbol's series while it is being filled. Points come in time order; those of equal bucket are merged.
+class SeriesBuilder {
+ public:
+  SeriesBuilder(Connection& connection, int64_t machine_key, const std::string& symbol)
+      : connection_(connection), machine_key_(machine_key) {
+    series_.symbol = symbol;
+  }
+
+  // Single estimates; those of one span of `bucket_us` (0: none) are merged.
+  absl::Status AddEstimates(const Span& span, int64_t origin_us, int64_t bucket_us);
+  // Whole weeks [first, end) of the weekly sums, in buckets of `weeks_per_bucket`.
+  absl::Status AddWeeks(int64_t first, int64_t end, int64_t origin_us, int64_t bucket_us);
+  absl::StatusOr<bool> HasMoreThan(const Span& span, int limit);
+  DriftSeries Take() { return std::move(series_); }
+
+ private:
+  void Merge(int64_t bucket, const DriftPoint& point);
+
+  Connection& connection_;
+  const int64_t machine_key_;
+  DriftSeries series_;
+  int64_t last_bucket_ = -1;
+};
+
+void SeriesBuilder::Merge(int64_t bucket, const DriftPoint& point) {
+  if (series_.points.empty() || bucket != last_bucket_) {
+    series_.points.push_back(point);
+    last_bucket_ = bucket;
+    return;
+  }
+  DriftPoint& merged = series_.points.back();
+  const int64_t count = merged.count + point.count;
+  merged.mean += (point.mean - merged.mean) * (static_cast<double>(point.count) / static_cast<double>(count));
+  merged.count = count;
+  merged.min = std::min(merged.min, point.min);
+  merged.max = std::max(merged.max, point.max);
+  merged.last_at = point.last_at;
+  merged.sigma = point.sigma;
+  merged.last_calibration = point.last_calibration;
+}
+
+absl::Status SeriesBuilder::AddEstimates(const Span& span, int64_t origin_us, int64_t bucket_us) {
+  if (span.from >= span.to) return absl::OkStatus();
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection_.Ask("SELECT measured_at_utc_us, unit, estimated_um_urad, sigma_um_urad, calibration_id "
+                      "FROM estimate WHERE machine_id = ?1 AND symbol = ?2 AND measured_at_utc_us >= ?3 AND "
+                      "measured_at_utc_us < ?4 ORDER BY measured_at_utc_us, calibration_id",
+                      machine_key_, series_.symbol, span.from, span.to));
+  for (int64_t n = 0;; ++n) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return absl::OkStatus();
+    series_.unit = row.As<EstimateUnit>(1);
+    if (row.IsNull(2)) {
+      ++series_.not_identifiable_count;
+      continue;
+    }
+    const UtcTime at = row.Time(0);
+    const double value = row.Real(2);
+    const int64_t bucket = bucket_us > 0 ? (row.Int(0) - origin_us) / bucket_us : n;
+    Merge(bucket, {at, at, 1, value, value, value, row.OptionalReal(3), CalibrationId(row.Int(4))});
+  }
+}
+
+absl::Status SeriesBuilder::AddWeeks(int64_t first, int64_t end, int64_t origin_us, int64_t bucket_us) {
+  if (first >= end) return absl::OkStatus();
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection_.Ask("SELECT week, unit, estimate_count, not_identifiable_count, min_um_urad, max_um_urad, "
+                      "sum_um_urad, first_at_utc_us, last_at_utc_us, last_sigma_um_urad, last_calibration_id "
+                      "FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2 AND week >= ?3 AND week < ?4 "
+                      "ORDER BY week",
+                      machine_key_, series_.symbol, first, end));
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return absl::OkStatus();
+    series_.unit = row.As<EstimateUnit>(1);
+    series_.not_identifiable_count += row.Int(3);
+    const int64_t count = row.Int(2);
+    if (count == 0) continue;
+    Merge((row.Int(0) * kWeekUs - origin_us) / bucket_us,
+          {row.Time(7), row.Time(8), count, row.Real(4), row.Real(5), row.Real(6) / static_cast<double>(count),
+           row.OptionalReal(9), CalibrationId(row.Int(10))});
+  }
+}
+
+absl::StatusOr<bool> SeriesBuilder::HasMoreThan(const Span& span, int limit) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection_.Ask("SELECT count(*) FROM (SELECT 1 FROM estimate WHERE machine_id = ?1 AND symbol = ?2 AND "
+                      "measured_at_utc_us >= ?3 AND measured_at_utc_us < ?4 LIMIT ?5)",
+                      machine_key_, series_.symbol, span.from, span.to, limit + 1));
+  RETURN_IF_ERROR(row.Step().status());
+  return row.Int(0) > limit;
+}
+
+int64_t CeilDivide(int64_t number, int64_t divisor) { return (number + divisor - 1) / divisor; }
+
+absl::Status Fill(const Span& span, int max_points, SeriesBuilder& builder) {
+  ASSIGN_OR_RETURN(const bool many, builder.HasMoreThan(span, max_points));
+  if (!many) return builder.AddEstimates(span, 0, 0);
+  const int64_t first_week = span.from / kWeekUs, weeks = CeilDivide(span.to, kWeekUs) - first_week;
+  if (weeks <= max_points) return builder.AddEstimates(span, span.from, CeilDivide(span.to - span.from, max_points));
+  // Buckets of whole weeks; the sums serve the weeks that lie wholly in the span, single estimates its two ends.
+  const int64_t origin_us = first_week * kWeekUs, bucket_us = CeilDivide(weeks, max_points) * kWeekUs;
+  const int64_t first_whole = CeilDivide(span.from, kWeekUs), end_whole = span.to / kWeekUs;
+  RETURN_IF_ERROR(builder.AddEstimates({span.from, first_whole * kWeekUs}, origin_us, bucket_us));
+  RETURN_IF_ERROR(builder.AddWeeks(first_whole, end_whole, origin_us, bucket_us));
+  return builder.AddEstimates({end_whole * kWeekUs, span.to}, origin_us, bucket_us);
+}
+
+// The part of the range in which the machine has estimates: an open range (0 .. far future) must not make one bucket of
+// everything.
+absl::StatusOr<Span> Narrow(Connection& connection, int64_t machine_key, const std::vector<std::string>& symbols,
+                            Span span) {
+  Span known = {span.to, span.from};
+  for (const std::string& symbol : symbols) {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT (SELECT min(week) FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2), "
+                       "(SELECT max(week) FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2)",
+                       machine_key, symbol));
+    RETURN_IF_ERROR(row.Step().status());
+    if (row.IsNull(0)) continue;
+    known.from = std::min(known.from, row.Int(0) * kWeekUs);
+    known.to = std::max(known.to, (row.Int(1) + 1) * kWeekUs);
+  }
+  return Span{std::max(span.from, known.from), std::min(span.to, known.to)};
+}
+
+absl::Status CheckQuery(const DriftQuery& query) {
+  if (query.from >= query.to) return InvalidArgument("range of time: from must lie before to", "RANGE_INVALID");
+  if (query.max_points < 1 || query.max_points > kMaxPoints) {
+    return InvalidArgument(absl::StrCat("max_points = ", query.max_points, ", must be 1 .. ", kMaxPoints),
+                           "RANGE_INVALID");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<LatestEstimate>> Latest(Connection& connection, int64_t machine_key,
+                                                   std::vector<std::string> symbols) {
+  if (symbols.empty()) {
+    ASSIGN_OR_RETURN(symbols, MachineSymbols(connection, machine_key));
+  }
+  std::vector<LatestEstimate> latest;
+  for (const std::string& symbol : symbols) {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT unit, identifiable, estimated_um_urad, sigma_um_urad, measured_at_utc_us, "
+                                    "calibration_id FROM estimate WHERE machine_id = ?1 AND symbol = ?2 "
+                                    "ORDER BY measured_at_utc_us DESC, calibration_id DESC LIMIT 1",
+                                    machine_key, symbol));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) continue;
+    const Estimate estimate = {symbol, row.As<EstimateUnit>(0), row.Bool(1), row.OptionalReal(2), row.OptionalReal(3)};
+    latest.push_back({estimate, row.Time(4), CalibrationId(row.Int(5))});
+  }
+  return latest;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, const DriftQuery& query) {
+  RETURN_IF_ERROR(CheckQuery(query));
+  ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, query.machine));
+  std::vector<std::string> symbols = query.symbols;
+  if (symbols.empty()) {
+    ASSIGN_OR_RETURN(symbols, MachineSymbols(connection, machine_key));
+  }
+  std::sort(symbols.begin(), symbols.end());
+  symbols.erase(std::unique(symbols.begin(), symbols.end()), symbols.end());
+  const Span asked = {std::max<int64_t>(base::ToUtcUs(query.from), 0), base::ToUtcUs(query.to)};
+  ASSIGN_OR_RETURN(const Span span, Narrow(connection, machine_key, symbols, asked));
+  std::vector<DriftSeries> all;
+  for (const std::string& symbol : symbols) {
+    SeriesBuilder builder(connection, machine_key, symbol);
+    RETURN_IF_ERROR(Fill(span, query.max_points, builder));
+    DriftSeries series = builder.Take();
+    if (!series.points.empty() || series.not_identifiable_count > 0) all.push_back(std::move(series));
+  }
+  return all;
+}
+
+absl::StatusOr<Page<FleetRow>> LatestFleet(Connection& connection, const std::vector<std::string>& symbols,
+                                           const PageRequest& request) {
+  std::vector<std::string> ordered = symbols;
+  std::sort(ordered.begin(), ordered.end());
+  ordered.erase(std::unique(ordered.begin(), ordered.end()), ordered.end());
+  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "fleet|" + absl::StrJoin(ordered, ",")));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT id, name FROM machine WHERE name > ?1 AND deleted_at_utc_us IS NULL "
+                                  "ORDER BY name LIMIT ?2",
+                                  start.after.value_or(""), start.row_limit()));
+  Page<FleetRow> page;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) break;
+    page.rows.push_back({MachineId(row.Text(1)), {}});
+    if (page.rows.size() > static_cast<size_t>(start.size)) break;  // tells only that another page follows
+    ASSIGN_OR_RETURN(page.rows.back().latest, Latest(connection, row.Int(0), ordered));
+  }
+  EndPage(
+      start, [](const FleetRow& fleet) { return fleet.machine.text(); }, page);
+  return page;
+}
+
+}  // namespace axiscal::storage

@@ -1,0 +1,175 @@
+// The half of jobs.h that workers use: an attempt at a job from its claim to its end.
+#include "server/storage/calibrations.h"
+#include "server/storage/jobs.h"
+#include "server/storage/refusal.h"
+
+namespace axiscal::storage {
+namespace {
+
+int64_t LeaseEndUs(const JobOwner& owner, std::chrono::microseconds lease) {
+  return owner.steady_now_us + lease.count();
+}
+
+// ABORTED LEASE_LOST unless the claim is the present one.
+absl::StatusOr<JobRecord> CheckClaim(Connection& connection, const JobOwner& owner, const JobClaim& claim) {
+  ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, claim.id));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT owner FROM job WHERE id = ?1", claim.id));
+  RETURN_IF_ERROR(row.Step().status());
+  if (job.state == JobState::kRunning && job.lease_token == claim.lease_token && row.Text(0) == owner.id) return job;
+  return base::Error(
+      absl::StatusCode::kAborted,
+      absl::StrCat("job ", claim.id.number(), ": this attempt has lost its lease (token ", claim.lease_token, ")"),
+      {"LEASE_LOST", {{"job", std::to_string(claim.id.number())}}});
+}
+
+absl::Status EndAttempt(Connection& connection, UtcTime now, JobId id, int64_t lease_token, const std::string& outcome,
+                        const std::string& message) {
+  return connection.Run(
+      "UPDATE job_attempt SET ended_at_utc_us = ?3, outcome = ?4, message = ?5 WHERE job_id = ?1 AND lease_token = ?2",
+      id, lease_token, now, outcome, message);
+}
+
+// What a job becomes when an attempt ends like this.
+JobState NextState(const JobRecord& job, JobEnd end) {
+  if (end == JobEnd::kFailed) return JobState::kFailed;
+  if (end == JobEnd::kCancelled || job.cancel_requested) return JobState::kCancelled;
+  if (end == JobEnd::kParked) return JobState::kQueued;
+  return job.attempt < job.max_attempts ? JobState::kQueued : JobState::kDead;
+}
+
+std::string Name(JobEnd end) {
+  switch (end) {
+    case JobEnd::kFailed:
+      return "FAILED";
+    case JobEnd::kCancelled:
+      return "CANCELLED";
+    case JobEnd::kRetry:
+      return "RETRY";
+    case JobEnd::kParked:
+      return "PARKED";
+  }
+  return "";
+}
+
+absl::Status Leave(Connection& connection, UtcTime now, const JobRecord& job, JobEnd end, const std::string& outcome,
+                   const JobError& error, std::chrono::microseconds retry_after) {
+  const JobState next = NextState(job, end);
+  const int attempt = end == JobEnd::kParked ? job.attempt - 1 : job.attempt;
+  RETURN_IF_ERROR(connection.Run(
+      "UPDATE job SET state = ?2, attempt = ?3, owner = NULL, lease_until_steady_us = NULL, run_after_utc_us = ?4, "
+      "error_code = ?5, "
+      "error_reason = ?6, error_message = ?7, ended_at_utc_us = ?8, version = version + 1 WHERE id = ?1",
+      job.id, static_cast<int>(next), attempt, next == JobState::kQueued ? now + retry_after : job.run_after,
+      static_cast<int>(error.code), error.reason, error.message, now));
+  return EndAttempt(connection, now, job.id, job.lease_token, outcome, error.message);
+}
+
+absl::Status InsertPrograms(Connection& connection, JobId id, const std::vector<ProgramId>& programs) {
+  for (size_t i = 0; i < programs.size(); ++i) {
+    {
+      ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT 1 FROM program WHERE id = ?1 AND state = 2", programs[i]));
+      ASSIGN_OR_RETURN(const bool complete, row.Step());
+      if (!complete) {
+        return FailedPrecondition(absl::StrCat("program ", programs[i].number(), " is not complete"),
+                                  "PROGRAM_NOT_COMPLETE");
+      }
+    }
+    RETURN_IF_ERROR(connection.Run("INSERT INTO job_program (job_id, position, program_id) VALUES (?1, ?2, ?3)", id,
+                                   static_cast<int64_t>(i), programs[i]));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const JobOwner& owner,
+                                                  std::chrono::microseconds lease) {
+  JobId id;
+  {
+    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id FROM job WHERE state = 1 AND run_after_utc_us <= ?1 "
+                                                   "ORDER BY priority DESC, id LIMIT 1",
+                                                   owner.utc_now));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return std::nullopt;
+    id = JobId(row.Int(0));
+  }
+  RETURN_IF_ERROR(
+      connection.Run("UPDATE job SET state = 2, attempt = attempt + 1, owner = ?2, lease_token = lease_token + 1, "
+                     "lease_until_steady_us = ?3, "
+                     "started_at_utc_us = ?4, ended_at_utc_us = NULL, progress_stage = '', progress_fraction = 0.0, "
+                     "progress_detail = '', "
+                     "version = version + 1 WHERE id = ?1",
+                     id, owner.id, LeaseEndUs(owner, lease), owner.utc_now));
+  ASSIGN_OR_RETURN(JobRecord job, GetJob(connection, id));
+  RETURN_IF_ERROR(connection.Run(
+      "INSERT INTO job_attempt (job_id, lease_token, attempt, owner, started_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5)",
+      id, job.lease_token, job.attempt, owner.id, owner.utc_now));
+  return job;
+}
+
+absl::StatusOr<std::optional<UtcTime>> NextJobTime(Connection& connection) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT min(run_after_utc_us) FROM job WHERE state = 1"));
+  RETURN_IF_ERROR(row.Step().status());
+  return row.OptionalTime(0);
+}
+
+absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
+                                       std::chrono::microseconds lease, const JobProgress& progress) {
+  ASSIGN_OR_RETURN(const JobRecord job, CheckClaim(connection, owner, claim));
+  RETURN_IF_ERROR(
+      connection.Run("UPDATE job SET lease_until_steady_us = ?2, progress_stage = ?3, progress_fraction = ?4, "
+                     "progress_detail = ?5, version = version + ?6 WHERE id = ?1",
+                     claim.id, LeaseEndUs(owner, lease), progress.stage, progress.fraction, progress.detail,
+                     progress == job.progress ? 0 : 1));
+  return GetJob(connection, claim.id);
+}
+
+absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
+                                     const JobProduct& product) {
+  RETURN_IF_ERROR(CheckClaim(connection, owner, claim).status());
+  if (product.calibration.has_value()) {
+    RETURN_IF_ERROR(CreateCalibration(connection, owner.utc_now, *product.calibration, claim.id).status());
+  }
+  RETURN_IF_ERROR(InsertPrograms(connection, claim.id, product.programs));
+  RETURN_IF_ERROR(connection.Run(
+      "UPDATE job SET state = 3, owner = NULL, lease_until_steady_us = NULL, result = ?2, progress_fraction = 1.0, "
+      "error_code = NULL, "
+      "error_reason = NULL, error_message = NULL, ended_at_utc_us = ?3, version = version + 1 WHERE id = ?1",
+      claim.id, Blob{product.result}, owner.utc_now));
+  RETURN_IF_ERROR(EndAttempt(connection, owner.utc_now, claim.id, claim.lease_token, "SUCCEEDED", ""));
+  return GetJob(connection, claim.id);
+}
+
+absl::StatusOr<JobRecord> EndJob(Connection& connection, const JobOwner& owner, const JobClaim& claim, JobEnd end,
+                                 const JobError& error, std::chrono::microseconds retry_after) {
+  ASSIGN_OR_RETURN(const JobRecord job, CheckClaim(connection, owner, claim));
+  RETURN_IF_ERROR(Leave(connection, owner.utc_now, job, end, Name(end), error, retry_after));
+  return GetJob(connection, claim.id);
+}
+
+absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const JobOwner& owner) {
+  std::vector<JobId> lost;
+  {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT id FROM job WHERE state = 2 AND (owner <> ?1 OR lease_until_steady_us < ?2) "
+                       "ORDER BY id",
+                       owner.id, owner.steady_now_us));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      lost.push_back(JobId(row.Int(0)));
+    }
+  }
+  std::vector<JobRecord> rescued;
+  for (const JobId id : lost) {
+    ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
+    const JobError error = {absl::StatusCode::kUnavailable, "OWNER_LOST",
+                            absl::StrCat("attempt ", job.attempt, " was not finished")};
+    RETURN_IF_ERROR(Leave(connection, owner.utc_now, job, JobEnd::kRetry, "LOST", error, std::chrono::microseconds(0)));
+    ASSIGN_OR_RETURN(rescued.emplace_back(), GetJob(connection, id));
+  }
+  return rescued;
+}
+
+}  // namespace axiscal::storage

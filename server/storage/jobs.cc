@@ -1,0 +1,165 @@
+#include "server/storage/jobs.h"
+
+#include "server/storage/audit.h"
+#include "server/storage/machines.h"
+#include "server/storage/page_token.h"
+#include "server/storage/refusal.h"
+#include "server/storage/request.h"
+
+namespace axiscal::storage {
+namespace {
+
+constexpr char kSelect[] =
+    "SELECT j.id, j.kind, m.name, j.params, j.input_hash, j.priority, j.state, j.attempt, j.max_attempts, "
+    "j.lease_token, "
+    "j.cancel_requested, j.progress_stage, j.progress_fraction, j.progress_detail, j.result, j.error_code, "
+    "j.error_reason, "
+    "j.error_message, j.created_by, j.created_at_utc_us, j.run_after_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
+    "j.version, "
+    "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id) FROM job AS j LEFT JOIN machine AS m ON m.id = "
+    "j.machine_id ";
+
+JobRecord ReadRow(const Statement& row) {
+  JobRecord job;
+  job.id = JobId(row.Int(0));
+  job.kind = row.Text(1);
+  if (!row.IsNull(2)) job.machine = MachineId(row.Text(2));
+  job.params = row.Text(3);
+  job.input_hash = row.Text(4);
+  job.priority = static_cast<int>(row.Int(5));
+  job.state = row.As<JobState>(6);
+  job.attempt = static_cast<int>(row.Int(7));
+  job.max_attempts = static_cast<int>(row.Int(8));
+  job.lease_token = job.state == JobState::kRunning ? row.Int(9) : 0;
+  job.cancel_requested = row.Bool(10);
+  job.progress = {row.Text(11), row.Real(12), row.Text(13)};
+  job.result = row.Text(14);
+  if (!row.IsNull(15)) job.error = JobError{row.As<absl::StatusCode>(15), row.Text(16), row.Text(17)};
+  job.created_by = row.Text(18);
+  job.created_at = row.Time(19);
+  job.run_after = row.Time(20);
+  job.started_at = row.OptionalTime(21);
+  job.ended_at = row.OptionalTime(22);
+  job.version = row.Int(23);
+  if (!row.IsNull(24)) job.calibration = CalibrationId(row.Int(24));
+  return job;
+}
+
+absl::Status ReadPrograms(Connection& connection, JobRecord& job) {
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT program_id FROM job_program WHERE job_id = ?1 ORDER BY position", job.id));
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return absl::OkStatus();
+    job.programs.push_back(ProgramId(row.Int(0)));
+  }
+}
+
+std::string HashBody(const NewJob& job) {
+  BodyHash hash;
+  hash.Add(job.kind).Add(job.machine.has_value() ? job.machine->text() : "").Add(job.params).Add(job.input_hash);
+  return hash.Add(job.priority).Add(job.max_attempts).Hex();
+}
+
+absl::Status CheckRoom(Connection& connection, int max_queued) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT count(*) FROM job WHERE state = 1"));
+  RETURN_IF_ERROR(row.Step().status());
+  if (row.Int(0) < max_queued) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kResourceExhausted,
+                     absl::StrCat(row.Int(0), " jobs wait, at most ", max_queued, " may"),
+                     {"QUEUE_FULL", {{"max_queued", std::to_string(max_queued)}}});
+}
+
+absl::StatusOr<std::optional<int64_t>> OptionalMachineKey(Connection& connection,
+                                                          const std::optional<MachineId>& machine) {
+  if (!machine.has_value()) return std::nullopt;
+  ASSIGN_OR_RETURN(const int64_t key, MachineKey(connection, *machine));
+  return key;
+}
+
+}  // namespace
+
+absl::StatusOr<JobRecord> CreateJob(Connection& connection, UtcTime now, const NewJob& job, int max_queued) {
+  if (job.max_attempts < 1) {
+    return InvalidArgument(absl::StrCat("max_attempts = ", job.max_attempts, ", must be > 0"), "JOB_INVALID");
+  }
+  const std::string body_sha256 = HashBody(job);
+  ASSIGN_OR_RETURN(const std::optional<int64_t> same, FindRequest(connection, "job", job.caller, body_sha256));
+  if (same.has_value()) return GetJob(connection, JobId(*same));
+  RETURN_IF_ERROR(CheckRoom(connection, max_queued));
+  ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, job.machine));
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, "
+                     "lease_token, cancel_requested, "
+                     "progress_stage, progress_fraction, progress_detail, created_by, request_id, body_sha256, "
+                     "created_at_utc_us, run_after_utc_us, "
+                     "version) VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?10, 1)",
+                     job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts,
+                     job.caller.principal, RequestId(job.caller), body_sha256, now));
+  return GetJob(connection, JobId(connection.last_insert_id()));
+}
+
+absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelect) + "WHERE j.id = ?1", id));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("job", "JOB", std::to_string(id.number()));
+  JobRecord job = ReadRow(row);
+  RETURN_IF_ERROR(ReadPrograms(connection, job));
+  return job;
+}
+
+absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request) {
+  const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
+  const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
+  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, absl::StrCat("jobs|", machine, "|", state, "|",
+                                                                          filter.kind, "|", filter.input_hash)));
+  ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, filter.machine));
+  std::string sql = std::string(kSelect) + "WHERE j.id < ?1";
+  if (filter.machine.has_value()) sql += " AND j.machine_id = ?2";
+  if (filter.state.has_value()) sql += " AND j.state = ?3";
+  if (!filter.kind.empty()) sql += " AND j.kind = ?4";
+  if (!filter.input_hash.empty()) sql += " AND j.input_hash = ?5 AND j.input_hash <> ''";
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY j.id DESC LIMIT ?6", start.before_id(), machine_key,
+                                                 state, filter.kind, filter.input_hash, start.row_limit()));
+  Page<JobRecord> page;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) break;
+    page.rows.push_back(ReadRow(row));
+  }
+  EndPage(
+      start, [](const JobRecord& job) { return std::to_string(job.id.number()); }, page);
+  for (JobRecord& job : page.rows) RETURN_IF_ERROR(ReadPrograms(connection, job));
+  return page;
+}
+
+absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller) {
+  ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
+  if (IsTerminal(job.state) || job.cancel_requested) return job;
+  if (job.state == JobState::kQueued) {
+    RETURN_IF_ERROR(connection.Run(
+        "UPDATE job SET state = 5, cancel_requested = 1, ended_at_utc_us = ?2, version = version + 1 WHERE id = ?1", id,
+        now));
+  } else {
+    RETURN_IF_ERROR(connection.Run("UPDATE job SET cancel_requested = 1, version = version + 1 WHERE id = ?1", id));
+  }
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "job.cancel", absl::StrCat("jobs/", id.number())));
+  return GetJob(connection, id);
+}
+
+absl::StatusOr<JobRecord> RequeueJob(Connection& connection, UtcTime now, JobId id, int max_queued,
+                                     const Caller& caller) {
+  ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
+  if (!IsTerminal(job.state) || job.state == JobState::kSucceeded) {
+    return FailedPrecondition(absl::StrCat("job ", id.number(), " has not failed"), "JOB_NOT_ENDED");
+  }
+  RETURN_IF_ERROR(CheckRoom(connection, max_queued));
+  RETURN_IF_ERROR(connection.Run(
+      "UPDATE job SET state = 1, attempt = 0, cancel_requested = 0, run_after_utc_us = ?2, "
+      "progress_stage = '', progress_fraction = 0.0, progress_detail = '', version = version + 1 WHERE id = ?1",
+      id, now));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "job.requeue", absl::StrCat("jobs/", id.number())));
+  return GetJob(connection, id);
+}
+
+}  // namespace axiscal::storage

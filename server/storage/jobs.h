@@ -1,0 +1,42 @@
+// Rows of `job`, `job_attempt`, `job_program`. What each function returns: database.h.
+// A lease runs on the steady clock of the process that owns the database, so a wall clock that jumps takes no job away.
+#ifndef AXISCAL_SERVER_STORAGE_JOBS_H_
+#define AXISCAL_SERVER_STORAGE_JOBS_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/storage/connection.h"
+#include "server/storage/database.h"
+
+namespace axiscal::storage {
+
+// Who runs jobs, and when it is.
+struct JobOwner {
+  std::string id;  // new for every opening of the file: jobs of another owner belong to a dead process
+  UtcTime utc_now;
+  int64_t steady_now_us = 0;
+};
+
+absl::StatusOr<JobRecord> CreateJob(Connection& connection, UtcTime now, const NewJob& job, int max_queued);
+absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id);
+absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request);
+absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller);
+absl::StatusOr<JobRecord> RequeueJob(Connection& connection, UtcTime now, JobId id, int max_queued,
+                                     const Caller& caller);
+
+absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const JobOwner& owner,
+                                                  std::chrono::microseconds lease);
+absl::StatusOr<std::optional<UtcTime>> NextJobTime(Connection& connection);
+absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
+                                       std::chrono::microseconds lease, const JobProgress& progress);
+absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
+                                     const JobProduct& product);
+absl::StatusOr<JobRecord> EndJob(Connection& connection, const JobOwner& owner, const JobClaim& claim, JobEnd end,
+                                 const JobError& error, std::chrono::microseconds retry_after);
+absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const JobOwner& owner);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_JOBS_H_

@@ -1,0 +1,118 @@
+#include "server/storage/machines.h"
+
+#include "server/storage/audit.h"
+#include "server/storage/page_token.h"
+#include "server/storage/refusal.h"
+
+namespace axiscal::storage {
+namespace {
+
+constexpr char kSelect[] =
+    "SELECT m.name, r.revision, r.description_json, m.created_at_utc_us, r.created_at_utc_us, m.deleted_at_utc_us "
+    "FROM machine AS m JOIN machine_revision AS r ON r.machine_id = m.id ";
+
+MachineRecord ReadRow(const Statement& row) {
+  return {MachineId(row.Text(0)), row.Int(1), row.Text(2), row.Time(3), row.Time(4), row.OptionalTime(5)};
+}
+
+absl::Status InsertRevision(Connection& connection, UtcTime now, int64_t key, int64_t revision,
+                            const std::string& description_json, const Caller& caller) {
+  return connection.Run(
+      "INSERT INTO machine_revision (machine_id, revision, description_json, created_by, created_at_utc_us) VALUES "
+      "(?1, ?2, ?3, ?4, ?5)",
+      key, revision, description_json, caller.principal, now);
+}
+
+absl::StatusOr<MachineRecord> KeepExisting(const MachineRecord& present, const std::string& description_json) {
+  if (!present.deleted_at.has_value() && present.description_json == description_json) return present;
+  const std::string how =
+      present.deleted_at.has_value() ? " existed and was deleted" : " exists with another description";
+  return base::Error(absl::StatusCode::kAlreadyExists, "machine " + present.id.text() + how,
+                     {"MACHINE_EXISTS", {{"machine", present.id.text()}}});
+}
+
+}  // namespace
+
+absl::StatusOr<MachineRecord> CreateMachine(Connection& connection, UtcTime now, const MachineId& id,
+                                            const std::string& description_json, const Caller& caller) {
+  const absl::StatusOr<MachineRecord> present = GetMachine(connection, id);
+  if (present.ok()) return KeepExisting(*present, description_json);
+  if (!absl::IsNotFound(present.status())) return present;
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO machine (name, revision, created_at_utc_us) VALUES (?1, 1, ?2)", id.text(), now));
+  RETURN_IF_ERROR(InsertRevision(connection, now, connection.last_insert_id(), 1, description_json, caller));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.create", "machines/" + id.text()));
+  return GetMachine(connection, id);
+}
+
+absl::StatusOr<MachineRecord> GetMachine(Connection& connection, const MachineId& id) {
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask(std::string(kSelect) + "AND r.revision = m.revision WHERE m.name = ?1", id.text()));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("machine", "MACHINE", id.text());
+  return ReadRow(row);
+}
+
+absl::StatusOr<MachineRecord> GetMachineRevision(Connection& connection, const MachineId& id, int64_t revision) {
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask(std::string(kSelect) + "WHERE m.name = ?1 AND r.revision = ?2", id.text(), revision));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("machine", "MACHINE", absl::StrCat(id.text(), " revision ", revision));
+  return ReadRow(row);
+}
+
+absl::StatusOr<MachineRecord> UpdateMachine(Connection& connection, UtcTime now, const MachineId& id,
+                                            int64_t expected_revision, const std::string& description_json,
+                                            const Caller& caller) {
+  ASSIGN_OR_RETURN(const int64_t key, LiveMachineKey(connection, id));
+  ASSIGN_OR_RETURN(const MachineRecord present, GetMachine(connection, id));
+  RETURN_IF_ERROR(CheckEtag("machine " + id.text(), expected_revision, present.revision));
+  if (present.description_json == description_json) return present;
+  RETURN_IF_ERROR(InsertRevision(connection, now, key, present.revision + 1, description_json, caller));
+  RETURN_IF_ERROR(connection.Run("UPDATE machine SET revision = revision + 1 WHERE id = ?1", key));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.update", "machines/" + id.text()));
+  return GetMachine(connection, id);
+}
+
+absl::StatusOr<MachineRecord> DeleteMachine(Connection& connection, UtcTime now, const MachineId& id,
+                                            int64_t expected_revision, const Caller& caller) {
+  ASSIGN_OR_RETURN(const MachineRecord present, GetMachine(connection, id));
+  if (present.deleted_at.has_value()) return present;
+  RETURN_IF_ERROR(CheckEtag("machine " + id.text(), expected_revision, present.revision));
+  RETURN_IF_ERROR(connection.Run("UPDATE machine SET deleted_at_utc_us = ?2 WHERE name = ?1", id.text(), now));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.delete", "machines/" + id.text()));
+  return GetMachine(connection, id);
+}
+
+absl::StatusOr<Page<MachineRecord>> ListMachines(Connection& connection, const PageRequest& request) {
+  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "machines"));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask(std::string(kSelect) + "AND r.revision = m.revision WHERE m.name > ?1 AND "
+                                                         "m.deleted_at_utc_us IS NULL ORDER BY m.name LIMIT ?2",
+                                  start.after.value_or(""), start.row_limit()));
+  Page<MachineRecord> page;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) break;
+    page.rows.push_back(ReadRow(row));
+  }
+  EndPage(
+      start, [](const MachineRecord& machine) { return machine.id.text(); }, page);
+  return page;
+}
+
+absl::StatusOr<int64_t> MachineKey(Connection& connection, const MachineId& id) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id FROM machine WHERE name = ?1", id.text()));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("machine", "MACHINE", id.text());
+  return row.Int(0);
+}
+
+absl::StatusOr<int64_t> LiveMachineKey(Connection& connection, const MachineId& id) {
+  ASSIGN_OR_RETURN(const MachineRecord machine, GetMachine(connection, id));
+  if (machine.deleted_at.has_value())
+    return FailedPrecondition("machine " + id.text() + " was deleted", "MACHINE_DELETED");
+  return MachineKey(connection, id);
+}
+
+}  // namespace axiscal::storage

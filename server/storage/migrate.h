@@ -1,0 +1,35 @@
+// Brings a database file to the schema of this program. Forward only: each migration is one transaction, remembered
+// with its checksum.
+#ifndef AXISCAL_SERVER_STORAGE_MIGRATE_H_
+#define AXISCAL_SERVER_STORAGE_MIGRATE_H_
+
+#include <string>
+#include <vector>
+
+#include "server/storage/connection.h"
+
+namespace axiscal::storage {
+
+struct Migration {
+  int version = 0;  // 1, 2, ...
+  std::string name;
+  std::string sql;
+};
+
+// migrations/*.sql as built into this program.
+const std::vector<Migration>& EmbeddedMigrations();
+
+// "Axis" in the file's header: PRAGMA application_id.
+inline constexpr int kApplicationId = 0x41786973;
+
+// Whether the file at `path` is one that Migrate() may touch; only reads. A missing or empty file is.
+//   FAILED_PRECONDITION SCHEMA_NEWER (written by a newer program), NOT_A_DATABASE (something else), SCHEMA_CHANGED (a
+//   migration it has seen differs from ours).
+absl::Status CheckFile(const std::string& path, const std::vector<Migration>& migrations);
+
+// Applies what is missing. On failure the file stays at the last migration that succeeded.
+absl::Status Migrate(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_MIGRATE_H_

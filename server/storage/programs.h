@@ -1,0 +1,42 @@
+// Rows of `program` and `program_part`: byte strings of any size, stored in parts and named by their content. What each
+// function returns: database.h.
+#ifndef AXISCAL_SERVER_STORAGE_PROGRAMS_H_
+#define AXISCAL_SERVER_STORAGE_PROGRAMS_H_
+
+#include <optional>
+#include <string>
+
+#include "server/storage/connection.h"
+#include "server/storage/records.h"
+
+namespace axiscal::storage {
+
+inline constexpr size_t kMaxPartBytes = 4 << 20;
+
+struct EncodedPart {
+  int64_t first_byte = 0;
+  int64_t byte_count = 0;
+  uint32_t crc32c = 0;  // of the bytes
+  std::string content;  // the bytes, zstd
+};
+
+// What can be done before the writer's turn.
+absl::StatusOr<EncodedPart> PreparePart(int64_t offset, const std::string& bytes);
+
+absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, UtcTime now, const NewProgram& program);
+absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, UtcTime now, ProgramId id, const EncodedPart& part);
+// `sha256`: of the first `byte_count` bytes, as the caller has computed it from the parts.
+absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id, int64_t byte_count,
+                                            const std::string& sha256);
+absl::StatusOr<ProgramRecord> GetProgram(Connection& connection, ProgramId id);
+absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const ProgramFilter& filter,
+                                                 const PageRequest& request);
+absl::StatusOr<int> ExpirePrograms(Connection& connection, UtcTime idle_since);
+
+// The part that holds byte `offset`, from that byte on; nothing at the end.
+absl::StatusOr<std::optional<std::string>> ReadPart(Connection& connection, const ProgramRecord& program,
+                                                    int64_t offset);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_PROGRAMS_H_

@@ -1,0 +1,34 @@
+#include "server/storage/request.h"
+
+#include "core/base/error_detail.h"
+
+namespace axiscal::storage {
+
+BodyHash& BodyHash::Add(const std::string& field) {
+  const uint64_t size = field.size();
+  sha_.Add(&size, sizeof(size));
+  sha_.Add(field);
+  return *this;
+}
+
+absl::StatusOr<std::optional<int64_t>> FindRequest(Connection& connection, const std::string& table,
+                                                   const Caller& caller, const std::string& body_sha256) {
+  if (caller.request_id.empty()) return std::nullopt;
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT id, body_sha256 FROM " + table + " WHERE created_by = ?1 AND request_id = ?2",
+                                  caller.principal, caller.request_id));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return std::nullopt;
+  if (row.Text(1) != body_sha256) {
+    return base::Error(absl::StatusCode::kInvalidArgument,
+                       absl::StrCat("request_id ", caller.request_id, " was used before for another ", table),
+                       {"REQUEST_ID_REUSED", {{"request_id", caller.request_id}}});
+  }
+  return row.Int(0);
+}
+
+std::optional<std::string> RequestId(const Caller& caller) {
+  return caller.request_id.empty() ? std::nullopt : std::optional<std::string>(caller.request_id);
+}
+
+}  // namespace axiscal::storage

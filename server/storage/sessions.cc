@@ -1,0 +1,224 @@
+#include "server/storage/sessions.h"
+
+#include <set>
+
+#include "core/session/checksum.h"
+#include "server/storage/machines.h"
+#include "server/storage/page_token.h"
+#include "server/storage/refusal.h"
+#include "server/storage/request.h"
+
+namespace axiscal::storage {
+namespace {
+
+constexpr char kSelect[] =
+    "SELECT s.id, m.name, s.name, s.instrument, s.measured_at_utc_us, s.state, s.next_seq, s.reading_count, s.hash, "
+    "s.created_by, "
+    "s.created_at_utc_us, s.last_seen_at_utc_us, s.closed_at_utc_us FROM session AS s JOIN machine AS m ON m.id = "
+    "s.machine_id ";
+
+std::string Place(SessionId id) { return absl::StrCat("session ", id.number()); }
+
+SessionRecord ReadRow(const Statement& row) {
+  SessionRecord session;
+  session.id = SessionId(row.Int(0));
+  session.machine = MachineId(row.Text(1));
+  session.name = row.Text(2);
+  session.instrument = row.Text(3);
+  session.measured_at = row.OptionalTime(4);
+  session.state = row.As<SessionState>(5);
+  session.next_seq = row.Int(6);
+  session.reading_count = row.Int(7);
+  session.hash = row.Text(8);
+  session.created_by = row.Text(9);
+  session.created_at = row.Time(10);
+  session.last_seen_at = row.Time(11);
+  session.closed_at = row.OptionalTime(12);
+  return session;
+}
+
+absl::Status ReadLists(Connection& connection, SessionRecord& session) {
+  ASSIGN_OR_RETURN(session.columns, GetSessionColumns(connection, session.id));
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT key, text FROM session_header WHERE session_id = ?1 ORDER BY position", session.id));
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return absl::OkStatus();
+    session.header.push_back({row.Text(0), row.Text(1)});
+  }
+}
+
+std::string HashBody(const NewSession& session) {
+  BodyHash hash;
+  hash.Add(session.machine.text()).Add(session.name).Add(session.instrument);
+  hash.Add(session.measured_at.has_value() ? base::ToUtcUs(*session.measured_at) : -1).Add(session.header.size());
+  for (const session::HeaderEntry& entry : session.header) hash.Add(entry.key).Add(entry.value);
+  for (const ColumnSpec& column : session.columns) hash.Add(column.name).Add(column.is_text ? 1 : 0);
+  return hash.Hex();
+}
+
+absl::Status CheckNew(const NewSession& session) {
+  if (session.columns.empty()) return InvalidArgument("a session without columns", "SESSION_INVALID");
+  std::set<std::string> names;
+  for (const ColumnSpec& column : session.columns) {
+    if (column.name.empty()) return InvalidArgument("a column without a name", "SESSION_INVALID");
+    if (!names.insert(column.name).second)
+      return InvalidArgument("column " + column.name + " twice", "SESSION_INVALID");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status InsertLists(Connection& connection, SessionId id, const NewSession& session) {
+  for (size_t i = 0; i < session.header.size(); ++i) {
+    RETURN_IF_ERROR(
+        connection.Run("INSERT INTO session_header (session_id, position, key, text) VALUES (?1, ?2, ?3, ?4)", id,
+                       static_cast<int64_t>(i), session.header[i].key, session.header[i].value));
+  }
+  for (size_t i = 0; i < session.columns.size(); ++i) {
+    RETURN_IF_ERROR(
+        connection.Run("INSERT INTO session_column (session_id, position, name, is_text) VALUES (?1, ?2, ?3, ?4)", id,
+                       static_cast<int64_t>(i), session.columns[i].name, session.columns[i].is_text));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> HashChunks(Connection& connection, SessionId id) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT crc32c FROM chunk WHERE session_id = ?1 ORDER BY seq", id));
+  std::vector<uint32_t> crcs;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return session::SessionHash(crcs);
+    crcs.push_back(static_cast<uint32_t>(row.Int(0)));
+  }
+}
+
+absl::Status CheckTotals(const SessionRecord& session, const std::string& hash, const SessionTotals& totals) {
+  if (totals.chunk_count == session.next_seq && totals.reading_count == session.reading_count && totals.hash == hash) {
+    return absl::OkStatus();
+  }
+  const std::string message = absl::StrFormat("%s: totals say %d chunks, %d readings, hash %s; stored are %d, %d, %s",
+                                              Place(session.id), totals.chunk_count, totals.reading_count, totals.hash,
+                                              session.next_seq, session.reading_count, hash);
+  return base::Error(absl::StatusCode::kFailedPrecondition, message,
+                     {"TOTALS_MISMATCH", {{"next_seq", std::to_string(session.next_seq)}}});
+}
+
+absl::Status GiveUp(Connection& connection, UtcTime now, SessionId id, SessionState state) {
+  RETURN_IF_ERROR(connection.Run("DELETE FROM chunk WHERE session_id = ?1", id));
+  return connection.Run(
+      "UPDATE session SET state = ?2, next_seq = 0, reading_count = 0, closed_at_utc_us = ?3 WHERE id = ?1", id,
+      static_cast<int>(state), now);
+}
+
+}  // namespace
+
+absl::StatusOr<SessionRecord> CreateSession(Connection& connection, UtcTime now, const NewSession& session) {
+  RETURN_IF_ERROR(CheckNew(session));
+  const std::string body_sha256 = HashBody(session);
+  ASSIGN_OR_RETURN(const std::optional<int64_t> same, FindRequest(connection, "session", session.caller, body_sha256));
+  if (same.has_value()) return GetSession(connection, SessionId(*same));
+  ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, session.machine));
+  RETURN_IF_ERROR(connection.Run(
+      "INSERT INTO session (machine_id, name, instrument, measured_at_utc_us, state, next_seq, reading_count, "
+      "created_by, request_id, "
+      "body_sha256, created_at_utc_us, last_seen_at_utc_us) VALUES (?1, ?2, ?3, ?4, 1, 0, 0, ?5, ?6, ?7, ?8, ?8)",
+      machine_key, session.name, session.instrument, session.measured_at, session.caller.principal,
+      RequestId(session.caller), body_sha256, now));
+  const SessionId id(connection.last_insert_id());
+  RETURN_IF_ERROR(InsertLists(connection, id, session));
+  return GetSession(connection, id);
+}
+
+absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelect) + "WHERE s.id = ?1", id));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("session", "SESSION", std::to_string(id.number()));
+  SessionRecord session = ReadRow(row);
+  RETURN_IF_ERROR(ReadLists(connection, session));
+  return session;
+}
+
+absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection, SessionId id) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT name, is_text FROM session_column WHERE session_id = ?1 ORDER BY position", id));
+  std::vector<ColumnSpec> columns;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) break;
+    columns.push_back({row.Text(0), row.Bool(1)});
+  }
+  if (columns.empty()) return NotFound("session", "SESSION", std::to_string(id.number()));
+  return columns;
+}
+
+absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const SessionFilter& filter,
+                                                 const PageRequest& request) {
+  const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
+  const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
+  ASSIGN_OR_RETURN(const PageStart start,
+                   StartPage(request, absl::StrCat("sessions|", machine, "|", state, "|", filter.instrument)));
+  int64_t machine_key = 0;
+  std::string sql = std::string(kSelect) + "WHERE s.id < ?1";
+  if (filter.machine.has_value()) {
+    ASSIGN_OR_RETURN(machine_key, MachineKey(connection, *filter.machine));
+    sql += " AND s.machine_id = ?2";
+  }
+  if (filter.state.has_value()) sql += " AND s.state = ?3";
+  if (!filter.instrument.empty()) sql += " AND s.instrument = ?4";
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY s.id DESC LIMIT ?5", start.before_id(), machine_key,
+                                                 state, filter.instrument, start.row_limit()));
+  Page<SessionRecord> page;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) break;
+    page.rows.push_back(ReadRow(row));
+  }
+  EndPage(
+      start, [](const SessionRecord& session) { return std::to_string(session.id.number()); }, page);
+  for (SessionRecord& session : page.rows) RETURN_IF_ERROR(ReadLists(connection, session));
+  return page;
+}
+
+absl::StatusOr<SessionRecord> FinishSession(Connection& connection, UtcTime now, SessionId id,
+                                            const SessionTotals& totals) {
+  ASSIGN_OR_RETURN(const SessionRecord session, GetSession(connection, id));
+  if (session.state == SessionState::kComplete) {
+    RETURN_IF_ERROR(CheckTotals(session, session.hash, totals));
+    return session;
+  }
+  if (session.state != SessionState::kOpen) return FailedPrecondition(Place(id) + " was given up", "SESSION_CLOSED");
+  ASSIGN_OR_RETURN(const std::string hash, HashChunks(connection, id));
+  RETURN_IF_ERROR(CheckTotals(session, hash, totals));
+  if (session.reading_count == 0) return FailedPrecondition(Place(id) + " has no readings", "SESSION_EMPTY");
+  RETURN_IF_ERROR(
+      connection.Run("UPDATE session SET state = 2, hash = ?2, closed_at_utc_us = ?3 WHERE id = ?1", id, hash, now));
+  return GetSession(connection, id);
+}
+
+absl::StatusOr<SessionRecord> AbortSession(Connection& connection, UtcTime now, SessionId id) {
+  ASSIGN_OR_RETURN(const SessionRecord session, GetSession(connection, id));
+  if (session.state == SessionState::kComplete) return FailedPrecondition(Place(id) + " is complete", "SESSION_CLOSED");
+  if (session.state != SessionState::kOpen) return session;
+  RETURN_IF_ERROR(GiveUp(connection, now, id, SessionState::kAborted));
+  return GetSession(connection, id);
+}
+
+absl::StatusOr<int> ExpireSessions(Connection& connection, UtcTime now, UtcTime idle_since) {
+  std::vector<SessionId> idle;
+  {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT id FROM session WHERE state = 1 AND last_seen_at_utc_us < ?1 ORDER BY id", idle_since));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      idle.push_back(SessionId(row.Int(0)));
+    }
+  }
+  for (const SessionId id : idle) RETURN_IF_ERROR(GiveUp(connection, now, id, SessionState::kExpired));
+  return static_cast<int>(idle.size());
+}
+
+}  // namespace axiscal::storage

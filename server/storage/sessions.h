@@ -1,0 +1,24 @@
+// Rows of `session`, `session_header`, `session_column`. What each function returns: database.h.
+#ifndef AXISCAL_SERVER_STORAGE_SESSIONS_H_
+#define AXISCAL_SERVER_STORAGE_SESSIONS_H_
+
+#include <vector>
+
+#include "server/storage/connection.h"
+#include "server/storage/records.h"
+
+namespace axiscal::storage {
+
+absl::StatusOr<SessionRecord> CreateSession(Connection& connection, UtcTime now, const NewSession& session);
+absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id);
+absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection, SessionId id);
+absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const SessionFilter& filter,
+                                                 const PageRequest& request);
+absl::StatusOr<SessionRecord> FinishSession(Connection& connection, UtcTime now, SessionId id,
+                                            const SessionTotals& totals);
+absl::StatusOr<SessionRecord> AbortSession(Connection& connection, UtcTime now, SessionId id);
+absl::StatusOr<int> ExpireSessions(Connection& connection, UtcTime now, UtcTime idle_since);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_SESSIONS_H_

@@ -1,0 +1,189 @@
+#include <gtest/gtest.h>
+
+#include "core/base/error_detail.h"
+#include "server/storage/testing/temp_database.h"
+
+namespace axiscal::storage {
+namespace {
+
+class Sessions : public testing::Test {
+ protected:
+  Sessions() {
+    DEMAND(database->CreateMachine(MachineId("mt"), "{}", Cell("")).ok());
+    id = database->CreateSession(TestSession("r1"))->id;
+  }
+  absl::Status AppendTest(int64_t seq, int64_t content) {
+    return Append(*database, id, seq, TestColumns(content, 10)).status();
+  }
+  SessionTotals Totals(int chunks) {
+    std::vector<uint32_t> crcs;
+    for (int seq = 0; seq < chunks; ++seq) crcs.push_back(session::ChunkCrc32c(TestColumns(seq, 10)));
+    return {chunks, chunks * 10, session::SessionHash(crcs)};
+  }
+
+  TempDatabase database;
+  SessionId id;
+};
+
+TEST_F(Sessions, CreateIsIdempotentByRequestId) {
+  EXPECT_EQ(database->CreateSession(TestSession("r1"))->id, id);
+  EXPECT_NE(database->CreateSession(TestSession("r2"))->id, id);
+  NewSession other = TestSession("r1");
+  other.name = "CQ";
+  const absl::Status reused = database->CreateSession(other).status();
+  EXPECT_TRUE(absl::IsInvalidArgument(reused)) << reused;
+  EXPECT_EQ(base::ErrorReason(reused), "REQUEST_ID_REUSED");
+  NewSession of_another = TestSession("r1");
+  of_another.caller.principal = "other cell";
+  EXPECT_NE(database->CreateSession(of_another)->id, id);
+}
+
+TEST_F(Sessions, ReadBackWhatWasAppended) {
+  for (int seq = 0; seq < 3; ++seq) ASSERT_TRUE(AppendTest(seq, seq).ok());
+  ASSERT_TRUE(database->FinishSession(id, Totals(3)).ok());
+  database.Close();
+  database.Open();
+  const absl::StatusOr<session::Session> read = database->ReadSession(id);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->header, TestSession("").header);
+  ASSERT_EQ(read->columns.size(), 3u);
+  EXPECT_EQ(read->reading_count(), 30u);
+  for (int i = 0; i < 30; ++i) {
+    const std::vector<session::Column> columns = TestColumns(i / 10, 10);
+    EXPECT_EQ(read->columns[1].values[i], columns[1].values[i % 10]);
+    EXPECT_EQ(read->columns[2].texts[i], columns[2].texts[i % 10]);
+  }
+}
+
+TEST_F(Sessions, RepeatedChunksAreRecognised) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  const auto again = Append(*database, id, 0, TestColumns(0, 10));
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_TRUE(again->duplicate);
+  EXPECT_EQ(again->next_seq, 1);
+  const absl::Status other = AppendTest(0, 5);
+  EXPECT_TRUE(absl::IsAlreadyExists(other)) << other;
+  EXPECT_EQ(base::ErrorReason(other), "CHUNK_CONFLICT");
+  EXPECT_EQ(database->GetSession(id)->reading_count, 10);
+}
+
+TEST_F(Sessions, AGapNamesTheNextSeq) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  const absl::Status gap = AppendTest(2, 2);
+  EXPECT_TRUE(absl::IsOutOfRange(gap)) << gap;
+  EXPECT_EQ(base::ErrorReason(gap), "SEQ_GAP");
+  EXPECT_EQ(base::GetErrorDetail(gap)->facts.at("next_seq"), "1");
+}
+
+TEST_F(Sessions, AWrongChecksumOrColumnIsRefused) {
+  const std::vector<session::Column> columns = TestColumns(0, 10);
+  EXPECT_EQ(base::ErrorReason(database->AppendChunk(id, 0, columns, 1).status()), "CHUNK_CORRUPT");
+  std::vector<session::Column> fewer = {columns[0]};
+  EXPECT_EQ(base::ErrorReason(Append(*database, id, 0, fewer).status()), "CHUNK_INVALID");
+  EXPECT_EQ(base::ErrorReason(Append(*database, SessionId(99), 0, columns).status()), "SESSION_NOT_FOUND");
+  EXPECT_EQ(database->GetSession(id)->next_seq, 0);
+}
+
+TEST_F(Sessions, OpenOnesAreNotReadable) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  EXPECT_EQ(base::ErrorReason(database->ReadSession(id).status()), "SESSION_NOT_COMPLETE");
+}
+
+TEST_F(Sessions, FinishChecksTheTotalsAndMayBeRepeated) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  ASSERT_TRUE(AppendTest(1, 1).ok());
+  SessionTotals wrong = Totals(2);
+  wrong.reading_count = 19;
+  EXPECT_EQ(base::ErrorReason(database->FinishSession(id, wrong).status()), "TOTALS_MISMATCH");
+  wrong = Totals(2);
+  wrong.hash = Totals(1).hash;
+  EXPECT_EQ(base::ErrorReason(database->FinishSession(id, wrong).status()), "TOTALS_MISMATCH");
+  EXPECT_EQ(base::ErrorReason(database->FinishSession(id, Totals(1)).status()), "TOTALS_MISMATCH");
+  const auto finished = database->FinishSession(id, Totals(2));
+  ASSERT_TRUE(finished.ok()) << finished.status();
+  EXPECT_EQ(finished->state, SessionState::kComplete);
+  EXPECT_EQ(finished->hash, Totals(2).hash);
+  EXPECT_TRUE(database->FinishSession(id, Totals(2)).ok());
+  EXPECT_EQ(base::ErrorReason(database->FinishSession(id, Totals(1)).status()), "TOTALS_MISMATCH");
+}
+
+TEST_F(Sessions, AnEmptyOneIsNotFinished) {
+  EXPECT_EQ(base::ErrorReason(database->FinishSession(id, Totals(0)).status()), "SESSION_EMPTY");
+}
+
+TEST_F(Sessions, CompleteOnesNeverChange) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  ASSERT_TRUE(database->FinishSession(id, Totals(1)).ok());
+  EXPECT_EQ(base::ErrorReason(AppendTest(1, 1)), "SESSION_CLOSED");
+  EXPECT_TRUE(AppendTest(0, 0).ok());  // a repeat after a lost answer
+  EXPECT_EQ(base::ErrorReason(database->AbortSession(id).status()), "SESSION_CLOSED");
+}
+
+TEST_F(Sessions, AbortedAndExpiredOnesLoseTheirChunks) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  ASSERT_TRUE(database->AbortSession(id).ok());
+  EXPECT_EQ(database->AbortSession(id)->state, SessionState::kAborted);
+  EXPECT_EQ(base::ErrorReason(AppendTest(0, 0)), "SESSION_CLOSED");
+
+  const SessionId idle = database->CreateSession(TestSession("idle"))->id;
+  database.clock.Advance(std::chrono::hours(1));
+  const SessionId busy = database->CreateSession(TestSession("busy"))->id;
+  EXPECT_EQ(*database->ExpireSessions(database.clock.UtcNow() - std::chrono::minutes(1)), 1);
+  EXPECT_EQ(database->GetSession(idle)->state, SessionState::kExpired);
+  EXPECT_EQ(database->GetSession(busy)->state, SessionState::kOpen);
+}
+
+TEST_F(Sessions, ListsFilterAndPage) {
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(database->CreateSession(TestSession("")).ok());
+  const SessionId complete = StoreSession(*database, 1);
+  SessionFilter filter;
+  filter.state = SessionState::kOpen;
+  filter.machine = MachineId("mt");
+  std::vector<int64_t> ids;
+  PageRequest request = {4, ""};
+  do {
+    const auto page = database->ListSessions(filter, request);
+    ASSERT_TRUE(page.ok()) << page.status();
+    for (const SessionRecord& session : page->rows) ids.push_back(session.id.number());
+    request.token = page->next_token;
+    ASSERT_TRUE(database->CreateSession(TestSession("")).ok());  // newer ones must not shift the pages
+  } while (!request.token.empty());
+  EXPECT_EQ(ids, (std::vector<int64_t>{6, 5, 4, 3, 2, 1}));
+  filter.state = SessionState::kComplete;
+  EXPECT_EQ(database->ListSessions(filter, {})->rows.at(0).id, complete);
+  filter.instrument = "ballbar";
+  EXPECT_TRUE(database->ListSessions(filter, {})->rows.empty());
+}
+
+TEST_F(Sessions, ManyAppendsUnderWayAreAnsweredInOrder) {
+  std::vector<int64_t> answered;
+  for (int seq = 0; seq < 300; ++seq) {
+    const std::vector<session::Column> columns = TestColumns(seq, 3);
+    database->AppendChunkAsync(
+        id, seq, columns, session::ChunkCrc32c(columns),
+        [&](absl::StatusOr<AppendResult> result) { answered.push_back(result.ok() ? result->next_seq : -1); });
+  }
+  const std::vector<session::Column> columns = TestColumns(0, 3);
+  database->AppendChunkAsync(id, 0, columns, 1, [&](absl::StatusOr<AppendResult> result) {
+    answered.push_back(base::ErrorReason(result.status()) == "CHUNK_CORRUPT" ? 1000 : -1);
+  });
+  EXPECT_EQ(database->AbortSession(SessionId(99)).status().code(),
+            absl::StatusCode::kNotFound);  // waits for all before it
+  ASSERT_EQ(answered.size(), 301u);
+  for (int i = 0; i < 300; ++i) EXPECT_EQ(answered[i], i + 1);
+  EXPECT_EQ(answered[300], 1000);
+}
+
+TEST_F(Sessions, LowDiskRefusesGrowthButLetsThingsEnd) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  database.free_bytes = 1000;
+  const absl::Status refused = AppendTest(1, 1);
+  EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
+  EXPECT_EQ(base::ErrorReason(refused), "DISK_LOW");
+  EXPECT_EQ(base::ErrorReason(database->CreateSession(TestSession("")).status()), "DISK_LOW");
+  EXPECT_TRUE(database->FinishSession(id, Totals(1)).ok());
+  EXPECT_TRUE(database->ReadSession(id).ok());
+}
+
+}  // namespace
+}  // namespace axiscal::storage

@@ -1,0 +1,45 @@
+#include "server/storage/sqlite_error.h"
+
+#include <cerrno>
+
+#include "core/base/error_detail.h"
+
+namespace axiscal::storage {
+namespace {
+
+bool IsDiskFull(int code, int system_error) {
+  // A file-size limit or quota shows as a failed write, only errno tells why.
+  return code == SQLITE_FULL ||
+         (code == SQLITE_IOERR && (system_error == ENOSPC || system_error == EFBIG || system_error == EDQUOT));
+}
+
+}  // namespace
+
+absl::Status SqliteError(sqlite3* db, const std::string& what) {
+  if (db == nullptr) return base::Error(absl::StatusCode::kUnavailable, what + ": out of memory", {"STORE_DOWN", {}});
+  const int extended = sqlite3_extended_errcode(db);
+  const int code = extended & 0xff;
+  const std::string message = absl::StrCat(what, ": ", sqlite3_errmsg(db), " (SQLite result ", extended, ", errno ",
+                                           sqlite3_system_errno(db), ")");
+  if (IsDiskFull(code, sqlite3_system_errno(db))) {
+    return base::Error(absl::StatusCode::kResourceExhausted, message, {"DISK_FULL", {}});
+  }
+  switch (code) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return base::Error(absl::StatusCode::kUnavailable, message, {"STORE_BUSY", {}});
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return base::Error(absl::StatusCode::kDataLoss, message, {"STORE_DAMAGED", {}});
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_NOMEM:
+      return base::Error(absl::StatusCode::kUnavailable, message, {"STORE_DOWN", {}});
+    default:
+      return base::Error(absl::StatusCode::kInternal, message, {"STORE_BUG", {}});
+  }
+}
+
+}  // namespace axiscal::storage

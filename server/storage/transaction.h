@@ -1,0 +1,47 @@
+// A transaction, or a savepoint inside one, that rolls back unless Commit() was called and succeeded.
+#ifndef AXISCAL_SERVER_STORAGE_TRANSACTION_H_
+#define AXISCAL_SERVER_STORAGE_TRANSACTION_H_
+
+#include <utility>
+
+#include "server/storage/connection.h"
+
+namespace axiscal::storage {
+
+class Transaction {
+ public:
+  // BEGIN IMMEDIATE: takes the write lock now. A read that turns into a write later would fail at once with
+  // BUSY_SNAPSHOT.
+  static absl::StatusOr<Transaction> BeginWrite(Connection& connection) { return Begin(connection, "BEGIN IMMEDIATE"); }
+  // Several reads of one state.
+  static absl::StatusOr<Transaction> BeginRead(Connection& connection) { return Begin(connection, "BEGIN"); }
+
+  Transaction(Transaction&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}
+  Transaction& operator=(Transaction&&) = delete;
+  ~Transaction();
+  absl::Status Commit();
+
+ private:
+  explicit Transaction(Connection& connection) : connection_(&connection) {}
+  static absl::StatusOr<Transaction> Begin(Connection& connection, const std::string& sql);
+
+  Connection* connection_;  // null: ended
+};
+
+class Savepoint {
+ public:
+  static absl::StatusOr<Savepoint> Begin(Connection& connection);
+  Savepoint(Savepoint&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}
+  Savepoint& operator=(Savepoint&&) = delete;
+  ~Savepoint();
+  absl::Status Commit();
+
+ private:
+  explicit Savepoint(Connection& connection) : connection_(&connection) {}
+
+  Connection* connection_;  // null: ended
+};
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_TRANSACTION_H_

@@ -1,0 +1,107 @@
+#include "server/storage/writer.h"
+
+#include <future>
+
+#include "server/storage/transaction.h"
+
+namespace axiscal::storage {
+namespace {
+
+// 4096-byte pages. At 16 MB the log is merged as far as readers allow; at 64 MB the writer waits for them, so that it
+// cannot grow without bound.
+constexpr int kMergeLogPages = 4096;
+constexpr int kMaxLogPages = 16384;
+
+}  // namespace
+
+Writer::Writer(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {
+  sqlite3_wal_hook(
+      connection_->handle(),
+      [](void* pages, sqlite3*, const char*, int count) {
+        *static_cast<int*>(pages) = count;
+        return SQLITE_OK;
+      },
+      &log_pages_);
+  thread_ = std::thread([this] { Loop(); });
+}
+
+Writer::~Writer() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+absl::Status Writer::Run(Work work) {
+  std::promise<absl::Status> promise;
+  std::future<absl::Status> result = promise.get_future();
+  Start(std::move(work), [&promise](const absl::Status& status) { promise.set_value(status); });
+  return result.get();
+}
+
+void Writer::Start(Work work, Done done) {
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return waiting_.size() < kMaxWaiting; });
+    waiting_.push_back({std::move(work), std::move(done), absl::OkStatus()});
+  }
+  changed_.notify_all();
+}
+
+void Writer::Loop() {
+  while (true) {
+    std::vector<Task> group = TakeGroup();
+    if (group.empty()) return;
+    RunGroup(group);
+    for (Task& task : group) task.done(task.result);
+    LimitLog();
+  }
+}
+
+std::vector<Writer::Task> Writer::TakeGroup() {
+  std::vector<Task> group;
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return closing_ || !waiting_.empty(); });
+    while (!waiting_.empty() && group.size() < kMaxGroup) {
+      group.push_back(std::move(waiting_.front()));
+      waiting_.pop_front();
+    }
+  }
+  changed_.notify_all();
+  return group;
+}
+
+void Writer::RunGroup(std::vector<Task>& group) {
+  const absl::Status whole = RunTasks(group);
+  if (whole.ok()) return;
+  for (Task& task : group) {
+    if (task.result.ok()) task.result = whole;
+  }
+}
+
+// Each task's own failure is in its result; the returned one undid them all.
+absl::Status Writer::RunTasks(std::vector<Task>& group) {
+  ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginWrite(*connection_));
+  bool changed = false;
+  for (Task& task : group) {
+    ASSIGN_OR_RETURN(Savepoint savepoint, Savepoint::Begin(*connection_));
+    task.result = task.work(*connection_);
+    if (!connection_->in_transaction()) return task.result;
+    if (task.result.ok()) RETURN_IF_ERROR(savepoint.Commit());
+    changed = changed || task.result.ok();
+  }
+  if (!changed) return absl::OkStatus();
+  return transaction.Commit();
+}
+
+void Writer::LimitLog() {
+  if (log_pages_ < kMergeLogPages) return;
+  // A failure (disk full, a long reader) is not the callers': it is tried again after the next commit.
+  const int mode = log_pages_ < kMaxLogPages ? SQLITE_CHECKPOINT_PASSIVE : SQLITE_CHECKPOINT_RESTART;
+  if (sqlite3_wal_checkpoint_v2(connection_->handle(), nullptr, mode, nullptr, nullptr) == SQLITE_OK) log_pages_ = 0;
+}
+
+}  // namespace axiscal::storage

@@ -1,0 +1,63 @@
+// The one writing connection and its thread. Writes that wait together share one transaction and one fsync (group
+// commit); each is a savepoint of its own, so one that fails leaves the others alone.
+#ifndef AXISCAL_SERVER_STORAGE_WRITER_H_
+#define AXISCAL_SERVER_STORAGE_WRITER_H_
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/storage/connection.h"
+
+namespace axiscal::storage {
+
+// Safe from any thread.
+class Writer {
+ public:
+  // Changes rows; anything but OK undoes them. Runs on the writer's thread.
+  using Work = std::function<absl::Status(Connection&)>;
+  // Told once, on the writer's thread, in order of submission, after COMMIT or failure.
+  using Done = std::function<void(const absl::Status&)>;
+
+  explicit Writer(std::unique_ptr<Connection> connection);
+  // Does what waits, merges the log, joins.
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  // Durable when it returns OK.
+  absl::Status Run(Work work);
+  // Blocks only while kMaxWaiting writes wait.
+  void Start(Work work, Done done);
+
+ private:
+  struct Task {
+    Work work;
+    Done done;
+    absl::Status result;
+  };
+  static constexpr size_t kMaxWaiting = 256;
+  static constexpr size_t kMaxGroup = 32;
+
+  void Loop();
+  std::vector<Task> TakeGroup();
+  void RunGroup(std::vector<Task>& group);
+  absl::Status RunTasks(std::vector<Task>& group);
+  void LimitLog();
+
+  const std::unique_ptr<Connection> connection_;  // used by thread_ alone
+  int log_pages_ = 0;                             // in the WAL; thread_ alone
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Task> waiting_;  // guarded by mutex_, as is:
+  bool closing_ = false;
+  std::thread thread_;
+};
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_WRITER_H_
