@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/crc32c.h"
+#include "core/base/files.h"
 #include "core/compensate/compensator.h"
 
 namespace axiscal::nc {
@@ -77,21 +78,13 @@ absl::StatusOr<std::string> RewriteText(const std::string& program, const compen
 absl::Status RewriteFile(const std::string& input_path, const std::string& output_path,
                          const compensate::Compensator& compensator, const RewriteOptions& options,
                          RewriteReport* report) {
-  const std::string temporary_path = output_path + ".partial";
   const ByteSource source = [&input_path](const ByteSink& take) { return ReadAll(input_path, take); };
   RETURN_IF_ERROR(Open(input_path, "rb").status());
-  ASSIGN_OR_RETURN(File file, Open(temporary_path, "wb"));
-  const ByteSink sink = [&](const char* bytes, size_t size) {
-    return std::fwrite(bytes, 1, size, file.get()) == size ? absl::OkStatus()
-                                                           : FileError("cannot write", temporary_path);
-  };
-  absl::Status status = RewriteProgram(source, sink, compensator, options, report);
-  if (std::fclose(file.release()) != 0 && status.ok()) status = FileError("cannot write", temporary_path);
-  if (status.ok() && std::rename(temporary_path.c_str(), output_path.c_str()) != 0) {
-    status = FileError("cannot rename " + temporary_path + " to", output_path);
-  }
-  if (!status.ok()) std::remove(temporary_path.c_str());
-  return status;
+  base::AtomicFile file;
+  RETURN_IF_ERROR(file.Open(output_path));
+  const ByteSink sink = [&file](const char* bytes, size_t size) { return file.Write(std::string(bytes, size)); };
+  RETURN_IF_ERROR(RewriteProgram(source, sink, compensator, options, report));
+  return file.Commit();
 }
 
 }  // namespace axiscal::nc

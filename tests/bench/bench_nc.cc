@@ -1,0 +1,181 @@
+// Rewriting of 1,000,000 five-axis blocks (60 MB, one thread) beside the limits of one core in the same run: memcpy,
+// and a bare loop that parses every number with from_chars and writes X, Y and Z with to_chars, without modal state,
+// model or report. `blocks/s` and `bytes_per_second` per benchmark; the ratio to the bare loop is what the bar
+// asks for.
+#include <benchmark/benchmark.h>
+#include <sys/resource.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "core/base/units.h"
+#include "core/compensate/compensator.h"
+#include "core/machine/testing/machines.h"
+#include "core/nc/rewrite.h"
+#include "core/nc/verify.h"
+
+namespace axiscal {
+namespace {
+
+constexpr int kBlocks = 1'000'000;
+
+// Tool paths of the form of Yao's Fig 4.30, over the machine's whole travel.
+const std::string& Program() {
+  static const std::string* const program = [] {
+    auto* text = new std::string();
+    text->reserve(kBlocks * 64);
+    char line[128];
+    for (int i = 0; i < kBlocks; ++i) {
+      const double t = i * 1e-3;
+      const int size = std::snprintf(line, sizeof(line), "G01 X%.4f Y%.4f Z%.4f B%.4f C%.4f F2000\n",
+                                     -390 + 90 * std::sin(t), 80 * std::cos(0.7 * t), -112 + 60 * std::sin(1.3 * t),
+                                     45 + 44 * std::sin(0.31 * t), 180 * std::sin(0.11 * t));
+      text->append(line, static_cast<size_t>(size));
+    }
+    return text;
+  }();
+  return *program;
+}
+
+const machine::Machine& Machine() {
+  static const machine::Machine* const machine = new machine::Machine(machine::testing::MultiTasking());
+  return *machine;
+}
+
+// The declared errors of the machine: angles of 100 urad, offsets of 20 um.
+machine::ErrorModel Errors(bool with_scale) {
+  machine::ErrorModel errors = machine::DeclaredModel(Machine());
+  for (auto& term : errors.terms) term.amplitude[0] = machine::IsAngle(term.component) ? 1e-4 : 0.02;
+  if (with_scale) {
+    machine::ErrorTerm scale = machine::ConstantTerm(Machine(), *machine::ParseErrorSymbol("EX0X"), 0.01);
+    scale.shape = shapes::Linear{machine::FindAxis(Machine(), "X"), shapes::Linear::kReferenceMm};
+    errors.terms.push_back(scale);
+  }
+  return errors;
+}
+
+compensate::Compensator MakeCompensator(bool with_scale) {
+  compensate::Options options;
+  options.tool_tip_mm = {0, 0, -356.3945};
+  return *compensate::Compensator::Create(Machine(), Errors(with_scale), options);
+}
+
+void Count(benchmark::State& state) {
+  state.SetBytesProcessed(static_cast<int64_t>(state.iterations()) * static_cast<int64_t>(Program().size()));
+  state.counters["blocks/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * kBlocks, benchmark::Counter::kIsRate);
+}
+
+void Memcpy(benchmark::State& state) {
+  std::string copy(Program().size(), 0);
+  for (auto _ : state) {
+    std::memcpy(copy.data(), Program().data(), copy.size());
+    benchmark::ClobberMemory();
+  }
+  Count(state);
+}
+BENCHMARK(Memcpy)->Unit(benchmark::kMillisecond);
+
+void FromCharsToChars(benchmark::State& state) {
+  std::string out(Program().size() + Program().size() / 4, 0);
+  for (auto _ : state) {
+    const char* at = Program().data();
+    const char* const end = at + Program().size();
+    char* to = out.data();
+    while (at != end) {
+      const char letter = *at;
+      *to++ = *at++;
+      if (letter != 'X' && letter != 'Y' && letter != 'Z' && letter != 'B' && letter != 'C') continue;
+      double value = 0;
+      const char* const after = std::from_chars(at, end, value).ptr;
+      if (letter == 'B' || letter == 'C') {
+        std::memcpy(to, at, static_cast<size_t>(after - at));
+        to += after - at;
+      } else {
+        to = std::to_chars(to, to + 32, value + 0.0417, std::chars_format::fixed, 4).ptr;
+      }
+      at = after;
+    }
+    benchmark::DoNotOptimize(to);
+  }
+  Count(state);
+}
+BENCHMARK(FromCharsToChars)->Unit(benchmark::kMillisecond);
+
+void Rewrite(benchmark::State& state, bool with_scale, double tolerance_mm) {
+  const compensate::Compensator compensator = MakeCompensator(with_scale);
+  nc::RewriteOptions options;
+  options.tolerance_mm = tolerance_mm;
+  std::string out(Program().size() + Program().size() / 4, 0);
+  for (auto _ : state) {
+    size_t written = 0;
+    nc::RewriteReport report;
+    const auto source = [](const nc::ByteSink& take) {
+      constexpr size_t kPiece = 1u << 18;
+      for (size_t at = 0; at < Program().size(); at += kPiece) {
+        RETURN_IF_ERROR(take(Program().data() + at, std::min(kPiece, Program().size() - at)));
+      }
+      return absl::OkStatus();
+    };
+    const auto sink = [&](const char* bytes, size_t size) {
+      std::memcpy(out.data() + written, bytes, size);
+      written += size;
+      return absl::OkStatus();
+    };
+    const absl::Status status = nc::RewriteProgram(source, sink, compensator, options, &report);
+    if (!status.ok()) state.SkipWithError(std::string(status.message()).c_str());
+    state.counters["split"] = static_cast<double>(report.blocks_split);
+    state.counters["after_um"] = report.error_after.max_mm * base::kUmPerMm;
+  }
+  Count(state);
+}
+BENCHMARK_CAPTURE(Rewrite, constant_errors, false, 0.001)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Rewrite, constant_errors_never_split, false, std::numeric_limits<double>::infinity())
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Rewrite, position_dependent_errors, true, 0.001)->Unit(benchmark::kMillisecond);
+
+// File to file; peak_MB is the process' peak before and after a file of 100 MB more: the difference is what the size
+// costs.
+void RewriteFileToFile(benchmark::State& state) {
+  const compensate::Compensator compensator = MakeCompensator(false);
+  const std::string folder = std::filesystem::temp_directory_path().string();
+  const std::string input = folder + "/axiscal_bench_nc_in.nc", output = folder + "/axiscal_bench_nc_out.nc";
+  const auto file_size = static_cast<size_t>(state.range(0)) * 1'000'000;
+  std::FILE* file = std::fopen(input.c_str(), "wb");
+  size_t size = 0;
+  for (; size < file_size; size += Program().size()) std::fwrite(Program().data(), 1, Program().size(), file);
+  std::fclose(file);
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  for (auto _ : state) {
+    nc::RewriteReport report;
+    const absl::Status status = nc::RewriteFile(input, output, compensator, {}, &report);
+    if (!status.ok()) state.SkipWithError(std::string(status.message()).c_str());
+  }
+  getrusage(RUSAGE_SELF, &after);
+  state.counters["grown_MB"] = static_cast<double>(after.ru_maxrss - before.ru_maxrss) / 1024;
+  state.SetBytesProcessed(static_cast<int64_t>(state.iterations()) * static_cast<int64_t>(size));
+  std::filesystem::remove(input);
+  std::filesystem::remove(output);
+}
+BENCHMARK(RewriteFileToFile)->Arg(60)->Arg(160)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void Verify(benchmark::State& state) {
+  const std::string program = Program().substr(0, Program().find('\n', Program().size() / 10) + 1);
+  nc::VerifyOptions options;
+  options.tool_tip_mm = {0, 0, -356.3945};
+  for (auto _ : state) {
+    const auto report = nc::VerifyText(program, program, Machine(), Errors(false), options);
+    if (!report.ok()) state.SkipWithError(std::string(report.status().message()).c_str());
+    state.counters["blocks/s"] =
+        benchmark::Counter(static_cast<double>(report->moves), benchmark::Counter::kIsIterationInvariantRate);
+  }
+}
+BENCHMARK(Verify)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace axiscal
