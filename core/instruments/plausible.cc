@@ -1,0 +1,34 @@
+#include "core/instruments/plausible.h"
+
+#include <cmath>
+
+#include "core/instruments/evaluation.h"
+#include "core/instruments/registry.h"
+#include "core/session/column_rules.h"
+
+namespace axiscal::instruments {
+
+absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine) {
+  const Instrument* instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
+  if (instrument == nullptr || instrument->kind == Kind::kTracker) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const MeasuringRun run, BindSession(session, machine));
+  const machine::JointErrors<double> no_errors;
+  const double no_setup[kMaxSetupParameters] = {};
+  for (int reading = 0; reading < run.reading_count(); ++reading) {
+    double predicted_mm[kMaxRows];
+    Predict(machine, run, reading, no_errors, no_setup, predicted_mm);
+    for (int row = 0; row < run.row_count; ++row) {
+      const double measured_mm = run.measured_mm(row, reading);
+      if (std::abs(predicted_mm[row] - measured_mm) <= kMaxDisagreementMm) continue;
+      return absl::InvalidArgumentError(
+          absl::StrFormat("line %d: %s = %g mm, but at these positions the nominal machine would read %g mm, expected "
+                          "within %g mm: are the units (mm, deg), "
+                          "the signs of machine %s, tool_tip_mm and table_ball_mm right?",
+                          session::ReadingLine(session.header.size(), reading), instrument->reading_columns[row],
+                          measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace axiscal::instruments
