@@ -80,7 +80,7 @@ struct Compensator::Impl {
   std::array<bool, machine::kMaxAxes> uses_sense{};
   bool is_constant = true;  // all carried terms are: the folded chain is exact
   FoldedChain nominal, actual;
-  double translation_errors_mm = 0, angle_errors_rad = 0, fixed_lever_mm = 0;  // sums of magnitudes, for DepartureBound
+  double fixed_lever_mm = 0;  // for DepartureBound
   std::array<double, machine::kMaxAxes> smooth_travel{};
 
   void MeasureErrors() {
@@ -91,7 +91,6 @@ struct Compensator::Impl {
       smooth_travel[i] = axis.kind == machine::AxisKind::kRotary ? kSmoothTurnRad : kSmoothTravelMm;
     }
     for (const ErrorTerm& term : carried.terms) {
-      (machine::IsAngle(term.component) ? angle_errors_rad : translation_errors_mm) += std::abs(term.amplitude[0]);
       if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
         const double eighth = 0.25 * std::numbers::pi / std::max(std::abs(harmonic->frequency), 1e-9);
         smooth_travel[harmonic->axis] = std::min(smooth_travel[harmonic->axis], eighth);
@@ -124,8 +123,8 @@ struct Compensator::Impl {
   // axes.
   absl::Status Solve(const Pose& pose, const Columns& tip_per_mm, const Eigen::Vector3d& move_mm,
                      double* change_mm) const {
-    if (tip_per_mm.cols() == 3) {
-      const Eigen::Vector3d a = tip_per_mm.col(0), b = tip_per_mm.col(1), c = tip_per_mm.col(2);
+    if (tip_per_mm.count == 3) {
+      const Eigen::Vector3d &a = tip_per_mm.of_axis[0], &b = tip_per_mm.of_axis[1], &c = tip_per_mm.of_axis[2];
       const Eigen::Vector3d bc = b.cross(c);
       const double volume = a.dot(bc);  // columns are unit vectors: 1 where the axes are square
       if (!(std::abs(volume) > kRankTolerance)) return RankError(pose);
@@ -134,78 +133,80 @@ struct Compensator::Impl {
       change_mm[2] = move_mm.dot(a.cross(b)) / volume;
       return absl::OkStatus();
     }
-    const Eigen::Matrix3d gram = tip_per_mm * tip_per_mm.transpose();
+    Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+    for (int k = 0; k < tip_per_mm.count; ++k) gram += tip_per_mm.of_axis[k] * tip_per_mm.of_axis[k].transpose();
     if (!(std::abs(gram.determinant()) > kRankTolerance * kRankTolerance)) return RankError(pose);
     const Eigen::Vector3d weights = gram.inverse() * move_mm;
-    Eigen::Map<Eigen::VectorXd>(change_mm, tip_per_mm.cols()) = tip_per_mm.transpose() * weights;
+    for (int k = 0; k < tip_per_mm.count; ++k) change_mm[k] = tip_per_mm.of_axis[k].dot(weights);
     return absl::OkStatus();
+  }
+
+  // One step at the errors of `commanded`: what the tool point lacks, and the step that would bring it there.
+  absl::Status Step(const Pose& pose, const FoldedChain& chain, const Turns& turns, const AffineTip& wanted,
+                    Pose* commanded, Eigen::Vector3d* lacking_mm, double* change_mm, AffineTip* found) const {
+    double linear_mm[machine::kMaxAxes];
+    for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = commanded->position[linear_axes[k]];
+    Evaluate(chain, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, found);
+    *lacking_mm = wanted.tip_in_table_mm - found->tip_in_table_mm;
+    return Solve(pose, found->tip_per_mm, *lacking_mm, change_mm);
   }
 
   void Apply(const double* change_mm, std::array<double, machine::kMaxAxes>* positions) const {
     for (size_t k = 0; k < linear_axes.size(); ++k) (*positions)[linear_axes[k]] += change_mm[k];
   }
 
-  // Constant errors: the tool point is affine in the linear axes, one solve is the answer.
-  absl::Status CorrectFolded(const Pose& pose, Correction* correction) const {
+  void Finish(const AffineTip& wanted, const AffineTip& found, double after_mm, Correction* correction) const {
+    correction->after_mm = after_mm;
+    correction->tilt_left_rad = wanted.direction_in_table.cross(found.direction_in_table).norm();
+    for (int k = 0; k < found.tip_per_mm.count; ++k) correction->tip_per_mm[k] = found.tip_per_mm.of_axis[k];
+  }
+
+  absl::Status Correct(const Pose& pose, Correction* correction) const {
     Turns turns;
     EvaluateTurns(machine, pose.position.data(), &turns);
     double linear_mm[machine::kMaxAxes];
     for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = pose.position[linear_axes[k]];
     AffineTip wanted, found;
     Evaluate(nominal, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, &wanted);
-    Evaluate(actual, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, &found);
-    const Eigen::Vector3d move_mm = wanted.tip_in_table_mm - found.tip_in_table_mm;
+    Eigen::Vector3d lacking_mm;
     double change_mm[machine::kMaxAxes];
-    RETURN_IF_ERROR(Solve(pose, found.tip_per_mm, move_mm, change_mm));
-    correction->corrected = pose.position;
-    Apply(change_mm, &correction->corrected);
-    Eigen::Vector3d left_mm = move_mm;
-    for (Eigen::Index k = 0; k < found.tip_per_mm.cols(); ++k) left_mm -= found.tip_per_mm.col(k) * change_mm[k];
-    correction->before_mm = move_mm.norm();
-    correction->after_mm = left_mm.norm();
-    correction->tilt_left_rad = wanted.direction_in_table.cross(found.direction_in_table).norm();
-    correction->tip_per_mm = found.tip_per_mm;
-    return absl::OkStatus();
+    if (is_constant) {
+      // The tool point is affine in the linear axes: one step is the answer.
+      Pose commanded = pose;
+      RETURN_IF_ERROR(Step(pose, actual, turns, wanted, &commanded, &lacking_mm, change_mm, &found));
+      correction->corrected = pose.position;
+      Apply(change_mm, &correction->corrected);
+      correction->before_mm = lacking_mm.norm();
+      for (int k = 0; k < found.tip_per_mm.count; ++k) lacking_mm -= found.tip_per_mm.of_axis[k] * change_mm[k];
+      Finish(wanted, found, lacking_mm.norm(), correction);
+      return absl::OkStatus();
+    }
+    return Iterate(pose, turns, wanted, correction);
   }
 
-  // Any errors, by chain.h alone. Errors act at the command that the machine gets, so the solve is repeated.
-  absl::Status CorrectGeneral(const Pose& pose, Correction* correction) const {
-    const auto nominal_pose = machine::EvaluateChain<double>(machine, pose.position.data(), {});
-    const Eigen::Vector3d wanted_mm = machine::TipInTable(nominal_pose, options.tool_tip_mm);
+  // Errors that vary with the position act at the command that the machine gets: the step is repeated.
+  absl::Status Iterate(const Pose& pose, const Turns& turns, const AffineTip& wanted, Correction* correction) const {
     Pose commanded = pose;
-    machine::JointErrors<double> errors = ErrorsAt(commanded);
-    const auto tip = [&](const Pose& at) {
-      return machine::TipInTable(machine::EvaluateChain<double>(machine, at.position.data(), errors),
-                                 options.tool_tip_mm);
-    };
-    Eigen::Vector3d found_mm = tip(commanded);
-    correction->before_mm = (wanted_mm - found_mm).norm();
-    // With the errors held, the tool point is affine: a difference over 1 mm is the derivative.
-    correction->tip_per_mm.resize(3, static_cast<Eigen::Index>(linear_axes.size()));
-    for (size_t k = 0; k < linear_axes.size(); ++k) {
-      Pose moved = commanded;
-      moved.position[linear_axes[k]] += 1.0;
-      correction->tip_per_mm.col(static_cast<Eigen::Index>(k)) = tip(moved) - found_mm;
-    }
+    FoldedChain chain;
+    AffineTip found;
+    Eigen::Vector3d lacking_mm;
     double change_mm[machine::kMaxAxes];
-    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-      RETURN_IF_ERROR(Solve(pose, correction->tip_per_mm, wanted_mm - found_mm, change_mm));
+    for (int iteration = 0; iteration <= kMaxIterations; ++iteration) {
+      Fold(machine, linear_axes, ErrorsAt(commanded), &chain);
+      RETURN_IF_ERROR(Step(pose, chain, turns, wanted, &commanded, &lacking_mm, change_mm, &found));
+      const double lacking = lacking_mm.norm();
+      if (iteration == 0) correction->before_mm = lacking;
+      if (!(lacking < 1e6)) break;
+      if (iteration > 0 && lacking <= 0.01 * kToleranceMm) {
+        correction->corrected = commanded.position;
+        Finish(wanted, found, lacking, correction);
+        return absl::OkStatus();
+      }
       Apply(change_mm, &commanded.position);
-      errors = ErrorsAt(commanded);
-      found_mm = tip(commanded);
-      correction->after_mm = (wanted_mm - found_mm).norm();
-      if (!(correction->after_mm < 1e6)) break;
-      if (correction->after_mm > 0.01 * kToleranceMm) continue;
-      correction->corrected = commanded.position;
-      const auto actual_pose = machine::EvaluateChain<double>(machine, commanded.position.data(), errors);
-      correction->tilt_left_rad = machine::ToolDirectionInTable(machine, nominal_pose)
-                                      .cross(machine::ToolDirectionInTable(machine, actual_pose))
-                                      .norm();
-      return absl::OkStatus();
     }
     return absl::FailedPreconditionError(
         absl::StrFormat("no correction found at %s: %.3g um left after %d steps, the errors are too large",
-                        PoseText(machine, pose), correction->after_mm * base::kUmPerMm, kMaxIterations));
+                        PoseText(machine, pose), lacking_mm.norm() * base::kUmPerMm, kMaxIterations));
   }
 };
 
@@ -239,10 +240,8 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
     if (machine.axes[i].kind == machine::AxisKind::kLinear) impl->linear_axes.push_back(i);
   }
   impl->MeasureErrors();
-  if (impl->is_constant) {
-    impl->nominal = Fold(impl->machine, impl->linear_axes, {});
-    impl->actual = Fold(impl->machine, impl->linear_axes, impl->ErrorsAt({}));
-  }
+  Fold(impl->machine, impl->linear_axes, {}, &impl->nominal);
+  if (impl->is_constant) Fold(impl->machine, impl->linear_axes, impl->ErrorsAt({}), &impl->actual);
   return Compensator(std::move(impl));
 }
 
@@ -259,14 +258,48 @@ absl::Status Compensator::Correct(const Pose& pose, Correction* correction) cons
           absl::StrCat("axis ", impl_->machine.axes[i].name, " = ", pose.position[i], ", must be finite"));
     }
   }
-  return impl_->is_constant ? impl_->CorrectFolded(pose, correction) : impl_->CorrectGeneral(pose, correction);
+  return impl_->Correct(pose, correction);
 }
 
+namespace {
+
+// Largest magnitude of a term along a move, of its slope and of its curvature; the move's parameter runs from 0 to 1.
+struct Bend {
+  double size = 0, slope = 0, curvature = 0;
+};
+
+Bend BendOf(const ErrorTerm& term, const Pose& from, const Pose& to) {
+  double amplitude = 0;
+  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) amplitude += std::abs(term.amplitude[i]);
+  const auto along = [&](int axis, double* largest) {
+    *largest = std::max(std::abs(from.position[axis]), std::abs(to.position[axis]));
+    return std::abs(to.position[axis] - from.position[axis]);
+  };
+  double largest = 0;
+  if (std::holds_alternative<shapes::Constant>(term.shape)) return {amplitude, 0, 0};
+  if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {
+    const double travel = along(linear->axis, &largest) / linear->reference;
+    return {amplitude * largest / linear->reference, amplitude * travel, 0};
+  }
+  if (const auto* quadratic = std::get_if<shapes::Quadratic>(&term.shape)) {
+    const double travel = along(quadratic->axis, &largest) / quadratic->reference;
+    largest /= quadratic->reference;
+    return {amplitude * largest * largest, 2 * amplitude * largest * travel, 2 * amplitude * travel * travel};
+  }
+  if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
+    const double turn = along(harmonic->axis, &largest) * std::abs(harmonic->frequency);
+    return {amplitude, amplitude * turn, amplitude * turn * turn};
+  }
+  // Of the others only those are carried that stand still along a move: backlash, and time and temperature as stated.
+  return {amplitude, 0, 0};
+}
+
+}  // namespace
+
 // The correction is a product of at most two turns per rotary axis (the errors' and the inverse's), linear in the
-// linear axes: its second derivative along a move is at most (2 turns)^2 M + 2 (2 turns) (angle errors) travel, M the
-// largest error; a chord departs by an eighth.
+// linear axes: the second derivative along a move is bounded by the product rule, and a chord departs by at most an
+// eighth.
 double Compensator::DepartureBound(const Pose& from, const Pose& to) const {
-  if (!impl_->is_constant) return std::numeric_limits<double>::infinity();
   constexpr double kSecondOrder = 2.0;  // products of errors, axes out of square
   double turn_rad = 0, travel_mm = 0, lever_mm = impl_->fixed_lever_mm;
   for (int i = 0; i < impl_->machine.axis_count(); ++i) {
@@ -278,8 +311,15 @@ double Compensator::DepartureBound(const Pose& from, const Pose& to) const {
       lever_mm += std::max(std::abs(from.position[i]), std::abs(to.position[i]));
     }
   }
-  const double largest_mm = impl_->translation_errors_mm + impl_->angle_errors_rad * lever_mm;
-  return kSecondOrder / 8.0 * (turn_rad * turn_rad * largest_mm + 2.0 * turn_rad * impl_->angle_errors_rad * travel_mm);
+  double curvature_mm = 0;
+  for (const ErrorTerm& term : impl_->carried.terms) {
+    const Bend bend = BendOf(term, from, to);
+    const bool is_angle = machine::IsAngle(term.component);
+    const double lever = is_angle ? lever_mm : 1.0, lever_slope = is_angle ? travel_mm : 0.0;
+    curvature_mm += bend.curvature * lever + 2.0 * bend.slope * (turn_rad * lever + lever_slope) +
+                    bend.size * turn_rad * (turn_rad * lever + 2.0 * lever_slope);
+  }
+  return kSecondOrder / 8.0 * curvature_mm;
 }
 
 double Compensator::smooth_travel(int axis) const { return impl_->smooth_travel[axis]; }

@@ -44,8 +44,8 @@ struct Correction {
   double after_mm = 0;                                // with it, <= kToleranceMm
   double tilt_left_rad =
       0;  // angle between the predicted and the programmed tool direction, table frame; linear axes cannot change it
-  // Column k: tool point's motion in the table frame per mm of linear_axes()[k]. For the effect of rounding a command.
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, machine::kMaxAxes> tip_per_mm;
+  // [k]: the tool point's motion in the table frame per mm of linear_axes()[k]. For the effect of rounding a command.
+  std::array<Eigen::Vector3d, machine::kMaxAxes> tip_per_mm;
 };
 
 class Compensator {
@@ -64,7 +64,7 @@ class Compensator {
   absl::Status Correct(const Pose& pose, Correction* correction) const;
 
   // How far the correction between two poses departs from its linear interpolation, at most (mm at the tool point, all
-  // axes moving linearly). Cheap: for skipping moves that need no splitting. Infinity when errors vary with position.
+  // axes moving linearly). Cheap: for skipping moves that need no splitting.
   double DepartureBound(const Pose& from, const Pose& to) const;
   // Travel of one axis (mm or rad) over which the correction bends so little that samples that far apart show it.
   double smooth_travel(int axis) const;

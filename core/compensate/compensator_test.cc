@@ -126,7 +126,7 @@ TEST(Compensator, ConstantErrorsOfAllThreeStructuresAreTakenOutByTheChainItself)
       const int first = compensator.linear_axes()[0];
       Pose rounded = commanded;
       rounded.position[first] += 0.01;
-      EXPECT_LT((Tip(machine, errors, options, rounded) - wanted - 0.01 * correction->tip_per_mm.col(0)).norm(), 1e-10);
+      EXPECT_LT((Tip(machine, errors, options, rounded) - wanted - 0.01 * correction->tip_per_mm[0]).norm(), 1e-10);
     }
   }
 }
@@ -236,6 +236,47 @@ TEST(Compensator, AFourthLinearAxisSharesTheCorrection) {
   ASSERT_TRUE(correction.ok()) << correction.status();
   EXPECT_NEAR(correction->corrected[2], -0.05, 1e-12);
   EXPECT_NEAR(correction->corrected[3], -0.05, 1e-12);
+}
+
+// The bound holds for every shape that a program carries, and is not so loose that it would have every move sampled.
+TEST(Compensator, TheDepartureBoundHolds) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const Machine& machine :
+       {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
+    const int x = FindAxis(machine, "X"), c = FindAxis(machine, "C");
+    for (int round = 0; round < 200; ++round) {
+      ErrorModel errors = machine::DeclaredModel(machine);
+      for (auto& term : errors.terms) {
+        term.amplitude[0] = unit(random) * (machine::IsAngle(term.component) ? 1e-4 : 0.05);
+        if (round % 4 == 1) term.shape = shapes::Linear{x, shapes::Linear::kReferenceMm};
+        if (round % 4 == 2) term.shape = shapes::Quadratic{x};
+        if (round % 4 == 3) term.shape = shapes::Harmonic{c, 3.0};
+      }
+      Options options;
+      options.tool_tip_mm = {0, 0, -200};
+      const Compensator compensator = MustCreate(machine, errors, options);
+      Pose from, to, middle;
+      const double size = std::pow(10.0, -3.0 * std::abs(unit(random)));
+      for (int i = 0; i < machine.axis_count(); ++i) {
+        const double full = machine.axes[i].kind == machine::AxisKind::kLinear ? 300.0 : 1.5;
+        from.position[i] = unit(random) * full;
+        to.position[i] = from.position[i] + unit(random) * full * size;
+        middle.position[i] = 0.5 * (from.position[i] + to.position[i]);
+      }
+      const auto first = compensator.Correct(from), last = compensator.Correct(to), half = compensator.Correct(middle);
+      ASSERT_TRUE(first.ok() && last.ok() && half.ok());
+      double squared = 0;
+      for (const int axis : compensator.linear_axes()) {
+        const double departure = half->corrected[axis] - 0.5 * (first->corrected[axis] + last->corrected[axis]);
+        squared += departure * departure;
+      }
+      constexpr double kRoundoffMm = 1e-11;
+      const double bound = compensator.DepartureBound(from, to);
+      EXPECT_LE(std::sqrt(squared), bound + kRoundoffMm) << machine.id << ' ' << round;
+      EXPECT_LT(bound, 100 * size);  // mm: finite, and shrinks with the move
+    }
+  }
 }
 
 TEST(Compensator, BadInputIsNamed) {

@@ -6,14 +6,18 @@
 #define AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "core/machine/chain.h"
 
 namespace axiscal::compensate {
 
-// Column k: effect of linear axis k (in the caller's order), per mm.
-using Columns = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, machine::kMaxAxes>;
+// Column k: the tool point's motion per mm of linear axis k (in the caller's order).
+struct Columns {
+  int count = 0;
+  std::array<Eigen::Vector3d, machine::kMaxAxes> of_axis;
+};
 
 struct FoldedChain {
   struct Stage {
@@ -24,14 +28,14 @@ struct FoldedChain {
     // The turn that follows: about turn_direction by turn_sign * position of the axis; -1: none, the last stage.
     int turn_axis = -1;
     double turn_sign = 1.0;
-    Eigen::Matrix3d turn_skew, turn_skew_squared;
+    Eigen::Vector3d turn_direction = Eigen::Vector3d::Zero();
   };
   std::vector<Stage> stages;  // from the tool point to the table
 };
 
 // `linear_axes`: indices into machine.axes, the order of columns.
-FoldedChain Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
-                 const machine::JointErrors<double>& errors);
+void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
+          const machine::JointErrors<double>& errors, FoldedChain* chain);
 
 struct AffineTip {
   Eigen::Vector3d tip_in_table_mm;     // with the linear axes at the positions given

@@ -92,13 +92,13 @@ void BlockWriter::AppendFeed(const Word& word, double fraction, std::string* out
   AppendFixed(std::llround(feed / fraction * static_cast<double>(kPowersOfTen[decimals])), decimals, false, true, out);
 }
 
-void BlockWriter::InsertWords(const Block& block, const Step& step, const AxisTicks& targets, bool is_packed,
+void BlockWriter::InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets,
                               bool is_lower, std::string* out) {
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
     const Rounded rounded = Round(axis, targets[axis], DecimalsOf(block, step, axis));
     if (!NeedsWord(axis, targets[axis], rounded.grain)) continue;
-    if (!is_packed) out->push_back(' ');
+    if (!IsPacked(text, block)) out->push_back(' ');
     const char letter = machine_->axes[axis].name[0];
     out->push_back(is_lower ? static_cast<char>(letter - 'A' + 'a') : letter);
     AppendFixed(rounded.mantissa, rounded.decimals, false, true, out);
@@ -118,7 +118,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
   const auto insert = [&] {
     out->append(text + copied, last->end - copied);
     copied = last->end;
-    InsertWords(block, step, targets, IsPacked(text, block), last->is_lower, out);
+    InsertWords(text, block, step, targets, last->is_lower, out);
   };
   for (const Word& word : block) {
     const int axis = interpreter_->AxisOf(word.letter);

@@ -56,7 +56,7 @@ class BlockWriter {
   void SetCommanded(int axis, const Rounded& rounded);
   bool NeedsWord(int axis, Ticks target, Ticks grain) const;
   void AppendFeed(const Word& word, double fraction, std::string* out) const;
-  void InsertWords(const Block& block, const Step& step, const AxisTicks& targets, bool is_packed, bool is_lower,
+  void InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets, bool is_lower,
                    std::string* out);
 
   const machine::Machine* machine_;

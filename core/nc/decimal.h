@@ -28,8 +28,10 @@ inline constexpr int kMaxDecimals = 9;
 
 inline constexpr int64_t kPowersOfTen[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000, 1000000000};
 
-// Ticks of the last decimal of a word. 0 <= decimals <= kMaxDecimals.
-inline Ticks GrainTicks(Ticks ticks_per_unit, int decimals) { return ticks_per_unit / kPowersOfTen[decimals]; }
+// Ticks of the last decimal of a word. 0 <= decimals <= kMaxDecimals; ticks_per_unit is one of the two above.
+inline Ticks GrainTicks(Ticks ticks_per_unit, int decimals) {
+  return (ticks_per_unit == kTicksPerInch ? 254 : 10) * kPowersOfTen[kMaxDecimals - decimals];
+}
 
 // Nothing when the number has more than nine decimals or is beyond the range.
 std::optional<Ticks> ToTicks(const Decimal& number, Ticks ticks_per_unit);

@@ -193,7 +193,7 @@ struct Rewriter::Impl {
       return;
     }
     ++report.blocks_corrected;
-    const Commanded before = writer.commanded();
+    const Commanded before = step.may_be_skipped ? writer.commanded() : Commanded();
     const double departure_mm = MoveDeparture();
     if (departure_mm > options.tolerance_mm) {
       WriteSplit(text, size, text_size, departure_mm);
@@ -288,7 +288,7 @@ struct Rewriter::Impl {
       const Ticks commanded = writer.commanded().ticks[axis];
       CheckTravel(text, text_size, axis, static_cast<double>(commanded) / kTicksPerUnit);
       const double rounding_mm = static_cast<double>(commanded - written.targets[axis]) / kTicksPerUnit;
-      after_mm += written.correction.tip_per_mm.col(static_cast<Eigen::Index>(k)) * rounding_mm;
+      after_mm += written.correction.tip_per_mm[k] * rounding_mm;
     }
     report.error_before.Add(written.correction.before_mm);
     report.error_after.Add(after_mm.norm() + written.correction.after_mm);
