@@ -18,15 +18,17 @@ MeasuringRun OneAxis(const std::vector<double>& positions) {
   return run;
 }
 
-TEST(Motion, SenseIsThatOfTheLastChangeAndZeroBeforeTheFirst) {
+TEST(Motion, SenseIsThatOfTheLastChangeAndOfTheFirstOneBeforeIt) {
   const MeasuringRun run = OneAxis({5, 5, 7, 7, 6, 6, 8});
-  const double expected[] = {0, 0, 1, 1, -1, -1, 1};
+  const double expected[] = {1, 1, 1, 1, -1, -1, 1};
   for (int k = 0; k < 7; ++k) EXPECT_EQ(run.axis_states[k].sense, expected[k]) << k;
+  EXPECT_EQ(OneAxis({5, 5, 5}).axis_states[2].sense, 0.0);
 }
 
-TEST(Motion, TravelCountsFromTheLastReversal) {
+TEST(Motion, TravelCountsFromTheLastReversalOrTheStart) {
   const MeasuringRun run = OneAxis({0, 2, 4, 3, 1, 1, 2});
-  EXPECT_TRUE(std::isinf(run.axis_states[2].travel_since_reversal));
+  EXPECT_TRUE(std::isinf(run.axis_states[0].travel_since_reversal));
+  EXPECT_EQ(run.axis_states[2].travel_since_reversal, 4.0);
   EXPECT_EQ(run.axis_states[3].travel_since_reversal, 1.0);
   EXPECT_EQ(run.axis_states[4].travel_since_reversal, 3.0);
   EXPECT_EQ(run.axis_states[5].travel_since_reversal, 3.0);

@@ -63,8 +63,9 @@ struct MeasuringRun {
 // instrument.
 absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine);
 
-// Fills run->axis_states from positions and times: sense of motion is that of the last commanded change (0 before the
-// first), travel counts from the last change of sense.
+// Fills run->axis_states from positions and times: sense of motion is that of the last commanded change, before the first
+// one that of the first (an axis is approached in the sense in which it goes on); travel counts from the last change of
+// sense or the first motion.
 void DeriveMotion(MeasuringRun* run);
 
 }  // namespace axiscal::instruments

@@ -12,9 +12,9 @@ inline constexpr double kReferenceTemperatureCelsius = 20.0;
 
 struct AxisState {
   double position = 0.0;  // commanded or latched, mm or rad
-  double sense = 0.0;     // sense of motion: +1, -1, and 0 for an axis that has not moved yet
+  double sense = 0.0;     // sense of motion: +1, -1, and 0 for an axis that does not move
   double travel_since_reversal =
-      std::numeric_limits<double>::infinity();  // mm or rad; infinite before the first reversal
+      std::numeric_limits<double>::infinity();  // mm or rad; infinite before the first motion
   double speed = 0.0;                           // signed, mm/s or rad/s; 0 where the session has no times
 };
 

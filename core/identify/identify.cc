@@ -1,0 +1,259 @@
+#include "core/identify/identify.h"
+
+#include <cmath>
+
+#include "core/base/demand.h"
+#include "core/identify/naming.h"
+#include "core/identify/outliers.h"
+#include "core/identify/reduction.h"
+#include "core/identify/solver.h"
+
+namespace axiscal::identify {
+namespace {
+
+using instruments::MeasuringRun;
+
+// Sets scattered bad readings aside. Returns whether anything changed.
+bool UpdateUsed(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* problem) {
+  constexpr double kQuantisedSigmaShare =
+      0.3;  // a series finer than this share of the stated sigma is quantised, not quiet
+  bool has_changed = false;
+  for (size_t i = 0; i < problem->runs.size(); ++i) {
+    const MeasuringRun& run = problem->runs[i];
+    for (int row = 0; row < run.row_count; ++row) {
+      const std::vector<bool> is_bad =
+          FindOutliers(residuals_mm[i].row(row).transpose(), kQuantisedSigmaShare * run.sigma_mm);
+      for (int k = 0; k < run.reading_count(); ++k) {
+        const size_t at = static_cast<size_t>(k) * run.row_count + row;
+        if (problem->is_used[i][at] == !is_bad[k]) continue;
+        problem->is_used[i][at] = !is_bad[k];
+        has_changed = true;
+      }
+    }
+  }
+  return has_changed;
+}
+
+std::vector<Outlier> ListOutliers(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
+  std::vector<Outlier> outliers;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const MeasuringRun& run = problem.runs[i];
+    for (int k = 0; k < run.reading_count(); ++k) {
+      for (int row = 0; row < run.row_count; ++row) {
+        if (problem.is_used[i][static_cast<size_t>(k) * run.row_count + row]) continue;
+        outliers.push_back({run.session, k + 1, row, residuals_mm[i](row, k)});
+      }
+    }
+  }
+  return outliers;
+}
+
+std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point, const Covariance& covariance,
+                                     double scale, const std::vector<Eigen::MatrixXd>& residuals_mm) {
+  std::vector<SessionFit> sessions;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const int group = problem.group_of_run[i];
+    SessionFit session;
+    session.session = problem.runs[i].session;
+    session.readings = static_cast<int>(residuals_mm[i].size());
+    session.rms_mm = std::sqrt(residuals_mm[i].squaredNorm() / session.readings);
+    session.max_mm = residuals_mm[i].cwiseAbs().maxCoeff();
+    for (size_t k = 0; k < problem.groups[group].parameters.size(); ++k) {
+      const instruments::SetupParameter& parameter = problem.groups[group].parameters[k];
+      session.setup.push_back(
+          {parameter.name, point.setup[group][k], scale * covariance.setup_sigma[group][k], parameter.is_angle});
+    }
+    sessions.push_back(std::move(session));
+  }
+  return sessions;
+}
+
+// What the free errors carry once the null directions are held: error j stands for itself and its share of the held
+// ones.
+std::vector<Combination> DeterminedCombinations(const std::vector<Estimate>& estimates, const NullSpace& null_space,
+                                                const Eigen::VectorXd& values, const Eigen::VectorXd& sigmas) {
+  std::vector<Combination> combinations;
+  const int p = static_cast<int>(estimates.size());
+  for (int j = 0; j < p; ++j) {
+    const bool is_held = std::find(null_space.fixed.begin(), null_space.fixed.end(), j) != null_space.fixed.end();
+    if (!null_space.involved[j] || is_held) continue;
+    Eigen::VectorXd dual = Eigen::VectorXd::Zero(p);  // the combination as a sum of errors
+    dual[j] = 1.0;
+    for (size_t k = 0; k < null_space.fixed.size(); ++k) dual[null_space.fixed[k]] -= null_space.directions(k, j);
+    // CombinationName divides by the factors (a direction); a sum is written with its coefficients times them.
+    Eigen::VectorXd coefficients(p);
+    for (int i = 0; i < p; ++i) coefficients[i] = dual[i] * estimates[i].factor * estimates[i].factor;
+    // The carrier comes first so that value and unit are its own.
+    std::vector<Estimate> order = estimates;
+    std::swap(order[0], order[j]);
+    std::swap(coefficients[0], coefficients[j]);
+    combinations.push_back(
+        {CombinationName(order, coefficients), estimates[j].unit, estimates[j].factor, values[j], sigmas[j]});
+  }
+  return combinations;
+}
+
+void DescribeErrors(const Problem& problem, const Solution& solution, const NullSpace& null_space,
+                    const Covariance& covariance, double scale, const std::vector<Parameter>& parameters,
+                    Result* result) {
+  const int p = static_cast<int>(parameters.size());
+  Eigen::VectorXd values(p), sigmas(p);
+  for (int i = 0; i < p; ++i) {
+    values[i] = ValueOf(solution.point.model, parameters[i]);
+    sigmas[i] = scale * std::sqrt(std::max(0.0, covariance.errors(i, i)));
+    Estimate estimate = NamedEstimate(*problem.machine, solution.point.model, parameters[i]);
+    estimate.identifiable = !null_space.involved[i];
+    if (estimate.identifiable) {
+      estimate.value = values[i];
+      estimate.sigma = sigmas[i];
+    }
+    result->estimates.push_back(std::move(estimate));
+  }
+  result->correlation = Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < p; ++i) {
+    for (int j = 0; j < p; ++j) {
+      if (null_space.involved[i] || null_space.involved[j]) continue;
+      result->correlation(i, j) = covariance.errors(i, j) * scale * scale / (sigmas[i] * sigmas[j]);
+    }
+  }
+  for (int k = 0; k < null_space.directions.rows(); ++k) {
+    result->not_separable.push_back(CombinationName(result->estimates, null_space.directions.row(k).transpose()));
+  }
+  result->determined = DeterminedCombinations(result->estimates, null_space, values, sigmas);
+  result->rank = null_space.rank;
+  result->condition = null_space.condition;
+}
+
+// Amplitudes first: at amplitude zero a decay length or time constant has no effect that could be fitted.
+absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::ErrorModel& model,
+                                       const NullSpace& null_space, const Options& options) {
+  Point start = StartingPoint(problem, model);
+  const bool has_nonlinear =
+      options.fit_nonlinear && ListParameters(model, true).size() > ListParameters(model, false).size();
+  if (has_nonlinear) {
+    Options amplitudes_only = options;
+    amplitudes_only.fit_nonlinear = false;
+    ASSIGN_OR_RETURN(Solution first, Solve(problem, start, NominalNullSpace(problem, model, false), amplitudes_only));
+    start = std::move(first.point);
+  }
+  return Solve(problem, start, null_space, options);
+}
+
+absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options) {
+  const std::vector<Parameter> parameters = ListParameters(model, options.fit_nonlinear);
+  int setup_count = 0, readings = 0;
+  for (const SetupGroup& group : problem.groups) setup_count += static_cast<int>(group.parameters.size());
+  for (const MeasuringRun& run : problem.runs) readings += static_cast<int>(run.measured_mm.size());
+  // Setups bring a prior each; errors need readings.
+  if (readings < static_cast<int>(parameters.size())) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(readings, " readings cannot determine ", parameters.size(), " errors"));
+  }
+  double noise_scale = 1.0;
+  const NullSpace null_space = NominalNullSpace(problem, model, options.fit_nonlinear);
+  ASSIGN_OR_RETURN(Solution solution, SolveInStages(problem, model, null_space, options));
+  // A model that misses by hundreds of sigma pulls setup offsets far from where anybody would mount a ball, along
+  // valleys without a floor. The stated sigma says little then: it is raised, by no more than it takes for the priors
+  // to hold again.
+  while (!solution.has_converged) {
+    constexpr double kGrowth = 3.0;
+    if (solution.cost / readings < kGrowth * kGrowth) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("identification has not converged after ", solution.iterations, " iterations"));
+    }
+    for (Noise& noise : problem.noise) noise.sigma_mm *= kGrowth;
+    noise_scale *= kGrowth;
+    ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, null_space, options));
+  }
+  constexpr int kRounds = 5;
+  for (int round = 0; options.set_outliers_aside && round < kRounds; ++round) {
+    if (!UpdateUsed(solution.residuals_mm, &problem)) break;
+    ASSIGN_OR_RETURN(solution, Solve(problem, solution.point, null_space, options));
+  }
+  Fit fit;
+  fit.result.noise_scale = noise_scale;
+  fit.result.fit = StatisticsOf(problem, solution.point, solution.residuals_mm,
+                                static_cast<int>(parameters.size()) - static_cast<int>(null_space.fixed.size()));
+  const double scale = options.scale_uncertainties ? std::sqrt(std::max(1.0, fit.result.fit.chi2_per_dof)) : 1.0;
+  const Covariance covariance = CovarianceOf(problem, solution.point, solution.normal, null_space.fixed);
+  DescribeErrors(problem, solution, null_space, covariance, scale, parameters, &fit.result);
+  fit.result.sessions = ListSessions(problem, solution.point, covariance, scale, solution.residuals_mm);
+  fit.result.outliers = ListOutliers(problem, solution.residuals_mm);
+  fit.result.model = solution.point.model;
+  fit.result.iterations = solution.iterations;
+  fit.problem = std::move(problem);
+  fit.point = std::move(solution.point);
+  fit.residuals_mm = std::move(solution.residuals_mm);
+  return fit;
+}
+
+}  // namespace
+
+absl::Status Validate(const Options& options) {
+  if (options.max_iterations <= 0) {
+    return absl::InvalidArgumentError(absl::StrCat("max_iterations = ", options.max_iterations, ", must be > 0"));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<MeasuringRun>> BindSessions(const machine::Machine& machine,
+                                                       const std::vector<session::Session>& sessions) {
+  std::vector<MeasuringRun> runs;
+  for (const session::Session& session : sessions) {
+    ASSIGN_OR_RETURN(MeasuringRun run, instruments::BindSession(session, machine));
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
+FitStatistics StatisticsOf(const Problem& problem, const Point& point, const std::vector<Eigen::MatrixXd>& residuals_mm,
+                           int parameters) {
+  FitStatistics out;
+  double squares = 0.0, used_squares = 0.0;
+  for (size_t i = 0; i < residuals_mm.size(); ++i) {
+    const int rows = problem.runs[i].row_count;
+    for (int k = 0; k < residuals_mm[i].cols(); ++k) {
+      for (int row = 0; row < rows; ++row) {
+        const double residual = residuals_mm[i](row, k);
+        squares += residual * residual;
+        out.max_mm = std::max(out.max_mm, std::abs(residual));
+        ++out.readings;
+        if (!problem.is_used[i][static_cast<size_t>(k) * rows + row]) continue;
+        used_squares += residual * residual;
+        ++out.used;
+      }
+    }
+  }
+  out.rms_mm = out.readings > 0 ? std::sqrt(squares / out.readings) : 0.0;
+  out.rms_without_outliers_mm = out.used > 0 ? std::sqrt(used_squares / out.used) : 0.0;
+  out.degrees_of_freedom = out.used - parameters;
+  const double chi2 = WhitenedSquares(problem, residuals_mm) + PriorSquares(problem, point);
+  out.chi2_per_dof = out.degrees_of_freedom > 0 ? chi2 / out.degrees_of_freedom : 0.0;
+  return out;
+}
+
+absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<MeasuringRun> runs, const Options& options) {
+  RETURN_IF_ERROR(Validate(options));
+  if (runs.empty()) return absl::InvalidArgumentError("no sessions to identify from");
+  ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
+  return FitProblem(std::move(problem), options.model ? *options.model : machine::DeclaredModel(machine), options);
+}
+
+absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<MeasuringRun> runs,
+                              const machine::ErrorModel& model, const Options& options) {
+  RETURN_IF_ERROR(Validate(options));
+  if (runs.empty()) return absl::InvalidArgumentError("no sessions to check with");
+  ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
+  problem.fixed_model = model;
+  return FitProblem(std::move(problem), {}, options);
+}
+
+absl::StatusOr<Result> Identify(const machine::Machine& machine, const std::vector<session::Session>& sessions,
+                                const Options& options) {
+  if (options.progress) options.progress({"reading sessions", 0.0, ""});
+  ASSIGN_OR_RETURN(std::vector<MeasuringRun> runs, BindSessions(machine, sessions));
+  ASSIGN_OR_RETURN(Fit fit, FitRuns(machine, std::move(runs), options));
+  return std::move(fit.result);
+}
+
+}  // namespace axiscal::identify

@@ -1,0 +1,69 @@
+// Identification: weighted least squares over declared error terms and each session's setup offsets, with standard
+// uncertainties, rank, and the combinations that the data cannot separate (design.md, "Identify").
+#ifndef AXISCAL_CORE_IDENTIFY_IDENTIFY_H_
+#define AXISCAL_CORE_IDENTIFY_IDENTIFY_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/identify/problem.h"
+#include "core/identify/result.h"
+#include "core/machine/machine.h"
+#include "core/session/session.h"
+
+namespace axiscal::identify {
+
+struct Progress {
+  std::string stage;      // "reading sessions", "fitting" ...
+  double fraction = 0.0;  // 0 to 1
+  std::string detail;     // "iteration 2, rms 1.3 um"
+};
+
+struct Options {
+  // Error terms to fit. Unset: the machine's declared constants. An empty model fits setup offsets only.
+  std::optional<machine::ErrorModel> model;
+  bool fit_nonlinear = true;  // decay lengths and time constants too
+  bool set_outliers_aside = true;
+  // Multiplies uncertainties by sqrt(chi2 / dof) where the readings scatter more than the stated sigma.
+  bool scale_uncertainties = true;
+  int max_iterations = 20;
+  // Polled in every iteration; true ends the fit with CANCELLED.
+  std::function<bool()> cancelled;
+  std::function<void(const Progress&)> progress;
+};
+
+// INVALID_ARGUMENT naming field, value and rule.
+absl::Status Validate(const Options& options);
+
+// INVALID_ARGUMENT for sessions that do not fit the machine, FAILED_PRECONDITION when the fit does not converge or has
+// fewer readings than unknowns, CANCELLED.
+absl::StatusOr<Result> Identify(const machine::Machine& machine, const std::vector<session::Session>& sessions,
+                                const Options& options = {});
+
+// The same on bound runs, for callers that need residuals too.
+struct Fit {
+  Problem problem;
+  Point point;
+  std::vector<Eigen::MatrixXd> residuals_mm;  // per run, predicted - measured
+  Result result;
+};
+absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
+                            const Options& options);
+
+absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machine::Machine& machine,
+                                                                    const std::vector<session::Session>& sessions);
+
+// Other sessions under a fitted model: only their own setup offsets are refitted.
+absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
+                              const machine::ErrorModel& model, const Options& options);
+
+// Statistics of residuals; `parameters` counts the fitted errors. Setup offsets held by priors add as many readings as
+// unknowns.
+FitStatistics StatisticsOf(const Problem& problem, const Point& point, const std::vector<Eigen::MatrixXd>& residuals_mm,
+                           int parameters);
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_IDENTIFY_H_

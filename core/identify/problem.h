@@ -1,0 +1,85 @@
+// The least-squares problem of identification: runs, an error model, setup offsets, noise; and its normal equations.
+//   residual = (predicted - measured) / sigma                                 style.md, section 2
+// Setup offsets belong to one group of runs each (a session, or sessions that share a setup), so the normal matrix is
+// an arrow: one block per group beside the block of the errors. Rows are never stored: cost and memory grow linearly
+// with readings, and memory does not.
+#ifndef AXISCAL_CORE_IDENTIFY_PROBLEM_H_
+#define AXISCAL_CORE_IDENTIFY_PROBLEM_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/instruments/run.h"
+#include "core/machine/error_model.h"
+
+namespace axiscal::identify {
+
+// Noise of one run. `ar1` is the correlation of neighbouring readings of one row (servo ripple remembers): 0 for white
+// noise.
+struct Noise {
+  double sigma_mm = 0.0;  // standard deviation of one reading
+  double ar1 = 0.0;
+};
+
+// What one column of the problem is: an amplitude of a term, or a term's non-linear parameter (decay length, time
+// constant).
+struct Parameter {
+  int term = 0;
+  int basis = 0;
+  bool is_nonlinear = false;
+};
+
+struct SetupGroup {
+  std::string name;
+  std::vector<instruments::SetupParameter> parameters;
+  std::vector<int> runs;
+};
+
+struct Problem {
+  const machine::Machine* machine = nullptr;
+  machine::ErrorModel fixed_model;  // errors that act but are not fitted
+  std::vector<instruments::MeasuringRun> runs;
+  std::vector<Noise> noise;                // per run
+  std::vector<std::vector<bool>> is_used;  // per run, reading * row_count + row; false for readings set aside
+  std::vector<SetupGroup> groups;
+  std::vector<int> group_of_run;
+};
+
+// Values of everything that is fitted.
+struct Point {
+  machine::ErrorModel model;
+  std::vector<Eigen::VectorXd> setup;  // per group, mm and rad
+};
+
+// INVALID_ARGUMENT when sessions that share a setup differ in instrument, or two sessions have one name.
+absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs);
+
+Point StartingPoint(const Problem& problem, const machine::ErrorModel& model);
+
+// Columns in the order of the model's terms: amplitudes, then the non-linear parameter where `with_nonlinear`.
+std::vector<Parameter> ListParameters(const machine::ErrorModel& model, bool with_nonlinear);
+double ValueOf(const machine::ErrorModel& model, const Parameter& parameter);
+void SetValue(const Parameter& parameter, double value, machine::ErrorModel* model);
+
+// Normal equations of one group's rows, without priors; order: setup, errors, residual.
+struct GroupNormal {
+  Eigen::MatrixXd gram;  // (s + p + 1)^2, both triangles
+  int setup_count = 0;
+};
+
+struct NormalEquations {
+  std::vector<GroupNormal> groups;
+  int row_count = 0;  // rows that are used
+};
+
+NormalEquations Assemble(const Problem& problem, const Point& point, const std::vector<Parameter>& parameters);
+
+// Predicted - measured of every reading, used or not: per run, row_count x readings, mm.
+std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& point);
+// Sum of squared whitened residuals of the used rows.
+double WhitenedSquares(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm);
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_PROBLEM_H_

@@ -1,0 +1,201 @@
+#include "core/identify/reduction.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace axiscal::identify {
+namespace {
+
+// Precision (1 / sigma^2) that a prior adds; none where nothing is known or, for kInformative, where the prior is weak.
+double PriorPrecision(const instruments::SetupParameter& parameter, Priors priors) {
+  if (!std::isfinite(parameter.prior_sigma) || (priors == Priors::kInformative && parameter.is_weak)) return 0.0;
+  return 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
+}
+
+// A symmetric positive block, factored with unit diagonal. Offsets that a session cannot tell apart leave it singular;
+// the ridge, far below any reading's weight and far above rounding, keeps them where they are.
+class ScaledFactor {
+ public:
+  explicit ScaledFactor(Eigen::MatrixXd block, double damping = 0.0) : scale_(block.rows()) {
+    constexpr double kRidge = 1e-12;
+    for (int i = 0; i < block.rows(); ++i) scale_[i] = block(i, i) > 0.0 ? 1.0 / std::sqrt(block(i, i)) : 0.0;
+    block = scale_.asDiagonal() * block * scale_.asDiagonal();
+    block.diagonal().array() += kRidge + damping;
+    for (int i = 0; i < block.rows(); ++i) {
+      if (scale_[i] == 0.0) block(i, i) = 1.0;
+    }
+    factor_.compute(block);
+  }
+
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right) const {
+    return scale_.asDiagonal() * factor_.solve(scale_.asDiagonal() * right);
+  }
+
+ private:
+  Eigen::VectorXd scale_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
+};
+
+// One group's part of the arrow, setup block factored.
+struct Eliminated {
+  ScaledFactor setup;
+  Eigen::MatrixXd setup_by_errors;  // s x p
+  Eigen::VectorXd setup_gradient;   // s
+};
+
+Eliminated Eliminate(const SetupGroup& group, const Eigen::VectorXd& value, const GroupNormal& normal, Priors priors,
+                     double damping = 0.0) {
+  const int s = normal.setup_count, p = static_cast<int>(normal.gram.cols()) - s - 1;
+  Eigen::MatrixXd block = normal.gram.topLeftCorner(s, s);
+  Eigen::VectorXd gradient = normal.gram.col(s + p).head(s);
+  for (int i = 0; i < s; ++i) {
+    const double precision = PriorPrecision(group.parameters[i], priors);
+    block(i, i) += precision;
+    gradient[i] += value[i] * precision;
+  }
+  // Damped by the best-seen offset of the same unit: an offset that hardly shows in the readings (a ball across the
+  // bar) must not be the one that is moved far where the model is wrong.
+  double largest[2] = {0.0, 0.0};
+  for (int i = 0; i < s; ++i)
+    largest[group.parameters[i].is_angle] = std::max(largest[group.parameters[i].is_angle], block(i, i));
+  for (int i = 0; i < s; ++i) block(i, i) += damping * largest[group.parameters[i].is_angle];
+  return {ScaledFactor(std::move(block)), normal.gram.block(0, s, s, p), std::move(gradient)};
+}
+
+int ErrorCount(const NormalEquations& normal) {
+  const GroupNormal& first = normal.groups.front();
+  return static_cast<int>(first.gram.cols()) - first.setup_count - 1;
+}
+
+std::vector<int> FreeErrors(int count, const std::vector<int>& held) {
+  std::vector<int> free;
+  for (int i = 0; i < count; ++i) {
+    if (std::find(held.begin(), held.end(), i) == held.end()) free.push_back(i);
+  }
+  return free;
+}
+
+}  // namespace
+
+Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations& normal, Priors priors,
+               double damping) {
+  const int p = ErrorCount(normal);
+  Reduced reduced{Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p), Eigen::VectorXd::Zero(p)};
+  for (size_t g = 0; g < normal.groups.size(); ++g) {
+    const GroupNormal& block = normal.groups[g];
+    const int s = block.setup_count;
+    const Eliminated eliminated = Eliminate(problem.groups[g], point.setup[g], block, priors, damping);
+    const auto own = block.gram.block(s, s, p, p);
+    reduced.information +=
+        own - eliminated.setup_by_errors.transpose() * eliminated.setup.Solve(eliminated.setup_by_errors);
+    reduced.gradient += block.gram.col(s + p).segment(s, p) -
+                        eliminated.setup_by_errors.transpose() * eliminated.setup.Solve(eliminated.setup_gradient);
+    reduced.column_norm += own.diagonal();
+  }
+  reduced.column_norm = reduced.column_norm.cwiseMax(0.0).cwiseSqrt();
+  return reduced;
+}
+
+NullSpace FindNullSpace(const Reduced& reduced, double threshold) {
+  const int p = static_cast<int>(reduced.gradient.size());
+  NullSpace out;
+  out.involved.assign(p, false);
+  out.directions.resize(0, p);
+  if (p == 0) return out;
+  Eigen::VectorXd scale(p);
+  for (int i = 0; i < p; ++i) scale[i] = reduced.column_norm[i] > 0.0 ? 1.0 / reduced.column_norm[i] : 1.0;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * reduced.information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  int nullity = 0;
+  while (nullity < p && eigen.eigenvalues()[nullity] < threshold * threshold) ++nullity;
+  out.rank = p - nullity;
+  if (out.rank > 0) out.condition = std::sqrt(eigen.eigenvalues()[p - 1] / eigen.eigenvalues()[nullity]);
+
+  // Reduced echelon form of the null directions. Of equal candidates the last declared is held, so that the first
+  // carries the combination.
+  Eigen::MatrixXd rows = eigen.eigenvectors().leftCols(nullity).transpose();
+  std::vector<bool> is_pivot_row(nullity, false);
+  out.fixed.assign(nullity, -1);
+  for (int step = 0; step < nullity; ++step) {
+    constexpr double kTie = 0.99;
+    int best_row = -1, best_column = -1;
+    double best = 0.0;
+    for (int column = p - 1; column >= 0; --column) {
+      for (int row = 0; row < nullity; ++row) {
+        if (is_pivot_row[row] || std::abs(rows(row, column)) * kTie <= best) continue;
+        best = std::abs(rows(row, column));
+        best_row = row;
+        best_column = column;
+      }
+    }
+    is_pivot_row[best_row] = true;
+    out.fixed[best_row] = best_column;
+    rows.row(best_row) /= rows(best_row, best_column);
+    for (int row = 0; row < nullity; ++row) {
+      if (row != best_row) rows.row(row) -= rows(row, best_column) * Eigen::RowVectorXd(rows.row(best_row));
+    }
+  }
+  constexpr double kTakesPart = 1e-3;  // scaled share of a direction below which an error is only rounding in it
+  for (int row = 0; row < nullity; ++row) {
+    for (int column = 0; column < p; ++column) {
+      if (std::abs(rows(row, column)) < kTakesPart) rows(row, column) = 0.0;
+      if (rows(row, column) != 0.0) out.involved[column] = true;
+    }
+  }
+  out.directions = rows * scale.asDiagonal();
+  for (int row = 0; row < nullity; ++row)
+    out.directions.row(row) /= Eigen::RowVectorXd(out.directions.row(row))[out.fixed[row]];
+  return out;
+}
+
+Step SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal, const std::vector<int>& held,
+               double damping) {
+  const Reduced reduced = Reduce(problem, point, normal, Priors::kAll, damping);
+  Step step;
+  step.errors = Eigen::VectorXd::Zero(reduced.gradient.size());
+  const std::vector<int> free = FreeErrors(static_cast<int>(reduced.gradient.size()), held);
+  const Eigen::VectorXd gradient = reduced.gradient(free);
+  const Eigen::VectorXd solution = -ScaledFactor(reduced.information(free, free), damping).Solve(gradient);
+  for (size_t i = 0; i < free.size(); ++i) step.errors[free[i]] = solution[i];
+  step.decrement = -gradient.dot(solution);
+  for (size_t g = 0; g < normal.groups.size(); ++g) {
+    const Eliminated eliminated = Eliminate(problem.groups[g], point.setup[g], normal.groups[g], Priors::kAll, damping);
+    step.setup.push_back(-eliminated.setup.Solve(eliminated.setup_gradient + eliminated.setup_by_errors * step.errors));
+    step.decrement += eliminated.setup_gradient.dot(eliminated.setup.Solve(eliminated.setup_gradient).col(0));
+  }
+  return step;
+}
+
+Covariance CovarianceOf(const Problem& problem, const Point& point, const NormalEquations& normal,
+                        const std::vector<int>& held) {
+  const Reduced reduced = Reduce(problem, point, normal, Priors::kAll);
+  const int p = static_cast<int>(reduced.gradient.size());
+  Covariance out;
+  out.errors = Eigen::MatrixXd::Zero(p, p);
+  const std::vector<int> free = FreeErrors(p, held);
+  const int n = static_cast<int>(free.size());
+  out.errors(free, free) = ScaledFactor(reduced.information(free, free)).Solve(Eigen::MatrixXd::Identity(n, n));
+  for (size_t g = 0; g < normal.groups.size(); ++g) {
+    const Eliminated eliminated = Eliminate(problem.groups[g], point.setup[g], normal.groups[g], Priors::kAll);
+    const int s = normal.groups[g].setup_count;
+    const Eigen::MatrixXd by_errors = eliminated.setup.Solve(eliminated.setup_by_errors);
+    const Eigen::MatrixXd own = eliminated.setup.Solve(Eigen::MatrixXd::Identity(s, s));
+    out.setup_sigma.push_back(
+        (own + by_errors * out.errors * by_errors.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
+  }
+  return out;
+}
+
+double PriorSquares(const Problem& problem, const Point& point) {
+  double squares = 0.0;
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    for (size_t i = 0; i < problem.groups[g].parameters.size(); ++i) {
+      squares += point.setup[g][i] * point.setup[g][i] * PriorPrecision(problem.groups[g].parameters[i], Priors::kAll);
+    }
+  }
+  return squares;
+}
+
+}  // namespace axiscal::identify

@@ -1,0 +1,68 @@
+// Linear algebra of the arrow: setup offsets are eliminated group by group, what is left speaks of the machine's errors
+// alone.
+#ifndef AXISCAL_CORE_IDENTIFY_REDUCTION_H_
+#define AXISCAL_CORE_IDENTIFY_REDUCTION_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/identify/problem.h"
+
+namespace axiscal::identify {
+
+// Which priors of the setup offsets count. kInformative leaves the weak ones out: errors that only a weak prior
+// ("mounted by hand") separates from an offset are not identified.
+enum class Priors { kAll, kInformative };
+
+// Normal equations of the errors after elimination: information S, gradient g (d cost / d errors), and the cost at the
+// setup's optimum.
+struct Reduced {
+  Eigen::MatrixXd information;  // p x p
+  Eigen::VectorXd gradient;     // p
+  Eigen::VectorXd column_norm;  // p: norm of each whitened Jacobian column before elimination
+};
+
+Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations& normal, Priors priors,
+               double damping = 0.0);
+
+// Directions in the space of errors that the data does not see.
+struct NullSpace {
+  // One row per direction, in units of the errors (mm, rad); row k has 1 at column fixed[k], 0 at the others of
+  // `fixed`.
+  Eigen::MatrixXd directions;
+  std::vector<int> fixed;      // the errors that are held while the others are fitted (the gauge)
+  std::vector<bool> involved;  // per error: takes part in some direction, so it has no value of its own
+  int rank = 0;
+  double condition = 0.0;  // largest over smallest singular value of the scaled Jacobian, null directions left out
+};
+
+// Singular values of the column-scaled reduced Jacobian below `threshold` (relative to a column's norm before
+// elimination) count as zero.
+inline constexpr double kRankThreshold = 1e-5;
+NullSpace FindNullSpace(const Reduced& reduced, double threshold = kRankThreshold);
+
+struct Step {
+  Eigen::VectorXd errors;              // p; zero for held ones
+  std::vector<Eigen::VectorXd> setup;  // per group
+  double decrement = 0.0;              // predicted decrease of the sum of squares
+};
+
+// Gauss-Newton step with all priors; the errors in `held` do not move. `damping` (Levenberg-Marquardt) adds to the unit
+// diagonal of the scaled blocks.
+Step SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal, const std::vector<int>& held,
+               double damping = 0.0);
+
+struct Covariance {
+  Eigen::MatrixXd errors;                    // p x p; zero rows and columns for held errors
+  std::vector<Eigen::VectorXd> setup_sigma;  // per group
+};
+
+Covariance CovarianceOf(const Problem& problem, const Point& point, const NormalEquations& normal,
+                        const std::vector<int>& held);
+
+// Sum of squares of the priors' residuals.
+double PriorSquares(const Problem& problem, const Point& point);
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_REDUCTION_H_

@@ -1,0 +1,83 @@
+// What came out of an identification.
+#ifndef AXISCAL_CORE_IDENTIFY_RESULT_H_
+#define AXISCAL_CORE_IDENTIFY_RESULT_H_
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/machine/error_model.h"
+
+namespace axiscal::identify {
+
+// One fitted number: an amplitude of an error term, or its non-linear parameter.
+struct Estimate {
+  std::string name;     // EX0C, EXX:backlash, EBB:harmonic(45).cos
+  std::string symbol;   // EX0C, EXX
+  std::string unit;     // um, urad, um/m ... of `value` and `sigma` below times 1 / factor
+  double factor = 1.0;  // mm or rad per unit
+  // mm or rad (per the shape's reference). NaN where the data cannot tell: an error that is not identifiable has no
+  // number.
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double sigma = std::numeric_limits<double>::quiet_NaN();  // standard uncertainty
+  bool identifiable = false;
+};
+
+// A combination of errors that the data does determine although its parts cannot be separated: "EX0C + EX0B".
+struct Combination {
+  std::string name;
+  std::string unit;
+  double factor = 1.0;
+  double value = 0.0, sigma = 0.0;
+};
+
+struct SetupOffset {
+  std::string name;                 // ball_x ...
+  double value = 0.0, sigma = 0.0;  // mm or rad
+  bool is_angle = false;
+};
+
+struct SessionFit {
+  std::string session;
+  int readings = 0;  // numbers, not lines
+  double rms_mm = 0.0, max_mm = 0.0;
+  std::vector<SetupOffset> setup;
+};
+
+struct Outlier {
+  std::string session;
+  int row = 0;     // line of data, from 1
+  int column = 0;  // which of its readings, from 0
+  double residual_mm = 0.0;
+};
+
+struct FitStatistics {
+  double rms_mm = 0.0, max_mm = 0.0;  // all readings, those set aside too
+  double rms_without_outliers_mm = 0.0;
+  double chi2_per_dof = 0.0;  // used readings, stated sigma
+  int readings = 0, used = 0, degrees_of_freedom = 0;
+};
+
+struct Result {
+  machine::ErrorModel model;  // fitted; errors held as the gauge are zero
+  std::vector<Estimate> estimates;
+  Eigen::MatrixXd correlation;             // of the estimates; NaN rows where not identifiable
+  std::vector<std::string> not_separable;  // directions that change no reading: "EX0B - EX0C"
+  std::vector<Combination> determined;
+  int rank = 0;
+  double condition = 0.0;
+  FitStatistics fit;
+  std::vector<SessionFit> sessions;
+  std::vector<Outlier> outliers;
+  int iterations = 0;
+  double noise_scale =
+      1.0;  // factor on every stated sigma; not 1 only where the model misses by so much that the misfit took its place
+};
+
+// The report as JSON in the terms of formats.md ("errors", "fit", "outliers"), lengths um and angles urad.
+std::string ToJson(const Result& result);
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_RESULT_H_

@@ -1,0 +1,97 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/units.h"
+#include "core/identify/result.h"
+
+namespace axiscal::identify {
+namespace {
+
+using base::kUmPerMm;
+using base::kUradPerRad;
+using json = nlohmann::ordered_json;
+
+json NumberOrNull(double number) { return std::isfinite(number) ? json(number) : json(nullptr); }
+
+json ErrorsJson(const Result& result) {
+  json errors = json::array();
+  for (const Estimate& estimate : result.estimates) {
+    json entry = {{"symbol", estimate.symbol}};
+    if (estimate.name != estimate.symbol) entry["name"] = estimate.name;
+    entry["value"] = NumberOrNull(estimate.value / estimate.factor);
+    entry["sigma"] = NumberOrNull(estimate.sigma / estimate.factor);
+    entry["unit"] = estimate.unit;
+    entry["identifiable"] = estimate.identifiable;
+    errors.push_back(std::move(entry));
+  }
+  return errors;
+}
+
+json CorrelationJson(const Result& result) {
+  json rows = json::array();
+  for (Eigen::Index i = 0; i < result.correlation.rows(); ++i) {
+    json row = json::array();
+    for (Eigen::Index j = 0; j < result.correlation.cols(); ++j) row.push_back(NumberOrNull(result.correlation(i, j)));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+json SessionsJson(const Result& result) {
+  json sessions = json::array();
+  for (const SessionFit& session : result.sessions) {
+    json setup = json::object();
+    for (const SetupOffset& offset : session.setup) {
+      const double per_unit = offset.is_angle ? kUradPerRad : kUmPerMm;
+      setup[offset.name] = {{"value", offset.value * per_unit},
+                            {"sigma", offset.sigma * per_unit},
+                            {"unit", offset.is_angle ? "urad" : "um"}};
+    }
+    sessions.push_back({{"session", session.session},
+                        {"readings", session.readings},
+                        {"rms_um", session.rms_mm * kUmPerMm},
+                        {"max_um", session.max_mm * kUmPerMm},
+                        {"setup", std::move(setup)}});
+  }
+  return sessions;
+}
+
+}  // namespace
+
+std::string ToJson(const Result& result) {
+  json root;
+  root["errors"] = ErrorsJson(result);
+  root["not_separable"] = result.not_separable;
+  json determined = json::array();
+  for (const Combination& combination : result.determined) {
+    determined.push_back({{"name", combination.name},
+                          {"value", combination.value / combination.factor},
+                          {"sigma", combination.sigma / combination.factor},
+                          {"unit", combination.unit}});
+  }
+  root["determined"] = std::move(determined);
+  root["rank"] = result.rank;
+  root["parameters"] = result.estimates.size();
+  root["condition"] = NumberOrNull(result.condition);
+  root["fit"] = {{"rms_um", result.fit.rms_mm * kUmPerMm},
+                 {"max_um", result.fit.max_mm * kUmPerMm},
+                 {"rms_without_outliers_um", result.fit.rms_without_outliers_mm * kUmPerMm},
+                 {"chi2_per_dof", result.fit.chi2_per_dof},
+                 {"readings", result.fit.readings},
+                 {"degrees_of_freedom", result.fit.degrees_of_freedom}};
+  root["sessions"] = SessionsJson(result);
+  json outliers = json::array();
+  for (const Outlier& outlier : result.outliers) {
+    outliers.push_back({{"session", outlier.session},
+                        {"row", outlier.row},
+                        {"column", outlier.column},
+                        {"residual_um", outlier.residual_mm * kUmPerMm}});
+  }
+  root["outliers"] = std::move(outliers);
+  root["correlation"] = CorrelationJson(result);
+  root["iterations"] = result.iterations;
+  root["noise_scale"] = result.noise_scale;
+  return root.dump(1) + "\n";
+}
+
+}  // namespace axiscal::identify

@@ -1,0 +1,124 @@
+#include "core/identify/solver.h"
+
+#include <algorithm>
+
+namespace axiscal::identify {
+namespace {
+
+// A decrease of chi-square that no reading could show: a step of a thousandth of a standard deviation.
+constexpr double kConvergedDecrement = 1e-6;
+
+Point Moved(const Point& from, const std::vector<Parameter>& parameters, const Step& step) {
+  Point to = from;
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    double value = ValueOf(from.model, parameters[i]) + step.errors[i];
+    if (parameters[i].is_nonlinear) {
+      // Lengths and time constants stay positive and move by a factor of three at most in one step.
+      const double old = ValueOf(from.model, parameters[i]);
+      value = std::clamp(value, old / 3.0, old * 3.0);
+    }
+    SetValue(parameters[i], value, &to.model);
+  }
+  for (size_t g = 0; g < to.setup.size(); ++g) to.setup[g] += step.setup[g];
+  return to;
+}
+
+double CostOf(const Problem& problem, const Point& point, const NormalEquations& normal) {
+  double cost = PriorSquares(problem, point);
+  for (const GroupNormal& group : normal.groups) cost += group.gram(group.gram.rows() - 1, group.gram.cols() - 1);
+  return cost;
+}
+
+// The same directions in the longer list of columns. A non-linear parameter is judged by its own uncertainty, not by
+// rank.
+NullSpace WithNonlinearColumns(const NullSpace& space, const std::vector<Parameter>& amplitudes,
+                               const std::vector<Parameter>& all) {
+  NullSpace out = space;
+  out.involved.assign(all.size(), false);
+  out.directions = Eigen::MatrixXd::Zero(space.directions.rows(), static_cast<Eigen::Index>(all.size()));
+  std::vector<int> at(amplitudes.size());
+  int amplitude = 0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (all[i].is_nonlinear) {
+      ++out.rank;
+      continue;
+    }
+    at[amplitude] = static_cast<int>(i);
+    out.involved[i] = space.involved[amplitude];
+    out.directions.col(i) = space.directions.col(amplitude++);
+  }
+  for (int& column : out.fixed) column = at[column];
+  return out;
+}
+
+// Takes `step`, or a more damped one that does not raise the cost. Undamped steps are the rule; where a bad model bends
+// the problem (a bar pulled far across its length) the damping grows until the step is honest. Returns the new cost.
+absl::StatusOr<double> Descend(const Problem& problem, const std::vector<Parameter>& parameters,
+                               const std::vector<int>& held, Step step, double cost, double* damping,
+                               Solution* solution) {
+  constexpr double kFirstDamping = 1e-4, kGrowth = 10.0, kLargestDamping = 1e9;
+  while (true) {
+    Point next = Moved(solution->point, parameters, step);
+    NormalEquations normal = Assemble(problem, next, parameters);
+    const double next_cost = CostOf(problem, next, normal);
+    if (next_cost <= cost * (1.0 + 1e-12)) {
+      solution->point = std::move(next);
+      solution->normal = std::move(normal);
+      *damping = *damping <= kFirstDamping ? 0.0 : *damping / kGrowth;
+      return next_cost;
+    }
+    *damping = *damping == 0.0 ? kFirstDamping : *damping * kGrowth;
+    if (!(*damping <= kLargestDamping)) return absl::FailedPreconditionError("identification does not descend");
+    step = SolveStep(problem, solution->point, solution->normal, held, *damping);
+  }
+}
+
+}  // namespace
+
+NullSpace NominalNullSpace(const Problem& problem, const machine::ErrorModel& model, bool with_nonlinear) {
+  machine::ErrorModel nominal = model;
+  for (machine::ErrorTerm& term : nominal.terms) term.amplitude.fill(0.0);
+  const std::vector<Parameter> amplitudes = ListParameters(nominal, false);
+  const Point point = StartingPoint(problem, nominal);
+  NullSpace space = FindNullSpace(Reduce(problem, point, Assemble(problem, point, amplitudes), Priors::kInformative));
+  return with_nonlinear ? WithNonlinearColumns(space, amplitudes, ListParameters(nominal, true)) : space;
+}
+
+absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const NullSpace& null_space,
+                               const Options& options) {
+  const std::vector<Parameter> parameters = ListParameters(start.model, options.fit_nonlinear);
+  Solution solution;
+  solution.point = start;
+  solution.normal = Assemble(problem, start, parameters);
+  // What the data cannot see is a property of poses and errors at the nominal machine; it does not change while
+  // fitting.
+  double cost = CostOf(problem, start, solution.normal), previous_decrement = 0.0, damping = 0.0;
+  for (int iteration = 1; iteration <= options.max_iterations; ++iteration) {
+    if (options.cancelled && options.cancelled()) return absl::CancelledError("identification cancelled");
+    const Step step = SolveStep(problem, solution.point, solution.normal, null_space.fixed, damping);
+    if (!step.errors.allFinite())
+      return absl::FailedPreconditionError("identification: the normal equations are singular");
+    solution.iterations = iteration;
+    if (options.progress) {
+      options.progress({"fitting", static_cast<double>(iteration) / options.max_iterations,
+                        absl::StrFormat("iteration %d, chi-square %.6g", iteration, cost)});
+    }
+    // Convergence is quadratic: where this step and the one before promise that the next would not matter, this one is
+    // the last.
+    const bool is_last =
+        step.decrement < kConvergedDecrement ||
+        (iteration > 1 && step.decrement * (step.decrement / previous_decrement) < kConvergedDecrement);
+    if (is_last) {
+      solution.point = Moved(solution.point, parameters, step);
+      solution.has_converged = true;
+      break;
+    }
+    previous_decrement = step.decrement;
+    ASSIGN_OR_RETURN(cost, Descend(problem, parameters, null_space.fixed, step, cost, &damping, &solution));
+  }
+  solution.cost = cost;
+  solution.residuals_mm = ResidualsOf(problem, solution.point);
+  return solution;
+}
+
+}  // namespace axiscal::identify
