@@ -1,0 +1,137 @@
+#include "core/identify/identify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/identify/testing/scenario.h"
+
+namespace axiscal::identify {
+namespace {
+
+using machine::Machine;
+using ::testing::HasSubstr;
+
+const Machine kMachine = machine::testing::MultiTasking();
+constexpr char kTruth[] =
+    R"({"EA0B": 82.1, "EC0B": -61.0, "EB0B": 40.5, "EX0C": -22.2, "EY0C": 15.3, "EA0C": -42.9, "EB0C": 45.6,
+                              "EX0T": -2.0, "EZ0T": 29.9})";
+
+const Estimate& Find(const Result& result, const std::string& name) {
+  for (const Estimate& estimate : result.estimates) {
+    if (estimate.name == name) return estimate;
+  }
+  ADD_FAILURE() << "no estimate " << name;
+  return result.estimates.front();
+}
+
+// Noise-free readings without setup offsets: the errors come back exactly, those that only priors tell apart within
+// them.
+TEST(Identify, ExactReadingsGiveTheErrorsBack) {
+  synthetic::NoiseOptions noise;
+  noise.sigma_scale = 0.0;
+  noise.draw_setup = false;
+  const auto truth = testing::Errors(kMachine, kTruth);
+  const auto result = Identify(kMachine, testing::Measure(kMachine, truth, noise));
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->rank, 9);
+  EXPECT_LT(result->fit.rms_mm, 1e-7);
+  for (const machine::ErrorTerm& term : truth.terms) {
+    const Estimate& estimate = Find(*result, machine::NameOf(kMachine, term));
+    // 0.01 % of a standard uncertainty, or 1e-5 um / urad: what the prior on the run-out pulls.
+    EXPECT_NEAR(estimate.value, term.amplitude[0], 1e-2 * estimate.sigma + 1e-8) << estimate.name;
+  }
+}
+
+TEST(Identify, APerfectMachineHasNoErrors) {
+  synthetic::NoiseOptions noise;
+  noise.sigma_scale = 0.0;
+  noise.draw_setup = false;
+  const auto result = Identify(kMachine, testing::Measure(kMachine, {}, noise));
+  ASSERT_TRUE(result.ok()) << result.status();
+  for (const Estimate& estimate : result->estimates)
+    EXPECT_NEAR(estimate.value / estimate.factor, 0.0, 1e-5) << estimate.name;
+}
+
+// With noise: truth within four stated uncertainties, residual variance near one.
+TEST(Identify, NoisyReadingsGiveTheErrorsWithinTheirUncertainty) {
+  const auto truth = testing::Errors(kMachine, kTruth);
+  const auto result = Identify(kMachine, testing::Measure(kMachine, truth, {}));
+  ASSERT_TRUE(result.ok()) << result.status();
+  for (const machine::ErrorTerm& term : truth.terms) {
+    const Estimate& estimate = Find(*result, machine::NameOf(kMachine, term));
+    EXPECT_TRUE(estimate.identifiable);
+    EXPECT_LT(std::abs(estimate.value - term.amplitude[0]), 4.0 * estimate.sigma) << estimate.name;
+  }
+  EXPECT_NEAR(result->fit.chi2_per_dof, 1.0, 0.1);  // 2527 readings: 0.028 per standard deviation
+  EXPECT_TRUE(result->outliers.empty());
+}
+
+TEST(Identify, WhatTheDataCannotSeparateIsNamedAndGetsNoNumber) {
+  Options options;
+  options.model = testing::Errors(kMachine, R"({"EX0B": 0, "EA0B": 0, "EX0C": 0, "EB0C": 0, "EX0X": 0})");
+  const auto result = Identify(
+      kMachine, testing::Measure(kMachine, testing::Errors(kMachine, R"({"EX0B": 5, "EX0C": 25})"), {}), options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  // EX0B and EX0X shift the spindle, EX0C shifts the table the other way.
+  EXPECT_EQ(result->rank, 3);
+  EXPECT_THAT(result->not_separable, ::testing::UnorderedElementsAre("EX0B + EX0C", "EX0B - EX0X"));
+  for (const char* name : {"EX0B", "EX0C", "EX0X"}) {
+    EXPECT_FALSE(Find(*result, name).identifiable);
+    EXPECT_TRUE(std::isnan(Find(*result, name).value));
+  }
+  ASSERT_EQ(result->determined.size(), 1u);
+  EXPECT_EQ(result->determined[0].name, "EX0B - EX0C + EX0X");
+  // Determined up to the run-out of each session's tool ball, 3 um over the square root of a few sessions.
+  EXPECT_NEAR(result->determined[0].value, -0.020, 4 * result->determined[0].sigma);
+  EXPECT_TRUE(Find(*result, "EA0B").identifiable);
+  EXPECT_THAT(ToJson(*result), HasSubstr("\"value\": null"));
+}
+
+TEST(Identify, ScatteredBadReadingsAreListedAndDoNoHarm) {
+  const auto truth = testing::Errors(kMachine, kTruth);
+  auto sessions = testing::Measure(kMachine, truth, {});
+  const auto clean = Identify(kMachine, sessions);
+  ASSERT_TRUE(clean.ok());
+  sessions[2].columns.back().values[99] += 0.055;
+  sessions[4].columns.back().values[640] -= 0.010;
+  const auto dirty = Identify(kMachine, sessions);
+  ASSERT_TRUE(dirty.ok());
+  ASSERT_EQ(dirty->outliers.size(), 2u);
+  EXPECT_EQ(dirty->outliers[0].session, "CR");
+  EXPECT_EQ(dirty->outliers[0].row, 100);
+  EXPECT_NEAR(dirty->outliers[0].residual_mm, -0.055, 2e-3);
+  for (size_t i = 0; i < clean->estimates.size(); ++i) {
+    EXPECT_NEAR(dirty->estimates[i].value, clean->estimates[i].value, 0.2 * clean->estimates[i].sigma);
+  }
+}
+
+TEST(Identify, CancellationReachesTheSolver) {
+  Options options;
+  int polls = 0;
+  options.cancelled = [&polls] { return ++polls > 1; };
+  const auto result = Identify(kMachine, testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {}), options);
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kCancelled);
+}
+
+TEST(Identify, BadInputIsRefused) {
+  auto sessions = testing::Measure(kMachine, {}, {});
+  auto broken = sessions;
+  broken[1].columns.back().values[7] = NAN;
+  EXPECT_THAT(std::string(Identify(kMachine, broken).status().message()),
+              HasSubstr("session 'BY': reading 8: dL_mm = nan"));
+  broken = sessions;
+  broken[1] = broken[0];
+  EXPECT_THAT(std::string(Identify(kMachine, broken).status().message()), HasSubstr("session 'BX' is there twice"));
+  EXPECT_THAT(std::string(Identify(machine::testing::SwivelHead(), sessions).status().message()),
+              HasSubstr("measured on machine 'mt'"));
+  EXPECT_EQ(Identify(kMachine, {}).status().code(), absl::StatusCode::kInvalidArgument);
+  Options options;
+  options.max_iterations = 0;
+  EXPECT_THAT(std::string(Identify(kMachine, sessions, options).status().message()),
+              HasSubstr("max_iterations = 0, must be > 0"));
+}
+
+}  // namespace
+}  // namespace axiscal::identify

@@ -1,0 +1,62 @@
+#include "core/identify/outliers.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace axiscal::identify {
+namespace {
+
+Eigen::VectorXd Noise(int count, double sigma) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal(0.0, sigma);
+  Eigen::VectorXd series(count);
+  for (int i = 0; i < count; ++i) series[i] = normal(random);
+  return series;
+}
+
+int Count(const std::vector<bool>& flags) { return static_cast<int>(std::count(flags.begin(), flags.end(), true)); }
+
+TEST(Outliers, CleanNoiseIsLeftAlone) { EXPECT_EQ(Count(FindOutliers(Noise(20000, 1.0), 0.0)), 0); }
+
+TEST(Outliers, SingleBadReadingsAreFoundAtTheirPlaceAlsoOnASlope) {
+  Eigen::VectorXd series = Noise(500, 1.0);
+  for (int i = 0; i < 500; ++i) series[i] += 40.0 * std::sin(0.02 * i);
+  series[100] += 20.0;
+  series[0] -= 25.0;
+  series[499] += 30.0;
+  const std::vector<bool> found = FindOutliers(series, 0.0);
+  EXPECT_TRUE(found[0] && found[100] && found[499]);
+  EXPECT_EQ(Count(found), 3);
+}
+
+TEST(Outliers, ReadingsThatStandOutTogetherAreStructure) {
+  Eigen::VectorXd series = Noise(500, 1.0);
+  for (int i = 200; i < 204; ++i) series[i] += 50.0;
+  EXPECT_EQ(Count(FindOutliers(series, 0.0)), 0);
+}
+
+TEST(Outliers, AQuantisedSeriesHasAFloorUnderItsScale) {
+  Eigen::VectorXd series = Eigen::VectorXd::Zero(100);
+  series[50] = 0.1;  // one digit of the display
+  EXPECT_EQ(Count(FindOutliers(series, 0.05)), 0);
+  EXPECT_EQ(Count(FindOutliers(series, 0.0)), 1);
+}
+
+TEST(Outliers, AShortSeriesCannotTell) {
+  Eigen::VectorXd series = Noise(10, 1.0);
+  series[4] = 100.0;
+  EXPECT_EQ(Count(FindOutliers(series, 0.0)), 0);
+}
+
+TEST(Outliers, MedianAndRobustSigma) {
+  std::vector<double> even = {4, 1, 3, 2}, none;
+  EXPECT_EQ(Median(&even), 2.5);
+  EXPECT_EQ(Median(&none), 0.0);
+  EXPECT_NEAR(RobustSigma(Noise(20000, 2.0)), 2.0, 0.04);  // 1.17 / sqrt(20000) relative, 2.4 sigma
+}
+
+}  // namespace
+}  // namespace axiscal::identify
