@@ -1,0 +1,175 @@
+// Programs of any bytes: the rewriter never crashes, a null correction returns the bytes, pieces of any size give the
+// same output, and what was rewritten once is refused the next time.
+//
+// With clang and -fsanitize=fuzzer this is a libFuzzer target (LLVMFuzzerTestOneInput). Built without, main() runs the
+// corpus and seeded mutations of it: nc_fuzz CORPUS_FOLDER [ROUNDS].
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/compensate/compensator.h"
+#include "core/machine/testing/machines.h"
+#include "core/nc/rewrite.h"
+#include "core/nc/verify.h"
+
+namespace axiscal {
+namespace {
+
+#define MUST(condition)                                                                  \
+  do {                                                                                   \
+    if (!(condition)) {                                                                  \
+      std::fprintf(stderr, "%s:%d: %s does not hold\n", __FILE__, __LINE__, #condition); \
+      std::abort();                                                                      \
+    }                                                                                    \
+  } while (false)
+
+const machine::Machine& Machine() {
+  static const machine::Machine* const machine = new machine::Machine(machine::testing::MultiTasking());
+  return *machine;
+}
+
+const machine::ErrorModel& Errors() {
+  static const machine::ErrorModel* const errors = [] {
+    auto* model = new machine::ErrorModel(machine::DeclaredModel(Machine()));
+    for (auto& term : model->terms) term.amplitude[0] = machine::IsAngle(term.component) ? 1e-4 : 0.02;
+    return model;
+  }();
+  return *errors;
+}
+
+constexpr double kToolMm = -350.0;
+
+compensate::Compensator MakeCompensator(const machine::ErrorModel& errors) {
+  compensate::Options options;
+  options.tool_tip_mm = {0, 0, kToolMm};
+  return *compensate::Compensator::Create(Machine(), errors, options);
+}
+
+absl::StatusOr<std::string> InPieces(const std::string& program, size_t piece,
+                                     const compensate::Compensator& compensator, const nc::RewriteOptions& options) {
+  std::string text;
+  nc::RewriteReport report;
+  const auto source = [&](const nc::ByteSink& take) {
+    for (size_t at = 0; at < program.size(); at += piece) {
+      RETURN_IF_ERROR(take(program.data() + at, std::min(piece, program.size() - at)));
+    }
+    return absl::OkStatus();
+  };
+  const auto sink = [&text](const char* bytes, size_t size) {
+    text.append(bytes, size);
+    return absl::OkStatus();
+  };
+  RETURN_IF_ERROR(nc::RewriteProgram(source, sink, compensator, options, &report));
+  return text;
+}
+
+void RunOne(const std::string& program) {
+  static const compensate::Compensator* const perfect = new compensate::Compensator(MakeCompensator({}));
+  static const compensate::Compensator* const leaning = new compensate::Compensator(MakeCompensator(Errors()));
+  nc::RewriteReport report;
+  const auto same = nc::RewriteText(program, *perfect, {}, &report);
+  MUST(same.ok() && *same == program);
+  MUST(!nc::ToJson(report).empty());
+
+  for (int variant = 0; variant < 4; ++variant) {
+    nc::RewriteOptions options;
+    options.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
+    if (variant & 1) options.on_unsupported = nc::OnUnsupported::kPass;
+    if (variant & 2) options.integer_words = nc::IntegerWords::kLeastIncrement;
+    if (variant & 2) options.block_delete = nc::BlockDelete::kExecuted;
+    options.tolerance_mm = 0.01;
+    options.max_correction_mm = 1e3;
+    const auto whole = nc::RewriteText(program, *leaning, options, &report);
+    MUST(!nc::ToJson(report).empty());
+    const auto pieces = InPieces(program, 1 + program.size() % 7, *leaning, options);
+    MUST(whole.ok() == pieces.ok() && (!whole.ok() || *whole == *pieces));
+    if (!whole.ok()) continue;
+    MUST(std::count(whole->begin(), whole->end(), '\n') >= std::count(program.begin(), program.end(), '\n'));
+    MUST(whole->find("-0.0000 ") == std::string::npos || program.find("-0.0000 ") != std::string::npos);
+    const bool is_marked = whole->find("AXISCAL COMPENSATED") != std::string::npos;
+    MUST(is_marked || *whole == program);
+    if (report.blocks_corrected > 0) MUST(!nc::RewriteText(*whole, *leaning, options, &report).ok());
+    nc::VerifyOptions verify;
+    verify.tool_tip_mm = {0, 0, kToolMm};
+    verify.reading = options;
+    (void)nc::VerifyText(program, *whole, Machine(), Errors(), verify);
+  }
+}
+
+}  // namespace
+}  // namespace axiscal
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  axiscal::RunOne(std::string(reinterpret_cast<const char*>(data), size));
+  return 0;
+}
+
+#ifndef AXISCAL_LIBFUZZER
+namespace {
+
+std::string Mutated(const std::vector<std::string>& corpus, std::mt19937* random) {
+  static const std::vector<std::string> kPieces = {
+      "G1 ",    "G0",   "G91 ", "G90",  "G93 F2 ", "X",    "Y-1.5 ", "Z+.5", "B90. ",
+      "C-180.", "(",    ")",    ";",    "\r\n",    "\n",   "%",      "/",    "#",
+      "[",      " ",    ".",    "-",    "1e9",     "\x1a", "M30 ",   "G20 ", "G04 ",
+      "N10 ",   "O7\n", "G2",   "G28 ", "M98",     "G54",  "\xFF",   "0000", "999999999999999999"};
+  const auto below = [random](size_t limit) { return static_cast<size_t>((*random)() % std::max<size_t>(limit, 1)); };
+  std::string text = corpus[below(corpus.size())];
+  for (size_t changes = 1 + below(8); changes > 0; --changes) {
+    const size_t at = below(text.size() + 1), length = below(12);
+    switch (below(5)) {
+      case 0:
+        text.erase(at, length);
+        break;
+      case 1:
+        text.insert(at, kPieces[below(kPieces.size())]);
+        break;
+      case 2:
+        text.insert(at, 1, static_cast<char>(below(256)));
+        break;
+      case 3: {
+        const std::string& other = corpus[below(corpus.size())];
+        text.insert(at, other.substr(below(other.size() + 1), 4 * length));
+        break;
+      }
+      default:
+        text.resize(at);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: nc_fuzz CORPUS_FOLDER [ROUNDS]\n");
+    return 2;
+  }
+  std::vector<std::string> paths, corpus;
+  for (const auto& entry : std::filesystem::directory_iterator(argv[1])) paths.push_back(entry.path().string());
+  std::sort(paths.begin(), paths.end());
+  for (const std::string& path : paths) {
+    std::ifstream file(path, std::ios::binary);
+    corpus.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  if (corpus.empty()) {
+    std::fprintf(stderr, "nc_fuzz: no file in %s\n", argv[1]);
+    return 1;
+  }
+  for (const std::string& program : corpus) axiscal::RunOne(program);
+  std::mt19937 random(2022);
+  const int rounds = argc > 2 ? std::atoi(argv[2]) : 2000;
+  for (int round = 0; round < rounds; ++round) axiscal::RunOne(Mutated(corpus, &random));
+  std::printf("nc_fuzz: %zu files and %d mutations\n", corpus.size(), rounds);
+  return 0;
+}
+#endif
