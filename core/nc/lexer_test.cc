@@ -1,0 +1,100 @@
+#include "core/nc/lexer.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace axiscal::nc {
+namespace {
+
+Block Lexed(const std::string& text) {
+  Block block;
+  Lex(text.data(), text.size(), *FindDialect("fanuc"), &block);
+  return block;
+}
+
+TEST(Lexer, WordsKnowTheirBytesAndNumbers) {
+  const std::string text = "N10 g1X-12.50 Y+.5(X9.)Z 1 2.5";
+  const Block block = Lexed(text);
+  ASSERT_EQ(block.problem, LexProblem::kNone);
+  ASSERT_EQ(block.word_count, 5);
+  EXPECT_EQ(block.words[1].letter, 'G');
+  EXPECT_TRUE(block.words[1].is_lower);
+  const Word& x = block.words[2];
+  EXPECT_EQ(text.substr(x.number_at, x.end - x.number_at), "-12.50");
+  EXPECT_EQ(x.number.mantissa, -1250);
+  EXPECT_EQ(x.number.decimals, 2);
+  EXPECT_TRUE(block.words[3].number.has_plus);
+  EXPECT_EQ(block.words[3].number.mantissa, 5);
+  const Word& z = block.words[4];
+  EXPECT_EQ(text.substr(z.number_at, z.end - z.number_at), "1 2.5");
+  EXPECT_EQ(z.number.mantissa, 125);
+}
+
+TEST(Lexer, ProblemsNameTheirColumn) {
+  const struct {
+    const char* text;
+    LexProblem problem;
+    uint32_t at;
+  } kCases[] = {
+      {"(a (b) c)", LexProblem::kNestedComment, 3}, {"G1 (open", LexProblem::kUnclosedComment, 3},
+      {"G1 X Y5", LexProblem::kNoNumber, 3},        {"G1 X#5", LexProblem::kExpression, 3},
+      {"G1 ,R5", LexProblem::kExpression, 3},       {"X1.2.3", LexProblem::kStrayCharacter, 4},
+      {"X--3", LexProblem::kNoNumber, 0},           {"G1 \xFF", LexProblem::kStrayCharacter, 3},
+      {"N5 /X1", LexProblem::kSlashInside, 3},      {"X", LexProblem::kNoNumber, 0},
+      {"G1\rX5", LexProblem::kStrayCharacter, 2},
+  };
+  for (const auto& known : kCases) {
+    const Block block = Lexed(known.text);
+    EXPECT_EQ(block.problem, known.problem) << known.text << ": " << ToString(block.problem, block.problem_at);
+    EXPECT_EQ(block.problem_at, known.at) << known.text;
+  }
+}
+
+TEST(Lexer, BlankBlocksAndSlashesAreBlocks) {
+  EXPECT_EQ(Lexed("").word_count, 0);
+  EXPECT_EQ(Lexed(" \t").problem, LexProblem::kNone);
+  EXPECT_TRUE(Lexed("/").is_deletable);
+  const Block block = Lexed("/3 G1");
+  EXPECT_TRUE(block.is_deletable);
+  EXPECT_EQ(block.word_count, 1);
+  EXPECT_EQ(Lexed("\r\rG1").word_count, 1);  // punched tape: LF CR CR
+}
+
+TEST(Lexer, MoreWordsThanABlockHoldsAreAProblem) {
+  std::string text;
+  for (int i = 0; i < kMaxWords; ++i) text += "X1";
+  EXPECT_EQ(Lexed(text).problem, LexProblem::kNone);
+  EXPECT_EQ(Lexed(text + "X1").problem, LexProblem::kTooManyWords);
+}
+
+TEST(Decimal, PositionsAreExact) {
+  EXPECT_EQ(ToTicks({25, 1, 2, true, false}, kTicksPerMm), 25'000'000'000);
+  EXPECT_EQ(ToTicks({1, 9, 10, true, false}, kTicksPerInch), 254);  // a billionth of an inch
+  EXPECT_FALSE(ToTicks({1, 10, 10, true, false}, kTicksPerMm).has_value());
+  EXPECT_FALSE(ToTicks({999'999'999'999'999'999, 0, 18, false, false}, kTicksPerMm).has_value());
+  EXPECT_EQ(RoundToGrains(149, 100), 1);
+  EXPECT_EQ(RoundToGrains(150, 100), 2);
+  EXPECT_EQ(RoundToGrains(-150, 100), -2);
+  EXPECT_EQ(RoundToGrains(-49, 100), 0);
+  constexpr Ticks kBeyondDouble = (Ticks{1} << 60) + 1;
+  EXPECT_EQ(RoundToGrains(kBeyondDouble, 1), kBeyondDouble);
+}
+
+TEST(Decimal, FixedNotation) {
+  const auto fixed = [](int64_t mantissa, int decimals, bool plus, bool point) {
+    std::string text;
+    AppendFixed(mantissa, decimals, plus, point, &text);
+    return text;
+  };
+  EXPECT_EQ(fixed(-123456, 4, false, true), "-12.3456");
+  EXPECT_EQ(fixed(5, 4, true, true), "+0.0005");
+  EXPECT_EQ(fixed(0, 4, false, true), "0.0000");
+  EXPECT_EQ(fixed(12, 0, false, true), "12.");
+  EXPECT_EQ(fixed(12, 0, false, false), "12");
+  EXPECT_EQ(fixed(std::numeric_limits<int64_t>::min(), 3, false, true), "-9223372036854775.808");
+}
+
+}  // namespace
+}  // namespace axiscal::nc
