@@ -145,11 +145,24 @@ std::vector<CodeEntry> FanucCodes() {
   };
 }
 
+// A code that is not in the table: a G code is unknown, an M code moves no axis.
+Dialect Make(const std::string& name, const std::vector<CodeEntry>& entries, const std::string& axis_letters,
+             bool has_parenthesis_comments, char line_comment) {
+  Dialect dialect{name, {}, {}, axis_letters, has_parenthesis_comments, line_comment};
+  dialect.g_codes.assign(kCodes, {Meaning::kUnknown, 0, "unknown code"});
+  dialect.m_codes.assign(kCodes, {Meaning::kHarmless, 0, ""});
+  for (const CodeEntry& entry : entries) {
+    auto& codes = entry.letter == 'G' ? dialect.g_codes : dialect.m_codes;
+    codes[static_cast<size_t>(entry.tenths)] = {entry.meaning, entry.blocker, entry.text};
+  }
+  return dialect;
+}
+
 }  // namespace
 
 const std::vector<Dialect>& Dialects() {
   static const std::vector<Dialect>* const dialects = new std::vector<Dialect>{
-      {"fanuc", FanucCodes(), "XYZABCUVW", true, ';'},
+      Make("fanuc", FanucCodes(), "XYZABCUVW", true, ';'),
   };
   return *dialects;
 }

@@ -57,12 +57,20 @@ struct CodeEntry {
   const char* text;  // what the code does, for refusals
 };
 
+inline constexpr int kCodes = 10000;  // up to G999.9
+
+struct CodeMeaning {
+  Meaning meaning;
+  uint16_t blocker;
+  const char* text;
+};
+
 struct Dialect {
   std::string name;
-  std::vector<CodeEntry> codes;
-  std::string axis_letters;       // in the order in which inserted words are written
-  bool has_parenthesis_comments;  // ( ... )
-  char line_comment;              // to the end of the line; 0: none
+  std::vector<CodeMeaning> g_codes, m_codes;  // by tenths, kCodes each
+  std::string axis_letters;                   // in the order in which inserted words are written
+  bool has_parenthesis_comments;              // ( ... )
+  char line_comment;                          // to the end of the line; 0: none
 };
 
 const std::vector<Dialect>& Dialects();

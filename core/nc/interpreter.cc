@@ -13,7 +13,6 @@ namespace {
 using machine::AxisKind;
 using machine::kMaxAxes;
 
-constexpr int kCodes = 10000;              // G999.9
 constexpr double kMaxPositionUnits = 1e7;  // 10 km: ticks stay far from overflow
 constexpr Ticks kMaxTicks = static_cast<Ticks>(kMaxPositionUnits) * kTicksPerMm;
 constexpr char kSubstitute = 0x1A;  // end of file of old systems
@@ -52,12 +51,6 @@ struct Interpreter::Scan {
 
 Interpreter::Interpreter(const machine::Machine& machine, const RewriteOptions& options, const Dialect& dialect)
     : machine_(&machine), options_(&options), dialect_(&dialect) {
-  g_codes_.resize(kCodes, {Meaning::kUnknown, 0, "unknown code"});
-  m_codes_.resize(kCodes, {Meaning::kHarmless, 0, ""});
-  for (const CodeEntry& entry : dialect.codes) {
-    (entry.letter == 'G' ? g_codes_ : m_codes_)[static_cast<size_t>(entry.tenths)] = {entry.meaning, entry.blocker,
-                                                                                      entry.text};
-  }
   roles_.fill(Role::kParameter);
   axis_of_letter_.fill(-1);
   for (const char letter : dialect.axis_letters) roles_[static_cast<size_t>(letter - 'A')] = Role::kForeignAxis;
@@ -136,7 +129,7 @@ const Interpreter::Code& Interpreter::Find(const Word& word) const {
   if (decimals > 1) return kUnknown;
   if (decimals == 0 && tenths < kCodes) tenths *= 10;
   if (tenths < 0 || tenths >= kCodes) return kUnknown;
-  return (word.letter == 'G' ? g_codes_ : m_codes_)[static_cast<size_t>(tenths)];
+  return (word.letter == 'G' ? dialect_->g_codes : dialect_->m_codes)[static_cast<size_t>(tenths)];
 }
 
 void Interpreter::ForgetPositions(bool is_consequence) {

@@ -91,11 +91,7 @@ class Interpreter {
 
  private:
   enum class Role : uint8_t { kCode, kAxis, kForeignAxis, kLineNumber, kProgramNumber, kPassive, kParameter };
-  struct Code {
-    Meaning meaning;
-    uint16_t blocker;
-    const char* text;
-  };
+  using Code = CodeMeaning;
   struct Scan;
 
   Interpreter(const machine::Machine& machine, const RewriteOptions& options, const Dialect& dialect);
@@ -117,7 +113,6 @@ class Interpreter {
   const machine::Machine* machine_;
   const RewriteOptions* options_;
   const Dialect* dialect_;
-  std::vector<Code> g_codes_, m_codes_;  // by tenths
   std::array<Role, 26> roles_{};
   std::array<int8_t, 26> axis_of_letter_{};
   std::array<bool, machine::kMaxAxes> is_linear_{};
