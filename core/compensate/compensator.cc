@@ -80,7 +80,9 @@ struct Compensator::Impl {
   std::array<bool, machine::kMaxAxes> uses_sense{};
   bool is_constant = true;  // all carried terms are: the folded chain is exact
   FoldedChain nominal, actual;
-  double fixed_lever_mm = 0;  // for DepartureBound
+  // For DepartureBound: sums of the constant terms' magnitudes, and the terms that are not constant.
+  double fixed_lever_mm = 0, translation_errors_mm = 0, angle_errors_rad = 0;
+  std::vector<ErrorTerm> varying;
   std::array<double, machine::kMaxAxes> smooth_travel{};
 
   void MeasureErrors() {
@@ -91,6 +93,11 @@ struct Compensator::Impl {
       smooth_travel[i] = axis.kind == machine::AxisKind::kRotary ? kSmoothTurnRad : kSmoothTravelMm;
     }
     for (const ErrorTerm& term : carried.terms) {
+      if (std::holds_alternative<shapes::Constant>(term.shape)) {
+        (machine::IsAngle(term.component) ? angle_errors_rad : translation_errors_mm) += std::abs(term.amplitude[0]);
+      } else {
+        varying.push_back(term);
+      }
       if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
         const double eighth = 0.25 * std::numbers::pi / std::max(std::abs(harmonic->frequency), 1e-9);
         smooth_travel[harmonic->axis] = std::min(smooth_travel[harmonic->axis], eighth);
@@ -276,7 +283,6 @@ Bend BendOf(const ErrorTerm& term, const Pose& from, const Pose& to) {
     return std::abs(to.position[axis] - from.position[axis]);
   };
   double largest = 0;
-  if (std::holds_alternative<shapes::Constant>(term.shape)) return {amplitude, 0, 0};
   if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {
     const double travel = along(linear->axis, &largest) / linear->reference;
     return {amplitude * largest / linear->reference, amplitude * travel, 0};
@@ -311,8 +317,9 @@ double Compensator::DepartureBound(const Pose& from, const Pose& to) const {
       lever_mm += std::max(std::abs(from.position[i]), std::abs(to.position[i]));
     }
   }
-  double curvature_mm = 0;
-  for (const ErrorTerm& term : impl_->carried.terms) {
+  const double largest_mm = impl_->translation_errors_mm + impl_->angle_errors_rad * lever_mm;
+  double curvature_mm = turn_rad * (turn_rad * largest_mm + 2.0 * impl_->angle_errors_rad * travel_mm);
+  for (const ErrorTerm& term : impl_->varying) {
     const Bend bend = BendOf(term, from, to);
     const bool is_angle = machine::IsAngle(term.component);
     const double lever = is_angle ? lever_mm : 1.0, lever_slope = is_angle ? travel_mm : 0.0;

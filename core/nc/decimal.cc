@@ -19,28 +19,8 @@ constexpr DigitPairs kPairs;
 
 }  // namespace
 
-std::optional<Ticks> ToTicks(const Decimal& number, Ticks ticks_per_unit) {
-  if (number.decimals > kMaxDecimals) return std::nullopt;
-  Ticks ticks = 0;
-  if (__builtin_mul_overflow(number.mantissa, GrainTicks(ticks_per_unit, number.decimals), &ticks)) return std::nullopt;
-  constexpr Ticks kRange = 9'000'000'000'000'000'000;
-  if (ticks > kRange || ticks < -kRange) return std::nullopt;
-  return ticks;
-}
-
 double ValueOf(const Decimal& number) {
   return static_cast<double>(number.mantissa) * std::pow(10.0, -static_cast<double>(number.decimals));
-}
-
-int64_t RoundToGrains(Ticks ticks, Ticks grain_ticks) {
-  constexpr Ticks kExactInDouble = Ticks{1} << 53;
-  if (ticks < kExactInDouble && ticks > -kExactInDouble) {
-    // Several times as fast as a division of integers, and exact for multiples of the grain.
-    const double grains = static_cast<double>(ticks) / static_cast<double>(grain_ticks);
-    return static_cast<int64_t>(grains + (grains >= 0 ? 0.5 : -0.5));
-  }
-  const int64_t half = grain_ticks / 2;
-  return ticks >= 0 ? (ticks + half) / grain_ticks : (ticks - half) / grain_ticks;
 }
 
 void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::string* text) {

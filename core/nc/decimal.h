@@ -34,12 +34,28 @@ inline Ticks GrainTicks(Ticks ticks_per_unit, int decimals) {
 }
 
 // Nothing when the number has more than nine decimals or is beyond the range.
-std::optional<Ticks> ToTicks(const Decimal& number, Ticks ticks_per_unit);
+inline std::optional<Ticks> ToTicks(const Decimal& number, Ticks ticks_per_unit) {
+  constexpr Ticks kRange = 9'000'000'000'000'000'000;
+  Ticks ticks = 0;
+  if (number.decimals > kMaxDecimals) return std::nullopt;
+  if (__builtin_mul_overflow(number.mantissa, GrainTicks(ticks_per_unit, number.decimals), &ticks)) return std::nullopt;
+  if (ticks > kRange || ticks < -kRange) return std::nullopt;
+  return ticks;
+}
 
 double ValueOf(const Decimal& number);
 
 // The whole number of grains nearest to `ticks`, halves away from zero.
-int64_t RoundToGrains(Ticks ticks, Ticks grain_ticks);
+inline int64_t RoundToGrains(Ticks ticks, Ticks grain_ticks) {
+  constexpr Ticks kExactInDouble = Ticks{1} << 53;
+  if (ticks < kExactInDouble && ticks > -kExactInDouble) {
+    // Several times as fast as a division of integers, and exact for multiples of the grain.
+    const double grains = static_cast<double>(ticks) / static_cast<double>(grain_ticks);
+    return static_cast<int64_t>(grains + (grains >= 0 ? 0.5 : -0.5));
+  }
+  const int64_t half = grain_ticks / 2;
+  return ticks >= 0 ? (ticks + half) / grain_ticks : (ticks - half) / grain_ticks;
+}
 
 // Appends units of 10^-decimals in fixed notation: "-12.0500", "+0.5000" with `plus`, never "-0.0000". No decimals:
 // "12", or "12." with `point`.
