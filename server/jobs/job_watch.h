@@ -28,22 +28,22 @@ class JobWatch {
   friend class JobBoard;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<storage::JobRecord> unseen_;  // guarded by mutex_, as is:
+  std::optional<storage::JobRecord> unseen_;  // guarded by mutex_, as are:
+  int64_t version_ = 0;                       // of the newest record delivered; older ones come too late
   bool closed_ = false;                       // nothing comes after `unseen_`
 };
 
 // Where changes of jobs are told to those who watch. Safe from any thread.
 class JobBoard {
  public:
-  // Follows `job` from its present state on.
+  // Follows `job` from now on. To begin with its present state, read that afterwards and Deliver() it.
   std::shared_ptr<JobWatch> Watch(JobId job);
+  void Deliver(JobWatch& watch, const storage::JobRecord& record);
   void Publish(const storage::JobRecord& record);
   // Ends every watch.
   void Close();
 
  private:
-  void Deliver(JobWatch& watch, const storage::JobRecord& record);
-
   std::mutex mutex_;
   std::map<JobId, std::vector<std::weak_ptr<JobWatch>>> watches_;  // guarded by mutex_, as is:
   bool closed_ = false;

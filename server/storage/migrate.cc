@@ -70,10 +70,6 @@ absl::Status CheckFile(const std::string& path, const std::vector<Migration>& mi
   if (stat(path.c_str(), &info) != 0 || info.st_size == 0) return absl::OkStatus();
   absl::StatusOr<std::unique_ptr<Connection>> connection = Connection::Open(path, Access::kReadOnly);
   const absl::Status status = connection.ok() ? CheckConnection(**connection, migrations) : connection.status();
-  // Not even a SQLite file: nothing of ours is damaged.
-  if (absl::IsDataLoss(status) && connection.ok() && sqlite3_errcode((*connection)->handle()) == SQLITE_NOTADB) {
-    return Refuse(path + ": not an Axiscal database", "NOT_A_DATABASE");
-  }
   return base::Within(path, status);
 }
 

@@ -28,8 +28,9 @@ absl::Status SqliteError(sqlite3* db, const std::string& what) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return base::Error(absl::StatusCode::kUnavailable, message, {"STORE_BUSY", {}});
-    case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
+      return base::Error(absl::StatusCode::kFailedPrecondition, message, {"NOT_A_DATABASE", {}});
+    case SQLITE_CORRUPT:
       return base::Error(absl::StatusCode::kDataLoss, message, {"STORE_DAMAGED", {}});
     case SQLITE_IOERR:
     case SQLITE_CANTOPEN:

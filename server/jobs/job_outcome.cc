@@ -1,0 +1,33 @@
+#include "server/jobs/job_outcome.h"
+
+#include "core/base/error_detail.h"
+
+namespace axiscal::jobs {
+
+using storage::JobEnd;
+
+bool IsWorthRetrying(absl::StatusCode code) {
+  return code == absl::StatusCode::kUnavailable || code == absl::StatusCode::kAborted ||
+         code == absl::StatusCode::kResourceExhausted;
+}
+
+JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int attempt,
+                         std::chrono::milliseconds first_backoff) {
+  if (reason == StopReason::kCancelled) {
+    return {JobEnd::kCancelled, {absl::StatusCode::kCancelled, "CANCELLED", "cancelled as asked"}, {}};
+  }
+  if (reason == StopReason::kDraining) {
+    return {JobEnd::kParked, {absl::StatusCode::kUnavailable, "DRAINING", "put back: the server is shutting down"}, {}};
+  }
+  if (reason == StopReason::kDeadline) {
+    return {
+        JobEnd::kFailed, {absl::StatusCode::kDeadlineExceeded, "DEADLINE", "ran longer than jobs of its kind may"}, {}};
+  }
+  const storage::JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
+  if (!IsWorthRetrying(status.code())) return {JobEnd::kFailed, error, {}};
+  std::chrono::milliseconds wait = first_backoff;
+  for (int i = 1; i < attempt; ++i) wait *= 4;
+  return {JobEnd::kRetry, error, wait};
+}
+
+}  // namespace axiscal::jobs

@@ -1,0 +1,352 @@
+#include "server/jobs/job_runner.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "core/base/demand.h"
+#include "core/base/error_detail.h"
+#include "server/jobs/job_outcome.h"
+#include "server/jobs/worker_pool.h"
+
+namespace axiscal::jobs {
+
+using storage::JobClaim;
+using storage::JobRecord;
+
+// One keeper thread claims, keeps leases and rescues; the pool's threads run the functions. The database is never
+// called with mutex_ held.
+class JobRunner::Impl {
+ public:
+  Impl(storage::Database& database, const JobRunnerOptions& options) : database_(database), options_(options) {
+    DEMAND(options.workers > 0 && options.max_queued > 0 && options.heartbeat.count() > 0 &&
+           2 * options.heartbeat < options.lease);
+  }
+
+  void Register(const std::string& kind, JobKind job_kind) {
+    DEMAND(!keeper_.joinable());
+    kinds_[kind] = std::move(job_kind);
+  }
+  void Start() {
+    DEMAND(!keeper_.joinable());
+    pool_ = std::make_unique<WorkerPool>(options_.workers, options_.workers);
+    keeper_ = std::thread([this] { Keep(); });
+  }
+  void Drain(std::chrono::milliseconds patience);
+
+  absl::StatusOr<JobRecord> Create(const storage::NewJob& job);
+  absl::StatusOr<JobRecord> Get(JobId id);
+  absl::StatusOr<JobRecord> Cancel(JobId id, const storage::Caller& caller);
+  absl::StatusOr<JobRecord> Requeue(JobId id, const storage::Caller& caller);
+  absl::StatusOr<std::shared_ptr<JobWatch>> Watch(JobId id);
+
+ private:
+  struct Running {
+    JobRecord record;
+    std::shared_ptr<JobContext> context;
+  };
+
+  // Keeper's thread.
+  void Keep();
+  base::SteadyTime ClaimAll();
+  bool BeginClaim();
+  void EndClaim();
+  void Launch(const JobRecord& record);
+  void BeatAll();
+  void Rescue();
+
+  // Workers' threads.
+  void RunJob(const JobRecord& record, JobContext& context);
+  absl::StatusOr<storage::JobProduct> CallFunction(const JobRecord& record, JobContext& context);
+  absl::StatusOr<JobRecord> StoreOutcome(const JobRecord& record, JobContext& context,
+                                         absl::StatusOr<storage::JobProduct> product);
+  void UpdateProgress(JobId id, const storage::JobProgress& progress);
+
+  absl::Status CheckNotDraining();
+  void Wake();
+  // Tells watchers, with the progress of this moment.
+  JobRecord Publish(JobRecord record);
+
+  storage::Database& database_;
+  const JobRunnerOptions options_;
+  std::map<std::string, JobKind> kinds_;  // not changed after Start()
+  JobBoard board_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<JobId, Running> running_;  // guarded by mutex_, as are:
+  bool woken_ = false;                // the keeper has something to do
+  bool claiming_ = false;             // a job may be claimed and not in running_ yet
+  bool draining_ = false;             // nothing new
+  bool parking_ = false;              // what runs is told to stop
+  bool stopping_ = false;             // the keeper ends
+  base::SteadyTime next_beat_{};      // keeper's thread
+  std::mutex drain_mutex_;            // one Drain() at a time
+  std::unique_ptr<WorkerPool> pool_;
+  std::thread keeper_;
+};
+
+// ---- keeper
+
+void JobRunner::Impl::Keep() {
+  next_beat_ = options_.clock->SteadyNow() + options_.heartbeat;
+  while (true) {
+    base::SteadyTime wake_at = ClaimAll();
+    if (const base::SteadyTime now = options_.clock->SteadyNow(); now >= next_beat_) {
+      next_beat_ = now + options_.heartbeat;
+      BeatAll();
+      Rescue();
+    }
+    wake_at = std::min(wake_at, next_beat_);
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!woken_ && !stopping_ && options_.clock->SteadyNow() < wake_at)
+      options_.clock->WaitUntil(changed_, lock, wake_at);
+    if (stopping_) return;
+    woken_ = false;
+  }
+}
+
+// An idle worker is there and nobody drains. Drain() waits for the claim that follows to end.
+bool JobRunner::Impl::BeginClaim() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  claiming_ = !draining_ && running_.size() < static_cast<size_t>(options_.workers);
+  return claiming_;
+}
+
+void JobRunner::Impl::EndClaim() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    claiming_ = false;
+  }
+  changed_.notify_all();
+}
+
+// Fills the idle workers. When to try again: when the next job's backoff is over.
+base::SteadyTime JobRunner::Impl::ClaimAll() {
+  const base::SteadyTime later = options_.clock->SteadyNow() + options_.heartbeat;
+  while (BeginClaim()) {
+    const absl::StatusOr<std::optional<JobRecord>> claimed = database_.ClaimJob(options_.lease);
+    if (claimed.ok() && claimed->has_value()) Launch(**claimed);
+    EndClaim();
+    if (!claimed.ok()) return later;
+    if (claimed->has_value()) continue;
+    const absl::StatusOr<std::optional<base::UtcTime>> next = database_.NextJobTime();
+    if (!next.ok() || !next->has_value()) return later;
+    const auto wait = std::max(**next - options_.clock->UtcNow(), std::chrono::microseconds(1000));
+    return std::min(later, options_.clock->SteadyNow() + wait);
+  }
+  return later;  // a worker that becomes idle wakes the keeper
+}
+
+void JobRunner::Impl::Launch(const JobRecord& record) {
+  const auto kind = kinds_.find(record.kind);
+  const auto time_limit = kind != kinds_.end() ? kind->second.time_limit : std::chrono::milliseconds(0);
+  const JobId id = record.id;
+  auto context =
+      std::make_shared<JobContext>(*options_.clock, options_.clock->SteadyNow() + time_limit,
+                                   [this, id](const storage::JobProgress& progress) { UpdateProgress(id, progress); });
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    running_[id] = {record, context};
+    // Drain() may have told the others to stop between the claim and now.
+    if (parking_) context->Stop(StopReason::kDraining);
+  }
+  if (record.cancel_requested) context->Stop(StopReason::kCancelled);
+  Publish(record);
+  const absl::Status submitted = pool_->Submit([this, record, context] { RunJob(record, *context); });
+  DEMAND(submitted.ok());  // no more jobs are running than there are workers
+}
+
+void JobRunner::Impl::BeatAll() {
+  std::vector<Running> all;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const auto& [id, running] : running_) all.push_back(running);
+  }
+  for (const Running& running : all) {
+    const JobClaim claim = {running.record.id, running.record.lease_token};
+    const absl::StatusOr<JobRecord> beaten = database_.HeartbeatJob(claim, options_.lease, running.record.progress);
+    if (beaten.ok() && beaten->cancel_requested) running.context->Stop(StopReason::kCancelled);
+    if (beaten.ok()) Publish(*beaten);
+    // Ended meanwhile, or given to another attempt. Any other failure is tried again with the next beat: the lease
+    // outlives several.
+    if (absl::IsAborted(beaten.status())) running.context->Stop(StopReason::kLeaseLost);
+  }
+}
+
+void JobRunner::Impl::Rescue() {
+  const absl::StatusOr<std::vector<JobRecord>> rescued = database_.RescueJobs();
+  if (!rescued.ok()) return;
+  for (const JobRecord& record : *rescued) Publish(record);
+  if (!rescued->empty()) Wake();
+}
+
+// ---- workers
+
+void JobRunner::Impl::RunJob(const JobRecord& record, JobContext& context) {
+  const absl::StatusOr<JobRecord> ended = StoreOutcome(record, context, CallFunction(record, context));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    running_.erase(record.id);
+    woken_ = true;
+  }
+  // An outcome that could not be stored leaves the job RUNNING until its lease is over; then it is rescued and runs
+  // again.
+  if (ended.ok()) Publish(*ended);
+  changed_.notify_all();
+}
+
+absl::StatusOr<storage::JobProduct> JobRunner::Impl::CallFunction(const JobRecord& record, JobContext& context) {
+  const auto kind = kinds_.find(record.kind);
+  if (kind == kinds_.end()) {
+    return base::Error(absl::StatusCode::kUnimplemented, "this server cannot run jobs of kind " + record.kind,
+                       {"JOB_KIND_UNKNOWN", {}});
+  }
+  if (context.cancelled()) return absl::CancelledError("stopped before it began");
+  // We throw nothing, but libraries under a job may (out of memory); one job must not end the server.
+  try {
+    return kind->second.run(record, context);
+  } catch (const std::exception& exception) {
+    return base::Error(absl::StatusCode::kInternal, std::string("job ended by exception: ") + exception.what(),
+                       {"JOB_EXCEPTION", {}});
+  }
+}
+
+absl::StatusOr<JobRecord> JobRunner::Impl::StoreOutcome(const JobRecord& record, JobContext& context,
+                                                        absl::StatusOr<storage::JobProduct> product) {
+  const JobClaim claim = {record.id, record.lease_token};
+  absl::Status status = product.status();
+  if (product.ok()) {
+    absl::StatusOr<JobRecord> succeeded = database_.SucceedJob(claim, *product);
+    if (succeeded.ok() || absl::IsAborted(succeeded.status())) return succeeded;
+    status = succeeded.status();
+  }
+  if (context.stop_reason() == StopReason::kLeaseLost) return status;
+  const JobOutcome outcome = DecideOutcome(status, context.stop_reason(), record.attempt, options_.first_backoff);
+  return database_.EndJob(claim, outcome.end, outcome.error, outcome.retry_after);
+}
+
+void JobRunner::Impl::UpdateProgress(JobId id, const storage::JobProgress& progress) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = running_.find(id);
+  if (found == running_.end()) return;
+  found->second.record.progress = progress;
+  board_.Publish(found->second.record);
+}
+
+// ---- callers
+
+absl::Status JobRunner::Impl::CheckNotDraining() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!draining_) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kUnavailable, "the server is shutting down", {"DRAINING", {}});
+}
+
+void JobRunner::Impl::Wake() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    woken_ = true;
+  }
+  changed_.notify_all();
+}
+
+JobRecord JobRunner::Impl::Publish(JobRecord record) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = running_.find(record.id);
+  if (found != running_.end() && record.lease_token == found->second.record.lease_token) {
+    record.progress = found->second.record.progress;
+    if (record.version > found->second.record.version) found->second.record = record;
+  }
+  board_.Publish(record);
+  return record;
+}
+
+absl::StatusOr<JobRecord> JobRunner::Impl::Create(const storage::NewJob& job) {
+  RETURN_IF_ERROR(CheckNotDraining());
+  if (kinds_.find(job.kind) == kinds_.end()) {
+    return base::Error(absl::StatusCode::kInvalidArgument, "no jobs of kind " + job.kind,
+                       {"JOB_KIND_UNKNOWN", {{"kind", job.kind}}});
+  }
+  ASSIGN_OR_RETURN(const JobRecord record, database_.CreateJob(job, options_.max_queued));
+  Publish(record);
+  Wake();
+  return record;
+}
+
+absl::StatusOr<JobRecord> JobRunner::Impl::Get(JobId id) {
+  ASSIGN_OR_RETURN(JobRecord record, database_.GetJob(id));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = running_.find(id);
+  if (found != running_.end() && record.lease_token == found->second.record.lease_token) {
+    record.progress = found->second.record.progress;
+  }
+  return record;
+}
+
+absl::StatusOr<JobRecord> JobRunner::Impl::Cancel(JobId id, const storage::Caller& caller) {
+  ASSIGN_OR_RETURN(const JobRecord record, database_.CancelJob(id, caller));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = running_.find(id);
+    if (found != running_.end() && record.cancel_requested) found->second.context->Stop(StopReason::kCancelled);
+  }
+  return Publish(record);
+}
+
+absl::StatusOr<JobRecord> JobRunner::Impl::Requeue(JobId id, const storage::Caller& caller) {
+  RETURN_IF_ERROR(CheckNotDraining());
+  ASSIGN_OR_RETURN(const JobRecord record, database_.RequeueJob(id, options_.max_queued, caller));
+  Publish(record);
+  Wake();
+  return record;
+}
+
+absl::StatusOr<std::shared_ptr<JobWatch>> JobRunner::Impl::Watch(JobId id) {
+  std::shared_ptr<JobWatch> watch = board_.Watch(id);
+  ASSIGN_OR_RETURN(const JobRecord record, Get(id));
+  board_.Deliver(*watch, record);
+  return watch;
+}
+
+void JobRunner::Impl::Drain(std::chrono::milliseconds patience) {
+  const std::lock_guard<std::mutex> one_at_a_time(drain_mutex_);
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    draining_ = true;
+    const base::SteadyTime give_up_at = options_.clock->SteadyNow() + patience;
+    while (!running_.empty() && options_.clock->SteadyNow() < give_up_at)
+      options_.clock->WaitUntil(changed_, lock, give_up_at);
+    for (auto& [id, running] : running_) running.context->Stop(StopReason::kDraining);
+  }
+  // Running functions see it within an iteration; a claim just made is told in Launch().
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  if (keeper_.joinable()) keeper_.join();
+  if (pool_ != nullptr) pool_->Drain();
+  board_.Close();
+}
+
+// ---- the public face
+
+JobRunner::JobRunner(storage::Database& database, const JobRunnerOptions& options)
+    : impl_(std::make_unique<Impl>(database, options)) {}
+JobRunner::~JobRunner() { impl_->Drain(std::chrono::milliseconds(0)); }
+void JobRunner::Register(const std::string& kind, JobKind job_kind) { impl_->Register(kind, std::move(job_kind)); }
+void JobRunner::Start() { impl_->Start(); }
+absl::StatusOr<JobRecord> JobRunner::Create(const storage::NewJob& job) { return impl_->Create(job); }
+absl::StatusOr<JobRecord> JobRunner::Get(JobId id) { return impl_->Get(id); }
+absl::StatusOr<JobRecord> JobRunner::Cancel(JobId id, const storage::Caller& caller) {
+  return impl_->Cancel(id, caller);
+}
+absl::StatusOr<JobRecord> JobRunner::Requeue(JobId id, const storage::Caller& caller) {
+  return impl_->Requeue(id, caller);
+}
+absl::StatusOr<std::shared_ptr<JobWatch>> JobRunner::Watch(JobId id) { return impl_->Watch(id); }
+void JobRunner::Drain(std::chrono::milliseconds patience) { impl_->Drain(patience); }
+
+}  // namespace axiscal::jobs

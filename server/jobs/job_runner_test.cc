@@ -1,0 +1,243 @@
+#include "server/jobs/job_runner.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <thread>
+
+#include "core/base/error_detail.h"
+#include "server/storage/connection.h"
+#include "server/storage/testing/temp_database.h"
+
+namespace axiscal::jobs {
+namespace {
+
+using storage::Cell;
+using storage::JobProduct;
+using storage::JobRecord;
+using storage::JobState;
+using storage::NewJob;
+
+// Functions under test run on real threads; the tests wait for what they do, never for time.
+class JobRunnerTest : public testing::Test {
+ protected:
+  JobRunnerTest() { options.clock = &database.clock; }
+
+  void StartRunner() {
+    runner = std::make_unique<JobRunner>(*database, options);
+    for (auto& [kind, job_kind] : kinds) runner->Register(kind, job_kind);
+    runner->Start();
+  }
+  static NewJob Job(const std::string& kind, const std::string& request_id) {
+    NewJob job;
+    job.kind = kind;
+    job.params = "p";
+    job.caller = Cell(request_id);
+    return job;
+  }
+  JobRecord Create(const std::string& kind) {
+    const absl::StatusOr<JobRecord> record = runner->Create(Job(kind, ""));
+    DEMAND(record.ok());
+    return *record;
+  }
+  // The first state that `stop` likes.
+  template <typename Predicate>
+  JobRecord WaitUntil(JobId id, const Predicate& stop) {
+    const auto watch = runner->Watch(id);
+    DEMAND(watch.ok());
+    while (true) {
+      const std::optional<JobRecord> record = (*watch)->Next(std::chrono::minutes(1));
+      DEMAND(record.has_value());
+      if (stop(*record)) return *record;
+    }
+  }
+  JobRecord WaitForEnd(JobId id) {
+    return WaitUntil(id, [](const JobRecord& record) { return IsTerminal(record.state); });
+  }
+  // Until the lease in the file reaches as far as a beat of this moment makes it.
+  void WaitForBeat(JobId id) {
+    const auto now = database.clock.SteadyNow().time_since_epoch();
+    const auto expected = std::chrono::duration_cast<std::chrono::microseconds>(now + options.lease).count();
+    const auto file = storage::Connection::Open(database.path(), storage::Access::kReadOnly);
+    DEMAND(file.ok());
+    for (int64_t lease_until = 0; lease_until < expected; std::this_thread::yield()) {
+      auto row = (*file)->Ask("SELECT lease_until_steady_us FROM job WHERE id = ?1", id);
+      DEMAND(row.ok() && row->Step().ok());
+      lease_until = row->Int(0);
+    }
+  }
+  // A kind that runs until it is told to stop, or `released`.
+  JobFunction Patient() {
+    return [this](const JobRecord& record, JobContext& context) -> absl::StatusOr<JobProduct> {
+      context.ReportProgress("wait", 0.5, "running");
+      while (!context.cancelled() && !released.load()) std::this_thread::yield();
+      if (context.cancelled()) return absl::CancelledError("told to stop");
+      return JobProduct{"patience", {}, {}};
+    };
+  }
+
+  storage::TempDatabase database;
+  JobRunnerOptions options;
+  std::map<std::string, JobKind> kinds;
+  std::atomic<bool> released = false;
+  std::unique_ptr<JobRunner> runner;
+};
+
+TEST_F(JobRunnerTest, RunsAJobAndKeepsItsResult) {
+  kinds["echo"].run = [](const JobRecord& record, JobContext& context) -> absl::StatusOr<JobProduct> {
+    context.ReportProgress("echo", 0.3, "half way");
+    return JobProduct{record.params + "!", {}, {}};
+  };
+  StartRunner();
+  const JobRecord job = Create("echo");
+  const JobRecord ended = WaitForEnd(job.id);
+  EXPECT_EQ(ended.state, JobState::kSucceeded);
+  EXPECT_EQ(ended.result, "p!");
+  EXPECT_EQ(ended.attempt, 1);
+  EXPECT_EQ(database->GetJob(job.id)->state, JobState::kSucceeded);
+}
+
+TEST_F(JobRunnerTest, RunsManyJobsOnceEach) {
+  std::atomic<int> runs = 0;
+  kinds["count"].run = [&](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> {
+    ++runs;
+    return JobProduct{};
+  };
+  StartRunner();
+  std::vector<JobId> ids;
+  for (int i = 0; i < 50; ++i) ids.push_back(Create("count").id);
+  for (const JobId id : ids) EXPECT_EQ(WaitForEnd(id).state, JobState::kSucceeded);
+  EXPECT_EQ(runs, 50);
+}
+
+TEST_F(JobRunnerTest, TheSameRequestIsTheSameJob) {
+  kinds["count"].run = [&](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> { return JobProduct{}; };
+  StartRunner();
+  const auto first = runner->Create(Job("count", "r1"));
+  EXPECT_EQ(runner->Create(Job("count", "r1"))->id, first->id);
+  EXPECT_EQ(base::ErrorReason(runner->Create(Job("none", "r2")).status()), "JOB_KIND_UNKNOWN");
+}
+
+TEST_F(JobRunnerTest, AFullQueueRefuses) {
+  options.workers = 1;
+  options.max_queued = 2;
+  kinds["patient"].run = Patient();
+  StartRunner();
+  const JobRecord running = Create("patient");
+  WaitUntil(running.id, [](const JobRecord& record) { return record.state == JobState::kRunning; });
+  const JobRecord waiting = Create("patient");
+  Create("patient");
+  const absl::Status full = runner->Create(Job("patient", "")).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(full)) << full;
+  EXPECT_EQ(base::ErrorReason(full), "QUEUE_FULL");
+  EXPECT_EQ(runner->Cancel(waiting.id, Cell(""))->state, JobState::kCancelled);
+  EXPECT_TRUE(runner->Create(Job("patient", "")).ok());
+}
+
+TEST_F(JobRunnerTest, CancelReachesTheRunningFunction) {
+  kinds["patient"].run = Patient();
+  StartRunner();
+  const JobRecord job = Create("patient");
+  const JobRecord seen = WaitUntil(job.id, [](const JobRecord& record) { return record.progress.stage == "wait"; });
+  EXPECT_EQ(seen.progress.fraction, 0.5);
+  EXPECT_EQ(runner->Get(job.id)->progress.detail, "running");
+  ASSERT_TRUE(runner->Cancel(job.id, Cell("")).ok());
+  const JobRecord ended = WaitForEnd(job.id);
+  EXPECT_EQ(ended.state, JobState::kCancelled);
+  EXPECT_EQ(ended.error->reason, "CANCELLED");
+  const auto again = runner->Requeue(job.id, Cell(""));
+  ASSERT_TRUE(again.ok()) << again.status();
+  released = true;
+  EXPECT_EQ(WaitForEnd(job.id).state, JobState::kSucceeded);
+}
+
+TEST_F(JobRunnerTest, TheTimeLimitReachesTheRunningFunction) {
+  kinds["patient"] = {Patient(), std::chrono::seconds(20)};
+  StartRunner();
+  const JobRecord job = Create("patient");
+  WaitUntil(job.id, [](const JobRecord& record) { return record.progress.stage == "wait"; });
+  database.clock.Advance(std::chrono::seconds(21));
+  const JobRecord ended = WaitForEnd(job.id);
+  EXPECT_EQ(ended.state, JobState::kFailed);
+  EXPECT_EQ(ended.error->reason, "DEADLINE");
+}
+
+TEST_F(JobRunnerTest, PassingTroubleIsTriedAgainAndAPoisonedJobDies) {
+  std::atomic<int> runs = 0;
+  kinds["poison"].run = [&](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> {
+    ++runs;
+    return absl::UnavailableError("no answer");
+  };
+  StartRunner();
+  const JobRecord job = Create("poison");
+  for (const int attempt : {1, 2}) {
+    WaitUntil(job.id,
+              [&](const JobRecord& record) { return record.state == JobState::kQueued && record.attempt == attempt; });
+    database.clock.Advance(attempt * std::chrono::seconds(21));
+  }
+  const JobRecord ended = WaitForEnd(job.id);
+  EXPECT_EQ(ended.state, JobState::kDead);
+  EXPECT_EQ(ended.error->message, "no answer");
+  EXPECT_EQ(runs, 3);
+}
+
+TEST_F(JobRunnerTest, WhatWouldFailAgainIsNotTriedAgain) {
+  kinds["bad"].run = [](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> {
+    return base::Error(absl::StatusCode::kFailedPrecondition, "EX0B - EX0C", {"RANK_DEFICIENT", {}});
+  };
+  kinds["throws"].run = [](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> { throw std::bad_alloc(); };
+  StartRunner();
+  const JobRecord ended = WaitForEnd(Create("bad").id);
+  EXPECT_EQ(ended.state, JobState::kFailed);
+  EXPECT_EQ(ended.attempt, 1);
+  EXPECT_EQ(ended.error->reason, "RANK_DEFICIENT");
+  EXPECT_EQ(WaitForEnd(Create("throws").id).error->reason, "JOB_EXCEPTION");
+}
+
+TEST_F(JobRunnerTest, HeartbeatsKeepALongJob) {
+  kinds["patient"] = {Patient(), std::chrono::hours(1)};
+  StartRunner();
+  const JobRecord job = Create("patient");
+  WaitUntil(job.id, [](const JobRecord& record) { return record.progress.stage == "wait"; });
+  for (int i = 0; i < 20; ++i) {
+    database.clock.Advance(std::chrono::seconds(6));
+    WaitForBeat(job.id);
+  }
+  released = true;
+  const JobRecord ended = WaitForEnd(job.id);
+  EXPECT_EQ(ended.state, JobState::kSucceeded);
+  EXPECT_EQ(ended.attempt, 1);
+}
+
+TEST_F(JobRunnerTest, DrainParksWhatRunsAndTheNextRunnerFinishesIt) {
+  kinds["patient"].run = Patient();
+  StartRunner();
+  const JobRecord job = Create("patient");
+  const auto watch = runner->Watch(job.id);
+  WaitUntil(job.id, [](const JobRecord& record) { return record.progress.stage == "wait"; });
+  runner->Drain(std::chrono::milliseconds(0));
+  const JobRecord parked = *database->GetJob(job.id);
+  EXPECT_EQ(parked.state, JobState::kQueued);
+  EXPECT_EQ(parked.attempt, 0);
+  EXPECT_EQ(base::ErrorReason(runner->Create(Job("patient", "")).status()), "DRAINING");
+  while ((*watch)->Next(std::chrono::minutes(1)).has_value()) continue;
+  EXPECT_TRUE((*watch)->done());
+
+  released = true;
+  StartRunner();
+  EXPECT_EQ(WaitForEnd(job.id).result, "patience");
+}
+
+TEST_F(JobRunnerTest, DrainLetsThingsFinishThatCan) {
+  kinds["patient"].run = Patient();
+  StartRunner();
+  const JobRecord job = Create("patient");
+  WaitUntil(job.id, [](const JobRecord& record) { return record.state == JobState::kRunning; });
+  std::thread drain([&] { runner->Drain(std::chrono::hours(1)); });
+  released = true;
+  drain.join();
+  EXPECT_EQ(database->GetJob(job.id)->state, JobState::kSucceeded);
+}
+
+}  // namespace
+}  // namespace axiscal::jobs

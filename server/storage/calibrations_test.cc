@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/base/error_detail.h"
+#include "server/storage/testing/temp_database.h"
+
+namespace axiscal::storage {
+namespace {
+
+class Calibrations : public testing::Test {
+ protected:
+  Calibrations() : session(StoreSession(*database, 1)) {}
+  NewCalibration New(double ea0b_urad = -101.2) {
+    NewCalibration calibration = TestCalibration(database.clock.UtcNow(), ea0b_urad);
+    calibration.sessions = {session};
+    return calibration;
+  }
+
+  TempDatabase database;
+  SessionId session;
+};
+
+TEST_F(Calibrations, KeepWhatTheyAreMadeOf) {
+  const auto made = database->CreateCalibration(New());
+  ASSERT_TRUE(made.ok()) << made.status();
+  database.Close();
+  database.Open();
+  const auto read = database->GetCalibration(made->id);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->version, 1);
+  EXPECT_EQ(read->state, CalibrationState::kCandidate);
+  EXPECT_EQ(read->content.sessions, std::vector<SessionId>{session});
+  EXPECT_EQ(read->content.estimates, New().estimates);  // in their order
+  EXPECT_EQ(read->content.model_json, "{\"EA0B\":1}");
+  EXPECT_EQ(read->content.rms_after_um, 2.97);
+  EXPECT_FALSE(read->content.condition.has_value());
+  const auto list = database->ListCalibrations({MachineId("mt"), std::nullopt}, {});
+  EXPECT_EQ(list->rows.at(0).content.estimates, New().estimates);
+  EXPECT_EQ(list->rows.at(0).content.model_json, "");
+}
+
+TEST_F(Calibrations, OnlyOneIsApproved) {
+  const CalibrationRecord first = *database->CreateCalibration(New());
+  const CalibrationRecord second = *database->CreateCalibration(New());
+  EXPECT_EQ(second.version, 2);
+  EXPECT_EQ(base::ErrorReason(database->GetApprovedCalibration(MachineId("mt")).status()), "CALIBRATION_NOT_FOUND");
+  ASSERT_TRUE(database->ApproveCalibration(first.id, first.etag, Cell("")).ok());
+  ASSERT_TRUE(database->ApproveCalibration(second.id, second.etag, Cell("")).ok());
+  EXPECT_EQ(database->GetApprovedCalibration(MachineId("mt"))->id, second.id);
+  EXPECT_EQ(database->GetCalibration(first.id)->state, CalibrationState::kRetired);
+  EXPECT_TRUE(database->ApproveCalibration(second.id, second.etag, Cell("")).ok());  // repeated
+  // The way back.
+  EXPECT_EQ(database->ApproveCalibration(first.id, 0, Cell(""))->approved_by, "cell");
+  EXPECT_EQ(database->GetCalibration(second.id)->state, CalibrationState::kRetired);
+  ASSERT_TRUE(database->RetireCalibration(first.id, 0, Cell("")).ok());
+  EXPECT_TRUE(absl::IsNotFound(database->GetApprovedCalibration(MachineId("mt")).status()));
+}
+
+TEST_F(Calibrations, ApprovingAnOldStateIsRefused) {
+  const CalibrationRecord made = *database->CreateCalibration(New());
+  ASSERT_TRUE(database->RetireCalibration(made.id, 0, Cell("")).ok());
+  EXPECT_EQ(base::ErrorReason(database->ApproveCalibration(made.id, made.etag, Cell("")).status()), "ETAG_MISMATCH");
+}
+
+TEST_F(Calibrations, BadOnesAreRefusedWhole) {
+  const auto reason = [&](auto change) {
+    NewCalibration calibration = New();
+    change(calibration);
+    return base::ErrorReason(database->CreateCalibration(calibration).status());
+  };
+  EXPECT_EQ(reason([](NewCalibration& c) { c.estimates[0].value = std::numeric_limits<double>::quiet_NaN(); }),
+            "CALIBRATION_INVALID");
+  EXPECT_EQ(reason([](NewCalibration& c) { c.estimates[2].value = 1.0; }), "CALIBRATION_INVALID");
+  EXPECT_EQ(reason([](NewCalibration& c) { c.estimates[0].value.reset(); }), "CALIBRATION_INVALID");
+  EXPECT_EQ(reason([](NewCalibration& c) { c.estimates[0].sigma = -1.0; }), "CALIBRATION_INVALID");
+  EXPECT_EQ(reason([](NewCalibration& c) { c.estimates[1].symbol = "EX0C"; }), "CALIBRATION_INVALID");
+  EXPECT_EQ(reason([](NewCalibration& c) { c.machine_revision = 9; }), "MACHINE_NOT_FOUND");
+  EXPECT_EQ(reason([](NewCalibration& c) { c.sessions = {SessionId(99)}; }), "SESSION_NOT_FOUND");
+  const SessionId open = database->CreateSession(TestSession("open"))->id;
+  EXPECT_EQ(reason([&](NewCalibration& c) { c.sessions = {open}; }), "SESSION_NOT_COMPLETE");
+  EXPECT_TRUE(database->ListCalibrations({}, {})->rows.empty());
+  EXPECT_TRUE(database->QueryDrift({MachineId("mt"), {}, UtcTime(), database.clock.UtcNow(), 10})->empty());
+}
+
+}  // namespace
+}  // namespace axiscal::storage

@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/base/error_detail.h"
+#include "server/storage/testing/temp_database.h"
+
+namespace axiscal::storage {
+namespace {
+
+using std::chrono::hours;
+
+constexpr hours kDay(24);
+
+class History : public testing::Test {
+ protected:
+  History() : start(database.clock.UtcNow()) { DEMAND(database->CreateMachine(MachineId("mt"), "{}", Cell("")).ok()); }
+  void Calibrate(UtcTime at, double ea0b_urad) {
+    values.push_back({at, ea0b_urad});
+    DEMAND(database->CreateCalibration(TestCalibration(at, ea0b_urad)).ok());
+  }
+  DriftQuery Query(UtcTime from, UtcTime to, int max_points) {
+    return {MachineId("mt"), {"EA0B"}, from, to, max_points};
+  }
+  // The slow way: every point of the answer against all estimates that lie in it, and nothing left over.
+  void ExpectAgrees(const DriftQuery& query) {
+    const auto drift = database->QueryDrift(query);
+    ASSERT_TRUE(drift.ok()) << drift.status();
+    ASSERT_EQ(drift->size(), 1u);
+    const std::vector<DriftPoint>& points = (*drift)[0].points;
+    EXPECT_LE(points.size(), static_cast<size_t>(query.max_points));
+    int64_t total = 0;
+    for (const DriftPoint& point : points) {
+      std::vector<double> inside;
+      for (const auto& [at, value] : values) {
+        if (at >= point.first_at && at <= point.last_at) inside.push_back(value);
+      }
+      total += point.count;
+      ASSERT_EQ(point.count, static_cast<int64_t>(inside.size()));
+      EXPECT_EQ(point.min, *std::min_element(inside.begin(), inside.end()));
+      EXPECT_EQ(point.max, *std::max_element(inside.begin(), inside.end()));
+      double sum = 0.0;
+      for (const double value : inside) sum += value;
+      EXPECT_NEAR(point.mean, sum / static_cast<double>(inside.size()), 1e-9);
+    }
+    const int64_t expected = std::count_if(values.begin(), values.end(), [&](const auto& value) {
+      return value.first >= query.from && value.first < query.to;
+    });
+    EXPECT_EQ(total, expected);
+    EXPECT_EQ((*drift)[0].unit, EstimateUnit::kUrad);
+  }
+
+  TempDatabase database;
+  UtcTime start;
+  std::vector<std::pair<UtcTime, double>> values;
+};
+
+TEST_F(History, FewEstimatesAreGivenOneByOne) {
+  for (int day = 0; day < 5; ++day) Calibrate(start + day * kDay, 10.0 * day);
+  const auto drift = database->QueryDrift({MachineId("mt"), {}, start + kDay, start + 4 * kDay, 100});
+  ASSERT_TRUE(drift.ok()) << drift.status();
+  ASSERT_EQ(drift->size(), 3u);
+  EXPECT_EQ((*drift)[0].symbol, "EA0B");
+  EXPECT_EQ((*drift)[1].symbol, "EC0C");
+  EXPECT_TRUE((*drift)[1].points.empty());  // never identifiable: no number
+  EXPECT_EQ((*drift)[1].not_identifiable_count, 3);
+  const std::vector<DriftPoint>& points = (*drift)[0].points;
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_EQ(points[0].mean, 10.0);
+  EXPECT_EQ(points[0].sigma, 0.6);
+  EXPECT_EQ(points[0].first_at, start + kDay);
+  EXPECT_EQ(points[2].last_calibration.number(), 4);
+}
+
+TEST_F(History, ManyEstimatesAreMergedWithoutLosingOne) {
+  std::mt19937 random(4);
+  UtcTime at = start;
+  for (int i = 0; i < 400; ++i) {
+    at += std::chrono::minutes(random() % (3 * 24 * 60));
+    Calibrate(at, static_cast<double>(random() % 1000) / 7.0);
+  }
+  for (const int max_points : {1, 2, 7, 30, 57, 100, 399, 400, 1000}) {
+    ExpectAgrees(Query(start, at + kDay, max_points));
+    ExpectAgrees(Query(start + 100 * kDay + hours(5), at - 50 * kDay, max_points));
+    ExpectAgrees(Query(UtcTime(), at + 10000 * kDay, max_points));
+  }
+}
+
+TEST_F(History, LateAndEqualTimesKeepTheNewestLast) {
+  Calibrate(start + kDay, 1.0);
+  Calibrate(start, 2.0);
+  Calibrate(start + kDay, 3.0);
+  const auto drift = database->QueryDrift(Query(start, start + 10 * kDay, 1));
+  ASSERT_EQ((*drift)[0].points.size(), 1u);
+  EXPECT_EQ((*drift)[0].points[0].last_calibration.number(), 3);
+  EXPECT_EQ((*drift)[0].points[0].mean, 2.0);
+}
+
+TEST_F(History, BadQueriesAreRefused) {
+  EXPECT_EQ(base::ErrorReason(database->QueryDrift(Query(start, start, 10)).status()), "RANGE_INVALID");
+  EXPECT_EQ(base::ErrorReason(database->QueryDrift(Query(start, start + kDay, 0)).status()), "RANGE_INVALID");
+  DriftQuery unknown = Query(start, start + kDay, 10);
+  unknown.machine = MachineId("none");
+  EXPECT_EQ(base::ErrorReason(database->QueryDrift(unknown).status()), "MACHINE_NOT_FOUND");
+  unknown.machine = MachineId("mt");
+  EXPECT_TRUE(database->QueryDrift(unknown)->empty());
+}
+
+TEST_F(History, TheFleetShowsTheNewestOfEach) {
+  Calibrate(start, 1.0);
+  Calibrate(start + kDay, 2.0);
+  ASSERT_TRUE(database->CreateMachine(MachineId("other"), "{}", Cell("")).ok());
+  const auto all = database->LatestFleet({}, {1, ""});
+  ASSERT_TRUE(all.ok()) << all.status();
+  ASSERT_EQ(all->rows.size(), 1u);
+  ASSERT_EQ(all->rows[0].latest.size(), 3u);
+  EXPECT_EQ(all->rows[0].latest[0].estimate.value, 2.0);
+  EXPECT_EQ(all->rows[0].latest[0].measured_at, start + kDay);
+  EXPECT_FALSE(all->rows[0].latest[1].estimate.identifiable);
+  const auto next = database->LatestFleet({}, {1, all->next_token});
+  ASSERT_EQ(next->rows.size(), 1u);
+  EXPECT_EQ(next->rows[0].machine.text(), "other");
+  EXPECT_TRUE(next->rows[0].latest.empty());
+  EXPECT_EQ(next->next_token, "");
+  EXPECT_EQ(database->LatestFleet({"EX0C"}, {})->rows[0].latest.size(), 1u);
+}
+
+}  // namespace
+}  // namespace axiscal::storage

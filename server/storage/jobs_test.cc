@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include "core/base/error_detail.h"
+#include "server/storage/testing/temp_database.h"
+
+namespace axiscal::storage {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr seconds kLease(30);
+
+class Jobs : public testing::Test {
+ protected:
+  static NewJob Job(const std::string& request_id, int priority = 0) {
+    NewJob job;
+    job.kind = "identify";
+    job.params = std::string("\0\x01", 2);
+    job.priority = priority;
+    job.caller = Cell(request_id);
+    return job;
+  }
+  JobRecord Claim() {
+    const auto claimed = database->ClaimJob(kLease);
+    DEMAND(claimed.ok() && claimed->has_value());
+    return **claimed;
+  }
+  static JobClaim ClaimOf(const JobRecord& job) { return {job.id, job.lease_token}; }
+  static JobError Error() { return {absl::StatusCode::kUnavailable, "WHY", "because"}; }
+
+  TempDatabase database;
+};
+
+TEST_F(Jobs, CreateIsIdempotentByRequestId) {
+  const auto job = database->CreateJob(Job("r1"), 10);
+  ASSERT_TRUE(job.ok()) << job.status();
+  EXPECT_EQ(job->state, JobState::kQueued);
+  EXPECT_EQ(job->params, Job("").params);
+  EXPECT_EQ(database->CreateJob(Job("r1"), 10)->id, job->id);
+  EXPECT_EQ(base::ErrorReason(database->CreateJob(Job("r1", 5), 10).status()), "REQUEST_ID_REUSED");
+}
+
+TEST_F(Jobs, TheQueueIsBoundedButKnownRequestsAreAnswered) {
+  ASSERT_TRUE(database->CreateJob(Job("r1"), 1).ok());
+  EXPECT_EQ(base::ErrorReason(database->CreateJob(Job("r2"), 1).status()), "QUEUE_FULL");
+  EXPECT_TRUE(database->CreateJob(Job("r1"), 1).ok());
+}
+
+TEST_F(Jobs, AreClaimedByPriorityThenAge) {
+  const JobId old = database->CreateJob(Job("a"), 10)->id;
+  const JobId young = database->CreateJob(Job("b"), 10)->id;
+  const JobId urgent = database->CreateJob(Job("c", 1), 10)->id;
+  EXPECT_EQ(Claim().id, urgent);
+  EXPECT_EQ(Claim().id, old);
+  EXPECT_EQ(Claim().id, young);
+  EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
+  EXPECT_FALSE(database->NextJobTime()->has_value());
+}
+
+TEST_F(Jobs, SuccessStoresTheCalibrationWithIt) {
+  const SessionId session = StoreSession(*database, 1);
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  const JobRecord running = Claim();
+  EXPECT_EQ(running.attempt, 1);
+  JobProduct product = {"result", TestCalibration(database.clock.UtcNow(), -101.2), {}};
+  product.calibration->sessions = {session};
+  const auto done = database->SucceedJob(ClaimOf(running), product);
+  ASSERT_TRUE(done.ok()) << done.status();
+  EXPECT_EQ(done->state, JobState::kSucceeded);
+  EXPECT_EQ(done->result, "result");
+  ASSERT_TRUE(done->calibration.has_value());
+  EXPECT_EQ(database->GetCalibration(*done->calibration)->job, running.id);
+  EXPECT_EQ(base::ErrorReason(database->SucceedJob(ClaimOf(running), product).status()), "LEASE_LOST");
+  EXPECT_EQ(database->ListCalibrations({}, {})->rows.size(), 1u);
+}
+
+TEST_F(Jobs, ARefusedProductStoresNothingOfIt) {
+  const SessionId session = StoreSession(*database, 1);
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  const JobRecord running = Claim();
+  JobProduct product = {"result", TestCalibration(database.clock.UtcNow(), 1.0), {ProgramId(77)}};
+  product.calibration->sessions = {session};
+  EXPECT_EQ(base::ErrorReason(database->SucceedJob(ClaimOf(running), product).status()), "PROGRAM_NOT_COMPLETE");
+  EXPECT_TRUE(database->ListCalibrations({}, {})->rows.empty());
+  EXPECT_EQ(database->GetJob(running.id)->state, JobState::kRunning);
+}
+
+TEST_F(Jobs, ALateWorkerIsRefused) {
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  const JobRecord late = Claim();
+  database.clock.Advance(seconds(31));
+  ASSERT_EQ(database->RescueJobs()->size(), 1u);
+  const JobRecord second = Claim();
+  EXPECT_EQ(second.attempt, 2);
+  EXPECT_EQ(base::ErrorReason(database->HeartbeatJob(ClaimOf(late), kLease, {}).status()), "LEASE_LOST");
+  EXPECT_EQ(base::ErrorReason(database->EndJob(ClaimOf(late), JobEnd::kFailed, Error(), seconds(0)).status()),
+            "LEASE_LOST");
+  EXPECT_EQ(base::ErrorReason(database->SucceedJob(ClaimOf(late), {"late", {}, {}}).status()), "LEASE_LOST");
+  EXPECT_TRUE(database->SucceedJob(ClaimOf(second), {"in time", {}, {}}).ok());
+  EXPECT_EQ(database->GetJob(late.id)->result, "in time");
+}
+
+TEST_F(Jobs, AWallClockThatJumpsTakesNoJobAway) {
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  const JobRecord running = Claim();
+  database.clock.SetUtc(database.clock.UtcNow() + std::chrono::hours(10));
+  EXPECT_TRUE(database->RescueJobs()->empty());
+  EXPECT_TRUE(database->HeartbeatJob(ClaimOf(running), kLease, {"fit", 0.5, "x"}).ok());
+  EXPECT_EQ(database->GetJob(running.id)->progress.stage, "fit");
+}
+
+TEST_F(Jobs, AHeartbeatProlongsTheLease) {
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  const JobRecord running = Claim();
+  database.clock.Advance(seconds(20));
+  ASSERT_TRUE(database->HeartbeatJob(ClaimOf(running), kLease, {}).ok());
+  database.clock.Advance(seconds(20));
+  EXPECT_TRUE(database->RescueJobs()->empty());
+  database.clock.Advance(seconds(11));
+  EXPECT_EQ(database->RescueJobs()->size(), 1u);
+}
+
+TEST_F(Jobs, OfADeadProcessGoBackToTheQueueAndDieAfterThree) {
+  const JobId id = database->CreateJob(Job("a"), 10)->id;
+  for (const int attempt : {1, 2, 3}) {
+    EXPECT_EQ(Claim().attempt, attempt);
+    database.Close();
+    database.Open();
+    EXPECT_EQ(database->GetJob(id)->state, attempt < 3 ? JobState::kQueued : JobState::kDead);
+  }
+  EXPECT_EQ(database->GetJob(id)->error->reason, "OWNER_LOST");
+  ASSERT_TRUE(database->RequeueJob(id, 10, Cell("")).ok());
+  EXPECT_EQ(Claim().attempt, 1);
+}
+
+TEST_F(Jobs, RetriesWaitAndParkedAttemptsDoNotCount) {
+  const JobId id = database->CreateJob(Job("a"), 10)->id;
+  ASSERT_TRUE(database->EndJob(ClaimOf(Claim()), JobEnd::kRetry, Error(), seconds(5)).ok());
+  EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
+  EXPECT_EQ(**database->NextJobTime(), database.clock.UtcNow() + seconds(5));
+  database.clock.Advance(seconds(5));
+  const JobRecord second = Claim();
+  EXPECT_EQ(second.attempt, 2);
+  EXPECT_EQ(second.error->message, "because");
+  ASSERT_TRUE(database->EndJob(ClaimOf(second), JobEnd::kParked, Error(), seconds(0)).ok());
+  EXPECT_EQ(Claim().attempt, 2);
+  EXPECT_EQ(database->GetJob(id)->state, JobState::kRunning);
+}
+
+TEST_F(Jobs, CancelEndsWaitingOnesAndAsksRunningOnes) {
+  const JobId running = database->CreateJob(Job("a"), 10)->id;
+  const JobId waiting = database->CreateJob(Job("b"), 10)->id;
+  const JobRecord claimed = Claim();
+  ASSERT_EQ(claimed.id, running);
+  EXPECT_EQ(database->CancelJob(waiting, Cell(""))->state, JobState::kCancelled);
+  EXPECT_EQ(database->CancelJob(running, Cell(""))->state, JobState::kRunning);
+  EXPECT_TRUE(database->HeartbeatJob(ClaimOf(claimed), kLease, {})->cancel_requested);
+  // A worker that fails for another reason does not bring a cancelled job back.
+  EXPECT_EQ(database->EndJob(ClaimOf(claimed), JobEnd::kRetry, Error(), seconds(0))->state, JobState::kCancelled);
+  EXPECT_EQ(database->CancelJob(running, Cell(""))->state, JobState::kCancelled);
+  EXPECT_EQ(base::ErrorReason(database->CancelJob(JobId(99), Cell("")).status()), "JOB_NOT_FOUND");
+}
+
+TEST_F(Jobs, ListsFilterAndPage) {
+  NewJob other = Job("x");
+  other.kind = "compensate";
+  other.input_hash = "h";
+  ASSERT_TRUE(database->CreateJob(other, 10).ok());
+  for (const char* id : {"a", "b", "c"}) ASSERT_TRUE(database->CreateJob(Job(id), 10).ok());
+  JobFilter filter;
+  filter.kind = "identify";
+  const auto first = database->ListJobs(filter, {2, ""});
+  ASSERT_EQ(first->rows.size(), 2u);
+  const auto second = database->ListJobs(filter, {2, first->next_token});
+  ASSERT_EQ(second->rows.size(), 1u);
+  EXPECT_EQ(second->rows[0].id.number(), 2);
+  filter = {};
+  filter.input_hash = "h";
+  EXPECT_EQ(database->ListJobs(filter, {})->rows.at(0).kind, "compensate");
+  EXPECT_EQ(base::ErrorReason(database->ListJobs(filter, {2, first->next_token}).status()), "PAGE_INVALID");
+}
+
+}  // namespace
+}  // namespace axiscal::storage
