@@ -1,7 +1,5 @@
 # axiscal_proto_library(name ROOT dir PROTOS a.proto ... [IMPORTS dir ...] [DEPS lib ...] [GRPC]): C++ from .proto files, as library axiscal_<name>.
 # Messages (and with GRPC the service stubs) are generated below ${CMAKE_BINARY_DIR}/generated and included as "axiscal/v1/job.pb.h".
-find_package(Protobuf REQUIRED)
-find_package(gRPC CONFIG REQUIRED)
 find_program(AXISCAL_GRPC_PLUGIN grpc_cpp_plugin REQUIRED)
 
 set(AXISCAL_GENERATED_DIR ${CMAKE_BINARY_DIR}/generated)

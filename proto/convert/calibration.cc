@@ -68,6 +68,7 @@ v1::Calibration ToProto(const storage::CalibrationRecord& record) {
     if (combination.sigma) out->set_sigma(*combination.sigma);
     out->set_unit(combination.unit);
   }
+  for (const std::string& name : NotSeparableOf(record.content.report_json)) message.add_not_separable(name);
   *message.mutable_provenance() = ProvenanceToProto(record);
   message.set_model_json(record.content.model_json);
   message.set_report_json(record.content.report_json);

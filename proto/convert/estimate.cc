@@ -19,6 +19,13 @@ std::string TextOf(const nlohmann::json& object, const char* key) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+// The array under `key`, or an empty one.
+nlohmann::json ListOf(const std::string& report_json, const char* key) {
+  const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, /*allow_exceptions=*/false);
+  if (!report.is_object() || !report.contains(key) || !report[key].is_array()) return nlohmann::json::array();
+  return report[key];
+}
+
 }  // namespace
 
 v1::CalibrationState ToProto(storage::CalibrationState state) {
@@ -86,20 +93,21 @@ absl::StatusOr<storage::Estimate> FromProto(const v1::Estimate& message) {
 }
 
 std::vector<Combination> CombinationsOf(const std::string& report_json) {
-  const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, /*allow_exceptions=*/false);
   std::vector<Combination> combinations;
-  if (!report.is_object()) return combinations;
-  const auto found = report.find("combinations");
-  if (found == report.end() || !found->is_array()) return combinations;
-  for (const nlohmann::json& entry : *found) {
-    if (entry.is_string()) {
-      combinations.push_back({entry.get<std::string>(), {}, {}, ""});
-    } else if (entry.is_object()) {
-      combinations.push_back(
-          {TextOf(entry, "name"), NumberOf(entry, "value"), NumberOf(entry, "sigma"), TextOf(entry, "unit")});
-    }
+  for (const nlohmann::json& entry : ListOf(report_json, "determined")) {
+    if (!entry.is_object()) continue;
+    combinations.push_back(
+        {TextOf(entry, "name"), NumberOf(entry, "value"), NumberOf(entry, "sigma"), TextOf(entry, "unit")});
   }
   return combinations;
+}
+
+std::vector<std::string> NotSeparableOf(const std::string& report_json) {
+  std::vector<std::string> names;
+  for (const nlohmann::json& entry : ListOf(report_json, "not_separable")) {
+    if (entry.is_string()) names.push_back(entry.get<std::string>());
+  }
+  return names;
 }
 
 }  // namespace axiscal::convert

@@ -19,7 +19,8 @@ namespace axiscal::convert {
 struct IdentifyParams {
   MachineId machine;
   std::vector<SessionId> sessions;    // complete ones of that machine
-  std::vector<std::string> declared;  // errors to fit ("EA0B"); empty: those that the machine declares
+  std::vector<std::string> declared;  // errors to fit: "EZ0T", or a term of errors.json without its amplitude
+                                      // ({"symbol": "EBB", "shape": "backlash"}); empty: those that the machine declares
 };
 
 // Rewrite a stored NC program for a machine's errors; makes a program.

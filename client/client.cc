@@ -1,0 +1,132 @@
+#include "client/client.h"
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+
+#include "client/client_impl.h"
+#include "core/base/error_detail.h"
+
+namespace axiscal::client {
+namespace {
+
+constexpr int kKeepaliveMs = 30'000, kKeepaliveTimeoutMs = 10'000;
+// gRPC's own wait between attempts to connect would grow to two minutes.
+constexpr int kFirstReconnectMs = 100, kMaxReconnectMs = 1'000;
+
+grpc::ChannelArguments ChannelArguments() {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectMs);
+  return arguments;
+}
+
+}  // namespace
+
+absl::StatusOr<Client> Client::Connect(const std::string& address, const Options& options) {
+  RETURN_IF_ERROR(Validate(options));
+  std::shared_ptr<grpc::Channel> channel =
+      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), ChannelArguments());
+  const auto deadline = std::chrono::system_clock::now() + options.connect_deadline;
+  if (options.connect_deadline.count() > 0 && !channel->WaitForConnected(deadline)) {
+    return base::Error(absl::StatusCode::kUnavailable,
+                       absl::StrCat("no server at ", address, " within ", options.connect_deadline.count(), " ms"),
+                       {"NO_CONNECTION", {}});
+  }
+  return Client(std::make_unique<Impl>(std::move(channel), address, options));
+}
+
+absl::StatusOr<Client> Client::InProcess(std::shared_ptr<grpc::Channel> channel, const Options& options) {
+  RETURN_IF_ERROR(Validate(options));
+  return Client(std::make_unique<Impl>(std::move(channel), "", options));
+}
+
+Client::Client(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+Client::~Client() = default;
+
+absl::StatusOr<MachineRecord> Client::CreateMachine(const std::string& description_json) {
+  v1::CreateMachineRequest request;
+  request.set_description_json(description_json);
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::CreateMachineResponse>(
+                                            *impl_->machines, &v1::Machines::Stub::CreateMachine, request));
+  return convert::FromProto(response.machine());
+}
+
+absl::StatusOr<MachineRecord> Client::GetMachine(const MachineId& id) {
+  v1::GetMachineRequest request;
+  request.set_machine_id(id.text());
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::GetMachineResponse>(*impl_->machines, &v1::Machines::Stub::GetMachine, request));
+  return convert::FromProto(response.machine());
+}
+
+absl::StatusOr<MachineRecord> Client::GetMachineRevision(const MachineId& id, int64_t revision) {
+  v1::GetMachineRequest request;
+  request.set_machine_id(id.text());
+  request.set_revision(revision);
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::GetMachineResponse>(*impl_->machines, &v1::Machines::Stub::GetMachine, request));
+  return convert::FromProto(response.machine());
+}
+
+absl::StatusOr<Page<MachineRecord>> Client::ListMachines(const PageRequest& page) {
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::ListMachinesResponse>(*impl_->machines, &v1::Machines::Stub::ListMachines,
+                                                         PageOf<v1::ListMachinesRequest>(page)));
+  return ReadPage<MachineRecord>(response.machines(), response.next_page_token());
+}
+
+absl::StatusOr<MachineRecord> Client::UpdateMachine(const std::string& description_json, int64_t etag) {
+  v1::UpdateMachineRequest request;
+  request.set_description_json(description_json);
+  request.set_etag(etag);
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::UpdateMachineResponse>(
+                                            *impl_->machines, &v1::Machines::Stub::UpdateMachine, request));
+  return convert::FromProto(response.machine());
+}
+
+absl::StatusOr<MachineRecord> Client::DeleteMachine(const MachineId& id, int64_t etag) {
+  v1::DeleteMachineRequest request;
+  request.set_machine_id(id.text());
+  request.set_etag(etag);
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::DeleteMachineResponse>(
+                                            *impl_->machines, &v1::Machines::Stub::DeleteMachine, request));
+  return convert::FromProto(response.machine());
+}
+
+absl::StatusOr<std::vector<DriftSeries>> Client::QueryDrift(const DriftQuery& query) {
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::QueryDriftResponse>(
+                                            *impl_->history, &v1::History::Stub::QueryDrift, convert::ToProto(query)));
+  ASSIGN_OR_RETURN(Page<DriftSeries> all, ReadPage<DriftSeries>(response.series(), ""));
+  return std::move(all.rows);
+}
+
+absl::StatusOr<Page<FleetRow>> Client::LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page) {
+  auto request = PageOf<v1::LatestFleetRequest>(page);
+  for (const std::string& symbol : symbols) request.add_symbols(symbol);
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::LatestFleetResponse>(*impl_->history, &v1::History::Stub::LatestFleet, request));
+  return ReadPage<FleetRow>(response.machines(), response.next_page_token());
+}
+
+absl::StatusOr<ServerInfo> Client::GetServerInfo() {
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::GetServerInfoResponse>(*impl_->admin, &v1::Admin::Stub::GetServerInfo,
+                                                          v1::GetServerInfoRequest()));
+  return ServerInfo{response.software_version(), response.schema_version(), response.open_uploads(),
+                    response.max_uploads(),      response.workers(),        response.draining()};
+}
+
+absl::Status Client::CheckHealth() {
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<grpc::health::v1::HealthCheckResponse>(
+                       *impl_->health, &grpc::health::v1::Health::Stub::Check, grpc::health::v1::HealthCheckRequest()));
+  if (response.status() == grpc::health::v1::HealthCheckResponse::SERVING) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kUnavailable, "the server is stopping [DRAINING]", {"DRAINING", {}});
+}
+
+}  // namespace axiscal::client

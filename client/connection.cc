@@ -1,0 +1,86 @@
+#include "client/connection.h"
+
+#include <algorithm>
+#include <random>
+#include <thread>
+
+#include "core/base/error_detail.h"
+#include "google/rpc/status.pb.h"
+#include "proto/convert/status.h"
+
+namespace axiscal::client {
+namespace {
+
+base::SteadyTime Now() { return base::SystemClock().SteadyNow(); }
+
+}  // namespace
+
+bool Backoff::Wait(base::SteadyTime deadline) {
+  if (Now() + next_ >= deadline) return false;
+  std::this_thread::sleep_for(next_);
+  next_ = std::min(2 * next_, max_);
+  return true;
+}
+
+std::unique_ptr<grpc::ClientContext> Connection::NewContext(base::SteadyTime deadline) const {
+  auto context = std::make_unique<grpc::ClientContext>();
+  context->set_wait_for_ready(true);
+  context->set_deadline(std::chrono::system_clock::now() +
+                        std::chrono::duration_cast<std::chrono::system_clock::duration>(deadline - Now()));
+  context->AddMetadata("axiscal-user", options_.user);
+  return context;
+}
+
+std::unique_ptr<grpc::ClientContext> Connection::NewStreamContext() const {
+  if (!address_.empty()) channel_->WaitForConnected(std::chrono::system_clock::now() + options_.max_backoff);
+  std::unique_ptr<grpc::ClientContext> context = NewContext(Now() + options_.stream_deadline);
+  context->set_wait_for_ready(false);
+  return context;
+}
+
+bool Connection::IsConnected() const { return address_.empty() || channel_->GetState(false) == GRPC_CHANNEL_READY; }
+
+absl::Status Connection::Call(const std::function<grpc::Status(grpc::ClientContext*)>& attempt) const {
+  return Call(attempt, options_.call_deadline);
+}
+
+absl::Status Connection::Call(const std::function<grpc::Status(grpc::ClientContext*)>& attempt,
+                              std::chrono::milliseconds deadline) const {
+  const base::SteadyTime end = Now() + deadline;
+  Backoff backoff(options_);
+  while (true) {
+    const std::unique_ptr<grpc::ClientContext> context = NewContext(end);
+    const absl::Status status = FromGrpc(attempt(context.get()));
+    if (!absl::IsUnavailable(status) || base::ErrorReason(status) == "NO_CONNECTION" || !backoff.Wait(end))
+      return status;
+  }
+}
+
+absl::Status Connection::FromGrpc(const grpc::Status& status) const {
+  if (status.ok()) return absl::OkStatus();
+  google::rpc::Status details;
+  if (!status.error_details().empty() && details.ParseFromString(status.error_details()) && details.code() != 0) {
+    const absl::Status full = convert::FromProto(details);
+    base::ErrorDetail detail = base::GetErrorDetail(full).value_or(base::ErrorDetail{});
+    if (detail.reason.empty()) return full;
+    return base::Error(full.code(), absl::StrCat(full.message(), " [", detail.reason, "]"), detail);
+  }
+  const bool is_timeout = status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
+  if (is_timeout && !IsConnected()) {
+    return base::Error(absl::StatusCode::kUnavailable, "no connection to " + address_ + " [NO_CONNECTION]",
+                       {"NO_CONNECTION", {}});
+  }
+  return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
+                      status.error_message().empty() ? "the server gave no reason" : status.error_message());
+}
+
+bool IsBroken(const absl::Status& status) { return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status); }
+
+std::string NewRequestId() {
+  std::random_device random;
+  std::string id;
+  for (int i = 0; i < 4; ++i) id += absl::StrFormat("%08x", random());
+  return id;
+}
+
+}  // namespace axiscal::client

@@ -1,0 +1,31 @@
+#include "client/options.h"
+
+#include "proto/convert/session.h"
+
+namespace axiscal::client {
+
+absl::Status Validate(const Options& options) {
+  const auto require = [](bool holds, const std::string& text) {
+    return holds ? absl::OkStatus() : absl::InvalidArgumentError(text);
+  };
+  const auto positive = [&](const char* field, std::chrono::milliseconds value) {
+    return require(value.count() > 0, absl::StrCat(field, " = ", value.count(), " ms, must be > 0"));
+  };
+  RETURN_IF_ERROR(require(!options.user.empty() && options.user.size() <= 200, "user must have 1 to 200 bytes"));
+  for (const char c : options.user) {
+    RETURN_IF_ERROR(require(c >= 0x20 && c < 0x7f, "user must be printable ASCII"));
+  }
+  RETURN_IF_ERROR(require(options.connect_deadline.count() >= 0, "connect_deadline must be >= 0"));
+  RETURN_IF_ERROR(positive("call_deadline", options.call_deadline));
+  RETURN_IF_ERROR(positive("stream_deadline", options.stream_deadline));
+  RETURN_IF_ERROR(positive("give_up_after", options.give_up_after));
+  RETURN_IF_ERROR(positive("first_backoff", options.first_backoff));
+  RETURN_IF_ERROR(require(options.max_backoff >= options.first_backoff, "max_backoff must be >= first_backoff"));
+  RETURN_IF_ERROR(require(
+      options.chunk_readings >= 1 && options.chunk_readings <= convert::kMaxChunkReadings,
+      absl::StrCat("chunk_readings = ", options.chunk_readings, ", must be 1 to ", convert::kMaxChunkReadings)));
+  return require(options.window_chunks >= 1 && options.window_chunks <= 64,
+                 absl::StrCat("window_chunks = ", options.window_chunks, ", must be 1 to 64"));
+}
+
+}  // namespace axiscal::client

@@ -1,0 +1,278 @@
+// What goes over the wire comes back as it was; what must not come in is refused with its field.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/error_detail.h"
+#include "core/session/checksum.h"
+#include "google/rpc/error_details.pb.h"
+#include "proto/convert/calibration.h"
+#include "proto/convert/history.h"
+#include "proto/convert/job.h"
+#include "proto/convert/machine.h"
+#include "proto/convert/program.h"
+#include "proto/convert/session.h"
+#include "proto/convert/status.h"
+
+namespace axiscal::convert {
+namespace {
+
+std::string FieldOf(const absl::Status& status) {
+  const auto detail = base::GetErrorDetail(status);
+  return detail && detail->facts.count("field") ? detail->facts.at("field") : "";
+}
+
+const std::vector<storage::ColumnSpec> kColumns = {{"t_s", false}, {"feature", true}};
+
+Chunk GoodChunk() {
+  Chunk chunk{3, {{"t_s", {0.5, std::nan(""), -0.0}, {}}, {"feature", {}, {"top", "", "ball"}}}, 0};
+  chunk.crc32c = session::ChunkCrc32c(chunk.columns);
+  return chunk;
+}
+
+TEST(ChunkOnTheWire, ComesBackBitForBit) {
+  const auto back = FromProto(ToProto(GoodChunk()), kColumns);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->seq, 3);
+  EXPECT_EQ(back->crc32c, GoodChunk().crc32c);
+  EXPECT_TRUE(std::isnan(back->columns[0].values[1]));
+  EXPECT_TRUE(std::signbit(back->columns[0].values[2]));
+  EXPECT_EQ(back->columns[1].texts, GoodChunk().columns[1].texts);
+}
+
+TEST(ChunkOnTheWire, RefusesWhatDoesNotFitItsSchema) {
+  const auto reason = [](const std::function<void(v1::Chunk&)>& spoil) {
+    v1::Chunk message = ToProto(GoodChunk());
+    spoil(message);
+    return base::ErrorReason(FromProto(message, kColumns).status());
+  };
+  EXPECT_EQ(reason([](v1::Chunk&) {}), "");
+  EXPECT_EQ(reason([](v1::Chunk& c) { c.set_crc32c(1); }), "CHUNK_CORRUPT");
+  EXPECT_EQ(reason([](v1::Chunk& c) { c.mutable_columns(0)->set_values(0, 0.6); }), "CHUNK_CORRUPT");
+  EXPECT_EQ(reason([](v1::Chunk& c) { c.set_seq(-1); }), "CHUNK_INVALID");
+  EXPECT_EQ(reason([](v1::Chunk& c) { c.mutable_columns()->RemoveLast(); }), "CHUNK_INVALID");
+  EXPECT_EQ(reason([](v1::Chunk& c) { c.mutable_columns(1)->add_texts("one more"); }), "CHUNK_INVALID");
+  EXPECT_EQ(reason([](v1::Chunk& c) { c.mutable_columns(1)->add_values(1); }), "CHUNK_INVALID");
+  EXPECT_EQ(reason([](v1::Chunk& c) { c.mutable_columns(0)->set_values(0, INFINITY); }), "CHUNK_INVALID");
+  EXPECT_EQ(reason([](v1::Chunk& c) {
+              c.mutable_columns(0)->mutable_values()->Resize(kMaxChunkReadings + 1, 0);
+              for (int i = 3; i <= kMaxChunkReadings; ++i) c.mutable_columns(1)->add_texts("x");
+            }),
+            "CHUNK_INVALID");
+  EXPECT_EQ(reason([](v1::Chunk& c) {
+              c.mutable_columns(0)->clear_values();
+              c.mutable_columns(1)->clear_texts();
+            }),
+            "CHUNK_INVALID");
+}
+
+TEST(SchemaOnTheWire, RefusesUnsetKindsAndRepeatedNames) {
+  const SessionSchema schema{{{"machine", "mt"}, {"note", ""}}, kColumns};
+  const auto back = FromProto(ToProto(schema));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_TRUE(*back == schema);
+
+  v1::SessionSchema message = ToProto(schema);
+  message.mutable_columns(1)->set_kind(v1::COLUMN_KIND_UNSPECIFIED);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "columns[1].kind");
+  message = ToProto(schema);
+  message.mutable_columns(1)->set_name("t_s");
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "columns[1].name");
+  message.clear_columns();
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "columns");
+}
+
+TEST(SessionOnTheWire, ComesBack) {
+  storage::SessionRecord record;
+  record.id = SessionId(7);
+  record.machine = MachineId("mt");
+  record.name = "BX";
+  record.instrument = "ballbar";
+  record.state = storage::SessionState::kComplete;
+  record.next_seq = 3;
+  record.reading_count = 2500;
+  record.closed_at = base::FromUtcUs(5);
+  const auto back = FromProto(ToProto(record));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->state, storage::SessionState::kComplete);
+  EXPECT_EQ(back->reading_count, 2500);
+  EXPECT_EQ(back->closed_at, record.closed_at);
+  EXPECT_FALSE(back->measured_at.has_value());
+
+  v1::Session message = ToProto(record);
+  message.set_state(v1::SESSION_STATE_UNSPECIFIED);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "state");
+}
+
+TEST(TotalsOnTheWire, RefuseAHashThatIsNone) {
+  const storage::SessionTotals totals{2, 10, std::string(64, 'a')};
+  EXPECT_TRUE(FromProto(ToProto(totals)).ok());
+  v1::SessionTotals message = ToProto(totals);
+  message.set_sha256("xyz");
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "sha256");
+  message = ToProto(totals);
+  message.set_chunks(-1);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "chunks");
+}
+
+TEST(JobParamsOnTheWire, ComeBack) {
+  CompensateParams params;
+  params.machine = MachineId("mt");
+  params.program = ProgramId(4);
+  params.calibration = CalibrationId(9);
+  params.tool_tip_mm = {0, 1, -350.5};
+  params.temperature_celsius = 22.5;
+  params.options.on_unsupported = nc::OnUnsupported::kPass;
+  params.options.decimals_mm = 3;
+  params.options.initial_position = {{"X", 1.5}};
+  params.options.work_offsets = {{"G54", {{"Z", -20}}}};
+  const auto back = ParseJobParams(Serialize(params));
+  ASSERT_TRUE(back.ok()) << back.status();
+  const auto& got = std::get<CompensateParams>(*back);
+  EXPECT_EQ(got.machine, params.machine);
+  EXPECT_EQ(got.program, params.program);
+  EXPECT_EQ(got.calibration, params.calibration);
+  EXPECT_EQ(got.tool_tip_mm, params.tool_tip_mm);
+  EXPECT_EQ(got.temperature_celsius, params.temperature_celsius);
+  EXPECT_FALSE(got.time_s.has_value());
+  EXPECT_EQ(got.options.on_unsupported, nc::OnUnsupported::kPass);
+  EXPECT_EQ(got.options.decimals_mm, 3);
+  EXPECT_EQ(got.options.initial_position[0].value, 1.5);
+  EXPECT_EQ(got.options.work_offsets[0].offsets[0].axis, "Z");
+  EXPECT_EQ(Serialize(*back), Serialize(params));
+}
+
+TEST(JobParamsOnTheWire, AreRefusedWithTheirField) {
+  EXPECT_EQ(FieldOf(FromProto(v1::JobParams()).status()), "kind");
+  v1::JobParams identify;
+  identify.mutable_identify()->set_machine_id("mt");
+  EXPECT_EQ(FieldOf(FromProto(identify).status()), "identify.session_ids");
+  identify.mutable_identify()->add_session_ids(3);
+  EXPECT_TRUE(FromProto(identify).ok());
+  identify.mutable_identify()->add_session_ids(3);
+  EXPECT_EQ(FieldOf(FromProto(identify).status()), "identify.session_ids[1]");
+
+  v1::JobParams compensate;
+  compensate.mutable_compensate()->set_machine_id("mt");
+  compensate.mutable_compensate()->set_program_id(1);
+  EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.tool_tip_mm");
+  for (const double value_mm : {0.0, std::nan(""), -350.0}) compensate.mutable_compensate()->add_tool_tip_mm(value_mm);
+  EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.tool_tip_mm[1]");
+  compensate.mutable_compensate()->set_tool_tip_mm(1, 0);
+  EXPECT_TRUE(FromProto(compensate).ok());
+  compensate.mutable_compensate()->mutable_options()->set_tolerance_mm(std::nan(""));
+  EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.options.tolerance_mm");
+}
+
+TEST(JobOnTheWire, ComesBackWithItsErrorOrResult) {
+  storage::JobRecord record;
+  record.id = JobId(5);
+  record.params = Serialize(IdentifyParams{MachineId("mt"), {SessionId(1)}, {"EA0B"}});
+  record.state = storage::JobState::kFailed;
+  record.progress = {"fit", 0.25, "iteration 4"};
+  record.error = storage::JobError{absl::StatusCode::kFailedPrecondition, "RANK_DEFICIENT", "EX0B - EX0C"};
+  const auto failed = FromProto(ToProto(record));
+  ASSERT_TRUE(failed.ok()) << failed.status();
+  EXPECT_EQ(failed->kind, kIdentify);
+  EXPECT_EQ(failed->machine, MachineId("mt"));
+  EXPECT_EQ(failed->params, record.params);
+  EXPECT_EQ(failed->progress, record.progress);
+  EXPECT_EQ(failed->error->reason, "RANK_DEFICIENT");
+
+  record.state = storage::JobState::kSucceeded;
+  record.error.reset();
+  record.calibration = CalibrationId(3);
+  record.programs = {ProgramId(4)};
+  record.result = "{}";
+  const auto done = FromProto(ToProto(record));
+  ASSERT_TRUE(done.ok()) << done.status();
+  EXPECT_EQ(done->calibration, CalibrationId(3));
+  EXPECT_EQ(done->programs, record.programs);
+  EXPECT_EQ(done->result, "{}");
+}
+
+TEST(CalibrationOnTheWire, KeepsAbsentValuesAbsent) {
+  storage::CalibrationRecord record;
+  record.id = CalibrationId(2);
+  record.version = 3;
+  record.etag = 4;
+  record.state = storage::CalibrationState::kApproved;
+  record.content.machine = MachineId("mt");
+  record.content.rank = 8;
+  record.content.rms_after_um = 2.97;
+  record.content.estimates = {{"EA0B", storage::EstimateUnit::kUrad, true, -101.2, 0.6},
+                              {"EX0B", storage::EstimateUnit::kUm, false, {}, {}}};
+  record.content.report_json =
+      R"({"not_separable": ["EX0B - EX0C"], "determined": [{"name": "EX0B + EX0C", "value": 1.5, "unit": "um"}]})";
+  const v1::Calibration message = ToProto(record);
+  ASSERT_EQ(message.combinations_size(), 1);
+  EXPECT_EQ(message.combinations(0).name(), "EX0B + EX0C");
+  EXPECT_EQ(message.combinations(0).value(), 1.5);
+  EXPECT_FALSE(message.combinations(0).has_sigma());
+  ASSERT_EQ(message.not_separable_size(), 1);
+  EXPECT_EQ(message.not_separable(0), "EX0B - EX0C");
+  const auto back = FromProto(message);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->content.estimates, record.content.estimates);
+  EXPECT_EQ(back->content.rms_after_um, record.content.rms_after_um);
+  EXPECT_FALSE(back->content.rms_before_um.has_value());
+  EXPECT_EQ(back->version, 3);
+}
+
+TEST(EstimateOnTheWire, RefusesNaNAndUnsetUnits) {
+  v1::Estimate message = ToProto(storage::Estimate{"EA0B", storage::EstimateUnit::kUrad, true, 1, 0.5});
+  EXPECT_TRUE(FromProto(message).ok());
+  message.set_value(std::nan(""));
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "value");
+  message.set_value(1);
+  message.set_sigma(-1);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "sigma");
+  message.clear_sigma();
+  message.set_unit(v1::ESTIMATE_UNIT_UNSPECIFIED);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "unit");
+  message.set_unit(v1::ESTIMATE_UNIT_UM);
+  message.clear_value();
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "value");
+}
+
+TEST(DriftQueryOnTheWire, HasItsDefaultsAndLimits) {
+  v1::QueryDriftRequest message;
+  message.set_machine_id("mt");
+  const auto query = FromProto(message);
+  ASSERT_TRUE(query.ok()) << query.status();
+  EXPECT_EQ(query->max_points, kDefaultDriftPoints);
+  message.set_max_points(kMaxDriftPoints + 1);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "max_points");
+  message.set_max_points(1);
+  message.set_from_utc_us(2);
+  message.set_to_utc_us(1);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "from_utc_us");
+}
+
+TEST(MachineAndProgramOnTheWire, AreRefusedWithoutTheirIds) {
+  EXPECT_EQ(FieldOf(FromProto(v1::Machine()).status()), "machine_id");
+  EXPECT_EQ(FieldOf(FromProto(v1::Program()).status()), "program_id");
+}
+
+TEST(StatusOnTheWire, CarriesReasonFactsFieldAndRetry) {
+  const absl::Status status = base::Error(absl::StatusCode::kResourceExhausted, "full",
+                                          {"QUEUE_FULL", {{"field", "params"}, {"rule", "must wait"}}});
+  const google::rpc::Status message = ToProto(status);
+  ASSERT_EQ(message.details_size(), 3);
+  google::rpc::BadRequest bad_request;
+  ASSERT_TRUE(message.details(1).UnpackTo(&bad_request));
+  EXPECT_EQ(bad_request.field_violations(0).description(), "must wait");
+  google::rpc::RetryInfo retry;
+  ASSERT_TRUE(message.details(2).UnpackTo(&retry));
+  EXPECT_GT(retry.retry_delay().seconds(), 0);
+  const absl::Status back = FromProto(message);
+  EXPECT_EQ(back.code(), status.code());
+  EXPECT_EQ(base::GetErrorDetail(back), base::GetErrorDetail(status));
+}
+
+TEST(StatusOnTheWire, AlwaysHasAReason) {
+  EXPECT_EQ(base::ErrorReason(FromProto(ToProto(absl::NotFoundError("x")))), "NOT_FOUND");
+}
+
+}  // namespace
+}  // namespace axiscal::convert
