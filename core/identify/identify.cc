@@ -253,6 +253,8 @@ absl::StatusOr<Result> Identify(const machine::Machine& machine, const std::vect
   if (options.progress) options.progress({"reading sessions", 0.0, ""});
   ASSIGN_OR_RETURN(std::vector<MeasuringRun> runs, BindSessions(machine, sessions));
   ASSIGN_OR_RETURN(Fit fit, FitRuns(machine, std::move(runs), options));
+  const Point nominal = StartingPoint(fit.problem, {});
+  fit.result.nominal = StatisticsOf(fit.problem, nominal, ResidualsOf(fit.problem, nominal), 0);
   return std::move(fit.result);
 }
 

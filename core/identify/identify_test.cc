@@ -52,6 +52,7 @@ TEST(Identify, APerfectMachineHasNoErrors) {
   ASSERT_TRUE(result.ok()) << result.status();
   for (const Estimate& estimate : result->estimates)
     EXPECT_NEAR(estimate.value / estimate.factor, 0.0, 1e-5) << estimate.name;
+  EXPECT_LT(result->nominal.rms_mm, 1e-9);
 }
 
 // With noise: truth within four stated uncertainties, residual variance near one.
@@ -66,6 +67,7 @@ TEST(Identify, NoisyReadingsGiveTheErrorsWithinTheirUncertainty) {
   }
   EXPECT_NEAR(result->fit.chi2_per_dof, 1.0, 0.1);  // 2527 readings: 0.028 per standard deviation
   EXPECT_TRUE(result->outliers.empty());
+  EXPECT_GT(result->nominal.rms_mm, 10 * result->fit.rms_mm);  // before anything was fitted
 }
 
 TEST(Identify, WhatTheDataCannotSeparateIsNamedAndGetsNoNumber) {

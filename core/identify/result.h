@@ -67,6 +67,7 @@ struct Result {
   std::vector<Combination> determined;
   int rank = 0;
   double condition = 0.0;
+  FitStatistics nominal;  // of Identify(): the nominal machine, no errors and no setup offsets
   FitStatistics fit;
   std::vector<SessionFit> sessions;
   std::vector<Outlier> outliers;

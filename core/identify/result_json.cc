@@ -73,6 +73,7 @@ std::string ToJson(const Result& result) {
   root["rank"] = result.rank;
   root["parameters"] = result.estimates.size();
   root["condition"] = NumberOrNull(result.condition);
+  root["nominal"] = {{"rms_um", result.nominal.rms_mm * kUmPerMm}, {"max_um", result.nominal.max_mm * kUmPerMm}};
   root["fit"] = {{"rms_um", result.fit.rms_mm * kUmPerMm},
                  {"max_um", result.fit.max_mm * kUmPerMm},
                  {"rms_without_outliers_um", result.fit.rms_without_outliers_mm * kUmPerMm},
