@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/base/units.h"
+#include "core/compensate/bend.h"
 #include "core/compensate/folded_chain.h"
 
 namespace axiscal::compensate {
@@ -267,40 +268,6 @@ absl::Status Compensator::Correct(const Pose& pose, Correction* correction) cons
   }
   return impl_->Correct(pose, correction);
 }
-
-namespace {
-
-// Largest magnitude of a term along a move, of its slope and of its curvature; the move's parameter runs from 0 to 1.
-struct Bend {
-  double size = 0, slope = 0, curvature = 0;
-};
-
-Bend BendOf(const ErrorTerm& term, const Pose& from, const Pose& to) {
-  double amplitude = 0;
-  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) amplitude += std::abs(term.amplitude[i]);
-  const auto along = [&](int axis, double* largest) {
-    *largest = std::max(std::abs(from.position[axis]), std::abs(to.position[axis]));
-    return std::abs(to.position[axis] - from.position[axis]);
-  };
-  double largest = 0;
-  if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {
-    const double travel = along(linear->axis, &largest) / linear->reference;
-    return {amplitude * largest / linear->reference, amplitude * travel, 0};
-  }
-  if (const auto* quadratic = std::get_if<shapes::Quadratic>(&term.shape)) {
-    const double travel = along(quadratic->axis, &largest) / quadratic->reference;
-    largest /= quadratic->reference;
-    return {amplitude * largest * largest, 2 * amplitude * largest * travel, 2 * amplitude * travel * travel};
-  }
-  if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
-    const double turn = along(harmonic->axis, &largest) * std::abs(harmonic->frequency);
-    return {amplitude, amplitude * turn, amplitude * turn * turn};
-  }
-  // Of the others only those are carried that stand still along a move: backlash, and time and temperature as stated.
-  return {amplitude, 0, 0};
-}
-
-}  // namespace
 
 // The correction is a product of at most two turns per rotary axis (the errors' and the inverse's), linear in the
 // linear axes: the second derivative along a move is bounded by the product rule, and a chord departs by at most an

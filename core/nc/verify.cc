@@ -1,76 +1,18 @@
 #include "core/nc/verify.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <deque>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "core/base/units.h"
-#include "core/nc/interpreter.h"
-#include "core/nc/line_splitter.h"
+#include "core/nc/move_reader.h"
 
 namespace axiscal::nc {
 namespace {
 
 constexpr int kMaxPiecesPerMove = 2000;
-constexpr size_t kChunkBytes = 1u << 16;
 constexpr double kRotaryMatchDeg = 0.0005;       // words of four decimals, and room for three
 constexpr double kInside[] = {0.25, 0.5, 0.75};  // where a piece is looked at between its ends
-
-// One move or unsupported block.
-struct Event {
-  int64_t line = 0;
-  Step step;
-};
-
-// Reads a program and gives its moves one by one.
-class MoveReader {
- public:
-  MoveReader(const ByteReader& reader, Interpreter interpreter)
-      : reader_(reader), interpreter_(std::move(interpreter)) {}
-
-  // False at the end of the program.
-  absl::StatusOr<bool> Next(Event* event) {
-    while (events_.empty()) {
-      if (is_at_end_) return false;
-      ASSIGN_OR_RETURN(const size_t size, reader_(buffer_.data(), buffer_.size()));
-      const auto line = [this](const char* text, size_t length, bool is_overlong) { Line(text, length, is_overlong); };
-      if (size == 0) {
-        is_at_end_ = true;
-        splitter_.Finish(line);
-      } else {
-        splitter_.Feed(buffer_.data(), size, line, [](const char*, size_t) {});
-      }
-    }
-    *event = std::move(events_.front());
-    events_.pop_front();
-    return true;
-  }
-
- private:
-  void Line(const char* text, size_t size, bool is_overlong) {
-    if (is_overlong) {
-      interpreter_.ReadOverlong(&step_);
-    } else {
-      interpreter_.Read(text, TextSize(text, size), &block_, &step_);
-    }
-    if (step_.kind != StepKind::kNone) events_.push_back({interpreter_.line(), step_});
-  }
-
-  const ByteReader& reader_;
-  Interpreter interpreter_;
-  LineSplitter splitter_;
-  Block block_;
-  Step step_;
-  std::vector<char> buffer_ = std::vector<char>(kChunkBytes);
-  std::deque<Event> events_;
-  bool is_at_end_ = false;
-};
 
 using Positions = std::array<double, machine::kMaxAxes>;  // mm, rad
 
@@ -239,31 +181,6 @@ class Verifier {
   VerifyReport report_;
   double worst_mm_ = -1.0;
 };
-
-ByteReader TextReader(const std::string& text) {
-  auto at = std::make_shared<size_t>(0);
-  return [&text, at](char* buffer, size_t size) -> absl::StatusOr<size_t> {
-    const size_t count = std::min(size, text.size() - *at);
-    std::memcpy(buffer, text.data() + *at, count);
-    *at += count;
-    return count;
-  };
-}
-
-absl::StatusOr<ByteReader> FileReader(const std::string& path) {
-  const std::shared_ptr<std::FILE> file(std::fopen(path.c_str(), "rb"), [](std::FILE* open) {
-    if (open != nullptr) std::fclose(open);
-  });
-  if (file == nullptr) {
-    const std::string message = absl::StrCat("cannot open ", path, ": ", std::strerror(errno));
-    return errno == ENOENT ? absl::NotFoundError(message) : absl::UnavailableError(message);
-  }
-  return ByteReader([file, path](char* buffer, size_t size) -> absl::StatusOr<size_t> {
-    const size_t count = std::fread(buffer, 1, size, file.get());
-    if (count == 0 && std::ferror(file.get())) return absl::UnavailableError(absl::StrCat("cannot read ", path));
-    return count;
-  });
-}
 
 }  // namespace
 

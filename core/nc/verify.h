@@ -17,6 +17,7 @@
 
 #include "core/base/status.h"
 #include "core/machine/error_model.h"
+#include "core/nc/move_reader.h"
 #include "core/nc/options.h"
 #include "core/nc/report.h"
 
@@ -40,9 +41,6 @@ struct VerifyReport {
   Spread path_before, path_after;  // inside them
   int64_t worst_line = 0;          // of the original, where end_after or path_after is largest
 };
-
-// Fills up to `size` bytes and returns their number; 0 at the end.
-using ByteReader = std::function<absl::StatusOr<size_t>(char* buffer, size_t size)>;
 
 // In constant memory. INVALID_ARGUMENT with the lines when the moves of the programs do not pair; errors of the
 // readers.

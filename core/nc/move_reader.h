@@ -1,0 +1,56 @@
+// Reads a program and gives its moves one by one, in constant memory.
+#ifndef AXISCAL_CORE_NC_MOVE_READER_H_
+#define AXISCAL_CORE_NC_MOVE_READER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/nc/interpreter.h"
+#include "core/nc/line_splitter.h"
+
+namespace axiscal::nc {
+
+// Fills up to `size` bytes and returns their number; 0 at the end.
+using ByteReader = std::function<absl::StatusOr<size_t>(char* buffer, size_t size)>;
+
+// The text must outlive the reader.
+ByteReader TextReader(const std::string& text);
+// NOT_FOUND or UNAVAILABLE with the path.
+absl::StatusOr<ByteReader> FileReader(const std::string& path);
+
+// One move or unsupported block.
+struct Event {
+  int64_t line = 0;
+  Step step;
+};
+
+class MoveReader {
+ public:
+  // `reader` must outlive it.
+  MoveReader(const ByteReader& reader, Interpreter interpreter)
+      : reader_(reader), interpreter_(std::move(interpreter)) {}
+
+  // False at the end of the program. Errors of the reader.
+  absl::StatusOr<bool> Next(Event* event);
+
+ private:
+  void Line(const char* text, size_t size, bool is_overlong);
+
+  const ByteReader& reader_;
+  Interpreter interpreter_;
+  LineSplitter splitter_;
+  Block block_;
+  Step step_;
+  std::vector<char> buffer_ = std::vector<char>(1u << 16);
+  std::deque<Event> events_;
+  bool is_at_end_ = false;
+};
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_MOVE_READER_H_
