@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "core/base/units.h"
 #include "core/nc/lexer.h"
@@ -15,7 +14,6 @@ using machine::kMaxAxes;
 
 constexpr double kMaxPositionUnits = 1e7;  // 10 km: ticks stay far from overflow
 constexpr Ticks kMaxTicks = static_cast<Ticks>(kMaxPositionUnits) * kTicksPerMm;
-constexpr char kSubstitute = 0x1A;  // end of file of old systems
 
 std::string WordText(const Word& word) {
   std::string text(1, word.letter);
@@ -158,46 +156,11 @@ void Interpreter::StartProgram() {
   ForgetPositions(false);
 }
 
-bool Interpreter::ReadFrame(const char** text, size_t* size, Step* step) {
-  if (line_ == 1 && *size >= 3 && std::memcmp(*text, "\xEF\xBB\xBF", 3) == 0) {
-    *text += 3;
-    *size -= 3;
-  }
-  const char* at = *text;
-  const char* const end = *text + *size;
-  while (at != end && (*at == ' ' || *at == '\t' || *at == '\r' || *at == 0)) ++at;
-  if (at == end) return false;
-  if (has_ended_) {
-    if (*at == '%') {
-      Unsupported("a second program behind the closing '%'", false, step);
-    } else if (*at != kSubstitute && !has_note_) {
-      has_note_ = true;
-      step->note = absl::StrCat("line ", line_, ": text behind the end of the program is left as it is");
-    }
-    return false;
-  }
-  if (*at == '%') {
-    has_ended_ = has_begun_;
-    has_begun_ = true;
-    return false;
-  }
-  if (*at == kSubstitute) {
-    has_ended_ = true;
-    return false;
-  }
-  while (*size > 0 && (*text)[*size - 1] == kSubstitute) {
-    --*size;
-    has_ended_ = true;
-  }
-  has_begun_ = true;
-  return true;
-}
-
 void Interpreter::ReadOverlong(Step* step) {
   ++line_;
   *step = Step();
   step->has_words = step->has_other_words = true;
-  if (!has_ended_) Unsupported("the block is too long to be one", false, step);
+  if (!frame_.has_ended()) Unsupported("the block is too long to be one", false, step);
 }
 
 void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) {
@@ -210,10 +173,17 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   const char* const begin = text;
   block->word_count = 0;
   block->is_marked = false;
-  // Nearly every line begins with a letter: only the others can be part of the frame.
-  const bool is_plain =
-      has_begun_ && !has_ended_ && size > 0 && text[0] >= 'A' && text[0] <= 'Z' && text[size - 1] != kSubstitute;
-  if (!is_plain && !ReadFrame(&text, &size, step)) return;
+  switch (frame_.Read(line_, &text, &size)) {
+    case ProgramFrame::Kind::kBlock:
+      break;
+    case ProgramFrame::Kind::kNotABlock:
+      return;
+    case ProgramFrame::Kind::kTail:
+      step->note = absl::StrCat("line ", line_, ": text behind the end of the program is left as it is");
+      return;
+    case ProgramFrame::Kind::kSecondProgram:
+      return Unsupported("a second program behind the closing '%'", false, step);
+  }
   const size_t skipped = static_cast<size_t>(text - begin);
   Lex(begin + skipped, size, *dialect_, block);
   if (skipped > 0) {

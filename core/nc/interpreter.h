@@ -16,6 +16,7 @@
 #include "core/nc/block.h"
 #include "core/nc/dialect.h"
 #include "core/nc/options.h"
+#include "core/nc/program_frame.h"
 
 namespace axiscal::nc {
 
@@ -98,7 +99,6 @@ class Interpreter {
   absl::Status TakeOptions();
   absl::StatusOr<AxisTicks> ToAxisTicks(const std::vector<AxisValue>& values, const std::string& field,
                                         std::vector<int>* axes) const;
-  bool ReadFrame(const char** text, size_t* size, Step* step);
   void Apply(const Block& block, Step* step);
   void ScanWords(const Block& block, Scan* scan, Step* step);
   void ScanCode(const Word& word, Scan* scan, Step* step);
@@ -117,12 +117,10 @@ class Interpreter {
   std::array<int8_t, 26> axis_of_letter_{};
   std::array<bool, machine::kMaxAxes> is_linear_{};
   std::vector<AxisTicks> offsets_;
+  ProgramFrame frame_;
   Modal modal_;
   std::array<AxisPosition, machine::kMaxAxes> positions_{};
   int64_t line_ = 0;
-  bool has_begun_ = false;  // a '%' or a block was read
-  bool has_ended_ = false;  // the closing '%' or 0x1A was read
-  bool has_note_ = false;
   bool has_moved_ = false;
   bool at_program_end_ = false;  // M30: what follows is another program
 };

@@ -1,0 +1,35 @@
+#include "core/nc/program_frame.h"
+
+#include <cstring>
+
+namespace axiscal::nc {
+
+ProgramFrame::Kind ProgramFrame::ReadSlowly(int64_t line, const char** text, size_t* size) {
+  if (line == 1 && *size >= 3 && std::memcmp(*text, "\xEF\xBB\xBF", 3) == 0) {
+    *text += 3;
+    *size -= 3;
+  }
+  const char* at = *text;
+  const char* const end = *text + *size;
+  while (at != end && (*at == ' ' || *at == '\t' || *at == '\r' || *at == 0)) ++at;
+  if (at == end) return Kind::kNotABlock;
+  if (has_ended_) {
+    if (*at == '%') return Kind::kSecondProgram;
+    if (*at == kSubstitute || has_tail_) return Kind::kNotABlock;
+    has_tail_ = true;
+    return Kind::kTail;
+  }
+  if (*at == '%' || *at == kSubstitute) {
+    has_ended_ = has_begun_ || *at == kSubstitute;
+    has_begun_ = true;
+    return Kind::kNotABlock;
+  }
+  while ((*text)[*size - 1] == kSubstitute) {
+    --*size;
+    has_ended_ = true;
+  }
+  has_begun_ = true;
+  return Kind::kBlock;
+}
+
+}  // namespace axiscal::nc
