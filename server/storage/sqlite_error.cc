@@ -16,12 +16,15 @@ bool IsDiskFull(int code, int system_error) {
 }  // namespace
 
 absl::Status SqliteError(sqlite3* db, const std::string& what) {
+  // A failed COMMIT leaves sqlite3_system_errno at 0; Statement::Step() cleared errno before it.
+  const int left_errno = errno;
   if (db == nullptr) return base::Error(absl::StatusCode::kUnavailable, what + ": out of memory", {"STORE_DOWN", {}});
   const int extended = sqlite3_extended_errcode(db);
   const int code = extended & 0xff;
+  const int system_error = sqlite3_system_errno(db) != 0 ? sqlite3_system_errno(db) : left_errno;
   const std::string message = absl::StrCat(what, ": ", sqlite3_errmsg(db), " (SQLite result ", extended, ", errno ",
                                            sqlite3_system_errno(db), ")");
-  if (IsDiskFull(code, sqlite3_system_errno(db))) {
+  if (IsDiskFull(code, system_error)) {
     return base::Error(absl::StatusCode::kResourceExhausted, message, {"DISK_FULL", {}});
   }
   switch (code) {

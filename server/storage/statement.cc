@@ -1,5 +1,7 @@
 #include "server/storage/statement.h"
 
+#include <cerrno>
+
 #include "server/storage/sqlite_error.h"
 
 namespace axiscal::storage {
@@ -12,6 +14,7 @@ Statement::~Statement() {
 }
 
 absl::StatusOr<bool> Statement::Step() {
+  errno = 0;  // SqliteError() tells a full disk by it
   const int code = sqlite3_step(statement_);
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;

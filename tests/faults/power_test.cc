@@ -12,7 +12,8 @@
 namespace axiscal::storage {
 namespace {
 
-// Runs `work` in a process of its own and kills it after it has told `kill_after` numbers; gives all numbers it told before it died.
+// Runs `work` in a process of its own and kills it after it has told `kill_after` numbers; gives all numbers it told
+// before it died.
 std::vector<int64_t> RunAndKill(int kill_after, const std::function<void(const std::function<void(int64_t)>&)>& work) {
   int channel[2];
   DEMAND(pipe(channel) == 0);
@@ -50,10 +51,11 @@ void Upload(const std::string& path, int first_chunks, int64_t last_seq, const s
   // As a client does that has not seen the last answers: some chunks are sent again.
   for (int64_t seq = std::max<int64_t>(session.next_seq - first_chunks, 0); seq < last_seq; ++seq) {
     const std::vector<session::Column> columns = TestColumns(seq, 20);
-    database->AppendChunkAsync(session.id, seq, columns, session::ChunkCrc32c(columns), [seq, &tell](absl::StatusOr<AppendResult> result) {
-      DEMAND(result.ok());
-      tell(seq);
-    });
+    database->AppendChunkAsync(session.id, seq, columns, session::ChunkCrc32c(columns),
+                               [seq, &tell](absl::StatusOr<AppendResult> result) {
+                                 DEMAND(result.ok());
+                                 tell(seq);
+                               });
   }
   DEMAND(database->GetSession(session.id).ok());
 }
@@ -68,9 +70,9 @@ TEST(PowerTest, NoAcknowledgedChunkIsLostOrStoredTwice) {
   SessionId id;
   int64_t acknowledged = 0;
   for (int kills = 0; acknowledged < kChunks && kills < 200; ++kills) {
-    const std::vector<int64_t> told = RunAndKill(1 + static_cast<int>(random() % 60), [&](const std::function<void(int64_t)>& tell) {
-      Upload(path, kRepeated, kChunks, tell);
-    });
+    const std::vector<int64_t> told =
+        RunAndKill(1 + static_cast<int>(random() % 60),
+                   [&](const std::function<void(int64_t)>& tell) { Upload(path, kRepeated, kChunks, tell); });
     if (!told.empty()) acknowledged = std::max(acknowledged, told.back() + 1);
     const std::unique_ptr<Database> database = Open(path);
     const SessionRecord session = *database->CreateSession(TestSession("upload"));
@@ -105,7 +107,8 @@ void WorkOff(const std::string& path, const std::function<void(int64_t)>& tell) 
     if (!claimed->has_value()) return;
     const JobRecord& job = **claimed;
     tell(0);  // another point to be killed at: claimed, not stored
-    const JobProduct product = {"done", TestCalibration(base::FromUtcUs(job.id.number()), static_cast<double>(job.id.number())), {}};
+    const JobProduct product = {
+        "done", TestCalibration(base::FromUtcUs(job.id.number()), static_cast<double>(job.id.number())), {}};
     DEMAND(database->SucceedJob({job.id, job.lease_token}, product).ok());
     tell(job.id.number());
   }
@@ -135,7 +138,8 @@ TEST(PowerTest, EveryJobEndsOnceWhateverHappensToItsWorkers) {
   }
   const std::unique_ptr<Database> database = Open(path);
   for (const int64_t id : told) {
-    if (id != 0) EXPECT_EQ(database->GetJob(JobId(id))->state, JobState::kSucceeded) << "acknowledged job " << id;
+    if (id == 0) continue;
+    EXPECT_EQ(database->GetJob(JobId(id))->state, JobState::kSucceeded) << "acknowledged job " << id;
   }
   JobFilter succeeded;
   succeeded.state = JobState::kSucceeded;

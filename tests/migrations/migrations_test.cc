@@ -1,0 +1,85 @@
+// Every released schema, as a dump of a file that was in use, is opened by the present program: its schema is that of a
+// new file, its rows are all there. A new release adds its dump (v0002.sql ...); old dumps are never edited.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "server/storage/connection.h"
+#include "server/storage/migrate.h"
+#include "server/storage/testing/temp_database.h"
+
+namespace axiscal::storage {
+namespace {
+
+std::string Dump(const std::string& name) {
+  std::ostringstream text;
+  text << std::ifstream(AXISCAL_SOURCE_DIR "/tests/migrations/" + name).rdbuf();
+  return text.str();
+}
+
+std::string Schema(const std::string& path) {
+  const std::unique_ptr<Connection> connection = *Connection::Open(path, Access::kReadOnly);
+  Statement row =
+      *connection->Ask("SELECT type, name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' ORDER BY type, name");
+  std::string schema;
+  while (*row.Step()) schema += row.Text(0) + " " + row.Text(1) + ": " + row.Text(2) + "\n";
+  return schema;
+}
+
+class Upgrade : public testing::TestWithParam<std::string> {
+ protected:
+  Upgrade() {
+    options.path = directory.File("old.db");
+    const std::unique_ptr<Connection> connection = *Connection::Open(options.path, Access::kWrite);
+    DEMAND(connection->Execute(Dump(GetParam())).ok());
+  }
+
+  TempDirectory directory;
+  SqliteOptions options;
+};
+
+TEST_P(Upgrade, GivesTheSchemaOfANewFile) {
+  ASSERT_TRUE(OpenSqlite(options).ok());
+  SqliteOptions fresh;
+  fresh.path = directory.File("new.db");
+  ASSERT_TRUE(OpenSqlite(fresh).ok());
+  EXPECT_EQ(Schema(options.path), Schema(fresh.path));
+}
+
+TEST_P(Upgrade, KeepsEveryRow) {
+  const std::unique_ptr<Database> database = *OpenSqlite(options);
+  EXPECT_EQ(database->GetMachine(MachineId("mt"))->revision, 2);
+  EXPECT_EQ(database->GetMachineRevision(MachineId("mt"), 1)->description_json, "{}");
+  const auto session = database->ReadSession(SessionId(1));
+  ASSERT_TRUE(session.ok()) << session.status();
+  EXPECT_EQ(session->header, TestSession("").header);
+  ASSERT_EQ(session->reading_count(), 30u);
+  EXPECT_EQ(session->columns[1].values[12], TestColumns(1, 10)[1].values[2]);
+  EXPECT_EQ(database->GetSession(SessionId(2))->state, SessionState::kOpen);
+  const auto calibration = database->GetApprovedCalibration(MachineId("mt"));
+  ASSERT_TRUE(calibration.ok()) << calibration.status();
+  EXPECT_EQ(calibration->content.estimates, TestCalibration({}, -101.2).estimates);
+  EXPECT_EQ(calibration->job, JobId(1));
+  const auto drift =
+      database->QueryDrift({MachineId("mt"), {"EA0B"}, base::FromUtcUs(0), base::FromUtcUs(1'800'000'000'000'000), 1});
+  ASSERT_EQ(drift->at(0).points.size(), 1u);
+  EXPECT_EQ(drift->at(0).points[0].count, 2);
+  EXPECT_EQ(database->GetJob(JobId(1))->result, "result");
+  EXPECT_EQ(database->GetJob(JobId(2))->state, JobState::kQueued);  // ran when the file was left
+  std::string program;
+  ASSERT_TRUE(database
+                  ->ReadProgram(ProgramId(1), 0,
+                                [&](const std::string& bytes) {
+                                  program += bytes;
+                                  return absl::OkStatus();
+                                })
+                  .ok());
+  EXPECT_EQ(program, "G01 X1\n");
+  EXPECT_FALSE(database->ListAudit({})->rows.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Released, Upgrade, testing::Values("v0001.sql"));
+
+}  // namespace
+}  // namespace axiscal::storage
