@@ -25,11 +25,10 @@ namespace axiscal::nc {
 // Takes the next bytes of the output. An error ends the job with that error.
 using ByteSink = std::function<absl::Status(const char* bytes, size_t size)>;
 
-// Streaming form, in constant memory. Not thread safe. Statuses of Feed and Finish:
-//   INVALID_ARGUMENT     options, or a program that was compensated before
-//   FAILED_PRECONDITION  blocks refused (report().refused says which and why), a correction beyond its limit, travel
-//   exceeded any status of the sink.
-// After an error no more bytes reach the sink and every later call returns the same error.
+// Streaming form, in constant memory. Not thread safe. Feed and Finish return INVALID_ARGUMENT for a program that was
+// compensated before; Finish returns FAILED_PRECONDITION when blocks were refused, a correction is beyond its limit or
+// a travel limit is exceeded (report().refused says where and why); both return any error of the sink. After an error
+// no more bytes reach the sink and every later call returns the same error.
 class Rewriter {
  public:
   // `compensator` must outlive the rewriter. INVALID_ARGUMENT on bad options.
