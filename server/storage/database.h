@@ -82,7 +82,7 @@ class Database {
   // verified; a damaged one is DATA_LOSS CHUNK_DAMAGED (facts session, seq).
   virtual absl::StatusOr<session::Session> ReadSession(SessionId id) = 0;
   // The same chunk by chunk from `first_seq`; an error from `visit` ends it and is returned. Holds no lock while
-  // `visit` runs.
+  // `visit` runs. Also of an open session, as far as it is durable: a resumed upload is checked against what stands.
   virtual absl::Status ReadChunks(
       SessionId id, int64_t first_seq,
       const std::function<absl::Status(int64_t seq, const std::vector<session::Column>&)>& visit) = 0;

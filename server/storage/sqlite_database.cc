@@ -307,10 +307,10 @@ absl::Status SqliteDatabase::ReadChunks(
     SessionId id, int64_t first_seq,
     const std::function<absl::Status(int64_t seq, const std::vector<session::Column>&)>& visit) {
   ASSIGN_OR_RETURN(const SessionRecord session, GetSession(id));
-  if (session.state != SessionState::kComplete) {
+  if (session.state != SessionState::kComplete && session.state != SessionState::kOpen) {
     return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
   }
-  // One short read per chunk: a complete session cannot change, and a slow visitor must not keep the log from being
+  // One short read per chunk: what is durable cannot change, and a slow visitor must not keep the log from being
   // merged.
   for (int64_t seq = std::max<int64_t>(first_seq, 0);; ++seq) {
     ASSIGN_OR_RETURN(const std::optional<std::vector<session::Column>> columns,
@@ -322,6 +322,9 @@ absl::Status SqliteDatabase::ReadChunks(
 
 absl::StatusOr<session::Session> SqliteDatabase::ReadSession(SessionId id) {
   ASSIGN_OR_RETURN(const SessionRecord record, GetSession(id));
+  if (record.state != SessionState::kComplete) {
+    return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
+  }
   session::Session session;
   session.header = record.header;
   for (const ColumnSpec& spec : record.columns) session.columns.push_back({spec.name, {}, {}});

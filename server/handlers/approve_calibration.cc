@@ -1,0 +1,20 @@
+#include "server/handlers/approve_calibration.h"
+
+#include "proto/convert/calibration.h"
+#include "proto/convert/field.h"
+
+namespace axiscal::handlers {
+
+absl::StatusOr<v1::ApproveCalibrationResponse> ApproveCalibration(Core& core, const Call& call,
+                                                                  const v1::ApproveCalibrationRequest& request) {
+  RETURN_IF_ERROR(convert::RequirePositive("etag", request.etag()));
+  RETURN_IF_ERROR(convert::RequireText("approved_by", request.approved_by(), 1, 200));
+  ASSIGN_OR_RETURN(const storage::CalibrationRecord record,
+                   core.database.ApproveCalibration(CalibrationId(request.calibration_id()), request.etag(),
+                                                    {request.approved_by(), ""}));
+  v1::ApproveCalibrationResponse response;
+  *response.mutable_calibration() = convert::ToProto(record);
+  return response;
+}
+
+}  // namespace axiscal::handlers

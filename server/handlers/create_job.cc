@@ -1,0 +1,26 @@
+#include "server/handlers/create_job.h"
+
+#include "proto/convert/field.h"
+#include "proto/convert/job.h"
+#include "server/handlers/job_inputs.h"
+
+namespace axiscal::handlers {
+
+absl::StatusOr<v1::CreateJobResponse> CreateJob(Core& core, const Call& call, const v1::CreateJobRequest& request) {
+  RETURN_IF_ERROR(RequireAccepting(core));
+  RETURN_IF_ERROR(RequireRequestId(request.request_id()));
+  absl::StatusOr<convert::JobParams> params = convert::FromProto(request.params());
+  if (!params.ok()) return convert::InField("params", params.status());
+  RETURN_IF_ERROR(CheckInputs(core.database, *params));
+  storage::NewJob job;
+  job.kind = convert::KindOf(*params);
+  job.machine = convert::MachineOf(*params);
+  job.params = convert::Serialize(*params);
+  job.caller = {call.user, request.request_id()};
+  ASSIGN_OR_RETURN(const storage::JobRecord record, core.jobs.Create(job));
+  v1::CreateJobResponse response;
+  *response.mutable_job() = convert::ToProto(record);
+  return response;
+}
+
+}  // namespace axiscal::handlers

@@ -1,0 +1,100 @@
+#include "server/handlers/job_inputs.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error_detail.h"
+#include "core/machine/error_json.h"
+#include "core/machine/machine_json.h"
+#include "proto/convert/field.h"
+
+namespace axiscal::handlers {
+namespace {
+
+absl::Status Unmet(const std::string& reason, const std::string& text) {
+  return base::Error(absl::StatusCode::kFailedPrecondition, text, {reason, {}});
+}
+
+absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
+                           const convert::IdentifyParams& params) {
+  RETURN_IF_ERROR(DeclaredModel(machine, params.declared).status());
+  for (size_t i = 0; i < params.sessions.size(); ++i) {
+    const std::string field = absl::StrCat("params.identify.session_ids[", i, "]");
+    ASSIGN_OR_RETURN(const storage::SessionRecord session, database.GetSession(params.sessions[i]));
+    const std::string name = absl::StrCat("session ", session.id.number(), " (", session.name, ")");
+    if (session.machine != params.machine) {
+      return convert::FieldError(
+          field, absl::StrCat(name, " is of machine ", session.machine.text(), ", must be of ", params.machine.text()));
+    }
+    if (session.state != storage::SessionState::kComplete) {
+      return Unmet("SESSION_NOT_COMPLETE", name + " is not complete");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckCompensate(storage::Database& database, const convert::CompensateParams& params) {
+  ASSIGN_OR_RETURN(const storage::ProgramRecord program, database.GetProgram(params.program));
+  if (program.state != storage::ProgramState::kComplete) {
+    return Unmet("PROGRAM_NOT_COMPLETE", absl::StrCat("program ", program.id.number(), " is not complete"));
+  }
+  return CalibrationFor(database, params).status();
+}
+
+}  // namespace
+
+absl::Status CheckInputs(storage::Database& database, const convert::JobParams& params) {
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, database.GetMachine(convert::MachineOf(params)));
+  if (record.deleted_at) return Unmet("MACHINE_DELETED", "machine " + record.id.text() + " is deleted");
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
+  if (const auto* identify = std::get_if<convert::IdentifyParams>(&params)) {
+    return CheckIdentify(database, machine, *identify);
+  }
+  return CheckCompensate(database, std::get<convert::CompensateParams>(params));
+}
+
+absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database,
+                                                          const convert::CompensateParams& params) {
+  if (!params.calibration) {
+    absl::StatusOr<storage::CalibrationRecord> approved = database.GetApprovedCalibration(params.machine);
+    if (approved.ok() || !absl::IsNotFound(approved.status())) return approved;
+    return Unmet("CALIBRATION_NOT_APPROVED",
+                 "machine " + params.machine.text() + " has no approved calibration: approve one, or name a candidate");
+  }
+  ASSIGN_OR_RETURN(storage::CalibrationRecord calibration, database.GetCalibration(*params.calibration));
+  if (calibration.content.machine != params.machine) {
+    return convert::FieldError(
+        "params.compensate.calibration_id",
+        absl::StrCat(calibration.id.number(), " is of machine ", calibration.content.machine.text(), ", must be of ",
+                     params.machine.text()));
+  }
+  if (calibration.state == storage::CalibrationState::kRetired) {
+    return Unmet("CALIBRATION_RETIRED",
+                 absl::StrCat("calibration ", calibration.id.number(), " is retired: approve it again to use it"));
+  }
+  return calibration;
+}
+
+absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machine,
+                                                  const std::vector<std::string>& declared) {
+  if (declared.empty()) return machine::DeclaredModel(machine);
+  machine::ErrorModel model;
+  for (size_t i = 0; i < declared.size(); ++i) {
+    nlohmann::ordered_json errors;
+    if (declared[i].front() == '{') {
+      nlohmann::ordered_json term = nlohmann::ordered_json::parse(declared[i], nullptr, /*allow_exceptions=*/false);
+      if (term.is_object()) term["amplitude"] = 0.0;
+      errors["terms"] = nlohmann::ordered_json::array({std::move(term)});
+    } else {
+      errors[declared[i]] = 0.0;
+    }
+    const absl::StatusOr<machine::ErrorModel> read = machine::ReadErrors(errors.dump(), machine);
+    if (!read.ok()) {
+      return convert::FieldError(absl::StrCat("params.identify.declared_errors[", i, "]"),
+                                 std::string(read.status().message()));
+    }
+    model.terms.insert(model.terms.end(), read->terms.begin(), read->terms.end());
+  }
+  return model;
+}
+
+}  // namespace axiscal::handlers

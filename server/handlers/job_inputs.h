@@ -1,0 +1,33 @@
+// The inputs of a job, checked when it is created so that what cannot work is refused at once.
+#ifndef AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_
+#define AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_
+
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/machine/error_model.h"
+#include "proto/convert/job_params.h"
+#include "server/storage/database.h"
+
+namespace axiscal::handlers {
+
+// The machine is there and not deleted; sessions are complete and of that machine; the program is complete; the
+// calibration is of that machine and not retired, or, when none is named, one is approved. The store's NOT_FOUND,
+// FIELD_INVALID, FAILED_PRECONDITION MACHINE_DELETED, SESSION_NOT_COMPLETE, PROGRAM_NOT_COMPLETE, CALIBRATION_RETIRED,
+// CALIBRATION_NOT_APPROVED.
+absl::Status CheckInputs(storage::Database& database, const convert::JobParams& params);
+
+// The calibration that a COMPENSATE job uses, as above.
+absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database,
+                                                          const convert::CompensateParams& params);
+
+// The error terms that were asked for: each a constant's symbol ("EZ0T") or a term of errors.json without its amplitude
+// ({"symbol": "EBB", "shape": "harmonic", "order": 45}). Empty: the machine's declared ones. INVALID_ARGUMENT
+// FIELD_INVALID.
+absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machine,
+                                                  const std::vector<std::string>& declared);
+
+}  // namespace axiscal::handlers
+
+#endif  // AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_

@@ -1,0 +1,18 @@
+#include "server/handlers/latest_fleet.h"
+
+#include "proto/convert/history.h"
+
+namespace axiscal::handlers {
+
+absl::StatusOr<v1::LatestFleetResponse> LatestFleet(Core& core, const Call& call,
+                                                    const v1::LatestFleetRequest& request) {
+  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const storage::Page<storage::FleetRow> rows,
+                   core.database.LatestFleet({request.symbols().begin(), request.symbols().end()}, page));
+  v1::LatestFleetResponse response;
+  for (const storage::FleetRow& row : rows.rows) *response.add_machines() = convert::ToProto(row);
+  response.set_next_page_token(rows.next_token);
+  return response;
+}
+
+}  // namespace axiscal::handlers

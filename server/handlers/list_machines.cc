@@ -1,0 +1,17 @@
+#include "server/handlers/list_machines.h"
+
+#include "proto/convert/machine.h"
+
+namespace axiscal::handlers {
+
+absl::StatusOr<v1::ListMachinesResponse> ListMachines(Core& core, const Call& call,
+                                                      const v1::ListMachinesRequest& request) {
+  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const storage::Page<storage::MachineRecord> rows, core.database.ListMachines(page));
+  v1::ListMachinesResponse response;
+  for (const storage::MachineRecord& row : rows.rows) *response.add_machines() = convert::ToProto(row);
+  response.set_next_page_token(rows.next_token);
+  return response;
+}
+
+}  // namespace axiscal::handlers

@@ -1,0 +1,22 @@
+#include "server/handlers/list_sessions.h"
+
+#include "proto/convert/session.h"
+
+namespace axiscal::handlers {
+
+absl::StatusOr<v1::ListSessionsResponse> ListSessions(Core& core, const Call& call,
+                                                      const v1::ListSessionsRequest& request) {
+  storage::SessionFilter filter;
+  if (!request.machine_id().empty()) filter.machine = MachineId(request.machine_id());
+  if (request.state() != v1::SESSION_STATE_UNSPECIFIED) {
+    ASSIGN_OR_RETURN(filter.state, convert::FromProto(request.state()));
+  }
+  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const storage::Page<storage::SessionRecord> rows, core.database.ListSessions(filter, page));
+  v1::ListSessionsResponse response;
+  for (const storage::SessionRecord& row : rows.rows) *response.add_sessions() = convert::ToProto(row);
+  response.set_next_page_token(rows.next_token);
+  return response;
+}
+
+}  // namespace axiscal::handlers

@@ -1,0 +1,63 @@
+#include "server/handlers/put_program.h"
+
+#include "core/base/error_detail.h"
+#include "proto/convert/field.h"
+#include "proto/convert/program.h"
+
+namespace axiscal::handlers {
+
+absl::Status PutProgramStream::Receive(const v1::PutProgramRequest& request) {
+  RETURN_IF_ERROR(RequireAccepting(core_));
+  const bool is_expected = header_ ? request.part_case() == v1::PutProgramRequest::kData : request.has_header();
+  if (!is_expected) {
+    return base::Error(absl::StatusCode::kInvalidArgument, "the header must come first and once, then data",
+                       {"STREAM_INVALID", {}});
+  }
+  return header_ ? Append(request.data()) : Begin(request.header());
+}
+
+absl::Status PutProgramStream::Begin(const v1::PutProgramHeader& header) {
+  RETURN_IF_ERROR(convert::RequireText("header.name", header.name(), 1, 255));
+  if (header.name().find_first_of("/\\") != std::string::npos) {
+    return convert::FieldError("header.name", "must be a file name without folders");
+  }
+  RETURN_IF_ERROR(convert::RequireNotNegative("header.size_bytes", header.size_bytes()));
+  RETURN_IF_ERROR(convert::RequireSha256("header.sha256", header.sha256()));
+  RETURN_IF_ERROR(convert::RequireText("header.request_id", header.request_id(), 1, 64));
+  ASSIGN_OR_RETURN(program_, core_.database.BeginProgram({"nc", header.name(), {call_.user, header.request_id()}}));
+  header_ = header;
+  return absl::OkStatus();
+}
+
+absl::Status PutProgramStream::Append(const std::string& bytes) {
+  if (bytes.empty() || bytes.size() > static_cast<size_t>(convert::kMaxProgramPartBytes)) {
+    return convert::FieldError("data",
+                               absl::StrCat(bytes.size(), " bytes, must be 1 to ", convert::kMaxProgramPartBytes));
+  }
+  const int64_t offset = received_;
+  received_ += static_cast<int64_t>(bytes.size());
+  if (received_ > header_->size_bytes()) {
+    return base::Error(absl::StatusCode::kOutOfRange,
+                       absl::StrCat("more than the ", header_->size_bytes(), " bytes that the header says"),
+                       {"SIZE_EXCEEDED", {}});
+  }
+  // Sent again after it was stored: what is there need not be compared, the checksum is.
+  if (program_.state == storage::ProgramState::kComplete) return absl::OkStatus();
+  return core_.database.AppendProgram(program_.id, offset, bytes).status();
+}
+
+absl::StatusOr<v1::PutProgramResponse> PutProgramStream::End() {
+  if (!header_ || received_ < header_->size_bytes()) {
+    return base::Error(
+        absl::StatusCode::kAborted,
+        absl::StrCat("the stream ended after ", received_, " of ", header_ ? header_->size_bytes() : 0, " bytes"),
+        {"STREAM_INCOMPLETE", {}});
+  }
+  ASSIGN_OR_RETURN(const storage::ProgramRecord record,
+                   core_.database.FinishProgram(program_.id, header_->size_bytes(), header_->sha256()));
+  v1::PutProgramResponse response;
+  *response.mutable_program() = convert::ToProto(record);
+  return response;
+}
+
+}  // namespace axiscal::handlers

@@ -1,0 +1,35 @@
+// Programs.PutProgram: a header, then the bytes in order; stored when size and checksum agree.
+#ifndef AXISCAL_SERVER_HANDLERS_PUT_PROGRAM_H_
+#define AXISCAL_SERVER_HANDLERS_PUT_PROGRAM_H_
+
+#include <optional>
+
+#include "axiscal/v1/programs_service.pb.h"
+#include "server/handlers/core.h"
+
+namespace axiscal::handlers {
+
+class PutProgramStream {
+ public:
+  PutProgramStream(Core& core, const Call& call) : core_(core), call_(call) {}
+
+  // The next message. An error is the status of the call. STREAM_INVALID when messages come in another order,
+  // OUT_OF_RANGE SIZE_EXCEEDED when more bytes come than the header says.
+  absl::Status Receive(const v1::PutProgramRequest& request);
+  // No more messages. ABORTED STREAM_INCOMPLETE when bytes are missing: a malformed message looks like a normal end.
+  absl::StatusOr<v1::PutProgramResponse> End();
+
+ private:
+  absl::Status Begin(const v1::PutProgramHeader& header);
+  absl::Status Append(const std::string& bytes);
+
+  Core& core_;
+  const Call call_;
+  std::optional<v1::PutProgramHeader> header_;
+  storage::ProgramRecord program_;
+  int64_t received_ = 0;  // bytes
+};
+
+}  // namespace axiscal::handlers
+
+#endif  // AXISCAL_SERVER_HANDLERS_PUT_PROGRAM_H_

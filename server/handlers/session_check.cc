@@ -1,0 +1,137 @@
+#include "server/handlers/session_check.h"
+
+#include <cmath>
+
+#include "absl/time/time.h"
+#include "core/base/error_detail.h"
+#include "core/machine/machine_json.h"
+#include "core/session/check_machine.h"
+#include "core/session/header_rules.h"
+
+namespace axiscal::handlers {
+namespace {
+
+absl::Status Invalid(const absl::Status& status, const std::string& field) {
+  if (status.ok()) return status;
+  const std::string message(status.message());
+  return base::Error(absl::StatusCode::kInvalidArgument, message,
+                     {"SESSION_INVALID", {{"field", field}, {"rule", message}}});
+}
+
+absl::StatusOr<machine::Machine> MachineOf(Core& core, const MachineId& id) {
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, core.database.GetMachine(id));
+  if (record.deleted_at) {
+    return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + id.text() + " is deleted",
+                       {"MACHINE_DELETED", {}});
+  }
+  return machine::MachineFromJson(record.description_json);
+}
+
+session::Session WithoutReadings(const convert::SessionSchema& schema) {
+  session::Session session{schema.header, {}};
+  for (const storage::ColumnSpec& column : schema.columns) session.columns.push_back({column.name, {}, {}});
+  return session;
+}
+
+std::vector<std::string> NamesOf(const std::vector<storage::ColumnSpec>& columns) {
+  std::vector<std::string> names;
+  for (const storage::ColumnSpec& column : columns) names.push_back(column.name);
+  return names;
+}
+
+}  // namespace
+
+absl::Status CheckSchema(Core& core, const MachineId& machine_id, const convert::SessionSchema& schema) {
+  ASSIGN_OR_RETURN(const machine::Machine machine, MachineOf(core, machine_id));
+  RETURN_IF_ERROR(Invalid(session::ValidateHeader(schema.header), "schema.header"));
+  const absl::StatusOr<std::vector<session::ColumnRule>> rules =
+      session::ColumnRules(schema.header, NamesOf(schema.columns));
+  RETURN_IF_ERROR(Invalid(rules.status(), "schema.columns"));
+  for (size_t i = 0; i < rules->size(); ++i) {
+    const bool is_text = (*rules)[i].kind == session::ColumnKind::kName;
+    if (is_text == schema.columns[i].is_text) continue;
+    return Invalid(absl::InvalidArgumentError(schema.columns[i].name + (is_text ? " holds texts" : " holds numbers")),
+                   absl::StrCat("schema.columns[", i, "].kind"));
+  }
+  return Invalid(session::CheckAgainstMachine(WithoutReadings(schema), machine), "schema");
+}
+
+absl::StatusOr<ReadingCheck> ReadingCheck::Create(Core& core, const storage::SessionRecord& session,
+                                                  int64_t first_seq) {
+  ReadingCheck check;
+  check.header_ = session.header;
+  ASSIGN_OR_RETURN(check.rules_, session::ColumnRules(session.header, NamesOf(session.columns)));
+  ASSIGN_OR_RETURN(check.machine_, MachineOf(core, session.machine));
+  if (first_seq == 0) return check;
+  // Resumed: the last reading that stands says how far time had run.
+  int64_t tail_readings = 0;
+  RETURN_IF_ERROR(core.database.ReadChunks(
+      session.id, first_seq - 1, [&](int64_t seq, const std::vector<session::Column>& columns) {
+        const session::Session chunk{{}, columns};
+        if (seq >= first_seq) {
+          tail_readings += static_cast<int64_t>(chunk.reading_count());
+        } else if (const session::Column* time = session::FindColumn(chunk, "t_s"); time != nullptr) {
+          check.last_time_s_ = time->values.back();
+        }
+        return absl::OkStatus();
+      }));
+  check.first_reading_ = static_cast<size_t>(std::max<int64_t>(0, session.reading_count - tail_readings));
+  return check;
+}
+
+absl::Status ReadingCheck::Check(const std::vector<session::Column>& columns) {
+  for (size_t i = 0; i < columns.size(); ++i) RETURN_IF_ERROR(Invalid(CheckColumn(columns[i], i), "chunk"));
+  const session::Session chunk{header_, columns};
+  const absl::Status travel = session::CheckAgainstMachine(chunk, machine_);
+  RETURN_IF_ERROR(Invalid(base::Within(absl::StrCat("readings from ", first_reading_ + 1, " on"), travel), "chunk"));
+  const session::Column* const time = session::FindColumn(chunk, "t_s");
+  if (time != nullptr) last_time_s_ = time->values.back();
+  first_reading_ += chunk.reading_count();
+  return absl::OkStatus();
+}
+
+absl::Status ReadingCheck::CheckColumn(const session::Column& column, size_t index) {
+  const session::ColumnRule& rule = rules_[index];
+  const auto place = [&](size_t i) {
+    return session::Place(session::ReadingLine(header_.size(), first_reading_ + i), index, column.name);
+  };
+  for (size_t i = 0; i < column.texts.size(); ++i) {
+    RETURN_IF_ERROR(base::Within(place(i), session::CheckName(rule, column.texts[i])));
+  }
+  double earlier_s = last_time_s_.value_or(-std::numeric_limits<double>::infinity());
+  for (size_t i = 0; i < column.values.size(); ++i) {
+    const double number = column.values[i];
+    if (!rule.Fits(number) && !(rule.may_be_empty && std::isnan(number))) {
+      return absl::InvalidArgumentError(absl::StrFormat("%s: %g, expected %s", place(i), number, rule.expected));
+    }
+    if (rule.kind != session::ColumnKind::kTime) continue;
+    if (number < earlier_s) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("%s: %.12g, expected at least %.12g: time never runs back", place(i), number, earlier_s));
+    }
+    earlier_s = number;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<storage::SessionRecord> FinishChecked(Core& core, SessionId id, const storage::SessionTotals& totals) {
+  if (totals.reading_count == 0) {
+    return Invalid(absl::InvalidArgumentError("no readings, expected at least one"), "totals.readings");
+  }
+  return core.database.FinishSession(id, totals);
+}
+
+std::optional<base::UtcTime> StartedAt(const session::Session& session) {
+  const std::optional<std::string> started = session::FindHeader(session, "started");
+  if (!started) return std::nullopt;
+  absl::Time time;
+  std::string error;
+  for (const char* format :
+       {"%Y-%m-%d%ET%H:%M:%E*S%Ez", "%Y-%m-%d%ET%H:%M:%E*S", "%Y-%m-%d%ET%H:%M%Ez", "%Y-%m-%d%ET%H:%M",
+        "%Y-%m-%d %H:%M:%E*S%Ez", "%Y-%m-%d %H:%M:%E*S", "%Y-%m-%d %H:%M", "%Y-%m-%d"}) {
+    if (absl::ParseTime(format, *started, &time, &error)) return base::FromUtcUs(absl::ToUnixMicros(time));
+  }
+  return std::nullopt;
+}
+
+}  // namespace axiscal::handlers

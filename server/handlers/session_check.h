@@ -1,0 +1,47 @@
+// Sessions that come over the wire are held to the rules of session files, before their readings are stored. Reason
+// SESSION_INVALID; places are those that the session would have as a file.
+#ifndef AXISCAL_SERVER_HANDLERS_SESSION_CHECK_H_
+#define AXISCAL_SERVER_HANDLERS_SESSION_CHECK_H_
+
+#include <optional>
+#include <vector>
+
+#include "core/machine/machine.h"
+#include "core/session/column_rules.h"
+#include "proto/convert/session.h"
+#include "server/handlers/core.h"
+
+namespace axiscal::handlers {
+
+// Header and columns fit the instrument, the session names `machine`, and the machine has its axes. NOT_FOUND
+// MACHINE_NOT_FOUND, FAILED_PRECONDITION MACHINE_DELETED.
+absl::Status CheckSchema(Core& core, const MachineId& machine, const convert::SessionSchema& schema);
+
+// Readings in their order, across chunks.
+class ReadingCheck {
+ public:
+  // Of a stored session from its chunk `first_seq` on, which is at most its next_seq.
+  static absl::StatusOr<ReadingCheck> Create(Core& core, const storage::SessionRecord& session, int64_t first_seq);
+
+  // The next chunk's columns.
+  absl::Status Check(const std::vector<session::Column>& columns);
+
+ private:
+  absl::Status CheckColumn(const session::Column& column, size_t index);
+
+  std::vector<session::HeaderEntry> header_;
+  std::vector<session::ColumnRule> rules_;
+  machine::Machine machine_;
+  size_t first_reading_ = 0;  // of the next chunk
+  std::optional<double> last_time_s_;
+};
+
+// Database::FinishSession for a session that has readings.
+absl::StatusOr<storage::SessionRecord> FinishChecked(Core& core, SessionId id, const storage::SessionTotals& totals);
+
+// When it was measured, by its header `started` (ISO 8601; without a zone it is UTC); nothing when it does not say.
+std::optional<base::UtcTime> StartedAt(const session::Session& session);
+
+}  // namespace axiscal::handlers
+
+#endif  // AXISCAL_SERVER_HANDLERS_SESSION_CHECK_H_

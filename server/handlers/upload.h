@@ -1,0 +1,75 @@
+// Ingest.Upload and UploadOnce: one stream of header, chunks and finish. Chunks go to the disk several at a time; an
+// acknowledgement is sent when they are durable.
+#ifndef AXISCAL_SERVER_HANDLERS_UPLOAD_H_
+#define AXISCAL_SERVER_HANDLERS_UPLOAD_H_
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "axiscal/v1/ingest_service.pb.h"
+#include "server/handlers/core.h"
+#include "server/handlers/session_check.h"
+
+namespace axiscal::handlers {
+
+class UploadStream {
+ public:
+  // `send` takes acknowledgements, on a thread of the stream; it returns false when the caller has left. Null: none are
+  // sent.
+  UploadStream(Core& core, const Call& call, std::function<bool(const v1::UploadResponse&)> send);
+  // Waits until nothing of this stream is under way.
+  ~UploadStream();
+  UploadStream(const UploadStream&) = delete;
+  UploadStream& operator=(const UploadStream&) = delete;
+
+  // The next message. An error is the status of the call: nothing more may be received. RESOURCE_EXHAUSTED QUEUE_FULL
+  // when too many uploads are open, UNAVAILABLE DRAINING when the server stops, STREAM_INVALID when messages come in
+  // another order.
+  absl::Status Receive(const v1::UploadRequest& request);
+  // No more messages, or none that can be read. Waits for what is under way; an error is the status of the call. The
+  // session stays open unless it was finished.
+  absl::Status End();
+
+  // Set when the session was finished.
+  const std::optional<storage::SessionRecord>& completed() const { return completed_; }
+  int64_t duplicate_chunks();
+
+ private:
+  absl::Status Begin(const v1::UploadHeader& header);
+  absl::Status Append(const v1::Chunk& message);
+  absl::Status Finish(const v1::UploadFinish& finish);
+  void Stored(const absl::StatusOr<storage::AppendResult>& result);
+  absl::Status WaitForAll();
+  void Acknowledge();
+  void StopAcknowledging();
+
+  Core& core_;
+  const Call call_;
+  const std::function<bool(const v1::UploadResponse&)> send_;
+  bool is_counted_ = false;
+  std::optional<storage::SessionRecord> session_;
+  std::optional<ReadingCheck> check_;
+  int64_t expected_seq_ = 0;
+  std::optional<storage::SessionRecord> completed_;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int under_way_ = 0;  // guarded by mutex_, as are:
+  int64_t next_seq_ = 0;
+  int64_t duplicates_ = 0;
+  absl::Status error_;
+  bool is_stopping_ = false;
+  int64_t messages_ = 0;
+
+  std::thread acknowledger_;
+};
+
+// The answer of UploadOnce after End(). ABORTED STREAM_INCOMPLETE when the session was not finished.
+absl::Status Summarise(UploadStream& upload, v1::UploadOnceResponse* response);
+
+}  // namespace axiscal::handlers
+
+#endif  // AXISCAL_SERVER_HANDLERS_UPLOAD_H_
