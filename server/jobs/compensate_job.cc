@@ -1,0 +1,135 @@
+#include "server/jobs/compensate_job.h"
+
+#include "core/base/error_detail.h"
+#include "core/compensate/compensator.h"
+#include "core/machine/error_json.h"
+#include "core/machine/machine_json.h"
+#include "core/nc/rewrite.h"
+#include "proto/convert/job_params.h"
+#include "server/handlers/job_inputs.h"
+
+namespace axiscal::jobs {
+namespace {
+
+constexpr size_t kPartBytes = 1 << 20;
+
+bool SameAxis(const machine::Axis& a, const machine::Axis& b) {
+  return a.name == b.name && a.kind == b.kind && a.direction == b.direction && a.point_mm == b.point_mm;
+}
+
+bool SameChain(const machine::Machine& a, const machine::Machine& b) {
+  return std::equal(a.axes.begin(), a.axes.end(), b.axes.begin(), b.axes.end(), SameAxis) &&
+         a.tool_branch == b.tool_branch && a.work_branch == b.work_branch && a.tool_direction == b.tool_direction;
+}
+
+// The machine as it is described now, if the calibration was fitted with the same axes.
+absl::StatusOr<machine::Machine> MachineFor(storage::Database& database,
+                                            const storage::CalibrationRecord& calibration) {
+  ASSIGN_OR_RETURN(const storage::MachineRecord now, database.GetMachine(calibration.content.machine));
+  ASSIGN_OR_RETURN(const storage::MachineRecord then,
+                   database.GetMachineRevision(now.id, calibration.content.machine_revision));
+  ASSIGN_OR_RETURN(machine::Machine machine, machine::MachineFromJson(now.description_json));
+  ASSIGN_OR_RETURN(const machine::Machine fitted, machine::MachineFromJson(then.description_json));
+  if (SameChain(machine, fitted)) return machine;
+  return base::Error(
+      absl::StatusCode::kFailedPrecondition,
+      absl::StrCat("the axes of machine ", machine.id, " were changed since calibration ", calibration.id.number(),
+                   " was identified (revision ", then.revision, ", now ", now.revision, "): identify again"),
+      {"MACHINE_CHANGED", {}});
+}
+
+// Takes bytes as they come and stores them in parts of equal size, so that a second attempt stores the same parts
+// again.
+class ProgramWriter {
+ public:
+  static absl::StatusOr<ProgramWriter> Create(storage::Database& database, const storage::NewProgram& program) {
+    ASSIGN_OR_RETURN(const storage::ProgramRecord record, database.BeginProgram(program));
+    return ProgramWriter(database, record);
+  }
+
+  absl::Status Append(const char* bytes, size_t size) {
+    buffer_.append(bytes, size);
+    size_t taken = 0;
+    for (; buffer_.size() - taken >= kPartBytes; taken += kPartBytes) {
+      RETURN_IF_ERROR(Store(buffer_.substr(taken, kPartBytes)));
+    }
+    buffer_.erase(0, taken);
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<storage::ProgramRecord> Finish() {
+    if (!buffer_.empty()) RETURN_IF_ERROR(Store(buffer_));
+    return database_.FinishProgram(record_.id, offset_, "");
+  }
+
+ private:
+  ProgramWriter(storage::Database& database, const storage::ProgramRecord& record)
+      : database_(database), record_(record) {}
+
+  absl::Status Store(const std::string& part) {
+    const int64_t offset = offset_;
+    offset_ += static_cast<int64_t>(part.size());
+    // An attempt before this one may have finished it and died afterwards.
+    if (record_.state == storage::ProgramState::kComplete) return absl::OkStatus();
+    return database_.AppendProgram(record_.id, offset, part).status();
+  }
+
+  storage::Database& database_;
+  const storage::ProgramRecord record_;
+  std::string buffer_;
+  int64_t offset_ = 0;
+};
+
+absl::StatusOr<compensate::Compensator> CompensatorFor(storage::Database& database,
+                                                       const convert::CompensateParams& params,
+                                                       const storage::CalibrationRecord& calibration) {
+  ASSIGN_OR_RETURN(const machine::Machine machine, MachineFor(database, calibration));
+  ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));
+  return compensate::Compensator::Create(machine, errors,
+                                         {params.tool_tip_mm, params.time_s, params.temperature_celsius});
+}
+
+absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
+                                        JobContext& context) {
+  ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
+  const auto& params = std::get<convert::CompensateParams>(any_params);
+  ASSIGN_OR_RETURN(const storage::CalibrationRecord calibration, handlers::CalibrationFor(database, params));
+  ASSIGN_OR_RETURN(const compensate::Compensator compensator, CompensatorFor(database, params, calibration));
+  ASSIGN_OR_RETURN(const storage::ProgramRecord source, database.GetProgram(params.program));
+
+  nc::RewriteOptions options = params.options;
+  options.calibration = absl::StrCat(params.machine.text(), " v", calibration.version);
+  // Attempts of one job that use the same calibration write the same program.
+  const std::string request_id = absl::StrCat("job-", job.id.number(), "-calibration-", calibration.id.number());
+  ASSIGN_OR_RETURN(ProgramWriter writer,
+                   ProgramWriter::Create(database, {kCompensatedProgram, source.name, {job.created_by, request_id}}));
+
+  // The engine reads the program twice: for its checksum, then to rewrite it.
+  const double total_bytes = 2.0 * static_cast<double>(std::max<int64_t>(1, source.byte_count));
+  int64_t read_bytes = 0;
+  const nc::ByteSource read = [&](const nc::ByteSink& take) {
+    return database.ReadProgram(source.id, 0, [&](const std::string& bytes) {
+      if (context.cancelled()) return absl::CancelledError("stopped");
+      read_bytes += static_cast<int64_t>(bytes.size());
+      context.ReportProgress("rewrite", std::min(1.0, static_cast<double>(read_bytes) / total_bytes),
+                             absl::StrCat(read_bytes / 2, " of ", source.byte_count, " bytes"));
+      return take(bytes.data(), bytes.size());
+    });
+  };
+  nc::RewriteReport report;
+  RETURN_IF_ERROR(nc::RewriteProgram(
+      read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensator, options, &report));
+  ASSIGN_OR_RETURN(const storage::ProgramRecord program, writer.Finish());
+  storage::JobProduct product;
+  product.result = nc::ToJson(report);
+  product.programs = {program.id};
+  return product;
+}
+
+}  // namespace
+
+JobFunction CompensateJob(storage::Database& database) {
+  return [&database](const storage::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+}
+
+}  // namespace axiscal::jobs

@@ -1,0 +1,156 @@
+#include "server/server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <mutex>
+#include <thread>
+
+#include "core/base/clock.h"
+#include "core/base/error_detail.h"
+#include "proto/convert/job_params.h"
+#include "server/handlers/get_server_info.h"
+#include "server/jobs/compensate_job.h"
+#include "server/jobs/identify_job.h"
+#include "server/jobs/job_runner.h"
+#include "server/log.h"
+#include "server/service.h"
+#include "server/storage/sqlite_database.h"
+
+namespace axiscal::server {
+namespace {
+
+constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
+// How often the end of the last call is looked for, and how long connections may take to hear of the end.
+constexpr std::chrono::milliseconds kLookAgain(5), kGoodbye(100);
+// Clients may ask so often whether we are there; more often they are sent away.
+constexpr int kMinPingIntervalMs = 10'000;
+
+// Health and reflection are plugins of the process, to be chosen before the first server is built.
+void ChoosePlugins() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  });
+}
+
+void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& builder) {
+  // A second server on the same port must fail, not share it.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // The bandwidth probe lets gRPC read megabytes ahead of us per stream; a fixed window bounds memory and latency.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, options.window_bytes);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
+  builder.SetMaxReceiveMessageSize(handlers::kMaxMessageBytes);
+}
+
+}  // namespace
+
+absl::Status Validate(const ServerOptions& options) {
+  const auto refuse = [](const std::string& text) { return absl::InvalidArgumentError(text); };
+  if (options.database_path.empty()) return refuse("database_path is empty, must name a file");
+  if (options.workers < 1) return refuse(absl::StrCat("workers = ", options.workers, ", must be > 0"));
+  if (options.max_uploads < 1) return refuse(absl::StrCat("max_uploads = ", options.max_uploads, ", must be > 0"));
+  if (options.window_bytes < (64 << 10) || options.window_bytes > (16 << 20)) {
+    return refuse(absl::StrCat("window_bytes = ", options.window_bytes, ", must be 65536 to 16777216"));
+  }
+  if (options.drain.count() < 0) return refuse(absl::StrCat("drain = ", options.drain.count(), " ms, must be >= 0"));
+  return absl::OkStatus();
+}
+
+class Server::Impl {
+ public:
+  Impl(const ServerOptions& options, std::unique_ptr<storage::Database> database)
+      : options_(options),
+        database_(std::move(database)),
+        runner_(*database_, RunnerOptions(options)),
+        core_{.database = *database_,
+              .jobs = runner_,
+              .limits = {.max_uploads = options.max_uploads},
+              .workers = options.workers} {
+    runner_.Register(convert::kIdentify, {jobs::IdentifyJob(*database_)});
+    runner_.Register(convert::kCompensate, {jobs::CompensateJob(*database_)});
+  }
+
+  absl::Status Start() {
+    ChoosePlugins();
+    grpc::ServerBuilder builder;
+    SetChannelArguments(options_, builder);
+    if (!options_.listen_address.empty()) {
+      builder.AddListeningPort(options_.listen_address, grpc::InsecureServerCredentials(), &port_);
+    }
+    services_ = MakeServices(core_);
+    for (const std::unique_ptr<grpc::Service>& service : services_) builder.RegisterService(service.get());
+    server_ = builder.BuildAndStart();
+    if (server_ == nullptr) {
+      return base::Error(absl::StatusCode::kUnavailable,
+                         "cannot listen on " + options_.listen_address + ": taken, or not an address of this machine",
+                         {"LISTEN_FAILED", {}});
+    }
+    runner_.Start();
+    return absl::OkStatus();
+  }
+
+  ~Impl() { Shutdown(); }
+
+  void Shutdown() {
+    const std::lock_guard lock(shutdown_mutex_);
+    if (server_ == nullptr) return;
+    Log(LogLevel::kInfo, "drain", {});
+    server_->GetHealthCheckService()->SetServingStatus(false);
+    core_.draining = true;
+    const base::SteadyTime deadline = base::SystemClock().SteadyNow() + options_.drain;
+    // Jobs first: those who watch them see how they end.
+    runner_.Drain(options_.drain);
+    while (core_.open_calls > 0 && base::SystemClock().SteadyNow() < deadline) std::this_thread::sleep_for(kLookAgain);
+    // What is still open is cut off; its callers resume elsewhere or later. Without calls a connection alone would hold
+    // the shutdown up to its deadline: an idle client hears of the end only when it calls again.
+    server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
+    server_.reset();
+    Log(LogLevel::kInfo, "stopped", {});
+  }
+
+  const ServerOptions options_;
+  int port_ = 0;
+  std::unique_ptr<storage::Database> database_;
+  jobs::JobRunner runner_;
+  handlers::Core core_;
+  std::vector<std::unique_ptr<grpc::Service>> services_;
+  std::unique_ptr<grpc::Server> server_;
+  std::mutex shutdown_mutex_;
+
+ private:
+  static jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {
+    jobs::JobRunnerOptions runner;
+    runner.workers = options.workers;
+    return runner;
+  }
+};
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
+  RETURN_IF_ERROR(Validate(options));
+  storage::SqliteOptions sqlite;
+  sqlite.path = options.database_path;
+  ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> database, storage::OpenSqlite(sqlite));
+  auto impl = std::make_unique<Impl>(options, std::move(database));
+  RETURN_IF_ERROR(impl->Start());
+  return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Server::~Server() = default;
+
+std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(handlers::kMaxMessageBytes);
+  return impl_->server_->InProcessChannel(arguments);
+}
+
+int Server::port() const { return impl_->port_; }
+void Server::Shutdown() { impl_->Shutdown(); }
+
+}  // namespace axiscal::server

@@ -1,0 +1,65 @@
+// The service on a database file: over a port, in this process, or both.
+#ifndef AXISCAL_SERVER_SERVER_H_
+#define AXISCAL_SERVER_SERVER_H_
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "core/base/status.h"
+
+namespace grpc {
+class Channel;
+}
+
+namespace axiscal::server {
+
+struct ServerOptions {
+  // The SQLite file; made when it is not there.
+  std::string database_path;
+  // Where to listen, as gRPC takes it ("127.0.0.1:7410", "0.0.0.0:7410", "unix:/run/axiscal.sock"). Port 0 picks a free
+  // one. Empty: on no port.
+  std::string listen_address;
+  // Jobs at once; each uses one core. > 0.
+  int workers = 2;
+  // Upload streams at a time; more are refused. > 0.
+  int max_uploads = 500;
+  // How far one stream may run ahead of what the server has read, bytes: rate <= window / round trip. 64 KB to 16 MB;
+  // more costs memory per stream.
+  int window_bytes = 1 << 20;
+  // How long Shutdown() lets calls and jobs go on before it cuts them off. >= 0.
+  std::chrono::milliseconds drain = std::chrono::seconds(20);
+};
+
+// INVALID_ARGUMENT that names field, value and rule.
+absl::Status Validate(const ServerOptions& options);
+
+// Safe from any thread.
+class Server {
+ public:
+  // Opens the database, starts the workers, listens. The store's errors (STORE_LOCKED, SCHEMA_NEWER ...), or
+  // UNAVAILABLE LISTEN_FAILED when the address is taken.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
+  // Shuts down.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  // A channel to this server without a port.
+  std::shared_ptr<grpc::Channel> InProcessChannel();
+  // The port that was bound; 0 without one.
+  int port() const;
+
+  // NOT_SERVING, no new work, lets calls and jobs finish for as long as options say, parks jobs that did not. Repeating
+  // is harmless.
+  void Shutdown();
+
+ private:
+  class Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace axiscal::server
+
+#endif  // AXISCAL_SERVER_SERVER_H_

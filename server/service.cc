@@ -1,0 +1,319 @@
+#include "server/service.h"
+
+#include "axiscal/v1/admin_service.grpc.pb.h"
+#include "axiscal/v1/calibrations_service.grpc.pb.h"
+#include "axiscal/v1/history_service.grpc.pb.h"
+#include "axiscal/v1/ingest_service.grpc.pb.h"
+#include "axiscal/v1/jobs_service.grpc.pb.h"
+#include "axiscal/v1/machines_service.grpc.pb.h"
+#include "axiscal/v1/programs_service.grpc.pb.h"
+#include "server/handlers/abort_session.h"
+#include "server/handlers/approve_calibration.h"
+#include "server/handlers/cancel_job.h"
+#include "server/handlers/create_job.h"
+#include "server/handlers/create_machine.h"
+#include "server/handlers/create_session.h"
+#include "server/handlers/delete_machine.h"
+#include "server/handlers/download_session.h"
+#include "server/handlers/finish_session.h"
+#include "server/handlers/get_calibration.h"
+#include "server/handlers/get_job.h"
+#include "server/handlers/get_machine.h"
+#include "server/handlers/get_program.h"
+#include "server/handlers/get_server_info.h"
+#include "server/handlers/get_session.h"
+#include "server/handlers/latest_fleet.h"
+#include "server/handlers/list_calibrations.h"
+#include "server/handlers/list_jobs.h"
+#include "server/handlers/list_machines.h"
+#include "server/handlers/list_programs.h"
+#include "server/handlers/list_sessions.h"
+#include "server/handlers/put_program.h"
+#include "server/handlers/query_drift.h"
+#include "server/handlers/requeue_job.h"
+#include "server/handlers/retire_calibration.h"
+#include "server/handlers/update_machine.h"
+#include "server/handlers/upload.h"
+#include "server/handlers/wait_job.h"
+#include "server/handlers/watch_job.h"
+#include "server/respond.h"
+
+namespace axiscal::server {
+namespace {
+
+// Messages until the caller ends its side, or sends what cannot be read: gRPC tells the two apart no more than we can.
+template <typename Stream>
+absl::Status ReceiveAll(Stream& stream, handlers::UploadStream& upload) {
+  v1::UploadRequest request;
+  while (stream.Read(&request)) RETURN_IF_ERROR(upload.Receive(request));
+  return upload.End();
+}
+
+class MachinesService final : public v1::Machines::Service {
+ public:
+  explicit MachinesService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status CreateMachine(grpc::ServerContext* context, const v1::CreateMachineRequest* request,
+                             v1::CreateMachineResponse* response) override {
+    return Respond(
+        core_, context, "Machines.CreateMachine",
+        [&](const auto& call) { return handlers::CreateMachine(core_, call, *request); }, response);
+  }
+  grpc::Status GetMachine(grpc::ServerContext* context, const v1::GetMachineRequest* request,
+                          v1::GetMachineResponse* response) override {
+    return Respond(
+        core_, context, "Machines.GetMachine",
+        [&](const auto& call) { return handlers::GetMachine(core_, call, *request); }, response);
+  }
+  grpc::Status ListMachines(grpc::ServerContext* context, const v1::ListMachinesRequest* request,
+                            v1::ListMachinesResponse* response) override {
+    return Respond(
+        core_, context, "Machines.ListMachines",
+        [&](const auto& call) { return handlers::ListMachines(core_, call, *request); }, response);
+  }
+  grpc::Status UpdateMachine(grpc::ServerContext* context, const v1::UpdateMachineRequest* request,
+                             v1::UpdateMachineResponse* response) override {
+    return Respond(
+        core_, context, "Machines.UpdateMachine",
+        [&](const auto& call) { return handlers::UpdateMachine(core_, call, *request); }, response);
+  }
+  grpc::Status DeleteMachine(grpc::ServerContext* context, const v1::DeleteMachineRequest* request,
+                             v1::DeleteMachineResponse* response) override {
+    return Respond(
+        core_, context, "Machines.DeleteMachine",
+        [&](const auto& call) { return handlers::DeleteMachine(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class JobsService final : public v1::Jobs::Service {
+ public:
+  explicit JobsService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status CreateJob(grpc::ServerContext* context, const v1::CreateJobRequest* request,
+                         v1::CreateJobResponse* response) override {
+    return Respond(
+        core_, context, "Jobs.CreateJob", [&](const auto& call) { return handlers::CreateJob(core_, call, *request); },
+        response);
+  }
+  grpc::Status GetJob(grpc::ServerContext* context, const v1::GetJobRequest* request,
+                      v1::GetJobResponse* response) override {
+    return Respond(
+        core_, context, "Jobs.GetJob", [&](const auto& call) { return handlers::GetJob(core_, call, *request); },
+        response);
+  }
+  grpc::Status ListJobs(grpc::ServerContext* context, const v1::ListJobsRequest* request,
+                        v1::ListJobsResponse* response) override {
+    return Respond(
+        core_, context, "Jobs.ListJobs", [&](const auto& call) { return handlers::ListJobs(core_, call, *request); },
+        response);
+  }
+  grpc::Status CancelJob(grpc::ServerContext* context, const v1::CancelJobRequest* request,
+                         v1::CancelJobResponse* response) override {
+    return Respond(
+        core_, context, "Jobs.CancelJob", [&](const auto& call) { return handlers::CancelJob(core_, call, *request); },
+        response);
+  }
+  grpc::Status RequeueJob(grpc::ServerContext* context, const v1::RequeueJobRequest* request,
+                          v1::RequeueJobResponse* response) override {
+    return Respond(
+        core_, context, "Jobs.RequeueJob",
+        [&](const auto& call) { return handlers::RequeueJob(core_, call, *request); }, response);
+  }
+  grpc::Status WaitJob(grpc::ServerContext* context, const v1::WaitJobRequest* request,
+                       v1::WaitJobResponse* response) override {
+    return Respond(
+        core_, context, "Jobs.WaitJob", [&](const auto& call) { return handlers::WaitJob(core_, call, *request); },
+        response);
+  }
+  grpc::Status WatchJob(grpc::ServerContext* context, const v1::WatchJobRequest* request,
+                        grpc::ServerWriter<v1::WatchJobResponse>* writer) override {
+    return RespondStream(core_, context, "Jobs.WatchJob", [&](const auto& call) {
+      return handlers::WatchJob(core_, call, *request, [&](const auto& message) { return writer->Write(message); });
+    });
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class CalibrationsService final : public v1::Calibrations::Service {
+ public:
+  explicit CalibrationsService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status ListCalibrations(grpc::ServerContext* context, const v1::ListCalibrationsRequest* request,
+                                v1::ListCalibrationsResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.ListCalibrations",
+        [&](const auto& call) { return handlers::ListCalibrations(core_, call, *request); }, response);
+  }
+  grpc::Status GetCalibration(grpc::ServerContext* context, const v1::GetCalibrationRequest* request,
+                              v1::GetCalibrationResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.GetCalibration",
+        [&](const auto& call) { return handlers::GetCalibration(core_, call, *request); }, response);
+  }
+  grpc::Status ApproveCalibration(grpc::ServerContext* context, const v1::ApproveCalibrationRequest* request,
+                                  v1::ApproveCalibrationResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.ApproveCalibration",
+        [&](const auto& call) { return handlers::ApproveCalibration(core_, call, *request); }, response);
+  }
+  grpc::Status RetireCalibration(grpc::ServerContext* context, const v1::RetireCalibrationRequest* request,
+                                 v1::RetireCalibrationResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.RetireCalibration",
+        [&](const auto& call) { return handlers::RetireCalibration(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class HistoryService final : public v1::History::Service {
+ public:
+  explicit HistoryService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status QueryDrift(grpc::ServerContext* context, const v1::QueryDriftRequest* request,
+                          v1::QueryDriftResponse* response) override {
+    return Respond(
+        core_, context, "History.QueryDrift",
+        [&](const auto& call) { return handlers::QueryDrift(core_, call, *request); }, response);
+  }
+  grpc::Status LatestFleet(grpc::ServerContext* context, const v1::LatestFleetRequest* request,
+                           v1::LatestFleetResponse* response) override {
+    return Respond(
+        core_, context, "History.LatestFleet",
+        [&](const auto& call) { return handlers::LatestFleet(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class AdminService final : public v1::Admin::Service {
+ public:
+  explicit AdminService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status GetServerInfo(grpc::ServerContext* context, const v1::GetServerInfoRequest* request,
+                             v1::GetServerInfoResponse* response) override {
+    return Respond(
+        core_, context, "Admin.GetServerInfo",
+        [&](const auto& call) { return handlers::GetServerInfo(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class IngestService final : public v1::Ingest::Service {
+ public:
+  explicit IngestService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status CreateSession(grpc::ServerContext* context, const v1::CreateSessionRequest* request,
+                             v1::CreateSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.CreateSession",
+        [&](const auto& call) { return handlers::CreateSession(core_, call, *request); }, response);
+  }
+  grpc::Status GetSession(grpc::ServerContext* context, const v1::GetSessionRequest* request,
+                          v1::GetSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.GetSession",
+        [&](const auto& call) { return handlers::GetSession(core_, call, *request); }, response);
+  }
+  grpc::Status FinishSession(grpc::ServerContext* context, const v1::FinishSessionRequest* request,
+                             v1::FinishSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.FinishSession",
+        [&](const auto& call) { return handlers::FinishSession(core_, call, *request); }, response);
+  }
+  grpc::Status AbortSession(grpc::ServerContext* context, const v1::AbortSessionRequest* request,
+                            v1::AbortSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.AbortSession",
+        [&](const auto& call) { return handlers::AbortSession(core_, call, *request); }, response);
+  }
+  grpc::Status ListSessions(grpc::ServerContext* context, const v1::ListSessionsRequest* request,
+                            v1::ListSessionsResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.ListSessions",
+        [&](const auto& call) { return handlers::ListSessions(core_, call, *request); }, response);
+  }
+  grpc::Status DownloadSession(grpc::ServerContext* context, const v1::DownloadSessionRequest* request,
+                               grpc::ServerWriter<v1::DownloadSessionResponse>* writer) override {
+    return RespondStream(core_, context, "Ingest.DownloadSession", [&](const auto& call) {
+      return handlers::DownloadSession(core_, call, *request,
+                                       [&](const auto& message) { return writer->Write(message); });
+    });
+  }
+  grpc::Status Upload(grpc::ServerContext* context,
+                      grpc::ServerReaderWriter<v1::UploadResponse, v1::UploadRequest>* stream) override {
+    return RespondStream(core_, context, "Ingest.Upload", [&](const auto& call) {
+      handlers::UploadStream upload(core_, call, [&](const auto& response) { return stream->Write(response); });
+      return ReceiveAll(*stream, upload);
+    });
+  }
+  grpc::Status UploadOnce(grpc::ServerContext* context, grpc::ServerReader<v1::UploadRequest>* reader,
+                          v1::UploadOnceResponse* response) override {
+    return RespondStream(core_, context, "Ingest.UploadOnce", [&](const auto& call) {
+      handlers::UploadStream upload(core_, call, nullptr);
+      RETURN_IF_ERROR(ReceiveAll(*reader, upload));
+      return handlers::Summarise(upload, response);
+    });
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class ProgramsService final : public v1::Programs::Service {
+ public:
+  explicit ProgramsService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status ListPrograms(grpc::ServerContext* context, const v1::ListProgramsRequest* request,
+                            v1::ListProgramsResponse* response) override {
+    return Respond(
+        core_, context, "Programs.ListPrograms",
+        [&](const auto& call) { return handlers::ListPrograms(core_, call, *request); }, response);
+  }
+  grpc::Status GetProgram(grpc::ServerContext* context, const v1::GetProgramRequest* request,
+                          grpc::ServerWriter<v1::GetProgramResponse>* writer) override {
+    return RespondStream(core_, context, "Programs.GetProgram", [&](const auto& call) {
+      return handlers::GetProgram(core_, call, *request, [&](const auto& message) { return writer->Write(message); });
+    });
+  }
+  grpc::Status PutProgram(grpc::ServerContext* context, grpc::ServerReader<v1::PutProgramRequest>* reader,
+                          v1::PutProgramResponse* response) override {
+    return Respond(
+        core_, context, "Programs.PutProgram",
+        [&](const auto& call) -> absl::StatusOr<v1::PutProgramResponse> {
+          handlers::PutProgramStream program(core_, call);
+          v1::PutProgramRequest request;
+          while (reader->Read(&request)) RETURN_IF_ERROR(program.Receive(request));
+          return program.End();
+        },
+        response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<grpc::Service>> MakeServices(handlers::Core& core) {
+  std::vector<std::unique_ptr<grpc::Service>> services;
+  services.push_back(std::make_unique<MachinesService>(core));
+  services.push_back(std::make_unique<IngestService>(core));
+  services.push_back(std::make_unique<JobsService>(core));
+  services.push_back(std::make_unique<CalibrationsService>(core));
+  services.push_back(std::make_unique<ProgramsService>(core));
+  services.push_back(std::make_unique<HistoryService>(core));
+  services.push_back(std::make_unique<AdminService>(core));
+  return services;
+}
+
+}  // namespace axiscal::server
