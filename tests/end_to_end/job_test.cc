@@ -1,0 +1,255 @@
+// The technician's way: identify, look, approve, roll back, compensate, look at the history.
+#include "core/base/error_detail.h"
+#include "tests/end_to_end/testing/fixture.h"
+
+namespace axiscal {
+namespace {
+
+using storage::CalibrationState;
+using storage::JobState;
+using testing::BallbarSession;
+using testing::MachineJson;
+
+constexpr double kToleranceUm = 0.05;  // the readings are exact to 1e-4 um; priors on the setups pull by less than this
+
+class Job : public testing::EndToEnd {
+ protected:
+  void SetUp() override {
+    EndToEnd::SetUp();
+    ASSERT_OK(client().CreateMachine(MachineJson("mt")));
+  }
+
+  SessionId UploadSession(const std::string& name, int readings = 720) {
+    const auto upload = client().Upload(MachineId("mt"), BallbarSession("mt", name, readings));
+    EXPECT_TRUE(upload.ok()) << upload.status();
+    return upload.ok() ? upload->session.id : SessionId();
+  }
+  client::JobRecord RunJob(const convert::JobParams& params) {
+    const auto job = client().CreateJob(params);
+    EXPECT_TRUE(job.ok()) << job.status();
+    if (!job.ok()) return {};
+    const auto ended = client().WatchJob(job->id, nullptr);
+    EXPECT_TRUE(ended.ok()) << ended.status();
+    return ended.ok() ? *ended : client::JobRecord{};
+  }
+  CalibrationId Identify() {
+    const client::JobRecord job = RunJob(convert::IdentifyParams{MachineId("mt"), {UploadSession("BX")}, {}});
+    EXPECT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+    return job.calibration.value_or(CalibrationId());
+  }
+};
+
+TEST_F(Job, IdentifyMakesACandidateWithItsProvenance) {
+  const SessionId session = UploadSession("BX");
+  const convert::IdentifyParams params{MachineId("mt"), {session}, {}};
+  const auto created = client().CreateJob(params, "identify-1");
+  ASSERT_OK(created);
+  std::vector<client::JobRecord> seen;
+  const auto ended = client().WatchJob(created->id, [&](const client::JobRecord& job) {
+    seen.push_back(job);
+    return true;
+  });
+  ASSERT_OK(ended);
+  ASSERT_EQ(ended->state, JobState::kSucceeded) << (ended->error ? ended->error->message : "");
+  ASSERT_FALSE(seen.empty());
+  EXPECT_EQ(seen.back().state, JobState::kSucceeded);
+  EXPECT_EQ(ended->attempt, 1);
+  ASSERT_TRUE(ended->calibration.has_value());
+
+  const auto calibration = client().GetCalibration(*ended->calibration);
+  ASSERT_OK(calibration);
+  EXPECT_EQ(calibration->state, CalibrationState::kCandidate);
+  EXPECT_EQ(calibration->version, 1);
+  EXPECT_EQ(calibration->job, created->id);
+  EXPECT_EQ(calibration->content.sessions, params.sessions);
+  EXPECT_EQ(calibration->content.machine_revision, 1);
+  ASSERT_EQ(calibration->content.estimates.size(), 2u);
+  EXPECT_EQ(calibration->content.estimates[0].symbol, "EX0C");
+  EXPECT_NEAR(calibration->content.estimates[0].value.value_or(NAN), 12, kToleranceUm);
+  EXPECT_NEAR(calibration->content.estimates[1].value.value_or(NAN), -5, kToleranceUm);
+  EXPECT_GT(calibration->content.estimates[0].sigma.value_or(NAN), 0);
+  EXPECT_LT(calibration->content.rms_after_um.value_or(NAN), kToleranceUm);
+
+  // The same request is the same job, another one under its id is refused.
+  const auto again = client().CreateJob(params, "identify-1");
+  ASSERT_OK(again);
+  EXPECT_EQ(again->id, created->id);
+  const auto other = client().CreateJob(convert::IdentifyParams{MachineId("mt"), {session}, {"EX0C"}}, "identify-1");
+  EXPECT_EQ(base::ErrorReason(other.status()), "REQUEST_ID_REUSED");
+}
+
+TEST_F(Job, ErrorsMayBeDeclaredForOneFit) {
+  const SessionId session = UploadSession("BX");
+  const client::JobRecord job = RunJob(convert::IdentifyParams{
+      MachineId("mt"), {session}, {"EX0C", "EY0C", R"({"symbol": "EXX", "shape": "backlash"})"}});
+  ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+  const auto calibration = client().GetCalibration(*job.calibration);
+  ASSERT_OK(calibration);
+  ASSERT_EQ(calibration->content.estimates.size(), 3u);
+  EXPECT_EQ(calibration->content.estimates[2].symbol, "EXX:backlash");
+
+  const auto bad = client().CreateJob(convert::IdentifyParams{MachineId("mt"), {session}, {"EX0C", "EX0Q"}});
+  const auto detail = base::GetErrorDetail(bad.status());
+  ASSERT_TRUE(detail.has_value()) << bad.status();
+  EXPECT_EQ(detail->facts.at("field"), "params.identify.declared_errors[1]");
+}
+
+TEST_F(Job, WhatCannotWorkIsRefusedAtOnce) {
+  const SessionId session = UploadSession("BX");
+  const auto reason = [&](const convert::JobParams& params) {
+    return base::ErrorReason(client().CreateJob(params).status());
+  };
+  EXPECT_EQ(reason(convert::IdentifyParams{MachineId("none"), {session}, {}}), "MACHINE_NOT_FOUND");
+  EXPECT_EQ(reason(convert::IdentifyParams{MachineId("mt"), {SessionId(99)}, {}}), "SESSION_NOT_FOUND");
+  ASSERT_OK(client().CreateMachine(MachineJson("other")));
+  EXPECT_EQ(reason(convert::IdentifyParams{MachineId("other"), {session}, {}}), "FIELD_INVALID");
+  convert::CompensateParams compensate;
+  compensate.machine = MachineId("mt");
+  compensate.program = ProgramId(99);
+  EXPECT_EQ(reason(compensate), "PROGRAM_NOT_FOUND");
+  const auto program = client().PutProgram("a.nc", "G01 X1.0\n");
+  ASSERT_OK(program);
+  compensate.program = program->id;
+  EXPECT_EQ(reason(compensate), "CALIBRATION_NOT_APPROVED");
+  EXPECT_EQ(base::ErrorReason(client().GetJob(JobId(99)).status()), "JOB_NOT_FOUND");
+}
+
+TEST_F(Job, ApprovingRetiresTheOneBeforeAndTheWayBackIsTheSame) {
+  const CalibrationId first = Identify();
+  const CalibrationId second = Identify();
+  ASSERT_NE(first, second);
+  EXPECT_EQ(base::ErrorReason(client().GetApprovedCalibration(MachineId("mt")).status()), "CALIBRATION_NOT_FOUND");
+
+  const auto stale = client().ApproveCalibration(first, 77, "ann");
+  EXPECT_EQ(base::ErrorReason(stale.status()), "ETAG_MISMATCH");
+  const auto approve = [&](CalibrationId id) {
+    const auto calibration = client().GetCalibration(id);
+    EXPECT_TRUE(calibration.ok());
+    return client().ApproveCalibration(id, calibration->etag, "ann");
+  };
+  ASSERT_OK(approve(first));
+  EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->id, first);
+  ASSERT_OK(approve(second));
+  EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->id, second);
+  EXPECT_EQ(client().GetCalibration(first)->state, CalibrationState::kRetired);
+  ASSERT_OK(approve(first));
+  EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->id, first);
+  EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->approved_by, "ann");
+  EXPECT_EQ(client().GetCalibration(second)->state, CalibrationState::kRetired);
+
+  const auto all = client().ListCalibrations({.machine = MachineId("mt"), .state = {}});
+  ASSERT_OK(all);
+  ASSERT_EQ(all->rows.size(), 2u);
+  EXPECT_EQ(all->rows[0].version, 2);
+}
+
+TEST_F(Job, CompensateRewritesForTheApprovedCalibration) {
+  const CalibrationId calibration = Identify();
+  const auto program = client().PutProgram(
+      "part.nc", "%\r\nG90 G21 (keep me)\r\nN10 G01 X100.0000 Y0.0000 Z421.9000 B0.0000 C0.0000 F1000\r\n%\r\n");
+  ASSERT_OK(program);
+  convert::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.program = program->id;
+  params.tool_tip_mm = {0, 0, -356.4};
+  params.calibration = calibration;  // a candidate, by name
+  const client::JobRecord by_name = RunJob(params);
+  ASSERT_EQ(by_name.state, JobState::kSucceeded) << (by_name.error ? by_name.error->message : "");
+
+  ASSERT_OK(client().ApproveCalibration(calibration, client().GetCalibration(calibration)->etag, "ann"));
+  params.calibration.reset();
+  const client::JobRecord job = RunJob(params);
+  ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+  ASSERT_EQ(job.programs.size(), 1u);
+  EXPECT_EQ(job.programs, by_name.programs);  // the same bytes
+  const auto rewritten = client().GetProgram(job.programs[0]);
+  ASSERT_OK(rewritten);
+  // The table's axis stands 12 um further in X and -5 um in Y: so must the tool.
+  EXPECT_NE(rewritten->find("X100.0120 Y-0.0050 Z421.9000 B0.0000 C0.0000 F1000\r\n"), std::string::npos) << *rewritten;
+  EXPECT_NE(rewritten->find("(keep me)"), std::string::npos);
+  EXPECT_NE(rewritten->find("mt v1"), std::string::npos) << *rewritten;
+  EXPECT_NE(job.result.find("\"corrected\": 1"), std::string::npos) << job.result;
+}
+
+TEST_F(Job, AProgramThatCannotBeCorrectedFailsWithItsLine) {
+  const CalibrationId calibration = Identify();
+  const auto program =
+      client().PutProgram("arc.nc", "G90 G01 X1.0 Y0.0 Z0.0 B0.0 C0.0 F100\nG02 X2.0 Y1.0 I1.0 J0.0\n");
+  ASSERT_OK(program);
+  convert::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.program = program->id;
+  params.calibration = calibration;
+  params.tool_tip_mm = {0, 0, -356.4};
+  const client::JobRecord job = RunJob(params);
+  EXPECT_EQ(job.state, JobState::kFailed);
+  ASSERT_TRUE(job.error.has_value());
+  EXPECT_NE(job.error->message.find("line 2"), std::string::npos) << job.error->message;
+  EXPECT_TRUE(job.programs.empty());
+}
+
+TEST_F(Job, ACancelledJobStoresNothing) {
+  std::vector<SessionId> sessions;
+  for (const char* name : {"a", "b", "c"}) sessions.push_back(UploadSession(name, 100'000));
+  const auto job = client().CreateJob(convert::IdentifyParams{MachineId("mt"), sessions, {}});
+  ASSERT_OK(job);
+  ASSERT_OK(client().CancelJob(job->id));
+  const auto ended = client().WaitJob(job->id, std::chrono::seconds(60));
+  ASSERT_OK(ended);
+  EXPECT_EQ(ended->state, JobState::kCancelled);
+  const auto all = client().ListCalibrations();
+  ASSERT_OK(all);
+  EXPECT_TRUE(all->rows.empty());
+  // And it can be run again after all.
+  ASSERT_OK(client().RequeueJob(job->id));
+  EXPECT_EQ(client().WaitJob(job->id, std::chrono::seconds(60))->state, JobState::kSucceeded);
+}
+
+TEST_F(Job, ListsAreNewestFirstAndStable) {
+  const SessionId session = UploadSession("BX");
+  const convert::IdentifyParams params{MachineId("mt"), {session}, {}};
+  std::vector<JobId> created;
+  for (int i = 0; i < 5; ++i) created.push_back(client().CreateJob(params)->id);
+  std::vector<JobId> listed;
+  storage::PageRequest page{2, ""};
+  do {
+    const auto rows = client().ListJobs({.machine = MachineId("mt"), .state = {}}, page);
+    ASSERT_OK(rows);
+    for (const auto& row : rows->rows) listed.push_back(row.id);
+    page.token = rows->next_token;
+    if (listed.size() == 2) {
+      ASSERT_OK(client().CreateJob(params));
+    }
+  } while (!page.token.empty());
+  EXPECT_EQ(listed, std::vector<JobId>(created.rbegin(), created.rend()));
+  for (const JobId& id : created)
+    EXPECT_EQ(client().WaitJob(id, std::chrono::seconds(60))->state, JobState::kSucceeded);
+}
+
+TEST_F(Job, TheHistoryShowsWhatWasIdentified) {
+  const CalibrationId first = Identify();
+  Identify();
+  storage::DriftQuery query;
+  query.machine = MachineId("mt");
+  query.from = base::FromUtcUs(0);
+  query.to = base::UtcTime::max();
+  const auto drift = client().QueryDrift(query);
+  ASSERT_OK(drift);
+  ASSERT_EQ(drift->size(), 2u);
+  EXPECT_EQ((*drift)[0].symbol, "EX0C");
+  int64_t count = 0;
+  for (const auto& point : (*drift)[0].points) {
+    count += point.count;
+    EXPECT_NEAR(point.mean, 12, kToleranceUm);
+  }
+  EXPECT_EQ(count, 2);
+  const auto fleet = client().LatestFleet({"EY0C"});
+  ASSERT_OK(fleet);
+  ASSERT_EQ(fleet->rows.size(), 1u);
+  ASSERT_EQ(fleet->rows[0].latest.size(), 1u);
+  EXPECT_NEAR(*fleet->rows[0].latest[0].estimate.value, -5, kToleranceUm);
+  EXPECT_GT(fleet->rows[0].latest[0].calibration, first);
+}
+
+}  // namespace
+}  // namespace axiscal

@@ -1,0 +1,154 @@
+// The server as a process: orderly stop, kill -9 and restart, over a real port.
+#include "tests/end_to_end/testing/process.h"
+
+#include <signal.h>
+
+#include <atomic>
+#include <fstream>
+#include <thread>
+
+#include "core/base/error_detail.h"
+#include "core/session/write_session.h"
+#include "tests/end_to_end/testing/fixture.h"
+
+namespace axiscal {
+namespace {
+
+using testing::BallbarSession;
+using testing::MachineJson;
+using testing::ServerProcess;
+
+class Process : public ::testing::Test {
+ protected:
+  absl::StatusOr<ServerProcess> StartServer(const std::string& listen = "127.0.0.1:0") {
+    return ServerProcess::Start(dir_.File("axiscal.db"), listen, dir_.File("log"));
+  }
+  std::string Log() {
+    std::ifstream log(dir_.File("log"));
+    return {std::istreambuf_iterator<char>(log), {}};
+  }
+  testing::TempDir dir_;
+};
+
+TEST_F(Process, StopsInOrderOnSigterm) {
+  absl::StatusOr<ServerProcess> server = StartServer();
+  ASSERT_OK(server);
+  absl::StatusOr<client::Client> client = client::Client::Connect(server->address());
+  ASSERT_OK(client);
+  ASSERT_TRUE(client->CheckHealth().ok());
+  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
+  server->Signal(SIGTERM);
+  EXPECT_EQ(server->Wait(), 0);
+  const std::string log = Log();
+  EXPECT_NE(log.find("method=Machines.CreateMachine"), std::string::npos) << log;
+  EXPECT_NE(log.find("code=OK"), std::string::npos);
+  EXPECT_NE(log.find("event=stopped"), std::string::npos);
+}
+
+TEST_F(Process, ASecondServerOnTheSamePortOrFileIsRefused) {
+  absl::StatusOr<ServerProcess> server = StartServer();
+  ASSERT_OK(server);
+  EXPECT_FALSE(ServerProcess::Start(dir_.File("other.db"), server->address(), dir_.File("log2")).ok());
+  EXPECT_FALSE(StartServer().ok());
+}
+
+TEST_F(Process, NoServerIsSaidSo) {
+  const auto client = client::Client::Connect("127.0.0.1:1", {.connect_deadline = std::chrono::milliseconds(200)});
+  EXPECT_EQ(client.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(base::ErrorReason(client.status()), "NO_CONNECTION");
+}
+
+TEST_F(Process, AnUploadSurvivesKillsOfTheServer) {
+  absl::StatusOr<ServerProcess> started = StartServer();
+  ASSERT_OK(started);
+  auto server = std::make_unique<ServerProcess>(*std::move(started));
+  const std::string address = server->address();
+  absl::StatusOr<client::Client> client = client::Client::Connect(address);
+  ASSERT_OK(client);
+  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
+
+  constexpr int kReadings = 200'000;
+  const session::Session session = BallbarSession("mt", "BX", kReadings);
+  int kills = 0;
+  int64_t acknowledged = 0;
+  // On the client's own thread, between two chunks: the stream is open and chunks are under way.
+  const auto upload = client->Upload(MachineId("mt"), session, [&](const client::TransferProgress& progress) {
+    EXPECT_GE(progress.done, acknowledged) << "acknowledged readings were lost";
+    acknowledged = progress.done;
+    if (kills < 3 && progress.done > (kills + 1) * kReadings / 5) {
+      server->Signal(SIGKILL);
+      EXPECT_EQ(server->Wait(), 128 + SIGKILL);
+      absl::StatusOr<ServerProcess> again = StartServer(address);
+      ASSERT_OK(again);
+      server = std::make_unique<ServerProcess>(*std::move(again));
+      ++kills;
+    }
+  });
+  ASSERT_OK(upload);
+  EXPECT_EQ(kills, 3);
+  EXPECT_GE(upload->interruptions, 3);
+  EXPECT_EQ(upload->session.reading_count, kReadings);
+  const auto back = client->DownloadSession(upload->session.id);
+  ASSERT_OK(back);
+  EXPECT_TRUE(*back == session);
+  const auto all = client->ListSessions();
+  ASSERT_OK(all);
+  EXPECT_EQ(all->rows.size(), 1u);
+}
+
+TEST_F(Process, AJobSurvivesAKillOfTheServer) {
+  absl::StatusOr<ServerProcess> started = StartServer();
+  ASSERT_OK(started);
+  auto server = std::make_unique<ServerProcess>(*std::move(started));
+  const std::string address = server->address();
+  absl::StatusOr<client::Client> client = client::Client::Connect(address);
+  ASSERT_OK(client);
+  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
+  convert::IdentifyParams params{MachineId("mt"), {}, {}};
+  for (const char* name : {"a", "b", "c"}) {
+    const auto upload = client->Upload(MachineId("mt"), BallbarSession("mt", name, 100'000));
+    ASSERT_OK(upload);
+    params.sessions.push_back(upload->session.id);
+  }
+  const auto job = client->CreateJob(params, "once");
+  ASSERT_OK(job);
+  bool was_killed = false;
+  const auto ended = client->WatchJob(job->id, [&](const client::JobRecord& record) {
+    if (was_killed || record.state != storage::JobState::kRunning) return true;
+    was_killed = true;
+    server->Signal(SIGKILL);
+    server->Wait();
+    absl::StatusOr<ServerProcess> again = StartServer(address);
+    EXPECT_TRUE(again.ok()) << again.status();
+    if (again.ok()) server = std::make_unique<ServerProcess>(*std::move(again));
+    return true;
+  });
+  ASSERT_OK(ended);
+  EXPECT_TRUE(was_killed);
+  EXPECT_EQ(ended->state, storage::JobState::kSucceeded);
+  EXPECT_EQ(ended->attempt, 2);
+  const auto again = client->CreateJob(params, "once");
+  ASSERT_OK(again);
+  EXPECT_EQ(again->id, job->id);
+  const auto calibrations = client->ListCalibrations();
+  ASSERT_OK(calibrations);
+  EXPECT_EQ(calibrations->rows.size(), 1u);
+}
+
+TEST_F(Process, TheExampleOfTheReadmeWorks) {
+  absl::StatusOr<ServerProcess> server = StartServer();
+  ASSERT_OK(server);
+  absl::StatusOr<client::Client> client = client::Client::Connect(server->address());
+  ASSERT_OK(client);
+  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
+  const std::string path = dir_.File("BX.csv");
+  ASSERT_TRUE(session::WriteSessionFile(BallbarSession("mt", "BX", 1500), path).ok());
+  std::string output;
+  EXPECT_EQ(testing::RunProgram({EXAMPLE_UPLOAD_PATH, server->address(), "mt", path}, &output), 0);
+  EXPECT_NE(output.find("1500 of 1500 readings are on disk"), std::string::npos) << output;
+  EXPECT_EQ(testing::RunProgram({EXAMPLE_UPLOAD_PATH, server->address(), "mt", path}, &output), 0);
+  EXPECT_NE(output.find("was there already"), std::string::npos) << output;
+}
+
+}  // namespace
+}  // namespace axiscal

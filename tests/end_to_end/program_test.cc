@@ -1,0 +1,102 @@
+// NC programs up and down, byte for byte.
+#include "axiscal/v1/programs_service.grpc.pb.h"
+#include "core/base/error_detail.h"
+#include "core/base/sha256.h"
+#include "tests/end_to_end/testing/fixture.h"
+#include "tests/end_to_end/testing/raw_upload.h"
+
+namespace axiscal {
+namespace {
+
+// Lines that differ, with every byte value among them.
+std::string BigProgram(size_t bytes) {
+  std::string program;
+  program.reserve(bytes + 100);
+  for (int n = 1; program.size() < bytes; ++n) {
+    program += absl::StrCat("N", n, " G01 X", n % 977, ".5 (", std::string(1, static_cast<char>(n % 256)), ")\r\n");
+  }
+  program.resize(bytes);
+  return program;
+}
+
+using Program = testing::EndToEnd;
+
+TEST_F(Program, TwentyMegabytesComeBackByteForByte) {
+  const std::string program = BigProgram(20 << 20);
+  int64_t up = 0, down = 0;
+  const auto put =
+      client().PutProgram("part.nc", program, [&](const client::TransferProgress& progress) { up = progress.done; });
+  ASSERT_OK(put);
+  EXPECT_EQ(put->byte_count, 20 << 20);
+  EXPECT_EQ(put->sha256, base::Sha256Hex(program));
+  const auto back =
+      client().GetProgram(put->id, [&](const client::TransferProgress& progress) { down = progress.done; });
+  ASSERT_OK(back);
+  EXPECT_TRUE(*back == program);
+  EXPECT_EQ(up, 20 << 20);
+  EXPECT_EQ(down, 20 << 20);
+}
+
+TEST_F(Program, AnEmptyProgramIsAProgram) {
+  const auto put = client().PutProgram("empty.nc", "");
+  ASSERT_OK(put);
+  const auto back = client().GetProgram(put->id);
+  ASSERT_OK(back);
+  EXPECT_EQ(*back, "");
+}
+
+TEST_F(Program, TheSameBytesAreStoredOnce) {
+  const auto first = client().PutProgram("a.nc", "G0 X1\n");
+  const auto second = client().PutProgram("b.nc", "G0 X1\n");
+  ASSERT_OK(first);
+  ASSERT_OK(second);
+  EXPECT_EQ(first->id, second->id);
+}
+
+TEST_F(Program, ADownloadGoesOnFromAnOffset) {
+  const auto put = client().PutProgram("a.nc", "0123456789");
+  ASSERT_OK(put);
+  const auto stub = v1::Programs::NewStub(channel());
+  grpc::ClientContext context;
+  v1::GetProgramRequest request;
+  request.set_program_id(put->id.number());
+  request.set_offset_bytes(7);
+  const auto reader = stub->GetProgram(&context, request);
+  v1::GetProgramResponse response;
+  ASSERT_TRUE(reader->Read(&response));
+  EXPECT_EQ(response.program().size_bytes(), 10);
+  ASSERT_TRUE(reader->Read(&response));
+  EXPECT_EQ(response.data(), "789");
+  EXPECT_FALSE(reader->Read(&response));
+  EXPECT_TRUE(reader->Finish().ok());
+}
+
+TEST_F(Program, WhatDoesNotFitItsHeaderIsNotStored) {
+  v1::PutProgramRequest header, data;
+  header.mutable_header()->set_name("a.nc");
+  header.mutable_header()->set_size_bytes(4);
+  header.mutable_header()->set_sha256(base::Sha256Hex("G0X1"));
+  header.mutable_header()->set_request_id("r-1");
+  data.set_data("G0X2");
+  const std::string method = "/axiscal.v1.Programs/PutProgram";
+  const auto send = [&](std::vector<std::string> messages) { return testing::SendBytes(channel(), method, messages); };
+
+  EXPECT_EQ(testing::ReasonOf(send({header.SerializeAsString(), data.SerializeAsString()})), "TOTALS_MISMATCH");
+  header.mutable_header()->set_request_id("r-2");
+  EXPECT_EQ(testing::ReasonOf(send({header.SerializeAsString(), "\x0a\xff\xff\xff"})), "STREAM_INCOMPLETE");
+  data.set_data("G0X12");
+  EXPECT_EQ(testing::ReasonOf(send({header.SerializeAsString(), data.SerializeAsString()})), "SIZE_EXCEEDED");
+  EXPECT_EQ(testing::ReasonOf(send({data.SerializeAsString()})), "STREAM_INVALID");
+  const auto stored = client().ListPrograms();
+  ASSERT_OK(stored);
+  EXPECT_TRUE(stored->rows.empty());
+}
+
+TEST_F(Program, AnUnknownProgramIsNotFound) {
+  const auto back = client().GetProgram(ProgramId(77));
+  EXPECT_EQ(back.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(base::ErrorReason(back.status()), "PROGRAM_NOT_FOUND");
+}
+
+}  // namespace
+}  // namespace axiscal

@@ -1,0 +1,89 @@
+#include "tests/end_to_end/testing/process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace axiscal::testing {
+namespace {
+
+// Starts a program with its output on a pipe; returns the pipe's end to read.
+int Spawn(const std::vector<std::string>& arguments, const std::string& error_path, pid_t* pid) {
+  int ends[2];
+  if (pipe(ends) != 0) return -1;
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  *pid = fork();
+  if (*pid == 0) {
+    dup2(ends[1], STDOUT_FILENO);
+    if (!error_path.empty()) {
+      const int error = open(error_path.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+      dup2(error, STDERR_FILENO);
+    }
+    close(ends[0]);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  close(ends[1]);
+  return ends[0];
+}
+
+std::string ReadUntil(int fd, char last) {
+  std::string text;
+  for (char c; read(fd, &c, 1) == 1;) {
+    if (c == last) return text;
+    text += c;
+  }
+  return text;
+}
+
+int ExitStatus(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+}  // namespace
+
+absl::StatusOr<ServerProcess> ServerProcess::Start(const std::string& database_path, const std::string& listen,
+                                                   const std::string& log_path, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = {AXISCALD_PATH, "--db", database_path, "--listen", listen};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  ServerProcess process;
+  const int out = Spawn(arguments, log_path, &process.pid_);
+  const std::string line = ReadUntil(out, '\n');
+  close(out);
+  const std::string start = "axiscald listens on ";
+  if (line.rfind(start, 0) != 0) return absl::InternalError("axiscald said '" + line + "', see " + log_path);
+  process.address_ = line.substr(start.size());
+  return process;
+}
+
+ServerProcess::ServerProcess(ServerProcess&& other) noexcept
+    : pid_(std::exchange(other.pid_, 0)), address_(std::move(other.address_)) {}
+
+ServerProcess::~ServerProcess() {
+  if (pid_ == 0) return;
+  Signal(SIGKILL);
+  Wait();
+}
+
+void ServerProcess::Signal(int signal) { kill(pid_, signal); }
+
+int ServerProcess::Wait() {
+  int status = 0;
+  waitpid(std::exchange(pid_, 0), &status, 0);
+  return ExitStatus(status);
+}
+
+int RunProgram(const std::vector<std::string>& arguments, std::string* output) {
+  pid_t pid = 0;
+  const int out = Spawn(arguments, "", &pid);
+  *output = ReadUntil(out, '\0');
+  close(out);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return ExitStatus(status);
+}
+
+}  // namespace axiscal::testing

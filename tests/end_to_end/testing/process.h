@@ -1,0 +1,40 @@
+// The server as a process of its own, to be stopped and killed.
+#ifndef AXISCAL_TESTS_END_TO_END_TESTING_PROCESS_H_
+#define AXISCAL_TESTS_END_TO_END_TESTING_PROCESS_H_
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+
+namespace axiscal::testing {
+
+// axiscald on a free port of 127.0.0.1. Killed when the test forgets it.
+class ServerProcess {
+ public:
+  // Returns when it listens. `more` are further flags; its log goes to `log_path`.
+  static absl::StatusOr<ServerProcess> Start(const std::string& database_path, const std::string& listen,
+                                             const std::string& log_path, const std::vector<std::string>& more = {});
+  ServerProcess(ServerProcess&& other) noexcept;
+  ServerProcess& operator=(ServerProcess&&) = delete;
+  ~ServerProcess();
+
+  const std::string& address() const { return address_; }
+  void Signal(int signal);
+  // Waits for its end: the exit status, or 128 + the signal that ended it.
+  int Wait();
+
+ private:
+  ServerProcess() = default;
+  pid_t pid_ = 0;
+  std::string address_;
+};
+
+// Runs a program to its end; its exit status, and what it printed.
+int RunProgram(const std::vector<std::string>& arguments, std::string* output);
+
+}  // namespace axiscal::testing
+
+#endif  // AXISCAL_TESTS_END_TO_END_TESTING_PROCESS_H_

@@ -1,0 +1,140 @@
+// Sessions through the client library: stored whole, once, resumed, readable bit for bit.
+#include "client/upload.h"
+
+#include "core/base/error_detail.h"
+#include "tests/end_to_end/testing/fixture.h"
+#include "tests/end_to_end/testing/raw_upload.h"
+
+namespace axiscal {
+namespace {
+
+using testing::BallbarSession;
+using testing::MachineJson;
+
+class Upload : public testing::EndToEnd {
+ protected:
+  void SetUp() override {
+    EndToEnd::SetUp();
+    ASSERT_OK(client().CreateMachine(MachineJson("mt")));
+  }
+};
+
+TEST_F(Upload, ComesBackBitForBitAndReportsItsProgress) {
+  const session::Session session = BallbarSession("mt", "BX", 10'500);
+  std::vector<int64_t> done;
+  const auto upload = client().Upload(MachineId("mt"), session, [&](const client::TransferProgress& progress) {
+    EXPECT_EQ(progress.total, 10'500);
+    done.push_back(progress.done);
+  });
+  ASSERT_OK(upload);
+  EXPECT_EQ(upload->session.state, storage::SessionState::kComplete);
+  EXPECT_EQ(upload->session.reading_count, 10'500);
+  EXPECT_EQ(upload->session.name, "BX");
+  EXPECT_EQ(upload->session.instrument, "ballbar");
+  EXPECT_EQ(upload->session.created_by, "test");
+  EXPECT_FALSE(upload->was_there);
+  ASSERT_FALSE(done.empty());
+  EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
+  EXPECT_EQ(done.back(), 10'500);
+
+  const auto back = client().DownloadSession(upload->session.id);
+  ASSERT_OK(back);
+  EXPECT_TRUE(*back == session);
+}
+
+TEST_F(Upload, TheSameSessionAgainIsStoredOnce) {
+  const session::Session session = BallbarSession("mt", "BX", 2'000);
+  const auto first = client().Upload(MachineId("mt"), session);
+  ASSERT_OK(first);
+  Restart();
+  const auto second = client().Upload(MachineId("mt"), session);
+  ASSERT_OK(second);
+  EXPECT_TRUE(second->was_there);
+  EXPECT_EQ(second->session.id, first->session.id);
+  const auto all = client().ListSessions();
+  ASSERT_OK(all);
+  EXPECT_EQ(all->rows.size(), 1u);
+}
+
+TEST_F(Upload, ResumesWhereABrokenStreamLeftIt) {
+  const session::Session session = BallbarSession("mt", "BX", 10'000);
+  const auto stub = v1::Ingest::NewStub(channel());
+  v1::CreateSessionResponse created;
+  {
+    grpc::ClientContext context;
+    context.AddMetadata("axiscal-user", "test");
+    const auto request = testing::CreateRequest(
+        "mt", client::ContentId(MachineId("mt"), session, client::Options().chunk_readings), session);
+    ASSERT_TRUE(stub->CreateSession(&context, request, &created).ok());
+  }
+  std::vector<v1::UploadRequest> messages = testing::UploadMessages(created.session().session_id(), session, 1000);
+  messages.resize(1 + 4);  // the cell dies after four chunks
+  const testing::RawResult broken = testing::SendAll(*stub, messages);
+  EXPECT_TRUE(broken.status.ok());
+  EXPECT_EQ(broken.next_seq(), 4);
+  EXPECT_FALSE(broken.completed());
+
+  Restart();
+  int64_t first_done = -1;
+  const auto resumed = client().Upload(MachineId("mt"), session, [&](const client::TransferProgress& progress) {
+    if (first_done < 0) first_done = progress.done;
+  });
+  ASSERT_OK(resumed);
+  EXPECT_EQ(first_done, 4'000);
+  EXPECT_EQ(resumed->session.id.number(), created.session().session_id());
+  EXPECT_EQ(resumed->duplicate_chunks, 0);
+  const auto back = client().DownloadSession(resumed->session.id);
+  ASSERT_OK(back);
+  EXPECT_TRUE(*back == session);
+}
+
+TEST_F(Upload, ASessionOfAnotherMachineIsRefusedAndNothingIsStored) {
+  ASSERT_OK(client().CreateMachine(MachineJson("other")));
+  const auto upload = client().Upload(MachineId("other"), BallbarSession("mt", "BX", 100));
+  EXPECT_EQ(upload.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(base::ErrorReason(upload.status()), "SESSION_INVALID");
+  EXPECT_NE(upload.status().message().find("'mt', expected 'other'"), std::string::npos) << upload.status();
+  EXPECT_NE(upload.status().message().find("[SESSION_INVALID]"), std::string::npos);
+  const auto all = client().ListSessions();
+  ASSERT_OK(all);
+  EXPECT_TRUE(all->rows.empty());
+}
+
+TEST_F(Upload, AnUnknownMachineIsNotFound) {
+  const auto upload = client().Upload(MachineId("nobody"), BallbarSession("nobody", "BX", 100));
+  EXPECT_EQ(upload.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(base::ErrorReason(upload.status()), "MACHINE_NOT_FOUND");
+}
+
+TEST_F(Upload, ABadReadingRefusesTheSessionWithItsLineAndColumn) {
+  session::Session session = BallbarSession("mt", "BX", 3'000);
+  session.columns[1].values[2'345] = std::nan("");
+  const auto upload = client().Upload(MachineId("mt"), session);
+  EXPECT_EQ(base::ErrorReason(upload.status()), "SESSION_INVALID");
+  // 7 header lines, the column names, then readings from line 9 on.
+  EXPECT_NE(upload.status().message().find("line 2354, column 2 (X_mm)"), std::string::npos) << upload.status();
+  const auto complete = client().ListSessions({.machine = {}, .state = storage::SessionState::kComplete});
+  ASSERT_OK(complete);
+  EXPECT_TRUE(complete->rows.empty());
+}
+
+TEST_F(Upload, PagesStayStableWhileSessionsAreAdded) {
+  for (const char* name : {"a", "b", "c", "d", "e"}) {
+    ASSERT_OK(client().Upload(MachineId("mt"), BallbarSession("mt", name, 10)));
+  }
+  std::vector<std::string> names;
+  storage::PageRequest page{2, ""};
+  do {
+    const auto rows = client().ListSessions({.machine = MachineId("mt"), .state = {}}, page);
+    ASSERT_OK(rows);
+    for (const auto& row : rows->rows) names.push_back(row.name);
+    page.token = rows->next_token;
+    if (names.size() == 2) {
+      ASSERT_OK(client().Upload(MachineId("mt"), BallbarSession("mt", "later", 10)));
+    }
+  } while (!page.token.empty());
+  EXPECT_EQ(names, (std::vector<std::string>{"e", "d", "c", "b", "a"}));
+}
+
+}  // namespace
+}  // namespace axiscal
