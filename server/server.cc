@@ -4,10 +4,12 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
+#include <condition_variable>
 #include <mutex>
 #include <thread>
 
 #include "core/base/clock.h"
+#include "core/base/demand.h"
 #include "core/base/error_detail.h"
 #include "proto/convert/job_params.h"
 #include "server/handlers/get_server_info.h"
@@ -58,6 +60,7 @@ absl::Status Validate(const ServerOptions& options) {
   if (options.window_bytes < (64 << 10) || options.window_bytes > (16 << 20)) {
     return refuse(absl::StrCat("window_bytes = ", options.window_bytes, ", must be 65536 to 16777216"));
   }
+  if (options.session_expiry.count() < 1) return refuse("session_expiry must be > 0");
   if (options.drain.count() < 0) return refuse(absl::StrCat("drain = ", options.drain.count(), " ms, must be >= 0"));
   return absl::OkStatus();
 }
@@ -92,6 +95,7 @@ class Server::Impl {
                          {"LISTEN_FAILED", {}});
     }
     runner_.Start();
+    housekeeper_ = std::thread([this] { KeepHouse(); });
     return absl::OkStatus();
   }
 
@@ -111,6 +115,7 @@ class Server::Impl {
     // the shutdown up to its deadline: an idle client hears of the end only when it calls again.
     server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
     server_.reset();
+    StopHousekeeper();
     Log(LogLevel::kInfo, "stopped", {});
   }
 
@@ -124,6 +129,35 @@ class Server::Impl {
   std::mutex shutdown_mutex_;
 
  private:
+  // Drops what uploaders have left, now and every hour.
+  void KeepHouse() {
+    std::unique_lock lock(housekeeper_mutex_);
+    while (!stop_housekeeper_) {
+      const base::UtcTime idle_since = base::SystemClock().UtcNow() - options_.session_expiry;
+      const absl::StatusOr<int> expired = database_->ExpireSessions(idle_since);
+      if (!expired.ok()) {
+        Log(LogLevel::kWarning, "expire", {{"text", std::string(expired.status().message())}});
+      } else if (*expired > 0) {
+        Log(LogLevel::kInfo, "expire", {{"sessions", absl::StrCat(*expired)}});
+      }
+      wake_housekeeper_.wait_for(lock, std::chrono::hours(1), [&] { return stop_housekeeper_; });
+    }
+  }
+
+  void StopHousekeeper() {
+    {
+      const std::lock_guard lock(housekeeper_mutex_);
+      stop_housekeeper_ = true;
+      wake_housekeeper_.notify_all();
+    }
+    if (housekeeper_.joinable()) housekeeper_.join();
+  }
+
+  std::mutex housekeeper_mutex_;
+  std::condition_variable wake_housekeeper_;
+  bool stop_housekeeper_ = false;  // guarded by housekeeper_mutex_
+  std::thread housekeeper_;
+
   static jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {
     jobs::JobRunnerOptions runner;
     runner.workers = options.workers;
@@ -145,6 +179,7 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 
 std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
+  DEMAND(impl_->server_ != nullptr);
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(handlers::kMaxMessageBytes);
   return impl_->server_->InProcessChannel(arguments);

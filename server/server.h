@@ -27,6 +27,8 @@ struct ServerOptions {
   // How far one stream may run ahead of what the server has read, bytes: rate <= window / round trip. 64 KB to 16 MB;
   // more costs memory per stream.
   int window_bytes = 1 << 20;
+  // An upload that was left for so long is given up and its readings are dropped. > 0.
+  std::chrono::hours session_expiry = std::chrono::hours(24 * 7);
   // How long Shutdown() lets calls and jobs go on before it cuts them off. >= 0.
   std::chrono::milliseconds drain = std::chrono::seconds(20);
 };
@@ -45,7 +47,7 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  // A channel to this server without a port.
+  // A channel to this server without a port; not after Shutdown().
   std::shared_ptr<grpc::Channel> InProcessChannel();
   // The port that was bound; 0 without one.
   int port() const;

@@ -11,8 +11,11 @@
 
 namespace axiscal::server {
 
-// `core` must outlive them.
+// All of them. `core` must outlive them.
 std::vector<std::unique_ptr<grpc::Service>> MakeServices(handlers::Core& core);
+// Those whose calls stream bytes in and out: part of the above.
+std::unique_ptr<grpc::Service> MakeIngestService(handlers::Core& core);
+std::unique_ptr<grpc::Service> MakeProgramsService(handlers::Core& core);
 
 }  // namespace axiscal::server
 

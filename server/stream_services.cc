@@ -1,0 +1,130 @@
+// The services whose calls stream bytes in and out.
+#include "axiscal/v1/ingest_service.grpc.pb.h"
+#include "axiscal/v1/programs_service.grpc.pb.h"
+#include "server/handlers/abort_session.h"
+#include "server/handlers/create_session.h"
+#include "server/handlers/download_session.h"
+#include "server/handlers/finish_session.h"
+#include "server/handlers/get_program.h"
+#include "server/handlers/get_session.h"
+#include "server/handlers/list_programs.h"
+#include "server/handlers/list_sessions.h"
+#include "server/handlers/put_program.h"
+#include "server/handlers/upload.h"
+#include "server/respond.h"
+#include "server/service.h"
+
+namespace axiscal::server {
+namespace {
+
+// Messages until the caller ends its side, or sends what cannot be read: gRPC tells the two apart no more than we can.
+template <typename Stream>
+absl::Status ReceiveAll(Stream& stream, handlers::UploadStream& upload) {
+  v1::UploadRequest request;
+  while (stream.Read(&request)) RETURN_IF_ERROR(upload.Receive(request));
+  return upload.End();
+}
+
+class IngestService final : public v1::Ingest::Service {
+ public:
+  explicit IngestService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status CreateSession(grpc::ServerContext* context, const v1::CreateSessionRequest* request,
+                             v1::CreateSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.CreateSession",
+        [&](const auto& call) { return handlers::CreateSession(core_, call, *request); }, response);
+  }
+  grpc::Status GetSession(grpc::ServerContext* context, const v1::GetSessionRequest* request,
+                          v1::GetSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.GetSession",
+        [&](const auto& call) { return handlers::GetSession(core_, call, *request); }, response);
+  }
+  grpc::Status FinishSession(grpc::ServerContext* context, const v1::FinishSessionRequest* request,
+                             v1::FinishSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.FinishSession",
+        [&](const auto& call) { return handlers::FinishSession(core_, call, *request); }, response);
+  }
+  grpc::Status AbortSession(grpc::ServerContext* context, const v1::AbortSessionRequest* request,
+                            v1::AbortSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.AbortSession",
+        [&](const auto& call) { return handlers::AbortSession(core_, call, *request); }, response);
+  }
+  grpc::Status ListSessions(grpc::ServerContext* context, const v1::ListSessionsRequest* request,
+                            v1::ListSessionsResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.ListSessions",
+        [&](const auto& call) { return handlers::ListSessions(core_, call, *request); }, response);
+  }
+  grpc::Status DownloadSession(grpc::ServerContext* context, const v1::DownloadSessionRequest* request,
+                               grpc::ServerWriter<v1::DownloadSessionResponse>* writer) override {
+    return RespondStream(core_, context, "Ingest.DownloadSession", [&](const auto& call) {
+      return handlers::DownloadSession(core_, call, *request,
+                                       [&](const auto& message) { return writer->Write(message); });
+    });
+  }
+  grpc::Status Upload(grpc::ServerContext* context,
+                      grpc::ServerReaderWriter<v1::UploadResponse, v1::UploadRequest>* stream) override {
+    return RespondStream(core_, context, "Ingest.Upload", [&](const auto& call) {
+      handlers::UploadStream upload(core_, call, [&](const auto& response) { return stream->Write(response); });
+      return ReceiveAll(*stream, upload);
+    });
+  }
+  grpc::Status UploadOnce(grpc::ServerContext* context, grpc::ServerReader<v1::UploadRequest>* reader,
+                          v1::UploadOnceResponse* response) override {
+    return RespondStream(core_, context, "Ingest.UploadOnce", [&](const auto& call) {
+      handlers::UploadStream upload(core_, call, nullptr);
+      RETURN_IF_ERROR(ReceiveAll(*reader, upload));
+      return handlers::Summarise(upload, response);
+    });
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class ProgramsService final : public v1::Programs::Service {
+ public:
+  explicit ProgramsService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status ListPrograms(grpc::ServerContext* context, const v1::ListProgramsRequest* request,
+                            v1::ListProgramsResponse* response) override {
+    return Respond(
+        core_, context, "Programs.ListPrograms",
+        [&](const auto& call) { return handlers::ListPrograms(core_, call, *request); }, response);
+  }
+  grpc::Status GetProgram(grpc::ServerContext* context, const v1::GetProgramRequest* request,
+                          grpc::ServerWriter<v1::GetProgramResponse>* writer) override {
+    return RespondStream(core_, context, "Programs.GetProgram", [&](const auto& call) {
+      return handlers::GetProgram(core_, call, *request, [&](const auto& message) { return writer->Write(message); });
+    });
+  }
+  grpc::Status PutProgram(grpc::ServerContext* context, grpc::ServerReader<v1::PutProgramRequest>* reader,
+                          v1::PutProgramResponse* response) override {
+    return Respond(
+        core_, context, "Programs.PutProgram",
+        [&](const auto& call) -> absl::StatusOr<v1::PutProgramResponse> {
+          handlers::PutProgramStream program(core_, call);
+          v1::PutProgramRequest request;
+          while (reader->Read(&request)) RETURN_IF_ERROR(program.Receive(request));
+          return program.End();
+        },
+        response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> MakeIngestService(handlers::Core& core) { return std::make_unique<IngestService>(core); }
+
+std::unique_ptr<grpc::Service> MakeProgramsService(handlers::Core& core) {
+  return std::make_unique<ProgramsService>(core);
+}
+
+}  // namespace axiscal::server
