@@ -1,0 +1,45 @@
+// axiscal approve
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/record_output.h"
+
+namespace axiscal::cli {
+namespace {
+
+struct Arguments {
+  int64_t calibration = 0, etag = 0;
+};
+
+absl::Status Approve(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  const CalibrationId id(arguments.calibration);
+  int64_t etag = arguments.etag;
+  if (etag == 0) {
+    ASSIGN_OR_RETURN(const storage::CalibrationRecord present, client->GetCalibration(id));
+    etag = present.etag;
+  }
+  ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->ApproveCalibration(id, etag, context.user));
+  context.Print(ToJson(record), absl::StrCat("calibration ", record.id.number(), " (version ", record.version,
+                                             ") of machine ", record.content.machine.text(), " is approved by ",
+                                             record.approved_by, "; compensation uses it from now on\n"));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddApproveCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* approve = app.add_subcommand("approve", "Put a calibration in use; the machine's former one retires");
+  approve->add_option("CALIBRATION", arguments->calibration, "its number")->required()->check(CLI::PositiveNumber);
+  approve->add_option("--etag", arguments->etag, "refuse when it changed since this etag was read")
+      ->check(CLI::PositiveNumber);
+  approve->footer(
+      "Approving an older version is the way back. --user is written down as who approved.\nExample: axiscal approve "
+      "3");
+  SetAction(approve, context, [&context, arguments] { return Approve(context, *arguments); });
+}
+
+}  // namespace axiscal::cli

@@ -1,0 +1,69 @@
+// axiscal calibration list|show
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/record_output.h"
+
+namespace axiscal::cli {
+namespace {
+
+struct Arguments {
+  std::string machine, page, approved_of;
+  int page_size = 0;
+  int64_t id = 0;
+};
+
+absl::Status List(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  storage::CalibrationFilter filter;
+  if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
+  ASSIGN_OR_RETURN(const auto page, client->ListCalibrations(filter, {arguments.page_size, arguments.page}));
+  std::vector<std::vector<std::string>> rows = {
+      {"id", "machine", "version", "state", "rms before um", "rms after um", "made (UTC)", "approved by"}};
+  for (const storage::CalibrationRecord& record : page.rows) {
+    rows.push_back({absl::StrCat(record.id.number()), record.content.machine.text(), absl::StrCat(record.version),
+                    StateName(record.state), NumberText(record.content.rms_before_um),
+                    NumberText(record.content.rms_after_um), TimeText(record.created_at), record.approved_by});
+  }
+  context.Print(PageJson("calibrations", page), Table(rows) + PageText(page));
+  return absl::OkStatus();
+}
+
+absl::Status Show(Context& context, const Arguments& arguments) {
+  if (arguments.approved_of.empty() == (arguments.id == 0)) {
+    return absl::InvalidArgumentError("calibration show: expected either a number or --approved MACHINE");
+  }
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const storage::CalibrationRecord record,
+                   arguments.id != 0 ? client->GetCalibration(CalibrationId(arguments.id))
+                                     : client->GetApprovedCalibration(MachineId(arguments.approved_of)));
+  context.Print(ToJson(record), CalibrationText(record));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddCalibrationCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* calibration = app.add_subcommand("calibration", "What was identified: list, show");
+  calibration->require_subcommand(1);
+
+  CLI::App* list = calibration->add_subcommand("list", "List calibrations, newest first");
+  list->add_option("--machine", arguments->machine, "of this machine only");
+  list->add_option("--page-size", arguments->page_size, "calibrations per page (1 to 1000)")
+      ->check(CLI::Range(1, 1000));
+  list->add_option("--page", arguments->page, "token of the next page");
+  SetAction(list, context, [&context, arguments] { return List(context, *arguments); });
+
+  CLI::App* show = calibration->add_subcommand(
+      "show", "Errors with uncertainties, what the data could not tell, rms before and after");
+  show->add_option("ID", arguments->id, "its number")->check(CLI::PositiveNumber);
+  show->add_option("--approved", arguments->approved_of, "the one in use on this machine");
+  show->footer(
+      "With --json also the model, the whole report (correlations, set-ups, outliers) and where it comes from.");
+  SetAction(show, context, [&context, arguments] { return Show(context, *arguments); });
+}
+
+}  // namespace axiscal::cli

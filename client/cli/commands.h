@@ -1,0 +1,26 @@
+// One function per sub-command; each adds it to the command line with its options, help and examples.
+#ifndef AXISCAL_CLIENT_CLI_COMMANDS_H_
+#define AXISCAL_CLIENT_CLI_COMMANDS_H_
+
+namespace CLI {
+class App;
+}
+
+namespace axiscal::cli {
+
+struct Context;
+
+void AddMachineCommand(CLI::App& app, Context& context);
+void AddUploadCommand(CLI::App& app, Context& context);
+void AddSessionCommand(CLI::App& app, Context& context);
+void AddIdentifyCommand(CLI::App& app, Context& context);
+void AddApproveCommand(CLI::App& app, Context& context);
+void AddCalibrationCommand(CLI::App& app, Context& context);
+void AddCompensateCommand(CLI::App& app, Context& context);
+void AddProgramCommand(CLI::App& app, Context& context);
+void AddHistoryCommand(CLI::App& app, Context& context);
+void AddJobsCommand(CLI::App& app, Context& context);
+
+}  // namespace axiscal::cli
+
+#endif  // AXISCAL_CLIENT_CLI_COMMANDS_H_

@@ -1,0 +1,174 @@
+// axiscal compensate: on the service with a stored calibration, or with machine.json and errors.json and no database at
+// all.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/job_wait.h"
+#include "client/cli/record_output.h"
+#include "client/cli/rewrite_arguments.h"
+#include "core/base/files.h"
+#include "core/base/strict_json.h"
+#include "core/compensate/compensator.h"
+#include "core/machine/error_json.h"
+#include "core/machine/machine_json.h"
+#include "core/nc/rewrite.h"
+
+namespace axiscal::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string machine, errors, input, output, report;
+  int64_t calibration = 0;
+  RewriteArguments rewrite;
+};
+
+// Of a report of nc::ToJson.
+std::string ReportText(const Json& report, const std::string& output) {
+  const auto number = [&report](const char* path) { return NumberText(report.value(Json::json_pointer(path), 0.0)); };
+  const auto count = [&report](const char* path) { return report.value(Json::json_pointer(path), int64_t{0}); };
+  std::string text = absl::StrFormat("%s: %d of %d blocks corrected, %d split, %d passed unchanged\n", output,
+                                     count("/blocks/corrected"), count("/blocks/read"), count("/blocks/split"),
+                                     count("/blocks/passed"));
+  std::vector<std::vector<std::string>> rows = {{"", "max um", "rms um"}};
+  const Json corrections = report.value("correction", Json::object());
+  for (const auto& [axis, spread] : corrections.items()) {
+    rows.push_back({absl::StrCat("correction of ", axis), NumberText(spread.value("max_um", 0.0)),
+                    NumberText(spread.value("rms_um", 0.0))});
+  }
+  rows.push_back({"tool-point error before", number("/tool_point_error/before/max_um"),
+                  number("/tool_point_error/before/rms_um")});
+  rows.push_back(
+      {"tool-point error after", number("/tool_point_error/after/max_um"), number("/tool_point_error/after/rms_um")});
+  absl::StrAppend(&text, Table(rows));
+  for (const Json& note : report.value("notes", Json::array()))
+    absl::StrAppend(&text, "note: ", note.get<std::string>(), "\n");
+  return text;
+}
+
+// What was refused, one line each, for the error's text.
+std::string RefusedText(const nc::RewriteReport& report) {
+  std::string text;
+  for (const nc::Finding& finding : report.refused)
+    absl::StrAppend(&text, "\n  line ", finding.line, ": ", finding.block, "  (", finding.reason, ")");
+  return text;
+}
+
+absl::Status CheckPaths(const Arguments& arguments) {
+  std::error_code error;
+  if (fs::equivalent(arguments.input, arguments.output, error)) {
+    return absl::InvalidArgumentError(arguments.output + ": is the input, expected another file for the output");
+  }
+  return absl::OkStatus();
+}
+
+// Letters, digits, blanks and "._-+:/" may stand in the program's mark.
+std::string MarkName(const std::string& path) {
+  std::string name = fs::path(path).filename().string();
+  for (char& c : name) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && std::string(" ._-+:/").find(c) == std::string::npos) c = '_';
+  }
+  return name;
+}
+
+absl::StatusOr<machine::ErrorModel> ReadErrorsFile(const std::string& path, const machine::Machine& machine) {
+  ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, base::kMaxJsonBytes));
+  auto errors = machine::ReadErrors(text, machine);
+  if (!errors.ok()) return base::Within(path, errors.status());
+  return errors;
+}
+
+absl::Status CompensateFiles(Context& context, const Arguments& arguments) {
+  if (!fs::exists(arguments.machine)) {
+    return absl::NotFoundError(arguments.machine + ": no such file; with --errors, --machine is a machine.json");
+  }
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::ReadMachineFile(arguments.machine));
+  ASSIGN_OR_RETURN(const machine::ErrorModel errors, ReadErrorsFile(arguments.errors, machine));
+  ASSIGN_OR_RETURN(nc::RewriteOptions options, ToRewriteOptions(arguments.rewrite, machine));
+  options.calibration = MarkName(arguments.errors);
+  compensate::Options compensator_options;
+  ASSIGN_OR_RETURN(compensator_options.tool_tip_mm, ToolTip(arguments.rewrite));
+  compensator_options.time_s = arguments.rewrite.time_s;
+  compensator_options.temperature_celsius = arguments.rewrite.temperature_celsius;
+  ASSIGN_OR_RETURN(const auto compensator, compensate::Compensator::Create(machine, errors, compensator_options));
+  nc::RewriteReport report;
+  const absl::Status status = nc::RewriteFile(arguments.input, arguments.output, compensator, options, &report);
+  const std::string report_json = nc::ToJson(report);
+  // The report tells also why a program was refused.
+  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report_json));
+  if (!status.ok())
+    return absl::Status(status.code(), absl::StrCat(arguments.input, ": ", status.message(), RefusedText(report)));
+  context.Print(Embedded(report_json), ReportText(Embedded(report_json), arguments.output));
+  return absl::OkStatus();
+}
+
+absl::Status FetchProgram(client::Client& client, ProgramId id, const std::string& path) {
+  base::AtomicFile file;
+  RETURN_IF_ERROR(file.Open(path));
+  RETURN_IF_ERROR(client.GetProgram(id, [&file](const std::string& bytes) { return file.Write(bytes); }).status());
+  return file.Commit();
+}
+
+absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
+  convert::CompensateParams params;
+  ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  params.machine = MachineId(arguments.machine);
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(params.machine));
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
+  ASSIGN_OR_RETURN(params.options, ToRewriteOptions(arguments.rewrite, machine));
+  params.time_s = arguments.rewrite.time_s;
+  params.temperature_celsius = arguments.rewrite.temperature_celsius;
+  if (arguments.calibration != 0) params.calibration = CalibrationId(arguments.calibration);
+  ASSIGN_OR_RETURN(const storage::ProgramRecord program, client->PutProgramFile(arguments.input));
+  params.program = program.id;
+  ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params));
+  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, *client, job.id));
+  if (done.programs.empty()) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no program"));
+  RETURN_IF_ERROR(FetchProgram(*client, done.programs[0], arguments.output));
+  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, done.result));
+  Json json = Embedded(done.result);
+  const std::string text = ReportText(json, arguments.output);
+  json["job"] = done.id.number();
+  json["program"] = done.programs[0].number();
+  context.Print(json, text);
+  return absl::OkStatus();
+}
+
+absl::Status Compensate(Context& context, const Arguments& arguments) {
+  RETURN_IF_ERROR(CheckPaths(arguments));
+  return arguments.errors.empty() ? CompensateOnService(context, arguments) : CompensateFiles(context, arguments);
+}
+
+}  // namespace
+
+void AddCompensateCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* compensate =
+      app.add_subcommand("compensate", "Rewrite an NC program so that the tool goes where the program says");
+  compensate->add_option("INPUT", arguments->input, "the program")->required();
+  compensate->add_option("-o,--output", arguments->output, "the rewritten program")->required();
+  compensate->add_option("--machine", arguments->machine, "a stored machine; with --errors its machine.json")
+      ->required();
+  compensate->add_option("--errors", arguments->errors, "errors.json in um and urad: needs no database")
+      ->excludes(
+          compensate
+              ->add_option("--calibration", arguments->calibration, "this calibration instead of the approved one")
+              ->check(CLI::PositiveNumber));
+  compensate->add_option("--report", arguments->report, "write the report as JSON");
+  AddRewriteOptions(*compensate, arguments->rewrite);
+  compensate->footer(
+      "Every byte that is not a corrected axis word stays. A program that cannot be corrected safely, or was corrected "
+      "before, is\n"
+      "refused with line and reason, and nothing is written.\n"
+      "Examples: axiscal compensate --machine mt --tool-tip \"0 0 -350\" in.nc -o out.nc\n"
+      "          axiscal compensate --machine machine.json --errors errors.json --tool-tip \"0 0 -350\" in.nc -o "
+      "out.nc --report report.json");
+  SetAction(compensate, context, [&context, arguments] { return Compensate(context, *arguments); });
+}
+
+}  // namespace axiscal::cli

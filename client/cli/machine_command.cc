@@ -1,0 +1,132 @@
+// axiscal machine add|update|list|show|explain
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/record_output.h"
+#include "core/base/files.h"
+#include "core/base/strict_json.h"
+#include "core/machine/explain.h"
+#include "core/machine/machine_json.h"
+
+namespace axiscal::cli {
+namespace {
+
+struct Arguments {
+  std::string file, id, page;
+  int page_size = 0;
+  int64_t revision = 0;
+};
+
+// The text of a machine.json that is known to be right.
+absl::StatusOr<std::string> ReadDescription(const std::string& path, MachineId* id) {
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::ReadMachineFile(path));
+  *id = MachineId(machine.id);
+  return base::ReadFile(path, base::kMaxJsonBytes);
+}
+
+absl::Status Add(Context& context, const Arguments& arguments) {
+  MachineId id;
+  ASSIGN_OR_RETURN(const std::string description, ReadDescription(arguments.file, &id));
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->CreateMachine(description));
+  context.Print(ToJson(record),
+                absl::StrCat("machine ", record.id.text(), " is stored (revision ", record.revision,
+                             "); check its signs with: axiscal machine explain ", record.id.text(), "\n"));
+  return absl::OkStatus();
+}
+
+absl::Status Update(Context& context, const Arguments& arguments) {
+  MachineId id;
+  ASSIGN_OR_RETURN(const std::string description, ReadDescription(arguments.file, &id));
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const storage::MachineRecord present, client->GetMachine(id));
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->UpdateMachine(description, present.revision));
+  context.Print(ToJson(record), absl::StrCat("machine ", record.id.text(), " is now revision ", record.revision, "\n"));
+  return absl::OkStatus();
+}
+
+absl::Status List(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const auto page, client->ListMachines({arguments.page_size, arguments.page}));
+  std::vector<std::vector<std::string>> rows = {{"machine", "revision", "updated (UTC)"}};
+  for (const storage::MachineRecord& record : page.rows) {
+    rows.push_back({record.id.text(), absl::StrCat(record.revision), TimeText(record.updated_at)});
+  }
+  context.Print(PageJson("machines", page), Table(rows) + PageText(page));
+  return absl::OkStatus();
+}
+
+absl::Status Show(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  const MachineId id(arguments.id);
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, arguments.revision > 0
+                                                            ? client->GetMachineRevision(id, arguments.revision)
+                                                            : client->GetMachine(id));
+  context.Print(ToJson(record), record.description_json + (record.description_json.ends_with('\n') ? "" : "\n"));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<machine::Machine> LoadMachine(Context& context, const Arguments& arguments) {
+  if (!arguments.file.empty()) return machine::ReadMachineFile(arguments.file);
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(MachineId(arguments.id)));
+  return machine::MachineFromJson(record.description_json);
+}
+
+absl::Status Explain(Context& context, const Arguments& arguments) {
+  if (arguments.file.empty() == arguments.id.empty()) {
+    return absl::InvalidArgumentError("explain: expected either a machine's id or --file machine.json");
+  }
+  ASSIGN_OR_RETURN(const machine::Machine machine, LoadMachine(context, arguments));
+  Json axes = Json::array();
+  for (const machine::AxisMotion& motion : machine::ExplainMotions(machine)) {
+    const auto vector = [](const Eigen::Vector3d& v) { return Json{v.x(), v.y(), v.z()}; };
+    axes.push_back(
+        {{"axis", motion.axis},
+         {"kind", motion.kind == machine::AxisKind::kLinear ? "linear" : "rotary"},
+         {"carries", motion.carries_workpiece ? "workpiece" : "tool"},
+         {motion.kind == machine::AxisKind::kLinear ? "tool_moves_to" : "tool_turns_about", vector(motion.tool_motion)},
+         {"follows_iso_841", motion.follows_iso_841},
+         {"text", machine::ToText(motion)}});
+  }
+  context.Print({{"machine", machine.id}, {"axes", axes}}, machine::Explain(machine));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddMachineCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* machine = app.add_subcommand("machine", "Describe machines: add, update, list, show, explain");
+  machine->require_subcommand(1);
+
+  CLI::App* add = machine->add_subcommand("add", "Store the description of a machine");
+  add->add_option("FILE", arguments->file, "its machine.json")->required();
+  add->footer("Example: axiscal machine add machine.json");
+  SetAction(add, context, [&context, arguments] { return Add(context, *arguments); });
+
+  CLI::App* update = machine->add_subcommand("update", "Store a new revision; former ones stay readable");
+  update->add_option("FILE", arguments->file, "its machine.json")->required();
+  SetAction(update, context, [&context, arguments] { return Update(context, *arguments); });
+
+  CLI::App* list = machine->add_subcommand("list", "List the machines");
+  list->add_option("--page-size", arguments->page_size, "machines per page (1 to 1000)")->check(CLI::Range(1, 1000));
+  list->add_option("--page", arguments->page, "token of the next page");
+  SetAction(list, context, [&context, arguments] { return List(context, *arguments); });
+
+  CLI::App* show = machine->add_subcommand("show", "Print a machine's description");
+  show->add_option("ID", arguments->id, "the machine")->required();
+  show->add_option("--revision", arguments->revision, "an earlier revision")->check(CLI::PositiveNumber);
+  SetAction(show, context, [&context, arguments] { return Show(context, *arguments); });
+
+  CLI::App* explain = machine->add_subcommand(
+      "explain", "Say where a positive command of each axis takes the tool, to find a wrong sign");
+  explain->add_option("ID", arguments->id, "the machine");
+  explain->add_option("--file", arguments->file, "a machine.json instead, without any database");
+  explain->footer("Example: axiscal machine explain --file machine.json");
+  SetAction(explain, context, [&context, arguments] { return Explain(context, *arguments); });
+}
+
+}  // namespace axiscal::cli

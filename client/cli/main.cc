@@ -1,0 +1,87 @@
+// axiscal: the command line. Global options, one sub-command, one exit code.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "absl/synchronization/mutex.h"
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/exit_code.h"
+#include "core/base/error_detail.h"
+
+namespace axiscal::cli {
+namespace {
+
+void AddGlobalOptions(CLI::App& app, Context& context) {
+  app.require_subcommand(1);
+  app.fallthrough();
+  auto* server = app.add_option("--server", context.server, "address of a running axiscald, HOST:PORT or unix:PATH")
+                     ->envname("AXISCAL_SERVER");
+  app.add_option("--db", context.database, "without --server: run the service in this process on this file")
+      ->envname("AXISCAL_DB")
+      ->capture_default_str()
+      ->excludes(server);
+  app.add_option("--user", context.user, "who is asking, as it is written down")
+      ->envname("AXISCAL_USER")
+      ->capture_default_str();
+  app.add_flag("--json", context.json, "print one JSON document; errors as JSON on standard error");
+  app.set_version_flag("--version", AXISCAL_VERSION);
+}
+
+void AddCommands(CLI::App& app, Context& context) {
+  AddMachineCommand(app, context);
+  AddUploadCommand(app, context);
+  AddSessionCommand(app, context);
+  AddIdentifyCommand(app, context);
+  AddApproveCommand(app, context);
+  AddCalibrationCommand(app, context);
+  AddCompensateCommand(app, context);
+  AddProgramCommand(app, context);
+  AddHistoryCommand(app, context);
+  AddJobsCommand(app, context);
+}
+
+void PrintError(const absl::Status& status, bool json) {
+  const std::string message(status.message());
+  if (!json) {
+    std::fprintf(stderr, "axiscal: %s\n", message.c_str());
+    return;
+  }
+  const Json document = {{"error",
+                          {{"code", absl::StatusCodeToString(status.code())},
+                           {"reason", base::ErrorReason(status)},
+                           {"message", message},
+                           {"exit_code", ExitCodeOf(status)}}}};
+  std::fprintf(stderr, "%s\n", document.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+int Main(int argc, char** argv) {
+  Context context;
+  CLI::App app(
+      "Axiscal keeps machine tools true: upload what probes measured, identify the machine's errors, compensate NC "
+      "programs.",
+      "axiscal");
+  AddGlobalOptions(app, context);
+  AddCommands(app, context);
+  app.footer(std::string("Examples:\n"
+                         "  axiscal machine add machine.json && axiscal machine explain mt\n"
+                         "  axiscal upload tuesday/*.csv && axiscal identify --machine mt --all && axiscal approve 1\n"
+                         "  axiscal compensate --machine mt --tool-tip \"0 0 -350\" in.nc -o out.nc\n") +
+             kExitCodeHelp);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {  // CLI11 reports --help and usage errors this way
+    return app.exit(error) == 0 ? kOk : kUsage;
+  }
+  if (!context.status.ok()) PrintError(context.status, context.json);
+  if (std::fflush(stdout) != 0) return kFailed;
+  return ExitCodeOf(context.status);
+}
+
+}  // namespace
+}  // namespace axiscal::cli
+
+int main(int argc, char** argv) {
+  // Debian's Abseil aborts at lock orders that gRPC's own shutdown uses.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  return axiscal::cli::Main(argc, argv);
+}

@@ -1,0 +1,229 @@
+#include "client/cli/record_output.h"
+
+#include <cmath>
+
+namespace axiscal::cli {
+
+using storage::CalibrationState;
+using storage::JobState;
+using storage::SessionState;
+
+const char* StateName(SessionState state) {
+  switch (state) {
+    case SessionState::kOpen:
+      return "open";
+    case SessionState::kComplete:
+      return "complete";
+    case SessionState::kAborted:
+      return "aborted";
+    case SessionState::kExpired:
+      return "expired";
+  }
+  return "unknown";
+}
+
+const char* StateName(JobState state) {
+  switch (state) {
+    case JobState::kQueued:
+      return "queued";
+    case JobState::kRunning:
+      return "running";
+    case JobState::kSucceeded:
+      return "succeeded";
+    case JobState::kFailed:
+      return "failed";
+    case JobState::kCancelled:
+      return "cancelled";
+    case JobState::kDead:
+      return "dead";
+  }
+  return "unknown";
+}
+
+const char* StateName(CalibrationState state) {
+  switch (state) {
+    case CalibrationState::kCandidate:
+      return "candidate";
+    case CalibrationState::kApproved:
+      return "approved";
+    case CalibrationState::kRetired:
+      return "retired";
+  }
+  return "unknown";
+}
+
+const char* UnitName(storage::EstimateUnit unit) { return unit == storage::EstimateUnit::kUm ? "um" : "urad"; }
+
+Json Embedded(const std::string& json_text) {
+  Json parsed = Json::parse(json_text, nullptr, false);
+  return parsed.is_discarded() ? Json(json_text) : parsed;
+}
+
+Json ToJson(const storage::MachineRecord& record) {
+  Json json = {{"id", record.id.text()},
+               {"revision", record.revision},
+               {"created", TimeJson(record.created_at)},
+               {"updated", TimeJson(record.updated_at)}};
+  if (!record.description_json.empty()) json["description"] = Embedded(record.description_json);
+  return json;
+}
+
+Json ToJson(const storage::SessionRecord& record) {
+  return {{"id", record.id.number()},
+          {"machine", record.machine.text()},
+          {"session", record.name},
+          {"instrument", record.instrument},
+          {"state", StateName(record.state)},
+          {"readings", record.reading_count},
+          {"measured", TimeJson(record.measured_at)},
+          {"created", TimeJson(record.created_at)},
+          {"created_by", record.created_by},
+          {"hash", record.hash}};
+}
+
+Json ToJson(const storage::JobRecord& record) {
+  Json programs = Json::array();
+  for (const ProgramId& id : record.programs) programs.push_back(id.number());
+  Json json = {{"id", record.id.number()},
+               {"kind", record.kind},
+               {"machine", record.machine ? Json(record.machine->text()) : Json(nullptr)},
+               {"state", StateName(record.state)},
+               {"attempt", record.attempt},
+               {"progress", record.progress.fraction},
+               {"stage", record.progress.stage},
+               {"detail", record.progress.detail},
+               {"calibration", record.calibration ? Json(record.calibration->number()) : Json(nullptr)},
+               {"programs", programs},
+               {"created", TimeJson(record.created_at)},
+               {"started", TimeJson(record.started_at)},
+               {"ended", TimeJson(record.ended_at)},
+               {"created_by", record.created_by}};
+  if (record.error) {
+    json["error"] = {{"code", absl::StatusCodeToString(record.error->code)},
+                     {"reason", record.error->reason},
+                     {"message", record.error->message}};
+  }
+  return json;
+}
+
+Json ToJson(const storage::Estimate& estimate) {
+  return {{"symbol", estimate.symbol},
+          {"identifiable", estimate.identifiable},
+          {"value", NumberJson(estimate.value)},
+          {"sigma", NumberJson(estimate.sigma)},
+          {"unit", UnitName(estimate.unit)}};
+}
+
+Json ToJson(const storage::CalibrationRecord& record) {
+  const storage::NewCalibration& content = record.content;
+  Json sessions = Json::array(), estimates = Json::array();
+  for (const SessionId& id : content.sessions) sessions.push_back(id.number());
+  for (const storage::Estimate& estimate : content.estimates) estimates.push_back(ToJson(estimate));
+  Json json = {{"id", record.id.number()},
+               {"machine", content.machine.text()},
+               {"version", record.version},
+               {"state", StateName(record.state)},
+               {"etag", record.etag},
+               {"sessions", sessions},
+               {"rank", content.rank},
+               {"condition", NumberJson(content.condition)},
+               {"chi2_per_dof", NumberJson(content.chi2_per_dof)},
+               {"rms_before_um", NumberJson(content.rms_before_um)},
+               {"rms_after_um", NumberJson(content.rms_after_um)},
+               {"estimates", estimates},
+               {"measured", TimeJson(content.measured_at)},
+               {"created", TimeJson(record.created_at)},
+               {"created_by", content.created_by},
+               {"approved", TimeJson(record.approved_at)},
+               {"approved_by", record.approved_by},
+               {"engine_version", content.engine_version}};
+  if (!content.model_json.empty()) json["model"] = Embedded(content.model_json);
+  if (!content.report_json.empty()) json["report"] = Embedded(content.report_json);
+  return json;
+}
+
+Json ToJson(const storage::ProgramRecord& record) {
+  return {{"id", record.id.number()},       {"kind", record.kind},     {"name", record.name},
+          {"bytes", record.byte_count},     {"sha256", record.sha256}, {"created", TimeJson(record.created_at)},
+          {"created_by", record.created_by}};
+}
+
+Json ToJson(const storage::DriftSeries& series) {
+  Json points = Json::array();
+  for (const storage::DriftPoint& point : series.points) {
+    points.push_back({{"from", TimeJson(point.first_at)},
+                      {"to", TimeJson(point.last_at)},
+                      {"count", point.count},
+                      {"min", point.min},
+                      {"mean", point.mean},
+                      {"max", point.max},
+                      {"sigma", NumberJson(point.sigma)},
+                      {"calibration", point.last_calibration.number()}});
+  }
+  return {{"symbol", series.symbol},
+          {"unit", UnitName(series.unit)},
+          {"not_identifiable", series.not_identifiable_count},
+          {"points", points}};
+}
+
+Json ToJson(const storage::FleetRow& row) {
+  Json estimates = Json::array();
+  for (const storage::LatestEstimate& latest : row.latest) {
+    Json json = ToJson(latest.estimate);
+    json["measured"] = TimeJson(latest.measured_at);
+    json["calibration"] = latest.calibration.number();
+    estimates.push_back(std::move(json));
+  }
+  return {{"machine", row.machine.text()}, {"estimates", estimates}};
+}
+
+namespace {
+
+// What a report of identify::ToJson says beyond the single errors: lines for people.
+std::string ReportText(const Json& report) {
+  std::string text;
+  for (const Json& name : report.value("not_separable", Json::array())) {
+    const std::string direction = name.get<std::string>();
+    const bool is_single = direction.find(' ') == std::string::npos;
+    absl::StrAppend(&text, is_single ? "the sessions do not show: " : "the sessions cannot tell apart: ", direction,
+                    "\n");
+  }
+  for (const Json& combination : report.value("determined", Json::array())) {
+    absl::StrAppend(&text, "they determine: ", combination.value("name", ""), " = ",
+                    NumberText(combination.value("value", NAN)), " +- ", NumberText(combination.value("sigma", NAN)),
+                    " ", combination.value("unit", ""), "\n");
+  }
+  for (const Json& outlier : report.value("outliers", Json::array())) {
+    absl::StrAppend(&text, absl::StrFormat("set aside as a bad reading: session %s, row %d (%s um off)\n",
+                                           outlier.value("session", ""), outlier.value("row", 0),
+                                           NumberText(outlier.value("residual_um", NAN))));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string CalibrationText(const storage::CalibrationRecord& record) {
+  const storage::NewCalibration& content = record.content;
+  std::string text = absl::StrCat("calibration ", record.id.number(), ": machine ", content.machine.text(),
+                                  ", version ", record.version, ", ", StateName(record.state), "\n");
+  std::vector<std::vector<std::string>> rows = {{"error", "value", "sigma", "unit", ""}};
+  for (const storage::Estimate& estimate : content.estimates) {
+    rows.push_back({estimate.symbol, NumberText(estimate.value), NumberText(estimate.sigma), UnitName(estimate.unit),
+                    estimate.identifiable ? "" : "not identifiable from these sessions"});
+  }
+  absl::StrAppend(&text, Table(rows));
+  const Json report = Embedded(content.report_json);
+  if (report.is_object()) {
+    absl::StrAppend(&text, ReportText(report));
+    const auto nominal = report.value(Json::json_pointer("/nominal/rms_um"), NAN);
+    absl::StrAppend(&text, "rms: nominal machine ", NumberText(nominal), " um, ");
+  } else {
+    absl::StrAppend(&text, "rms: ");
+  }
+  absl::StrAppend(&text, "with the set-ups fitted ", NumberText(content.rms_before_um), " um, with these errors too ",
+                  NumberText(content.rms_after_um), " um\n");
+  return text;
+}
+
+}  // namespace axiscal::cli

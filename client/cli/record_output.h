@@ -1,0 +1,51 @@
+// The store's records as JSON documents and as lines of tables.
+#ifndef AXISCAL_CLIENT_CLI_RECORD_OUTPUT_H_
+#define AXISCAL_CLIENT_CLI_RECORD_OUTPUT_H_
+
+#include <string>
+#include <vector>
+
+#include "client/cli/output.h"
+#include "client/client.h"
+
+namespace axiscal::cli {
+
+const char* StateName(storage::SessionState state);
+const char* StateName(storage::JobState state);
+const char* StateName(storage::CalibrationState state);
+const char* UnitName(storage::EstimateUnit unit);
+
+Json ToJson(const storage::MachineRecord& record);
+Json ToJson(const storage::SessionRecord& record);
+Json ToJson(const storage::JobRecord& record);
+Json ToJson(const storage::Estimate& estimate);
+// With model and report where the record has them.
+Json ToJson(const storage::CalibrationRecord& record);
+Json ToJson(const storage::ProgramRecord& record);
+Json ToJson(const storage::DriftSeries& series);
+Json ToJson(const storage::FleetRow& row);
+
+// The text as the JSON that it is, or as a text when it is none.
+Json Embedded(const std::string& json_text);
+
+// {"NAME": [...], "next_page": "..."}.
+template <typename Row>
+Json PageJson(const std::string& name, const storage::Page<Row>& page) {
+  Json rows = Json::array();
+  for (const Row& row : page.rows) rows.push_back(ToJson(row));
+  return {{name, rows}, {"next_page", page.next_token}};
+}
+
+// "next page: --page TOKEN" under a table, nothing on the last page.
+template <typename Row>
+std::string PageText(const storage::Page<Row>& page) {
+  return page.next_token.empty() ? "" : "more: --page " + page.next_token + "\n";
+}
+
+// The estimates of a calibration as a table, with the combinations that the data determine, and the rms before and
+// after.
+std::string CalibrationText(const storage::CalibrationRecord& record);
+
+}  // namespace axiscal::cli
+
+#endif  // AXISCAL_CLIENT_CLI_RECORD_OUTPUT_H_

@@ -1,0 +1,123 @@
+#include "client/cli/rewrite_arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <sstream>
+
+#include "core/base/units.h"
+#include "core/session/text.h"
+
+namespace axiscal::cli {
+namespace {
+
+const std::map<std::string, nc::OnUnsupported> kOnUnsupported = {{"refuse", nc::OnUnsupported::kRefuse},
+                                                                 {"pass", nc::OnUnsupported::kPass}};
+const std::map<std::string, nc::BlockDelete> kBlockDelete = {{"either", nc::BlockDelete::kEither},
+                                                             {"executed", nc::BlockDelete::kExecuted},
+                                                             {"skipped", nc::BlockDelete::kSkipped}};
+const std::map<std::string, nc::IntegerWords> kIntegerWords = {{"units", nc::IntegerWords::kWholeUnits},
+                                                               {"increments", nc::IntegerWords::kLeastIncrement}};
+
+template <typename Value>
+std::vector<std::string> NamesOf(const std::map<std::string, Value>& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) names.push_back(name);
+  return names;
+}
+
+// "X=12.5": mm of a linear axis, deg of a rotary one.
+absl::StatusOr<nc::AxisValue> ParseAxisValue(const std::string& option, const std::string& word,
+                                             const machine::Machine& machine) {
+  const size_t equals = word.find('=');
+  std::vector<double> numbers;
+  const int axis = equals == std::string::npos ? -1 : machine::FindAxis(machine, word.substr(0, equals));
+  if (axis < 0 || !session::ParseNumbers(word.substr(equals + 1), &numbers) || numbers.size() != 1) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(option, ": '", word, "', expected an axis of machine ", machine.id, " and its value: X=12.5"));
+  }
+  const bool rotary = machine.axes[axis].kind == machine::AxisKind::kRotary;
+  return nc::AxisValue{machine.axes[axis].name, rotary ? numbers[0] * base::kRadPerDeg : numbers[0]};
+}
+
+absl::StatusOr<std::vector<nc::AxisValue>> ParseAxisValues(const std::string& option, std::istream& words,
+                                                           const machine::Machine& machine) {
+  std::vector<nc::AxisValue> values;
+  for (std::string word; words >> word;) {
+    ASSIGN_OR_RETURN(nc::AxisValue value, ParseAxisValue(option, word, machine));
+    values.push_back(std::move(value));
+  }
+  return values;
+}
+
+}  // namespace
+
+void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
+  command
+      .add_option("--tool-tip", arguments.tool_tip,
+                  "nominal tool point with all axes at zero, machine coordinates: \"X Y Z\" in mm")
+      ->required();
+  command
+      .add_option("--max-correction-um", arguments.max_correction_um, "a larger correction of one axis stops the job")
+      ->capture_default_str();
+  command
+      .add_option("--tolerance-um", arguments.tolerance_um,
+                  "a move is split where its correction departs from linear by more")
+      ->capture_default_str();
+  command
+      .add_option("--on-unsupported", arguments.on_unsupported,
+                  "a block that cannot be corrected: refuse the program, or pass the block unchanged")
+      ->check(CLI::IsMember(NamesOf(kOnUnsupported)))
+      ->capture_default_str();
+  command.add_option("--dialect", arguments.dialect, "of the controller")->capture_default_str();
+  command.add_option("--decimals", arguments.decimals, "least number of decimals of corrected words")
+      ->check(CLI::Range(0, 6))
+      ->capture_default_str();
+  command
+      .add_option("--block-delete", arguments.block_delete,
+                  "blocks that begin with /: executed, skipped, or either (not known)")
+      ->check(CLI::IsMember(NamesOf(kBlockDelete)))
+      ->capture_default_str();
+  command.add_option("--integer-words", arguments.integer_words, "X10 means 10 mm (units) or 10 least increments")
+      ->check(CLI::IsMember(NamesOf(kIntegerWords)))
+      ->capture_default_str();
+  command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
+  command.add_option("--offset", arguments.offsets,
+                     "a work offset that the program selects, mm and deg: \"G54 X=-490 C=90\"");
+  command.add_option("--time-s", arguments.time_s,
+                     "when the program runs, s of the sessions' clock; needed for errors that drift");
+  command.add_option("--temperature-c", arguments.temperature_celsius,
+                     "at which temperature; needed for thermal errors");
+}
+
+absl::StatusOr<Eigen::Vector3d> ToolTip(const RewriteArguments& arguments) {
+  std::vector<double> numbers;
+  if (!session::ParseNumbers(arguments.tool_tip, &numbers) || numbers.size() != 3) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--tool-tip: '", arguments.tool_tip, "', expected three numbers in mm: \"0 0 -350\""));
+  }
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& arguments,
+                                                    const machine::Machine& machine) {
+  nc::RewriteOptions options;
+  options.dialect = arguments.dialect;
+  options.on_unsupported = kOnUnsupported.at(arguments.on_unsupported);
+  options.block_delete = kBlockDelete.at(arguments.block_delete);
+  options.integer_words = kIntegerWords.at(arguments.integer_words);
+  options.decimals_mm = arguments.decimals;
+  options.max_correction_mm = arguments.max_correction_um * base::kMmPerUm;
+  options.tolerance_mm = arguments.tolerance_um * base::kMmPerUm;
+  std::istringstream start(arguments.start);
+  ASSIGN_OR_RETURN(options.initial_position, ParseAxisValues("--start", start, machine));
+  for (const std::string& text : arguments.offsets) {
+    std::istringstream words(text);
+    nc::WorkOffset offset;
+    words >> offset.code;
+    ASSIGN_OR_RETURN(offset.offsets, ParseAxisValues("--offset", words, machine));
+    options.work_offsets.push_back(std::move(offset));
+  }
+  return options;
+}
+
+}  // namespace axiscal::cli

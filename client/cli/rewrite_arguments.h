@@ -1,0 +1,41 @@
+// The options of `compensate` as they are typed, in um, mm and deg, and what the engine takes.
+#ifndef AXISCAL_CLIENT_CLI_REWRITE_ARGUMENTS_H_
+#define AXISCAL_CLIENT_CLI_REWRITE_ARGUMENTS_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/machine/machine.h"
+#include "core/nc/options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace axiscal::cli {
+
+struct RewriteArguments {
+  std::string tool_tip;  // "0 0 -350"
+  std::string dialect = "fanuc";
+  std::string on_unsupported = "refuse";
+  std::string block_delete = "either";
+  std::string integer_words = "units";
+  int decimals = 4;
+  double max_correction_um = 500;
+  double tolerance_um = 1;
+  std::string start;                 // "X=0 Y=0 B=90"
+  std::vector<std::string> offsets;  // "G54 X=-490 C=90"
+  std::optional<double> time_s, temperature_celsius;
+};
+
+void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments);
+
+// INVALID_ARGUMENT naming the option, its value and what was expected.
+absl::StatusOr<Eigen::Vector3d> ToolTip(const RewriteArguments& arguments);
+absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& arguments, const machine::Machine& machine);
+
+}  // namespace axiscal::cli
+
+#endif  // AXISCAL_CLIENT_CLI_REWRITE_ARGUMENTS_H_

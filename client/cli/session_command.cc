@@ -1,0 +1,64 @@
+// axiscal session list|get
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/record_output.h"
+#include "core/session/write_session.h"
+
+namespace axiscal::cli {
+namespace {
+
+struct Arguments {
+  std::string machine, page, output;
+  int page_size = 0;
+  int64_t id = 0;
+};
+
+absl::Status List(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  client::SessionFilter filter;
+  if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
+  ASSIGN_OR_RETURN(const auto page, client->ListSessions(filter, {arguments.page_size, arguments.page}));
+  std::vector<std::vector<std::string>> rows = {
+      {"id", "machine", "session", "instrument", "readings", "state", "measured (UTC)", "stored (UTC)"}};
+  for (const storage::SessionRecord& record : page.rows) {
+    rows.push_back({absl::StrCat(record.id.number()), record.machine.text(), record.name, record.instrument,
+                    absl::StrCat(record.reading_count), StateName(record.state), TimeText(record.measured_at),
+                    TimeText(record.created_at)});
+  }
+  context.Print(PageJson("sessions", page), Table(rows) + PageText(page));
+  return absl::OkStatus();
+}
+
+absl::Status Get(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const session::Session session, client->DownloadSession(SessionId(arguments.id)));
+  RETURN_IF_ERROR(session::WriteSessionFile(session, arguments.output));
+  context.Print(
+      {{"id", arguments.id}, {"readings", session.reading_count()}, {"file", arguments.output}},
+      absl::StrCat("session ", arguments.id, ": ", session.reading_count(), " readings in ", arguments.output, "\n"));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddSessionCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* session = app.add_subcommand("session", "Stored measuring sessions: list, get");
+  session->require_subcommand(1);
+
+  CLI::App* list = session->add_subcommand("list", "List sessions, newest first");
+  list->add_option("--machine", arguments->machine, "of this machine only");
+  list->add_option("--page-size", arguments->page_size, "sessions per page (1 to 1000)")->check(CLI::Range(1, 1000));
+  list->add_option("--page", arguments->page, "token of the next page");
+  SetAction(list, context, [&context, arguments] { return List(context, *arguments); });
+
+  CLI::App* get = session->add_subcommand("get", "Write a stored session to a file");
+  get->add_option("ID", arguments->id, "number of the session")->required()->check(CLI::PositiveNumber);
+  get->add_option("-o,--output", arguments->output, "the file")->required();
+  SetAction(get, context, [&context, arguments] { return Get(context, *arguments); });
+}
+
+}  // namespace axiscal::cli

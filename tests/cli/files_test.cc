@@ -1,0 +1,115 @@
+// The command line without any database: files in, files out, exit codes.
+#include <gmock/gmock.h>
+
+#include "tests/cli/command_line.h"
+
+namespace axiscal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Source;
+
+class FilesOnly : public testing::CommandLine {
+ protected:
+  FilesOnly() {
+    std::filesystem::copy(Source("deploy/examples/integrex/machine.json"), folder_);
+    Write("errors.json", R"({"EA0B": -101.2, "EX0C": 53.1})");
+    Write("in.nc",
+          "%\nO1 (PART)\nN1 G90 G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\nN2 X-380. (X ONLY)\nM30\n%\n");
+  }
+  Outcome Compensate(const std::string& more) const {
+    return Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' " + more);
+  }
+};
+
+TEST_F(FilesOnly, HelpAndUsageErrors) {
+  const Outcome help = Run("--help");
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_THAT(help.out, HasSubstr("Exit codes: 0 done, 1 failed, 2 wrong command line, 3 bad input"));
+  EXPECT_EQ(Run("compensate --help").exit_code, 0);
+  EXPECT_EQ(Run("").exit_code, 2);
+  EXPECT_EQ(Run("compensat").exit_code, 2);
+  EXPECT_EQ(Run("compensate in.nc -o out.nc").exit_code, 2);
+  EXPECT_EQ(Run("machine show a --revision -1").exit_code, 2);
+  EXPECT_THAT(Run("jobs list --state asleep").err, HasSubstr("asleep"));
+  EXPECT_EQ(Run("--version").exit_code, 0);
+}
+
+TEST_F(FilesOnly, ExplainNeedsNoDatabase) {
+  const Outcome text = Run("machine explain --file machine.json");
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("X+ moves the tool to +X"));
+  EXPECT_THAT(text.out, HasSubstr("its tip swings to -X"));
+  const Outcome json = Run("machine explain --file machine.json --json");
+  EXPECT_EQ(json.Json()["axes"].size(), 5u);
+  EXPECT_EQ(json.Json()["axes"][4]["carries"], "workpiece");
+  EXPECT_EQ(Run("machine explain").exit_code, 3);
+  EXPECT_FALSE(Exists("axiscal.db"));
+}
+
+TEST_F(FilesOnly, AProgramIsRewrittenAndReported) {
+  const Outcome outcome = Compensate("in.nc -o out.nc --report report.json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("2 of "));
+  const std::string program = Read("out.nc");
+  // The table stands 53.1 um to +X; a tool of 350 mm tilted by -101.2 urad about X stands 35.4 um to -Y.
+  EXPECT_THAT(program, HasSubstr("\nN1 G90 G01 X-389.9469 Y0.0354 Z-112.2605 B0.0000 C0.0000 F2000\n"));
+  EXPECT_THAT(program, HasSubstr("(X ONLY)"));
+  EXPECT_NE(program, Read("in.nc"));
+  const auto report = nlohmann::json::parse(Read("report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_GT(report["tool_point_error"]["before"]["max_um"], 10.0);
+  EXPECT_LT(report["tool_point_error"]["after"]["max_um"], 0.2);  // the words' rounding
+  EXPECT_FALSE(Exists("axiscal.db"));
+  // Once is enough: the mark in the output is seen.
+  EXPECT_EQ(
+      Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' out.nc -o twice.nc").exit_code,
+      3);
+  EXPECT_FALSE(Exists("twice.nc"));
+}
+
+TEST_F(FilesOnly, NoErrorsGiveTheSameBytes) {
+  Write("errors.json", "{}");
+  ASSERT_EQ(Compensate("in.nc -o out.nc").exit_code, 0);
+  EXPECT_EQ(Read("out.nc"), Read("in.nc"));
+}
+
+TEST_F(FilesOnly, WhatIsRefusedWritesNothing) {
+  Write("arc.nc", "G90 G01 X0 Y0 Z0 B0 C0 F100\nG02 X10. Y0. I5. J0.\n");
+  Write("out.nc", "what was there");
+  const Outcome arc = Compensate("arc.nc -o out.nc --report report.json");
+  EXPECT_EQ(arc.exit_code, 5);
+  EXPECT_THAT(arc.err, HasSubstr("line 2"));
+  EXPECT_EQ(Read("out.nc"), "what was there");
+  EXPECT_THAT(Read("report.json"), HasSubstr("G02"));
+  const Outcome json = Compensate("arc.nc -o out.nc --json");
+  const auto error = nlohmann::json::parse(json.err, nullptr, false);
+  EXPECT_EQ(error["error"]["code"], "FAILED_PRECONDITION");
+  EXPECT_EQ(error["error"]["exit_code"], 5);
+  EXPECT_EQ(Compensate("arc.nc -o passed.nc --on-unsupported pass").exit_code, 0);
+  EXPECT_TRUE(Exists("passed.nc"));
+}
+
+TEST_F(FilesOnly, BadInputIsNamed) {
+  EXPECT_EQ(Compensate("missing.nc -o out.nc").exit_code, 4);
+  EXPECT_EQ(Compensate("in.nc -o in.nc").exit_code, 3);
+  EXPECT_EQ(Compensate("in.nc -o missing/out.nc").exit_code, 4);
+  EXPECT_THAT(Compensate("in.nc -o out.nc --start X=a").err, HasSubstr("--start: 'X=a', expected an axis"));
+  EXPECT_EQ(Compensate("in.nc -o out.nc --offset 'G54 Q=1'").exit_code, 3);
+  EXPECT_EQ(Compensate("in.nc -o out.nc --dialect klingon").exit_code, 3);
+  EXPECT_EQ(Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0' in.nc -o out.nc").exit_code,
+            3);
+  EXPECT_EQ(Run("compensate --machine nowhere.json --errors errors.json --tool-tip '0 0 0' in.nc -o out.nc").exit_code,
+            4);
+  Write("errors.json", R"({"EA0Q": 1})");
+  const Outcome axis = Compensate("in.nc -o out.nc");
+  EXPECT_EQ(axis.exit_code, 3);
+  EXPECT_THAT(axis.err, HasSubstr("errors.json: "));
+  Write("errors.json", R"({"EA0B": 1, "EA0B": 2})");
+  EXPECT_EQ(Compensate("in.nc -o out.nc").exit_code, 3);
+  EXPECT_FALSE(Exists("out.nc"));
+}
+
+}  // namespace
+}  // namespace axiscal
