@@ -97,9 +97,9 @@ TEST_P(EvaluationTest, DerivativesAgreeWithAutomaticOnes) {
       Evaluate(machine, run, 0, errors, setup, &evaluation);
       double predicted[kMaxRows];
       Predict(machine, run, 0, errors, setup, predicted);
-      // Levers reach 1e3 mm. Two instruments leave out the turn of the displacement itself (see their .cc): scale times
+      // Levers reach 1e3 mm. Sphere centres take the angle errors of the linear axes for zero (see there): scale times
       // a few.
-      const double tolerance = 1e-9 + 10.0 * scale;
+      const double tolerance = 1e-9 + (run.kind == Kind::kCentres ? 10.0 * scale : 0.0);
       for (int row = 0; row < run.row_count; ++row) {
         EXPECT_NEAR(evaluation.predicted_mm[row], reference[row].a, 1e-9) << machine.id << ' ' << instrument.name;
         EXPECT_NEAR(predicted[row], reference[row].a, 1e-9) << machine.id << ' ' << instrument.name;

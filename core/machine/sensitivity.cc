@@ -7,51 +7,75 @@ namespace {
 
 using geometry::Rigid;
 
-struct JointStep {
+struct JointPlace {
   int joint;
-  Rigid<double> error, motion;
+  Eigen::Matrix3d bed_from_parent;   // rotation of the frame in which the joint's error acts
+  Eigen::Vector3d centre_in_bed_mm;  // where the error's point stands: the error turns about it
 };
 
-// Walks one branch: transforms on the way out, then the point back in, so that each joint knows its prefix and where
-// the point stands beyond it. With E = Trans(p + e) R Trans(-p):  dE x/de = I,  dE x/d(angle k) = w_k x R (x - p),  w =
-// ex, Rx ey, Rx Ry ez.
+// Walks one branch outwards. With E = Trans(p + e) R Trans(-p) about the error's point p:
+//   E x = (p + e) + R (x - p),   dE x / de = 1,   dE x / d(angle k) = axis_k x R (x - p),
+// and R (x - p) is the place of the carried point as seen from the error's centre p + e, whatever stands between.
+// Most errors are zero and most motions are shifts: both leave the rotation alone.
 void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joint, const double* positions,
                const JointErrors<double>& errors, double sign, const Eigen::Vector3d& point_at_home_mm,
                Rigid<double>* bed_from_end, Eigen::Vector3d* point_in_bed_mm, RelativePoint* out) {
-  std::array<JointStep, kMaxJoints> steps;
+  std::array<JointPlace, kMaxJoints> places;
   int count = 0;
-  for (const int axis : axes) {
-    steps[count++] = {axis, ErrorTransform<double>(errors[axis], ErrorPoint(machine, axis)),
-                      MotionTransform<double>(machine.axes[axis], positions[axis])};
+  Rigid<double>& bed = *bed_from_end;
+  bed = {};
+  const auto add_error = [&](int joint) -> const Eigen::Vector3d& {
+    const ErrorVector<double>& error = errors[joint];
+    ErrorTurn& turn = out->turns[joint];
+    if (error.tail<3>() != turn.angles_rad) turn = TurnOf(error);
+    JointPlace& place = places[count++];
+    place.joint = joint;
+    place.bed_from_parent = bed.rotation;
+    const Eigen::Vector3d& point_mm = ErrorPoint(machine, joint);
+    place.centre_in_bed_mm = bed.translation_mm + bed.rotation * (point_mm + error.head<3>());
+    if (!turn.is_zero) bed.rotation = Eigen::Matrix3d(place.bed_from_parent * turn.rotation);
+    bed.translation_mm = place.centre_in_bed_mm;  // of the point: the caller goes on from there
+    return point_mm;
+  };
+  for (const int joint : axes) {
+    const Axis& axis = machine.axes[joint];
+    const Eigen::Vector3d& point_mm = add_error(joint);
+    if (axis.kind == AxisKind::kLinear) {
+      bed.translation_mm += bed.rotation * (axis.direction * positions[joint]);
+      continue;
+    }
+    if (positions[joint] != 0.0) {
+      bed.rotation = Eigen::Matrix3d(bed.rotation * geometry::AxisRotation<double>(axis.direction, positions[joint]));
+    }
+    bed.translation_mm -= bed.rotation * point_mm;
   }
-  steps[count++] = {end_joint, ErrorTransform<double>(errors[end_joint], ErrorPoint(machine, end_joint)), {}};
+  add_error(end_joint);
+  *point_in_bed_mm = bed * point_at_home_mm;
 
-  std::array<Eigen::Vector3d, kMaxJoints> beyond_mm;  // the point in the frame just beyond each joint's error transform
-  Eigen::Vector3d point_mm = point_at_home_mm;
-  for (int i = count - 1; i >= 0; --i) {
-    beyond_mm[i] = steps[i].motion * point_mm;
-    point_mm = steps[i].error * beyond_mm[i];
-  }
-  *point_in_bed_mm = point_mm;
-
-  Rigid<double> bed_from_joint;
   for (int i = 0; i < count; ++i) {
-    const JointStep& step = steps[i];
-    const ErrorVector<double>& error = errors[step.joint];
-    auto block = out->sensitivity.middleCols<kComponents>(kComponents * step.joint);
-    block.leftCols<3>() = sign * bed_from_joint.rotation;
-    const Eigen::Vector3d lever_mm = step.error.rotation * (beyond_mm[i] - ErrorPoint(machine, step.joint));
-    const double ca = std::cos(error[3]), sa = std::sin(error[3]), cb = std::cos(error[4]), sb = std::sin(error[4]);
-    const Eigen::Vector3d turn_b(0, ca, sa), turn_c(sb, -sa * cb, ca * cb);
-    block.col(3) = sign * (bed_from_joint.rotation * Eigen::Vector3d(0, -lever_mm.z(), lever_mm.y()));
-    block.col(4) = sign * (bed_from_joint.rotation * turn_b.cross(lever_mm));
-    block.col(5) = sign * (bed_from_joint.rotation * turn_c.cross(lever_mm));
-    bed_from_joint = bed_from_joint * step.error * step.motion;
+    const JointPlace& place = places[i];
+    const ErrorTurn& turn = out->turns[place.joint];
+    auto block = out->sensitivity.middleCols<kComponents>(kComponents * place.joint);
+    const Eigen::Matrix3d signed_parent = sign * place.bed_from_parent;
+    const Eigen::Vector3d lever_mm = *point_in_bed_mm - place.centre_in_bed_mm;
+    block.leftCols<3>() = signed_parent;
+    const Eigen::Matrix3d turning_axes = turn.is_zero ? signed_parent : Eigen::Matrix3d(signed_parent * turn.axes);
+    for (int k = 0; k < 3; ++k) block.col(3 + k) = turning_axes.col(k).cross(lever_mm);
   }
-  *bed_from_end = bed_from_joint;
 }
 
 }  // namespace
+
+ErrorTurn TurnOf(const ErrorVector<double>& error) {
+  ErrorTurn turn;
+  turn.angles_rad = error.tail<3>();
+  turn.is_zero = turn.angles_rad.isZero(0.0);
+  if (turn.is_zero) return turn;
+  turn.rotation = geometry::RotationXyz<double>(error[3], error[4], error[5]);
+  const double ca = std::cos(error[3]), sa = std::sin(error[3]), cb = std::cos(error[4]), sb = std::sin(error[4]);
+  turn.axes << 1.0, 0.0, sb, 0.0, ca, -sa * cb, 0.0, sa, ca * cb;
+  return turn;
+}
 
 void EvaluateRelativePoint(const Machine& machine, const double* positions, const JointErrors<double>& errors,
                            const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& ball_mm, RelativePoint* out) {
