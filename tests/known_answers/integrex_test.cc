@@ -1,0 +1,131 @@
+// Sphere centres that a probe measured on an INTEGREX i-200 (Yao 2022, Table 5.2; deploy/examples/integrex): the ladder
+// from the nominal machine to the one that explains the readings, and what the C set-up says.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/units.h"
+#include "core/identify/identify.h"
+#include "core/machine/error_json.h"
+#include "core/machine/machine_json.h"
+#include "core/session/case.h"
+
+namespace axiscal::known_answers {
+namespace {
+
+using base::kUmPerMm;
+
+const std::string& Folder() {
+  static const auto& folder = *new std::string(AXISCAL_SOURCE_DIR "/deploy/examples/integrex/");
+  return folder;
+}
+
+class Integrex : public testing::Test {
+ protected:
+  void SetUp() override { machine_ = machine::ReadMachineFile(Folder() + "machine.json").value(); }
+
+  std::vector<instruments::MeasuringRun> Runs(const std::vector<std::string>& names) const {
+    std::vector<session::Session> sessions;
+    for (const std::string& name : names) {
+      sessions.push_back(session::ReadSessionFileOf(Folder() + name + ".csv", machine_).value());
+    }
+    return identify::BindSessions(machine_, sessions).value();
+  }
+  std::vector<instruments::MeasuringRun> BRuns() const {
+    return Runs({"B-short-run1", "B-short-run2", "B-long-run1", "B-long-run2"});
+  }
+  identify::Fit Fit(const std::vector<instruments::MeasuringRun>& runs, const std::string& errors) const {
+    identify::Options options;
+    options.model = machine::ReadErrors(errors, machine_).value();
+    return identify::FitRuns(machine_, runs, options).value();
+  }
+  double RmsUm(const std::string& errors) const { return kUmPerMm * Fit(BRuns(), errors).result.fit.rms_mm; }
+
+  machine::Machine machine_;
+};
+
+constexpr double kShare = 0.01;
+void ExpectWithin(double ours, double published) { EXPECT_NEAR(ours, published, kShare * std::abs(published)); }
+
+TEST_F(Integrex, NominalMachineAndNominalSphere) {
+  const identify::Problem problem = identify::MakeProblem(machine_, BRuns()).value();
+  double squares = 0.0;
+  int numbers = 0;
+  for (const Eigen::MatrixXd& residual : identify::ResidualsOf(problem, identify::StartingPoint(problem, {}))) {
+    squares += residual.squaredNorm();
+    numbers += static_cast<int>(residual.size());
+  }
+  EXPECT_EQ(numbers, 24);
+  ExpectWithin(kUmPerMm * std::sqrt(squares / numbers), 1840.0);
+}
+
+TEST_F(Integrex, LadderOfTheBSetUps) {
+  ExpectWithin(RmsUm("{}"), 1299.0);
+  ExpectWithin(RmsUm(R"({"EZ0T": 0})"), 19.6);
+  ExpectWithin(RmsUm(R"({"EZ0T": 0, "EX0T": 0})"), 12.2);
+  ExpectWithin(RmsUm(R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0})"), 2.97);
+}
+
+// Two probes, two lengths. A session's temperature says which probe it was (one degree more with the long one), so that
+// a thermal EZ0T is the difference of their lengths: the published model of two lengths without a second joint.
+TEST_F(Integrex, LengthsOfTheTwoProbesApart) {
+  std::vector<instruments::MeasuringRun> runs = BRuns();
+  for (instruments::MeasuringRun& run : runs) {
+    const bool is_long = run.session.starts_with("B-long");
+    run.temperature_celsius.assign(run.temperature_celsius.size(),
+                                   shapes::kReferenceTemperatureCelsius + (is_long ? 1.0 : 0.0));
+  }
+  const identify::Fit fit = Fit(runs, R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0,
+      "terms": [{"symbol": "EZT", "shape": "thermal", "amplitude": 0}]})");
+  ExpectWithin(kUmPerMm * fit.result.fit.rms_mm, 2.53);
+}
+
+// Differences between B = 0 and 90 that no datum moves (seeds: "datum-free differential formulas"), mean of all runs:
+//   lateral dxBT = [(X2-X1)+(Z2-Z1)]/2    length dzBT = [(Z2-Z1)-(X2-X1)]/2    Y1-Y2 = -R (aXB + gXB)
+TEST_F(Integrex, EstimatesFollowFromTheDifferences) {
+  const auto runs = BRuns();
+  double lateral_mm = 0.0, length_mm = 0.0, turn = 0.0, weight = 0.0;
+  for (const instruments::MeasuringRun& run : runs) {
+    ASSERT_EQ(run.reading_count(), 2);
+    const Eigen::Vector3d change_mm = run.measured_mm.col(1) - run.measured_mm.col(0);
+    lateral_mm += 0.5 * (change_mm.x() + change_mm.z()) / static_cast<double>(runs.size());
+    length_mm += 0.5 * (change_mm.z() - change_mm.x()) / static_cast<double>(runs.size());
+  }
+  for (const instruments::MeasuringRun& run : runs) {
+    const double radius_mm = -run.tip_mm.z() - length_mm;  // the length error is a hundredth of it
+    turn += radius_mm * (run.measured_mm(1, 1) - run.measured_mm(1, 0));
+    weight += radius_mm * radius_mm;
+  }
+  const identify::Result result = Fit(runs, R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0})").result;
+  constexpr double kToleranceMm = 5e-5, kToleranceRad = 2e-8;  // 0.1 mrad of the length error, and the weak priors
+  EXPECT_NEAR(result.estimates[0].value, length_mm, kToleranceMm);
+  EXPECT_NEAR(result.estimates[1].value, lateral_mm, kToleranceMm);
+  // From two positions of B their sum only: named, not split.
+  ASSERT_EQ(result.determined.size(), 1u);
+  EXPECT_EQ(result.determined[0].name, "EA0B + EC0B");
+  EXPECT_EQ(result.not_separable, std::vector<std::string>{"EA0B - EC0B"});
+  EXPECT_FALSE(result.estimates[2].identifiable);
+  EXPECT_NEAR(result.determined[0].value, turn / weight, kToleranceRad);
+}
+
+// The C set-up: where the circle's centre stands at the sphere's height, its radius and the tilt of C.
+TEST_F(Integrex, CentreRadiusAndTiltOfTheCSetUp) {
+  const identify::Result result =
+      Fit(Runs({"C-run1", "C-run2"}), R"({"EX0C": 0, "EY0C": 0, "EA0C": 0, "EB0C": 0})").result;
+  EXPECT_EQ(result.rank, 4);
+  const double x_mm = result.estimates[0].value, y_mm = result.estimates[1].value;
+  const double a_rad = result.estimates[2].value, b_rad = result.estimates[3].value;
+  constexpr double kSphereHeightMm = -472.0, kCentreXMm = -490.0, kRadiusMm = 100.0;
+  constexpr double kPrintedMm = 5e-5, kPrintedArcsec = 0.005 + 0.01;  // half the last digit; the sphere's mounting
+  EXPECT_NEAR(kCentreXMm + x_mm + b_rad * kSphereHeightMm, -489.7202, kPrintedMm);
+  EXPECT_NEAR(y_mm - a_rad * kSphereHeightMm, -0.0188, kPrintedMm);
+  EXPECT_NEAR(a_rad * base::kArcsecPerRad, 4.40, kPrintedArcsec);
+  EXPECT_NEAR(b_rad * base::kArcsecPerRad, -30.46, kPrintedArcsec);
+  const auto& setup = result.sessions[0].setup;
+  EXPECT_EQ(setup[0].name, "ball_x");
+  EXPECT_NEAR(std::hypot(kRadiusMm + setup[0].value, setup[1].value), 99.7194, kPrintedMm);
+  EXPECT_LT(kUmPerMm * result.fit.rms_mm, 1.0);
+}
+
+}  // namespace
+}  // namespace axiscal::known_answers

@@ -1,0 +1,57 @@
+// Two robot arms measured by laser tracker (P. Jacobi, serial_robots_datasets, MIT): a serial chain is a serial chain,
+// the engine identifies them with no code of their own. The data is used in place where it is there, and not copied
+// here.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/base/units.h"
+#include "core/identify/identify.h"
+#include "core/session/case.h"
+
+namespace axiscal::known_answers {
+namespace {
+
+struct Robot {
+  const char* name;
+  int fit_poses, check_poses;
+  double published_mm;  // mean error on the check poses by plain least squares with free joint location errors
+};
+
+class Robots : public testing::TestWithParam<Robot> {};
+
+double MeanDistanceMm(const Eigen::MatrixXd& residuals_mm) { return residuals_mm.colwise().norm().mean(); }
+
+TEST_P(Robots, AreIdentifiedWithNoCodeOfTheirOwn) {
+  const std::string folder = std::string(AXISCAL_SOURCE_DIR "/../shared/data/robots/") + GetParam().name;
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+  const auto c = session::ReadCase(folder);
+  ASSERT_TRUE(c.ok()) << c.status();
+  const auto fit = identify::FitRuns(c->machine, identify::BindSessions(c->machine, c->fit).value(), {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_EQ(fit->problem.runs[0].reading_count(), GetParam().fit_poses);
+  const auto check =
+      identify::CheckRuns(c->machine, identify::BindSessions(c->machine, c->check).value(), fit->result.model, {});
+  ASSERT_TRUE(check.ok()) << check.status();
+  EXPECT_EQ(check->problem.runs[0].reading_count(), GetParam().check_poses);
+
+  // Every error is either a number, or part of a combination that is named.
+  const int errors = static_cast<int>(c->machine.declared.size());
+  EXPECT_EQ(fit->result.rank + static_cast<int>(fit->result.not_separable.size()), errors);
+  EXPECT_LT(fit->result.rank, errors);
+  for (const identify::Estimate& estimate : fit->result.estimates) {
+    EXPECT_EQ(estimate.identifiable, std::isfinite(estimate.value)) << estimate.name;
+  }
+  for (const std::string& name : fit->result.not_separable) EXPECT_FALSE(name.empty());
+
+  const double mean_mm = MeanDistanceMm(check->residuals_mm[0]);
+  RecordProperty("mean_mm", std::to_string(mean_mm));
+  RecordProperty("rank", fit->result.rank);
+  EXPECT_LE(mean_mm, GetParam().published_mm);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, Robots, testing::Values(Robot{"ur5", 1000, 20, 0.098}, Robot{"wam", 216, 20, 3.03}),
+                         [](const auto& robot) { return std::string(robot.param.name); });
+
+}  // namespace
+}  // namespace axiscal::known_answers

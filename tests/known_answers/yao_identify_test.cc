@@ -1,0 +1,137 @@
+// Identification as the thesis publishes it (Yao 2022, chapter 4, Table 4.5), by its closed formulas from the measured
+// eccentricities of Table 4.4: the numbers that the engine is compared with, and what the engine says to the same
+// tests.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_split.h"
+#include "core/identify/identify.h"
+#include "core/instruments/ballbar/ballbar_plan.h"
+#include "core/synthetic/simulate.h"
+#include "tests/known_answers/yao_machine.h"
+
+namespace axiscal::known_answers {
+namespace {
+
+using ballbar::Pattern;
+
+struct BarSetup {
+  double tool_length_mm = NAN, zc_mm = NAN, zt_mm = NAN, xt_mm = NAN;
+};
+struct Measured {
+  std::map<std::string, double> mean_mm;  // "BX ex"
+  std::map<std::string, BarSetup> setups;
+};
+
+std::vector<std::vector<std::string>> ReadTable(const std::string& name) {
+  std::ifstream file(std::string(AXISCAL_SOURCE_DIR "/tests/data/yao/") + name);
+  EXPECT_TRUE(file.is_open()) << name;
+  std::vector<std::vector<std::string>> rows;
+  std::string line;
+  std::getline(file, line);  // column names
+  while (std::getline(file, line)) rows.push_back(absl::StrSplit(line, ','));
+  return rows;
+}
+
+double Number(const std::string& text) {
+  double number = NAN;
+  EXPECT_TRUE(absl::SimpleAtod(text, &number)) << text;
+  return number;
+}
+
+Measured ReadMeasured() {
+  Measured measured;
+  for (const auto& row : ReadTable("table-4.4-eccentricity.csv")) {
+    measured.mean_mm[row[1] + " " + row[2]] = base::kMmPerUm * (Number(row[3]) + Number(row[4]) + Number(row[5])) / 3.0;
+  }
+  for (const auto& row : ReadTable("table-4.3-setup.csv")) {
+    measured.setups[row[1]] = {Number(row[2]), Number(row[3]), Number(row[4]), Number(row[5])};
+  }
+  return measured;
+}
+
+// Rows of Table 4.5 to one in a hundred, or to half of the last printed digit.
+constexpr double kShare = 0.01, kPrinted = 0.005;
+void ExpectPublished(double ours, double published, const std::string& what) {
+  EXPECT_NEAR(ours, published, std::max(kShare * std::abs(published), kPrinted)) << what;
+}
+
+TEST(YaoTable45, ClosedFormulasGiveThePublishedDeviations) {
+  const Measured m = ReadMeasured();
+  const auto e = [&](const std::string& name) { return m.mean_mm.at(name); };
+  const BarSetup bx = m.setups.at("BX"), with_long = m.setups.at("CR-long");
+  constexpr double kRcMm = 50.0;
+  const double rb = bx.tool_length_mm, zc = bx.zc_mm, zt = bx.zt_mm, zt_long = with_long.zt_mm, xt = bx.xt_mm;
+  constexpr double kArcsec = base::kArcsecPerRad;
+  ExpectPublished(kArcsec * (-e("CA ey") / kRcMm), 1.10, "aCZ");
+  ExpectPublished(kArcsec * (e("CA ex") / kRcMm), -25.16, "bCZ");
+  ExpectPublished(kArcsec * (e("BY ez") / rb), -20.89, "aXB");
+  ExpectPublished(kArcsec * (e("BX ez") / rb), -24.11, "bXB");
+  ExpectPublished(kArcsec * (-e("BY ex") / rb), 5.63, "gXB");
+  const double slope = (e("CR-long ey") - e("CR ey")) / (zt_long - zt);
+  ExpectPublished(kArcsec * (slope - e("BY ez") / rb), 9.63, "aBT");
+  ExpectPublished(base::kUmPerMm * (-e("CR ex") + zc * e("CA ex") / kRcMm - zt * e("BX ez") / rb), 53.13,
+                  "dxCZ - dxBT");
+  const double dy_cz =
+      zc * e("CA ey") / kRcMm + (zt * e("CR-long ey") - zt_long * e("CR ey")) / (zt_long - zt) + xt * e("BY ex") / rb;
+  ExpectPublished(base::kUmPerMm * dy_cz, -45.63, "dyCZ");
+}
+
+// The fifth test repeats ex of CR with a longer tool. Predicted from the others it misses by ten times its
+// repeatability: no deviation of the thesis explains it.
+TEST(YaoTable45, TheRedundantEccentricityDoesNotClose) {
+  const Measured m = ReadMeasured();
+  const auto e = [&](const std::string& name) { return m.mean_mm.at(name); };
+  const double lever_change = m.setups.at("CR-long").zt_mm - m.setups.at("CR").zt_mm;
+  const double predicted_um =
+      base::kUmPerMm * (e("CR ex") - lever_change * e("BX ez") / m.setups.at("BX").tool_length_mm);
+  EXPECT_NEAR(predicted_um, -53.85, 0.01);
+  EXPECT_NEAR(base::kUmPerMm * e("CR-long ex") - predicted_um, -3.88, 0.01);
+}
+
+// What the engine says of the same tests when the deviations are asked for from whole traces, the table ball free in
+// every session. A whole trace tells more than its eccentricity: on CR a squareness EC0X draws an oval (second
+// harmonic), so one deviation more is seen than by the thesis' numbers, until CX and CY show it to both.
+int RankOfWholeTraces(const std::vector<std::pair<Pattern, double>>& patterns, bool with_squareness) {
+  const machine::Machine machine = YaoMachine();
+  std::vector<session::Session> sessions;
+  for (const auto& [pattern, tool_length_mm] : patterns) {
+    ballbar::PatternOptions plan;
+    plan.tool_length_mm = tool_length_mm;
+    plan.step_deg = 3.0;
+    const std::string name = "run" + std::to_string(sessions.size());
+    synthetic::NoiseOptions noise;
+    noise.seed = sessions.size() + 1;
+    sessions.push_back(
+        synthetic::Simulate(machine, {}, ballbar::PlanPattern(machine, name, pattern, plan).value(), noise).value());
+  }
+  identify::Options options;
+  options.model = ModelOf(machine, {});
+  std::erase_if(options.model->terms, [&](const machine::ErrorTerm& term) {
+    return !with_squareness && machine::SymbolOf(machine, term) == "EC0X";
+  });
+  return identify::Identify(machine, sessions, options).value().rank;
+}
+
+TEST(YaoIdentify, RanksOfWholeTraces) {
+  constexpr double kShortMm = 356.4, kLongMm = 406.4;
+  std::vector<std::pair<Pattern, double>> patterns = {
+      {Pattern::kBX, kShortMm}, {Pattern::kBY, kShortMm}, {Pattern::kCR, kShortMm}, {Pattern::kCA, kShortMm}};
+  EXPECT_EQ(RankOfWholeTraces(patterns, false), 8);
+  EXPECT_EQ(RankOfWholeTraces(patterns, true), 9);
+  patterns.push_back({Pattern::kCR, kLongMm});
+  EXPECT_EQ(RankOfWholeTraces(patterns, false), 10);
+  EXPECT_EQ(RankOfWholeTraces(patterns, true), 11);
+  patterns.clear();
+  for (const double tool_length_mm : {kShortMm, kLongMm}) {
+    for (const auto& [name, pattern] : ballbar::Patterns()) patterns.push_back({pattern, tool_length_mm});
+  }
+  EXPECT_EQ(RankOfWholeTraces(patterns, true), 12);
+}
+
+}  // namespace
+}  // namespace axiscal::known_answers
