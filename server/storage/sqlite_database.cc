@@ -224,13 +224,14 @@ class SqliteDatabase final : public Database {
   template <typename T, typename Work>
   absl::StatusOr<T> Write(Growth growth, const Work& work) {
     RETURN_IF_ERROR(CheckDisk(growth));
-    absl::StatusOr<T> result = absl::UnknownError("not run");
-    const absl::Status written = writer_.Run([&](Connection& connection) {
-      result = work(connection);
-      return result.status();
-    });
-    if (!written.ok()) return written;
-    return result;
+    std::optional<T> result;
+    RETURN_IF_ERROR(writer_.Run([&](Connection& connection) {
+      absl::StatusOr<T> made = work(connection);
+      if (!made.ok()) return std::move(made).status();
+      result = *std::move(made);
+      return absl::OkStatus();
+    }));
+    return *std::move(result);
   }
   absl::StatusOr<SharedSpecs> Specs(SessionId id);
   absl::StatusOr<EncodedChunk> Encode(SessionId id, int64_t seq, const std::vector<session::Column>& columns,
@@ -291,15 +292,18 @@ void SqliteDatabase::AppendChunkAsync(SessionId id, int64_t seq, const std::vect
   absl::StatusOr<EncodedChunk> encoded = Encode(id, seq, columns, crc32c);
   // A refusal goes through the writer too, so that answers keep the order of the calls.
   auto chunk = std::make_shared<absl::StatusOr<EncodedChunk>>(std::move(encoded));
-  auto result = std::make_shared<absl::StatusOr<AppendResult>>(absl::UnknownError("not run"));
+  auto result = std::make_shared<AppendResult>();
   writer_.Start(
       [this, id, chunk, result](Connection& connection) {
-        *result = chunk->ok() ? storage::AppendChunk(connection, Now(), id, **chunk) : chunk->status();
-        return result->status();
+        if (!chunk->ok()) return std::move(*chunk).status();
+        absl::StatusOr<AppendResult> appended = storage::AppendChunk(connection, Now(), id, **chunk);
+        if (!appended.ok()) return std::move(appended).status();
+        *result = *appended;
+        return absl::OkStatus();
       },
-      [result, done = std::move(done)](const absl::Status& written) {
-        if (written.ok()) return done(std::move(*result));
-        done(written);
+      [result, done = std::move(done)](absl::Status written) {
+        if (written.ok()) return done(*result);
+        done(std::move(written));
       });
 }
 

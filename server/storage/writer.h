@@ -21,7 +21,7 @@ class Writer {
   // Changes rows; anything but OK undoes them. Runs on the writer's thread.
   using Work = std::function<absl::Status(Connection&)>;
   // Told once, on the writer's thread, in order of submission, after COMMIT or failure.
-  using Done = std::function<void(const absl::Status&)>;
+  using Done = std::function<void(absl::Status)>;
 
   explicit Writer(std::unique_ptr<Connection> connection);
   // Does what waits, merges the log, joins.
