@@ -139,6 +139,8 @@ absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::Er
   return Solve(problem, start, null_space, options);
 }
 
+}  // namespace
+
 absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options) {
   const std::vector<Parameter> parameters = ListParameters(model, options.fit_nonlinear);
   int setup_count = 0, readings = 0;
@@ -186,8 +188,6 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   fit.residuals_mm = std::move(solution.residuals_mm);
   return fit;
 }
-
-}  // namespace
 
 absl::Status Validate(const Options& options) {
   if (options.max_iterations <= 0) {

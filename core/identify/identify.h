@@ -52,6 +52,9 @@ struct Fit {
 absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                             const Options& options);
 
+// A prepared problem (noise judged, readings set aside) from `model` on.
+absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options);
+
 absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machine::Machine& machine,
                                                                     const std::vector<session::Session>& sessions);
 

@@ -8,6 +8,10 @@ namespace {
 // A decrease of chi-square that no reading could show: a step of a thousandth of a standard deviation.
 constexpr double kConvergedDecrement = 1e-6;
 
+// A model that misses by more sigmas than this, all readings taken together, is not fitted on but given a larger sigma
+// (identify.cc).
+constexpr double kFarOff = 10.0;
+
 Point Moved(const Point& from, const std::vector<Parameter>& parameters, const Step& step) {
   Point to = from;
   for (size_t i = 0; i < parameters.size(); ++i) {
@@ -64,7 +68,13 @@ absl::StatusOr<double> Descend(const Problem& problem, const std::vector<Paramet
     if (next_cost <= cost * (1.0 + 1e-12)) {
       solution->point = std::move(next);
       solution->normal = std::move(normal);
-      *damping = *damping <= kFirstDamping ? 0.0 : *damping / kGrowth;
+      // A step that keeps little of what it promised was too long: it zigzags across a bent valley.
+      constexpr double kKeepsLittle = 0.25;
+      if (cost - next_cost < kKeepsLittle * step.decrement) {
+        *damping = *damping == 0.0 ? kFirstDamping : *damping * kGrowth;
+      } else {
+        *damping = *damping <= kFirstDamping ? 0.0 : *damping / kGrowth;
+      }
       return next_cost;
     }
     *damping = *damping == 0.0 ? kFirstDamping : *damping * kGrowth;
@@ -93,6 +103,7 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
   // What the data cannot see is a property of poses and errors at the nominal machine; it does not change while
   // fitting.
   double cost = CostOf(problem, start, solution.normal), previous_decrement = 0.0, damping = 0.0;
+  int flat_steps = 0;
   for (int iteration = 1; iteration <= options.max_iterations; ++iteration) {
     if (options.cancelled && options.cancelled()) return absl::CancelledError("identification cancelled");
     const Step step = SolveStep(problem, solution.point, solution.normal, null_space.fixed, damping);
@@ -114,7 +125,16 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
       break;
     }
     previous_decrement = step.decrement;
+    const double cost_before = cost;
     ASSIGN_OR_RETURN(cost, Descend(problem, parameters, null_space.fixed, step, cost, &damping, &solution));
+    // A valley so flat that its floor, wherever it is, fits no better: only a model that misses has one.
+    constexpr double kFlat = 2e-3;
+    constexpr int kFlatSteps = 4;
+    flat_steps = cost_before - cost < kFlat * cost ? flat_steps + 1 : 0;
+    if (flat_steps == kFlatSteps && cost < kFarOff * kFarOff * solution.normal.row_count) {
+      solution.has_converged = true;
+      break;
+    }
   }
   solution.cost = cost;
   solution.residuals_mm = ResidualsOf(problem, solution.point);

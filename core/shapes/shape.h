@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "core/shapes/backlash.h"
+#include "core/shapes/bump.h"
 #include "core/shapes/constant.h"
 #include "core/shapes/drift.h"
 #include "core/shapes/drift_exp.h"
@@ -22,7 +23,8 @@
 
 namespace axiscal::shapes {
 
-using Shape = std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag>;
+using Shape =
+    std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag, Bump>;
 
 inline constexpr int kMaxBasisCount = 2;
 

@@ -1,0 +1,43 @@
+// An effect that the model may lack.
+#ifndef AXISCAL_CORE_LOOP_CANDIDATE_H_
+#define AXISCAL_CORE_LOOP_CANDIDATE_H_
+
+#include <string>
+
+#include "core/machine/error_model.h"
+
+namespace axiscal::loop {
+
+// Families share the penalty for looking: the more members a family has, the more each must show.
+enum class Family {
+  kConstant,
+  kLinear,
+  kQuadratic,
+  kHarmonic,
+  kFineHarmonic,
+  kPitch,
+  kCross,
+  kBacklash,
+  kReversal,
+  kDrift,
+  kDriftExp,
+  kThermal,
+  kLag,
+  kBump,  // unnamed structure along an axis
+  kStep,  // unnamed: the artefact slipped in one session
+};
+
+inline bool IsUnnamed(Family family) { return family >= Family::kBump; }
+
+struct Candidate {
+  Family family = Family::kConstant;
+  machine::ErrorTerm term;          // all but kStep
+  int run = -1, first_reading = 0;  // kStep: from this reading on the setup's first three offsets are others
+};
+
+// Simpler first: of candidates that the data cannot tell apart, the one with the lowest number is reported.
+int Complexity(const machine::Machine& machine, const Candidate& candidate);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_CANDIDATE_H_

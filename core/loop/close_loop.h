@@ -1,0 +1,64 @@
+// Closing the loop: fit the declared model, find what it lacks, add it, prove it on data that was not used (design.md,
+// "Close the loop").
+#ifndef AXISCAL_CORE_LOOP_CLOSE_LOOP_H_
+#define AXISCAL_CORE_LOOP_CLOSE_LOOP_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/identify/identify.h"
+#include "core/loop/search.h"
+
+namespace axiscal::loop {
+
+struct Options {
+  SearchOptions search;
+  int max_effects = 8;
+  std::function<bool()> cancelled;
+  std::function<void(const identify::Progress&)> progress;
+};
+
+// A named effect that the declared model lacked.
+struct Effect {
+  machine::ErrorTerm term;                        // with its fitted amplitude
+  double amplitude = 0.0, amplitude_sigma = 0.0;  // mm or rad, of the whole term
+  double rms_mm = 0.0;                            // what it does to the readings
+  double evidence = 0.0;                          // score when it was found
+  std::vector<machine::ErrorTerm> equivalent;     // what this data cannot tell from it
+};
+
+// Structure that was found but has no name.
+struct Unexplained {
+  std::string variable;         // axis, or "t" for a moment
+  double from = 0.0, to = 0.0;  // mm, rad or s
+  std::string session;          // where it shows most
+  double rms_mm = 0.0;
+};
+
+struct Verdict {
+  enum Kind { kAdequate, kExtended, kUnexplained };
+};
+
+struct Report {
+  Verdict::Kind verdict = Verdict::kAdequate;
+  std::vector<Effect> effects;
+  std::vector<Unexplained> unexplained;
+  std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
+  identify::Result fitted;             // extended model
+  identify::FitStatistics fit_before, fit_after, check_before, check_after;
+  bool has_check = false;
+  std::vector<Scored> ranking;  // candidates of the first search
+  int candidates = 0;
+};
+
+// INVALID_ARGUMENT or FAILED_PRECONDITION as Identify; CANCELLED.
+absl::StatusOr<Report> CloseLoop(const machine::Machine& machine, std::vector<instruments::MeasuringRun> fit,
+                                 std::vector<instruments::MeasuringRun> check, const Options& options = {});
+
+// report.json of formats.md.
+std::string ToJson(const machine::Machine& machine, const Report& report);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_CLOSE_LOOP_H_

@@ -1,0 +1,263 @@
+#include "core/loop/dictionary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/units.h"
+#include "core/identify/outliers.h"
+
+namespace axiscal::loop {
+namespace {
+
+using instruments::MeasuringRun;
+using machine::Component;
+using machine::ErrorTerm;
+using machine::kComponents;
+using machine::Machine;
+
+constexpr double kStandsStillMm = 1e-3, kStandsStillRad = 1e-5;
+
+bool IsRotary(const Machine& machine, int axis) { return machine.axes[axis].kind == machine::AxisKind::kRotary; }
+
+double StandsStill(const Machine& machine, int axis) {
+  return IsRotary(machine, axis) ? kStandsStillRad : kStandsStillMm;
+}
+
+// Median of the steps by which a run moves an axis; 0 when it does not.
+double StepOf(const Machine& machine, const MeasuringRun& run, int axis) {
+  std::vector<double> steps;
+  for (int k = 1; k < run.reading_count(); ++k) {
+    const double step = std::abs(run.PositionsOf(k)[axis] - run.PositionsOf(k - 1)[axis]);
+    if (step > StandsStill(machine, axis)) steps.push_back(step);
+  }
+  return steps.size() < 4 ? 0.0 : identify::Median(&steps);
+}
+
+class Builder {
+ public:
+  Builder(const identify::Problem& problem, const machine::ErrorModel& model)
+      : problem_(problem), machine_(*problem.machine), model_(model), spans_(SpansOf(problem)) {}
+
+  std::vector<Candidate> Build() {
+    AddConstants();
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) {
+      if (spans_[axis].finest_step == 0.0) continue;
+      AddShapesOf(axis);
+      AddMotionShapes(axis);
+      AddBumps(axis);
+    }
+    AddTimeShapes();
+    AddSteps();
+    return std::move(candidates_);
+  }
+
+ private:
+  void Add(Family family, int joint, const shapes::Shape& shape) {
+    for (int component = 0; component < kComponents; ++component) {
+      const ErrorTerm term{joint, static_cast<Component>(component), shape, {}};
+      const auto holds = [&](const ErrorTerm& other) {
+        return other.joint == joint && other.component == term.component && SameButParameter(other.shape, shape);
+      };
+      if (std::none_of(model_.terms.begin(), model_.terms.end(), holds)) candidates_.push_back({family, term, -1, 0});
+    }
+  }
+
+  // A reversal of another length or a drift of another time constant is the same effect, to be refitted rather than
+  // added again.
+  static bool SameButParameter(shapes::Shape a, shapes::Shape b) {
+    if (double* parameter = shapes::NonlinearParameter(a)) *parameter = 1.0;
+    if (double* parameter = shapes::NonlinearParameter(b)) *parameter = 1.0;
+    return a == b;
+  }
+
+  void AddConstants() {
+    for (int joint = 0; joint < machine_.joint_count(); ++joint) Add(Family::kConstant, joint, shapes::Constant{});
+  }
+
+  void AddShapesOf(int axis) {
+    const bool is_rotary = IsRotary(machine_, axis);
+    const shapes::Linear linear{axis, is_rotary ? shapes::Linear::kReferenceRad : shapes::Linear::kReferenceMm};
+    const shapes::Quadratic quadratic{axis,
+                                      is_rotary ? shapes::Quadratic::kReferenceRad : shapes::Quadratic::kReferenceMm};
+    for (int joint = 0; joint < machine_.joint_count(); ++joint) {
+      const bool is_own = joint == axis;
+      Add(is_own ? Family::kLinear : Family::kCross, joint, linear);
+      Add(is_own ? Family::kQuadratic : Family::kCross, joint, quadratic);
+      for (int order = 1; is_rotary && !is_own && order <= 2; ++order) {
+        Add(Family::kCross, joint, shapes::Harmonic{axis, static_cast<double>(order)});
+      }
+    }
+    AddHarmonics(axis, is_rotary);
+  }
+
+  void AddHarmonics(int axis, bool is_rotary) {
+    const AxisSpan& span = spans_[axis];
+    constexpr double kBelowNyquist = 0.9;  // of the frequency at which two readings per period are left
+    const double highest = kBelowNyquist * std::numbers::pi / span.finest_step;
+    if (is_rotary) {
+      constexpr int kCoarse = 4, kHighestOrder = 400;
+      // On a part of a turn neighbouring orders are alike; an order must show at least half a period.
+      const double lowest = std::numbers::pi / (span.highest - span.lowest);
+      for (int order = 1; order <= std::min<int>(kHighestOrder, static_cast<int>(highest)); ++order) {
+        if (order < 0.5 * lowest) continue;
+        Add(order <= kCoarse ? Family::kHarmonic : Family::kFineHarmonic, axis,
+            shapes::Harmonic{axis, static_cast<double>(order)});
+      }
+      return;
+    }
+    // Pitch errors along a linear axis: at least three periods in the measured range, frequencies a third of a period
+    // apart.
+    const double range = span.highest - span.lowest, turn = 2.0 * std::numbers::pi;
+    for (double periods = 3.0; periods * turn / range < highest && periods <= 100.0; periods += 1.0 / 3.0) {
+      Add(Family::kPitch, axis, shapes::Harmonic{axis, periods * turn / range});
+    }
+  }
+
+  void AddMotionShapes(int axis) {
+    const AxisSpan& span = spans_[axis];
+    if (span.reverses || HasBothSenses(axis)) Add(Family::kBacklash, axis, shapes::Backlash{axis});
+    const double unit = IsRotary(machine_, axis) ? base::kRadPerDeg : 1.0;
+    for (const double length : {1.0, 2.0, 4.0, 8.0, 16.0}) {
+      if (length * unit < 4.0 * (span.highest - span.lowest))
+        Add(Family::kReversal, axis, shapes::Reversal{axis, length * unit});
+    }
+    if (span.has_speeds) Add(Family::kLag, axis, shapes::Lag{axis});
+  }
+
+  bool HasBothSenses(int axis) const {
+    bool has[2] = {false, false};
+    for (const MeasuringRun& run : problem_.runs) {
+      for (int k = 0; k < run.reading_count(); ++k) {
+        const double sense = run.axis_states[static_cast<size_t>(k) * run.axis_count + axis].sense;
+        if (sense != 0.0) has[sense > 0.0] = true;
+      }
+    }
+    return has[0] && has[1];
+  }
+
+  void AddTimeShapes() {
+    double first_s = INFINITY, last_s = -INFINITY, coldest = INFINITY, warmest = -INFINITY;
+    for (const MeasuringRun& run : problem_.runs) {
+      if (run.has_time) {
+        first_s = std::min(first_s, run.time_s.front());
+        last_s = std::max(last_s, run.time_s.back());
+      }
+      for (const double celsius : run.temperature_celsius) {
+        coldest = std::min(coldest, celsius);
+        warmest = std::max(warmest, celsius);
+      }
+    }
+    for (int joint = 0; joint < machine_.joint_count(); ++joint) {
+      constexpr double kShortest = 60.0, kSmallestWarming = 0.05;
+      if (last_s - first_s > kShortest && AllTimed()) {
+        Add(Family::kDrift, joint, shapes::Drift{});
+        for (const double share : {0.04, 0.08, 0.16, 0.32, 0.64})
+          Add(Family::kDriftExp, joint, shapes::DriftExp{share * last_s});
+      }
+      if (warmest - coldest > kSmallestWarming) Add(Family::kThermal, joint, shapes::Thermal{});
+    }
+  }
+
+  bool AllTimed() const {
+    return std::all_of(problem_.runs.begin(), problem_.runs.end(),
+                       [](const MeasuringRun& run) { return run.has_time; });
+  }
+
+  void AddBumps(int axis) {
+    const AxisSpan& span = spans_[axis];
+    const double range = span.highest - span.lowest;
+    for (const double share : {0.16, 0.08, 0.04, 0.02}) {
+      const double width = share * range;
+      if (width < span.finest_step) break;
+      for (double at = span.lowest; at <= span.highest; at += width)
+        Add(Family::kBump, axis, shapes::Bump{axis, at, width});
+    }
+  }
+
+  void AddSteps() {
+    for (size_t i = 0; i < problem_.runs.size(); ++i) {
+      const MeasuringRun& run = problem_.runs[i];
+      if (run.kind == instruments::Kind::kTracker) continue;
+      constexpr int kSmallest = 6;
+      const int stride = StepStride(run);
+      for (int k = kSmallest; k + kSmallest <= run.reading_count(); k += stride) {
+        candidates_.push_back({Family::kStep, {}, static_cast<int>(i), k});
+      }
+    }
+  }
+
+  const identify::Problem& problem_;
+  const Machine& machine_;
+  const machine::ErrorModel& model_;
+  const std::vector<AxisSpan> spans_;
+  std::vector<Candidate> candidates_;
+};
+
+// The component along which the axis itself moves: EXX, ECC.
+bool IsPositioning(const Machine& machine, const ErrorTerm& term) {
+  if (term.joint >= machine.axis_count()) return false;
+  const machine::Axis& axis = machine.axes[term.joint];
+  int along = 0;
+  axis.direction.cwiseAbs().maxCoeff(&along);
+  return static_cast<int>(term.component) == along + (axis.kind == machine::AxisKind::kRotary ? 3 : 0);
+}
+
+}  // namespace
+
+std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
+  const Machine& machine = *problem.machine;
+  std::vector<AxisSpan> spans(machine.axis_count());
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    AxisSpan& span = spans[axis];
+    span.lowest = INFINITY;
+    span.highest = -INFINITY;
+    double slowest = INFINITY, fastest = 0.0;
+    for (const MeasuringRun& run : problem.runs) {
+      double last_sense = 0.0;
+      for (int k = 0; k < run.reading_count(); ++k) {
+        const shapes::AxisState& state = run.axis_states[static_cast<size_t>(k) * run.axis_count + axis];
+        span.lowest = std::min(span.lowest, state.position);
+        span.highest = std::max(span.highest, state.position);
+        if (state.sense * last_sense < 0.0) span.reverses = true;
+        last_sense = state.sense;
+        if (state.speed != 0.0) {
+          slowest = std::min(slowest, std::abs(state.speed));
+          fastest = std::max(fastest, std::abs(state.speed));
+        }
+      }
+      const double step = StepOf(machine, run, axis);
+      if (step > 0.0) span.finest_step = span.finest_step == 0.0 ? step : std::min(span.finest_step, step);
+    }
+    span.has_speeds = fastest > 1.2 * slowest;
+  }
+  return spans;
+}
+
+int StepStride(const MeasuringRun& run) {
+  constexpr int kMoments = 48;
+  return std::max(1, run.reading_count() / kMoments);
+}
+
+std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const machine::ErrorModel& model) {
+  return Builder(problem, model).Build();
+}
+
+int Complexity(const Machine& machine, const Candidate& candidate) {
+  int complexity = 10 * static_cast<int>(candidate.family);
+  if (candidate.family == Family::kStep) return complexity;
+  // Of places for a drift, the tool is where heat goes first; then the table, then the axes.
+  const bool is_time = candidate.family == Family::kDrift || candidate.family == Family::kDriftExp ||
+                       candidate.family == Family::kThermal;
+  if (is_time && candidate.term.joint != machine.tool_joint())
+    complexity += candidate.term.joint == machine.work_joint() ? 1 : 2;
+  // Backlash and friction act first along the axis' own motion.
+  const bool is_motion = candidate.family == Family::kBacklash || candidate.family == Family::kReversal ||
+                         candidate.family == Family::kLag;
+  if (is_motion && !IsPositioning(machine, candidate.term))
+    complexity += machine::IsAngle(candidate.term.component) ? 2 : 1;
+  if (candidate.family == Family::kConstant && candidate.term.joint >= machine.axis_count()) complexity += 1;
+  return complexity;
+}
+
+}  // namespace axiscal::loop

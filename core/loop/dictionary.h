@@ -1,0 +1,31 @@
+// The dictionary of effects, generated from the machine and the sessions: every component of every joint times every
+// shape that the readings can resolve. Nothing in it is listed by hand but the shapes.
+#ifndef AXISCAL_CORE_LOOP_DICTIONARY_H_
+#define AXISCAL_CORE_LOOP_DICTIONARY_H_
+
+#include <vector>
+
+#include "core/identify/problem.h"
+#include "core/loop/candidate.h"
+
+namespace axiscal::loop {
+
+// How an axis moves in the sessions.
+struct AxisSpan {
+  double lowest = 0.0, highest = 0.0;  // mm or rad
+  double finest_step = 0.0;  // median step of the session that samples it finest; 0 for an axis that stands still
+  bool reverses = false;
+  bool has_speeds = false;  // more than one speed: lag is not just backlash
+};
+
+std::vector<AxisSpan> SpansOf(const identify::Problem& problem);
+
+// Readings between the moments at which the dictionary looks for a slip in a run.
+int StepStride(const instruments::MeasuringRun& run);
+
+// Candidates that `model` does not hold already.
+std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const machine::ErrorModel& model);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_DICTIONARY_H_

@@ -1,0 +1,86 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/units.h"
+#include "core/loop/close_loop.h"
+#include "core/machine/error_json.h"
+
+namespace axiscal::loop {
+namespace {
+
+using base::kDegPerRad;
+using base::kUmPerMm;
+using json = nlohmann::ordered_json;
+
+json EffectJson(const machine::Machine& machine, const Effect& effect) {
+  json object = machine::TermToJson(effect.term, machine);
+  const double factor = machine::AmplitudeFactor(effect.term);
+  object["amplitude"] = effect.amplitude / factor;
+  object["amplitude_sigma"] = effect.amplitude_sigma / factor;
+  object["unit"] = machine::AmplitudeUnit(effect.term, machine);
+  if (std::holds_alternative<shapes::Harmonic>(effect.term.shape)) {
+    object["phase_deg"] = std::atan2(effect.term.amplitude[1], effect.term.amplitude[0]) * kDegPerRad;
+  }
+  object["rms_um"] = effect.rms_mm * kUmPerMm;
+  object["evidence"] = effect.evidence;
+  json equivalent = json::array();
+  for (const machine::ErrorTerm& term : effect.equivalent) equivalent.push_back(machine::TermToJson(term, machine));
+  object["equivalent"] = std::move(equivalent);
+  return object;
+}
+
+json StatisticsJson(const identify::FitStatistics& fit) {
+  return {{"rms_um", fit.rms_mm * kUmPerMm},
+          {"max_um", fit.max_mm * kUmPerMm},
+          {"rms_without_outliers_um", fit.rms_without_outliers_mm * kUmPerMm},
+          {"chi2_per_dof", fit.chi2_per_dof}};
+}
+
+json UnexplainedJson(const machine::Machine& machine, const Unexplained& part) {
+  const int axis = machine::FindAxis(machine, part.variable);
+  const double unit = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary ? kDegPerRad : 1.0;
+  return {{"variable", part.variable},
+          {"from", part.from * unit},
+          {"to", part.to * unit},
+          {"session", part.session},
+          {"rms_um", part.rms_mm * kUmPerMm}};
+}
+
+const char* VerdictText(Verdict::Kind verdict) {
+  switch (verdict) {
+    case Verdict::kAdequate:
+      return "adequate";
+    case Verdict::kExtended:
+      return "extended";
+    case Verdict::kUnexplained:
+      return "unexplained";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string ToJson(const machine::Machine& machine, const Report& report) {
+  json root;
+  root["verdict"] = VerdictText(report.verdict);
+  json effects = json::array();
+  for (const Effect& effect : report.effects) effects.push_back(EffectJson(machine, effect));
+  root["effects"] = std::move(effects);
+  const json fitted = json::parse(identify::ToJson(report.fitted));
+  root["errors"] = fitted["errors"];
+  root["not_separable"] = fitted["not_separable"];
+  root["determined"] = fitted["determined"];
+  root["fit"] = {{"before", StatisticsJson(report.fit_before)}, {"after", StatisticsJson(report.fit_after)}};
+  if (report.has_check)
+    root["check"] = {{"before", StatisticsJson(report.check_before)}, {"after", StatisticsJson(report.check_after)}};
+  json unexplained = json::array();
+  for (const Unexplained& part : report.unexplained) unexplained.push_back(UnexplainedJson(machine, part));
+  root["unexplained"] = std::move(unexplained);
+  root["outliers"] = fitted["outliers"];
+  root["withdrawn"] = report.withdrawn;
+  root["sessions"] = fitted["sessions"];
+  root["candidates"] = report.candidates;
+  return root.dump(1) + "\n";
+}
+
+}  // namespace axiscal::loop

@@ -1,0 +1,79 @@
+#include "core/loop/signatures.h"
+
+#include <gtest/gtest.h>
+
+#include "core/identify/identify.h"
+#include "core/identify/testing/scenario.h"
+#include "core/loop/dictionary.h"
+#include "core/loop/search.h"
+
+namespace axiscal::loop {
+namespace {
+
+using identify::testing::Errors;
+using identify::testing::Measure;
+
+const machine::Machine kMachine = machine::testing::MultiTasking();
+
+identify::Fit FitOf(const machine::ErrorModel& model, const machine::ErrorModel& truth, double sigma_scale) {
+  synthetic::NoiseOptions noise;
+  noise.sigma_scale = sigma_scale;
+  identify::Options options;
+  options.model = model;
+  options.set_outliers_aside = false;
+  return identify::FitRuns(kMachine, *identify::BindSessions(kMachine, Measure(kMachine, truth, noise)), options)
+      .value();
+}
+
+// The gain that a projected signature promises is what a full refit with the effect added does to chi-square.
+TEST(Signatures, ThePromisedGainIsThatOfTheRefit) {
+  const machine::ErrorModel declared = machine::DeclaredModel(kMachine);
+  const machine::ErrorModel truth =
+      Errors(kMachine, R"({"EX0C": 20, "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": 0.5}]})");
+  const identify::Fit before = FitOf(declared, truth, 1.0);
+  machine::ErrorModel extended = declared;
+  const int x = machine::FindAxis(kMachine, "X");
+  extended.terms.push_back({x, machine::Component::kX, shapes::Backlash{x}, {}});
+  const identify::Fit after = FitOf(extended, truth, 1.0);
+  const auto chi2 = [](const identify::Fit& fit) {
+    return fit.result.fit.chi2_per_dof * fit.result.fit.degrees_of_freedom;
+  };
+
+  const Signatures signatures(before.problem, before.point, identify::ListParameters(before.point.model, true));
+  const Projection projection = signatures.Project({{Family::kBacklash, extended.terms.back(), -1, 0}})[0];
+  const double gain = projection.with_residual[0] * projection.with_residual[0] / projection.own(0, 0);
+  EXPECT_GT(gain, 50.0);
+  EXPECT_NEAR(gain, chi2(before) - chi2(after), 1e-3 * gain);  // second order of errors of 1e-4
+  EXPECT_NEAR(signatures.residual_squares(), chi2(before), 1e-6 * chi2(before));
+}
+
+TEST(Signatures, WhatTheSetupExplainsIsInvisible) {
+  const identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), {}, 1.0);
+  const Signatures signatures(fit.problem, fit.point, identify::ListParameters(fit.point.model, true));
+  // EX0W, the table ball's place, is what every session refits; only the ball's prior, 60 um, keeps a trace of it.
+  const machine::ErrorTerm ball = machine::ConstantTerm(kMachine, *machine::ParseErrorSymbol("EX0W"));
+  EXPECT_LT(signatures.Project({{Family::kConstant, ball, -1, 0}})[0].visible, 1e-4);
+}
+
+TEST(Signatures, TwoNamesOfOneMotionCorrelateFully) {
+  const identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), {}, 1.0);
+  const Signatures signatures(fit.problem, fit.point, identify::ListParameters(fit.point.model, true));
+  const int c = machine::FindAxis(kMachine, "C"), x = machine::FindAxis(kMachine, "X");
+  const shapes::Harmonic twice{c, 2.0};
+  const Candidate table{Family::kHarmonic, {c, machine::Component::kZ, twice, {}}, -1, 0};
+  const Candidate tool{Family::kCross, {kMachine.tool_joint(), machine::Component::kZ, twice, {}}, -1, 0};
+  const Candidate other{Family::kBacklash, {x, machine::Component::kX, shapes::Backlash{x}, {}}, -1, 0};
+  const std::vector<double> correlations = signatures.CorrelationsWith(table, {table, tool, other});
+  EXPECT_NEAR(correlations[0], 1.0, 1e-9);
+  EXPECT_GT(correlations[1], 0.999);
+  EXPECT_LT(correlations[2], 0.5);
+}
+
+TEST(Search, TheLikelihoodRatioForgetsTheScaleOfTheNoise) {
+  EXPECT_DOUBLE_EQ(LikelihoodRatio(100.0, 10.0, 50), LikelihoodRatio(400.0, 40.0, 50));
+  EXPECT_EQ(LikelihoodRatio(100.0, 0.0, 50), 0.0);
+  EXPECT_NEAR(LikelihoodRatio(1e6, 10.0, 1000000), 10.0, 1e-3);  // many readings: the usual chi-square difference
+}
+
+}  // namespace
+}  // namespace axiscal::loop
