@@ -17,6 +17,7 @@ void AddIdentifyCommand(CLI::App& app, Context& context);
 void AddApproveCommand(CLI::App& app, Context& context);
 void AddCalibrationCommand(CLI::App& app, Context& context);
 void AddCompensateCommand(CLI::App& app, Context& context);
+void AddVerifyCommand(CLI::App& app, Context& context);
 void AddProgramCommand(CLI::App& app, Context& context);
 void AddHistoryCommand(CLI::App& app, Context& context);
 void AddJobsCommand(CLI::App& app, Context& context);

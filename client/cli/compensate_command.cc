@@ -6,13 +6,12 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/error_model_source.h"
 #include "client/cli/job_wait.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
 #include "core/base/files.h"
-#include "core/base/strict_json.h"
 #include "core/compensate/compensator.h"
-#include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
 #include "core/nc/rewrite.h"
 
@@ -75,26 +74,16 @@ std::string MarkName(const std::string& path) {
   return name;
 }
 
-absl::StatusOr<machine::ErrorModel> ReadErrorsFile(const std::string& path, const machine::Machine& machine) {
-  ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, base::kMaxJsonBytes));
-  auto errors = machine::ReadErrors(text, machine);
-  if (!errors.ok()) return base::Within(path, errors.status());
-  return errors;
-}
-
 absl::Status CompensateFiles(Context& context, const Arguments& arguments) {
-  if (!fs::exists(arguments.machine)) {
-    return absl::NotFoundError(arguments.machine + ": no such file; with --errors, --machine is a machine.json");
-  }
-  ASSIGN_OR_RETURN(const machine::Machine machine, machine::ReadMachineFile(arguments.machine));
-  ASSIGN_OR_RETURN(const machine::ErrorModel errors, ReadErrorsFile(arguments.errors, machine));
-  ASSIGN_OR_RETURN(nc::RewriteOptions options, ToRewriteOptions(arguments.rewrite, machine));
+  ASSIGN_OR_RETURN(const MachineWithErrors model, ReadModelFiles(arguments.machine, arguments.errors));
+  ASSIGN_OR_RETURN(nc::RewriteOptions options, ToRewriteOptions(arguments.rewrite, model.machine));
   options.calibration = MarkName(arguments.errors);
   compensate::Options compensator_options;
   ASSIGN_OR_RETURN(compensator_options.tool_tip_mm, ToolTip(arguments.rewrite));
   compensator_options.time_s = arguments.rewrite.time_s;
   compensator_options.temperature_celsius = arguments.rewrite.temperature_celsius;
-  ASSIGN_OR_RETURN(const auto compensator, compensate::Compensator::Create(machine, errors, compensator_options));
+  ASSIGN_OR_RETURN(const auto compensator,
+                   compensate::Compensator::Create(model.machine, model.errors, compensator_options));
   nc::RewriteReport report;
   const absl::Status status = nc::RewriteFile(arguments.input, arguments.output, compensator, options, &report);
   const std::string report_json = nc::ToJson(report);
@@ -152,13 +141,7 @@ void AddCompensateCommand(CLI::App& app, Context& context) {
       app.add_subcommand("compensate", "Rewrite an NC program so that the tool goes where the program says");
   compensate->add_option("INPUT", arguments->input, "the program")->required();
   compensate->add_option("-o,--output", arguments->output, "the rewritten program")->required();
-  compensate->add_option("--machine", arguments->machine, "a stored machine; with --errors its machine.json")
-      ->required();
-  compensate->add_option("--errors", arguments->errors, "errors.json in um and urad: needs no database")
-      ->excludes(
-          compensate
-              ->add_option("--calibration", arguments->calibration, "this calibration instead of the approved one")
-              ->check(CLI::PositiveNumber));
+  AddModelOptions(*compensate, arguments->machine, arguments->errors, arguments->calibration);
   compensate->add_option("--report", arguments->report, "write the report as JSON");
   AddRewriteOptions(*compensate, arguments->rewrite);
   compensate->footer(

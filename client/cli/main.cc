@@ -35,6 +35,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddApproveCommand(app, context);
   AddCalibrationCommand(app, context);
   AddCompensateCommand(app, context);
+  AddVerifyCommand(app, context);
   AddProgramCommand(app, context);
   AddHistoryCommand(app, context);
   AddJobsCommand(app, context);

@@ -51,6 +51,14 @@ absl::StatusOr<std::vector<nc::AxisValue>> ParseAxisValues(const std::string& op
 
 }  // namespace
 
+void AddModelOptions(CLI::App& command, std::string& machine, std::string& errors, int64_t& calibration) {
+  command.add_option("--machine", machine, "a stored machine; with --errors its machine.json")->required();
+  CLI::Option* chosen =
+      command.add_option("--calibration", calibration, "this calibration instead of the approved one");
+  chosen->check(CLI::PositiveNumber);
+  command.add_option("--errors", errors, "errors.json in um and urad: needs no database")->excludes(chosen);
+}
+
 void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
   command
       .add_option("--tool-tip", arguments.tool_tip,

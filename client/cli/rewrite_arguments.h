@@ -30,6 +30,8 @@ struct RewriteArguments {
   std::optional<double> time_s, temperature_celsius;
 };
 
+// --machine, and --errors or --calibration.
+void AddModelOptions(CLI::App& command, std::string& machine, std::string& errors, int64_t& calibration);
 void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments);
 
 // INVALID_ARGUMENT naming the option, its value and what was expected.

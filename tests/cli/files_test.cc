@@ -62,6 +62,12 @@ TEST_F(FilesOnly, AProgramIsRewrittenAndReported) {
   EXPECT_GT(report["tool_point_error"]["before"]["max_um"], 10.0);
   EXPECT_LT(report["tool_point_error"]["after"]["max_um"], 0.2);  // the words' rounding
   EXPECT_FALSE(Exists("axiscal.db"));
+  const Outcome verified =
+      Run("verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc out.nc --json");
+  ASSERT_EQ(verified.exit_code, 0) << verified.err;
+  EXPECT_NEAR(verified.Json()["end"]["before"]["max_um"].get<double>(),
+              report["tool_point_error"]["before"]["max_um"].get<double>(), 1e-6);
+  EXPECT_LT(verified.Json()["end"]["after"]["max_um"].get<double>(), 0.2);
   // Once is enough: the mark in the output is seen.
   EXPECT_EQ(
       Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' out.nc -o twice.nc").exit_code,

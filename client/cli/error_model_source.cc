@@ -1,0 +1,46 @@
+#include "client/cli/error_model_source.h"
+
+#include <filesystem>
+
+#include "core/base/files.h"
+#include "core/base/strict_json.h"
+#include "core/machine/error_json.h"
+#include "core/machine/machine_json.h"
+
+namespace axiscal::cli {
+
+absl::StatusOr<MachineWithErrors> ReadModelFiles(const std::string& machine_path, const std::string& errors_path) {
+  if (!std::filesystem::exists(machine_path)) {
+    return absl::NotFoundError(machine_path + ": no such file; with --errors, --machine is a machine.json");
+  }
+  MachineWithErrors model;
+  ASSIGN_OR_RETURN(model.machine, machine::ReadMachineFile(machine_path));
+  ASSIGN_OR_RETURN(const std::string text, base::ReadFile(errors_path, base::kMaxJsonBytes));
+  auto errors = machine::ReadErrors(text, model.machine);
+  if (!errors.ok()) return base::Within(errors_path, errors.status());
+  model.errors = *std::move(errors);
+  return model;
+}
+
+absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  const MachineId id(machine);
+  CalibrationId calibration_id(calibration);
+  if (calibration == 0) {
+    ASSIGN_OR_RETURN(const storage::CalibrationRecord approved, client->GetApprovedCalibration(id));
+    calibration_id = approved.id;
+  }
+  ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(calibration_id));
+  if (record.content.machine != id) {
+    return absl::InvalidArgumentError(absl::StrCat("--calibration: ", calibration_id.number(), " is of machine ",
+                                                   record.content.machine.text(), ", expected one of ", machine));
+  }
+  ASSIGN_OR_RETURN(const storage::MachineRecord described,
+                   client->GetMachineRevision(id, record.content.machine_revision));
+  MachineWithErrors model;
+  ASSIGN_OR_RETURN(model.machine, machine::MachineFromJson(described.description_json));
+  ASSIGN_OR_RETURN(model.errors, machine::ReadErrors(record.content.model_json, model.machine));
+  return model;
+}
+
+}  // namespace axiscal::cli

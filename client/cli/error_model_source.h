@@ -1,0 +1,25 @@
+// Where compute-here commands get a machine and its errors from: two files, or the service.
+#ifndef AXISCAL_CLIENT_CLI_ERROR_MODEL_SOURCE_H_
+#define AXISCAL_CLIENT_CLI_ERROR_MODEL_SOURCE_H_
+
+#include <string>
+
+#include "client/cli/context.h"
+#include "core/machine/error_model.h"
+
+namespace axiscal::cli {
+
+struct MachineWithErrors {
+  machine::Machine machine;
+  machine::ErrorModel errors;
+};
+
+// machine.json and errors.json. NOT_FOUND, or INVALID_ARGUMENT with the file in front.
+absl::StatusOr<MachineWithErrors> ReadModelFiles(const std::string& machine_path, const std::string& errors_path);
+
+// A stored machine under one of its calibrations, the approved one for 0; as it was described when it was identified.
+absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration);
+
+}  // namespace axiscal::cli
+
+#endif  // AXISCAL_CLIENT_CLI_ERROR_MODEL_SOURCE_H_

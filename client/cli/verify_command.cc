@@ -1,0 +1,79 @@
+// axiscal verify: an original and its compensated program through the machine model.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/error_model_source.h"
+#include "client/cli/record_output.h"
+#include "client/cli/rewrite_arguments.h"
+#include "core/base/files.h"
+#include "core/base/units.h"
+#include "core/nc/verify.h"
+
+namespace axiscal::cli {
+namespace {
+
+struct Arguments {
+  std::string original, compensated, machine, errors, report;
+  int64_t calibration = 0;
+  RewriteArguments rewrite;
+};
+
+std::vector<std::string> Row(const std::string& name, const nc::Spread& spread) {
+  return {name, NumberText(spread.max_mm * base::kUmPerMm), NumberText(spread.rms_mm() * base::kUmPerMm)};
+}
+
+std::string ReportText(const nc::VerifyReport& report) {
+  std::string text = absl::StrCat(report.moves, " moves compared");
+  if (report.moves_unknown > 0)
+    absl::StrAppend(&text, ", ", report.moves_unknown, " not evaluated: an axis position is unknown");
+  if (report.blocks_unsupported > 0)
+    absl::StrAppend(&text, ", ", report.blocks_unsupported, " blocks not evaluated: no linear moves");
+  absl::StrAppend(&text, "\n",
+                  Table({{"tool-point error", "max um", "rms um"},
+                         Row("at ends of moves, original", report.end_before),
+                         Row("at ends of moves, compensated", report.end_after),
+                         Row("inside moves, original", report.path_before),
+                         Row("inside moves, compensated", report.path_after)}));
+  if (report.worst_line > 0) absl::StrAppend(&text, "largest after compensation: line ", report.worst_line, "\n");
+  return text;
+}
+
+absl::Status Verify(Context& context, const Arguments& arguments) {
+  nc::VerifyOptions options;
+  ASSIGN_OR_RETURN(options.tool_tip_mm, ToolTip(arguments.rewrite));
+  ASSIGN_OR_RETURN(const MachineWithErrors model, arguments.errors.empty()
+                                                      ? FetchModel(context, arguments.machine, arguments.calibration)
+                                                      : ReadModelFiles(arguments.machine, arguments.errors));
+  ASSIGN_OR_RETURN(options.reading, ToRewriteOptions(arguments.rewrite, model.machine));
+  options.time_s = arguments.rewrite.time_s.value_or(options.time_s);
+  options.temperature_celsius = arguments.rewrite.temperature_celsius.value_or(options.temperature_celsius);
+  ASSIGN_OR_RETURN(const nc::VerifyReport report,
+                   nc::VerifyFiles(arguments.original, arguments.compensated, model.machine, model.errors, options));
+  const std::string report_json = nc::ToJson(report);
+  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report_json));
+  context.Print(Embedded(report_json), ReportText(report));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddVerifyCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* verify =
+      app.add_subcommand("verify", "Run a program and its compensated form through the machine model and compare");
+  verify->add_option("ORIGINAL", arguments->original, "the program as it was")->required();
+  verify->add_option("COMPENSATED", arguments->compensated, "the program as it was rewritten")->required();
+  AddModelOptions(*verify, arguments->machine, arguments->errors, arguments->calibration);
+  verify->add_option("--report", arguments->report, "write the report as JSON");
+  AddRewriteOptions(*verify, arguments->rewrite);
+  verify->footer(
+      "Independent of how the correction was computed: both programs are read and every move is evaluated on the chain "
+      "with the\n"
+      "machine's errors. Give the options that compensate was given.\n"
+      "Example: axiscal verify --machine mt --tool-tip \"0 0 -350\" in.nc out.nc");
+  SetAction(verify, context, [&context, arguments] { return Verify(context, *arguments); });
+}
+
+}  // namespace axiscal::cli
