@@ -16,6 +16,7 @@ void AddSessionCommand(CLI::App& app, Context& context);
 void AddIdentifyCommand(CLI::App& app, Context& context);
 void AddApproveCommand(CLI::App& app, Context& context);
 void AddCalibrationCommand(CLI::App& app, Context& context);
+void AddCloseLoopCommand(CLI::App& app, Context& context);
 void AddCompensateCommand(CLI::App& app, Context& context);
 void AddVerifyCommand(CLI::App& app, Context& context);
 void AddProgramCommand(CLI::App& app, Context& context);

@@ -34,6 +34,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddIdentifyCommand(app, context);
   AddApproveCommand(app, context);
   AddCalibrationCommand(app, context);
+  AddCloseLoopCommand(app, context);
   AddCompensateCommand(app, context);
   AddVerifyCommand(app, context);
   AddProgramCommand(app, context);
