@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -77,6 +78,25 @@ std::vector<int> FreeErrors(int count, const std::vector<int>& held) {
   return free;
 }
 
+// Which errors to hold so that no null direction is left: those with the largest share in the null space first, each
+// time in what is left of it. Shares do not depend on how rounding turned the basis (orthonormal rows). Of equal
+// candidates the last declared is held, so that the first carries the combination.
+std::vector<int> HeldColumns(const Eigen::MatrixXd& basis) {
+  constexpr double kTie = 0.99;
+  Eigen::MatrixXd left = basis;
+  std::vector<int> held;
+  for (int step = 0; step < basis.rows(); ++step) {
+    int best = -1;
+    for (int column = static_cast<int>(left.cols()) - 1; column >= 0; --column) {
+      if (best < 0 || left.col(column).norm() * kTie > left.col(best).norm()) best = column;
+    }
+    const Eigen::VectorXd direction = left.col(best).normalized();
+    left -= direction * (direction.transpose() * left).eval();
+    held.push_back(best);
+  }
+  return held;
+}
+
 }  // namespace
 
 Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations& normal, Priors priors,
@@ -113,30 +133,10 @@ NullSpace FindNullSpace(const Reduced& reduced, double threshold) {
   out.rank = p - nullity;
   if (out.rank > 0) out.condition = std::sqrt(eigen.eigenvalues()[p - 1] / eigen.eigenvalues()[nullity]);
 
-  // Reduced echelon form of the null directions. Of equal candidates the last declared is held, so that the first
-  // carries the combination.
-  Eigen::MatrixXd rows = eigen.eigenvectors().leftCols(nullity).transpose();
-  std::vector<bool> is_pivot_row(nullity, false);
-  out.fixed.assign(nullity, -1);
-  for (int step = 0; step < nullity; ++step) {
-    constexpr double kTie = 0.99;
-    int best_row = -1, best_column = -1;
-    double best = 0.0;
-    for (int column = p - 1; column >= 0; --column) {
-      for (int row = 0; row < nullity; ++row) {
-        if (is_pivot_row[row] || std::abs(rows(row, column)) * kTie <= best) continue;
-        best = std::abs(rows(row, column));
-        best_row = row;
-        best_column = column;
-      }
-    }
-    is_pivot_row[best_row] = true;
-    out.fixed[best_row] = best_column;
-    rows.row(best_row) /= rows(best_row, best_column);
-    for (int row = 0; row < nullity; ++row) {
-      if (row != best_row) rows.row(row) -= rows(row, best_column) * Eigen::RowVectorXd(rows.row(best_row));
-    }
-  }
+  if (nullity == 0) return out;
+  const Eigen::MatrixXd basis = eigen.eigenvectors().leftCols(nullity).transpose();
+  out.fixed = HeldColumns(basis);
+  Eigen::MatrixXd rows = basis(Eigen::all, out.fixed).colPivHouseholderQr().solve(basis);
   constexpr double kTakesPart = 1e-3;  // scaled share of a direction below which an error is only rounding in it
   for (int row = 0; row < nullity; ++row) {
     for (int column = 0; column < p; ++column) {
