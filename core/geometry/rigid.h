@@ -44,11 +44,24 @@ Matrix3<T> AxisRotation(const Vector3<double>& axis, const T& angle_rad) {
   const T v = T(1.0) - c;
   Matrix3<T> rotation;
   rotation << c + v * (axis.x() * axis.x()), v * (axis.x() * axis.y()) - s * axis.z(),
-      v * (axis.x() * axis.z()) + s * axis.y(), v * (axis.x() * axis.y()) + s * axis.z(),
-      c + v * (axis.y() * axis.y()), v * (axis.y() * axis.z()) - s * axis.x(),
-      v * (axis.x() * axis.z()) - s * axis.y(), v * (axis.y() * axis.z()) + s * axis.x(),
-      c + v * (axis.z() * axis.z());
+      v * (axis.x() * axis.z()) + s * axis.y(), v * (axis.x() * axis.y()) + s * axis.z(), c + v * (axis.y() * axis.y()),
+      v * (axis.y() * axis.z()) - s * axis.x(), v * (axis.x() * axis.z()) - s * axis.y(),
+      v * (axis.y() * axis.z()) + s * axis.x(), c + v * (axis.z() * axis.z());
   return rotation;
+}
+
+// rotation = rotation * AxisRotation(axis, angle). About a coordinate axis, as nearly always, two columns mix.
+inline void TurnAbout(const Vector3<double>& axis, double angle_rad, Matrix3<double>* rotation) {
+  if (angle_rad == 0.0) return;
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(axis[k]) != 1.0) continue;
+    const double s = std::sin(angle_rad) * axis[k], c = std::cos(angle_rad);
+    const Vector3<double> u = rotation->col((k + 1) % 3), v = rotation->col((k + 2) % 3);
+    rotation->col((k + 1) % 3) = c * u + s * v;
+    rotation->col((k + 2) % 3) = c * v - s * u;
+    return;
+  }
+  *rotation = Matrix3<double>(*rotation * AxisRotation<double>(axis, angle_rad));
 }
 
 // Rot_x(a) * Rot_y(b) * Rot_z(c), exact; the rotation of an error transform (formats.md, machine.json).
@@ -58,7 +71,7 @@ Matrix3<T> RotationXyz(const T& a_rad, const T& b_rad, const T& c_rad) {
   using std::sin;
   const T ca = cos(a_rad), sa = sin(a_rad), cb = cos(b_rad), sb = sin(b_rad), cc = cos(c_rad), sc = sin(c_rad);
   Matrix3<T> rotation;
-  rotation << cb * cc, -cb * sc, sb,                              //
+  rotation << cb * cc, -cb * sc, sb,                             //
       ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb,  //
       sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb;
   return rotation;

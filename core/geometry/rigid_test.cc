@@ -46,5 +46,18 @@ TEST(Rigid, DerivativesOfTheSmallRotationAtZeroAreTheSkewMatrices) {
   }
 }
 
+TEST(TurnAbout, EqualsTheProductWithTheAxisRotation) {
+  const Matrix3<double> start = RotationXyz(0.3, -0.7, 1.1);
+  constexpr double kRounding = 1e-15;
+  for (const Vector3<double>& axis :
+       {Vector3<double>(1, 0, 0), Vector3<double>(0, -1, 0), Vector3<double>(0, 0, 1), Vector3<double>(0, 0.6, 0.8)}) {
+    for (const double angle_rad : {0.0, 0.4, -2.5}) {
+      Matrix3<double> turned = start;
+      TurnAbout(axis, angle_rad, &turned);
+      EXPECT_LT((turned - start * AxisRotation(axis, angle_rad)).cwiseAbs().maxCoeff(), kRounding);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace axiscal::geometry

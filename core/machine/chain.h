@@ -11,6 +11,7 @@
 #define AXISCAL_CORE_MACHINE_CHAIN_H_
 
 #include <array>
+#include <type_traits>
 
 #include "core/geometry/rigid.h"
 #include "core/machine/machine.h"
@@ -68,16 +69,43 @@ struct ChainPose {
   geometry::Rigid<T> bed_from_table;  // with E_W
 };
 
+// bed = bed * E. An error of zero is no step, except to a derivative.
+template <typename T>
+void AppendError(const ErrorVector<T>& error, const Eigen::Vector3d& point_mm, geometry::Rigid<T>* bed) {
+  if constexpr (std::is_same_v<T, double>) {
+    if (error.isZero(0.0)) return;
+  }
+  *bed = *bed * ErrorTransform<T>(error, point_mm);
+}
+
+// bed = bed * J.
+template <typename T>
+void AppendMotion(const Axis& axis, const T& position, geometry::Rigid<T>* bed) {
+  if (axis.kind == AxisKind::kLinear) {
+    bed->translation_mm += bed->rotation * (axis.direction.cast<T>() * position);
+    return;
+  }
+  const geometry::Vector3<T> point = axis.point_mm.cast<T>();
+  bed->translation_mm += bed->rotation * point;
+  if constexpr (std::is_same_v<T, double>) {
+    geometry::TurnAbout(axis.direction, position, &bed->rotation);
+  } else {
+    bed->rotation = geometry::Matrix3<T>(bed->rotation * geometry::AxisRotation<T>(axis.direction, position));
+  }
+  bed->translation_mm -= bed->rotation * point;
+}
+
 // `positions` per axis of the machine, mm or rad.
 template <typename T>
 ChainPose<T> EvaluateChain(const Machine& machine, const T* positions, const JointErrors<T>& errors) {
   const auto branch = [&](const std::vector<int>& axes, int end_joint) {
     geometry::Rigid<T> bed_from_end;
     for (const int axis : axes) {
-      bed_from_end = bed_from_end * ErrorTransform<T>(errors[axis], ErrorPoint(machine, axis)) *
-                     MotionTransform<T>(machine.axes[axis], positions[axis]);
+      AppendError<T>(errors[axis], ErrorPoint(machine, axis), &bed_from_end);
+      AppendMotion<T>(machine.axes[axis], positions[axis], &bed_from_end);
     }
-    return bed_from_end * ErrorTransform<T>(errors[end_joint], ErrorPoint(machine, end_joint));
+    AppendError<T>(errors[end_joint], ErrorPoint(machine, end_joint), &bed_from_end);
+    return bed_from_end;
   };
   return {branch(machine.tool_branch, machine.tool_joint()), branch(machine.work_branch, machine.work_joint())};
 }

@@ -44,9 +44,7 @@ void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joi
       bed.translation_mm += bed.rotation * (axis.direction * positions[joint]);
       continue;
     }
-    if (positions[joint] != 0.0) {
-      bed.rotation = Eigen::Matrix3d(bed.rotation * geometry::AxisRotation<double>(axis.direction, positions[joint]));
-    }
+    geometry::TurnAbout(axis.direction, positions[joint], &bed.rotation);
     bed.translation_mm -= bed.rotation * point_mm;
   }
   add_error(end_joint);

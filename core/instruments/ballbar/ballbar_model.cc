@@ -20,6 +20,10 @@ Eigen::Matrix<double, 3, 2> RunOutDirections(const machine::Machine& machine) {
   for (int k = 0; k < 3; ++k) {
     if (k == along) continue;
     const Eigen::Vector3d axis = Eigen::Vector3d::Unit(k);
+    if (machine.tool_direction[k] == 0.0) {
+      directions.col(column++) = axis;
+      continue;
+    }
     directions.col(column++) = (axis - axis.dot(machine.tool_direction) * machine.tool_direction).normalized();
   }
   return directions;
