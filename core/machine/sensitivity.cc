@@ -7,20 +7,14 @@ namespace {
 
 using geometry::Rigid;
 
-struct JointPlace {
-  int joint;
-  Eigen::Matrix3d bed_from_parent;   // rotation of the frame in which the joint's error acts
-  Eigen::Vector3d centre_in_bed_mm;  // where the error's point stands: the error turns about it
-};
-
 // Walks one branch outwards. With E = Trans(p + e) R Trans(-p) about the error's point p:
 //   E x = (p + e) + R (x - p),   dE x / de = 1,   dE x / d(angle k) = axis_k x R (x - p),
-// and R (x - p) is the place of the carried point as seen from the error's centre p + e, whatever stands between.
+// and R (x - p), the lever, is where the carried point stands from the error's centre p + e, whatever is between.
 // Most errors are zero and most motions are shifts: both leave the rotation alone.
 void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joint, const double* positions,
                const JointErrors<double>& errors, double sign, const Eigen::Vector3d& point_at_home_mm,
                Rigid<double>* bed_from_end, Eigen::Vector3d* point_in_bed_mm, RelativePoint* out) {
-  std::array<JointPlace, kMaxJoints> places;
+  std::array<int, kMaxJoints> joints;
   int count = 0;
   Rigid<double>& bed = *bed_from_end;
   bed = {};
@@ -28,13 +22,14 @@ void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joi
     const ErrorVector<double>& error = errors[joint];
     ErrorTurn& turn = out->turns[joint];
     if (error.tail<3>() != turn.angles_rad) turn = TurnOf(error);
-    JointPlace& place = places[count++];
-    place.joint = joint;
+    JointPlace& place = out->places[joint];
+    joints[count++] = joint;
+    place.sign = sign;
     place.bed_from_parent = bed.rotation;
     const Eigen::Vector3d& point_mm = ErrorPoint(machine, joint);
-    place.centre_in_bed_mm = bed.translation_mm + bed.rotation * (point_mm + error.head<3>());
+    bed.translation_mm += bed.rotation * (point_mm + error.head<3>());
+    place.lever_mm = bed.translation_mm;  // the error's centre, until the point is known
     if (!turn.is_zero) bed.rotation = Eigen::Matrix3d(place.bed_from_parent * turn.rotation);
-    bed.translation_mm = place.centre_in_bed_mm;  // of the point: the caller goes on from there
     return point_mm;
   };
   for (const int joint : axes) {
@@ -51,14 +46,8 @@ void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joi
   *point_in_bed_mm = bed * point_at_home_mm;
 
   for (int i = 0; i < count; ++i) {
-    const JointPlace& place = places[i];
-    const ErrorTurn& turn = out->turns[place.joint];
-    auto block = out->sensitivity.middleCols<kComponents>(kComponents * place.joint);
-    const Eigen::Matrix3d signed_parent = sign * place.bed_from_parent;
-    const Eigen::Vector3d lever_mm = *point_in_bed_mm - place.centre_in_bed_mm;
-    block.leftCols<3>() = signed_parent;
-    const Eigen::Matrix3d turning_axes = turn.is_zero ? signed_parent : Eigen::Matrix3d(signed_parent * turn.axes);
-    for (int k = 0; k < 3; ++k) block.col(3 + k) = turning_axes.col(k).cross(lever_mm);
+    Eigen::Vector3d& lever_mm = out->places[joints[i]].lever_mm;
+    lever_mm = *point_in_bed_mm - lever_mm;
   }
 }
 
@@ -75,13 +64,42 @@ ErrorTurn TurnOf(const ErrorVector<double>& error) {
   return turn;
 }
 
-void EvaluateRelativePoint(const Machine& machine, const double* positions, const JointErrors<double>& errors,
-                           const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& ball_mm, RelativePoint* out) {
-  out->sensitivity.resize(3, kComponents * machine.joint_count());
+void EvaluatePlaces(const Machine& machine, const double* positions, const JointErrors<double>& errors,
+                    const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& ball_mm, RelativePoint* out) {
   AddBranch(machine, machine.tool_branch, machine.tool_joint(), positions, errors, 1.0, tip_mm,
             &out->pose.bed_from_tool, &out->tip_in_bed_mm, out);
   AddBranch(machine, machine.work_branch, machine.work_joint(), positions, errors, -1.0, ball_mm,
             &out->pose.bed_from_table, &out->ball_in_bed_mm, out);
+}
+
+void SensitivityAlong(const Machine& machine, const RelativePoint& point, const Eigen::Vector3d& direction,
+                      double* row) {
+  for (int joint = 0; joint < machine.joint_count(); ++joint, row += kComponents) {
+    const JointPlace& place = point.places[joint];
+    const ErrorTurn& turn = point.turns[joint];
+    const Eigen::Vector3d along = place.sign * direction;
+    // (axis x lever) . direction = axis . (lever x direction)
+    const Eigen::Vector3d moment_mm = place.bed_from_parent.transpose() * place.lever_mm.cross(along);
+    Eigen::Map<Eigen::Vector3d> by_shift(row), by_angle(row + 3);
+    by_shift = place.bed_from_parent.transpose() * along;
+    by_angle = moment_mm;
+    if (!turn.is_zero) by_angle = turn.axes.transpose() * moment_mm;
+  }
+}
+
+void EvaluateRelativePoint(const Machine& machine, const double* positions, const JointErrors<double>& errors,
+                           const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& ball_mm, RelativePoint* out) {
+  EvaluatePlaces(machine, positions, errors, tip_mm, ball_mm, out);
+  out->sensitivity.resize(3, kComponents * machine.joint_count());
+  for (int joint = 0; joint < machine.joint_count(); ++joint) {
+    const JointPlace& place = out->places[joint];
+    const ErrorTurn& turn = out->turns[joint];
+    auto block = out->sensitivity.middleCols<kComponents>(kComponents * joint);
+    const Eigen::Matrix3d signed_parent = place.sign * place.bed_from_parent;
+    block.leftCols<3>() = signed_parent;
+    const Eigen::Matrix3d turning_axes = turn.is_zero ? signed_parent : Eigen::Matrix3d(signed_parent * turn.axes);
+    for (int k = 0; k < 3; ++k) block.col(3 + k) = turning_axes.col(k).cross(place.lever_mm);
+  }
 }
 
 }  // namespace axiscal::machine

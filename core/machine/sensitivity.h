@@ -18,19 +18,34 @@ struct ErrorTurn {
 };
 ErrorTurn TurnOf(const ErrorVector<double>& error);
 
+// Where a joint's error acts, and how far from there the point stands that its branch carries; in the bed's axes.
+struct JointPlace {
+  double sign = 1.0;  // +1 on the tool's branch, -1 on the table's
+  Eigen::Matrix3d bed_from_parent;
+  Eigen::Vector3d lever_mm;
+};
+
 struct RelativePoint {
   ChainPose<double> pose;
-  Eigen::Vector3d tip_in_bed_mm;   // actual tool point
-  Eigen::Vector3d ball_in_bed_mm;  // actual point on the table
+  Eigen::Vector3d tip_in_bed_mm;              // actual tool point
+  Eigen::Vector3d ball_in_bed_mm;             // actual point on the table
+  std::array<JointPlace, kMaxJoints> places;  // by joint
+  std::array<ErrorTurn, kMaxJoints> turns;    // by joint; kept between calls while its angle errors stay the same
   // 3 x 6 joint_count; column 6 j + c: d(tip - ball) in the bed's axes per unit of component c of joint j (mm per mm,
   // mm per rad).
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kComponents * kMaxJoints> sensitivity;
-  std::array<ErrorTurn, kMaxJoints> turns;  // of each joint; kept between calls while its angle errors stay the same
 };
 
 // `tip_mm` and `ball_mm` at home in the machine frame. Fills `out` (its storage is reused between calls).
 void EvaluateRelativePoint(const Machine& machine, const double* positions, const JointErrors<double>& errors,
                            const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& ball_mm, RelativePoint* out);
+
+// The same without `sensitivity`, for readings that sense one direction only.
+void EvaluatePlaces(const Machine& machine, const double* positions, const JointErrors<double>& errors,
+                    const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& ball_mm, RelativePoint* out);
+// Row 6 j + c: d(tip - ball) along `direction` (unit, bed's axes), from the places in `point`.
+void SensitivityAlong(const Machine& machine, const RelativePoint& point, const Eigen::Vector3d& direction,
+                      double* row);
 
 }  // namespace axiscal::machine
 

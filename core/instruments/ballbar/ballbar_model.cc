@@ -34,16 +34,17 @@ void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& 
   const Eigen::Matrix<double, 3, 2> across = RunOutDirections(machine);
   const Eigen::Vector3d tip_mm = run.tip_mm + across.col(0) * setup[3] + across.col(1) * setup[4];
   const Eigen::Vector3d ball_mm = run.ball_mm + Eigen::Vector3d(setup[0], setup[1], setup[2]);
-  machine::EvaluateRelativePoint(machine, run.PositionsOf(reading), errors, tip_mm, ball_mm, &out->point);
+  machine::EvaluatePlaces(machine, run.PositionsOf(reading), errors, tip_mm, ball_mm, &out->point);
   const Eigen::Vector3d bar_mm = out->point.tip_in_bed_mm - out->point.ball_in_bed_mm;
   const double length_mm = bar_mm.norm();
-  const Eigen::RowVector3d along = bar_mm.transpose() / length_mm;
+  const Eigen::Vector3d along = bar_mm / length_mm;
   out->predicted_mm.resize(1);
   out->predicted_mm[0] = length_mm - (run.bar_length_mm + setup[5]);
-  out->by_error.noalias() = along * out->point.sensitivity;
+  out->by_error.resize(1, machine::kComponents * machine.joint_count());
+  machine::SensitivityAlong(machine, out->point, along, out->by_error.data());
   out->by_setup.resize(1, 6);
-  out->by_setup.leftCols<3>() = -along * out->point.pose.bed_from_table.rotation;
-  out->by_setup.middleCols<2>(3) = along * out->point.pose.bed_from_tool.rotation * across;
+  out->by_setup.leftCols<3>() = -along.transpose() * out->point.pose.bed_from_table.rotation;
+  out->by_setup.middleCols<2>(3) = along.transpose() * out->point.pose.bed_from_tool.rotation * across;
   out->by_setup(0, 5) = -1.0;
 }
 
