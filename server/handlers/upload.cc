@@ -142,7 +142,8 @@ void UploadStream::Acknowledge() {
   while (true) {
     const bool woke = changed_.wait_for(lock, core_.limits.upload_idle,
                                         [&] { return is_stopping_ || !error_.ok() || next_seq_ != acknowledged_seq; });
-    if (is_stopping_) return;
+    // What became durable last is acknowledged before the stream ends.
+    if (is_stopping_ && next_seq_ == acknowledged_seq) return;
     if (!woke && messages_ == seen_messages) {
       error_ = base::Error(absl::StatusCode::kDeadlineExceeded, "the upload was silent for too long", {"DEADLINE", {}});
       call_.cut_off();

@@ -29,8 +29,8 @@ class UploadStream {
   // when too many uploads are open, UNAVAILABLE DRAINING when the server stops, STREAM_INVALID when messages come in
   // another order.
   absl::Status Receive(const v1::UploadRequest& request);
-  // No more messages, or none that can be read. Waits for what is under way; an error is the status of the call. The
-  // session stays open unless it was finished.
+  // No more messages, or none that can be read. Waits for what is under way and acknowledges it; an error is the status
+  // of the call. The session stays open unless it was finished.
   absl::Status End();
 
   // Set when the session was finished.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
+
 #include "core/session/checksum.h"
 #include "server/handlers/create_machine.h"
 #include "server/handlers/create_session.h"
@@ -71,6 +73,23 @@ TEST_F(UploadTest, AcknowledgesWhatIsDurableAndCompletes) {
   EXPECT_TRUE(sent.back().has_completed_session());
   for (size_t i = 1; i < sent.size(); ++i) EXPECT_GE(sent[i].next_seq(), sent[i - 1].next_seq());
   EXPECT_EQ(database->GetSession(SessionId(id_))->state, storage::SessionState::kComplete);
+}
+
+TEST_F(UploadTest, EndingAcknowledgesEveryChunkThatIsDurable) {
+  std::promise<void> end_is_near;
+  std::vector<int64_t> acknowledged;
+  UploadStream upload(core, call, [&](const v1::UploadResponse& response) {
+    // Falls behind, so that the end comes before the last acknowledgement.
+    if (acknowledged.empty()) end_is_near.get_future().wait();
+    acknowledged.push_back(response.next_seq());
+    return true;
+  });
+  ASSERT_TRUE(upload.Receive(Header()).ok());
+  for (int seq = 0; seq < 4; ++seq) ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(seq))).ok());
+  end_is_near.set_value();
+  ASSERT_TRUE(upload.End().ok());
+  EXPECT_EQ(acknowledged.back(), 4);
+  EXPECT_EQ(database->GetSession(SessionId(id_))->next_seq, 4);
 }
 
 TEST_F(UploadTest, AnErrorOfTheStoreAsksTheCallerToEndAndIsTheStatus) {

@@ -17,6 +17,38 @@ class Upload : public testing::EndToEnd {
     EndToEnd::SetUp();
     ASSERT_OK(client().CreateMachine(MachineJson("mt")));
   }
+  // Opens the session as the client library would; the messages of its stream.
+  std::vector<v1::UploadRequest> Open(const session::Session& session) {
+    stub_ = v1::Ingest::NewStub(channel());
+    grpc::ClientContext context;
+    context.AddMetadata("axiscal-user", "test");
+    v1::CreateSessionResponse created;
+    const std::string id = client::ContentId(MachineId("mt"), session, client::Options().chunk_readings);
+    EXPECT_TRUE(stub_->CreateSession(&context, testing::CreateRequest("mt", id, session), &created).ok());
+    id_ = created.session().session_id();
+    return testing::UploadMessages(id_, session, kChunkReadings);
+  }
+  // Uploads the opened session to a new server on the same file: it is completed, whole and once. From which reading
+  // on.
+  int64_t ResumeAfterRestart(const session::Session& session) {
+    stub_.reset();
+    Restart();
+    int64_t first_done = -1;
+    const auto resumed = client().Upload(MachineId("mt"), session, [&](const client::TransferProgress& progress) {
+      if (first_done < 0) first_done = progress.done;
+    });
+    EXPECT_TRUE(resumed.ok()) << resumed.status();
+    if (!resumed.ok()) return -1;
+    EXPECT_EQ(resumed->session.id.number(), id_);
+    EXPECT_EQ(resumed->duplicate_chunks, 0);
+    const auto back = client().DownloadSession(resumed->session.id);
+    EXPECT_TRUE(back.ok() && *back == session) << back.status();
+    return first_done;
+  }
+
+  static constexpr int kChunkReadings = 1000;
+  std::unique_ptr<v1::Ingest::Stub> stub_;
+  int64_t id_ = 0;
 };
 
 TEST_F(Upload, ComesBackBitForBitAndReportsItsProgress) {
@@ -58,34 +90,29 @@ TEST_F(Upload, TheSameSessionAgainIsStoredOnce) {
 
 TEST_F(Upload, ResumesWhereABrokenStreamLeftIt) {
   const session::Session session = BallbarSession("mt", "BX", 10'000);
-  const auto stub = v1::Ingest::NewStub(channel());
-  v1::CreateSessionResponse created;
-  {
-    grpc::ClientContext context;
-    context.AddMetadata("axiscal-user", "test");
-    const auto request = testing::CreateRequest(
-        "mt", client::ContentId(MachineId("mt"), session, client::Options().chunk_readings), session);
-    ASSERT_TRUE(stub->CreateSession(&context, request, &created).ok());
-  }
-  std::vector<v1::UploadRequest> messages = testing::UploadMessages(created.session().session_id(), session, 1000);
-  messages.resize(1 + 4);  // the cell dies after four chunks
-  const testing::RawResult broken = testing::SendAll(*stub, messages);
+  std::vector<v1::UploadRequest> messages = Open(session);
+  messages.resize(1 + 4);  // the cell stops after four chunks
+  const testing::RawResult broken = testing::SendAll(*stub_, messages);
+  // An orderly end: everything that was sent is on disk, and acknowledged.
   EXPECT_TRUE(broken.status.ok());
   EXPECT_EQ(broken.next_seq(), 4);
   EXPECT_FALSE(broken.completed());
+  EXPECT_EQ(ResumeAfterRestart(session), 4'000);
+}
 
-  Restart();
-  int64_t first_done = -1;
-  const auto resumed = client().Upload(MachineId("mt"), session, [&](const client::TransferProgress& progress) {
-    if (first_done < 0) first_done = progress.done;
-  });
-  ASSERT_OK(resumed);
-  EXPECT_EQ(first_done, 4'000);
-  EXPECT_EQ(resumed->session.id.number(), created.session().session_id());
-  EXPECT_EQ(resumed->duplicate_chunks, 0);
-  const auto back = client().DownloadSession(resumed->session.id);
-  ASSERT_OK(back);
-  EXPECT_TRUE(*back == session);
+TEST_F(Upload, WhatWasAcknowledgedBeforeACutIsThere) {
+  const session::Session session = BallbarSession("mt", "BX", 10'000);
+  const std::vector<v1::UploadRequest> messages = Open(session);
+  grpc::ClientContext context;
+  const auto stream = stub_->Upload(&context);
+  for (int i = 0; i < 1 + 6; ++i) ASSERT_TRUE(stream->Write(messages[i]));
+  v1::UploadResponse response;
+  while (response.next_seq() < 2) ASSERT_TRUE(stream->Read(&response));
+  context.TryCancel();  // the cable: what is not yet acknowledged may be there or not
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  const int64_t resumed_at = ResumeAfterRestart(session);
+  EXPECT_GE(resumed_at, response.next_seq() * kChunkReadings);
+  EXPECT_LE(resumed_at, 6 * kChunkReadings);
 }
 
 TEST_F(Upload, ASessionOfAnotherMachineIsRefusedAndNothingIsStored) {
