@@ -27,6 +27,49 @@ class Process : public ::testing::Test {
     std::ifstream log(dir_.File("log"));
     return {std::istreambuf_iterator<char>(log), {}};
   }
+  // A machine and sessions that a job needs some time for.
+  convert::IdentifyParams StoreMuchToIdentifyFrom(client::Client& client) {
+    convert::IdentifyParams params{MachineId("mt"), {}, {}};
+    EXPECT_TRUE(client.CreateMachine(MachineJson("mt")).ok());
+    for (const char* name : {"a", "b", "c"}) {
+      const auto upload = client.Upload(MachineId("mt"), BallbarSession("mt", name, 100'000));
+      EXPECT_TRUE(upload.ok()) << upload.status();
+      if (upload.ok()) params.sessions.push_back(upload->session.id);
+    }
+    return params;
+  }
+  // SIGTERM while a job runs: the server exits with 0, and on the one that follows the job ends with one calibration.
+  // What its watcher sees there, from the first sight to the end.
+  std::vector<client::JobRecord> StopDuringAJob(const std::string& drain_seconds) {
+    std::vector<client::JobRecord> seen;
+    StopDuringAJob(drain_seconds, &seen);
+    return seen;
+  }
+  void StopDuringAJob(const std::string& drain_seconds, std::vector<client::JobRecord>* seen) {
+    absl::StatusOr<ServerProcess> server = ServerProcess::Start(dir_.File("axiscal.db"), "127.0.0.1:0",
+                                                                dir_.File("log"), {"--drain-seconds", drain_seconds});
+    ASSERT_OK(server);
+    absl::StatusOr<client::Client> client = client::Client::Connect(server->address());
+    ASSERT_OK(client);
+    const auto job = client->CreateJob(StoreMuchToIdentifyFrom(*client), "once");
+    ASSERT_OK(job);
+    // Leaves at the first sight of it running: a watcher would hold the drain.
+    static_cast<void>(client->WatchJob(
+        job->id, [](const client::JobRecord& record) { return record.state != storage::JobState::kRunning; }));
+    server->Signal(SIGTERM);
+    EXPECT_EQ(server->Wait(), 0);
+    absl::StatusOr<ServerProcess> again = StartServer(server->address());
+    ASSERT_OK(again);
+    client = client::Client::Connect(again->address());
+    ASSERT_OK(client);
+    ASSERT_OK(client->WatchJob(job->id, [seen](const client::JobRecord& record) {
+      seen->push_back(record);
+      return true;
+    }));
+    const auto calibrations = client->ListCalibrations();
+    ASSERT_OK(calibrations);
+    EXPECT_EQ(calibrations->rows.size(), 1u);
+  }
   testing::TempDir dir_;
 };
 
@@ -103,13 +146,7 @@ TEST_F(Process, AJobSurvivesAKillOfTheServer) {
   const std::string address = server->address();
   absl::StatusOr<client::Client> client = client::Client::Connect(address);
   ASSERT_OK(client);
-  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
-  convert::IdentifyParams params{MachineId("mt"), {}, {}};
-  for (const char* name : {"a", "b", "c"}) {
-    const auto upload = client->Upload(MachineId("mt"), BallbarSession("mt", name, 100'000));
-    ASSERT_OK(upload);
-    params.sessions.push_back(upload->session.id);
-  }
+  const convert::IdentifyParams params = StoreMuchToIdentifyFrom(*client);
   const auto job = client->CreateJob(params, "once");
   ASSERT_OK(job);
   bool was_killed = false;
@@ -133,6 +170,22 @@ TEST_F(Process, AJobSurvivesAKillOfTheServer) {
   const auto calibrations = client->ListCalibrations();
   ASSERT_OK(calibrations);
   EXPECT_EQ(calibrations->rows.size(), 1u);
+}
+
+TEST_F(Process, AJobThatIsNotDoneWhenTheDrainTimeIsOverRunsAfterTheRestart) {
+  const std::vector<client::JobRecord> seen = StopDuringAJob("0");
+  ASSERT_FALSE(seen.empty());
+  EXPECT_NE(seen.front().state, storage::JobState::kSucceeded);
+  EXPECT_EQ(seen.back().state, storage::JobState::kSucceeded);
+  EXPECT_EQ(seen.back().attempt, 1) << "a parked job loses no attempt";
+  EXPECT_NE(Log().find("event=stopped"), std::string::npos) << Log();
+}
+
+TEST_F(Process, AJobThatRunsIsFinishedWithinTheDrainTime) {
+  const std::vector<client::JobRecord> seen = StopDuringAJob("600");
+  ASSERT_FALSE(seen.empty());
+  EXPECT_EQ(seen.front().state, storage::JobState::kSucceeded);
+  EXPECT_EQ(seen.front().attempt, 1);
 }
 
 TEST_F(Process, TheExampleOfTheReadmeWorks) {
