@@ -8,7 +8,7 @@
 
 namespace axiscal::instruments {
 
-absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine) {
+absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine, size_t readings_before) {
   const Instrument* instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
   if (instrument == nullptr || instrument->kind == Kind::kTracker) return absl::OkStatus();
   ASSIGN_OR_RETURN(const MeasuringRun run, BindSession(session, machine));
@@ -20,12 +20,13 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
     for (int row = 0; row < run.row_count; ++row) {
       const double measured_mm = run.measured_mm(row, reading);
       if (std::abs(predicted_mm[row] - measured_mm) <= kMaxDisagreementMm) continue;
-      return absl::InvalidArgumentError(
-          absl::StrFormat("line %d: %s = %g mm, but at these positions the nominal machine would read %g mm, expected "
-                          "within %g mm: are the units (mm, deg), "
-                          "the signs of machine %s, tool_tip_mm and table_ball_mm right?",
-                          session::ReadingLine(session.header.size(), reading), instrument->reading_columns[row],
-                          measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id));
+      const size_t place = readings_before + static_cast<size_t>(reading);
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "line %d: reading %d of session '%s': %s = %g mm, but at these positions the nominal machine would read %g "
+          "mm, expected within %g mm: are the units (mm, deg), the signs of machine %s, tool_tip_mm and table_ball_mm "
+          "right?",
+          session::ReadingLine(session.header.size(), place), place + 1, run.session, instrument->reading_columns[row],
+          measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id));
     }
   }
   return absl::OkStatus();

@@ -13,10 +13,11 @@ namespace axiscal::instruments {
 // Far above any error or mounting offset, far below any mistaken unit.
 inline constexpr double kMaxDisagreementMm = 50.0;
 
-// INVALID_ARGUMENT with the line of the first reading that disagrees with the nominal machine by more than
-// kMaxDisagreementMm. OK for instruments whose frame is not known beforehand (tracker) or that are no instruments of
-// this library. The session must be valid and of this machine.
-absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine);
+// INVALID_ARGUMENT with line, number and session of the first reading that disagrees with the nominal machine by more
+// than kMaxDisagreementMm. OK for instruments whose frame is not known beforehand (tracker) or that are no instruments
+// of this library. The session must be valid and of this machine; a part of a session begins after `readings_before`.
+absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine,
+                            size_t readings_before = 0);
 
 }  // namespace axiscal::instruments
 

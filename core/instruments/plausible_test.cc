@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/session/case.h"
+#include "core/session/column_rules.h"
 
 namespace axiscal::instruments {
 namespace {
@@ -44,7 +45,16 @@ TEST(Plausible, MetresAreNot) {
     for (double& value : Values(session, axis)) value /= 1000;
   }
   EXPECT_THAT(std::string(CheckPlausible(session, loaded.machine).message()),
-              StartsWith("line 9: dL_mm = 0.0179 mm, but at these positions"));
+              StartsWith(absl::StrCat("line 9: reading 1 of session '", *session::FindHeader(session, "session"),
+                                      "': dL_mm = 0.0179 mm, but at these positions")));
+}
+
+TEST(Plausible, APartOfASessionSaysItsPlaceInTheWhole) {
+  const session::Case loaded = Load("case-000");
+  session::Session part = loaded.fit[0];
+  Values(part, "Z_mm")[2] += 500;
+  EXPECT_THAT(std::string(CheckPlausible(part, loaded.machine, 1000).message()),
+              StartsWith(absl::StrCat("line ", session::ReadingLine(part.header.size(), 1002), ": reading 1003 of")));
 }
 
 TEST(Plausible, DegreesWhereMillimetresBelongAreNot) {

@@ -4,6 +4,7 @@
 
 #include "absl/time/time.h"
 #include "core/base/error_detail.h"
+#include "core/instruments/plausible.h"
 #include "core/machine/machine_json.h"
 #include "core/session/check_machine.h"
 #include "core/session/header_rules.h"
@@ -84,6 +85,7 @@ absl::Status ReadingCheck::Check(const std::vector<session::Column>& columns) {
   const session::Session chunk{header_, columns};
   const absl::Status travel = session::CheckAgainstMachine(chunk, machine_);
   RETURN_IF_ERROR(Invalid(base::Within(absl::StrCat("readings from ", first_reading_ + 1, " on"), travel), "chunk"));
+  RETURN_IF_ERROR(Invalid(instruments::CheckPlausible(chunk, machine_, first_reading_), "chunk"));
   const session::Column* const time = session::FindColumn(chunk, "t_s");
   if (time != nullptr) last_time_s_ = time->values.back();
   first_reading_ += chunk.reading_count();

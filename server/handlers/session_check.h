@@ -1,5 +1,6 @@
-// Sessions that come over the wire are held to the rules of session files, before their readings are stored. Reason
-// SESSION_INVALID; places are those that the session would have as a file.
+// Sessions that come over the wire are held to the rules of session files, and their readings must be near what the
+// nominal machine would give (core/instruments/plausible.h), before they are stored. Reason SESSION_INVALID; places are
+// those that the session would have as a file.
 #ifndef AXISCAL_SERVER_HANDLERS_SESSION_CHECK_H_
 #define AXISCAL_SERVER_HANDLERS_SESSION_CHECK_H_
 

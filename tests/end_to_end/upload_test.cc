@@ -145,6 +145,43 @@ TEST_F(Upload, ABadReadingRefusesTheSessionWithItsLineAndColumn) {
   EXPECT_TRUE(complete->rows.empty());
 }
 
+TEST_F(Upload, ReadingsThatTheMachineCannotGiveAreRefusedFromAnyClient) {
+  session::Session metres = BallbarSession("mt", "metres", 3'000);
+  for (const int column : {1, 2, 3}) {
+    for (double& value : metres.columns[column].values) value /= 1000;
+  }
+  const auto first = client().Upload(MachineId("mt"), metres);
+  EXPECT_EQ(first.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(base::ErrorReason(first.status()), "SESSION_INVALID");
+  EXPECT_NE(first.status().message().find("line 9: reading 1 of session 'metres': dL_mm = "), std::string::npos)
+      << first.status();
+  EXPECT_NE(first.status().message().find("expected within 50 mm: are the units (mm, deg)"), std::string::npos);
+
+  session::Session sign = BallbarSession("mt", "sign", 10'000);
+  for (size_t i = 9'500; i < 10'000; ++i) sign.columns[3].values[i] *= -1;
+  const auto late = client().Upload(MachineId("mt"), sign);
+  EXPECT_EQ(base::ErrorReason(late.status()), "SESSION_INVALID");
+  EXPECT_NE(late.status().message().find("line 9509: reading 9501 of session 'sign': dL_mm = "), std::string::npos)
+      << late.status();
+
+  // Both stay open and empty of what was refused: no way around makes them complete.
+  const auto open = client().ListSessions({.machine = {}, .state = storage::SessionState::kOpen});
+  ASSERT_OK(open);
+  ASSERT_EQ(open->rows.size(), 2u);
+  stub_ = v1::Ingest::NewStub(channel());
+  for (const auto& row : open->rows) {
+    const bool is_sign = row.name == "sign";
+    EXPECT_LT(row.reading_count, is_sign ? 9'501 : 1);
+    const client::ChunkedSession chunks(is_sign ? sign : metres, client::Options().chunk_readings);
+    grpc::ClientContext context;
+    v1::FinishSessionRequest request;
+    request.set_session_id(row.id.number());
+    *request.mutable_totals() = convert::ToProto(chunks.Totals());
+    v1::FinishSessionResponse response;
+    EXPECT_EQ(testing::ReasonOf(stub_->FinishSession(&context, request, &response)), "TOTALS_MISMATCH");
+  }
+}
+
 TEST_F(Upload, PagesStayStableWhileSessionsAreAdded) {
   for (const char* name : {"a", "b", "c", "d", "e"}) {
     ASSERT_OK(client().Upload(MachineId("mt"), BallbarSession("mt", name, 10)));
