@@ -1,5 +1,6 @@
 #include "core/identify/identify.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/demand.h"
@@ -124,19 +125,23 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
   result->condition = null_space.condition;
 }
 
+bool HasNonlinear(const machine::ErrorModel& model, const Options& options) {
+  return options.fit_nonlinear && std::any_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
+           return shapes::NonlinearParameter(term.shape) != nullptr;
+         });
+}
+
 // Amplitudes first: at amplitude zero a decay length or time constant has no effect that could be fitted.
-absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::ErrorModel& model,
+absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::ErrorModel& model, const Nominal& nominal,
                                        const NullSpace& null_space, const Options& options) {
-  Point start = StartingPoint(problem, model);
-  const bool has_nonlinear =
-      options.fit_nonlinear && ListParameters(model, true).size() > ListParameters(model, false).size();
-  if (has_nonlinear) {
-    Options amplitudes_only = options;
-    amplitudes_only.fit_nonlinear = false;
-    ASSIGN_OR_RETURN(Solution first, Solve(problem, start, NominalNullSpace(problem, model, false), amplitudes_only));
-    start = std::move(first.point);
-  }
-  return Solve(problem, start, null_space, options);
+  const Point start = StartingPoint(problem, model);
+  const bool is_nominal = start.model.terms == nominal.point.model.terms;
+  const NormalEquations* at_start = is_nominal ? &nominal.normal : nullptr;
+  if (!HasNonlinear(model, options)) return Solve(problem, start, null_space, options, at_start);
+  Options amplitudes_only = options;
+  amplitudes_only.fit_nonlinear = false;
+  ASSIGN_OR_RETURN(const Solution first, Solve(problem, start, nominal.null_space, amplitudes_only, at_start));
+  return Solve(problem, first.point, null_space, options);
 }
 
 }  // namespace
@@ -152,8 +157,10 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
         absl::StrCat(readings, " readings cannot determine ", parameters.size(), " errors"));
   }
   double noise_scale = 1.0;
-  const NullSpace null_space = NominalNullSpace(problem, model, options.fit_nonlinear);
-  ASSIGN_OR_RETURN(Solution solution, SolveInStages(problem, model, null_space, options));
+  Nominal nominal = AtNominal(problem, model);
+  const NullSpace null_space =
+      HasNonlinear(model, options) ? WithNonlinearColumns(nominal.null_space, model) : nominal.null_space;
+  ASSIGN_OR_RETURN(Solution solution, SolveInStages(problem, model, nominal, null_space, options));
   // A model that misses by hundreds of sigma pulls setup offsets far from where anybody would mount a ball, along
   // valleys without a floor. The stated sigma says little then: it is raised, by no more than it takes for the priors
   // to hold again.
@@ -165,7 +172,8 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
     }
     for (Noise& noise : problem.noise) noise.sigma_mm *= kGrowth;
     noise_scale *= kGrowth;
-    ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, null_space, options));
+    nominal = AtNominal(problem, model);
+    ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, nominal, null_space, options));
   }
   constexpr int kRounds = 5;
   for (int round = 0; options.set_outliers_aside && round < kRounds; ++round) {

@@ -8,6 +8,16 @@ namespace axiscal::identify {
 double Median(std::vector<double>* values) {
   if (values->empty()) return 0.0;
   const size_t middle = values->size() / 2;
+  constexpr size_t kSmall = 16;  // a running median's window: insertion beats selection
+  if (values->size() <= kSmall) {
+    for (size_t i = 1; i < values->size(); ++i) {
+      const double value = (*values)[i];
+      size_t at = i;
+      for (; at > 0 && (*values)[at - 1] > value; --at) (*values)[at] = (*values)[at - 1];
+      (*values)[at] = value;
+    }
+    return values->size() % 2 == 1 ? (*values)[middle] : 0.5 * ((*values)[middle - 1] + (*values)[middle]);
+  }
   std::nth_element(values->begin(), values->begin() + middle, values->end());
   const double upper = (*values)[middle];
   if (values->size() % 2 == 1) return upper;

@@ -125,7 +125,12 @@ NullSpace FindNullSpace(const Reduced& reduced, double threshold) {
   out.directions.resize(0, p);
   if (p == 0) return out;
   Eigen::VectorXd scale(p);
-  for (int i = 0; i < p; ++i) scale[i] = reduced.column_norm[i] > 0.0 ? 1.0 / reduced.column_norm[i] : 1.0;
+  // An error whose whole effect is rounding (a turn about the line through the point) has none; scaled up it would look
+  // like one.
+  constexpr double kRounding = 1e-9;
+  const double floor = kRounding * reduced.column_norm.maxCoeff();
+  for (int i = 0; i < p; ++i)
+    scale[i] = reduced.column_norm[i] > floor ? 1.0 / reduced.column_norm[i] : floor > 0.0 ? kRounding / floor : 1.0;
   const Eigen::MatrixXd scaled = scale.asDiagonal() * reduced.information * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   int nullity = 0;

@@ -49,6 +49,12 @@ TEST(NullSpace, WhichErrorsAreHeldDoesNotDependOnRounding) {
     EXPECT_NEAR(space.directions(0, 0), -1.0, 1e-9);
     EXPECT_NEAR(space.directions(1, 0), 1.0, 1e-9);
   }
+TEST(NullSpace, AnEffectOfRoundingIsNoEffect) {
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(3, 3);
+  jacobian.col(1) *= 1e-13;
+  const NullSpace space = FindNullSpace(FromJacobian(jacobian));
+  EXPECT_EQ(space.rank, 2);
+  EXPECT_EQ(space.fixed, std::vector<int>{1});
 }
 
 TEST(NullSpace, PoorIsNotNothing) {

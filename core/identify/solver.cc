@@ -33,28 +33,6 @@ double CostOf(const Problem& problem, const Point& point, const NormalEquations&
   return cost;
 }
 
-// The same directions in the longer list of columns. A non-linear parameter is judged by its own uncertainty, not by
-// rank.
-NullSpace WithNonlinearColumns(const NullSpace& space, const std::vector<Parameter>& amplitudes,
-                               const std::vector<Parameter>& all) {
-  NullSpace out = space;
-  out.involved.assign(all.size(), false);
-  out.directions = Eigen::MatrixXd::Zero(space.directions.rows(), static_cast<Eigen::Index>(all.size()));
-  std::vector<int> at(amplitudes.size());
-  int amplitude = 0;
-  for (size_t i = 0; i < all.size(); ++i) {
-    if (all[i].is_nonlinear) {
-      ++out.rank;
-      continue;
-    }
-    at[amplitude] = static_cast<int>(i);
-    out.involved[i] = space.involved[amplitude];
-    out.directions.col(i) = space.directions.col(amplitude++);
-  }
-  for (int& column : out.fixed) column = at[column];
-  return out;
-}
-
 // Takes `step`, or a more damped one that does not raise the cost. Undamped steps are the rule; where a bad model bends
 // the problem (a bar pulled far across its length) the damping grows until the step is honest. Returns the new cost.
 absl::StatusOr<double> Descend(const Problem& problem, const std::vector<Parameter>& parameters,
@@ -85,23 +63,42 @@ absl::StatusOr<double> Descend(const Problem& problem, const std::vector<Paramet
 
 }  // namespace
 
-NullSpace NominalNullSpace(const Problem& problem, const machine::ErrorModel& model, bool with_nonlinear) {
-  machine::ErrorModel nominal = model;
-  for (machine::ErrorTerm& term : nominal.terms) term.amplitude.fill(0.0);
-  const std::vector<Parameter> amplitudes = ListParameters(nominal, false);
-  const Point point = StartingPoint(problem, nominal);
-  NullSpace space = FindNullSpace(Reduce(problem, point, Assemble(problem, point, amplitudes), Priors::kInformative));
-  return with_nonlinear ? WithNonlinearColumns(space, amplitudes, ListParameters(nominal, true)) : space;
+Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model) {
+  machine::ErrorModel zero = model;
+  for (machine::ErrorTerm& term : zero.terms) term.amplitude.fill(0.0);
+  Nominal nominal;
+  nominal.point = StartingPoint(problem, zero);
+  nominal.normal = Assemble(problem, nominal.point, ListParameters(zero, false));
+  nominal.null_space = FindNullSpace(Reduce(problem, nominal.point, nominal.normal, Priors::kInformative));
+  return nominal;
+}
+
+NullSpace WithNonlinearColumns(const NullSpace& space, const machine::ErrorModel& model) {
+  const std::vector<Parameter> all = ListParameters(model, true);
+  NullSpace out = space;
+  out.involved.assign(all.size(), false);
+  out.directions = Eigen::MatrixXd::Zero(space.directions.rows(), static_cast<Eigen::Index>(all.size()));
+  std::vector<int> at;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (all[i].is_nonlinear) {
+      ++out.rank;
+      continue;
+    }
+    const size_t amplitude = at.size();
+    out.involved[i] = space.involved[amplitude];
+    out.directions.col(i) = space.directions.col(amplitude);
+    at.push_back(static_cast<int>(i));
+  }
+  for (int& column : out.fixed) column = at[column];
+  return out;
 }
 
 absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const NullSpace& null_space,
-                               const Options& options) {
+                               const Options& options, const NormalEquations* at_start) {
   const std::vector<Parameter> parameters = ListParameters(start.model, options.fit_nonlinear);
   Solution solution;
   solution.point = start;
-  solution.normal = Assemble(problem, start, parameters);
-  // What the data cannot see is a property of poses and errors at the nominal machine; it does not change while
-  // fitting.
+  solution.normal = at_start != nullptr ? *at_start : Assemble(problem, start, parameters);
   double cost = CostOf(problem, start, solution.normal), previous_decrement = 0.0, damping = 0.0;
   int flat_steps = 0;
   for (int iteration = 1; iteration <= options.max_iterations; ++iteration) {

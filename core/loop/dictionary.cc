@@ -194,6 +194,16 @@ class Builder {
   std::vector<Candidate> candidates_;
 };
 
+// ISO 230-1 names location errors of rotary axes and squareness of linear ones; the constant shift of a linear axis is
+// only where its zero is.
+int ConstantComplexity(const Machine& machine, const ErrorTerm& term) {
+  const bool is_angle = machine::IsAngle(term.component);
+  if (term.joint == machine.tool_joint()) return is_angle ? 4 : 1;
+  if (term.joint == machine.work_joint()) return is_angle ? 5 : 3;
+  if (IsRotary(machine, term.joint)) return 0;
+  return is_angle ? 2 : 6;
+}
+
 // The component along which the axis itself moves: EXX, ECC.
 bool IsPositioning(const Machine& machine, const ErrorTerm& term) {
   if (term.joint >= machine.axis_count()) return false;
@@ -256,7 +266,7 @@ int Complexity(const Machine& machine, const Candidate& candidate) {
                          candidate.family == Family::kLag;
   if (is_motion && !IsPositioning(machine, candidate.term))
     complexity += machine::IsAngle(candidate.term.component) ? 2 : 1;
-  if (candidate.family == Family::kConstant && candidate.term.joint >= machine.axis_count()) complexity += 1;
+  if (candidate.family == Family::kConstant) complexity += ConstantComplexity(machine, candidate.term);
   return complexity;
 }
 

@@ -218,6 +218,8 @@ Eigen::MatrixXd Signatures::NuisanceOf(const Eigen::Ref<const Eigen::MatrixXd>& 
 std::vector<Projection> Signatures::Project(const std::vector<Candidate>& candidates) const {
   std::vector<Projection> projections(candidates.size());
   constexpr int kBlock = 96;
+  constexpr double kRounding =
+      1e-6;  // squares of sigmas per mm or rad: a turn about the line through the point, and nothing more
   Eigen::MatrixXd columns(row_count(), kBlock + kMaxColumns);
   // Neighbouring candidates share a shape: its values are computed once for all components.
   Eigen::MatrixXd basis(row_count(), kMaxColumns);
@@ -258,7 +260,7 @@ std::vector<Projection> Signatures::Project(const std::vector<Candidate>& candid
         for (int b = 0; b <= a; ++b) {
           const double squares = columns.col(at + a).dot(columns.col(at + b));
           out.own(a, b) = out.own(b, a) = squares - nuisance.col(at + a).dot(nuisance.col(at + b));
-          if (a == b) out.visible = std::min(out.visible, squares > 0.0 ? out.own(a, a) / squares : 0.0);
+          if (a == b) out.visible = std::min(out.visible, squares > kRounding ? out.own(a, a) / squares : 0.0);
         }
         out.with_residual[a] = with_residual[at + a];
       }
