@@ -35,6 +35,15 @@ TEST(Rigid, InverseUndoesTheTransform) {
   EXPECT_LT(((b_from_a.Inverse() * (b_from_a * p)) - p).norm(), 1e-12);  // 300 mm times 1e-16, a few times
 }
 
+TEST(Rigid, SmallSinesAndCosinesAreExactToTheLastBit) {
+  for (double angle = -0.012; angle <= 0.012; angle += 1.7e-5) {
+    double sine = std::numeric_limits<double>::quiet_NaN(), cosine = sine;
+    SineCosine(angle, &sine, &cosine);
+    EXPECT_NEAR(sine, std::sin(angle), 3.6e-18);    // two units in the last place of 0.01, 1.7e-18 each
+    EXPECT_NEAR(cosine, std::cos(angle), 2.3e-16);  // one unit in the last place of 1
+  }
+}
+
 TEST(Rigid, DerivativesOfTheSmallRotationAtZeroAreTheSkewMatrices) {
   using Jet = ceres::Jet<double, 3>;
   const Matrix3<Jet> rotation = RotationXyz(Jet(0.0, 0), Jet(0.0, 1), Jet(0.0, 2));

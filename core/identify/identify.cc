@@ -126,9 +126,9 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
 }
 
 bool HasNonlinear(const machine::ErrorModel& model, const Options& options) {
-  return options.fit_nonlinear && std::any_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
-           return shapes::NonlinearParameter(term.shape) != nullptr;
-         });
+  return options.fit_nonlinear &&
+         std::any_of(model.terms.begin(), model.terms.end(),
+                     [](const machine::ErrorTerm& term) { return shapes::NonlinearParameter(term.shape) != nullptr; });
 }
 
 // Amplitudes first: at amplitude zero a decay length or time constant has no effect that could be fitted.

@@ -49,6 +49,8 @@ TEST(NullSpace, WhichErrorsAreHeldDoesNotDependOnRounding) {
     EXPECT_NEAR(space.directions(0, 0), -1.0, 1e-9);
     EXPECT_NEAR(space.directions(1, 0), 1.0, 1e-9);
   }
+}
+
 TEST(NullSpace, AnEffectOfRoundingIsNoEffect) {
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(3, 3);
   jacobian.col(1) *= 1e-13;

@@ -16,8 +16,8 @@ struct Solution {
   double cost = 0.0;  // whitened squares and priors at the last linearisation
 };
 
-// The problem at the nominal machine, all amplitudes and offsets zero. What the data cannot see of the amplitudes is a property of poses and error
-// terms, judged there, where degeneracies are exact.
+// The problem at the nominal machine, all amplitudes and offsets zero. What the data cannot see of the amplitudes is a
+// property of poses and error terms, judged there, where degeneracies are exact.
 struct Nominal {
   Point point;
   NormalEquations normal;  // of the amplitudes
@@ -25,14 +25,15 @@ struct Nominal {
 };
 Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model);
 
-// The same directions in the columns of ListParameters(model, true). A non-linear parameter is judged by its own uncertainty, not by rank.
+// The same directions in the columns of ListParameters(model, true). A non-linear parameter is judged by its own
+// uncertainty, not by rank.
 NullSpace WithNonlinearColumns(const NullSpace& space, const machine::ErrorModel& model);
 
-// Fits all terms of `start` and all setups from `start` on, the null directions held. FAILED_PRECONDITION when no step descends, CANCELLED.
-// Without convergence within options.max_iterations the last point comes back, has_converged false. `at_start`: the normal equations there, where
-// they are known.
-absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const NullSpace& null_space, const Options& options,
-                               const NormalEquations* at_start = nullptr);
+// Fits all terms of `start` and all setups from `start` on, the null directions held. FAILED_PRECONDITION when no step
+// descends, CANCELLED. Without convergence within options.max_iterations the last point comes back, has_converged
+// false. `at_start`: the normal equations there, where they are known.
+absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const NullSpace& null_space,
+                               const Options& options, const NormalEquations* at_start = nullptr);
 
 }  // namespace axiscal::identify
 

@@ -59,7 +59,9 @@ ErrorTurn TurnOf(const ErrorVector<double>& error) {
   turn.is_zero = turn.angles_rad.isZero(0.0);
   if (turn.is_zero) return turn;
   turn.rotation = geometry::RotationXyz<double>(error[3], error[4], error[5]);
-  const double ca = std::cos(error[3]), sa = std::sin(error[3]), cb = std::cos(error[4]), sb = std::sin(error[4]);
+  double ca, sa, cb, sb;
+  geometry::SineCosine(error[3], &sa, &ca);
+  geometry::SineCosine(error[4], &sb, &cb);
   turn.axes << 1.0, 0.0, sb, 0.0, ca, -sa * cb, 0.0, sa, ca * cb;
   return turn;
 }
