@@ -1,6 +1,7 @@
 #include "server/jobs/compensate_job.h"
 
 #include "core/base/error_detail.h"
+#include "core/base/strict_json.h"
 #include "core/compensate/compensator.h"
 #include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
@@ -89,6 +90,18 @@ absl::StatusOr<compensate::Compensator> CompensatorFor(storage::Database& databa
                                          {params.tool_tip_mm, params.time_s, params.temperature_celsius});
 }
 
+// A sum of errors that its sessions could not separate is in the model as one of its members. That is right at poses
+// like the measured ones and a guess elsewhere; whoever runs the program must know.
+void AddNotesOnInseparableErrors(const storage::CalibrationRecord& calibration, nc::RewriteReport* report) {
+  const auto result = base::ParseStrictJson(calibration.content.report_json);
+  if (!result.ok() || !result->is_object()) return;
+  for (const auto& direction : result->value("not_separable", nlohmann::ordered_json::array())) {
+    report->notes.push_back(
+        absl::StrCat("calibration ", calibration.id.number(), " cannot tell apart ", direction.get<std::string>(),
+                     ": the correction holds at poses like the measured ones, elsewhere it is not known"));
+  }
+}
+
 absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
                                         JobContext& context) {
   ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
@@ -119,6 +132,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   nc::RewriteReport report;
   RETURN_IF_ERROR(nc::RewriteProgram(
       read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensator, options, &report));
+  AddNotesOnInseparableErrors(calibration, &report);
   ASSIGN_OR_RETURN(const storage::ProgramRecord program, writer.Finish());
   storage::JobProduct product;
   product.result = nc::ToJson(report);
