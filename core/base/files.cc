@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <memory>
 
 #include "core/base/demand.h"
 
@@ -60,7 +62,17 @@ absl::Status AtomicFile::Fail(int error) { return Failure(path_, error); }
 absl::Status AtomicFile::Open(const std::string& path) {
   DEMAND(file_ < 0);
   path_ = path;
-  std::string beside = path + ".XXXXXX";
+  // Of a symbolic link, what it names is replaced: /dev/stdout stays one.
+  struct stat info;
+  if (lstat(path.c_str(), &info) == 0 && S_ISLNK(info.st_mode)) {
+    const std::unique_ptr<char, decltype(&free)> target(realpath(path.c_str(), nullptr), &free);
+    if (target == nullptr) return Fail(errno);
+    path_ = target.get();
+  }
+  // A rename over a device or a pipe would take it away from the whole computer.
+  if (stat(path_.c_str(), &info) == 0 && !S_ISREG(info.st_mode))
+    return absl::InvalidArgumentError(path + ": is not a file, expected one that may be replaced, or a new name");
+  std::string beside = path_ + ".XXXXXX";
   file_ = mkostemp(beside.data(), O_CLOEXEC);
   if (file_ < 0) return Fail(errno);
   beside_ = beside;

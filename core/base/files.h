@@ -15,7 +15,7 @@ absl::StatusOr<std::string> ReadFile(const std::string& path, size_t max_bytes);
 // A file that takes its place only when it is whole: written beside `path`, synced and renamed over it by Commit().
 // Until then, after an error and after a crash `path` is what it was; without Commit() the destructor removes what was
 // written. Errors: NOT_FOUND (no such folder), RESOURCE_EXHAUSTED (full disk), INVALID_ARGUMENT (any other, with the
-// reason).
+// reason; also a path that is a folder, device or pipe).
 class AtomicFile {
  public:
   AtomicFile() = default;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -40,6 +41,24 @@ TEST_F(Files, AFailedWriteLeavesNothingBehind) {
   ASSERT_TRUE(std::filesystem::create_directory(folder_ / "d"));
   EXPECT_EQ(WriteFileAtomically(Path("d"), "x").code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(FileCount(), 1u);
+}
+
+TEST_F(Files, APipeIsNotReplaced) {
+  ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
+  const absl::Status status = WriteFileAtomically(Path("pipe"), "x");
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("is not a file"));
+  EXPECT_TRUE(std::filesystem::is_fifo(Path("pipe")));
+  EXPECT_EQ(FileCount(), 1u);
+}
+
+TEST_F(Files, ALinkStaysAndItsTargetIsReplaced) {
+  ASSERT_TRUE(WriteFileAtomically(Path("target"), "old").ok());
+  std::filesystem::create_symlink("target", Path("link"));
+  ASSERT_TRUE(WriteFileAtomically(Path("link"), "new").ok());
+  EXPECT_TRUE(std::filesystem::is_symlink(Path("link")));
+  EXPECT_EQ(*ReadFile(Path("target"), 100), "new");
+  EXPECT_EQ(FileCount(), 2u);
 }
 
 TEST_F(Files, WithoutCommitTheOldFileStays) {
