@@ -33,7 +33,10 @@ bool SameButRapid(const Modal& a, const Modal& b) {
 struct Interpreter::Scan {
   const Code* motion = nullptr;
   const Code* one_shot = nullptr;
-  std::string problem;  // first reason to refuse
+  const Code* distance = nullptr;  // G90, G91
+  const Code* unit = nullptr;      // G20, G21
+  const Code* feed = nullptr;      // G93 to G95
+  std::string problem;             // first reason to refuse
   uint16_t blockers_before = 0;
   bool has_axis = false;
   bool has_code = false;
@@ -44,6 +47,12 @@ struct Interpreter::Scan {
 
   void Refuse(const std::string& reason) {
     if (problem.empty()) problem = reason;
+  }
+  // Controllers differ: the last of two counts for the block, or each for the words behind it (G90 X5. G91 Y1.).
+  void Choose(const Code** chosen, const Code& code, const char* what) {
+    if (*chosen != nullptr && (*chosen)->meaning != code.meaning)
+      Refuse(absl::StrCat("two different ", what, " codes in one block"));
+    *chosen = &code;
   }
 };
 
@@ -254,24 +263,31 @@ void Interpreter::ScanCode(const Word& word, Scan* scan, Step* step) {
       scan->is_dwell = true;
       return;
     case Meaning::kInch:
+      scan->Choose(&scan->unit, code, "unit");
       modal_.is_inch = true;
       return;
     case Meaning::kMillimetre:
+      scan->Choose(&scan->unit, code, "unit");
       modal_.is_inch = false;
       return;
     case Meaning::kAbsolute:
+      scan->Choose(&scan->distance, code, "distance (G90, G91)");
       modal_.is_incremental = false;
       return;
     case Meaning::kIncremental:
+      scan->Choose(&scan->distance, code, "distance (G90, G91)");
       modal_.is_incremental = true;
       return;
     case Meaning::kFeedPerMinute:
+      scan->Choose(&scan->feed, code, "feed mode");
       modal_.feed_mode = FeedMode::kPerMinute;
       return;
     case Meaning::kFeedInverseTime:
+      scan->Choose(&scan->feed, code, "feed mode");
       modal_.feed_mode = FeedMode::kInverseTime;
       return;
     case Meaning::kFeedPerTurn:
+      scan->Choose(&scan->feed, code, "feed mode");
       modal_.feed_mode = FeedMode::kPerTurn;
       return;
     case Meaning::kWorkOffset:
