@@ -72,6 +72,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "line 8: '# operator: caf\\xE9', expected '# key: value' in UTF-8"},
         BadFile{"# operator: night shift", "# started: yesterday",
                 "line 8: started: 'yesterday', expected a date and time of ISO 8601"},
+        BadFile{"# operator: night shift", "# started: 2026-13-45T99:00:00",
+                "line 8: started: '2026-13-45T99:00:00', expected a date and time of ISO 8601"},
+        BadFile{"# operator: night shift", "# started: 2026-02-31T14:03:00Z",
+                "line 8: started: '2026-02-31T14:03:00Z', expected a date and time"},
         BadFile{"# operator: night shift", "", "line 8, column 1 (no name): unknown column for instrument ballbar"}));
 
 INSTANTIATE_TEST_SUITE_P(

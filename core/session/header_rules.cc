@@ -1,7 +1,6 @@
 #include "core/session/header_rules.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "core/session/text.h"
 
@@ -70,25 +69,11 @@ absl::Status ValidateFeatures(const std::vector<HeaderEntry>& header, const Inst
                              " NAME: ...', instrument ", format.name, " needs at least one"));
 }
 
-// YYYY-MM-DD, then nothing or T and a time.
-bool IsIso8601(const std::string& text) {
-  const std::string form = "dddd-dd-dd";
-  if (text.size() < form.size() || text.size() > 40) return false;
-  for (size_t i = 0; i < form.size(); ++i) {
-    if (form[i] == 'd' ? !std::isdigit(static_cast<unsigned char>(text[i])) : text[i] != '-') return false;
-  }
-  if (text.size() == form.size()) return true;
-  const bool time = std::all_of(text.begin() + form.size() + 1, text.end(), [](unsigned char c) {
-    return std::isdigit(c) || c == ':' || c == '.' || c == '+' || c == '-' || c == 'Z';
-  });
-  return (text[form.size()] == 'T' || text[form.size()] == ' ') && text.size() >= 16 && time;
-}
-
 absl::Status ValidateOptional(const std::vector<HeaderEntry>& header) {
   ASSIGN_OR_RETURN(const size_t setup, FindOnce(header, "setup"));
   if (setup != std::string::npos) RETURN_IF_ERROR(ValidateEntry(setup, header[setup], {"setup", 0, 0, 0, "a text"}));
   ASSIGN_OR_RETURN(const size_t started, FindOnce(header, "started"));
-  if (started != std::string::npos && !IsIso8601(header[started].value)) {
+  if (started != std::string::npos && !ParseIso8601(header[started].value)) {
     return Refuse(absl::StrCat(EntryPlace(started, header[started]), Quoted(header[started].value),
                                ", expected a date and time of ISO 8601: 2026-05-31T14:03:00Z"));
   }

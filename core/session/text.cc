@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "absl/time/time.h"
 #include "core/base/status.h"
 
 namespace axiscal::session {
@@ -75,6 +76,20 @@ bool ParseNumbers(const std::string& text, std::vector<double>* numbers) {
     at = next;
   }
   return true;
+}
+
+std::optional<base::UtcTime> ParseIso8601(const std::string& text) {
+  // Abseil would also take "infinite-future" and blanks around.
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (text.empty() || text.size() > 40 || !is_digit(text.front()) || text.back() == ' ') return std::nullopt;
+  absl::Time time;
+  std::string error;
+  for (const char* format :
+       {"%Y-%m-%d%ET%H:%M:%E*S%Ez", "%Y-%m-%d%ET%H:%M:%E*S", "%Y-%m-%d%ET%H:%M%Ez", "%Y-%m-%d%ET%H:%M",
+        "%Y-%m-%d %H:%M:%E*S%Ez", "%Y-%m-%d %H:%M:%E*S", "%Y-%m-%d %H:%M", "%Y-%m-%d"}) {
+    if (absl::ParseTime(format, text, &time, &error)) return base::FromUtcUs(absl::ToUnixMicros(time));
+  }
+  return std::nullopt;
 }
 
 }  // namespace axiscal::session

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "absl/time/time.h"
 #include "core/base/error_detail.h"
 #include "core/instruments/plausible.h"
 #include "core/machine/machine_json.h"
 #include "core/session/check_machine.h"
 #include "core/session/header_rules.h"
+#include "core/session/text.h"
 
 namespace axiscal::handlers {
 namespace {
@@ -126,14 +126,7 @@ absl::StatusOr<storage::SessionRecord> FinishChecked(Core& core, SessionId id, c
 std::optional<base::UtcTime> StartedAt(const session::Session& session) {
   const std::optional<std::string> started = session::FindHeader(session, "started");
   if (!started) return std::nullopt;
-  absl::Time time;
-  std::string error;
-  for (const char* format :
-       {"%Y-%m-%d%ET%H:%M:%E*S%Ez", "%Y-%m-%d%ET%H:%M:%E*S", "%Y-%m-%d%ET%H:%M%Ez", "%Y-%m-%d%ET%H:%M",
-        "%Y-%m-%d %H:%M:%E*S%Ez", "%Y-%m-%d %H:%M:%E*S", "%Y-%m-%d %H:%M", "%Y-%m-%d"}) {
-    if (absl::ParseTime(format, *started, &time, &error)) return base::FromUtcUs(absl::ToUnixMicros(time));
-  }
-  return std::nullopt;
+  return session::ParseIso8601(*started);
 }
 
 }  // namespace axiscal::handlers
