@@ -80,7 +80,11 @@ absl::StatusOr<base::UtcTime> ParseTime(const std::string& option, const std::st
     return absl::InvalidArgumentError(
         absl::StrCat(option, ": '", text, "', expected a UTC time: 2026-05-31 or 2026-05-31T14:03:07"));
   }
-  return base::UtcTime(std::chrono::seconds(timegm(&parts)));
+  const int day = parts.tm_mday;
+  const base::UtcTime time{std::chrono::seconds(timegm(&parts))};
+  if (parts.tm_mday != day)  // 31 February was made a day in March
+    return absl::InvalidArgumentError(absl::StrCat(option, ": '", text, "', that month has no such day"));
+  return time;
 }
 
 std::string NumberText(const std::optional<double>& number) {

@@ -34,7 +34,7 @@ TEST(Output, TimesAreUtcBothWays) {
 
 TEST(Output, OtherTimesAreRefused) {
   for (const char* text :
-       {"", "yesterday", "2026-13-01", "2026-05-31T", "2026-05-31T25:00:00", "2026-05-31 14:03:07 CET"}) {
+       {"", "yesterday", "2026-13-01", "2026-05-31T", "2026-05-31T25:00:00", "2026-05-31 14:03:07 CET", "2026-02-31"}) {
     EXPECT_EQ(ParseTime("--from", text).status().code(), absl::StatusCode::kInvalidArgument) << text;
   }
 }
