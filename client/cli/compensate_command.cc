@@ -8,6 +8,7 @@
 #include "client/cli/context.h"
 #include "client/cli/error_model_source.h"
 #include "client/cli/job_wait.h"
+#include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
 #include "core/base/files.h"
@@ -57,12 +58,25 @@ std::string RefusedText(const nc::RewriteReport& report) {
   return text;
 }
 
-absl::Status CheckPaths(const Arguments& arguments) {
-  std::error_code error;
-  if (fs::equivalent(arguments.input, arguments.output, error)) {
-    return absl::InvalidArgumentError(arguments.output + ": is the input, expected another file for the output");
+// Outputs are opened before the work, so that a report that cannot be written stops it.
+absl::Status OpenReport(const Arguments& arguments, base::AtomicFile* file) {
+  return arguments.report.empty() ? absl::OkStatus() : file->Open(arguments.report);
+}
+
+absl::Status WriteReport(const Arguments& arguments, const std::string& json, base::AtomicFile* file) {
+  if (arguments.report.empty()) return absl::OkStatus();
+  RETURN_IF_ERROR(file->Write(json));
+  return file->Commit();
+}
+
+absl::Status CheckPaths(const Context& context, const Arguments& arguments) {
+  std::vector<NamedPath> inputs = {{"the input", arguments.input}};
+  if (context.server.empty()) inputs.push_back({"the database", context.database});
+  if (!arguments.errors.empty()) {
+    inputs.push_back({"--machine", arguments.machine});
+    inputs.push_back({"--errors", arguments.errors});
   }
-  return absl::OkStatus();
+  return CheckOutputs(inputs, {{"--output", arguments.output}, {"--report", arguments.report}});
 }
 
 // Letters, digits, blanks and "._-+:/" may stand in the program's mark.
@@ -84,11 +98,13 @@ absl::Status CompensateFiles(Context& context, const Arguments& arguments) {
   compensator_options.temperature_celsius = arguments.rewrite.temperature_celsius;
   ASSIGN_OR_RETURN(const auto compensator,
                    compensate::Compensator::Create(model.machine, model.errors, compensator_options));
+  base::AtomicFile report_file;
+  RETURN_IF_ERROR(OpenReport(arguments, &report_file));
   nc::RewriteReport report;
   const absl::Status status = nc::RewriteFile(arguments.input, arguments.output, compensator, options, &report);
   const std::string report_json = nc::ToJson(report);
   // The report tells also why a program was refused.
-  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report_json));
+  RETURN_IF_ERROR(WriteReport(arguments, report_json, &report_file));
   if (!status.ok())
     return absl::Status(status.code(), absl::StrCat(arguments.input, ": ", status.message(), RefusedText(report)));
   context.Print(Embedded(report_json), ReportText(Embedded(report_json), arguments.output));
@@ -105,6 +121,8 @@ absl::Status FetchProgram(client::Client& client, ProgramId id, const std::strin
 absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
   convert::CompensateParams params;
   ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
+  base::AtomicFile report_file;
+  RETURN_IF_ERROR(OpenReport(arguments, &report_file));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   params.machine = MachineId(arguments.machine);
   ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(params.machine));
@@ -119,7 +137,7 @@ absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, *client, job.id));
   if (done.programs.empty()) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no program"));
   RETURN_IF_ERROR(FetchProgram(*client, done.programs[0], arguments.output));
-  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, done.result));
+  RETURN_IF_ERROR(WriteReport(arguments, done.result, &report_file));
   Json json = Embedded(done.result);
   const std::string text = ReportText(json, arguments.output);
   json["job"] = done.id.number();
@@ -129,7 +147,7 @@ absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
 }
 
 absl::Status Compensate(Context& context, const Arguments& arguments) {
-  RETURN_IF_ERROR(CheckPaths(arguments));
+  RETURN_IF_ERROR(CheckPaths(context, arguments));
   return arguments.errors.empty() ? CompensateOnService(context, arguments) : CompensateFiles(context, arguments);
 }
 

@@ -5,6 +5,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/error_model_source.h"
+#include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
 #include "core/base/files.h"
@@ -41,6 +42,14 @@ std::string ReportText(const nc::VerifyReport& report) {
 }
 
 absl::Status Verify(Context& context, const Arguments& arguments) {
+  std::vector<NamedPath> inputs = {{"the original", arguments.original},
+                                   {"the compensated program", arguments.compensated}};
+  if (context.server.empty()) inputs.push_back({"the database", context.database});
+  if (!arguments.errors.empty()) {
+    inputs.push_back({"--machine", arguments.machine});
+    inputs.push_back({"--errors", arguments.errors});
+  }
+  RETURN_IF_ERROR(CheckOutputs(inputs, {{"--report", arguments.report}}));
   nc::VerifyOptions options;
   ASSIGN_OR_RETURN(options.tool_tip_mm, ToolTip(arguments.rewrite));
   ASSIGN_OR_RETURN(const MachineWithErrors model, arguments.errors.empty()

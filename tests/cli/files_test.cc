@@ -97,6 +97,32 @@ TEST_F(FilesOnly, WhatIsRefusedWritesNothing) {
   EXPECT_TRUE(Exists("passed.nc"));
 }
 
+TEST_F(FilesOnly, NoOutputTakesThePlaceOfWhatTheUserBrought) {
+  const std::string program = Read("in.nc"), machine = Read("machine.json"), errors = Read("errors.json");
+  Write("axiscal.db", "a database");
+  for (const char* outputs :
+       {"-o out.nc --report in.nc", "-o out.nc --report ./in.nc", "-o out.nc --report machine.json", "-o machine.json",
+        "-o errors.json", "-o out.nc --report errors.json", "-o out.nc --report ./out.nc", "-o axiscal.db"}) {
+    const Outcome outcome = Compensate(std::string("in.nc ") + outputs);
+    EXPECT_EQ(outcome.exit_code, 3) << outputs;
+    EXPECT_THAT(outcome.err, HasSubstr("expected another file for --")) << outputs;
+  }
+  EXPECT_EQ(Run("verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc in.nc --report in.nc")
+                .exit_code,
+            3);
+  EXPECT_EQ(Read("in.nc"), program);
+  EXPECT_EQ(Read("machine.json"), machine);
+  EXPECT_EQ(Read("errors.json"), errors);
+  EXPECT_EQ(Read("axiscal.db"), "a database");
+  EXPECT_FALSE(Exists("out.nc"));
+}
+
+TEST_F(FilesOnly, AReportThatCannotBeWrittenStopsTheWork) {
+  EXPECT_EQ(Compensate("in.nc -o out.nc --report missing/report.json").exit_code, 4);
+  EXPECT_EQ(Compensate("in.nc -o out.nc --report .").exit_code, 3);
+  EXPECT_FALSE(Exists("out.nc"));
+}
+
 TEST_F(FilesOnly, BadInputIsNamed) {
   EXPECT_EQ(Compensate("missing.nc -o out.nc").exit_code, 4);
   EXPECT_EQ(Compensate("in.nc -o in.nc").exit_code, 3);
