@@ -223,6 +223,13 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
   }
   absl::StrAppend(&text, "with the set-ups fitted ", NumberText(content.rms_before_um), " um, with these errors too ",
                   NumberText(content.rms_after_um), " um\n");
+  constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
+  if (content.chi2_per_dof && *content.chi2_per_dof > kPoorFit) {
+    absl::StrAppend(
+        &text, "warning: the readings scatter by ", NumberText(std::sqrt(*content.chi2_per_dof)),
+        " times their stated sigma about this model: it lacks something (axiscal close-loop looks for it), or "
+        "a session is bad\n");
+  }
   return text;
 }
 

@@ -33,6 +33,7 @@ struct File {
 // Session files, and machine.json files of case folders.
 struct Inputs {
   std::vector<std::string> sessions, machines;
+  int kept_back = 0;  // files of folders check/: no error is ever fitted to them, so `identify --all` must not see them
 };
 
 absl::StatusOr<Inputs> FindInputs(const std::vector<std::string>& paths) {
@@ -44,12 +45,12 @@ absl::StatusOr<Inputs> FindInputs(const std::vector<std::string>& paths) {
     }
     const fs::path folder(path);
     size_t found = inputs.sessions.size();
-    for (const fs::path& part : {folder, folder / "fit", folder / "check"}) {
+    for (const fs::path& part : {folder, folder / "fit"}) {
       for (const std::string& file : session::SessionFiles(part.string())) inputs.sessions.push_back(file);
     }
+    inputs.kept_back += static_cast<int>(session::SessionFiles((folder / "check").string()).size());
     if (inputs.sessions.size() == found) {
-      return absl::InvalidArgumentError(path +
-                                        ": no session files, expected *.csv in it or in its folders fit and check");
+      return absl::InvalidArgumentError(path + ": no session files, expected *.csv in it or in its folder fit");
     }
     if (fs::exists(folder / "machine.json")) inputs.machines.push_back((folder / "machine.json").string());
   }
@@ -134,6 +135,11 @@ absl::Status Upload(Context& context, const Arguments& arguments) {
                     absl::StrCat(result->session.reading_count), result->was_there ? "was there" : "stored",
                     file.path});
   }
+  if (inputs.kept_back > 0) {
+    context.Note(absl::StrCat(
+        inputs.kept_back,
+        " check sessions were not uploaded: errors are never fitted to them (upload them by name to store them)"));
+  }
   context.Print({{"sessions", sessions}}, Table(rows));
   return absl::OkStatus();
 }
@@ -143,7 +149,9 @@ absl::Status Upload(Context& context, const Arguments& arguments) {
 void AddUploadCommand(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* upload = app.add_subcommand("upload", "Store measuring sessions");
-  upload->add_option("PATH", arguments->paths, "session files, or case folders (machine.json, fit/*.csv, check/*.csv)")
+  upload
+      ->add_option("PATH", arguments->paths,
+                   "session files, or case folders (machine.json, fit/*.csv; check/*.csv stays)")
       ->required();
   upload->add_option("--machine", arguments->machine, "refuse files of any other machine");
   upload->footer(

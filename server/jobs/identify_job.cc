@@ -1,12 +1,14 @@
 #include "server/jobs/identify_job.h"
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/base/units.h"
 #include "core/identify/identify.h"
 #include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
+#include "core/session/check_machine.h"
 #include "proto/convert/job_params.h"
 #include "server/handlers/job_inputs.h"
 
@@ -25,15 +27,31 @@ struct Inputs {
   base::UtcTime measured_at;  // of the newest session
 };
 
+void Rename(const std::string& name, session::Session* session) {
+  for (session::HeaderEntry& entry : session->header) {
+    if (entry.key == "session") entry.value = name;
+  }
+}
+
 absl::StatusOr<Inputs> Load(storage::Database& database, const convert::IdentifyParams& params, JobContext& context) {
   Inputs inputs;
   ASSIGN_OR_RETURN(inputs.record, database.GetMachine(params.machine));
   ASSIGN_OR_RETURN(inputs.machine, machine::MachineFromJson(inputs.record.description_json));
   inputs.measured_at = base::UtcTime::min();
+  std::map<std::string, int> uses;
+  std::vector<storage::SessionRecord> records;
   for (const SessionId& id : params.sessions) {
+    ASSIGN_OR_RETURN(records.emplace_back(), database.GetSession(id));
+    ++uses[records.back().name];
+  }
+  for (const storage::SessionRecord& record : records) {
     if (context.cancelled()) return absl::CancelledError("stopped");
-    ASSIGN_OR_RETURN(const storage::SessionRecord record, database.GetSession(id));
-    ASSIGN_OR_RETURN(session::Session session, database.ReadSession(id));
+    ASSIGN_OR_RETURN(session::Session session, database.ReadSession(record.id));
+    const std::string name = absl::StrCat(record.name, "#", record.id.number());
+    // The machine may have been described anew since the upload.
+    RETURN_IF_ERROR(base::Within("session " + name, session::CheckAgainstMachine(session, inputs.machine)));
+    // A machine is measured again under the same names: each measurement is a session, and a set-up, of its own.
+    if (uses[record.name] > 1) Rename(name, &session);
     inputs.sessions.push_back(std::move(session));
     inputs.measured_at = std::max(inputs.measured_at, record.measured_at.value_or(record.created_at));
   }

@@ -49,6 +49,27 @@ TEST_F(MainJob, TheLadderOfTableFiveTwo) {
   }
 }
 
+// A machine is measured again under the same session names: each measurement keeps a set-up of its own.
+TEST_F(MainJob, SessionsOfOneNameAreIdentifiedTogether) {
+  const std::string folder = Source("tests/data/loop/case-000");
+  const Outcome upload = Run("upload --json " + folder);
+  ASSERT_EQ(upload.exit_code, 0) << upload.err;
+  EXPECT_EQ(upload.Json()["sessions"].size(), 5u);  // check/ stays where it is
+  ASSERT_EQ(Run("upload " + folder + "/check/01-BX.csv").exit_code, 0);
+  const Outcome identify = Run("identify --machine mt --all --json");
+  ASSERT_EQ(identify.exit_code, 0) << identify.err;
+  EXPECT_LT(identify.Json()["rms_after_um"].get<double>(), 0.31);
+  EXPECT_THAT(identify.out, HasSubstr("BX#"));
+}
+
+// A poor fit says so where it would be approved.
+TEST_F(MainJob, APoorFitIsShownWithAWarning) {
+  ASSERT_EQ(Run("upload " + Source("tests/data/loop/case-003")).exit_code, 0);
+  const Outcome poor = Run("identify --machine mt --all");
+  EXPECT_EQ(poor.exit_code, 0) << poor.err;
+  EXPECT_THAT(poor.out, HasSubstr("warning: the readings scatter by"));
+}
+
 TEST_F(MainJob, FromUploadToTheRewrittenProgram) {
   const Outcome upload = Run("upload . --json");
   ASSERT_EQ(upload.exit_code, 0) << upload.err;
