@@ -5,6 +5,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
 #include "core/base/units.h"
@@ -88,8 +89,17 @@ std::string ReportText(const Machine& machine, const loop::Report& report) {
   return text + Table(rows);
 }
 
+absl::Status CheckPaths(const Arguments& arguments, const session::Case& measured) {
+  std::vector<NamedPath> inputs = {{"machine.json", arguments.folder + "/machine.json"}};
+  for (const auto* files : {&measured.fit_files, &measured.check_files}) {
+    for (const std::string& file : *files) inputs.push_back({"session", file});
+  }
+  return CheckOutputs(inputs, {{"--report", arguments.report}, {"--errors", arguments.errors}});
+}
+
 absl::Status CloseLoop(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
+  RETURN_IF_ERROR(CheckPaths(arguments, measured));
   ASSIGN_OR_RETURN(auto fit, identify::BindSessions(measured.machine, measured.fit));
   ASSIGN_OR_RETURN(auto check, identify::BindSessions(measured.machine, measured.check));
   loop::Options options;
