@@ -4,8 +4,8 @@
 #include <set>
 
 #include "core/base/demand.h"
+#include "core/identify/rows.h"
 #include "core/identify/whitening.h"
-#include "core/instruments/evaluation.h"
 
 namespace axiscal::identify {
 namespace {
@@ -40,39 +40,29 @@ class GramBuilder {
   int used_ = 0;
 };
 
-bool IsConstant(const machine::ErrorModel& model) {
-  return std::all_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
-    return std::holds_alternative<shapes::Constant>(term.shape);
-  });
-}
-
-// Fitted and fixed errors together; evaluated once where no term depends on the state.
-class ErrorsOfRun {
+// Whitened rows of one run, added to the Gram matrix of its group.
+class GramSink {
  public:
-  ErrorsOfRun(const Problem& problem, const Point& point)
-      : problem_(problem), point_(point), is_constant_(IsConstant(point.model) && IsConstant(problem.fixed_model)) {}
+  GramSink(const Problem& problem, int run, Eigen::Index width, GramBuilder* gram, int* row_count)
+      : whiteners_(problem.runs[run].row_count, SeriesWhitener(problem.noise[run], width)),
+        gram_(gram),
+        row_count_(row_count) {}
 
-  bool is_constant() const { return is_constant_; }
-  const machine::JointErrors<double>& At(const shapes::State& state) {
-    if (is_constant_ && is_evaluated_) return errors_;
-    errors_ = machine::ErrorsAt(*problem_.machine, point_.model, state);
-    if (!problem_.fixed_model.terms.empty()) {
-      const machine::JointErrors<double> fixed = machine::ErrorsAt(*problem_.machine, problem_.fixed_model, state);
-      for (int joint = 0; joint < problem_.machine->joint_count(); ++joint) errors_[joint] += fixed[joint];
-    }
-    is_evaluated_ = true;
-    return errors_;
+  Eigen::MatrixXd::RowXpr NextRow() { return gram_->NextRow(); }
+  template <typename Row>
+  void Close(int reading, int row_index, const instruments::Evaluation&, Row& row) {
+    whiteners_[row_index].Apply(reading, row);
+    ++*row_count_;
   }
 
  private:
-  const Problem& problem_;
-  const Point& point_;
-  const bool is_constant_;
-  bool is_evaluated_ = false;
-  machine::JointErrors<double> errors_;
+  std::vector<SeriesWhitener> whiteners_;
+  GramBuilder* gram_;
+  int* row_count_;
 };
 
-// d(error component)/d(parameter) at a state.
+}  // namespace
+
 void ParameterSlopes(const machine::ErrorModel& model, const std::vector<Parameter>& parameters,
                      const shapes::State& state, Eigen::VectorXd* slopes) {
   double values[shapes::kMaxBasisCount];
@@ -88,41 +78,6 @@ void ParameterSlopes(const machine::ErrorModel& model, const std::vector<Paramet
     for (int k = 0; k < shapes::BasisCount(term.shape); ++k) (*slopes)[i] += term.amplitude[k] * values[k];
   }
 }
-
-void AddRun(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
-            GramBuilder* gram, int* row_count) {
-  const MeasuringRun& run = problem.runs[run_index];
-  const machine::Machine& machine = *problem.machine;
-  const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
-  const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
-  std::vector<int> column(count);
-  for (int i = 0; i < count; ++i) {
-    const machine::ErrorTerm& term = point.model.terms[parameters[i].term];
-    column[i] = machine::kComponents * term.joint + static_cast<int>(term.component);
-  }
-  ErrorsOfRun errors_of_run(problem, point);
-  Eigen::VectorXd slopes = Eigen::VectorXd::Ones(count);
-  std::vector<SeriesWhitener> whiteners(run.row_count,
-                                        SeriesWhitener(problem.noise[run_index], setup_count + count + 1));
-  instruments::Evaluation evaluation;
-  for (int k = 0; k < run.reading_count(); ++k) {
-    const shapes::State state = run.StateOf(k);
-    const machine::JointErrors<double>& errors = errors_of_run.At(state);
-    if (!errors_of_run.is_constant()) ParameterSlopes(point.model, parameters, state, &slopes);
-    instruments::Evaluate(machine, run, k, errors, setup.data(), &evaluation);
-    for (int r = 0; r < run.row_count; ++r) {
-      if (!problem.is_used[run_index][static_cast<size_t>(k) * run.row_count + r]) continue;
-      auto row = gram->NextRow();
-      row.head(setup_count) = evaluation.by_setup.row(r);
-      for (int i = 0; i < count; ++i) row[setup_count + i] = evaluation.by_error(r, column[i]) * slopes[i];
-      row[setup_count + count] = evaluation.predicted_mm[r] - run.measured_mm(r, k);
-      whiteners[r].Apply(k, row);
-      ++*row_count;
-    }
-  }
-}
-
-}  // namespace
 
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<MeasuringRun> runs) {
   Problem problem;
@@ -182,8 +137,12 @@ NormalEquations Assemble(const Problem& problem, const Point& point, const std::
   for (const SetupGroup& group : problem.groups) {
     GroupNormal block;
     block.setup_count = static_cast<int>(group.parameters.size());
-    GramBuilder gram(block.setup_count + static_cast<int>(parameters.size()) + 1);
-    for (const int run : group.runs) AddRun(problem, run, point, parameters, &gram, &normal.row_count);
+    const int width = block.setup_count + static_cast<int>(parameters.size()) + 1;
+    GramBuilder gram(width);
+    for (const int run : group.runs) {
+      GramSink sink(problem, run, width, &gram, &normal.row_count);
+      VisitRows(problem, run, point, parameters, &sink);
+    }
     block.gram = gram.Finish();
     normal.groups.push_back(std::move(block));
   }

@@ -9,12 +9,6 @@
 namespace axiscal::identify {
 namespace {
 
-// Precision (1 / sigma^2) that a prior adds; none where nothing is known or, for kInformative, where the prior is weak.
-double PriorPrecision(const instruments::SetupParameter& parameter, Priors priors) {
-  if (!std::isfinite(parameter.prior_sigma) || (priors == Priors::kInformative && parameter.is_weak)) return 0.0;
-  return 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
-}
-
 // A symmetric positive block, factored with unit diagonal. Offsets that a session cannot tell apart leave it singular;
 // the ridge, far below any reading's weight and far above rounding, keeps them where they are.
 class ScaledFactor {
@@ -98,6 +92,11 @@ std::vector<int> HeldColumns(const Eigen::MatrixXd& basis) {
 }
 
 }  // namespace
+
+double PriorPrecision(const instruments::SetupParameter& parameter, Priors priors) {
+  if (!std::isfinite(parameter.prior_sigma) || (priors == Priors::kInformative && parameter.is_weak)) return 0.0;
+  return 1.0 / (parameter.prior_sigma * parameter.prior_sigma);
+}
 
 Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations& normal, Priors priors,
                double damping) {

@@ -14,6 +14,9 @@ namespace axiscal::identify {
 // ("mounted by hand") separates from an offset are not identified.
 enum class Priors { kAll, kInformative };
 
+// Precision (1 / sigma^2) that a prior adds; none where nothing is known or, for kInformative, where the prior is weak.
+double PriorPrecision(const instruments::SetupParameter& parameter, Priors priors);
+
 // Normal equations of the errors after elimination: information S, gradient g (d cost / d errors), and the cost at the
 // setup's optimum.
 struct Reduced {

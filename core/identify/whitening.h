@@ -19,22 +19,33 @@ class SeriesWhitener {
     if (noise.ar1 != 0.0) previous_.setZero(width);
   }
 
+  // whitened = weight (row - correlation previous row)
+  struct Factors {
+    double weight, correlation;
+  };
+
+  // Factors of the next used reading's row. Call in time order.
+  Factors Next(int reading) {
+    Factors factors{1.0 / noise_.sigma_mm, 0.0};
+    if (noise_.ar1 != 0.0 && last_reading_ >= 0) {
+      factors.correlation = std::pow(noise_.ar1, reading - last_reading_);
+      factors.weight /= std::sqrt(1.0 - factors.correlation * factors.correlation);
+    }
+    last_reading_ = reading;
+    return factors;
+  }
+
   // Whitens the row of a used reading in place. Call in time order.
   template <typename Row>
   void Apply(int reading, Row&& row) {
+    const Factors factors = Next(reading);
     if (noise_.ar1 == 0.0) {
-      row *= 1.0 / noise_.sigma_mm;
+      row *= factors.weight;
       return;
     }
     const Eigen::RowVectorXd raw = row;
-    if (last_reading_ < 0) {
-      row = raw / noise_.sigma_mm;
-    } else {
-      const double correlation = std::pow(noise_.ar1, reading - last_reading_);
-      row = (raw - correlation * previous_) / (noise_.sigma_mm * std::sqrt(1.0 - correlation * correlation));
-    }
+    row = factors.weight * (raw - factors.correlation * previous_);
     previous_ = raw;
-    last_reading_ = reading;
   }
 
  private:

@@ -71,21 +71,20 @@ class Builder {
     return a == b;
   }
 
-  void AddConstants() {
-    for (int joint = 0; joint < machine_.joint_count(); ++joint) Add(Family::kConstant, joint, shapes::Constant{});
-  }
+  void AddConstants() { AddAtAllJoints(Family::kConstant, shapes::Constant{}); }
 
   void AddShapesOf(int axis) {
     const bool is_rotary = IsRotary(machine_, axis);
     const shapes::Linear linear{axis, is_rotary ? shapes::Linear::kReferenceRad : shapes::Linear::kReferenceMm};
     const shapes::Quadratic quadratic{axis,
                                       is_rotary ? shapes::Quadratic::kReferenceRad : shapes::Quadratic::kReferenceMm};
-    for (int joint = 0; joint < machine_.joint_count(); ++joint) {
-      const bool is_own = joint == axis;
-      Add(is_own ? Family::kLinear : Family::kCross, joint, linear);
-      Add(is_own ? Family::kQuadratic : Family::kCross, joint, quadratic);
-      for (int order = 1; is_rotary && !is_own && order <= 2; ++order) {
-        Add(Family::kCross, joint, shapes::Harmonic{axis, static_cast<double>(order)});
+    for (int joint = 0; joint < machine_.joint_count(); ++joint)
+      Add(joint == axis ? Family::kLinear : Family::kCross, joint, linear);
+    for (int joint = 0; joint < machine_.joint_count(); ++joint)
+      Add(joint == axis ? Family::kQuadratic : Family::kCross, joint, quadratic);
+    for (int order = 1; is_rotary && order <= 2; ++order) {
+      for (int joint = 0; joint < machine_.joint_count(); ++joint) {
+        if (joint != axis) Add(Family::kCross, joint, shapes::Harmonic{axis, static_cast<double>(order)});
       }
     }
     AddHarmonics(axis, is_rotary);
@@ -148,15 +147,17 @@ class Builder {
         warmest = std::max(warmest, celsius);
       }
     }
-    for (int joint = 0; joint < machine_.joint_count(); ++joint) {
-      constexpr double kShortest = 60.0, kSmallestWarming = 0.05;
-      if (last_s - first_s > kShortest && AllTimed()) {
-        Add(Family::kDrift, joint, shapes::Drift{});
-        for (const double share : {0.04, 0.08, 0.16, 0.32, 0.64})
-          Add(Family::kDriftExp, joint, shapes::DriftExp{share * last_s});
-      }
-      if (warmest - coldest > kSmallestWarming) Add(Family::kThermal, joint, shapes::Thermal{});
+    constexpr double kShortest = 60.0, kSmallestWarming = 0.05;
+    if (last_s - first_s > kShortest && AllTimed()) {
+      AddAtAllJoints(Family::kDrift, shapes::Drift{});
+      for (const double share : {0.04, 0.08, 0.16, 0.32, 0.64})
+        AddAtAllJoints(Family::kDriftExp, shapes::DriftExp{share * last_s});
     }
+    if (warmest - coldest > kSmallestWarming) AddAtAllJoints(Family::kThermal, shapes::Thermal{});
+  }
+
+  void AddAtAllJoints(Family family, const shapes::Shape& shape) {
+    for (int joint = 0; joint < machine_.joint_count(); ++joint) Add(family, joint, shape);
   }
 
   bool AllTimed() const {

@@ -5,34 +5,6 @@
 #include <map>
 
 namespace axiscal::loop {
-namespace {
-
-// A signature of which less than this share stands beyond the declared errors and setups cannot be seen in this data.
-constexpr double kVisible = 1e-5;
-
-}  // namespace
-
-// What the projected columns explain of the residual, and the amplitudes that do so (the residual is predicted -
-// measured).
-double Gain(const Projection& projection, Eigen::Vector3d* amplitude) {
-  const int n = projection.columns;
-  const Eigen::MatrixXd own = projection.own.topLeftCorner(n, n);
-  const Eigen::VectorXd right = projection.with_residual.head(n);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(own);
-  constexpr double kRegular = 1e-9;
-  if (factor.vectorD().minCoeff() <= kRegular * own.diagonal().maxCoeff()) {
-    // Columns that are one column in this data count as one.
-    int best = 0;
-    own.diagonal().maxCoeff(&best);
-    amplitude->setZero();
-    (*amplitude)[best] = -right[best] / own(best, best);
-    return right[best] * right[best] / own(best, best);
-  }
-  const Eigen::VectorXd solution = factor.solve(right);
-  amplitude->setZero();
-  amplitude->head(n) = -solution;
-  return right.dot(solution);
-}
 
 double LikelihoodRatio(double squares, double gain, int dof) {
   if (!(gain > 0.0) || squares <= 0.0) return 0.0;
@@ -44,12 +16,18 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
                     const std::vector<Candidate>& candidates, const SearchOptions& options) {
   SearchResult result;
   result.candidate_count = static_cast<int>(candidates.size());
-  const std::vector<Projection> projections = signatures.Project(candidates);
+  // What explains less than this is not significant: half of a family's members are taken to be visible.
+  std::map<Family, double> worth;
+  for (const Candidate& candidate : candidates) worth[candidate.family] += 0.5;
+  const double noise_square = signatures.residual_squares() / signatures.degrees_of_freedom();
+  for (auto& [family, value] : worth) value = noise_square * (options.evidence + 2.0 * std::log(std::max(1.0, value)));
+  const std::vector<Projection> projections = signatures.ProjectWorthy(candidates, worth);
   std::map<Family, int> members;
-  for (size_t i = 0; i < candidates.size(); ++i) members[candidates[i].family] += projections[i].visible > kVisible;
+  for (size_t i = 0; i < candidates.size(); ++i)
+    members[candidates[i].family] += projections[i].is_screened || projections[i].visible > kVisible;
   std::vector<Scored> scored;
   for (size_t i = 0; i < candidates.size(); ++i) {
-    if (projections[i].visible <= kVisible) continue;
+    if (projections[i].is_screened || projections[i].visible <= kVisible) continue;
     Scored one;
     one.candidate = candidates[i];
     const double gain = Gain(projections[i], &one.amplitude);
@@ -66,8 +44,13 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
 
   // The class: what correlates so closely with the best that no data of this kind separates them, or explains as much
   // within chance.
-  scored.resize(std::min(kCompared, scored.size()));
   const Scored best = scored[0];
+  constexpr double kNear = 0.9;
+  std::erase_if(scored, [&](const Scored& one) {
+    return one.likelihood_ratio <
+           std::min(kNear * best.likelihood_ratio, best.likelihood_ratio - options.indistinguishable);
+  });
+  scored.resize(std::min(kCompared, scored.size()));
   std::vector<Candidate> compared;
   for (const Scored& one : scored) compared.push_back(one.candidate);
   const std::vector<double> correlations = signatures.CorrelationsWith(best.candidate, compared);

@@ -40,9 +40,6 @@ struct SearchResult {
 SearchResult Search(const machine::Machine& machine, const Signatures& signatures,
                     const std::vector<Candidate>& candidates, const SearchOptions& options);
 
-// What a projected signature explains of the residual's squares, and the amplitudes that do so.
-double Gain(const Projection& projection, Eigen::Vector3d* amplitude);
-
 // Likelihood ratio (chi-square units) of explaining `gain` of `squares` at `dof` degrees of freedom with the noise
 // scale unknown.
 double LikelihoodRatio(double squares, double gain, int dof);

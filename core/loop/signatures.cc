@@ -1,302 +1,409 @@
 #include "core/loop/signatures.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
-#include "core/instruments/evaluation.h"
+#include "core/identify/reduction.h"
+#include "core/identify/rows.h"
+#include "core/identify/whitening.h"
+#include "core/loop/shape_columns.h"
 
 namespace axiscal::loop {
 namespace {
 
 using instruments::MeasuringRun;
 
-// B with B' G B = 1 on the space that G sees.
-Eigen::MatrixXd InverseRoot(const Eigen::MatrixXd& gram) {
-  const Eigen::Index n = gram.rows();
-  Eigen::VectorXd scale(n);
-  for (Eigen::Index i = 0; i < n; ++i) scale[i] = gram(i, i) > 0.0 ? 1.0 / std::sqrt(gram(i, i)) : 0.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * gram * scale.asDiagonal());
-  constexpr double kSeen = 1e-11;
-  Eigen::VectorXd root(n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    root[i] = eigen.eigenvalues()[i] > kSeen ? 1.0 / std::sqrt(eigen.eigenvalues()[i]) : 0.0;
-  return scale.asDiagonal() * eigen.eigenvectors() * root.asDiagonal();
-}
+constexpr int kRowsAtOnce = 256;  // rows x columns of a block stay in cache
 
-double PriorPrecision(const instruments::SetupParameter& parameter) {
-  return std::isfinite(parameter.prior_sigma) ? 1.0 / (parameter.prior_sigma * parameter.prior_sigma) : 0.0;
+// Families that scan: neighbours are alike, hardly any of them is mostly explained by declared errors.
+bool IsScan(Family family) {
+  return family == Family::kFineHarmonic || family == Family::kPitch || family == Family::kBump;
+}
+constexpr double kLeastVisible = 0.2;
+
+int ColumnOf(const Candidate& candidate) {
+  return machine::kComponents * candidate.term.joint + static_cast<int>(candidate.term.component);
 }
 
 }  // namespace
 
+double Gain(const Projection& projection, Eigen::Vector3d* amplitude) {
+  const int n = projection.columns;
+  const Eigen::MatrixXd own = projection.own.topLeftCorner(n, n);
+  const Eigen::VectorXd right = projection.with_residual.head(n);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(own);
+  constexpr double kRegular = 1e-9;
+  if (factor.vectorD().minCoeff() <= kRegular * own.diagonal().maxCoeff()) {
+    // Columns that are one column in this data count as one.
+    int best = 0;
+    own.diagonal().maxCoeff(&best);
+    amplitude->setZero();
+    (*amplitude)[best] = -right[best] / own(best, best);
+    return right[best] * right[best] / own(best, best);
+  }
+  const Eigen::VectorXd solution = factor.solve(right);
+  amplitude->setZero();
+  amplitude->head(n) = -solution;
+  return right.dot(solution);
+}
+
+// Places the rows of one run: those of one series stand together, so that the neighbour in time is the row above.
+class RowSink {
+ public:
+  RowSink(const identify::Problem& problem, int run, int setup_count, std::vector<int> next, Eigen::MatrixXd* setup,
+          Eigen::MatrixXd* errors, Eigen::VectorXd* residual, Signatures* out)
+      : run_(run),
+        setup_count_(setup_count),
+        next_(std::move(next)),
+        whiteners_(problem.runs[run].row_count, identify::SeriesWhitener(problem.noise[run], 0)),
+        row_(setup_count + errors->cols() + 1),
+        setup_(setup),
+        errors_(errors),
+        residual_(residual),
+        out_(out) {}
+
+  Eigen::RowVectorXd& NextRow() { return row_; }
+  void Close(int reading, int row, const instruments::Evaluation& evaluation, const Eigen::RowVectorXd& stored) {
+    const int at = next_[row]++;
+    const identify::SeriesWhitener::Factors factors = whiteners_[row].Next(reading);
+    out_->run_[at] = run_;
+    out_->reading_[at] = reading;
+    out_->weight_[at] = factors.weight;
+    out_->correlation_[at] = factors.correlation;
+    out_->sensitivity_.row(at) = evaluation.by_error.row(row);
+    out_->setup_raw_.row(at) = stored.head<3>();
+    setup_->row(at).head(setup_count_) = stored.head(setup_count_);
+    errors_->row(at) = stored.segment(setup_count_, errors_->cols());
+    (*residual_)[at] = stored[stored.size() - 1];
+  }
+
+ private:
+  const int run_, setup_count_;
+  std::vector<int> next_;
+  std::vector<identify::SeriesWhitener> whiteners_;
+  Eigen::RowVectorXd row_;
+  Eigen::MatrixXd *setup_, *errors_;
+  Eigen::VectorXd* residual_;
+  Signatures* out_;
+};
+
 Signatures::Signatures(const identify::Problem& problem, const identify::Point& point,
                        const std::vector<identify::Parameter>& parameters)
     : problem_(problem) {
-  const machine::Machine& machine = *problem.machine;
-  int setup_width = 3;
-  for (const identify::SetupGroup& group : problem.groups)
-    setup_width = std::max<int>(setup_width, static_cast<int>(group.parameters.size()));
+  size_t setup_width = 3;
+  for (const identify::SetupGroup& group : problem.groups) setup_width = std::max(setup_width, group.parameters.size());
   int count = 0;
-  for (const auto& used : problem.is_used) count += static_cast<int>(std::count(used.begin(), used.end(), true));
-  const int p = static_cast<int>(parameters.size());
-  weight_.resize(count);
-  correlation_.setZero(count);
-  sensitivity_.resize(count, machine::kComponents * machine.joint_count());
-  setup_raw_.resize(count, 3);
-  setup_ = Eigen::MatrixXd::Zero(count, setup_width);
-  errors_.resize(count, p);
-  residual_.resize(count);
-  run_.resize(count);
-  reading_.resize(count);
-
-  machine::ErrorModel model = point.model;
-  model.terms.insert(model.terms.end(), problem.fixed_model.terms.begin(), problem.fixed_model.terms.end());
-  int first = 0;
-  instruments::Evaluation evaluation;
   for (size_t i = 0; i < problem.runs.size(); ++i) {
     const MeasuringRun& run = problem.runs[i];
-    const int group = problem.group_of_run[i], s = static_cast<int>(run.setup.size());
-    // Rows of one series stand together, so that the neighbour in time is the row above.
-    std::vector<int> next(run.row_count, first), last_reading(run.row_count, -1);
-    for (int row = 1; row < run.row_count; ++row) {
-      next[row] = next[row - 1];
+    for (int row = 0; row < run.row_count; ++row) {
+      const int begin = count;
       for (int k = 0; k < run.reading_count(); ++k)
-        next[row] += problem.is_used[i][static_cast<size_t>(k) * run.row_count + row - 1];
+        count += problem.is_used[i][static_cast<size_t>(k) * run.row_count + row];
+      series_.push_back({begin, count, static_cast<int>(i), problem.group_of_run[i]});
     }
-    for (int k = 0; k < run.reading_count(); ++k) {
-      const shapes::State state = run.StateOf(k);
-      instruments::Evaluate(machine, run, k, machine::ErrorsAt(machine, model, state), point.setup[group].data(),
-                            &evaluation);
-      for (int row = 0; row < run.row_count; ++row) {
-        if (!problem.is_used[i][static_cast<size_t>(k) * run.row_count + row]) continue;
-        const int at = next[row]++;
-        run_[at] = static_cast<int>(i);
-        reading_[at] = k;
-        const double correlation = last_reading[row] < 0 ? 0.0 : std::pow(problem.noise[i].ar1, k - last_reading[row]);
-        correlation_[at] = correlation;
-        weight_[at] = 1.0 / (problem.noise[i].sigma_mm * std::sqrt(1.0 - correlation * correlation));
-        last_reading[row] = k;
-        sensitivity_.row(at) = evaluation.by_error.row(row);
-        setup_raw_.row(at) = evaluation.by_setup.row(row).head<3>();
-        setup_.row(at).head(s) = evaluation.by_setup.row(row);
-        residual_[at] = evaluation.predicted_mm[row] - run.measured_mm(row, k);
-        double values[shapes::kMaxBasisCount];
-        for (int j = 0; j < p; ++j) {
-          const machine::ErrorTerm& term = point.model.terms[parameters[j].term];
-          const int column = machine::kComponents * term.joint + static_cast<int>(term.component);
-          double slope = 0.0;
-          if (parameters[j].is_nonlinear) {
-            shapes::BasisSlope(term.shape, state, values);
-            for (int b = 0; b < shapes::BasisCount(term.shape); ++b) slope += term.amplitude[b] * values[b];
-          } else {
-            shapes::Basis(term.shape, state, values);
-            slope = values[parameters[j].basis];
-          }
-          errors_(at, j) = evaluation.by_error(row, column) * slope;
-        }
-      }
-    }
-    const int end = next[run.row_count - 1];
-    rows_.push_back({first, end, group});
-    first = end;
   }
-  Whiten(setup_);
-  Whiten(errors_);
-  Whiten(residual_);
+  const auto p = static_cast<Eigen::Index>(parameters.size());
+  run_.resize(count);
+  reading_.resize(count);
+  weight_.resize(count);
+  correlation_.resize(count);
+  sensitivity_.resize(count, machine::kComponents * problem.machine->joint_count());
+  setup_raw_.resize(count, 3);
+  Eigen::MatrixXd setup = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(setup_width)), errors(count, p);
+  Eigen::VectorXd residual(count);
+  size_t first_series = 0;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    std::vector<int> next;
+    for (int row = 0; row < problem.runs[i].row_count; ++row) next.push_back(series_[first_series++].begin);
+    RowSink sink(problem, static_cast<int>(i), static_cast<int>(problem.runs[i].setup.size()), std::move(next), &setup,
+                 &errors, &residual, this);
+    identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
+  }
+  is_white_ = (correlation_ == 0.0).all();
+  const auto whiten = [this](Eigen::Ref<Eigen::VectorXd> x) {
+    for (Eigen::Index at = x.size() - 1; at > 0; --at) x[at] = weight_[at] * (x[at] - correlation_[at] * x[at - 1]);
+    if (x.size() > 0) x[0] *= weight_[0];
+  };
+  for (Eigen::Index c = 0; c < setup.cols(); ++c) whiten(setup.col(c));
+  for (Eigen::Index c = 0; c < p; ++c) whiten(errors.col(c));
+  whiten(residual);
+  nuisance_ = Nuisance(problem, series_, std::move(setup), std::move(errors));
 
-  // Orthonormal nuisance basis: per group the setups with their priors' rows, then the errors beside them.
-  const int groups = static_cast<int>(problem.groups.size());
-  std::vector<Eigen::MatrixXd> gram(groups);
-  for (int g = 0; g < groups; ++g) {
-    const int s = static_cast<int>(problem.groups[g].parameters.size());
-    gram[g] = Eigen::MatrixXd::Zero(s, s);
-    for (int k = 0; k < s; ++k) gram[g](k, k) = PriorPrecision(problem.groups[g].parameters[k]);
+  // The residual has the priors' rows too: offset / prior sigma.
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), 1);
+  for (const Series& rows : series_)
+    nuisance_.Accumulate(rows.group, rows.begin, residual.segment(rows.begin, rows.end - rows.begin), &coefficients);
+  nuisance_.Finish(&coefficients);
+  coefficients.col(0) += nuisance_.OfPriors(problem, point.setup);
+  double squares = residual.squaredNorm();
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    for (Eigen::Index k = 0; k < point.setup[g].size(); ++k)
+      squares += point.setup[g][k] * point.setup[g][k] *
+                 identify::PriorPrecision(problem.groups[g].parameters[k], identify::Priors::kAll);
   }
-  for (const Rows& rows : rows_) {
-    const int s = static_cast<int>(gram[rows.group].rows());
-    const auto block = setup_.block(rows.begin, 0, rows.end - rows.begin, s);
-    gram[rows.group] += block.transpose() * block;
-  }
-  Eigen::MatrixXd reduced = errors_.transpose() * errors_;
-  setup_error_.resize(groups);
-  for (int g = 0; g < groups; ++g) {
-    setup_basis_.push_back(InverseRoot(gram[g]));
-    setup_error_[g] = Eigen::MatrixXd::Zero(gram[g].rows(), p);
-  }
-  for (const Rows& rows : rows_) {
-    const int n = rows.end - rows.begin, s = static_cast<int>(gram[rows.group].rows());
-    setup_error_[rows.group] += setup_basis_[rows.group].transpose() *
-                                (setup_.block(rows.begin, 0, n, s).transpose() * errors_.middleRows(rows.begin, n));
-  }
-  for (int g = 0; g < groups; ++g) reduced -= setup_error_[g].transpose() * setup_error_[g];
-  error_basis_ = p > 0 ? InverseRoot(reduced) : Eigen::MatrixXd(0, 0);
-
-  // The residual has prior rows too: offset / prior sigma.
-  residual_nuisance_ = NuisanceOf(residual_);
-  double squares = residual_.squaredNorm();
-  Eigen::VectorXd prior_part = Eigen::VectorXd::Zero(residual_nuisance_.size());
-  int at = 0;
-  Eigen::VectorXd error_correction = Eigen::VectorXd::Zero(p);
-  for (int g = 0; g < groups; ++g) {
-    const int s = static_cast<int>(gram[g].rows());
-    Eigen::VectorXd pull(s);
-    for (int k = 0; k < s; ++k) {
-      const double precision = PriorPrecision(problem.groups[g].parameters[k]);
-      pull[k] = point.setup[g][k] * precision;
-      squares += point.setup[g][k] * point.setup[g][k] * precision;
-    }
-    prior_part.segment(at, s) = setup_basis_[g].transpose() * pull;
-    error_correction -= setup_error_[g].transpose() * prior_part.segment(at, s);
-    at += s;
-  }
-  if (p > 0) prior_part.tail(p) = error_basis_.transpose() * error_correction;
-  residual_nuisance_ += prior_part;
-  residual_squares_ = squares - residual_nuisance_.squaredNorm();
-  degrees_of_freedom_ = std::max(1, count - p);
+  residual_squares_ = squares - coefficients.squaredNorm();
+  degrees_of_freedom_ = std::max<int>(1, count - static_cast<int>(p));
+  residual_ = residual - nuisance_.Column(series_, coefficients.col(0));
 }
 
 int Signatures::ColumnsOf(const Candidate& candidate) const {
   return candidate.family == Family::kStep ? 3 : shapes::BasisCount(candidate.term.shape);
 }
 
-void Signatures::FillRaw(const Candidate& candidate, Eigen::Ref<Eigen::MatrixXd> columns) const {
-  if (candidate.family == Family::kStep) {
-    columns.setZero();
-    const Rows& rows = rows_[candidate.run];
-    for (int at = rows.begin; at < rows.end; ++at) {
-      if (reading_[at] >= candidate.first_reading) columns.row(at).head<3>() = setup_raw_.row(at);
+template <typename Visit>
+void Signatures::ForEachBlock(const std::vector<const Candidate*>& candidates, Eigen::Index width, int run,
+                              Visit visit) const {
+  Eigen::MatrixXd raw(kRowsAtOnce + 1, width), whitened(kRowsAtOnce, width);
+  for (const Series& rows : series_) {
+    if (run >= 0 && rows.run != run) continue;
+    for (int begin = rows.begin; begin < rows.end; begin += kRowsAtOnce) {
+      const int count = std::min(kRowsAtOnce, rows.end - begin);
+      // The row above, where the noise remembers it.
+      const int above = begin > rows.begin && !is_white_ ? 1 : 0;
+      FillRaw(candidates, begin - above, raw.topRows(count + above));
+      const auto weight = weight_.segment(begin, count);
+      for (Eigen::Index c = 0; c < width; ++c) {
+        auto out = whitened.col(c).head(count).array();
+        out = raw.col(c).segment(above, count).array();
+        if (!is_white_) {
+          const int first = 1 - above;  // a series' first row has no neighbour
+          out.tail(count - first) -=
+              correlation_.segment(begin + first, count - first) * raw.col(c).head(count - first).array();
+        }
+        out *= weight;
+      }
+      visit(rows, begin, whitened.topRows(count));
     }
-    return;
   }
-  const int column = machine::kComponents * candidate.term.joint + static_cast<int>(candidate.term.component);
-  double values[shapes::kMaxBasisCount];
-  const int count = shapes::BasisCount(candidate.term.shape);
-  for (int at = 0; at < row_count(); ++at) {
-    shapes::Basis(candidate.term.shape, problem_.runs[run_[at]].StateOf(reading_[at]), values);
-    for (int b = 0; b < count; ++b) columns(at, b) = values[b] * sensitivity_(at, column);
-  }
-}
-
-void Signatures::Whiten(Eigen::Ref<Eigen::MatrixXd> columns) const {
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    auto x = columns.col(c);
-    for (Eigen::Index at = x.size() - 1; at > 0; --at) x[at] = weight_[at] * (x[at] - correlation_[at] * x[at - 1]);
-    if (x.size() > 0) x[0] *= weight_[0];
-  }
-}
-
-Eigen::MatrixXd Signatures::NuisanceOf(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
-  const Eigen::Index width = columns.cols(), p = errors_.cols();
-  Eigen::Index total = p;
-  std::vector<Eigen::Index> offset;
-  for (const Eigen::MatrixXd& basis : setup_basis_) {
-    offset.push_back(total - p);
-    total += basis.rows();
-  }
-  Eigen::MatrixXd raw = Eigen::MatrixXd::Zero(total, width);
-  for (const Rows& rows : rows_) {
-    const Eigen::Index s = setup_basis_[rows.group].rows(), n = rows.end - rows.begin;
-    raw.middleRows(offset[rows.group], s).noalias() +=
-        setup_.block(rows.begin, 0, n, s).transpose() * columns.middleRows(rows.begin, n);
-  }
-  for (size_t g = 0; g < setup_basis_.size(); ++g) {
-    const Eigen::Index s = setup_basis_[g].rows();
-    raw.middleRows(offset[g], s) = (setup_basis_[g].transpose() * raw.middleRows(offset[g], s)).eval();
-  }
-  if (p > 0) {
-    Eigen::MatrixXd errors = errors_.transpose() * columns;
-    for (size_t g = 0; g < setup_basis_.size(); ++g) {
-      errors.noalias() -= setup_error_[g].transpose() * raw.middleRows(offset[g], setup_basis_[g].rows());
-    }
-    raw.bottomRows(p) = error_basis_.transpose() * errors;
-  }
-  return raw;
 }
 
 std::vector<Projection> Signatures::Project(const std::vector<Candidate>& candidates) const {
   std::vector<Projection> projections(candidates.size());
-  constexpr int kBlock = 96;
-  constexpr double kRounding =
-      1e-6;  // squares of sigmas per mm or rad: a turn about the line through the point, and nothing more
-  Eigen::MatrixXd columns(row_count(), kBlock + kMaxColumns);
-  // Neighbouring candidates share a shape: its values are computed once for all components.
-  Eigen::MatrixXd basis(row_count(), kMaxColumns);
-  const shapes::Shape* basis_of = nullptr;
+  ProjectPending(candidates, &projections);
+  return projections;
+}
+
+std::vector<Projection> Signatures::ProjectWorthy(const std::vector<Candidate>& candidates,
+                                                  const std::map<Family, double>& worth) const {
+  std::vector<Projection> projections(candidates.size());
+  if (row_count() == 0) return projections;
+  const std::vector<Bounds> bounds = Scan(candidates);
+  for (size_t i = 0; i < candidates.size(); ++i) projections[i].is_screened = IsScan(candidates[i].family);
+  ProjectPending(candidates, &projections);
+  double best = 0.0;
+  Eigen::Vector3d amplitude;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    best = std::max(best, bounds[i].least);
+    if (projections[i].columns > 0 && projections[i].visible > kVisible)
+      best = std::max(best, Gain(projections[i], &amplitude));
+  }
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    constexpr double kClearlyLess = 0.8;
+    if (bounds[i].most >= worth.at(candidates[i].family) && bounds[i].most >= kClearlyLess * best)
+      projections[i].is_screened = false;
+  }
+  ProjectPending(candidates, &projections);
+  return projections;
+}
+
+// All that are neither projected (columns > 0) nor screened out.
+void Signatures::ProjectPending(const std::vector<Candidate>& candidates, std::vector<Projection>* projections) const {
+  if (row_count() == 0) return;
+  // A slip touches one run only: those of a run go together, all others over all rows.
+  constexpr int kColumnsAtOnce = 96;
+  std::vector<const Candidate*> some;
+  std::vector<Projection*> theirs;
+  int width = 0;
+  const auto flush = [&] {
+    if (!some.empty()) ProjectFully(some, theirs);
+    some.clear();
+    theirs.clear();
+    width = 0;
+  };
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if ((*projections)[i].is_screened || (*projections)[i].columns > 0) continue;
+    if (!some.empty() && (width >= kColumnsAtOnce || some.front()->run != candidates[i].run)) flush();
+    some.push_back(&candidates[i]);
+    theirs.push_back(&(*projections)[i]);
+    width += ColumnsOf(candidates[i]);
+  }
+  flush();
+}
+
+// Products with the projected residual need no projection of the signature; its own squares before projection bound
+// what it can explain.
+std::vector<Signatures::Bounds> Signatures::Scan(const std::vector<Candidate>& candidates) const {
+  std::vector<Bounds> bounds(candidates.size());
+  ShapeColumns shape_columns(row_count(), [this](int at) { return StateAt(at); });
+  // |W x|^2 = sum_k d_k x_k^2 - 2 sum_k o_k x_k x_(k-1)
+  const Eigen::Index n = row_count();
+  const Eigen::ArrayXd off = weight_.square() * correlation_;
+  // Raw column's product with this = whitened column's with the projected residual.
+  Eigen::ArrayXd dual = weight_ * residual_.array();
+  dual.head(n - 1) -= correlation_.tail(n - 1) * weight_.tail(n - 1) * residual_.tail(n - 1).array();
+  Eigen::ArrayXd diagonal = weight_.square();
+  diagonal.head(n - 1) += off.tail(n - 1) * correlation_.tail(n - 1);
+  const Eigen::Index columns = sensitivity_.cols();
+  Eigen::MatrixXd with_residual(n, columns), own(n, columns), neighbour(is_white_ ? 0 : n - 1, columns);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    with_residual.col(c) = sensitivity_.col(c).array() * dual;
+    own.col(c) = sensitivity_.col(c).array().square() * diagonal;
+    if (!is_white_)
+      neighbour.col(c) =
+          off.tail(n - 1) * sensitivity_.col(c).tail(n - 1).array() * sensitivity_.col(c).head(n - 1).array();
+  }
+  // With a constant: the part that an axis at rest leaves in a signature, mostly a declared error's or the setup's.
+  Eigen::MatrixXd with_constant = own;
+  if (!is_white_) {
+    with_constant.topRows(n - 1) -= neighbour;
+    with_constant.bottomRows(n - 1) -= neighbour;
+  }
+  const Eigen::RowVectorXd constant = with_constant.colwise().sum();
+  constexpr int kProducts = 3;  // of basis columns: 11, 12, 22
+  Eigen::MatrixXd squares(n, kProducts), crossed(is_white_ ? 0 : n - 1, kProducts);
   for (size_t begin = 0; begin < candidates.size();) {
-    int used = 0;
-    size_t end = begin;
-    while (end < candidates.size() && used < kBlock) {
-      const Candidate& candidate = candidates[end];
-      const int width = ColumnsOf(candidate);
-      if (candidate.family == Family::kStep) {
-        FillRaw(candidate, columns.middleCols(used, width));
-      } else {
-        if (basis_of == nullptr || !(*basis_of == candidate.term.shape)) {
-          double values[shapes::kMaxBasisCount];
-          for (int at = 0; at < row_count(); ++at) {
-            shapes::Basis(candidate.term.shape, problem_.runs[run_[at]].StateOf(reading_[at]), values);
-            for (int b = 0; b < width; ++b) basis(at, b) = values[b];
-          }
-          basis_of = &candidate.term.shape;
-        }
-        const int column = machine::kComponents * candidate.term.joint + static_cast<int>(candidate.term.component);
-        for (int b = 0; b < width; ++b) columns.col(used + b) = basis.col(b).cwiseProduct(sensitivity_.col(column));
-      }
-      used += width;
+    size_t end = begin + 1;
+    while (end < candidates.size() && candidates[end].family == candidates[begin].family &&
+           candidates[end].term.joint == candidates[begin].term.joint &&
+           candidates[end].term.shape == candidates[begin].term.shape)
       ++end;
+    if (!IsScan(candidates[begin].family)) {
+      begin = end;
+      continue;
     }
-    Whiten(columns.leftCols(used));
-    const Eigen::MatrixXd nuisance = NuisanceOf(columns.leftCols(used));
-    const Eigen::VectorXd with_residual =
-        columns.leftCols(used).transpose() * residual_ - nuisance.transpose() * residual_nuisance_;
-    int at = 0;
-    for (size_t i = begin; i < end; ++i) {
-      Projection& out = projections[i];
-      out.columns = ColumnsOf(candidates[i]);
-      out.visible = 1.0;
-      for (int a = 0; a < out.columns; ++a) {
-        for (int b = 0; b <= a; ++b) {
-          const double squares = columns.col(at + a).dot(columns.col(at + b));
-          out.own(a, b) = out.own(b, a) = squares - nuisance.col(at + a).dot(nuisance.col(at + b));
-          if (a == b) out.visible = std::min(out.visible, squares > kRounding ? out.own(a, a) / squares : 0.0);
-        }
-        out.with_residual[a] = with_residual[at + a];
+    const Eigen::MatrixXd& basis = shape_columns.Of(candidates[begin].term.shape);
+    const Eigen::Index width = basis.cols(), products = width * (width + 1) / 2;
+    Eigen::Index at = 0;
+    for (Eigen::Index a = 0; a < width; ++a) {
+      for (Eigen::Index b = 0; b <= a; ++b, ++at) {
+        squares.col(at) = basis.col(a).cwiseProduct(basis.col(b));
+        if (is_white_) continue;
+        crossed.col(at) = basis.col(a).tail(n - 1).cwiseProduct(basis.col(b).head(n - 1)) +
+                          basis.col(b).tail(n - 1).cwiseProduct(basis.col(a).head(n - 1));
       }
-      at += out.columns;
+    }
+    const int first = machine::kComponents * candidates[begin].term.joint;
+    const Eigen::MatrixXd right = basis.transpose() * with_residual.middleCols(first, machine::kComponents);
+    Eigen::MatrixXd gram = squares.leftCols(products).transpose() * own.middleCols(first, machine::kComponents);
+    if (!is_white_) gram -= crossed.leftCols(products).transpose() * neighbour.middleCols(first, machine::kComponents);
+    const Eigen::MatrixXd level = basis.transpose() * with_constant.middleCols(first, machine::kComponents);
+    for (size_t i = begin; i < end; ++i) {
+      const int component = static_cast<int>(candidates[i].term.component);
+      Projection projection;
+      projection.columns = static_cast<int>(width);
+      projection.with_residual.head(width) = right.col(component);
+      at = 0;
+      for (Eigen::Index a = 0; a < width; ++a) {
+        for (Eigen::Index b = 0; b <= a; ++b, ++at) projection.own(a, b) = projection.own(b, a) = gram(at, component);
+      }
+      Eigen::Vector3d amplitude;
+      bounds[i].least = Gain(projection, &amplitude);
+      if (constant[first + component] > 0.0) {
+        const Eigen::VectorXd part = level.col(component) / std::sqrt(constant[first + component]);
+        projection.own.topLeftCorner(width, width) -= (1.0 - kLeastVisible) * part * part.transpose();
+      }
+      bounds[i].most = Gain(projection, &amplitude) / kLeastVisible;
     }
     begin = end;
   }
-  return projections;
+  return bounds;
+}
+
+void Signatures::FillRaw(const std::vector<const Candidate*>& candidates, int begin,
+                         Eigen::Ref<Eigen::MatrixXd> columns) const {
+  const Eigen::Index count = columns.rows();
+  Eigen::Matrix<double, Eigen::Dynamic, shapes::kMaxBasisCount> basis(count, shapes::kMaxBasisCount);
+  const shapes::Shape* filled = nullptr;  // neighbouring candidates share a shape
+  Eigen::Index at = 0;
+  for (const Candidate* candidate : candidates) {
+    const int width = ColumnsOf(*candidate);
+    if (candidate->family == Family::kStep) {
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const bool is_after = run_[begin + i] == candidate->run && reading_[begin + i] >= candidate->first_reading;
+        for (int b = 0; b < width; ++b) columns(i, at + b) = is_after ? setup_raw_(begin + i, b) : 0.0;
+      }
+    } else {
+      if (filled == nullptr || !(*filled == candidate->term.shape)) {
+        double values[shapes::kMaxBasisCount];
+        for (Eigen::Index i = 0; i < count; ++i) {
+          shapes::Basis(candidate->term.shape, StateAt(begin + static_cast<int>(i)), values);
+          for (int b = 0; b < width; ++b) basis(i, b) = values[b];
+        }
+        filled = &candidate->term.shape;
+      }
+      const auto sensitivity = sensitivity_.col(ColumnOf(*candidate)).segment(begin, count);
+      for (int b = 0; b < width; ++b) columns.col(at + b) = basis.col(b).cwiseProduct(sensitivity);
+    }
+    at += width;
+  }
+}
+
+void Signatures::ProjectFully(const std::vector<const Candidate*>& candidates,
+                              const std::vector<Projection*>& projections) const {
+  // Squares of sigmas per mm or rad: a turn about the line through the point, and nothing more.
+  constexpr double kRounding = 1e-6;
+  Eigen::Index width = 0;
+  for (const Candidate* candidate : candidates) width += ColumnsOf(*candidate);
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), width);
+  for (Projection* out : projections) *out = {};
+  const int run = candidates.front()->family == Family::kStep ? candidates.front()->run : -1;
+  ForEachBlock(candidates, width, run, [&](const Series& rows, int first, const auto& whitened) {
+    nuisance_.Accumulate(rows.group, first, whitened, &coefficients);
+    const Eigen::VectorXd right = whitened.transpose() * residual_.segment(first, whitened.rows());
+    Eigen::Index at = 0;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      const int own = ColumnsOf(*candidates[i]);
+      for (int a = 0; a < own; ++a) {
+        projections[i]->with_residual[a] += right[at + a];
+        for (int b = 0; b <= a; ++b) projections[i]->own(a, b) += whitened.col(at + a).dot(whitened.col(at + b));
+      }
+      at += own;
+    }
+  });
+  nuisance_.Finish(&coefficients);
+  Eigen::Index at = 0;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Projection& out = *projections[i];
+    out.columns = ColumnsOf(*candidates[i]);
+    out.visible = 1.0;
+    for (int a = 0; a < out.columns; ++a) {
+      for (int b = 0; b <= a; ++b) {
+        const double squares = out.own(a, b);
+        out.own(a, b) = out.own(b, a) = squares - coefficients.col(at + a).dot(coefficients.col(at + b));
+        if (a == b) out.visible = std::min(out.visible, squares > kRounding ? out.own(a, a) / squares : 0.0);
+      }
+    }
+    at += out.columns;
+  }
 }
 
 std::vector<double> Signatures::CorrelationsWith(const Candidate& reference,
                                                  const std::vector<Candidate>& candidates) const {
-  const auto prepare = [this](const Candidate& candidate, Eigen::MatrixXd* columns, Eigen::MatrixXd* nuisance,
-                              Eigen::MatrixXd* root) {
-    *columns = Eigen::MatrixXd(row_count(), ColumnsOf(candidate));
-    FillRaw(candidate, *columns);
-    Whiten(*columns);
-    *nuisance = NuisanceOf(*columns);
-    *root = InverseRoot(columns->transpose() * *columns - nuisance->transpose() * *nuisance);
-  };
-  Eigen::MatrixXd columns, nuisance, root, other, other_nuisance, other_root;
-  prepare(reference, &columns, &nuisance, &root);
   std::vector<double> correlations;
   for (const Candidate& candidate : candidates) {
-    prepare(candidate, &other, &other_nuisance, &other_root);
-    const Eigen::MatrixXd cross =
-        root.transpose() * (columns.transpose() * other - nuisance.transpose() * other_nuisance) * other_root;
-    const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(cross).singularValues();
-    correlations.push_back(values.size() > 0 ? values[std::min(cross.rows(), cross.cols()) - 1] : 0.0);
+    // Both together: their inner products after projection.
+    const std::vector<const Candidate*> both = {&reference, &candidate};
+    const int m = ColumnsOf(reference), n = ColumnsOf(candidate);
+    Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), m + n);
+    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(m + n, m + n);
+    ForEachBlock(both, m + n, -1, [&](const Series& rows, int first, const auto& whitened) {
+      nuisance_.Accumulate(rows.group, first, whitened, &coefficients);
+      gram.noalias() += whitened.transpose() * whitened;
+    });
+    nuisance_.Finish(&coefficients);
+    gram.noalias() -= coefficients.transpose() * coefficients;
+    const Eigen::MatrixXd cross = InverseRoot(gram.topLeftCorner(m, m)).transpose() * gram.topRightCorner(m, n) *
+                                  InverseRoot(gram.bottomRightCorner(n, n));
+    correlations.push_back(Eigen::JacobiSVD<Eigen::MatrixXd>(cross).singularValues()[std::min(m, n) - 1]);
   }
   return correlations;
 }
 
 double Signatures::RmsOf(const Candidate& candidate, const Eigen::Vector3d& amplitude) const {
   Eigen::MatrixXd columns(row_count(), ColumnsOf(candidate));
-  FillRaw(candidate, columns);
+  FillRaw({&candidate}, 0, columns);
   return row_count() > 0
              ? (columns * amplitude.head(columns.cols())).norm() / std::sqrt(static_cast<double>(row_count()))
              : 0.0;

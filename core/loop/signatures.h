@@ -4,24 +4,33 @@
 #ifndef AXISCAL_CORE_LOOP_SIGNATURES_H_
 #define AXISCAL_CORE_LOOP_SIGNATURES_H_
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <map>
 #include <vector>
 
 #include "core/identify/problem.h"
 #include "core/loop/candidate.h"
+#include "core/loop/nuisance.h"
 
 namespace axiscal::loop {
 
 inline constexpr int kMaxColumns = 3;  // columns of one candidate
+
+// A signature of which less than this share stands beyond the declared errors and setups cannot be seen in this data.
+inline constexpr double kVisible = 1e-5;
 
 // Inner products of one candidate's projected signature with itself and with the residual.
 struct Projection {
   int columns = 0;
   Eigen::Matrix3d own = Eigen::Matrix3d::Zero();            // X' X after projection, upper-left columns x columns
   Eigen::Vector3d with_residual = Eigen::Vector3d::Zero();  // X' r after projection
-  double visible = 0.0;  // smallest share of a column's squares that is left after projection
+  double visible = 0.0;      // smallest share of a column's squares that is left after projection
+  bool is_screened = false;  // too far from the residual to matter: nothing else is known
 };
+
+// What a projected signature explains of the residual's squares, and the amplitudes that do so (the residual is
+// predicted - measured).
+double Gain(const Projection& projection, Eigen::Vector3d* amplitude);
 
 class Signatures {
  public:
@@ -35,6 +44,11 @@ class Signatures {
 
   // One projection per candidate, in order.
   std::vector<Projection> Project(const std::vector<Candidate>& candidates) const;
+  // The same for those that matter: members of the scans (frequencies, places) that, even if most of them were
+  // projected off, would explain less than `worth[family]` of the residual's squares or clearly less than the best
+  // candidate does, are screened out unprojected.
+  std::vector<Projection> ProjectWorthy(const std::vector<Candidate>& candidates,
+                                        const std::map<Family, double>& worth) const;
   // For each candidate the smallest canonical correlation with `reference` after projection, over the smaller of the
   // two spaces.
   std::vector<double> CorrelationsWith(const Candidate& reference, const std::vector<Candidate>& candidates) const;
@@ -43,28 +57,34 @@ class Signatures {
   double RmsOf(const Candidate& candidate, const Eigen::Vector3d& amplitude) const;
 
  private:
-  struct Rows {
-    int begin, end, group;
-  };  // one run's rows
+  friend class RowSink;
 
   int ColumnsOf(const Candidate& candidate) const;
-  void FillRaw(const Candidate& candidate, Eigen::Ref<Eigen::MatrixXd> columns) const;
-  void Whiten(Eigen::Ref<Eigen::MatrixXd> columns) const;
-  // Coefficients of whitened columns on the orthonormal nuisance basis, stacked: all groups' setups, then the errors.
-  Eigen::MatrixXd NuisanceOf(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+  shapes::State StateAt(int row) const { return problem_.runs[run_[row]].StateOf(reading_[row]); }
+  // Raw signatures side by side at the rows begin .. begin + columns.rows().
+  void FillRaw(const std::vector<const Candidate*>& candidates, int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
+  // What a scan's member explains of the residual's squares at least, and at most unless nearly all of it is projected
+  // off. Zero for other families.
+  struct Bounds {
+    double least = 0.0, most = 0.0;
+  };
+  std::vector<Bounds> Scan(const std::vector<Candidate>& candidates) const;
+  void ProjectPending(const std::vector<Candidate>& candidates, std::vector<Projection>* projections) const;
+  // Candidates of one `run` (slips) or of none.
+  void ProjectFully(const std::vector<const Candidate*>& candidates, const std::vector<Projection*>& projections) const;
+  // Calls visit(series, first row, whitened columns) for blocks of rows of all series (of one run where run >= 0).
+  template <typename Visit>
+  void ForEachBlock(const std::vector<const Candidate*>& candidates, Eigen::Index width, int run, Visit visit) const;
 
   const identify::Problem& problem_;
-  std::vector<int> run_, reading_, series_row_;
-  std::vector<Rows> rows_;
-  Eigen::VectorXd weight_, correlation_;  // whitened_k = weight_k (x_k - correlation_k x_(k-1))
-  Eigen::MatrixXd sensitivity_;           // rows x 6 joints, raw
-  Eigen::MatrixXd setup_raw_;             // rows x 3: the first three setup offsets, raw
-  Eigen::MatrixXd setup_, errors_;        // whitened nuisance columns; setup columns hold those of the row's own group
-  std::vector<Eigen::MatrixXd> setup_basis_;  // per group: columns times this are orthonormal with the priors' rows
-  std::vector<Eigen::MatrixXd> setup_error_;  // per group: setup-basis coefficients of the error columns
-  Eigen::MatrixXd error_basis_;
-  Eigen::VectorXd residual_;
-  Eigen::VectorXd residual_nuisance_;
+  std::vector<int> run_, reading_;
+  std::vector<Series> series_;
+  Eigen::ArrayXd weight_, correlation_;  // whitened_k = weight_k (x_k - correlation_k x_(k-1))
+  bool is_white_ = true;                 // no correlation anywhere
+  Eigen::MatrixXd sensitivity_;          // rows x 6 joints, raw
+  Eigen::MatrixXd setup_raw_;            // rows x 3: the first three setup offsets, raw
+  Nuisance nuisance_;
+  Eigen::VectorXd residual_;  // whitened, projected
   double residual_squares_ = 0.0;
   int degrees_of_freedom_ = 0;
 };

@@ -69,6 +69,44 @@ TEST(Signatures, TwoNamesOfOneMotionCorrelateFully) {
   EXPECT_LT(correlations[2], 0.5);
 }
 
+// A fine harmonic of an axis that rests in most sessions is mostly a constant there, which declared errors explain:
+// screening must look past that part.
+TEST(Signatures, NothingThatMattersIsScreenedOut) {
+  const machine::ErrorModel truth = Errors(
+      kMachine,
+      R"({"EX0C": 20, "terms": [{"symbol": "EBB", "shape": "harmonic", "order": 45, "amplitude": 4, "phase_deg": 12}]})");
+  for (const double ar1 : {0.0, 0.6}) {
+    identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), truth, 1.0);
+    for (identify::Noise& noise : fit.problem.noise) noise.ar1 = ar1;
+    const Signatures signatures(fit.problem, fit.point, identify::ListParameters(fit.point.model, true));
+    const std::vector<Candidate> candidates = MakeDictionary(fit.problem, fit.point.model);
+    constexpr double kWorth = 20.0;
+    std::map<Family, double> worth;
+    for (const Candidate& candidate : candidates) worth[candidate.family] = kWorth;
+    const std::vector<Projection> all = signatures.Project(candidates);
+    const std::vector<Projection> worthy = signatures.ProjectWorthy(candidates, worth);
+    double best = 0.0;
+    int screened = 0, explain_much = 0;
+    Eigen::Vector3d amplitude;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (all[i].visible > kVisible) best = std::max(best, Gain(all[i], &amplitude));
+    }
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (all[i].visible <= kVisible) continue;
+      const double gain = Gain(all[i], &amplitude);
+      explain_much += gain > 0.8 * best;
+      screened += worthy[i].is_screened;
+      if (worthy[i].is_screened) {
+        EXPECT_LT(gain, 0.8 * best) << machine::NameOf(kMachine, candidates[i].term);
+      } else {
+        EXPECT_NEAR(Gain(worthy[i], &amplitude), gain, 1e-6 * best);
+      }
+    }
+    EXPECT_GT(explain_much, 1);
+    EXPECT_GT(screened, static_cast<int>(candidates.size()) / 3);
+  }
+}
+
 TEST(Search, TheLikelihoodRatioForgetsTheScaleOfTheNoise) {
   EXPECT_DOUBLE_EQ(LikelihoodRatio(100.0, 10.0, 50), LikelihoodRatio(400.0, 40.0, 50));
   EXPECT_EQ(LikelihoodRatio(100.0, 0.0, 50), 0.0);

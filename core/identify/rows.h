@@ -1,0 +1,86 @@
+// The linearised rows of one run: what the normal equations sum up and what the loop's signatures keep. One place that
+// knows how an error term, a setup offset and a reading become a row.
+#ifndef AXISCAL_CORE_IDENTIFY_ROWS_H_
+#define AXISCAL_CORE_IDENTIFY_ROWS_H_
+
+#include <algorithm>
+#include <vector>
+
+#include "core/identify/problem.h"
+#include "core/instruments/evaluation.h"
+
+namespace axiscal::identify {
+
+// Fitted and fixed errors together; evaluated once where no term depends on the state.
+class ErrorsOfRun {
+ public:
+  ErrorsOfRun(const Problem& problem, const Point& point)
+      : problem_(problem), point_(point), is_constant_(IsConstant(point.model) && IsConstant(problem.fixed_model)) {}
+
+  bool is_constant() const { return is_constant_; }
+  const machine::JointErrors<double>& At(const shapes::State& state) {
+    if (is_constant_ && is_evaluated_) return errors_;
+    errors_ = machine::ErrorsAt(*problem_.machine, point_.model, state);
+    if (!problem_.fixed_model.terms.empty()) {
+      const machine::JointErrors<double> fixed = machine::ErrorsAt(*problem_.machine, problem_.fixed_model, state);
+      for (int joint = 0; joint < problem_.machine->joint_count(); ++joint) errors_[joint] += fixed[joint];
+    }
+    is_evaluated_ = true;
+    return errors_;
+  }
+
+ private:
+  static bool IsConstant(const machine::ErrorModel& model) {
+    return std::all_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
+      return std::holds_alternative<shapes::Constant>(term.shape);
+    });
+  }
+
+  const Problem& problem_;
+  const Point& point_;
+  const bool is_constant_;
+  bool is_evaluated_ = false;
+  machine::JointErrors<double> errors_;
+};
+
+// d(error component)/d(parameter) at a state.
+void ParameterSlopes(const machine::ErrorModel& model, const std::vector<Parameter>& parameters,
+                     const shapes::State& state, Eigen::VectorXd* slopes);
+
+// For every used row of a run in time order: `sink.NextRow()` gives the storage of one row, which is filled with
+//   setup offsets of the run | errors (`parameters`) | predicted - measured           mm per mm or rad; mm
+// and handed back, raw, by `sink.Close(reading, row, evaluation, stored row)`. Rows start at the front of the storage.
+template <typename Sink>
+void VisitRows(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
+               Sink* sink) {
+  const instruments::MeasuringRun& run = problem.runs[run_index];
+  const machine::Machine& machine = *problem.machine;
+  const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
+  const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
+  std::vector<int> column(count);
+  for (int i = 0; i < count; ++i) {
+    const machine::ErrorTerm& term = point.model.terms[parameters[i].term];
+    column[i] = machine::kComponents * term.joint + static_cast<int>(term.component);
+  }
+  ErrorsOfRun errors_of_run(problem, point);
+  Eigen::VectorXd slopes = Eigen::VectorXd::Ones(count);
+  instruments::Evaluation evaluation;
+  for (int k = 0; k < run.reading_count(); ++k) {
+    const shapes::State state = run.StateOf(k);
+    const machine::JointErrors<double>& errors = errors_of_run.At(state);
+    if (!errors_of_run.is_constant()) ParameterSlopes(point.model, parameters, state, &slopes);
+    instruments::Evaluate(machine, run, k, errors, setup.data(), &evaluation);
+    for (int r = 0; r < run.row_count; ++r) {
+      if (!problem.is_used[run_index][static_cast<size_t>(k) * run.row_count + r]) continue;
+      auto row = sink->NextRow();
+      row.head(setup_count) = evaluation.by_setup.row(r);
+      for (int i = 0; i < count; ++i) row[setup_count + i] = evaluation.by_error(r, column[i]) * slopes[i];
+      row[setup_count + count] = evaluation.predicted_mm[r] - run.measured_mm(r, k);
+      sink->Close(k, r, evaluation, row);
+    }
+  }
+}
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_ROWS_H_

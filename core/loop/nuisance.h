@@ -1,0 +1,56 @@
+// What the declared errors and the setup offsets can explain of a column of readings: coefficients on an orthonormal
+// basis of their whitened columns, the priors of the setup offsets counted as rows.
+#ifndef AXISCAL_CORE_LOOP_NUISANCE_H_
+#define AXISCAL_CORE_LOOP_NUISANCE_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/identify/problem.h"
+
+namespace axiscal::loop {
+
+// The rows of one series (one run, one reading column), in time order.
+struct Series {
+  int begin = 0, end = 0;
+  int run = 0, group = 0;
+};
+
+class Nuisance {
+ public:
+  Nuisance() = default;
+  // Whitened columns, one row per used reading; `setup` holds the offsets of the row's own group.
+  Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd setup,
+           Eigen::MatrixXd errors);
+
+  Eigen::Index size() const { return size_; }
+  // Adds the inner products of some rows' whitened columns (rows first .. first + count of one series) to `raw`
+  // (size() x width); Finish turns the sum over all rows into coefficients.
+  template <typename Columns>
+  void Accumulate(int group, Eigen::Index first, const Columns& columns, Eigen::MatrixXd* raw) const {
+    const Eigen::Index s = setup_basis_[group].rows(), n = columns.rows();
+    raw->middleRows(offset_[group], s).noalias() += setup_.block(first, 0, n, s).transpose() * columns;
+    if (errors_.cols() > 0)
+      raw->bottomRows(errors_.cols()).noalias() += errors_.middleRows(first, n).transpose() * columns;
+  }
+  void Finish(Eigen::MatrixXd* raw) const;
+  // Coefficients of the priors' own rows, `value` being each group's offsets: adds to those of the residual.
+  Eigen::VectorXd OfPriors(const identify::Problem& problem, const std::vector<Eigen::VectorXd>& value) const;
+  // The column with these coefficients, readings' rows only.
+  Eigen::VectorXd Column(const std::vector<Series>& series, const Eigen::VectorXd& coefficients) const;
+
+ private:
+  Eigen::MatrixXd setup_, errors_;
+  std::vector<Eigen::MatrixXd> setup_basis_;  // per group: columns times this are orthonormal with the priors' rows
+  std::vector<Eigen::MatrixXd> setup_error_;  // per group: setup-basis coefficients of the error columns
+  std::vector<Eigen::Index> offset_;          // per group: where its coefficients begin
+  Eigen::MatrixXd error_basis_;
+  Eigen::Index size_ = 0;
+};
+
+// B with B' G B = 1 on the space that G sees.
+Eigen::MatrixXd InverseRoot(const Eigen::MatrixXd& gram);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_NUISANCE_H_
