@@ -53,6 +53,10 @@ class Loop {
     if (options_.progress) options_.progress({stage, fraction, detail});
   }
 
+  void Note(Step::Change change, const std::string& name, const Fit& fit) {
+    report_.steps.push_back({change, name, fit.result.fit.rms_mm});
+  }
+
   ErrorModel ModelWith(const std::vector<Added>& added) const {
     ErrorModel model = machine::DeclaredModel(machine_);
     for (const Added& one : added) {
@@ -144,8 +148,10 @@ class Loop {
     if (added.candidate.family == Family::kBump) RefineBump(signatures, &added.candidate);
     added_.push_back(added);
     ASSIGN_OR_RETURN(*fit, FitModel());
+    Note(Step::kAdded, NameOf(added_.back()), *fit);
     Say("closing the loop", static_cast<double>(added_.size()) / options_.max_effects,
-        absl::StrFormat("added %s, rms %.3f um", NameOf(added_.back()), fit->result.fit.rms_mm * base::kUmPerMm));
+        absl::StrFormat("%d candidates, added %s, rms %.3f um", found.candidate_count, NameOf(added_.back()),
+                        fit->result.fit.rms_mm * base::kUmPerMm));
     return true;
   }
 
@@ -230,8 +236,10 @@ class Loop {
         }
       }
       if (weakest < 0) return absl::OkStatus();
+      const std::string name = NameOf(added_[weakest]);
       added_.erase(added_.begin() + weakest);
       ASSIGN_OR_RETURN(*fit, FitModel());
+      Note(Step::kDropped, name, *fit);
     }
     return absl::OkStatus();
   }
@@ -269,6 +277,7 @@ class Loop {
       report_.withdrawn.push_back(NameOf(added_[i]));
       added_ = std::move(without);
       *fit = std::move(reduced);
+      Note(Step::kWithdrawn, report_.withdrawn.back(), *fit);
     }
     return absl::OkStatus();
   }

@@ -36,6 +36,14 @@ struct Unexplained {
   double rms_mm = 0.0;
 };
 
+// One change of the model, in the order in which they were made, and what was left of the residuals after the refit.
+struct Step {
+  enum Change { kAdded, kDropped, kWithdrawn };  // dropped: no longer needed; withdrawn: against the check sessions
+  Change change = kAdded;
+  std::string name;
+  double rms_mm = 0.0;  // of the fit sessions
+};
+
 struct Verdict {
   enum Kind { kAdequate, kExtended, kUnexplained };
 };
@@ -45,6 +53,7 @@ struct Report {
   std::vector<Effect> effects;
   std::vector<Unexplained> unexplained;
   std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
+  std::vector<Step> steps;             // from fit_before to fit_after
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;

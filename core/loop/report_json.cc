@@ -12,8 +12,15 @@ using base::kDegPerRad;
 using base::kUmPerMm;
 using json = nlohmann::ordered_json;
 
+// As in errors.json, with the name that texts call it by: "EBB:harmonic(45)".
+json NamedTerm(const machine::Machine& machine, const machine::ErrorTerm& term) {
+  json object = machine::TermToJson(term, machine);
+  object["name"] = machine::NameOf(machine, term);
+  return object;
+}
+
 json EffectJson(const machine::Machine& machine, const Effect& effect) {
-  json object = machine::TermToJson(effect.term, machine);
+  json object = NamedTerm(machine, effect.term);
   const double factor = machine::AmplitudeFactor(effect.term);
   object["amplitude"] = effect.amplitude / factor;
   object["amplitude_sigma"] = effect.amplitude_sigma / factor;
@@ -24,7 +31,7 @@ json EffectJson(const machine::Machine& machine, const Effect& effect) {
   object["rms_um"] = effect.rms_mm * kUmPerMm;
   object["evidence"] = effect.evidence;
   json equivalent = json::array();
-  for (const machine::ErrorTerm& term : effect.equivalent) equivalent.push_back(machine::TermToJson(term, machine));
+  for (const machine::ErrorTerm& term : effect.equivalent) equivalent.push_back(NamedTerm(machine, term));
   object["equivalent"] = std::move(equivalent);
   return object;
 }
@@ -38,12 +45,16 @@ json StatisticsJson(const identify::FitStatistics& fit) {
 
 json UnexplainedJson(const machine::Machine& machine, const Unexplained& part) {
   const int axis = machine::FindAxis(machine, part.variable);
-  const double unit = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary ? kDegPerRad : 1.0;
-  return {{"variable", part.variable},
-          {"from", part.from * unit},
-          {"to", part.to * unit},
-          {"session", part.session},
-          {"rms_um", part.rms_mm * kUmPerMm}};
+  const bool is_rotary = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary;
+  const double unit = is_rotary ? kDegPerRad : 1.0;
+  return {{"variable", part.variable}, {"from", part.from * unit},
+          {"to", part.to * unit},      {"unit", axis < 0 ? "s" : is_rotary ? "deg" : "mm"},
+          {"session", part.session},   {"rms_um", part.rms_mm * kUmPerMm}};
+}
+
+json StepJson(const Step& step) {
+  constexpr const char* kChanges[] = {"added", "dropped", "withdrawn"};
+  return {{"change", kChanges[step.change]}, {"name", step.name}, {"rms_um", step.rms_mm * kUmPerMm}};
 }
 
 const char* VerdictText(Verdict::Kind verdict) {
@@ -73,6 +84,9 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   root["fit"] = {{"before", StatisticsJson(report.fit_before)}, {"after", StatisticsJson(report.fit_after)}};
   if (report.has_check)
     root["check"] = {{"before", StatisticsJson(report.check_before)}, {"after", StatisticsJson(report.check_after)}};
+  json steps = json::array();
+  for (const Step& step : report.steps) steps.push_back(StepJson(step));
+  root["steps"] = std::move(steps);
   json unexplained = json::array();
   for (const Unexplained& part : report.unexplained) unexplained.push_back(UnexplainedJson(machine, part));
   root["unexplained"] = std::move(unexplained);
