@@ -80,6 +80,9 @@ std::string ReportText(const Machine& machine, const loop::Report& report) {
     absl::StrAppend(&text, report.fitted.outliers.size(),
                     " readings stand out of their series and were set aside (listed in the report)\n");
   }
+  if (!report.next_measurement.empty()) absl::StrAppend(&text, "measure next:\n");
+  for (const loop::Proposal& proposal : report.next_measurement)
+    absl::StrAppend(&text, loop::ProposalText(machine, proposal));
   std::vector<std::vector<std::string>> rows = {{"residual rms, um", "before", "after"}};
   const auto add = [&rows](const char* name, double before_mm, double after_mm) {
     rows.push_back({name, NumberText(before_mm * kUmPerMm), NumberText(after_mm * kUmPerMm)});

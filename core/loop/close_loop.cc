@@ -7,6 +7,7 @@
 #include "core/identify/reduction.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/noise.h"
+#include "core/loop/rivals.h"
 
 namespace axiscal::loop {
 namespace {
@@ -348,6 +349,13 @@ class Loop {
     report_.verdict = !report_.unexplained.empty() ? Verdict::kUnexplained
                       : !report_.effects.empty()   ? Verdict::kExtended
                                                    : Verdict::kAdequate;
+    Proposer proposer(fit.problem, fit.point);
+    for (Effect& effect : report_.effects) {
+      effect.equivalent = StillEquivalent(fit.problem, fit.point, effect.term, effect.equivalent,
+                                          options_.search.same_class_correlation, options_.search.indistinguishable);
+      const std::vector<Proposal> proposals = proposer.Propose(effect.term, effect.equivalent);
+      report_.next_measurement.insert(report_.next_measurement.end(), proposals.begin(), proposals.end());
+    }
     report_.fitted = fit.result;
     report_.fit_after = fit.result.fit;
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/identify/identify.h"
+#include "core/loop/next_measurement.h"
 #include "core/loop/search.h"
 
 namespace axiscal::loop {
@@ -57,7 +58,8 @@ struct Report {
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;
-  std::vector<Scored> ranking;  // candidates of the first search
+  std::vector<Proposal> next_measurement;  // sessions that would tell the effects' classes apart
+  std::vector<Scored> ranking;             // candidates of the first search
   int candidates = 0;
 };
 

@@ -57,6 +57,30 @@ json StepJson(const Step& step) {
   return {{"change", kChanges[step.change]}, {"name", step.name}, {"rms_um", step.rms_mm * kUmPerMm}};
 }
 
+json ProposalJson(const machine::Machine& machine, const Proposal& proposal) {
+  const auto names = [&machine](const std::vector<machine::ErrorTerm>& terms) {
+    json list = json::array();
+    for (const machine::ErrorTerm& term : terms) list.push_back(machine::NameOf(machine, term));
+    return list;
+  };
+  json object = {{"effect", machine::NameOf(machine, proposal.effect)}, {"separates", names(proposal.separates)}};
+  if (proposal.test.empty()) {
+    object["session"] = nullptr;
+  } else {
+    object["session"] = *session::FindHeader(proposal.session, "session");
+    object["test"] = proposal.test;
+    object["text"] = proposal.text;
+    object["correlation_before"] = proposal.correlation_before;
+    object["correlation_after"] = proposal.correlation_after;
+    object["expected_chi2"] = proposal.expected_chi2;
+    if (proposal.needs_next) object["needs_next"] = true;
+    if (!proposal.beyond.empty()) object["beyond"] = proposal.beyond;
+  }
+  object["remaining"] = names(proposal.remaining);
+  object["same_always"] = names(proposal.same_always);
+  return object;
+}
+
 const char* VerdictText(Verdict::Kind verdict) {
   switch (verdict) {
     case Verdict::kAdequate:
@@ -91,6 +115,9 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   for (const Unexplained& part : report.unexplained) unexplained.push_back(UnexplainedJson(machine, part));
   root["unexplained"] = std::move(unexplained);
   root["outliers"] = fitted["outliers"];
+  json next = json::array();
+  for (const Proposal& proposal : report.next_measurement) next.push_back(ProposalJson(machine, proposal));
+  root["next_measurement"] = std::move(next);
   root["withdrawn"] = report.withdrawn;
   root["sessions"] = fitted["sessions"];
   root["candidates"] = report.candidates;

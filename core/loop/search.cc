@@ -59,7 +59,8 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
     const bool explains_as_much = scored[i].likelihood_ratio >= best.likelihood_ratio - options.indistinguishable;
     const bool is_same = correlations[i] > options.same_class_correlation;
     constexpr double kRelated = 0.7;
-    if (explains_as_much && correlations[i] > kRelated) {
+    // The best is in its class even where one of its columns shows in no reading.
+    if (i == 0 || (explains_as_much && correlations[i] > kRelated)) {
       compatible.push_back(scored[i]);
     } else if (is_same) {
       correlated.push_back(scored[i]);

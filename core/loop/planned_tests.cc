@@ -1,0 +1,96 @@
+#include "core/loop/planned_tests.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/instruments/registry.h"
+
+namespace axiscal::loop {
+namespace {
+
+using instruments::Kind;
+using instruments::MeasuringRun;
+
+// Noise of one kind of instrument as the fit judged it.
+identify::Noise NoiseOf(const identify::Problem& measured, const MeasuringRun& planned) {
+  identify::Noise noise;
+  int count = 0;
+  for (size_t i = 0; i < measured.runs.size(); ++i) {
+    if (measured.runs[i].kind != planned.kind) continue;
+    noise.sigma_mm += measured.noise[i].sigma_mm;
+    noise.ar1 += measured.noise[i].ar1;
+    ++count;
+  }
+  if (count == 0) return {planned.sigma_mm, 0.0};
+  return {noise.sigma_mm / count, noise.ar1 / count};
+}
+
+// At most `most` readings at irregular distances (a regular stride would alias harmonics), each with the motion that
+// the whole session gives it. Sigma shrinks so that they weigh what all of them would; correlated readings weigh less.
+MeasuringRun Thinned(const MeasuringRun& run, int most, identify::Noise* noise) {
+  const int count = run.reading_count(), kept = std::min(most, count);
+  const double stride = static_cast<double>(count) / kept, golden = 0.6180339887498949;
+  MeasuringRun out = run;
+  out.positions.clear();
+  out.axis_states.clear();
+  out.time_s.clear();
+  out.temperature_celsius.clear();
+  for (int i = 0; i < kept; ++i) {
+    double whole = 0.0;
+    const int k = std::min(count - 1, static_cast<int>(stride * (i + std::modf(golden * (i + 1), &whole))));
+    const size_t from = static_cast<size_t>(k) * run.axis_count;
+    out.positions.insert(out.positions.end(), run.positions.begin() + from,
+                         run.positions.begin() + from + run.axis_count);
+    out.axis_states.insert(out.axis_states.end(), run.axis_states.begin() + from,
+                           run.axis_states.begin() + from + run.axis_count);
+    out.time_s.push_back(run.time_s[k]);
+    out.temperature_celsius.push_back(run.temperature_celsius[k]);
+  }
+  out.measured_mm = run.measured_mm.leftCols(kept);
+  const double memory = std::clamp(noise->ar1, 0.0, 0.95);
+  noise->sigma_mm *= std::sqrt((1.0 + memory) / (1.0 - memory) / stride);
+  noise->ar1 = 0.0;
+  return out;
+}
+
+}  // namespace
+
+std::vector<PlannedTest> PlanTests(const identify::Problem& measured) {
+  const machine::Machine& machine = *measured.machine;
+  const plan::Situation situation = plan::SituationOf(machine, measured.runs);
+  std::set<std::string> taken;
+  for (const MeasuringRun& run : measured.runs) taken.insert(run.session);
+  std::vector<PlannedTest> tests;
+  for (const plan::Test& test : plan::Tests()) {
+    for (plan::PlannedSession& planned : test.plan(situation)) {
+      const plan::Reach reach = plan::ReachOf(situation, planned.session);
+      constexpr double kFarMm = 200.0;
+      if (!reach.is_reachable || reach.beyond_mm > kFarMm) continue;
+      session::Session empty = planned.session;
+      const instruments::Instrument* instrument =
+          instruments::FindInstrument(session::FindHeader(empty, "instrument").value_or(""));
+      for (const std::string& name : instrument->reading_columns)
+        empty.columns.push_back({name, std::vector<double>(empty.reading_count(), 0.0), {}});
+      absl::StatusOr<MeasuringRun> run = instruments::BindSession(empty, machine);
+      if (!run.ok() || !taken.insert(run->session).second) continue;
+      PlannedTest out;
+      identify::Noise noise = NoiseOf(measured, *run);
+      const int most = run->row_count == 1 ? 120 : 90;
+      absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, {Thinned(*run, most, &noise)});
+      if (!problem.ok()) continue;
+      out.test = test.name;
+      out.seconds = run->time_s.back() - run->time_s.front();
+      out.planned = std::move(planned);
+      out.problem = *std::move(problem);
+      out.problem.noise[0] = noise;
+      out.beyond = reach.text;
+      out.has_used_instrument =
+          instrument->kind == Kind::kBallbar ? situation.ballbar.is_used : situation.rtest.is_used;
+      tests.push_back(std::move(out));
+    }
+  }
+  return tests;
+}
+
+}  // namespace axiscal::loop

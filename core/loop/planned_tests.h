@@ -1,0 +1,28 @@
+// The sessions that could be measured next, bound to the machine and thinned: enough readings to judge them by, with
+// the weight of all.
+#ifndef AXISCAL_CORE_LOOP_PLANNED_TESTS_H_
+#define AXISCAL_CORE_LOOP_PLANNED_TESTS_H_
+
+#include <string>
+#include <vector>
+
+#include "core/identify/problem.h"
+#include "core/plan/test.h"
+
+namespace axiscal::loop {
+
+struct PlannedTest {
+  std::string test;
+  plan::PlannedSession planned;
+  identify::Problem problem;  // its one run, thinned
+  std::string beyond;
+  bool has_used_instrument = false;  // the shop has it
+  double seconds = 0.0;
+};
+
+// Everything in the registry that the machine can run from here, near the range of its linear axes so far.
+std::vector<PlannedTest> PlanTests(const identify::Problem& measured);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_PLANNED_TESTS_H_

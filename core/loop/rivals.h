@@ -1,0 +1,51 @@
+// Effects that compete for one signature: the fitted one and others in its place, each as it would be fitted to what
+// the first one does; what the sessions say of them; and which of them the sessions cannot tell from the first.
+#ifndef AXISCAL_CORE_LOOP_RIVALS_H_
+#define AXISCAL_CORE_LOOP_RIVALS_H_
+
+#include <vector>
+
+#include "core/loop/separation.h"
+
+namespace axiscal::loop {
+
+// An effect with another decay length or time constant is the same effect, refitted.
+bool IsSameButParameter(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
+
+class Rivals {
+ public:
+  // `terms`: the first is a term of the point's model, with its amplitude; the others are not in the model.
+  Rivals(const identify::Problem& problem, const identify::Point& point, std::vector<machine::ErrorTerm> terms);
+
+  int count() const { return static_cast<int>(terms_.size()); }
+  const machine::ErrorTerm& term(int rival) const { return terms_[rival]; }
+  const std::vector<Member>& members() const { return members_; }
+  const Information& information() const { return information_; }
+  // Of another session with its own setup.
+  Information InformationOfTest(const identify::Problem& test) const;
+
+ private:
+  void FitAmplitudes(const identify::Problem& problem);
+
+  identify::Point point_;
+  std::vector<machine::ErrorTerm> terms_;
+  std::vector<identify::Parameter> parameters_;
+  std::vector<Member> members_;
+  Information information_;
+};
+
+// The same shape elsewhere in the machine (of a drift also the other kinds in the same place) where the sessions tell
+// it from the first of `named` by little: a session that does not tell the two would dilute what does. At most six.
+std::vector<machine::ErrorTerm> NeighboursOf(const identify::Problem& problem, const identify::Point& point,
+                                             const std::vector<machine::ErrorTerm>& named);
+
+// The class judged again once everything is fitted and the noise is known: those of `equivalent` that correlate with
+// the effect by more than `same_correlation`, or that would fit as well but for `indistinguishable` (chi-square).
+std::vector<machine::ErrorTerm> StillEquivalent(const identify::Problem& problem, const identify::Point& point,
+                                                const machine::ErrorTerm& effect,
+                                                const std::vector<machine::ErrorTerm>& equivalent,
+                                                double same_correlation, double indistinguishable);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_RIVALS_H_

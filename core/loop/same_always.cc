@@ -1,0 +1,89 @@
+#include "core/loop/same_always.h"
+
+#include <cmath>
+#include <random>
+
+#include "core/identify/problem.h"
+#include "core/instruments/rtest/rtest_model.h"
+#include "core/loop/separation.h"
+
+namespace axiscal::loop {
+namespace {
+
+// An R-test that no machine could run: every axis anywhere, moving either way at any speed, at any time and
+// temperature, the nest anywhere, tools of any length. Its three readings are the tool point in the table's frame.
+instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen::Vector3d& tip_mm, int number,
+                                   std::mt19937_64* random) {
+  const auto uniform = [random](double low, double high) {
+    return low + (high - low) * (static_cast<double>((*random)() >> 11) * 0x1p-53);
+  };
+  instruments::MeasuringRun run;
+  run.session = run.setup_name = absl::StrCat("any-", number);
+  run.kind = instruments::Kind::kRtest;
+  run.setup = rtest::SetupParameters();
+  run.sigma_mm = 1e-3;
+  constexpr double kPlaceMm = 300.0;
+  run.tip_mm = tip_mm + uniform(-0.5 * kPlaceMm, kPlaceMm) * machine.tool_direction;
+  for (int k = 0; k < 3; ++k) run.ball_mm[k] = uniform(-kPlaceMm, kPlaceMm);
+  run.axis_count = machine.axis_count();
+  run.row_count = 3;
+  run.has_time = run.has_temperature = true;
+  constexpr int kReadings = 24;
+  for (int k = 0; k < kReadings; ++k) {
+    for (const machine::Axis& axis : machine.axes) {
+      const double reach = axis.kind == machine::AxisKind::kRotary ? M_PI : kPlaceMm;
+      shapes::AxisState state;
+      state.position = uniform(-reach, reach);
+      state.sense = uniform(-1.0, 1.0) < 0.0 ? -1.0 : 1.0;
+      state.travel_since_reversal = uniform(0.0, 0.1 * reach);
+      state.speed = state.sense * uniform(0.0, 0.1 * reach);
+      run.positions.push_back(state.position);
+      run.axis_states.push_back(state);
+    }
+    run.time_s.push_back(uniform(0.0, 2e4));
+    run.temperature_celsius.push_back(uniform(10.0, 30.0));
+  }
+  run.measured_mm = Eigen::MatrixXd::Zero(3, kReadings);
+  return run;
+}
+
+}  // namespace
+
+std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Vector3d& tip_mm,
+                                const std::vector<machine::ErrorTerm>& terms) {
+  std::mt19937_64 random(1);
+  std::vector<instruments::MeasuringRun> runs;
+  for (int i = 0; i < 3; ++i) runs.push_back(AnyState(machine, tip_mm, i, &random));
+  const absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, std::move(runs));
+  machine::ErrorModel model;
+  std::vector<Member> members;
+  int column = 0;
+  constexpr double kTauS = 3600.0, kLength = 1.0;
+  for (machine::ErrorTerm term : terms) {
+    term.amplitude = {};
+    // Another decay length or time constant does not make another effect.
+    if (double* parameter = shapes::NonlinearParameter(term.shape))
+      *parameter = std::holds_alternative<shapes::DriftExp>(term.shape) ? kTauS : kLength;
+    model.terms.push_back(term);
+    Member member;
+    for (int b = 0; b < shapes::BasisCount(term.shape); ++b) member.columns.push_back(column++);
+    members.push_back(std::move(member));
+  }
+  std::vector<int> first(terms.size());
+  for (size_t i = 0; i < terms.size(); ++i) first[i] = static_cast<int>(i);
+  if (!problem.ok()) return first;
+  const Separation separation(
+      InformationOf(*problem, identify::StartingPoint(*problem, model), identify::ListParameters(model, false)),
+      members);
+  constexpr double kSame = 1.0 - 1e-7;
+  for (size_t i = 0; i < terms.size(); ++i) {
+    for (size_t j = 0; j < i && first[i] == static_cast<int>(i); ++j) {
+      if (first[j] == static_cast<int>(j) && members[i].columns.size() == members[j].columns.size() &&
+          separation.Correlation(static_cast<int>(i), static_cast<int>(j)) > kSame)
+        first[i] = static_cast<int>(j);
+    }
+  }
+  return first;
+}
+
+}  // namespace axiscal::loop

@@ -1,0 +1,59 @@
+// How well sessions tell effects of a class apart. What sessions say of errors is their information matrix, setups
+// eliminated; sessions with setups of their own add up. From it, with everything else that is fitted projected off:
+// canonical correlations and the chi-square that fitting the wrong effect would leave.
+#ifndef AXISCAL_CORE_LOOP_SEPARATION_H_
+#define AXISCAL_CORE_LOOP_SEPARATION_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/identify/problem.h"
+
+namespace axiscal::loop {
+
+struct Information {
+  Eigen::MatrixXd matrix;  // p x p, whitened squares per (mm or rad)^2
+  Eigen::VectorXd norm2;   // p: squares of each whitened column before setups were eliminated
+
+  Information& operator+=(const Information& other) {
+    matrix += other.matrix;
+    norm2 += other.norm2;
+    return *this;
+  }
+};
+
+// Of the problem's sessions about `parameters`; all priors count.
+Information InformationOf(const identify::Problem& problem, const identify::Point& point,
+                          const std::vector<identify::Parameter>& parameters);
+
+// One effect of a class: its columns in the information matrix, and its amplitudes (mm or rad) if it is the true one.
+struct Member {
+  std::vector<int> columns;    // amplitudes
+  std::vector<int> nonlinear;  // decay length, time constant: refitted by a rival
+  Eigen::VectorXd amplitude;
+};
+
+class Separation {
+ public:
+  // Every column that belongs to no member is fitted along and projected off.
+  Separation(const Information& information, const std::vector<Member>& members);
+
+  // Smallest canonical correlation over the smaller of the two spaces; 1 where either is not seen at all.
+  double Correlation(int a, int b) const;
+  // Chi-square that is left when `truth` acts with its amplitude and `rival` is fitted in its place.
+  double ExpectedChi2(int truth, int rival) const;
+  // Amplitudes that `rival` takes when it is fitted in place of `truth`.
+  Eigen::VectorXd FittedAmplitude(int truth, int rival) const;
+
+ private:
+  Eigen::MatrixXd Block(const std::vector<int>& rows, const std::vector<int>& columns) const;
+  std::vector<int> AllColumns(int member) const;
+
+  const std::vector<Member>& members_;
+  Eigen::MatrixXd projected_;  // p x p; rows and columns of members, scaled to unit norm before projection
+  Eigen::VectorXd scale_;      // p: scaled = raw * scale
+};
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_SEPARATION_H_

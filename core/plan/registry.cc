@@ -1,0 +1,59 @@
+#include <cmath>
+
+#include "core/base/units.h"
+#include "core/plan/tests_internal.h"
+
+namespace axiscal::plan {
+
+const std::vector<Test>& Tests() {
+  static const std::vector<Test>& tests = *new std::vector<Test>{
+      {"ballbar-pattern", "a bar held at its length while B or C turns there and back (twelve patterns)",
+       BallbarPatterns},
+      {"ballbar-turn", "a bar along one direction while one rotary axis turns there and back", BallbarTurns},
+      {"ballbar-circle", "a circle of two linear axes, counter-clockwise, then clockwise", BallbarCircles},
+      {"rtest-grid", "an R-test over a grid of the rotary axes, there and back", RtestGrids},
+      {"rtest-approach", "an R-test at a few poses, each approached by one axis at a time from both senses",
+       RtestApproaches},
+      {"other-sense", "a measured session run backwards", OtherSense},
+      {"later", "a measured session repeated two hours later", Later},
+      {"warmer", "a measured session or an R-test grid when the shop is four degrees warmer", Warmer},
+      {"finer", "a measured session repeated with three readings in place of one", Finer},
+  };
+  return tests;
+}
+
+const Test* FindTest(const std::string& name) {
+  for (const Test& test : Tests()) {
+    if (test.name == name) return &test;
+  }
+  return nullptr;
+}
+
+Reach ReachOf(const Situation& situation, const session::Session& session) {
+  Reach reach;
+  const machine::Machine& machine = *situation.machine;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    const machine::Axis& a = machine.axes[axis];
+    const bool is_rotary = a.kind == machine::AxisKind::kRotary;
+    const session::Column* column = session::FindColumn(session, a.name + (is_rotary ? "_deg" : "_mm"));
+    if (column == nullptr || column->values.empty()) continue;
+    const auto [low, high] = std::minmax_element(column->values.begin(), column->values.end());
+    const double unit = is_rotary ? base::kRadPerDeg : 1.0;
+    constexpr double kRounding = 1e-3;
+    if (a.min_position && *low * unit < *a.min_position - kRounding) reach.is_reachable = false;
+    if (a.max_position && *high * unit > *a.max_position + kRounding) reach.is_reachable = false;
+    if (is_rotary || situation.runs.empty()) continue;
+    constexpr double kWorthSaying = 1.0;  // mm
+    const Range& range = situation.ranges[axis];
+    const auto say = [&](const char* side, double to, double so_far) {
+      absl::StrAppend(&reach.text, reach.text.empty() ? "" : ", ",
+                      absl::StrFormat("%s %s %.0f mm (so far %.0f mm)", a.name, side, to, so_far));
+    };
+    if (*low < range.lowest - kWorthSaying) say("down to", *low, range.lowest);
+    if (*high > range.highest + kWorthSaying) say("up to", *high, range.highest);
+    reach.beyond_mm = std::max({reach.beyond_mm, range.lowest - *low, *high - range.highest});
+  }
+  return reach;
+}
+
+}  // namespace axiscal::plan

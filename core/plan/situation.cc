@@ -1,0 +1,78 @@
+#include "core/plan/situation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/units.h"
+
+namespace axiscal::plan {
+namespace {
+
+using instruments::Kind;
+using instruments::MeasuringRun;
+
+constexpr double kSameMm = 0.5;
+
+void AddPoint(const Eigen::Vector3d& point_mm, std::vector<Eigen::Vector3d>* points_mm) {
+  const auto is_same = [&](const Eigen::Vector3d& other) { return (other - point_mm).norm() < kSameMm; };
+  if (std::none_of(points_mm->begin(), points_mm->end(), is_same)) points_mm->push_back(point_mm);
+}
+
+void AddUse(const MeasuringRun& run, InstrumentUse* use) {
+  use->sigma_mm = use->is_used ? std::min(use->sigma_mm, run.sigma_mm) : run.sigma_mm;
+  use->is_used = true;
+  const int count = run.reading_count();
+  if (run.has_time && count > 1 && run.time_s.back() > run.time_s.front())
+    use->seconds_per_reading = (run.time_s.back() - run.time_s.front()) / (count - 1);
+}
+
+}  // namespace
+
+Situation SituationOf(const machine::Machine& machine, const std::vector<MeasuringRun>& runs) {
+  Situation situation;
+  situation.machine = &machine;
+  situation.ranges.assign(machine.axis_count(), {INFINITY, -INFINITY});
+  situation.ballbar = {false, 0.3 * base::kMmPerUm, 0.25};
+  situation.rtest = {false, 0.7 * base::kMmPerUm, 10.0};
+  double celsius = 0.0, readings = 0.0, end_s = 0.0;
+  for (const MeasuringRun& run : runs) {
+    situation.runs.push_back(&run);
+    for (int k = 0; k < run.reading_count(); ++k) {
+      for (int axis = 0; axis < machine.axis_count(); ++axis) {
+        Range& range = situation.ranges[axis];
+        range.lowest = std::min(range.lowest, run.PositionsOf(k)[axis]);
+        range.highest = std::max(range.highest, run.PositionsOf(k)[axis]);
+      }
+      celsius += run.temperature_celsius[k];
+    }
+    readings += run.reading_count();
+    AddPoint(run.tip_mm, &situation.tips_mm);
+    if (run.kind != Kind::kTracker) AddPoint(run.ball_mm, &situation.balls_mm);
+    if (run.kind == Kind::kBallbar) {
+      AddUse(run, &situation.ballbar);
+      const auto is_same = [&](double length_mm) { return std::abs(length_mm - run.bar_length_mm) < kSameMm; };
+      if (std::none_of(situation.bars_mm.begin(), situation.bars_mm.end(), is_same))
+        situation.bars_mm.push_back(run.bar_length_mm);
+    }
+    if (run.kind == Kind::kRtest) AddUse(run, &situation.rtest);
+    situation.has_time |= run.has_time;
+    situation.has_temperature |= run.has_temperature;
+    if (run.has_time) end_s = std::max(end_s, run.time_s.back());
+  }
+  for (Range& range : situation.ranges) {
+    if (range.lowest > range.highest) range = {};
+  }
+  if (readings > 0.0) situation.temperature_celsius = celsius / readings;
+  constexpr double kMountingS = 600.0, kToolMm = 150.0, kBarMm = 100.0;
+  situation.start_s = runs.empty() ? 0.0 : end_s + kMountingS;
+  if (situation.tips_mm.empty()) situation.tips_mm.push_back(kToolMm * machine.tool_direction);
+  if (situation.balls_mm.empty()) situation.balls_mm.push_back(Eigen::Vector3d::Zero());
+  if (situation.bars_mm.empty()) situation.bars_mm.push_back(kBarMm);
+  std::sort(situation.tips_mm.begin(), situation.tips_mm.end(), [&](const auto& a, const auto& b) {
+    return a.dot(machine.tool_direction) < b.dot(machine.tool_direction);
+  });
+  std::sort(situation.bars_mm.begin(), situation.bars_mm.end());
+  return situation;
+}
+
+}  // namespace axiscal::plan

@@ -1,0 +1,46 @@
+// What a machine's earlier sessions tell a planner: where its axes have been, which instruments, tools and balls are at
+// hand, and when the clock stands.
+#ifndef AXISCAL_CORE_PLAN_SITUATION_H_
+#define AXISCAL_CORE_PLAN_SITUATION_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/instruments/run.h"
+
+namespace axiscal::plan {
+
+struct Range {
+  double lowest = 0.0, highest = 0.0;  // mm or rad
+};
+
+// One kind of instrument as the sessions used it; where they did not, what is common.
+struct InstrumentUse {
+  bool is_used = false;
+  double sigma_mm = 0.0;  // the best stated repeatability of one reading
+  double seconds_per_reading = 0.0;
+};
+
+struct Situation {
+  const machine::Machine* machine = nullptr;
+  std::vector<const instruments::MeasuringRun*> runs;
+  std::vector<Range> ranges;              // per axis, of all sessions; axes that stood still have lowest = highest
+  std::vector<Eigen::Vector3d> tips_mm;   // tool points in use, shortest tool first, machine frame at home
+  std::vector<Eigen::Vector3d> balls_mm;  // places of the table ball in use, machine frame at home
+  std::vector<double> bars_mm;            // bar lengths in use, shortest first
+  double start_s = 0.0;                   // when the next session can start
+  bool has_time = false, has_temperature = false;
+  double temperature_celsius = 20.0;  // mean of the sessions
+  InstrumentUse ballbar, rtest;
+
+  bool Turns(int axis) const { return ranges[axis].highest - ranges[axis].lowest > 1e-3; }
+};
+
+// `runs` must outlive what is returned. Never fails: of what no session tells, what is common stands (a tool of 150 mm,
+// a bar of 100 mm).
+Situation SituationOf(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs);
+
+}  // namespace axiscal::plan
+
+#endif  // AXISCAL_CORE_PLAN_SITUATION_H_
