@@ -1,6 +1,7 @@
 // axiscal close-loop: a case folder in, the effects that its model lacks out; no database and no server.
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "client/cli/commands.h"
@@ -10,6 +11,7 @@
 #include "core/base/files.h"
 #include "core/base/units.h"
 #include "core/loop/close_loop.h"
+#include "core/loop/pictures.h"
 #include "core/machine/error_json.h"
 #include "core/session/case.h"
 
@@ -20,7 +22,7 @@ using base::kUmPerMm;
 using machine::Machine;
 
 struct Arguments {
-  std::string folder, report, errors;
+  std::string folder, report, errors, plot;
   int max_effects = 8;
 };
 
@@ -92,6 +94,16 @@ std::string ReportText(const Machine& machine, const loop::Report& report) {
   return text + Table(rows);
 }
 
+// Pictures of the report, one file each; the folder is made where it is missing.
+absl::Status WritePictures(const std::string& folder, const std::vector<loop::Picture>& pictures) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return absl::InvalidArgumentError(absl::StrCat("--plot ", folder, ": ", error.message()));
+  for (const loop::Picture& picture : pictures)
+    RETURN_IF_ERROR(base::WriteFileAtomically(absl::StrCat(folder, "/", picture.file), picture.svg));
+  return absl::OkStatus();
+}
+
 absl::Status CheckPaths(const Arguments& arguments, const session::Case& measured) {
   std::vector<NamedPath> inputs = {{"machine.json", arguments.folder + "/machine.json"}};
   for (const auto* files : {&measured.fit_files, &measured.check_files}) {
@@ -109,14 +121,15 @@ absl::Status CloseLoop(Context& context, const Arguments& arguments) {
   options.max_effects = arguments.max_effects;
   ProgressBar bar = context.Bar("closing the loop");
   options.progress = [&bar](const identify::Progress& progress) { bar.Show(progress.fraction, progress.detail); };
-  ASSIGN_OR_RETURN(const loop::Report report,
-                   loop::CloseLoop(measured.machine, std::move(fit), std::move(check), options));
+  ASSIGN_OR_RETURN(const loop::Report report, loop::CloseLoop(measured.machine, fit, check, options));
   const std::string json = loop::ToJson(measured.machine, report);
   if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, json));
   if (!arguments.errors.empty()) {
     RETURN_IF_ERROR(
         base::WriteFileAtomically(arguments.errors, machine::WriteErrors(report.fitted.model, measured.machine)));
   }
+  if (!arguments.plot.empty())
+    RETURN_IF_ERROR(WritePictures(arguments.plot, loop::Pictures(measured.machine, fit, check, report)));
   context.Print(Embedded(json), ReportText(measured.machine, report));
   return absl::OkStatus();
 }
@@ -131,12 +144,16 @@ void AddCloseLoopCommand(CLI::App& app, Context& context) {
   command->add_option("--report", arguments->report, "write the full report (JSON) to this file");
   command->add_option("--errors", arguments->errors,
                       "write the extended model's errors (errors.json) to this file, for compensate");
+  command->add_option(
+      "--plot", arguments->plot,
+      "write pictures (SVG) into this folder: residuals against each variable and ball-bar traces, before "
+      "and after, and the ranking of candidates");
   command->add_option("--max-effects", arguments->max_effects, "stop after this many effects")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
   command->footer(
       "Examples:\n"
-      "  axiscal close-loop tuesday/ --report report.json\n"
+      "  axiscal close-loop tuesday/ --report report.json --plot pictures/\n"
       "  axiscal close-loop tuesday/ --errors errors.json && axiscal compensate --machine tuesday/machine.json "
       "--errors errors.json --tool-tip \"0 0 -350\" in.nc -o out.nc");
   SetAction(command, context, [&context, arguments] { return CloseLoop(context, *arguments); });

@@ -37,7 +37,8 @@ class Loop {
     Say("fitting the declared model", 0.0, "");
     ASSIGN_OR_RETURN(Fit fit, FitModel());
     report_.fit_before = fit.result.fit;
-    ASSIGN_OR_RETURN(report_.check_before, CheckStatistics(fit.result.model));
+    KeepResiduals(fit, runs_, &SessionResiduals::before_mm);
+    ASSIGN_OR_RETURN(report_.check_before, CheckStatistics(fit.result.model, &SessionResiduals::before_mm));
     for (int step = 0; step < options_.max_effects; ++step) {
       ASSIGN_OR_RETURN(const bool has_found, Forward(&fit));
       if (!has_found) break;
@@ -45,7 +46,8 @@ class Loop {
     }
     RETURN_IF_ERROR(Validate(&fit));
     Describe(fit);
-    ASSIGN_OR_RETURN(report_.check_after, CheckStatistics(fit.result.model));
+    KeepResiduals(fit, runs_, &SessionResiduals::after_mm);
+    ASSIGN_OR_RETURN(report_.check_after, CheckStatistics(fit.result.model, &SessionResiduals::after_mm));
     return std::move(report_);
   }
 
@@ -118,10 +120,33 @@ class Loop {
     return fit;
   }
 
-  absl::StatusOr<identify::FitStatistics> CheckStatistics(const ErrorModel& model) {
+  using ResidualField = Eigen::MatrixXd SessionResiduals::*;
+
+  // Parts of a session whose artefact slipped join again.
+  void KeepResiduals(const Fit& fit, const std::vector<MeasuringRun>& runs, ResidualField field) {
+    const bool is_check = &runs == &check_runs_;
+    const size_t offset = is_check ? runs_.size() : 0;
+    report_.residuals.resize(runs_.size() + check_runs_.size());
+    size_t part = 0;
+    for (size_t i = 0; i < runs.size(); ++i) {
+      SessionResiduals& kept = report_.residuals[offset + i];
+      kept.session = runs[i].session;
+      kept.is_check = is_check;
+      Eigen::MatrixXd& residuals_mm = kept.*field;
+      residuals_mm.resize(runs[i].row_count, runs[i].reading_count());
+      for (Eigen::Index at = 0; at < residuals_mm.cols(); ++part) {
+        const Eigen::MatrixXd& columns = fit.residuals_mm[part];
+        residuals_mm.middleCols(at, columns.cols()) = columns;
+        at += columns.cols();
+      }
+    }
+  }
+
+  absl::StatusOr<identify::FitStatistics> CheckStatistics(const ErrorModel& model, ResidualField field) {
     report_.has_check = !check_runs_.empty();
     if (check_runs_.empty()) return identify::FitStatistics{};
     ASSIGN_OR_RETURN(const Fit check, identify::CheckRuns(machine_, check_runs_, model, identify_options_));
+    KeepResiduals(check, check_runs_, field);
     return check.result.fit;
   }
 

@@ -49,6 +49,14 @@ struct Verdict {
   enum Kind { kAdequate, kExtended, kUnexplained };
 };
 
+// What each reading of a session deviates by (predicted - measured) under the declared model and under the extended
+// one.
+struct SessionResiduals {
+  std::string session;
+  bool is_check = false;
+  Eigen::MatrixXd before_mm, after_mm;  // rows of a reading x readings, as in the session's run
+};
+
 struct Report {
   Verdict::Kind verdict = Verdict::kAdequate;
   std::vector<Effect> effects;
@@ -58,8 +66,9 @@ struct Report {
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;
-  std::vector<Proposal> next_measurement;  // sessions that would tell the effects' classes apart
-  std::vector<Scored> ranking;             // candidates of the first search
+  std::vector<SessionResiduals> residuals;  // fit sessions, then check sessions, in the order given
+  std::vector<Proposal> next_measurement;   // sessions that would tell the effects' classes apart
+  std::vector<Scored> ranking;              // candidates of the first search
   int candidates = 0;
 };
 

@@ -1,0 +1,250 @@
+#include "core/loop/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "core/base/units.h"
+#include "core/plot/charts.h"
+
+namespace axiscal::loop {
+namespace {
+
+using base::kDegPerRad;
+using base::kUmPerMm;
+using instruments::MeasuringRun;
+using machine::Machine;
+
+bool IsRotary(const Machine& machine, int axis) { return machine.axes[axis].kind == machine::AxisKind::kRotary; }
+
+class Painter {
+ public:
+  Painter(const Machine& machine, const std::vector<MeasuringRun>& fit, const std::vector<MeasuringRun>& check,
+          const Report& report)
+      : machine_(machine), report_(report) {
+    for (const auto* runs : {&fit, &check}) {
+      for (const MeasuringRun& run : *runs) runs_.push_back(&run);
+    }
+  }
+
+  void AddResiduals() {
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) {
+      const std::string& name = machine_.axes[axis].name;
+      const bool is_rotary = IsRotary(machine_, axis);
+      const double unit = is_rotary ? kDegPerRad : 1.0;
+      AddResidual("residual-" + name, absl::StrCat(name, is_rotary ? ", deg" : ", mm"), name,
+                  [axis, unit](const MeasuringRun& run, int k) { return run.PositionsOf(k)[axis] * unit; });
+    }
+    AddResidual("residual-time", "time, s", "time", [](const MeasuringRun& run, int k) { return run.time_s[k]; });
+    AddResidual("residual-temperature", "temperature, deg C", "temperature",
+                [](const MeasuringRun& run, int k) { return run.temperature_celsius[k]; });
+  }
+
+  void AddTraces() {
+    std::map<std::string, std::vector<size_t>> groups;
+    std::vector<std::string> order;
+    for (size_t i = 0; i < runs_.size(); ++i) {
+      if (runs_[i]->kind != instruments::Kind::kBallbar) continue;
+      const std::string key = absl::StrCat(report_.residuals[i].is_check, "|", PlaceOf(*runs_[i]));
+      if (groups[key].empty()) order.push_back(key);
+      groups[key].push_back(i);
+    }
+    for (const std::string& key : order) AddTrace(groups[key]);
+  }
+
+  void AddRanking(const SearchOptions& options) {
+    std::vector<plot::Bar> bars;
+    for (const Scored& scored : report_.ranking) {
+      bars.push_back({NameOf(scored.candidate), scored.score});
+    }
+    if (bars.empty()) return;
+    pictures_.push_back(
+        {"ranking.svg",
+         plot::BarChart(absl::StrFormat("What the declared model lacks: the best of %d candidates", report_.candidates),
+                        "score: chi-square gained, less the penalty for looking", bars, options.evidence,
+                        "significant beyond here")});
+  }
+
+  std::vector<Picture> Finish() { return std::move(pictures_); }
+
+ private:
+  using Variable = std::function<double(const MeasuringRun&, int)>;
+
+  std::string NameOf(const Candidate& candidate) const {
+    if (candidate.family == Family::kStep) return absl::StrCat("slip at reading ", candidate.first_reading + 1);
+    const auto* bump = std::get_if<shapes::Bump>(&candidate.term.shape);
+    if (bump == nullptr) return machine::NameOf(machine_, candidate.term);
+    const bool is_rotary = IsRotary(machine_, bump->axis);
+    return absl::StrFormat("%s: local at %s %.0f %s", machine::SymbolOf(machine_, candidate.term),
+                           machine_.axes[bump->axis].name, bump->at * (is_rotary ? kDegPerRad : 1.0),
+                           is_rotary ? "deg" : "mm");
+  }
+
+  static std::string RmsText(double sum, double count) {
+    return absl::StrFormat("rms %.3g um", count > 0.0 ? std::sqrt(sum / count) : 0.0);
+  }
+
+  // measured - predicted, um.
+  const Eigen::MatrixXd& ResidualsOf(size_t run, bool is_after) const {
+    return is_after ? report_.residuals[run].after_mm : report_.residuals[run].before_mm;
+  }
+
+  void AddResidual(const std::string& file, const std::string& label, const std::string& name,
+                   const Variable& variable) {
+    double lowest = INFINITY, highest = -INFINITY;
+    for (const MeasuringRun* run : runs_) {
+      for (int k = 0; k < run->reading_count(); ++k) {
+        lowest = std::min(lowest, variable(*run, k));
+        highest = std::max(highest, variable(*run, k));
+      }
+    }
+    constexpr double kStandsStill = 1e-3;
+    if (!(highest - lowest > kStandsStill)) return;
+    std::vector<plot::Panel> panels;
+    for (const bool is_after : {false, true}) {
+      plot::Panel panel;
+      double sum = 0.0, count = 0.0;
+      for (size_t i = 0; i < runs_.size(); ++i) {
+        const Eigen::MatrixXd residuals_um = -kUmPerMm * ResidualsOf(i, is_after);
+        const std::string session =
+            absl::StrCat(report_.residuals[i].session, report_.residuals[i].is_check ? " (check)" : "");
+        plot::Series series = {session, {}};
+        for (Eigen::Index k = 0; k < residuals_um.cols(); ++k) {
+          for (Eigen::Index row = 0; row < residuals_um.rows(); ++row)
+            series.points.push_back({variable(*runs_[i], static_cast<int>(k)), residuals_um(row, k)});
+        }
+        sum += residuals_um.squaredNorm();
+        count += static_cast<double>(residuals_um.size());
+        panel.series.push_back(std::move(series));
+      }
+      panel.title = absl::StrCat(is_after ? "after: " : "before: ", RmsText(sum, count));
+      panels.push_back(std::move(panel));
+    }
+    pictures_.push_back(
+        {file + ".svg", plot::ScatterChart("Residuals against " + name, label, "measured - predicted, um", panels)});
+  }
+
+  std::vector<int> MovingAxes(const MeasuringRun& run) const {
+    std::vector<int> moving;
+    for (int axis = 0; axis < run.axis_count; ++axis) {
+      const auto [lowest, highest] = RangeOf(run, axis);
+      constexpr double kMoves = 1e-2;  // mm or rad
+      if (highest - lowest > kMoves) moving.push_back(axis);
+    }
+    return moving;
+  }
+
+  static std::pair<double, double> RangeOf(const MeasuringRun& run, int axis) {
+    double lowest = INFINITY, highest = -INFINITY;
+    for (int k = 0; k < run.reading_count(); ++k) {
+      lowest = std::min(lowest, run.PositionsOf(k)[axis]);
+      highest = std::max(highest, run.PositionsOf(k)[axis]);
+    }
+    return {lowest, highest};
+  }
+
+  // Runs with the same text went over the same positions.
+  std::string PlaceOf(const MeasuringRun& run) const {
+    std::string place =
+        absl::StrFormat("%.1f %.0f %.0f %.0f %.0f %.0f %.0f", run.bar_length_mm, run.tip_mm.x(), run.tip_mm.y(),
+                        run.tip_mm.z(), run.ball_mm.x(), run.ball_mm.y(), run.ball_mm.z());
+    for (int axis = 0; axis < run.axis_count; ++axis) {
+      const auto [lowest, highest] = RangeOf(run, axis);
+      const double unit = IsRotary(machine_, axis) ? kDegPerRad : 1.0;
+      absl::StrAppend(&place, absl::StrFormat("|%.0f %.0f", lowest * unit + 0.25, highest * unit + 0.25));
+    }
+    return place;
+  }
+
+  // Where on the trace a reading stands: the rotary axis that turns, or the angle in the plane of two linear axes.
+  // Unwrapped, so that its sense is that of the motion. Empty where nothing turns.
+  std::vector<double> AnglesOf(const MeasuringRun& run, std::string* text) const {
+    const std::vector<int> moving = MovingAxes(run);
+    std::vector<double> angles;
+    for (const int axis : moving) {
+      if (!IsRotary(machine_, axis)) continue;
+      *text = absl::StrCat("angle of ", machine_.axes[axis].name, ", deg");
+      for (int k = 0; k < run.reading_count(); ++k) angles.push_back(run.PositionsOf(k)[axis]);
+      return angles;
+    }
+    if (moving.size() != 2) return {};
+    // XY, YZ and ZX as ISO 230-4 draws them, whatever the order of the description.
+    int first = moving[0], second = moving[1];
+    if (machine_.axes[first].name > machine_.axes[second].name) std::swap(first, second);
+    if (machine_.axes[first].name == "X" && machine_.axes[second].name == "Z") std::swap(first, second);
+    *text = absl::StrCat("angle in ", machine_.axes[first].name, machine_.axes[second].name, ", deg");
+    const auto [low1, high1] = RangeOf(run, first);
+    const auto [low2, high2] = RangeOf(run, second);
+    double last = 0.0;
+    for (int k = 0; k < run.reading_count(); ++k) {
+      double angle = std::atan2(run.PositionsOf(k)[second] - 0.5 * (low2 + high2),
+                                run.PositionsOf(k)[first] - 0.5 * (low1 + high1));
+      angle += 2.0 * M_PI * std::round((last - angle) / (2.0 * M_PI));
+      angles.push_back(angle);
+      last = angle;
+    }
+    return angles;
+  }
+
+  void AddTrace(const std::vector<size_t>& group) {
+    std::string text, names;
+    std::vector<plot::Panel> panels(2);
+    for (const bool is_after : {false, true}) {
+      plot::Panel& panel = panels[is_after];
+      double sum = 0.0, count = 0.0;
+      for (const size_t i : group) {
+        const MeasuringRun& run = *runs_[i];
+        const std::vector<double> angles = AnglesOf(run, &text);
+        if (angles.empty()) return;
+        if (!is_after) absl::StrAppend(&names, names.empty() ? "" : ", ", run.session);
+        for (const bool is_clockwise : {false, true}) {
+          plot::Series series = {absl::StrCat(run.session, is_clockwise ? " CW" : " CCW"), {}};
+          for (int k = 0; k < run.reading_count(); ++k) {
+            const double step =
+                k > 0 ? angles[k] - angles[k - 1] : angles[std::min<size_t>(1, angles.size() - 1)] - angles[0];
+            if ((step < 0.0) != is_clockwise) continue;
+            series.points.push_back({angles[k], -kUmPerMm * ResidualsOf(i, is_after)(0, k)});
+          }
+          constexpr size_t kFew = 3;
+          if (series.points.size() > kFew) panel.series.push_back(std::move(series));
+        }
+        sum += ResidualsOf(i, is_after).squaredNorm() * kUmPerMm * kUmPerMm;
+        count += static_cast<double>(run.reading_count());
+      }
+      panel.title = absl::StrCat(is_after ? "after: " : "before: ", RmsText(sum, count));
+    }
+    const SessionResiduals& first = report_.residuals[group[0]];
+    pictures_.push_back(
+        {absl::StrCat("trace-", first.is_check ? "check-" : "", FileName(first.session), ".svg"),
+         plot::PolarChart(absl::StrCat("Ball bar ", names, ": measured - predicted, ", text), "um", panels)});
+  }
+
+  static std::string FileName(const std::string& session) {
+    std::string name = session;
+    for (char& c : name) {
+      const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-';
+      if (!is_plain) c = '-';
+    }
+    return name;
+  }
+
+  const Machine& machine_;
+  const Report& report_;
+  std::vector<const MeasuringRun*> runs_;
+  std::vector<Picture> pictures_;
+};
+
+}  // namespace
+
+std::vector<Picture> Pictures(const Machine& machine, const std::vector<MeasuringRun>& fit,
+                              const std::vector<MeasuringRun>& check, const Report& report,
+                              const SearchOptions& options) {
+  Painter painter(machine, fit, check, report);
+  painter.AddResiduals();
+  painter.AddTraces();
+  painter.AddRanking(options);
+  return painter.Finish();
+}
+
+}  // namespace axiscal::loop

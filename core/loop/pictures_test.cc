@@ -1,0 +1,94 @@
+#include "core/loop/pictures.h"
+
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <set>
+
+#include "core/identify/testing/scenario.h"
+
+namespace axiscal::loop {
+namespace {
+
+// Tags balance, attributes are quoted, entities are XML's own: what a browser needs to show it. Empty, or what is
+// wrong.
+std::string XmlError(const std::string& xml) {
+  std::vector<std::string> open;
+  for (size_t at = 0; at < xml.size();) {
+    if (xml[at] == '&') {
+      const size_t end = xml.find(';', at);
+      const std::string entity = end == std::string::npos ? "" : xml.substr(at, end - at + 1);
+      if (!std::set<std::string>{"&lt;", "&gt;", "&amp;", "&quot;"}.count(entity)) return "entity " + xml.substr(at, 8);
+    }
+    if (xml[at] != '<') {
+      ++at;
+      continue;
+    }
+    const size_t end = xml.find('>', at);
+    if (end == std::string::npos) return "a tag without end";
+    const std::string tag = xml.substr(at + 1, end - at - 1);
+    at = end + 1;
+    if (tag[0] == '?') continue;
+    if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return "a quote is open in " + tag;
+    const std::string name = tag.substr(tag[0] == '/', tag.find_first_of(" /", 1) - (tag[0] == '/'));
+    if (tag[0] == '/') {
+      if (open.empty() || open.back() != tag.substr(1)) return "</" + tag.substr(1) + "> closes nothing";
+      open.pop_back();
+    } else if (tag.back() != '/') {
+      open.push_back(name);
+    }
+  }
+  return open.empty() ? "" : open.back() + " is open";
+}
+
+TEST(Pictures, ShowEveryVariableTheTracesAndTheRanking) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::ErrorModel truth = identify::testing::Errors(
+      machine, R"({"EZ0T": 30, "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": 6}]})");
+  ballbar::PatternOptions options;
+  options.step_deg = 3.0;
+  const auto sessions = identify::testing::Measure(
+      machine, truth, {}, {{"BX", ballbar::Pattern::kBX, 356.4}, {"C/R <1>", ballbar::Pattern::kCR, 356.4}}, options);
+  const auto check_sessions =
+      identify::testing::Measure(machine, truth, {.seed = 5}, {{"BX", ballbar::Pattern::kBX, 356.4}}, options);
+  const auto fit = *identify::BindSessions(machine, sessions);
+  const auto check = *identify::BindSessions(machine, check_sessions);
+  const Report report = CloseLoop(machine, fit, check).value();
+
+  ASSERT_EQ(report.residuals.size(), 3u);
+  EXPECT_TRUE(report.residuals[2].is_check);
+  double squares = 0.0, count = 0.0;
+  for (size_t i = 0; i < 2; ++i) {
+    ASSERT_EQ(report.residuals[i].after_mm.cols(), fit[i].reading_count());
+    squares += report.residuals[i].before_mm.squaredNorm();
+    count += static_cast<double>(report.residuals[i].before_mm.size());
+  }
+  EXPECT_NEAR(std::sqrt(squares / count), report.fit_before.rms_mm, 1e-12);
+  EXPECT_LT(report.residuals[0].after_mm.norm(), 0.5 * report.residuals[0].before_mm.norm());
+
+  const std::vector<Picture> pictures = Pictures(machine, fit, check, report);
+  std::set<std::string> files;
+  for (const Picture& picture : pictures) {
+    EXPECT_EQ(XmlError(picture.svg), "") << picture.file;
+    EXPECT_LT(picture.svg.size(), 200000u) << picture.file;
+    EXPECT_TRUE(files.insert(picture.file).second) << picture.file;
+  }
+  for (const char* file : {"residual-X.svg", "residual-B.svg", "residual-time.svg", "trace-BX.svg", "trace-C-R--1-.svg",
+                           "trace-check-BX.svg", "ranking.svg"}) {
+    EXPECT_TRUE(files.count(file)) << file;
+  }
+  EXPECT_FALSE(files.count("residual-temperature.svg"));  // nothing varies
+  const std::vector<Picture> again = Pictures(machine, fit, check, report);
+  ASSERT_EQ(again.size(), pictures.size());
+  for (size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].svg, pictures[i].svg);
+}
+
+TEST(Pictures, TheXmlCheckRefusesWhatIsNoXml) {
+  EXPECT_EQ(XmlError("<a><b/></a>"), "");
+  EXPECT_NE(XmlError("<a><b></a>"), "");
+  EXPECT_NE(XmlError("<a x=\"1></a>"), "");
+  EXPECT_NE(XmlError("<a>&nbsp;</a>"), "");
+}
+
+}  // namespace
+}  // namespace axiscal::loop

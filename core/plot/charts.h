@@ -1,0 +1,54 @@
+// Pictures for technicians: values against a variable, polar traces, bars. Axes carry numbers and units; a picture's
+// size is bounded whatever the number of points.
+#ifndef AXISCAL_CORE_PLOT_CHARTS_H_
+#define AXISCAL_CORE_PLOT_CHARTS_H_
+
+#include <string>
+#include <vector>
+
+#include "core/plot/svg.h"
+
+namespace axiscal::plot {
+
+struct Point {
+  double x = 0.0, y = 0.0;
+};
+
+struct Series {
+  std::string name;
+  std::vector<Point> points;
+};
+
+struct Panel {
+  std::string title;
+  std::vector<Series> series;
+};
+
+// Panels one below the other over one x axis. All have the y scale of the largest, but a panel that would fill less
+// than a quarter of it gets its own, and says so. Points that are not finite are left out; of more than 5,000 points of
+// a series each pixel column keeps the highest and the lowest.
+std::string ScatterChart(const std::string& title, const std::string& x_label, const std::string& y_label,
+                         const std::vector<Panel>& panels);
+
+// Panels side by side; a point's x is the angle (rad, counter-clockwise from the right), its y the deviation from the
+// base circle, outwards. `unit`: of y.
+std::string PolarChart(const std::string& title, const std::string& unit, const std::vector<Panel>& panels);
+
+struct Bar {
+  std::string name;
+  double value = 0.0;
+};
+
+// Longest bars first as given, with a dashed line at `threshold`.
+std::string BarChart(const std::string& title, const std::string& x_label, const std::vector<Bar>& bars,
+                     double threshold, const std::string& threshold_name);
+
+// At most `columns` x 2 points with the extremes of every column; all of them where there are no more than that.
+std::vector<Pixel> Decimated(const std::vector<Pixel>& points, size_t most, double left, double right);
+
+// Tick marks at 1, 2 or 5 times a power of ten, about `count` of them within [low, high].
+std::vector<double> Ticks(double low, double high, int count);
+
+}  // namespace axiscal::plot
+
+#endif  // AXISCAL_CORE_PLOT_CHARTS_H_
