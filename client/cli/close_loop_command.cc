@@ -94,13 +94,18 @@ std::string ReportText(const Machine& machine, const loop::Report& report) {
   return text + Table(rows);
 }
 
-// Pictures of the report, one file each; the folder is made where it is missing.
 absl::Status WritePictures(const std::string& folder, const std::vector<loop::Picture>& pictures) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return absl::InvalidArgumentError(absl::StrCat("--plot ", folder, ": ", error.message()));
   for (const loop::Picture& picture : pictures)
     RETURN_IF_ERROR(base::WriteFileAtomically(absl::StrCat(folder, "/", picture.file), picture.svg));
+  return absl::OkStatus();
+}
+
+// The folder for pictures, made where it is missing; before any work, so that a bad name costs none.
+absl::Status MakeFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder))
+    return absl::InvalidArgumentError(absl::StrCat("--plot ", folder, ": ", error ? error.message() : "no folder"));
   return absl::OkStatus();
 }
 
@@ -115,6 +120,7 @@ absl::Status CheckPaths(const Arguments& arguments, const session::Case& measure
 absl::Status CloseLoop(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
   RETURN_IF_ERROR(CheckPaths(arguments, measured));
+  if (!arguments.plot.empty()) RETURN_IF_ERROR(MakeFolder(arguments.plot));
   ASSIGN_OR_RETURN(auto fit, identify::BindSessions(measured.machine, measured.fit));
   ASSIGN_OR_RETURN(auto check, identify::BindSessions(measured.machine, measured.check));
   loop::Options options;

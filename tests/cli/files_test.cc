@@ -123,6 +123,21 @@ TEST_F(FilesOnly, AReportThatCannotBeWrittenStopsTheWork) {
   EXPECT_FALSE(Exists("out.nc"));
 }
 
+TEST_F(FilesOnly, TheLoopWritesPicturesAndSaysWhatToMeasureNext) {
+  const std::string loop = "close-loop " + Source("tests/data/loop/case-003");
+  const Outcome done = Run(loop + " --plot pictures --report report.json");
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("measure next:"));
+  EXPECT_THAT(Read("report.json"), HasSubstr("\"next_measurement\": [\n  {\n   \"effect\": \"EZC:harmonic(2)\""));
+  for (const char* picture :
+       {"residual-X.svg", "residual-time.svg", "trace-CA.svg", "trace-check-BZ.svg", "ranking.svg"})
+    EXPECT_THAT(Read(std::string("pictures/") + picture), HasSubstr("</svg>")) << picture;
+  const Outcome refused = Run(loop + " --plot machine.json --report other.json");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("--plot machine.json"));
+  EXPECT_FALSE(Exists("other.json"));
+}
+
 TEST_F(FilesOnly, BadInputIsNamed) {
   EXPECT_EQ(Compensate("missing.nc -o out.nc").exit_code, 4);
   EXPECT_EQ(Compensate("in.nc -o in.nc").exit_code, 3);
