@@ -10,8 +10,8 @@
 namespace axiscal::cli {
 namespace {
 
-const std::map<std::string, nc::OnUnsupported> kOnUnsupported = {{"refuse", nc::OnUnsupported::kRefuse},
-                                                                 {"pass", nc::OnUnsupported::kPass}};
+const std::map<std::string, nc::OnUnsupported> kOnUnsupported = {
+    {"refuse", nc::OnUnsupported::kRefuse}, {"pass", nc::OnUnsupported::kPass}, {"stop", nc::OnUnsupported::kStop}};
 const std::map<std::string, nc::BlockDelete> kBlockDelete = {{"either", nc::BlockDelete::kEither},
                                                              {"executed", nc::BlockDelete::kExecuted},
                                                              {"skipped", nc::BlockDelete::kSkipped}};
@@ -49,6 +49,51 @@ absl::StatusOr<std::vector<nc::AxisValue>> ParseAxisValues(const std::string& op
   return values;
 }
 
+// "G54 X=-490 C=90", "G54.1 P5 X=1", or with all axes "G54=-490 0 0 0 90".
+absl::StatusOr<nc::WorkOffset> ParseOffset(const std::string& text, const machine::Machine& machine) {
+  const std::string head = text.substr(0, text.find('='));
+  const size_t blank = head.rfind(' ');
+  nc::WorkOffset offset;
+  const bool names_axes = blank != std::string::npos && machine::FindAxis(machine, head.substr(blank + 1)) >= 0;
+  if (names_axes || head.size() == text.size()) {
+    offset.code = names_axes ? head.substr(0, blank) : text;
+    std::istringstream words(names_axes ? text.substr(blank) : "");
+    ASSIGN_OR_RETURN(offset.offsets, ParseAxisValues("--offset", words, machine));
+    return offset;
+  }
+  offset.code = head;
+  std::string names;
+  std::vector<double> numbers;
+  const bool are_numbers = session::ParseNumbers(text.substr(head.size() + 1), &numbers);
+  for (const char letter : std::string("XYZABCUVW")) {
+    const int axis = machine::FindAxis(machine, std::string(1, letter));
+    if (axis < 0) continue;
+    names += letter;
+    const bool rotary = machine.axes[axis].kind == machine::AxisKind::kRotary;
+    if (names.size() <= numbers.size())
+      offset.offsets.push_back({std::string(1, letter), numbers[names.size() - 1] * (rotary ? base::kRadPerDeg : 1.0)});
+  }
+  if (!are_numbers || numbers.size() != names.size()) {
+    return absl::InvalidArgumentError(absl::StrCat("--offset: '", text, "', expected ", names.size(), " numbers (",
+                                                   names, ") or axes with values: G54 X=12.5"));
+  }
+  return offset;
+}
+
+// "H1=120.5"; the letter may be H, D, T or nothing.
+absl::StatusOr<nc::ToolLength> ParseToolLength(const std::string& text) {
+  const size_t equals = text.find('=');
+  const size_t begin = text.find_first_not_of("HDThdt");
+  std::vector<double> number, length;
+  if (equals == std::string::npos || begin > 1 || !session::ParseNumbers(text.substr(begin, equals - begin), &number) ||
+      !session::ParseNumbers(text.substr(equals + 1), &length) || number.size() != 1 || length.size() != 1 ||
+      !(number[0] >= 1 && number[0] <= 9999)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--tool-length: '", text, "', expected a number and a length in mm: H1=120.5"));
+  }
+  return nc::ToolLength{static_cast<int>(number[0]), length[0]};
+}
+
 }  // namespace
 
 void AddModelOptions(CLI::App& command, std::string& machine, std::string& errors, int64_t& calibration) {
@@ -73,7 +118,8 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--on-unsupported", arguments.on_unsupported,
-                  "a block that cannot be corrected: refuse the program, or pass the block unchanged")
+                  "a block that cannot be corrected: refuse the program and list all, stop at the first, or pass the "
+                  "block unchanged")
       ->check(CLI::IsMember(NamesOf(kOnUnsupported)))
       ->capture_default_str();
   command.add_option("--dialect", arguments.dialect, "of the controller")->capture_default_str();
@@ -89,8 +135,13 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
       ->check(CLI::IsMember(NamesOf(kIntegerWords)))
       ->capture_default_str();
   command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
-  command.add_option("--offset", arguments.offsets,
-                     "a work offset that the program selects, mm and deg: \"G54 X=-490 C=90\"");
+  command.add_option(
+      "--offset", arguments.offsets,
+      "a work offset that the program selects, mm and deg: \"G54 X=-490 C=90\" or, of all axes in the order "
+      "XYZABC, \"G54=-490 0 0 0 90\"");
+  command.add_option(
+      "--tool-length", arguments.tool_lengths,
+      "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: H1=120.5");
   command.add_option("--time-s", arguments.time_s,
                      "when the program runs, s of the sessions' clock; needed for errors that drift");
   command.add_option("--temperature-c", arguments.temperature_celsius,
@@ -119,11 +170,12 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   std::istringstream start(arguments.start);
   ASSIGN_OR_RETURN(options.initial_position, ParseAxisValues("--start", start, machine));
   for (const std::string& text : arguments.offsets) {
-    std::istringstream words(text);
-    nc::WorkOffset offset;
-    words >> offset.code;
-    ASSIGN_OR_RETURN(offset.offsets, ParseAxisValues("--offset", words, machine));
+    ASSIGN_OR_RETURN(nc::WorkOffset offset, ParseOffset(text, machine));
     options.work_offsets.push_back(std::move(offset));
+  }
+  for (const std::string& text : arguments.tool_lengths) {
+    ASSIGN_OR_RETURN(const nc::ToolLength length, ParseToolLength(text));
+    options.tool_lengths.push_back(length);
   }
   return options;
 }

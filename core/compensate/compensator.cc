@@ -296,6 +296,12 @@ double Compensator::DepartureBound(const Pose& from, const Pose& to) const {
   return kSecondOrder / 8.0 * curvature_mm;
 }
 
+absl::StatusOr<Compensator> Compensator::WithLongerTool(double length_mm) const {
+  Options longer = impl_->options;
+  longer.tool_tip_mm += length_mm * impl_->machine.tool_direction;
+  return Create(impl_->machine, impl_->carried, longer);
+}
+
 double Compensator::smooth_travel(int axis) const { return impl_->smooth_travel[axis]; }
 const Machine& Compensator::machine() const { return impl_->machine; }
 const std::vector<int>& Compensator::linear_axes() const { return impl_->linear_axes; }

@@ -57,6 +57,9 @@ class Compensator {
   Compensator& operator=(Compensator&&) noexcept;
   ~Compensator();
 
+  // The same errors with the tool point that much farther along the tool. Errors of Create.
+  absl::StatusOr<Compensator> WithLongerTool(double length_mm) const;
+
   // FAILED_PRECONDITION: the linear axes reach fewer than three directions, or no convergence (errors too large), with
   // the pose in the text. INVALID_ARGUMENT: a position that is not finite. Thread safe.
   absl::StatusOr<Correction> Correct(const Pose& pose) const;

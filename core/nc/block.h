@@ -11,8 +11,10 @@
 namespace axiscal::nc {
 
 struct Word {
-  char letter = 0;  // capital
+  char letter = 0;  // capital; 0: a keyword
   bool is_lower = false;
+  bool is_incremental = false;  // IX+5 of Klartext
+  int16_t keyword = 0;          // index into Dialect::keywords
   uint32_t letter_at = 0;
   uint32_t number_at = 0;  // sign included
   uint32_t end = 0;
@@ -24,7 +26,7 @@ enum class LexProblem : uint8_t {
   kNone,
   kNestedComment,  // ended at the first or at the last ')': controllers differ
   kUnclosedComment,
-  kNoNumber,       // a letter without a number: text, keywords, empty words
+  kNoNumber,       // a letter without a number: text, unknown keywords, empty words
   kNumberTooLong,  // more than 18 digits
   kTooManyWords,
   kExpression,  // # [ ] = , macro arithmetic

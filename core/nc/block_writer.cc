@@ -7,7 +7,8 @@
 namespace axiscal::nc {
 namespace {
 
-constexpr int kFeedDecimals = 4;  // of a scaled G93 feed; its own decimals when there are more
+constexpr int kFeedDecimals = 4;      // of a scaled G93 feed; its own decimals when there are more
+constexpr double kLeastShare = 1e-3;  // of the time of a move: for pieces that only take up a reversal
 
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 
@@ -19,64 +20,115 @@ BlockWriter::BlockWriter(const machine::Machine& machine, const RewriteOptions& 
     const int axis = machine::FindAxis(machine, std::string(1, letter));
     if (axis >= 0) order_.push_back(axis);
   }
-  for (int i = 0; i < machine.axis_count(); ++i) {
-    commanded_.ticks[i] = interpreter.positions()[i].ticks;
-    commanded_.is_known[i] = interpreter.positions()[i].is_known;
-  }
+  commanded_.ticks = interpreter.positions().ticks;
+  commanded_.known = interpreter.positions().known;
 }
 
 void BlockWriter::Pass(const Step& step) {
+  switch (step.preset) {
+    case PresetChange::kNone:
+      break;
+    case PresetChange::kSet:
+      // The controller takes the coordinates from where it stands, not from where the program thinks it does.
+      for (const int axis : order_) {
+        if (step.preset_axes >> axis & 1) preset_shift_[axis] = commanded_.ticks[axis] - step.end.ticks[axis];
+      }
+      suspended_shift_ = preset_shift_;
+      return;
+    case PresetChange::kCleared:
+      preset_shift_ = suspended_shift_ = {};
+      return;
+    case PresetChange::kSuspended:
+      preset_shift_ = {};
+      return;
+    case PresetChange::kRestored:
+      preset_shift_ = suspended_shift_;
+      return;
+  }
   if (step.kind == StepKind::kUnsupported) return ForgetAll();
+  if (step.kind == StepKind::kUntouched) commanded_.known &= interpreter_->positions().known;
   if (step.kind != StepKind::kMove) return;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] < 0) continue;
     if (interpreter_->modal().is_incremental) {
-      commanded_.ticks[axis] += step.end[axis].ticks - step.start[axis].ticks;
+      commanded_.ticks[axis] += step.end.ticks[axis] - step.start.ticks[axis];
     } else {
-      commanded_.ticks[axis] = step.end[axis].ticks;
-      commanded_.is_known[axis] = true;
+      commanded_.ticks[axis] = step.end.ticks[axis] + preset_shift_[axis];
+      commanded_.known |= static_cast<uint16_t>(1u << axis);
     }
   }
 }
 
 void BlockWriter::ForgetChanges(const Commanded& before) {
   for (const int axis : order_) {
-    commanded_.is_known[axis] &= before.is_known[axis] && before.ticks[axis] == commanded_.ticks[axis];
+    if (before.is_known(axis) && before.ticks[axis] == commanded_.ticks[axis]) continue;
+    commanded_.known &= static_cast<uint16_t>(~(1u << axis));
   }
 }
 
-int BlockWriter::FirstUnknown(const Step& step) const {
-  if (!interpreter_->modal().is_incremental) return -1;
+int BlockWriter::FirstUnknown(const Block& block, const Step& step) const {
+  if (!interpreter_->modal().is_incremental && !step.is_arc) {
+    for (int i = 0; i < block.word_count; ++i) {
+      const Word& word = block.words[static_cast<size_t>(i)];
+      const int axis = word.is_incremental ? interpreter_->AxisOf(word.letter) : -1;
+      if (axis >= 0 && !commanded_.is_known(axis)) return axis;
+    }
+    return -1;
+  }
   for (const int axis : order_) {
-    if (!commanded_.is_known[axis]) return axis;
+    const bool matters = interpreter_->modal().is_incremental || axis == step.arc.first || axis == step.arc.second;
+    if (matters && !commanded_.is_known(axis)) return axis;
   }
   return -1;
 }
 
-int BlockWriter::DecimalsOf(const Block& block, const Step& step, int axis) const {
-  const bool is_inch = interpreter_->ticks_per_unit(axis) == kTicksPerInch;
-  const int least = is_inch ? options_->decimals_inch : options_->decimals_mm;
-  if (step.word_of_axis[axis] < 0) return least;
-  const Decimal& number = block.words[static_cast<size_t>(step.word_of_axis[axis])].number;
-  if (!number.has_point && options_->integer_words == IntegerWords::kLeastIncrement)
-    return interpreter_->Meant(number).decimals;
-  return std::max(least, static_cast<int>(number.decimals));
+bool BlockWriter::IsIncrements(const Word& word) const {
+  return !word.number.has_point && options_->integer_words == IntegerWords::kLeastIncrement;
 }
 
-BlockWriter::Rounded BlockWriter::Round(int axis, Ticks target, int decimals) const {
+int BlockWriter::DecimalsOf(const Word& word, bool is_inch) const {
+  if (IsIncrements(word)) return interpreter_->Meant(word.number).decimals;
+  return std::max<int>(is_inch ? options_->decimals_inch : options_->decimals_mm, word.number.decimals);
+}
+
+int BlockWriter::DecimalsOf(const Block& block, const Step& step, int axis) const {
+  const bool is_inch = interpreter_->ticks_per_unit(axis) == kTicksPerInch;
+  if (step.word_of_axis[axis] < 0) return is_inch ? options_->decimals_inch : options_->decimals_mm;
+  return DecimalsOf(block.words[static_cast<size_t>(step.word_of_axis[axis])], is_inch);
+}
+
+WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
+  WordGrain grain;
+  for (int i = 0; i < machine_->axis_count(); ++i)
+    grain.of_axis[i] = GrainTicks(interpreter_->ticks_per_unit(i), DecimalsOf(block, step, i));
+  if (!step.is_arc) return grain;
+  for (const Word& word : block) {
+    if (interpreter_->RoleOf(word.letter) != Role::kRadius) continue;
+    const Ticks unit = interpreter_->ticks_per_unit(step.arc.first);
+    grain.radius_mm = static_cast<double>(GrainTicks(unit, DecimalsOf(word, unit == kTicksPerInch))) / kTicksPerUnit;
+  }
+  return grain;
+}
+
+Ticks BlockWriter::BaseOf(const Block& block, const Step& step, int axis) const {
+  const int index = step.word_of_axis[axis];
+  const bool is_incremental =
+      interpreter_->modal().is_incremental || (index >= 0 && block.words[static_cast<size_t>(index)].is_incremental);
+  return is_incremental ? commanded_.ticks[axis] : interpreter_->offset(axis) + preset_shift_[axis];
+}
+
+BlockWriter::Rounded BlockWriter::Round(int axis, Ticks target, int decimals, Ticks base) const {
   const Ticks grain = GrainTicks(interpreter_->ticks_per_unit(axis), decimals);
-  const Ticks base = interpreter_->modal().is_incremental ? commanded_.ticks[axis] : interpreter_->offset(axis);
   return {RoundToGrains(target - base, grain), decimals, grain};
 }
 
-void BlockWriter::SetCommanded(int axis, const Rounded& rounded) {
-  const Ticks base = interpreter_->modal().is_incremental ? commanded_.ticks[axis] : interpreter_->offset(axis);
+void BlockWriter::SetCommanded(int axis, const Rounded& rounded, Ticks base) {
   commanded_.ticks[axis] = base + rounded.mantissa * rounded.grain;
-  commanded_.is_known[axis] = true;
+  commanded_.known |= static_cast<uint16_t>(1u << axis);
 }
 
 bool BlockWriter::NeedsWord(int axis, Ticks target, Ticks grain) const {
-  return !commanded_.is_known[axis] || std::llabs(target - commanded_.ticks[axis]) > grain / 2;
+  return !commanded_.is_known(axis) || std::llabs(target - commanded_.ticks[axis]) > grain / 2;
 }
 
 bool BlockWriter::IsPacked(const char* text, const Block& block) {
@@ -86,77 +138,111 @@ bool BlockWriter::IsPacked(const char* text, const Block& block) {
   return false;
 }
 
+void BlockWriter::AppendNumber(const Rounded& rounded, const Word* word, std::string* out) const {
+  const bool is_increments = word != nullptr && IsIncrements(*word);
+  const bool plus = word != nullptr ? word->number.has_plus : interpreter_->dialect().writes_plus;
+  AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, plus, !is_increments, out);
+}
+
 void BlockWriter::AppendFeed(const Word& word, double fraction, std::string* out) const {
   const int decimals = std::clamp<int>(word.number.decimals, kFeedDecimals, kMaxDecimals);
-  const double feed = ValueOf(word.number);
-  AppendFixed(std::llround(feed / fraction * static_cast<double>(kPowersOfTen[decimals])), decimals, false, true, out);
+  const double feed = ValueOf(word.number) / std::max(fraction, kLeastShare);
+  AppendFixed(std::llround(feed * static_cast<double>(kPowersOfTen[decimals])), decimals, false, true, out);
 }
 
 void BlockWriter::InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets,
                               bool is_lower, std::string* out) {
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
-    const Rounded rounded = Round(axis, targets[axis], DecimalsOf(block, step, axis));
+    const Ticks base = BaseOf(block, step, axis);
+    const Rounded rounded = Round(axis, targets[axis], DecimalsOf(block, step, axis), base);
     if (!NeedsWord(axis, targets[axis], rounded.grain)) continue;
     if (!IsPacked(text, block)) out->push_back(' ');
     const char letter = machine_->axes[axis].name[0];
     out->push_back(is_lower ? static_cast<char>(letter - 'A' + 'a') : letter);
-    AppendFixed(rounded.mantissa, rounded.decimals, false, true, out);
-    SetCommanded(axis, rounded);
+    AppendNumber(rounded, nullptr, out);
+    SetCommanded(axis, rounded, base);
   }
 }
 
-void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, const Step& step,
-                             const AxisTicks& targets, double feed_fraction, std::string* out) {
+void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
+                             double feed_fraction, std::string* out) {
   const bool scales_feed = feed_fraction < 1.0 && interpreter_->modal().feed_mode == FeedMode::kInverseTime;
+  const AxisTicks start = step.is_arc ? commanded_.ticks : AxisTicks();
   uint32_t copied = 0;
-  const Word* last = nullptr;
-  // Inserted words stand behind the last axis word, also when other words follow it.
-  for (const Word& word : block) {
-    if (interpreter_->AxisOf(word.letter) >= 0) last = &word;
-  }
-  const auto insert = [&] {
-    out->append(text + copied, last->end - copied);
-    copied = last->end;
-    InsertWords(text, block, step, targets, last->is_lower, out);
+  const auto copy_to = [&](uint32_t at) {
+    out->append(text + copied, at - copied);
+    copied = at;
   };
+  // Inserted words stand behind the last axis word, also when other words follow it.
+  const Word* last = nullptr;
+  const Word* first = nullptr;
   for (const Word& word : block) {
+    const bool is_centre = step.is_arc && interpreter_->RoleOf(word.letter) == Role::kCentre;
+    if (interpreter_->AxisOf(word.letter) < 0 && !is_centre) continue;
+    last = &word;
+    if (first == nullptr) first = &word;
+  }
+  const std::string motion = step.is_arc || is_in_chords_ ? MotionFor(block, piece.is_arc) : std::string();
+  for (const Word& word : block) {
+    if (&word == first && !motion.empty()) {
+      copy_to(word.letter_at);
+      out->append(motion);
+    }
     const int axis = interpreter_->AxisOf(word.letter);
     if (axis >= 0) {
-      const Rounded rounded = Round(axis, targets[axis], DecimalsOf(block, step, axis));
+      const Ticks base = BaseOf(block, step, axis);
+      const Rounded rounded = Round(axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
       const Decimal number = interpreter_->Meant(word.number);
-      SetCommanded(axis, rounded);
+      SetCommanded(axis, rounded, base);
       if (rounded.mantissa != number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) {
-        out->append(text + copied, word.number_at - copied);
-        const bool is_increments = !word.number.has_point && options_->integer_words == IntegerWords::kLeastIncrement;
-        AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, word.number.has_plus, !is_increments, out);
+        copy_to(word.number_at);
+        AppendNumber(rounded, &word, out);
         copied = word.end;
       }
-      if (&word == last) insert();
     } else if (word.letter == 'F' && scales_feed) {
-      out->append(text + copied, word.number_at - copied);
+      copy_to(word.number_at);
       AppendFeed(word, feed_fraction, out);
       copied = word.end;
+    } else if (step.is_arc) {
+      WriteArcWord(text, word, piece, start, &copied, out);
+    }
+    if (&word == last) {
+      copy_to(word.end);
+      InsertWords(text, block, step, piece.targets, last->is_lower, out);
+      if (piece.is_arc) InsertCentre(text, block, piece, start, out);
     }
   }
   out->append(text + copied, size - copied);
+  if (step.is_arc) {
+    is_in_chords_ = !piece.is_arc;
+  } else if (HasMotionWord(block)) {
+    is_in_chords_ = false;
+  }
 }
 
-void BlockWriter::WritePiece(const Block& block, const Step& step, const AxisTicks& targets, double feed_fraction,
+void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction,
                              bool is_packed, const std::string& line_end, std::string* out) {
+  const AxisTicks start = commanded_.ticks;
   bool is_first = true;
+  out->append(interpreter_->dialect().piece_prefix);
   for (const int axis : order_) {
-    const Rounded rounded = Round(axis, targets[axis], DecimalsOf(block, step, axis));
-    if (step.word_of_axis[axis] < 0 && !NeedsWord(axis, targets[axis], rounded.grain)) continue;
+    const int index = step.word_of_axis[axis];
+    const bool is_of_arc = piece.is_arc && (axis == piece.arc.first || axis == piece.arc.second);
+    const Ticks base = interpreter_->modal().is_incremental ? commanded_.ticks[axis]
+                                                            : interpreter_->offset(axis) + preset_shift_[axis];
+    const Rounded rounded = Round(axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
+    if (index < 0 && !is_of_arc && !NeedsWord(axis, piece.targets[axis], rounded.grain)) continue;
     if (!is_first && !is_packed) out->push_back(' ');
     is_first = false;
     out->push_back(machine_->axes[axis].name[0]);
-    const bool is_increments = options_->integer_words == IntegerWords::kLeastIncrement &&
-                               step.word_of_axis[axis] >= 0 &&
-                               !block.words[static_cast<size_t>(step.word_of_axis[axis])].number.has_point;
-    AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, false, !is_increments, out);
-    SetCommanded(axis, rounded);
+    const Word* const word = index < 0 ? nullptr : &block.words[static_cast<size_t>(index)];
+    const bool is_increments = word != nullptr && IsIncrements(*word);
+    AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, interpreter_->dialect().writes_plus,
+                !is_increments, out);
+    SetCommanded(axis, rounded, base);
   }
+  if (piece.is_arc) AppendArcWords(block, piece, start, is_packed, out);
   if (interpreter_->modal().feed_mode == FeedMode::kInverseTime) {
     for (const Word& word : block) {
       if (word.letter != 'F') continue;

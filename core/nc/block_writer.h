@@ -1,4 +1,4 @@
-// Writes moves: the block's own bytes with its axis words replaced, or a piece of a split move.
+// Writes moves: the block's own bytes with its words replaced, or a piece of a split move.
 //
 // Keeps what the controller has been told ("commanded", exact), apart from what the program means ("nominal"), so that
 // G91 words are differences of commanded positions and rounding never adds up.
@@ -11,12 +11,15 @@
 
 #include "core/nc/block.h"
 #include "core/nc/interpreter.h"
+#include "core/nc/move_corrector.h"
 
 namespace axiscal::nc {
 
 struct Commanded {
   AxisTicks ticks{};
-  std::array<bool, machine::kMaxAxes> is_known{};
+  uint16_t known = 0;  // bit i: axis i
+
+  bool is_known(int axis) const { return known >> axis & 1; }
 };
 
 class BlockWriter {
@@ -24,26 +27,29 @@ class BlockWriter {
   BlockWriter(const machine::Machine& machine, const RewriteOptions& options, const Interpreter& interpreter);
 
   const Commanded& commanded() const { return commanded_; }
-  // The block stays as it is: a move to `step.end`, or one that nobody followed.
+  // The block stays as it is: what the controller does with it.
   void Pass(const Step& step);
-  void ForgetAll() { commanded_.is_known.fill(false); }
+  void ForgetAll() { commanded_.known = 0; }
   // After a block that may be skipped: what it changed is unknown.
   void ForgetChanges(const Commanded& before);
 
   // In G91 a word is a difference: the axis' commanded position must be known. Index of the first axis of which it is
   // not, or -1.
-  int FirstUnknown(const Step& step) const;
+  int FirstUnknown(const Block& block, const Step& step) const;
 
-  // Appends `text` (line end included) so that every axis goes to `targets`, rounded to the word's grain.
+  // Appends `text` (line end included) so that every axis goes to `piece.targets`, rounded to the word's grain.
   // `feed_fraction` < 1: the block is a piece of its move and G93 scales its F word.
-  void WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const AxisTicks& targets,
+  void WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                   double feed_fraction, std::string* out);
   // Appends a piece of the same move: axis words, the F word in G93, line end; no N, no other words.
-  void WritePiece(const Block& block, const Step& step, const AxisTicks& targets, double feed_fraction, bool is_packed,
+  void WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction, bool is_packed,
                   const std::string& line_end, std::string* out);
+  // Appends a block that stays as it is. Where an arc was written as chords and the block relies on the arc's code, the
+  // code is put in front of its words.
+  void CopyBlock(const char* text, size_t size, const Block& block, const Step& step, std::string* out);
 
-  // Decimals of what is written for an axis in this block.
-  int DecimalsOf(const Block& block, const Step& step, int axis) const;
+  // What the words of this block can hold.
+  WordGrain GrainOf(const Block& block, const Step& step) const;
   static bool IsPacked(const char* text, const Block& block);
 
  private:
@@ -52,18 +58,36 @@ class BlockWriter {
     int decimals;
     Ticks grain;
   };
-  Rounded Round(int axis, Ticks target, int decimals) const;
-  void SetCommanded(int axis, const Rounded& rounded);
+  int DecimalsOf(const Block& block, const Step& step, int axis) const;
+  int DecimalsOf(const Word& word, bool is_inch) const;
+  // What a word of 0 means: the commanded position in G91, the coordinates' origin else.
+  Ticks BaseOf(const Block& block, const Step& step, int axis) const;
+  Rounded Round(int axis, Ticks target, int decimals, Ticks base) const;
+  void SetCommanded(int axis, const Rounded& rounded, Ticks base);
   bool NeedsWord(int axis, Ticks target, Ticks grain) const;
+  bool IsIncrements(const Word& word) const;
+  void AppendNumber(const Rounded& rounded, const Word* word, std::string* out) const;
   void AppendFeed(const Word& word, double fraction, std::string* out) const;
   void InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets, bool is_lower,
                    std::string* out);
+  // I, J, K or R of a written arc that began at `start`. False: such a word is not of this arc.
+  bool ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start, Rounded* rounded) const;
+  void WriteArcWord(const char* text, const Word& word, const Piece& piece, const AxisTicks& start, uint32_t* copied,
+                    std::string* out) const;
+  void AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
+                      std::string* out) const;
+  void InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start, std::string* out);
+  // "G02 ": the code that the controller must be told before a block, "" when it is in force.
+  std::string MotionFor(const Block& block, bool wants_arc) const;
+  bool HasMotionWord(const Block& block) const;
 
   const machine::Machine* machine_;
   const RewriteOptions* options_;
   const Interpreter* interpreter_;
   std::vector<int> order_;  // axes in the order in which inserted words are written
   Commanded commanded_;
+  AxisTicks preset_shift_{}, suspended_shift_{};  // controller's preset (G92) - nominal one
+  bool is_in_chords_ = false;                     // the controller is in G01 where the program is in G02 or G03
 };
 
 }  // namespace axiscal::nc

@@ -1,44 +1,61 @@
-// What the codes of a controller family mean, as a table. A dialect is data: the lexer, the interpreter and the
-// rewriter only look it up.
+// What the codes, keywords and letters of a controller family mean, as a table. A dialect is data: the lexer, the
+// interpreter and the rewriter only look it up.
 #ifndef AXISCAL_CORE_NC_DIALECT_H_
 #define AXISCAL_CORE_NC_DIALECT_H_
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace axiscal::nc {
 
-// What a G or M code does to the modal state.
+// What a code or a keyword does to the modal state. `detail` below refines it.
 enum class Meaning : uint8_t {
   kUnknown,   // not in the table: refused
   kHarmless,  // moves nothing and changes nothing that matters here
   kRapid,
   kLinear,
+  kRapidBlock,    // rapid in this block only (FMAX)
+  kArc,           // detail: 1 clockwise, 0 counterclockwise, seen against the plane's normal
   kCancelMotion,  // G80: axis words after it have no meaning
   kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code
   kOneShot,       // moves axes or changes positions in this block only
+  kMachineMove,   // moves to machine positions (G53, G28, SUPA, M91): never touched, also not refused
+  kDataInput,     // G10: stated offsets and lengths hold no longer
   kDwell,         // X and U of this block are times
   kInch,
   kMillimetre,
   kAbsolute,
   kIncremental,
+  kCentreAbsolute,
+  kCentreIncremental,
+  kPlane,  // detail: index of the normal, 2 is XY
   kFeedPerMinute,
   kFeedInverseTime,
   kFeedPerTurn,
-  kWorkOffset,  // selects an offset: needs to be stated
-  kBlockerOn,   // a mode in which axis words are not axis positions; `blocker` names it
+  kWorkOffset,    // selects an offset: needs to be stated; detail 1: the number stands in the P word
+  kNoWorkOffset,  // G500: none
+  kToolLength,    // detail: 1 added (G43), 2 subtracted (G44)
+  kNoToolLength,
+  kPreset,      // G92; detail: 0 set, 1 cleared, 2 suspended, 3 restored
+  kLocalShift,  // G52
+  kBlockerOn,   // a mode in which axis words are not axis positions; detail: a Blocker
   kBlockerOff,
   kToolChange,  // axes may have moved
   kEndOfProgram,
-  kSubprogram,  // control leaves this text: calls and jumps
-  kEndOfBlock,  // takes effect after the block's move (M00, M05 ...): such a move cannot be split
+  kCall,                // control leaves this text and comes back
+  kJump,                // blocks are not run in the order of the text
+  kEndOfBlock,          // takes effect after the block's move (M00, M05 ...): such a move cannot be split
+  kHead,                // names the program (BEGIN PGM)
+  kAddress,             // a word of more than one letter: CR=5; detail: the letter that stands for it
+  kIncrementalAddress,  // IX+5; detail: the letter
 };
 
 // Modes that keep moves from being corrected. Bits of Modal::blockers.
 enum Blocker : uint16_t {
   kCutterCompensation = 1,
-  kToolLength = 2,
+  kToolControl = 2,  // tool centre point control, or a tool length that is not stated
   kTiltedPlane = 4,
   kShift = 8,
   kScaling = 16,
@@ -47,34 +64,73 @@ enum Blocker : uint16_t {
   kModalMacro = 128,
   kCylinder = 256,
   kUnstatedOffset = 512,
+  kDiameter = 1024,
 };
 
 struct CodeEntry {
   char letter;  // G or M
   int tenths;   // G54.1 is 541
   Meaning meaning;
-  uint16_t blocker;  // of kBlockerOn and kBlockerOff
+  uint16_t detail;
   const char* text;  // what the code does, for refusals
+};
+
+struct Keyword {
+  const char* name;  // capitals
+  Meaning meaning;
+  uint16_t detail;
+  bool takes_rest;  // the rest of the block is its argument, not words
+  const char* text;
 };
 
 inline constexpr int kCodes = 10000;  // up to G999.9
 
 struct CodeMeaning {
   Meaning meaning;
-  uint16_t blocker;
+  uint16_t detail;
   const char* text;
+};
+
+// What a letter's word is.
+enum class Role : uint8_t {
+  kParameter,  // of whatever code stands in the block
+  kCode,
+  kAxis,
+  kLineNumber,
+  kProgramNumber,
+  kPassive,
+  kFeed,
+  kToolNumber,
+  kToolLength,        // H: number of the length that G43 adds
+  kActiveToolLength,  // D of Sinumerik: the length acts as soon as it is named
+  kCentre,            // I, J, K
+  kRadius,
+  kRadiusCompensation,  // R0 of Klartext
 };
 
 struct Dialect {
   std::string name;
   std::vector<CodeMeaning> g_codes, m_codes;  // by tenths, kCodes each
-  std::string axis_letters;                   // in the order in which inserted words are written
-  bool has_parenthesis_comments;              // ( ... )
-  char line_comment;                          // to the end of the line; 0: none
+  std::vector<Keyword> keywords;              // a keyword that begins like another stands behind the longer one
+  std::array<Role, 26> roles;
+  std::string axis_letters = "XYZABCUVW";  // in the order in which inserted words are written
+  bool has_parenthesis_comments = true;    // ( ... )
+  char line_comment = ';';                 // to the end of the line; 0: none
+  char line_comment2 = 0;                  // '*' of Klartext; only at the begin of a block
+  bool has_equals = false;                 // X=5 is a word
+  bool has_bare_keywords = false;          // single letters may be keywords (L), blocks begin with their number
+  bool tool_call_sets_length = false;      // the tool's length acts from the tool change on, without a code
+  std::string first_offset = "G54";        // the work offset that is selected at the begin
+  std::string piece_prefix;                // what inserted pieces begin with: "L "
+  std::string radius_address = "R";        // what a piece's radius word begins with
+  bool writes_plus = false;                // inserted words carry their sign
+
+  std::vector<CodeMeaning> keyword_codes;  // of `keywords`, in their order
+  uint32_t keyword_letters = 0;            // bit i: a keyword begins with the letter i
 };
 
 const std::vector<Dialect>& Dialects();
-// nullptr when there is none of that name.
+// nullptr when there is none of that name. "mazak" and "haas" are names of the table "fanuc" with their own codes.
 const Dialect* FindDialect(const std::string& name);
 // "cutter compensation is active", of the lowest bit set. `blockers` != 0.
 const char* BlockerText(uint16_t blockers);

@@ -1,8 +1,7 @@
 // Reads a program block by block and keeps the modal state and the position of every axis, as the controller would.
 //
-// Positions are axis positions in ticks (decimal.h): programmed position plus the selected work offset. A position is
-// unknown until it is programmed, and again after every block that may have moved axes in a way that is not followed
-// here.
+// Positions are axis positions in ticks (decimal.h): programmed position plus coordinates.h. A position is unknown
+// until it is programmed, and again after every block that may have moved axes in a way that is not followed here.
 #ifndef AXISCAL_CORE_NC_INTERPRETER_H_
 #define AXISCAL_CORE_NC_INTERPRETER_H_
 
@@ -13,40 +12,25 @@
 
 #include "core/base/status.h"
 #include "core/machine/machine.h"
+#include "core/nc/arc.h"
 #include "core/nc/block.h"
+#include "core/nc/coordinates.h"
 #include "core/nc/dialect.h"
+#include "core/nc/modal.h"
 #include "core/nc/options.h"
 #include "core/nc/program_frame.h"
 
 namespace axiscal::nc {
 
-enum class FeedMode : uint8_t { kPerMinute, kInverseTime, kPerTurn };
-
-struct AxisPosition {
-  Ticks ticks = 0;
-  bool is_known = false;
-  int8_t sense = 0;                // of the last motion: +1, -1, 0 unknown
-  bool is_consequence = false;     // unknown because of a block that was reported itself
-  int64_t unknown_since_line = 0;  // 0: never programmed
-};
-
-struct Modal {
-  Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kCancelMotion or kOtherMotion. Power-on states are linear.
-  const char* motion_text = "";       // of kOtherMotion
-  bool is_inch = false;
-  bool is_incremental = false;
-  FeedMode feed_mode = FeedMode::kPerMinute;
-  uint16_t blockers = 0;
-  int16_t work_offset = -1;  // index into options.work_offsets, -1: none
-};
-
 enum class StepKind : uint8_t {
   kNone,         // moves no axis
-  kMove,         // a linear move to `end`
+  kMove,         // a linear or circular move to `end`
+  kUntouched,    // moves to machine positions: `reason` says how; the axes that it names are unknown now
   kUnsupported,  // may move axes otherwise, `reason` says why; all positions are unknown now
 };
 
-using AxisTicks = std::array<Ticks, machine::kMaxAxes>;
+// What the block does to the preset coordinates (G92): they are taken from where the controller stands.
+enum class PresetChange : uint8_t { kNone, kSet, kCleared, kSuspended, kRestored };
 
 // What one line does.
 struct Step {
@@ -54,15 +38,19 @@ struct Step {
   bool has_words = false;
   bool has_other_words = false;  // than N and O: the program proper has begun
   bool is_rapid = false;
+  bool is_arc = false;          // valid with kMove: `arc` is its path
   bool may_be_skipped = false;  // block delete, switch unknown
   bool is_consequence = false;  // of a block reported before
   bool is_tool_change = false;
   bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
+  PresetChange preset = PresetChange::kNone;
+  uint16_t preset_axes = 0;  // of kSet; `end` is where they stand
   std::string reason;
   std::string note;  // for the report: text after the end of the program
   // Per axis of the machine; valid for kMove.
   std::array<int8_t, machine::kMaxAxes> word_of_axis{};  // index into Block::words, -1: none
-  std::array<AxisPosition, machine::kMaxAxes> start{}, end{};
+  Positions start, end;
+  Arc arc;
 };
 
 class Interpreter {
@@ -79,48 +67,74 @@ class Interpreter {
   int64_t line() const { return line_; }  // of the last Read, from 1
   const Modal& modal() const { return modal_; }
   const Dialect& dialect() const { return *dialect_; }
+  const Coordinates& coordinates() const { return coordinates_; }
   Ticks ticks_per_unit(int axis) const { return modal_.is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm; }
-  // Offset that is added to programmed positions of an axis.
-  Ticks offset(int axis) const {
-    return modal_.work_offset < 0 ? 0 : offsets_[static_cast<size_t>(modal_.work_offset)][axis];
-  }
-  const std::array<AxisPosition, machine::kMaxAxes>& positions() const { return positions_; }
-  // Index of the machine's axis that a capital letter commands, or -1.
-  int AxisOf(char letter) const { return axis_of_letter_[static_cast<size_t>(letter - 'A')]; }
+  Ticks offset(int axis) const { return coordinates_.Offset(axis); }
+  const Positions& positions() const { return positions_; }
+  // Of an axis whose position is unknown: since which line (0: never programmed), and whether that block was reported.
+  int64_t unknown_since(int axis) const { return unknown_since_[axis]; }
+  bool is_unknown_reported(int axis) const { return unknown_reported_ >> axis & 1; }
+  // Index of the machine's axis that a capital letter commands, or -1. Keywords (letter 0) command none.
+  int AxisOf(char letter) const { return letter == 0 ? -1 : axis_of_letter_[static_cast<size_t>(letter - 'A')]; }
+  Role RoleOf(char letter) const { return letter == 0 ? Role::kParameter : roles_[static_cast<size_t>(letter - 'A')]; }
+  // Axis of the plane's first, second and normal direction (0 to 2) in the present plane, or -1.
+  int PlaneAxis(int index) const;
+  bool IsIncremental(const Word& word) const { return modal_.is_incremental || word.is_incremental; }
+  bool IsMotionCode(const Word& word) const;  // of the group of G00 to G03
+  bool IsArcCode(const Word& word) const;
   // A word's value by the rule for words without a point.
   Decimal Meant(const Decimal& written) const;
+  // A length in ticks of a linear axis; nothing when it is out of range.
+  std::optional<Ticks> LengthTicks(const Word& word) const;
 
  private:
-  enum class Role : uint8_t { kCode, kAxis, kForeignAxis, kLineNumber, kProgramNumber, kPassive, kParameter };
   using Code = CodeMeaning;
-  struct Scan;
+  struct Request;
 
-  Interpreter(const machine::Machine& machine, const RewriteOptions& options, const Dialect& dialect);
+  Interpreter(const machine::Machine& machine, const RewriteOptions& options, const Dialect& dialect,
+              Coordinates coordinates);
   absl::Status TakeOptions();
-  absl::StatusOr<AxisTicks> ToAxisTicks(const std::vector<AxisValue>& values, const std::string& field,
-                                        std::vector<int>* axes) const;
-  void Apply(const Block& block, Step* step);
-  void ScanWords(const Block& block, Scan* scan, Step* step);
-  void ScanCode(const Word& word, Scan* scan, Step* step);
-  void SelectOffset(const Word& word, const Code& code, Scan* scan);
-  void CheckAndMove(const Block& block, const Scan& scan, Step* step);
-  void Move(const Block& block, Step* step);
+  void ReadBlock(const char* text, const Block& block, Step* step);
+  void Apply(const char* text, const Block& block, Step* step);
+  void ScanWords(const Block& block, Request* request, Step* step);
+  void ScanCode(const Word& word, const Code& code, Request* request, Step* step);
+  void ScanKeyword(const Word& word, Request* request, Step* step);
+  void SelectOffset(const Block& block, Request* request);
+  void SelectLength(Request* request);
+  void Act(const Block& block, const Request& request, Step* step);
+  void DoDwell(const Request& request, Step* step);
+  void DoMachineMove(const Request& request, Step* step);
+  void DoPreset(const Block& block, const Request& request, Step* step);
+  void DoShift(const Block& block, const Request& request, Step* step);
+  // Why axis words of this block cannot be followed, or "".
+  std::string WhyNoMove(const Request& request, bool* is_consequence) const;
+  void Move(const Block& block, const Request& request, Step* step);
+  // The axis words' positions into step->end; false and Unsupported when one cannot be read.
+  bool ReadTargets(const Block& block, Step* step);
+  bool ReadArc(const Block& block, const Request& request, Step* step);
+  std::string WordProblem(const Word& word) const;
   void Unsupported(std::string reason, bool is_consequence, Step* step);
-  void ForgetPositions(bool is_consequence);
+  void ForgetPositions(bool is_reported);
+  void ForgetPosition(int axis, bool is_reported);
   void StartProgram();
   const Code& Find(const Word& word) const;
 
   const machine::Machine* machine_;
   const RewriteOptions* options_;
   const Dialect* dialect_;
+  Coordinates coordinates_;
   std::array<Role, 26> roles_{};
   std::array<int8_t, 26> axis_of_letter_{};
   std::array<bool, machine::kMaxAxes> is_linear_{};
-  std::vector<AxisTicks> offsets_;
   ProgramFrame frame_;
   Modal modal_;
-  std::array<AxisPosition, machine::kMaxAxes> positions_{};
+  Positions positions_;
+  std::array<int64_t, machine::kMaxAxes> unknown_since_{};
+  uint16_t unknown_reported_ = 0;
+  uint16_t needs_absolute_ = 0;  // axes whose tool length changed: controllers differ on what G91 does then
+  int last_length_number_ = -1;  // of H
   int64_t line_ = 0;
+  int64_t jump_line_ = 0;  // behind it the order of blocks is not known
   bool has_moved_ = false;
   bool at_program_end_ = false;  // M30: what follows is another program
 };

@@ -30,12 +30,21 @@ class BlockLexer {
     SkipReturns();
     SkipBlanks();
     if (at_ != end_ && *at_ == '/') ReadBlockDelete();
+    if (dialect_.has_bare_keywords) SkipBlockNumber();
+    if (at_ != end_ && dialect_.line_comment2 != 0 && *at_ == dialect_.line_comment2) {
+      block_.is_marked |= HasMark(at_ + 1, end_);
+      return;
+    }
     while (true) {
       SkipBlanks();
       if (at_ == end_) return;
       const uint8_t kind = Class(*at_);
       if (kind == kUpper || kind == kLower) {
-        if (!ReadWord(kind == kLower)) return;
+        if (MayBeKeyword() && ReadKeyword()) {
+          if (takes_rest_) return;
+        } else if (!ReadWord(kind == kLower)) {
+          return;
+        }
       } else if (*at_ == '(' && dialect_.has_parenthesis_comments) {
         if (!ReadComment()) return;
       } else if (*at_ == dialect_.line_comment && dialect_.line_comment != 0) {
@@ -77,6 +86,86 @@ class BlockLexer {
     if (at_ != end_ && Class(*at_) == kDigit) ++at_;  // "/2": one of several switches
   }
 
+  // Klartext numbers its blocks with a bare integer.
+  void SkipBlockNumber() {
+    SkipBlanks();
+    while (at_ != end_ && Class(*at_) == kDigit) ++at_;
+    SkipBlanks();
+  }
+
+  static char Capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+  // Words are a letter and a number: a keyword goes on with another letter, or stands alone.
+  bool MayBeKeyword() const {
+    if ((dialect_.keyword_letters >> ((*at_ - 'A') & 31) & 1) == 0 || *at_ == ':') return false;
+    const uint8_t next = at_ + 1 == end_ ? static_cast<uint8_t>(kBlank) : Class(at_[1]);
+    return next == kUpper || next == kLower || (dialect_.has_bare_keywords && next == kBlank);
+  }
+
+  // Where `name` ends if it stands here as a whole, else nullptr.
+  const char* EndOfKeyword(const char* name) const {
+    const char* at = at_;
+    char last = 0;
+    for (; *name != 0; ++name) {
+      last = *name;
+      if (at == end_ || Capital(*at) != last) return nullptr;
+      ++at;
+      if (last != ' ') continue;
+      while (at != end_ && Class(*at) == kBlank) ++at;
+    }
+    if (at == end_) return at;
+    const uint8_t next = Class(*at);
+    if (at == at_ + 1) return next == kBlank ? at : nullptr;
+    if (last >= '0' && last <= '9') return next == kDigit ? nullptr : at;
+    return next == kUpper || next == kLower || *at == '_' ? nullptr : at;
+  }
+
+  bool ReadKeyword() {
+    const char* longest = nullptr;
+    int found = -1;
+    for (size_t i = 0; i < dialect_.keywords.size(); ++i) {
+      const char* const end = EndOfKeyword(dialect_.keywords[i].name);
+      if (end != nullptr && (longest == nullptr || end > longest)) longest = end, found = static_cast<int>(i);
+    }
+    if (found < 0) return false;
+    const Keyword& keyword = dialect_.keywords[static_cast<size_t>(found)];
+    takes_rest_ = keyword.takes_rest;
+    const bool is_address = keyword.meaning == Meaning::kAddress || keyword.meaning == Meaning::kIncrementalAddress;
+    if (is_address) {
+      const char* const begin = at_;
+      at_ = longest - 1;
+      if (!ReadWord(Class(*begin) == kLower)) {
+        takes_rest_ = true;  // the problem is set, the rest is not read
+        return true;
+      }
+      Word& word = block_.words[block_.word_count - 1];
+      word.letter = static_cast<char>(keyword.detail);
+      word.letter_at = Offset(begin);
+      word.is_incremental = keyword.meaning == Meaning::kIncrementalAddress;
+      return true;
+    }
+    if (block_.word_count == kMaxWords) return Fail(LexProblem::kTooManyWords, at_);
+    Word& word = block_.words[block_.word_count++];
+    word = Word();
+    word.keyword = static_cast<int16_t>(found);
+    word.letter_at = word.number_at = Offset(at_);
+    at_ = longest;
+    word.end = Offset(at_);
+    if (takes_rest_) ReadArgument(&word);
+    return true;
+  }
+
+  // "TOOL CALL 5": the number of a keyword that takes the rest; digits = 0: it has none, has_plus: it has a text or a
+  // variable.
+  void ReadArgument(Word* word) {
+    SkipBlanks();
+    word->number.has_plus = at_ != end_ && (*at_ == '"' || *at_ == 'Q' || *at_ == 'q');
+    for (; at_ != end_ && Class(*at_) == kDigit && word->number.digits < 9; ++at_) {
+      word->number.mantissa = word->number.mantissa * 10 + (*at_ - '0');
+      ++word->number.digits;
+    }
+  }
+
   bool ReadComment() {
     const char* const open = at_++;
     const char* const inside = at_;
@@ -94,8 +183,13 @@ class BlockLexer {
     word.letter = is_lower ? static_cast<char>(*at_ - 'a' + 'A') : *at_ == ':' ? 'O' : *at_;
     word.is_lower = is_lower;
     word.letter_at = Offset(at_);
+    word.is_incremental = false;
     const char* const letter = at_++;
     SkipBlanks();
+    if (dialect_.has_equals && at_ != end_ && *at_ == '=') {
+      ++at_;
+      SkipBlanks();
+    }
     word.number_at = Offset(at_);
     if (!ReadNumber(letter, &word)) return false;
     ++block_.word_count;
@@ -144,6 +238,7 @@ class BlockLexer {
   const char* at_;
   const Dialect& dialect_;
   Block& block_;
+  bool takes_rest_ = false;
 };
 
 }  // namespace

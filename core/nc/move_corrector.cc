@@ -35,19 +35,16 @@ MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const R
   for (int i = 0; i < axis_count_; ++i) {
     const bool is_rotary = compensator.machine().axes[i].kind == machine::AxisKind::kRotary;
     unit_per_tick_[i] = (is_rotary ? base::kRadPerDeg : 1.0) / kTicksPerUnit;
+    uses_sense_ |= compensator.uses_sense(i);
   }
 }
 
-void MoveCorrector::PoseAt(const AxisTicks& nominal, const Step& step, compensate::Pose* pose) const {
-  for (int i = 0; i < axis_count_; ++i) {
-    pose->position[i] = static_cast<double>(nominal[i]) * unit_per_tick_[i];
-    pose->sense[i] = step.end[i].sense;
-  }
-}
-
-absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Step& step, Piece* piece) const {
+absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& senses, Piece* piece) const {
   compensate::Pose pose;
-  PoseAt(nominal, step, &pose);
+  for (int i = 0; i < axis_count_; ++i) {
+    pose.position[i] = static_cast<double>(nominal[i]) * unit_per_tick_[i];
+    pose.sense[i] = senses[i];
+  }
   RETURN_IF_ERROR(compensator_->Correct(pose, &piece->correction));
   piece->nominal = piece->targets = nominal;
   for (const int axis : compensator_->linear_axes()) {
@@ -60,17 +57,35 @@ absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Step& step
 }
 
 absl::Status MoveCorrector::CorrectEnd(const Step& step, Piece* piece) const {
-  AxisTicks nominal{};
-  for (int i = 0; i < axis_count_; ++i) nominal[i] = step.end[i].ticks;
   piece->end_fraction = 1.0;
-  return CorrectAt(nominal, step, piece);
+  piece->is_arc = false;
+  return CorrectAt(step.end.ticks, step.end.sense, piece);
+}
+
+absl::Status MoveCorrector::CorrectStart(const Step& step, Piece* piece) const {
+  piece->end_fraction = 0.0;
+  piece->is_arc = false;
+  return CorrectAt(step.start.ticks, step.is_arc ? SensesOfArc(step, 0.0) : step.end.sense, piece);
+}
+
+double MoveCorrector::Apart(const AxisTicks& a, const AxisTicks& b) const {
+  double apart = 0;
+  for (const int axis : compensator_->linear_axes()) {
+    apart = std::max(apart, std::abs(static_cast<double>(a[axis] - b[axis])));
+  }
+  return apart / kTicksPerUnit;
 }
 
 AxisTicks MoveCorrector::Between(const Step& step, double fraction) const {
   AxisTicks nominal{};
   for (int i = 0; i < axis_count_; ++i) {
-    const double travel = static_cast<double>(step.end[i].ticks - step.start[i].ticks);
-    nominal[i] = step.start[i].ticks + std::llround(travel * fraction);
+    const double travel = static_cast<double>(step.end.ticks[i] - step.start.ticks[i]);
+    nominal[i] = step.start.ticks[i] + std::llround(travel * fraction);
+  }
+  if (step.is_arc && fraction > 0.0 && fraction < 1.0) {
+    const Eigen::Vector2d at_mm = step.arc.At(fraction);
+    nominal[step.arc.first] = std::llround(at_mm.x() * kTicksPerUnit);
+    nominal[step.arc.second] = std::llround(at_mm.y() * kTicksPerUnit);
   }
   return nominal;
 }
@@ -80,7 +95,7 @@ absl::Status MoveCorrector::Sample(const Step& step, int intervals, std::vector<
   const std::vector<int>& axes = compensator_->linear_axes();
   Piece piece;
   for (int k = 0; k <= intervals; ++k) {
-    RETURN_IF_ERROR(CorrectAt(Between(step, static_cast<double>(k) / intervals), step, &piece));
+    RETURN_IF_ERROR(CorrectAt(Between(step, static_cast<double>(k) / intervals), step.end.sense, &piece));
     Change change(static_cast<Eigen::Index>(axes.size()));
     for (size_t i = 0; i < axes.size(); ++i) {
       change[static_cast<Eigen::Index>(i)] =
@@ -94,7 +109,7 @@ absl::Status MoveCorrector::Sample(const Step& step, int intervals, std::vector<
 int MoveCorrector::SampleIntervals(const Step& step) const {
   double intervals = kMinIntervals;
   for (int i = 0; i < axis_count_; ++i) {
-    const double travel = std::abs(static_cast<double>(step.end[i].ticks - step.start[i].ticks)) * unit_per_tick_[i];
+    const double travel = std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) * unit_per_tick_[i];
     intervals = std::max(intervals, kMinIntervals * std::ceil(travel / compensator_->smooth_travel(i)));
   }
   return static_cast<int>(std::min<double>(intervals, kMaxIntervals));
@@ -102,13 +117,10 @@ int MoveCorrector::SampleIntervals(const Step& step) const {
 
 absl::StatusOr<double> MoveCorrector::Departure(const Step& step) const {
   compensate::Pose from, to;
-  AxisTicks start{}, end{};
   for (int i = 0; i < axis_count_; ++i) {
-    start[i] = step.start[i].ticks;
-    end[i] = step.end[i].ticks;
+    from.position[i] = static_cast<double>(step.start.ticks[i]) * unit_per_tick_[i];
+    to.position[i] = static_cast<double>(step.end.ticks[i]) * unit_per_tick_[i];
   }
-  PoseAt(start, step, &from);
-  PoseAt(end, step, &to);
   const double bound_mm = compensator_->DepartureBound(from, to);
   if (bound_mm <= tolerance_mm_) return bound_mm;
   std::vector<Change> samples;
@@ -117,7 +129,7 @@ absl::StatusOr<double> MoveCorrector::Departure(const Step& step) const {
   return ChordDeparture(samples, 0, intervals);
 }
 
-absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const AxisTicks& grain) const {
+absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const WordGrain& grain) const {
   std::vector<Change> samples;
   int intervals = SampleIntervals(step);
   std::vector<int> ends;
@@ -156,9 +168,9 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const 
     piece.end_fraction = static_cast<double>(ends[k]) / intervals;
     AxisTicks nominal = Between(step, piece.end_fraction);
     for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i) {
-      nominal[i] = RoundToGrains(nominal[i], grain[i]) * grain[i];
+      nominal[i] = RoundToGrains(nominal[i], grain.of_axis[i]) * grain.of_axis[i];
     }
-    RETURN_IF_ERROR(CorrectAt(nominal, step, &piece));
+    RETURN_IF_ERROR(CorrectAt(nominal, step.end.sense, &piece));
   }
   return pieces;
 }

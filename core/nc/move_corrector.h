@@ -11,12 +11,20 @@
 
 namespace axiscal::nc {
 
-// One straight piece of the written move.
+// One piece of the written move: straight, or an arc.
 struct Piece {
-  double end_fraction = 1.0;  // of the nominal move
+  double end_fraction = 1.0;  // of the nominal move; the share 0 takes up what the sense of motion changed
   AxisTicks nominal{};        // axis positions at its end
   compensate::Correction correction;
   AxisTicks targets{};  // corrected, exact; rotary axes as nominal
+  bool is_arc = false;
+  Arc arc;  // in corrected positions; valid with is_arc
+};
+
+// What the written words can hold.
+struct WordGrain {
+  AxisTicks of_axis{};     // of each axis' word, ticks
+  double radius_mm = 0.0;  // of the R word; 0: the arc has a centre
 };
 
 class MoveCorrector {
@@ -26,32 +34,64 @@ class MoveCorrector {
   // The corrected end of a move whose positions are known. Fills `piece`. Errors of Compensator::Correct.
   absl::Status CorrectEnd(const Step& step, Piece* piece) const;
 
-  // How far the correction along the move departs from the straight line between its ends: an upper bound where that is
-  // below the tolerance, sampled otherwise. The move's start must be known.
+  // How far the correction along the linear move departs from the straight line between its ends: an upper bound where
+  // that is below the tolerance, sampled otherwise. The move's start must be known.
   absl::StatusOr<double> Departure(const Step& step) const;
 
-  // As few pieces as samples of the correction allow, the last one ending the move, each within the tolerance.
-  // Positions between the pieces are rounded to `grain`, per axis. FAILED_PRECONDITION
-  // when more than kMaxPieces would be needed.
-  absl::StatusOr<std::vector<Piece>> Split(const Step& step, const AxisTicks& grain) const;
+  // Where the start of the move lies by the senses of this move; it differs from what is commanded behind a reversal.
+  // The move's start must be known.
+  absl::Status CorrectStart(const Step& step, Piece* piece) const;
+  // Largest difference in one linear axis, mm.
+  double Apart(const AxisTicks& a, const AxisTicks& b) const;
+  bool uses_sense() const { return uses_sense_; }
 
-  static constexpr int kMaxPieces = 1000;
+  // As few pieces as samples of the correction allow, the last one ending the move, each within the tolerance.
+  // Positions between the pieces are rounded to the words' grain. FAILED_PRECONDITION when more than kMaxPieces would
+  // be needed.
+  absl::StatusOr<std::vector<Piece>> Split(const Step& step, const WordGrain& grain) const;
+
+  // The same of an arc that begins at `commanded`: one arc where the corrected points lie on one within the tolerance,
+  // else several, else chords. All pieces are arcs, or none is.
+  absl::StatusOr<std::vector<Piece>> SplitArc(const Step& step, const AxisTicks& commanded,
+                                              const WordGrain& grain) const;
+
+  // Largest departure of a written piece that Split and SplitArc leave, mm.
+  double tolerance_mm() const { return tolerance_mm_; }
+
+  static constexpr int kMaxPieces = 10000;
 
  private:
   // Corrections of the linear axes, mm.
   using Change = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, machine::kMaxAxes, 1>;
+  using Senses = std::array<int8_t, machine::kMaxAxes>;
 
   static double ChordDeparture(const std::vector<Change>& samples, int first, int last);
-  void PoseAt(const AxisTicks& nominal, const Step& step, compensate::Pose* pose) const;
   AxisTicks Between(const Step& step, double fraction) const;
-  absl::Status CorrectAt(const AxisTicks& nominal, const Step& step, Piece* piece) const;
+  absl::Status CorrectAt(const AxisTicks& nominal, const Senses& senses, Piece* piece) const;
   // At equidistant points of the move, both ends included.
   absl::Status Sample(const Step& step, int intervals, std::vector<Change>* corrections) const;
   int SampleIntervals(const Step& step) const;
 
+  Senses SensesOfArc(const Step& step, double fraction) const;
+  absl::Status CorrectOnArc(const Step& step, double fraction, const Senses& senses, const WordGrain& grain,
+                            Piece* piece) const;
+  // Whether the arc through the corrected points from `start` to the fraction `last` keeps the tolerance; fills
+  // `piece`.
+  absl::StatusOr<bool> FitArc(const Step& step, const AxisTicks& start, double first, double last,
+                              const WordGrain& grain, Piece* piece) const;
+  absl::StatusOr<std::vector<Piece>> ArcPieces(const Step& step, const AxisTicks& commanded,
+                                               const WordGrain& grain) const;
+  absl::StatusOr<std::vector<Piece>> Chords(const Step& step, const AxisTicks& commanded, const WordGrain& grain,
+                                            const std::vector<double>& breaks) const;
+  absl::Status ChordsBetween(const Step& step, double first, double last, const AxisTicks& commanded,
+                             const WordGrain& grain, std::vector<Piece>* pieces) const;
+  // Fractions of an arc where an axis whose sense matters turns back, 0 and 1 included.
+  std::vector<double> Reversals(const Step& step) const;
+
   const compensate::Compensator* compensator_;
   double tolerance_mm_;
   int axis_count_;
+  bool uses_sense_ = false;
   std::array<double, machine::kMaxAxes> unit_per_tick_{};  // mm or rad
 };
 

@@ -36,6 +36,13 @@ absl::Status Validate(const RewriteOptions& options) {
   if (!(options.tolerance_mm > 0)) {
     return absl::InvalidArgumentError(absl::StrCat("tolerance_mm = ", options.tolerance_mm, ", must be > 0"));
   }
+  for (const ToolLength& length : options.tool_lengths) {
+    const bool is_bad = length.number < 1 || length.number > 9999 || !(std::abs(length.length_mm) <= 1e4);
+    if (is_bad) {
+      return absl::InvalidArgumentError(absl::StrCat("tool_lengths: number ", length.number, " = ", length.length_mm,
+                                                     " mm, must be a number from 1 to 9999 and at most 1e4 mm"));
+    }
+  }
   if (options.calibration.empty() || options.calibration.size() > kMaxNameLength) {
     return absl::InvalidArgumentError(
         absl::StrCat("calibration: a name of 1 to ", kMaxNameLength, " characters is expected"));

@@ -12,11 +12,12 @@
 
 namespace axiscal::nc {
 
-// What to do with a block that moves axes in a way that cannot be corrected (arcs, G28, G53, macros, unknown codes
-// ...).
+// What to do with a block that moves axes in a way that cannot be corrected (cycles, cutter compensation, macros,
+// unknown codes ...). Moves to machine positions (G28, G53 ...) are not of them: they are never touched, and listed.
 enum class OnUnsupported {
-  kRefuse,  // the job fails with line, block and reason; nothing that was written may be used
+  kRefuse,  // the job fails with all of them, by line, block and reason; nothing that was written may be used
   kPass,    // the block stays as it is and is listed; axis positions are unknown until they are programmed again
+  kStop,    // the job fails at the first one, without reading on
 };
 
 // Blocks that begin with '/' are skipped when the operator's switch is on. Text of both cases must stay safe.
@@ -40,8 +41,15 @@ struct AxisValue {
 
 // A work offset that programs may select: axis position = programmed position + offset.
 struct WorkOffset {
-  std::string code;  // "G54" ... "G59"
+  std::string code;  // as programs select it: "G54", "G54.1 P5", "G505"; "PRESET" is Klartext's datum
   std::vector<AxisValue> offsets;
+};
+
+// A tool length that programs select by number (H1, D1 of Sinumerik, TOOL CALL 1): it is added to Z, and the tool point
+// stands that much farther along the tool than the stated one.
+struct ToolLength {
+  int number = 0;  // 1 to 9999
+  double length_mm = 0;
 };
 
 struct RewriteOptions {
@@ -63,6 +71,8 @@ struct RewriteOptions {
   std::vector<AxisValue> initial_position;
   // Offsets that the program may select. A program that selects another one is refused.
   std::vector<WorkOffset> work_offsets;
+  // Lengths that the program may select. A program that selects another one is refused.
+  std::vector<ToolLength> tool_lengths;
   // CRC-32C of the whole source for the mark; RewriteText and RewriteFile compute it themselves.
   std::optional<uint32_t> source_crc32c;
 };

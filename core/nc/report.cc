@@ -45,6 +45,8 @@ std::string ToJson(const RewriteReport& report) {
                     {"passed", report.blocks_passed}, {"refused", report.blocks_refused}};
   for (const AxisSpread& axis : report.axes) json["correction"][axis.axis] = ToJsonValue(axis.correction);
   json["tool_point_error"] = {{"before", ToJsonValue(report.error_before)}, {"after", ToJsonValue(report.error_after)}};
+  json["tool_point_error_along_path"] = {{"before_at_most_um", report.path_before_max_mm * base::kUmPerMm},
+                                         {"after_at_most_um", report.path_after_max_mm * base::kUmPerMm}};
   json["max_tilt_left_urad"] = report.max_tilt_left_rad * base::kUradPerRad;
   json["max_departure_um"] = report.max_departure_mm * base::kUmPerMm;
   json["passed"] = ToJsonValue(report.passed);

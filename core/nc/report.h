@@ -48,8 +48,10 @@ struct RewriteReport {
   // Predicted tool-point error at block ends, in the table's frame, without the correction, and with it as written
   // (rounding included).
   Spread error_before, error_after;
+  // Along the whole path (G01 and arcs), at most: the larger end of each piece and its departure inside.
+  double path_before_max_mm = 0, path_after_max_mm = 0;
   double max_tilt_left_rad = 0;  // orientation error that linear axes cannot correct
-  double max_departure_mm = 0;   // largest departure from linear of the correction along a written move (G01)
+  double max_departure_mm = 0;   // largest departure of the correction along a written piece, at most
   uint32_t source_crc32c = 0;
   bool has_source_crc32c = false;
 };

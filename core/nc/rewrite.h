@@ -1,7 +1,7 @@
 // Rewrites NC programs so that the tool point goes where the program says, on this machine.
 //
-// Programs of G00 and G01 moves in axis positions (G90/G91, G20/G21, stated work offsets). Every byte that is not a
-// corrected axis word stays. A null correction returns the program byte for byte, whatever it holds. Any other output
+// Programs of linear moves and arcs in axis positions or stated work coordinates (docs/nc.md). Every byte that is not a
+// corrected word stays. A null correction returns the program byte for byte, whatever it holds. Any other output
 // carries a mark in a comment and is refused as input. What is written before an error must not be used: RewriteText
 // and RewriteFile hand out nothing in that case.
 #ifndef AXISCAL_CORE_NC_REWRITE_H_

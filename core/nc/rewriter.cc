@@ -9,6 +9,7 @@
 #include "core/compensate/compensator.h"
 #include "core/nc/block_writer.h"
 #include "core/nc/interpreter.h"
+#include "core/nc/job_report.h"
 #include "core/nc/line_splitter.h"
 #include "core/nc/mark.h"
 #include "core/nc/move_corrector.h"
@@ -20,241 +21,265 @@ namespace {
 using compensate::Compensator;
 
 constexpr size_t kOutBytes = 1u << 16;
-constexpr size_t kShownBytes = 120;  // of a block in a report
-constexpr size_t kMaxNotes = 100;
 
 }  // namespace
 
 struct Rewriter::Impl {
+  // A tool of a stated length: its tool point stands elsewhere.
+  struct Tool {
+    int number;
+    Compensator compensator;
+  };
+
   // The interpreter refers to `*options_in`.
-  Impl(const Compensator& compensator_in, std::unique_ptr<const RewriteOptions> options_in, ByteSink sink_in,
-       Interpreter interpreter_in)
+  Impl(const Compensator& compensator_in, std::vector<Tool> tools_in, std::unique_ptr<const RewriteOptions> options_in,
+       ByteSink sink_in, Interpreter interpreter_in)
       : compensator(compensator_in),
+        tools(std::move(tools_in)),
         owned_options(std::move(options_in)),
         sink(std::move(sink_in)),
         interpreter(std::move(interpreter_in)),
         writer(compensator.machine(), options, interpreter),
-        corrector(compensator, options) {
-    report.calibration = options.calibration;
-    report.is_null_correction = compensator.is_null();
-    report.has_source_crc32c = options.source_crc32c.has_value();
-    report.source_crc32c = options.source_crc32c.value_or(0);
-    report.notes = compensator.not_carried();
-    for (std::string& note : report.notes) note = "not carried: " + note;
-    for (const int axis : compensator.linear_axes()) report.axes.push_back({compensator.machine().axes[axis].name, {}});
+        job(compensator, options),
+        base_corrector(compensator, options) {
+    for (const Tool& tool : tools) tool_correctors.emplace_back(tool.compensator, options);
     unknown_reported.fill(-1);
+    all_axes = static_cast<uint16_t>((1u << compensator.machine().axis_count()) - 1);
     out.reserve(2 * kOutBytes);
   }
 
   const Compensator& compensator;
+  const std::vector<Tool> tools;
   const std::unique_ptr<const RewriteOptions> owned_options;
   const RewriteOptions& options = *owned_options;
   const ByteSink sink;
   Interpreter interpreter;
   BlockWriter writer;
-  MoveCorrector corrector;
-  RewriteReport report;
+  JobReport job;
+  const MoveCorrector base_corrector;
+  std::vector<MoveCorrector> tool_correctors;  // of `tools`
   LineSplitter splitter;
   Block block;
+  BlockText now;
   Step step;
   Piece piece;
   std::string out;
   absl::Status status;
   std::array<int64_t, machine::kMaxAxes> unknown_reported;  // line since which an axis' unknown position was reported
+  uint16_t all_axes = 0;
   bool is_mark_written = false;
   bool is_finished = false;
 
-  bool is_refused() const { return report.blocks_refused > 0; }
+  bool is_null() const { return job.report().is_null_correction; }
+
+  const MoveCorrector& corrector() const {
+    const int number = interpreter.coordinates().active_length();
+    for (size_t i = 0; number > 0 && i < tools.size(); ++i) {
+      if (tools[i].number == number) return tool_correctors[i];
+    }
+    return base_corrector;
+  }
 
   void Line(const char* text, size_t size, bool is_overlong) {
     if (!status.ok()) return;
     if (interpreter.line() == 0 && size >= 3 && std::memcmp(text, "\xEF\xBB\xBF", 3) == 0) {
-      if (!report.is_null_correction) out.append(text, 3);  // a byte-order mark stays in front of ours
+      if (!is_null()) out.append(text, 3);  // a byte-order mark stays in front of ours
       text += 3;
       size -= 3;
     }
-    const size_t text_size = TextSize(text, size);
+    now = {text, size, TextSize(text, size), interpreter.line() + 1};
     if (is_overlong) {
       block.word_count = 0;
       interpreter.ReadOverlong(&step);
     } else {
-      interpreter.Read(text, text_size, &block, &step);
+      interpreter.Read(text, now.text_size, &block, &step);
     }
-    report.blocks_read += step.has_words;
-    if (!step.note.empty()) Note(step.note);
+    job.report().blocks_read += step.has_words;
+    if (!step.note.empty() && job.report().notes.size() < 100) job.report().notes.push_back(step.note);
     if (block.is_marked && !is_overlong) {
-      if (!report.is_null_correction) {
+      if (!is_null()) {
         status = absl::InvalidArgumentError(
-            absl::StrCat("line ", interpreter.line(), ": '", Shown(text, text_size),
+            absl::StrCat("line ", now.line, ": '", Shown(now),
                          "': this program was compensated before; rewrite its source instead"));
         return;
       }
-      Note(absl::StrCat("line ", interpreter.line(), ": this program was compensated before"));
+      job.Note(now, "this program was compensated before");
     }
-    if (report.is_null_correction) return Observe(text, text_size);
-    if (step.has_other_words && !is_mark_written) WriteMark(text, size, text_size);
-    if (step.is_tool_change && report.blocks_corrected > 0) {
-      Note(absl::StrCat("line ", interpreter.line(),
-                        ": tool change; all moves are corrected for the one tool point stated"));
-    }
-    const size_t before = out.size();
+    if (is_null()) return Observe();
+    if (step.has_other_words && !is_mark_written) WriteMark();
+    if (step.is_tool_change && job.report().blocks_corrected > 0 && tools.empty())
+      job.Note(now, "tool change; all moves are corrected for the one tool point stated");
     if (step.kind == StepKind::kMove) {
-      Move(text, size, text_size);
-    } else if (step.kind == StepKind::kUnsupported) {
-      NotCorrected(text, text_size, step.reason, step.is_consequence, false);
-      writer.ForgetAll();
+      Move();
+    } else {
+      if (step.kind == StepKind::kUnsupported) NotCorrected(step.reason, step.is_consequence);
+      if (step.kind == StepKind::kUntouched) job.Passed(now, step.reason + ": never touched", false);
+      Copy();
     }
-    if (step.kind == StepKind::kNone || (out.size() == before && !is_refused())) out.append(text, size);
     if (step.is_tool_change) writer.ForgetAll();
+    if (job.is_refused()) out.clear();
     if (out.size() >= kOutBytes) Flush();
+    if (job.is_refused() && options.on_unsupported == OnUnsupported::kStop) status = job.Refusal();
   }
 
   void Rest(const char* text, size_t size) {
-    if (!status.ok() || report.is_null_correction) return;
+    if (!status.ok() || is_null()) return;
     out.append(text, size);
     if (out.size() >= kOutBytes) Flush();
   }
 
   void Flush() {
-    if (!is_refused() && status.ok() && !out.empty()) status = sink(out.data(), out.size());
+    if (!job.is_refused() && status.ok() && !out.empty()) status = sink(out.data(), out.size());
     out.clear();
   }
 
   // A null correction: the bytes are out already, only the report is kept.
-  void Observe(const char* text, size_t size) {
-    if (step.kind == StepKind::kUnsupported) {
-      ++report.blocks_passed;
-      if (!step.is_consequence) AddFinding(text, size, step.reason, &report.passed);
-    } else if (step.kind == StepKind::kMove) {
-      ++report.blocks_passed;
+  void Observe() {
+    if (step.kind == StepKind::kNone) return;
+    job.Passed(now, step.reason, step.is_consequence || step.kind == StepKind::kMove);
+  }
+
+  void NotCorrected(const std::string& reason, bool is_consequence) {
+    if (options.on_unsupported == OnUnsupported::kPass) return job.Passed(now, reason, is_consequence);
+    job.Refused(now, reason, is_consequence);
+  }
+
+  // The block stays as it is.
+  void Copy() {
+    writer.CopyBlock(now.text, now.size, block, step, &out);
+    if (step.kind != StepKind::kNone || step.preset != PresetChange::kNone) {
+      writer.Pass(step);
+      job.BreakPath();
     }
   }
 
-  static std::string Shown(const char* text, size_t size) { return std::string(text, std::min(size, kShownBytes)); }
-
-  void AddFinding(const char* text, size_t size, const std::string& reason, std::vector<Finding>* findings) {
-    if (findings->size() >= kMaxFindings) return;
-    findings->push_back({interpreter.line(), Shown(text, size), reason});
-  }
-
-  void Note(const std::string& note) {
-    if (report.notes.size() < kMaxNotes) report.notes.push_back(note);
-  }
-
-  void NotCorrected(const char* text, size_t size, const std::string& reason, bool is_consequence, bool always_refuse) {
-    const bool refuses = always_refuse || options.on_unsupported == OnUnsupported::kRefuse;
-    ++(refuses ? report.blocks_refused : report.blocks_passed);
-    if (refuses) out.clear();
-    if (!is_consequence) AddFinding(text, size, reason, refuses ? &report.refused : &report.passed);
-  }
-
-  void WriteMark(const char* text, size_t size, size_t text_size) {
+  void WriteMark() {
     is_mark_written = true;
     out.append(MarkComment(interpreter.dialect(), options.calibration, *options.source_crc32c));
-    if (text_size == size) {
+    if (now.text_size == now.size) {
       out.push_back('\n');  // the only line of a program without line ends
     } else {
-      out.append(text + text_size, size - text_size);
+      out.append(now.text + now.text_size, now.size - now.text_size);
     }
   }
 
   // "position of Z is unknown: never programmed", or "" when all are known. `is_consequence`: reported before.
   std::string UnknownPosition(bool* is_consequence) {
     const machine::Machine& machine = compensator.machine();
-    for (int i = 0; i < machine.axis_count(); ++i) {
-      const AxisPosition& position = step.end[i];
-      if (position.is_known) continue;
-      *is_consequence = position.is_consequence || unknown_reported[i] == position.unknown_since_line;
-      unknown_reported[i] = position.unknown_since_line;
+    for (int i = 0; step.end.known != all_axes && i < machine.axis_count(); ++i) {
+      if (step.end.is_known(i)) continue;
+      const int64_t since = interpreter.unknown_since(i);
+      *is_consequence = interpreter.is_unknown_reported(i) || unknown_reported[i] == since;
+      unknown_reported[i] = since;
       return absl::StrCat("the position of ", machine.axes[i].name, " is unknown: ",
-                          position.unknown_since_line == 0
-                              ? "never programmed, and no initial position is stated"
-                              : absl::StrCat("not programmed since line ", position.unknown_since_line));
+                          since == 0 ? "never programmed, and no initial position is stated"
+                                     : absl::StrCat("not programmed since line ", since));
     }
-    const int axis = writer.FirstUnknown(step);
+    const int axis = writer.FirstUnknown(block, step);
     if (axis < 0) return "";
     *is_consequence = false;
-    return absl::StrCat("G91 from a position of ", machine.axes[axis].name,
+    return absl::StrCat(step.is_arc ? "an arc" : "G91", " from a position of ", machine.axes[axis].name,
                         " that the controller may not have reached");
   }
 
-  void Move(const char* text, size_t size, size_t text_size) {
+  void Move() {
     bool is_consequence = false;
     const std::string unknown = UnknownPosition(&is_consequence);
     if (!unknown.empty()) {
-      NotCorrected(text, text_size, unknown, is_consequence, false);
-      writer.Pass(step);
-      return;
+      // A rapid does not cut: behind G28 or a tool change it brings back what is known of the axes.
+      if (step.is_rapid) {
+        job.Passed(now, "rapid move left as it is, " + unknown, is_consequence);
+      } else {
+        NotCorrected(unknown, is_consequence);
+      }
+      return Copy();
     }
-    const absl::Status corrected = corrector.CorrectEnd(step, &piece);
+    const absl::Status corrected = corrector().CorrectEnd(step, &piece);
     if (!corrected.ok()) {
-      NotCorrected(text, text_size, std::string(corrected.message()), false, true);
-      writer.Pass(step);
-      return;
+      job.Refused(now, std::string(corrected.message()), false);
+      return Copy();
     }
-    ++report.blocks_corrected;
+    ++job.report().blocks_corrected;
     const Commanded before = step.may_be_skipped ? writer.commanded() : Commanded();
-    const double departure_mm = MoveDeparture();
-    if (departure_mm > options.tolerance_mm) {
-      WriteSplit(text, size, text_size, departure_mm);
+    if (step.is_arc) {
+      WriteSplit(0.0);
+    } else if (const double departure_mm = MoveDeparture(); departure_mm > options.tolerance_mm) {
+      WriteSplit(departure_mm);
     } else {
-      report.max_departure_mm = std::max(report.max_departure_mm, departure_mm);
-      writer.WriteBlock(text, size, block, step, piece.targets, 1.0, &out);
-      Account(text, text_size, piece);
+      writer.WriteBlock(now.text, now.size, block, step, piece, 1.0, &out);
+      job.Account(now, piece, writer.commanded(), departure_mm);
     }
     if (step.may_be_skipped) writer.ForgetChanges(before);
-    if (is_refused()) out.clear();
   }
 
   // 0 for a rapid, whose path no controller states, and for a move from an unknown position.
   double MoveDeparture() {
-    if (step.is_rapid) return 0.0;
-    const machine::Machine& machine = compensator.machine();
-    for (int i = 0; i < machine.axis_count(); ++i) {
-      if (!step.start[i].is_known) return 0.0;
-    }
-    const absl::StatusOr<double> departure_mm = corrector.Departure(step);
+    if (step.is_rapid || step.start.known != all_axes) return 0.0;
+    if (TakesUpReversal()) return std::numeric_limits<double>::infinity();
+    const absl::StatusOr<double> departure_mm = corrector().Departure(step);
     return departure_mm.ok() ? *departure_mm : std::numeric_limits<double>::infinity();
   }
 
-  void WriteSplit(const char* text, size_t size, size_t text_size, double departure_mm) {
-    const machine::Machine& machine = compensator.machine();
-    if (std::string reason = WhyNotSplit(); !reason.empty()) {
-      reason = absl::StrFormat("the correction departs from linear by %.2f um and the move cannot be split: %s",
-                               departure_mm * base::kUmPerMm, reason);
-      return NotCorrected(text, text_size, reason, false, true);
+  // Whether an axis turned back and its lost motion must be taken up before the move.
+  bool TakesUpReversal() {
+    if (!corrector().uses_sense() || writer.commanded().known != all_axes) return false;
+    Piece start;
+    return corrector().CorrectStart(step, &start).ok() &&
+           corrector().Apart(start.targets, writer.commanded().ticks) > options.tolerance_mm;
+  }
+
+  absl::StatusOr<std::vector<Piece>> Pieces() {
+    const WordGrain grain = writer.GrainOf(block, step);
+    if (step.is_arc) return corrector().SplitArc(step, writer.commanded().ticks, grain);
+    std::vector<Piece> pieces;
+    if (TakesUpReversal()) {
+      pieces.emplace_back();
+      RETURN_IF_ERROR(corrector().CorrectStart(step, &pieces.back()));
     }
-    AxisTicks grain{};
-    for (int i = 0; i < machine.axis_count(); ++i) {
-      grain[i] = GrainTicks(interpreter.ticks_per_unit(i), writer.DecimalsOf(block, step, i));
+    ASSIGN_OR_RETURN(const std::vector<Piece> moves, corrector().Split(step, grain));
+    pieces.insert(pieces.end(), moves.begin(), moves.end());
+    return pieces;
+  }
+
+  void WriteSplit(double departure_mm) {
+    const absl::StatusOr<std::vector<Piece>> pieces = Pieces();
+    if (!pieces.ok()) {
+      job.Refused(now, std::string(pieces.status().message()), false);
+      return Copy();
     }
-    const absl::StatusOr<std::vector<Piece>> pieces = corrector.Split(step, grain);
-    if (!pieces.ok()) return NotCorrected(text, text_size, std::string(pieces.status().message()), false, true);
-    report.max_departure_mm = std::max(report.max_departure_mm, options.tolerance_mm);
-    report.blocks_split += pieces->size() > 1;
-    report.blocks_inserted += static_cast<int64_t>(pieces->size()) - 1;
-    const std::string line_end = text_size == size ? "\n" : std::string(text + text_size, size - text_size);
-    const bool is_packed = BlockWriter::IsPacked(text, block);
+    if (std::string reason = pieces->size() > 1 ? WhyNotSplit() : ""; !reason.empty()) {
+      const std::string departs =
+          std::isfinite(departure_mm) && !step.is_arc
+              ? absl::StrFormat("the correction departs from linear by %.2f um", departure_mm * base::kUmPerMm)
+              : std::string("the correction bends along the move");
+      job.Refused(now, absl::StrCat(departs, " and the move cannot be split: ", reason), false);
+      return Copy();
+    }
+    job.report().blocks_split += pieces->size() > 1;
+    job.report().blocks_inserted += static_cast<int64_t>(pieces->size()) - 1;
+    const std::string line_end =
+        now.text_size == now.size ? "\n" : std::string(now.text + now.text_size, now.size - now.text_size);
+    const bool is_packed = BlockWriter::IsPacked(now.text, block);
     double from = 0.0;
     for (const Piece& next : *pieces) {
       const double fraction = next.end_fraction - from;
-      if (from == 0.0) {
-        writer.WriteBlock(text, size, block, step, next.targets, fraction, &out);
-        if (text_size == size && pieces->size() > 1) out.append(line_end);
+      if (&next == pieces->data()) {
+        writer.WriteBlock(now.text, now.size, block, step, next, fraction, &out);
+        if (now.text_size == now.size && pieces->size() > 1) out.append(line_end);
       } else {
-        out.append(SkipPrefix(text));
-        writer.WritePiece(block, step, next.targets, fraction, is_packed, line_end, &out);
+        out.append(SkipPrefix());
+        writer.WritePiece(block, step, next, fraction, is_packed, line_end, &out);
       }
       from = next.end_fraction;
-      Account(text, text_size, next);
+      job.Account(now, next, writer.commanded(), std::isfinite(options.tolerance_mm) ? options.tolerance_mm : 0.0);
       if (out.size() >= kOutBytes) Flush();
     }
   }
 
   // "/" or "/2" of a block that may be skipped: its pieces are skipped with it.
-  std::string SkipPrefix(const char* text) const {
+  std::string SkipPrefix() const {
     if (!block.is_deletable) return "";
-    const char* const slash = std::strchr(text, '/');
+    const char* const slash = std::strchr(now.text, '/');
     return std::string(slash, slash[1] >= '0' && slash[1] <= '9' ? 2 : 1);
   }
 
@@ -262,58 +287,12 @@ struct Rewriter::Impl {
   std::string WhyNotSplit() const {
     constexpr double kMaxFeed = 1e9;
     if (step.ends_block || step.is_tool_change) return "its block has a code that acts after the move";
+    if (interpreter.modal().uncertain & kFeedGroup) return "the feed mode is not known";
     if (interpreter.modal().feed_mode != FeedMode::kInverseTime) return "";
     for (const Word& word : block) {
       if (word.letter == 'F') return ValueOf(word.number) < kMaxFeed ? "" : "its feed is out of range";
     }
     return "G93 without an F word";
-  }
-
-  // Limits and statistics of what was written for one piece.
-  void Account(const char* text, size_t text_size, const Piece& written) {
-    const machine::Machine& machine = compensator.machine();
-    const std::vector<int>& axes = compensator.linear_axes();
-    Eigen::Vector3d after_mm = Eigen::Vector3d::Zero();
-    for (size_t k = 0; k < axes.size(); ++k) {
-      const int axis = axes[k];
-      const double correction_mm = static_cast<double>(written.targets[axis] - written.nominal[axis]) / kTicksPerUnit;
-      report.axes[k].correction.Add(correction_mm);
-      if (std::abs(correction_mm) > options.max_correction_mm) {
-        NotCorrected(text, text_size,
-                     absl::StrFormat("correction of %s = %.1f um, the limit is %.1f um", machine.axes[axis].name,
-                                     correction_mm * base::kUmPerMm, options.max_correction_mm * base::kUmPerMm),
-                     has_exceeded_limit, true);
-        has_exceeded_limit = true;
-      }
-      const Ticks commanded = writer.commanded().ticks[axis];
-      CheckTravel(text, text_size, axis, static_cast<double>(commanded) / kTicksPerUnit);
-      const double rounding_mm = static_cast<double>(commanded - written.targets[axis]) / kTicksPerUnit;
-      after_mm += written.correction.tip_per_mm[k] * rounding_mm;
-    }
-    report.error_before.Add(written.correction.before_mm);
-    report.error_after.Add(after_mm.norm() + written.correction.after_mm);
-    report.max_tilt_left_rad = std::max(report.max_tilt_left_rad, written.correction.tilt_left_rad);
-  }
-  bool has_exceeded_limit = false;  // listed once, counted on
-
-  void CheckTravel(const char* text, size_t text_size, int index, double commanded_mm) {
-    const machine::Axis& axis = compensator.machine().axes[index];
-    const bool is_below = axis.min_position && commanded_mm < *axis.min_position;
-    const bool is_above = axis.max_position && commanded_mm > *axis.max_position;
-    if (!is_below && !is_above) return;
-    NotCorrected(text, text_size,
-                 absl::StrFormat("%s = %.4f mm with its correction, beyond the travel limit of %.4f mm", axis.name,
-                                 commanded_mm, is_below ? *axis.min_position : *axis.max_position),
-                 false, true);
-  }
-
-  absl::Status Refusal() const {
-    const std::string count =
-        absl::StrCat(report.blocks_refused, report.blocks_refused == 1 ? " block" : " blocks", " refused");
-    if (report.refused.empty()) return absl::FailedPreconditionError(count);
-    const Finding& first = report.refused.front();
-    return absl::FailedPreconditionError(
-        absl::StrCat(count, "; line ", first.line, ": '", first.block, "': ", first.reason));
   }
 };
 
@@ -323,10 +302,15 @@ absl::StatusOr<Rewriter> Rewriter::Create(const Compensator& compensator, const 
   if (!compensator.is_null() && !options.source_crc32c) {
     return absl::InvalidArgumentError("source_crc32c must be given: the output's mark names its source");
   }
+  std::vector<Impl::Tool> tools;
+  for (const ToolLength& length : options.tool_lengths) {
+    ASSIGN_OR_RETURN(Compensator longer, compensator.WithLongerTool(length.length_mm));
+    tools.push_back({length.number, std::move(longer)});
+  }
   auto owned_options = std::make_unique<const RewriteOptions>(options);
   ASSIGN_OR_RETURN(Interpreter interpreter, Interpreter::Create(compensator.machine(), *owned_options));
-  return Rewriter(
-      std::make_unique<Impl>(compensator, std::move(owned_options), std::move(sink), std::move(interpreter)));
+  return Rewriter(std::make_unique<Impl>(compensator, std::move(tools), std::move(owned_options), std::move(sink),
+                                         std::move(interpreter)));
 }
 
 Rewriter::Rewriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -336,7 +320,7 @@ Rewriter::~Rewriter() = default;
 absl::Status Rewriter::Feed(const char* bytes, size_t size) {
   DEMAND(!impl_->is_finished);
   if (!impl_->status.ok()) return impl_->status;
-  if (impl_->report.is_null_correction) impl_->status = impl_->sink(bytes, size);
+  if (impl_->is_null()) impl_->status = impl_->sink(bytes, size);
   impl_->splitter.Feed(
       bytes, size,
       [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); },
@@ -350,10 +334,10 @@ absl::Status Rewriter::Finish() {
   impl_->splitter.Finish(
       [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); });
   impl_->Flush();
-  if (impl_->status.ok() && impl_->is_refused()) impl_->status = impl_->Refusal();
+  if (impl_->status.ok() && impl_->job.is_refused()) impl_->status = impl_->job.Refusal();
   return impl_->status;
 }
 
-const RewriteReport& Rewriter::report() const { return impl_->report; }
+const RewriteReport& Rewriter::report() const { return impl_->job.report(); }
 
 }  // namespace axiscal::nc

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/base/units.h"
 #include "core/nc/move_reader.h"
@@ -10,11 +11,11 @@
 namespace axiscal::nc {
 namespace {
 
-constexpr int kMaxPiecesPerMove = 2000;
+constexpr int kMaxPiecesPerMove = 20000;
 constexpr double kRotaryMatchDeg = 0.0005;       // words of four decimals, and room for three
 constexpr double kInside[] = {0.25, 0.5, 0.75};  // where a piece is looked at between its ends
 
-using Positions = std::array<double, machine::kMaxAxes>;  // mm, rad
+using Values = std::array<double, machine::kMaxAxes>;  // mm, rad
 
 class Verifier {
  public:
@@ -26,10 +27,10 @@ class Verifier {
     while (true) {
       ASSIGN_OR_RETURN(const bool has_wanted, original->Next(&wanted));
       if (!has_wanted) break;
-      if (wanted.step.kind == StepKind::kUnsupported) {
+      if (wanted.step.kind != StepKind::kMove) {
         ++report_.blocks_unsupported;
         RETURN_IF_ERROR(NextOf(compensated, wanted, &found));
-        if (found.step.kind != StepKind::kUnsupported) return Mismatch(wanted, found, "is not the same block");
+        if (found.step.kind != wanted.step.kind) return Mismatch(wanted, found, "is not the same block");
         continue;
       }
       RETURN_IF_ERROR(Pair(wanted, compensated, &found));
@@ -54,38 +55,42 @@ class Verifier {
                                                    " as line ", wanted.line, " of the original"));
   }
 
-  bool IsKnown(const std::array<AxisPosition, machine::kMaxAxes>& positions) const {
-    for (int i = 0; i < machine_.axis_count(); ++i) {
-      if (!positions[i].is_known) return false;
-    }
-    return true;
-  }
+  bool IsKnown(const nc::Positions& positions) const { return positions.known == (1u << machine_.axis_count()) - 1; }
 
   bool Reaches(const Step& wanted, const Step& found) const {
     for (int i = 0; i < machine_.axis_count(); ++i) {
-      const double apart = std::abs(static_cast<double>(found.end[i].ticks - wanted.end[i].ticks)) / kTicksPerUnit;
+      const double apart = std::abs(static_cast<double>(found.end.ticks[i] - wanted.end.ticks[i])) / kTicksPerUnit;
       const bool is_linear = machine_.axes[i].kind == machine::AxisKind::kLinear;
       if (apart > (is_linear ? options_.reading.max_correction_mm : kRotaryMatchDeg)) return false;
     }
     return true;
   }
 
-  Positions PositionsOf(const std::array<AxisPosition, machine::kMaxAxes>& axes) const {
-    Positions positions{};
+  // Whether the piece ends the arc: behind `fraction` of it there is room for no other.
+  bool IsAtEnd(const Event& wanted, const Event& found, double fraction) const {
+    if (std::abs(wanted.step.arc.sweep_rad) < 6.0) return true;  // its ends are far apart
+    if (found.step.is_arc) {
+      return fraction + std::abs(found.step.arc.sweep_rad / wanted.step.arc.sweep_rad) > 0.99;
+    }
+    return fraction > 0.5;
+  }
+
+  Values PositionsOf(const nc::Positions& axes) const {
+    Values positions{};
     for (int i = 0; i < machine_.axis_count(); ++i) {
       const bool is_rotary = machine_.axes[i].kind == machine::AxisKind::kRotary;
-      positions[i] = static_cast<double>(axes[i].ticks) / kTicksPerUnit * (is_rotary ? base::kRadPerDeg : 1.0);
+      positions[i] = static_cast<double>(axes.ticks[i]) / kTicksPerUnit * (is_rotary ? base::kRadPerDeg : 1.0);
     }
     return positions;
   }
 
   // The tool point of the machine with its errors. Senses are the original's: a correction of micrometres reverses no
   // axis.
-  Eigen::Vector3d Actual(const Positions& at, const Step& senses) const {
+  Eigen::Vector3d Actual(const Values& at, const Step& senses) const {
     std::array<shapes::AxisState, machine::kMaxAxes> axes;
     for (int i = 0; i < machine_.axis_count(); ++i) {
       axes[i].position = at[i];
-      axes[i].sense = senses.end[i].sense;
+      axes[i].sense = senses.end.sense[i];
     }
     shapes::State state;
     state.axes = {axes.data(), static_cast<size_t>(machine_.axis_count())};
@@ -95,18 +100,42 @@ class Verifier {
     return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), errors), options_.tool_tip_mm);
   }
 
-  Eigen::Vector3d Nominal(const Positions& at) const {
+  Eigen::Vector3d Nominal(const Values& at) const {
     return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), {}), options_.tool_tip_mm);
   }
 
-  Positions Between(const Positions& from, const Positions& to, double t) const {
-    Positions between{};
+  Values Between(const Values& from, const Values& to, double t) const {
+    Values between{};
     for (int i = 0; i < machine_.axis_count(); ++i) between[i] = from[i] + t * (to[i] - from[i]);
     return between;
   }
 
-  // Where on the nominal move a command between its pieces stands: by the axis that travels most.
-  double FractionOf(const Positions& from, const Positions& to, const Positions& at) const {
+  // The position of a program's axes at a fraction of its move.
+  Values AlongMove(const Step& step, const Values& from, const Values& to, double t) const {
+    Values between = Between(from, to, t);
+    if (!step.is_arc) return between;
+    const Eigen::Vector2d at_mm = step.arc.At(t);
+    between[step.arc.first] = at_mm.x();
+    between[step.arc.second] = at_mm.y();
+    return between;
+  }
+
+  // Where on the nominal move a command between its pieces stands: by the angle of an arc, else by the axis that
+  // travels most. A correction may carry it `slack` beyond its place.
+  double FractionOf(const Step& step, const Values& from, const Values& to, const Values& at, double last,
+                    double* slack) const {
+    *slack = 1e-3;
+    if (step.is_arc) {
+      const Eigen::Vector2d spoke = Eigen::Vector2d(at[step.arc.first], at[step.arc.second]) - step.arc.centre_mm;
+      const double angle = std::atan2(spoke.y(), spoke.x()) - step.arc.start_rad;
+      const double turn = 2.0 * std::numbers::pi / std::abs(step.arc.sweep_rad);
+      double fraction = angle / step.arc.sweep_rad;
+      *slack =
+          std::max(1e-3, options_.reading.max_correction_mm / (step.arc.radius_mm() * std::abs(step.arc.sweep_rad)));
+      while (fraction < last - std::min(*slack, 0.1)) fraction += turn;
+      while (fraction - turn >= last - 1e-9) fraction -= turn;
+      return fraction;
+    }
     int longest = 0;
     double travel = 0;
     for (int i = 0; i < machine_.axis_count(); ++i) {
@@ -114,7 +143,10 @@ class Verifier {
       const double length = std::abs(to[i] - from[i]) * (is_rotary ? 1e6 : 1.0);  // a rotary axis is not corrected
       if (length > travel) longest = i, travel = length;
     }
-    return travel == 0 ? 1.0 : (at[longest] - from[longest]) / (to[longest] - from[longest]);
+    if (travel == 0) return 1.0;
+    if (machine_.axes[longest].kind == machine::AxisKind::kLinear)
+      *slack = std::max(1e-3, options_.reading.max_correction_mm / travel);
+    return (at[longest] - from[longest]) / (to[longest] - from[longest]);
   }
 
   void AddWorst(double error_mm, int64_t line) {
@@ -124,22 +156,35 @@ class Verifier {
   }
 
   // Inside one piece, from command `from` to `to`, nominal fractions `first` to `last`.
-  void LookInside(const Event& wanted, const Positions& nominal_from, const Positions& nominal_to,
-                  const Positions& from, const Positions& to, double first, double last) {
+  void LookInside(const Event& wanted, const Values& nominal_from, const Values& nominal_to, const Event& found,
+                  const Values& from, const Values& to, double first, double last) {
     for (const double t : kInside) {
       const double fraction = first + t * (last - first);
-      const Positions nominal = Between(nominal_from, nominal_to, fraction);
+      const Values nominal = AlongMove(wanted.step, nominal_from, nominal_to, fraction);
       const Eigen::Vector3d path_mm = Nominal(nominal);
-      const Eigen::Vector3d ahead_mm = Nominal(Between(nominal_from, nominal_to, fraction + 1e-4)) - path_mm;
+      const Eigen::Vector3d ahead_mm =
+          Nominal(AlongMove(wanted.step, nominal_from, nominal_to, fraction + 1e-4)) - path_mm;
       const auto across = [&](const Eigen::Vector3d& error_mm) {
         const double squared = ahead_mm.squaredNorm();
         return squared < 1e-18 ? error_mm.norm() : (error_mm - ahead_mm * (ahead_mm.dot(error_mm) / squared)).norm();
       };
-      report_.path_before.Add(across(Actual(nominal, wanted.step) - path_mm));
-      const double after_mm = across(Actual(Between(from, to, t), wanted.step) - path_mm);
+      const Step senses = SensesAt(wanted.step, fraction);
+      report_.path_before.Add(across(Actual(nominal, senses) - path_mm));
+      const double after_mm = across(Actual(AlongMove(found.step, from, to, t), senses) - path_mm);
       report_.path_after.Add(after_mm);
       AddWorst(after_mm, wanted.line);
     }
+  }
+
+  // The senses of motion at a fraction of the original's move: on an arc they turn.
+  static Step SensesAt(const Step& step, double fraction) {
+    Step senses;
+    senses.end.sense = step.end.sense;
+    if (!step.is_arc) return senses;
+    const double angle = step.arc.start_rad + fraction * step.arc.sweep_rad;
+    senses.end.sense[step.arc.first] = -std::sin(angle) * step.arc.sweep_rad > 0 ? 1 : -1;
+    senses.end.sense[step.arc.second] = std::cos(angle) * step.arc.sweep_rad > 0 ? 1 : -1;
+    return senses;
   }
 
   absl::Status Pair(const Event& wanted, MoveReader* compensated, Event* found) {
@@ -147,7 +192,7 @@ class Verifier {
     const bool is_known = IsKnown(wanted.step.end);
     const bool has_path = is_known && !wanted.step.is_rapid && IsKnown(wanted.step.start);
     report_.moves_unknown += !is_known;
-    const Positions nominal_from = PositionsOf(wanted.step.start), nominal_to = PositionsOf(wanted.step.end);
+    const Values nominal_from = PositionsOf(wanted.step.start), nominal_to = PositionsOf(wanted.step.end);
     double fraction = 0.0;
     for (int piece = 0;; ++piece) {
       RETURN_IF_ERROR(NextOf(compensated, wanted, found));
@@ -156,15 +201,19 @@ class Verifier {
       if (!is_known) return absl::OkStatus();
       if (piece >= kMaxPiecesPerMove || !IsKnown(found->step.end))
         return Mismatch(wanted, *found, "does not reach the same position");
-      const bool is_last = Reaches(wanted.step, found->step);
-      const Positions to = PositionsOf(found->step.end);
-      const double next = is_last ? 1.0 : FractionOf(nominal_from, nominal_to, to);
-      if (!is_last && !(has_path && next > fraction && next < 1.0))
+      // Pieces of a full circle pass its end at the begin.
+      const bool is_last =
+          Reaches(wanted.step, found->step) && (!wanted.step.is_arc || IsAtEnd(wanted, *found, fraction));
+      const Values to = PositionsOf(found->step.end);
+      double slack = 0;
+      const double next = is_last ? 1.0 : FractionOf(wanted.step, nominal_from, nominal_to, to, fraction, &slack);
+      if (!is_last && !(has_path && next > fraction - slack && next < 1.0 + slack))
         return Mismatch(wanted, *found, "does not go to the same position");
-      if (has_path && IsKnown(found->step.start)) {
-        LookInside(wanted, nominal_from, nominal_to, PositionsOf(found->step.start), to, fraction, next);
+      // A piece of no length takes up what a reversal left: the tool stands meanwhile.
+      if (has_path && IsKnown(found->step.start) && next - fraction > slack) {
+        LookInside(wanted, nominal_from, nominal_to, *found, PositionsOf(found->step.start), to, fraction, next);
       }
-      fraction = next;
+      fraction = std::max(fraction, next);
       if (!is_last) continue;
       const Eigen::Vector3d wanted_mm = Nominal(nominal_to);
       report_.end_before.Add((Actual(nominal_to, wanted.step) - wanted_mm).norm());

@@ -123,6 +123,7 @@ TEST(JobParamsOnTheWire, ComeBack) {
   params.tool_tip_mm = {0, 1, -350.5};
   params.temperature_celsius = 22.5;
   params.options.on_unsupported = nc::OnUnsupported::kPass;
+  params.options.tool_lengths = {{3, 120.5}};
   params.options.decimals_mm = 3;
   params.options.initial_position = {{"X", 1.5}};
   params.options.work_offsets = {{"G54", {{"Z", -20}}}};
@@ -136,6 +137,9 @@ TEST(JobParamsOnTheWire, ComeBack) {
   EXPECT_EQ(got.temperature_celsius, params.temperature_celsius);
   EXPECT_FALSE(got.time_s.has_value());
   EXPECT_EQ(got.options.on_unsupported, nc::OnUnsupported::kPass);
+  ASSERT_EQ(got.options.tool_lengths.size(), 1u);
+  EXPECT_EQ(got.options.tool_lengths[0].number, 3);
+  EXPECT_EQ(got.options.tool_lengths[0].length_mm, 120.5);
   EXPECT_EQ(got.options.decimals_mm, 3);
   EXPECT_EQ(got.options.initial_position[0].value, 1.5);
   EXPECT_EQ(got.options.work_offsets[0].offsets[0].axis, "Z");

@@ -6,6 +6,7 @@ namespace axiscal::convert {
 namespace {
 
 v1::OnUnsupported ToProto(nc::OnUnsupported value) {
+  if (value == nc::OnUnsupported::kStop) return v1::ON_UNSUPPORTED_STOP;
   return value == nc::OnUnsupported::kRefuse ? v1::ON_UNSUPPORTED_REFUSE : v1::ON_UNSUPPORTED_PASS;
 }
 
@@ -21,8 +22,10 @@ v1::IntegerWords ToProto(nc::IntegerWords value) {
 absl::Status ReadChoices(const v1::RewriteOptions& message, nc::RewriteOptions* options) {
   if (message.on_unsupported() == v1::ON_UNSUPPORTED_PASS) {
     options->on_unsupported = nc::OnUnsupported::kPass;
-  } else if (message.on_unsupported() > v1::ON_UNSUPPORTED_PASS) {
-    return FieldError("on_unsupported", "must be REFUSE or PASS");
+  } else if (message.on_unsupported() == v1::ON_UNSUPPORTED_STOP) {
+    options->on_unsupported = nc::OnUnsupported::kStop;
+  } else if (message.on_unsupported() > v1::ON_UNSUPPORTED_STOP) {
+    return FieldError("on_unsupported", "must be REFUSE, PASS or STOP");
   }
   if (message.block_delete() == v1::BLOCK_DELETE_EXECUTED) {
     options->block_delete = nc::BlockDelete::kExecuted;
@@ -78,6 +81,11 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
     out->set_code(offset.code);
     WriteAxisValues(offset.offsets, out->mutable_offsets());
   }
+  for (const nc::ToolLength& length : options.tool_lengths) {
+    v1::ToolLength* const out = message.add_tool_lengths();
+    out->set_number(length.number);
+    out->set_length_mm(length.length_mm);
+  }
   return message;
 }
 
@@ -98,6 +106,11 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
     RETURN_IF_ERROR(RequireText(field + ".code", offset.code(), 1, 20));
     ASSIGN_OR_RETURN(std::vector<nc::AxisValue> values, ReadAxisValues(field + ".offsets", offset.offsets()));
     options.work_offsets.push_back({offset.code(), std::move(values)});
+  }
+  for (int i = 0; i < message.tool_lengths_size(); ++i) {
+    const v1::ToolLength& length = message.tool_lengths(i);
+    RETURN_IF_ERROR(RequireFinite(absl::StrCat("tool_lengths[", i, "].length_mm"), length.length_mm()));
+    options.tool_lengths.push_back({length.number(), length.length_mm()});
   }
   return options;
 }

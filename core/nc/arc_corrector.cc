@@ -1,0 +1,249 @@
+// Arcs of MoveCorrector: one arc again where the corrected points lie on one, else several, else chords.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/nc/move_corrector.h"
+
+namespace axiscal::nc {
+namespace {
+
+constexpr int kSamplesPerArc = 8;  // inside a fitted arc
+constexpr double kShare =
+    0.95;  // rounding of words and the samples' spacing must not carry a piece beyond the tolerance
+constexpr int kArcCounts[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+// Where start and end lie so near that rounding could turn the arc into a full circle, or a full circle into nothing.
+constexpr double kLeastGrains = 20.0;
+constexpr double kPi = std::numbers::pi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Eigen::Vector2d PlanePoint(const AxisTicks& at, const Arc& arc) {
+  return Eigen::Vector2d(static_cast<double>(at[arc.first]), static_cast<double>(at[arc.second])) / kTicksPerUnit;
+}
+
+bool IsFull(const Arc& arc) { return std::abs(std::abs(arc.sweep_rad) - 2.0 * kPi) < 1e-12; }
+
+}  // namespace
+
+MoveCorrector::Senses MoveCorrector::SensesOfArc(const Step& step, double fraction) const {
+  Senses senses = step.end.sense;
+  const double angle = step.arc.start_rad + fraction * step.arc.sweep_rad;
+  const double along[2] = {-std::sin(angle) * step.arc.sweep_rad, std::cos(angle) * step.arc.sweep_rad};
+  senses[step.arc.first] = along[0] > 0 ? 1 : -1;
+  senses[step.arc.second] = along[1] > 0 ? 1 : -1;
+  return senses;
+}
+
+std::vector<double> MoveCorrector::Reversals(const Step& step) const {
+  std::vector<double> breaks = {0.0, 1.0};
+  const Arc& arc = step.arc;
+  for (const int axis : {arc.first, arc.second}) {
+    if (!compensator_->uses_sense(axis)) continue;
+    // cos has its extremes at multiples of pi, sin half a pi later.
+    const double shift = axis == arc.first ? 0.0 : 0.5 * kPi;
+    const double low = std::min(arc.start_rad, arc.start_rad + arc.sweep_rad);
+    const double high = std::max(arc.start_rad, arc.start_rad + arc.sweep_rad);
+    for (double k = std::ceil((low - shift) / kPi); k * kPi + shift <= high; k += 1.0) {
+      const double fraction = (k * kPi + shift - arc.start_rad) / arc.sweep_rad;
+      if (fraction > 1e-6 && fraction < 1.0 - 1e-6) breaks.push_back(fraction);
+    }
+  }
+  std::sort(breaks.begin(), breaks.end());
+  return breaks;
+}
+
+absl::Status MoveCorrector::CorrectOnArc(const Step& step, double fraction, const Senses& senses,
+                                         const WordGrain& grain, Piece* piece) const {
+  AxisTicks nominal = Between(step, fraction);
+  // Rotary axes are written as nominal, so the nominal position is one that their words can hold.
+  for (int i = 0; i < axis_count_ && fraction < 1.0; ++i) {
+    if (compensator_->machine().axes[i].kind == machine::AxisKind::kRotary && fraction > 0.0)
+      nominal[i] = RoundToGrains(nominal[i], grain.of_axis[i]) * grain.of_axis[i];
+  }
+  piece->end_fraction = fraction;
+  piece->is_arc = false;
+  return CorrectAt(nominal, senses, piece);
+}
+
+absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& start, double first, double last,
+                                           const WordGrain& grain, Piece* piece) const {
+  const Arc& nominal = step.arc;
+  const Senses senses = SensesOfArc(step, 0.5 * (first + last));
+  RETURN_IF_ERROR(CorrectOnArc(step, last, senses, grain, piece));
+  const double grain_mm =
+      static_cast<double>(std::max(grain.of_axis[nominal.first], grain.of_axis[nominal.second])) / kTicksPerUnit;
+  const bool is_full = IsFull(nominal) && last - first == 1.0;
+  const double sweep = nominal.sweep_rad * (last - first);
+  const Eigen::Vector2d start_mm = PlanePoint(start, nominal);
+  Eigen::Vector2d end_mm = PlanePoint(piece->targets, nominal);
+  if (is_full) {
+    // Ends that differ by rounding would be a tiny arc instead of a full circle.
+    if ((end_mm - start_mm).norm() > 1.5 * grain_mm) return false;
+    end_mm = start_mm;
+    for (const int axis : {nominal.first, nominal.second}) piece->targets[axis] = start[axis];
+  } else {
+    // As the words will say it: whole grains from the start.
+    AxisTicks written = piece->targets;
+    for (const int axis : {nominal.first, nominal.second}) {
+      const Ticks one = grain.of_axis[axis];
+      written[axis] = start[axis] + RoundToGrains(piece->targets[axis] - start[axis], one) * one;
+    }
+    end_mm = PlanePoint(written, nominal);
+  }
+  if (!is_full && (end_mm - start_mm).norm() < kLeastGrains * grain_mm) {
+    return false;
+  }
+  if (std::abs(sweep) * nominal.radius_mm() < kLeastGrains * grain_mm) return false;
+
+  // Corrected points of every linear axis, column by column.
+  const std::vector<int>& axes = compensator_->linear_axes();
+  Eigen::MatrixXd points(static_cast<Eigen::Index>(axes.size()), kSamplesPerArc);
+  Eigen::Matrix2Xd in_plane(2, kSamplesPerArc);
+  Piece sample;
+  for (int k = 0; k < kSamplesPerArc; ++k) {
+    const double t = (k + 1.0) / (kSamplesPerArc + 1);
+    RETURN_IF_ERROR(CorrectAt(Between(step, first + t * (last - first)), senses, &sample));
+    for (size_t i = 0; i < axes.size(); ++i)
+      points(static_cast<Eigen::Index>(i), k) = static_cast<double>(sample.targets[axes[i]]) / kTicksPerUnit;
+    in_plane.col(k) = PlanePoint(sample.targets, nominal);
+  }
+  // The largest distance of an arc from the corrected points, at equal fractions; infinity where it is another arc.
+  const auto departure = [&](const absl::StatusOr<Arc>& arc) {
+    if (!arc.ok() || !(std::abs(arc->sweep_rad - sweep) <= 0.1 * std::abs(sweep))) return kInfinity;
+    double largest = 0;
+    for (int k = 0; k < kSamplesPerArc; ++k) {
+      const double t = (k + 1.0) / (kSamplesPerArc + 1);
+      const Eigen::Vector2d at_mm = arc->At(t);
+      double squares = 0;
+      for (size_t i = 0; i < axes.size(); ++i) {
+        const int axis = axes[i];
+        const double from = static_cast<double>(start[axis]) / kTicksPerUnit;
+        const double to = static_cast<double>(piece->targets[axis]) / kTicksPerUnit;
+        const double written = axis == nominal.first    ? at_mm.x()
+                               : axis == nominal.second ? at_mm.y()
+                                                        : from + t * (to - from);
+        const double difference = written - points(static_cast<Eigen::Index>(i), k);
+        squares += difference * difference;
+      }
+      largest = std::max(largest, std::sqrt(squares));
+    }
+    return largest;
+  };
+  const Eigen::Vector2d centre_mm = FitCentre(start_mm, end_mm, is_full, in_plane);
+  if (!centre_mm.allFinite()) return false;
+  absl::StatusOr<Arc> fitted = ArcAboutCentre(start_mm, end_mm, centre_mm, sweep > 0);
+  // The program's own centre, seen from the start, or its radius: words that need no change stay.
+  absl::StatusOr<Arc> kept = fitted;
+  if (grain.radius_mm > 0) {
+    // Near half a turn, and beyond it, the centre hangs on the last digit of the radius and of the ends.
+    const double height = (centre_mm - 0.5 * (start_mm + end_mm)).norm();
+    if (!fitted.ok() || is_full || height < 0.2 * fitted->radius_mm()) return false;
+    const double sign = std::abs(sweep) > kPi ? -1.0 : 1.0;
+    const double radius = std::round(fitted->radius_mm() / grain.radius_mm) * grain.radius_mm;
+    fitted = ArcOfRadius(start_mm, end_mm, sign * radius, sweep > 0);
+    const double own = std::round(nominal.radius_mm() / grain.radius_mm) * grain.radius_mm;
+    kept = ArcOfRadius(start_mm, end_mm, sign * own, sweep > 0);
+  } else if (first == 0.0) {
+    kept = ArcAboutCentre(start_mm, end_mm, start_mm + nominal.centre_mm - PlanePoint(step.start.ticks, nominal),
+                          sweep > 0);
+  }
+  const double fitted_mm = departure(fitted), kept_mm = departure(kept);
+  const bool keeps = kept_mm <= fitted_mm + 1.5 * grain_mm && kept_mm <= kShare * tolerance_mm_ &&
+                     std::abs(kept->start_radius_mm - kept->end_radius_mm) <= 2.0 * grain_mm;
+  if (!keeps && !(fitted_mm <= kShare * tolerance_mm_)) return false;
+  piece->is_arc = true;
+  piece->arc = keeps ? *kept : *fitted;
+  piece->arc.first = nominal.first;
+  piece->arc.second = nominal.second;
+  return true;
+}
+
+absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, const AxisTicks& commanded,
+                                                            const WordGrain& grain) const {
+  for (const int count : kArcCounts) {
+    std::vector<Piece> pieces(static_cast<size_t>(count));
+    bool fits = true;
+    for (int k = 0; k < count && fits; ++k) {
+      const AxisTicks& start = k == 0 ? commanded : pieces[static_cast<size_t>(k) - 1].targets;
+      ASSIGN_OR_RETURN(
+          fits, FitArc(step, start, static_cast<double>(k) / count, k + 1.0 == count ? 1.0 : (k + 1.0) / count, grain,
+                       &pieces[static_cast<size_t>(k)]));
+    }
+    if (fits) return pieces;
+  }
+  return std::vector<Piece>();
+}
+
+absl::Status MoveCorrector::ChordsBetween(const Step& step, double first, double last, const AxisTicks& commanded,
+                                          const WordGrain& grain, std::vector<Piece>* pieces) const {
+  const Senses senses = SensesOfArc(step, 0.5 * (first + last));
+  Piece start;
+  RETURN_IF_ERROR(CorrectOnArc(step, first, senses, grain, &start));
+  if (Apart(start.targets, pieces->empty() ? commanded : pieces->back().targets) > tolerance_mm_)
+    pieces->push_back(start);
+  const std::vector<int>& axes = compensator_->linear_axes();
+  const double reach = std::min(1.0, kShare * tolerance_mm_ / step.arc.radius_mm());
+  const double turn = 2.0 * std::acos(1.0 - reach);
+  double wanted = std::ceil(std::abs(step.arc.sweep_rad) * (last - first) / turn);
+  while (true) {
+    if (!(wanted + static_cast<double>(pieces->size()) <= kMaxPieces))
+      return absl::FailedPreconditionError(absl::StrCat("the arc needs more than ", kMaxPieces, " pieces"));
+    const int count = std::max(1, static_cast<int>(wanted));
+    std::vector<Piece> chords(static_cast<size_t>(count));
+    bool fits = true;
+    Piece sample;
+    for (int k = 0; k < count && fits; ++k) {
+      const double from = first + (last - first) * k / count;
+      const double to = k + 1 == count ? last : first + (last - first) * (k + 1) / count;
+      Piece& chord = chords[static_cast<size_t>(k)];
+      const AxisTicks& begin = k == 0 ? start.targets : chords[static_cast<size_t>(k) - 1].targets;
+      RETURN_IF_ERROR(CorrectOnArc(step, to, senses, grain, &chord));
+      for (const double t : {0.25, 0.5, 0.75}) {
+        RETURN_IF_ERROR(CorrectAt(Between(step, from + t * (to - from)), senses, &sample));
+        double apart = 0;
+        for (const int axis : axes) {
+          const double written =
+              static_cast<double>(begin[axis]) * (1 - t) + static_cast<double>(chord.targets[axis]) * t;
+          const double difference = (written - static_cast<double>(sample.targets[axis])) / kTicksPerUnit;
+          apart += difference * difference;
+        }
+        fits &= std::sqrt(apart) <= tolerance_mm_;
+      }
+    }
+    if (fits) {
+      pieces->insert(pieces->end(), chords.begin(), chords.end());
+      return absl::OkStatus();
+    }
+    wanted = std::ceil(1.3 * count) + 1;
+  }
+}
+
+absl::StatusOr<std::vector<Piece>> MoveCorrector::Chords(const Step& step, const AxisTicks& commanded,
+                                                         const WordGrain& grain,
+                                                         const std::vector<double>& breaks) const {
+  std::vector<Piece> pieces;
+  for (size_t i = 0; i + 1 < breaks.size(); ++i) {
+    RETURN_IF_ERROR(ChordsBetween(step, breaks[i], breaks[i + 1], commanded, grain, &pieces));
+  }
+  return pieces;
+}
+
+absl::StatusOr<std::vector<Piece>> MoveCorrector::SplitArc(const Step& step, const AxisTicks& commanded,
+                                                           const WordGrain& grain) const {
+  const std::vector<double> breaks = Reversals(step);
+  Piece start;
+  RETURN_IF_ERROR(CorrectStart(step, &start));
+  if (breaks.size() == 2 && Apart(start.targets, commanded) <= kShare * tolerance_mm_) {
+    ASSIGN_OR_RETURN(std::vector<Piece> pieces, ArcPieces(step, commanded, grain));
+    if (!pieces.empty()) return pieces;
+  }
+  if (!std::isfinite(tolerance_mm_)) {
+    std::vector<Piece> pieces(1);
+    RETURN_IF_ERROR(CorrectEnd(step, &pieces[0]));
+    return pieces;
+  }
+  return Chords(step, commanded, grain, breaks);
+}
+
+}  // namespace axiscal::nc

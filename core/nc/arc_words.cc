@@ -1,0 +1,158 @@
+// Words of arcs: centre and radius, and the motion code where an arc became chords.
+#include <cmath>
+
+#include "core/nc/block_writer.h"
+
+namespace axiscal::nc {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+bool IsBlank(char c) { return c == ' ' || c == '\t'; }
+
+// Index in the plane (0, 1) of I, J or K, or -1.
+int PlaneIndex(char letter, int plane_normal) {
+  static constexpr char kCentres[3][3] = {"JK", "KI", "IJ"};
+  return letter == kCentres[plane_normal][0] ? 0 : letter == kCentres[plane_normal][1] ? 1 : -1;
+}
+
+char CentreLetter(int index, int plane_normal) {
+  static constexpr char kCentres[3][3] = {"JK", "KI", "IJ"};
+  return kCentres[plane_normal][index];
+}
+
+}  // namespace
+
+bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start,
+                          Rounded* rounded) const {
+  const Modal& modal = interpreter_->modal();
+  const Ticks unit = interpreter_->ticks_per_unit(piece.arc.first);
+  const bool is_inch = unit == kTicksPerInch;
+  rounded->decimals = word != nullptr ? DecimalsOf(*word, is_inch)
+                      : is_inch       ? options_->decimals_inch
+                                      : options_->decimals_mm;
+  rounded->grain = GrainTicks(unit, rounded->decimals);
+  if (interpreter_->RoleOf(letter) == Role::kRadius) {
+    const double sign = std::abs(piece.arc.sweep_rad) > kPi ? -1.0 : 1.0;
+    rounded->mantissa = RoundToGrains(std::llround(sign * piece.arc.radius_mm() * kTicksPerUnit), rounded->grain);
+    return true;
+  }
+  const int index = PlaneIndex(letter, modal.plane_normal);
+  if (index < 0) return false;
+  const int axis = index == 0 ? piece.arc.first : piece.arc.second;
+  const Ticks centre = std::llround(piece.arc.centre_mm[index] * kTicksPerUnit);
+  const Ticks base = modal.are_centres_absolute ? interpreter_->offset(axis) + preset_shift_[axis] : start[axis];
+  rounded->mantissa = RoundToGrains(centre - base, rounded->grain);
+  return true;
+}
+
+void BlockWriter::WriteArcWord(const char* text, const Word& word, const Piece& piece, const AxisTicks& start,
+                               uint32_t* copied, std::string* out) const {
+  const Role role = interpreter_->RoleOf(word.letter);
+  const auto copy_to = [&](uint32_t at) {
+    out->append(text + *copied, at - *copied);
+    *copied = at;
+  };
+  if (role == Role::kCode && word.letter == 'G' && !piece.is_arc && interpreter_->IsArcCode(word)) {
+    copy_to(word.number_at);
+    out->append(word.end - word.number_at > 1 ? "01" : "1");
+    *copied = word.end;
+    return;
+  }
+  if (role != Role::kCentre && role != Role::kRadius) return;
+  if (!piece.is_arc) {
+    uint32_t begin = word.letter_at;
+    while (begin > *copied && IsBlank(text[begin - 1])) --begin;
+    copy_to(begin);
+    *copied = word.end;
+    return;
+  }
+  Rounded rounded;
+  if (!ArcWord(word.letter, &word, piece, start, &rounded)) return;
+  const Decimal number = interpreter_->Meant(word.number);
+  if (rounded.mantissa == number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) return;
+  copy_to(word.number_at);
+  AppendNumber(rounded, &word, out);
+  *copied = word.end;
+}
+
+void BlockWriter::InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start,
+                               std::string* out) {
+  bool found[2] = {false, false};
+  for (const Word& word : block) {
+    const Role role = interpreter_->RoleOf(word.letter);
+    if (role == Role::kRadius) return;
+    const int index = role == Role::kCentre ? PlaneIndex(word.letter, interpreter_->modal().plane_normal) : -1;
+    if (index >= 0) found[index] = true;
+  }
+  for (const int index : {0, 1}) {
+    if (found[index]) continue;
+    const char letter = CentreLetter(index, interpreter_->modal().plane_normal);
+    Rounded rounded;
+    if (!ArcWord(letter, nullptr, piece, start, &rounded) || rounded.mantissa == 0) continue;
+    if (!IsPacked(text, block)) out->push_back(' ');
+    out->push_back(letter);
+    AppendNumber(rounded, nullptr, out);
+  }
+}
+
+void BlockWriter::AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
+                                 std::string* out) const {
+  const auto append = [&](char letter, const Word* word) {
+    Rounded rounded;
+    if (!ArcWord(letter, word, piece, start, &rounded)) return;
+    if (!is_packed) out->push_back(' ');
+    if (interpreter_->RoleOf(letter) == Role::kRadius) {
+      out->append(interpreter_->dialect().radius_address);
+    } else {
+      out->push_back(letter);
+    }
+    const bool is_increments = word != nullptr && IsIncrements(*word);
+    AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, interpreter_->dialect().writes_plus,
+                !is_increments, out);
+  };
+  const Word* of_letter[26] = {};
+  for (const Word& word : block) {
+    if (word.letter != 0) of_letter[word.letter - 'A'] = &word;
+    if (interpreter_->RoleOf(word.letter) == Role::kRadius) return append(word.letter, &word);
+  }
+  for (const int index : {0, 1}) {
+    const char letter = CentreLetter(index, interpreter_->modal().plane_normal);
+    append(letter, of_letter[letter - 'A']);
+  }
+}
+
+bool BlockWriter::HasMotionWord(const Block& block) const {
+  for (const Word& word : block) {
+    if (interpreter_->IsMotionCode(word)) return true;
+  }
+  return false;
+}
+
+std::string BlockWriter::MotionFor(const Block& block, bool wants_arc) const {
+  if (wants_arc != is_in_chords_ || HasMotionWord(block)) return "";
+  if (!wants_arc) return "G01 ";
+  return interpreter_->modal().is_clockwise ? "G02 " : "G03 ";
+}
+
+void BlockWriter::CopyBlock(const char* text, size_t size, const Block& block, const Step& step, std::string* out) {
+  if (!is_in_chords_ || step.kind == StepKind::kUntouched || step.kind == StepKind::kNone) {
+    if (is_in_chords_ && HasMotionWord(block)) is_in_chords_ = false;
+    out->append(text, size);
+    return;
+  }
+  if (!HasMotionWord(block)) {
+    // Behind the line number, in front of whatever moves.
+    uint32_t at = block.word_count > 0 ? block.words[0].letter_at : block.problem_at;
+    if (block.word_count > 0 && block.words[0].letter == 'N')
+      at = block.word_count > 1 ? block.words[1].letter_at : block.words[0].end;
+    out->append(text, at);
+    out->append(interpreter_->modal().is_clockwise ? " G02 " : " G03 ");
+    out->append(text + at, size - at);
+  } else {
+    out->append(text, size);
+  }
+  if (!step.may_be_skipped) is_in_chords_ = false;
+}
+
+}  // namespace axiscal::nc

@@ -1,0 +1,72 @@
+// From programmed coordinates to axis positions: work offset + preset (G92) + local shift (G52) + tool length, each in
+// ticks per axis. Whatever is selected without stated values makes the coordinates unknown.
+#ifndef AXISCAL_CORE_NC_COORDINATES_H_
+#define AXISCAL_CORE_NC_COORDINATES_H_
+
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/nc/modal.h"
+#include "core/nc/options.h"
+
+namespace axiscal::nc {
+
+// `values` in ticks, by axis; `axes` lists those that are named. INVALID_ARGUMENT that names `field`.
+absl::StatusOr<AxisTicks> ToAxisTicks(const machine::Machine& machine, const std::vector<AxisValue>& values,
+                                      const std::string& field, std::vector<int>* axes);
+
+class Coordinates {
+ public:
+  static absl::StatusOr<Coordinates> Create(const machine::Machine& machine, const RewriteOptions& options,
+                                            const Dialect& dialect);
+
+  // Axis position = programmed value + Offset(axis).
+  Ticks Offset(int axis) const { return total_[axis]; }
+  const AxisTicks& offsets() const { return total_; }
+  // The number of the tool length in force, -1: none.
+  int active_length() const { return active_length_; }
+
+  // The state at the begin of a program.
+  void Reset();
+  // False: not stated. "G54", "G54.1 P5", "G505"; "" is none.
+  bool Select(const std::string& code);
+  // Index into options.tool_lengths of the number, -1: not stated. Number 0 is no length.
+  bool SelectLength(int number, int sign);
+  void DropLength();
+  // G92: the axis' present position gets the programmed value.
+  void Preset(int axis, Ticks position, Ticks value);
+  void ClearPreset();
+  void SuspendPreset();
+  void RestorePreset();
+  // G52. False: a preset is in force, controllers differ.
+  bool Shift(int axis, Ticks value);
+  // G10: what was stated holds no longer.
+  void ForgetStated();
+  bool is_any_selected() const { return selected_ >= 0; }
+
+ private:
+  struct Stated {
+    std::string code;
+    AxisTicks ticks;
+  };
+  struct Length {
+    int number;
+    Ticks ticks;
+  };
+  void Sum();
+
+  int axis_count_ = 0;
+  int length_axis_ = -1;  // Z
+  std::vector<Stated> stated_;
+  std::vector<Length> lengths_;
+  std::string first_offset_;
+  int selected_ = -1;
+  int active_length_ = -1;
+  Ticks length_ = 0;
+  AxisTicks preset_{}, suspended_{}, shift_{}, total_{};
+};
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_COORDINATES_H_

@@ -1,0 +1,146 @@
+// Codes and words of Sinumerik 840D, native language.
+#include "core/nc/dialect_tables.h"
+
+namespace axiscal::nc {
+
+std::vector<CodeEntry> SinumerikCodes() {
+  using M = Meaning;
+  std::vector<CodeEntry> codes = {
+      {'G', 30, M::kArc, 0, "circular move"},
+      {'G', 50, M::kOneShot, 0, "oblique grinding"},
+      {'G', 70, M::kOneShot, 0, "oblique grinding"},
+      {'G', 90, M::kHarmless, 0, "exact stop"},
+      {'G', 250, M::kHarmless, 0, "working area limit"},
+      {'G', 260, M::kHarmless, 0, "working area limit"},
+      {'G', 330, M::kOtherMotion, 0, "threading"},
+      {'G', 340, M::kOtherMotion, 0, "threading"},
+      {'G', 350, M::kOtherMotion, 0, "threading"},
+      {'G', 530, M::kMachineMove, 0, "suppresses work offsets"},
+      {'G', 600, M::kHarmless, 0, "exact stop mode"},
+      {'G', 630, M::kOtherMotion, 0, "tapping"},
+      {'G', 640, M::kHarmless, 0, "continuous path mode"},
+      {'G', 700, M::kInch, 0, "inch"},
+      {'G', 710, M::kMillimetre, 0, "mm"},
+      {'G', 7000, M::kInch, 0, "inch"},
+      {'G', 7100, M::kMillimetre, 0, "mm"},
+      {'G', 740, M::kMachineMove, 0, "reference return"},
+      {'G', 750, M::kMachineMove, 0, "moves to a fixed point"},
+      {'G', 1100, M::kBlockerOn, kPolar, "polar coordinates"},
+      {'G', 1110, M::kBlockerOn, kPolar, "polar coordinates"},
+      {'G', 1120, M::kBlockerOn, kPolar, "polar coordinates"},
+      {'G', 1530, M::kMachineMove, 0, "suppresses work offsets"},
+      {'G', 2900, M::kHarmless, 0, "tool choice"},
+      {'G', 3310, M::kOtherMotion, 0, "rigid tapping"},
+      {'G', 3320, M::kOtherMotion, 0, "rigid tapping"},
+      {'G', 4500, M::kHarmless, 0, "corner behaviour"},
+      {'G', 4510, M::kHarmless, 0, "corner behaviour"},
+      {'G', 5000, M::kNoWorkOffset, 0, "no work offset"},
+      {'G', 9610, M::kHarmless, 0, "constant surface speed"},
+      {'G', 9620, M::kHarmless, 0, "constant surface speed"},
+      {'M', 170, M::kEndOfProgram, 0, "end of subprogram"},
+  };
+  for (const int mode : {601, 602, 603, 641, 642, 643, 644, 645}) {
+    codes.push_back({'G', 10 * mode, M::kHarmless, 0, "path mode"});
+  }
+  for (const int approach : {147, 148, 247, 248, 347, 348}) {
+    codes.push_back({'G', 10 * approach, M::kOneShot, 0, "soft approach or retraction"});
+  }
+  for (int number = 505; number <= 599; ++number) {
+    codes.push_back({'G', 10 * number, M::kWorkOffset, 0, "work offset"});
+  }
+  return codes;
+}
+
+std::vector<Keyword> SinumerikKeywords() {
+  using M = Meaning;
+  return {
+      {"CR", M::kAddress, 'Q', false, "arc radius"},
+      {"SUPA", M::kMachineMove, 0, false, "move in machine coordinates"},
+      {"TRAORI", M::kBlockerOn, kToolControl, true, "tool centre point control"},
+      {"TRAFOOF", M::kBlockerOff, kToolControl | kPolar | kCylinder, false, "transformation off"},
+      {"TRANSMIT", M::kBlockerOn, kPolar, true, "polar transformation"},
+      {"TRACYL", M::kBlockerOn, kCylinder, true, "cylinder transformation"},
+      {"TRAANG", M::kBlockerOn, kTiltedPlane, true, "inclined axis"},
+      {"TCARR", M::kBlockerOn, kToolControl, true, "tool carrier"},
+      {"CYCLE800", M::kBlockerOn, kTiltedPlane, true, "tilted plane"},
+      {"CYCLE832", M::kHarmless, 0, true, "high-speed settings"},
+      {"CYCLE", M::kOneShot, 0, true, "cycle"},
+      {"POCKET", M::kOneShot, 0, true, "cycle"},
+      {"HOLES", M::kOneShot, 0, true, "cycle"},
+      {"SLOT", M::kOneShot, 0, true, "cycle"},
+      {"LONGHOLE", M::kOneShot, 0, true, "cycle"},
+      {"MCALL", M::kBlockerOn, kModalMacro, true, "modal call"},
+      {"ATRANS", M::kBlockerOn, kShift, true, "shift of coordinates"},
+      {"TRANS", M::kBlockerOn, kShift, true, "shift of coordinates"},
+      {"AROTS", M::kBlockerOn, kTiltedPlane, true, "rotation"},
+      {"AROT", M::kBlockerOn, kTiltedPlane, true, "rotation"},
+      {"ROTS", M::kBlockerOn, kTiltedPlane, true, "rotation"},
+      {"ROT", M::kBlockerOn, kTiltedPlane, true, "rotation"},
+      {"AMIRROR", M::kBlockerOn, kMirror, true, "mirror"},
+      {"MIRROR", M::kBlockerOn, kMirror, true, "mirror"},
+      {"ASCALE", M::kBlockerOn, kScaling, true, "scaling"},
+      {"SCALE", M::kBlockerOn, kScaling, true, "scaling"},
+      {"DIAMON", M::kBlockerOn, kDiameter, false, "diameter programming"},
+      {"DIAM90", M::kBlockerOn, kDiameter, false, "diameter programming"},
+      {"DIAMOF", M::kBlockerOff, kDiameter, false, "diameter programming off"},
+      {"CIP", M::kOtherMotion, 0, true, "circular move"},
+      {"CT", M::kOtherMotion, 0, true, "circular move"},
+      {"ASPLINE", M::kOtherMotion, 0, true, "spline"},
+      {"BSPLINE", M::kOtherMotion, 0, true, "spline"},
+      {"CSPLINE", M::kOtherMotion, 0, true, "spline"},
+      {"POLY", M::kOtherMotion, 0, true, "polynomial"},
+      {"INVCW", M::kOtherMotion, 0, true, "involute move"},
+      {"INVCCW", M::kOtherMotion, 0, true, "involute move"},
+      {"MEAS", M::kOneShot, 0, true, "probing move"},
+      {"MEAW", M::kOneShot, 0, true, "probing move"},
+      {"IF", M::kJump, 0, true, "condition"},
+      {"ELSE", M::kJump, 0, true, "condition"},
+      {"ENDIF", M::kJump, 0, true, "condition"},
+      {"WHILE", M::kJump, 0, true, "loop"},
+      {"ENDWHILE", M::kJump, 0, true, "loop"},
+      {"FOR", M::kJump, 0, true, "loop"},
+      {"ENDFOR", M::kJump, 0, true, "loop"},
+      {"LOOP", M::kJump, 0, true, "loop"},
+      {"ENDLOOP", M::kJump, 0, true, "loop"},
+      {"REPEAT", M::kJump, 0, true, "loop"},
+      {"UNTIL", M::kJump, 0, true, "loop"},
+      {"CASE", M::kJump, 0, true, "jump"},
+      {"GOTOF", M::kJump, 0, true, "jump"},
+      {"GOTOB", M::kJump, 0, true, "jump"},
+      {"GOTOS", M::kJump, 0, true, "jump"},
+      {"GOTO", M::kJump, 0, true, "jump"},
+      {"CALL", M::kCall, 0, true, "subprogram call"},
+      {"EXTCALL", M::kCall, 0, true, "subprogram call"},
+      {"RET", M::kJump, 0, true, "return"},
+      {"PROC", M::kHead, 0, true, "subprogram"},
+      {"MSG", M::kHarmless, 0, true, "message"},
+      {"DEF", M::kHarmless, 0, true, "defines variables"},
+      {"EXTERN", M::kHarmless, 0, true, "declares subprograms"},
+      {"STOPRE", M::kHarmless, 0, false, "stops look-ahead"},
+      {"SOFT", M::kHarmless, 0, false, "acceleration"},
+      {"BRISK", M::kHarmless, 0, false, "acceleration"},
+      {"DRIVE", M::kHarmless, 0, false, "acceleration"},
+      {"FFWON", M::kHarmless, 0, false, "feed forward"},
+      {"FFWOF", M::kHarmless, 0, false, "feed forward"},
+      {"COMPCAD", M::kHarmless, 0, false, "block compression"},
+      {"COMPCURV", M::kHarmless, 0, false, "block compression"},
+      {"COMPOF", M::kHarmless, 0, false, "block compression"},
+      {"COMPON", M::kHarmless, 0, false, "block compression"},
+      {"CUT2D", M::kHarmless, 0, false, "kind of cutter compensation"},
+      {"CUT3DC", M::kHarmless, 0, false, "kind of cutter compensation"},
+      {"CFTCP", M::kHarmless, 0, false, "feed at the tool path"},
+      {"CFC", M::kHarmless, 0, false, "feed at the contour"},
+      {"CFIN", M::kHarmless, 0, false, "feed at the contour"},
+      {"UPATH", M::kHarmless, 0, false, "path parameter"},
+      {"SPATH", M::kHarmless, 0, false, "path parameter"},
+      {"FNORM", M::kHarmless, 0, false, "feed profile"},
+      {"FIFOCTRL", M::kHarmless, 0, false, "look-ahead"},
+      {"LIMS", M::kHarmless, 0, true, "speed limit"},
+      {"SETMS", M::kHarmless, 0, true, "master spindle"},
+      {"GROUP_BEGIN", M::kHarmless, 0, true, "group of blocks"},
+      {"GROUP_END", M::kHarmless, 0, true, "group of blocks"},
+      {"WORKPIECE", M::kHarmless, 0, true, "blank"},
+  };
+}
+
+}  // namespace axiscal::nc

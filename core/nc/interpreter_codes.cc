@@ -1,0 +1,294 @@
+// What the words of a block ask for: codes change the modal state at once, what acts on axis words waits for `Act`.
+#include <cstring>
+
+#include "core/nc/request.h"
+
+namespace axiscal::nc {
+
+std::string WordText(const Word& word) {
+  std::string text(1, word.letter);
+  AppendFixed(word.number.mantissa, word.number.decimals, false, word.number.has_point, &text);
+  return text;
+}
+
+const Interpreter::Code& Interpreter::Find(const Word& word) const {
+  static const Code kUnknown = {Meaning::kUnknown, 0, "unknown code"};
+  int64_t tenths = word.number.mantissa;
+  int decimals = word.number.decimals;
+  for (; decimals > 1 && tenths % 10 == 0; --decimals) tenths /= 10;
+  if (decimals > 1) return kUnknown;
+  if (decimals == 0 && tenths < kCodes) tenths *= 10;
+  if (tenths < 0 || tenths >= kCodes) return kUnknown;
+  return (word.letter == 'G' ? dialect_->g_codes : dialect_->m_codes)[static_cast<size_t>(tenths)];
+}
+
+bool Interpreter::IsMotionCode(const Word& word) const {
+  if (word.letter != 'G' || RoleOf('G') != Role::kCode) return false;
+  switch (Find(word).meaning) {
+    case Meaning::kRapid:
+    case Meaning::kLinear:
+    case Meaning::kArc:
+    case Meaning::kCancelMotion:
+    case Meaning::kOtherMotion:
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool Interpreter::IsArcCode(const Word& word) const {
+  return IsMotionCode(word) && Find(word).meaning == Meaning::kArc;
+}
+
+void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
+  step->word_of_axis.fill(-1);
+  for (int i = 0; i < block.word_count; ++i) {
+    const Word& word = block.words[static_cast<size_t>(i)];
+    if (word.letter == 0) {
+      ScanKeyword(word, request, step);
+      continue;
+    }
+    const size_t letter = static_cast<size_t>(word.letter - 'A');
+    const Role role = roles_[letter];
+    step->has_other_words |= role != Role::kLineNumber && role != Role::kProgramNumber;
+    switch (role) {
+      case Role::kCode:
+        ScanCode(word, Find(word), request, step);
+        break;
+      case Role::kAxis: {
+        if (axis_of_letter_[letter] < 0) {
+          if (request->foreign_axis == 0) request->foreign_axis = word.letter;
+          break;
+        }
+        int8_t& index = step->word_of_axis[static_cast<size_t>(axis_of_letter_[letter])];
+        if (index >= 0) request->Refuse(absl::StrCat("two words ", std::string(1, word.letter), " in one block"));
+        index = static_cast<int8_t>(i);
+        request->has_axis = true;
+        break;
+      }
+      case Role::kParameter:
+        if (request->parameter == 0) {
+          request->parameter = word.letter;
+          if (word.letter == 'P') request->number_of_parameter = &word;
+        }
+        break;
+      case Role::kProgramNumber:
+        StartProgram();
+        break;
+      case Role::kToolLength:
+      case Role::kActiveToolLength:
+        request->length_number = &word;
+        break;
+      case Role::kCentre:
+        request->has_centre = true;
+        break;
+      case Role::kRadius:
+        request->radius = &word;
+        break;
+      case Role::kRadiusCompensation:
+        if (word.number.mantissa != 0) request->Refuse("word R other than R0");
+        modal_.blockers &= static_cast<uint16_t>(~kCutterCompensation);
+        break;
+      case Role::kLineNumber:
+      case Role::kPassive:
+      case Role::kFeed:
+      case Role::kToolNumber:
+        break;
+    }
+  }
+}
+
+void Interpreter::ScanKeyword(const Word& word, Request* request, Step* step) {
+  const Keyword& keyword = dialect_->keywords[static_cast<size_t>(word.keyword)];
+  step->has_other_words |= keyword.meaning != Meaning::kHead;
+  if (keyword.meaning == Meaning::kHead) return StartProgram();
+  if (keyword.meaning != Meaning::kToolChange || !dialect_->tool_call_sets_length)
+    return ScanCode(word, dialect_->keyword_codes[static_cast<size_t>(word.keyword)], request, step);
+  // TOOL CALL: without a number or a name only speed or feed change.
+  if (word.number.digits == 0 && !word.number.has_plus) return;
+  const int number =
+      word.number.digits == 0 || word.number.mantissa > 9999 ? -1 : static_cast<int>(word.number.mantissa);
+  step->is_tool_change = true;
+  if (coordinates_.SelectLength(number, 1)) return;
+  modal_.blockers |= kToolControl;
+  request->Refuse(number < 0 ? "tool call by name: the tool's length is not stated"
+                             : absl::StrCat("TOOL CALL ", number, ": the tool's length is not stated"));
+}
+
+void Interpreter::ScanCode(const Word& word, const Code& code, Request* request, Step* step) {
+  request->has_code = true;
+  const auto named = [&] {
+    const std::string name =
+        word.letter == 0 ? dialect_->keywords[static_cast<size_t>(word.keyword)].name : WordText(word);
+    return absl::StrCat(name, " (", code.text, ")");
+  };
+  const auto feed = [&](FeedMode mode) {
+    request->Choose(&request->feed, code, "feed mode");
+    request->stated |= kFeedGroup;
+    modal_.feed_mode = mode;
+  };
+  const auto distance = [&](bool is_incremental) {
+    request->Choose(&request->distance, code, "distance (G90, G91)");
+    request->stated |= kDistanceGroup;
+    modal_.is_incremental = is_incremental;
+  };
+  const auto unit = [&](bool is_inch) {
+    request->Choose(&request->unit, code, "unit");
+    request->stated |= kUnitGroup;
+    modal_.is_inch = is_inch;
+  };
+  switch (code.meaning) {
+    case Meaning::kUnknown:
+      return request->Refuse(named() + ": it might move axes");
+    case Meaning::kHarmless:
+    case Meaning::kHead:
+    case Meaning::kAddress:
+    case Meaning::kIncrementalAddress:
+      return;
+    case Meaning::kRapid:
+    case Meaning::kLinear:
+    case Meaning::kArc:
+    case Meaning::kOtherMotion:
+    case Meaning::kCancelMotion:
+      if (request->motion != nullptr) request->Refuse("two motion codes in one block");
+      request->motion = &code;
+      request->stated |= kMotionGroup;
+      if (code.meaning == Meaning::kOtherMotion) request->Refuse(named());
+      return;
+    case Meaning::kRapidBlock:
+      request->is_rapid_block = true;
+      return;
+    case Meaning::kOneShot:
+      return request->Refuse(named());
+    case Meaning::kCall:
+      modal_.uncertain |= kCalledGroups;
+      return request->Refuse(named());
+    case Meaning::kJump:
+      request->is_jump = true;
+      return request->Refuse(named());
+    case Meaning::kDataInput:
+      if (coordinates_.is_any_selected()) modal_.blockers |= kUnstatedOffset;
+      coordinates_.ForgetStated();
+      return request->Refuse(named());
+    case Meaning::kMachineMove:
+      request->machine_move = &code;
+      step->reason = named();
+      return;
+    case Meaning::kDwell:
+      request->is_dwell = true;
+      return;
+    case Meaning::kInch:
+      return unit(true);
+    case Meaning::kMillimetre:
+      return unit(false);
+    case Meaning::kAbsolute:
+      return distance(false);
+    case Meaning::kIncremental:
+      return distance(true);
+    case Meaning::kCentreAbsolute:
+      modal_.are_centres_absolute = true;
+      return;
+    case Meaning::kCentreIncremental:
+      modal_.are_centres_absolute = false;
+      return;
+    case Meaning::kPlane:
+      if (request->plane != nullptr && request->plane->detail != code.detail)
+        request->Refuse("two different plane codes in one block");
+      request->plane = &code;
+      request->stated |= kPlaneGroup;
+      modal_.plane_normal = static_cast<int8_t>(code.detail);
+      return;
+    case Meaning::kFeedPerMinute:
+      return feed(FeedMode::kPerMinute);
+    case Meaning::kFeedInverseTime:
+      return feed(FeedMode::kInverseTime);
+    case Meaning::kFeedPerTurn:
+      return feed(FeedMode::kPerTurn);
+    case Meaning::kWorkOffset:
+    case Meaning::kNoWorkOffset:
+      if (request->offset != nullptr) request->Refuse("two work offsets in one block");
+      request->offset = &word;
+      request->offset_code = &code;
+      request->stated |= kOffsetGroup;
+      return;
+    case Meaning::kToolLength:
+      request->length = &code;
+      request->stated |= kLengthGroup;
+      return;
+    case Meaning::kNoToolLength:
+      coordinates_.DropLength();
+      needs_absolute_ = 0xFFFF;
+      modal_.blockers &= static_cast<uint16_t>(~kToolControl);
+      request->stated |= kLengthGroup;
+      return;
+    case Meaning::kPreset:
+      request->preset = &code;
+      return;
+    case Meaning::kLocalShift:
+      request->shift = &code;
+      return;
+    case Meaning::kBlockerOn:
+      modal_.blockers |= code.detail;
+      return request->Refuse(named());
+    case Meaning::kBlockerOff:
+      modal_.blockers &= static_cast<uint16_t>(~code.detail);
+      return;
+    case Meaning::kToolChange:
+      step->is_tool_change = true;
+      // Without a D word the first length of the tool acts.
+      if (roles_['D' - 'A'] == Role::kActiveToolLength) modal_.uncertain |= kLengthGroup;
+      return;
+    case Meaning::kEndOfProgram:
+      request->is_end = step->ends_block = true;
+      return;
+    case Meaning::kEndOfBlock:
+      step->ends_block = true;
+      return;
+  }
+}
+
+void Interpreter::SelectOffset(const Block& block, Request* request) {
+  std::string name;
+  if (request->offset_code->meaning == Meaning::kWorkOffset) {
+    name = WordText(*request->offset);
+    if (request->offset_code->detail == 1) {
+      if (request->parameter != 'P' || request->number_of_parameter == nullptr)
+        return request->Refuse(name + " without a P word");
+      absl::StrAppend(&name, " ", WordText(*request->number_of_parameter));
+      request->parameter = 0;
+    }
+  }
+  if (coordinates_.Select(name)) {
+    modal_.blockers &= static_cast<uint16_t>(~kUnstatedOffset);
+    return;
+  }
+  modal_.blockers |= kUnstatedOffset;
+  request->Refuse(absl::StrCat(name, " (", request->offset_code->text, "): its values are not stated"));
+}
+
+// G43 H1, H1 while a length is in force, or D1 of Sinumerik.
+void Interpreter::SelectLength(Request* request) {
+  const bool acts_alone = roles_['D' - 'A'] == Role::kActiveToolLength;
+  if (request->length_number != nullptr) {
+    const Decimal& number = request->length_number->number;
+    const bool is_whole = number.decimals == 0 && number.mantissa >= 0 && number.mantissa <= 9999;
+    last_length_number_ = is_whole ? static_cast<int>(number.mantissa) : -1;
+    if (acts_alone) modal_.uncertain &= static_cast<uint8_t>(~kLengthGroup);
+  }
+  const bool is_active = coordinates_.active_length() >= 0 || (modal_.blockers & kToolControl) != 0;
+  if (request->length == nullptr && !acts_alone && !is_active) return;
+  const int sign = request->length != nullptr && request->length->detail == 2 ? -1 : 1;
+  needs_absolute_ = 0xFFFF;
+  if (last_length_number_ >= 0 && coordinates_.SelectLength(last_length_number_, sign)) {
+    modal_.blockers &= static_cast<uint16_t>(~kToolControl);
+    if (modal_.plane_normal != 2 && last_length_number_ != 0)
+      request->Refuse("a tool length in another plane than XY: controllers differ on its axis");
+    return;
+  }
+  modal_.blockers |= kToolControl;
+  request->Refuse(request->length_number == nullptr && last_length_number_ < 0
+                      ? "tool length offset without a number"
+                      : absl::StrCat("tool length ", last_length_number_, ": its value is not stated"));
+}
+
+}  // namespace axiscal::nc

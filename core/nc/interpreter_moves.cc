@@ -1,0 +1,292 @@
+// What a block does with its axis words.
+#include <cmath>
+
+#include "core/nc/request.h"
+
+namespace axiscal::nc {
+namespace {
+
+constexpr Ticks kMaxTicks = 10'000'000 * kTicksPerMm;  // 10 km: ticks stay far from overflow
+
+const char* NameOf(ModalGroup group) {
+  switch (group) {
+    case kMotionGroup:
+      return "the motion code (G00 to G03)";
+    case kDistanceGroup:
+      return "G90 or G91";
+    case kUnitGroup:
+      return "the unit (G20, G21)";
+    case kPlaneGroup:
+      return "the plane (G17 to G19)";
+    case kFeedGroup:
+      return "the feed mode";
+    case kOffsetGroup:
+      return "the work offset";
+    case kLengthGroup:
+      return "the tool length";
+  }
+  return "the modal state";
+}
+
+}  // namespace
+
+void Interpreter::Act(const Block& block, const Request& request, Step* step) {
+  if (request.machine_move != nullptr) return DoMachineMove(request, step);
+  if (request.preset != nullptr) return DoPreset(block, request, step);
+  if (request.shift != nullptr) return DoShift(block, request, step);
+  if (request.is_dwell) return DoDwell(request, step);
+  if (!request.has_axis && request.foreign_axis == 0) {
+    const bool moves_by_centre = modal_.motion == Meaning::kArc && request.has_centre;
+    if (moves_by_centre) {
+      bool is_consequence = false;
+      std::string reason = WhyNoMove(request, &is_consequence);
+      return reason.empty() ? Move(block, request, step) : Unsupported(std::move(reason), is_consequence, step);
+    }
+    if (request.has_code) return;
+    char stray = request.parameter != 0 ? request.parameter : request.radius != nullptr ? 'R' : char{0};
+    if (stray == 0 && request.has_centre) stray = 'I';
+    if (stray != 0)
+      Unsupported(absl::StrCat("word ", std::string(1, stray), " without a code that it belongs to"), false, step);
+    return;
+  }
+  bool is_consequence = false;
+  std::string reason = WhyNoMove(request, &is_consequence);
+  if (!reason.empty()) return Unsupported(std::move(reason), is_consequence, step);
+  Move(block, request, step);
+}
+
+void Interpreter::DoDwell(const Request& request, Step* step) {
+  for (int i = 0; i < machine_->axis_count(); ++i) {
+    if (step->word_of_axis[i] < 0 || machine_->axes[i].name == "X" || machine_->axes[i].name == "U") continue;
+    return Unsupported("a dwell with the axis word " + machine_->axes[i].name, false, step);
+  }
+  if (request.motion != nullptr) Unsupported("a dwell and a motion code in one block", false, step);
+}
+
+void Interpreter::DoMachineMove(const Request& request, Step* step) {
+  step->kind = StepKind::kUntouched;
+  for (int i = 0; i < machine_->axis_count(); ++i) {
+    if (step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0) ForgetPosition(i, true);
+  }
+}
+
+void Interpreter::DoPreset(const Block& block, const Request& request, Step* step) {
+  switch (request.preset->detail) {
+    case 1:
+      coordinates_.ClearPreset();
+      step->preset = PresetChange::kCleared;
+      return;
+    case 2:
+      coordinates_.SuspendPreset();
+      step->preset = PresetChange::kSuspended;
+      return;
+    case 3:
+      coordinates_.RestorePreset();
+      step->preset = PresetChange::kRestored;
+      return;
+    default:
+      break;
+  }
+  const std::string name = request.preset->text;
+  std::string problem;
+  if (modal_.blockers != 0) problem = BlockerText(modal_.blockers);
+  if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
+  if (modal_.uncertain & (kUnitGroup | kOffsetGroup | kLengthGroup)) problem = "the modal state is not known";
+  if (!request.has_axis && problem.empty() && request.parameter == 0) return;  // G92 S2000 limits the spindle
+  step->preset_axes = 0;
+  for (int i = 0; i < machine_->axis_count() && problem.empty(); ++i) {
+    if (step->word_of_axis[i] < 0) continue;
+    const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
+    problem = WordProblem(word);
+    if (!problem.empty()) break;
+    if (!positions_.is_known(i)) {
+      problem = absl::StrCat("the position of ", machine_->axes[i].name, " is unknown");
+      break;
+    }
+    const std::optional<Ticks> value = ToTicks(Meant(word.number), ticks_per_unit(i));
+    coordinates_.Preset(i, positions_.ticks[i], *value);
+    step->preset_axes |= static_cast<uint16_t>(1u << i);
+  }
+  if (!problem.empty()) {
+    modal_.blockers |= kShift;
+    return Unsupported(absl::StrCat("G92 (", name, "): ", problem), false, step);
+  }
+  step->preset = PresetChange::kSet;
+  step->end = positions_;
+}
+
+void Interpreter::DoShift(const Block& block, const Request& request, Step* step) {
+  std::string problem;
+  if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
+  if (modal_.is_incremental || (modal_.uncertain & (kDistanceGroup | kUnitGroup)) != 0)
+    problem = "in G91 controllers differ on what it means";
+  for (int i = 0; i < machine_->axis_count() && problem.empty(); ++i) {
+    if (step->word_of_axis[i] < 0) continue;
+    const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
+    problem = WordProblem(word);
+    if (problem.empty() && !coordinates_.Shift(i, *ToTicks(Meant(word.number), ticks_per_unit(i))))
+      problem = "with preset coordinates (G92) in force controllers differ";
+  }
+  if (problem.empty()) return;
+  modal_.blockers |= kShift;
+  Unsupported(absl::StrCat("G52 (", request.shift->text, "): ", problem), false, step);
+}
+
+std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence) const {
+  *is_consequence = false;
+  if (modal_.blockers != 0) {
+    *is_consequence = (modal_.blockers & request.blockers_before) != 0;
+    return BlockerText(modal_.blockers);
+  }
+  if (modal_.motion == Meaning::kOtherMotion) return modal_.motion_text;
+  if (modal_.motion == Meaning::kCancelMotion) return "axis words while no motion code is in force (G80)";
+  const bool is_arc = modal_.motion == Meaning::kArc;
+  const uint8_t needed = static_cast<uint8_t>(kAllGroups & ~(is_arc ? 0 : kPlaneGroup));
+  if (const uint8_t missing = modal_.uncertain & needed; missing != 0) {
+    *is_consequence = (missing & request.uncertain_before) != 0;
+    return absl::StrCat(NameOf(static_cast<ModalGroup>(missing & -missing)),
+                        " is not known behind a block that was not followed");
+  }
+  if (request.foreign_axis != 0) {
+    return absl::StrCat("word ", std::string(1, request.foreign_axis), ": machine '", machine_->id,
+                        "' has no such axis");
+  }
+  const char* const kind = is_arc ? " in a circular move" : " in a linear move";
+  if (request.parameter != 0) return absl::StrCat("word ", std::string(1, request.parameter), kind);
+  if (!is_arc && request.radius != nullptr) return absl::StrCat("word R", kind);
+  if (!is_arc && request.has_centre) return absl::StrCat("word I, J or K", kind);
+  return "";
+}
+
+std::string Interpreter::WordProblem(const Word& word) const {
+  const Decimal& number = word.number;
+  if (!number.has_point && number.digits >= 5 && options_->integer_words == IntegerWords::kWholeUnits) {
+    return absl::StrCat(
+        "word ", WordText(word),
+        " has no point and five digits or more: state whether it counts whole units or least increments");
+  }
+  const std::optional<Ticks> ticks = ToTicks(Meant(number), modal_.is_inch ? kTicksPerInch : kTicksPerMm);
+  if (!ticks || std::abs(*ticks) > kMaxTicks)
+    return absl::StrCat("word ", WordText(word), " has more than nine decimals or is out of range");
+  return "";
+}
+
+std::optional<Ticks> Interpreter::LengthTicks(const Word& word) const {
+  const std::optional<Ticks> ticks = ToTicks(Meant(word.number), modal_.is_inch ? kTicksPerInch : kTicksPerMm);
+  return !ticks || std::abs(*ticks) > kMaxTicks ? std::nullopt : ticks;
+}
+
+bool Interpreter::ReadTargets(const Block& block, Step* step) {
+  const int count = machine_->axis_count();
+  step->start = positions_;
+  Positions& end = step->end;
+  end = positions_;
+  for (int i = 0; i < count; ++i) {
+    if (step->word_of_axis[i] < 0) continue;
+    const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
+    const auto bit = static_cast<uint16_t>(1u << i);
+    const bool is_incremental = IsIncremental(word);
+    if (is_incremental && !end.is_known(i)) {
+      Unsupported(absl::StrCat("G91 from an unknown position of ", machine_->axes[i].name), is_unknown_reported(i),
+                  step);
+      return false;
+    }
+    if (is_incremental && (needs_absolute_ & bit) && machine_->axes[i].name == "Z") {
+      Unsupported("G91 behind a change of the tool length: controllers differ", false, step);
+      return false;
+    }
+    needs_absolute_ &= static_cast<uint16_t>(~bit);
+    const Decimal number = Meant(word.number);
+    const std::optional<Ticks> value = ToTicks(number, ticks_per_unit(i));
+    const Ticks base = is_incremental ? end.ticks[i] : offset(i);
+    const bool is_odd = !number.has_point && number.digits >= 5;
+    if (is_odd || !value || std::abs(*value) > kMaxTicks || std::abs(base + *value) > kMaxTicks) {
+      std::string problem = WordProblem(word);
+      if (problem.empty() && (!value || std::abs(base + *value) > kMaxTicks))
+        problem = absl::StrCat("word ", WordText(word), " is out of range");
+      if (!problem.empty()) {
+        Unsupported(std::move(problem), false, step);
+        return false;
+      }
+    }
+    const Ticks target = base + *value;
+    if (!end.is_known(i)) {
+      end.sense[i] = 0;
+    } else if (target != end.ticks[i]) {
+      end.sense[i] = target > end.ticks[i] ? 1 : -1;
+    }
+    end.ticks[i] = target;
+    end.known |= bit;
+  }
+  return true;
+}
+
+void Interpreter::Move(const Block& block, const Request& request, Step* step) {
+  step->is_rapid = modal_.motion == Meaning::kRapid || request.is_rapid_block;
+  if (!ReadTargets(block, step)) return;
+  if (modal_.motion == Meaning::kArc && !ReadArc(block, request, step)) return;
+  step->kind = StepKind::kMove;
+  positions_ = step->end;
+  has_moved_ = true;
+}
+
+bool Interpreter::ReadArc(const Block& block, const Request& request, Step* step) {
+  const int first = PlaneAxis(0), second = PlaneAxis(1);
+  const auto refuse = [&](std::string reason, bool is_consequence) {
+    Unsupported("circular move: " + std::move(reason), is_consequence, step);
+    return false;
+  };
+  if (first < 0 || second < 0 || !is_linear_[first] || !is_linear_[second])
+    return refuse("the machine has no two linear axes in this plane", false);
+  for (const int axis : {first, second}) {
+    if (!step->start.is_known(axis)) {
+      return refuse(absl::StrCat("it starts at an unknown position of ", machine_->axes[axis].name),
+                    is_unknown_reported(axis));
+    }
+  }
+  const auto point = [&](const Positions& at) -> Eigen::Vector2d {
+    return Eigen::Vector2d(static_cast<double>(at.ticks[first]), static_cast<double>(at.ticks[second])) / kTicksPerUnit;
+  };
+  const Eigen::Vector2d start_mm = point(step->start), end_mm = point(step->end);
+  absl::StatusOr<Arc> arc = absl::InvalidArgumentError("it has no centre and no radius");
+  if (request.radius != nullptr) {
+    const std::optional<Ticks> radius = LengthTicks(*request.radius);
+    if (request.has_centre) return refuse("it has a centre and a radius", false);
+    if (!radius) return refuse(WordProblem(*request.radius), false);
+    arc = ArcOfRadius(start_mm, end_mm, static_cast<double>(*radius) / kTicksPerUnit, !modal_.is_clockwise);
+  } else if (request.has_centre) {
+    // I belongs to X, J to Y, K to Z.
+    static constexpr char kCentres[3][3] = {"JK", "KI", "IJ"};
+    Eigen::Vector2d centre_mm = modal_.are_centres_absolute ? Eigen::Vector2d::Zero().eval() : start_mm;
+    int found = 0;
+    for (const Word& word : block) {
+      if (RoleOf(word.letter) != Role::kCentre) continue;
+      const char* const letters = kCentres[modal_.plane_normal];
+      if (word.letter != letters[0] && word.letter != letters[1])
+        return refuse(absl::StrCat("word ", std::string(1, word.letter), " is not of its plane"), false);
+      const int index = word.letter == letters[0] ? 0 : 1, axis = index == 0 ? first : second;
+      const std::optional<Ticks> value = LengthTicks(word);
+      if (std::string problem = WordProblem(word); !problem.empty() || !value) return refuse(problem, false);
+      centre_mm[index] +=
+          static_cast<double>(*value + (modal_.are_centres_absolute ? offset(axis) : 0)) / kTicksPerUnit;
+      found |= found & (1 << index) ? 4 : 1 << index;
+    }
+    if (found > 3) return refuse("two centre words of one letter", false);
+    if (modal_.are_centres_absolute && found != 3) return refuse("an absolute centre needs both words", false);
+    arc = ArcAboutCentre(start_mm, end_mm, centre_mm, !modal_.is_clockwise);
+  }
+  if (!arc.ok()) return refuse(std::string(arc.status().message()), false);
+  step->is_arc = true;
+  step->arc = *arc;
+  step->arc.first = first;
+  step->arc.second = second;
+  // The senses in which the axes come to the end.
+  const double end_rad = arc->start_rad + arc->sweep_rad;
+  const double along[2] = {-std::sin(end_rad) * arc->sweep_rad, std::cos(end_rad) * arc->sweep_rad};
+  for (const int index : {0, 1}) {
+    if (std::abs(along[index]) > 1e-9) step->end.sense[index == 0 ? first : second] = along[index] > 0 ? 1 : -1;
+  }
+  return true;
+}
+
+}  // namespace axiscal::nc

@@ -1,0 +1,108 @@
+#include "core/nc/job_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/units.h"
+#include "core/compensate/compensator.h"
+
+namespace axiscal::nc {
+namespace {
+
+constexpr size_t kShownBytes = 120;
+constexpr size_t kMaxNotes = 100;
+
+}  // namespace
+
+std::string Shown(const BlockText& block) { return std::string(block.text, std::min(block.text_size, kShownBytes)); }
+
+JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOptions& options)
+    : compensator_(compensator), options_(options) {
+  report_.calibration = options.calibration;
+  report_.is_null_correction = compensator.is_null();
+  report_.has_source_crc32c = options.source_crc32c.has_value();
+  report_.source_crc32c = options.source_crc32c.value_or(0);
+  report_.notes = compensator.not_carried();
+  for (std::string& note : report_.notes) note = "not carried: " + note;
+  for (const int axis : compensator.linear_axes()) report_.axes.push_back({compensator.machine().axes[axis].name, {}});
+}
+
+void JobReport::Note(const BlockText& block, const std::string& text) {
+  if (report_.notes.size() < kMaxNotes) report_.notes.push_back(absl::StrCat("line ", block.line, ": ", text));
+}
+
+void JobReport::AddFinding(const BlockText& block, const std::string& reason, std::vector<Finding>* findings) {
+  if (findings->size() < kMaxFindings) findings->push_back({block.line, Shown(block), reason});
+}
+
+void JobReport::Passed(const BlockText& block, const std::string& reason, bool is_consequence) {
+  ++report_.blocks_passed;
+  if (!is_consequence) AddFinding(block, reason, &report_.passed);
+}
+
+void JobReport::Refused(const BlockText& block, const std::string& reason, bool is_consequence) {
+  ++report_.blocks_refused;
+  if (!is_consequence || report_.refused.empty()) AddFinding(block, reason, &report_.refused);
+}
+
+void JobReport::Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm) {
+  const machine::Machine& machine = compensator_.machine();
+  const std::vector<int>& axes = compensator_.linear_axes();
+  Eigen::Vector3d after = Eigen::Vector3d::Zero();
+  for (size_t k = 0; k < axes.size(); ++k) {
+    const int axis = axes[k];
+    const double correction_mm = static_cast<double>(piece.targets[axis] - piece.nominal[axis]) / kTicksPerUnit;
+    report_.axes[k].correction.Add(correction_mm);
+    if (std::abs(correction_mm) > options_.max_correction_mm) {
+      Refused(block,
+              absl::StrFormat("correction of %s = %.1f um, the limit is %.1f um", machine.axes[axis].name,
+                              correction_mm * base::kUmPerMm, options_.max_correction_mm * base::kUmPerMm),
+              has_exceeded_limit_);
+      has_exceeded_limit_ = true;
+    }
+    const double rounding_mm = static_cast<double>(commanded.ticks[axis] - piece.targets[axis]) / kTicksPerUnit;
+    after += piece.correction.tip_per_mm[k] * rounding_mm;
+  }
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    const machine::Axis& axis = machine.axes[i];
+    if (axis.min_position || axis.max_position)
+      CheckTravel(block, i, static_cast<double>(commanded.ticks[i]) / kTicksPerUnit);
+  }
+  const double after_mm = after.norm() + piece.correction.after_mm, before_mm = piece.correction.before_mm;
+  report_.error_before.Add(before_mm);
+  report_.error_after.Add(after_mm);
+  report_.path_before_max_mm =
+      std::max({report_.path_before_max_mm, last_before_mm_ + departure_mm, before_mm + departure_mm});
+  report_.path_after_max_mm =
+      std::max({report_.path_after_max_mm, last_after_mm_ + departure_mm, after_mm + departure_mm});
+  last_before_mm_ = before_mm;
+  last_after_mm_ = after_mm;
+  report_.max_departure_mm = std::max(report_.max_departure_mm, departure_mm);
+  report_.max_tilt_left_rad = std::max(report_.max_tilt_left_rad, piece.correction.tilt_left_rad);
+}
+
+void JobReport::CheckTravel(const BlockText& block, int index, double commanded) {
+  const machine::Axis& axis = compensator_.machine().axes[index];
+  const bool is_rotary = axis.kind == machine::AxisKind::kRotary;
+  const double unit = is_rotary ? base::kRadPerDeg : 1.0;
+  const double slack = is_rotary ? 1e-9 : 0.0;  // degrees are converted
+  const bool is_below = axis.min_position && commanded * unit < *axis.min_position - slack;
+  const bool is_above = axis.max_position && commanded * unit > *axis.max_position + slack;
+  if (!is_below && !is_above) return;
+  Refused(block,
+          absl::StrFormat("%s = %.4f %s with its correction, beyond the travel limit of %.4f %s", axis.name, commanded,
+                          is_rotary ? "deg" : "mm", (is_below ? *axis.min_position : *axis.max_position) / unit,
+                          is_rotary ? "deg" : "mm"),
+          false);
+}
+
+absl::Status JobReport::Refusal() const {
+  const std::string count =
+      absl::StrCat(report_.blocks_refused, report_.blocks_refused == 1 ? " block" : " blocks", " refused");
+  if (report_.refused.empty()) return absl::FailedPreconditionError(count);
+  const Finding& first = report_.refused.front();
+  return absl::FailedPreconditionError(
+      absl::StrCat(count, "; line ", first.line, ": '", first.block, "': ", first.reason));
+}
+
+}  // namespace axiscal::nc

@@ -1,0 +1,61 @@
+// Keeps the report of a rewriting while it runs: findings, statistics of what was written, limits.
+#ifndef AXISCAL_CORE_NC_JOB_REPORT_H_
+#define AXISCAL_CORE_NC_JOB_REPORT_H_
+
+#include <string>
+
+#include "core/nc/block_writer.h"
+#include "core/nc/move_corrector.h"
+#include "core/nc/report.h"
+
+namespace axiscal::nc {
+
+// The block that is read now.
+struct BlockText {
+  const char* text = nullptr;
+  size_t size = 0;       // line end included
+  size_t text_size = 0;  // without
+  int64_t line = 0;
+};
+
+class JobReport {
+ public:
+  JobReport(const compensate::Compensator& compensator, const RewriteOptions& options);
+
+  const RewriteReport& report() const { return report_; }
+  RewriteReport& report() { return report_; }
+  bool is_refused() const { return report_.blocks_refused > 0; }
+
+  // "line 7: " and the text.
+  void Note(const BlockText& block, const std::string& text);
+  // The block stays as it is: listed unless it follows from another one, counted always.
+  void Passed(const BlockText& block, const std::string& reason, bool is_consequence);
+  // The block refuses the program.
+  void Refused(const BlockText& block, const std::string& reason, bool is_consequence);
+
+  // One written piece that departs from the nominal path by at most `departure_mm` inside: its statistics, and limits,
+  // which refuse.
+  void Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm);
+  // The next piece does not begin where the last one ended.
+  void BreakPath() { last_before_mm_ = last_after_mm_ = 0; }
+
+  // FAILED_PRECONDITION with the number of refused blocks and the first of them.
+  absl::Status Refusal() const;
+
+ private:
+  void AddFinding(const BlockText& block, const std::string& reason, std::vector<Finding>* findings);
+  void CheckTravel(const BlockText& block, int axis, double commanded);
+
+  const compensate::Compensator& compensator_;
+  const RewriteOptions& options_;
+  RewriteReport report_;
+  double last_before_mm_ = 0, last_after_mm_ = 0;  // at the end of the last piece
+  bool has_exceeded_limit_ = false;                // listed once, counted on
+};
+
+// Of a block in a message: its first bytes.
+std::string Shown(const BlockText& block);
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_JOB_REPORT_H_

@@ -1,0 +1,56 @@
+// The modal state of a controller and the positions of its axes.
+#ifndef AXISCAL_CORE_NC_MODAL_H_
+#define AXISCAL_CORE_NC_MODAL_H_
+
+#include <array>
+#include <cstdint>
+
+#include "core/machine/machine.h"
+#include "core/nc/decimal.h"
+#include "core/nc/dialect.h"
+
+namespace axiscal::nc {
+
+enum class FeedMode : uint8_t { kPerMinute, kInverseTime, kPerTurn };
+
+// Modal groups whose state may be unknown: behind a call, or a block that could not be read to its end.
+enum ModalGroup : uint8_t {
+  kMotionGroup = 1,
+  kDistanceGroup = 2,
+  kUnitGroup = 4,
+  kPlaneGroup = 8,
+  kFeedGroup = 16,
+  kOffsetGroup = 32,
+  kLengthGroup = 64,
+};
+inline constexpr uint8_t kCalledGroups = 127 & ~kUnitGroup;  // what a subprogram may leave changed
+inline constexpr uint8_t kAllGroups = 127;
+
+struct Modal {
+  Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kArc, kCancelMotion or kOtherMotion. Power-on is linear.
+  bool is_clockwise = false;          // of kArc
+  const char* motion_text = "";       // of kOtherMotion
+  bool is_inch = false;
+  bool is_incremental = false;
+  bool are_centres_absolute = false;
+  int8_t plane_normal = 2;  // 0 YZ, 1 ZX, 2 XY
+  FeedMode feed_mode = FeedMode::kPerMinute;
+  uint16_t blockers = 0;
+  uint8_t uncertain = 0;  // ModalGroups
+
+  bool operator==(const Modal&) const = default;
+};
+
+using AxisTicks = std::array<Ticks, machine::kMaxAxes>;
+
+struct Positions {
+  AxisTicks ticks{};
+  std::array<int8_t, machine::kMaxAxes> sense{};  // of the last motion: +1, -1, 0 unknown
+  uint16_t known = 0;                             // bit i: axis i
+
+  bool is_known(int axis) const { return known >> axis & 1; }
+};
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_MODAL_H_

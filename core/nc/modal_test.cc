@@ -1,0 +1,114 @@
+// Modal state: coordinates, lengths, machine positions, calls and jumps.
+#include "core/base/units.h"
+#include "core/nc/testing/rewritten.h"
+
+namespace axiscal::nc {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::kAtZero;
+using testing::Outcome;
+using testing::Rewritten;
+
+RewriteOptions Passing(RewriteOptions options = kAtZero) {
+  options.on_unsupported = OnUnsupported::kPass;
+  return options;
+}
+
+// B = 0 everywhere unless a test turns it: X words rise by 0.0417, words of other axes stay.
+TEST(Modal, MovesToMachinePositionsAreNeverTouchedAndForgetTheirAxes) {
+  EXPECT_REWRITTEN(kAtZero, "G1 X1.\nG91 G28 Z0.\nG90\nG0 X2. Y2.\nG0 Z5.\nG1 X3.\n",
+                   "G1 X1.0417\nG91 G28 Z0.\nG90\nG0 X2. Y2.\nG0 Z5. X2.0417\nG1 X3.0417\n");
+  EXPECT_REWRITTEN(kAtZero, "G1 X1.\nG53 G0 X-100.\nG1 X5. Y1.\n", "G1 X1.0417\nG53 G0 X-100.\nG1 X5.0417 Y1.\n");
+  for (const std::string block : {"G28 Z0", "G30 P2 Z0.", "G53 G0 Z0.", "G91 G28 Z0."}) {
+    EXPECT_REFUSED(kAtZero, block + "\nG90 G1 Y2.\n", "the position of Z is unknown: not programmed since line 1");
+    EXPECT_REWRITTEN(kAtZero, block + "\nG90 G0 Z1. X0\n", block + "\nG90 G0 Z1. X0.0417\n");
+  }
+  // Without an axis word every axis may move.
+  EXPECT_REFUSED(kAtZero, "G28\nG1 X1. Y1. Z1.\n", "the position of B is unknown");
+  const Outcome outcome = Rewritten("G1 X1.\nG28 Z0\nG0 X2.\n", kAtZero);
+  ASSERT_EQ(outcome.report.passed.size(), 1u);  // the rapid follows from it
+  EXPECT_EQ(outcome.report.passed[0].line, 2);
+  EXPECT_EQ(outcome.report.blocks_passed, 2);
+}
+
+TEST(Modal, TextOutputAndHarmlessWordsStay) {
+  EXPECT_REWRITTEN(kAtZero, "POPEN\nDPRNT[X#5001[4 4]*Y#5002[4 4]]\nG1 X1.\nPCLOS\n",
+                   "POPEN\nDPRNT[X#5001[4 4]*Y#5002[4 4]]\nG1 X1.0417\nPCLOS\n");
+}
+
+TEST(Modal, StatedToolLengthsShiftZAndTheToolPoint) {
+  RewriteOptions options = kAtZero;
+  EXPECT_REFUSED(options, "G43 H3 Z5.\n", "tool length 3: its value is not stated");
+  EXPECT_REFUSED(options, "G43 Z5.\n", "tool length offset without a number");
+  options.tool_lengths = {{1, 0.0}, {2, 100.0}};
+  EXPECT_REWRITTEN(options, "G43 H1 Z5.\nG1 X1.\nG49 Z0.\n", "G43 H1 Z5. X0.0417\nG1 X1.0417\nG49 Z0.\n");
+  // 456.3945 mm lean by 53.35 um.
+  EXPECT_REWRITTEN(options, "G43 H2 Z5.\nG1 X1.\nG43 H1 X1.\n", "G43 H2 Z5. X0.0533\nG1 X1.0533\nG43 H1 X1.0417\n");
+  EXPECT_REFUSED(options, "G43 H2\nG91 Z5.\n", "G91 behind a change of the tool length");
+  EXPECT_REFUSED(options, "G18 G43 H2 Z5.\n", "another plane");
+  // H0 is no length.
+  EXPECT_REWRITTEN(options, "G43 H0 Z5.\nG1 X1.\n", "G43 H0 Z5. X0.0417\nG1 X1.0417\n");
+}
+
+TEST(Modal, PresetCoordinatesAreTakenFromWhereTheControllerStands) {
+  // The controller stands at 1.0417 when X becomes 0: the correction is in its coordinates already.
+  EXPECT_REWRITTEN(kAtZero, "G1 X1.\nG92 X0\nX5.\nG92.1\nX2.\n", "G1 X1.0417\nG92 X0\nX5.\nG92.1\nX2.0417\n");
+  // At B = 90 the correction of X is 0 and that of Z -0.0417.
+  EXPECT_REWRITTEN(kAtZero, "G1 X1. Z0.\nG92 X0 Z10.\nX0. Z10. B90.\n",
+                   "G1 X1.0417 Z0.\nG92 X0 Z10.\nX-0.0417 Z9.9583 B90.\n");
+  EXPECT_REFUSED(RewriteOptions(), "G92 X0\n", "the position of X is unknown");
+  EXPECT_REWRITTEN(kAtZero, "G92 S2000\nG1 X1.\n", "G92 S2000\nG1 X1.0417\n");
+}
+
+TEST(Modal, LocalShiftsMovePositions) {
+  // B40 in coordinates shifted by 50 stands at 90.
+  EXPECT_REWRITTEN(kAtZero, "G1 X0.\nG52 B50.\nX0. Z0. B40.\nG52 B0\nX0. Z0. B90.\n",
+                   "G1 X0.0417\nG52 B50.\nX0. Z-0.0417 B40.\nG52 B0\nX0. Z-0.0417 B90.\n");
+  EXPECT_REFUSED(kAtZero, "G91 G52 X5.\n", "G52");
+  EXPECT_REFUSED(kAtZero, "G92 X7.\nG52 X5.\n", "G92");
+}
+
+TEST(Modal, AdditionalWorkOffsetsByNumber) {
+  RewriteOptions options = kAtZero;
+  options.work_offsets = {{"G54.1 P5", {{"B", 90 * base::kRadPerDeg}}}};
+  EXPECT_REWRITTEN(options, "G54.1 P5\nG1 X1. Y0. Z0. B0. C0.\n", "G54.1 P5\nG1 X1. Y0. Z-0.0417 B0. C0.\n");
+  EXPECT_REFUSED(options, "G54.1 P6\n", "G54.1 P6 (additional work offset): its values are not stated");
+  EXPECT_REFUSED(options, "G54.1\n", "G54.1 without a P word");
+  EXPECT_REFUSED(options, "G54.1 P5\nG10 L2 P1 X0\nG1 X5.\n", "G10 (data input");
+}
+
+TEST(Modal, BehindACallTheModalStateIsUnknown) {
+  const Outcome outcome =
+      Rewritten("G90 G1 X1.\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G54 G1 X5. Y0. Z0. B0. C0.\n", Passing());
+  EXPECT_EQ(outcome.report.blocks_corrected, 1);
+  EXPECT_EQ(outcome.report.blocks_passed, 3);
+  RewriteOptions options = Passing();
+  options.work_offsets = {{"G54", {}}};
+  EXPECT_REWRITTEN(options, "G90 G1 X1.\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G54 G49 G94 G1 X5. Y0. Z0. B0. C0.\n",
+                   "G90 G1 X1.0417\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G54 G49 G94 G1 X5.0417 Y0. Z0. B0. C0.\n");
+}
+
+TEST(Modal, BehindAJumpNothingIsCorrected) {
+  EXPECT_REWRITTEN(Passing(), "G90 G1 X1.\nIF [#1 EQ 0] GOTO 10\nG91\nN10 G90 G1 X5. Y0. Z0. B0. C0.\n",
+                   "G90 G1 X1.0417\nIF [#1 EQ 0] GOTO 10\nG91\nN10 G90 G1 X5. Y0. Z0. B0. C0.\n");
+}
+
+TEST(Modal, ABlockThatIsNotReadToItsEndLeavesTheModalStateUnknown) {
+  EXPECT_REWRITTEN(Passing(), "G1 X1.\nY#5 G91\nX5. Y0. Z0. B0. C0.\n", "G1 X1.0417\nY#5 G91\nX5. Y0. Z0. B0. C0.\n");
+  EXPECT_REWRITTEN(Passing(), "G1 X1.\nY#5 F200\nX5. Y0. Z0. B0. C0.\n",
+                   "G1 X1.0417\nY#5 F200\nX5.0417 Y0. Z0. B0. C0.\n");
+}
+
+TEST(Modal, StopEndsAtTheFirstBlock) {
+  RewriteOptions options = kAtZero;
+  options.on_unsupported = OnUnsupported::kStop;
+  const Outcome outcome = Rewritten("G1 X1.\nG81 Z-5. R2.\nG80\nG1 X1. Y0. Z0. B0. C0.\nG41 D1\n", options);
+  EXPECT_EQ(outcome.status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(outcome.status.message()), HasSubstr("line 2: 'G81 Z-5. R2.'"));
+  EXPECT_EQ(outcome.report.blocks_refused, 1);
+  EXPECT_EQ(outcome.report.blocks_read, 2);
+}
+
+}  // namespace
+}  // namespace axiscal::nc

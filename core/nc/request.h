@@ -1,0 +1,55 @@
+// What the words of one block ask for, before anything is done. Private to the interpreter.
+#ifndef AXISCAL_CORE_NC_REQUEST_H_
+#define AXISCAL_CORE_NC_REQUEST_H_
+
+#include <string>
+
+#include "core/nc/interpreter.h"
+
+namespace axiscal::nc {
+
+std::string WordText(const Word& word);
+
+struct Interpreter::Request {
+  const Code* motion = nullptr;
+  const Code* distance = nullptr;  // G90, G91
+  const Code* unit = nullptr;      // G20, G21
+  const Code* feed = nullptr;      // G93 to G95
+  const Code* plane = nullptr;
+  const Code* machine_move = nullptr;
+  const Code* preset = nullptr;  // G92
+  const Code* shift = nullptr;   // G52
+  const Code* length = nullptr;  // G43, G44
+  const Word* length_number = nullptr;
+  const Word* offset = nullptr;  // G54
+  const Code* offset_code = nullptr;
+  std::string problem;  // first reason to refuse
+  uint16_t blockers_before = 0;
+  uint8_t uncertain_before = 0;
+  uint8_t stated = 0;  // modal groups that this block states
+  bool has_axis = false;
+  bool has_code = false;
+  bool has_centre = false;
+  const Word* radius = nullptr;
+  bool is_dwell = false;
+  bool is_end = false;
+  bool is_jump = false;
+  bool is_rapid_block = false;
+  char foreign_axis = 0;
+  char parameter = 0;
+  const Word* number_of_parameter = nullptr;  // P
+
+  void Refuse(const std::string& reason) {
+    if (problem.empty()) problem = reason;
+  }
+  // Controllers differ: the last of two counts for the block, or each for the words behind it (G90 X5. G91 Y1.).
+  void Choose(const Code** chosen, const Code& code, const char* what) {
+    if (*chosen != nullptr && (*chosen)->meaning != code.meaning)
+      Refuse(absl::StrCat("two different ", what, " codes in one block"));
+    *chosen = &code;
+  }
+};
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_REQUEST_H_
