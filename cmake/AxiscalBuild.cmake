@@ -28,7 +28,7 @@ if(AXISCAL_SANITIZE)
   add_compile_options(-fsanitize=${AXISCAL_SANITIZE} -fno-omit-frame-pointer -O1 -g)
   add_link_options(-fsanitize=${AXISCAL_SANITIZE})
   # GCC's uninitialised-use analysis reports false positives inside instrumented Eigen code.
-  target_compile_options(axiscal_flags INTERFACE -Wno-maybe-uninitialized)
+  target_compile_options(axiscal_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endif()
 
 find_package(Threads REQUIRED)

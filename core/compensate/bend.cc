@@ -28,6 +28,14 @@ Bend BendOf(const ErrorTerm& term, const Pose& from, const Pose& to) {
     const double turn = along(harmonic->axis, &largest) * std::abs(harmonic->frequency);
     return {amplitude, amplitude * turn, amplitude * turn * turn};
   }
+  if (const auto* bump = std::get_if<shapes::Bump>(&term.shape)) {
+    // exp(-u^2) has slopes up to sqrt(2 / e) and curvatures up to 2; six widths away nothing is left of it.
+    const double low = std::min(from.position[bump->axis], to.position[bump->axis]) - bump->at;
+    const double high = std::max(from.position[bump->axis], to.position[bump->axis]) - bump->at;
+    if (std::min(std::abs(low), std::abs(high)) > 6.0 * bump->width && low * high > 0) return {0, 0, 0};
+    const double travel = along(bump->axis, &largest) / bump->width;
+    return {amplitude, 0.858 * amplitude * travel, 2.0 * amplitude * travel * travel};
+  }
   // Of the others only those are carried that stand still along a move: backlash, and time and temperature as stated.
   return {amplitude, 0, 0};
 }

@@ -84,6 +84,10 @@ struct Compensator::Impl {
   // For DepartureBound: sums of the constant terms' magnitudes, and the terms that are not constant.
   double fixed_lever_mm = 0, translation_errors_mm = 0, angle_errors_rad = 0;
   std::vector<ErrorTerm> varying;
+  // The sum of the constant terms, and the joints' maps of it; joints with varying terms get theirs at every pose.
+  machine::JointErrors<double> constant;
+  JointMaps constant_maps;
+  std::vector<int> varying_joints;
   std::array<double, machine::kMaxAxes> smooth_travel{};
 
   void MeasureErrors() {
@@ -96,9 +100,14 @@ struct Compensator::Impl {
     for (const ErrorTerm& term : carried.terms) {
       if (std::holds_alternative<shapes::Constant>(term.shape)) {
         (machine::IsAngle(term.component) ? angle_errors_rad : translation_errors_mm) += std::abs(term.amplitude[0]);
+        constant[term.joint][static_cast<int>(term.component)] += term.amplitude[0];
       } else {
         varying.push_back(term);
+        if (std::find(varying_joints.begin(), varying_joints.end(), term.joint) == varying_joints.end())
+          varying_joints.push_back(term.joint);
       }
+      if (const auto* bump = std::get_if<shapes::Bump>(&term.shape))
+        smooth_travel[bump->axis] = std::min(smooth_travel[bump->axis], 0.5 * bump->width);
       if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
         const double eighth = 0.25 * std::numbers::pi / std::max(std::abs(harmonic->frequency), 1e-9);
         smooth_travel[harmonic->axis] = std::min(smooth_travel[harmonic->axis], eighth);
@@ -106,7 +115,8 @@ struct Compensator::Impl {
     }
   }
 
-  machine::JointErrors<double> ErrorsAt(const Pose& pose) const {
+  // The joints' maps at a pose: only those of varying terms are computed.
+  void MapsAt(const Pose& pose, JointMaps* maps) const {
     std::array<shapes::AxisState, machine::kMaxAxes> axes;
     for (int i = 0; i < machine.axis_count(); ++i) {
       axes[i].position = pose.position[i];
@@ -116,7 +126,39 @@ struct Compensator::Impl {
     state.axes = {axes.data(), static_cast<size_t>(machine.axis_count())};
     if (options.time_s) state.time_s = *options.time_s;
     if (options.temperature_celsius) state.temperature_celsius = *options.temperature_celsius;
-    return machine::ErrorsAt(machine, carried, state);
+    machine::JointErrors<double> errors;
+    for (const int joint : varying_joints) errors[joint] = constant[joint];
+    double basis[shapes::kMaxBasisCount];
+    for (const ErrorTerm& term : varying) {
+      shapes::Basis(term.shape, state, basis);
+      double& error = errors[term.joint][static_cast<int>(term.component)];
+      for (int i = 0; i < shapes::BasisCount(term.shape); ++i) error += term.amplitude[i] * basis[i];
+    }
+    for (const int joint : varying_joints) SetMap(machine, joint, errors[joint], maps);
+  }
+
+  // How much the tool point's error changes per mm of change of the linear axes near a pose, at most.
+  double ErrorSlope(const Pose& pose) const {
+    double lever_mm = fixed_lever_mm, slope = 0;
+    for (const int axis : linear_axes) lever_mm += std::abs(pose.position[axis]);
+    for (const ErrorTerm& term : varying) {
+      double amplitude = 0;
+      for (int i = 0; i < shapes::BasisCount(term.shape); ++i) amplitude += std::abs(term.amplitude[i]);
+      if (machine::IsAngle(term.component)) amplitude *= lever_mm;
+      const std::optional<int> axis = shapes::VariableAxis(term.shape);
+      if (!axis || machine.axes[*axis].kind == machine::AxisKind::kRotary) continue;  // these stand still
+      if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {
+        slope += amplitude / linear->reference;
+      } else if (const auto* quadratic = std::get_if<shapes::Quadratic>(&term.shape)) {
+        slope +=
+            2.0 * amplitude * (std::abs(pose.position[*axis]) + 1.0) / (quadratic->reference * quadratic->reference);
+      } else if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
+        slope += amplitude * std::abs(harmonic->frequency);
+      } else if (const auto* bump = std::get_if<shapes::Bump>(&term.shape)) {
+        slope += 0.858 * amplitude / bump->width;
+      }
+    }
+    return slope;
   }
 
   absl::Status RankError(const Pose& pose) const {
@@ -169,7 +211,7 @@ struct Compensator::Impl {
     for (int k = 0; k < found.tip_per_mm.count; ++k) correction->tip_per_mm[k] = found.tip_per_mm.of_axis[k];
   }
 
-  absl::Status Correct(const Pose& pose, Correction* correction) const {
+  absl::Status Correct(const Pose& pose, const double* near_mm, Correction* correction) const {
     Turns turns;
     EvaluateTurns(machine, pose.position.data(), &turns);
     double linear_mm[machine::kMaxAxes];
@@ -180,8 +222,9 @@ struct Compensator::Impl {
     double change_mm[machine::kMaxAxes];
     if (is_constant) {
       // The tool point is affine in the linear axes: one step is the answer.
-      Pose commanded = pose;
-      RETURN_IF_ERROR(Step(pose, actual, turns, wanted, &commanded, &lacking_mm, change_mm, &found));
+      Evaluate(actual, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, &found);
+      lacking_mm = wanted.tip_in_table_mm - found.tip_in_table_mm;
+      RETURN_IF_ERROR(Solve(pose, found.tip_per_mm, lacking_mm, change_mm));
       correction->corrected = pose.position;
       Apply(change_mm, &correction->corrected);
       correction->before_mm = lacking_mm.norm();
@@ -189,28 +232,42 @@ struct Compensator::Impl {
       Finish(wanted, found, lacking_mm.norm(), correction);
       return absl::OkStatus();
     }
-    return Iterate(pose, turns, wanted, correction);
+    return Iterate(pose, turns, wanted, near_mm, correction);
   }
 
-  // Errors that vary with the position act at the command that the machine gets: the step is repeated.
-  absl::Status Iterate(const Pose& pose, const Turns& turns, const AffineTip& wanted, Correction* correction) const {
+  // Errors that vary with the position act at the command that the machine gets: the step is repeated until what the
+  // last change of the command may have changed of the errors is below the tolerance. Begins at `near_mm`.
+  absl::Status Iterate(const Pose& pose, const Turns& turns, const AffineTip& wanted, const double* near_mm,
+                       Correction* correction) const {
     Pose commanded = pose;
+    for (const int axis : linear_axes) commanded.position[axis] += near_mm[axis];
+    const double slope = ErrorSlope(pose);
+    JointMaps maps = constant_maps;
     FoldedChain chain;
     AffineTip found;
     Eigen::Vector3d lacking_mm;
     double change_mm[machine::kMaxAxes];
     for (int iteration = 0; iteration <= kMaxIterations; ++iteration) {
-      Fold(machine, linear_axes, ErrorsAt(commanded), &chain);
+      MapsAt(commanded, &maps);
+      Fold(machine, linear_axes, maps, &chain);
       RETURN_IF_ERROR(Step(pose, chain, turns, wanted, &commanded, &lacking_mm, change_mm, &found));
       const double lacking = lacking_mm.norm();
-      if (iteration == 0) correction->before_mm = lacking;
       if (!(lacking < 1e6)) break;
-      if (iteration > 0 && lacking <= 0.01 * kToleranceMm) {
-        correction->corrected = commanded.position;
-        Finish(wanted, found, lacking, correction);
-        return absl::OkStatus();
-      }
       Apply(change_mm, &commanded.position);
+      // The step leaves nothing but the errors' change over it, and rounding.
+      double left = 0;
+      for (size_t k = 0; k < linear_axes.size(); ++k) left += std::abs(change_mm[k]);
+      left = left == 0 ? 0 : left * slope;
+      if (left > 0.01 * kToleranceMm) continue;
+      Eigen::Vector3d before_mm = Eigen::Vector3d::Zero();
+      for (size_t k = 0; k < linear_axes.size(); ++k) {
+        const int axis = linear_axes[k];
+        before_mm += found.tip_per_mm.of_axis[k] * (commanded.position[axis] - pose.position[axis]);
+      }
+      correction->before_mm = before_mm.norm();
+      correction->corrected = commanded.position;
+      Finish(wanted, found, left, correction);
+      return absl::OkStatus();
     }
     return absl::FailedPreconditionError(
         absl::StrFormat("no correction found at %s: %.3g um left after %d steps, the errors are too large",
@@ -248,8 +305,10 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
     if (machine.axes[i].kind == machine::AxisKind::kLinear) impl->linear_axes.push_back(i);
   }
   impl->MeasureErrors();
-  Fold(impl->machine, impl->linear_axes, {}, &impl->nominal);
-  if (impl->is_constant) Fold(impl->machine, impl->linear_axes, impl->ErrorsAt({}), &impl->actual);
+  Fold(impl->machine, impl->linear_axes, JointMaps(), &impl->nominal);
+  for (int joint = 0; joint < machine.joint_count(); ++joint)
+    SetMap(impl->machine, joint, impl->constant[joint], &impl->constant_maps);
+  if (impl->is_constant) Fold(impl->machine, impl->linear_axes, impl->constant_maps, &impl->actual);
   return Compensator(std::move(impl));
 }
 
@@ -260,13 +319,19 @@ absl::StatusOr<Correction> Compensator::Correct(const Pose& pose) const {
 }
 
 absl::Status Compensator::Correct(const Pose& pose, Correction* correction) const {
+  static constexpr std::array<double, machine::kMaxAxes> kNothing{};
+  return Correct(pose, kNothing, correction);
+}
+
+absl::Status Compensator::Correct(const Pose& pose, const std::array<double, machine::kMaxAxes>& near_mm,
+                                  Correction* correction) const {
   for (int i = 0; i < impl_->machine.axis_count(); ++i) {
     if (!std::isfinite(pose.position[i])) {
       return absl::InvalidArgumentError(
           absl::StrCat("axis ", impl_->machine.axes[i].name, " = ", pose.position[i], ", must be finite"));
     }
   }
-  return impl_->Correct(pose, correction);
+  return impl_->Correct(pose, near_mm.data(), correction);
 }
 
 // The correction is a product of at most two turns per rotary axis (the errors' and the inverse's), linear in the

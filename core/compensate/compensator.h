@@ -65,6 +65,10 @@ class Compensator {
   absl::StatusOr<Correction> Correct(const Pose& pose) const;
   // The same without copying the result; `correction` is undefined after an error.
   absl::Status Correct(const Pose& pose, Correction* correction) const;
+  // The same, begun at a correction that is near (mm of each axis), as the last block's is: most often one step then.
+  // The result is the same to kToleranceMm / 100.
+  absl::Status Correct(const Pose& pose, const std::array<double, machine::kMaxAxes>& near_mm,
+                       Correction* correction) const;
 
   // How far the correction between two poses departs from its linear interpolation, at most (mm at the tool point, all
   // axes moving linearly). Cheap: for skipping moves that need no splitting.

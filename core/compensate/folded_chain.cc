@@ -24,6 +24,32 @@ inline Eigen::Vector3d Turned(const Eigen::Vector3d& k, double s, double one_min
           v.z() + s * once.z() + one_minus_cosine * twice.z()};
 }
 
+// About a coordinate axis by the angle of this sine and cosine; `a` turns towards `b`.
+inline void TurnPlane(double s, double c, double* a, double* b) {
+  const double before = *a;
+  *a = c * before - s * *b;
+  *b = s * before + c * *b;
+}
+
+struct Turn {
+  const FoldedChain::Stage& stage;
+  double s, one_minus_cosine;
+
+  void Apply(Eigen::Vector3d* v) const {
+    const double c = 1.0 - one_minus_cosine;
+    switch (stage.turn_coordinate) {
+      case 0:
+        return TurnPlane(s, c, &v->y(), &v->z());
+      case 1:
+        return TurnPlane(s, c, &v->z(), &v->x());
+      case 2:
+        return TurnPlane(s, c, &v->x(), &v->y());
+      default:
+        *v = Turned(stage.turn_direction, s, one_minus_cosine, *v);
+    }
+  }
+};
+
 // Appends joints from the tool point towards the table: each new map acts on the result of what is there.
 class Folder {
  public:
@@ -36,6 +62,7 @@ class Folder {
   void Constant(const Rigid<double>& map) {
     FoldedChain::Stage& stage = stages_.back();
     const Eigen::Matrix3d rotation = stage.rotation;
+    stage.has_rotation = true;
     for (int k = 0; k < 3; ++k) stage.rotation.col(k) = Times(map.rotation, rotation.col(k));
     stage.translation_mm = Times(map.rotation, stage.translation_mm) + map.translation_mm;
     for (int k = 0; stage.has_columns && k < stage.columns.count; ++k) {
@@ -59,6 +86,9 @@ class Folder {
     stage.turn_axis = axis_index;
     stage.turn_sign = sign;
     stage.turn_direction = axis.direction;
+    for (int k = 0; k < 3; ++k) {
+      if (axis.direction == Eigen::Vector3d::Unit(k)) stage.turn_coordinate = k;
+    }
     NewStage();
     Shift(axis.point_mm);
   }
@@ -72,35 +102,52 @@ class Folder {
 
   const machine::Machine& machine_;
   const std::vector<int>& linear_axes_;
-  std::vector<FoldedChain::Stage>& stages_;
+  absl::InlinedVector<FoldedChain::Stage, 4>& stages_;
 };
 
 }  // namespace
 
-void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
-          const machine::JointErrors<double>& errors, FoldedChain* chain) {
-  const auto is_zero = [&](int joint) { return (errors[joint].array() == 0.0).all(); };
-  const auto error = [&](int joint) {
-    return machine::ErrorTransform<double>(errors[joint], machine::ErrorPoint(machine, joint));
-  };
+void SetMap(const machine::Machine& machine, int joint, const machine::ErrorVector<double>& error, JointMaps* maps) {
+  maps->is_identity[joint] = (error.array() == 0.0).all();
+  if (maps->is_identity[joint]) return;
+  const bool is_work =
+      joint == machine.work_joint() ||
+      std::find(machine.work_branch.begin(), machine.work_branch.end(), joint) != machine.work_branch.end();
+  const Rigid<double> map = machine::ErrorTransform<double>(error, machine::ErrorPoint(machine, joint));
+  maps->of_joint[joint] = is_work ? map.Inverse() : map;
+}
+
+void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes, const JointMaps& maps,
+          FoldedChain* chain) {
   Folder folder(machine, linear_axes, chain);
-  if (!is_zero(machine.tool_joint())) folder.Constant(error(machine.tool_joint()));
+  const auto constant = [&](int joint) {
+    if (!maps.is_identity[joint]) folder.Constant(maps.of_joint[joint]);
+  };
+  constant(machine.tool_joint());
   for (auto axis = machine.tool_branch.rbegin(); axis != machine.tool_branch.rend(); ++axis) {
     folder.Motion(*axis, +1.0);
-    if (!is_zero(*axis)) folder.Constant(error(*axis));
+    constant(*axis);
   }
   for (const int axis : machine.work_branch) {
-    if (!is_zero(axis)) folder.Constant(error(axis).Inverse());
+    constant(axis);
     folder.Motion(axis, -1.0);
   }
-  if (!is_zero(machine.work_joint())) folder.Constant(error(machine.work_joint()).Inverse());
+  constant(machine.work_joint());
+}
+
+void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
+          const machine::JointErrors<double>& errors, FoldedChain* chain) {
+  JointMaps maps;
+  for (int joint = 0; joint < machine.joint_count(); ++joint) SetMap(machine, joint, errors[joint], &maps);
+  Fold(machine, linear_axes, maps, chain);
 }
 
 void EvaluateTurns(const machine::Machine& machine, const double* positions, Turns* turns) {
   for (int i = 0; i < machine.axis_count(); ++i) {
     if (machine.axes[i].kind != machine::AxisKind::kRotary) continue;
-    turns->sine[i] = std::sin(positions[i]);
-    turns->one_minus_cosine[i] = 1.0 - std::cos(positions[i]);
+    double cosine = 0;
+    sincos(positions[i], &turns->sine[i], &cosine);  // of glibc: half the time of two calls
+    turns->one_minus_cosine[i] = 1.0 - cosine;
   }
 }
 
@@ -112,11 +159,13 @@ void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear
   columns.count = count;
   bool any_columns = false;
   for (const FoldedChain::Stage& stage : chain.stages) {
-    tip = Times(stage.rotation, tip) + stage.translation_mm;
-    direction = Times(stage.rotation, direction);
-    if (with_columns && any_columns) {
-      for (int k = 0; k < count; ++k) columns.of_axis[k] = Times(stage.rotation, columns.of_axis[k]);
+    if (stage.has_rotation) {
+      tip = Times(stage.rotation, tip);
+      direction = Times(stage.rotation, direction);
+      for (int k = 0; with_columns && any_columns && k < count; ++k)
+        columns.of_axis[k] = Times(stage.rotation, columns.of_axis[k]);
     }
+    tip += stage.translation_mm;
     if (stage.has_columns) {
       for (int k = 0; k < count; ++k) {
         tip += stage.columns.of_axis[k] * linear_mm[k];
@@ -126,13 +175,10 @@ void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear
       any_columns = true;
     }
     if (stage.turn_axis < 0) continue;
-    const double s = stage.turn_sign * turns.sine[stage.turn_axis];
-    const double v = turns.one_minus_cosine[stage.turn_axis];
-    tip = Turned(stage.turn_direction, s, v, tip);
-    direction = Turned(stage.turn_direction, s, v, direction);
-    for (int k = 0; with_columns && any_columns && k < count; ++k) {
-      columns.of_axis[k] = Turned(stage.turn_direction, s, v, columns.of_axis[k]);
-    }
+    const Turn turn{stage, stage.turn_sign * turns.sine[stage.turn_axis], turns.one_minus_cosine[stage.turn_axis]};
+    turn.Apply(&tip);
+    turn.Apply(&direction);
+    for (int k = 0; with_columns && any_columns && k < count; ++k) turn.Apply(&columns.of_axis[k]);
   }
   if (with_columns && !any_columns) {
     for (int k = 0; k < count; ++k) columns.of_axis[k].setZero();

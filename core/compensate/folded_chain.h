@@ -9,6 +9,7 @@
 #include <array>
 #include <vector>
 
+#include "absl/container/inlined_vector.h"
 #include "core/machine/chain.h"
 
 namespace axiscal::compensate {
@@ -22,6 +23,7 @@ struct Columns {
 struct FoldedChain {
   struct Stage {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    bool has_rotation = false;  // else it is the identity
     Eigen::Vector3d translation_mm = Eigen::Vector3d::Zero();
     Columns columns;  // zero where the axis is in another stage
     bool has_columns = false;
@@ -29,11 +31,24 @@ struct FoldedChain {
     int turn_axis = -1;
     double turn_sign = 1.0;
     Eigen::Vector3d turn_direction = Eigen::Vector3d::Zero();
+    int turn_coordinate = -1;  // 0, 1, 2 where the direction is +X, +Y, +Z
   };
-  std::vector<Stage> stages;  // from the tool point to the table
+  absl::InlinedVector<Stage, 4> stages;  // from the tool point to the table
 };
 
+// Each joint's error as it stands in the way from the tool point to the table: E on the tool branch, its inverse on the
+// work branch.
+struct JointMaps {
+  std::array<geometry::Rigid<double>, machine::kMaxJoints> of_joint;
+  std::array<bool, machine::kMaxJoints> is_identity;
+
+  JointMaps() { is_identity.fill(true); }
+};
+void SetMap(const machine::Machine& machine, int joint, const machine::ErrorVector<double>& error, JointMaps* maps);
+
 // `linear_axes`: indices into machine.axes, the order of columns.
+void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes, const JointMaps& maps,
+          FoldedChain* chain);
 void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
           const machine::JointErrors<double>& errors, FoldedChain* chain);
 

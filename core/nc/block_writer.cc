@@ -165,8 +165,50 @@ void BlockWriter::InsertWords(const char* text, const Block& block, const Step& 
   }
 }
 
+bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
+                              std::string* out) {
+  constexpr size_t kMaxBytes = 256;
+  if (step.is_arc || is_in_chords_ || size > kMaxBytes || interpreter_->modal().is_incremental) return false;
+  for (const int axis : order_) {
+    if (step.word_of_axis[axis] >= 0) continue;
+    if (NeedsWord(axis, piece.targets[axis],
+                  GrainTicks(interpreter_->ticks_per_unit(axis), DecimalsOf(block, step, axis))))
+      return false;
+  }
+  char buffer[kMaxBytes + machine::kMaxAxes * kMaxFixedBytes];
+  char* to = buffer;
+  uint32_t copied = 0;
+  for (const Word& word : block) {
+    const int axis = interpreter_->AxisOf(word.letter);
+    if (axis < 0) continue;
+    if (word.is_incremental) return false;
+    const auto bit = static_cast<uint16_t>(1u << axis);
+    const Ticks target = piece.targets[axis], base = interpreter_->offset(axis) + preset_shift_[axis];
+    // The position that the word says already.
+    if (target == step.end.ticks[axis] && preset_shift_[axis] == 0) {
+      commanded_.ticks[axis] = target;
+      commanded_.known |= bit;
+      continue;
+    }
+    const Rounded rounded =
+        Round(axis, target, DecimalsOf(word, interpreter_->ticks_per_unit(axis) == kTicksPerInch), base);
+    const Decimal number = interpreter_->Meant(word.number);
+    SetCommanded(axis, rounded, base);
+    if (rounded.mantissa == number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) continue;
+    for (; copied < word.number_at; ++copied) *to++ = text[copied];
+    const bool is_increments = IsIncrements(word);
+    to = WriteFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, number.has_plus, !is_increments, to);
+    copied = word.end;
+  }
+  __builtin_memcpy(to, text + copied, size - copied);
+  to += size - copied;
+  out->append(buffer, static_cast<size_t>(to - buffer));
+  return true;
+}
+
 void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                              double feed_fraction, std::string* out) {
+  if (feed_fraction == 1.0 && WriteSimple(text, size, block, step, piece, out)) return;
   const bool scales_feed = feed_fraction < 1.0 && interpreter_->modal().feed_mode == FeedMode::kInverseTime;
   const AxisTicks start = step.is_arc ? commanded_.ticks : AxisTicks();
   uint32_t copied = 0;

@@ -58,6 +58,9 @@ class BlockWriter {
     int decimals;
     Ticks grain;
   };
+  // Most blocks: a linear move whose words suffice and are absolute. False, and nothing written, for any other.
+  bool WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
+                   std::string* out);
   int DecimalsOf(const Block& block, const Step& step, int axis) const;
   int DecimalsOf(const Word& word, bool is_inch) const;
   // What a word of 0 means: the commanded position in G91, the coordinates' origin else.

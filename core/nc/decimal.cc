@@ -23,8 +23,8 @@ double ValueOf(const Decimal& number) {
   return static_cast<double>(number.mantissa) * std::pow(10.0, -static_cast<double>(number.decimals));
 }
 
-void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::string* text) {
-  char buffer[32];
+char* WriteFixed(int64_t mantissa, int decimals, bool plus, bool point, char* to) {
+  char buffer[kMaxFixedBytes];
   char* const end = buffer + sizeof(buffer);
   char* begin = end;
   const bool negative = mantissa < 0;
@@ -39,16 +39,29 @@ void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::str
     rest /= 10;
   }
   if (decimals > 0 || point) *--begin = '.';
-  do {
-    *--begin = static_cast<char>('0' + rest % 10);
-    rest /= 10;
-  } while (rest != 0);
+  for (; rest >= 100; rest /= 100) {
+    begin -= 2;
+    __builtin_memcpy(begin, kPairs.text + 2 * (rest % 100), 2);
+  }
+  if (rest >= 10) {
+    begin -= 2;
+    __builtin_memcpy(begin, kPairs.text + 2 * rest, 2);
+  } else {
+    *--begin = static_cast<char>('0' + rest);
+  }
   if (negative) {
     *--begin = '-';
   } else if (plus) {
     *--begin = '+';
   }
-  text->append(begin, static_cast<size_t>(end - begin));
+  const size_t size = static_cast<size_t>(end - begin);
+  __builtin_memcpy(to, begin, size);
+  return to + size;
+}
+
+void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::string* text) {
+  char buffer[kMaxFixedBytes];
+  text->append(buffer, static_cast<size_t>(WriteFixed(mantissa, decimals, plus, point, buffer) - buffer));
 }
 
 }  // namespace axiscal::nc

@@ -33,6 +33,9 @@ inline Ticks GrainTicks(Ticks ticks_per_unit, int decimals) {
   return (ticks_per_unit == kTicksPerInch ? 254 : 10) * kPowersOfTen[kMaxDecimals - decimals];
 }
 
+// The nearest tick of a value in ticks, within +-2^52; several times as fast as llround.
+inline Ticks NearestTick(double ticks) { return static_cast<Ticks>(ticks + (ticks >= 0 ? 0.5 : -0.5)); }
+
 // Nothing when the number has more than nine decimals or is beyond the range.
 inline std::optional<Ticks> ToTicks(const Decimal& number, Ticks ticks_per_unit) {
   constexpr Ticks kRange = 9'000'000'000'000'000'000;
@@ -59,6 +62,9 @@ inline int64_t RoundToGrains(Ticks ticks, Ticks grain_ticks) {
 
 // Appends units of 10^-decimals in fixed notation: "-12.0500", "+0.5000" with `plus`, never "-0.0000". No decimals:
 // "12", or "12." with `point`.
+// WriteFixed returns the end of what it wrote, at most kMaxFixedBytes.
+inline constexpr int kMaxFixedBytes = 32;
+char* WriteFixed(int64_t mantissa, int decimals, bool plus, bool point, char* to);
 void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::string* text);
 
 }  // namespace axiscal::nc

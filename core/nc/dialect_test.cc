@@ -35,6 +35,11 @@ TEST(Dialect, SinumerikWordsWithEqualsKeepTheirForm) {
   EXPECT_REWRITTEN(In("sinumerik"), "G1 X1\nSUPA G0 Z0 D0\nG0 Z5 X2\n", "G1 X1.0417\nSUPA G0 Z0 D0\nG0 Z5 X2.0417\n");
 }
 
+TEST(Dialect, SinumerikArchivesHoldSeveralPrograms) {
+  EXPECT_REWRITTEN(In("sinumerik"), "%_N_A_MPF\n;$PATH=/_N_MPF_DIR\nG1 X1\nM30\n%_N_B_SPF\nG1 X2 Y0 Z0 B0 C0\nM17\n",
+                   "%_N_A_MPF\n;$PATH=/_N_MPF_DIR\nG1 X1.0417\nM30\n%_N_B_SPF\nG1 X2.0417 Y0 Z0 B0 C0\nM17\n");
+}
+
 TEST(Dialect, SinumerikModesAreReported) {
   const struct {
     const char* block;

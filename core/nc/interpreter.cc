@@ -55,14 +55,6 @@ absl::Status Interpreter::TakeOptions() {
   return absl::OkStatus();
 }
 
-Decimal Interpreter::Meant(const Decimal& written) const {
-  Decimal number = written;
-  if (!number.has_point && options_->integer_words == IntegerWords::kLeastIncrement) {
-    number.decimals = static_cast<int8_t>(modal_.is_inch ? options_->decimals_inch : options_->decimals_mm);
-  }
-  return number;
-}
-
 int Interpreter::PlaneAxis(int index) const {
   static constexpr char kLetters[3][4] = {"YZX", "ZXY", "XYZ"};  // by normal: first, second, normal
   return AxisOf(kLetters[modal_.plane_normal][index]);
@@ -125,6 +117,8 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
     case ProgramFrame::Kind::kTail:
       step->note = absl::StrCat("line ", line_, ": text behind the end of the program is left as it is");
       return;
+    case ProgramFrame::Kind::kHead:
+      return StartProgram();
     case ProgramFrame::Kind::kSecondProgram:
       return Unsupported("a second program behind the closing '%'", false, step);
   }

@@ -45,6 +45,7 @@ struct Step {
   bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
   PresetChange preset = PresetChange::kNone;
   uint16_t preset_axes = 0;  // of kSet; `end` is where they stand
+  int tool_length = -1;      // number of the length in force, -1: none
   std::string reason;
   std::string note;  // for the report: text after the end of the program
   // Per axis of the machine; valid for kMove.
@@ -83,7 +84,12 @@ class Interpreter {
   bool IsMotionCode(const Word& word) const;  // of the group of G00 to G03
   bool IsArcCode(const Word& word) const;
   // A word's value by the rule for words without a point.
-  Decimal Meant(const Decimal& written) const;
+  Decimal Meant(const Decimal& written) const {
+    Decimal number = written;
+    if (!number.has_point && options_->integer_words == IntegerWords::kLeastIncrement)
+      number.decimals = static_cast<int8_t>(modal_.is_inch ? options_->decimals_inch : options_->decimals_mm);
+    return number;
+  }
   // A length in ticks of a linear axis; nothing when it is out of range.
   std::optional<Ticks> LengthTicks(const Word& word) const;
 

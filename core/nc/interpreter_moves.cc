@@ -226,6 +226,7 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   if (!ReadTargets(block, step)) return;
   if (modal_.motion == Meaning::kArc && !ReadArc(block, request, step)) return;
   step->kind = StepKind::kMove;
+  step->tool_length = coordinates_.active_length();
   positions_ = step->end;
   has_moved_ = true;
 }

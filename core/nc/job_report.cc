@@ -19,6 +19,8 @@ std::string Shown(const BlockText& block) { return std::string(block.text, std::
 JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOptions& options)
     : compensator_(compensator), options_(options) {
   report_.calibration = options.calibration;
+  for (const machine::Axis& axis : compensator.machine().axes)
+    has_travel_limits_ |= axis.min_position.has_value() || axis.max_position.has_value();
   report_.is_null_correction = compensator.is_null();
   report_.has_source_crc32c = options.source_crc32c.has_value();
   report_.source_crc32c = options.source_crc32c.value_or(0);
@@ -63,7 +65,7 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
     const double rounding_mm = static_cast<double>(commanded.ticks[axis] - piece.targets[axis]) / kTicksPerUnit;
     after += piece.correction.tip_per_mm[k] * rounding_mm;
   }
-  for (int i = 0; i < machine.axis_count(); ++i) {
+  for (int i = 0; has_travel_limits_ && i < machine.axis_count(); ++i) {
     const machine::Axis& axis = machine.axes[i];
     if (axis.min_position || axis.max_position)
       CheckTravel(block, i, static_cast<double>(commanded.ticks[i]) / kTicksPerUnit);

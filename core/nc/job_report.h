@@ -50,7 +50,8 @@ class JobReport {
   const RewriteOptions& options_;
   RewriteReport report_;
   double last_before_mm_ = 0, last_after_mm_ = 0;  // at the end of the last piece
-  bool has_exceeded_limit_ = false;                // listed once, counted on
+  bool has_travel_limits_ = false;
+  bool has_exceeded_limit_ = false;  // listed once, counted on
 };
 
 // Of a block in a message: its first bytes.

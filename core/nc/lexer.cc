@@ -1,5 +1,7 @@
 #include "core/nc/lexer.h"
 
+#include <algorithm>
+
 #include "absl/strings/str_cat.h"
 #include "core/nc/mark.h"
 
@@ -21,6 +23,51 @@ struct CharClasses {
 };
 constexpr CharClasses kClasses;
 
+inline unsigned Digit(char c) { return static_cast<unsigned char>(c) - static_cast<unsigned>('0'); }
+
+inline const char* ReadDigits(const char* at, const char* end, uint64_t* number) {
+  uint64_t value = *number;
+  for (; at != end && Digit(*at) <= 9; ++at) value = value * 10 + Digit(*at);
+  *number = value;
+  return at;
+}
+
+// Nearly every word: a capital letter, directly behind it a number of at most 18 digits without blanks inside. Fills
+// `word` and returns where it ends; nullptr when it is anything else.
+inline const char* ReadPlainWord(const char* text, const char* at, const char* end, Word* word) {
+  const char letter = *at;
+  if (letter < 'A' || letter > 'Z' || end - at < 2) return nullptr;
+  const char* const number = at + 1;
+  const bool negative = *number == '-', plus = *number == '+';
+  const char* const first = number + (negative || plus);
+  uint64_t mantissa = 0;
+  const char* last = ReadDigits(first, end, &mantissa);
+  ptrdiff_t digits = last - first, decimals = 0;
+  const bool point = last != end && *last == '.';
+  if (point) {
+    const char* const fraction = last + 1;
+    last = ReadDigits(fraction, end, &mantissa);
+    decimals = last - fraction;
+    digits += decimals;
+  }
+  if (digits == 0 || digits > 18) return nullptr;
+  const char* next = last;
+  while (next != end && *next == ' ') ++next;
+  // Another part of the number behind a blank, or a character that the slow way must judge.
+  if (next != end && (*next < 'A' || *next > 'Z')) return nullptr;
+  word->letter = letter;
+  word->is_lower = word->is_incremental = false;
+  word->letter_at = static_cast<uint32_t>(at - text);
+  word->number_at = word->letter_at + 1;
+  word->end = static_cast<uint32_t>(last - text);
+  word->number.mantissa = negative ? -static_cast<int64_t>(mantissa) : static_cast<int64_t>(mantissa);
+  word->number.decimals = static_cast<int8_t>(decimals);
+  word->number.digits = static_cast<int8_t>(digits);
+  word->number.has_point = point;
+  word->number.has_plus = plus;
+  return next;
+}
+
 class BlockLexer {
  public:
   BlockLexer(const char* text, size_t size, const Dialect& dialect, Block* block)
@@ -36,6 +83,7 @@ class BlockLexer {
       return;
     }
     while (true) {
+      ReadPlainWords();
       SkipBlanks();
       if (at_ == end_) return;
       const uint8_t kind = Class(*at_);
@@ -84,6 +132,20 @@ class BlockLexer {
     block_.is_deletable = true;
     ++at_;
     if (at_ != end_ && Class(*at_) == kDigit) ++at_;  // "/2": one of several switches
+  }
+
+  void ReadPlainWords() {
+    const char* at = at_;
+    const char* const end = end_;
+    int count = block_.word_count;
+    while (at != end && count < kMaxWords) {
+      const char* const next = ReadPlainWord(text_, at, end, &block_.words[static_cast<size_t>(count)]);
+      if (next == nullptr) break;
+      at = next;
+      ++count;
+    }
+    block_.word_count = count;
+    at_ = at;
   }
 
   // Klartext numbers its blocks with a bare integer.
@@ -197,36 +259,55 @@ class BlockLexer {
   }
 
   bool ReadNumber(const char* letter, Word* word) {
-    bool negative = false;
-    Decimal& number = word->number;
-    number.has_plus = number.has_point = false;
-    if (at_ != end_ && (*at_ == '-' || *at_ == '+')) {
-      negative = *at_ == '-';
-      number.has_plus = *at_ == '+';
-      ++at_;
+    const char* at = at_;
+    const char* const end = end_;
+    bool negative = false, plus = false, point = false;
+    if (at != end && (*at == '-' || *at == '+')) {
+      negative = *at == '-';
+      plus = !negative;
+      ++at;
     }
+    // Nearly every number is digits, a point and digits, at most 18 of them and without blanks.
+    const char* const first = at;
     uint64_t mantissa = 0;
-    int digits = 0, decimals = 0;
-    const char* last = at_;
-    for (; at_ != end_; ++at_) {
-      const unsigned digit = static_cast<unsigned char>(*at_) - static_cast<unsigned>('0');
-      if (digit <= 9) {
-        if (++digits > 18) return Fail(LexProblem::kNumberTooLong, letter);
-        mantissa = mantissa * 10 + digit;
-        decimals += number.has_point;
-      } else if (*at_ == '.' && !number.has_point) {
-        number.has_point = true;
-      } else if (Class(*at_) == kBlank) {
-        continue;
-      } else {
-        break;
-      }
-      last = at_ + 1;
+    at = ReadDigits(at, end, &mantissa);
+    int digits = static_cast<int>(std::min<ptrdiff_t>(at - first, 100)), decimals = 0;
+    if (at != end && *at == '.') {
+      point = true;
+      const char* const fraction = ++at;
+      at = ReadDigits(at, end, &mantissa);
+      decimals = static_cast<int>(std::min<ptrdiff_t>(at - fraction, 100));
+      digits += decimals;
     }
-    if (digits == 0)
-      return Fail(at_ != end_ && Class(*at_) == kMacro ? LexProblem::kExpression : LexProblem::kNoNumber, letter);
+    const char* last = at;
+    if (at != end && Class(*at) == kBlank && digits <= 18) {
+      // Blanks may stand inside the number.
+      for (; at != end; ++at) {
+        const unsigned digit = Digit(*at);
+        if (digit <= 9) {
+          if (++digits > 18) break;
+          mantissa = mantissa * 10 + digit;
+          decimals += point;
+        } else if (*at == '.' && !point) {
+          point = true;
+        } else if (Class(*at) == kBlank) {
+          continue;
+        } else {
+          break;
+        }
+        last = at + 1;
+      }
+    }
+    if (digits > 18) return Fail(LexProblem::kNumberTooLong, letter);
+    if (digits == 0) {
+      at_ = at;
+      return Fail(at != end && Class(*at) == kMacro ? LexProblem::kExpression : LexProblem::kNoNumber, letter);
+    }
     at_ = last;
     word->end = Offset(last);
+    Decimal& number = word->number;
+    number.has_plus = plus;
+    number.has_point = point;
     number.mantissa = negative ? -static_cast<int64_t>(mantissa) : static_cast<int64_t>(mantissa);
     number.digits = static_cast<int8_t>(digits);
     number.decimals = static_cast<int8_t>(decimals);

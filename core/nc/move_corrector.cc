@@ -45,13 +45,16 @@ absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& se
     pose.position[i] = static_cast<double>(nominal[i]) * unit_per_tick_[i];
     pose.sense[i] = senses[i];
   }
-  RETURN_IF_ERROR(compensator_->Correct(pose, &piece->correction));
+  std::array<double, machine::kMaxAxes> near_mm;
+  for (const int axis : compensator_->linear_axes())
+    near_mm[axis] = static_cast<double>(piece->targets[axis] - piece->nominal[axis]) * (1.0 / kTicksPerUnit);
+  RETURN_IF_ERROR(compensator_->Correct(pose, near_mm, &piece->correction));
   piece->nominal = piece->targets = nominal;
   for (const int axis : compensator_->linear_axes()) {
     // The change alone is converted: a position of 500 mm has no digits to lose to it.
     const double change_mm = piece->correction.corrected[axis] - pose.position[axis];
-    if (!(std::abs(change_mm) < 1e6)) return absl::FailedPreconditionError("the correction is beyond any machine");
-    piece->targets[axis] += std::llround(change_mm * kTicksPerUnit);
+    if (!(std::abs(change_mm) < 1e5)) return absl::FailedPreconditionError("the correction is beyond any machine");
+    piece->targets[axis] += NearestTick(change_mm * kTicksPerUnit);
   }
   return absl::OkStatus();
 }

@@ -13,6 +13,10 @@ ProgramFrame::Kind ProgramFrame::ReadSlowly(int64_t line, const char** text, siz
   const char* const end = *text + *size;
   while (at != end && (*at == ' ' || *at == '\t' || *at == '\r' || *at == 0)) ++at;
   if (at == end) return Kind::kNotABlock;
+  if (end - at > 3 && std::memcmp(at, "%_N", 3) == 0 && !has_ended_) {
+    has_begun_ = true;
+    return Kind::kHead;
+  }
   if (has_ended_) {
     if (*at == '%') return Kind::kSecondProgram;
     if (*at == kSubstitute || has_tail_) return Kind::kNotABlock;

@@ -14,6 +14,7 @@ class ProgramFrame {
     kNotABlock,      // blank, '%', or further text behind the end
     kTail,           // the first text behind the end: controllers do not read it
     kSecondProgram,  // '%' behind the closing '%'
+    kHead,           // "%_N_NAME_MPF" of Sinumerik archives: a program begins, also behind another one
   };
 
   // The next line, without its end. Of a block, takes a byte-order mark off its begin and 0x1A off its end.

@@ -28,12 +28,6 @@ Json ToJsonValue(const std::vector<Finding>& findings) {
 
 }  // namespace
 
-void Spread::Add(double value_mm) {
-  max_mm = std::max(max_mm, std::abs(value_mm));
-  sum_squares_mm2 += value_mm * value_mm;
-  ++count;
-}
-
 double Spread::rms_mm() const { return count == 0 ? 0.0 : std::sqrt(sum_squares_mm2 / static_cast<double>(count)); }
 
 std::string ToJson(const RewriteReport& report) {

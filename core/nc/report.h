@@ -21,7 +21,12 @@ struct Spread {
   double sum_squares_mm2 = 0;
   int64_t count = 0;
 
-  void Add(double value_mm);
+  void Add(double value_mm) {
+    const double size_mm = value_mm < 0 ? -value_mm : value_mm;
+    if (size_mm > max_mm) max_mm = size_mm;
+    sum_squares_mm2 += value_mm * value_mm;
+    ++count;
+  }
   double rms_mm() const;
 };
 

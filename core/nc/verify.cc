@@ -97,11 +97,19 @@ class Verifier {
     state.time_s = options_.time_s;
     state.temperature_celsius = options_.temperature_celsius;
     const auto errors = machine::ErrorsAt(machine_, errors_, state);
-    return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), errors), options_.tool_tip_mm);
+    return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), errors), tip_mm_);
   }
 
   Eigen::Vector3d Nominal(const Values& at) const {
-    return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), {}), options_.tool_tip_mm);
+    return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), {}), tip_mm_);
+  }
+
+  // The tool point with the tool length in force.
+  void TakeTool(const Step& step) {
+    tip_mm_ = options_.tool_tip_mm;
+    for (const ToolLength& length : options_.reading.tool_lengths) {
+      if (length.number == step.tool_length) tip_mm_ += length.length_mm * machine_.tool_direction;
+    }
   }
 
   Values Between(const Values& from, const Values& to, double t) const {
@@ -189,6 +197,7 @@ class Verifier {
 
   absl::Status Pair(const Event& wanted, MoveReader* compensated, Event* found) {
     ++report_.moves;
+    TakeTool(wanted.step);
     const bool is_known = IsKnown(wanted.step.end);
     const bool has_path = is_known && !wanted.step.is_rapid && IsKnown(wanted.step.start);
     report_.moves_unknown += !is_known;
@@ -228,6 +237,7 @@ class Verifier {
   const machine::ErrorModel& errors_;
   const VerifyOptions& options_;
   VerifyReport report_;
+  Eigen::Vector3d tip_mm_ = Eigen::Vector3d::Zero();
   double worst_mm_ = -1.0;
 };
 

@@ -24,7 +24,8 @@
 namespace axiscal::nc {
 
 struct VerifyOptions {
-  Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();  // nominal tool point at home, machine frame
+  Eigen::Vector3d tool_tip_mm =
+      Eigen::Vector3d::Zero();  // nominal tool point at home, machine frame; tool lengths come to it
   // How both programs are read: dialect, initial position, offsets, block delete, integer words, max_correction_mm (how
   // far apart two ends may be to be the same).
   RewriteOptions reading;

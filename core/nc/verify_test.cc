@@ -149,6 +149,54 @@ TEST(Verify, AllThreeStructuresStayWithinToleranceAlongTheWholePath) {
   }
 }
 
+// Full turns of C, the tilting axis through +-90, moves of 500 mm, with errors of every shape that a program can
+// follow.
+TEST(Verify, FullTurnsAndLongMovesWithErrorsOfEveryShape) {
+  constexpr double kToleranceMm = 0.002;
+  for (const machine::Machine& machine :
+       {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
+    machine::ErrorModel errors = machine::DeclaredModel(machine);
+    for (auto& term : errors.terms) term.amplitude[0] = machine::IsAngle(term.component) ? 8e-5 : -0.04;
+    const auto add = [&](const std::string& symbol, double amplitude, const shapes::Shape& shape) {
+      machine::ErrorTerm term = machine::ConstantTerm(machine, *machine::ParseErrorSymbol(symbol), amplitude);
+      term.shape = shape;
+      errors.terms.push_back(term);
+    };
+    const int x = machine::FindAxis(machine, "X"), y = machine::FindAxis(machine, "Y"),
+              z = machine::FindAxis(machine, "Z");
+    const int c = machine::FindAxis(machine, "C");
+    const std::string tilt = machine::FindAxis(machine, "B") >= 0 ? "B" : "A";
+    add("EX0X", 0.03, shapes::Linear{x, shapes::Linear::kReferenceMm});
+    add("EY0X", 0.01, shapes::Quadratic{x, shapes::Quadratic::kReferenceMm});
+    add("EZ0Y", 0.004, shapes::Bump{y, 120.0, 15.0});
+    add("EC0C", 2e-5, shapes::Harmonic{c, 2.0});
+    add("EZ0C", 0.003, shapes::Harmonic{c, 9.0});
+    add("EZ0Z", 0.005, shapes::Backlash{z});
+    const std::string program = absl::StrFormat(
+        "G90 G0 X-250. Y-250. Z0. %1$s0. C0.\nG1 X250. F2000\nY250.\nZ200.\nZ150. C360.\nC-360.\n%1$s90.\n%1$s-90.\n"
+        "X-250. Y-250. %1$s90. C180.\nZ-100.\nZ100. %1$s0.\nG91 C-720. X100.\nG93 X50. Y50. Z-50. %1$s45. F0.5\n",
+        tilt);
+    const Eigen::Vector3d tip_mm(0, 0, -150);
+    RewriteOptions options;
+    options.tolerance_mm = kToleranceMm;
+    RewriteReport report;
+    const auto text = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), options, &report);
+    ASSERT_TRUE(text.ok()) << text.status();
+    VerifyOptions verify;
+    verify.tool_tip_mm = tip_mm;
+    const auto verified = VerifyText(program, *text, machine, errors, verify);
+    ASSERT_TRUE(verified.ok()) << verified.status();
+    constexpr double kRoundingMm = 0.00015;  // three words of 0.1 um
+    EXPECT_EQ(verified->moves, 13);
+    EXPECT_LT(verified->end_after.max_mm, kRoundingMm) << machine.id;
+    EXPECT_LT(verified->path_after.max_mm, kToleranceMm + kRoundingMm)
+        << machine.id << " line " << verified->worst_line;
+    EXPECT_LE(verified->path_after.max_mm, report.path_after_max_mm + kRoundingMm);
+    EXPECT_GT(verified->path_before.max_mm, 0.05);
+    EXPECT_LT(report.blocks_inserted, 1500);
+  }
+}
+
 TEST(Verify, AnUncompensatedProgramShowsItsError) {
   VerifyOptions options;
   options.tool_tip_mm = {0, 0, -testing::kToolMm};

@@ -82,19 +82,35 @@ TEST_F(FilesOnly, NoErrorsGiveTheSameBytes) {
 }
 
 TEST_F(FilesOnly, WhatIsRefusedWritesNothing) {
-  Write("arc.nc", "G90 G01 X0 Y0 Z0 B0 C0 F100\nG02 X10. Y0. I5. J0.\n");
+  Write("cycle.nc", "G90 G01 X0 Y0 Z0 B0 C0 F100\nG81 X10. Y0. Z-5. R2.\nG80\nM98 P7\n");
   Write("out.nc", "what was there");
-  const Outcome arc = Compensate("arc.nc -o out.nc --report report.json");
-  EXPECT_EQ(arc.exit_code, 5);
-  EXPECT_THAT(arc.err, HasSubstr("line 2"));
+  const Outcome cycle = Compensate("cycle.nc -o out.nc --report report.json");
+  EXPECT_EQ(cycle.exit_code, 5);
+  EXPECT_THAT(cycle.err, HasSubstr("line 2"));
+  EXPECT_THAT(cycle.err, HasSubstr("line 4"));
   EXPECT_EQ(Read("out.nc"), "what was there");
-  EXPECT_THAT(Read("report.json"), HasSubstr("G02"));
-  const Outcome json = Compensate("arc.nc -o out.nc --json");
+  EXPECT_THAT(Read("report.json"), HasSubstr("G81"));
+  const Outcome json = Compensate("cycle.nc -o out.nc --json");
   const auto error = nlohmann::json::parse(json.err, nullptr, false);
   EXPECT_EQ(error["error"]["code"], "FAILED_PRECONDITION");
   EXPECT_EQ(error["error"]["exit_code"], 5);
-  EXPECT_EQ(Compensate("arc.nc -o passed.nc --on-unsupported pass").exit_code, 0);
+  const Outcome stop = Compensate("cycle.nc -o out.nc --on-unsupported stop");
+  EXPECT_EQ(stop.exit_code, 5);
+  EXPECT_THAT(stop.err, ::testing::Not(HasSubstr("line 4")));
+  EXPECT_EQ(Compensate("cycle.nc -o passed.nc --on-unsupported pass").exit_code, 0);
   EXPECT_TRUE(Exists("passed.nc"));
+}
+
+TEST_F(FilesOnly, OffsetsAndToolLengthsAreStated) {
+  Write("offset.nc", "G90 G55 G43 H2 G01 X0. Y0. Z0. B0. C0. F100\nG54.1 P3 X1. Y0. Z0. B0. C0.\n");
+  EXPECT_EQ(Compensate("offset.nc -o out.nc").exit_code, 5);
+  const std::string stated = " --offset 'G55=-390 0 -112 0 0' --offset 'G54.1 P3 X=-390 C=10' --tool-length H2=0";
+  ASSERT_EQ(Compensate("offset.nc -o out.nc" + stated).exit_code, 0);
+  // As in AProgramIsRewrittenAndReported: 53.1 um and 35.4 um.
+  EXPECT_THAT(Read("out.nc"), HasSubstr("G90 G55 G43 H2 G01 X0.0531 Y0.0354 Z0. B0. C0. F100\n"));
+  EXPECT_EQ(Compensate("offset.nc -o out.nc --offset 'G55=1 2'").exit_code, 3);
+  EXPECT_EQ(Compensate("offset.nc -o out.nc --tool-length H2").exit_code, 3);
+  EXPECT_EQ(Compensate("offset.nc -o out.nc --tool-length H0=5").exit_code, 3);
 }
 
 TEST_F(FilesOnly, NoOutputTakesThePlaceOfWhatTheUserBrought) {

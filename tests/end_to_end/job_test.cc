@@ -174,7 +174,7 @@ TEST_F(Job, CompensateRewritesForTheApprovedCalibration) {
 TEST_F(Job, AProgramThatCannotBeCorrectedFailsWithItsLine) {
   const CalibrationId calibration = Identify();
   const auto program =
-      client().PutProgram("arc.nc", "G90 G01 X1.0 Y0.0 Z0.0 B0.0 C0.0 F100\nG02 X2.0 Y1.0 I1.0 J0.0\n");
+      client().PutProgram("arc.nc", "G90 G01 X1.0 Y0.0 Z0.0 B0.0 C0.0 F100\nG81 X2.0 Y1.0 Z-5.0 R1.0\n");
   ASSERT_OK(program);
   convert::CompensateParams params;
   params.machine = MachineId("mt");
