@@ -1,8 +1,10 @@
 // Programs of any bytes: the rewriter never crashes, a null correction returns the bytes, pieces of any size give the
 // same output, and what was rewritten once is refused the next time.
 //
-// With clang and -fsanitize=fuzzer this is a libFuzzer target (LLVMFuzzerTestOneInput). Built without, main() runs the
-// corpus and seeded mutations of it: nc_fuzz CORPUS_FOLDER [ROUNDS].
+// With clang this is a libFuzzer target:
+//   cmake --preset fuzz && cmake --build --preset fuzz
+//   build/fuzz/bin/nc_fuzz -max_total_time=60 NEW_CASES_FOLDER tests/fuzz/corpus/nc
+// Built without, main() runs the corpus and seeded mutations of it: nc_fuzz CORPUS_FOLDER [ROUNDS].
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
