@@ -13,6 +13,7 @@
 #include "core/base/error_detail.h"
 #include "proto/convert/job_params.h"
 #include "server/handlers/get_server_info.h"
+#include "server/jobs/close_loop_job.h"
 #include "server/jobs/compensate_job.h"
 #include "server/jobs/identify_job.h"
 #include "server/jobs/job_runner.h"
@@ -77,6 +78,8 @@ class Server::Impl {
               .workers = options.workers} {
     runner_.Register(convert::kIdentify, {jobs::IdentifyJob(*database_)});
     runner_.Register(convert::kCompensate, {jobs::CompensateJob(*database_)});
+    // Thousands of candidates, and a full refit after each effect.
+    runner_.Register(convert::kCloseLoop, {jobs::CloseLoopJob(*database_), std::chrono::hours(1)});
   }
 
   absl::Status Start() {

@@ -22,9 +22,10 @@ absl::Status Approve(Context& context, const Arguments& arguments) {
     etag = present.etag;
   }
   ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->ApproveCalibration(id, etag, context.user));
-  context.Print(ToJson(record), absl::StrCat("calibration ", record.id.number(), " (version ", record.version,
-                                             ") of machine ", record.content.machine.text(), " is approved by ",
-                                             record.approved_by, "; compensation uses it from now on\n"));
+  context.Print(ToJson(record),
+                absl::StrCat("calibration ", record.id.number(), " (version ", record.version, ") of machine ",
+                             record.content.machine.text(), " is approved by ", record.approved_by,
+                             "; compensation uses it from now on\n", CautionText(record)));
   return absl::OkStatus();
 }
 

@@ -1,15 +1,17 @@
-// axiscal close-loop: a case folder in, the effects that its model lacks out; no database and no server.
+// axiscal close-loop: the effects that a machine's model lacks, from a case folder without database and server, or as a
+// job on stored sessions.
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/job_wait.h"
+#include "client/cli/loop_text.h"
 #include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
+#include "client/cli/session_choice.h"
 #include "core/base/files.h"
-#include "core/base/units.h"
 #include "core/loop/close_loop.h"
 #include "core/loop/pictures.h"
 #include "core/machine/error_json.h"
@@ -18,80 +20,17 @@
 namespace axiscal::cli {
 namespace {
 
-using base::kUmPerMm;
-using machine::Machine;
-
 struct Arguments {
-  std::string folder, report, errors, plot;
-  int max_effects = 8;
+  std::string folder, machine, report, errors, plot, request_id;
+  std::vector<std::string> fit, check;
+  int max_effects = loop::Options().max_effects;
+  bool no_wait = false;
 };
 
-std::string Um(double mm) { return absl::StrFormat("%.3g um", mm * kUmPerMm); }
-
-// "EXX:backlash    -2.92 +- 0.02 um   moves the readings by 0.9 um rms" and what else it could be.
-std::string EffectText(const Machine& machine, const loop::Effect& effect) {
-  const double factor = machine::AmplitudeFactor(effect.term);
-  std::string text =
-      absl::StrFormat("  %-24s %10.4g +- %.2g %s, %s rms in the readings\n", machine::NameOf(machine, effect.term),
-                      effect.amplitude / factor, effect.amplitude_sigma / factor,
-                      machine::AmplitudeUnit(effect.term, machine), Um(effect.rms_mm));
-  if (effect.equivalent.empty()) return text;
-  constexpr size_t kShown = 5;
-  absl::StrAppend(&text, "      these sessions cannot tell it from");
-  for (size_t i = 0; i < std::min(kShown, effect.equivalent.size()); ++i) {
-    absl::StrAppend(&text, i == 0 ? " " : ", ", machine::NameOf(machine, effect.equivalent[i]));
-  }
-  if (effect.equivalent.size() > kShown) absl::StrAppend(&text, " and ", effect.equivalent.size() - kShown, " more");
-  return text + "\n";
-}
-
-std::string UnexplainedText(const Machine& machine, const loop::Unexplained& part) {
-  if (part.variable == "t") {
-    return absl::StrFormat("  session %s: the artefact or the setup moved between %.6g s and %.6g s\n", part.session,
-                           part.from, part.to);
-  }
-  const int axis = machine::FindAxis(machine, part.variable);
-  const bool is_rotary = machine.axes[axis].kind == machine::AxisKind::kRotary;
-  const double unit = is_rotary ? base::kDegPerRad : 1.0;
-  return absl::StrFormat("  %s from %.6g to %.6g %s: local structure without a name, %s rms\n", part.variable,
-                         part.from * unit, part.to * unit, is_rotary ? "deg" : "mm", Um(part.rms_mm));
-}
-
-const char* VerdictText(loop::Verdict::Kind verdict) {
-  switch (verdict) {
-    case loop::Verdict::kAdequate:
-      return "the declared model is adequate: nothing significant is left in the readings";
-    case loop::Verdict::kExtended:
-      return "the model was extended";
-    case loop::Verdict::kUnexplained:
-      return "there is structure in the readings that has no name";
-  }
-  return "";
-}
-
-std::string ReportText(const Machine& machine, const loop::Report& report) {
-  std::string text = absl::StrCat("verdict: ", VerdictText(report.verdict), "\n");
-  if (!report.effects.empty()) absl::StrAppend(&text, "effects that the declared model lacked:\n");
-  for (const loop::Effect& effect : report.effects) absl::StrAppend(&text, EffectText(machine, effect));
-  if (!report.unexplained.empty()) absl::StrAppend(&text, "unexplained:\n");
-  for (const loop::Unexplained& part : report.unexplained) absl::StrAppend(&text, UnexplainedText(machine, part));
-  for (const std::string& name : report.withdrawn) {
-    absl::StrAppend(&text, "withdrawn: ", name, " does not help on the check sessions\n");
-  }
-  if (!report.fitted.outliers.empty()) {
-    absl::StrAppend(&text, report.fitted.outliers.size(),
-                    " readings stand out of their series and were set aside (listed in the report)\n");
-  }
-  if (!report.next_measurement.empty()) absl::StrAppend(&text, "measure next:\n");
-  for (const loop::Proposal& proposal : report.next_measurement)
-    absl::StrAppend(&text, loop::ProposalText(machine, proposal));
-  std::vector<std::vector<std::string>> rows = {{"residual rms, um", "before", "after"}};
-  const auto add = [&rows](const char* name, double before_mm, double after_mm) {
-    rows.push_back({name, NumberText(before_mm * kUmPerMm), NumberText(after_mm * kUmPerMm)});
-  };
-  add("fit sessions", report.fit_before.rms_mm, report.fit_after.rms_mm);
-  if (report.has_check) add("check sessions", report.check_before.rms_mm, report.check_after.rms_mm);
-  return text + Table(rows);
+absl::Status WriteOutputs(const Arguments& arguments, const std::string& report, const std::string& errors) {
+  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report));
+  if (!arguments.errors.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.errors, errors));
+  return absl::OkStatus();
 }
 
 absl::Status WritePictures(const std::string& folder, const std::vector<loop::Picture>& pictures) {
@@ -109,17 +48,17 @@ absl::Status MakeFolder(const std::string& folder) {
   return absl::OkStatus();
 }
 
-absl::Status CheckPaths(const Arguments& arguments, const session::Case& measured) {
+absl::Status CheckPaths(const Arguments& arguments, const std::vector<NamedPath>& inputs) {
+  return CheckOutputs(inputs, {{"--report", arguments.report}, {"--errors", arguments.errors}});
+}
+
+absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
   std::vector<NamedPath> inputs = {{"machine.json", arguments.folder + "/machine.json"}};
   for (const auto* files : {&measured.fit_files, &measured.check_files}) {
     for (const std::string& file : *files) inputs.push_back({"session", file});
   }
-  return CheckOutputs(inputs, {{"--report", arguments.report}, {"--errors", arguments.errors}});
-}
-
-absl::Status CloseLoop(Context& context, const Arguments& arguments) {
-  ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
-  RETURN_IF_ERROR(CheckPaths(arguments, measured));
+  RETURN_IF_ERROR(CheckPaths(arguments, inputs));
   if (!arguments.plot.empty()) RETURN_IF_ERROR(MakeFolder(arguments.plot));
   ASSIGN_OR_RETURN(auto fit, identify::BindSessions(measured.machine, measured.fit));
   ASSIGN_OR_RETURN(auto check, identify::BindSessions(measured.machine, measured.check));
@@ -129,39 +68,89 @@ absl::Status CloseLoop(Context& context, const Arguments& arguments) {
   options.progress = [&bar](const identify::Progress& progress) { bar.Show(progress.fraction, progress.detail); };
   ASSIGN_OR_RETURN(const loop::Report report, loop::CloseLoop(measured.machine, fit, check, options));
   const std::string json = loop::ToJson(measured.machine, report);
-  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, json));
-  if (!arguments.errors.empty()) {
-    RETURN_IF_ERROR(
-        base::WriteFileAtomically(arguments.errors, machine::WriteErrors(report.fitted.model, measured.machine)));
-  }
+  RETURN_IF_ERROR(WriteOutputs(arguments, json, machine::WriteErrors(report.fitted.model, measured.machine)));
   if (!arguments.plot.empty())
     RETURN_IF_ERROR(WritePictures(arguments.plot, loop::Pictures(measured.machine, fit, check, report)));
-  context.Print(Embedded(json), ReportText(measured.machine, report));
+  context.Print(Embedded(json), LoopText(Embedded(json)));
   return absl::OkStatus();
+}
+
+absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
+  std::vector<NamedPath> inputs;
+  if (context.server.empty()) inputs.push_back({"the database", context.database});
+  RETURN_IF_ERROR(CheckPaths(arguments, inputs));
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  convert::CloseLoopParams params;
+  params.machine = MachineId(arguments.machine);
+  params.max_effects = arguments.max_effects;
+  ASSIGN_OR_RETURN(params.fit, NamedSessions(*client, params.machine, "--fit", arguments.fit));
+  ASSIGN_OR_RETURN(params.check, NamedSessions(*client, params.machine, "--check", arguments.check));
+  ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params, arguments.request_id));
+  if (arguments.no_wait) {
+    context.Print(ToJson(job), absl::StrCat("job ", job.id.number(), " is queued; follow it with: axiscal jobs watch ",
+                                            job.id.number(), "\n"));
+    return absl::OkStatus();
+  }
+  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, *client, job.id));
+  if (!done.calibration) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no calibration"));
+  ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(*done.calibration));
+  RETURN_IF_ERROR(WriteOutputs(arguments, done.result, record.content.model_json));
+  Json json = Embedded(done.result);
+  const std::string text = LoopText(json);
+  json["job"] = done.id.number();
+  json["calibration"] = record.id.number();
+  context.Print(json, text);
+  context.Note(absl::StrCat("calibration ", record.id.number(),
+                            " holds the extended model; use it with: axiscal approve ", record.id.number()));
+  return absl::OkStatus();
+}
+
+absl::Status CloseLoop(Context& context, const Arguments& arguments) {
+  if (arguments.folder.empty() == arguments.machine.empty()) {
+    return absl::InvalidArgumentError("close-loop: expected either a case folder or --machine");
+  }
+  const bool is_job = !arguments.machine.empty();
+  if (!is_job && (!arguments.fit.empty() || !arguments.check.empty() || arguments.no_wait)) {
+    return absl::InvalidArgumentError("close-loop: --fit, --check and --no-wait need --machine");
+  }
+  if (is_job && arguments.fit.empty()) return absl::InvalidArgumentError("close-loop: expected --fit with --machine");
+  if (is_job && !arguments.plot.empty()) {
+    return absl::InvalidArgumentError("close-loop: --plot needs a case folder: pictures are drawn from its readings");
+  }
+  if (arguments.no_wait && !(arguments.report.empty() && arguments.errors.empty())) {
+    return absl::InvalidArgumentError("close-loop: with --no-wait there is nothing yet for --report and --errors");
+  }
+  return is_job ? CloseLoopOnService(context, arguments) : CloseLoopOfFiles(context, arguments);
 }
 
 }  // namespace
 
 void AddCloseLoopCommand(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("close-loop", "find the effects that a machine's model lacks, in a case folder of sessions");
-  command->add_option("case", arguments->folder, "folder with machine.json, fit/*.csv and check/*.csv")->required();
+  CLI::App* command = app.add_subcommand(
+      "close-loop", "Find the effects that a machine's model lacks, in a case folder or in stored sessions");
+  command->add_option("CASE", arguments->folder, "folder with machine.json, fit/*.csv and check/*.csv");
+  command->add_option("--machine", arguments->machine, "a stored machine: the work is a job, its result a candidate");
+  command->add_option("--fit", arguments->fit, "stored sessions to fit and search, by number or name")->delimiter(',');
+  command->add_option("--check", arguments->check, "stored sessions to prove the effects on")->delimiter(',');
   command->add_option("--report", arguments->report, "write the full report (JSON) to this file");
   command->add_option("--errors", arguments->errors,
                       "write the extended model's errors (errors.json) to this file, for compensate");
   command->add_option(
       "--plot", arguments->plot,
       "write pictures (SVG) into this folder: residuals against each variable and ball-bar traces, before "
-      "and after, and the ranking of candidates");
+      "and after, and the ranking of candidates; of a case folder only");
   command->add_option("--max-effects", arguments->max_effects, "stop after this many effects")
-      ->check(CLI::Range(1, 50))
+      ->check(CLI::Range(1, convert::kMaxEffects))
       ->capture_default_str();
+  command->add_option("--request-id", arguments->request_id, "repeat under the same id to get the same job");
+  command->add_flag("--no-wait", arguments->no_wait, "print the job and return at once");
   command->footer(
-      "Examples:\n"
-      "  axiscal close-loop tuesday/ --report report.json --plot pictures/\n"
-      "  axiscal close-loop tuesday/ --errors errors.json && axiscal compensate --machine tuesday/machine.json "
-      "--errors errors.json --tool-tip \"0 0 -350\" in.nc -o out.nc");
+      "A case folder needs no database and no server. Both ways give the same report.\n"
+      "Examples: axiscal close-loop tuesday/ --report report.json --plot pictures/\n"
+      "          axiscal close-loop tuesday/ --errors errors.json && axiscal compensate --machine tuesday/machine.json "
+      "--errors errors.json --tool-tip \"0 0 -350\" in.nc -o out.nc\n"
+      "          axiscal close-loop --machine mt --fit BX,BY,CR --check BZ,CT");
   SetAction(command, context, [&context, arguments] { return CloseLoop(context, *arguments); });
 }
 

@@ -1,13 +1,12 @@
 // axiscal identify
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 #include <memory>
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/job_wait.h"
 #include "client/cli/record_output.h"
+#include "client/cli/session_choice.h"
 
 namespace axiscal::cli {
 namespace {
@@ -18,66 +17,18 @@ struct Arguments {
   bool all = false, no_wait = false;
 };
 
-absl::StatusOr<std::vector<storage::SessionRecord>> CompleteSessions(client::Client& client,
-                                                                     const std::string& machine) {
-  std::vector<storage::SessionRecord> sessions;
-  client::SessionFilter filter{MachineId(machine), storage::SessionState::kComplete};
-  storage::PageRequest request{1000, ""};
-  do {
-    ASSIGN_OR_RETURN(const auto page, client.ListSessions(filter, request));
-    sessions.insert(sessions.end(), page.rows.begin(), page.rows.end());
-    request.token = page.next_token;
-  } while (!request.token.empty());
-  std::reverse(sessions.begin(), sessions.end());  // in the order in which they were stored
-  return sessions;
-}
-
-bool IsNumber(const std::string& text) {
-  return text.size() <= 18 &&
-         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-}
-
-// A number is an id; anything else the name of exactly one stored session.
-absl::StatusOr<SessionId> Resolve(const std::string& text, const std::string& machine,
-                                  const std::vector<storage::SessionRecord>& stored) {
-  if (IsNumber(text)) return SessionId(std::stoll(text));
-  std::string ids;
-  SessionId found;
-  int count = 0;
-  for (const storage::SessionRecord& record : stored) {
-    if (record.name != text) continue;
-    found = record.id;
-    absl::StrAppend(&ids, count++ == 0 ? "" : ", ", record.id.number());
-  }
-  if (count == 1) return found;
-  if (count == 0) {
-    return absl::NotFoundError(absl::StrCat("--sessions: machine ", machine, " has no complete session '", text, "'"));
-  }
-  return absl::InvalidArgumentError(absl::StrCat("--sessions: ", count, " sessions of machine ", machine,
-                                                 " are called '", text, "', give the number: one of ", ids));
-}
-
 absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, const Arguments& arguments) {
   if (arguments.all == !arguments.sessions.empty()) {
     return absl::InvalidArgumentError("identify: expected either --sessions or --all");
   }
-  std::vector<SessionId> chosen;
-  const bool only_numbers =
-      !arguments.all && std::all_of(arguments.sessions.begin(), arguments.sessions.end(), IsNumber);
-  std::vector<storage::SessionRecord> stored;
-  if (!only_numbers) {
-    ASSIGN_OR_RETURN(stored, CompleteSessions(client, arguments.machine));
-  }
-  if (arguments.all && stored.empty()) {
+  const MachineId machine(arguments.machine);
+  if (!arguments.all) return NamedSessions(client, machine, "--sessions", arguments.sessions);
+  ASSIGN_OR_RETURN(const std::vector<storage::SessionRecord> stored, CompleteSessions(client, machine));
+  if (stored.empty()) {
     return absl::NotFoundError(absl::StrCat("--all: machine ", arguments.machine, " has no complete session"));
   }
-  for (const storage::SessionRecord& record : stored) {
-    if (arguments.all) chosen.push_back(record.id);
-  }
-  for (const std::string& text : arguments.sessions) {
-    ASSIGN_OR_RETURN(const SessionId id, Resolve(text, arguments.machine, stored));
-    chosen.push_back(id);
-  }
+  std::vector<SessionId> chosen;
+  for (const storage::SessionRecord& record : stored) chosen.push_back(record.id);
   return chosen;
 }
 

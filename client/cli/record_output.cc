@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "client/cli/loop_text.h"
+
 namespace axiscal::cli {
 
 using storage::CalibrationState;
@@ -136,7 +138,10 @@ Json ToJson(const storage::CalibrationRecord& record) {
                {"created_by", content.created_by},
                {"approved", TimeJson(record.approved_at)},
                {"approved_by", record.approved_by},
+               {"machine_revision", content.machine_revision},
                {"engine_version", content.engine_version}};
+  if (record.job) json["job"] = record.job->number();
+  if (!content.options_json.empty()) json["options"] = Embedded(content.options_json);
   if (!content.model_json.empty()) json["model"] = Embedded(content.model_json);
   if (!content.report_json.empty()) json["report"] = Embedded(content.report_json);
   return json;
@@ -201,6 +206,18 @@ std::string ReportText(const Json& report) {
   return text;
 }
 
+std::string PoorFitText(const storage::CalibrationRecord& record) {
+  constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
+  const std::optional<double>& chi2_per_dof = record.content.chi2_per_dof;
+  if (!chi2_per_dof || *chi2_per_dof <= kPoorFit) return "";
+  const Json report = Embedded(record.content.report_json);
+  const bool is_of_loop = report.is_object() && report.contains("verdict");
+  return absl::StrCat("warning: the readings scatter by ", NumberText(std::sqrt(*chi2_per_dof)),
+                      " times their stated sigma about this model: it lacks something",
+                      is_of_loop ? " that has no name yet" : " (axiscal close-loop looks for it)",
+                      ", or a session is bad\n");
+}
+
 }  // namespace
 
 std::string CalibrationText(const storage::CalibrationRecord& record) {
@@ -214,6 +231,11 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
   }
   absl::StrAppend(&text, Table(rows));
   const Json report = Embedded(content.report_json);
+  const bool is_of_loop = report.is_object() && report.contains("verdict");
+  if (is_of_loop) {
+    absl::StrAppend(&text, ReportText(report), LoopText(report));
+    return text + PoorFitText(record);
+  }
   if (report.is_object()) {
     absl::StrAppend(&text, ReportText(report));
     const auto nominal = report.value(Json::json_pointer("/nominal/rms_um"), NAN);
@@ -223,14 +245,11 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
   }
   absl::StrAppend(&text, "with the set-ups fitted ", NumberText(content.rms_before_um), " um, with these errors too ",
                   NumberText(content.rms_after_um), " um\n");
-  constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
-  if (content.chi2_per_dof && *content.chi2_per_dof > kPoorFit) {
-    absl::StrAppend(
-        &text, "warning: the readings scatter by ", NumberText(std::sqrt(*content.chi2_per_dof)),
-        " times their stated sigma about this model: it lacks something (axiscal close-loop looks for it), or "
-        "a session is bad\n");
-  }
-  return text;
+  return text + PoorFitText(record);
+}
+
+std::string CautionText(const storage::CalibrationRecord& record) {
+  return UnexplainedText(Embedded(record.content.report_json)) + PoorFitText(record);
 }
 
 }  // namespace axiscal::cli

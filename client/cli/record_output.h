@@ -43,8 +43,11 @@ std::string PageText(const storage::Page<Row>& page) {
 }
 
 // The estimates of a calibration as a table, with the combinations that the data determine, and the rms before and
-// after.
+// after; of a loop also its effects and verdict.
 std::string CalibrationText(const storage::CalibrationRecord& record);
+
+// What whoever approves it should know: structure without a name, a poor fit. Empty when there is nothing.
+std::string CautionText(const storage::CalibrationRecord& record);
 
 }  // namespace axiscal::cli
 

@@ -276,29 +276,4 @@ std::vector<Proposal> Proposer::Propose(const ErrorTerm& effect, const std::vect
   return proposals;
 }
 
-std::string ProposalText(const machine::Machine& machine, const Proposal& proposal) {
-  const auto names = [&machine](const std::vector<ErrorTerm>& terms) {
-    constexpr size_t kShown = 5;
-    std::string text;
-    for (size_t i = 0; i < std::min(kShown, terms.size()); ++i)
-      absl::StrAppend(&text, i == 0 ? "" : ", ", machine::NameOf(machine, terms[i]));
-    if (terms.size() > kShown) absl::StrAppend(&text, " and ", terms.size() - kShown, " more");
-    return text;
-  };
-  if (proposal.test.empty()) {
-    return absl::StrFormat("  no known test tells %s from %s\n", machine::NameOf(machine, proposal.effect),
-                           names(proposal.remaining));
-  }
-  std::string text = absl::StrFormat("  %s (%s)\n", proposal.text, proposal.test);
-  if (!proposal.beyond.empty()) absl::StrAppend(&text, "      moves ", proposal.beyond, "\n");
-  if (proposal.needs_next) return text + "      together with the next one\n";
-  absl::StrAppend(&text, "      tells apart ", names(proposal.separates),
-                  absl::StrFormat(": correlation %.3f -> %.3f, chi-square %.0f or more\n", proposal.correlation_before,
-                                  proposal.correlation_after, proposal.expected_chi2));
-  if (!proposal.remaining.empty())
-    absl::StrAppend(&text, "      leaves ", machine::NameOf(machine, proposal.effect), " with ",
-                    names(proposal.remaining), "\n");
-  return text;
-}
-
 }  // namespace axiscal::loop

@@ -50,9 +50,6 @@ class Proposer {
   std::unique_ptr<Tests> tests_;  // planned when first needed
 };
 
-// "measure ...: tells EXX:backlash from EBB:backlash (correlation 0.999 -> 0.35)" for the technician; lines end in \n.
-std::string ProposalText(const machine::Machine& machine, const Proposal& proposal);
-
 }  // namespace axiscal::loop
 
 #endif  // AXISCAL_CORE_LOOP_NEXT_MEASUREMENT_H_

@@ -1,5 +1,6 @@
 #include "proto/convert/job_params.h"
 
+#include <algorithm>
 #include <set>
 
 #include "proto/convert/field.h"
@@ -15,23 +16,62 @@ v1::IdentifyParams IdentifyToProto(const IdentifyParams& params) {
   return message;
 }
 
+// Appends the ids of a field; none may be in `seen`, which they join.
+template <typename Ids>
+absl::Status ReadSessions(const std::string& name, const Ids& ids, std::set<int64_t>& seen,
+                          std::vector<SessionId>& sessions) {
+  for (int i = 0; i < ids.size(); ++i) {
+    const std::string field = absl::StrCat(name, "[", i, "]");
+    RETURN_IF_ERROR(RequirePositive(field, ids[i]));
+    if (!seen.insert(ids[i]).second) return FieldError(field, absl::StrCat(ids[i], " stands twice"));
+    sessions.push_back(SessionId(ids[i]));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequireMessage("session_ids", message.session_ids_size() > 0));
   IdentifyParams params;
   params.machine = MachineId(message.machine_id());
   std::set<int64_t> seen;
-  for (int i = 0; i < message.session_ids_size(); ++i) {
-    const std::string field = absl::StrCat("session_ids[", i, "]");
-    RETURN_IF_ERROR(RequirePositive(field, message.session_ids(i)));
-    if (!seen.insert(message.session_ids(i)).second) {
-      return FieldError(field, absl::StrCat(message.session_ids(i), " stands twice"));
-    }
-    params.sessions.push_back(SessionId(message.session_ids(i)));
-  }
+  RETURN_IF_ERROR(ReadSessions("session_ids", message.session_ids(), seen, params.sessions));
   for (int i = 0; i < message.declared_errors_size(); ++i) {
     RETURN_IF_ERROR(RequireText(absl::StrCat("declared_errors[", i, "]"), message.declared_errors(i), 1, 100));
     params.declared.push_back(message.declared_errors(i));
+  }
+  return params;
+}
+
+v1::CloseLoopParams CloseLoopToProto(const CloseLoopParams& params) {
+  v1::CloseLoopParams message;
+  message.set_machine_id(params.machine.text());
+  for (const SessionId& id : params.fit) message.add_fit_session_ids(id.number());
+  for (const SessionId& id : params.check) message.add_check_session_ids(id.number());
+  if (params.max_effects) message.set_max_effects(*params.max_effects);
+  return message;
+}
+
+absl::StatusOr<JobParams> CloseLoopFromProto(const v1::CloseLoopParams& message) {
+  RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
+  RETURN_IF_ERROR(RequireMessage("fit_session_ids", message.fit_session_ids_size() > 0));
+  CloseLoopParams params;
+  params.machine = MachineId(message.machine_id());
+  std::set<int64_t> seen;
+  RETURN_IF_ERROR(ReadSessions("fit_session_ids", message.fit_session_ids(), seen, params.fit));
+  for (int i = 0; i < message.check_session_ids_size(); ++i) {
+    const SessionId id(message.check_session_ids(i));
+    if (std::find(params.fit.begin(), params.fit.end(), id) == params.fit.end()) continue;
+    return FieldError(
+        absl::StrCat("check_session_ids[", i, "]"),
+        absl::StrCat(id.number(), " stands in fit_session_ids: a session that was fitted proves nothing"));
+  }
+  RETURN_IF_ERROR(ReadSessions("check_session_ids", message.check_session_ids(), seen, params.check));
+  if (message.has_max_effects()) {
+    if (message.max_effects() < 1 || message.max_effects() > kMaxEffects) {
+      return FieldError("max_effects", absl::StrCat(message.max_effects(), ", must be 1 to ", kMaxEffects));
+    }
+    params.max_effects = message.max_effects();
   }
   return params;
 }
@@ -82,7 +122,8 @@ absl::StatusOr<JobParams> CompensateFromProto(const v1::CompensateParams& messag
 }  // namespace
 
 std::string KindOf(const JobParams& params) {
-  return std::holds_alternative<IdentifyParams>(params) ? kIdentify : kCompensate;
+  if (std::holds_alternative<IdentifyParams>(params)) return kIdentify;
+  return std::holds_alternative<CloseLoopParams>(params) ? kCloseLoop : kCompensate;
 }
 
 const MachineId& MachineOf(const JobParams& params) {
@@ -93,6 +134,8 @@ v1::JobParams ToProto(const JobParams& params) {
   v1::JobParams message;
   if (const auto* identify = std::get_if<IdentifyParams>(&params)) {
     *message.mutable_identify() = IdentifyToProto(*identify);
+  } else if (const auto* close_loop = std::get_if<CloseLoopParams>(&params)) {
+    *message.mutable_close_loop() = CloseLoopToProto(*close_loop);
   } else {
     *message.mutable_compensate() = CompensateToProto(std::get<CompensateParams>(params));
   }
@@ -109,8 +152,12 @@ absl::StatusOr<JobParams> FromProto(const v1::JobParams& message) {
       absl::StatusOr<JobParams> params = CompensateFromProto(message.compensate());
       return params.ok() ? params : InField("compensate", params.status());
     }
+    case v1::JobParams::kCloseLoop: {
+      absl::StatusOr<JobParams> params = CloseLoopFromProto(message.close_loop());
+      return params.ok() ? params : InField("close_loop", params.status());
+    }
     default:
-      return FieldError("kind", "must be one of identify, compensate");
+      return FieldError("kind", "must be one of identify, compensate, close_loop");
   }
 }
 

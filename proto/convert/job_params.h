@@ -18,10 +18,19 @@ namespace axiscal::convert {
 // Fit a machine's errors to sessions; makes a candidate calibration.
 struct IdentifyParams {
   MachineId machine;
-  std::vector<SessionId> sessions;    // complete ones of that machine
-  std::vector<std::string> declared;  // errors to fit: "EZ0T", or a term of errors.json without its amplitude
-                                      // ({"symbol": "EBB", "shape": "backlash"}); empty: those that the machine declares
+  std::vector<SessionId> sessions;  // complete ones of that machine
+  std::vector<std::string>
+      declared;  // errors to fit: "EZ0T", or a term of errors.json without its amplitude
+                 // ({"symbol": "EBB", "shape": "backlash"}); empty: those that the machine declares
 };
+
+// Find what a machine's declared model lacks; makes a candidate calibration.
+struct CloseLoopParams {
+  MachineId machine;
+  std::vector<SessionId> fit, check;  // complete ones of that machine, none in both; check may be empty
+  std::optional<int> max_effects;     // 1 .. kMaxEffects; nothing: the engine's default
+};
+inline constexpr int kMaxEffects = 50;
 
 // Rewrite a stored NC program for a machine's errors; makes a program.
 struct CompensateParams {
@@ -34,17 +43,18 @@ struct CompensateParams {
   std::optional<double> temperature_celsius;
 };
 
-using JobParams = std::variant<IdentifyParams, CompensateParams>;
+using JobParams = std::variant<IdentifyParams, CompensateParams, CloseLoopParams>;
 
 inline constexpr char kIdentify[] = "identify";
 inline constexpr char kCompensate[] = "compensate";
+inline constexpr char kCloseLoop[] = "close_loop";
 // The store's name of the kind.
 std::string KindOf(const JobParams& params);
 const MachineId& MachineOf(const JobParams& params);
 
 v1::JobParams ToProto(const JobParams& params);
-// FIELD_INVALID: no kind, no machine, no session or one twice, a tool tip of other than three finite numbers, unknown
-// choices. Symbols, dialects and the like are judged by the engine that uses them.
+// FIELD_INVALID: no kind, no machine, no session or one twice (also once to fit and once to check), a tool tip of other
+// than three finite numbers, unknown choices. Symbols, dialects and the like are judged by the engine that uses them.
 absl::StatusOr<JobParams> FromProto(const v1::JobParams& message);
 
 v1::RewriteOptions ToProto(const nc::RewriteOptions& options);

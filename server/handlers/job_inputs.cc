@@ -14,22 +14,32 @@ absl::Status Unmet(const std::string& reason, const std::string& text) {
   return base::Error(absl::StatusCode::kFailedPrecondition, text, {reason, {}});
 }
 
-absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
-                           const convert::IdentifyParams& params) {
-  RETURN_IF_ERROR(DeclaredModel(machine, params.declared).status());
-  for (size_t i = 0; i < params.sessions.size(); ++i) {
-    const std::string field = absl::StrCat("params.identify.session_ids[", i, "]");
-    ASSIGN_OR_RETURN(const storage::SessionRecord session, database.GetSession(params.sessions[i]));
+absl::Status CheckSessions(storage::Database& database, const MachineId& machine,
+                           const std::vector<SessionId>& sessions, const std::string& field) {
+  for (size_t i = 0; i < sessions.size(); ++i) {
+    ASSIGN_OR_RETURN(const storage::SessionRecord session, database.GetSession(sessions[i]));
     const std::string name = absl::StrCat("session ", session.id.number(), " (", session.name, ")");
-    if (session.machine != params.machine) {
+    if (session.machine != machine) {
       return convert::FieldError(
-          field, absl::StrCat(name, " is of machine ", session.machine.text(), ", must be of ", params.machine.text()));
+          absl::StrCat(field, "[", i, "]"),
+          absl::StrCat(name, " is of machine ", session.machine.text(), ", must be of ", machine.text()));
     }
     if (session.state != storage::SessionState::kComplete) {
       return Unmet("SESSION_NOT_COMPLETE", name + " is not complete");
     }
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
+                           const convert::IdentifyParams& params) {
+  RETURN_IF_ERROR(DeclaredModel(machine, params.declared).status());
+  return CheckSessions(database, params.machine, params.sessions, "params.identify.session_ids");
+}
+
+absl::Status CheckCloseLoop(storage::Database& database, const convert::CloseLoopParams& params) {
+  RETURN_IF_ERROR(CheckSessions(database, params.machine, params.fit, "params.close_loop.fit_session_ids"));
+  return CheckSessions(database, params.machine, params.check, "params.close_loop.check_session_ids");
 }
 
 absl::Status CheckCompensate(storage::Database& database, const convert::CompensateParams& params) {
@@ -48,6 +58,9 @@ absl::Status CheckInputs(storage::Database& database, const convert::JobParams& 
   ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
   if (const auto* identify = std::get_if<convert::IdentifyParams>(&params)) {
     return CheckIdentify(database, machine, *identify);
+  }
+  if (const auto* close_loop = std::get_if<convert::CloseLoopParams>(&params)) {
+    return CheckCloseLoop(database, *close_loop);
   }
   return CheckCompensate(database, std::get<convert::CompensateParams>(params));
 }

@@ -1,43 +1,17 @@
 #include "server/jobs/compensate_job.h"
 
-#include "core/base/error_detail.h"
 #include "core/base/strict_json.h"
 #include "core/compensate/compensator.h"
 #include "core/machine/error_json.h"
-#include "core/machine/machine_json.h"
 #include "core/nc/rewrite.h"
 #include "proto/convert/job_params.h"
+#include "server/handlers/calibration_use.h"
 #include "server/handlers/job_inputs.h"
 
 namespace axiscal::jobs {
 namespace {
 
 constexpr size_t kPartBytes = 1 << 20;
-
-bool SameAxis(const machine::Axis& a, const machine::Axis& b) {
-  return a.name == b.name && a.kind == b.kind && a.direction == b.direction && a.point_mm == b.point_mm;
-}
-
-bool SameChain(const machine::Machine& a, const machine::Machine& b) {
-  return std::equal(a.axes.begin(), a.axes.end(), b.axes.begin(), b.axes.end(), SameAxis) &&
-         a.tool_branch == b.tool_branch && a.work_branch == b.work_branch && a.tool_direction == b.tool_direction;
-}
-
-// The machine as it is described now, if the calibration was fitted with the same axes.
-absl::StatusOr<machine::Machine> MachineFor(storage::Database& database,
-                                            const storage::CalibrationRecord& calibration) {
-  ASSIGN_OR_RETURN(const storage::MachineRecord now, database.GetMachine(calibration.content.machine));
-  ASSIGN_OR_RETURN(const storage::MachineRecord then,
-                   database.GetMachineRevision(now.id, calibration.content.machine_revision));
-  ASSIGN_OR_RETURN(machine::Machine machine, machine::MachineFromJson(now.description_json));
-  ASSIGN_OR_RETURN(const machine::Machine fitted, machine::MachineFromJson(then.description_json));
-  if (SameChain(machine, fitted)) return machine;
-  return base::Error(
-      absl::StatusCode::kFailedPrecondition,
-      absl::StrCat("the axes of machine ", machine.id, " were changed since calibration ", calibration.id.number(),
-                   " was identified (revision ", then.revision, ", now ", now.revision, "): identify again"),
-      {"MACHINE_CHANGED", {}});
-}
 
 // Takes bytes as they come and stores them in parts of equal size, so that a second attempt stores the same parts
 // again.
@@ -84,21 +58,31 @@ class ProgramWriter {
 absl::StatusOr<compensate::Compensator> CompensatorFor(storage::Database& database,
                                                        const convert::CompensateParams& params,
                                                        const storage::CalibrationRecord& calibration) {
-  ASSIGN_OR_RETURN(const machine::Machine machine, MachineFor(database, calibration));
+  ASSIGN_OR_RETURN(const machine::Machine machine, handlers::MachineFor(database, calibration));
   ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));
   return compensate::Compensator::Create(machine, errors,
                                          {params.tool_tip_mm, params.time_s, params.temperature_celsius});
 }
 
 // A sum of errors that its sessions could not separate is in the model as one of its members. That is right at poses
-// like the measured ones and a guess elsewhere; whoever runs the program must know.
+// like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of them. Whoever
+// runs the program must know.
 void AddNotesOnInseparableErrors(const storage::CalibrationRecord& calibration, nc::RewriteReport* report) {
   const auto result = base::ParseStrictJson(calibration.content.report_json);
   if (!result.ok() || !result->is_object()) return;
-  for (const auto& direction : result->value("not_separable", nlohmann::ordered_json::array())) {
+  using json = nlohmann::ordered_json;
+  const std::string name = absl::StrCat("calibration ", calibration.id.number());
+  constexpr char kElsewhere[] = ": the correction holds at poses like the measured ones, elsewhere it is not known";
+  for (const json& direction : result->value("not_separable", json::array())) {
+    report->notes.push_back(absl::StrCat(name, " cannot tell apart ", direction.get<std::string>(), kElsewhere));
+  }
+  for (const json& effect : result->value("effects", json::array())) {
+    std::string others;
+    for (const json& other : effect.value("equivalent", json::array()))
+      absl::StrAppend(&others, others.empty() ? "" : ", ", other.value("name", ""));
+    if (others.empty()) continue;
     report->notes.push_back(
-        absl::StrCat("calibration ", calibration.id.number(), " cannot tell apart ", direction.get<std::string>(),
-                     ": the correction holds at poses like the measured ones, elsewhere it is not known"));
+        absl::StrCat(name, " cannot tell ", effect.value("name", ""), " from ", others, kElsewhere));
   }
 }
 

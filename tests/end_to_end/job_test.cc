@@ -205,6 +205,52 @@ TEST_F(Job, ACancelledJobStoresNothing) {
   EXPECT_EQ(client().WaitJob(job->id, std::chrono::seconds(60))->state, JobState::kSucceeded);
 }
 
+TEST_F(Job, ACancelledLoopStoresNothing) {
+  const convert::CloseLoopParams params{MachineId("mt"), {UploadSession("a", 50'000)}, {UploadSession("b")}, {}};
+  const auto job = client().CreateJob(params);
+  ASSERT_OK(job);
+  bool has_run = false;
+  const auto ended = client().WatchJob(job->id, [&](const client::JobRecord& record) {
+    if (!has_run && record.state == JobState::kRunning) {
+      has_run = true;
+      EXPECT_TRUE(client().CancelJob(job->id).ok());
+    }
+    return true;
+  });
+  ASSERT_OK(ended);
+  EXPECT_TRUE(has_run);
+  EXPECT_EQ(ended->state, JobState::kCancelled);
+  EXPECT_TRUE(client().ListCalibrations()->rows.empty());
+}
+
+TEST_F(Job, TheLoopReportsItsProgressAndRefusesWhatProvesNothing) {
+  const SessionId fit = UploadSession("a"), check = UploadSession("b");
+  const auto job = client().CreateJob(convert::CloseLoopParams{MachineId("mt"), {fit}, {check}, 2});
+  ASSERT_OK(job);
+  double fraction = 0.0;
+  std::string stages;
+  const auto ended = client().WatchJob(job->id, [&](const client::JobRecord& record) {
+    EXPECT_GE(record.progress.fraction, fraction);
+    fraction = record.progress.fraction;
+    absl::StrAppend(&stages, record.progress.stage, ";");
+    return true;
+  });
+  ASSERT_OK(ended);
+  ASSERT_EQ(ended->state, JobState::kSucceeded) << (ended->error ? ended->error->message : "");
+  EXPECT_FALSE(stages.empty());
+  EXPECT_EQ(ended->result, client().GetCalibration(*ended->calibration)->content.report_json);
+
+  const auto field = [&](const convert::CloseLoopParams& params) {
+    const auto detail = base::GetErrorDetail(client().CreateJob(params).status());
+    return detail.has_value() && detail->facts.count("field") > 0 ? detail->facts.at("field") : std::string("none");
+  };
+  const MachineId mt("mt");
+  EXPECT_EQ(field({mt, {}, {check}, {}}), "params.close_loop.fit_session_ids");
+  EXPECT_EQ(field({mt, {fit}, {check, fit}, {}}), "params.close_loop.check_session_ids[1]");
+  EXPECT_EQ(field({mt, {fit}, {check, check}, {}}), "params.close_loop.check_session_ids[1]");
+  EXPECT_EQ(field({mt, {fit}, {}, 51}), "params.close_loop.max_effects");
+}
+
 TEST_F(Job, ListsAreNewestFirstAndStable) {
   const SessionId session = UploadSession("BX");
   const convert::IdentifyParams params{MachineId("mt"), {session}, {}};

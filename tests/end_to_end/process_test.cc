@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "core/base/error_detail.h"
@@ -70,6 +71,8 @@ class Process : public ::testing::Test {
     ASSERT_OK(calibrations);
     EXPECT_EQ(calibrations->rows.size(), 1u);
   }
+  void KillDuringAJob(const std::function<convert::JobParams(client::Client&)>& store);
+
   testing::TempDir dir_;
 };
 
@@ -139,14 +142,15 @@ TEST_F(Process, AnUploadSurvivesKillsOfTheServer) {
   EXPECT_EQ(all->rows.size(), 1u);
 }
 
-TEST_F(Process, AJobSurvivesAKillOfTheServer) {
+// Kills the server when the job is first seen running: on the one that follows it runs once more and stores once.
+void Process::KillDuringAJob(const std::function<convert::JobParams(client::Client&)>& store) {
   absl::StatusOr<ServerProcess> started = StartServer();
   ASSERT_OK(started);
   auto server = std::make_unique<ServerProcess>(*std::move(started));
   const std::string address = server->address();
   absl::StatusOr<client::Client> client = client::Client::Connect(address);
   ASSERT_OK(client);
-  const convert::IdentifyParams params = StoreMuchToIdentifyFrom(*client);
+  const convert::JobParams params = store(*client);
   const auto job = client->CreateJob(params, "once");
   ASSERT_OK(job);
   bool was_killed = false;
@@ -170,6 +174,24 @@ TEST_F(Process, AJobSurvivesAKillOfTheServer) {
   const auto calibrations = client->ListCalibrations();
   ASSERT_OK(calibrations);
   EXPECT_EQ(calibrations->rows.size(), 1u);
+}
+
+TEST_F(Process, AJobSurvivesAKillOfTheServer) {
+  KillDuringAJob([this](client::Client& client) { return StoreMuchToIdentifyFrom(client); });
+}
+
+TEST_F(Process, TheLoopSurvivesAKillOfTheServer) {
+  KillDuringAJob([](client::Client& client) {
+    convert::CloseLoopParams params{MachineId("mt"), {}, {}, {}};
+    EXPECT_TRUE(client.CreateMachine(MachineJson("mt")).ok());
+    for (std::vector<SessionId>* sessions : {&params.fit, &params.check}) {
+      const std::string name = sessions == &params.fit ? "fit" : "check";
+      const auto upload = client.Upload(MachineId("mt"), BallbarSession("mt", name, 8'000));
+      EXPECT_TRUE(upload.ok()) << upload.status();
+      if (upload.ok()) sessions->push_back(upload->session.id);
+    }
+    return params;
+  });
 }
 
 TEST_F(Process, AJobThatIsNotDoneWhenTheDrainTimeIsOverRunsAfterTheRestart) {

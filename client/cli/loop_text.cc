@@ -1,0 +1,119 @@
+#include "client/cli/loop_text.h"
+
+#include <cmath>
+
+namespace axiscal::cli {
+namespace {
+
+Json List(const Json& object, const char* name) { return object.value(name, Json::array()); }
+
+double Number(const Json& object, const char* path) {
+  const Json value = object.value(Json::json_pointer(path), Json());
+  return value.is_number() ? value.get<double>() : NAN;
+}
+
+// The first names of a list, and how many more.
+std::string Names(const Json& names) {
+  constexpr size_t kShown = 5;
+  std::string text;
+  for (size_t i = 0; i < std::min(kShown, names.size()); ++i)
+    absl::StrAppend(&text, i == 0 ? "" : ", ",
+                    names[i].is_object() ? names[i].value("name", "") : names[i].get<std::string>());
+  if (names.size() > kShown) absl::StrAppend(&text, " and ", names.size() - kShown, " more");
+  return text;
+}
+
+// "EXX:backlash    -2.92 +- 0.02 um, 0.9 um rms in the readings" and what else it could be.
+std::string EffectText(const Json& effect) {
+  std::string text =
+      absl::StrFormat("  %-24s %10.4g +- %.2g %s, %.3g um rms in the readings\n", effect.value("name", ""),
+                      Number(effect, "/amplitude"), Number(effect, "/amplitude_sigma"), effect.value("unit", ""),
+                      Number(effect, "/rms_um"));
+  const Json others = List(effect, "equivalent");
+  if (others.empty()) return text;
+  return text + "      these sessions cannot tell it from " + Names(others) + "\n";
+}
+
+// A session that tells the members of a class apart: what to measure, and what it brings.
+std::string ProposalText(const Json& proposal) {
+  const std::string effect = proposal.value("effect", "");
+  const Json remaining = List(proposal, "remaining");
+  if (!proposal.contains("test")) return "  no known test tells " + effect + " from " + Names(remaining) + "\n";
+  std::string text = absl::StrFormat("  %s (%s)\n", proposal.value("text", ""), proposal.value("test", ""));
+  if (proposal.contains("beyond")) absl::StrAppend(&text, "      moves ", proposal.value("beyond", ""), "\n");
+  if (proposal.value("needs_next", false)) return text + "      together with the next one\n";
+  absl::StrAppend(
+      &text, "      tells apart ", Names(List(proposal, "separates")),
+      absl::StrFormat(": correlation %.3f -> %.3f, chi-square %.0f or more\n", Number(proposal, "/correlation_before"),
+                      Number(proposal, "/correlation_after"), Number(proposal, "/expected_chi2")));
+  if (!remaining.empty()) absl::StrAppend(&text, "      leaves ", effect, " with ", Names(remaining), "\n");
+  return text;
+}
+
+std::string PartText(const Json& part) {
+  const std::string variable = part.value("variable", ""), unit = part.value("unit", "");
+  const double from = Number(part, "/from"), to = Number(part, "/to");
+  if (variable == "t") {
+    return absl::StrFormat("  session %s: the artefact or the setup moved between %.6g s and %.6g s\n",
+                           part.value("session", ""), from, to);
+  }
+  return absl::StrFormat("  %s from %.6g to %.6g %s: local structure without a name, %.3g um rms\n", variable, from, to,
+                         unit, Number(part, "/rms_um"));
+}
+
+std::string VerdictText(const std::string& verdict) {
+  if (verdict == "adequate") return "the declared model is adequate: nothing significant is left in the readings";
+  if (verdict == "extended") return "the model was extended";
+  return "there is structure in the readings that has no name";
+}
+
+using Rows = std::vector<std::vector<std::string>>;
+
+Rows StepRows(const Json& report) {
+  Rows rows = {{"step", "rms um"}, {"the declared model", NumberText(Number(report, "/fit/before/rms_um"))}};
+  for (const Json& step : List(report, "steps")) {
+    const std::string change = step.value("change", ""), name = step.value("name", "");
+    const std::string text = change == "added"     ? "+ " + name
+                             : change == "dropped" ? "- " + name + " (no longer needed)"
+                                                   : "- " + name + " (withdrawn)";
+    rows.push_back({text, NumberText(Number(step, "/rms_um"))});
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string UnexplainedText(const Json& report) {
+  if (!report.is_object() || List(report, "unexplained").empty()) return "";
+  std::string text = "unexplained:\n";
+  for (const Json& part : List(report, "unexplained")) absl::StrAppend(&text, PartText(part));
+  return text;
+}
+
+std::string LoopText(const Json& report) {
+  std::string text = absl::StrCat("verdict: ", VerdictText(report.value("verdict", "")), "\n");
+  const Json effects = List(report, "effects");
+  if (!effects.empty()) absl::StrAppend(&text, "effects that the declared model lacked:\n");
+  for (const Json& effect : effects) absl::StrAppend(&text, EffectText(effect));
+  absl::StrAppend(&text, UnexplainedText(report));
+  for (const Json& name : List(report, "withdrawn")) {
+    absl::StrAppend(&text, "withdrawn: ", name.get<std::string>(), " does not help on the check sessions\n");
+  }
+  if (const size_t count = List(report, "outliers").size(); count > 0) {
+    absl::StrAppend(&text, count, " readings stand out of their series and were set aside (listed in the report)\n");
+  }
+  const Json proposals = List(report, "next_measurement");
+  if (!proposals.empty()) absl::StrAppend(&text, "measure next:\n");
+  for (const Json& proposal : proposals) absl::StrAppend(&text, ProposalText(proposal));
+  if (!List(report, "steps").empty()) absl::StrAppend(&text, Table(StepRows(report)));
+  Rows rows = {{"residual rms, um", "before", "after"}};
+  for (const char* sessions : {"fit", "check"}) {
+    if (!report.contains(sessions)) continue;
+    const Json& both = report[sessions];
+    rows.push_back({absl::StrCat(sessions, " sessions"), NumberText(Number(both, "/before/rms_um")),
+                    NumberText(Number(both, "/after/rms_um"))});
+  }
+  return text + Table(rows);
+}
+
+}  // namespace axiscal::cli

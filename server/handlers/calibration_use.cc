@@ -1,0 +1,61 @@
+#include "server/handlers/calibration_use.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error_detail.h"
+#include "core/base/strict_json.h"
+#include "core/machine/machine_json.h"
+
+namespace axiscal::handlers {
+namespace {
+
+bool SameAxis(const machine::Axis& a, const machine::Axis& b) {
+  return a.name == b.name && a.kind == b.kind && a.direction == b.direction && a.point_mm == b.point_mm;
+}
+
+bool SameChain(const machine::Machine& a, const machine::Machine& b) {
+  return std::equal(a.axes.begin(), a.axes.end(), b.axes.begin(), b.axes.end(), SameAxis) &&
+         a.tool_branch == b.tool_branch && a.work_branch == b.work_branch && a.tool_direction == b.tool_direction;
+}
+
+// Combinations stand in the engine's report only.
+bool DeterminesACombination(const std::string& report_json) {
+  const auto report = base::ParseStrictJson(report_json);
+  if (!report.ok() || !report->is_object()) return false;
+  const auto determined = report->find("determined");
+  return determined != report->end() && !determined->empty();
+}
+
+}  // namespace
+
+absl::StatusOr<machine::Machine> MachineFor(storage::Database& database,
+                                            const storage::CalibrationRecord& calibration) {
+  ASSIGN_OR_RETURN(const storage::MachineRecord now, database.GetMachine(calibration.content.machine));
+  ASSIGN_OR_RETURN(const storage::MachineRecord then,
+                   database.GetMachineRevision(now.id, calibration.content.machine_revision));
+  ASSIGN_OR_RETURN(machine::Machine machine, machine::MachineFromJson(now.description_json));
+  ASSIGN_OR_RETURN(const machine::Machine fitted, machine::MachineFromJson(then.description_json));
+  if (SameChain(machine, fitted)) return machine;
+  return base::Error(
+      absl::StatusCode::kFailedPrecondition,
+      absl::StrCat("the axes of machine ", machine.id, " were changed since calibration ", calibration.id.number(),
+                   " was identified (revision ", then.revision, ", now ", now.revision, "): identify again"),
+      {"MACHINE_CHANGED", {}});
+}
+
+absl::Status CheckUsable(storage::Database& database, const storage::CalibrationRecord& calibration) {
+  RETURN_IF_ERROR(MachineFor(database, calibration).status());
+  const std::vector<storage::Estimate>& estimates = calibration.content.estimates;
+  const bool has_number = std::any_of(estimates.begin(), estimates.end(),
+                                      [](const storage::Estimate& estimate) { return estimate.identifiable; });
+  if (has_number || DeterminesACombination(calibration.content.report_json)) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kFailedPrecondition,
+                     absl::StrCat("calibration ", calibration.id.number(),
+                                  estimates.empty() ? " holds no error: nothing was declared and nothing found"
+                                                    : " holds no error that its sessions determine",
+                                  ", so there is nothing to compensate"),
+                     {"CALIBRATION_EMPTY", {}});
+}
+
+}  // namespace axiscal::handlers

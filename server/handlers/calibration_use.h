@@ -1,0 +1,21 @@
+// Whether a calibration may be put in use, and with which machine.
+#ifndef AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_
+#define AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_
+
+#include "core/base/status.h"
+#include "core/machine/machine.h"
+#include "server/storage/database.h"
+
+namespace axiscal::handlers {
+
+// The machine as it is described now, if the calibration was fitted with the same axes; what its description declares
+// may have changed. FAILED_PRECONDITION MACHINE_CHANGED naming both revisions.
+absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const storage::CalibrationRecord& calibration);
+
+// OK if compensation can use it: its machine as in MachineFor, and its sessions determine at least one error or
+// combination of errors. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY.
+absl::Status CheckUsable(storage::Database& database, const storage::CalibrationRecord& calibration);
+
+}  // namespace axiscal::handlers
+
+#endif  // AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_

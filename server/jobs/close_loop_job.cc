@@ -1,0 +1,66 @@
+#include "server/jobs/close_loop_job.h"
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/loop/close_loop.h"
+#include "proto/convert/job_params.h"
+#include "server/jobs/job_sessions.h"
+#include "server/jobs/new_calibration.h"
+
+namespace axiscal::jobs {
+namespace {
+
+using json = nlohmann::ordered_json;
+
+loop::Options EngineOptions(const convert::CloseLoopParams& params, JobContext& context) {
+  loop::Options options;
+  options.max_effects = params.max_effects.value_or(options.max_effects);
+  options.cancelled = [&context] { return context.cancelled(); };
+  // A backward step takes an effect out again; the job's progress does not fall for it.
+  options.progress = [&context, furthest = 0.0](const identify::Progress& progress) mutable {
+    furthest = std::max(furthest, progress.fraction);
+    context.ReportProgress(progress.stage, furthest, progress.detail);
+  };
+  return options;
+}
+
+// Names and checksums: what the result can be computed again from.
+json SessionsJson(const StoredSessions& stored) {
+  json sessions = json::array();
+  for (const storage::SessionRecord& record : stored.records)
+    sessions.push_back({{"id", record.id.number()}, {"session", record.name}, {"hash", record.hash}});
+  return sessions;
+}
+
+absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
+                                        JobContext& context) {
+  ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
+  const auto& params = std::get<convert::CloseLoopParams>(any_params);
+  context.ReportProgress("read sessions", 0.0, "");
+  ASSIGN_OR_RETURN(const MachineInput input, LoadMachine(database, params.machine));
+  ASSIGN_OR_RETURN(const StoredSessions fit, LoadSessions(database, params.fit, input.machine, context));
+  ASSIGN_OR_RETURN(const StoredSessions check, LoadSessions(database, params.check, input.machine, context));
+  ASSIGN_OR_RETURN(auto fit_runs, identify::BindSessions(input.machine, fit.sessions));
+  ASSIGN_OR_RETURN(auto check_runs, identify::BindSessions(input.machine, check.sessions));
+  const loop::Options options = EngineOptions(params, context);
+  ASSIGN_OR_RETURN(const loop::Report report,
+                   loop::CloseLoop(input.machine, std::move(fit_runs), std::move(check_runs), options));
+
+  storage::JobProduct product;
+  product.result = loop::ToJson(input.machine, report);
+  product.calibration = MakeCalibration(input, fit, report.fit_before, report.fitted, job);
+  product.calibration->report_json = product.result;
+  product.calibration->options_json =
+      json({{"max_effects", options.max_effects}, {"fit", SessionsJson(fit)}, {"check", SessionsJson(check)}}).dump();
+  return product;
+}
+
+}  // namespace
+
+JobFunction CloseLoopJob(storage::Database& database) {
+  return [&database](const storage::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+}
+
+}  // namespace axiscal::jobs

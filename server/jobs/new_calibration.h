@@ -1,0 +1,18 @@
+// A fit's result as the candidate calibration that the store keeps.
+#ifndef AXISCAL_SERVER_JOBS_NEW_CALIBRATION_H_
+#define AXISCAL_SERVER_JOBS_NEW_CALIBRATION_H_
+
+#include "core/identify/result.h"
+#include "server/jobs/job_sessions.h"
+
+namespace axiscal::jobs {
+
+// All but options_json and report_json, which say how it was asked and what came out. `fit` are the sessions that
+// `result` was fitted to, `before` how they fit without what it found.
+storage::NewCalibration MakeCalibration(const MachineInput& input, const StoredSessions& fit,
+                                        const identify::FitStatistics& before, const identify::Result& result,
+                                        const storage::JobRecord& job);
+
+}  // namespace axiscal::jobs
+
+#endif  // AXISCAL_SERVER_JOBS_NEW_CALIBRATION_H_
