@@ -99,7 +99,7 @@ class Chooser {
 
   // The session that tells most pairs apart which are not yet, or comes nearest; of equal ones that with the best worst
   // pair, then the shortest. Nothing when none helps.
-  std::optional<Proposal> Next(bool any_instrument, bool with_steps) {
+  std::optional<Proposal> Next(bool any_instrument) {
     std::vector<std::vector<double>> after(tests_.size());
     std::vector<double> reachable = margins_;
     for (size_t t = 0; t < tests_.size(); ++t) {
@@ -114,7 +114,7 @@ class Chooser {
     for (size_t t = 0; t < tests_.size(); ++t) {
       if (after[t].empty()) continue;
       const Judged one = Judge(after[t], reachable, tests_[t].seconds);
-      if (!one.Helps(with_steps) || (best >= 0 && !one.IsBetterThan(judged))) continue;
+      if (one.told <= 0 || (best >= 0 && !one.IsBetterThan(judged))) continue;
       best = static_cast<int>(t);
       judged = one;
     }
@@ -122,13 +122,45 @@ class Chooser {
     return Choose(best, after[best]);
   }
 
-  // Takes the last choice back.
-  void Undo() {
-    is_chosen_[choices_.back()] = false;
-    choices_.pop_back();
-    information_ = of_.information();
-    for (const int test : choices_) information_ += added_[test];
-    margins_ = MarginsWith(information_);
+  // Two sessions that only together tell something (a warm shop with a short and with a long tool), of those in which
+  // the effect shows most; the first is marked as needing the next. Empty when no two do.
+  std::vector<Proposal> NextTwo() {
+    std::vector<std::pair<double, size_t>> by_signal;
+    const Member& effect = of_.members()[0];
+    for (size_t t = 0; t < tests_.size(); ++t) {
+      double signal = 0.0;
+      for (size_t i = 0; i < effect.columns.size(); ++i) {
+        signal += effect.amplitude[i] * effect.amplitude[i] * added_[t].matrix(effect.columns[i], effect.columns[i]);
+      }
+      if (!is_chosen_[t]) by_signal.push_back({-signal, t});
+    }
+    std::sort(by_signal.begin(), by_signal.end());
+    constexpr size_t kTried = 20;
+    by_signal.resize(std::min(kTried, by_signal.size()));
+    std::pair<size_t, size_t> best;
+    std::vector<double> best_after;
+    Judged judged;
+    for (size_t i = 0; i < by_signal.size(); ++i) {
+      for (size_t j = 0; j < i; ++j) {
+        const size_t t = by_signal[j].second, u = by_signal[i].second;
+        Information together = information_;
+        together += added_[t];
+        together += added_[u];
+        const std::vector<double> after = MarginsWith(together);
+        const Judged one = Judge(after, after, tests_[t].seconds + tests_[u].seconds);
+        if (one.told <= 0 || (!best_after.empty() && !one.IsBetterThan(judged))) continue;
+        best = {t, u};
+        best_after = after;
+        judged = one;
+      }
+    }
+    if (best_after.empty()) return {};
+    std::vector<Proposal> two;
+    Information first = information_;
+    first += added_[best.first];
+    two.push_back(Choose(static_cast<int>(best.first), MarginsWith(first)));
+    two.push_back(Choose(static_cast<int>(best.second), best_after));
+    return two;
   }
 
   // What the reported effect is not told from.
@@ -154,10 +186,6 @@ class Chooser {
     double worst = 0.0;     // margin of the worst pair that any test tells, capped: with that much reserve time counts
     double seconds = 0.0;
 
-    bool Helps(bool with_steps) const {
-      constexpr double kStep = 0.1;
-      return told > 0 || (with_steps && told == 0 && progress > kStep);
-    }
     bool IsBetterThan(const Judged& other) const {
       if (told != other.told) return told > other.told;
       constexpr double kAlike = 0.1;
@@ -183,7 +211,6 @@ class Chooser {
 
   Proposal Choose(int test, const std::vector<double>& after) {
     is_chosen_[test] = true;
-    choices_.push_back(test);
     Proposal proposal;
     proposal.test = tests_[test].test;
     proposal.session = tests_[test].planned.session;
@@ -197,7 +224,7 @@ class Chooser {
     std::vector<bool> takes_part(of_.count(), false);
     for (size_t p = 0; p < pairs_.size(); ++p) {
       const auto [a, b] = pairs_[p];
-      if (IsTold(margins_[p]) || !IsTold(after[p])) continue;
+      if (b >= class_count_ || IsTold(margins_[p]) || !IsTold(after[p])) continue;
       takes_part[a] = takes_part[b] = true;
       proposal.correlation_before = std::max(proposal.correlation_before, before.Correlation(a, b));
       proposal.correlation_after = std::max(proposal.correlation_after, now.Correlation(a, b));
@@ -217,7 +244,6 @@ class Chooser {
   const std::vector<PlannedTest>& tests_;
   const std::vector<Pair> pairs_;
   std::vector<bool> is_chosen_;
-  std::vector<int> choices_;
   Information information_;
   std::vector<Information> added_;  // per test
   std::vector<double> margins_;     // of the pairs, with what is measured and chosen
@@ -241,20 +267,17 @@ std::vector<Proposal> Proposer::Propose(const ErrorTerm& effect, const std::vect
   Chooser chooser(of, tests_->list);
   if (chooser.IsDone()) return {};
   std::vector<Proposal> proposals;
-  // Instruments that the shop has used come first; another one only for what those leave open; last, sessions that only
+  // Instruments that the shop has used come first; another one only for what those leave open; last, two that only
   // together tell something.
-  const std::pair<bool, bool> passes[] = {{false, false}, {true, false}, {true, true}};
-  for (const auto& [any_instrument, with_steps] : passes) {
+  for (const bool any_instrument : {false, true}) {
     while (proposals.size() < kMostSessions && !chooser.IsDone()) {
-      std::optional<Proposal> next = chooser.Next(any_instrument, with_steps);
+      std::optional<Proposal> next = chooser.Next(any_instrument);
       if (!next) break;
       proposals.push_back(*std::move(next));
     }
-    // Steps that led nowhere.
-    while (!proposals.empty() && proposals.back().separates.empty()) {
-      proposals.pop_back();
-      chooser.Undo();
-    }
+  }
+  if (proposals.size() + 2 <= kMostSessions && !chooser.IsDone()) {
+    for (Proposal& one : chooser.NextTwo()) proposals.push_back(std::move(one));
   }
   for (size_t i = proposals.size(); i-- > 1;) {
     Proposal& step = proposals[i - 1];

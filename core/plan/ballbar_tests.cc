@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -113,15 +114,28 @@ std::vector<PlannedSession> BallbarCircles(const Situation& situation) {
   struct Place {
     std::string name, text;
     Eigen::Vector3d shift_mm, longer_mm;
+    std::vector<double> positions;
   };
+  const Machine& machine = *situation.machine;
   constexpr double kShiftMm = 80.0;
   const Eigen::Vector3d none_mm(0, 0, 0);
-  const std::vector<Place> places = {
-      {"", "", none_mm, none_mm},
-      {"-x80", ", the ball 80 mm further in x", {kShiftMm, 0, 0}, none_mm},
-      {"-y80", ", the ball 80 mm further in y", {0, kShiftMm, 0}, none_mm},
-      {"-z80", ", the ball 80 mm higher", {0, 0, kShiftMm}, none_mm},
-      {"-long", ", a tool 120 mm longer", none_mm, kOtherToolMm * situation.machine->tool_direction}};
+  std::vector<Place> places = {
+      {"", "", none_mm, none_mm, Home(situation)},
+      {"-x80", ", the ball 80 mm further in x", {kShiftMm, 0, 0}, none_mm, Home(situation)},
+      {"-y80", ", the ball 80 mm further in y", {0, kShiftMm, 0}, none_mm, Home(situation)},
+      {"-z80", ", the ball 80 mm higher", {0, 0, kShiftMm}, none_mm, Home(situation)},
+      {"-long", ", a tool 120 mm longer", none_mm, kOtherToolMm * machine.tool_direction, Home(situation)}};
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    if (machine.axes[axis].kind != machine::AxisKind::kRotary || !situation.Turns(axis)) continue;
+    std::vector<double> turned = Home(situation);
+    const Range range = situation.ranges[axis];
+    turned[axis] = std::clamp(0.5 * std::numbers::pi, range.lowest, range.highest);
+    if (turned[axis] <= 0.0) turned[axis] = std::clamp(-0.5 * std::numbers::pi, range.lowest, range.highest);
+    const double turned_deg = turned[axis] * base::kDegPerRad;
+    places.push_back({absl::StrFormat("-%s%.0f", machine.axes[axis].name, turned_deg),
+                      absl::StrFormat(", %s at %.0f deg", machine.axes[axis].name, turned_deg), none_mm, none_mm,
+                      turned});
+  }
   const std::vector<std::pair<int, int>> planes = {{0, 1}, {2, 0}, {1, 2}};
   std::vector<PlannedSession> planned;
   const double bar_mm = situation.bars_mm.back();
@@ -137,7 +151,7 @@ std::vector<PlannedSession> BallbarCircles(const Situation& situation) {
         Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();
         offset_mm[first] = bar_mm * std::cos(angle);
         offset_mm[second] = bar_mm * std::sin(angle);
-        builder.AddInBed(Home(situation), offset_mm);
+        builder.AddInBed(place.positions, offset_mm);
       }
       if (!builder.is_possible()) continue;
       planned.push_back({builder.Finish(), absl::StrFormat("ball-bar circle in %s, radius %.0f mm, both senses%s",
