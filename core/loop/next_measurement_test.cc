@@ -149,6 +149,11 @@ TEST(NextMeasurement, WhatNoMeasurementTellsIsNotPromised) {
   const ErrorTerm in_x{x, machine::Component::kZ, shapes::Drift{}, {0.01, 0}};
   const ErrorTerm in_z{z, machine::Component::kZ, shapes::Drift{}, {}};
   EXPECT_EQ(FirstOfTheSame(machine, {0, 0, -350}, {in_x, in_z}), (std::vector<int>{0, 0}));
+  const int c = machine::FindAxis(machine, "C");
+  const ErrorTerm across{c, machine::Component::kX, shapes::Harmonic{c, 1.0}, {}};
+  const ErrorTerm other_across{c, machine::Component::kY, shapes::Harmonic{c, 1.0}, {}};
+  const ErrorTerm twice{c, machine::Component::kY, shapes::Harmonic{c, 2.0}, {}};
+  EXPECT_EQ(FirstOfTheSame(machine, {0, 0, -350}, {across, other_across, twice}), (std::vector<int>{0, 0, 2}));
   machine::ErrorModel truth;
   truth.terms.push_back(in_x);
   const auto sessions = identify::testing::Measure(machine, truth, {});

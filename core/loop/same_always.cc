@@ -21,6 +21,7 @@ instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen:
   run.session = run.setup_name = absl::StrCat("any-", number);
   run.kind = instruments::Kind::kRtest;
   run.setup = rtest::SetupParameters();
+  for (instruments::SetupParameter& offset : run.setup) offset.prior_sigma = INFINITY;
   run.sigma_mm = 1e-3;
   constexpr double kPlaceMm = 300.0;
   run.tip_mm = tip_mm + uniform(-0.5 * kPlaceMm, kPlaceMm) * machine.tool_direction;

@@ -1,5 +1,6 @@
 // Effects that are one effect by two names: they move the tool against the table alike in every state that the machine
-// can take, so that no measurement of any kind tells them (EZX:drift and EZZ:drift).
+// can take, but for where each session's ball is mounted, so that no measurement of any kind tells them: EZX:drift and
+// EZZ:drift, or the first harmonics of EXC and EYC.
 #ifndef AXISCAL_CORE_LOOP_SAME_ALWAYS_H_
 #define AXISCAL_CORE_LOOP_SAME_ALWAYS_H_
 
