@@ -46,6 +46,12 @@ Dialect Make(const std::string& name, std::initializer_list<std::vector<CodeEntr
   return dialect;
 }
 
+Dialect Fanuc(const std::string& name) {
+  Dialect dialect = Make(name, {IsoCodes(), FanucCodes()}, {MacroKeywords()});
+  dialect.has_angle_names = true;
+  return dialect;
+}
+
 Dialect Sinumerik() {
   Dialect dialect = Make("sinumerik", {IsoCodes(), SinumerikCodes()}, {SinumerikKeywords()});
   dialect.has_parenthesis_comments = false;
@@ -76,8 +82,8 @@ Dialect Heidenhain() {
 
 const std::vector<Dialect>& Dialects() {
   static const std::vector<Dialect>* const dialects = new std::vector<Dialect>{
-      Make("fanuc", {IsoCodes(), FanucCodes()}, {MacroKeywords()}),
-      Make("mazak", {IsoCodes(), FanucCodes()}, {MacroKeywords()}),
+      Fanuc("fanuc"),
+      Fanuc("mazak"),
       Make("haas", {IsoCodes(), FanucCodes(), HaasCodes()}, {MacroKeywords()}),
       Make("linuxcnc", {IsoCodes(), LinuxCncCodes()}, {MacroKeywords(), LinuxCncKeywords()}),
       Sinumerik(),

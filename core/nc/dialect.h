@@ -117,6 +117,7 @@ struct Dialect {
   bool has_parenthesis_comments = true;    // ( ... )
   char line_comment = ';';                 // to the end of the line; 0: none
   char line_comment2 = 0;                  // '*' of Klartext; only at the begin of a block
+  bool has_angle_names = false;            // <NAME> or O<NAME> begins a program
   bool has_equals = false;                 // X=5 is a word
   bool has_bare_keywords = false;          // single letters may be keywords (L), blocks begin with their number
   bool tool_call_sets_length = false;      // the tool's length acts from the tool change on, without a code

@@ -150,7 +150,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kArc:
     case Meaning::kOtherMotion:
     case Meaning::kCancelMotion:
-      if (request->motion != nullptr) request->Refuse("two motion codes in one block");
+      // G00 G80 at the begin of programs: the cycle ends, and the other code is in force.
+      if (request->motion != nullptr && code.meaning == Meaning::kCancelMotion) return;
+      if (request->motion != nullptr && request->motion->meaning != Meaning::kCancelMotion)
+        request->Refuse("two motion codes in one block");
       request->motion = &code;
       request->stated |= kMotionGroup;
       if (code.meaning == Meaning::kOtherMotion) request->Refuse(named());

@@ -138,7 +138,10 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
     *is_consequence = (modal_.blockers & request.blockers_before) != 0;
     return BlockerText(modal_.blockers);
   }
-  if (modal_.motion == Meaning::kOtherMotion) return modal_.motion_text;
+  if (modal_.motion == Meaning::kOtherMotion) {
+    *is_consequence = request.motion == nullptr;
+    return modal_.motion_text;
+  }
   if (modal_.motion == Meaning::kCancelMotion) return "axis words while no motion code is in force (G80)";
   const bool is_arc = modal_.motion == Meaning::kArc;
   const uint8_t needed = static_cast<uint8_t>(kAllGroups & ~(is_arc ? 0 : kPlaneGroup));

@@ -78,6 +78,7 @@ class BlockLexer {
     SkipBlanks();
     if (at_ != end_ && *at_ == '/') ReadBlockDelete();
     if (dialect_.has_bare_keywords) SkipBlockNumber();
+    if (dialect_.has_angle_names) SkipProgramName();
     if (at_ != end_ && dialect_.line_comment2 != 0 && *at_ == dialect_.line_comment2) {
       block_.is_marked |= HasMark(at_ + 1, end_);
       return;
@@ -146,6 +147,15 @@ class BlockLexer {
     }
     block_.word_count = count;
     at_ = at;
+  }
+
+  // "<NAME>" or "O<NAME>": text, not words.
+  void SkipProgramName() {
+    const char* at = at_;
+    if (at != end_ && (*at == 'O' || *at == 'o')) ++at;
+    if (at == end_ || *at != '<') return;
+    while (at != end_ && *at != '>') ++at;
+    if (at != end_) at_ = at + 1;
   }
 
   // Klartext numbers its blocks with a bare integer.
