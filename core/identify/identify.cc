@@ -166,7 +166,7 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   // to hold again.
   while (!solution.has_converged) {
     constexpr double kGrowth = 3.0;
-    if (solution.cost / readings < kGrowth * kGrowth) {
+    if (!options.raise_noise || solution.cost / readings < kGrowth * kGrowth) {
       return absl::FailedPreconditionError(
           absl::StrCat("identification has not converged after ", solution.iterations, " iterations"));
     }

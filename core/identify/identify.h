@@ -29,6 +29,9 @@ struct Options {
   // Multiplies uncertainties by sqrt(chi2 / dof) where the readings scatter more than the stated sigma.
   bool scale_uncertainties = true;
   int max_iterations = 20;
+  // A model that misses by hundreds of sigma is fitted with sigma raised (Result::noise_scale); false ends the fit with
+  // FAILED_PRECONDITION instead.
+  bool raise_noise = true;
   // Polled in every iteration; true ends the fit with CANCELLED.
   std::function<bool()> cancelled;
   std::function<void(const Progress&)> progress;

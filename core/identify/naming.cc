@@ -11,6 +11,11 @@ namespace {
 void NameNonlinear(const machine::Machine& machine, const machine::ErrorTerm& term, Estimate* estimate) {
   const std::optional<int> axis = shapes::VariableAxis(term.shape);
   const bool is_rotary = axis && machine.axes[*axis].kind == machine::AxisKind::kRotary;
+  if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
+    estimate->name += ".frequency";
+    estimate->unit = is_rotary ? "1/turn" : "rad/mm";
+    return;
+  }
   const bool is_length = std::holds_alternative<shapes::Reversal>(term.shape);
   estimate->name += is_length ? ".length" : ".tau";
   estimate->unit = !is_length ? "s" : is_rotary ? "deg" : "mm";

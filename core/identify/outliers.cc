@@ -34,7 +34,14 @@ double RobustSigma(Eigen::VectorXd deviations) {
 std::vector<bool> FindOutliers(const Eigen::VectorXd& series_mm, double sigma_floor_mm, const OutlierOptions& options) {
   const int count = static_cast<int>(series_mm.size());
   std::vector<bool> stands_out(count, false);
-  if (count < options.min_readings) return stands_out;
+  if (count < options.fewest_readings) return stands_out;
+  if (count < options.min_readings) {
+    std::vector<double> values(series_mm.begin(), series_mm.end());
+    const Eigen::VectorXd off = series_mm.array() - Median(&values);
+    const double most = options.short_threshold * std::max(RobustSigma(off), sigma_floor_mm);
+    for (int k = 0; k < count; ++k) stands_out[k] = std::abs(off[k]) > most;
+    return stands_out;
+  }
   Eigen::VectorXd deviation(count);
   std::vector<double> window;
   for (int k = 0; k < count; ++k) {
@@ -47,22 +54,17 @@ std::vector<bool> FindOutliers(const Eigen::VectorXd& series_mm, double sigma_fl
   }
   const double limit = options.threshold * std::max(RobustSigma(deviation), sigma_floor_mm);
   for (int k = 0; k < count; ++k) stands_out[k] = std::abs(deviation[k]) > limit;
-  // Clusters are structure: a run of neighbours, gaps of one allowed.
-  int first = -1, last = -10, members = 0;
-  const auto close_cluster = [&] {
-    if (members > options.max_cluster) std::fill(stands_out.begin() + first, stands_out.begin() + last + 1, false);
-  };
-  for (int k = 0; k < count; ++k) {
-    if (!stands_out[k]) continue;
-    if (k - last > 2) {
-      close_cluster();
-      first = k;
-      members = 0;
+  // Neighbours that stand out together on one side are structure; chips fall on either side and leave gaps.
+  for (int first = 0; first < count;) {
+    if (!stands_out[first]) {
+      ++first;
+      continue;
     }
-    last = k;
-    ++members;
+    int last = first + 1;
+    while (last < count && stands_out[last] && std::signbit(deviation[last]) == std::signbit(deviation[first])) ++last;
+    if (last - first > options.max_cluster) std::fill(stands_out.begin() + first, stands_out.begin() + last, false);
+    first = last;
   }
-  close_cluster();
   return stands_out;
 }
 

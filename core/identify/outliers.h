@@ -1,6 +1,6 @@
 // Scattered bad readings (chips, mis-touches, spikes): readings that stand out of their own series. A reading is
 // compared with the running median of its neighbours, so that an effect which the model lacks is not taken for chips;
-// readings that stand out together are structure and stay.
+// neighbours that stand out together on one side are structure and stay.
 #ifndef AXISCAL_CORE_IDENTIFY_OUTLIERS_H_
 #define AXISCAL_CORE_IDENTIFY_OUTLIERS_H_
 
@@ -10,10 +10,12 @@
 namespace axiscal::identify {
 
 struct OutlierOptions {
-  int half_window = 5;     // readings on either side that make the running median
-  double threshold = 6.0;  // robust standard deviations; six are exceeded by 2 in 1e9 Gaussian readings
-  int min_readings = 20;   // shorter series cannot tell a bad reading from structure
-  int max_cluster = 2;     // more neighbours than this standing out together are structure
+  int half_window = 5;      // readings on either side that make the running median
+  double threshold = 6.0;   // robust standard deviations; six are exceeded by 2 in 1e9 Gaussian readings
+  int min_readings = 20;    // shorter series have no running median: their own median and a stricter threshold judge
+  int fewest_readings = 8;  // still shorter ones cannot tell a bad reading from structure
+  double short_threshold = 9.0;  // robust standard deviations
+  int max_cluster = 2;           // more neighbours than this standing out on one side are structure
 };
 
 // Per reading of one series: true where it stands out alone. `sigma_floor_mm` bounds the robust scale from below

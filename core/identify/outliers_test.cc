@@ -45,8 +45,20 @@ TEST(Outliers, AQuantisedSeriesHasAFloorUnderItsScale) {
   EXPECT_EQ(Count(FindOutliers(series, 0.0)), 1);
 }
 
-TEST(Outliers, AShortSeriesCannotTell) {
-  Eigen::VectorXd series = Noise(10, 1.0);
+// A dozen poses of an R-test have no running median; a chip still stands out of them, a pose among two groups does not.
+TEST(Outliers, AShortSeriesIsJudgedByItsOwnMedian) {
+  Eigen::VectorXd series = Noise(12, 1.0);
+  EXPECT_EQ(Count(FindOutliers(series, 0.0)), 0);
+  series[4] = 30.0;
+  const std::vector<bool> found = FindOutliers(series, 0.0);
+  EXPECT_TRUE(found[4]);
+  EXPECT_EQ(Count(found), 1);
+  for (int i = 0; i < 12; ++i) series[i] = i % 2 == 0 ? 20.0 : -20.0;
+  EXPECT_EQ(Count(FindOutliers(series, 0.0)), 0);
+}
+
+TEST(Outliers, AHandfulOfReadingsCannotTell) {
+  Eigen::VectorXd series = Noise(7, 1.0);
   series[4] = 100.0;
   EXPECT_EQ(Count(FindOutliers(series, 0.0)), 0);
 }

@@ -17,9 +17,12 @@ Point Moved(const Point& from, const std::vector<Parameter>& parameters, const S
   for (size_t i = 0; i < parameters.size(); ++i) {
     double value = ValueOf(from.model, parameters[i]) + step.errors[i];
     if (parameters[i].is_nonlinear) {
-      // Lengths and time constants stay positive and move by a factor of three at most in one step.
+      // Lengths and time constants stay positive and move by a factor of three at most in one step; a frequency a few
+      // periods off is another one.
       const double old = ValueOf(from.model, parameters[i]);
-      value = std::clamp(value, old / 3.0, old * 3.0);
+      const bool is_frequency = std::holds_alternative<shapes::Harmonic>(from.model.terms[parameters[i].term].shape);
+      const double most = is_frequency ? 1.01 : 3.0;
+      value = std::clamp(value, old / most, old * most);
     }
     SetValue(parameters[i], value, &to.model);
   }

@@ -35,6 +35,9 @@ struct Candidate {
   int run = -1, first_reading = 0;  // kStep: from this reading on the setup's first three offsets are others
 };
 
+// The same component, shape and variable; decay lengths, time constants and free frequencies may differ.
+bool IsSameEffect(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
+
 // Simpler first: of candidates that the data cannot tell apart, the one with the lowest number is reported.
 int Complexity(const machine::Machine& machine, const Candidate& candidate);
 

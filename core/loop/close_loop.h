@@ -39,7 +39,9 @@ struct Unexplained {
 
 // One change of the model, in the order in which they were made, and what was left of the residuals after the refit.
 struct Step {
-  enum Change { kAdded, kDropped, kWithdrawn };  // dropped: no longer needed; withdrawn: against the check sessions
+  // dropped: no longer needed; replaced: another of its class fits better by now, or better suits the check sessions;
+  // withdrawn: the check sessions speak against it; refused: it promised much and the fit with it is worse
+  enum Change { kAdded, kDropped, kReplaced, kWithdrawn, kRefused };
   Change change = kAdded;
   std::string name;
   double rms_mm = 0.0;  // of the fit sessions
@@ -47,6 +49,13 @@ struct Step {
 
 struct Verdict {
   enum Kind { kAdequate, kExtended, kUnexplained };
+};
+
+// What one session's readings scatter by, judged from themselves.
+struct SessionNoise {
+  std::string session;
+  double stated_mm = 0.0, sigma_mm = 0.0;
+  double ar1 = 0.0;  // correlation of neighbouring readings
 };
 
 // What each reading of a session deviates by (predicted - measured) under the declared model and under the extended
@@ -66,6 +75,7 @@ struct Report {
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;
+  std::vector<SessionNoise> noise;          // of the fit sessions, under the extended model
   std::vector<SessionResiduals> residuals;  // fit sessions, then check sessions, in the order given
   std::vector<Proposal> next_measurement;   // sessions that would tell the effects' classes apart
   std::vector<Scored> ranking;              // candidates of the first search

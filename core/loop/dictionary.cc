@@ -63,11 +63,16 @@ class Builder {
     }
   }
 
-  // A reversal of another length or a drift of another time constant is the same effect, to be refitted rather than
-  // added again.
-  static bool SameButParameter(shapes::Shape a, shapes::Shape b) {
-    if (double* parameter = shapes::NonlinearParameter(a)) *parameter = 1.0;
-    if (double* parameter = shapes::NonlinearParameter(b)) *parameter = 1.0;
+  // A reversal of another length, a drift of another time constant or a pitch less than a period off is the same
+  // effect, to be refitted rather than added again.
+  bool SameButParameter(shapes::Shape a, shapes::Shape b) const {
+    double *of_a = shapes::NonlinearParameter(a), *of_b = shapes::NonlinearParameter(b);
+    if (of_a == nullptr || of_b == nullptr) return a == b;
+    if (const auto* pitch = std::get_if<shapes::Harmonic>(&a)) {
+      const double period = 2.0 * std::numbers::pi / (spans_[pitch->axis].highest - spans_[pitch->axis].lowest);
+      if (std::abs(*of_a - *of_b) > period) return false;
+    }
+    *of_a = *of_b;
     return a == b;
   }
 
@@ -105,11 +110,11 @@ class Builder {
       }
       return;
     }
-    // Pitch errors along a linear axis: at least three periods in the measured range, frequencies a third of a period
-    // apart.
+    // Pitch errors along a linear axis: at least three periods in the measured range, frequencies kPitchStep of a
+    // period apart.
     const double range = span.highest - span.lowest, turn = 2.0 * std::numbers::pi;
-    for (double periods = 3.0; periods * turn / range < highest && periods <= 100.0; periods += 1.0 / 3.0) {
-      Add(Family::kPitch, axis, shapes::Harmonic{axis, periods * turn / range});
+    for (double periods = 3.0; periods * turn / range < highest && periods <= 100.0; periods += kPitchStep) {
+      Add(Family::kPitch, axis, shapes::Harmonic{axis, periods * turn / range, true});
     }
   }
 
@@ -254,9 +259,22 @@ std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const ma
   return Builder(problem, model).Build();
 }
 
+bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
+  if (a.joint != b.joint || a.component != b.component) return false;
+  shapes::Shape one = a.shape, other = b.shape;
+  double *of_one = shapes::NonlinearParameter(one), *of_other = shapes::NonlinearParameter(other);
+  if (of_one != nullptr && of_other != nullptr) *of_one = *of_other = 1.0;
+  return one == other;
+}
+
 int Complexity(const Machine& machine, const Candidate& candidate) {
   int complexity = 10 * static_cast<int>(candidate.family);
   if (candidate.family == Family::kStep) return complexity;
+  // A local defect is a guideway's before it is a bearing's.
+  if (candidate.family == Family::kBump) {
+    const int axis = *shapes::VariableAxis(candidate.term.shape);
+    return complexity + (IsRotary(machine, axis) ? 2 : 0) + (candidate.term.joint == axis ? 0 : 1);
+  }
   // Of places for a drift, the tool is where heat goes first; then the table, then the axes.
   const bool is_time = candidate.family == Family::kDrift || candidate.family == Family::kDriftExp ||
                        candidate.family == Family::kThermal;

@@ -20,6 +20,9 @@ struct AxisSpan {
 
 std::vector<AxisSpan> SpansOf(const identify::Problem& problem);
 
+// Frequencies of the pitch scan stand this share of a period (over the measured range) apart.
+inline constexpr double kPitchStep = 1.0 / 3.0;
+
 // Readings between the moments at which the dictionary looks for a slip in a run.
 int StepStride(const instruments::MeasuringRun& run);
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/loop/candidate.h"
 #include "core/loop/planned_tests.h"
 #include "core/loop/rivals.h"
 #include "core/loop/same_always.h"
@@ -34,7 +35,7 @@ class Class {
         const std::vector<ErrorTerm>& equivalent) {
     std::vector<ErrorTerm> named = {effect};
     for (const ErrorTerm& other : equivalent) {
-      const auto is_known = [&](const ErrorTerm& term) { return IsSameButParameter(term, other); };
+      const auto is_known = [&](const ErrorTerm& term) { return IsSameEffect(term, other); };
       const bool is_fitted = std::any_of(point.model.terms.begin(), point.model.terms.end(), is_known);
       if (!is_fitted && std::none_of(named.begin(), named.end(), is_known)) named.push_back(other);
     }

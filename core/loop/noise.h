@@ -10,15 +10,33 @@
 
 namespace axiscal::loop {
 
-// Sigma and neighbour correlation of one series from its differences, which a slowly varying effect hardly touches:
-//   var(d) = 2 s^2 (1 - phi),   cov(d_k, d_k+1) = -s^2 (1 - phi)^2,   so phi = 1 + 2 cov / var.
-// Readings not used are left out with the differences they belong to. Sigma 0 when fewer than `min_differences` remain.
-identify::Noise NoiseFromDifferences(const Eigen::VectorXd& residual_mm, const std::vector<bool>& is_used,
-                                     int min_differences = 60);
+// Mean squared differences of readings `lag` apart, halved (the variogram): sums over series, so that sessions pool.
+//   gamma(lag) = sigma^2 (1 - phi^lag)                               first-order autoregressive noise
+// Slowly varying effects hardly touch it, which is why it is taken instead of the residuals' own scatter.
+class Variogram {
+ public:
+  static constexpr int kLags = 4;
+  static constexpr int kLag[kLags] = {1, 2, 3, 5};
 
-// Noise of every run from its residuals under the model so far. Series too short or too coarsely sampled for
-// differences take the robust scatter of their residuals. Never below a third or above three times the stated sigma:
-// beyond that a session is not what it says it is.
+  // Adds one series, in units of `unit_mm`. Readings not used are left out with the differences they belong to.
+  void Add(const Eigen::VectorXd& residual_mm, const std::vector<bool>& is_used, double unit_mm);
+  void Add(const Variogram& other);
+  int differences() const { return count_[0]; }
+  // Sigma (in the unit) and neighbour correlation that fit best; correlation 0 where it is within three times its
+  // uncertainty. Sigma 0 without differences.
+  identify::Noise Fit() const;
+  // Sigma alone at a known correlation, from neighbours.
+  double SigmaAt(double ar1) const;
+
+ private:
+  double squares_[kLags] = {};
+  int count_[kLags] = {};
+};
+
+// Noise of every run from its residuals under the model so far. Sessions of one instrument share the correlation and
+// the factor on their stated sigma, unless a session's own scatter clearly differs. Dense series are judged by the
+// variogram, others by the robust scatter of their residuals. Never below a third or above three times the stated
+// sigma: beyond that a session is not what it says it is.
 std::vector<identify::Noise> EstimateNoise(const identify::Problem& problem,
                                            const std::vector<Eigen::MatrixXd>& residuals_mm);
 

@@ -53,7 +53,7 @@ json UnexplainedJson(const machine::Machine& machine, const Unexplained& part) {
 }
 
 json StepJson(const Step& step) {
-  constexpr const char* kChanges[] = {"added", "dropped", "withdrawn"};
+  constexpr const char* kChanges[] = {"added", "dropped", "replaced", "withdrawn", "refused"};
   return {{"change", kChanges[step.change]}, {"name", step.name}, {"rms_um", step.rms_mm * kUmPerMm}};
 }
 
@@ -118,6 +118,14 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   json next = json::array();
   for (const Proposal& proposal : report.next_measurement) next.push_back(ProposalJson(machine, proposal));
   root["next_measurement"] = std::move(next);
+  json noise = json::array();
+  for (const SessionNoise& one : report.noise) {
+    noise.push_back({{"session", one.session},
+                     {"stated_sigma_um", one.stated_mm * kUmPerMm},
+                     {"sigma_um", one.sigma_mm * kUmPerMm},
+                     {"neighbour_correlation", one.ar1}});
+  }
+  root["noise"] = std::move(noise);
   root["withdrawn"] = report.withdrawn;
   root["sessions"] = fitted["sessions"];
   root["candidates"] = report.candidates;

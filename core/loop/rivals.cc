@@ -16,7 +16,7 @@ std::vector<Member> MembersOf(const machine::ErrorModel& model, const std::vecto
   for (const ErrorTerm& term : terms) {
     Member member;
     for (size_t k = 0; k < parameters.size(); ++k) {
-      if (!IsSameButParameter(model.terms[parameters[k].term], term)) continue;
+      if (!IsSameEffect(model.terms[parameters[k].term], term)) continue;
       (parameters[k].is_nonlinear ? member.nonlinear : member.columns).push_back(static_cast<int>(k));
     }
     member.amplitude = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(member.columns.size()));
@@ -26,19 +26,10 @@ std::vector<Member> MembersOf(const machine::ErrorModel& model, const std::vecto
 }
 
 bool IsIn(const std::vector<ErrorTerm>& terms, const ErrorTerm& term) {
-  return std::any_of(terms.begin(), terms.end(),
-                     [&](const ErrorTerm& other) { return IsSameButParameter(other, term); });
+  return std::any_of(terms.begin(), terms.end(), [&](const ErrorTerm& other) { return IsSameEffect(other, term); });
 }
 
 }  // namespace
-
-bool IsSameButParameter(const ErrorTerm& a, const ErrorTerm& b) {
-  if (a.joint != b.joint || a.component != b.component || a.shape.index() != b.shape.index()) return false;
-  shapes::Shape sa = a.shape, sb = b.shape;
-  if (double* parameter = shapes::NonlinearParameter(sa)) *parameter = 1.0;
-  if (double* parameter = shapes::NonlinearParameter(sb)) *parameter = 1.0;
-  return sa == sb;
-}
 
 Rivals::Rivals(const identify::Problem& problem, const identify::Point& point, std::vector<ErrorTerm> terms)
     : point_(point), terms_(std::move(terms)) {

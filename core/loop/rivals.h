@@ -5,12 +5,10 @@
 
 #include <vector>
 
+#include "core/loop/candidate.h"
 #include "core/loop/separation.h"
 
 namespace axiscal::loop {
-
-// An effect with another decay length or time constant is the same effect, refitted.
-bool IsSameButParameter(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
 
 class Rivals {
  public:

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <map>
 
+#include "core/loop/dictionary.h"
+#include "core/loop/refine.h"
+
 namespace axiscal::loop {
 
 double LikelihoodRatio(double squares, double gain, int dof) {
@@ -11,6 +14,53 @@ double LikelihoodRatio(double squares, double gain, int dof) {
   constexpr double kExplainedAtMost = 1.0 - 1e-12;
   return -dof * std::log1p(-std::min(gain / squares, kExplainedAtMost));
 }
+
+namespace {
+
+bool IsGrid(Family family) {
+  return family == Family::kBump || family == Family::kPitch || family == Family::kReversal ||
+         family == Family::kDriftExp;
+}
+
+// One effect at different points of its family's grid.
+bool IsNeighbour(const Candidate& a, const Candidate& b) {
+  return a.family == b.family && a.term.joint == b.term.joint && a.term.component == b.term.component &&
+         shapes::VariableAxis(a.term.shape) == shapes::VariableAxis(b.term.shape);
+}
+
+// The leading members of the families that stand on a grid, between its points: only so do they compare with each
+// other and with the rest. Their neighbours on the grid leave the list.
+void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
+  constexpr int kLeaders = 4;         // of each family and axis
+  constexpr double kFarBehind = 0.6;  // of the best likelihood ratio
+  if (scored->empty()) return;
+  double best = 0.0;
+  for (const Scored& one : *scored) best = std::max(best, one.likelihood_ratio);
+  std::vector<AxisSpan> spans;
+  std::map<std::pair<Family, int>, int> refined;
+  for (size_t i = 0; i < scored->size(); ++i) {
+    Scored& leader = (*scored)[i];
+    const Family family = leader.candidate.family;
+    if (!IsGrid(family) || leader.likelihood_ratio < kFarBehind * best) continue;
+    const std::optional<int> axis = shapes::VariableAxis(leader.candidate.term.shape);
+    if (++refined[{family, axis.value_or(-1)}] > kLeaders) continue;
+    if (spans.empty()) spans = SpansOf(signatures.problem());
+    const double range = axis ? spans[*axis].highest - spans[*axis].lowest : 0.0;
+    leader.candidate = Refined(signatures, leader.candidate, range);
+    const Projection projection = signatures.Project({leader.candidate})[0];
+    const double gain = Gain(projection, &leader.amplitude);
+    const double better =
+        LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom()) - leader.likelihood_ratio;
+    leader.likelihood_ratio += better;
+    leader.score += better;
+    const Candidate kept = leader.candidate;
+    scored->erase(std::remove_if(scored->begin() + static_cast<std::ptrdiff_t>(i) + 1, scored->end(),
+                                 [&](const Scored& other) { return IsNeighbour(other.candidate, kept); }),
+                  scored->end());
+  }
+}
+
+}  // namespace
 
 SearchResult Search(const machine::Machine& machine, const Signatures& signatures,
                     const std::vector<Candidate>& candidates, const SearchOptions& options) {
@@ -36,25 +86,35 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
                 options.per_column * (projections[i].columns - 1);
     scored.push_back(std::move(one));
   }
-  std::sort(scored.begin(), scored.end(), [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  const auto better = [](const Scored& a, const Scored& b) { return a.score > b.score; };
+  std::sort(scored.begin(), scored.end(), better);
+  if (!scored.empty() && scored[0].score > 0.5 * options.evidence) {
+    RefineLeaders(signatures, &scored);
+    std::sort(scored.begin(), scored.end(), better);
+  }
   constexpr size_t kRanked = 20, kCompared = 400;
   result.ranking.assign(scored.begin(), scored.begin() + std::min(kRanked, scored.size()));
   if (scored.empty() || scored[0].score <= options.evidence) return result;
   result.is_significant = true;
 
-  // The class: what correlates so closely with the best that no data of this kind separates them, or explains as much
-  // within chance.
-  const Scored best = scored[0];
-  constexpr double kNear = 0.9;
-  std::erase_if(scored, [&](const Scored& one) {
-    return one.likelihood_ratio <
-           std::min(kNear * best.likelihood_ratio, best.likelihood_ratio - options.indistinguishable);
-  });
+  // Far behind the best nothing is a rival.
+  constexpr double kRival = 0.8;
+  const double least =
+      std::min(kRival * scored[0].likelihood_ratio, scored[0].likelihood_ratio - options.indistinguishable);
+  std::erase_if(scored, [&](const Scored& one) { return one.likelihood_ratio < least; });
   scored.resize(std::min(kCompared, scored.size()));
+  result.finding = ClassOf(machine, signatures, scored, options);
+  return result;
+}
+
+Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, const std::vector<Scored>& scored,
+                const SearchOptions& options) {
+  const Scored& best = scored[0];
   std::vector<Candidate> compared;
   for (const Scored& one : scored) compared.push_back(one.candidate);
   const std::vector<double> correlations = signatures.CorrelationsWith(best.candidate, compared);
   std::vector<Scored> compatible, correlated;
+  Finding finding;
   for (size_t i = 0; i < scored.size(); ++i) {
     const bool explains_as_much = scored[i].likelihood_ratio >= best.likelihood_ratio - options.indistinguishable;
     const bool is_same = correlations[i] > options.same_class_correlation;
@@ -64,6 +124,8 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
       compatible.push_back(scored[i]);
     } else if (is_same) {
       correlated.push_back(scored[i]);
+    } else {
+      finding.rivals.push_back(scored[i]);
     }
   }
   const auto simpler = [&machine](const Scored& a, const Scored& b) {
@@ -72,10 +134,10 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   };
   std::stable_sort(compatible.begin(), compatible.end(), simpler);
   std::stable_sort(correlated.begin(), correlated.end(), simpler);
-  result.finding.effect = compatible.front();
-  result.finding.equivalent.assign(compatible.begin() + 1, compatible.end());
-  result.finding.equivalent.insert(result.finding.equivalent.end(), correlated.begin(), correlated.end());
-  return result;
+  finding.effect = compatible.front();
+  finding.equivalent.assign(compatible.begin() + 1, compatible.end());
+  finding.equivalent.insert(finding.equivalent.end(), correlated.begin(), correlated.end());
+  return finding;
 }
 
 }  // namespace axiscal::loop

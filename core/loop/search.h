@@ -28,6 +28,7 @@ struct Scored {
 struct Finding {
   Scored effect;                   // the simplest member of the class that explains as much as the best
   std::vector<Scored> equivalent;  // the others, simplest first
+  std::vector<Scored> rivals;      // what explains nearly as much and could be it once more is known
 };
 
 struct SearchResult {
@@ -39,6 +40,11 @@ struct SearchResult {
 
 SearchResult Search(const machine::Machine& machine, const Signatures& signatures,
                     const std::vector<Candidate>& candidates, const SearchOptions& options);
+
+// The class of the first of `scored` (not empty): what correlates with it so closely that no data of this kind
+// separates them, and what is related and explains as much within chance.
+Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, const std::vector<Scored>& scored,
+                const SearchOptions& options);
 
 // Likelihood ratio (chi-square units) of explaining `gain` of `squares` at `dof` degrees of freedom with the noise
 // scale unknown.

@@ -302,7 +302,8 @@ std::vector<Signatures::Bounds> Signatures::Scan(const std::vector<Candidate>& c
       bounds[i].least = Gain(projection, &amplitude);
       if (constant[first + component] > 0.0) {
         const Eigen::VectorXd part = level.col(component) / std::sqrt(constant[first + component]);
-        projection.own.topLeftCorner(width, width) -= (1.0 - kLeastVisible) * part * part.transpose();
+        constexpr double kRegularised = 1e-7;  // a signature that is constant altogether is left for projection
+        projection.own.topLeftCorner(width, width) -= (1.0 - kRegularised) * part * part.transpose();
       }
       bounds[i].most = Gain(projection, &amplitude) / kLeastVisible;
     }

@@ -38,6 +38,7 @@ class Signatures {
   Signatures(const identify::Problem& problem, const identify::Point& point,
              const std::vector<identify::Parameter>& parameters);
 
+  const identify::Problem& problem() const { return problem_; }
   int row_count() const { return static_cast<int>(run_.size()); }
   int degrees_of_freedom() const { return degrees_of_freedom_; }
   double residual_squares() const { return residual_squares_; }

@@ -9,6 +9,7 @@ template <typename S>
 double* Nonlinear(S& shape) {
   if constexpr (requires { shape.tau_s; }) return &shape.tau_s;
   if constexpr (requires { shape.length; }) return &shape.length;
+  if constexpr (requires { shape.is_frequency_free; }) return shape.is_frequency_free ? &shape.frequency : nullptr;
   return nullptr;
 }
 

@@ -34,7 +34,7 @@ std::string Name(const Shape& shape);
 int BasisCount(const Shape& shape);
 // The axis that a shape looks at, or nothing (constant, time, temperature).
 std::optional<int> VariableAxis(const Shape& shape);
-// The non-linear parameter (decay length, time constant), or nullptr.
+// The non-linear parameter (decay length, time constant, a free frequency), or nullptr.
 double* NonlinearParameter(Shape& shape);
 const double* NonlinearParameter(const Shape& shape);
 

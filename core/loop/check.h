@@ -1,0 +1,41 @@
+// What sessions that were not used to fit errors say of an extended model: only their own setup offsets are refitted
+// (design.md, "Close the loop", 6).
+#ifndef AXISCAL_CORE_LOOP_CHECK_H_
+#define AXISCAL_CORE_LOOP_CHECK_H_
+
+#include <vector>
+
+#include "core/identify/identify.h"
+
+namespace axiscal::loop {
+
+class Check {
+ public:
+  // `runs` may be empty: then nothing is said.
+  Check(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs, const identify::Options& options)
+      : machine_(machine), runs_(std::move(runs)), options_(options) {}
+
+  bool is_empty() const { return runs_.empty(); }
+  const std::vector<instruments::MeasuringRun>& runs() const { return runs_; }
+  // The sessions under a model. DEMANDs that there are some; CANCELLED or the fit's errors.
+  absl::StatusOr<identify::Fit> Under(const machine::ErrorModel& model) const;
+
+  // Fits the setup offsets under the best model known and sets bad readings aside; noise is that of the fit sessions of
+  // the same instrument, so that no model is judged by a scatter of its own making.
+  absl::Status Settle(const identify::Fit& best);
+  // Chi-square under another model, setup offsets refitted; infinite where they run away to follow it.
+  absl::StatusOr<double> Squares(const machine::ErrorModel& model) const;
+  // Whether so much is chance.
+  bool IsAdequate(double squares) const;
+
+ private:
+  const machine::Machine& machine_;
+  const std::vector<instruments::MeasuringRun> runs_;
+  const identify::Options options_;
+  identify::Problem problem_;
+  identify::Point point_;
+};
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_CHECK_H_

@@ -1,0 +1,105 @@
+#include "core/loop/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/demand.h"
+#include "core/loop/dictionary.h"
+
+namespace axiscal::loop {
+namespace {
+
+Candidate RefinedBump(const Signatures& signatures, Candidate candidate) {
+  double spread = 0.5;
+  for (int round = 0; round < 5; ++round) {
+    const shapes::Bump best = std::get<shapes::Bump>(candidate.term.shape);
+    std::vector<Candidate> around;
+    for (int i = -2; i <= 2; ++i) {
+      for (int j = -1; j <= 1; ++j) {
+        Candidate moved = candidate;
+        moved.term.shape =
+            shapes::Bump{best.axis, best.at + 0.5 * i * spread * best.width, best.width * std::pow(1.0 + spread, j)};
+        around.push_back(moved);
+      }
+    }
+    candidate = BestOf(signatures, around);
+    spread *= 0.6;
+  }
+  return candidate;
+}
+
+Candidate RefinedPitch(const Signatures& signatures, Candidate candidate, double range) {
+  double step = kPitchStep * 2.0 * std::numbers::pi / range;
+  for (int round = 0; round < 6; ++round) {
+    const double best = std::get<shapes::Harmonic>(candidate.term.shape).frequency;
+    std::vector<Candidate> around(5, candidate);
+    for (int i = -2; i <= 2; ++i)
+      std::get<shapes::Harmonic>(around[i + 2].term.shape).frequency = best + 0.5 * i * step;
+    candidate = BestOf(signatures, around);
+    step *= 0.5;
+  }
+  return candidate;
+}
+
+// A decay length or time constant.
+Candidate RefinedDecay(const Signatures& signatures, Candidate candidate) {
+  double spread = 0.35;
+  for (int round = 0; round < 4; ++round) {
+    std::vector<Candidate> around(5, candidate);
+    for (int i = -2; i <= 2; ++i)
+      *shapes::NonlinearParameter(around[i + 2].term.shape) *= std::pow(1.0 + spread, 0.5 * i);
+    candidate = BestOf(signatures, around);
+    spread *= 0.5;
+  }
+  return candidate;
+}
+
+Candidate RefinedStep(const Signatures& signatures, const Candidate& candidate) {
+  const identify::Problem& problem = signatures.problem();
+  const int stride = StepStride(problem.runs[candidate.run]);
+  const int last = problem.runs[candidate.run].reading_count() - 1;
+  std::vector<Candidate> around;
+  for (int k = std::max(1, candidate.first_reading - stride); k <= std::min(last, candidate.first_reading + stride);
+       ++k) {
+    around.push_back(candidate);
+    around.back().first_reading = k;
+  }
+  return BestOf(signatures, around);
+}
+
+}  // namespace
+
+Candidate BestOf(const Signatures& signatures, const std::vector<Candidate>& candidates) {
+  DEMAND(!candidates.empty());
+  const std::vector<Projection> projections = signatures.Project(candidates);
+  double largest = -1.0;
+  Candidate best = candidates.front();
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Eigen::Vector3d amplitude;
+    const double gain = projections[i].visible > kVisible ? Gain(projections[i], &amplitude) : 0.0;
+    if (gain <= largest) continue;
+    largest = gain;
+    best = candidates[i];
+    for (int b = 0; b < shapes::kMaxBasisCount; ++b) best.term.amplitude[b] = gain > 0.0 ? amplitude[b] : 0.0;
+  }
+  return best;
+}
+
+Candidate Refined(const Signatures& signatures, const Candidate& candidate, double range) {
+  switch (candidate.family) {
+    case Family::kBump:
+      return RefinedBump(signatures, candidate);
+    case Family::kPitch:
+      return RefinedPitch(signatures, candidate, range);
+    case Family::kReversal:
+    case Family::kDriftExp:
+      return RefinedDecay(signatures, candidate);
+    case Family::kStep:
+      return RefinedStep(signatures, candidate);
+    default:
+      return candidate;
+  }
+}
+
+}  // namespace axiscal::loop

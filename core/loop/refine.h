@@ -1,0 +1,21 @@
+// Between the dictionary's places, widths, frequencies and moments: a grid around the best that shrinks, each point a
+// linear fit with everything else projected off.
+#ifndef AXISCAL_CORE_LOOP_REFINE_H_
+#define AXISCAL_CORE_LOOP_REFINE_H_
+
+#include <vector>
+
+#include "core/loop/signatures.h"
+
+namespace axiscal::loop {
+
+// The best of the candidates by what it explains, with its linear amplitude. DEMANDs that there is one.
+Candidate BestOf(const Signatures& signatures, const std::vector<Candidate>& candidates);
+
+// A bump's place and width, a pitch's frequency, a decay length or time constant, a slip's moment (to the reading);
+// others as they are. `range` is the measured range of the candidate's axis.
+Candidate Refined(const Signatures& signatures, const Candidate& candidate, double range);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_REFINE_H_

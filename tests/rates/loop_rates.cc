@@ -1,0 +1,78 @@
+// Rates at which the loop names what went into simulated machines: `loop_rates KIND COUNT [FIRST_SEED] [-v]`, KIND one
+// of null one pair dirty dirty-null misstated bump slip. -v prints every case, otherwise those that went wrong.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <vector>
+
+#include "tests/rates/score.h"
+
+namespace {
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using axiscal::rates::Kind;
+  const std::map<std::string, Kind> kinds = {{"null", Kind::kNull},
+                                             {"one", Kind::kOne},
+                                             {"pair", Kind::kPair},
+                                             {"dirty", Kind::kDirty},
+                                             {"dirty-null", Kind::kDirtyNull},
+                                             {"misstated", Kind::kMisstated},
+                                             {"bump", Kind::kBump},
+                                             {"slip", Kind::kSlip}};
+  if (argc < 3 || !kinds.contains(argv[1])) {
+    std::fprintf(stderr,
+                 "usage: loop_rates null|one|pair|dirty|dirty-null|misstated|bump|slip COUNT [FIRST_SEED] [-v]\n");
+    return 2;
+  }
+  const Kind kind = kinds.at(argv[1]);
+  const int count = std::atoi(argv[2]);
+  const int first = argc > 3 ? std::atoi(argv[3]) : 1;
+  const bool is_verbose = std::strcmp(argv[argc - 1], "-v") == 0;
+  axiscal::rates::Score total;
+  int spurious_cases = 0, noticed = 0, left_alone = 0;
+  std::vector<double> check_ratio, sigma_ratio, seconds;
+  for (int seed = first; seed < first + count; ++seed) {
+    const axiscal::rates::Score score = axiscal::rates::Judge(axiscal::rates::Draw(kind, seed), kind);
+    total.effects += score.effects;
+    total.named += score.named;
+    total.first += score.first;
+    total.spurious += score.spurious;
+    spurious_cases += score.spurious > 0;
+    noticed += score.is_structure_noticed;
+    left_alone += score.spurious == 0 && score.effects == 0;
+    total.bad += score.bad;
+    total.bad_listed += score.bad_listed;
+    total.good += score.good;
+    total.good_listed += score.good_listed;
+    check_ratio.push_back(score.check_ratio);
+    sigma_ratio.push_back(std::max(score.sigma_ratio, 1.0 / score.sigma_ratio));
+    seconds.push_back(score.seconds);
+    const bool is_wrong = score.named < score.effects || score.spurious > 0 ||
+                          ((kind == Kind::kBump || kind == Kind::kSlip) && !score.is_structure_noticed);
+    if (is_verbose || is_wrong)
+      std::printf("%s %d: %s  check x%.3f sigma x%.2f %.2f s\n", argv[1], seed, score.text.c_str(), score.check_ratio,
+                  score.sigma_ratio, score.seconds);
+    std::fflush(stdout);
+  }
+  std::printf("%s: %d cases, effects named %d of %d (own name %d), spurious in %d cases, noticed %d, left alone %d\n",
+              argv[1], count, total.named, total.effects, total.first, spurious_cases, noticed, left_alone);
+  std::printf("  bad readings listed %d of %d, good ones listed %d of %d; sigma off by x%.3f median, x%.3f at 95 %%\n",
+              total.bad_listed, total.bad, total.good_listed, total.good, Quantile(sigma_ratio, 0.5),
+              Quantile(sigma_ratio, 0.95));
+  std::printf(
+      "  check rms over that of a fit that knows: %.4f median, %.4f at 95 %%, %.4f worst; %.2f s median, %.2f s "
+      "worst\n",
+      Quantile(check_ratio, 0.5), Quantile(check_ratio, 0.95), Quantile(check_ratio, 1.0), Quantile(seconds, 0.5),
+      Quantile(seconds, 1.0));
+  return 0;
+}

@@ -1,0 +1,67 @@
+// Small fixed samples of the rates that loop_rates measures at length: a change that costs the loop its judgement
+// shows.
+#include <gtest/gtest.h>
+
+#include "tests/rates/score.h"
+
+namespace axiscal::rates {
+namespace {
+
+struct Total {
+  int cases = 0, effects = 0, named = 0, spurious_cases = 0, noticed = 0, bad = 0, bad_listed = 0, good_listed = 0;
+  double worst_check_ratio = 0.0;
+  std::string texts;
+};
+
+Total JudgeMany(Kind kind, int count) {
+  Total total;
+  for (int seed = 1; seed <= count; ++seed) {
+    const Score score = Judge(Draw(kind, seed), kind);
+    ++total.cases;
+    total.effects += score.effects;
+    total.named += score.named;
+    total.spurious_cases += score.spurious > 0;
+    total.noticed += score.is_structure_noticed;
+    total.bad += score.bad;
+    total.bad_listed += score.bad_listed;
+    total.good_listed += score.good_listed;
+    total.worst_check_ratio = std::max(total.worst_check_ratio, score.check_ratio);
+    total.texts += score.text + "\n";
+  }
+  return total;
+}
+
+TEST(Rates, MachinesThatLackNothingAreLeftAlone) {
+  const Total total = JudgeMany(Kind::kNull, 100);
+  EXPECT_LE(total.spurious_cases, 1) << total.texts;
+}
+
+TEST(Rates, OneEffectInCleanNoiseIsNamedAndNothingBesideIt) {
+  const Total total = JudgeMany(Kind::kOne, 20);
+  EXPECT_EQ(total.named, total.effects) << total.texts;
+  EXPECT_EQ(total.spurious_cases, 0) << total.texts;
+  EXPECT_LE(total.worst_check_ratio, 1.1) << total.texts;
+}
+
+TEST(Rates, AMisstatedSigmaDoesNotMatter) {
+  const Total total = JudgeMany(Kind::kMisstated, 10);
+  EXPECT_EQ(total.named, total.effects) << total.texts;
+  EXPECT_EQ(total.spurious_cases, 0) << total.texts;
+}
+
+TEST(Rates, ChipsAreListedAndDirtyMachinesThatLackNothingAreLeftAlone) {
+  const Total total = JudgeMany(Kind::kDirtyNull, 20);
+  EXPECT_EQ(total.spurious_cases, 0) << total.texts;
+  EXPECT_GT(total.bad, 300);
+  EXPECT_GE(total.bad_listed, 0.99 * total.bad);
+  EXPECT_LE(total.good_listed, 2);
+}
+
+TEST(Rates, ALocalDefectAndASlipAreNoticed) {
+  const Total bumps = JudgeMany(Kind::kBump, 10), slips = JudgeMany(Kind::kSlip, 10);
+  EXPECT_GE(bumps.noticed, 9) << bumps.texts;
+  EXPECT_GE(slips.noticed, 9) << slips.texts;
+}
+
+}  // namespace
+}  // namespace axiscal::rates

@@ -1,0 +1,41 @@
+// Simulated machines with effects that their description does not declare: what the loop's rates are measured on. The
+// plans (axis commands, places of the balls) are those of data/loop, varied; machines' errors, effects, noise and bad
+// readings are drawn.
+#ifndef AXISCAL_TESTS_RATES_SIMULATED_CASE_H_
+#define AXISCAL_TESTS_RATES_SIMULATED_CASE_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/instruments/run.h"
+#include "core/machine/error_model.h"
+#include "core/session/case.h"
+
+namespace axiscal::rates {
+
+enum class Kind { kNull, kOne, kPair, kDirty, kDirtyNull, kMisstated, kBump, kSlip };
+
+struct BadReading {
+  std::string session;
+  int row = 0;  // line of data, from 1
+  int column = 0;
+};
+
+struct SimulatedCase {
+  machine::Machine machine;
+  std::vector<instruments::MeasuringRun> fit, check;
+  machine::ErrorModel declared, effects;  // what went in
+  std::vector<double> signal_to_noise;    // per effect: rms of its unexplained signature over sigma
+  std::vector<BadReading> bad;            // of the fit sessions
+  double sigma_scale = 1.0;               // true sigma over the stated one
+  std::string slipped_session;            // kSlip
+  double slip_s = 0.0;
+};
+
+// The case number `seed` of a kind; the same each time.
+SimulatedCase Draw(Kind kind, uint64_t seed);
+
+}  // namespace axiscal::rates
+
+#endif  // AXISCAL_TESTS_RATES_SIMULATED_CASE_H_
