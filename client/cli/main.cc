@@ -1,5 +1,6 @@
 // axiscal: the command line. Global options, one sub-command, one exit code.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 
 #include "absl/synchronization/mutex.h"
@@ -56,6 +57,20 @@ void PrintError(const absl::Status& status, bool json) {
   std::fprintf(stderr, "%s\n", document.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
+// A command line that cannot be read leaves context.json as it was.
+bool AsksForJson(int argc, char** argv) {
+  return std::any_of(argv + 1, argv + argc, [](const std::string& word) { return word == "--json"; });
+}
+
+void PrintUsageError(const CLI::ParseError& error) {
+  const Json document = {{"error",
+                          {{"code", absl::StatusCodeToString(absl::StatusCode::kInvalidArgument)},
+                           {"reason", "USAGE"},
+                           {"message", error.what()},
+                           {"exit_code", static_cast<int>(kUsage)}}}};
+  std::fprintf(stderr, "%s\n", document.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
 int Main(int argc, char** argv) {
   Context context;
   CLI::App app(
@@ -72,7 +87,9 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {  // CLI11 reports --help and usage errors this way
-    return app.exit(error) == 0 ? kOk : kUsage;
+    if (error.get_exit_code() == 0 || !AsksForJson(argc, argv)) return app.exit(error) == 0 ? kOk : kUsage;
+    PrintUsageError(error);
+    return kUsage;
   }
   if (!context.status.ok()) PrintError(context.status, context.json);
   if (std::fflush(stdout) != 0) return kFailed;

@@ -25,6 +25,10 @@ std::vector<std::string> NamesOf(const std::map<std::string, Value>& choices) {
   return names;
 }
 
+absl::Status Twice(const std::string& option, const std::string& what) {
+  return absl::InvalidArgumentError(absl::StrCat(option, ": ", what, " stands twice, expected it once"));
+}
+
 // "X=12.5": mm of a linear axis, deg of a rotary one.
 absl::StatusOr<nc::AxisValue> ParseAxisValue(const std::string& option, const std::string& word,
                                              const machine::Machine& machine) {
@@ -44,6 +48,9 @@ absl::StatusOr<std::vector<nc::AxisValue>> ParseAxisValues(const std::string& op
   std::vector<nc::AxisValue> values;
   for (std::string word; words >> word;) {
     ASSIGN_OR_RETURN(nc::AxisValue value, ParseAxisValue(option, word, machine));
+    for (const nc::AxisValue& known : values) {
+      if (known.axis == value.axis) return Twice(option, value.axis);
+    }
     values.push_back(std::move(value));
   }
   return values;
@@ -171,10 +178,16 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   ASSIGN_OR_RETURN(options.initial_position, ParseAxisValues("--start", start, machine));
   for (const std::string& text : arguments.offsets) {
     ASSIGN_OR_RETURN(nc::WorkOffset offset, ParseOffset(text, machine));
+    for (const nc::WorkOffset& known : options.work_offsets) {
+      if (known.code == offset.code) return Twice("--offset", offset.code);
+    }
     options.work_offsets.push_back(std::move(offset));
   }
   for (const std::string& text : arguments.tool_lengths) {
     ASSIGN_OR_RETURN(const nc::ToolLength length, ParseToolLength(text));
+    for (const nc::ToolLength& known : options.tool_lengths) {
+      if (known.number == length.number) return Twice("--tool-length", absl::StrCat("H", length.number));
+    }
     options.tool_lengths.push_back(length);
   }
   return options;

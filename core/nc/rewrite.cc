@@ -20,6 +20,7 @@ using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 absl::Status FileError(const std::string& what, const std::string& path) {
   const int error = errno;
   const std::string message = absl::StrCat(what, " ", path, ": ", std::strerror(error));
+  if (error == EISDIR) return absl::InvalidArgumentError(message);
   return error == ENOENT ? absl::NotFoundError(message) : absl::UnavailableError(message);
 }
 

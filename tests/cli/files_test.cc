@@ -34,6 +34,26 @@ TEST_F(FilesOnly, HelpAndUsageErrors) {
   EXPECT_EQ(Run("machine show a --revision -1").exit_code, 2);
   EXPECT_THAT(Run("jobs list --state asleep").err, HasSubstr("asleep"));
   EXPECT_EQ(Run("--version").exit_code, 0);
+  const Outcome json = Run("compensate in.nc -o out.nc --json");
+  EXPECT_EQ(json.exit_code, 2);
+  const auto error = nlohmann::json::parse(json.err, nullptr, false);
+  ASSERT_TRUE(error.is_object()) << json.err;
+  EXPECT_EQ(error["error"]["exit_code"], 2);
+  EXPECT_EQ(error["error"]["reason"], "USAGE");
+}
+
+// Of two values for one thing the last would win in silence.
+TEST_F(FilesOnly, WhatIsStatedTwiceIsRefused) {
+  const auto refused = [this](const std::string& options, const std::string& text) {
+    const Outcome outcome = Compensate("in.nc -o out.nc " + options);
+    EXPECT_EQ(outcome.exit_code, 3) << options;
+    EXPECT_THAT(outcome.err, HasSubstr(text)) << options;
+  };
+  refused("--start 'X=1 X=2'", "--start: X stands twice");
+  refused("--offset 'G54 X=1' --offset 'G54 Y=2'", "--offset: G54 stands twice");
+  refused("--offset 'G54 X=1 X=2'", "--offset: X stands twice");
+  refused("--tool-length H1=10 --tool-length D1=20", "--tool-length: H1 stands twice");
+  EXPECT_FALSE(Exists("out.nc"));
 }
 
 TEST_F(FilesOnly, ExplainNeedsNoDatabase) {
@@ -156,6 +176,7 @@ TEST_F(FilesOnly, TheLoopWritesPicturesAndSaysWhatToMeasureNext) {
 
 TEST_F(FilesOnly, BadInputIsNamed) {
   EXPECT_EQ(Compensate("missing.nc -o out.nc").exit_code, 4);
+  EXPECT_EQ(Compensate(". -o out.nc").exit_code, 3);
   EXPECT_EQ(Compensate("in.nc -o in.nc").exit_code, 3);
   EXPECT_EQ(Compensate("in.nc -o missing/out.nc").exit_code, 4);
   EXPECT_THAT(Compensate("in.nc -o out.nc --start X=a").err, HasSubstr("--start: 'X=a', expected an axis"));
