@@ -4,12 +4,10 @@
 #define AXISCAL_CORE_LOOP_CLOSE_LOOP_H_
 
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "core/identify/identify.h"
-#include "core/loop/next_measurement.h"
-#include "core/loop/search.h"
+#include "core/loop/report.h"
 
 namespace axiscal::loop {
 
@@ -20,74 +18,9 @@ struct Options {
   std::function<void(const identify::Progress&)> progress;
 };
 
-// A named effect that the declared model lacked.
-struct Effect {
-  machine::ErrorTerm term;                        // with its fitted amplitude
-  double amplitude = 0.0, amplitude_sigma = 0.0;  // mm or rad, of the whole term
-  double rms_mm = 0.0;                            // what it does to the readings
-  double evidence = 0.0;                          // score when it was found
-  std::vector<machine::ErrorTerm> equivalent;     // what this data cannot tell from it
-};
-
-// Structure that was found but has no name.
-struct Unexplained {
-  std::string variable;         // axis, or "t" for a moment
-  double from = 0.0, to = 0.0;  // mm, rad or s
-  std::string session;          // where it shows most
-  double rms_mm = 0.0;
-};
-
-// One change of the model, in the order in which they were made, and what was left of the residuals after the refit.
-struct Step {
-  // dropped: no longer needed; replaced: another of its class fits better by now, or better suits the check sessions;
-  // withdrawn: the check sessions speak against it; refused: it promised much and the fit with it is worse
-  enum Change { kAdded, kDropped, kReplaced, kWithdrawn, kRefused };
-  Change change = kAdded;
-  std::string name;
-  double rms_mm = 0.0;  // of the fit sessions
-};
-
-struct Verdict {
-  enum Kind { kAdequate, kExtended, kUnexplained };
-};
-
-// What one session's readings scatter by, judged from themselves.
-struct SessionNoise {
-  std::string session;
-  double stated_mm = 0.0, sigma_mm = 0.0;
-  double ar1 = 0.0;  // correlation of neighbouring readings
-};
-
-// What each reading of a session deviates by (predicted - measured) under the declared model and under the extended
-// one.
-struct SessionResiduals {
-  std::string session;
-  bool is_check = false;
-  Eigen::MatrixXd before_mm, after_mm;  // rows of a reading x readings, as in the session's run
-};
-
-struct Report {
-  Verdict::Kind verdict = Verdict::kAdequate;
-  std::vector<Effect> effects;
-  std::vector<Unexplained> unexplained;
-  std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
-  std::vector<Step> steps;             // from fit_before to fit_after
-  identify::Result fitted;             // extended model
-  identify::FitStatistics fit_before, fit_after, check_before, check_after;
-  bool has_check = false;
-  std::vector<SessionNoise> noise;          // of the fit sessions, under the extended model
-  std::vector<SessionResiduals> residuals;  // fit sessions, then check sessions, in the order given
-  std::vector<Proposal> next_measurement;   // sessions that would tell the effects' classes apart
-  std::vector<Scored> ranking;              // candidates of the first search
-  int candidates = 0;
-};
-
 // INVALID_ARGUMENT or FAILED_PRECONDITION as Identify; CANCELLED.
 absl::StatusOr<Report> CloseLoop(const machine::Machine& machine, std::vector<instruments::MeasuringRun> fit,
                                  std::vector<instruments::MeasuringRun> check, const Options& options = {});
-
-// report.json of formats.md.
-std::string ToJson(const machine::Machine& machine, const Report& report);
 
 }  // namespace axiscal::loop
 

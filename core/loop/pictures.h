@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/loop/close_loop.h"
+#include "core/loop/report.h"
 
 namespace axiscal::loop {
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/identify/testing/scenario.h"
+#include "core/loop/close_loop.h"
 
 namespace axiscal::loop {
 namespace {

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/units.h"
-#include "core/loop/close_loop.h"
+#include "core/loop/report.h"
 #include "core/machine/error_json.h"
 
 namespace axiscal::loop {

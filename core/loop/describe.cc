@@ -1,0 +1,105 @@
+#include "core/loop/describe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/loop/rivals.h"
+
+namespace axiscal::loop {
+
+using identify::Fit;
+using instruments::MeasuringRun;
+using machine::ErrorTerm;
+using machine::Machine;
+
+namespace {
+
+// Ranges of one axis that overlap are one structure, its place that of the strongest part.
+void AddRange(const Unexplained& range, Report* report) {
+  for (Unexplained& known : report->unexplained) {
+    if (known.variable != range.variable || known.from > range.to || range.from > known.to) continue;
+    if (range.rms_mm > known.rms_mm) known = range;
+    return;
+  }
+  report->unexplained.push_back(range);
+}
+
+std::string SessionWhereItShows(const Fit& fit, const shapes::Bump& bump) {
+  std::string session;
+  int most = 0;
+  for (const MeasuringRun& run : fit.problem.runs) {
+    int count = 0;
+    for (int k = 0; k < run.reading_count(); ++k)
+      count += std::abs(run.PositionsOf(k)[bump.axis] - bump.at) < bump.width;
+    if (count > most) {
+      most = count;
+      session = run.session;
+    }
+  }
+  return session;
+}
+
+}  // namespace
+
+void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, const Extension& extension, const Fit& fit,
+              const SearchOptions& search, Report* report) {
+  const std::vector<Added>& effects = extension.effects;
+  const Signatures signatures(fit.problem, fit.point, {});
+  const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
+  for (size_t a = 0; a < effects.size(); ++a) {
+    const Added& added = effects[a];
+    if (added.candidate.family == Family::kStep) {
+      const MeasuringRun& run = runs[added.candidate.run];
+      const int k = added.candidate.first_reading;
+      report->unexplained.push_back({"t", run.time_s[std::max(0, k - 1)], run.time_s[k], run.session, 0.0});
+      continue;
+    }
+    const int t = extension.TermOf(a);
+    const ErrorTerm& term = fit.point.model.terms[t];
+    Eigen::Vector3d amplitude(term.amplitude[0], term.amplitude[1], 0.0);
+    Candidate fitted = added.candidate;
+    fitted.term = term;
+    const double rms_mm = signatures.RmsOf(fitted, amplitude);
+    if (const auto* bump = std::get_if<shapes::Bump>(&term.shape)) {
+      AddRange({machine.axes[bump->axis].name, bump->at - bump->width, bump->at + bump->width,
+                SessionWhereItShows(fit, *bump), rms_mm},
+               report);
+      continue;
+    }
+    Effect effect;
+    effect.term = term;
+    effect.rms_mm = rms_mm;
+    effect.evidence = added.score;
+    for (const Candidate& other : added.equivalent) effect.equivalent.push_back(other.term);
+    double variance = 0.0;
+    effect.amplitude = shapes::BasisCount(term.shape) == 2 ? amplitude.norm() : term.amplitude[0];
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      if (parameters[i].term != t || parameters[i].is_nonlinear) continue;
+      const double share = shapes::BasisCount(term.shape) == 2 && effect.amplitude > 0.0
+                               ? amplitude[parameters[i].basis] / effect.amplitude
+                               : 1.0;
+      const double sigma = fit.result.estimates[i].sigma;
+      if (std::isfinite(sigma)) variance += share * share * sigma * sigma;
+    }
+    effect.amplitude_sigma = std::sqrt(variance);
+    report->effects.push_back(std::move(effect));
+  }
+  report->verdict = !report->unexplained.empty() ? Verdict::kUnexplained
+                    : !report->effects.empty()   ? Verdict::kExtended
+                                                 : Verdict::kAdequate;
+  Proposer proposer(fit.problem, fit.point);
+  for (Effect& effect : report->effects) {
+    effect.equivalent = StillEquivalent(fit.problem, fit.point, effect.term, effect.equivalent,
+                                        search.same_class_correlation, search.indistinguishable);
+    const std::vector<Proposal> proposals = proposer.Propose(effect.term, effect.equivalent);
+    report->next_measurement.insert(report->next_measurement.end(), proposals.begin(), proposals.end());
+  }
+  for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
+    const identify::Noise& noise = fit.problem.noise[i];
+    report->noise.push_back({fit.problem.runs[i].session, fit.problem.runs[i].sigma_mm, noise.sigma_mm, noise.ar1});
+  }
+  report->fitted = fit.result;
+  report->fit_after = fit.result.fit;
+}
+
+}  // namespace axiscal::loop

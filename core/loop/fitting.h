@@ -1,0 +1,24 @@
+// Full refits of a model as the loop needs them.
+#ifndef AXISCAL_CORE_LOOP_FITTING_H_
+#define AXISCAL_CORE_LOOP_FITTING_H_
+
+#include "core/identify/identify.h"
+#include "core/loop/extension.h"
+
+namespace axiscal::loop {
+
+// Fits the extended model; then judges the noise from what is left and fits again until the two agree. The errors of
+// identify::FitRuns.
+absl::StatusOr<identify::Fit> FitExtension(const machine::Machine& machine, const Extension& extension,
+                                           const identify::Options& options);
+
+// Another model on the same readings, with the noise and the bad readings of `fit`: to compare the two.
+absl::StatusOr<identify::Fit> Refit(const identify::Fit& fit, const machine::ErrorModel& model,
+                                    const identify::Options& options);
+
+// Chi-square of a fit with what its priors add.
+double SquaresOf(const identify::Fit& fit);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_FITTING_H_

@@ -1,0 +1,212 @@
+#include "core/loop/growth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/units.h"
+#include "core/loop/dictionary.h"
+#include "core/loop/fitting.h"
+#include "core/loop/refine.h"
+
+namespace axiscal::loop {
+
+using identify::Fit;
+using machine::ErrorModel;
+
+absl::Status Growth::Extend(Fit* fit) {
+  // What is dropped may be found again: as many steps as twice the effects end that.
+  for (int step = 0; step < 2 * options_.max_effects; ++step) {
+    if (static_cast<int>(effects().size()) >= options_.max_effects) break;
+    ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
+    if (!has_found) break;
+    RETURN_IF_ERROR(Swap(fit));
+    RETURN_IF_ERROR(Backward(fit));
+  }
+  return absl::OkStatus();
+}
+
+// The dictionary without what was tried and did not do.
+std::vector<Candidate> Growth::Candidates(const Fit& fit) const {
+  std::vector<Candidate> candidates = MakeDictionary(fit.problem, fit.point.model);
+  if (effects().empty() && !attempt_->not_first.empty()) {
+    std::erase_if(candidates, [this](const Candidate& one) {
+      return IsUnnamed(one.family) ||
+             std::any_of(attempt_->not_first.begin(), attempt_->not_first.end(),
+                         [&](const Candidate& other) { return IsSameEffect(one.term, other.term); });
+    });
+  }
+  std::erase_if(candidates, [this](const Candidate& one) {
+    return std::any_of(attempt_->refused.begin(), attempt_->refused.end(), [&](const Candidate& other) {
+      return one.family == other.family && one.run == other.run && one.first_reading == other.first_reading &&
+             one.term.joint == other.term.joint && one.term.component == other.term.component &&
+             one.term.shape == other.term.shape;
+    });
+  });
+  return candidates;
+}
+
+absl::StatusOr<bool> Growth::Forward(Fit* fit) {
+  const Signatures signatures(fit->problem, fit->point, identify::ListParameters(fit->point.model, true));
+  const std::vector<Candidate> candidates = Candidates(*fit);
+  const SearchResult found = Search(machine_, signatures, candidates, options_.search);
+  if (attempt_->report.ranking.empty()) {
+    attempt_->report.ranking = found.ranking;
+    attempt_->report.candidates = found.candidate_count;
+  }
+  if (!found.is_significant) return false;
+  ASSIGN_OR_RETURN(const Finding finding, Decide(*fit, found.finding));
+  Added added;
+  added.candidate = finding.effect.candidate;
+  for (int b = 0; b < shapes::kMaxBasisCount; ++b) added.candidate.term.amplitude[b] = finding.effect.amplitude[b];
+  added.score = finding.effect.score;
+  SetClass(finding, &added);
+  if (added.candidate.family == Family::kStep) {
+    added.candidate = Refined(signatures, added.candidate, 0.0);
+    extension().MapSlip(fit->problem, &added.candidate);
+  }
+  effects().push_back(added);
+  ASSIGN_OR_RETURN(Fit extended, FitExtension(machine_, extension(), identify_options_));
+  // What is all but explained already may promise much and fit nothing: its amplitude runs away.
+  constexpr double kNoWorse = 1.05;  // which readings are set aside changes too
+  if (!(extended.result.fit.rms_without_outliers_mm < kNoWorse * fit->result.fit.rms_without_outliers_mm)) {
+    attempt_->Note(Step::kRefused, extension().NameOf(effects().size() - 1), extended);
+    effects().pop_back();
+    attempt_->refused.push_back(added.candidate);
+    return true;
+  }
+  *fit = std::move(extended);
+  if (!attempt_->first.has_value()) attempt_->first = added;
+  attempt_->Note(Step::kAdded, extension().NameOf(effects().size() - 1), *fit);
+  if (options_.progress) {
+    options_.progress(
+        {"closing the loop", static_cast<double>(effects().size()) / options_.max_effects,
+         absl::StrFormat("%d candidates, added %s, rms %.3f um", found.candidate_count,
+                         extension().NameOf(effects().size() - 1), fit->result.fit.rms_mm * base::kUmPerMm)});
+  }
+  return true;
+}
+
+// Where members of the class are equally simple, the full refit says which fits best: large amplitudes along what
+// setups nearly explain leave the linear estimate behind.
+absl::StatusOr<Finding> Growth::Decide(const Fit& fit, Finding finding) const {
+  if (finding.effect.candidate.family == Family::kStep) return finding;
+  constexpr size_t kContenders = 5;
+  const int complexity = Complexity(machine_, finding.effect.candidate);
+  size_t contenders = 0;
+  while (contenders < std::min(kContenders, finding.equivalent.size()) &&
+         Complexity(machine_, finding.equivalent[contenders].candidate) == complexity)
+    ++contenders;
+  if (contenders == 0) return finding;
+  double least = INFINITY;
+  size_t best = 0;  // 0: the effect itself, k: equivalent[k - 1]
+  for (size_t k = 0; k <= contenders; ++k) {
+    const Scored& one = k == 0 ? finding.effect : finding.equivalent[k - 1];
+    ErrorModel model = fit.result.model;
+    model.terms.push_back(one.candidate.term);
+    const absl::StatusOr<Fit> refit = Refit(fit, model, identify_options_);
+    if (absl::IsCancelled(refit.status())) return refit.status();
+    if (!refit.ok()) continue;
+    const double squares = SquaresOf(*refit);
+    if (squares >= least) continue;
+    least = squares;
+    best = k;
+  }
+  if (best > 0) std::swap(finding.effect, finding.equivalent[best - 1]);
+  return finding;
+}
+
+absl::Status Growth::Swap(Fit* fit) {
+  for (size_t i = 0; i < effects().size(); ++i) {
+    const Added& added = effects()[i];
+    if (added.candidate.family == Family::kStep || added.equivalent.size() + added.rivals.size() == 0) continue;
+    ASSIGN_OR_RETURN(const bool is_swapped, SwapOne(i, fit));
+    if (!is_swapped) continue;
+    ASSIGN_OR_RETURN(*fit, FitExtension(machine_, extension(), identify_options_));
+    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+  }
+  return absl::OkStatus();
+}
+
+// Among effects that were alike when one of them was added, the others that have been found since may tell: the
+// member that fits clearly better takes the place, and the class is what is alike now.
+absl::StatusOr<bool> Growth::SwapOne(size_t effect, Fit* fit) {
+  Added changed = effects()[effect];
+  ErrorModel lacking = fit->result.model;
+  const int term = extension().TermOf(effect);
+  lacking.terms.erase(lacking.terms.begin() + term);
+  const absl::StatusOr<Fit> reduced = Refit(*fit, lacking, identify_options_);
+  if (absl::IsCancelled(reduced.status())) return reduced.status();
+  if (!reduced.ok()) return false;
+  const Signatures signatures(reduced->problem, reduced->point, identify::ListParameters(reduced->point.model, true));
+  std::vector<Candidate> members = {changed.candidate};
+  members[0].term = fit->result.model.terms[term];  // its decay length or frequency as refitted
+  members.insert(members.end(), changed.equivalent.begin(), changed.equivalent.end());
+  members.insert(members.end(), changed.rivals.begin(), changed.rivals.end());
+  std::vector<Scored> scored;
+  const std::vector<Projection> projections = signatures.Project(members);
+  for (size_t k = 0; k < members.size(); ++k) {
+    Scored one;
+    one.candidate = members[k];
+    if (projections[k].visible > kVisible) {
+      const double gain = Gain(projections[k], &one.amplitude);
+      one.likelihood_ratio = LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
+      one.score = one.likelihood_ratio - options_.search.per_column * (projections[k].columns - 1);
+    }
+    scored.push_back(one);
+  }
+  const double own = scored[0].likelihood_ratio;
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const Scored& a, const Scored& b) { return a.likelihood_ratio > b.likelihood_ratio; });
+  Finding finding = ClassOf(machine_, signatures, scored, options_.search);
+  bool is_swapped = false;
+  if (finding.effect.likelihood_ratio > own + options_.search.indistinguishable) {
+    ErrorModel other = fit->result.model;
+    other.terms[term] = finding.effect.candidate.term;
+    const absl::StatusOr<Fit> swapped = Refit(*fit, other, identify_options_);
+    if (absl::IsCancelled(swapped.status())) return swapped.status();
+    is_swapped = swapped.ok() && SquaresOf(*swapped) < SquaresOf(*fit) - options_.search.indistinguishable;
+  }
+  if (is_swapped) changed.candidate = finding.effect.candidate;
+  finding.equivalent.insert(finding.equivalent.begin(), finding.effect);
+  SetClass(finding, &changed);
+  effects()[effect] = std::move(changed);
+  return is_swapped;
+}
+
+// Drops effects that the refitted model no longer needs.
+absl::Status Growth::Backward(Fit* fit) {
+  while (effects().size() > 1) {
+    int weakest = -1;
+    double least = options_.search.evidence;
+    for (size_t i = 0; i + 1 < effects().size(); ++i) {
+      if (effects()[i].candidate.family == Family::kStep) continue;
+      const double evidence = EvidenceOf(*fit, i);
+      if (evidence < least) {
+        least = evidence;
+        weakest = static_cast<int>(i);
+      }
+    }
+    if (weakest < 0) return absl::OkStatus();
+    const std::string name = extension().NameOf(weakest);
+    effects().erase(effects().begin() + weakest);
+    ASSIGN_OR_RETURN(*fit, FitExtension(machine_, extension(), identify_options_));
+    attempt_->Note(Step::kDropped, name, *fit);
+  }
+  return absl::OkStatus();
+}
+
+// Likelihood ratio of an effect that is in the model: how much chi-square its removal would cost (Wald).
+double Growth::EvidenceOf(const Fit& fit, size_t effect) const {
+  const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
+  const int term = extension().TermOf(effect);
+  double squares = 0.0;
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].term != term || parameters[i].is_nonlinear) continue;
+    const identify::Estimate& estimate = fit.result.estimates[i];
+    if (estimate.identifiable && estimate.sigma > 0.0)
+      squares += estimate.value * estimate.value / (estimate.sigma * estimate.sigma);
+  }
+  return squares;
+}
+
+}  // namespace axiscal::loop

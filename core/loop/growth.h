@@ -1,0 +1,58 @@
+// Grows the declared model by what it lacks: one effect at a time, each followed by a full refit, exchange of effects
+// that were alike, and removal of what is no longer needed (design.md, "Close the loop", 3).
+#ifndef AXISCAL_CORE_LOOP_GROWTH_H_
+#define AXISCAL_CORE_LOOP_GROWTH_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/identify/identify.h"
+#include "core/loop/close_loop.h"
+#include "core/loop/extension.h"
+
+namespace axiscal::loop {
+
+// One way from the declared model to what explains the sessions.
+struct Attempt {
+  Extension extension;
+  std::vector<Candidate> not_first;  // beginnings that led astray before
+  std::vector<Candidate> refused;    // that promised much and did not fit
+  std::optional<Added> first;        // what was added first
+  Report report;                     // steps and ranking, as they come
+
+  void Note(Step::Change change, const std::string& name, const identify::Fit& fit) {
+    report.steps.push_back({change, name, fit.result.fit.rms_mm});
+  }
+};
+
+class Growth {
+ public:
+  // All must outlive it.
+  Growth(const machine::Machine& machine, const Options& options, const identify::Options& identify_options,
+         Attempt* attempt)
+      : machine_(machine), options_(options), identify_options_(identify_options), attempt_(attempt) {}
+
+  // Adds effects until nothing significant is left; `fit` is that of the extension before and after.
+  absl::Status Extend(identify::Fit* fit);
+
+ private:
+  Extension& extension() const { return attempt_->extension; }
+  std::vector<Added>& effects() const { return attempt_->extension.effects; }
+  std::vector<Candidate> Candidates(const identify::Fit& fit) const;
+  absl::StatusOr<bool> Forward(identify::Fit* fit);
+  absl::StatusOr<Finding> Decide(const identify::Fit& fit, Finding finding) const;
+  absl::Status Swap(identify::Fit* fit);
+  absl::StatusOr<bool> SwapOne(size_t effect, identify::Fit* fit);
+  absl::Status Backward(identify::Fit* fit);
+  double EvidenceOf(const identify::Fit& fit, size_t effect) const;
+
+  const machine::Machine& machine_;
+  const Options& options_;
+  const identify::Options& identify_options_;
+  Attempt* attempt_;
+};
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_GROWTH_H_

@@ -1,0 +1,32 @@
+// What sessions that were not used say of the extended model (design.md, "Close the loop", 6).
+#ifndef AXISCAL_CORE_LOOP_VALIDATION_H_
+#define AXISCAL_CORE_LOOP_VALIDATION_H_
+
+#include "core/loop/check.h"
+#include "core/loop/growth.h"
+
+namespace axiscal::loop {
+
+class Validation {
+ public:
+  // All must outlive it.
+  Validation(const machine::Machine& machine, const identify::Options& identify_options, Check* check, Attempt* attempt)
+      : machine_(machine), identify_options_(identify_options), check_(*check), attempt_(attempt) {}
+
+  // Withdraws what does not help on the check sessions; true where another member of a class took the place of one.
+  absl::StatusOr<bool> Run(identify::Fit* fit);
+
+ private:
+  Extension& extension() const { return attempt_->extension; }
+  std::vector<Added>& effects() const { return attempt_->extension.effects; }
+  absl::StatusOr<bool> Replace(size_t effect, double least, identify::Fit* fit);
+
+  const machine::Machine& machine_;
+  const identify::Options& identify_options_;
+  Check& check_;
+  Attempt* attempt_;
+};
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_VALIDATION_H_
