@@ -83,6 +83,18 @@ TEST(Plan, TheTwelvePatternsAreForMachinesThatTheyFit) {
   EXPECT_TRUE(FindTest("ballbar-pattern")->plan(SituationOf(mirrored, {})).empty());
 }
 
+// An arm has no linear axis that would bring the tool point to the ball.
+TEST(Plan, AnArmCanRunNoneOfTheTests) {
+  const Machine arm = machine::testing::Make("arm",
+                                             {machine::testing::Rotary("J1", machine::testing::kZ, {0, 0, 0}),
+                                              machine::testing::Rotary("J2", machine::testing::kY, {0, 0, 300}),
+                                              machine::testing::Rotary("J3", machine::testing::kX, {400, 0, 300})},
+                                             {}, {});
+  Situation situation = SituationOf(arm, {});
+  for (Range& range : situation.ranges) range = {-1.0, 1.0};
+  for (const plan::Test& test : Tests()) EXPECT_TRUE(test.plan(situation).empty()) << test.name;
+}
+
 TEST(Plan, OnlySessionsThatRanOneWayAreRunBackwards) {
   const Machine machine = machine::testing::MultiTasking();
   ballbar::PatternOptions one_way;

@@ -49,13 +49,14 @@ absl::Status SolveNominalCommands(const machine::Machine& machine, const Eigen::
   const std::vector<int> linear = LinearAxes(machine);
   for (const int axis : linear) positions[axis] = 0.0;
   const Eigen::Matrix3Xd directions = LinearDirections(machine, positions);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(directions);
-  if (qr.rank() < 3) {
+  const auto rank = [&] { return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(directions).rank(); };
+  if (linear.size() < 3 || rank() < 3) {  // of no columns the decomposition knows nothing
     return absl::FailedPreconditionError(
         absl::StrCat("machine '", machine.id, "': its linear axes do not reach three directions"));
   }
   const auto pose = machine::EvaluateChain<double>(machine, positions, {});
-  const Eigen::VectorXd commands = qr.solve(pose.bed_from_table * ball_mm - pose.bed_from_tool * tip_mm);
+  const Eigen::VectorXd commands = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(directions)
+                                       .solve(pose.bed_from_table * ball_mm - pose.bed_from_tool * tip_mm);
   for (size_t i = 0; i < linear.size(); ++i) positions[linear[i]] = commands[i];
   return absl::OkStatus();
 }
