@@ -1,0 +1,50 @@
+// The shadow of one round insert at one spindle angle, and the height Zc of O_t at which it shades exactly half of the
+// beam. Projected along X the cutting edge is an ellipse,  y = c_y + u_y cos x + w_y sin x,  z = c_z + w_z sin x, whose
+// lower arc
+//   z(y) = c_z + w_z max(sin(x0 + q), sin(x0 - q)),  q = acos((y - c_y) / rho),  rho = hypot(u_y, w_y), x0 = atan2(w_y,
+//   u_y)
+// is the lower edge of the shadow.
+#ifndef AXISCAL_CORE_TOOLSETTER_INSERT_EDGE_H_
+#define AXISCAL_CORE_TOOLSETTER_INSERT_EDGE_H_
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/toolsetter/cutter.h"
+#include "core/toolsetter/half_shade.h"
+
+namespace axiscal::toolsetter {
+
+class InsertEdge {
+ public:
+  // `depth_mm` into the flank, 0: the cutting edge.
+  InsertEdge(const Cutter& cutter, double offset_mm, double psi_rad, double depth_mm = 0.0);
+
+  // At O_t's height 0. NaN where the edge does not reach.
+  EdgePoint At(double y_mm) const;
+  // Whether it reaches across |y| <= radius.
+  bool Spans(double radius_mm) const;
+
+  // Edge through the beam's centre plus curvature:  Zc = -z - f2 R_l^2 / (6 (1 + f1^2)), f1, f2 = dz/dy, d2z/dy2;
+  // within 5e-7 mm where a trigger can happen. Nothing where the edge does not reach the beam's centre.
+  std::optional<double> ClosedFormMm(double beam_radius_mm) const;
+
+ private:
+  double LowerArc(double y_mm) const;  // x
+
+  double c_y_mm_, c_z_mm_, u_y_mm_, w_y_mm_, w_z_mm_, rho_mm_, x0_rad_;
+};
+
+// Exact to 1e-12 mm; nothing where the insert does not reach across the beam.
+std::optional<double> TriggerHeightMm(const Cutter& cutter, const CutterRun& run, double psi_rad);
+std::optional<double> ClosedFormTriggerMm(const Cutter& cutter, const CutterRun& run, double psi_rad);
+
+// Share of the beam's disc that an insert shades with O_t at `height_mm`, 0 .. 1.
+double ShadedShare(const Cutter& cutter, const CutterRun& run, double psi_rad, double height_mm);
+
+// How far the flank's shadow reaches below the cutting edge's in the middle of the beam, mm; 0 where it is clear.
+double FlankBelowEdgeMm(const Cutter& cutter, const CutterRun& run, double psi_rad);
+
+}  // namespace axiscal::toolsetter
+
+#endif  // AXISCAL_CORE_TOOLSETTER_INSERT_EDGE_H_

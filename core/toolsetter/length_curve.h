@@ -1,0 +1,63 @@
+// The length characteristic curve: the height Z_t of the tool's origin above the beam when the trigger fires, over the
+// spindle angle theta_s0 at which the measurement starts. The tool turns while it sinks, psi_k = theta_s0 + theta_t +
+// omega t + angle_k, Z = h - v t; the trigger fires first where Z <= max_k [Zc(psi_k) - W_k]. Tool length:
+// L_t = Z'_s - Z_ts - Z_t; a reading that ignores Z_t is L_t + Z_t. Its peaks are the inserts' lengths.
+#ifndef AXISCAL_CORE_TOOLSETTER_LENGTH_CURVE_H_
+#define AXISCAL_CORE_TOOLSETTER_LENGTH_CURVE_H_
+
+#include <vector>
+
+#include "core/toolsetter/insert_heights.h"
+
+namespace axiscal::toolsetter {
+
+// One reading of the curve.
+struct CurvePoint {
+  double start_rad = 0.0;   // theta_s0
+  double height_mm = 0.0;   // Z_t
+  double turned_rad = 0.0;  // from the start to the trigger
+  int insert = 0;           // that fired, from 0
+  double by_start = 0.0;    // dZ_t / dtheta_s0, mm per rad, away from the jumps
+  double by_wear = 0.0;     // dZ_t / dW of that insert
+};
+
+class LengthCurve {
+ public:
+  // `heights` of the same cutter and run, deep enough (DepthMm), must outlive the curve; `wear_mm` per insert, of which
+  // the least counts as 0 only for the depth. The start must stand above the beam (HeightsOf
+  // checks it).
+  LengthCurve(const InsertHeights& heights, const Cutter& cutter, const CutterRun& run, std::vector<double> wear_mm);
+
+  // In the order of `starts_rad`; ascending starts within one turn cost least.
+  std::vector<CurvePoint> At(const std::vector<double>& starts_rad) const;
+
+  // How deep below the peak a trigger can happen: what the tool sinks in a turn.
+  static double DepthMm(const CutterRun& run);
+
+ private:
+  struct Node {
+    double psi_rad, rise_mm;  // of insert 1; rise = envelope + p psi / 2 pi
+  };
+  double Envelope(double psi_rad, int* insert) const;
+  // The first trigger of a line that stands at `level_mm` - p psi / 2 pi, from `first_rad` on; it lies before `node`.
+  CurvePoint Hit(double first_rad, double level_mm, size_t node) const;
+
+  const InsertHeights& heights_;
+  const Cutter& cutter_;
+  const std::vector<double> wear_mm_;
+  const double start_mm_, per_rad_mm_;  // h, p / 2 pi
+  std::vector<Node> nodes_;             // over two turns from 0
+};
+
+// The curve of a cutter at `starts_rad`. INVALID_ARGUMENT as Validate, or when the tool already shades the beam where
+// it starts.
+absl::StatusOr<std::vector<CurvePoint>> ComputeCurve(const Cutter& cutter, const CutterRun& run,
+                                                     const std::vector<double>& wear_mm,
+                                                     const std::vector<double>& starts_rad);
+
+// The heights that a run needs, checked.
+absl::StatusOr<InsertHeights> HeightsOf(const Cutter& cutter, const CutterRun& run);
+
+}  // namespace axiscal::toolsetter
+
+#endif  // AXISCAL_CORE_TOOLSETTER_LENGTH_CURVE_H_

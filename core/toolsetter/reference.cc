@@ -1,0 +1,323 @@
+#include "core/toolsetter/reference.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/units.h"
+
+namespace axiscal::toolsetter {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Directions that move all readouts less than this share of what their parameters alone would are unseen.
+constexpr double kSeen = 1e-7;
+
+struct Fit {
+  std::vector<Trigger> triggers;
+  Eigen::Vector3d at;                   // Z, yaw, pitch
+  MatrixXd covariance;                  // of the free parameters
+  std::vector<Eigen::VectorXd> unseen;  // in the free parameters
+  double chi2 = 0.0;
+  int rank = 0;
+};
+
+class Fitter {
+ public:
+  Fitter(const RodSession& session, const ReferenceOptions& options) : session_(session) {
+    for (const MeasuredRod& rod : session.rods) {
+      if (!rod.readouts_mm.empty()) rods_.push_back(&rod);
+    }
+    free_ = {kReferenceZ};
+    const double sigma[] = {session.beam_sigma.yaw_rad, session.beam_sigma.pitch_rad};
+    const bool asked[] = {options.fit_yaw, options.fit_pitch};
+    for (int i = 0; i < 2; ++i) {
+      if (!asked[i] && sigma[i] == 0.0) continue;
+      free_.push_back(kReferenceYaw + i);
+      if (!asked[i]) priors_.push_back({static_cast<int>(free_.size()) - 1, sigma[i]});
+    }
+  }
+
+  const std::vector<const MeasuredRod*>& rods() const { return rods_; }
+  const std::vector<int>& free() const { return free_; }
+  int rows() const { return static_cast<int>(rods_.size() + priors_.size()); }
+
+  // Least squares from `start` with the given component between rods.
+  absl::StatusOr<Fit> Solve(const Eigen::Vector3d& start, double between_mm) const {
+    Fit fit;
+    fit.at = start;
+    for (int iteration = 0; iteration < 50; ++iteration) {
+      ASSIGN_OR_RETURN(fit.triggers, Triggers(fit.at));
+      const auto [jacobian, residual] = Whitened(fit, between_mm);
+      fit.chi2 = residual.squaredNorm();
+      const VectorXd step = Step(jacobian, residual, &fit);
+      double largest = 0.0;
+      for (size_t i = 0; i < free_.size(); ++i) {
+        // An angle may be far off while its derivative has a kink at A = 0: a degree at a time.
+        constexpr double kLargestRad = base::kRadPerDeg;
+        const double bounded = free_[i] == kReferenceZ ? step[i] : std::clamp(step[i], -kLargestRad, kLargestRad);
+        fit.at[free_[i]] += bounded;
+        largest = std::max(largest, std::abs(bounded));
+      }
+      if (largest < 1e-12) break;
+    }
+    return fit;
+  }
+
+  // The rod's own answer.
+  double AnswerMm(size_t rod, const Fit& fit) const {
+    return MeanMm(rod) + session_.spindle_at_home_mm - rods_[rod]->rod.length_mm - fit.triggers[rod].height_mm;
+  }
+  double MeanMm(size_t rod) const {
+    double sum = 0.0;
+    for (const double readout_mm : rods_[rod]->readouts_mm) sum += readout_mm;
+    return sum / static_cast<double>(rods_[rod]->readouts_mm.size());
+  }
+
+  MatrixXd Covariance(const std::vector<Trigger>& triggers, double between_mm) const {
+    const size_t count = rods_.size();
+    MatrixXd covariance(count, count);
+    for (size_t i = 0; i < count; ++i) {
+      for (size_t j = 0; j < count; ++j) {
+        const auto &gi = triggers[i].by_input, &gj = triggers[j].by_input;
+        double sum = gi[kBeamRadius] * gj[kBeamRadius] * std::pow(session_.beam_sigma.radius_mm, 2);
+        if (rods_[i]->body() == rods_[j]->body()) {
+          const RodSigma& sigma = rods_[i]->sigma;
+          sum += gi[kRodRadius] * gj[kRodRadius] * std::pow(sigma.radius_mm, 2) +
+                 gi[kFillet] * gj[kFillet] * std::pow(sigma.fillet_mm, 2) +
+                 gi[kFace] * gj[kFace] * std::pow(sigma.face_rad, 2) +
+                 gi[kAzimuth] * gj[kAzimuth] * std::pow(sigma.azimuth_rad, 2) + std::pow(sigma.length_mm, 2) +
+                 std::pow(between_mm, 2);
+        }
+        if (i == j) sum += std::pow(session_.sigma_mm, 2) / static_cast<double>(rods_[i]->readouts_mm.size());
+        covariance(i, j) = sum;
+      }
+    }
+    return covariance;
+  }
+
+ private:
+  struct Prior {
+    int column = 0;  // in free_
+    double sigma_rad = 0.0;
+  };
+
+  absl::StatusOr<std::vector<Trigger>> Triggers(const Eigen::Vector3d& at) const {
+    Beam beam = session_.beam;
+    beam.yaw_rad = at[kReferenceYaw];
+    beam.pitch_rad = at[kReferencePitch];
+    std::vector<Trigger> triggers;
+    for (const MeasuredRod* rod : rods_) {
+      auto trigger = TriggerOf(rod->rod, beam);
+      if (!trigger.ok()) return base::Within(rod->name, trigger.status());
+      triggers.push_back(*trigger);
+    }
+    return triggers;
+  }
+
+  // Of unit variance: measured - predicted per rod, then the priors; d(predicted) per free parameter.
+  std::pair<MatrixXd, VectorXd> Whitened(const Fit& fit, double between_mm) const {
+    const size_t count = rods_.size();
+    MatrixXd jacobian = MatrixXd::Zero(rows(), free_.size());
+    VectorXd residual = VectorXd::Zero(rows());
+    for (size_t i = 0; i < count; ++i) {
+      residual[i] = AnswerMm(i, fit) - fit.at[kReferenceZ];
+      const double by[] = {1.0, fit.triggers[i].by_input[kYaw], fit.triggers[i].by_input[kPitch]};
+      for (size_t c = 0; c < free_.size(); ++c) jacobian(i, c) = by[free_[c]];
+    }
+    const Eigen::LLT<MatrixXd> root(Covariance(fit.triggers, between_mm));
+    const MatrixXd white = root.matrixL().solve(jacobian.topRows(count));
+    const VectorXd white_residual = root.matrixL().solve(residual.head(count));
+    jacobian.topRows(count) = white;
+    residual.head(count) = white_residual;
+    const double stated[] = {0.0, session_.beam.yaw_rad, session_.beam.pitch_rad};
+    for (size_t i = 0; i < priors_.size(); ++i) {
+      jacobian(count + i, priors_[i].column) = 1.0 / priors_[i].sigma_rad;
+      const int parameter = free_[priors_[i].column];
+      residual[count + i] = (stated[parameter] - fit.at[parameter]) / priors_[i].sigma_rad;
+    }
+    return {jacobian, residual};
+  }
+
+  // The least step, none along unseen directions; also covariance, rank and those directions.
+  VectorXd Step(const MatrixXd& jacobian, const VectorXd& residual, Fit* fit) const {
+    // An angle that no rod feels (yaw, when all faces are square) has a column of rounding at most.
+    constexpr double kFeltMmPerRad = 1e-9;
+    VectorXd scale(jacobian.cols());
+    for (Eigen::Index c = 0; c < jacobian.cols(); ++c) {
+      const double norm = jacobian.col(c).norm();
+      scale[c] = norm > kFeltMmPerRad * jacobian.col(0).norm() ? 1.0 / norm : 0.0;
+    }
+    const Eigen::JacobiSVD<MatrixXd> svd(jacobian * scale.asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeFullV);
+    fit->unseen.clear();
+    fit->rank = 0;
+    fit->covariance = MatrixXd::Zero(jacobian.cols(), jacobian.cols());
+    VectorXd step = VectorXd::Zero(jacobian.cols());
+    for (Eigen::Index k = 0; k < jacobian.cols(); ++k) {
+      VectorXd direction = svd.matrixV().col(k);
+      const double value = k < svd.singularValues().size() ? svd.singularValues()[k] : 0.0;
+      if (!(value > kSeen)) {
+        for (Eigen::Index c = 0; c < direction.size(); ++c) direction[c] *= scale[c] > 0.0 ? scale[c] : 1.0;
+        fit->unseen.push_back(direction.normalized());
+        continue;
+      }
+      ++fit->rank;
+      direction = scale.asDiagonal() * direction;
+      step += direction * (svd.matrixU().col(k).dot(residual) / value);
+      fit->covariance += direction * direction.transpose() / (value * value);
+    }
+    return step;
+  }
+
+  const RodSession& session_;
+  std::vector<const MeasuredRod*> rods_;
+  std::vector<int> free_;  // ReferenceParameter
+  std::vector<Prior> priors_;
+};
+
+// Pitch has a local minimum on either side of a square face's kink.
+absl::StatusOr<Fit> BestFit(const Fitter& fitter, const RodSession& session, const ReferenceOptions& options) {
+  std::vector<Eigen::Vector3d> starts = {{0.0, session.beam.yaw_rad, session.beam.pitch_rad}};
+  if (options.fit_pitch || options.fit_yaw) {
+    constexpr double kOtherRad = 0.3 * base::kRadPerDeg;
+    const double yaw = session.beam.yaw_rad;
+    for (const double pitch : {kOtherRad, -kOtherRad}) {
+      if (options.fit_pitch) starts.push_back({0.0, yaw, pitch});
+      if (options.fit_pitch && options.fit_yaw) starts.push_back({0.0, -yaw, pitch});
+    }
+  }
+  absl::StatusOr<Fit> best;
+  for (const Eigen::Vector3d& start : starts) {
+    absl::StatusOr<Fit> fit = fitter.Solve(start, 0.0);
+    if (!best.ok() || (fit.ok() && fit->chi2 < best->chi2 * (1.0 - 1e-9) - 1e-12)) best = std::move(fit);
+  }
+  return best;
+}
+
+// The component between rods that makes chi-square what it should be; 0 where it is not too large without. Nothing when
+// no such component explains it: the readouts of one rod scatter more than is stated.
+absl::StatusOr<std::optional<double>> BetweenRods(const Fitter& fitter, const Fit& fit, int degrees_of_freedom) {
+  if (degrees_of_freedom <= 0 || fit.chi2 <= degrees_of_freedom) return std::optional(0.0);
+  const auto chi2 = [&](double between_mm) -> absl::StatusOr<double> {
+    ASSIGN_OR_RETURN(const Fit wider, fitter.Solve(fit.at, between_mm));
+    return wider.chi2;
+  };
+  constexpr double kLargestMm = 1.0;
+  ASSIGN_OR_RETURN(const double least, chi2(kLargestMm));
+  if (least > degrees_of_freedom) return std::optional<double>();
+  double low_mm = 0.0, high_mm = kLargestMm;
+  while (high_mm - low_mm > 1e-8 + 1e-4 * low_mm) {
+    const double middle_mm = 0.5 * (low_mm + high_mm);
+    ASSIGN_OR_RETURN(const double now, chi2(middle_mm));
+    (now > degrees_of_freedom ? low_mm : high_mm) = middle_mm;
+  }
+  return std::optional(high_mm);
+}
+
+// The most tilted rod at twelve angles of the spindle, one readout each.
+std::optional<RodProposal> Propose(const RodSession& session, const Fit& fit) {
+  const auto most = std::min_element(session.rods.begin(), session.rods.end(),
+                                     [](const auto& a, const auto& b) { return a.rod.face_rad < b.rod.face_rad; });
+  constexpr double kTiltedRad = 0.2 * base::kRadPerDeg;
+  if (most == session.rods.end() || 0.5 * std::numbers::pi - most->rod.face_rad < kTiltedRad) return std::nullopt;
+  RodSession turned = session;
+  turned.rods.clear();
+  turned.beam.yaw_rad = fit.at[kReferenceYaw];
+  turned.beam.pitch_rad = fit.at[kReferencePitch];
+  RodProposal proposal;
+  proposal.rod = most->body();
+  for (int i = 0; i < 12; ++i) {
+    MeasuredRod rod = *most;
+    rod.rod.holder_rad = 30.0 * i * base::kRadPerDeg;
+    rod.name = absl::StrCat(most->body(), i, "@");
+    rod.sigma = {};
+    rod.readouts_mm = {0.0};
+    turned.rods.push_back(rod);
+    proposal.holder_rad.push_back(rod.rod.holder_rad);
+  }
+  const Fitter fitter(turned, {true, true});
+  for (MeasuredRod& rod : turned.rods) {
+    const auto trigger = TriggerOf(rod.rod, turned.beam);
+    if (!trigger.ok()) return std::nullopt;
+    rod.readouts_mm = {rod.rod.length_mm + trigger->height_mm - session.spindle_at_home_mm};
+  }
+  const auto expected = fitter.Solve({0.0, turned.beam.yaw_rad, turned.beam.pitch_rad}, 0.0);
+  if (!expected.ok() || expected->rank < kReferenceParameters) return std::nullopt;
+  for (int i = 0; i < kReferenceParameters; ++i) proposal.sigma[i] = std::sqrt(expected->covariance(i, i));
+  return proposal;
+}
+
+}  // namespace
+
+const char* ParameterName(ReferenceParameter parameter) {
+  constexpr const char* kNames[] = {"Z", "yaw", "pitch"};
+  return kNames[parameter];
+}
+
+absl::StatusOr<Reference> FitReference(const RodSession& session, const ReferenceOptions& options) {
+  RETURN_IF_ERROR(Validate(session.beam));
+  const Fitter fitter(session, options);
+  if (fitter.rods().empty()) {
+    return absl::InvalidArgumentError("session " + session.session + ": no rod has a readout, expected at least one");
+  }
+  ASSIGN_OR_RETURN(Fit fit, BestFit(fitter, session, options));
+  Reference out;
+  out.chi2 = fit.chi2;
+  out.degrees_of_freedom = fitter.rows() - fit.rank;
+  ASSIGN_OR_RETURN(const std::optional<double> between_mm, BetweenRods(fitter, fit, out.degrees_of_freedom));
+  out.between_rods_mm = between_mm.value_or(0.0);
+  if (out.between_rods_mm > 0.0) {
+    ASSIGN_OR_RETURN(fit, fitter.Solve(fit.at, out.between_rods_mm));
+  }
+  if (!between_mm) fit.covariance *= out.chi2 / out.degrees_of_freedom;
+  const Eigen::MatrixXd alone = fitter.Covariance(fit.triggers, 0.0);
+  for (size_t i = 0; i < fitter.rods().size(); ++i) {
+    const std::vector<double>& readouts_mm = fitter.rods()[i]->readouts_mm;
+    const auto [least, most] = std::minmax_element(readouts_mm.begin(), readouts_mm.end());
+    RodAnswer answer{fitter.rods()[i]->name,
+                     fit.triggers[i],
+                     static_cast<int>(readouts_mm.size()),
+                     fitter.MeanMm(i),
+                     *most - *least,
+                     fitter.AnswerMm(i, fit),
+                     0.0};
+    double variance = alone(i, i);
+    if (!options.fit_yaw) variance += std::pow(answer.trigger.by_input[kYaw] * session.beam_sigma.yaw_rad, 2);
+    if (!options.fit_pitch) variance += std::pow(answer.trigger.by_input[kPitch] * session.beam_sigma.pitch_rad, 2);
+    answer.sigma_mm = std::sqrt(variance);
+    out.rods.push_back(std::move(answer));
+  }
+  const auto [least, most] = std::minmax_element(
+      out.rods.begin(), out.rods.end(), [](const auto& a, const auto& b) { return a.reference_mm < b.reference_mm; });
+  out.range_mm = most->reference_mm - least->reference_mm;
+
+  for (int i = 0; i < kReferenceParameters; ++i) out.parameters[i].estimate = fit.at[i];
+  const std::vector<int>& free = fitter.free();
+  for (const Eigen::VectorXd& direction : fit.unseen) {
+    Eigen::Vector3d whole = Eigen::Vector3d::Zero();
+    for (size_t c = 0; c < free.size(); ++c) whole[free[c]] = direction[c];
+    out.unseen.push_back(whole);
+  }
+  for (size_t c = 0; c < free.size(); ++c) {
+    Fitted& parameter = out.parameters[free[c]];
+    parameter.is_free = true;
+    parameter.sigma = std::sqrt(fit.covariance(c, c));
+    for (const Eigen::VectorXd& direction : fit.unseen) parameter.is_identifiable &= std::abs(direction[c]) < 1e-6;
+    for (size_t d = 0; d < free.size(); ++d) out.covariance(free[c], free[d]) = fit.covariance(c, d);
+  }
+  for (int i = 0; i < kReferenceParameters; ++i) {
+    if (out.parameters[i].is_identifiable) continue;
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    out.parameters[i].estimate = out.parameters[i].sigma = kNone;
+    out.covariance.row(i).setConstant(kNone);
+    out.covariance.col(i).setConstant(kNone);
+  }
+  if (options.fit_yaw || options.fit_pitch) out.next = Propose(session, fit);
+  return out;
+}
+
+}  // namespace axiscal::toolsetter
