@@ -54,12 +54,19 @@ void Rivals::FitAmplitudes(const identify::Problem& problem) {
   const Separation separation(information_, members_);
   std::vector<Eigen::VectorXd> amplitudes;
   for (int m = 1; m < count(); ++m) amplitudes.push_back(separation.FittedAmplitude(0, m));
+  // All rivals stand in the model side by side: as small as leaves the machine where it is, whatever the amplitudes are
+  // that they would take.
+  constexpr double kSmall = 1e-6;  // mm or rad
   bool has_nonlinear = false;
   for (int m = 1; m < count(); ++m) {
     members_[m].amplitude = amplitudes[m - 1];
-    has_nonlinear |= !members_[m].nonlinear.empty();
-    for (size_t i = 0; i < members_[m].columns.size(); ++i)
-      identify::SetValue(parameters_[members_[m].columns[i]], members_[m].amplitude[i], &point_.model);
+    if (members_[m].nonlinear.empty()) continue;
+    has_nonlinear = true;
+    const double norm = amplitudes[m - 1].norm();
+    for (size_t i = 0; i < members_[m].columns.size(); ++i) {
+      const double share = norm > 0.0 ? amplitudes[m - 1][i] / norm : i == 0;
+      identify::SetValue(parameters_[members_[m].columns[i]], kSmall * share, &point_.model);
+    }
   }
   if (has_nonlinear) information_ = InformationOf(problem, point_, parameters_);
 }

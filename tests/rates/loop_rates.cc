@@ -1,5 +1,7 @@
 // Rates at which the loop names what went into simulated machines: `loop_rates KIND COUNT [FIRST_SEED] [-v]`, KIND one
-// of null one pair dirty dirty-null misstated bump slip. -v prints every case, otherwise those that went wrong.
+// of null one pair dirty dirty-null misstated bump slip; or how often the sessions that it proposes leave the true
+// effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`, COUNT machines with one effect. -v prints every
+// case, otherwise those that went wrong.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -7,6 +9,7 @@
 #include <map>
 #include <vector>
 
+#include "tests/rates/next_session.h"
 #include "tests/rates/score.h"
 
 namespace {
@@ -15,6 +18,24 @@ double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());
   return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
+}
+
+int NextRates(int count, int first, bool is_verbose) {
+  int held = 0, shrunk = 0;
+  double seconds = 0.0;
+  for (int seed = first; seed < first + count; ++seed) {
+    const axiscal::rates::NextScore score = axiscal::rates::JudgeNext(seed);
+    held += score.held_others;
+    shrunk += score.held_others && score.is_alone;
+    seconds += score.seconds;
+    if (is_verbose || (score.held_others && !score.is_alone)) std::printf("next %d: %s\n", seed, score.text.c_str());
+    std::fflush(stdout);
+  }
+  std::printf(
+      "next: %d cases, the class held the truth and others in %d, the truth alone after the proposed sessions "
+      "in %d (%.1f %%); %.2f s each\n",
+      count, held, shrunk, held > 0 ? 100.0 * shrunk / held : 100.0, seconds / count);
+  return 0;
 }
 
 }  // namespace
@@ -29,15 +50,17 @@ int main(int argc, char** argv) {
                                              {"misstated", Kind::kMisstated},
                                              {"bump", Kind::kBump},
                                              {"slip", Kind::kSlip}};
-  if (argc < 3 || !kinds.contains(argv[1])) {
+  const bool is_next = argc >= 3 && std::strcmp(argv[1], "next") == 0;
+  if (argc < 3 || (!is_next && !kinds.contains(argv[1]))) {
     std::fprintf(stderr,
-                 "usage: loop_rates null|one|pair|dirty|dirty-null|misstated|bump|slip COUNT [FIRST_SEED] [-v]\n");
+                 "usage: loop_rates null|one|pair|dirty|dirty-null|misstated|bump|slip|next COUNT [FIRST_SEED] [-v]\n");
     return 2;
   }
-  const Kind kind = kinds.at(argv[1]);
   const int count = std::atoi(argv[2]);
   const int first = argc > 3 ? std::atoi(argv[3]) : 1;
   const bool is_verbose = std::strcmp(argv[argc - 1], "-v") == 0;
+  if (is_next) return NextRates(count, first, is_verbose);
+  const Kind kind = kinds.at(argv[1]);
   axiscal::rates::Score total;
   int spurious_cases = 0, noticed = 0, left_alone = 0;
   std::vector<double> check_ratio, sigma_ratio, seconds;

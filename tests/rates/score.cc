@@ -13,14 +13,6 @@ namespace {
 
 using machine::ErrorTerm;
 
-// A pitch's frequency is told to within half a period over the measured range (about 1 in 20 here).
-bool IsSame(const ErrorTerm& a, const ErrorTerm& b) {
-  const auto *one = std::get_if<shapes::Harmonic>(&a.shape), *other = std::get_if<shapes::Harmonic>(&b.shape);
-  if (one == nullptr || other == nullptr) return loop::IsSameEffect(a, b);
-  return a.joint == b.joint && a.component == b.component && one->axis == other->axis &&
-         std::abs(one->frequency - other->frequency) < (one->is_frequency_free ? 0.05 * other->frequency : 1e-9);
-}
-
 // Amplitude of this data set's worst session: sigma by which the residuals were judged over the true one.
 double SigmaRatio(const SimulatedCase& simulated, const loop::Report& report) {
   double worst = 1.0;
@@ -39,6 +31,13 @@ std::string Describe(const machine::Machine& machine, const ErrorTerm& term) {
 }
 
 }  // namespace
+
+bool IsSame(const ErrorTerm& a, const ErrorTerm& b) {
+  const auto *one = std::get_if<shapes::Harmonic>(&a.shape), *other = std::get_if<shapes::Harmonic>(&b.shape);
+  if (one == nullptr || other == nullptr) return loop::IsSameEffect(a, b);
+  return a.joint == b.joint && a.component == b.component && one->axis == other->axis &&
+         std::abs(one->frequency - other->frequency) < (one->is_frequency_free ? 0.05 * other->frequency : 1e-9);
+}
 
 Score Judge(const SimulatedCase& simulated, Kind kind) {
   const machine::Machine& machine = simulated.machine;

@@ -20,6 +20,9 @@ struct Score {
   std::string text;  // what was put in and what was reported
 };
 
+// The same effect; a pitch's frequency is told to within half a period over the measured range (about 1 in 20 here).
+bool IsSame(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
+
 Score Judge(const SimulatedCase& simulated, Kind kind);
 
 }  // namespace axiscal::rates
