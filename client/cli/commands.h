@@ -19,6 +19,7 @@ void AddCalibrationCommand(CLI::App& app, Context& context);
 void AddCloseLoopCommand(CLI::App& app, Context& context);
 void AddCompensateCommand(CLI::App& app, Context& context);
 void AddVerifyCommand(CLI::App& app, Context& context);
+void AddTableCommand(CLI::App& app, Context& context);
 void AddProgramCommand(CLI::App& app, Context& context);
 void AddHistoryCommand(CLI::App& app, Context& context);
 void AddJobsCommand(CLI::App& app, Context& context);

@@ -38,6 +38,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddCloseLoopCommand(app, context);
   AddCompensateCommand(app, context);
   AddVerifyCommand(app, context);
+  AddTableCommand(app, context);
   AddProgramCommand(app, context);
   AddHistoryCommand(app, context);
   AddJobsCommand(app, context);

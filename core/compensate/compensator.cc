@@ -372,6 +372,7 @@ const Machine& Compensator::machine() const { return impl_->machine; }
 const std::vector<int>& Compensator::linear_axes() const { return impl_->linear_axes; }
 bool Compensator::is_null() const { return impl_->carried.terms.empty(); }
 bool Compensator::uses_sense(int axis) const { return impl_->uses_sense[axis]; }
+const ErrorModel& Compensator::carried() const { return impl_->carried; }
 const std::vector<std::string>& Compensator::not_carried() const { return impl_->not_carried; }
 
 }  // namespace axiscal::compensate

@@ -81,6 +81,8 @@ class Compensator {
   bool is_null() const;                         // no error term differs from zero: every correction is zero
   // True for an axis whose sense of motion matters (backlash).
   bool uses_sense(int axis) const;
+  // The terms that differ from zero and are not left out.
+  const machine::ErrorModel& carried() const;
   // Terms that are left out, with the reason: "EXX:drift: no time is stated".
   const std::vector<std::string>& not_carried() const;
 

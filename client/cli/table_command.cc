@@ -1,0 +1,147 @@
+// axiscal table: compensation tables for controllers, from a stored calibration, or from machine.json and errors.json
+// without any database.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/error_model_source.h"
+#include "client/cli/output_paths.h"
+#include "client/cli/record_output.h"
+#include "client/cli/rewrite_arguments.h"
+#include "client/cli/table_arguments.h"
+#include "core/base/files.h"
+#include "core/compensate/tables/format.h"
+
+namespace axiscal::cli {
+namespace {
+
+struct Arguments {
+  std::string machine, errors, output, report;
+  int64_t calibration = 0;
+  bool list = false;
+  TableArguments table;
+};
+
+absl::Status List(Context& context) {
+  std::vector<std::vector<std::string>> rows = {{"format", "limits", "values"}};
+  std::string text;
+  for (const tables::Format& format : tables::Formats()) {
+    absl::StrAppend(&text, format.name, "\n    ", format.title, "\n    ", tables::LimitsText(format), "\n    ",
+                    format.values, "\n");
+    for (const std::string& what : format.cannot_carry) absl::StrAppend(&text, "    cannot carry ", what, "\n");
+  }
+  context.Print({{"formats", Embedded(tables::FormatsJson())}}, text);
+  return absl::OkStatus();
+}
+
+// Of a report of tables::MakeTable.
+std::string ReportText(const Json& report, const std::string& output) {
+  std::string text = absl::StrCat(output, ": ", report.value("format", ""), ", ", report.value("values", ""), "\n");
+  std::vector<std::vector<std::string>> rows = {{"", "points", "largest", "left max", "left rms", "unit"}};
+  for (const Json& table : report.value("tables", Json::array())) {
+    std::string name = table.value("of", ""), points;
+    for (const Json& over : table.value("over", Json::array()))
+      absl::StrAppend(&name, &over == &table["over"][0] ? " over " : ", ", over.get<std::string>());
+    for (const Json& count : table.value("points", Json::array()))
+      absl::StrAppend(&points, points.empty() ? "" : " x ", count.get<int64_t>());
+    rows.push_back({name, points, NumberText(table.value("largest", 0.0)), NumberText(table.value("left_max", 0.0)),
+                    NumberText(table.value("left_rms", 0.0)), table.value("unit", "")});
+  }
+  if (rows.size() > 1) absl::StrAppend(&text, Table(rows));
+  rows = {{"tool point", "max um", "rms um"}};
+  const auto row = [&](const std::string& name, const std::string& path) {
+    const Json::json_pointer pointer("/tool_point_error/" + path);
+    if (!report.contains(pointer)) return;
+    const Json& spread = report[pointer];
+    rows.push_back({name, NumberText(spread.value("max_um", 0.0)), NumberText(spread.value("rms_um", 0.0))});
+  };
+  row("along the axes, before", "along_axes/before");
+  row("along the axes, with the table", "along_axes/after");
+  row("within the ranges, before", "within_ranges/before");
+  row("within the ranges, with the table", "within_ranges/after");
+  absl::StrAppend(&text, Table(rows));
+  for (const Json& line : report.value("not_carried", Json::array()))
+    absl::StrAppend(&text, "not carried: ", line.get<std::string>(), "\n");
+  for (const Json& line : report.value("notes", Json::array()))
+    absl::StrAppend(&text, "note: ", line.get<std::string>(), "\n");
+  return text;
+}
+
+absl::Status CheckPaths(const Context& context, const Arguments& arguments) {
+  std::vector<NamedPath> inputs;
+  if (context.server.empty() && arguments.errors.empty()) inputs.push_back({"the database", context.database});
+  if (!arguments.errors.empty()) {
+    inputs.push_back({"--machine", arguments.machine});
+    inputs.push_back({"--errors", arguments.errors});
+  }
+  return CheckOutputs(inputs, {{"--output", arguments.output}, {"--report", arguments.report}});
+}
+
+// What the file says of where its errors come from: printable ASCII.
+std::string SourceName(const std::string& path) {
+  std::string name = std::filesystem::path(path).filename().string();
+  for (char& c : name) {
+    if (c < 32 || c > 126 || c == '(' || c == ')') c = '_';
+  }
+  return name;
+}
+
+absl::StatusOr<tables::MadeTable> Make(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(const MachineWithErrors model, arguments.errors.empty()
+                                                      ? FetchModel(context, arguments.machine, arguments.calibration)
+                                                      : ReadModelFiles(arguments.machine, arguments.errors));
+  ASSIGN_OR_RETURN(tables::TableRequest request, ToTableRequest(arguments.table, model.machine));
+  request.calibration = SourceName(arguments.errors);
+  return tables::MakeTable(model.machine, model.errors, request);
+}
+
+absl::Status MakeFile(Context& context, const Arguments& arguments) {
+  RETURN_IF_ERROR(CheckPaths(context, arguments));
+  base::AtomicFile file, report_file;
+  RETURN_IF_ERROR(file.Open(arguments.output));
+  if (!arguments.report.empty()) RETURN_IF_ERROR(report_file.Open(arguments.report));
+  ASSIGN_OR_RETURN(const tables::MadeTable made, Make(context, arguments));
+  RETURN_IF_ERROR(file.Write(made.text));
+  RETURN_IF_ERROR(file.Commit());
+  if (!arguments.report.empty()) {
+    RETURN_IF_ERROR(report_file.Write(made.report_json));
+    RETURN_IF_ERROR(report_file.Commit());
+  }
+  context.Print(Embedded(made.report_json), ReportText(Embedded(made.report_json), arguments.output));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddTableCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* table = app.add_subcommand("table", "Compensation tables for controllers, checked before they are written");
+  CLI::Option* list = table->add_flag("--list", arguments->list, "list the formats with their limits");
+  AddModelOptions(*table, arguments->machine, arguments->errors, arguments->calibration);
+  AddTableOptions(*table, arguments->table);
+  table->add_option("-o,--output", arguments->output, "the table");
+  table->add_option("--report", arguments->report, "write the report as JSON");
+  // --list stands alone; everything else needs these.
+  const std::vector<std::string> required = {"--machine", "--format", "--output"};
+  for (const std::string& name : required) table->get_option(name)->required(false);
+  table->footer(
+      "The file is read back and evaluated on the machine's chain, as the controller interpolates it, before it is "
+      "written:\n"
+      "the error with and without it is stated, and what the format cannot carry is listed.\n"
+      "Examples: axiscal table --list\n"
+      "          axiscal table --machine mt --format siemens-cec -o cec.mpf\n"
+      "          axiscal table --machine machine.json --errors errors.json --format linuxcnc-comp --axis X --range "
+      "X=-300:300 -o x.comp");
+  SetAction(table, context, [&context, arguments, table, list, required]() -> absl::Status {
+    if (list->count() > 0) return List(context);
+    for (const std::string& name : required) {
+      // CLI11 reports usage errors this way.
+      if (table->get_option(name)->count() == 0) throw CLI::RequiredError(name);
+    }
+    return MakeFile(context, *arguments);
+  });
+}
+
+}  // namespace axiscal::cli

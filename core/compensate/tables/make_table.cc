@@ -1,0 +1,282 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/base/units.h"
+#include "core/compensate/tables/plan.h"
+#include "core/compensate/tables/report.h"
+#include "core/compensate/tables/sample.h"
+#include "core/compensate/tables/text.h"
+
+namespace axiscal::tables {
+namespace {
+
+using compensate::Deviation;
+using compensate::Pose;
+using compensate::Positions;
+using compensate::Table;
+using compensate::TableBlock;
+using compensate::TableColumn;
+
+constexpr int kPosesWithin = 2000;
+constexpr int kPosesPerTerm = 300;
+// A term of whose effect less than this part stays is carried.
+constexpr double kCarriedPart = 0.1;
+constexpr double kReadBack = 1e-9;  // mm or rad: rounding of units
+
+bool Same(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+           return std::abs(x - y) <= kReadBack * std::max(1.0, std::abs(x));
+         });
+}
+
+bool SameColumn(const TableColumn& a, const TableColumn& b) {
+  // A file may state both senses of a column that has none.
+  const std::vector<double>& reverse_a = a.reverse.empty() ? a.forward : a.reverse;
+  const std::vector<double>& reverse_b = b.reverse.empty() ? b.forward : b.reverse;
+  return a.target == b.target && Same(a.forward, b.forward) && Same(reverse_a, reverse_b);
+}
+
+bool SameBlock(const TableBlock& a, const TableBlock& b) {
+  const auto same_argument = [](const compensate::TableArgument& x, const compensate::TableArgument& y) {
+    return x.axis == y.axis && Same(x.nodes, y.nodes);
+  };
+  return std::equal(a.arguments.begin(), a.arguments.end(), b.arguments.begin(), b.arguments.end(), same_argument) &&
+         std::equal(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(), SameColumn);
+}
+
+// Across an axis only: the place of a point along its rotary axis is not in every format and changes nothing.
+bool SamePoints(const Table& a, const Table& b, const machine::Machine& machine) {
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    const machine::Axis& axis = machine.axes[i];
+    if (axis.kind != machine::AxisKind::kRotary) continue;
+    if (axis.direction.cross(a.points_mm.at(i) - b.points_mm.at(i)).norm() > 1e-6) return false;
+  }
+  return true;
+}
+
+absl::StatusOr<Table> ReadBack(const Plan& plan, const Table& written, const std::string& text) {
+  absl::StatusOr<Table> read = plan.format.read(plan.machine, text);
+  bool is_same = read.ok() && read->kind == written.kind;
+  if (is_same && written.kind == compensate::TableKind::kPoints)
+    is_same = SamePoints(written, *read, plan.machine);
+  else if (is_same)
+    is_same =
+        std::equal(written.blocks.begin(), written.blocks.end(), read->blocks.begin(), read->blocks.end(), SameBlock);
+  if (is_same) return read;
+  return absl::InternalError(absl::StrCat("the table does not read back as it was written", read.ok() ? "" : ": ",
+                                          read.ok() ? "" : read.status().message()));
+}
+
+// How far the table departs from the exact function, over positions between the nodes.
+absl::StatusOr<std::vector<ColumnReport>> CheckColumns(const Plan& plan, const Table& table) {
+  std::vector<ColumnReport> reports;
+  ASSIGN_OR_RETURN(const compensate::CorrectionTarget target, plan.Target(plan.carried));
+  for (const TableBlock& block : table.blocks) {
+    for (const TableColumn& column : block.columns) {
+      ColumnReport report;
+      report.name = TargetName(table, block, column, plan.machine);
+      report.is_angle = IsAngle(table, column, plan.machine);
+      report.by_sense = !column.reverse.empty();
+      for (const compensate::TableArgument& argument : block.arguments) {
+        report.arguments.push_back(plan.machine.axes[argument.axis].name);
+        report.points.push_back(argument.nodes.size());
+        report.from.push_back(argument.nodes.front() / FileUnit(plan.machine.axes[argument.axis]));
+        report.to.push_back(argument.nodes.back() / FileUnit(plan.machine.axes[argument.axis]));
+      }
+      std::vector<Pose> poses;
+      if (block.arguments.size() == 1) {
+        const int axis = block.arguments[0].axis;
+        poses = PosesAlong(plan.reference, axis, plan.ranges[axis], block.arguments[0].nodes);
+      } else {
+        compensate::TableRanges ranges{};
+        for (const compensate::TableArgument& argument : block.arguments)
+          ranges[argument.axis] = plan.ranges[argument.axis];
+        poses = PosesWithin(plan.machine, plan.reference, ranges, block.arguments.empty() ? 1 : kPosesWithin);
+      }
+      for (const Pose& pose : poses) {
+        double wanted = 0.0;
+        if (table.kind == compensate::TableKind::kErrors) {
+          const int argument = block.arguments.empty() ? -1 : block.arguments[0].axis;
+          wanted = ComponentAt(plan.machine, plan.carried, plan.request.state, column.target, argument,
+                               argument < 0 ? 0.0 : pose.position[argument], argument < 0 ? 0.0 : pose.sense[argument]);
+        } else {
+          ASSIGN_OR_RETURN(const Positions change, target.At(pose));
+          wanted = change[column.target];
+        }
+        report.wanted.Add(std::abs(wanted));
+        report.left.Add(std::abs(wanted - ValueAt(block, column, pose)));
+      }
+      reports.push_back(std::move(report));
+    }
+  }
+  return reports;
+}
+
+std::vector<Pose> PosesAlongAll(const Plan& plan, const Table& table) {
+  std::vector<Pose> poses;
+  for (const int axis : plan.arguments) {
+    std::vector<double> nodes;
+    for (const TableBlock& block : table.blocks) {
+      for (const compensate::TableArgument& argument : block.arguments) {
+        if (argument.axis == axis) nodes.insert(nodes.end(), argument.nodes.begin(), argument.nodes.end());
+      }
+    }
+    std::sort(nodes.begin(), nodes.end());
+    const std::vector<Pose> along = PosesAlong(plan.reference, axis, plan.ranges[axis], nodes);
+    poses.insert(poses.end(), along.begin(), along.end());
+  }
+  return poses;
+}
+
+// Tables of corrections are zero at the reference. What an axis is off there is its zero's: it is taken off with and
+// without the table, so that before and after tell what the table does.
+absl::StatusOr<Positions> ZerosOf(const Plan& plan, const machine::ErrorModel& errors) {
+  if (plan.format.layout == Layout::kComponents || plan.format.layout == Layout::kPoints) return Positions{};
+  ASSIGN_OR_RETURN(const compensate::CorrectionTarget target, plan.Target(errors));
+  return target.constant();
+}
+
+Positions Sum(const Positions& a, const Positions& b) {
+  Positions sum = a;
+  for (size_t i = 0; i < sum.size(); ++i) sum[i] += b[i];
+  return sum;
+}
+
+compensate::Commander Without(const Positions& zeros) {
+  return [zeros](const Pose& pose) { return Sum(pose.position, zeros); };
+}
+
+compensate::Commander With(const Plan& plan, const Table& table, const Positions& zeros) {
+  return [&plan, table, zeros](const Pose& pose) -> absl::StatusOr<Positions> {
+    ASSIGN_OR_RETURN(const Positions commanded,
+                     CommandedWith(table, plan.machine, plan.request.state.tool_tip_mm, pose));
+    return Sum(commanded, zeros);
+  };
+}
+
+// What an exact table of this layout would command for one term alone.
+absl::StatusOr<compensate::Commander> ExactCommander(const Plan& plan, const machine::ErrorModel& term) {
+  if (plan.format.layout == Layout::kPoints) {
+    Table table;
+    table.kind = compensate::TableKind::kPoints;
+    table.points_mm = PointsOf(plan, term);
+    return With(plan, table, Positions{});
+  }
+  ASSIGN_OR_RETURN(compensate::CorrectionTarget made, plan.Target(term));
+  const auto target = std::make_shared<const compensate::CorrectionTarget>(std::move(made));
+  return compensate::Commander([&plan, target](const Pose& pose) -> absl::StatusOr<Positions> {
+    Positions commanded = Sum(pose.position, target->constant());
+    if (plan.format.layout == Layout::kGrid) {
+      Pose in_grid = plan.reference;
+      for (const int axis : plan.arguments) in_grid.position[axis] = pose.position[axis];
+      ASSIGN_OR_RETURN(const Positions change, target->At(in_grid));
+      for (const int axis : plan.arguments) commanded[axis] += change[axis];
+      return commanded;
+    }
+    for (const Function& function : plan.functions) {
+      const double sense = plan.format.limits.by_sense ? pose.sense[function.argument] : 0.0;
+      ASSIGN_OR_RETURN(const Positions change,
+                       target->Along(function.argument, pose.position[function.argument], sense));
+      commanded[function.corrected] += change[function.corrected];
+    }
+    return commanded;
+  });
+}
+
+// Terms of whose effect on the tool point this layout leaves a part, whatever its points and steps.
+absl::Status ListLeft(const Plan& plan, std::vector<std::string>* not_carried) {
+  if (plan.format.layout == Layout::kComponents) return absl::OkStatus();
+  const std::vector<Pose> poses = PosesWithin(plan.machine, plan.reference, plan.ranges, kPosesPerTerm);
+  for (const machine::ErrorTerm& term : plan.sampled.terms) {
+    machine::ErrorModel alone;
+    alone.terms = {term};
+    const compensate::TableChecker checker(plan.machine, alone, plan.request.state, plan.reference);
+    ASSIGN_OR_RETURN(const compensate::Commander command, ExactCommander(plan, alone));
+    ASSIGN_OR_RETURN(const Positions zeros, ZerosOf(plan, alone));
+    ASSIGN_OR_RETURN(const compensate::PointError error, checker.Check(Without(zeros), command, poses));
+    if (error.after.largest <= std::max(kCarriedPart * error.before.largest, plan.request.tolerance_mm)) continue;
+    not_carried->push_back(absl::StrFormat("%s: %.2f of %.2f um at the tool point stay within the ranges",
+                                           machine::NameOf(plan.machine, term), error.after.largest * base::kUmPerMm,
+                                           error.before.largest * base::kUmPerMm));
+  }
+  return absl::OkStatus();
+}
+
+// Where the controller's points do not reach the tolerance.
+void ListCoarse(const Plan& plan, const std::vector<ColumnReport>& columns, std::vector<std::string>* not_carried) {
+  for (const ColumnReport& column : columns) {
+    const double tolerance = plan.tolerance(column.is_angle);
+    const bool is_full = std::any_of(column.points.begin(), column.points.end(), [&](size_t points) {
+      return static_cast<double>(points) > 0.8 * plan.max_points;
+    });
+    if (!is_full || column.left.largest <= 1.5 * tolerance) continue;
+    const double factor = column.is_angle ? base::kUradPerRad : base::kUmPerMm;
+    not_carried->push_back(
+        absl::StrFormat("%s over %s: %.3f of %.3f %s stay where %.3f was asked for: %d points cannot follow it closer",
+                        column.name, column.arguments[0], column.left.largest * factor, column.wanted.largest * factor,
+                        column.is_angle ? "urad" : "um", tolerance * factor, plan.max_points));
+  }
+}
+
+void ListZeros(const Plan& plan, const Positions& zeros, std::vector<std::string>* not_carried) {
+  for (int i = 0; i < plan.machine.axis_count(); ++i) {
+    const bool is_angle = plan.machine.axes[i].kind == machine::AxisKind::kRotary;
+    if (std::abs(zeros[i]) <= plan.tolerance(is_angle)) continue;
+    not_carried->push_back(absl::StrFormat(
+        "%s is off by %.2f %s at the reference: tables are zero there, it belongs into the zero of the axis",
+        plan.machine.axes[i].name, -zeros[i] * (is_angle ? base::kUradPerRad : base::kUmPerMm),
+        is_angle ? "urad" : "um"));
+  }
+}
+
+// A table that makes things worse is not handed out.
+absl::Status Judge(const Plan& plan, const TableReport& report) {
+  const double rounding =
+      2.0 * plan.request.tolerance_mm + 2.0 * plan.value_step(plan.arguments.empty() ? 0 : plan.arguments[0]);
+  const auto worse = [&](const Deviation& before, const Deviation& after, const char* where) -> absl::Status {
+    if (after.rms() <= before.rms() + rounding) return absl::OkStatus();
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "with the table the tool point would be off by %.2f um rms %s, without it by %.2f: this format cannot correct "
+        "this machine from this reference",
+        after.rms() * base::kUmPerMm, where, before.rms() * base::kUmPerMm));
+  };
+  RETURN_IF_ERROR(worse(report.along.before, report.along.after, "along the axes"));
+  return worse(report.within.before, report.within.after, "within the ranges");
+}
+
+}  // namespace
+
+absl::StatusOr<MadeTable> MakeTable(const machine::Machine& machine, const machine::ErrorModel& errors,
+                                    const TableRequest& request) {
+  ASSIGN_OR_RETURN(const Format* format, FindFormat(request.format));
+  ASSIGN_OR_RETURN(const Plan plan, MakePlan(machine, errors, *format, request));
+  ASSIGN_OR_RETURN(Content content, SampleTable(plan));
+  ASSIGN_OR_RETURN(const std::string bare, format->write(machine, content));
+  ASSIGN_OR_RETURN(const Table read, ReadBack(plan, content.table, bare));
+
+  TableReport report;
+  ASSIGN_OR_RETURN(report.columns, CheckColumns(plan, read));
+  const compensate::TableChecker checker(machine, plan.carried, request.state, plan.reference);
+  ASSIGN_OR_RETURN(const Positions zeros, ZerosOf(plan, plan.carried));
+  const compensate::Commander without = Without(zeros), with = With(plan, read, zeros);
+  ASSIGN_OR_RETURN(report.along, checker.Check(without, with, PosesAlongAll(plan, read)));
+  ASSIGN_OR_RETURN(report.within,
+                   checker.Check(without, with, PosesWithin(machine, plan.reference, plan.ranges, kPosesWithin)));
+  RETURN_IF_ERROR(Judge(plan, report));
+  report.not_carried = plan.not_carried;
+  ListCoarse(plan, report.columns, &report.not_carried);
+  RETURN_IF_ERROR(ListLeft(plan, &report.not_carried));
+  ListZeros(plan, zeros, &report.not_carried);
+  AddTilt(report.within.tilt_rad, &report.not_carried);
+
+  content.notes = NotesOf(plan, report);
+  MadeTable made;
+  ASSIGN_OR_RETURN(made.text, format->write(machine, content));
+  RETURN_IF_ERROR(ReadBack(plan, content.table, made.text).status());
+  made.report_json = ToJson(plan, report);
+  return made;
+}
+
+}  // namespace axiscal::tables

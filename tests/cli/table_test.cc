@@ -1,0 +1,74 @@
+// axiscal table from files: no database, files in and out, exit codes.
+#include <gmock/gmock.h>
+
+#include "tests/cli/command_line.h"
+
+namespace axiscal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Outcome;
+using testing::Source;
+using ::testing::StartsWith;
+
+class Tables : public testing::CommandLine {
+ protected:
+  Tables() {
+    std::filesystem::copy(Source("deploy/examples/integrex/machine.json"), folder_);
+    Write("errors.json", R"({"terms": [{"symbol": "EXX", "shape": "linear", "amplitude": 10},
+                                       {"symbol": "EXX", "shape": "backlash", "amplitude": 4}]})");
+  }
+  Outcome Make(const std::string& more) const {
+    return Run("table --machine machine.json --errors errors.json --range X=-300:300 " + more);
+  }
+};
+
+TEST_F(Tables, TheListNeedsNothing) {
+  const Outcome text = Run("table --list");
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("linuxcnc-comp\n"));
+  EXPECT_THAT(text.out, HasSubstr("256 points anywhere, by sense of motion"));
+  const Outcome json = Run("table --list --json");
+  ASSERT_TRUE(json.Json().is_object()) << json.out;
+  EXPECT_EQ(json.Json()["formats"][0]["name"], "general");
+  EXPECT_FALSE(Exists("axiscal.db"));
+}
+
+TEST_F(Tables, ATableIsWrittenWithItsReport) {
+  const Outcome outcome = Make("--format linuxcnc-comp --axis X -o x.comp --report x.json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("along the axes, with the table"));
+  EXPECT_THAT(Read("x.comp"), StartsWith("-300.0000 0.00100 0.00500\n300.0000 -0.00500 -0.00100\n"));
+  EXPECT_THAT(Read("x.comp"), HasSubstr("calibration errors.json"));
+  const auto report = nlohmann::json::parse(Read("x.json"), nullptr, false);
+  EXPECT_EQ(report["format"], "linuxcnc-comp");
+  EXPECT_EQ(Make("--format linuxcnc-comp --axis X -o y.comp --json").Json(), report);
+  EXPECT_EQ(Read("y.comp"), Read("x.comp"));
+  EXPECT_FALSE(Exists("axiscal.db"));
+}
+
+TEST_F(Tables, WhatIsWrongIsNamedAndNothingIsWritten) {
+  const auto refused = [this](const std::string& options, int exit_code, const std::string& text) {
+    const Outcome outcome = Make(options + " -o x.comp");
+    EXPECT_EQ(outcome.exit_code, exit_code) << options;
+    EXPECT_THAT(outcome.err, HasSubstr(text)) << options;
+    EXPECT_FALSE(Exists("x.comp")) << options;
+  };
+  refused("", 2, "--format");
+  refused("--format fanuk", 3, "format 'fanuk', expected one of general, linuxcnc-comp");
+  refused("--format linuxcnc-comp --axis Q", 3, "axis 'Q'");
+  refused("--format linuxcnc-comp --axis Y", 3, "axis Y has none");
+  refused("--format linuxcnc-comp --range Y=0", 3, "--range: 'Y=0', expected an axis of machine");
+  refused("--format linuxcnc-comp --range Y=0:x", 3, "--range: 'Y=0:x'");
+  refused("--format linuxcnc-comp --range X=0:5", 3, "range: X stands twice");
+  refused("--format linuxcnc-comp --reference X=0:5", 3, "--reference: 'X=0:5'");
+  refused("--format linuxcnc-comp --tool-tip '1 2'", 3, "--tool-tip: '1 2'");
+  refused("--format linuxcnc-comp --points 300", 3, "points = 300");
+  refused("--format linuxcnc-comp --report errors.json", 3, "errors.json: is --errors too");
+  EXPECT_EQ(Make("--format linuxcnc-comp -o machine.json").exit_code, 3);
+  EXPECT_EQ(Make("--format linuxcnc-comp -o no/such/x.comp").exit_code, 4);
+  EXPECT_EQ(Run("table").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace axiscal
