@@ -13,6 +13,10 @@ HeaderRule LengthMm(const std::string& key, double min, double max) {
   return {key, 1, min, max, absl::StrFormat("a length in mm from %g to %g", min, max)};
 }
 
+HeaderRule AngleDeg(const std::string& key, double limit) {
+  return {key, 1, -limit, limit, absl::StrFormat("an angle in deg within +-%g", limit)};
+}
+
 HeaderRule Text(const std::string& key) { return {key, 0, 0, 0, "a text"}; }
 
 ReadingColumn Number(const std::string& name, const std::string& unit, double limit, const std::string& hint = "") {
@@ -73,7 +77,15 @@ std::vector<InstrumentFormat> Table() {
        AxisColumns::kNone,
        false},
       {"tool-curve",
-       {},
+       {LengthMm("tool_radius_mm", 0.1, 500),
+        LengthMm("insert_radius_mm", 0.1, 100),
+        {"inserts", 1, 1, 24, "the number of inserts, 1 to 24"},
+        AngleDeg("radial_angle_deg", 45),
+        AngleDeg("axial_angle_deg", 45),
+        LengthMm("offset_d_mm", -600, 600),
+        LengthMm("beam_radius_mm", 1e-3, 5),
+        {"spindle_rpm", 1, 1, 1e6, "a speed in rpm from 1 to 1e+06"},
+        {"feed_mm_min", 1, 1e-3, 1e5, "a feed in mm/min from 0.001 to 100000"}},
        {},
        {Number("start_deg", "deg", kMaxAngleDeg), Position("length_mm")},
        AxisColumns::kNone,

@@ -69,8 +69,11 @@ absl::StatusOr<InsertHeights> InsertHeights::Create(const Cutter& cutter, const 
 
 double InsertHeights::At(double psi_rad, double* slope) const {
   double from = psi_rad - first_rad_;
-  from -= kTurn * std::floor(from / kTurn);
-  const double place = from / kStep;
+  if (!(std::abs(from) < 4.0 * kTurn)) from -= kTurn * std::floor(from / kTurn);
+  while (from < 0.0) from += kTurn;  // the usual case by far: once or not at all
+  while (from >= kTurn) from -= kTurn;
+  constexpr double kPerStep = 1.0 / kStep;
+  const double place = from * kPerStep;
   const auto i = static_cast<size_t>(place);
   if (i < 1 || i + 2 >= heights_mm_.size()) {
     if (slope != nullptr) *slope = 0.0;

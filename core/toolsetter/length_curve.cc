@@ -12,7 +12,7 @@ namespace axiscal::toolsetter {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kNodesPerTurn = 2880;
+constexpr int kNodesPerTurn = 1440;
 
 }  // namespace
 
@@ -70,11 +70,20 @@ CurvePoint LengthCurve::Hit(double first_rad, double level_mm, size_t node) cons
   CurvePoint point;
   double high = nodes_[node].psi_rad;
   double low = node == 0 ? first_rad : std::max(first_rad, nodes_[node - 1].psi_rad);
-  for (int i = 0; i < 48 && high - low > 1e-13; ++i) {
-    const double middle = 0.5 * (low + high);
-    (Envelope(middle, &point.insert) + per_rad_mm_ * middle < level_mm ? low : high) = middle;
+  // Newton on the insert that stands lowest, kept in the bracket: the envelope has kinks.
+  double at = 0.5 * (low + high);
+  for (int i = 0; i < 60; ++i) {
+    double slope = 0.0;
+    const double miss_mm = Envelope(at, &point.insert) + per_rad_mm_ * at - level_mm;
+    heights_.At(at + cutter_.InsertAngle(point.insert), &slope);
+    (miss_mm < 0.0 ? low : high) = at;
+    double next = at - miss_mm / (slope + per_rad_mm_);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    const double step = std::abs(next - at);
+    at = next;
+    if (step < 1e-12 || high - low < 1e-13) break;
   }
-  const double psi = high;
+  const double psi = at;
   Envelope(psi, &point.insert);
   point.turned_rad = psi - first_rad;
   // The insert's height and the sinking line meet: dpsi (Zc' + p) = p dstart + dW.
@@ -136,8 +145,8 @@ absl::StatusOr<InsertHeights> HeightsOf(const Cutter& cutter, const CutterRun& r
 absl::StatusOr<std::vector<CurvePoint>> ComputeCurve(const Cutter& cutter, const CutterRun& run,
                                                      const std::vector<double>& wear_mm,
                                                      const std::vector<double>& starts_rad) {
-  RETURN_IF_ERROR(ValidateWear(cutter, wear_mm));
   ASSIGN_OR_RETURN(const InsertHeights heights, HeightsOf(cutter, run));
+  RETURN_IF_ERROR(ValidateWear(cutter, wear_mm));
   for (const double start_rad : starts_rad) {
     if (!(std::abs(start_rad) < 1e4)) return absl::InvalidArgumentError("a start angle is no number");
   }
