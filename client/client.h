@@ -24,6 +24,7 @@
 #include "core/session/session.h"
 #include "proto/convert/calibration.h"
 #include "proto/convert/job_params.h"
+#include "proto/convert/table.h"
 #include "server/storage/records.h"
 
 namespace grpc {
@@ -144,6 +145,9 @@ class Client {
                                            const std::function<absl::Status(const std::string& bytes)>& take,
                                            const ProgressCallback& progress = nullptr);
   absl::StatusOr<Page<ProgramRecord>> ListPrograms(const PageRequest& page = {});
+
+  // ---- compensation tables, made of the approved calibration or a named one (docs/tables.md)
+  absl::StatusOr<convert::MadeTable> MakeTable(const convert::TableParams& params);
 
   // ---- history
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query);

@@ -11,6 +11,7 @@
 #include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
+#include "axiscal/v1/tables_service.grpc.pb.h"
 #include "client/client.h"
 #include "client/connection.h"
 #include "grpc/health/v1/health.grpc.pb.h"
@@ -32,6 +33,7 @@ class Client::Impl {
         calibrations(v1::Calibrations::NewStub(channel)),
         programs(v1::Programs::NewStub(channel)),
         history(v1::History::NewStub(channel)),
+        tables(v1::Tables::NewStub(channel)),
         admin(v1::Admin::NewStub(channel)),
         health(grpc::health::v1::Health::NewStub(channel)) {}
 
@@ -53,6 +55,7 @@ class Client::Impl {
   const std::unique_ptr<v1::Calibrations::Stub> calibrations;
   const std::unique_ptr<v1::Programs::Stub> programs;
   const std::unique_ptr<v1::History::Stub> history;
+  const std::unique_ptr<v1::Tables::Stub> tables;
   const std::unique_ptr<v1::Admin::Stub> admin;
   const std::unique_ptr<grpc::health::v1::Health::Stub> health;
 };

@@ -1,4 +1,4 @@
-// Jobs and calibrations of the client.
+// Jobs, calibrations and tables of the client.
 #include "client/client_impl.h"
 
 namespace axiscal::client {
@@ -49,6 +49,13 @@ absl::StatusOr<Page<JobRecord>> Client::ListJobs(const JobFilter& filter, const 
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::ListJobsResponse>(*impl_->jobs, &v1::Jobs::Stub::ListJobs, request));
   return ReadPage<JobRecord>(response.jobs(), response.next_page_token());
+}
+
+absl::StatusOr<convert::MadeTable> Client::MakeTable(const convert::TableParams& params) {
+  const v1::MakeTableRequest request = convert::ToProto(params);
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::MakeTableResponse>(*impl_->tables, &v1::Tables::Stub::MakeTable, request));
+  return convert::FromProto(response);
 }
 
 absl::StatusOr<JobRecord> Client::WaitJob(JobId id, std::chrono::milliseconds timeout) {

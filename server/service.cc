@@ -5,6 +5,7 @@
 #include "axiscal/v1/history_service.grpc.pb.h"
 #include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
+#include "axiscal/v1/tables_service.grpc.pb.h"
 #include "server/handlers/approve_calibration.h"
 #include "server/handlers/cancel_job.h"
 #include "server/handlers/create_job.h"
@@ -18,6 +19,8 @@
 #include "server/handlers/list_calibrations.h"
 #include "server/handlers/list_jobs.h"
 #include "server/handlers/list_machines.h"
+#include "server/handlers/list_table_formats.h"
+#include "server/handlers/make_table.h"
 #include "server/handlers/query_drift.h"
 #include "server/handlers/requeue_job.h"
 #include "server/handlers/retire_calibration.h"
@@ -173,6 +176,27 @@ class HistoryService final : public v1::History::Service {
   handlers::Core& core_;
 };
 
+class TablesService final : public v1::Tables::Service {
+ public:
+  explicit TablesService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status ListTableFormats(grpc::ServerContext* context, const v1::ListTableFormatsRequest* request,
+                                v1::ListTableFormatsResponse* response) override {
+    return Respond(
+        core_, context, "Tables.ListTableFormats",
+        [&](const auto& call) { return handlers::ListTableFormats(core_, call, *request); }, response);
+  }
+  grpc::Status MakeTable(grpc::ServerContext* context, const v1::MakeTableRequest* request,
+                         v1::MakeTableResponse* response) override {
+    return Respond(
+        core_, context, "Tables.MakeTable",
+        [&](const auto& call) { return handlers::MakeTable(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
 class AdminService final : public v1::Admin::Service {
  public:
   explicit AdminService(handlers::Core& core) : core_(core) {}
@@ -198,6 +222,7 @@ std::vector<std::unique_ptr<grpc::Service>> MakeServices(handlers::Core& core) {
   services.push_back(std::make_unique<CalibrationsService>(core));
   services.push_back(MakeProgramsService(core));
   services.push_back(std::make_unique<HistoryService>(core));
+  services.push_back(std::make_unique<TablesService>(core));
   services.push_back(std::make_unique<AdminService>(core));
   return services;
 }

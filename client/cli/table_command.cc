@@ -13,6 +13,7 @@
 #include "client/cli/table_arguments.h"
 #include "core/base/files.h"
 #include "core/compensate/tables/format.h"
+#include "core/machine/machine_json.h"
 
 namespace axiscal::cli {
 namespace {
@@ -88,13 +89,23 @@ std::string SourceName(const std::string& path) {
   return name;
 }
 
-absl::StatusOr<tables::MadeTable> Make(Context& context, const Arguments& arguments) {
-  ASSIGN_OR_RETURN(const MachineWithErrors model, arguments.errors.empty()
-                                                      ? FetchModel(context, arguments.machine, arguments.calibration)
-                                                      : ReadModelFiles(arguments.machine, arguments.errors));
+absl::StatusOr<tables::MadeTable> MakeFromFiles(const Arguments& arguments) {
+  ASSIGN_OR_RETURN(const MachineWithErrors model, ReadModelFiles(arguments.machine, arguments.errors));
   ASSIGN_OR_RETURN(tables::TableRequest request, ToTableRequest(arguments.table, model.machine));
   request.calibration = SourceName(arguments.errors);
   return tables::MakeTable(model.machine, model.errors, request);
+}
+
+absl::StatusOr<tables::MadeTable> MakeOnService(Context& context, const Arguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  convert::TableParams params;
+  params.machine = MachineId(arguments.machine);
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(params.machine));
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
+  ASSIGN_OR_RETURN(params.request, ToTableRequest(arguments.table, machine));
+  if (arguments.calibration != 0) params.calibration = CalibrationId(arguments.calibration);
+  ASSIGN_OR_RETURN(convert::MadeTable made, client->MakeTable(params));
+  return std::move(made.table);
 }
 
 absl::Status MakeFile(Context& context, const Arguments& arguments) {
@@ -102,7 +113,8 @@ absl::Status MakeFile(Context& context, const Arguments& arguments) {
   base::AtomicFile file, report_file;
   RETURN_IF_ERROR(file.Open(arguments.output));
   if (!arguments.report.empty()) RETURN_IF_ERROR(report_file.Open(arguments.report));
-  ASSIGN_OR_RETURN(const tables::MadeTable made, Make(context, arguments));
+  ASSIGN_OR_RETURN(const tables::MadeTable made,
+                   arguments.errors.empty() ? MakeOnService(context, arguments) : MakeFromFiles(arguments));
   RETURN_IF_ERROR(file.Write(made.text));
   RETURN_IF_ERROR(file.Commit());
   if (!arguments.report.empty()) {

@@ -58,4 +58,23 @@ absl::Status CheckUsable(storage::Database& database, const storage::Calibration
                      {"CALIBRATION_EMPTY", {}});
 }
 
+std::vector<std::string> NotesOnInseparableErrors(const storage::CalibrationRecord& calibration) {
+  std::vector<std::string> notes;
+  const auto result = base::ParseStrictJson(calibration.content.report_json);
+  if (!result.ok() || !result->is_object()) return notes;
+  using json = nlohmann::ordered_json;
+  const std::string name = absl::StrCat("calibration ", calibration.id.number());
+  constexpr char kElsewhere[] = ": the correction holds at poses like the measured ones, elsewhere it is not known";
+  for (const json& direction : result->value("not_separable", json::array()))
+    notes.push_back(absl::StrCat(name, " cannot tell apart ", direction.get<std::string>(), kElsewhere));
+  for (const json& effect : result->value("effects", json::array())) {
+    std::string others;
+    for (const json& other : effect.value("equivalent", json::array()))
+      absl::StrAppend(&others, others.empty() ? "" : ", ", other.value("name", ""));
+    if (others.empty()) continue;
+    notes.push_back(absl::StrCat(name, " cannot tell ", effect.value("name", ""), " from ", others, kElsewhere));
+  }
+  return notes;
+}
+
 }  // namespace axiscal::handlers

@@ -2,6 +2,9 @@
 #ifndef AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_
 #define AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_
 
+#include <string>
+#include <vector>
+
 #include "core/base/status.h"
 #include "core/machine/machine.h"
 #include "server/storage/database.h"
@@ -15,6 +18,11 @@ absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const s
 // OK if compensation can use it: its machine as in MachineFor, and its sessions determine at least one error or
 // combination of errors. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY.
 absl::Status CheckUsable(storage::Database& database, const storage::CalibrationRecord& calibration);
+
+// A sum of errors that its sessions could not separate is in the model as one of its members. That is right at poses
+// like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of them. Whoever
+// uses the correction must know: one line each.
+std::vector<std::string> NotesOnInseparableErrors(const storage::CalibrationRecord& calibration);
 
 }  // namespace axiscal::handlers
 

@@ -47,7 +47,7 @@ absl::Status CheckCompensate(storage::Database& database, const convert::Compens
   if (program.state != storage::ProgramState::kComplete) {
     return Unmet("PROGRAM_NOT_COMPLETE", absl::StrCat("program ", program.id.number(), " is not complete"));
   }
-  return CalibrationFor(database, params).status();
+  return CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id").status();
 }
 
 }  // namespace
@@ -65,20 +65,20 @@ absl::Status CheckInputs(storage::Database& database, const convert::JobParams& 
   return CheckCompensate(database, std::get<convert::CompensateParams>(params));
 }
 
-absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database,
-                                                          const convert::CompensateParams& params) {
-  if (!params.calibration) {
-    absl::StatusOr<storage::CalibrationRecord> approved = database.GetApprovedCalibration(params.machine);
+absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database, const MachineId& machine,
+                                                          const std::optional<CalibrationId>& calibration_id,
+                                                          const std::string& field) {
+  if (!calibration_id) {
+    absl::StatusOr<storage::CalibrationRecord> approved = database.GetApprovedCalibration(machine);
     if (approved.ok() || !absl::IsNotFound(approved.status())) return approved;
     return Unmet("CALIBRATION_NOT_APPROVED",
-                 "machine " + params.machine.text() + " has no approved calibration: approve one, or name a candidate");
+                 "machine " + machine.text() + " has no approved calibration: approve one, or name a candidate");
   }
-  ASSIGN_OR_RETURN(storage::CalibrationRecord calibration, database.GetCalibration(*params.calibration));
-  if (calibration.content.machine != params.machine) {
+  ASSIGN_OR_RETURN(storage::CalibrationRecord calibration, database.GetCalibration(*calibration_id));
+  if (calibration.content.machine != machine) {
     return convert::FieldError(
-        "params.compensate.calibration_id",
-        absl::StrCat(calibration.id.number(), " is of machine ", calibration.content.machine.text(), ", must be of ",
-                     params.machine.text()));
+        field, absl::StrCat(calibration.id.number(), " is of machine ", calibration.content.machine.text(),
+                            ", must be of ", machine.text()));
   }
   if (calibration.state == storage::CalibrationState::kRetired) {
     return Unmet("CALIBRATION_RETIRED",

@@ -2,6 +2,7 @@
 #ifndef AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_
 #define AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,10 @@ namespace axiscal::handlers {
 // CALIBRATION_NOT_APPROVED.
 absl::Status CheckInputs(storage::Database& database, const convert::JobParams& params);
 
-// The calibration that a COMPENSATE job uses, as above.
-absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database,
-                                                          const convert::CompensateParams& params);
+// The calibration that compensation and tables use, as above; `field` names it in errors.
+absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database, const MachineId& machine,
+                                                          const std::optional<CalibrationId>& calibration,
+                                                          const std::string& field);
 
 // The error terms that were asked for: each a constant's symbol ("EZ0T") or a term of errors.json without its amplitude
 // ({"symbol": "EBB", "shape": "harmonic", "order": 45}). Empty: the machine's declared ones. INVALID_ARGUMENT

@@ -1,6 +1,5 @@
 #include "server/jobs/compensate_job.h"
 
-#include "core/base/strict_json.h"
 #include "core/compensate/compensator.h"
 #include "core/machine/error_json.h"
 #include "core/nc/rewrite.h"
@@ -64,33 +63,13 @@ absl::StatusOr<compensate::Compensator> CompensatorFor(storage::Database& databa
                                          {params.tool_tip_mm, params.time_s, params.temperature_celsius});
 }
 
-// A sum of errors that its sessions could not separate is in the model as one of its members. That is right at poses
-// like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of them. Whoever
-// runs the program must know.
-void AddNotesOnInseparableErrors(const storage::CalibrationRecord& calibration, nc::RewriteReport* report) {
-  const auto result = base::ParseStrictJson(calibration.content.report_json);
-  if (!result.ok() || !result->is_object()) return;
-  using json = nlohmann::ordered_json;
-  const std::string name = absl::StrCat("calibration ", calibration.id.number());
-  constexpr char kElsewhere[] = ": the correction holds at poses like the measured ones, elsewhere it is not known";
-  for (const json& direction : result->value("not_separable", json::array())) {
-    report->notes.push_back(absl::StrCat(name, " cannot tell apart ", direction.get<std::string>(), kElsewhere));
-  }
-  for (const json& effect : result->value("effects", json::array())) {
-    std::string others;
-    for (const json& other : effect.value("equivalent", json::array()))
-      absl::StrAppend(&others, others.empty() ? "" : ", ", other.value("name", ""));
-    if (others.empty()) continue;
-    report->notes.push_back(
-        absl::StrCat(name, " cannot tell ", effect.value("name", ""), " from ", others, kElsewhere));
-  }
-}
-
 absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
                                         JobContext& context) {
   ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<convert::CompensateParams>(any_params);
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord calibration, handlers::CalibrationFor(database, params));
+  ASSIGN_OR_RETURN(
+      const storage::CalibrationRecord calibration,
+      handlers::CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id"));
   ASSIGN_OR_RETURN(const compensate::Compensator compensator, CompensatorFor(database, params, calibration));
   ASSIGN_OR_RETURN(const storage::ProgramRecord source, database.GetProgram(params.program));
 
@@ -116,7 +95,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   nc::RewriteReport report;
   RETURN_IF_ERROR(nc::RewriteProgram(
       read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensator, options, &report));
-  AddNotesOnInseparableErrors(calibration, &report);
+  for (std::string& note : handlers::NotesOnInseparableErrors(calibration)) report.notes.push_back(std::move(note));
   ASSIGN_OR_RETURN(const storage::ProgramRecord program, writer.Finish());
   storage::JobProduct product;
   product.result = nc::ToJson(report);

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/cli/command_line.h"
+#include "tests/end_to_end/testing/process.h"
 
 namespace axiscal {
 namespace {
@@ -68,6 +69,48 @@ TEST_F(Tables, WhatIsWrongIsNamedAndNothingIsWritten) {
   EXPECT_EQ(Make("--format linuxcnc-comp -o machine.json").exit_code, 3);
   EXPECT_EQ(Make("--format linuxcnc-comp -o no/such/x.comp").exit_code, 4);
   EXPECT_EQ(Run("table").exit_code, 2);
+}
+
+// What the loop found on stored sessions, approved, as a table: embedded and over the wire the same bytes.
+TEST_F(Tables, AnApprovedLoopBecomesATableOnEveryWay) {
+  const std::string folder = Source("tests/data/loop/case-003");
+  ASSERT_EQ(Run("upload " + folder).exit_code, 0);
+  const Outcome none = Run("table --machine mt --format linuxcnc-comp -o x.comp --json");
+  EXPECT_EQ(none.exit_code, 5);
+  EXPECT_THAT(none.err, HasSubstr("CALIBRATION_NOT_APPROVED"));
+  ASSERT_EQ(Run("close-loop --machine mt --fit BX,BY,CR,CA,CR-long").exit_code, 0);
+  ASSERT_EQ(Run("approve 1").exit_code, 0);
+
+  const Outcome embedded = Run("table --machine mt --format linuxcnc-comp --axis X -o x.comp --report x.json");
+  ASSERT_EQ(embedded.exit_code, 0) << embedded.err;
+  EXPECT_THAT(embedded.out, HasSubstr("note: ranges that nobody stated are what the calibration's sessions covered: "));
+  EXPECT_THAT(Read("x.comp"), HasSubstr("machine mt, calibration mt v1"));
+  const auto report = nlohmann::json::parse(Read("x.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  // EXX:backlash of -2.92 um: half of it by sense.
+  EXPECT_NEAR(report["tables"][0]["largest"].get<double>(), 1.46, 0.1);
+  EXPECT_TRUE(report["tables"][0]["by_sense"].get<bool>());
+  EXPECT_THAT(report["not_carried"].dump(), HasSubstr("EZC:harmonic(2)"));
+
+  const auto server = testing::ServerProcess::Start((folder_ / "axiscal.db").string(), "127.0.0.1:0",
+                                                    (folder_ / "server.log").string());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const std::string at = "--server " + server->address() + " ";
+  const Outcome remote = Run(at + "table --machine mt --format linuxcnc-comp --axis X -o y.comp --report y.json");
+  ASSERT_EQ(remote.exit_code, 0) << remote.err;
+  EXPECT_EQ(Read("y.comp"), Read("x.comp"));
+  EXPECT_EQ(Read("y.json"), Read("x.json"));
+
+  const auto refused = [&](const std::string& options, int exit_code, const std::string& reason) {
+    const Outcome outcome = Run(at + "table --machine mt -o z.comp --json " + options);
+    EXPECT_EQ(outcome.exit_code, exit_code) << options;
+    EXPECT_THAT(outcome.err, HasSubstr("\"reason\": \"" + reason + "\"")) << options;
+    EXPECT_FALSE(Exists("z.comp"));
+  };
+  refused("--format fanuk", 3, "TABLE_INVALID");
+  refused("--format linuxcnc-comp --axis X --points 999", 3, "TABLE_INVALID");
+  refused("--format linuxcnc-comp --calibration 99", 4, "CALIBRATION_NOT_FOUND");
+  EXPECT_EQ(Run(at + "table --machine nobody --format general -o z.comp").exit_code, 4);
 }
 
 }  // namespace

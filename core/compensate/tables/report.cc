@@ -83,6 +83,7 @@ std::vector<std::string> NotesOf(const Plan& plan, const TableReport& report) {
   notes.push_back("tool point within the ranges: " + Text(report.within.before) + " before; " +
                   Text(report.within.after) + " with it");
   for (const std::string& line : report.not_carried) notes.push_back("not carried: " + line);
+  for (const std::string& line : plan.request.notes) notes.push_back("note: " + line);
   return notes;
 }
 
@@ -119,6 +120,7 @@ std::string ToJson(const Plan& plan, const TableReport& report) {
       {"within_ranges", {{"before", ToJson(report.within.before)}, {"after", ToJson(report.within.after)}}}};
   out["not_carried"] = report.not_carried;
   out["cannot_carry"] = plan.format.cannot_carry;
+  out["notes"] = plan.request.notes;
   return out.dump(1) + "\n";
 }
 

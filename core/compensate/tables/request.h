@@ -39,6 +39,7 @@ struct TableRequest {
   std::optional<int> max_points;     // fewer than the controller's limit
   std::optional<double> resolution;  // the controller's least step, mm or deg, where that is a setting
   std::string calibration;           // what the file says of where it comes from: "mt v3"
+  std::vector<std::string> notes;    // to be said in the file and in the report, one line each
 };
 
 struct MadeTable {
