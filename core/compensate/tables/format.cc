@@ -19,8 +19,7 @@ std::string StepText(const Format& format) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format>* const kFormats = new std::vector<Format>{
-      GeneralFormat(),
-      LinuxcncCompFormat(),
+      GeneralFormat(), LinuxcncCompFormat(), SiemensEecFormat(), SiemensCecFormat(), FanucPitchFormat(),
   };
   return *kFormats;
 }

@@ -25,6 +25,7 @@ struct Limits {
   int min_points = 2;
   bool equal_steps = false;         // nodes at equal distances
   bool from_reference = false;      // one of them at the reference position
+  int most_increments = 0;          // values are increments of at most so many steps; 0: they are not
   bool by_sense = false;            // values by sense of motion
   bool one_axis = false;            // a file holds one axis
   bool holds_rotary = true;         // corrections of rotary axes
@@ -41,6 +42,8 @@ struct Content {
   compensate::Pose reference;  // where corrections are zero
   // Per block the least step of its values, mm or rad: the controller's, or a multiple that the values need.
   std::vector<double> value_steps;
+  // Per axis of the machine the controller's least step, mm or rad.
+  std::vector<double> least_steps;
   // For people: one line each. The writer puts them where the controller does not read.
   std::vector<std::string> notes;
 };
@@ -74,6 +77,9 @@ std::string FormatsJson();
 // One per file in this folder.
 Format GeneralFormat();
 Format LinuxcncCompFormat();
+Format SiemensEecFormat();
+Format SiemensCecFormat();
+Format FanucPitchFormat();
 
 }  // namespace axiscal::tables
 

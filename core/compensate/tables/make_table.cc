@@ -211,7 +211,9 @@ void ListCoarse(const Plan& plan, const std::vector<ColumnReport>& columns, std:
     const bool is_full = std::any_of(column.points.begin(), column.points.end(), [&](size_t points) {
       return static_cast<double>(points) > 0.8 * plan.max_points;
     });
-    if (!is_full || column.left.largest <= 1.5 * tolerance) continue;
+    const int axis = machine::FindAxis(plan.machine, column.name);
+    const double step = axis < 0 ? 0.0 : plan.value_step(axis);
+    if (!is_full || column.left.largest <= 1.5 * tolerance + step) continue;
     const double factor = column.is_angle ? base::kUradPerRad : base::kUmPerMm;
     not_carried->push_back(
         absl::StrFormat("%s over %s: %.3f of %.3f %s stay where %.3f was asked for: %d points cannot follow it closer",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include "core/compensate/nodes.h"
@@ -89,12 +90,34 @@ EqualSteps StepsFor(const Plan& plan, int argument, size_t points) {
     const double start = least * std::floor(range.min / least + kRounding);
     return {start, step, static_cast<size_t>(std::max(1.0, whole((range.max - start) / step))) + 1};
   }
+  // Of all ways to spread the steps over both sides of the reference the one with the shortest step.
   const double reference = Round(plan.reference.position[argument], least);
-  for (;; step += least * std::max(1.0, std::floor(step / least * 1e-3))) {
-    const double below = whole((reference - range.min) / step), above = whole((range.max - reference) / step);
-    if (below + above + 1 <= static_cast<double>(points) || points < 3)
-      return {reference - below * step, step, static_cast<size_t>(below + above) + 1};
+  const double lower = std::max(0.0, reference - range.min), upper = std::max(0.0, range.max - reference);
+  step = std::numeric_limits<double>::infinity();
+  for (size_t below = 0; below < points; ++below) {
+    const double above = static_cast<double>(points - 1 - below);
+    if ((below == 0 && lower > kRounding) || (above == 0 && upper > kRounding)) continue;
+    const double longest =
+        std::max(below == 0 ? 0.0 : lower / static_cast<double>(below), above == 0 ? 0.0 : upper / above);
+    step = std::min(step, least * std::max(1.0, whole(longest / least)));
   }
+  const double below = whole(lower / step), above = whole(upper / step);
+  return {reference - below * step, step, static_cast<size_t>(below + above) + 1};
+}
+
+// Whether increments from node to node stay within what the controller's smallest step allows.
+bool IncrementsFit(const Sampler& sampler, const Curve& curve, const std::vector<double>& nodes) {
+  const Plan& plan = sampler.plan;
+  if (plan.format.limits.most_increments == 0) return true;
+  for (size_t f = 0; f < curve.values.size(); ++f) {
+    const std::vector<double> values = compensate::FitNodes(curve.position, curve.values[f], nodes);
+    const double most = plan.format.limits.most_increments * plan.value_step(sampler.argument) /
+                        sampler.tolerance[f % sampler.tolerance.size()];
+    for (size_t i = 0; i + 1 < values.size(); ++i) {
+      if (std::abs(values[i + 1] - values[i]) > most) return false;
+    }
+  }
+  return true;
 }
 
 absl::StatusOr<std::vector<double>> ChooseEqual(const Sampler& sampler) {
@@ -110,7 +133,7 @@ absl::StatusOr<std::vector<double>> ChooseEqual(const Sampler& sampler) {
     ASSIGN_OR_RETURN(const Curve curve,
                      sampler.Sample(sampler.Even(nodes.front(), nodes.back(), sampler.sample_count() / 2,
                                                  plan.position_step(sampler.argument))));
-    if (compensate::LargestDeparture(curve, nodes) <= 1.0) return nodes;
+    if (compensate::LargestDeparture(curve, nodes) <= 1.0 && IncrementsFit(sampler, curve, nodes)) return nodes;
     points = std::max(points + 1, static_cast<size_t>(static_cast<double>(points) * kMoreNodes));
   }
 }
@@ -262,6 +285,7 @@ absl::Status RoundValues(const Plan& plan, Content* content) {
 absl::StatusOr<Content> SampleTable(const Plan& plan) {
   Content content;
   content.reference = plan.reference;
+  for (int i = 0; i < plan.machine.axis_count(); ++i) content.least_steps.push_back(plan.value_step(i));
   switch (plan.format.layout) {
     case Layout::kOwnAxis:
     case Layout::kAnyAxis:
