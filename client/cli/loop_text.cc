@@ -1,5 +1,6 @@
 #include "client/cli/loop_text.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace axiscal::cli {
@@ -29,9 +30,14 @@ std::string EffectText(const Json& effect) {
       absl::StrFormat("  %-24s %10.4g +- %.2g %s, %.3g um rms in the readings\n", effect.value("name", ""),
                       Number(effect, "/amplitude"), Number(effect, "/amplitude_sigma"), effect.value("unit", ""),
                       Number(effect, "/rms_um"));
-  const Json others = List(effect, "equivalent");
-  if (others.empty()) return text;
-  return text + "      these sessions cannot tell it from " + Names(others) + "\n";
+  const Json same = List(effect, "same_always");
+  Json others = Json::array();
+  for (const Json& other : List(effect, "equivalent")) {
+    if (std::find(same.begin(), same.end(), other.value("name", "")) == same.end()) others.push_back(other);
+  }
+  if (!others.empty()) absl::StrAppend(&text, "      these sessions cannot tell it from ", Names(others), "\n");
+  if (!same.empty()) absl::StrAppend(&text, "      the same by another name, in any measurement: ", Names(same), "\n");
+  return text;
 }
 
 // A session that tells the members of a class apart: what to measure, and what it brings.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/loop/rivals.h"
+#include "core/loop/same_always.h"
 
 namespace axiscal::loop {
 
@@ -91,6 +92,8 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
   for (Effect& effect : report->effects) {
     effect.equivalent = StillEquivalent(fit.problem, fit.point, effect.term, effect.equivalent,
                                         search.same_class_correlation, search.indistinguishable);
+    effect.same_always =
+        SameAlways(*fit.problem.machine, fit.problem.runs.front().tip_mm, effect.term, effect.equivalent);
     const std::vector<Proposal> proposals = proposer.Propose(effect.term, effect.equivalent);
     report->next_measurement.insert(report->next_measurement.end(), proposals.begin(), proposals.end());
   }

@@ -155,7 +155,7 @@ class Builder {
     constexpr double kShortest = 60.0, kSmallestWarming = 0.05;
     if (last_s - first_s > kShortest && AllTimed()) {
       AddAtAllJoints(Family::kDrift, shapes::Drift{});
-      for (const double share : {0.04, 0.08, 0.16, 0.32, 0.64})
+      for (const double share : {0.04, 0.08, 0.16, 0.32, kSlowestWarming})
         AddAtAllJoints(Family::kDriftExp, shapes::DriftExp{share * last_s});
     }
     if (warmest - coldest > kSmallestWarming) AddAtAllJoints(Family::kThermal, shapes::Thermal{});

@@ -38,8 +38,8 @@ class Proposer {
   Proposer(const identify::Problem& problem, const identify::Point& point);
   ~Proposer();
 
-  // `effect` is a term of the point's model with its amplitude; `equivalent` simplest first, of which the first dozen
-  // that differ in some measurement count. At most three sessions; none when there are no others. One without a test
+  // `effect` is a term of the point's model with its amplitude; `equivalent` simplest first, of which the first forty
+  // that differ in some measurement count. At most four sessions; none when there are no others. One without a test
   // where the class stands although every known test was considered.
   std::vector<Proposal> Propose(const machine::ErrorTerm& effect, const std::vector<machine::ErrorTerm>& equivalent);
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/instruments/registry.h"
+#include "core/plan/passes.h"
 
 namespace axiscal::loop {
 namespace {
@@ -62,35 +63,57 @@ std::vector<PlannedTest> PlanTests(const identify::Problem& measured) {
   std::set<std::string> taken;
   for (const MeasuringRun& run : measured.runs) taken.insert(run.session);
   std::vector<PlannedTest> tests;
+  const auto add = [&](const plan::Test& test, const plan::PlannedSession& planned, const std::string& beyond) {
+    session::Session empty = planned.session;
+    const instruments::Instrument* instrument =
+        instruments::FindInstrument(session::FindHeader(empty, "instrument").value_or(""));
+    for (const std::string& name : instrument->reading_columns)
+      empty.columns.push_back({name, std::vector<double>(empty.reading_count(), 0.0), {}});
+    absl::StatusOr<MeasuringRun> run = instruments::BindSession(empty, machine);
+    if (!run.ok() || !taken.insert(run->session).second) return;
+    PlannedTest out;
+    const identify::Noise whole_noise = NoiseOf(measured, *run);
+    identify::Noise noise = whole_noise;
+    const int most = run->row_count == 1 ? 120 : 90;
+    absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, {Thinned(*run, most, &noise)});
+    if (!problem.ok()) return;
+    out.test = test.name;
+    out.seconds = run->time_s.back() - run->time_s.front();
+    out.end_s = run->has_time ? run->time_s.back() : 0.0;
+    out.planned = planned;
+    out.run = *std::move(run);
+    out.problem = *std::move(problem);
+    out.problem.noise[0] = noise;
+    out.noise = whole_noise;
+    out.beyond = beyond;
+    out.has_used_instrument = instrument->kind == Kind::kBallbar ? situation.ballbar.is_used : situation.rtest.is_used;
+    tests.push_back(std::move(out));
+  };
   for (const plan::Test& test : plan::Tests()) {
-    for (plan::PlannedSession& planned : test.plan(situation)) {
+    for (const plan::PlannedSession& planned : test.plan(situation)) {
       const plan::Reach reach = plan::ReachOf(situation, planned.session);
       constexpr double kFarMm = 200.0;
       if (!reach.is_reachable || reach.beyond_mm > kFarMm) continue;
-      session::Session empty = planned.session;
-      const instruments::Instrument* instrument =
-          instruments::FindInstrument(session::FindHeader(empty, "instrument").value_or(""));
-      for (const std::string& name : instrument->reading_columns)
-        empty.columns.push_back({name, std::vector<double>(empty.reading_count(), 0.0), {}});
-      absl::StatusOr<MeasuringRun> run = instruments::BindSession(empty, machine);
-      if (!run.ok() || !taken.insert(run->session).second) continue;
-      PlannedTest out;
-      identify::Noise noise = NoiseOf(measured, *run);
-      const int most = run->row_count == 1 ? 120 : 90;
-      absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, {Thinned(*run, most, &noise)});
-      if (!problem.ok()) continue;
-      out.test = test.name;
-      out.seconds = run->time_s.back() - run->time_s.front();
-      out.planned = std::move(planned);
-      out.problem = *std::move(problem);
-      out.problem.noise[0] = noise;
-      out.beyond = reach.text;
-      out.has_used_instrument =
-          instrument->kind == Kind::kBallbar ? situation.ballbar.is_used : situation.rtest.is_used;
-      tests.push_back(std::move(out));
+      add(test, planned, reach.text);
+      constexpr int kPasses = 4, kMostReadings = 4000;
+      if (kPasses * planned.session.reading_count() < kMostReadings)
+        add(test, plan::InPasses(planned, kPasses), reach.text);
     }
   }
   return tests;
+}
+
+identify::Problem Together(const identify::Problem& measured, const std::vector<const PlannedTest*>& tests) {
+  identify::Problem together = measured;
+  for (const PlannedTest* test : tests) {
+    const int group = static_cast<int>(together.groups.size()), run = static_cast<int>(together.runs.size());
+    together.runs.push_back(test->run);
+    together.noise.push_back(test->noise);
+    together.is_used.emplace_back(test->run.measured_mm.size(), true);
+    together.groups.push_back({test->run.setup_name, test->run.setup, {run}});
+    together.group_of_run.push_back(group);
+  }
+  return together;
 }
 
 }  // namespace axiscal::loop

@@ -14,14 +14,21 @@ namespace axiscal::loop {
 struct PlannedTest {
   std::string test;
   plan::PlannedSession planned;
-  identify::Problem problem;  // its one run, thinned
+  instruments::MeasuringRun run;  // its readings are zero
+  identify::Problem problem;      // that run, thinned
+  identify::Noise noise;          // of the run in full
   std::string beyond;
   bool has_used_instrument = false;  // the shop has it
   double seconds = 0.0;
+  double end_s = 0.0;  // time of the last reading, or 0
 };
 
-// Everything in the registry that the machine can run from here, near the range of its linear axes so far.
+// Everything in the registry that the machine can run from here, near the range of its linear axes so far: once, and in
+// several passes.
 std::vector<PlannedTest> PlanTests(const identify::Problem& measured);
+
+// The measured sessions and planned ones beside them, in full.
+identify::Problem Together(const identify::Problem& measured, const std::vector<const PlannedTest*>& tests);
 
 }  // namespace axiscal::loop
 

@@ -44,11 +44,21 @@ Candidate RefinedPitch(const Signatures& signatures, Candidate candidate, double
 
 // A decay length or time constant.
 Candidate RefinedDecay(const Signatures& signatures, Candidate candidate) {
+  double longest = INFINITY;
+  if (candidate.family == Family::kDriftExp) {
+    double last_s = 0.0;
+    for (const instruments::MeasuringRun& run : signatures.problem().runs) {
+      if (run.has_time) last_s = std::max(last_s, run.time_s.back());
+    }
+    longest = kSlowestWarming * last_s;
+  }
   double spread = 0.35;
   for (int round = 0; round < 4; ++round) {
     std::vector<Candidate> around(5, candidate);
-    for (int i = -2; i <= 2; ++i)
-      *shapes::NonlinearParameter(around[i + 2].term.shape) *= std::pow(1.0 + spread, 0.5 * i);
+    for (int i = -2; i <= 2; ++i) {
+      double* parameter = shapes::NonlinearParameter(around[i + 2].term.shape);
+      *parameter = std::min(longest, *parameter * std::pow(1.0 + spread, 0.5 * i));
+    }
     candidate = BestOf(signatures, around);
     spread *= 0.5;
   }

@@ -18,6 +18,7 @@ struct Effect {
   double rms_mm = 0.0;                            // what it does to the readings
   double evidence = 0.0;                          // score when it was found
   std::vector<machine::ErrorTerm> equivalent;     // what this data cannot tell from it
+  std::vector<machine::ErrorTerm> same_always;    // of those, the effect by other names: no measurement tells them
 };
 
 // Structure that was found but has no name.

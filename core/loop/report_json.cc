@@ -33,6 +33,9 @@ json EffectJson(const machine::Machine& machine, const Effect& effect) {
   json equivalent = json::array();
   for (const machine::ErrorTerm& term : effect.equivalent) equivalent.push_back(NamedTerm(machine, term));
   object["equivalent"] = std::move(equivalent);
+  json same_always = json::array();
+  for (const machine::ErrorTerm& term : effect.same_always) same_always.push_back(machine::NameOf(machine, term));
+  object["same_always"] = std::move(same_always);
   return object;
 }
 

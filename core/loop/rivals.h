@@ -32,10 +32,12 @@ class Rivals {
   Information information_;
 };
 
-// The same shape elsewhere in the machine (of a drift also the other kinds in the same place) where the sessions tell
-// it from the first of `named` by little: a session that does not tell the two would dilute what does. At most six.
+// What would explain most of what the first of `known` does in the sessions (correlation above `near`): the plain
+// shapes of each axis, the harmonics of the effect's axis and the same shape elsewhere in the machine. A session that
+// does not tell the two would dilute what does. Without `known`; at most sixteen, no two of them the same effect
+// always.
 std::vector<machine::ErrorTerm> NeighboursOf(const identify::Problem& problem, const identify::Point& point,
-                                             const std::vector<machine::ErrorTerm>& named);
+                                             const std::vector<machine::ErrorTerm>& known, double near);
 
 // The class judged again once everything is fitted and the noise is known: those of `equivalent` that correlate with
 // the effect by more than `same_correlation`, or that would fit as well but for `indistinguishable` (chi-square).

@@ -1,10 +1,12 @@
 #include "core/loop/same_always.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "core/identify/problem.h"
 #include "core/instruments/rtest/rtest_model.h"
+#include "core/loop/candidate.h"
 #include "core/loop/separation.h"
 
 namespace axiscal::loop {
@@ -70,6 +72,11 @@ std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Ve
     for (int b = 0; b < shapes::BasisCount(term.shape); ++b) member.columns.push_back(column++);
     members.push_back(std::move(member));
   }
+  // Declared errors are fitted along.
+  for (const machine::ErrorTerm& declared : machine::DeclaredModel(machine).terms) {
+    const auto is_it = [&](const machine::ErrorTerm& term) { return IsSameEffect(term, declared); };
+    if (std::none_of(terms.begin(), terms.end(), is_it)) model.terms.push_back(declared);
+  }
   std::vector<int> first(terms.size());
   for (size_t i = 0; i < terms.size(); ++i) first[i] = static_cast<int>(i);
   if (!problem.ok()) return first;
@@ -85,6 +92,19 @@ std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Ve
     }
   }
   return first;
+}
+
+std::vector<machine::ErrorTerm> SameAlways(const machine::Machine& machine, const Eigen::Vector3d& tip_mm,
+                                           const machine::ErrorTerm& effect,
+                                           const std::vector<machine::ErrorTerm>& others) {
+  if (others.empty()) return {};
+  std::vector<machine::ErrorTerm> terms = {effect}, same;
+  terms.insert(terms.end(), others.begin(), others.end());
+  const std::vector<int> first = FirstOfTheSame(machine, tip_mm, terms);
+  for (size_t i = 1; i < terms.size(); ++i) {
+    if (first[i] == 0) same.push_back(terms[i]);
+  }
+  return same;
 }
 
 }  // namespace axiscal::loop

@@ -49,6 +49,14 @@ Separation::Separation(const Information& information, const std::vector<Member>
   }
   const Eigen::MatrixXd onto = InverseRoot(Block(others, others)).transpose() * Block(others, all);
   projected_ -= onto.transpose() * onto;
+  for (size_t m = 0; m < members.size(); ++m) {
+    const Eigen::MatrixXd own = Block(members[m].columns, members[m].columns);
+    const std::vector<int> columns = AllColumns(static_cast<int>(m));
+    const Eigen::MatrixXd root = InverseRoot(own);
+    const Eigen::Index rank = (root.colwise().squaredNorm().array() > 0.0).count();
+    roots_.push_back({root, members[m].nonlinear.empty() ? root : InverseRoot(Block(columns, columns)),
+                      own.diagonal().maxCoeff() > kSeen ? rank : 0});
+  }
 }
 
 std::vector<int> Separation::AllColumns(int member) const {
@@ -66,12 +74,13 @@ Eigen::MatrixXd Separation::Block(const std::vector<int>& rows, const std::vecto
 }
 
 double Separation::Correlation(int a, int b) const {
-  const std::vector<int>&ca = members_[a].columns, &cb = members_[b].columns;
-  const Eigen::MatrixXd cross = InverseRoot(Block(ca, ca)).transpose() * Block(ca, cb) * InverseRoot(Block(cb, cb));
-  const auto is_seen = [](const Eigen::MatrixXd& block) { return block.diagonal().maxCoeff() > kSeen; };
-  if (!is_seen(Block(ca, ca)) || !is_seen(Block(cb, cb))) return 1.0;
+  const Eigen::Index rank = std::min(roots_[a].rank, roots_[b].rank);
+  if (rank == 0) return 1.0;
+  const Eigen::MatrixXd cross =
+      roots_[a].amplitudes.transpose() * Block(members_[a].columns, members_[b].columns) * roots_[b].amplitudes;
+  if (cross.rows() == 1 || cross.cols() == 1) return std::min(1.0, cross.norm());
   const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(cross).singularValues();
-  return std::min(1.0, values[std::min(cross.rows(), cross.cols()) - 1]);
+  return std::min(1.0, values[rank - 1]);
 }
 
 double Separation::ExpectedChi2(int truth, int rival) const {
@@ -82,7 +91,7 @@ double Separation::ExpectedChi2(int truth, int rival) const {
     if (scale_[own[i]] == 0.0) return 0.0;
     amplitude[i] /= scale_[own[i]];
   }
-  const Eigen::VectorXd seen = InverseRoot(Block(other, other)).transpose() * (Block(other, own) * amplitude);
+  const Eigen::VectorXd seen = roots_[rival].all.transpose() * (Block(other, own) * amplitude);
   return std::max(0.0, amplitude.dot(Block(own, own) * amplitude) - seen.squaredNorm());
 }
 
@@ -93,7 +102,7 @@ Eigen::VectorXd Separation::FittedAmplitude(int truth, int rival) const {
     if (scale_[own[i]] == 0.0) return Eigen::VectorXd::Zero(other.size());
     amplitude[i] /= scale_[own[i]];
   }
-  const Eigen::MatrixXd root = InverseRoot(Block(other, other));
+  const Eigen::MatrixXd& root = roots_[rival].amplitudes;
   Eigen::VectorXd fitted = root * (root.transpose() * (Block(other, own) * amplitude));
   for (size_t i = 0; i < other.size(); ++i) fitted[i] *= scale_[other[i]];
   return fitted;

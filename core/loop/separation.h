@@ -38,7 +38,7 @@ class Separation {
   // Every column that belongs to no member is fitted along and projected off.
   Separation(const Information& information, const std::vector<Member>& members);
 
-  // Smallest canonical correlation over the smaller of the two spaces; 1 where either is not seen at all.
+  // Smallest canonical correlation over the smaller of the two spaces that are seen; 1 where either is not seen at all.
   double Correlation(int a, int b) const;
   // Chi-square that is left when `truth` acts with its amplitude and `rival` is fitted in its place.
   double ExpectedChi2(int truth, int rival) const;
@@ -49,7 +49,14 @@ class Separation {
   Eigen::MatrixXd Block(const std::vector<int>& rows, const std::vector<int>& columns) const;
   std::vector<int> AllColumns(int member) const;
 
+  // Per member, orthonormal bases B (B' G B = 1) of what is seen of its amplitudes and of all its columns.
+  struct Root {
+    Eigen::MatrixXd amplitudes, all;
+    Eigen::Index rank = 0;  // amplitudes that are seen
+  };
+
   const std::vector<Member>& members_;
+  std::vector<Root> roots_;
   Eigen::MatrixXd projected_;  // p x p; rows and columns of members, scaled to unit norm before projection
   Eigen::VectorXd scale_;      // p: scaled = raw * scale
 };

@@ -83,28 +83,82 @@ std::vector<PlannedSession> BallbarPatterns(const Situation& situation) {
   return planned;
 }
 
-// The patterns on any structure: the tip keeps its distance from the ball along one direction of the bed while one
-// rotary axis turns.
+namespace {
+
+// A rotary axis out of the way: at 90 degrees, or as far as it has been.
+struct Swung {
+  int axis = 0;
+  double degrees = 0.0;
+  std::vector<double> positions;
+};
+
+std::vector<Swung> SwungAxes(const Situation& situation) {
+  const Machine& machine = *situation.machine;
+  std::vector<Swung> all;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    if (machine.axes[axis].kind != machine::AxisKind::kRotary || !situation.Turns(axis)) continue;
+    std::vector<double> positions = Home(situation);
+    const Range range = situation.ranges[axis];
+    positions[axis] = std::clamp(0.5 * std::numbers::pi, range.lowest, range.highest);
+    if (positions[axis] <= 0.0) positions[axis] = std::clamp(-0.5 * std::numbers::pi, range.lowest, range.highest);
+    all.push_back({axis, positions[axis] * base::kDegPerRad, positions});
+  }
+  return all;
+}
+
+// The tip keeps its distance from the ball along one direction of the bed, `directions` of x y z, while one rotary axis
+// turns.
+void AddTurns(const Situation& situation, int axis, const std::vector<int>& directions,
+              const std::vector<double>& place, const std::string& suffix, const std::string& text,
+              std::vector<PlannedSession>* planned) {
+  const Machine& machine = *situation.machine;
+  const double bar_mm = situation.bars_mm.front();
+  const Range range = situation.ranges[axis];
+  const int steps = std::max(1, static_cast<int>((range.highest - range.lowest) / (2.0 * kRadPerDeg)));
+  for (const int direction : directions) {
+    const std::string name = absl::StrCat(machine.axes[axis].name, "-bar-", std::string(1, "XYZ"[direction]), suffix);
+    SessionBuilder builder(situation, name, situation.tips_mm.front(), situation.balls_mm.back(), bar_mm);
+    for (int k = 0; k <= 2 * steps; ++k) {
+      std::vector<double> positions = place;
+      positions[axis] = range.lowest + (range.highest - range.lowest) * (k <= steps ? k : 2 * steps - k) / steps;
+      builder.AddInBed(positions, bar_mm * Eigen::Vector3d::Unit(direction));
+    }
+    if (!builder.is_possible()) continue;
+    planned->push_back(
+        {builder.Finish(), absl::StrFormat("ball bar of %.0f mm along %c while %s turns there and back%s", bar_mm,
+                                           "XYZ"[direction], machine.axes[axis].name, text)});
+  }
+}
+
+}  // namespace
+
+// The patterns on any structure.
 std::vector<PlannedSession> BallbarTurns(const Situation& situation) {
   const Machine& machine = *situation.machine;
   if (!BallbarPatterns(situation).empty()) return {};
   std::vector<PlannedSession> planned;
-  const double bar_mm = situation.bars_mm.front();
   for (int axis = 0; axis < machine.axis_count(); ++axis) {
     if (machine.axes[axis].kind != machine::AxisKind::kRotary || !situation.Turns(axis)) continue;
-    const Range range = situation.ranges[axis];
-    const int steps = std::max(1, static_cast<int>((range.highest - range.lowest) / (2.0 * kRadPerDeg)));
-    for (int direction = 0; direction < 3; ++direction) {
-      const std::string name = absl::StrCat(machine.axes[axis].name, "-bar-", std::string(1, "XYZ"[direction]));
-      SessionBuilder builder(situation, name, situation.tips_mm.front(), situation.balls_mm.back(), bar_mm);
-      for (int k = 0; k <= 2 * steps; ++k) {
-        std::vector<double> positions = Home(situation);
-        positions[axis] = range.lowest + (range.highest - range.lowest) * (k <= steps ? k : 2 * steps - k) / steps;
-        builder.AddInBed(positions, bar_mm * Eigen::Vector3d::Unit(direction));
+    AddTurns(situation, axis, {0, 1, 2}, Home(situation), "", "", &planned);
+  }
+  return planned;
+}
+
+std::vector<PlannedSession> BallbarSwungTurns(const Situation& situation) {
+  const Machine& machine = *situation.machine;
+  std::vector<PlannedSession> planned;
+  for (const Swung& swung : SwungAxes(situation)) {
+    const std::string& name = machine.axes[swung.axis].name;
+    for (int axis = 0; axis < machine.axis_count(); ++axis) {
+      if (axis == swung.axis || machine.axes[axis].kind != machine::AxisKind::kRotary || !situation.Turns(axis))
+        continue;
+      // Along the axis of the turn two offsets of the ball would show in second order only: no fit likes that.
+      std::vector<int> across;
+      for (int direction = 0; direction < 3; ++direction) {
+        if (std::abs(machine.axes[axis].direction[direction]) < 0.5) across.push_back(direction);
       }
-      if (!builder.is_possible()) continue;
-      planned.push_back({builder.Finish(), absl::StrFormat("ball bar of %.0f mm along %c while %s turns there and back",
-                                                           bar_mm, "XYZ"[direction], machine.axes[axis].name)});
+      AddTurns(situation, axis, across, swung.positions, absl::StrFormat("-%s%.0f", name, swung.degrees),
+               absl::StrFormat(", %s at %.0f deg", name, swung.degrees), &planned);
     }
   }
   return planned;
@@ -125,16 +179,10 @@ std::vector<PlannedSession> BallbarCircles(const Situation& situation) {
       {"-y80", ", the ball 80 mm further in y", {0, kShiftMm, 0}, none_mm, Home(situation)},
       {"-z80", ", the ball 80 mm higher", {0, 0, kShiftMm}, none_mm, Home(situation)},
       {"-long", ", a tool 120 mm longer", none_mm, kOtherToolMm * machine.tool_direction, Home(situation)}};
-  for (int axis = 0; axis < machine.axis_count(); ++axis) {
-    if (machine.axes[axis].kind != machine::AxisKind::kRotary || !situation.Turns(axis)) continue;
-    std::vector<double> turned = Home(situation);
-    const Range range = situation.ranges[axis];
-    turned[axis] = std::clamp(0.5 * std::numbers::pi, range.lowest, range.highest);
-    if (turned[axis] <= 0.0) turned[axis] = std::clamp(-0.5 * std::numbers::pi, range.lowest, range.highest);
-    const double turned_deg = turned[axis] * base::kDegPerRad;
-    places.push_back({absl::StrFormat("-%s%.0f", machine.axes[axis].name, turned_deg),
-                      absl::StrFormat(", %s at %.0f deg", machine.axes[axis].name, turned_deg), none_mm, none_mm,
-                      turned});
+  for (const Swung& swung : SwungAxes(situation)) {
+    const std::string& name = machine.axes[swung.axis].name;
+    places.push_back({absl::StrFormat("-%s%.0f", name, swung.degrees),
+                      absl::StrFormat(", %s at %.0f deg", name, swung.degrees), none_mm, none_mm, swung.positions});
   }
   const std::vector<std::pair<int, int>> planes = {{0, 1}, {2, 0}, {1, 2}};
   std::vector<PlannedSession> planned;

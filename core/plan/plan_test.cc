@@ -5,6 +5,7 @@
 
 #include "core/identify/testing/scenario.h"
 #include "core/instruments/registry.h"
+#include "core/plan/passes.h"
 #include "core/plan/test.h"
 
 namespace axiscal::plan {
@@ -110,6 +111,18 @@ TEST(Plan, OnlySessionsThatRanOneWayAreRunBackwards) {
   const std::vector<double>& c_deg = session::FindColumn(planned[0].session, "C_deg")->values;
   EXPECT_EQ(c_deg.front(), 360.0);
   EXPECT_EQ(c_deg.back(), 0.0);
+}
+
+TEST(Plan, PassesGoThereAndBackWithoutAPause) {
+  PlannedSession once;
+  once.session.header = {{"session", "line"}};
+  once.session.columns = {{"t_s", {10.0, 12.0, 14.0}, {}}, {"X_mm", {0.0, 5.0, 9.0}, {}}};
+  once.text = "a line";
+  const PlannedSession thrice = InPasses(once, 3);
+  EXPECT_EQ(thrice.session.header[0].value, "line-x3");
+  EXPECT_EQ(thrice.session.columns[0].values, (std::vector<double>{10, 12, 14, 16, 18, 20, 22}));
+  EXPECT_EQ(thrice.session.columns[1].values, (std::vector<double>{0, 5, 9, 5, 0, 5, 9}));
+  EXPECT_EQ(thrice.text, "a line, 3 passes there and back in one go");
 }
 
 TEST(Plan, LeavingTheRangeSoFarIsSaidAndStatedLimitsHold) {

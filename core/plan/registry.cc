@@ -10,6 +10,7 @@ const std::vector<Test>& Tests() {
       {"ballbar-pattern", "a bar held at its length while B or C turns there and back (twelve patterns)",
        BallbarPatterns},
       {"ballbar-turn", "a bar along one direction while one rotary axis turns there and back", BallbarTurns},
+      {"ballbar-swung-turn", "the same with another rotary axis swung out of its zero", BallbarSwungTurns},
       {"ballbar-circle", "a circle of two linear axes, counter-clockwise, then clockwise", BallbarCircles},
       {"rtest-grid", "an R-test over a grid of the rotary axes, there and back", RtestGrids},
       {"rtest-approach", "an R-test at a few poses, each approached by one axis at a time from both senses",
@@ -17,6 +18,8 @@ const std::vector<Test>& Tests() {
       {"other-sense", "a measured session run backwards", OtherSense},
       {"later", "a measured session repeated two hours later", Later},
       {"warmer", "a measured session or an R-test grid when the shop is four degrees warmer", Warmer},
+      {"farther", "an R-test or a held bar over 30 degrees more of a rotary axis than so far, to either side",
+       FartherTurned},
       {"finer", "a measured session repeated with three readings in place of one", Finer},
   };
   return tests;
@@ -42,16 +45,19 @@ Reach ReachOf(const Situation& situation, const session::Session& session) {
     constexpr double kRounding = 1e-3;
     if (a.min_position && *low * unit < *a.min_position - kRounding) reach.is_reachable = false;
     if (a.max_position && *high * unit > *a.max_position + kRounding) reach.is_reachable = false;
-    if (is_rotary || situation.runs.empty()) continue;
-    constexpr double kWorthSaying = 1.0;  // mm
-    const Range& range = situation.ranges[axis];
+    if (situation.runs.empty()) continue;
+    constexpr double kWorthSaying = 1.0;  // mm or degrees
+    const Range range = {situation.ranges[axis].lowest / unit, situation.ranges[axis].highest / unit};
     const auto say = [&](const char* side, double to, double so_far) {
+      const char* name = is_rotary ? "deg" : "mm";
       absl::StrAppend(&reach.text, reach.text.empty() ? "" : ", ",
-                      absl::StrFormat("%s %s %.0f mm (so far %.0f mm)", a.name, side, to, so_far));
+                      absl::StrFormat("%s %s %.0f %s (so far %.0f %s)", a.name, side, to, name, so_far, name));
     };
-    if (*low < range.lowest - kWorthSaying) say("down to", *low, range.lowest);
-    if (*high > range.highest + kWorthSaying) say("up to", *high, range.highest);
-    reach.beyond_mm = std::max({reach.beyond_mm, range.lowest - *low, *high - range.highest});
+    constexpr double kNudge = 2.5;  // what an approach leaves a rotary pose by goes without saying
+    const double allowed = is_rotary ? kNudge : kWorthSaying;
+    if (*low < range.lowest - allowed) say("down to", *low, range.lowest);
+    if (*high > range.highest + allowed) say("up to", *high, range.highest);
+    if (!is_rotary) reach.beyond_mm = std::max({reach.beyond_mm, range.lowest - *low, *high - range.highest});
   }
   return reach;
 }

@@ -123,6 +123,35 @@ std::vector<PlannedSession> Warmer(const Situation& situation) {
   return planned;
 }
 
+std::vector<PlannedSession> FartherTurned(const Situation& situation) {
+  const machine::Machine& machine = *situation.machine;
+  constexpr double kFartherRad = 30.0 * base::kRadPerDeg, kTurnRad = 360.0 * base::kRadPerDeg;
+  std::vector<PlannedSession> planned;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    const machine::Axis& a = machine.axes[axis];
+    const Range range = situation.ranges[axis];
+    if (a.kind != machine::AxisKind::kRotary || !situation.Turns(axis)) continue;
+    if (range.highest - range.lowest + 2.0 * kFartherRad > kTurnRad) continue;
+    // One axis at a time: the others stand still, and do not turn in the tests of grids.
+    Situation farther = situation;
+    for (int other = 0; other < machine.axis_count(); ++other) {
+      if (other != axis && machine.axes[other].kind == machine::AxisKind::kRotary) farther.ranges[other] = {};
+    }
+    farther.ranges[axis] = {std::max(range.lowest - kFartherRad, a.min_position.value_or(-INFINITY)),
+                            std::min(range.highest + kFartherRad, a.max_position.value_or(INFINITY))};
+    std::vector<PlannedSession> tests = RtestGrids(farther);
+    for (PlannedSession& turn : BallbarTurns(farther)) tests.push_back(std::move(turn));
+    for (PlannedSession& test : tests) {
+      for (session::HeaderEntry& entry : test.session.header) {
+        if (entry.key == "session") absl::StrAppend(&entry.value, "-", a.name, "-farther");
+      }
+      absl::StrAppend(&test.text, ", farther than so far");
+      planned.push_back(std::move(test));
+    }
+  }
+  return planned;
+}
+
 std::vector<PlannedSession> Finer(const Situation& situation) {
   std::vector<PlannedSession> planned;
   for (const MeasuringRun* run : Repeatable(situation)) {

@@ -27,12 +27,12 @@ const std::vector<Test>& Tests();
 // The test of that name, or nullptr.
 const Test* FindTest(const std::string& name);
 
-// Where a planned session takes the linear axes beyond what the sessions so far used, for the person who runs it: "Z up
+// Where a planned session takes the axes beyond what the sessions so far used, for the person who runs it: "Z up
 // to 521 mm (so far 490 mm)"; empty when it does not. machine.json may state travel limits: `is_reachable` is false
 // beyond them.
 struct Reach {
   bool is_reachable = true;
-  double beyond_mm = 0.0;  // the farthest
+  double beyond_mm = 0.0;  // the farthest of the linear axes
   std::string text;
 };
 Reach ReachOf(const Situation& situation, const session::Session& session);

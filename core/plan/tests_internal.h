@@ -8,12 +8,14 @@ namespace axiscal::plan {
 
 std::vector<PlannedSession> BallbarPatterns(const Situation& situation);
 std::vector<PlannedSession> BallbarTurns(const Situation& situation);
+std::vector<PlannedSession> BallbarSwungTurns(const Situation& situation);
 std::vector<PlannedSession> BallbarCircles(const Situation& situation);
 std::vector<PlannedSession> RtestGrids(const Situation& situation);
 std::vector<PlannedSession> RtestApproaches(const Situation& situation);
 std::vector<PlannedSession> OtherSense(const Situation& situation);
 std::vector<PlannedSession> Later(const Situation& situation);
 std::vector<PlannedSession> Warmer(const Situation& situation);
+std::vector<PlannedSession> FartherTurned(const Situation& situation);
 std::vector<PlannedSession> Finer(const Situation& situation);
 
 // The twelve patterns presume a structure: whether the nominal machine keeps the bar at its length on this one.

@@ -2,6 +2,7 @@
 // shows.
 #include <gtest/gtest.h>
 
+#include "tests/rates/next_session.h"
 #include "tests/rates/score.h"
 
 namespace axiscal::rates {
@@ -61,6 +62,19 @@ TEST(Rates, ALocalDefectAndASlipAreNoticed) {
   const Total bumps = JudgeMany(Kind::kBump, 10), slips = JudgeMany(Kind::kSlip, 10);
   EXPECT_GE(bumps.noticed, 9) << bumps.texts;
   EXPECT_GE(slips.noticed, 9) << slips.texts;
+}
+
+TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
+  int held = 0, alone = 0;
+  std::string texts;
+  for (uint64_t seed = 100; seed < 125; ++seed) {
+    const NextScore score = JudgeNext(seed);
+    held += score.held_others;
+    alone += score.held_others && score.is_alone;
+    if (score.held_others && !score.is_alone) texts += score.text + "\n";
+  }
+  EXPECT_GE(held, 8);
+  EXPECT_GE(alone, 0.9 * held) << texts;
 }
 
 }  // namespace
