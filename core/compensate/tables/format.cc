@@ -19,8 +19,9 @@ std::string StepText(const Format& format) {
 
 const std::vector<Format>& Formats() {
   static const std::vector<Format>* const kFormats = new std::vector<Format>{
-      GeneralFormat(), LinuxcncCompFormat(), SiemensEecFormat(), SiemensCecFormat(), FanucPitchFormat(),
-  };
+      GeneralFormat(),       LinuxcncCompFormat(),         LinuxcncXyzacFormat(), LinuxcncXyzbcFormat(),
+      SiemensEecFormat(),    SiemensCecFormat(),           FanucPitchFormat(),    FanucGridFormat(),
+      HeidenhainComFormat(), HeidenhainKinematicsFormat(), IsgVolumetricFormat()};
   return *kFormats;
 }
 

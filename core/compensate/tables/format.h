@@ -26,6 +26,8 @@ struct Limits {
   bool equal_steps = false;         // nodes at equal distances
   bool from_reference = false;      // one of them at the reference position
   int most_increments = 0;          // values are increments of at most so many steps; 0: they are not
+  bool power_of_two_steps = false;  // of the position step
+  bool whole_axes = false;          // of kComponents: all six of an axis, over its own position only, and no T and W
   bool by_sense = false;            // values by sense of motion
   bool one_axis = false;            // a file holds one axis
   bool holds_rotary = true;         // corrections of rotary axes
@@ -39,7 +41,8 @@ struct Limits {
 // A table and what stands beside it in its file.
 struct Content {
   compensate::Table table;
-  compensate::Pose reference;  // where corrections are zero
+  compensate::Pose reference;                             // where corrections are zero
+  Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();  // at home, machine frame
   // Per block the least step of its values, mm or rad: the controller's, or a multiple that the values need.
   std::vector<double> value_steps;
   // Per axis of the machine the controller's least step, mm or rad.
@@ -80,6 +83,12 @@ Format LinuxcncCompFormat();
 Format SiemensEecFormat();
 Format SiemensCecFormat();
 Format FanucPitchFormat();
+Format FanucGridFormat();
+Format HeidenhainComFormat();
+Format HeidenhainKinematicsFormat();
+Format IsgVolumetricFormat();
+Format LinuxcncXyzacFormat();
+Format LinuxcncXyzbcFormat();
 
 }  // namespace axiscal::tables
 

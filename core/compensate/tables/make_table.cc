@@ -47,11 +47,11 @@ bool SameBlock(const TableBlock& a, const TableBlock& b) {
 }
 
 // Across an axis only: the place of a point along its rotary axis is not in every format and changes nothing.
-bool SamePoints(const Table& a, const Table& b, const machine::Machine& machine) {
+bool SamePoints(const Table& a, const Table& b, const machine::Machine& machine, double step) {
   for (int i = 0; i < machine.axis_count(); ++i) {
     const machine::Axis& axis = machine.axes[i];
     if (axis.kind != machine::AxisKind::kRotary) continue;
-    if (axis.direction.cross(a.points_mm.at(i) - b.points_mm.at(i)).norm() > 1e-6) return false;
+    if (axis.direction.cross(a.points_mm.at(i) - b.points_mm.at(i)).norm() > 2.0 * step) return false;
   }
   return true;
 }
@@ -60,7 +60,7 @@ absl::StatusOr<Table> ReadBack(const Plan& plan, const Table& written, const std
   absl::StatusOr<Table> read = plan.format.read(plan.machine, text);
   bool is_same = read.ok() && read->kind == written.kind;
   if (is_same && written.kind == compensate::TableKind::kPoints)
-    is_same = SamePoints(written, *read, plan.machine);
+    is_same = SamePoints(written, *read, plan.machine, plan.format.limits.value_step_mm);
   else if (is_same)
     is_same =
         std::equal(written.blocks.begin(), written.blocks.end(), read->blocks.begin(), read->blocks.end(), SameBlock);

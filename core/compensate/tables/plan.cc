@@ -231,6 +231,18 @@ void SetSampled(Plan* plan) {
       plan->not_carried.push_back(name + ": " + plan->format.name + " knows no sense of motion");
       continue;
     }
+    if (plan->format.limits.whole_axes) {
+      const std::optional<int> axis = shapes::VariableAxis(term.shape);
+      if (term.joint >= machine.axis_count()) {
+        plan->not_carried.push_back(name + ": " + plan->format.name + " holds errors of axes only");
+        continue;
+      }
+      if (axis && *axis != term.joint) {
+        plan->not_carried.push_back(name + ": " + plan->format.name +
+                                    " holds the errors of an axis over its own position");
+        continue;
+      }
+    }
     plan->sampled.terms.push_back(term);
   }
 }

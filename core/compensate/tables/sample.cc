@@ -86,6 +86,7 @@ EqualSteps StepsFor(const Plan& plan, int argument, size_t points) {
   constexpr double kRounding = 1e-6;
   const auto whole = [](double steps) { return std::ceil(steps - kRounding); };
   double step = least * std::max(1.0, whole(travel / static_cast<double>(points - 1) / least));
+  if (plan.format.limits.power_of_two_steps) step = least * std::exp2(whole(std::log2(step / least)));
   if (!plan.format.limits.from_reference) {
     const double start = least * std::floor(range.min / least + kRounding);
     return {start, step, static_cast<size_t>(std::max(1.0, whole((range.max - start) / step))) + 1};
@@ -187,36 +188,61 @@ absl::Status SampleFunctions(const Plan& plan, Content* content) {
   return absl::OkStatus();
 }
 
+// Error components over one axis, or constant ones (argument -1): what one block of a table holds.
+struct ComponentGroup {
+  int argument = -1;
+  std::vector<int> targets;
+  bool by_sense = false;
+};
+
+std::vector<ComponentGroup> GroupsOf(const Plan& plan) {
+  const bool whole_axes = plan.format.limits.whole_axes;
+  std::vector<ComponentGroup> groups;
+  std::vector<int> arguments = {-1};
+  arguments.insert(arguments.end(), plan.arguments.begin(), plan.arguments.end());
+  for (const int argument : arguments) {
+    const size_t first = groups.size();
+    for (const ErrorTerm& term : plan.sampled.terms) {
+      if (shapes::VariableAxis(term.shape).value_or(-1) != argument) continue;
+      const int target = term.joint * machine::kComponents + static_cast<int>(term.component);
+      const auto holds = [&](const ComponentGroup& group) {
+        return !whole_axes || group.targets[0] / machine::kComponents == term.joint;
+      };
+      auto group = std::find_if(groups.begin() + static_cast<long>(first), groups.end(), holds);
+      if (group == groups.end()) {
+        groups.push_back({argument, {}, false});
+        group = groups.end() - 1;
+        for (int k = 0; whole_axes && k < machine::kComponents; ++k)
+          group->targets.push_back(term.joint * machine::kComponents + k);
+      }
+      group->by_sense |= std::holds_alternative<shapes::Backlash>(term.shape);
+      if (std::find(group->targets.begin(), group->targets.end(), target) == group->targets.end())
+        group->targets.push_back(target);
+    }
+  }
+  return groups;
+}
+
 absl::Status SampleComponents(const Plan& plan, Content* content) {
   content->table.kind = compensate::TableKind::kErrors;
   const auto value = [&](int target, int argument, double position, double sense) {
     return ComponentAt(plan.machine, plan.sampled, plan.request.state, target, argument, position, sense);
   };
-  std::vector<int> arguments = {-1};
-  arguments.insert(arguments.end(), plan.arguments.begin(), plan.arguments.end());
-  for (const int argument : arguments) {
-    std::vector<int> targets;
-    Sampler sampler{plan, argument, {}, plan.format.limits.by_sense, {}};
-    bool has_sense = false;
-    for (const ErrorTerm& term : plan.sampled.terms) {
-      const int target = term.joint * machine::kComponents + static_cast<int>(term.component);
-      if (shapes::VariableAxis(term.shape).value_or(-1) != argument) continue;
-      has_sense |= std::holds_alternative<shapes::Backlash>(term.shape);
-      if (std::find(targets.begin(), targets.end(), target) != targets.end()) continue;
-      targets.push_back(target);
-      sampler.tolerance.push_back(plan.tolerance(machine::IsAngle(term.component)));
-    }
-    sampler.by_sense &= has_sense;
-    if (targets.empty()) continue;
+  for (const ComponentGroup& group : GroupsOf(plan)) {
+    Sampler sampler{plan, group.argument, {}, group.by_sense, {}};
+    for (const int target : group.targets)
+      sampler.tolerance.push_back(
+          plan.tolerance(machine::IsAngle(static_cast<machine::Component>(target % machine::kComponents))));
     TableBlock block;
-    if (argument < 0) {
-      for (const int target : targets) block.columns.push_back({target, {value(target, -1, 0.0, 0.0)}, {}});
+    if (group.argument < 0) {
+      for (const int target : group.targets) block.columns.push_back({target, {value(target, -1, 0.0, 0.0)}, {}});
     } else {
       sampler.evaluate = [&](double position, double sense, std::vector<double>* values) {
-        for (size_t c = 0; c < targets.size(); ++c) (*values)[c] = value(targets[c], argument, position, sense);
+        for (size_t c = 0; c < group.targets.size(); ++c)
+          (*values)[c] = value(group.targets[c], group.argument, position, sense);
         return absl::OkStatus();
       };
-      ASSIGN_OR_RETURN(block, SampleBlock(sampler, targets));
+      ASSIGN_OR_RETURN(block, SampleBlock(sampler, group.targets));
     }
     content->table.blocks.push_back(std::move(block));
     content->value_steps.push_back(0.0);  // by column: see RoundValues
@@ -285,6 +311,7 @@ absl::Status RoundValues(const Plan& plan, Content* content) {
 absl::StatusOr<Content> SampleTable(const Plan& plan) {
   Content content;
   content.reference = plan.reference;
+  content.tool_tip_mm = plan.request.state.tool_tip_mm;
   for (int i = 0; i < plan.machine.axis_count(); ++i) content.least_steps.push_back(plan.value_step(i));
   switch (plan.format.layout) {
     case Layout::kOwnAxis:
