@@ -43,8 +43,10 @@ std::string ReportText(const Json& report, const std::string& output) {
   std::vector<std::vector<std::string>> rows = {{"", "points", "largest", "left max", "left rms", "unit"}};
   for (const Json& table : report.value("tables", Json::array())) {
     std::string name = table.value("of", ""), points;
+    std::string arguments;
     for (const Json& over : table.value("over", Json::array()))
-      absl::StrAppend(&name, &over == &table["over"][0] ? " over " : ", ", over.get<std::string>());
+      absl::StrAppend(&arguments, arguments.empty() ? " over " : " x ", over.get<std::string>());
+    name += arguments;
     for (const Json& count : table.value("points", Json::array()))
       absl::StrAppend(&points, points.empty() ? "" : " x ", count.get<int64_t>());
     rows.push_back({name, points, NumberText(table.value("largest", 0.0)), NumberText(table.value("left_max", 0.0)),

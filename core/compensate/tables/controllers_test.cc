@@ -97,6 +97,17 @@ TEST(SiemensEec, ValuesAreErrorsAndPointsAreCounted) {
   EXPECT_THAT(NotCarried(made), HasSubstr("EXX:backlash: siemens-eec knows no sense of motion"));
 }
 
+// A worm gear of 180 teeth: enough points, and what they leave is judged between them.
+TEST(SiemensEec, AWormGearIsFollowed) {
+  const Made made =
+      Make(R"({"terms": [{"symbol": "ECC", "shape": "harmonic", "order": 180, "amplitude": 20, "phase_deg": 10}]})",
+           Request("siemens-eec", {"C"}));
+  ASSERT_TRUE(made.status.ok()) << made.status;
+  EXPECT_GT(made.report["tables"][0]["points"][0].get<int>(), 180 * 10);
+  // The tolerance of 0.1 urad and half a step of 0.00001 deg.
+  EXPECT_LT(made.report["tables"][0]["left_max"].get<double>(), 0.25);
+}
+
 TEST(SiemensEec, BadFilesAreNamedByLine) {
   const Format format = SiemensEecFormat();
   const std::string good = Make(kScale, Request("siemens-eec")).text;

@@ -1,10 +1,10 @@
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "core/base/units.h"
 #include "core/compensate/tables/plan.h"
+#include "core/compensate/tables/read_back.h"
 #include "core/compensate/tables/report.h"
 #include "core/compensate/tables/sample.h"
 #include "core/compensate/tables/text.h"
@@ -23,96 +23,6 @@ constexpr int kPosesWithin = 2000;
 constexpr int kPosesPerTerm = 300;
 // A term of whose effect less than this part stays is carried.
 constexpr double kCarriedPart = 0.1;
-constexpr double kReadBack = 1e-9;  // mm or rad: rounding of units
-
-bool Same(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
-           return std::abs(x - y) <= kReadBack * std::max(1.0, std::abs(x));
-         });
-}
-
-bool SameColumn(const TableColumn& a, const TableColumn& b) {
-  // A file may state both senses of a column that has none.
-  const std::vector<double>& reverse_a = a.reverse.empty() ? a.forward : a.reverse;
-  const std::vector<double>& reverse_b = b.reverse.empty() ? b.forward : b.reverse;
-  return a.target == b.target && Same(a.forward, b.forward) && Same(reverse_a, reverse_b);
-}
-
-bool SameBlock(const TableBlock& a, const TableBlock& b) {
-  const auto same_argument = [](const compensate::TableArgument& x, const compensate::TableArgument& y) {
-    return x.axis == y.axis && Same(x.nodes, y.nodes);
-  };
-  return std::equal(a.arguments.begin(), a.arguments.end(), b.arguments.begin(), b.arguments.end(), same_argument) &&
-         std::equal(a.columns.begin(), a.columns.end(), b.columns.begin(), b.columns.end(), SameColumn);
-}
-
-// Across an axis only: the place of a point along its rotary axis is not in every format and changes nothing.
-bool SamePoints(const Table& a, const Table& b, const machine::Machine& machine, double step) {
-  for (int i = 0; i < machine.axis_count(); ++i) {
-    const machine::Axis& axis = machine.axes[i];
-    if (axis.kind != machine::AxisKind::kRotary) continue;
-    if (axis.direction.cross(a.points_mm.at(i) - b.points_mm.at(i)).norm() > 2.0 * step) return false;
-  }
-  return true;
-}
-
-absl::StatusOr<Table> ReadBack(const Plan& plan, const Table& written, const std::string& text) {
-  absl::StatusOr<Table> read = plan.format.read(plan.machine, text);
-  bool is_same = read.ok() && read->kind == written.kind;
-  if (is_same && written.kind == compensate::TableKind::kPoints)
-    is_same = SamePoints(written, *read, plan.machine, plan.format.limits.value_step_mm);
-  else if (is_same)
-    is_same =
-        std::equal(written.blocks.begin(), written.blocks.end(), read->blocks.begin(), read->blocks.end(), SameBlock);
-  if (is_same) return read;
-  return absl::InternalError(absl::StrCat("the table does not read back as it was written", read.ok() ? "" : ": ",
-                                          read.ok() ? "" : read.status().message()));
-}
-
-// How far the table departs from the exact function, over positions between the nodes.
-absl::StatusOr<std::vector<ColumnReport>> CheckColumns(const Plan& plan, const Table& table) {
-  std::vector<ColumnReport> reports;
-  ASSIGN_OR_RETURN(const compensate::CorrectionTarget target, plan.Target(plan.carried));
-  for (const TableBlock& block : table.blocks) {
-    for (const TableColumn& column : block.columns) {
-      ColumnReport report;
-      report.name = TargetName(table, block, column, plan.machine);
-      report.is_angle = IsAngle(table, column, plan.machine);
-      report.by_sense = !column.reverse.empty();
-      for (const compensate::TableArgument& argument : block.arguments) {
-        report.arguments.push_back(plan.machine.axes[argument.axis].name);
-        report.points.push_back(argument.nodes.size());
-        report.from.push_back(argument.nodes.front() / FileUnit(plan.machine.axes[argument.axis]));
-        report.to.push_back(argument.nodes.back() / FileUnit(plan.machine.axes[argument.axis]));
-      }
-      std::vector<Pose> poses;
-      if (block.arguments.size() == 1) {
-        const int axis = block.arguments[0].axis;
-        poses = PosesAlong(plan.reference, axis, plan.ranges[axis], block.arguments[0].nodes);
-      } else {
-        compensate::TableRanges ranges{};
-        for (const compensate::TableArgument& argument : block.arguments)
-          ranges[argument.axis] = plan.ranges[argument.axis];
-        poses = PosesWithin(plan.machine, plan.reference, ranges, block.arguments.empty() ? 1 : kPosesWithin);
-      }
-      for (const Pose& pose : poses) {
-        double wanted = 0.0;
-        if (table.kind == compensate::TableKind::kErrors) {
-          const int argument = block.arguments.empty() ? -1 : block.arguments[0].axis;
-          wanted = ComponentAt(plan.machine, plan.carried, plan.request.state, column.target, argument,
-                               argument < 0 ? 0.0 : pose.position[argument], argument < 0 ? 0.0 : pose.sense[argument]);
-        } else {
-          ASSIGN_OR_RETURN(const Positions change, target.At(pose));
-          wanted = change[column.target];
-        }
-        report.wanted.Add(std::abs(wanted));
-        report.left.Add(std::abs(wanted - ValueAt(block, column, pose)));
-      }
-      reports.push_back(std::move(report));
-    }
-  }
-  return reports;
-}
 
 std::vector<Pose> PosesAlongAll(const Plan& plan, const Table& table) {
   std::vector<Pose> poses;
@@ -138,6 +48,23 @@ absl::StatusOr<Positions> ZerosOf(const Plan& plan, const machine::ErrorModel& e
   return target.constant();
 }
 
+// What a table of corrections itself adds at the reference, mean of both senses (formats that are zero there in one
+// sense only, and rounding): a shift of the zero as well.
+absl::StatusOr<Positions> ShiftOf(const Plan& plan, const Table& table) {
+  Positions shift{};
+  if (table.kind != compensate::TableKind::kCorrections) return shift;
+  ASSIGN_OR_RETURN(const Positions commanded,
+                   CommandedWith(table, plan.machine, plan.request.state.tool_tip_mm, plan.reference));
+  for (size_t i = 0; i < shift.size(); ++i) shift[i] = commanded[i] - plan.reference.position[i];
+  return shift;
+}
+
+Positions Difference(const Positions& a, const Positions& b) {
+  Positions difference = a;
+  for (size_t i = 0; i < difference.size(); ++i) difference[i] -= b[i];
+  return difference;
+}
+
 Positions Sum(const Positions& a, const Positions& b) {
   Positions sum = a;
   for (size_t i = 0; i < sum.size(); ++i) sum[i] += b[i];
@@ -154,6 +81,54 @@ compensate::Commander With(const Plan& plan, const Table& table, const Positions
                      CommandedWith(table, plan.machine, plan.request.state.tool_tip_mm, pose));
     return Sum(commanded, zeros);
   };
+}
+
+// How far the table departs from the exact function, over positions between the nodes.
+absl::StatusOr<std::vector<ColumnReport>> CheckColumns(const Plan& plan, const Table& table) {
+  std::vector<ColumnReport> reports;
+  ASSIGN_OR_RETURN(const compensate::CorrectionTarget target, plan.Target(plan.carried));
+  const bool is_correction = table.kind == compensate::TableKind::kCorrections;
+  for (const TableBlock& block : table.blocks) {
+    for (const TableColumn& column : block.columns) {
+      ColumnReport report;
+      report.name = TargetName(table, block, column, plan.machine);
+      report.is_angle = IsAngle(table, column, plan.machine);
+      report.by_sense = !column.reverse.empty();
+      for (const compensate::TableArgument& argument : block.arguments) {
+        report.arguments.push_back(plan.machine.axes[argument.axis].name);
+        report.points.push_back(argument.nodes.size());
+        report.from.push_back(argument.nodes.front() / FileUnit(plan.machine.axes[argument.axis]));
+        report.to.push_back(argument.nodes.back() / FileUnit(plan.machine.axes[argument.axis]));
+      }
+      std::vector<Pose> poses;
+      if (block.arguments.size() == 1) {
+        const int axis = block.arguments[0].axis;
+        poses = PosesAlong(plan.reference, axis, plan.ranges[axis], block.arguments[0].nodes);
+      } else {
+        compensate::TableRanges ranges{};
+        for (const compensate::TableArgument& argument : block.arguments)
+          ranges[argument.axis] = plan.ranges[argument.axis];
+        poses = PosesWithin(plan.machine, plan.reference, ranges, block.arguments.empty() ? 1 : kPosesWithin);
+      }
+      // As in With(): less what the table adds at the reference.
+      const double shift = is_correction ? ValueAt(block, column, plan.reference) : 0.0;
+      for (const Pose& pose : poses) {
+        double wanted = 0.0;
+        if (table.kind == compensate::TableKind::kErrors) {
+          const int argument = block.arguments.empty() ? -1 : block.arguments[0].axis;
+          wanted = ComponentAt(plan.machine, plan.carried, plan.request.state, column.target, argument,
+                               argument < 0 ? 0.0 : pose.position[argument], argument < 0 ? 0.0 : pose.sense[argument]);
+        } else {
+          ASSIGN_OR_RETURN(const Positions change, target.At(pose));
+          wanted = change[column.target];
+        }
+        report.wanted.Add(std::abs(wanted));
+        report.left.Add(std::abs(wanted - ValueAt(block, column, pose) + shift));
+      }
+      reports.push_back(std::move(report));
+    }
+  }
+  return reports;
 }
 
 // What an exact table of this layout would command for one term alone.
@@ -262,7 +237,9 @@ absl::StatusOr<MadeTable> MakeTable(const machine::Machine& machine, const machi
   ASSIGN_OR_RETURN(report.columns, CheckColumns(plan, read));
   const compensate::TableChecker checker(machine, plan.carried, request.state, plan.reference);
   ASSIGN_OR_RETURN(const Positions zeros, ZerosOf(plan, plan.carried));
-  const compensate::Commander without = Without(zeros), with = With(plan, read, zeros);
+  ASSIGN_OR_RETURN(const Positions shift, ShiftOf(plan, read));
+  const Positions zeros_with = Difference(zeros, shift);
+  const compensate::Commander without = Without(zeros), with = With(plan, read, zeros_with);
   ASSIGN_OR_RETURN(report.along, checker.Check(without, with, PosesAlongAll(plan, read)));
   ASSIGN_OR_RETURN(report.within,
                    checker.Check(without, with, PosesWithin(machine, plan.reference, plan.ranges, kPosesWithin)));
@@ -270,7 +247,7 @@ absl::StatusOr<MadeTable> MakeTable(const machine::Machine& machine, const machi
   report.not_carried = plan.not_carried;
   ListCoarse(plan, report.columns, &report.not_carried);
   RETURN_IF_ERROR(ListLeft(plan, &report.not_carried));
-  ListZeros(plan, zeros, &report.not_carried);
+  ListZeros(plan, zeros_with, &report.not_carried);
   AddTilt(report.within.tilt_rad, &report.not_carried);
 
   content.notes = NotesOf(plan, report);

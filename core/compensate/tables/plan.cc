@@ -260,6 +260,12 @@ absl::Status CheckNumbers(const Format& format, const TableRequest& request) {
     return absl::InvalidArgumentError(absl::StrCat("points = ", *request.max_points, ", ", format.name, " takes ",
                                                    std::max(2, limits.min_points), " to ", limits.max_points));
   }
+  if (!std::isfinite(request.state.time_s.value_or(0.0)))
+    return absl::InvalidArgumentError(absl::StrCat("time = ", *request.state.time_s, " s, must be finite"));
+  if (!std::isfinite(request.state.temperature_celsius.value_or(0.0))) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("temperature = ", *request.state.temperature_celsius, " C, must be finite"));
+  }
   if (request.resolution && !limits.is_resolution_free)
     return absl::InvalidArgumentError("resolution: that of " + format.name + " is fixed");
   if (request.resolution && !(*request.resolution >= 1e-6 && *request.resolution <= 0.1))

@@ -61,6 +61,9 @@ TEST(MakeTable, WhatIsAskedForIsHeldAgainstMachineAndFormat) {
   request.tolerance_mm = 0;
   refused(request, "tolerance = 0 um");
   request.tolerance_mm = 1e-4;
+  request.state.temperature_celsius = std::nan("");
+  refused(request, "temperature = nan C, must be finite");
+  request.state.temperature_celsius.reset();
   request.resolution = 0.001;
   refused(request, "resolution: that of linuxcnc-comp is fixed");
 }
