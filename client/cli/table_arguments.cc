@@ -35,7 +35,9 @@ absl::StatusOr<std::pair<int, std::vector<double>>> ParseAxisNumbers(const std::
 void AddTableOptions(CLI::App& command, TableArguments& arguments) {
   command.add_option("--format", arguments.format, "the controller's format, see --list");
   command.add_option("--axis", arguments.axes,
-                     "correct this axis only: X, or Y(X) for Y over the position of X; may be repeated");
+                     "correct this axis only: X, or Y(X) for Y over the position of X; of the general table the axes "
+                     "that are arguments of "
+                     "one block; may be repeated");
   command.add_option("--range", arguments.ranges,
                      "travel of an axis in mm or deg, X=-300:300; may be repeated (default: travel of machine.json, in "
                      "the service else what the calibration's sessions cover)");

@@ -115,9 +115,13 @@ absl::StatusOr<std::vector<ColumnReport>> CheckColumns(const Plan& plan, const T
       for (const Pose& pose : poses) {
         double wanted = 0.0;
         if (table.kind == compensate::TableKind::kErrors) {
-          const int argument = block.arguments.empty() ? -1 : block.arguments[0].axis;
-          wanted = ComponentAt(plan.machine, plan.carried, plan.request.state, column.target, argument,
-                               argument < 0 ? 0.0 : pose.position[argument], argument < 0 ? 0.0 : pose.sense[argument]);
+          const auto at = [&](int argument, double position, double sense) {
+            return ComponentAt(plan.machine, plan.carried, plan.request.state, column.target, argument, position,
+                               sense);
+          };
+          if (block.arguments.empty()) wanted = at(-1, 0.0, 0.0);
+          for (const compensate::TableArgument& argument : block.arguments)
+            wanted += at(argument.axis, pose.position[argument.axis], pose.sense[argument.axis]);
         } else {
           ASSIGN_OR_RETURN(const Positions change, target.At(pose));
           wanted = change[column.target];

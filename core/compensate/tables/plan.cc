@@ -188,8 +188,13 @@ absl::Status SetFunctions(const TableRequest& request, Plan* plan) {
 
 absl::Status SetArguments(const TableRequest& request, Plan* plan) {
   const Machine& machine = plan->machine;
-  if (!request.axes.empty()) {
+  if (!request.axes.empty() && (plan->format.layout != Layout::kComponents || plan->format.limits.whole_axes))
     return absl::InvalidArgumentError(absl::StrCat("axis: ", plan->format.name, " holds all axes, none can be chosen"));
+  for (const std::string& name : request.axes) {
+    ASSIGN_OR_RETURN(const int axis, Named(machine, "axis", name));
+    if (std::find(plan->together.begin(), plan->together.end(), axis) != plan->together.end())
+      return absl::InvalidArgumentError("axis: '" + name + "' stands twice");
+    plan->together.push_back(axis);
   }
   for (int i = 0; i < machine.axis_count(); ++i) {
     const bool is_linear = machine.axes[i].kind == machine::AxisKind::kLinear;
@@ -198,6 +203,7 @@ absl::Status SetArguments(const TableRequest& request, Plan* plan) {
     if (plan->format.layout == Layout::kComponents) {
       for (const ErrorTerm& term : plan->carried.terms) is_argument |= shapes::VariableAxis(term.shape) == i;
     }
+    is_argument |= std::find(plan->together.begin(), plan->together.end(), i) != plan->together.end();
     if (!is_argument) continue;
     RETURN_IF_ERROR(RequireRange(*plan, i));
     plan->arguments.push_back(i);

@@ -28,6 +28,7 @@ struct Plan {
   compensate::TableRanges ranges{};
   std::vector<Function> functions = {};  // of kOwnAxis and kAnyAxis
   std::vector<int> arguments = {};       // of kGrid and kComponents: the axes with nodes; of all: the axes that matter
+  std::vector<int> together = {};  // of kComponents: axes whose positions are arguments of one block
   std::array<bool, machine::kMaxAxes> corrected_rotary{};
   int max_points = 0;
   std::vector<std::string> not_carried = {};

@@ -68,6 +68,63 @@ std::vector<ComponentGroup> GroupsOf(const Plan& plan) {
   return groups;
 }
 
+// Replaces the blocks over single axes that were asked for together by one over the grid of their positions: sums.
+absl::Status JoinBlocks(const Plan& plan, Content* content) {
+  constexpr size_t kMostRows = 100000;
+  if (plan.together.size() < 2) return absl::OkStatus();
+  TableBlock joined;
+  std::vector<TableBlock> rest, parts(plan.together.size());
+  size_t rows = 1;
+  for (TableBlock& block : content->table.blocks) {
+    const auto at = block.arguments.empty()
+                        ? plan.together.end()
+                        : std::find(plan.together.begin(), plan.together.end(), block.arguments[0].axis);
+    (at == plan.together.end() ? rest.emplace_back() : parts[static_cast<size_t>(at - plan.together.begin())]) =
+        std::move(block);
+  }
+  for (size_t d = 0; d < parts.size(); ++d) {
+    const int axis = plan.together[d];
+    if (parts[d].arguments.empty()) parts[d].arguments = {{axis, {plan.ranges[axis].min, plan.ranges[axis].max}}};
+    rows *= parts[d].arguments[0].nodes.size();
+    joined.arguments.push_back(parts[d].arguments[0]);
+    for (const TableColumn& column : parts[d].columns) {
+      if (d > 0 && !column.reverse.empty()) {
+        return absl::FailedPreconditionError(absl::StrCat("axis: the errors over ", plan.machine.axes[axis].name,
+                                                          " depend on its sense of motion: name it first"));
+      }
+      const auto same = [&](const TableColumn& known) { return known.target == column.target; };
+      if (std::none_of(joined.columns.begin(), joined.columns.end(), same))
+        joined.columns.push_back({column.target, {}, {}});
+    }
+  }
+  if (rows > kMostRows) {
+    return absl::FailedPreconditionError(absl::StrCat("axis: the grid would have ", rows, " rows, at most ", kMostRows,
+                                                      ": allow a larger tolerance or name fewer axes"));
+  }
+  for (TableColumn& sum : joined.columns) {
+    sum.forward.assign(rows, 0.0);
+    size_t stride = 1;
+    for (const TableBlock& part : parts) {
+      const size_t count = part.arguments[0].nodes.size();
+      for (const TableColumn& column : part.columns) {
+        if (column.target != sum.target) continue;
+        if (!column.reverse.empty()) sum.reverse.assign(rows, 0.0);
+        for (size_t row = 0; row < rows; ++row) {
+          const size_t node = row / stride % count;
+          sum.forward[row] += column.forward[node];
+          if (!sum.reverse.empty())
+            sum.reverse[row] += column.reverse.empty() ? column.forward[node] : column.reverse[node];
+        }
+      }
+      stride *= count;
+    }
+  }
+  rest.push_back(std::move(joined));
+  content->table.blocks = std::move(rest);
+  content->value_steps.assign(content->table.blocks.size(), 0.0);
+  return absl::OkStatus();
+}
+
 absl::Status SampleComponents(const Plan& plan, Content* content) {
   content->table.kind = compensate::TableKind::kErrors;
   const auto value = [&](int target, int argument, double position, double sense) {
@@ -92,7 +149,7 @@ absl::Status SampleComponents(const Plan& plan, Content* content) {
     content->table.blocks.push_back(std::move(block));
     content->value_steps.push_back(0.0);  // by column: see RoundValues
   }
-  if (!content->table.blocks.empty()) return absl::OkStatus();
+  if (!content->table.blocks.empty()) return JoinBlocks(plan, content);
   return absl::FailedPreconditionError("the machine has no error that a table of " + plan.format.name + " can carry");
 }
 

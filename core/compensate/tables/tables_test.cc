@@ -137,6 +137,21 @@ TEST(General, ErrorsKeepTheirNamesSignsAndUnits) {
               -0.002, 1e-5);
 }
 
+TEST(General, AxesNamedTogetherAreArgumentsOfOneBlock) {
+  const char* const errors = R"({"terms": [{"symbol": "EXX", "shape": "linear", "amplitude": 10},
+      {"symbol": "EXX", "shape": "backlash", "amplitude": 3},
+      {"symbol": "EXX", "shape": "linear", "variable": "C", "amplitude": 2},
+      {"symbol": "EZC", "shape": "harmonic", "order": 2, "amplitude": 5, "phase_deg": 0}]})";
+  const Made made = Make(errors, Request("general", {"X", "C"}));
+  ASSERT_TRUE(made.status.ok()) << made.status;
+  EXPECT_THAT(made.text, HasSubstr("# block: X C\nX_mm,C_deg,sense,EXX_um,EZC_um\n-300.0000,0.0000,1,-1.500,5."));
+  EXPECT_LT(made.report["tables"][0]["left_max"].get<double>(), 0.15);
+  EXPECT_LT(made.report["tool_point_error"]["within_ranges"]["after"]["max_um"].get<double>(), 0.3);
+  EXPECT_THAT(std::string(Make(errors, Request("general", {"C", "X"})).status.message()),
+              HasSubstr("depend on its sense of motion: name it first"));
+  EXPECT_THAT(std::string(Make(errors, Request("general", {"X", "X"})).status.message()), HasSubstr("stands twice"));
+}
+
 TEST(General, BadTablesAreNamedByLine) {
   const auto refused = [](const std::string& text, const std::string& message) {
     const auto table = GeneralFormat().read(WithTravel(), text);
