@@ -19,7 +19,9 @@ std::string Names(const Json& names) {
   std::string text;
   for (size_t i = 0; i < std::min(kShown, names.size()); ++i)
     absl::StrAppend(&text, i == 0 ? "" : ", ",
-                    names[i].is_object() ? names[i].value("name", "") : names[i].get<std::string>());
+                    names[i].is_object()   ? names[i].value("name", "")
+                    : names[i].is_string() ? names[i].get<std::string>()
+                                           : names[i].dump());
   if (names.size() > kShown) absl::StrAppend(&text, " and ", names.size() - kShown, " more");
   return text;
 }
@@ -37,6 +39,9 @@ std::string EffectText(const Json& effect) {
   }
   if (!others.empty()) absl::StrAppend(&text, "      these sessions cannot tell it from ", Names(others), "\n");
   if (!same.empty()) absl::StrAppend(&text, "      the same by another name, in any measurement: ", Names(same), "\n");
+  const Json aliases = List(effect, "alias_orders");
+  if (!aliases.empty())
+    absl::StrAppend(&text, "      at these positions it would read the same with order ", Names(aliases), "\n");
   return text;
 }
 
@@ -59,6 +64,10 @@ std::string ProposalText(const Json& proposal) {
 std::string PartText(const Json& part) {
   const std::string variable = part.value("variable", ""), unit = part.value("unit", "");
   const double from = Number(part, "/from"), to = Number(part, "/to");
+  if (part.value("kind", "") == "check-session") {
+    return absl::StrFormat("  check session %s: its readings leave %.3g um rms that the model does not explain\n",
+                           part.value("session", ""), Number(part, "/rms_um"));
+  }
   if (variable == "t") {
     return absl::StrFormat("  session %s: the artefact or the setup moved between %.6g s and %.6g s\n",
                            part.value("session", ""), from, to);
@@ -79,9 +88,11 @@ Rows StepRows(const Json& report) {
   Rows rows = {{"step", "rms um"}, {"the declared model", NumberText(Number(report, "/fit/before/rms_um"))}};
   for (const Json& step : List(report, "steps")) {
     const std::string change = step.value("change", ""), name = step.value("name", "");
-    const std::string text = change == "added"     ? "+ " + name
-                             : change == "dropped" ? "- " + name + " (no longer needed)"
-                                                   : "- " + name + " (withdrawn)";
+    const std::string text = change == "added"      ? "+ " + name
+                             : change == "dropped"  ? "- " + name + " (no longer needed)"
+                             : change == "replaced" ? "= " + name + " (in the place of another of its class)"
+                             : change == "refused"  ? "x " + name + " (refused: the fit with it is worse)"
+                                                    : "- " + name + " (withdrawn)";
     rows.push_back({text, NumberText(Number(step, "/rms_um"))});
   }
   return rows;
@@ -107,6 +118,16 @@ std::string LoopText(const Json& report) {
   }
   if (const size_t count = List(report, "outliers").size(); count > 0) {
     absl::StrAppend(&text, count, " readings stand out of their series and were set aside (listed in the report)\n");
+  }
+  if (report.value("stopped_early", false)) {
+    absl::StrAppend(&text, "stopped at ", List(report, "effects").size(), " effects: more may be there\n");
+  }
+  if (const Json rest = List(report, "axes_at_rest"); !rest.empty()) {
+    absl::StrAppend(&text, "axes that never moved in the fit sessions, of which nothing is known: ", Names(rest), "\n");
+  }
+  if (const Json hidden = List(report, "not_visible"); !hidden.empty()) {
+    absl::StrAppend(&text, "the fit sessions could not see (set-ups and declared errors take it up): ", Names(hidden),
+                    "\n");
   }
   const Json proposals = List(report, "next_measurement");
   if (!proposals.empty()) absl::StrAppend(&text, "measure next:\n");

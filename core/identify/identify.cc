@@ -131,13 +131,22 @@ bool HasNonlinear(const machine::ErrorModel& model, const Options& options) {
                      [](const machine::ErrorTerm& term) { return shapes::NonlinearParameter(term.shape) != nullptr; });
 }
 
-// Amplitudes first: at amplitude zero a decay length or time constant has no effect that could be fitted.
-absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::ErrorModel& model, const Nominal& nominal,
+// At amplitude zero a decay length or time constant has no effect that could be fitted.
+bool NeedsAmplitudes(const machine::ErrorModel& model) {
+  return std::any_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
+    return shapes::NonlinearParameter(term.shape) != nullptr && term.amplitude[0] == 0.0 && term.amplitude[1] == 0.0;
+  });
+}
+
+absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::ErrorModel& model,
+                                       const std::vector<Eigen::VectorXd>& setup, const Nominal& nominal,
                                        const NullSpace& null_space, const Options& options) {
-  const Point start = StartingPoint(problem, model);
-  const bool is_nominal = start.model.terms == nominal.point.model.terms;
+  Point start = StartingPoint(problem, model);
+  if (!setup.empty()) start.setup = setup;
+  const bool is_nominal = setup.empty() && start.model.terms == nominal.point.model.terms;
   const NormalEquations* at_start = is_nominal ? &nominal.normal : nullptr;
   if (!HasNonlinear(model, options)) return Solve(problem, start, null_space, options, at_start);
+  if (!setup.empty() && !NeedsAmplitudes(model)) return Solve(problem, start, null_space, options);
   Options amplitudes_only = options;
   amplitudes_only.fit_nonlinear = false;
   ASSIGN_OR_RETURN(const Solution first, Solve(problem, start, nominal.null_space, amplitudes_only, at_start));
@@ -146,7 +155,9 @@ absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::Er
 
 }  // namespace
 
-absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options) {
+absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
+                               const std::vector<Eigen::VectorXd>& setup) {
+  DEMAND(setup.empty() || setup.size() == problem.groups.size());
   const std::vector<Parameter> parameters = ListParameters(model, options.fit_nonlinear);
   int setup_count = 0, readings = 0;
   for (const SetupGroup& group : problem.groups) setup_count += static_cast<int>(group.parameters.size());
@@ -160,7 +171,7 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   Nominal nominal = AtNominal(problem, model);
   const NullSpace null_space =
       HasNonlinear(model, options) ? WithNonlinearColumns(nominal.null_space, model) : nominal.null_space;
-  ASSIGN_OR_RETURN(Solution solution, SolveInStages(problem, model, nominal, null_space, options));
+  ASSIGN_OR_RETURN(Solution solution, SolveInStages(problem, model, setup, nominal, null_space, options));
   // A model that misses by hundreds of sigma pulls setup offsets far from where anybody would mount a ball, along
   // valleys without a floor. The stated sigma says little then: it is raised, by no more than it takes for the priors
   // to hold again.
@@ -173,7 +184,7 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
     for (Noise& noise : problem.noise) noise.sigma_mm *= kGrowth;
     noise_scale *= kGrowth;
     nominal = AtNominal(problem, model);
-    ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, nominal, null_space, options));
+    ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, setup, nominal, null_space, options));
   }
   constexpr int kRounds = 5;
   for (int round = 0; options.set_outliers_aside && round < kRounds; ++round) {

@@ -55,8 +55,10 @@ struct Fit {
 absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                             const Options& options);
 
-// A prepared problem (noise judged, readings set aside) from `model` on.
-absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options);
+// A prepared problem (noise judged, readings set aside) from `model` on, and from the setup offsets `setup` (per group,
+// mm and rad) where they are known; zero otherwise.
+absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
+                               const std::vector<Eigen::VectorXd>& setup = {});
 
 absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machine::Machine& machine,
                                                                     const std::vector<session::Session>& sessions);

@@ -165,21 +165,25 @@ std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& po
   return residuals_mm;
 }
 
-double WhitenedSquares(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
+double WhitenedSquaresOf(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm) {
   double squares = 0.0;
-  for (size_t i = 0; i < problem.runs.size(); ++i) {
-    const int rows = problem.runs[i].row_count;
-    for (int r = 0; r < rows; ++r) {
-      SeriesWhitener whitener(problem.noise[i], 1);
-      Eigen::Matrix<double, 1, 1> value;
-      for (int k = 0; k < residuals_mm[i].cols(); ++k) {
-        if (!problem.is_used[i][static_cast<size_t>(k) * rows + r]) continue;
-        value[0] = residuals_mm[i](r, k);
-        whitener.Apply(k, value);
-        squares += value[0] * value[0];
-      }
+  const int rows = problem.runs[run].row_count;
+  for (int r = 0; r < rows; ++r) {
+    SeriesWhitener whitener(problem.noise[run], 1);
+    Eigen::Matrix<double, 1, 1> value;
+    for (int k = 0; k < residuals_mm.cols(); ++k) {
+      if (!problem.is_used[run][static_cast<size_t>(k) * rows + r]) continue;
+      value[0] = residuals_mm(r, k);
+      whitener.Apply(k, value);
+      squares += value[0] * value[0];
     }
   }
+  return squares;
+}
+
+double WhitenedSquares(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
+  double squares = 0.0;
+  for (size_t i = 0; i < problem.runs.size(); ++i) squares += WhitenedSquaresOf(problem, i, residuals_mm[i]);
   return squares;
 }
 

@@ -77,7 +77,8 @@ NormalEquations Assemble(const Problem& problem, const Point& point, const std::
 
 // Predicted - measured of every reading, used or not: per run, row_count x readings, mm.
 std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& point);
-// Sum of squared whitened residuals of the used rows.
+// Sum of squared whitened residuals of the used rows: of one run, of all.
+double WhitenedSquaresOf(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm);
 double WhitenedSquares(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm);
 
 }  // namespace axiscal::identify

@@ -19,6 +19,9 @@ absl::Status Check::Settle(const identify::Fit& best) {
   problem_ = std::move(fit.problem);
   point_ = std::move(fit.point);
   problem_.noise = EstimateNoise(problem_, fit.residuals_mm);
+  noise_readings_ = 0.0;
+  for (const std::vector<bool>& used : best.problem.is_used)
+    noise_readings_ += static_cast<double>(std::count(used.begin(), used.end(), true));
   for (size_t i = 0; i < problem_.runs.size(); ++i) {
     const instruments::MeasuringRun& run = problem_.runs[i];
     double factor = 0.0, ar1 = 0.0;
@@ -34,12 +37,62 @@ absl::Status Check::Settle(const identify::Fit& best) {
   return absl::OkStatus();
 }
 
+double Check::UsedOf(size_t run) const {
+  return static_cast<double>(std::count(problem_.is_used[run].begin(), problem_.is_used[run].end(), true));
+}
+
+bool Check::IsChance(double squares, double count) const {
+  constexpr double kBeyondChance = 6.0;  // standard deviations
+  return squares < count + kBeyondChance * std::sqrt(2.0 * count + 2.0 * count * count / noise_readings_);
+}
+
 bool Check::IsAdequate(double squares) const {
   double count = 0.0;
-  for (const std::vector<bool>& used : problem_.is_used)
-    count += static_cast<double>(std::count(used.begin(), used.end(), true));
-  constexpr double kBeyondChance = 6.0;  // standard deviations of chi-square
-  return squares < count + kBeyondChance * std::sqrt(2.0 * count);
+  for (size_t i = 0; i < problem_.runs.size(); ++i) count += UsedOf(i);
+  return IsChance(squares, count);
+}
+
+absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identify::Fit& best) const {
+  DEMAND(problem_.runs.size() == runs_.size());
+  const size_t fitted = best.problem.runs.size();
+  std::vector<instruments::MeasuringRun> runs = best.problem.runs;
+  for (instruments::MeasuringRun run : problem_.runs) {  // that may bear the names of fit sessions
+    run.session = "check " + run.session;
+    run.setup_name = "check " + run.setup_name;
+    runs.push_back(std::move(run));
+  }
+  ASSIGN_OR_RETURN(identify::Problem joint, identify::MakeProblem(machine_, std::move(runs)));
+  for (size_t i = 0; i < joint.runs.size(); ++i) {
+    const identify::Problem& own = i < fitted ? best.problem : problem_;
+    joint.noise[i] = own.noise[i < fitted ? i : i - fitted];
+    joint.is_used[i] = own.is_used[i < fitted ? i : i - fitted];
+  }
+  identify::Options options = options_;
+  options.set_outliers_aside = false;
+  options.raise_noise = false;
+  ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitProblem(std::move(joint), best.result.model, options));
+  double squares = -identify::WhitenedSquares(best.problem, best.residuals_mm), count = 0.0;
+  for (size_t i = 0; i < fit.problem.runs.size(); ++i)
+    squares += identify::WhitenedSquaresOf(fit.problem, i, fit.residuals_mm[i]);
+  for (size_t i = 0; i < runs_.size(); ++i) count += UsedOf(i);
+  std::vector<Unexplained> sessions;
+  if (IsChance(squares, count)) return sessions;
+  Unexplained worst;
+  double most = -INFINITY;
+  for (size_t i = 0; i < runs_.size(); ++i) {
+    if (UsedOf(i) == 0.0) continue;
+    const double own = identify::WhitenedSquaresOf(fit.problem, fitted + i, fit.residuals_mm[fitted + i]);
+    const double excess = own / UsedOf(i) - 1.0;
+    const Unexplained session = {
+        Unexplained::kCheckSession, "t",
+        runs_[i].time_s.front(),    runs_[i].time_s.back(),
+        runs_[i].session,           problem_.noise[i].sigma_mm * std::sqrt(std::max(0.0, excess))};
+    if (!IsChance(own, UsedOf(i))) sessions.push_back(session);
+    if (excess > most) worst = session;
+    most = std::max(most, excess);
+  }
+  if (sessions.empty()) sessions.push_back(worst);  // the errors bent to it: it shows in all of them together
+  return sessions;
 }
 
 absl::StatusOr<double> Check::Squares(const machine::ErrorModel& model) const {
@@ -48,8 +101,7 @@ absl::StatusOr<double> Check::Squares(const machine::ErrorModel& model) const {
   identify::Options options = options_;
   options.set_outliers_aside = false;
   options.raise_noise = false;
-  options.max_iterations = 8;  // under a model that holds three do
-  const absl::StatusOr<identify::Fit> fit = identify::FitProblem(std::move(problem), {}, options);
+  const absl::StatusOr<identify::Fit> fit = identify::FitProblem(std::move(problem), {}, options, point_.setup);
   if (absl::IsCancelled(fit.status())) return fit.status();
   if (!fit.ok()) return INFINITY;
   return identify::WhitenedSquares(fit->problem, fit->residuals_mm) + identify::PriorSquares(fit->problem, fit->point);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/identify/identify.h"
+#include "core/loop/report.h"
 
 namespace axiscal::loop {
 
@@ -25,15 +26,23 @@ class Check {
   absl::Status Settle(const identify::Fit& best);
   // Chi-square under another model, setup offsets refitted; infinite where they run away to follow it.
   absl::StatusOr<double> Squares(const machine::ErrorModel& model) const;
-  // Whether so much is chance.
+  // Whether so much is chance, given also how well the fit sessions know the noise.
   bool IsAdequate(double squares) const;
+  // The sessions that read more than chance and the uncertainty of the model that Settle was given: a drift whose rate
+  // is poorly known may be off two hours later. They are fitted together with the fit sessions; what either then lacks
+  // is not explained. DEMANDs Settle before; CANCELLED or the fit's errors.
+  absl::StatusOr<std::vector<Unexplained>> UnexplainedSessions(const identify::Fit& best) const;
 
  private:
   const machine::Machine& machine_;
   const std::vector<instruments::MeasuringRun> runs_;
   const identify::Options options_;
+  bool IsChance(double squares, double count) const;
+  double UsedOf(size_t run) const;
+
   identify::Problem problem_;
   identify::Point point_;
+  double noise_readings_ = 0.0;  // that the noise was judged from
 };
 
 }  // namespace axiscal::loop

@@ -29,8 +29,10 @@ class Loop {
     Report best = std::move(attempt.report);
     // An effect that swallowed two others leads astray: where the check sessions stay unexplained, another beginning
     // is tried, and taken if it explains them better without explaining the fit sessions worse.
+    // Where more is left than may be added, a beginning is not what is wrong.
     constexpr int kBeginnings = 3;
-    for (int round = 1; round < kBeginnings && !is_explained && attempt.first.has_value(); ++round) {
+    for (int round = 1; round < kBeginnings && !is_explained && !best.has_stopped_early && attempt.first.has_value();
+         ++round) {
       // What was alike leads to the same end.
       not_first.push_back(attempt.first->candidate);
       not_first.insert(not_first.end(), attempt.first->equivalent.begin(), attempt.first->equivalent.end());
@@ -72,7 +74,7 @@ class Loop {
     RETURN_IF_ERROR(growth.Extend(&fit));
     ASSIGN_OR_RETURN(const bool has_replaced, validation.Run(&fit));
     if (has_replaced) {
-      // What had no name beside the wrong member of a class may have one beside the right one, or not be there at all.
+      // What had no name beside the wrong effect may have one beside the right one, or not be there at all.
       std::erase_if(effects, [](const Added& one) { return IsUnnamed(one.candidate.family); });
       ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
       RETURN_IF_ERROR(growth.Extend(&fit));
@@ -81,10 +83,12 @@ class Loop {
     Describe(machine_, runs_, attempt->extension, fit, options_.search, report);
     KeepResiduals(fit, runs_, &SessionResiduals::after_mm, report);
     ASSIGN_OR_RETURN(report->check_after, CheckStatistics(fit.result.model, &SessionResiduals::after_mm, report));
-    if (!attempt->first.has_value() || check_.is_empty()) return true;
+    if (check_.is_empty()) return true;
     RETURN_IF_ERROR(check_.Settle(fit));
-    ASSIGN_OR_RETURN(const double squares, check_.Squares(fit.result.model));
-    return check_.IsAdequate(squares);
+    ASSIGN_OR_RETURN(const std::vector<Unexplained> sessions, check_.UnexplainedSessions(fit));
+    report->unexplained.insert(report->unexplained.end(), sessions.begin(), sessions.end());
+    if (!report->unexplained.empty()) report->verdict = Verdict::kUnexplained;
+    return sessions.empty();
   }
 
   using ResidualField = Eigen::MatrixXd SessionResiduals::*;

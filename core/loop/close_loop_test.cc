@@ -80,9 +80,16 @@ INSTANTIATE_TEST_SUITE_P(
 
 // A drift that the declared tool length absorbs in part: found, and though its rate is poorly known it halves the error
 // two hours later.
+std::string Parts(const Report& report) {
+  std::string text;
+  for (const Unexplained& part : report.unexplained)
+    absl::StrAppend(&text, part.session, " ", part.variable, " ", part.from, "..", part.to, " ", part.rms_mm, "; ");
+  return text;
+}
+
 TEST(CloseLoop, ADriftIsFound) {
   const Report report = Close(R"({"symbol": "EZT", "shape": "drift", "amplitude": 60})");
-  ASSERT_EQ(report.verdict, Verdict::kExtended);
+  ASSERT_EQ(report.verdict, Verdict::kExtended) << Parts(report);
   ASSERT_EQ(report.effects.size(), 1u);
   EXPECT_TRUE(Names(report.effects[0], "EZT:drift")) << machine::NameOf(kMachine, report.effects[0].term);
   EXPECT_LT(report.check_after.rms_mm, 0.5 * report.check_before.rms_mm);

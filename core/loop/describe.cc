@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/loop/aliases.h"
+#include "core/loop/dictionary.h"
 #include "core/loop/rivals.h"
 #include "core/loop/same_always.h"
 
@@ -14,6 +16,17 @@ using machine::ErrorTerm;
 using machine::Machine;
 
 namespace {
+
+// Orders that the axis' positions in these sessions cannot tell from a harmonic's own.
+std::vector<int> AliasesOf(const Fit& fit, const ErrorTerm& term) {
+  const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape);
+  if (harmonic == nullptr || harmonic->is_frequency_free) return {};
+  std::vector<double> positions;
+  for (const MeasuringRun& run : fit.problem.runs) {
+    for (int k = 0; k < run.reading_count(); ++k) positions.push_back(run.PositionsOf(k)[harmonic->axis]);
+  }
+  return AliasOrders(std::move(positions), static_cast<int>(std::lround(harmonic->frequency)), kHighestOrder);
+}
 
 // Ranges of one axis that overlap are one structure, its place that of the strongest part.
 void AddRange(const Unexplained& range, Report* report) {
@@ -52,7 +65,8 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     if (added.candidate.family == Family::kStep) {
       const MeasuringRun& run = runs[added.candidate.run];
       const int k = added.candidate.first_reading;
-      report->unexplained.push_back({"t", run.time_s[std::max(0, k - 1)], run.time_s[k], run.session, 0.0});
+      report->unexplained.push_back(
+          {Unexplained::kSlip, "t", run.time_s[std::max(0, k - 1)], run.time_s[k], run.session, 0.0});
       continue;
     }
     const int t = extension.TermOf(a);
@@ -62,7 +76,7 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     fitted.term = term;
     const double rms_mm = signatures.RmsOf(fitted, amplitude);
     if (const auto* bump = std::get_if<shapes::Bump>(&term.shape)) {
-      AddRange({machine.axes[bump->axis].name, bump->at - bump->width, bump->at + bump->width,
+      AddRange({Unexplained::kLocal, machine.axes[bump->axis].name, bump->at - bump->width, bump->at + bump->width,
                 SessionWhereItShows(fit, *bump), rms_mm},
                report);
       continue;
@@ -72,6 +86,7 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     effect.rms_mm = rms_mm;
     effect.evidence = added.score;
     for (const Candidate& other : added.equivalent) effect.equivalent.push_back(other.term);
+    effect.alias_orders = AliasesOf(fit, term);
     double variance = 0.0;
     effect.amplitude = shapes::BasisCount(term.shape) == 2 ? amplitude.norm() : term.amplitude[0];
     for (size_t i = 0; i < parameters.size(); ++i) {
@@ -90,12 +105,16 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
                                                  : Verdict::kAdequate;
   Proposer proposer(fit.problem, fit.point);
   for (Effect& effect : report->effects) {
-    effect.equivalent = StillEquivalent(fit.problem, fit.point, effect.term, effect.equivalent,
-                                        search.same_class_correlation, search.indistinguishable);
     effect.same_always =
         SameAlways(*fit.problem.machine, fit.problem.runs.front().tip_mm, effect.term, effect.equivalent);
     const std::vector<Proposal> proposals = proposer.Propose(effect.term, effect.equivalent);
     report->next_measurement.insert(report->next_measurement.end(), proposals.begin(), proposals.end());
+  }
+  const std::vector<AxisSpan> spans = SpansOf(fit.problem);
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    const bool is_rotary = machine.axes[axis].kind == machine::AxisKind::kRotary;
+    if (spans[axis].highest - spans[axis].lowest < (is_rotary ? kStandsStillRad : kStandsStillMm))
+      report->axes_at_rest.push_back(machine.axes[axis].name);
   }
   for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
     const identify::Noise& noise = fit.problem.noise[i];

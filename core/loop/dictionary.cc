@@ -16,22 +16,10 @@ using machine::ErrorTerm;
 using machine::kComponents;
 using machine::Machine;
 
-constexpr double kStandsStillMm = 1e-3, kStandsStillRad = 1e-5;
-
 bool IsRotary(const Machine& machine, int axis) { return machine.axes[axis].kind == machine::AxisKind::kRotary; }
 
 double StandsStill(const Machine& machine, int axis) {
   return IsRotary(machine, axis) ? kStandsStillRad : kStandsStillMm;
-}
-
-// Median of the steps by which a run moves an axis; 0 when it does not.
-double StepOf(const Machine& machine, const MeasuringRun& run, int axis) {
-  std::vector<double> steps;
-  for (int k = 1; k < run.reading_count(); ++k) {
-    const double step = std::abs(run.PositionsOf(k)[axis] - run.PositionsOf(k - 1)[axis]);
-    if (step > StandsStill(machine, axis)) steps.push_back(step);
-  }
-  return steps.size() < 4 ? 0.0 : identify::Median(&steps);
 }
 
 class Builder {
@@ -97,10 +85,9 @@ class Builder {
 
   void AddHarmonics(int axis, bool is_rotary) {
     const AxisSpan& span = spans_[axis];
-    constexpr double kBelowNyquist = 0.9;  // of the frequency at which two readings per period are left
     const double highest = kBelowNyquist * std::numbers::pi / span.finest_step;
     if (is_rotary) {
-      constexpr int kCoarse = 4, kHighestOrder = 400;
+      constexpr int kCoarse = 4;
       // On a part of a turn neighbouring orders are alike; an order must show at least half a period.
       const double lowest = std::numbers::pi / (span.highest - span.lowest);
       for (int order = 1; order <= std::min<int>(kHighestOrder, static_cast<int>(highest)); ++order) {
@@ -220,6 +207,15 @@ bool IsPositioning(const Machine& machine, const ErrorTerm& term) {
 }
 
 }  // namespace
+
+double StepOf(const Machine& machine, const MeasuringRun& run, int axis) {
+  std::vector<double> steps;
+  for (int k = 1; k < run.reading_count(); ++k) {
+    const double step = std::abs(run.PositionsOf(k)[axis] - run.PositionsOf(k - 1)[axis]);
+    if (step > StandsStill(machine, axis)) steps.push_back(step);
+  }
+  return steps.size() < 4 ? 0.0 : identify::Median(&steps);
+}
 
 std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
   const Machine& machine = *problem.machine;

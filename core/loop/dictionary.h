@@ -11,12 +11,17 @@
 namespace axiscal::loop {
 
 // How an axis moves in the sessions.
+inline constexpr double kStandsStillMm = 1e-3, kStandsStillRad = 1e-5;
+
 struct AxisSpan {
   double lowest = 0.0, highest = 0.0;  // mm or rad
   double finest_step = 0.0;  // median step of the session that samples it finest; 0 for an axis that stands still
   bool reverses = false;
   bool has_speeds = false;  // more than one speed: lag is not just backlash
 };
+
+// Median of the steps by which a run moves an axis, mm or rad; 0 when it does not.
+double StepOf(const machine::Machine& machine, const instruments::MeasuringRun& run, int axis);
 
 std::vector<AxisSpan> SpansOf(const identify::Problem& problem);
 
@@ -25,6 +30,9 @@ inline constexpr double kPitchStep = 1.0 / 3.0;
 
 // Time constants of warmings go up to this share of the time of the last reading: what is slower is a drift.
 inline constexpr double kSlowestWarming = 0.64;
+
+inline constexpr double kBelowNyquist = 0.9;  // of the frequency at which two readings per period are left
+inline constexpr int kHighestOrder = 400;     // of harmonics of a rotary axis
 
 // Readings between the moments at which the dictionary looks for a slip in a run.
 int StepStride(const instruments::MeasuringRun& run);

@@ -17,7 +17,7 @@ absl::StatusOr<Fit> FitExtension(const machine::Machine& machine, const Extensio
     identify::Problem problem = std::move(fit.problem);
     problem.noise = EstimateNoise(problem, fit.residuals_mm);
     own.model = fit.result.model;
-    ASSIGN_OR_RETURN(fit, identify::FitProblem(std::move(problem), *own.model, own));
+    ASSIGN_OR_RETURN(fit, identify::FitProblem(std::move(problem), *own.model, own, fit.point.setup));
   }
   return fit;
 }
@@ -25,7 +25,7 @@ absl::StatusOr<Fit> FitExtension(const machine::Machine& machine, const Extensio
 absl::StatusOr<Fit> Refit(const Fit& fit, const machine::ErrorModel& model, const identify::Options& options) {
   identify::Options own = options;
   own.set_outliers_aside = false;
-  return identify::FitProblem(fit.problem, model, own);
+  return identify::FitProblem(fit.problem, model, own, fit.point.setup);
 }
 
 double SquaresOf(const Fit& fit) {

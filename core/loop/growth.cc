@@ -16,7 +16,10 @@ using machine::ErrorModel;
 absl::Status Growth::Extend(Fit* fit) {
   // What is dropped may be found again: as many steps as twice the effects end that.
   for (int step = 0; step < 2 * options_.max_effects; ++step) {
-    if (static_cast<int>(effects().size()) >= options_.max_effects) break;
+    if (static_cast<int>(effects().size()) >= options_.max_effects) {
+      attempt_->report.has_stopped_early = true;
+      break;
+    }
     ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
     if (!has_found) break;
     RETURN_IF_ERROR(Swap(fit));
@@ -24,6 +27,29 @@ absl::Status Growth::Extend(Fit* fit) {
   }
   return absl::OkStatus();
 }
+
+namespace {
+
+// The same effect, structure or slip but for where the scan or its refinement put it.
+bool IsNear(const Candidate& a, const Candidate& b) {
+  if (a.family != b.family) return false;
+  constexpr int kNearReadings = 12;
+  if (a.family == Family::kStep) return a.run == b.run && std::abs(a.first_reading - b.first_reading) <= kNearReadings;
+  if (const auto* one = std::get_if<shapes::Bump>(&a.term.shape)) {
+    const auto& other = std::get<shapes::Bump>(b.term.shape);
+    return a.term.joint == b.term.joint && a.term.component == b.term.component && one->axis == other.axis &&
+           std::abs(one->at - other.at) < std::max(one->width, other.width);
+  }
+  if (!IsSameEffect(a.term, b.term)) return false;
+  constexpr double kNearFrequency = 0.05;
+  if (const auto* one = std::get_if<shapes::Harmonic>(&a.term.shape); one != nullptr && one->is_frequency_free) {
+    const double other = std::get<shapes::Harmonic>(b.term.shape).frequency;
+    return std::abs(one->frequency - other) < kNearFrequency * other;
+  }
+  return true;
+}
+
+}  // namespace
 
 // The dictionary without what was tried and did not do.
 std::vector<Candidate> Growth::Candidates(const Fit& fit) const {
@@ -36,11 +62,8 @@ std::vector<Candidate> Growth::Candidates(const Fit& fit) const {
     });
   }
   std::erase_if(candidates, [this](const Candidate& one) {
-    return std::any_of(attempt_->refused.begin(), attempt_->refused.end(), [&](const Candidate& other) {
-      return one.family == other.family && one.run == other.run && one.first_reading == other.first_reading &&
-             one.term.joint == other.term.joint && one.term.component == other.term.component &&
-             one.term.shape == other.term.shape;
-    });
+    return std::any_of(attempt_->refused.begin(), attempt_->refused.end(),
+                       [&one](const Candidate& other) { return IsNear(one, other); });
   });
   return candidates;
 }
@@ -49,32 +72,44 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   const Signatures signatures(fit->problem, fit->point, identify::ListParameters(fit->point.model, true));
   const std::vector<Candidate> candidates = Candidates(*fit);
   const SearchResult found = Search(machine_, signatures, candidates, options_.search);
-  if (attempt_->report.ranking.empty()) {
+  if (attempt_->report.candidates == 0) {
     attempt_->report.ranking = found.ranking;
     attempt_->report.candidates = found.candidate_count;
+    attempt_->report.not_visible = found.not_visible;
   }
   if (!found.is_significant) return false;
-  ASSIGN_OR_RETURN(const Finding finding, Decide(*fit, found.finding));
+  ASSIGN_OR_RETURN(const Finding named, NamedInstead(*fit, signatures, candidates, found.finding));
+  ASSIGN_OR_RETURN(const Finding finding, Decide(*fit, named));
   Added added;
   added.candidate = finding.effect.candidate;
   for (int b = 0; b < shapes::kMaxBasisCount; ++b) added.candidate.term.amplitude[b] = finding.effect.amplitude[b];
   added.score = finding.effect.score;
   SetClass(finding, &added);
-  if (added.candidate.family == Family::kStep) {
+  const bool is_slip = added.candidate.family == Family::kStep;
+  if (is_slip) {
     added.candidate = Refined(signatures, added.candidate, 0.0);
     extension().MapSlip(fit->problem, &added.candidate);
   }
   effects().push_back(added);
-  ASSIGN_OR_RETURN(Fit extended, FitExtension(machine_, extension(), identify_options_));
   // What is all but explained already may promise much and fit nothing: its amplitude runs away.
-  constexpr double kNoWorse = 1.05;  // which readings are set aside changes too
-  if (!(extended.result.fit.rms_without_outliers_mm < kNoWorse * fit->result.fit.rms_without_outliers_mm)) {
-    attempt_->Note(Step::kRefused, extension().NameOf(effects().size() - 1), extended);
+  if (!is_slip) {
+    const absl::StatusOr<Fit> refit = Refit(*fit, extension().Model(), identify_options_);
+    if (absl::IsCancelled(refit.status())) return refit.status();
+    if (!refit.ok() || !(SquaresOf(*refit) < SquaresOf(*fit) - options_.search.indistinguishable)) {
+      if (refit.ok()) attempt_->Note(Step::kRefused, extension().NameOf(effects().size() - 1), *refit);
+      effects().pop_back();
+      attempt_->refused.push_back(finding.effect.candidate);
+      return true;
+    }
+  }
+  absl::StatusOr<Fit> extended = FitExtension(machine_, extension(), identify_options_);
+  if (absl::IsCancelled(extended.status())) return extended.status();
+  if (!extended.ok()) {  // with the noise judged anew it does not converge
     effects().pop_back();
-    attempt_->refused.push_back(added.candidate);
+    attempt_->refused.push_back(finding.effect.candidate);
     return true;
   }
-  *fit = std::move(extended);
+  *fit = *std::move(extended);
   if (!attempt_->first.has_value()) attempt_->first = added;
   attempt_->Note(Step::kAdded, extension().NameOf(effects().size() - 1), *fit);
   if (options_.progress) {
@@ -84,6 +119,33 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
                          extension().NameOf(effects().size() - 1), fit->result.fit.rms_mm * base::kUmPerMm)});
   }
   return true;
+}
+
+// Two effects that reverse together look like a slipped artefact, which has three offsets to bend to both: what has no
+// name stands only where up to two effects with names do not explain as much.
+absl::StatusOr<Finding> Growth::NamedInstead(const Fit& fit, const Signatures& signatures,
+                                             std::vector<Candidate> candidates, Finding unnamed) const {
+  if (unnamed.effect.candidate.family != Family::kStep) return unnamed;
+  std::erase_if(candidates, [](const Candidate& one) { return IsUnnamed(one.family); });
+  const double least = unnamed.effect.likelihood_ratio - options_.search.evidence;
+  SearchResult found = Search(machine_, signatures, candidates, options_.search);
+  if (!found.is_significant) return unnamed;
+  const Finding first = std::move(found.finding);
+  ErrorModel model = fit.result.model;
+  for (const Finding* next = &first;; next = &found.finding) {
+    model.terms.push_back(next->effect.candidate.term);
+    const absl::StatusOr<Fit> refit = Refit(fit, model, identify_options_);
+    if (absl::IsCancelled(refit.status())) return refit.status();
+    if (!refit.ok()) return unnamed;
+    const Signatures left(refit->problem, refit->point, identify::ListParameters(refit->point.model, true));
+    const double explained =
+        LikelihoodRatio(signatures.residual_squares(), signatures.residual_squares() - left.residual_squares(),
+                        signatures.degrees_of_freedom());
+    if (explained >= least) return first;
+    if (next != &first) return unnamed;
+    found = Search(machine_, left, candidates, options_.search);
+    if (!found.is_significant) return unnamed;
+  }
 }
 
 // Where members of the class are equally simple, the full refit says which fits best: large amplitudes along what
@@ -119,9 +181,16 @@ absl::Status Growth::Swap(Fit* fit) {
   for (size_t i = 0; i < effects().size(); ++i) {
     const Added& added = effects()[i];
     if (added.candidate.family == Family::kStep || added.equivalent.size() + added.rivals.size() == 0) continue;
+    const Added before = added;
     ASSIGN_OR_RETURN(const bool is_swapped, SwapOne(i, fit));
     if (!is_swapped) continue;
-    ASSIGN_OR_RETURN(*fit, FitExtension(machine_, extension(), identify_options_));
+    absl::StatusOr<Fit> swapped = FitExtension(machine_, extension(), identify_options_);
+    if (absl::IsCancelled(swapped.status())) return swapped.status();
+    if (!swapped.ok()) {
+      effects()[i] = before;
+      continue;
+    }
+    *fit = *std::move(swapped);
     attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
   }
   return absl::OkStatus();
@@ -188,8 +257,15 @@ absl::Status Growth::Backward(Fit* fit) {
     }
     if (weakest < 0) return absl::OkStatus();
     const std::string name = extension().NameOf(weakest);
+    const std::vector<Added> before = effects();
     effects().erase(effects().begin() + weakest);
-    ASSIGN_OR_RETURN(*fit, FitExtension(machine_, extension(), identify_options_));
+    absl::StatusOr<Fit> reduced = FitExtension(machine_, extension(), identify_options_);
+    if (absl::IsCancelled(reduced.status())) return reduced.status();
+    if (!reduced.ok()) {
+      effects() = before;
+      return absl::OkStatus();
+    }
+    *fit = *std::move(reduced);
     attempt_->Note(Step::kDropped, name, *fit);
   }
   return absl::OkStatus();

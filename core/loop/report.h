@@ -19,10 +19,14 @@ struct Effect {
   double evidence = 0.0;                          // score when it was found
   std::vector<machine::ErrorTerm> equivalent;     // what this data cannot tell from it
   std::vector<machine::ErrorTerm> same_always;    // of those, the effect by other names: no measurement tells them
+  std::vector<int> alias_orders;                  // of a harmonic: orders beyond Nyquist that would read the same
 };
 
 // Structure that was found but has no name.
 struct Unexplained {
+  // a local defect along an axis; a slipped artefact; a check session that reads more than chance under the model
+  enum Kind { kLocal, kSlip, kCheckSession };
+  Kind kind = kLocal;
   std::string variable;         // axis, or "t" for a moment
   double from = 0.0, to = 0.0;  // mm, rad or s
   std::string session;          // where it shows most
@@ -72,6 +76,11 @@ struct Report {
   std::vector<Proposal> next_measurement;   // sessions that would tell the effects' classes apart
   std::vector<Scored> ranking;              // candidates of the first search
   int candidates = 0;
+  // Effects that would leave no trace in the fit sessions: setup offsets and declared errors take them up. One of each
+  // component, shape and variable, crossed variables left out.
+  std::vector<machine::ErrorTerm> not_visible;
+  std::vector<std::string> axes_at_rest;  // that the fit sessions never moved: nothing is known of them
+  bool has_stopped_early = false;         // at the most effects allowed: more may be there
 };
 
 // report.json of formats.md.

@@ -28,6 +28,7 @@ json EffectJson(const machine::Machine& machine, const Effect& effect) {
   if (std::holds_alternative<shapes::Harmonic>(effect.term.shape)) {
     object["phase_deg"] = std::atan2(effect.term.amplitude[1], effect.term.amplitude[0]) * kDegPerRad;
   }
+  if (!effect.alias_orders.empty()) object["alias_orders"] = effect.alias_orders;
   object["rms_um"] = effect.rms_mm * kUmPerMm;
   object["evidence"] = effect.evidence;
   json equivalent = json::array();
@@ -50,9 +51,16 @@ json UnexplainedJson(const machine::Machine& machine, const Unexplained& part) {
   const int axis = machine::FindAxis(machine, part.variable);
   const bool is_rotary = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary;
   const double unit = is_rotary ? kDegPerRad : 1.0;
-  return {{"variable", part.variable}, {"from", part.from * unit},
-          {"to", part.to * unit},      {"unit", axis < 0 ? "s" : is_rotary ? "deg" : "mm"},
-          {"session", part.session},   {"rms_um", part.rms_mm * kUmPerMm}};
+  constexpr const char* kKinds[] = {"local", "slip", "check-session"};
+  return {{"kind", kKinds[part.kind]},
+          {"variable", part.variable},
+          {"from", part.from * unit},
+          {"to", part.to * unit},
+          {"unit", axis < 0    ? "s"
+                   : is_rotary ? "deg"
+                               : "mm"},
+          {"session", part.session},
+          {"rms_um", part.rms_mm * kUmPerMm}};
 }
 
 json StepJson(const Step& step) {
@@ -130,6 +138,11 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   }
   root["noise"] = std::move(noise);
   root["withdrawn"] = report.withdrawn;
+  json not_visible = json::array();
+  for (const machine::ErrorTerm& term : report.not_visible) not_visible.push_back(NamedTerm(machine, term));
+  root["not_visible"] = std::move(not_visible);
+  root["axes_at_rest"] = report.axes_at_rest;
+  root["stopped_early"] = report.has_stopped_early;
   root["sessions"] = fitted["sessions"];
   root["candidates"] = report.candidates;
   return root.dump(1) + "\n";

@@ -6,6 +6,7 @@
 
 #include "core/loop/dictionary.h"
 #include "core/loop/refine.h"
+#include "core/loop/resolution.h"
 
 namespace axiscal::loop {
 
@@ -60,6 +61,37 @@ void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
   }
 }
 
+// What would leave no trace. Constants are mostly only where a machine's zero is; crossed variables and fine scans
+// would flood the list.
+std::vector<machine::ErrorTerm> NotVisible(const std::vector<Candidate>& candidates,
+                                           const std::vector<Projection>& projections) {
+  std::vector<machine::ErrorTerm> terms, visible;  // at any time constant or length
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const Family family = candidates[i].family;
+    const bool is_told = family != Family::kConstant && family != Family::kCross && family != Family::kFineHarmonic &&
+                         family != Family::kPitch && !IsUnnamed(family);
+    if (!is_told) continue;
+    const machine::ErrorTerm& term = candidates[i].term;
+    const auto is_it = [&term](const machine::ErrorTerm& other) { return IsSameEffect(term, other); };
+    std::vector<machine::ErrorTerm>& list =
+        projections[i].is_screened || projections[i].visible > kVisible ? visible : terms;
+    if (std::none_of(list.begin(), list.end(), is_it)) list.push_back(term);
+  }
+  std::erase_if(terms, [&visible](const machine::ErrorTerm& term) {
+    return std::any_of(visible.begin(), visible.end(),
+                       [&term](const machine::ErrorTerm& other) { return IsSameEffect(term, other); });
+  });
+  return terms;
+}
+
+// What is all but explained already can be bent to anything by an amplitude that no machine has.
+bool IsPlausible(const Signatures& signatures, const Scored& scored) {
+  constexpr double kMostMm = 30.0, kMostRad = 0.1;
+  if (scored.candidate.family == Family::kStep) return true;
+  const double most = machine::IsAngle(scored.candidate.term.component) ? kMostRad : kMostMm;
+  return signatures.LargestValue(scored.candidate.term, scored.amplitude) < most;
+}
+
 }  // namespace
 
 SearchResult Search(const machine::Machine& machine, const Signatures& signatures,
@@ -72,11 +104,14 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   const double noise_square = signatures.residual_squares() / signatures.degrees_of_freedom();
   for (auto& [family, value] : worth) value = noise_square * (options.evidence + 2.0 * std::log(std::max(1.0, value)));
   const std::vector<Projection> projections = signatures.ProjectWorthy(candidates, worth);
+  result.not_visible = NotVisible(candidates, projections);
   std::map<Family, int> members;
   for (size_t i = 0; i < candidates.size(); ++i)
     members[candidates[i].family] += projections[i].is_screened || projections[i].visible > kVisible;
+  const Resolution resolution(signatures);
   std::vector<Scored> scored;
   for (size_t i = 0; i < candidates.size(); ++i) {
+    if (!resolution.Resolves(candidates[i].term)) continue;
     if (projections[i].is_screened || projections[i].visible <= kVisible) continue;
     Scored one;
     one.candidate = candidates[i];
@@ -86,6 +121,8 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
                 options.per_column * (projections[i].columns - 1);
     scored.push_back(std::move(one));
   }
+  std::erase_if(scored,
+                [&](const Scored& one) { return one.score > 0.5 * options.evidence && !IsPlausible(signatures, one); });
   const auto better = [](const Scored& a, const Scored& b) { return a.score > b.score; };
   std::sort(scored.begin(), scored.end(), better);
   if (!scored.empty() && scored[0].score > 0.5 * options.evidence) {
@@ -98,7 +135,7 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   result.is_significant = true;
 
   // Far behind the best nothing is a rival.
-  constexpr double kRival = 0.8;
+  constexpr double kRival = 0.65;
   const double least =
       std::min(kRival * scored[0].likelihood_ratio, scored[0].likelihood_ratio - options.indistinguishable);
   std::erase_if(scored, [&](const Scored& one) { return one.likelihood_ratio < least; });
@@ -113,25 +150,35 @@ Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, c
   std::vector<Candidate> compared;
   for (const Scored& one : scored) compared.push_back(one.candidate);
   const std::vector<double> correlations = signatures.CorrelationsWith(best.candidate, compared);
+  constexpr double kRelated = 0.7;
+  const auto simpler = [&machine](const Scored& a, const Scored& b) {
+    const int ca = Complexity(machine, a.candidate), cb = Complexity(machine, b.candidate);
+    return ca != cb ? ca < cb : a.score > b.score;
+  };
+  const auto explains_as_much = [&](size_t i) {
+    return scored[i].likelihood_ratio >= best.likelihood_ratio - options.indistinguishable;
+  };
+  // The simplest of what is related to the best; what is related to that may be it as well (of two amplitudes each one
+  // may stand for another single one without the two pairs being alike).
+  const Scored* simplest = &best;
+  for (size_t i = 1; i < scored.size(); ++i) {
+    if (explains_as_much(i) && correlations[i] > kRelated && simpler(scored[i], *simplest)) simplest = &scored[i];
+  }
+  std::vector<double> with_simplest = correlations;
+  if (simplest != &best) with_simplest = signatures.CorrelationsWith(simplest->candidate, compared);
   std::vector<Scored> compatible, correlated;
   Finding finding;
   for (size_t i = 0; i < scored.size(); ++i) {
-    const bool explains_as_much = scored[i].likelihood_ratio >= best.likelihood_ratio - options.indistinguishable;
-    const bool is_same = correlations[i] > options.same_class_correlation;
-    constexpr double kRelated = 0.7;
+    const double closest = std::max(correlations[i], with_simplest[i]);
     // The best is in its class even where one of its columns shows in no reading.
-    if (i == 0 || (explains_as_much && correlations[i] > kRelated)) {
+    if (i == 0 || &scored[i] == simplest || (explains_as_much(i) && closest > kRelated)) {
       compatible.push_back(scored[i]);
-    } else if (is_same) {
+    } else if (closest > options.same_class_correlation) {
       correlated.push_back(scored[i]);
     } else {
       finding.rivals.push_back(scored[i]);
     }
   }
-  const auto simpler = [&machine](const Scored& a, const Scored& b) {
-    const int ca = Complexity(machine, a.candidate), cb = Complexity(machine, b.candidate);
-    return ca != cb ? ca < cb : a.score > b.score;
-  };
   std::stable_sort(compatible.begin(), compatible.end(), simpler);
   std::stable_sort(correlated.begin(), correlated.end(), simpler);
   finding.effect = compatible.front();

@@ -36,6 +36,7 @@ struct SearchResult {
   Finding finding;
   std::vector<Scored> ranking;  // the best twenty, best first
   int candidate_count = 0;
+  std::vector<machine::ErrorTerm> not_visible;  // Report::not_visible
 };
 
 SearchResult Search(const machine::Machine& machine, const Signatures& signatures,

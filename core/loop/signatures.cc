@@ -410,4 +410,23 @@ double Signatures::RmsOf(const Candidate& candidate, const Eigen::Vector3d& ampl
              : 0.0;
 }
 
+Eigen::MatrixXd Signatures::SensitivitySquares() const {
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(problem_.runs.size()), sensitivity_.cols());
+  for (int row = 0; row < row_count(); ++row)
+    squares.row(run_[row]) += weight_[row] * weight_[row] * sensitivity_.row(row).cwiseAbs2();
+  return squares;
+}
+
+double Signatures::LargestValue(const machine::ErrorTerm& term, const Eigen::Vector3d& amplitude) const {
+  constexpr int kLooks = 100;
+  double largest = 0.0, basis[shapes::kMaxBasisCount];
+  for (int row = 0; row < row_count(); row += std::max(1, row_count() / kLooks)) {
+    shapes::Basis(term.shape, StateAt(row), basis);
+    double value = 0.0;
+    for (int b = 0; b < shapes::BasisCount(term.shape); ++b) value += amplitude[b] * basis[b];
+    largest = std::max(largest, std::abs(value));
+  }
+  return largest;
+}
+
 }  // namespace axiscal::loop

@@ -4,56 +4,99 @@
 #include <cmath>
 
 #include "core/loop/fitting.h"
+#include "core/loop/same_always.h"
 
 namespace axiscal::loop {
 
 using identify::Fit;
 using machine::ErrorModel;
 
+namespace {
+
+constexpr double kSpeaksAgainst = 9.0;  // chi-square units
+
+}  // namespace
+
 absl::StatusOr<bool> Validation::Run(Fit* fit) {
   bool has_replaced = false;
   if (check_.is_empty() || effects().empty()) return has_replaced;
   RETURN_IF_ERROR(check_.Settle(*fit));
+  // Of effects that the fit sessions could not tell apart another may be the one: the largest first, since what is
+  // wrong there bends all that was found beside it.
+  for (size_t i = 0; i < effects().size(); ++i) {
+    if (IsUnnamed(effects()[i].candidate.family)) continue;
+    ASSIGN_OR_RETURN(const double squares, check_.Squares(fit->result.model));
+    if (check_.IsAdequate(squares)) break;
+    ASSIGN_OR_RETURN(const double squares_without, SquaresWithout(i, *fit));
+    const std::vector<Added> before = effects();
+    ASSIGN_OR_RETURN(const bool is_replaced, Replace(i, std::min(squares_without, squares - kSpeaksAgainst), *fit));
+    if (!is_replaced) continue;
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) continue;
+    has_replaced = true;
+    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+  }
   for (size_t i = effects().size(); i-- > 0;) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
-    std::vector<Added> without = effects();
-    without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
-    ErrorModel lacking = fit->result.model;
-    lacking.terms.erase(lacking.terms.begin() + extension().TermOf(i));
-    ASSIGN_OR_RETURN(const Fit reduced, Refit(*fit, lacking, identify_options_));
-    ASSIGN_OR_RETURN(const double squares_without, check_.Squares(reduced.result.model));
-    ASSIGN_OR_RETURN(const double squares_with, check_.Squares(fit->result.model));
-    constexpr double kSpeaksAgainst = 9.0;  // chi-square units
-    const bool speaks_against = squares_with > squares_without + kSpeaksAgainst || !std::isfinite(squares_with);
-    if (!speaks_against && check_.IsAdequate(squares_with)) continue;
-    // Of effects that the fit sessions could not tell apart another may be the one.
-    ASSIGN_OR_RETURN(const bool is_replaced, Replace(i, std::min(squares_without, squares_with - kSpeaksAgainst), fit));
-    if (!is_replaced && !speaks_against) continue;
-    if (!is_replaced) {
-      attempt_->report.withdrawn.push_back(extension().NameOf(i));
-      effects() = std::move(without);
-    }
+    ASSIGN_OR_RETURN(const double squares, check_.Squares(fit->result.model));
+    ASSIGN_OR_RETURN(const double squares_without, SquaresWithout(i, *fit));
+    if (!std::isfinite(squares) && !std::isfinite(squares_without)) continue;  // they say nothing of it
+    if (!(squares > squares_without + kSpeaksAgainst)) continue;
+    const std::vector<Added> before = effects();
+    const std::string name = extension().NameOf(i);
+    ASSIGN_OR_RETURN(const bool is_replaced, Replace(i, squares_without, *fit));
+    if (!is_replaced) effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(i));
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) continue;
     has_replaced = has_replaced || is_replaced;
-    ASSIGN_OR_RETURN(*fit, FitExtension(machine_, extension(), identify_options_));
-    attempt_->Note(is_replaced ? Step::kReplaced : Step::kWithdrawn,
-                   is_replaced ? extension().NameOf(i) : attempt_->report.withdrawn.back(), *fit);
-    RETURN_IF_ERROR(check_.Settle(*fit));
+    if (!is_replaced) attempt_->report.withdrawn.push_back(name);
+    attempt_->Note(is_replaced ? Step::kReplaced : Step::kWithdrawn, is_replaced ? extension().NameOf(i) : name, *fit);
   }
   return has_replaced;
 }
 
+absl::StatusOr<double> Validation::SquaresWithout(size_t effect, const Fit& fit) const {
+  ErrorModel lacking = fit.result.model;
+  lacking.terms.erase(lacking.terms.begin() + extension().TermOf(effect));
+  const absl::StatusOr<Fit> reduced = Refit(fit, lacking, identify_options_);
+  if (absl::IsCancelled(reduced.status())) return reduced.status();
+  if (!reduced.ok()) return INFINITY;
+  return check_.Squares(reduced->result.model);
+}
+
+// Fits the changed extension; false, and the effects as they were, where that does not converge.
+absl::StatusOr<bool> Validation::Change(const std::vector<Added>& before, Fit* fit) {
+  absl::StatusOr<Fit> changed = FitExtension(machine_, extension(), identify_options_);
+  if (absl::IsCancelled(changed.status())) return changed.status();
+  if (!changed.ok()) {
+    effects() = before;
+    return false;
+  }
+  *fit = *std::move(changed);
+  RETURN_IF_ERROR(check_.Settle(*fit));
+  return true;
+}
+
 // Puts the member of effect i's class in its place that the check sessions speak for most; false when none leaves
 // less than `least` of their squares.
-absl::StatusOr<bool> Validation::Replace(size_t i, double least, Fit* fit) {
-  constexpr size_t kTried = 40;
-  std::vector<Candidate> members = effects()[i].equivalent;
-  members.insert(members.end(), effects()[i].rivals.begin(), effects()[i].rivals.end());
-  members.resize(std::min(kTried, members.size()));
+absl::StatusOr<bool> Validation::Replace(size_t i, double least, const Fit& fit) {
+  constexpr size_t kTried = 24;
+  std::vector<Candidate> all = {effects()[i].candidate};
+  all.insert(all.end(), effects()[i].equivalent.begin(), effects()[i].equivalent.end());
+  all.insert(all.end(), effects()[i].rivals.begin(), effects()[i].rivals.end());
+  std::vector<machine::ErrorTerm> terms;
+  for (const Candidate& one : all) terms.push_back(one.term);
+  // One effect by two names says the same to any session.
+  const std::vector<int> first = FirstOfTheSame(machine_, fit.problem.runs.front().tip_mm, terms);
+  std::vector<Candidate> members;
+  for (size_t m = 1; m < all.size() && members.size() < kTried; ++m) {
+    if (first[m] == static_cast<int>(m)) members.push_back(all[m]);
+  }
   std::vector<Added> best;
   for (const Candidate& member : members) {
-    ErrorModel model = fit->result.model;
+    ErrorModel model = fit.result.model;
     model.terms[extension().TermOf(i)] = member.term;
-    const absl::StatusOr<Fit> replaced = Refit(*fit, model, identify_options_);
+    const absl::StatusOr<Fit> replaced = Refit(fit, model, identify_options_);
     if (absl::IsCancelled(replaced.status())) return replaced.status();
     if (!replaced.ok()) continue;  // a member that does not fit is no alternative
     ASSIGN_OR_RETURN(const double squares, check_.Squares(replaced->result.model));

@@ -13,13 +13,16 @@ class Validation {
   Validation(const machine::Machine& machine, const identify::Options& identify_options, Check* check, Attempt* attempt)
       : machine_(machine), identify_options_(identify_options), check_(*check), attempt_(attempt) {}
 
-  // Withdraws what does not help on the check sessions; true where another member of a class took the place of one.
+  // Puts other members of a class in the place of those that the check sessions speak against, and withdraws what does
+  // not help there; true where one took the place of another.
   absl::StatusOr<bool> Run(identify::Fit* fit);
 
  private:
   Extension& extension() const { return attempt_->extension; }
   std::vector<Added>& effects() const { return attempt_->extension.effects; }
-  absl::StatusOr<bool> Replace(size_t effect, double least, identify::Fit* fit);
+  absl::StatusOr<double> SquaresWithout(size_t effect, const identify::Fit& fit) const;
+  absl::StatusOr<bool> Replace(size_t effect, double least, const identify::Fit& fit);
+  absl::StatusOr<bool> Change(const std::vector<Added>& before, identify::Fit* fit);
 
   const machine::Machine& machine_;
   const identify::Options& identify_options_;

@@ -1,0 +1,16 @@
+// Orders of a harmonic that the measured positions cannot tell apart: sampled every 10 deg, order 45 reads like
+// order 9.
+#ifndef AXISCAL_CORE_LOOP_ALIASES_H_
+#define AXISCAL_CORE_LOOP_ALIASES_H_
+
+#include <vector>
+
+namespace axiscal::loop {
+
+// Of the orders above `order` up to `highest`, those whose cosine and sine at `positions` (rad, any order, repeats
+// welcome) are all but the order's own or its mirror image. Empty without positions.
+std::vector<int> AliasOrders(std::vector<double> positions, int order, int highest);
+
+}  // namespace axiscal::loop
+
+#endif  // AXISCAL_CORE_LOOP_ALIASES_H_
