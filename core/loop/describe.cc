@@ -25,7 +25,10 @@ std::vector<int> AliasesOf(const Fit& fit, const ErrorTerm& term) {
   for (const MeasuringRun& run : fit.problem.runs) {
     for (int k = 0; k < run.reading_count(); ++k) positions.push_back(run.PositionsOf(k)[harmonic->axis]);
   }
-  return AliasOrders(std::move(positions), static_cast<int>(std::lround(harmonic->frequency)), kHighestOrder);
+  // The lowest orders are eccentricity and ovality before they are the image of a gear with hundreds of teeth.
+  constexpr int kLow = 4, kHighestOfLow = 100;
+  const int order = static_cast<int>(std::lround(harmonic->frequency));
+  return AliasOrders(std::move(positions), order, order <= kLow ? kHighestOfLow : kHighestOrder);
 }
 
 // Ranges of one axis that overlap are one structure, its place that of the strongest part.
