@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "core/base/error_detail.h"
 #include "core/session/checksum.h"
@@ -13,6 +14,7 @@
 #include "proto/convert/program.h"
 #include "proto/convert/session.h"
 #include "proto/convert/status.h"
+#include "proto/convert/table.h"
 
 namespace axiscal::convert {
 namespace {
@@ -272,6 +274,46 @@ TEST(StatusOnTheWire, CarriesReasonFactsFieldAndRetry) {
   const absl::Status back = FromProto(message);
   EXPECT_EQ(back.code(), status.code());
   EXPECT_EQ(base::GetErrorDetail(back), base::GetErrorDetail(status));
+}
+
+TableParams SomeTable() {
+  TableParams params{MachineId("mt"), CalibrationId(3), {}};
+  params.request.format = "siemens-cec";
+  params.request.state = {{1.0, 2.0, -350.5}, 60.0, 23.5};
+  params.request.axes = {"X", "Z(X)"};
+  params.request.ranges = {{"X", -300.0, 300.25}};
+  params.request.reference = {{"C", 0.5}};
+  params.request.tolerance_mm = 3e-4;
+  params.request.max_points = 77;
+  params.request.resolution = 1e-3;
+  return params;
+}
+
+TEST(TableOnTheWire, TheRequestComesBack) {
+  const auto back = FromProto(ToProto(SomeTable()));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(ToProto(*back).SerializeAsString(), ToProto(SomeTable()).SerializeAsString());
+  EXPECT_EQ(back->request.ranges[0].max, 300.25);
+  EXPECT_EQ(back->request.axes, SomeTable().request.axes);
+  EXPECT_EQ(back->request.state.temperature_celsius, 23.5);
+  EXPECT_EQ(back->calibration, CalibrationId(3));
+}
+
+TEST(TableOnTheWire, WhatMustNotComeInIsRefusedWithItsField) {
+  const auto field_of = [](const std::function<void(v1::MakeTableRequest&)>& change) {
+    v1::MakeTableRequest message = ToProto(SomeTable());
+    change(message);
+    return FieldOf(FromProto(message).status());
+  };
+  EXPECT_EQ(field_of([](auto& m) { m.set_machine_id(""); }), "machine_id");
+  EXPECT_EQ(field_of([](auto& m) { m.set_calibration_id(0); }), "calibration_id");
+  EXPECT_EQ(field_of([](auto& m) { m.clear_format(); }), "format");
+  EXPECT_EQ(field_of([](auto& m) { m.add_tool_tip_mm(1); }), "tool_tip_mm");
+  EXPECT_EQ(field_of([](auto& m) { m.set_tool_tip_mm(1, std::nan("")); }), "tool_tip_mm[1]");
+  EXPECT_EQ(field_of([](auto& m) { m.mutable_ranges(0)->set_max_mm_or_rad(INFINITY); }), "ranges[0].max_mm_or_rad");
+  EXPECT_EQ(field_of([](auto& m) { m.mutable_reference(0)->clear_axis(); }), "reference[0].axis");
+  EXPECT_EQ(field_of([](auto& m) { m.set_axes(1, "X\n"); }), "axes[1]");
+  EXPECT_EQ(field_of([](auto& m) { m.set_tolerance_mm(std::nan("")); }), "tolerance_mm");
 }
 
 TEST(StatusOnTheWire, AlwaysHasAReason) {
