@@ -17,6 +17,7 @@
 #include "server/jobs/compensate_job.h"
 #include "server/jobs/identify_job.h"
 #include "server/jobs/job_runner.h"
+#include "server/jobs/tool_setter_job.h"
 #include "server/log.h"
 #include "server/service.h"
 #include "server/storage/sqlite_database.h"
@@ -79,6 +80,7 @@ class Server::Impl {
     runner_.Register(convert::kIdentify, {jobs::IdentifyJob(*database_)});
     runner_.Register(convert::kCompensate, {jobs::CompensateJob(*database_)});
     // Thousands of candidates, and a full refit after each effect.
+    runner_.Register(convert::kToolSetter, {jobs::ToolSetterJob(*database_), std::chrono::minutes(10)});
     runner_.Register(convert::kCloseLoop, {jobs::CloseLoopJob(*database_), std::chrono::hours(1)});
   }
 

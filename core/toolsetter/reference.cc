@@ -16,6 +16,8 @@ using Eigen::VectorXd;
 
 // Directions that move all readouts less than this share of what their parameters alone would are unseen.
 constexpr double kSeen = 1e-7;
+// Angles that run to the limit of a beam are not told by the rods.
+constexpr double kLimitRad = kMaxBeamTiltDeg * (1.0 - 1e-9) * base::kRadPerDeg;
 
 struct Fit {
   std::vector<Trigger> triggers;
@@ -61,6 +63,7 @@ class Fitter {
         constexpr double kLargestRad = base::kRadPerDeg;
         const double bounded = free_[i] == kReferenceZ ? step[i] : std::clamp(step[i], -kLargestRad, kLargestRad);
         fit.at[free_[i]] += bounded;
+        if (free_[i] != kReferenceZ) fit.at[free_[i]] = std::clamp(fit.at[free_[i]], -kLimitRad, kLimitRad);
         largest = std::max(largest, std::abs(bounded));
       }
       if (largest < 1e-12) break;
@@ -306,6 +309,7 @@ absl::StatusOr<Reference> FitReference(const RodSession& session, const Referenc
     Fitted& parameter = out.parameters[free[c]];
     parameter.is_free = true;
     parameter.sigma = std::sqrt(fit.covariance(c, c));
+    parameter.is_identifiable = free[c] == kReferenceZ || std::abs(fit.at[free[c]]) < kLimitRad;
     for (const Eigen::VectorXd& direction : fit.unseen) parameter.is_identifiable &= std::abs(direction[c]) < 1e-6;
     for (size_t d = 0; d < free.size(); ++d) out.covariance(free[c], free[d]) = fit.covariance(c, d);
   }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <set>
+#include <random>
 
 #include "core/base/units.h"
 
@@ -194,6 +194,45 @@ double RefineAll(const Fitter& fitter, const std::vector<Unknowns>& starts, Unkn
   return least;
 }
 
+// Covariance of phase and lengths about the best fit. Away from its jumps the curve is nearly a straight line, along
+// which phase and lengths go together; what holds them are the jumps, of which no derivative knows. So the likelihood
+// (chi-square over `grown`) is sampled by a Metropolis chain, one unknown at a time; wear beyond what can be seen has
+// no weight. Unknowns that are not `seen` stay.
+Eigen::MatrixXd Covariance(const Fitter& fitter, const CurveSession& session, const Unknowns& best, double chi2,
+                           double grown, const std::vector<bool>& seen) {
+  constexpr int kTuning = 700, kSteps = 3500;
+  constexpr double kBeyondSeen = 1.25;
+  const int count = static_cast<int>(best.size()), inserts = fitter.inserts();
+  const double reach_rad = 0.5 * kTurn / inserts;
+  const double lowest_mm = kBeyondSeen * session.run.feed_per_turn_mm();
+  VectorXd scale = VectorXd::Constant(count, session.sigma_mm);
+  scale[0] = 2.0 * base::kRadPerDeg;
+  std::mt19937 random(1);  // the same readings give the same report
+  const auto uniform = [&random] { return (static_cast<double>(random()) + 0.5) / 4294967296.0; };
+  Unknowns at = best;
+  double now = chi2;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count);
+  int used = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const int which = step % count;
+    if (seen[which]) {
+      Unknowns next = at;
+      next[which] += scale[which] * (uniform() + uniform() + uniform() - 1.5) * 2.0;  // about normal
+      const bool is_inside = std::abs(next[0] - best[0]) < reach_rad &&
+                             next.tail(inserts).maxCoeff() - next.tail(inserts).minCoeff() < lowest_mm;
+      const double then = is_inside ? fitter.Chi2(next) : std::numeric_limits<double>::infinity();
+      const bool is_taken = std::log(uniform()) < -0.5 * (then - now) / grown;
+      if (step < kTuning) scale[which] *= is_taken ? 1.08 : 0.95;  // towards two in five
+      if (is_taken) at = next, now = then;
+    }
+    if (step < kTuning) continue;
+    const VectorXd off = at - best;
+    sum += off * off.transpose();
+    ++used;
+  }
+  return sum / used;
+}
+
 // The least wear above which insert `k` changes nothing that the readings would show (chi-square + 3.84).
 double BoundMm(const Fitter& fitter, const Unknowns& best, int k, double chi2, double scale, double f_mm) {
   const double longest_mm = best.tail(fitter.inserts()).maxCoeff();
@@ -233,24 +272,19 @@ absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
   for (Eigen::Index c = 0; c < jacobian.cols(); ++c)
     scale[c] = jacobian.col(c).norm() > 0.0 ? 1.0 / jacobian.col(c).norm() : 0.0;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian * scale.asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeFullV);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(jacobian.cols(), jacobian.cols());
   std::vector<bool> is_seen(jacobian.cols(), true);
   int rank = 0;
   for (Eigen::Index k = 0; k < jacobian.cols(); ++k) {
     const VectorXd direction = svd.matrixV().col(k);
     const double value = k < svd.singularValues().size() ? svd.singularValues()[k] : 0.0;
-    if (value < 1e-7) {
-      for (Eigen::Index c = 0; c < direction.size(); ++c) is_seen[c] = is_seen[c] && std::abs(direction[c]) < 1e-6;
-      continue;
-    }
-    ++rank;
-    const VectorXd scaled = scale.asDiagonal() * direction;
-    covariance += scaled * scaled.transpose() / (value * value);
+    rank += value >= 1e-7;
+    if (value >= 1e-7) continue;
+    for (Eigen::Index c = 0; c < direction.size(); ++c) is_seen[c] = is_seen[c] && std::abs(direction[c]) < 1e-6;
   }
   report.chi2 = chi2;
   report.degrees_of_freedom = fitter.readings() - rank;
   const double grown = report.degrees_of_freedom > 0 ? std::max(1.0, chi2 / report.degrees_of_freedom) : 1.0;
-  covariance *= grown;
+  const Eigen::MatrixXd covariance = Covariance(fitter, session, best, chi2, grown, is_seen);
 
   int longest = -1;
   for (int k = 0; k < inserts; ++k) {

@@ -17,12 +17,14 @@ v1::JobResult ResultToProto(const storage::JobRecord& record) {
 std::string KindOf(const v1::JobParams& params) {
   if (params.has_identify()) return kIdentify;
   if (params.has_close_loop()) return kCloseLoop;
+  if (params.has_tool_setter()) return kToolSetter;
   return params.has_compensate() ? kCompensate : "";
 }
 
 std::optional<MachineId> MachineOf(const v1::JobParams& params) {
   if (params.has_identify()) return MachineId(params.identify().machine_id());
   if (params.has_close_loop()) return MachineId(params.close_loop().machine_id());
+  if (params.has_tool_setter()) return MachineId(params.tool_setter().machine_id());
   if (params.has_compensate()) return MachineId(params.compensate().machine_id());
   return std::nullopt;
 }

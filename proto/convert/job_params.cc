@@ -76,6 +76,22 @@ absl::StatusOr<JobParams> CloseLoopFromProto(const v1::CloseLoopParams& message)
   return params;
 }
 
+v1::ToolSetterParams ToolSetterToProto(const ToolSetterParams& params) {
+  v1::ToolSetterParams message;
+  message.set_machine_id(params.machine.text());
+  message.set_session_id(params.session.number());
+  message.set_fit_yaw(params.fit_yaw);
+  message.set_fit_pitch(params.fit_pitch);
+  return message;
+}
+
+absl::StatusOr<JobParams> ToolSetterFromProto(const v1::ToolSetterParams& message) {
+  RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
+  RETURN_IF_ERROR(RequirePositive("session_id", message.session_id()));
+  return ToolSetterParams{MachineId(message.machine_id()), SessionId(message.session_id()), message.fit_yaw(),
+                          message.fit_pitch()};
+}
+
 v1::CompensateParams CompensateToProto(const CompensateParams& params) {
   v1::CompensateParams message;
   message.set_machine_id(params.machine.text());
@@ -123,6 +139,7 @@ absl::StatusOr<JobParams> CompensateFromProto(const v1::CompensateParams& messag
 
 std::string KindOf(const JobParams& params) {
   if (std::holds_alternative<IdentifyParams>(params)) return kIdentify;
+  if (std::holds_alternative<ToolSetterParams>(params)) return kToolSetter;
   return std::holds_alternative<CloseLoopParams>(params) ? kCloseLoop : kCompensate;
 }
 
@@ -136,6 +153,8 @@ v1::JobParams ToProto(const JobParams& params) {
     *message.mutable_identify() = IdentifyToProto(*identify);
   } else if (const auto* close_loop = std::get_if<CloseLoopParams>(&params)) {
     *message.mutable_close_loop() = CloseLoopToProto(*close_loop);
+  } else if (const auto* tool_setter = std::get_if<ToolSetterParams>(&params)) {
+    *message.mutable_tool_setter() = ToolSetterToProto(*tool_setter);
   } else {
     *message.mutable_compensate() = CompensateToProto(std::get<CompensateParams>(params));
   }
@@ -156,8 +175,12 @@ absl::StatusOr<JobParams> FromProto(const v1::JobParams& message) {
       absl::StatusOr<JobParams> params = CloseLoopFromProto(message.close_loop());
       return params.ok() ? params : InField("close_loop", params.status());
     }
+    case v1::JobParams::kToolSetter: {
+      absl::StatusOr<JobParams> params = ToolSetterFromProto(message.tool_setter());
+      return params.ok() ? params : InField("tool_setter", params.status());
+    }
     default:
-      return FieldError("kind", "must be one of identify, compensate, close_loop");
+      return FieldError("kind", "must be one of identify, compensate, close_loop, tool_setter");
   }
 }
 

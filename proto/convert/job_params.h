@@ -32,6 +32,13 @@ struct CloseLoopParams {
 };
 inline constexpr int kMaxEffects = 50;
 
+// Evaluate a session of the laser tool setter; makes a report.
+struct ToolSetterParams {
+  MachineId machine;
+  SessionId session;  // complete, of instrument tool-setter or tool-curve
+  bool fit_yaw = false, fit_pitch = false;
+};
+
 // Rewrite a stored NC program for a machine's errors; makes a program.
 struct CompensateParams {
   MachineId machine;
@@ -43,11 +50,12 @@ struct CompensateParams {
   std::optional<double> temperature_celsius;
 };
 
-using JobParams = std::variant<IdentifyParams, CompensateParams, CloseLoopParams>;
+using JobParams = std::variant<IdentifyParams, CompensateParams, CloseLoopParams, ToolSetterParams>;
 
 inline constexpr char kIdentify[] = "identify";
 inline constexpr char kCompensate[] = "compensate";
 inline constexpr char kCloseLoop[] = "close_loop";
+inline constexpr char kToolSetter[] = "tool_setter";
 // The store's name of the kind.
 std::string KindOf(const JobParams& params);
 const MachineId& MachineOf(const JobParams& params);

@@ -5,6 +5,7 @@
 #include "core/base/error_detail.h"
 #include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
+#include "core/toolsetter/evaluate.h"
 #include "proto/convert/field.h"
 
 namespace axiscal::handlers {
@@ -42,6 +43,15 @@ absl::Status CheckCloseLoop(storage::Database& database, const convert::CloseLoo
   return CheckSessions(database, params.machine, params.check, "params.close_loop.check_session_ids");
 }
 
+absl::Status CheckToolSetter(storage::Database& database, const convert::ToolSetterParams& params) {
+  RETURN_IF_ERROR(CheckSessions(database, params.machine, {params.session}, "params.tool_setter.session_id"));
+  ASSIGN_OR_RETURN(const storage::SessionRecord session, database.GetSession(params.session));
+  if (toolsetter::IsToolSetter(session.instrument)) return absl::OkStatus();
+  return convert::FieldError("params.tool_setter.session_id",
+                             absl::StrCat("session ", session.id.number(), " is of instrument ", session.instrument,
+                                          ", must be of tool-setter or tool-curve"));
+}
+
 absl::Status CheckCompensate(storage::Database& database, const convert::CompensateParams& params) {
   ASSIGN_OR_RETURN(const storage::ProgramRecord program, database.GetProgram(params.program));
   if (program.state != storage::ProgramState::kComplete) {
@@ -58,6 +68,9 @@ absl::Status CheckInputs(storage::Database& database, const convert::JobParams& 
   ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
   if (const auto* identify = std::get_if<convert::IdentifyParams>(&params)) {
     return CheckIdentify(database, machine, *identify);
+  }
+  if (const auto* tool_setter = std::get_if<convert::ToolSetterParams>(&params)) {
+    return CheckToolSetter(database, *tool_setter);
   }
   if (const auto* close_loop = std::get_if<convert::CloseLoopParams>(&params)) {
     return CheckCloseLoop(database, *close_loop);

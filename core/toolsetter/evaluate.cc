@@ -1,0 +1,30 @@
+#include "core/toolsetter/evaluate.h"
+
+#include "core/toolsetter/wear.h"
+
+namespace axiscal::toolsetter {
+namespace {
+
+constexpr char kRods[] = "tool-setter", kCurve[] = "tool-curve";
+
+}  // namespace
+
+bool IsToolSetter(const std::string& instrument) { return instrument == kRods || instrument == kCurve; }
+
+absl::StatusOr<std::string> Evaluate(const session::Session& session, const ReferenceOptions& options) {
+  const std::string instrument = session::FindHeader(session, "instrument").value_or("");
+  if (instrument == kRods) {
+    ASSIGN_OR_RETURN(const RodSession rods, ReadRodSession(session));
+    ASSIGN_OR_RETURN(const Reference reference, FitReference(rods, options));
+    return ToJson(rods, reference);
+  }
+  if (instrument == kCurve) {
+    ASSIGN_OR_RETURN(const CurveSession curve, ReadCurveSession(session));
+    ASSIGN_OR_RETURN(const WearReport report, FitWear(curve));
+    return ToJson(curve, report);
+  }
+  return absl::InvalidArgumentError(absl::StrCat("session ", session::FindHeader(session, "session").value_or("?"),
+                                                 ": instrument '", instrument, "', expected ", kRods, " or ", kCurve));
+}
+
+}  // namespace axiscal::toolsetter

@@ -1,0 +1,21 @@
+// What a stored or brought session of the tool setter says: the beam's reference from a `tool-setter` session, length and
+// wear from a `tool-curve` session, as the JSON of docs/formats.md.
+#ifndef AXISCAL_CORE_TOOLSETTER_EVALUATE_H_
+#define AXISCAL_CORE_TOOLSETTER_EVALUATE_H_
+
+#include <string>
+
+#include "core/session/session.h"
+#include "core/toolsetter/reference.h"
+
+namespace axiscal::toolsetter {
+
+// True for the instruments that Evaluate knows.
+bool IsToolSetter(const std::string& instrument);
+
+// INVALID_ARGUMENT as ReadRodSession, FitReference, ReadCurveSession and FitWear; also for other instruments.
+absl::StatusOr<std::string> Evaluate(const session::Session& session, const ReferenceOptions& options);
+
+}  // namespace axiscal::toolsetter
+
+#endif  // AXISCAL_CORE_TOOLSETTER_EVALUATE_H_
