@@ -40,6 +40,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddVerifyCommand(app, context);
   AddTableCommand(app, context);
   AddProgramCommand(app, context);
+  AddPlanCommand(app, context);
   AddToolSetterCommand(app, context);
   AddHistoryCommand(app, context);
   AddJobsCommand(app, context);

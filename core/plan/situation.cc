@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/units.h"
 
@@ -72,6 +73,24 @@ Situation SituationOf(const machine::Machine& machine, const std::vector<Measuri
     return a.dot(machine.tool_direction) < b.dot(machine.tool_direction);
   });
   std::sort(situation.bars_mm.begin(), situation.bars_mm.end());
+  return situation;
+}
+
+Situation SituationOfMachine(const machine::Machine& machine, const Mounted& mounted) {
+  Situation situation = SituationOf(machine, {});
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    if (machine.axes[axis].kind != machine::AxisKind::kRotary) continue;
+    const bool is_table =
+        std::find(machine.work_branch.begin(), machine.work_branch.end(), axis) != machine.work_branch.end();
+    Range range = is_table ? Range{0.0, kTurn} : Range{-0.25 * kTurn, 0.25 * kTurn};
+    if (machine.axes[axis].min_position) range.lowest = std::max(range.lowest, *machine.axes[axis].min_position);
+    if (machine.axes[axis].max_position) range.highest = std::min(range.highest, *machine.axes[axis].max_position);
+    situation.ranges[axis] = range.lowest < range.highest ? range : Range{};
+  }
+  if (!mounted.tips_mm.empty()) situation.tips_mm = mounted.tips_mm;
+  if (!mounted.balls_mm.empty()) situation.balls_mm = mounted.balls_mm;
+  if (!mounted.bars_mm.empty()) situation.bars_mm = mounted.bars_mm;
   return situation;
 }
 

@@ -41,6 +41,16 @@ struct Situation {
 // a bar of 100 mm).
 Situation SituationOf(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs);
 
+// What is mounted where no session tells it.
+struct Mounted {
+  std::vector<Eigen::Vector3d> tips_mm, balls_mm;  // at home, machine frame; empty: what is common stands
+  std::vector<double> bars_mm;
+};
+
+// A machine that was never measured: its rotary axes turn over their travel as machine.json states it, a table without
+// limits one turn, a head -90 to 90 degrees.
+Situation SituationOfMachine(const machine::Machine& machine, const Mounted& mounted);
+
 }  // namespace axiscal::plan
 
 #endif  // AXISCAL_CORE_PLAN_SITUATION_H_

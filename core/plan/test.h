@@ -24,7 +24,9 @@ struct Test {
 };
 
 const std::vector<Test>& Tests();
-// The test of that name, or nullptr.
+// Tests that a person may ask for beside those: the loop does not propose them.
+const std::vector<Test>& FurtherTests();
+// The test of that name among both, or nullptr.
 const Test* FindTest(const std::string& name);
 
 // Where a planned session takes the axes beyond what the sessions so far used, for the person who runs it: "Z up

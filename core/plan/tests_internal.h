@@ -10,6 +10,8 @@ std::vector<PlannedSession> BallbarPatterns(const Situation& situation);
 std::vector<PlannedSession> BallbarTurns(const Situation& situation);
 std::vector<PlannedSession> BallbarSwungTurns(const Situation& situation);
 std::vector<PlannedSession> BallbarCircles(const Situation& situation);
+std::vector<PlannedSession> BallbarLinked(const Situation& situation);
+std::vector<PlannedSession> SphereProbing(const Situation& situation);
 std::vector<PlannedSession> RtestGrids(const Situation& situation);
 std::vector<PlannedSession> RtestApproaches(const Situation& situation);
 std::vector<PlannedSession> OtherSense(const Situation& situation);

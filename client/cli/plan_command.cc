@@ -1,0 +1,232 @@
+// axiscal plan: what the known measuring tests of a machine can see, which set determines what is asked, and the axis
+// table or NC program of one.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/context.h"
+#include "client/cli/output_paths.h"
+#include "core/base/files.h"
+#include "core/base/units.h"
+#include "core/machine/machine_json.h"
+#include "core/plan/program.h"
+#include "core/session/text.h"
+#include "core/testplan/survey.h"
+
+namespace axiscal::cli {
+namespace {
+
+struct Arguments {
+  std::string machine, test, output, tool_tip, ball;
+  std::vector<std::string> asked, declared;
+  std::optional<double> bar_mm;
+  bool list = false;
+  plan::ProgramOptions program;
+};
+
+absl::StatusOr<machine::Machine> MachineOf(Context& context, const Arguments& arguments) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(arguments.machine, error)) return machine::ReadMachineFile(arguments.machine);
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(MachineId(arguments.machine)));
+  return machine::MachineFromJson(record.description_json);
+}
+
+absl::StatusOr<std::vector<Eigen::Vector3d>> Point(const std::string& option, const std::string& text) {
+  if (text.empty()) return std::vector<Eigen::Vector3d>();
+  std::vector<double> numbers;
+  if (!session::ParseNumbers(text, &numbers) || numbers.size() != 3)
+    return absl::InvalidArgumentError(absl::StrCat(option, " '", text, "': expected \"x y z\" in mm"));
+  return std::vector<Eigen::Vector3d>{{numbers[0], numbers[1], numbers[2]}};
+}
+
+absl::StatusOr<plan::Situation> SituationOf(const machine::Machine& machine, const Arguments& arguments) {
+  plan::Mounted mounted;
+  ASSIGN_OR_RETURN(mounted.tips_mm, Point("--tool-tip", arguments.tool_tip));
+  ASSIGN_OR_RETURN(mounted.balls_mm, Point("--ball", arguments.ball));
+  if (arguments.bar_mm) mounted.bars_mm = {*arguments.bar_mm};
+  return plan::SituationOfMachine(machine, mounted);
+}
+
+std::string Joined(const std::vector<std::string>& texts, const std::string& between) {
+  std::string joined;
+  for (const std::string& text : texts) absl::StrAppend(&joined, joined.empty() ? "" : between, text);
+  return joined;
+}
+
+std::string Minutes(double seconds) { return absl::StrFormat("%.0f min", std::ceil(seconds / 60.0)); }
+
+Json ToJson(const testplan::SurveyedTest& test, const testplan::Survey& survey) {
+  Json determined = Json::array();
+  for (size_t i = 0; i < survey.errors.size(); ++i) {
+    if (test.is_determined[i]) determined.push_back(survey.errors[i].name);
+  }
+  return {{"test", test.test},         {"session", test.session},
+          {"text", test.planned.text}, {"readings", test.readings},
+          {"seconds", test.seconds},   {"rank", test.rank},
+          {"determined", determined},  {"not_separable", test.not_separable}};
+}
+
+absl::Status List(Context& context, const testplan::Survey& survey) {
+  Json tests = Json::array();
+  std::vector<std::vector<std::string>> rows = {{"session", "test", "readings", "takes", "rank"}};
+  std::string text;
+  for (const testplan::SurveyedTest& test : survey.tests) {
+    tests.push_back(ToJson(test, survey));
+    rows.push_back({test.session, test.test, std::to_string(test.readings), Minutes(test.seconds),
+                    absl::StrCat(test.rank, " of ", survey.errors.size())});
+    absl::StrAppend(&text, test.session, ": ", test.planned.text, "\n",
+                    test.not_separable.empty() ? "" : "  cannot tell: " + Joined(test.not_separable, "; ") + "\n");
+  }
+  std::vector<std::string> names;
+  for (const identify::Estimate& error : survey.errors) names.push_back(error.name);
+  Json runnable = Json::array(), other = Json::array();
+  std::string not_here;
+  for (const auto* known : {&plan::Tests(), &plan::FurtherTests()}) {
+    for (const plan::Test& test : *known) {
+      const bool is_here =
+          std::any_of(survey.tests.begin(), survey.tests.end(),
+                      [&](const testplan::SurveyedTest& surveyed) { return surveyed.test == test.name; });
+      if (is_here) continue;
+      other.push_back({{"test", test.name}, {"summary", test.summary}});
+      absl::StrAppend(&not_here, "not on this machine as it stands: ", test.name, " (", test.summary, ")\n");
+    }
+  }
+  context.Print({{"errors", names}, {"tests", tests}, {"not_runnable", other}},
+                absl::StrCat("errors: ", Joined(names, ", "), "\n", Table(rows), text, not_here));
+  return absl::OkStatus();
+}
+
+absl::Status Propose(Context& context, const machine::Machine& machine, const testplan::Survey& survey,
+                     const Arguments& arguments) {
+  std::vector<int> asked;
+  for (const std::string& text : arguments.asked) {
+    ASSIGN_OR_RETURN(const machine::ErrorSymbol symbol, machine::ParseErrorSymbol(text));
+    for (size_t i = 0; i < survey.errors.size(); ++i) {
+      if (survey.errors[i].name == machine::ToString(symbol)) asked.push_back(static_cast<int>(i));
+    }
+  }
+  const testplan::Proposal proposal = testplan::ProposeTests(survey, asked);
+  Json tests = Json::array(), errors = Json::array();
+  std::string text;
+  for (const int test : proposal.tests) {
+    tests.push_back(ToJson(survey.tests[test], survey));
+    absl::StrAppend(&text, survey.tests[test].session, ": ", survey.tests[test].planned.text, " (",
+                    survey.tests[test].test, ")\n");
+  }
+  std::vector<std::vector<std::string>> rows = {{"error", "expected +-", ""}};
+  for (size_t i = 0; i < asked.size(); ++i) {
+    const identify::Estimate& error = survey.errors[asked[i]];
+    const bool is_told = std::isfinite(proposal.sigma[i]);
+    errors.push_back({{"symbol", error.name},
+                      {"identifiable", is_told},
+                      {"sigma", is_told ? Json(proposal.sigma[i] / error.factor) : Json()},
+                      {"unit", error.unit}});
+    rows.push_back(
+        {error.name, is_told ? NumberText(proposal.sigma[i] / error.factor) : "no known test tells", error.unit});
+  }
+  context.Print({{"tests", tests}, {"errors", errors}, {"seconds_with_mounting", proposal.seconds}},
+                absl::StrCat(text, Table(rows), "takes about ", Minutes(proposal.seconds), " with mounting\n"));
+  return absl::OkStatus();
+}
+
+// A session's name, or a test's: then its first session.
+absl::Status WriteTest(Context& context, const machine::Machine& machine, const plan::Situation& situation,
+                       const Arguments& arguments) {
+  if (arguments.output.empty()) return absl::InvalidArgumentError("plan: expected -o FILE for " + arguments.test);
+  std::vector<NamedPath> inputs = {{"--machine", arguments.machine}};
+  if (context.server.empty()) inputs.push_back({"the database", context.database});
+  RETURN_IF_ERROR(CheckOutputs(inputs, {{"--output", arguments.output}}));
+  std::optional<plan::PlannedSession> chosen;
+  std::vector<std::string> known;
+  for (const auto* tests : {&plan::Tests(), &plan::FurtherTests()}) {
+    for (const plan::Test& test : *tests) {
+      known.push_back(test.name);
+      for (plan::PlannedSession& planned : test.plan(situation)) {
+        const std::string name = session::FindHeader(planned.session, "session").value_or("");
+        if (chosen || (name != arguments.test && test.name != arguments.test)) continue;
+        if (!plan::ReachOf(situation, planned.session).is_reachable) continue;
+        chosen = std::move(planned);
+      }
+    }
+  }
+  if (!chosen) {
+    return absl::NotFoundError(absl::StrCat("plan: '", arguments.test, "' is no test that machine ", machine.id,
+                                            " can run, expected a session of --list, or one of ", Joined(known, ", ")));
+  }
+  const std::string extension = std::filesystem::path(arguments.output).extension().string();
+  std::string content;
+  if (extension == ".csv") {
+    content = plan::ToTable(chosen->session);
+  } else {
+    ASSIGN_OR_RETURN(content, plan::ToProgram(machine, chosen->session, arguments.program));
+  }
+  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, content));
+  const std::string name = session::FindHeader(chosen->session, "session").value_or("");
+  context.Print({{"session", name},
+                 {"text", chosen->text},
+                 {"readings", chosen->session.reading_count()},
+                 {"file", arguments.output},
+                 {"kind", extension == ".csv" ? "table" : "program"}},
+                absl::StrCat(arguments.output, ": ", name, ", ", chosen->session.reading_count(), " positions; ",
+                             chosen->text, "\n"));
+  return absl::OkStatus();
+}
+
+absl::Status Plan(Context& context, const Arguments& arguments) {
+  const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
+  if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
+  ASSIGN_OR_RETURN(const machine::Machine machine, MachineOf(context, arguments));
+  ASSIGN_OR_RETURN(const plan::Situation situation, SituationOf(machine, arguments));
+  if (!arguments.test.empty()) return WriteTest(context, machine, situation, arguments);
+  // What is asked for counts beside what the machine declares, or beside what --declare names.
+  std::vector<std::string> symbols = arguments.declared;
+  if (symbols.empty()) {
+    ASSIGN_OR_RETURN(const machine::ErrorModel model, testplan::ErrorsToJudge(machine, {}));
+    for (const machine::ErrorTerm& term : model.terms) symbols.push_back(machine::SymbolOf(machine, term));
+  }
+  symbols.insert(symbols.end(), arguments.asked.begin(), arguments.asked.end());
+  ASSIGN_OR_RETURN(const machine::ErrorModel model, testplan::ErrorsToJudge(machine, symbols));
+  ASSIGN_OR_RETURN(const testplan::Survey survey, testplan::SurveyTests(situation, model));
+  return arguments.list ? List(context, survey) : Propose(context, machine, survey, arguments);
+}
+
+}  // namespace
+
+void AddPlanCommand(CLI::App& app, Context& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* plan = app.add_subcommand(
+      "plan", "Measuring tests: what each can see, which set tells the errors that are asked for, and their programs");
+  plan->add_option("TEST", arguments->test, "a session of --list, or a test's name for its first session");
+  plan->add_option("--machine", arguments->machine, "the machine, or its machine.json without any database")
+      ->required();
+  plan->add_flag("--list", arguments->list,
+                 "the tests that this machine can run, with rank, time and what they cannot tell");
+  plan->add_option("--for", arguments->asked, "propose the smallest set of tests that determines these errors")
+      ->delimiter(',');
+  plan->add_option("--declare", arguments->declared,
+                   "errors that count as unknown, instead of the machine's declared ones")
+      ->delimiter(',');
+  plan->add_option("-o,--output", arguments->output,
+                   "FILE.csv: the axis table, a session without readings; else the NC program");
+  plan->add_option("--dialect", arguments->program.dialect, "of the program: " + Joined(plan::ProgramDialects(), ", "))
+      ->capture_default_str();
+  plan->add_option("--feed", arguments->program.feed_mm_min, "mm/min between poses at rest")->capture_default_str();
+  plan->add_option("--dwell", arguments->program.dwell_s, "seconds at rest before a reading")->capture_default_str();
+  plan->add_option("--sphere-radius", arguments->program.probing.sphere_radius_mm, "of a sphere that is probed, mm")
+      ->capture_default_str();
+  plan->add_option("--stylus-radius", arguments->program.probing.stylus_radius_mm, "of the touch probe, mm")
+      ->capture_default_str();
+  plan->add_option("--tool-tip", arguments->tool_tip, "\"x y z\": the tool point at home, machine frame, mm");
+  plan->add_option("--ball", arguments->ball, "\"x y z\": the table ball at home, machine frame, mm");
+  plan->add_option("--bar", arguments->bar_mm, "length of the ball bar, mm")->check(CLI::Range(10.0, 5000.0));
+  plan->footer(
+      "A machine that declares no errors is judged by all location errors of its axes.\n"
+      "Examples: axiscal plan --machine machine.json --list --tool-tip \"0 0 -350\" --ball \"50 0 65\"\n"
+      "          axiscal plan --machine mt --for EX0C,EB0C --tool-tip \"0 0 -350\"\n"
+      "          axiscal plan --machine mt CR-350 --tool-tip \"0 0 -350\" --dialect mazak -o CR.nc");
+  SetAction(plan, context, [&context, arguments] { return Plan(context, *arguments); });
+}
+
+}  // namespace axiscal::cli

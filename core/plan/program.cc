@@ -1,0 +1,156 @@
+#include "core/plan/program.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace axiscal::plan {
+namespace {
+
+struct Style {
+  std::string name;
+  std::string head, tail;
+  std::string timed_begin, timed_end;  // around blocks of inverse-time feed; empty: there is none
+  std::string (*dwell)(double seconds);
+  std::string comment_begin, comment_end;
+  bool is_klartext = false;
+};
+
+const std::vector<Style>& Styles() {
+  const auto milliseconds = [](double s) {
+    return absl::StrFormat("G04 P%d", static_cast<int>(std::lround(1000.0 * s)));
+  };
+  const auto seconds = [](double s) { return absl::StrFormat("G04 P%.3f", s); };
+  const auto f_seconds = [](double s) { return absl::StrFormat("G4 F%.3f", s); };
+  const auto none = [](double) { return std::string("STOP"); };
+  static const auto& styles = *new std::vector<Style>{
+      {"fanuc", "G21 G40 G49 G80 G90 G94\n", "M30\n%\n", "G93", "G94", milliseconds, "(", ")"},
+      {"mazak", "G21 G40 G49 G80 G90 G94\n", "M30\n%\n", "G93", "G94", milliseconds, "(", ")"},
+      {"haas", "G21 G40 G49 G80 G90 G94\n", "M30\n%\n", "G93", "G94", milliseconds, "(", ")"},
+      {"linuxcnc", "G21 G40 G49 G80 G90 G94\n", "M2\n", "G93", "G94", seconds, "(", ")"},
+      {"sinumerik", "G71 G40 G90 G94\n", "M30\n", "G93", "G94", f_seconds, "; ", ""},
+      {"heidenhain", "", "", "", "", none, "; ", "", true},
+  };
+  return styles;
+}
+
+std::string Position(const session::Column& column, size_t row) {
+  return absl::StrFormat("%.4f", column.values[row] + 0.0);
+}
+
+// Text that a controller takes as a comment, whatever a session is called.
+std::string Plain(const std::string& text) {
+  std::string plain;
+  for (const char c : text) plain += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.' ? c : ' ';
+  return plain;
+}
+
+absl::StatusOr<std::string> ProbingProgram(const machine::Machine& machine, const session::Session& session,
+                                           const Style& style, const ProgramOptions& options) {
+  const bool has_skip = style.name == "fanuc" || style.name == "mazak" || style.name == "haas";
+  if (!has_skip) {
+    return absl::FailedPreconditionError(
+        "dialect '" + style.name +
+        "' has no G31 and DPRNT, expected fanuc, mazak or haas: use the control's own cycle");
+  }
+  for (const machine::Axis& axis : machine.axes) {
+    if (axis.name.size() != 1) return absl::FailedPreconditionError("axis " + axis.name + " has no word of one letter");
+  }
+  ASSIGN_OR_RETURN(const std::string blocks, ProbingBlocks(machine, session, options.probing));
+  const std::string name = Plain(session::FindHeader(session, "session").value_or("session"));
+  return absl::StrCat(
+      "%\nO1000\n(MEASURING RUN ", name, " OF MACHINE ", Plain(machine.id),
+      ")\n(AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD)\n(CHECK THE WAY BETWEEN POSES)\n", style.head,
+      "POPEN\nDPRNT[Number*of*Points*", 5 * session.reading_count(), "]\nDPRNT[Feature*Model*SPHERE]\n", blocks,
+      "PCLOS\n", style.tail);
+}
+
+}  // namespace
+
+const std::vector<std::string>& ProgramDialects() {
+  static const auto& names = *[] {
+    auto* all = new std::vector<std::string>;
+    for (const Style& style : Styles()) all->push_back(style.name);
+    return all;
+  }();
+  return names;
+}
+
+absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const session::Session& session,
+                                      const ProgramOptions& options) {
+  const auto style =
+      std::find_if(Styles().begin(), Styles().end(), [&](const Style& s) { return s.name == options.dialect; });
+  if (style == Styles().end()) {
+    return absl::InvalidArgumentError("dialect '" + options.dialect +
+                                      "', expected one of fanuc, mazak, haas, linuxcnc, sinumerik, heidenhain");
+  }
+  if (!(options.feed_mm_min > 0.0 && options.feed_mm_min <= 1e5))
+    return absl::InvalidArgumentError(
+        absl::StrFormat("feed_mm_min = %g, expected above 0 to 1e5", options.feed_mm_min));
+  if (!(options.dwell_s >= 0.0 && options.dwell_s <= 3600.0))
+    return absl::InvalidArgumentError(absl::StrFormat("dwell_s = %g, expected 0 to 3600", options.dwell_s));
+  if (session::FindHeader(session, "instrument").value_or("") == "centres")
+    return ProbingProgram(machine, session, *style, options);
+  std::vector<const session::Column*> columns;
+  std::vector<std::string> words;
+  for (const machine::Axis& axis : machine.axes) {
+    const std::string name = axis.name + (axis.kind == machine::AxisKind::kRotary ? "_deg" : "_mm");
+    const session::Column* const column = session::FindColumn(session, name);
+    if (column == nullptr) return absl::InvalidArgumentError("the session has no column " + name);
+    if (axis.name.size() != 1)
+      return absl::FailedPreconditionError("axis " + axis.name + " has no word of one letter: write the table instead");
+    columns.push_back(column);
+    words.push_back(style->is_klartext && axis.name[0] >= 'A' ? " " + axis.name : " " + axis.name);
+  }
+  const session::Column* const time = session::FindColumn(session, "t_s");
+  const bool is_timed = session::FindHeader(session, "instrument").value_or("") == "ballbar" && time != nullptr;
+  const std::string name = Plain(session::FindHeader(session, "session").value_or("session"));
+  const std::string& open = style->comment_begin;
+  const std::string& close = style->comment_end;
+
+  std::string out;
+  if (style->is_klartext) {
+    absl::StrAppend(&out, "BEGIN PGM MEASURE MM\n");
+  } else if (style->tail.back() == '\n' && style->tail.find('%') != std::string::npos) {
+    absl::StrAppend(&out, "%\nO1000\n");
+  }
+  const auto comment = [&](const std::string& text) { absl::StrAppend(&out, open, text, close, "\n"); };
+  comment("MEASURING RUN " + name + " OF MACHINE " + Plain(machine.id));
+  comment("AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD");
+  absl::StrAppend(&out, style->head);
+  const auto block = [&](size_t row, const std::string& feed) {
+    absl::StrAppend(&out, style->is_klartext ? "L" : "G01");
+    for (size_t i = 0; i < columns.size(); ++i) {
+      const std::string position = Position(*columns[i], row);
+      absl::StrAppend(&out, words[i], style->is_klartext && position[0] != '-' ? "+" : "", position);
+    }
+    absl::StrAppend(&out, feed, "\n");
+  };
+  const std::string feed = absl::StrFormat(" F%.4g", options.feed_mm_min);
+  for (size_t row = 0; row < session.reading_count(); ++row) {
+    const double seconds = is_timed && row > 0 ? time->values[row] - time->values[row - 1] : 0.0;
+    if (is_timed && row == 1 && !style->timed_begin.empty()) absl::StrAppend(&out, style->timed_begin, "\n");
+    const bool has_time = is_timed && row > 0 && seconds > 0.0 && !style->timed_begin.empty();
+    block(row, has_time ? absl::StrFormat(" F%.4f", 60.0 / seconds) : feed);
+    if (!is_timed && options.dwell_s > 0.0) absl::StrAppend(&out, style->dwell(options.dwell_s), "\n");
+  }
+  if (is_timed && session.reading_count() > 1 && !style->timed_end.empty())
+    absl::StrAppend(&out, style->timed_end, feed, "\n");
+  absl::StrAppend(&out, style->is_klartext ? "END PGM MEASURE MM\n" : style->tail);
+  return out;
+}
+
+std::string ToTable(const session::Session& session) {
+  std::string out;
+  for (const session::HeaderEntry& entry : session.header)
+    absl::StrAppend(&out, "# ", entry.key, ": ", entry.value, "\n");
+  for (size_t c = 0; c < session.columns.size(); ++c) absl::StrAppend(&out, c > 0 ? "," : "", session.columns[c].name);
+  out += "\n";
+  for (size_t row = 0; row < session.reading_count(); ++row) {
+    for (size_t c = 0; c < session.columns.size(); ++c)
+      absl::StrAppend(&out, c > 0 ? "," : "", absl::StrFormat("%.10g", session.columns[c].values[row]));
+    out += "\n";
+  }
+  return out;
+}
+
+}  // namespace axiscal::plan

@@ -1,0 +1,38 @@
+// A planned session as plain G-code for the machine to run. Positions are axis positions (no work offset, no tool
+// length): each line of the session is one block that ends at its position, so that what the program visits is the
+// session's table.
+#ifndef AXISCAL_CORE_PLAN_PROGRAM_H_
+#define AXISCAL_CORE_PLAN_PROGRAM_H_
+
+#include <string>
+#include <vector>
+
+#include "core/machine/machine.h"
+#include "core/plan/probing_program.h"
+#include "core/session/session.h"
+
+namespace axiscal::plan {
+
+// The dialects that are written.
+const std::vector<std::string>& ProgramDialects();
+
+struct ProgramOptions {
+  std::string dialect = "fanuc";
+  double feed_mm_min = 500.0;  // to the first position, and between poses that are measured at rest
+  double dwell_s = 2.0;        // at rest before a reading is taken
+  ProbingOptions probing;      // of sessions of `centres`
+};
+
+// Ball-bar sessions run through at the session's own times (inverse-time feed G93; Klartext, which has none, at the
+// feed); R-tests stop at each pose; `centres` sessions become touches (probing_program.h; fanuc, mazak and haas only).
+// INVALID_ARGUMENT on an unknown dialect, a number out of range, or a session whose axis columns are not the machine's;
+// FAILED_PRECONDITION where the dialect has no word for an axis (J1) or no skip function.
+absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const session::Session& session,
+                                      const ProgramOptions& options = {});
+
+// The axis table: the session's file without its readings, to be filled by whoever measures it. LF line ends.
+std::string ToTable(const session::Session& session);
+
+}  // namespace axiscal::plan
+
+#endif  // AXISCAL_CORE_PLAN_PROGRAM_H_

@@ -1,0 +1,126 @@
+#include "core/plan/program.h"
+
+#include <gtest/gtest.h>
+
+#include "core/identify/testing/scenario.h"
+#include "core/nc/decimal.h"
+#include "core/nc/move_reader.h"
+#include "core/plan/test.h"
+#include "core/session/read_session.h"
+
+namespace axiscal::plan {
+namespace {
+
+// Where the interpreter stands after each linear move of a program, per axis of the machine.
+std::vector<std::vector<double>> Visited(const machine::Machine& machine, const std::string& program,
+                                         const std::string& dialect) {
+  nc::RewriteOptions options;
+  options.dialect = dialect;
+  auto interpreter = nc::Interpreter::Create(machine, options);
+  EXPECT_TRUE(interpreter.ok()) << interpreter.status();
+  const nc::ByteReader reader = nc::TextReader(program);
+  nc::MoveReader moves(reader, *std::move(interpreter));
+  std::vector<std::vector<double>> visited;
+  nc::Event event;
+  while (true) {
+    const auto more = moves.Next(&event);
+    EXPECT_TRUE(more.ok()) << more.status();
+    if (!more.ok() || !*more) break;
+    EXPECT_EQ(event.step.kind, nc::StepKind::kMove) << dialect << " line " << event.line << ": " << event.step.reason;
+    EXPECT_EQ(event.step.end.known, (1u << machine.axis_count()) - 1) << event.line;
+    std::vector<double>& at = visited.emplace_back();
+    for (int i = 0; i < machine.axis_count(); ++i)
+      at.push_back(static_cast<double>(event.step.end.ticks[i]) / nc::kTicksPerUnit);
+  }
+  return visited;
+}
+
+const session::Column& ColumnOf(const session::Session& session, const machine::Axis& axis) {
+  return *session::FindColumn(session, axis.name + (axis.kind == machine::AxisKind::kRotary ? "_deg" : "_mm"));
+}
+
+class EveryDialect : public ::testing::TestWithParam<std::string> {};
+
+// What the program visits is the table: every test of the machine, read back by the interpreter.
+TEST_P(EveryDialect, ProgramsVisitTheTablesPositions) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  Mounted mounted;
+  mounted.tips_mm = {{0, 0, -356.4}};
+  mounted.balls_mm = {{50, 0, 65.5}};
+  const Situation situation = SituationOfMachine(machine, mounted);
+  int programs = 0;
+  for (const auto* tests : {&Tests(), &FurtherTests()}) {
+    for (const plan::Test& test : *tests) {
+      for (const PlannedSession& planned : test.plan(situation)) {
+        if (session::FindHeader(planned.session, "instrument") == "centres") continue;  // probing_program_test.cc
+        ProgramOptions options;
+        options.dialect = GetParam();
+        const auto program = ToProgram(machine, planned.session, options);
+        ASSERT_TRUE(program.ok()) << program.status();
+        const std::vector<std::vector<double>> visited = Visited(machine, *program, GetParam());
+        ASSERT_EQ(visited.size(), planned.session.reading_count()) << planned.text;
+        for (size_t row = 0; row < visited.size(); ++row) {
+          for (int i = 0; i < machine.axis_count(); ++i)
+            ASSERT_NEAR(visited[row][i], ColumnOf(planned.session, machine.axes[i]).values[row], 5.1e-5)
+                << planned.text << row;
+        }
+        ++programs;
+      }
+    }
+  }
+  EXPECT_GT(programs, 30);
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, EveryDialect, ::testing::ValuesIn(ProgramDialects()));
+
+TEST(Program, BallBarsRunAtTheirTimes) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const Situation situation = SituationOfMachine(machine, {});
+  const auto program = ToProgram(machine, FindTest("ballbar-circle")->plan(situation)[0].session);
+  ASSERT_TRUE(program.ok()) << program.status();
+  EXPECT_NE(program->find("\nG93\n"), std::string::npos);
+  EXPECT_NE(program->find("F240.0000\n"), std::string::npos);  // 0.25 s a reading
+  EXPECT_EQ(program->find("G04"), std::string::npos);
+  const auto at_rest = ToProgram(machine, FindTest("rtest-grid")->plan(situation)[0].session);
+  ASSERT_TRUE(at_rest.ok());
+  EXPECT_NE(at_rest->find("\nG04 P2000\n"), std::string::npos);
+}
+
+TEST(Program, TheTableIsASessionWithoutReadings) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const session::Session planned = FindTest("rtest-grid")->plan(SituationOfMachine(machine, {}))[0].session;
+  std::string table = ToTable(planned);
+  EXPECT_EQ(session::ReadSessionText(table, "t").status().code(),
+            absl::StatusCode::kInvalidArgument);  // dx_mm is missing
+  // Filled in, it reads as the session that was planned.
+  std::string filled;
+  size_t begin = 0;
+  for (size_t end = table.find('\n'); end != std::string::npos; begin = end + 1, end = table.find('\n', begin)) {
+    const std::string line = table.substr(begin, end - begin);
+    filled += line + (line[0] == '#' ? "" : line[0] == 't' ? ",dx_mm,dy_mm,dz_mm" : ",0,0,0") + "\n";
+  }
+  const auto read = session::ReadSessionText(filled, "t");
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->header, planned.header);
+  for (size_t c = 0; c < planned.columns.size(); ++c) EXPECT_EQ(read->columns[c], planned.columns[c]);
+}
+
+TEST(Program, RefusesWithWhatWasExpected) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const session::Session session = FindTest("rtest-grid")->plan(SituationOfMachine(machine, {}))[0].session;
+  ProgramOptions options;
+  options.dialect = "okuma";
+  EXPECT_EQ(ToProgram(machine, session, options).status().code(), absl::StatusCode::kInvalidArgument);
+  options = {};
+  options.feed_mm_min = NAN;
+  EXPECT_EQ(ToProgram(machine, session, options).status().code(), absl::StatusCode::kInvalidArgument);
+  options = {};
+  options.dwell_s = -1;
+  EXPECT_EQ(ToProgram(machine, session, options).status().code(), absl::StatusCode::kInvalidArgument);
+  machine::Machine other = machine;
+  other.axes[0].name = "U";
+  EXPECT_EQ(ToProgram(other, session, {}).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace axiscal::plan

@@ -1,0 +1,85 @@
+// axiscal plan: on a machine.json without a database, and on a stored machine.
+#include <gmock/gmock.h>
+
+#include "tests/cli/command_line.h"
+
+namespace axiscal {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Source;
+
+class Plan : public testing::CommandLine {
+ protected:
+  static std::string Machine() {
+    return " --machine '" + Source("tests/data/loop/case-000/machine.json") +
+           "' --tool-tip '0 0 -350' --ball '50 0 65' ";
+  }
+};
+
+TEST_F(Plan, ListSaysRankTimeAndWhatIsNotSeparable) {
+  const auto outcome = Run("plan --list --json --declare EX0C,EY0C,EA0C,EB0C" + Machine());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = outcome.Json();
+  ASSERT_GT(json["tests"].size(), 30u);
+  bool any_blind = false;
+  for (const auto& test : json["tests"]) {
+    EXPECT_LE(test["rank"].get<int>(), 4);
+    EXPECT_EQ(test["rank"].get<int>() == 4, test["not_separable"].empty()) << test;
+    any_blind |= !test["not_separable"].empty();
+    EXPECT_GT(test["seconds"].get<double>(), 0.0);
+  }
+  EXPECT_TRUE(any_blind);
+  EXPECT_FALSE(Exists("axiscal.db"));
+}
+
+TEST_F(Plan, ForProposesTestsWithExpectedUncertainty) {
+  const auto outcome = Run("plan --json --for EX0C,EB0C" + Machine());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = outcome.Json();
+  ASSERT_EQ(json["errors"].size(), 2u);
+  EXPECT_EQ(json["errors"][0]["symbol"], "EX0C");
+  EXPECT_TRUE(json["errors"][0]["identifiable"].get<bool>());
+  EXPECT_GT(json["errors"][1]["sigma"].get<double>(), 0.0);
+  EXPECT_GE(json["tests"].size(), 1u);
+  EXPECT_EQ(Run("plan --json --for EX0C,EB0C" + Machine()).out, outcome.out);  // determined, not drawn
+}
+
+TEST_F(Plan, UnknownErrorsTestsAndWaysAreRefused) {
+  auto outcome = Run("plan --for EX0Q" + Machine());
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("EX0Q"));
+  EXPECT_EQ(Run("plan --for EXX" + Machine()).exit_code, 3);
+  outcome = Run("plan nothing -o a.nc" + Machine());
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("ballbar-circle"));
+  EXPECT_EQ(Run("plan" + Machine()).exit_code, 3);
+  EXPECT_EQ(Run("plan --list --for EX0C" + Machine()).exit_code, 3);
+  EXPECT_EQ(Run("plan rtest-grid" + Machine()).exit_code, 3);  // no -o
+  EXPECT_EQ(Run("plan rtest-grid -o a.nc --dialect okuma" + Machine()).exit_code, 3);
+  EXPECT_FALSE(Exists("a.nc"));
+}
+
+TEST_F(Plan, WritesTablesAndPrograms) {
+  const auto table = Run("plan CR-350 -o cr.csv" + Machine());
+  ASSERT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_THAT(Read("cr.csv"), HasSubstr("# instrument: ballbar\n"));
+  EXPECT_THAT(Read("cr.csv"), HasSubstr("\nt_s,X_mm,Y_mm,Z_mm,B_deg,C_deg\n"));
+  const auto program = Run("plan CR-350 -o cr.nc --dialect sinumerik" + Machine());
+  ASSERT_EQ(program.exit_code, 0) << program.err;
+  EXPECT_THAT(Read("cr.nc"), HasSubstr("G93\n"));
+  ASSERT_EQ(Run("plan sphere-probing -o probe.nc --dialect mazak --sphere-radius 20" + Machine()).exit_code, 0);
+  EXPECT_THAT(Read("probe.nc"), HasSubstr("G31 "));
+  ASSERT_EQ(Run("plan ballbar-linked -o xc.nc" + Machine()).exit_code, 0);
+}
+
+TEST_F(Plan, StoredMachines) {
+  ASSERT_EQ(Run("machine add '" + Source("tests/data/loop/case-000/machine.json") + "'").exit_code, 0);
+  const std::string id = Run("machine list --json").Json()["machines"][0]["id"].get<std::string>();
+  const auto outcome = Run("plan --for EX0C --json --tool-tip '0 0 -350' --ball '50 0 65' --machine " + id);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, Run("plan --for EX0C --json" + Machine()).out);
+}
+
+}  // namespace
+}  // namespace axiscal
