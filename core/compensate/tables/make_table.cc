@@ -26,7 +26,12 @@ constexpr double kCarriedPart = 0.1;
 
 std::vector<Pose> PosesAlongAll(const Plan& plan, const Table& table) {
   std::vector<Pose> poses;
-  for (const int axis : plan.arguments) {
+  // A table of errors serves wherever the machine goes, also along axes over which nothing varies.
+  std::vector<int> axes = plan.arguments;
+  for (int i = 0; plan.format.layout == Layout::kComponents && i < plan.machine.axis_count(); ++i) {
+    if (plan.ranges[i].is_set && std::find(axes.begin(), axes.end(), i) == axes.end()) axes.push_back(i);
+  }
+  for (const int axis : axes) {
     std::vector<double> nodes;
     for (const TableBlock& block : table.blocks) {
       for (const compensate::TableArgument& argument : block.arguments) {

@@ -137,6 +137,14 @@ TEST(General, ErrorsKeepTheirNamesSignsAndUnits) {
               -0.002, 1e-5);
 }
 
+// Location errors have no argument, and yet act along the axes.
+TEST(General, ConstantsAreJudgedAlongEveryAxis) {
+  const Made made = Make(R"({"EX0C": 50})", Request("general"));
+  ASSERT_TRUE(made.status.ok()) << made.status;
+  EXPECT_NEAR(made.report["tool_point_error"]["along_axes"]["before"]["max_um"].get<double>(), 100.0, 0.1);  // C at 180
+  EXPECT_LT(made.report["tool_point_error"]["along_axes"]["after"]["max_um"].get<double>(), 0.01);
+}
+
 TEST(General, AxesNamedTogetherAreArgumentsOfOneBlock) {
   const char* const errors = R"({"terms": [{"symbol": "EXX", "shape": "linear", "amplitude": 10},
       {"symbol": "EXX", "shape": "backlash", "amplitude": 3},
