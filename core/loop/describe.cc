@@ -5,7 +5,6 @@
 
 #include "core/loop/aliases.h"
 #include "core/loop/dictionary.h"
-#include "core/loop/rivals.h"
 #include "core/loop/same_always.h"
 
 namespace axiscal::loop {

@@ -145,22 +145,4 @@ std::vector<ErrorTerm> NeighboursOf(const identify::Problem& problem, const iden
   return neighbours;
 }
 
-std::vector<ErrorTerm> StillEquivalent(const identify::Problem& problem, const identify::Point& point,
-                                       const ErrorTerm& effect, const std::vector<ErrorTerm>& equivalent,
-                                       double same_correlation, double indistinguishable) {
-  std::vector<ErrorTerm> terms = {effect};
-  for (const ErrorTerm& other : equivalent) {
-    if (!IsIn(terms, other) && !IsIn(point.model.terms, other)) terms.push_back(other);
-  }
-  if (terms.size() < 2) return {};
-  const Rivals rivals(problem, point, terms);
-  const Separation separation(rivals.information(), rivals.members());
-  std::vector<ErrorTerm> still;
-  for (int m = 1; m < rivals.count(); ++m) {
-    if (separation.Correlation(0, m) > same_correlation || separation.ExpectedChi2(0, m) < indistinguishable)
-      still.push_back(terms[m]);
-  }
-  return still;
-}
-
 }  // namespace axiscal::loop

@@ -1,5 +1,5 @@
 // Effects that compete for one signature: the fitted one and others in its place, each as it would be fitted to what
-// the first one does; what the sessions say of them; and which of them the sessions cannot tell from the first.
+// the first one does; what the sessions say of them.
 #ifndef AXISCAL_CORE_LOOP_RIVALS_H_
 #define AXISCAL_CORE_LOOP_RIVALS_H_
 
@@ -38,13 +38,6 @@ class Rivals {
 // always.
 std::vector<machine::ErrorTerm> NeighboursOf(const identify::Problem& problem, const identify::Point& point,
                                              const std::vector<machine::ErrorTerm>& known, double near);
-
-// The class judged again once everything is fitted and the noise is known: those of `equivalent` that correlate with
-// the effect by more than `same_correlation`, or that would fit as well but for `indistinguishable` (chi-square).
-std::vector<machine::ErrorTerm> StillEquivalent(const identify::Problem& problem, const identify::Point& point,
-                                                const machine::ErrorTerm& effect,
-                                                const std::vector<machine::ErrorTerm>& equivalent,
-                                                double same_correlation, double indistinguishable);
 
 }  // namespace axiscal::loop
 
