@@ -5,6 +5,7 @@
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "client/transfer.h"
 #include "core/base/error_detail.h"
+#include "core/base/files.h"
 #include "core/base/sha256.h"
 #include "proto/convert/program.h"
 
@@ -99,6 +100,7 @@ absl::StatusOr<ProgramRecord> GetProgram(const Connection& connection, ProgramId
 }
 
 absl::StatusOr<ProgramSource> FileSource(const std::string& path) {
+  RETURN_IF_ERROR(base::RequireFile(path));
   auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);

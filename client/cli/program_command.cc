@@ -4,6 +4,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
 
@@ -29,6 +30,8 @@ absl::Status List(Context& context, const Arguments& arguments) {
 }
 
 absl::Status Get(Context& context, const Arguments& arguments) {
+  if (context.server.empty())
+    RETURN_IF_ERROR(CheckOutputs({{"the database", context.database}}, {{"--output", arguments.output}}));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   base::AtomicFile file;
   RETURN_IF_ERROR(file.Open(arguments.output));

@@ -4,6 +4,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "core/session/write_session.h"
 
@@ -33,6 +34,8 @@ absl::Status List(Context& context, const Arguments& arguments) {
 }
 
 absl::Status Get(Context& context, const Arguments& arguments) {
+  if (context.server.empty())
+    RETURN_IF_ERROR(CheckOutputs({{"the database", context.database}}, {{"--output", arguments.output}}));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const session::Session session, client->DownloadSession(SessionId(arguments.id)));
   RETURN_IF_ERROR(session::WriteSessionFile(session, arguments.output));

@@ -22,22 +22,43 @@ absl::Status Failure(const std::string& path, int error) {
   return absl::InvalidArgumentError(what);
 }
 
+std::string FolderOf(const std::string& path) {
+  const size_t slash = path.rfind('/');
+  return slash == std::string::npos ? "." : path.substr(0, slash + 1);
+}
+
 // The rename itself must reach the disk too.
 void SyncFolderOf(const std::string& path) {
-  const size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
-  const int handle = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int handle = open(FolderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (handle < 0) return;
   fsync(handle);
   close(handle);
 }
 
+std::string LinkTo(int file) { return absl::StrCat("/proc/self/fd/", file); }
+
+// A file in the folder of `path` that has no name until it is linked: a process that is killed leaves nothing. -1 where
+// the file system cannot do that, or there is no way to link it.
+int OpenNameless(const std::string& path) {
+  const int file = open(FolderOf(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (file < 0) return -1;
+  if (access(LinkTo(file).c_str(), F_OK) == 0) return file;
+  close(file);
+  return -1;
+}
+
 }  // namespace
 
-absl::StatusOr<std::string> ReadFile(const std::string& path, size_t max_bytes) {
+absl::Status RequireFile(const std::string& path) {
   struct stat info;
   if (stat(path.c_str(), &info) != 0) return Failure(path, errno);
-  if (!S_ISREG(info.st_mode)) return absl::InvalidArgumentError(path + ": is not a file");
+  return S_ISREG(info.st_mode) ? absl::OkStatus() : absl::InvalidArgumentError(path + ": is not a file");
+}
+
+absl::StatusOr<std::string> ReadFile(const std::string& path, size_t max_bytes) {
+  RETURN_IF_ERROR(RequireFile(path));
+  struct stat info;
+  if (stat(path.c_str(), &info) != 0) return Failure(path, errno);
   if (static_cast<size_t>(info.st_size) > max_bytes) {
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": ", info.st_size, " bytes, at most ", max_bytes, " are read"));
@@ -72,6 +93,8 @@ absl::Status AtomicFile::Open(const std::string& path) {
   // A rename over a device or a pipe would take it away from the whole computer.
   if (stat(path_.c_str(), &info) == 0 && !S_ISREG(info.st_mode))
     return absl::InvalidArgumentError(path + ": is not a file, expected one that may be replaced, or a new name");
+  file_ = OpenNameless(path_);
+  if (file_ >= 0) return absl::OkStatus();
   std::string beside = path_ + ".XXXXXX";
   file_ = mkostemp(beside.data(), O_CLOEXEC);
   if (file_ < 0) return Fail(errno);
@@ -96,6 +119,15 @@ absl::Status AtomicFile::Write(const std::string& bytes) {
 absl::Status AtomicFile::Commit() {
   DEMAND(file_ >= 0);
   if (fsync(file_) != 0) return Fail(errno);
+  // A link replaces nothing: the file gets a name beside `path_` first.
+  for (int i = 0; beside_.empty(); ++i) {
+    const std::string beside = absl::StrCat(path_, ".", getpid(), "-", i);
+    if (linkat(AT_FDCWD, LinkTo(file_).c_str(), AT_FDCWD, beside.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      beside_ = beside;
+    } else if (errno != EEXIST) {
+      return Fail(errno);
+    }
+  }
   const int file = file_;
   file_ = -1;
   if (close(file) != 0) return Fail(errno);

@@ -8,14 +8,19 @@
 
 namespace axiscal::base {
 
+// NOT_FOUND when there is none, INVALID_ARGUMENT when it is a folder, a device or a pipe (which would be waited for, or
+// can be read once only).
+absl::Status RequireFile(const std::string& path);
+
 // The file's bytes. NOT_FOUND when there is none; INVALID_ARGUMENT when it is no file or has more than `max_bytes`
 // (refused before reading).
 absl::StatusOr<std::string> ReadFile(const std::string& path, size_t max_bytes);
 
 // A file that takes its place only when it is whole: written beside `path`, synced and renamed over it by Commit().
-// Until then, after an error and after a crash `path` is what it was; without Commit() the destructor removes what was
-// written. Errors: NOT_FOUND (no such folder), RESOURCE_EXHAUSTED (full disk), INVALID_ARGUMENT (any other, with the
-// reason; also a path that is a folder, device or pipe).
+// Until then, after an error and after a crash `path` is what it was, and nothing is left beside it: what is written
+// has no name before Commit() where the file system can do that (O_TMPFILE), else the destructor removes it. Errors:
+// NOT_FOUND (no such folder), RESOURCE_EXHAUSTED (full disk), INVALID_ARGUMENT (any other, with the reason; also a path
+// that is a folder, device or pipe).
 class AtomicFile {
  public:
   AtomicFile() = default;
@@ -30,7 +35,7 @@ class AtomicFile {
  private:
   absl::Status Fail(int error);
 
-  std::string path_, beside_;  // beside_: empty when there is nothing to remove
+  std::string path_, beside_;  // beside_: empty when there is nothing to remove, or no name yet
   int file_ = -1;
 };
 

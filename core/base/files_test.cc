@@ -1,8 +1,12 @@
 #include "core/base/files.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -23,6 +27,12 @@ class Files : public ::testing::Test {
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }
   size_t FileCount() const {
     return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+  }
+
+  bool CanHoldNamelessFiles() const {
+    const int file = open(folder_.c_str(), O_TMPFILE | O_RDWR, 0600);
+    if (file >= 0) close(file);
+    return file >= 0;
   }
 
   std::filesystem::path folder_;
@@ -67,10 +77,35 @@ TEST_F(Files, WithoutCommitTheOldFileStays) {
     AtomicFile file;
     ASSERT_TRUE(file.Open(Path("a")).ok());
     ASSERT_TRUE(file.Write("half").ok());
-    EXPECT_EQ(FileCount(), 2u);
   }
   EXPECT_EQ(FileCount(), 1u);
   EXPECT_EQ(*ReadFile(Path("a"), 100), "old");
+}
+
+TEST_F(Files, AKilledWriterLeavesNothingBehind) {
+  ASSERT_TRUE(WriteFileAtomically(Path("a"), "old").ok());
+  const pid_t writer = fork();
+  if (writer == 0) {
+    AtomicFile file;
+    if (file.Open(Path("a")).ok() && file.Write("half").ok()) kill(getpid(), SIGKILL);
+    _exit(1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(writer, &status, 0), writer);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(*ReadFile(Path("a"), 100), "old");
+  if (CanHoldNamelessFiles()) {
+    EXPECT_EQ(FileCount(), 1u);
+  }
+}
+
+TEST_F(Files, ANewFileHasTheRightsOfTheUsersFiles) {
+  const mode_t mask = umask(0027);
+  ASSERT_TRUE(WriteFileAtomically(Path("a"), "x").ok());
+  umask(mask);
+  struct stat info;
+  ASSERT_EQ(stat(Path("a").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0640u);
 }
 
 TEST_F(Files, WhatCannotBeReadIsNamed) {

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <memory>
 
+#include "core/base/files.h"
+
 namespace axiscal::nc {
 
 absl::StatusOr<bool> MoveReader::Next(Event* event) {
@@ -45,6 +47,7 @@ ByteReader TextReader(const std::string& text) {
 }
 
 absl::StatusOr<ByteReader> FileReader(const std::string& path) {
+  RETURN_IF_ERROR(base::RequireFile(path));
   const std::shared_ptr<std::FILE> file(std::fopen(path.c_str(), "rb"), [](std::FILE* open) {
     if (open != nullptr) std::fclose(open);
   });

@@ -80,6 +80,7 @@ absl::Status RewriteFile(const std::string& input_path, const std::string& outpu
                          const compensate::Compensator& compensator, const RewriteOptions& options,
                          RewriteReport* report) {
   const ByteSource source = [&input_path](const ByteSink& take) { return ReadAll(input_path, take); };
+  RETURN_IF_ERROR(base::RequireFile(input_path));
   RETURN_IF_ERROR(Open(input_path, "rb").status());
   base::AtomicFile file;
   RETURN_IF_ERROR(file.Open(output_path));

@@ -62,8 +62,8 @@ absl::StatusOr<std::string> RewriteText(const std::string& program, const compen
                                         const RewriteOptions& options, RewriteReport* report);
 
 // From file to file, in constant memory. The output takes its place only when it is whole (base::AtomicFile), so a
-// refused program leaves no output and an existing file as it was. NOT_FOUND or UNAVAILABLE with the path when the
-// input cannot be read; errors of base::AtomicFile.
+// refused program leaves no output and an existing file as it was. NOT_FOUND, INVALID_ARGUMENT (a pipe, a folder) or
+// UNAVAILABLE with the path when the input cannot be read; errors of base::AtomicFile.
 absl::Status RewriteFile(const std::string& input_path, const std::string& output_path,
                          const compensate::Compensator& compensator, const RewriteOptions& options,
                          RewriteReport* report);

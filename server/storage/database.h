@@ -3,10 +3,10 @@
 //
 // Failures carry base::ErrorDetail; apart from those named below any call may return
 //   RESOURCE_EXHAUSTED DISK_LOW (refused before the disk is full) or DISK_FULL, UNAVAILABLE STORE_BUSY / STORE_DOWN
-//   (try again), DATA_LOSS STORE_DAMAGED / CHUNK_DAMAGED. A failed write changed nothing. NOT_FOUND comes with
-//   MACHINE_, SESSION_, JOB_, CALIBRATION_, PROGRAM_NOT_FOUND; a bad page with INVALID_ARGUMENT PAGE_INVALID. A
-//   request_id seen before with another body: INVALID_ARGUMENT REQUEST_ID_REUSED; with the same body: the row made
-//   then.
+//   (try again), FAILED_PRECONDITION STORE_READ_ONLY, DATA_LOSS STORE_DAMAGED / CHUNK_DAMAGED. A failed write changed
+//   nothing. NOT_FOUND comes with MACHINE_, SESSION_, JOB_, CALIBRATION_, PROGRAM_NOT_FOUND; a bad page with
+//   INVALID_ARGUMENT PAGE_INVALID. A request_id seen before with another body: INVALID_ARGUMENT REQUEST_ID_REUSED; with
+//   the same body: the row made then.
 #ifndef AXISCAL_SERVER_STORAGE_DATABASE_H_
 #define AXISCAL_SERVER_STORAGE_DATABASE_H_
 

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/base/error_detail.h"
+#include "server/storage/sqlite_error.h"
 
 namespace axiscal::storage {
 namespace {
@@ -24,6 +25,11 @@ absl::Status Locked(const std::string& path, int descriptor) {
 
 absl::StatusOr<FileLock> FileLock::Take(const std::string& path) {
   const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0 && IsNotWritable(errno)) {
+    return base::Error(absl::StatusCode::kFailedPrecondition,
+                       absl::StrCat(path, ": ", std::strerror(errno), "; a database is written to, also to be read"),
+                       {"STORE_READ_ONLY", {}});
+  }
   if (descriptor < 0) {
     return base::Error(absl::StatusCode::kUnavailable, absl::StrCat(path, ": ", std::strerror(errno)),
                        {"STORE_DOWN", {}});

@@ -12,7 +12,7 @@ namespace axiscal::storage {
 // flock on a file beside the database: closing any descriptor of the database itself would drop SQLite's own locks.
 class FileLock {
  public:
-  // UNAVAILABLE STORE_LOCKED names the process that holds it.
+  // UNAVAILABLE STORE_LOCKED names the process that holds it; FAILED_PRECONDITION STORE_READ_ONLY.
   static absl::StatusOr<FileLock> Take(const std::string& path);
   FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
   FileLock& operator=(FileLock&&) = delete;

@@ -15,6 +15,10 @@ bool IsDiskFull(int code, int system_error) {
 
 }  // namespace
 
+bool IsNotWritable(int system_error) {
+  return system_error == EACCES || system_error == EPERM || system_error == EROFS;
+}
+
 absl::Status SqliteError(sqlite3* db, const std::string& what) {
   // A failed COMMIT leaves sqlite3_system_errno at 0; Statement::Step() cleared errno before it.
   const int left_errno = errno;
@@ -27,6 +31,10 @@ absl::Status SqliteError(sqlite3* db, const std::string& what) {
   if (IsDiskFull(code, system_error)) {
     return base::Error(absl::StatusCode::kResourceExhausted, message, {"DISK_FULL", {}});
   }
+  // Asking again does not help: somebody must change the rights.
+  if (code == SQLITE_READONLY || code == SQLITE_PERM || (code == SQLITE_CANTOPEN && IsNotWritable(system_error))) {
+    return base::Error(absl::StatusCode::kFailedPrecondition, message, {"STORE_READ_ONLY", {}});
+  }
   switch (code) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -37,8 +45,6 @@ absl::Status SqliteError(sqlite3* db, const std::string& what) {
       return base::Error(absl::StatusCode::kDataLoss, message, {"STORE_DAMAGED", {}});
     case SQLITE_IOERR:
     case SQLITE_CANTOPEN:
-    case SQLITE_READONLY:
-    case SQLITE_PERM:
     case SQLITE_NOMEM:
       return base::Error(absl::StatusCode::kUnavailable, message, {"STORE_DOWN", {}});
     default:

@@ -153,6 +153,19 @@ TEST_F(FilesOnly, NoOutputTakesThePlaceOfWhatTheUserBrought) {
   EXPECT_FALSE(Exists("out.nc"));
 }
 
+// Nobody writes into these pipes: opening one would wait for ever.
+TEST_F(FilesOnly, APipeIsNoProgram) {
+  ASSERT_EQ(Run("--version; mkfifo pipe.nc").exit_code, 0);
+  for (const char* command :
+       {"compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' pipe.nc -o out.nc",
+        "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc pipe.nc"}) {
+    const Outcome outcome = Run(command);
+    EXPECT_EQ(outcome.exit_code, 3) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("pipe.nc: is not a file")) << command;
+  }
+  EXPECT_FALSE(Exists("out.nc"));
+}
+
 TEST_F(FilesOnly, AReportThatCannotBeWrittenStopsTheWork) {
   EXPECT_EQ(Compensate("in.nc -o out.nc --report missing/report.json").exit_code, 4);
   EXPECT_EQ(Compensate("in.nc -o out.nc --report .").exit_code, 3);

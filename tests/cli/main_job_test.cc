@@ -138,6 +138,11 @@ TEST_F(MainJob, EveryFailureHasItsExitCode) {
   EXPECT_EQ(Run("jobs cancel 77").exit_code, 4);
   EXPECT_EQ(Run("program get 77 -o p.nc").exit_code, 4);
   EXPECT_FALSE(Exists("p.nc"));
+  for (const char* command : {"program get 77 -o ./axiscal.db", "session get 77 -o axiscal.db"}) {
+    const Outcome outcome = Run(command);
+    EXPECT_EQ(outcome.exit_code, 3) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("is the database too")) << command;
+  }
   EXPECT_EQ(Run("history --machine integrex-i200 --from yesterday").exit_code, 3);
   const Outcome error = Run("machine show nobody --json");
   EXPECT_EQ(nlohmann::json::parse(error.err, nullptr, false)["error"]["exit_code"], 4);
