@@ -5,6 +5,7 @@
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/run.h"
+#include "core/instruments/touch/touch_bind.h"
 #include "core/instruments/tracker/tracker_model.h"
 
 namespace axiscal::instruments {
@@ -24,6 +25,10 @@ class Binder {
     RETURN_IF_ERROR(BindPositions());
     RETURN_IF_ERROR(BindTimes());
     DeriveMotion(&run_);
+    if (run_.kind == Kind::kTouch) {
+      RETURN_IF_ERROR(touch::BindTouches(session_, &run_));
+      RETURN_IF_ERROR(touch::GateTouches(machine_, session_, run_));
+    }
     if (run_.kind == Kind::kTracker) run_.tracker_from_machine = tracker::StartingPose(machine_, run_);
     return std::move(run_);
   }
@@ -126,9 +131,10 @@ class Binder {
   absl::Status BindReadings() {
     const size_t readings = session_.reading_count();
     if (readings == 0) return Refuse("has no readings");
-    run_.row_count = static_cast<int>(instrument_->reading_columns.size());
-    run_.measured_mm.resize(run_.row_count, readings);
-    for (int row = 0; row < run_.row_count; ++row) {
+    const size_t columns = instrument_->reading_columns.size();
+    run_.row_count = columns == 0 ? 1 : static_cast<int>(columns);
+    run_.measured_mm = Eigen::MatrixXd::Zero(run_.row_count, readings);
+    for (size_t row = 0; row < columns; ++row) {
       ASSIGN_OR_RETURN(const session::Column* column, ColumnOf(instrument_->reading_columns[row]));
       for (size_t k = 0; k < readings; ++k) run_.measured_mm(row, k) = column->values[k];
     }

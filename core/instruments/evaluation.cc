@@ -3,6 +3,7 @@
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/rtest/rtest_model.h"
+#include "core/instruments/touch/touch_model.h"
 #include "core/instruments/tracker/tracker_model.h"
 
 namespace axiscal::instruments {
@@ -18,6 +19,8 @@ void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int read
       return centres::Evaluate(machine, run, reading, errors, setup, out);
     case Kind::kTracker:
       return tracker::Evaluate(machine, run, reading, errors, setup, out);
+    case Kind::kTouch:
+      return touch::Evaluate(machine, run, reading, errors, setup, out);
   }
 }
 
@@ -33,6 +36,8 @@ void Predict(const machine::Machine& machine, const MeasuringRun& run, int readi
       return centres::Predict<double>(machine, run, positions, errors, setup, predicted_mm);
     case Kind::kTracker:
       return tracker::Predict<double>(machine, run, positions, errors, setup, predicted_mm);
+    case Kind::kTouch:
+      return touch::Predict<double>(machine, run, reading, positions, errors, setup, predicted_mm);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/rtest/rtest_model.h"
+#include "core/instruments/touch/touch_model.h"
 #include "core/instruments/tracker/tracker_model.h"
 #include "core/machine/testing/machines.h"
 
@@ -29,7 +30,7 @@ MeasuringRun OneReading(const Machine& machine, const Instrument& instrument, st
   MeasuringRun run;
   run.kind = instrument.kind;
   run.setup = instrument.setup();
-  run.row_count = static_cast<int>(instrument.reading_columns.size());
+  run.row_count = std::max(1, static_cast<int>(instrument.reading_columns.size()));
   run.axis_count = machine.axis_count();
   run.tip_mm = Eigen::Vector3d(0, 0, -300);
   run.ball_mm = Eigen::Vector3d(50, 20, 60);
@@ -43,6 +44,13 @@ MeasuringRun OneReading(const Machine& machine, const Instrument& instrument, st
   if (run.kind == Kind::kBallbar)
     aim_mm += 100.0 * Eigen::Vector3d(uniform(*random), uniform(*random), 1.0).normalized();
   EXPECT_TRUE(centres::SolveNominalCommands(machine, run.tip_mm, aim_mm, run.positions.data()).ok());
+  if (run.kind == Kind::kTouch) {
+    // A sphere or a face by turns, touched a little beside the nominal place.
+    const Eigen::Vector3d normal = Eigen::Vector3d(uniform(*random), uniform(*random), 1.0).normalized();
+    const bool is_sphere = uniform(*random) > 0.0;
+    run.touches = {
+        {{"f", is_sphere, run.ball_mm - 15.0 * normal, normal, 12.0}}, Eigen::Vector3d(20, -5, 7), 3.0, {0}, {-normal}};
+  }
   run.time_s = {0.0};
   run.temperature_celsius = {20.0};
   DeriveMotion(&run);
@@ -65,6 +73,8 @@ void PredictJets(const Machine& machine, const MeasuringRun& run, const JointErr
       return centres::Predict<Jet>(machine, run, positions.data(), errors, setup, out);
     case Kind::kTracker:
       return tracker::Predict<Jet>(machine, run, positions.data(), errors, setup, out);
+    case Kind::kTouch:
+      return touch::Predict<Jet>(machine, run, 0, positions.data(), errors, setup, out);
   }
 }
 

@@ -3,6 +3,7 @@
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/rtest/rtest_model.h"
+#include "core/instruments/touch/touch_model.h"
 #include "core/instruments/tracker/tracker_model.h"
 
 namespace axiscal::instruments {
@@ -13,6 +14,7 @@ const std::vector<Instrument>& Instruments() {
       {Kind::kRtest, "rtest", {"dx_mm", "dy_mm", "dz_mm"}, true, false, true, rtest::SetupParameters},
       {Kind::kCentres, "centres", {"cx_mm", "cy_mm", "cz_mm"}, true, false, false, centres::SetupParameters},
       {Kind::kTracker, "tracker", {"px_mm", "py_mm", "pz_mm"}, false, false, true, tracker::SetupParameters},
+      {Kind::kTouch, "touch", {}, false, false, true, touch::SetupParameters},
   };
   return rows;
 }

@@ -12,7 +12,7 @@ namespace axiscal::instruments {
 struct Instrument {
   Kind kind;
   std::string name;                          // as in `# instrument: ballbar`
-  std::vector<std::string> reading_columns;  // mm
+  std::vector<std::string> reading_columns;  // mm; none: a condition that is measured as 0
   bool has_table_ball = false;
   bool has_bar = false;
   bool has_linear_columns = true;  // false: rotary columns only, linear commands follow from the condition

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "core/geometry/rigid.h"
+#include "core/instruments/touch/touch_run.h"
 #include "core/machine/machine.h"
 #include "core/session/session.h"
 #include "core/shapes/state.h"
 
 namespace axiscal::instruments {
 
-enum class Kind { kBallbar, kRtest, kCentres, kTracker };
+enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch };
 
 inline constexpr int kMaxRows = 3;             // readings that one line of a session holds
 inline constexpr int kMaxSetupParameters = 9;  // setup offsets of one session
@@ -38,6 +39,7 @@ struct MeasuringRun {
   Eigen::Vector3d ball_mm = Eigen::Vector3d::Zero();  // nominal table ball at home, machine frame
   double bar_length_mm = 0.0;
   geometry::Rigid<double> tracker_from_machine;  // tracker only: where its setup offsets start from
+  touch::Touches touches;                        // touch only
   std::vector<SetupParameter> setup;
 
   int axis_count = 0;
@@ -63,9 +65,9 @@ struct MeasuringRun {
 // instrument.
 absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine);
 
-// Fills run->axis_states from positions and times: sense of motion is that of the last commanded change, before the first
-// one that of the first (an axis is approached in the sense in which it goes on); travel counts from the last change of
-// sense or the first motion.
+// Fills run->axis_states from positions and times: sense of motion is that of the last commanded change, before the
+// first one that of the first (an axis is approached in the sense in which it goes on); travel counts from the last
+// change of sense or the first motion.
 void DeriveMotion(MeasuringRun* run);
 
 }  // namespace axiscal::instruments

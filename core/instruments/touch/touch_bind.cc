@@ -1,0 +1,104 @@
+#include "core/instruments/touch/touch_bind.h"
+
+#include <sstream>
+
+namespace axiscal::touch {
+namespace {
+
+using instruments::MeasuringRun;
+
+absl::StatusOr<std::vector<double>> Numbers(const MeasuringRun& run, const std::string& key, const std::string& text,
+                                            size_t count) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  std::vector<double> numbers;
+  double number = 0.0;
+  while (in >> number) numbers.push_back(number);
+  if (in.eof() && numbers.size() == count) return numbers;
+  return absl::InvalidArgumentError(
+      absl::StrCat("session '", run.session, "': header '", key, ": ", text, "', expected ", count, " number(s)"));
+}
+
+absl::StatusOr<Feature> FeatureOf(const MeasuringRun& run, const session::HeaderEntry& entry, bool is_sphere) {
+  ASSIGN_OR_RETURN(const std::vector<double> at, Numbers(run, entry.key, entry.value, is_sphere ? 4 : 6));
+  Feature feature;
+  feature.is_sphere = is_sphere;
+  feature.name = entry.key.substr(entry.key.find(' ') + 1);
+  feature.point_mm = {at[0], at[1], at[2]};
+  if (is_sphere) {
+    feature.radius_mm = at[3];
+    if (feature.radius_mm > 0.0) return feature;
+    return absl::InvalidArgumentError(
+        absl::StrCat("session '", run.session, "': header '", entry.key, "': radius ", at[3], ", must be > 0"));
+  }
+  const Eigen::Vector3d normal(at[3], at[4], at[5]);
+  if (normal.norm() < 1e-6) {
+    return absl::InvalidArgumentError(absl::StrCat("session '", run.session, "': header '", entry.key,
+                                                   "': normal 0 0 0, expected the outward normal"));
+  }
+  feature.normal = normal.normalized();
+  return feature;
+}
+
+absl::Status ReadFeatures(const session::Session& session, MeasuringRun* run) {
+  Touches& touches = run->touches;
+  for (const session::HeaderEntry& entry : session.header) {
+    const bool is_sphere = entry.key.rfind("sphere ", 0) == 0;
+    if (!is_sphere && entry.key.rfind("plane ", 0) != 0) continue;
+    ASSIGN_OR_RETURN(Feature feature, FeatureOf(*run, entry, is_sphere));
+    for (const Feature& other : touches.features) {
+      if (other.name != feature.name) continue;
+      return absl::InvalidArgumentError(
+          absl::StrCat("session '", run->session, "': feature '", feature.name, "' is stated twice"));
+    }
+    touches.centre_mm += feature.point_mm;
+    touches.features.push_back(std::move(feature));
+  }
+  if (touches.features.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "session '", run->session, "': no feature, expected headers 'sphere NAME: x y z radius' or 'plane NAME: ...'"));
+  }
+  touches.centre_mm /= static_cast<double>(touches.features.size());
+  run->ball_mm = touches.centre_mm;  // where on the table this session measures
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status BindTouches(const session::Session& session, MeasuringRun* run) {
+  Touches& touches = run->touches;
+  ASSIGN_OR_RETURN(const std::vector<double> radius,
+                   Numbers(*run, "stylus_radius_mm", session::FindHeader(session, "stylus_radius_mm").value_or(""), 1));
+  touches.stylus_radius_mm = radius[0];
+  RETURN_IF_ERROR(ReadFeatures(session, run));
+  const size_t readings = session.reading_count();
+  const session::Column* columns[4];
+  const char* const names[4] = {"nx", "ny", "nz", "feature"};
+  for (int i = 0; i < 4; ++i) {
+    columns[i] = session::FindColumn(session, names[i]);
+    if (columns[i] != nullptr && (i < 3 ? columns[i]->values.size() : columns[i]->texts.size()) == readings) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("session '", run->session, "': column '", names[i], "' is missing or short"));
+  }
+  for (size_t k = 0; k < readings; ++k) {
+    const Eigen::Vector3d approach(columns[0]->values[k], columns[1]->values[k], columns[2]->values[k]);
+    constexpr double kUnit = 1e-3;  // three decimals of a direction
+    if (!(std::abs(approach.norm() - 1.0) <= kUnit)) {
+      return absl::InvalidArgumentError(absl::StrCat("session '", run->session, "': reading ", k + 1,
+                                                     ": approach (nx, ny, nz) has length ", approach.norm(),
+                                                     ", expected a unit vector"));
+    }
+    touches.approach.push_back(approach.normalized());
+    const auto at = std::find_if(touches.features.begin(), touches.features.end(),
+                                 [&](const Feature& feature) { return feature.name == columns[3]->texts[k]; });
+    if (at == touches.features.end()) {
+      return absl::InvalidArgumentError(absl::StrCat("session '", run->session, "': reading ", k + 1, ": feature '",
+                                                     columns[3]->texts[k], "' has no header 'sphere ",
+                                                     columns[3]->texts[k], ": ...' or 'plane ...'"));
+    }
+    touches.feature_of.push_back(static_cast<int>(at - touches.features.begin()));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace axiscal::touch

@@ -1,0 +1,31 @@
+// Reads what a `touch` session touched and gates it as controllers do: the session is refused whole when it does not
+// fit.
+#ifndef AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_BIND_H_
+#define AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_BIND_H_
+
+#include "core/instruments/run.h"
+
+namespace axiscal::touch {
+
+// Fills run->touches from the headers `stylus_radius_mm`, `sphere NAME`, `plane NAME` and the columns nx, ny, nz,
+// feature. INVALID_ARGUMENT naming key or reading and the rule: unknown or twice-named feature, an approach that is no
+// unit vector (1e-3).
+absl::Status BindTouches(const session::Session& session, instruments::MeasuringRun* run);
+
+// INVALID_ARGUMENT naming reading, feature and what was expected when
+// - a touch stands off its feature by more than kWrongFeatureMm or does not approach it from outside: it is of another
+//   feature;
+// - a sphere's radius, fitted to at least five touches at one rotary pose, misses sphere + stylus by more than the
+//   header's `radius_gate_um`: the stylus radius or the sphere is another one;
+// - repeats of one touch (same feature, commands and approach) scatter by more than the header's `repeat_gate_um`.
+// Both gates are 20 um where the header is silent.
+absl::Status GateTouches(const machine::Machine& machine, const session::Session& session,
+                         const instruments::MeasuringRun& run);
+
+inline constexpr double kDefaultGateMm = 0.020;
+// Far above mounting (5 mm is one sigma of the prior), below the distance between features.
+inline constexpr double kWrongFeatureMm = 25.0;
+
+}  // namespace axiscal::touch
+
+#endif  // AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_BIND_H_

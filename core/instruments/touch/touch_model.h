@@ -1,0 +1,48 @@
+// Touch probe on spheres, planes, columns and blocks: at the latched axis positions the stylus ball touches the
+// feature,
+//   distance of the stylus centre from the surface - stylus radius = 0,
+// so the reading is that gap (mm, > 0: the ball stands off the surface), and it is measured as 0. The distance is taken
+// along the feature's own normal at the point of contact, never along the commanded direction (Yao 2022, ch. 5: 3.4 deg
+// off normal); only the displacement along the normal counts (Ibaraki, eq 9).
+// Setup: the artefact's place (x, y, z mm) and turn (Rot_x Rot_y Rot_z, rad) about the mean of its features' points,
+// table frame.
+#ifndef AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_MODEL_H_
+#define AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_MODEL_H_
+
+#include "core/instruments/evaluation.h"
+
+namespace axiscal::touch {
+
+std::vector<instruments::SetupParameter> SetupParameters();
+
+template <typename T>
+void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading, const T* positions,
+             const machine::JointErrors<T>& errors, const T* setup, T* predicted_mm) {
+  using std::sqrt;
+  const Feature& feature = run.touches.features[run.touches.feature_of[reading]];
+  const machine::ChainPose<T> pose = machine::EvaluateChain<T>(machine, positions, errors);
+  const geometry::Vector3<T> stylus =
+      pose.bed_from_table.Inverse() * (pose.bed_from_tool * geometry::Vector3<T>(run.tip_mm.cast<T>()));
+  const geometry::Matrix3<T> turn = geometry::RotationXyz<T>(setup[3], setup[4], setup[5]);
+  const Eigen::Vector3d lever_mm = feature.point_mm - run.touches.centre_mm;
+  geometry::Vector3<T> point = turn * geometry::Vector3<T>(lever_mm.cast<T>());
+  for (int k = 0; k < 3; ++k) point[k] += run.touches.centre_mm[k] + setup[k];
+  const geometry::Vector3<T> off = stylus - point;
+  if (feature.is_sphere) {
+    predicted_mm[0] = sqrt(off.squaredNorm()) - (feature.radius_mm + run.touches.stylus_radius_mm);
+  } else {
+    const geometry::Vector3<T> normal = turn * geometry::Vector3<T>(feature.normal.cast<T>());
+    predicted_mm[0] = normal.dot(off) - run.touches.stylus_radius_mm;
+  }
+}
+
+void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading,
+              const machine::JointErrors<double>& errors, const double* setup, instruments::Evaluation* out);
+
+// The outward unit normal where the reading touches, in the bed's axes, on the nominal machine with its features in
+// their nominal places.
+Eigen::Vector3d NominalNormal(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading);
+
+}  // namespace axiscal::touch
+
+#endif  // AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_MODEL_H_

@@ -1,0 +1,32 @@
+// What the touches of one session touched: plain data of a `touch` run (formats.md, "Measuring session").
+#ifndef AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_RUN_H_
+#define AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_RUN_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace axiscal::touch {
+
+// A sphere, or one plane face of a block or column: nominal, table frame at home.
+struct Feature {
+  std::string name;
+  bool is_sphere = false;
+  Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();  // the sphere's centre, or a point of the plane
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   // plane: outward, unit
+  double radius_mm = 0.0;                              // sphere
+};
+
+struct Touches {
+  std::vector<Feature> features;
+  // Place about which the setup's angles turn the features: the mean of their points.
+  Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();
+  double stylus_radius_mm = 0.0;
+  // By reading: what was touched, and the unit direction in which the stylus went, machine axes.
+  std::vector<int> feature_of;
+  std::vector<Eigen::Vector3d> approach;
+};
+
+}  // namespace axiscal::touch
+
+#endif  // AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_RUN_H_

@@ -1,0 +1,132 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/instruments/evaluation.h"
+#include "core/instruments/touch/sphere_fit.h"
+#include "core/instruments/touch/touch_bind.h"
+#include "core/machine/testing/machines.h"
+
+namespace axiscal::touch {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Yao 2022, Fig 5.13: X, Y, Z of the 21 touches of a real DPRNT log at B0 C0.
+const std::vector<Eigen::Vector3d> kFig513 = {
+    {-390.0000, 0.0000, -464.5118},  {-392.3406, 0.0000, -464.7967},  {-394.5199, 0.0000, -465.7790},
+    {-396.3313, 0.0000, -467.4001},  {-397.5836, 0.0000, -469.5359},  {-398.1191, 0.0000, -472.0000},
+    {-390.0000, 2.3213, -464.8558},  {-390.0000, 4.4467, -465.8796},  {-390.0000, 6.1922, -467.5011},
+    {-390.0000, 7.3864, -469.5999},  {-390.0000, 7.8969, -472.0000},  {-387.6988, 0.0000, -464.9178},
+    {-385.6247, 0.0000, -465.9779},  {-383.9443, 0.0000, -467.6003},  {-382.7995, 0.0000, -469.6604},
+    {-382.3193, 0.0000, -472.0000},  {-390.0000, -2.3213, -464.8558}, {-390.0000, -4.4467, -465.8796},
+    {-390.0000, -6.1922, -467.5011}, {-390.0000, -7.3892, -469.5990}, {-390.0000, -7.8969, -472.0000}};
+
+TEST(SphereFit, GivesTheSphereOfYaosLog) {
+  const std::optional<Sphere> sphere = FitSphere(kFig513);
+  ASSERT_TRUE(sphere.has_value());
+  constexpr double kPrintedMm = 6e-5;  // four decimals
+  EXPECT_NEAR(sphere->centre_mm.x(), -390.2175, kPrintedMm);
+  EXPECT_NEAR(sphere->centre_mm.y(), -0.0005, kPrintedMm);
+  EXPECT_NEAR(sphere->centre_mm.z(), -472.4176, kPrintedMm);
+  EXPECT_NEAR(sphere->radius_mm, 7.9106, kPrintedMm);
+  EXPECT_NEAR(sphere->rms_mm, 1.46e-3, 0.006e-3);
+  EXPECT_NEAR(sphere->max_mm, 3.19e-3, 0.006e-3);
+}
+
+TEST(SphereFit, PointsOfOneCircleOrAFlatCapAreNoSphere) {
+  EXPECT_FALSE(FitSphere({kFig513.begin(), kFig513.begin() + 4}).has_value());
+  EXPECT_FALSE(FitSphere({kFig513.begin(), kFig513.begin() + 6}).has_value());  // all at Y = 0
+  EXPECT_FALSE(FitSphere(std::vector<Eigen::Vector3d>(6, kFig513[0])).has_value());
+}
+
+// The log as a session of the machine it came from: the ball nominally at (-390, 0, -472); the stylus centre at home in
+// the machine's origin, so that positions are places.
+session::Session Fig513(double sphere_mm, double stylus_mm) {
+  session::Session session;
+  session.header = {{"machine", "mt"},
+                    {"session", "log"},
+                    {"instrument", "touch"},
+                    {"sigma_um", "1.5"},
+                    {"tool_tip_mm", "0 0 0"},
+                    {"stylus_radius_mm", absl::StrCat(stylus_mm)},
+                    {"sphere ball", absl::StrCat("-390 0 -472 ", sphere_mm)}};
+  for (const char* name : {"t_s", "X_mm", "Y_mm", "Z_mm", "B_deg", "C_deg", "nx", "ny", "nz", "feature"})
+    session.columns.push_back({name, {}, {}});
+  for (size_t k = 0; k < kFig513.size(); ++k) {
+    const Eigen::Vector3d approach = (Eigen::Vector3d(-390, 0, -472) - kFig513[k]).normalized();
+    session.columns[0].values.push_back(static_cast<double>(k));
+    for (int i = 0; i < 3; ++i) session.columns[1 + i].values.push_back(kFig513[k][i]);
+    for (int i = 0; i < 2; ++i) session.columns[4 + i].values.push_back(0.0);
+    for (int i = 0; i < 3; ++i) session.columns[6 + i].values.push_back(approach[i]);
+    session.columns[9].texts.push_back("ball");
+  }
+  return session;
+}
+
+std::string Refusal(const session::Session& session) {
+  const auto run = instruments::BindSession(session, machine::testing::MultiTasking());
+  return run.ok() ? "accepted" : std::string(run.status().message());
+}
+
+TEST(TouchGates, TheRightStylusPassesAndTheWrongOneIsNamed) {
+  EXPECT_EQ(Refusal(Fig513(5.0, 2.9106)), "accepted");
+  EXPECT_EQ(Refusal(Fig513(5.0, 2.9306)), "accepted");  // at the gate
+  EXPECT_THAT(Refusal(Fig513(5.0, 3.0)),
+              HasSubstr("the 21 touches of sphere 'ball' from reading 1 lie on a radius of 7.9106 mm, expected 8.0000 "
+                        "(sphere 5 + stylus_radius_mm 3) within radius_gate_um = 20"));
+  session::Session wider = Fig513(5.0, 3.0);
+  wider.header.push_back({"radius_gate_um", "100"});
+  EXPECT_EQ(Refusal(wider), "accepted");
+}
+
+TEST(TouchGates, RepeatsThatScatterAreNamed) {
+  session::Session session = Fig513(5.0, 2.9106);
+  for (session::Column& column : session.columns) {
+    if (column.texts.empty()) column.values.push_back(column.values[5]);
+  }
+  session.columns[9].texts.push_back("ball");
+  EXPECT_EQ(Refusal(session), "accepted");
+  // Along the approach, which meets X at almost no angle.
+  for (int i = 0; i < 3; ++i) session.columns[1 + i].values.back() += 0.021 * session.columns[6 + i].values.back();
+  EXPECT_THAT(Refusal(session), HasSubstr("readings 6 and 22 repeat one touch of 'ball' but differ by 21.0 um"));
+}
+
+TEST(TouchGates, TouchesOfAnotherFeatureAreRefused) {
+  session::Session far = Fig513(5.0, 2.9106);
+  far.columns[3].values[4] += 40.0;
+  EXPECT_THAT(Refusal(far), HasSubstr("reading 5 stands"));
+  session::Session backwards = Fig513(5.0, 2.9106);
+  backwards.columns[8].values[0] = 1.0;
+  EXPECT_THAT(Refusal(backwards), HasSubstr("reading 1 approaches feature 'ball' at 180 deg to its inward normal"));
+  session::Session unknown = Fig513(5.0, 2.9106);
+  unknown.columns[9].texts[2] = "bal";
+  EXPECT_THAT(Refusal(unknown), HasSubstr("reading 3: feature 'bal' has no header"));
+  session::Session no_unit = Fig513(5.0, 2.9106);
+  no_unit.columns[6].values[0] = 0.5;
+  EXPECT_THAT(Refusal(no_unit), HasSubstr("expected a unit vector"));
+}
+
+// A face 10 mm above the table's origin, a stylus of 3 mm: the gap is what the tip stands above 13 mm.
+TEST(Touch, APlaneReadsTheGapAlongItsNormal) {
+  session::Session session = Fig513(5.0, 3.0);
+  session.header.back() = {"plane ball", "1 2 10 0 0 2"};
+  for (session::Column& column : session.columns) {
+    if (!column.texts.empty()) {
+      column.texts.resize(1);
+      continue;
+    }
+    column.values = {column.name == "Z_mm" ? 13.25 : column.name == "nz" ? -1.0 : 0.0};
+  }
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto run = instruments::BindSession(session, machine);
+  ASSERT_TRUE(run.ok()) << run.status();
+  const double setup[] = {0, 0, 0.05, 0, 0, 0};
+  double gap_mm = NAN;
+  instruments::Predict(machine, *run, 0, {}, setup, &gap_mm);
+  EXPECT_NEAR(gap_mm, 0.20, 1e-12);
+}
+
+}  // namespace
+}  // namespace axiscal::touch
