@@ -39,8 +39,9 @@ inline constexpr int kMaxWords = 64;
 struct Block {
   std::array<Word, kMaxWords> words;
   int word_count = 0;
-  bool is_deletable = false;  // begins with '/'
-  bool is_marked = false;     // a comment carries our mark
+  bool is_deletable = false;    // begins with '/'
+  bool has_assignment = false;  // #100=5 and no other use of it: moves nothing
+  bool is_marked = false;       // a comment carries our mark
   LexProblem problem = LexProblem::kNone;
   uint32_t problem_at = 0;
 

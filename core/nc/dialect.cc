@@ -56,6 +56,7 @@ Dialect Sinumerik() {
   Dialect dialect = Make("sinumerik", {IsoCodes(), SinumerikCodes()}, {SinumerikKeywords()});
   dialect.has_parenthesis_comments = false;
   dialect.has_equals = true;
+  dialect.variable = 'R';
   dialect.first_offset = "";
   SetRole("D", Role::kActiveToolLength, &dialect);
   SetRole("HOLR", Role::kParameter, &dialect);  // R is a variable
@@ -68,6 +69,7 @@ Dialect Heidenhain() {
   Dialect dialect = Make("heidenhain", {KlartextCodes()}, {KlartextKeywords()});
   dialect.has_parenthesis_comments = false;
   dialect.line_comment2 = '*';
+  dialect.variable = 0;
   dialect.has_bare_keywords = true;
   dialect.tool_call_sets_length = true;
   dialect.first_offset = "PRESET";

@@ -119,6 +119,7 @@ struct Dialect {
   char line_comment2 = 0;                  // '*' of Klartext; only at the begin of a block
   bool has_angle_names = false;            // <NAME> or O<NAME> begins a program
   bool has_equals = false;                 // X=5 is a word
+  char variable = '#';                     // letter of variables; 0: none is told apart
   bool has_bare_keywords = false;          // single letters may be keywords (L), blocks begin with their number
   bool tool_call_sets_length = false;      // the tool's length acts from the tool change on, without a code
   std::string first_offset = "G54";        // the work offset that is selected at the begin

@@ -52,7 +52,7 @@ TEST(Dialect, SinumerikModesAreReported) {
       {"TRANS X10 Y5", "shift of coordinates"},
       {"AROT RPL=30", "rotation"},
       {"MIRROR X0", "mirror"},
-      {"R1=5", "macro or expression"},
+      {"R1=R2+5", "macro or expression"},
       {"X=R1", "without a number"},
       {"X=IC(5)", "without a number"},
       {"L140(2)", "unexpected character"},

@@ -134,7 +134,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
     }
     block->problem_at += shift;
   }
-  step->has_words = block->word_count > 0 || block->problem != LexProblem::kNone;
+  step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
   if (block->problem != LexProblem::kNone && MayHoldCodes(*dialect_, begin + block->problem_at, text + size))
     modal_.uncertain = kAllGroups;
@@ -166,6 +166,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     return Unsupported(absl::StrCat("the order of blocks is not known: macro or jump in line ", jump_line_), true,
                        step);
   }
+  step->has_other_words |= block.has_assignment;
   Request request;
   request.blockers_before = modal_.blockers;
   request.uncertain_before = modal_.uncertain;

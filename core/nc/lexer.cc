@@ -88,6 +88,7 @@ class BlockLexer {
       SkipBlanks();
       if (at_ == end_) return;
       const uint8_t kind = Class(*at_);
+      if (dialect_.variable != 0 && Capital(*at_) == dialect_.variable && SkipAssignment()) continue;
       if (kind == kUpper || kind == kLower) {
         if (MayBeKeyword() && ReadKeyword()) {
           if (takes_rest_) return;
@@ -156,6 +157,42 @@ class BlockLexer {
     if (at == end_ || *at != '<') return;
     while (at != end_ && *at != '>') ++at;
     if (at != end_) at_ = at + 1;
+  }
+
+  // "#100 = -5.2", "R1=3": a number for a variable that is the program's own moves nothing; where the variable stands
+  // in a word, that word is refused. Variables of the controller (#5221 is a work offset) are not skipped.
+  bool SkipAssignment() {
+    const char* at = at_ + 1;
+    uint64_t number = 0;
+    const char* const digits = at;
+    at = ReadDigits(at, end_, &number);
+    if (at == digits || at - digits > 9 || !IsOwnVariable(number)) return false;
+    const auto skip_blanks = [&] {
+      while (at != end_ && Class(*at) == kBlank) ++at;
+    };
+    skip_blanks();
+    if (at == end_ || *at != '=') return false;
+    ++at;
+    skip_blanks();
+    if (at != end_ && (*at == '-' || *at == '+')) ++at;
+    bool has_digit = false, has_point = false;
+    for (; at != end_ && (Digit(*at) <= 9 || (*at == '.' && !has_point)); ++at) {
+      has_point |= *at == '.';
+      has_digit |= *at != '.';
+    }
+    skip_blanks();
+    const bool ends = at == end_ || *at == dialect_.variable || *at == dialect_.line_comment ||
+                      (*at == '(' && dialect_.has_parenthesis_comments);
+    if (!has_digit || !ends) return false;
+    block_.has_assignment = true;
+    at_ = at;
+    return true;
+  }
+
+  // Of '#': what Fanuc, Haas and LinuxCNC all leave to programs. Every R of Sinumerik is.
+  bool IsOwnVariable(uint64_t number) const {
+    if (dialect_.variable != '#') return true;
+    return (number >= 1 && number <= 33) || (number >= 100 && number <= 199) || (number >= 500 && number <= 549);
   }
 
   // Klartext numbers its blocks with a bare integer.
@@ -336,7 +373,7 @@ class BlockLexer {
 
 void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
   block->word_count = 0;
-  block->is_deletable = block->is_marked = false;
+  block->is_deletable = block->is_marked = block->has_assignment = false;
   block->problem = LexProblem::kNone;
   block->problem_at = 0;
   BlockLexer(text, size, dialect, block).Run();

@@ -52,6 +52,18 @@ TEST(Lexer, ProblemsNameTheirColumn) {
   }
 }
 
+TEST(Lexer, NumbersForVariablesAreNoWords) {
+  for (const std::string text : {"#100=5", "N10 #100 = -5.2 (depth)", "#1=1. #33=+.5", "#549=0;end"}) {
+    const Block block = Lexed(text);
+    EXPECT_EQ(block.problem, LexProblem::kNone) << text << ": " << ToString(block.problem, block.problem_at);
+    EXPECT_TRUE(block.has_assignment) << text;
+    EXPECT_EQ(block.word_count, text[0] == 'N' ? 1 : 0) << text;
+  }
+  for (const std::string text : {"#100=#101", "#5221=5", "#3000=1", "#100=", "#100=5X1", "#100=1.2.3", "#=5", "#100",
+                                 "#[100]=5", "#100=5*2", "#99999999999999999999=5", "G1 X#100=5"})
+    EXPECT_EQ(Lexed(text).problem, LexProblem::kExpression) << text;
+}
+
 TEST(Lexer, BlankBlocksAndSlashesAreBlocks) {
   EXPECT_EQ(Lexed("").word_count, 0);
   EXPECT_EQ(Lexed(" \t").problem, LexProblem::kNone);

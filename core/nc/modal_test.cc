@@ -94,6 +94,11 @@ TEST(Modal, BehindAJumpNothingIsCorrected) {
                    "G90 G1 X1.0417\nIF [#1 EQ 0] GOTO 10\nG91\nN10 G90 G1 X5. Y0. Z0. B0. C0.\n");
 }
 
+TEST(Modal, NumbersForVariablesStayAndForgetNothing) {
+  EXPECT_REWRITTEN(kAtZero, "O1\n#100=5\nG1 X1.\nN5 #101=-2.5 #102=3 (depth)\nX2.\n",
+                   "O1\n#100=5\nG1 X1.0417\nN5 #101=-2.5 #102=3 (depth)\nX2.0417\n");
+}
+
 TEST(Modal, ABlockThatIsNotReadToItsEndLeavesTheModalStateUnknown) {
   EXPECT_REWRITTEN(Passing(), "G1 X1.\nY#5 G91\nX5. Y0. Z0. B0. C0.\n", "G1 X1.0417\nY#5 G91\nX5. Y0. Z0. B0. C0.\n");
   EXPECT_REWRITTEN(Passing(), "G1 X1.\nY#5 F200\nX5. Y0. Z0. B0. C0.\n",

@@ -54,7 +54,7 @@ const std::vector<Program>& Programs() {
        "MSG(\"ROUGH\")\nN30 SOFT FFWON\n"
        "N40 G1 X10 F=1000\nN50 G3 X20 Y10 CR=10\nN60 CYCLE800(1,\"T\",0,57,0,0,0,30,0,0,0,0,0,1)\nN70 X30\nN80 "
        "CYCLE800()\nN90 SUPA G0 Z0\n"
-       "N100 R1=5\nN110 M30\n",
+       "N100 R1=R2+5\nN110 M30\n",
        {3, 6, 7},
        {8, 10, 12}},
       {"heidenhain",

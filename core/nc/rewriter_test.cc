@@ -145,7 +145,9 @@ TEST(Rewriter, WhatMovesAxesOtherwiseIsRefusedWithItsLine) {
       {"G65 P9010 A1.", "macro call"},
       {"M98 P1000", "subprogram"},
       {"M99 P100", "return"},
-      {"#1=5", "macro or expression"},
+      {"#1=#2", "macro or expression"},
+      {"#5221=5", "macro or expression"},  // a work offset
+      {"#1=5 X2.", "macro or expression"},
       {"G1 X#1", "macro or expression"},
       {"X[-#102] Y[#101+#104/2]", "macro or expression"},
       {"IF[#120NE#0] GOTO 10", "macro"},
