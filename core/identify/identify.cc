@@ -5,6 +5,7 @@
 
 #include "core/base/demand.h"
 #include "core/identify/naming.h"
+#include "core/identify/noise.h"
 #include "core/identify/outliers.h"
 #include "core/identify/reduction.h"
 #include "core/identify/solver.h"
@@ -123,6 +124,20 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
   result->determined = DeterminedCombinations(result->estimates, null_space, values, sigmas);
   result->rank = null_space.rank;
   result->condition = null_space.condition;
+}
+
+// Gives correlated runs the correlation that their residuals show, and the scatter that goes with it where it is above
+// the stated one: correlated readings scatter less about a fit than about the truth. Returns whether there are any.
+bool TakeCorrelation(Fit* fit) {
+  const std::vector<Noise> judged = EstimateNoise(fit->problem, fit->residuals_mm);
+  bool is_any = false;
+  for (size_t i = 0; i < judged.size(); ++i) {
+    if (judged[i].ar1 == 0.0) continue;
+    Noise& noise = fit->problem.noise[i];
+    noise = {std::max(noise.sigma_mm, judged[i].sigma_mm), judged[i].ar1};
+    is_any = true;
+  }
+  return is_any;
 }
 
 bool HasNonlinear(const machine::ErrorModel& model, const Options& options) {
@@ -255,7 +270,11 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<Measuri
   RETURN_IF_ERROR(Validate(options));
   if (runs.empty()) return absl::InvalidArgumentError("no sessions to identify from");
   ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
-  return FitProblem(std::move(problem), options.model ? *options.model : machine::DeclaredModel(machine), options);
+  const machine::ErrorModel model = options.model ? *options.model : machine::DeclaredModel(machine);
+  ASSIGN_OR_RETURN(Fit fit, FitProblem(std::move(problem), model, options));
+  const bool is_noise_as_stated = fit.result.noise_scale == 1.0;  // raised for a misfit, which is no servo ripple
+  if (!options.judge_correlation || !is_noise_as_stated || !TakeCorrelation(&fit)) return fit;
+  return FitProblem(std::move(fit.problem), model, options);
 }
 
 absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<MeasuringRun> runs,

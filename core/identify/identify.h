@@ -28,6 +28,9 @@ struct Options {
   bool set_outliers_aside = true;
   // Multiplies uncertainties by sqrt(chi2 / dof) where the readings scatter more than the stated sigma.
   bool scale_uncertainties = true;
+  // Where neighbouring readings of a dense series are correlated (servo ripple), fits again with that correlation:
+  // independent readings would state uncertainties that are too small. Of FitRuns and Identify.
+  bool judge_correlation = true;
   int max_iterations = 20;
   // A model that misses by hundreds of sigma is fitted with sigma raised (Result::noise_scale); false ends the fit with
   // FAILED_PRECONDITION instead.

@@ -109,6 +109,22 @@ TEST(Identify, ScatteredBadReadingsAreListedAndDoNoHarm) {
   }
 }
 
+// A mean over n readings that remember their neighbours with 0.6 is uncertain by sqrt(1.6 / 0.4) = 2 times that of n
+// independent ones; errors that the priors leave to the readings alone come near that.
+TEST(Identify, CorrelatedReadingsStateLargerUncertainties) {
+  synthetic::NoiseOptions noise;
+  noise.ar1 = 0.6;
+  const auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), noise);
+  const auto judged = Identify(kMachine, sessions);
+  Options as_independent;
+  as_independent.judge_correlation = false;
+  const auto independent = Identify(kMachine, sessions, as_independent);
+  ASSERT_TRUE(judged.ok() && independent.ok());
+  EXPECT_GT(Find(*judged, "EC0B").sigma, 1.6 * Find(*independent, "EC0B").sigma);
+  EXPECT_LT(Find(*judged, "EC0B").sigma, 2.2 * Find(*independent, "EC0B").sigma);
+  EXPECT_NEAR(judged->fit.chi2_per_dof, 1.0, 0.15);
+}
+
 TEST(Identify, CancellationReachesTheSolver) {
   Options options;
   int polls = 0;

@@ -55,7 +55,7 @@ struct Outlier {
 struct FitStatistics {
   double rms_mm = 0.0, max_mm = 0.0;  // all readings, those set aside too
   double rms_without_outliers_mm = 0.0;
-  double chi2_per_dof = 0.0;  // used readings, stated sigma
+  double chi2_per_dof = 0.0;  // used readings, sigma as stated, or as judged where readings are correlated
   int readings = 0, used = 0, degrees_of_freedom = 0;
 };
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/demand.h"
+#include "core/identify/noise.h"
 #include "core/identify/reduction.h"
-#include "core/loop/noise.h"
 
 namespace axiscal::loop {
 

@@ -1,7 +1,7 @@
 #include "core/loop/fitting.h"
 
+#include "core/identify/noise.h"
 #include "core/identify/reduction.h"
-#include "core/loop/noise.h"
 
 namespace axiscal::loop {
 
@@ -11,6 +11,7 @@ absl::StatusOr<Fit> FitExtension(const machine::Machine& machine, const Extensio
                                  const identify::Options& options) {
   identify::Options own = options;
   own.model = extension.Model();
+  own.judge_correlation = false;  // judged below, with the scatter
   ASSIGN_OR_RETURN(Fit fit, identify::FitRuns(machine, extension.Runs(), own));
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds; ++round) {

@@ -47,6 +47,11 @@ TEST(Coverage, AMisstatedSigmaNeverMakesIntervalsTooShort) {
   EXPECT_GE(quieter.at("all").share(), kMost) << ToText(quieter);
 }
 
+// Ball-bar readings that remember their neighbours (correlation 0.6), bad readings, a stated sigma off by up to two.
+TEST(Coverage, CorrelatedNoiseAndBadReadings) {
+  ExpectHonest(Identified(Kind::kDirty, 300, 1), {"all", "length", "angle", "effect"});
+}
+
 // The loop chose these effects by their size in the same readings, and an effect counts only where it was named in its
 // own terms: its interval is conditional on the choice and knows nothing of it. What remains here (about fifty) is too
 // few for the band above; three standard deviations of a binomial count are allowed.

@@ -1,11 +1,11 @@
-#include "core/loop/noise.h"
+#include "core/identify/noise.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-namespace axiscal::loop {
+namespace axiscal::identify {
 namespace {
 
 // AR(1) noise of unit standard deviation on a slow wave that a lacking effect would leave.
@@ -21,7 +21,7 @@ Eigen::VectorXd Series(double phi, double wave) {
   return series;
 }
 
-identify::Noise FitOf(const Eigen::VectorXd& series) {
+Noise FitOf(const Eigen::VectorXd& series) {
   Variogram variogram;
   variogram.Add(series, std::vector<bool>(series.size(), true), 1.0);
   return variogram.Fit();
@@ -29,14 +29,14 @@ identify::Noise FitOf(const Eigen::VectorXd& series) {
 
 TEST(Noise, SigmaAndCorrelationComeOutBesideAnEffectThatIsLacking) {
   for (const double wave : {0.0, 5.0}) {
-    const identify::Noise noise = FitOf(Series(0.6, wave));
+    const Noise noise = FitOf(Series(0.6, wave));
     EXPECT_NEAR(noise.sigma_mm, 1.0, 0.1) << wave;  // 2000 correlated readings: 0.03 per standard deviation
     EXPECT_NEAR(noise.ar1, 0.6, 0.07) << wave;
   }
 }
 
 TEST(Noise, WhiteNoiseHasNoCorrelation) {
-  const identify::Noise noise = FitOf(Series(0.0, 3.0));
+  const Noise noise = FitOf(Series(0.0, 3.0));
   EXPECT_EQ(noise.ar1, 0.0);
   EXPECT_NEAR(noise.sigma_mm, 1.0, 0.06);
 }
@@ -62,4 +62,4 @@ TEST(Noise, AReadingSetAsideTakesItsDifferencesAlong) {
 }
 
 }  // namespace
-}  // namespace axiscal::loop
+}  // namespace axiscal::identify

@@ -1,4 +1,4 @@
-#include "core/loop/noise.h"
+#include "core/identify/noise.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,9 @@
 
 #include "core/identify/outliers.h"
 
-namespace axiscal::loop {
+namespace axiscal::identify {
 namespace {
 
-using identify::Noise;
 using instruments::MeasuringRun;
 
 constexpr double kLargestCorrelation = 0.9;
@@ -21,7 +20,7 @@ bool IsDenselySampled(const MeasuringRun& run) {
   return run.reading_count() >= kDense && run.kind == instruments::Kind::kBallbar;
 }
 
-std::vector<bool> UsedOf(const identify::Problem& problem, size_t run, int row) {
+std::vector<bool> UsedOf(const Problem& problem, size_t run, int row) {
   std::vector<bool> is_used(problem.runs[run].reading_count());
   for (size_t k = 0; k < is_used.size(); ++k)
     is_used[k] = problem.is_used[run][k * static_cast<size_t>(problem.runs[run].row_count) + static_cast<size_t>(row)];
@@ -31,7 +30,7 @@ std::vector<bool> UsedOf(const identify::Problem& problem, size_t run, int row) 
 // Standard deviation of what lies within a few robust sigmas: as sharp as the plain one, blind to bad readings.
 double Scatter(const std::vector<double>& values, double lost_freedom) {
   const double robust =
-      identify::RobustSigma(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+      RobustSigma(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   constexpr double kWithin = 3.5, kShareOfVariance = 0.9985;  // Gaussian variance within 3.5 sigma over the whole
   double squares = 0.0;
   int count = 0;
@@ -101,7 +100,7 @@ Noise Variogram::Fit() const {
   return best;
 }
 
-std::vector<Noise> EstimateNoise(const identify::Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
+std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
   constexpr int kFewest = 60;          // differences or readings that judge a scatter
   constexpr double kOwnScatter = 4.0;  // standard deviations by which a session's own scatter must differ
   const size_t count = problem.runs.size();
@@ -161,4 +160,4 @@ std::vector<Noise> EstimateNoise(const identify::Problem& problem, const std::ve
   return noise;
 }
 
-}  // namespace axiscal::loop
+}  // namespace axiscal::identify

@@ -1,14 +1,14 @@
 // What the readings scatter by, judged from the readings themselves: the stated sigma is only where to start
 // (design.md, "Close the loop", 1).
-#ifndef AXISCAL_CORE_LOOP_NOISE_H_
-#define AXISCAL_CORE_LOOP_NOISE_H_
+#ifndef AXISCAL_CORE_IDENTIFY_NOISE_H_
+#define AXISCAL_CORE_IDENTIFY_NOISE_H_
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "core/identify/problem.h"
 
-namespace axiscal::loop {
+namespace axiscal::identify {
 
 // Mean squared differences of readings `lag` apart, halved (the variogram): sums over series, so that sessions pool.
 //   gamma(lag) = sigma^2 (1 - phi^lag)                               first-order autoregressive noise
@@ -24,7 +24,7 @@ class Variogram {
   int differences() const { return count_[0]; }
   // Sigma (in the unit) and neighbour correlation that fit best; correlation 0 where it is within three times its
   // uncertainty. Sigma 0 without differences.
-  identify::Noise Fit() const;
+  Noise Fit() const;
   // Sigma alone at a known correlation, from neighbours.
   double SigmaAt(double ar1) const;
 
@@ -37,9 +37,8 @@ class Variogram {
 // the factor on their stated sigma, unless a session's own scatter clearly differs. Dense series are judged by the
 // variogram, others by the robust scatter of their residuals. Never below a third or above three times the stated
 // sigma: beyond that a session is not what it says it is.
-std::vector<identify::Noise> EstimateNoise(const identify::Problem& problem,
-                                           const std::vector<Eigen::MatrixXd>& residuals_mm);
+std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm);
 
-}  // namespace axiscal::loop
+}  // namespace axiscal::identify
 
-#endif  // AXISCAL_CORE_LOOP_NOISE_H_
+#endif  // AXISCAL_CORE_IDENTIFY_NOISE_H_
