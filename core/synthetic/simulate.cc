@@ -1,8 +1,10 @@
 #include "core/synthetic/simulate.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
+#include "core/instruments/centres/centres_model.h"
 #include "core/instruments/evaluation.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/run.h"
@@ -22,6 +24,44 @@ class Gauss {
   std::mt19937_64 random_;
 };
 
+void WritePositions(const machine::Machine& machine, const instruments::MeasuringRun& run, session::Session* session) {
+  for (int axis = 0; axis < run.axis_count; ++axis) {
+    if (machine.axes[axis].kind == machine::AxisKind::kRotary) continue;
+    for (session::Column& column : session->columns) {
+      if (column.name != machine.axes[axis].name + "_mm") continue;
+      for (int k = 0; k < run.reading_count(); ++k) column.values[k] = run.PositionsOf(k)[axis];
+    }
+  }
+}
+
+// A touch has no reading of its own: what is measured are the positions at which the probe triggers. Moves the linear
+// axes along the approach until the gap is `gap_mm`. INVALID_ARGUMENT when the stylus passes the feature by.
+absl::Status MoveToContact(const machine::Machine& machine, const machine::JointErrors<double>& errors,
+                           const double* setup, int reading, double gap_mm, instruments::MeasuringRun* run) {
+  double* positions = run->positions.data() + static_cast<size_t>(reading) * run->axis_count;
+  const Eigen::Matrix3Xd directions = centres::LinearDirections(machine, positions);
+  const Eigen::Matrix3d reach = directions * directions.transpose();
+  const Eigen::VectorXd along = directions.transpose() * (reach.inverse() * run->touches.approach[reading]);
+  const std::vector<int> linear = centres::LinearAxes(machine);
+  const auto gap_after = [&](double step_mm) {
+    for (size_t i = 0; i < linear.size(); ++i) positions[linear[i]] += step_mm * along[i];
+    double predicted_mm = NAN;
+    instruments::Predict(machine, *run, reading, errors, setup, &predicted_mm);
+    return predicted_mm - gap_mm;
+  };
+  double gap = gap_after(0.0);
+  constexpr int kMaxSteps = 50;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    if (std::abs(gap) < 1e-9) return absl::OkStatus();
+    constexpr double kProbeMm = 1e-4;
+    const double probed = gap_after(kProbeMm), slope = (probed - gap) / kProbeMm;
+    if (!(slope < -0.1)) break;
+    gap = gap_after(-probed / slope);
+  }
+  return absl::InvalidArgumentError(absl::StrCat("session '", run->session, "': reading ", reading + 1,
+                                                 ": the approach passes its feature by on this machine"));
+}
+
 }  // namespace
 
 absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const machine::ErrorModel& truth,
@@ -38,7 +78,7 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
   });
   for (const std::string& name : instrument->reading_columns)
     session.columns.push_back({name, std::vector<double>(readings, 0.0), {}});
-  ASSIGN_OR_RETURN(const instruments::MeasuringRun run, instruments::BindSession(session, machine));
+  ASSIGN_OR_RETURN(instruments::MeasuringRun run, instruments::BindSession(session, machine));
 
   Gauss gauss(noise.seed);
   std::vector<double> setup(instruments::kMaxSetupParameters, 0.0);
@@ -60,9 +100,15 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
         reading_mm += (gauss.Uniform() < 0.5 ? -1.0 : 1.0) * (20.0 + 80.0 * gauss.Uniform()) * sigma_mm;
       }
       if (noise.resolution_mm > 0.0) reading_mm = std::round(reading_mm / noise.resolution_mm) * noise.resolution_mm;
+      if (run.kind == instruments::Kind::kTouch) {
+        RETURN_IF_ERROR(
+            MoveToContact(machine, errors, setup.data(), static_cast<int>(k), reading_mm - predicted_mm[row], &run));
+        continue;
+      }
       session.columns[session.columns.size() - run.row_count + row].values[k] = reading_mm;
     }
   }
+  if (run.kind == instruments::Kind::kTouch) WritePositions(machine, run, &session);
   return session;
 }
 
