@@ -127,17 +127,24 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
 }
 
 // Gives correlated runs the correlation that their residuals show, and the scatter that goes with it where it is above
-// the stated one: correlated readings scatter less about a fit than about the truth. Returns whether there are any.
+// the stated one: correlated readings scatter less about a fit than about the truth. Returns whether there are any; not
+// where they leave more than such noise would, which is an effect that the model lacks and no servo ripple.
 bool TakeCorrelation(Fit* fit) {
-  const std::vector<Noise> judged = EstimateNoise(fit->problem, fit->residuals_mm);
-  bool is_any = false;
-  for (size_t i = 0; i < judged.size(); ++i) {
-    if (judged[i].ar1 == 0.0) continue;
-    Noise& noise = fit->problem.noise[i];
-    noise = {std::max(noise.sigma_mm, judged[i].sigma_mm), judged[i].ar1};
-    is_any = true;
+  Problem judged = fit->problem;
+  judged.noise = EstimateNoise(fit->problem, fit->residuals_mm);
+  double squares = 0.0, count = 0.0;
+  for (size_t i = 0; i < judged.runs.size(); ++i) {
+    if (judged.noise[i].ar1 == 0.0) continue;
+    judged.noise[i].sigma_mm = std::max(fit->problem.noise[i].sigma_mm, judged.noise[i].sigma_mm);
+    squares += WhitenedSquaresOf(judged, i, fit->residuals_mm[i]);
+    count += static_cast<double>(std::count(judged.is_used[i].begin(), judged.is_used[i].end(), true));
   }
-  return is_any;
+  constexpr double kLackOfFit = 1.2;
+  if (count == 0.0 || squares > kLackOfFit * count) return false;
+  for (size_t i = 0; i < judged.runs.size(); ++i) {
+    if (judged.noise[i].ar1 != 0.0) fit->problem.noise[i] = judged.noise[i];
+  }
+  return true;
 }
 
 bool HasNonlinear(const machine::ErrorModel& model, const Options& options) {
