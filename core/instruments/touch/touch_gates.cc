@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 
 #include "core/base/units.h"
@@ -10,9 +11,15 @@ namespace {
 
 using instruments::MeasuringRun;
 
-double GateMm(const session::Session& session, const char* key) {
+absl::StatusOr<double> GateMm(const session::Session& session, const char* key) {
   const std::optional<std::string> text = session::FindHeader(session, key);
-  return text ? std::atof(text->c_str()) * base::kMmPerUm : kDefaultGateMm;
+  if (!text) return kDefaultGateMm;
+  double gate_um = 0.0;
+  if (!absl::SimpleAtod(*text, &gate_um) || !std::isfinite(gate_um) || gate_um <= 0.0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("header '", key, ": ", *text, "', expected a number of micrometres above 0"));
+  }
+  return gate_um * base::kMmPerUm;
 }
 
 // Touches of one feature at one rotary pose, in time order.
@@ -74,7 +81,8 @@ absl::Status GateFeature(const machine::Machine& machine, const MeasuringRun& ru
 
 absl::Status GateTouches(const machine::Machine& machine, const session::Session& session, const MeasuringRun& run) {
   for (int k = 0; k < run.reading_count(); ++k) RETURN_IF_ERROR(GateFeature(machine, run, k));
-  const double radius_gate_mm = GateMm(session, "radius_gate_um"), repeat_gate_mm = GateMm(session, "repeat_gate_um");
+  ASSIGN_OR_RETURN(const double radius_gate_mm, GateMm(session, "radius_gate_um"));
+  ASSIGN_OR_RETURN(const double repeat_gate_mm, GateMm(session, "repeat_gate_um"));
   for (const auto& [key, group] : Groups(machine, run)) {
     const Feature& feature = run.touches.features[run.touches.feature_of[group[0]]];
     std::vector<Eigen::Vector3d> in_table_mm, in_bed_mm;

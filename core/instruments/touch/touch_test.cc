@@ -79,6 +79,10 @@ TEST(TouchGates, TheRightStylusPassesAndTheWrongOneIsNamed) {
   session::Session wider = Fig513(5.0, 3.0);
   wider.header.push_back({"radius_gate_um", "100"});
   EXPECT_EQ(Refusal(wider), "accepted");
+  for (const char* text : {"abc", "0", "-20", "nan", "20 um"}) {
+    wider.header.back().value = text;
+    EXPECT_THAT(Refusal(wider), HasSubstr(absl::StrCat("'radius_gate_um: ", text, "', expected"))) << text;
+  }
 }
 
 TEST(TouchGates, RepeatsThatScatterAreNamed) {
