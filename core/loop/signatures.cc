@@ -5,15 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/identify/reduction.h"
-#include "core/identify/rows.h"
-#include "core/identify/whitening.h"
 #include "core/loop/shape_columns.h"
 
 namespace axiscal::loop {
 namespace {
-
-using instruments::MeasuringRun;
 
 constexpr int kRowsAtOnce = 256;  // rows x columns of a block stay in cache
 
@@ -47,105 +42,6 @@ double Gain(const Projection& projection, Eigen::Vector3d* amplitude) {
   amplitude->setZero();
   amplitude->head(n) = -solution;
   return right.dot(solution);
-}
-
-// Places the rows of one run: those of one series stand together, so that the neighbour in time is the row above.
-class RowSink {
- public:
-  RowSink(const identify::Problem& problem, int run, int setup_count, std::vector<int> next, Eigen::MatrixXd* setup,
-          Eigen::MatrixXd* errors, Eigen::VectorXd* residual, Signatures* out)
-      : run_(run),
-        setup_count_(setup_count),
-        next_(std::move(next)),
-        whiteners_(problem.runs[run].row_count, identify::SeriesWhitener(problem.noise[run], 0)),
-        row_(setup_count + errors->cols() + 1),
-        setup_(setup),
-        errors_(errors),
-        residual_(residual),
-        out_(out) {}
-
-  Eigen::RowVectorXd& NextRow() { return row_; }
-  void Close(int reading, int row, const instruments::Evaluation& evaluation, const Eigen::RowVectorXd& stored) {
-    const int at = next_[row]++;
-    const identify::SeriesWhitener::Factors factors = whiteners_[row].Next(reading);
-    out_->run_[at] = run_;
-    out_->reading_[at] = reading;
-    out_->weight_[at] = factors.weight;
-    out_->correlation_[at] = factors.correlation;
-    out_->sensitivity_.row(at) = evaluation.by_error.row(row);
-    out_->setup_raw_.row(at) = stored.head<3>();
-    setup_->row(at).head(setup_count_) = stored.head(setup_count_);
-    errors_->row(at) = stored.segment(setup_count_, errors_->cols());
-    (*residual_)[at] = stored[stored.size() - 1];
-  }
-
- private:
-  const int run_, setup_count_;
-  std::vector<int> next_;
-  std::vector<identify::SeriesWhitener> whiteners_;
-  Eigen::RowVectorXd row_;
-  Eigen::MatrixXd *setup_, *errors_;
-  Eigen::VectorXd* residual_;
-  Signatures* out_;
-};
-
-Signatures::Signatures(const identify::Problem& problem, const identify::Point& point,
-                       const std::vector<identify::Parameter>& parameters)
-    : problem_(problem) {
-  size_t setup_width = 3;
-  for (const identify::SetupGroup& group : problem.groups) setup_width = std::max(setup_width, group.parameters.size());
-  int count = 0;
-  for (size_t i = 0; i < problem.runs.size(); ++i) {
-    const MeasuringRun& run = problem.runs[i];
-    for (int row = 0; row < run.row_count; ++row) {
-      const int begin = count;
-      for (int k = 0; k < run.reading_count(); ++k)
-        count += problem.is_used[i][static_cast<size_t>(k) * run.row_count + row];
-      series_.push_back({begin, count, static_cast<int>(i), problem.group_of_run[i]});
-    }
-  }
-  const auto p = static_cast<Eigen::Index>(parameters.size());
-  run_.resize(count);
-  reading_.resize(count);
-  weight_.resize(count);
-  correlation_.resize(count);
-  sensitivity_.resize(count, machine::kComponents * problem.machine->joint_count());
-  setup_raw_.resize(count, 3);
-  Eigen::MatrixXd setup = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(setup_width)), errors(count, p);
-  Eigen::VectorXd residual(count);
-  size_t first_series = 0;
-  for (size_t i = 0; i < problem.runs.size(); ++i) {
-    std::vector<int> next;
-    for (int row = 0; row < problem.runs[i].row_count; ++row) next.push_back(series_[first_series++].begin);
-    RowSink sink(problem, static_cast<int>(i), static_cast<int>(problem.runs[i].setup.size()), std::move(next), &setup,
-                 &errors, &residual, this);
-    identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
-  }
-  is_white_ = (correlation_ == 0.0).all();
-  const auto whiten = [this](Eigen::Ref<Eigen::VectorXd> x) {
-    for (Eigen::Index at = x.size() - 1; at > 0; --at) x[at] = weight_[at] * (x[at] - correlation_[at] * x[at - 1]);
-    if (x.size() > 0) x[0] *= weight_[0];
-  };
-  for (Eigen::Index c = 0; c < setup.cols(); ++c) whiten(setup.col(c));
-  for (Eigen::Index c = 0; c < p; ++c) whiten(errors.col(c));
-  whiten(residual);
-  nuisance_ = Nuisance(problem, series_, std::move(setup), std::move(errors));
-
-  // The residual has the priors' rows too: offset / prior sigma.
-  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), 1);
-  for (const Series& rows : series_)
-    nuisance_.Accumulate(rows.group, rows.begin, residual.segment(rows.begin, rows.end - rows.begin), &coefficients);
-  nuisance_.Finish(&coefficients);
-  coefficients.col(0) += nuisance_.OfPriors(problem, point.setup);
-  double squares = residual.squaredNorm();
-  for (size_t g = 0; g < problem.groups.size(); ++g) {
-    for (Eigen::Index k = 0; k < point.setup[g].size(); ++k)
-      squares += point.setup[g][k] * point.setup[g][k] *
-                 identify::PriorPrecision(problem.groups[g].parameters[k], identify::Priors::kAll);
-  }
-  residual_squares_ = squares - coefficients.squaredNorm();
-  degrees_of_freedom_ = std::max<int>(1, count - static_cast<int>(p));
-  residual_ = residual - nuisance_.Column(series_, coefficients.col(0));
 }
 
 int Signatures::ColumnsOf(const Candidate& candidate) const {
