@@ -20,7 +20,9 @@ class Validation {
  private:
   Extension& extension() const { return attempt_->extension; }
   std::vector<Added>& effects() const { return attempt_->extension.effects; }
-  absl::StatusOr<double> SquaresWithout(size_t effect, const identify::Fit& fit) const;
+  // Chi-square of the check sessions without an effect; `worth` (may be null): what it takes off that of the fit
+  // sessions.
+  absl::StatusOr<double> SquaresWithout(size_t effect, const identify::Fit& fit, double* worth) const;
   absl::StatusOr<bool> Replace(size_t effect, double least, const identify::Fit& fit);
   absl::StatusOr<bool> Change(const std::vector<Added>& before, identify::Fit* fit);
 
