@@ -16,6 +16,11 @@ MeasuringRun Part(const MeasuringRun& run, int begin, int end, const std::string
   part.time_s.assign(run.time_s.begin() + begin, run.time_s.begin() + end);
   part.temperature_celsius.assign(run.temperature_celsius.begin() + begin, run.temperature_celsius.begin() + end);
   part.measured_mm = run.measured_mm.middleCols(begin, end - begin);
+  if (run.kind == instruments::Kind::kTouch) {
+    const touch::Touches& touches = run.touches;
+    part.touches.feature_of.assign(touches.feature_of.begin() + begin, touches.feature_of.begin() + end);
+    part.touches.approach.assign(touches.approach.begin() + begin, touches.approach.begin() + end);
+  }
   return part;
 }
 
