@@ -11,6 +11,7 @@ namespace axiscal::cli {
 struct Context;
 
 void AddMachineCommand(CLI::App& app, Context& context);
+void AddReduceCommand(CLI::App& app, Context& context);
 void AddUploadCommand(CLI::App& app, Context& context);
 void AddSessionCommand(CLI::App& app, Context& context);
 void AddIdentifyCommand(CLI::App& app, Context& context);

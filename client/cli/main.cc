@@ -30,6 +30,7 @@ void AddGlobalOptions(CLI::App& app, Context& context) {
 
 void AddCommands(CLI::App& app, Context& context) {
   AddMachineCommand(app, context);
+  AddReduceCommand(app, context);
   AddUploadCommand(app, context);
   AddSessionCommand(app, context);
   AddIdentifyCommand(app, context);

@@ -6,10 +6,10 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/machine_source.h"
 #include "client/cli/output_paths.h"
 #include "core/base/files.h"
 #include "core/base/units.h"
-#include "core/machine/machine_json.h"
 #include "core/plan/program.h"
 #include "core/session/text.h"
 #include "core/testplan/survey.h"
@@ -24,14 +24,6 @@ struct Arguments {
   bool list = false;
   plan::ProgramOptions program;
 };
-
-absl::StatusOr<machine::Machine> MachineOf(Context& context, const Arguments& arguments) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(arguments.machine, error)) return machine::ReadMachineFile(arguments.machine);
-  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(MachineId(arguments.machine)));
-  return machine::MachineFromJson(record.description_json);
-}
 
 absl::StatusOr<std::vector<Eigen::Vector3d>> Point(const std::string& option, const std::string& text) {
   if (text.empty()) return std::vector<Eigen::Vector3d>();
@@ -177,7 +169,7 @@ absl::Status WriteTest(Context& context, const machine::Machine& machine, const 
 absl::Status Plan(Context& context, const Arguments& arguments) {
   const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
   if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
-  ASSIGN_OR_RETURN(const machine::Machine machine, MachineOf(context, arguments));
+  ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
   ASSIGN_OR_RETURN(const plan::Situation situation, SituationOf(machine, arguments));
   if (!arguments.test.empty()) return WriteTest(context, machine, situation, arguments);
   // What is asked for counts beside what the machine declares, or beside what --declare names.

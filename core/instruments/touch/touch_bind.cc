@@ -7,52 +7,31 @@ namespace {
 
 using instruments::MeasuringRun;
 
-absl::StatusOr<std::vector<double>> Numbers(const MeasuringRun& run, const std::string& key, const std::string& text,
-                                            size_t count) {
+absl::StatusOr<std::vector<double>> Numbers(const std::string& key, const std::string& text, size_t count) {
   std::istringstream in(text);
   in.imbue(std::locale::classic());
   std::vector<double> numbers;
   double number = 0.0;
   while (in >> number) numbers.push_back(number);
   if (in.eof() && numbers.size() == count) return numbers;
-  return absl::InvalidArgumentError(
-      absl::StrCat("session '", run.session, "': header '", key, ": ", text, "', expected ", count, " number(s)"));
+  return absl::InvalidArgumentError(absl::StrCat("header '", key, ": ", text, "', expected ", count, " number(s)"));
 }
 
-absl::StatusOr<Feature> FeatureOf(const MeasuringRun& run, const session::HeaderEntry& entry, bool is_sphere) {
-  ASSIGN_OR_RETURN(const std::vector<double> at, Numbers(run, entry.key, entry.value, is_sphere ? 4 : 6));
-  Feature feature;
-  feature.is_sphere = is_sphere;
-  feature.name = entry.key.substr(entry.key.find(' ') + 1);
-  feature.point_mm = {at[0], at[1], at[2]};
-  if (is_sphere) {
-    feature.radius_mm = at[3];
-    if (feature.radius_mm > 0.0) return feature;
-    return absl::InvalidArgumentError(
-        absl::StrCat("session '", run.session, "': header '", entry.key, "': radius ", at[3], ", must be > 0"));
-  }
-  const Eigen::Vector3d normal(at[3], at[4], at[5]);
-  if (normal.norm() < 1e-6) {
-    return absl::InvalidArgumentError(absl::StrCat("session '", run.session, "': header '", entry.key,
-                                                   "': normal 0 0 0, expected the outward normal"));
-  }
-  feature.normal = normal.normalized();
-  return feature;
-}
+bool IsSphere(const std::string& key) { return key.rfind("sphere ", 0) == 0; }
 
 absl::Status ReadFeatures(const session::Session& session, MeasuringRun* run) {
   Touches& touches = run->touches;
   for (const session::HeaderEntry& entry : session.header) {
-    const bool is_sphere = entry.key.rfind("sphere ", 0) == 0;
-    if (!is_sphere && entry.key.rfind("plane ", 0) != 0) continue;
-    ASSIGN_OR_RETURN(Feature feature, FeatureOf(*run, entry, is_sphere));
+    if (!IsSphere(entry.key) && entry.key.rfind("plane ", 0) != 0) continue;
+    auto feature = ParseFeature(entry.key, entry.value);
+    if (!feature.ok()) return base::Within("session '" + run->session + "'", feature.status());
     for (const Feature& other : touches.features) {
-      if (other.name != feature.name) continue;
+      if (other.name != feature->name) continue;
       return absl::InvalidArgumentError(
-          absl::StrCat("session '", run->session, "': feature '", feature.name, "' is stated twice"));
+          absl::StrCat("session '", run->session, "': feature '", feature->name, "' is stated twice"));
     }
-    touches.centre_mm += feature.point_mm;
-    touches.features.push_back(std::move(feature));
+    touches.centre_mm += feature->point_mm;
+    touches.features.push_back(*std::move(feature));
   }
   if (touches.features.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -65,11 +44,30 @@ absl::Status ReadFeatures(const session::Session& session, MeasuringRun* run) {
 
 }  // namespace
 
+absl::StatusOr<Feature> ParseFeature(const std::string& key, const std::string& value) {
+  const bool is_sphere = IsSphere(key);
+  ASSIGN_OR_RETURN(const std::vector<double> at, Numbers(key, value, is_sphere ? 4 : 6));
+  Feature feature;
+  feature.is_sphere = is_sphere;
+  feature.name = key.substr(key.find(' ') + 1);
+  feature.point_mm = {at[0], at[1], at[2]};
+  if (is_sphere) {
+    feature.radius_mm = at[3];
+    if (feature.radius_mm > 0.0) return feature;
+    return absl::InvalidArgumentError(absl::StrCat("header '", key, "': radius ", at[3], ", must be > 0"));
+  }
+  const Eigen::Vector3d normal(at[3], at[4], at[5]);
+  if (normal.norm() < 1e-6)
+    return absl::InvalidArgumentError(absl::StrCat("header '", key, "': normal 0 0 0, expected the outward normal"));
+  feature.normal = normal.normalized();
+  return feature;
+}
+
 absl::Status BindTouches(const session::Session& session, MeasuringRun* run) {
   Touches& touches = run->touches;
-  ASSIGN_OR_RETURN(const std::vector<double> radius,
-                   Numbers(*run, "stylus_radius_mm", session::FindHeader(session, "stylus_radius_mm").value_or(""), 1));
-  touches.stylus_radius_mm = radius[0];
+  const auto radius = Numbers("stylus_radius_mm", session::FindHeader(session, "stylus_radius_mm").value_or(""), 1);
+  if (!radius.ok()) return base::Within("session '" + run->session + "'", radius.status());
+  touches.stylus_radius_mm = (*radius)[0];
   RETURN_IF_ERROR(ReadFeatures(session, run));
   const size_t readings = session.reading_count();
   const session::Column* columns[4];

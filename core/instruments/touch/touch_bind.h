@@ -7,6 +7,10 @@
 
 namespace axiscal::touch {
 
+// The feature of a header line `sphere NAME: x y z radius` or `plane NAME: x y z nx ny nz`. INVALID_ARGUMENT naming the
+// key and the rule.
+absl::StatusOr<Feature> ParseFeature(const std::string& key, const std::string& value);
+
 // Fills run->touches from the headers `stylus_radius_mm`, `sphere NAME`, `plane NAME` and the columns nx, ny, nz,
 // feature. INVALID_ARGUMENT naming key or reading and the rule: unknown or twice-named feature, an approach that is no
 // unit vector (1e-3).

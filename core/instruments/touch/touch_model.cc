@@ -46,11 +46,15 @@ void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& 
   out->by_setup(0, 5) = -torque_mm.dot(Eigen::Vector3d(sb, -sa * cb, ca * cb));
 }
 
-Eigen::Vector3d NominalNormal(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading) {
-  const Feature& feature = run.touches.features[run.touches.feature_of[reading]];
-  const auto pose = machine::EvaluateChain<double>(machine, run.PositionsOf(reading), {});
+Eigen::Vector3d NormalAt(const machine::Machine& machine, const Feature& feature, const Eigen::Vector3d& tip_mm,
+                         const double* positions) {
+  const auto pose = machine::EvaluateChain<double>(machine, positions, {});
   if (!feature.is_sphere) return pose.bed_from_table.rotation * feature.normal;
-  return (pose.bed_from_tool * run.tip_mm - pose.bed_from_table * feature.point_mm).normalized();
+  return (pose.bed_from_tool * tip_mm - pose.bed_from_table * feature.point_mm).normalized();
+}
+
+Eigen::Vector3d NominalNormal(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading) {
+  return NormalAt(machine, run.touches.features[run.touches.feature_of[reading]], run.tip_mm, run.PositionsOf(reading));
 }
 
 }  // namespace axiscal::touch

@@ -39,8 +39,10 @@ void Predict(const machine::Machine& machine, const instruments::MeasuringRun& r
 void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading,
               const machine::JointErrors<double>& errors, const double* setup, instruments::Evaluation* out);
 
-// The outward unit normal where the reading touches, in the bed's axes, on the nominal machine with its features in
-// their nominal places.
+// The outward unit normal of a feature towards the stylus at these positions (mm or rad per axis), in the bed's axes,
+// on the nominal machine with the feature in its nominal place; that where a reading touches.
+Eigen::Vector3d NormalAt(const machine::Machine& machine, const Feature& feature, const Eigen::Vector3d& tip_mm,
+                         const double* positions);
 Eigen::Vector3d NominalNormal(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading);
 
 }  // namespace axiscal::touch

@@ -1,0 +1,51 @@
+// One form of a line in a controller's log: literal text and fields in braces, "X{X_mm} Y{Y_mm} Z{Z_mm}".
+//   {NAME}   a number, or for a name of `text_fields` a text up to the next literal
+//   {*}      anything, passed over
+// Blanks of the pattern stand for any number of blanks, none included. Controllers pad numbers: blanks may stand before
+// a number and between its sign and its digits ("X-  390.0000"). Where every field is a number with a tag of letters of
+// its own before it, the fields may come in any order.
+#ifndef AXISCAL_CORE_LOGS_LINE_PATTERN_H_
+#define AXISCAL_CORE_LOGS_LINE_PATTERN_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/status.h"
+
+namespace axiscal::logs {
+
+struct Piece {
+  std::string literal;  // before the field; blanks at its ends are dropped
+  std::string field;    // "X_mm", "*", or empty behind the last field
+  bool is_text = false;
+};
+
+struct LinePattern {
+  std::string text;  // as written
+  std::vector<Piece> pieces;
+  bool is_any_order = false;
+};
+
+// INVALID_ARGUMENT: an unclosed or empty brace, a field named twice, two fields of text with nothing between them.
+absl::StatusOr<LinePattern> ParsePattern(const std::string& text);
+
+struct FieldValue {
+  double number = 0.0;
+  std::string text;
+  int decimals = 0;  // digits behind the point, of a number
+};
+
+struct Match {
+  bool is_match = false;
+  std::vector<FieldValue> fields;  // per piece of the pattern
+  // Where it failed, from 0, what stands there and what was expected. The line's own length: it ends too early.
+  size_t column = 0;
+  std::string expected;
+};
+
+Match MatchLine(const LinePattern& pattern, std::string_view line);
+
+}  // namespace axiscal::logs
+
+#endif  // AXISCAL_CORE_LOGS_LINE_PATTERN_H_

@@ -1,0 +1,43 @@
+// A controller's log reduced to a session file's content: what a touch probe's program printed (Fanuc's DPRNT) or a
+// control recorded (LinuxCNC's PROBEOPEN log), with what a template or a planned session says about it.
+#ifndef AXISCAL_CORE_LOGS_REDUCE_H_
+#define AXISCAL_CORE_LOGS_REDUCE_H_
+
+#include <istream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/logs/log_reader.h"
+#include "core/machine/machine.h"
+#include "core/session/session.h"
+
+namespace axiscal::logs {
+
+struct ReduceOptions {
+  const machine::Machine* machine = nullptr;  // checks axes and gates touches; needed for `approach: feature`
+  // The session that was planned and run: brings header, features and approaches; reading k is its line k, latched
+  // within kMaxOffPlanMm (linear axes) and kMaxOffPlanDeg of it.
+  const session::Session* plan = nullptr;
+  std::string session = "";                      // its name, in place of the template's or the plan's
+  std::optional<double> start_s = std::nullopt;  // t_s of the first reading where the log has no times
+};
+
+// A touch stops short of or beyond the planned contact by mounting and errors: far less than another feature stands
+// off.
+inline constexpr double kMaxOffPlanMm = 25.0, kMaxOffPlanDeg = 0.1;
+
+struct Reduced {
+  session::Session session;   // valid; header key `cut_line` where the log's last line was cut
+  std::vector<size_t> lines;  // of the log, by reading
+  std::optional<CutLine> cut;
+  std::vector<std::string> notes;  // for people: what is missing, what was filled in
+};
+
+// INVALID_ARGUMENT naming log or template, line, column and the rule; nothing is made up for what the log does not say.
+absl::StatusOr<Reduced> Reduce(std::istream& log, const std::string& log_name, const LogTemplate& log_template,
+                               const ReduceOptions& options);
+
+}  // namespace axiscal::logs
+
+#endif  // AXISCAL_CORE_LOGS_REDUCE_H_

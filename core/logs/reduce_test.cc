@@ -1,0 +1,197 @@
+#include "core/logs/reduce.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "core/instruments/run.h"
+#include "core/machine/testing/machines.h"
+#include "core/session/read_session.h"
+#include "core/session/write_session.h"
+
+namespace axiscal::logs {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+// Yao 2022, Fig 5.13; the stylus centre at home in the machine's origin, so that positions are places.
+constexpr char kHeader[] =
+    "# machine: mt\n# session: log\n# instrument: touch\n# sigma_um: 1.5\n# tool_tip_mm: 0 0 0\n"
+    "# stylus_radius_mm: 2.9106\n# sphere ball: -390 0 -472 5\n";
+
+std::string Fig513() {
+  std::stringstream text;
+  text << std::ifstream(AXISCAL_SOURCE_DIR "/tests/data/yao/fig-5.13-touch-log.txt", std::ios::binary).rdbuf();
+  return text.str();
+}
+
+absl::StatusOr<Reduced> ReduceText(const std::string& log, const std::string& rules,
+                                   const machine::Machine* machine = nullptr, const session::Session* plan = nullptr) {
+  const auto parsed = ParseTemplate(rules, "t.txt");
+  if (!parsed.ok()) return parsed.status();
+  std::istringstream in(log);
+  return Reduce(in, "probe.log", *parsed, {.machine = machine, .plan = plan});
+}
+
+std::string Refusal(const absl::StatusOr<Reduced>& reduced) {
+  return reduced.ok() ? "accepted" : std::string(reduced.status().message());
+}
+
+TEST(Reduce, YaosLogBecomesATouchSession) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto reduced = ReduceText(Fig513(), std::string(kHeader) + "format: dprnt\napproach: feature\n", &machine);
+  ASSERT_TRUE(reduced.ok()) << reduced.status();
+  EXPECT_EQ(reduced->session.reading_count(), 21u);
+  EXPECT_EQ(reduced->lines.front(), 4u);
+  EXPECT_FALSE(reduced->cut.has_value());
+  EXPECT_THAT(reduced->notes, Contains("line 2 of the log announces 40 readings, 21 are there"));
+  const session::Column* const y = session::FindColumn(reduced->session, "Y_mm");
+  ASSERT_NE(y, nullptr);
+  EXPECT_EQ(y->values[19], -7.3892);
+  // The first touch comes along -Z, the last along +Y.
+  EXPECT_NEAR(session::FindColumn(reduced->session, "nz")->values[0], -1.0, 1e-12);
+  EXPECT_NEAR(session::FindColumn(reduced->session, "ny")->values[20], 1.0, 1e-12);
+  const auto text = session::WriteSession(reduced->session);
+  ASSERT_TRUE(text.ok()) << text.status();
+  const auto read = session::ReadSessionText(*text, "again");
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(*read, reduced->session);
+  EXPECT_TRUE(instruments::BindSession(*read, machine).ok());
+}
+
+TEST(Reduce, FieldsInAnyOrderAndPaddedNumbersGiveTheSameSession) {
+  const std::string rules =
+      std::string(kHeader) + "line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg} C{C_deg}\napproach: 0 0 -1\n";
+  const auto plain = ReduceText("X-390.0000 Y0.0000 Z-464.5118 B0.0000 C0.0000\n", rules);
+  const auto padded = ReduceText("%\r\nC   0.0000 Z- 464.5118 B   0.0000   X- 390.0000 Y   0.0000\r\n%\r\n", rules);
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  ASSERT_TRUE(padded.ok()) << padded.status();
+  EXPECT_EQ(plain->session, padded->session);
+}
+
+TEST(Reduce, ACutLastLineIsReportedAndNotInvented) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::string rules = std::string(kHeader) + "format: dprnt\napproach: feature\n";
+  std::string log = Fig513();
+  log.resize(log.rfind('%'));  // the line end before it stays
+  for (const char* cut : {"X-391.0000 Y0.00", "X-391.0000 Y0.00\n", "X-391.0000 Y0.0000 Z-464.60 B0.0000 C0.0000",
+                          "X-391.0000 Y0.0000 Z-464.6000 B0.0000 C0.00\n",
+                          "X-391.0000 Y0.0000 Z-464.6000 B0.0000 C0.0000", "X-391.0000 Y-\n", "X"}) {
+    const auto reduced = ReduceText(log + cut, rules, &machine);
+    ASSERT_TRUE(reduced.ok()) << cut << ": " << reduced.status();
+    EXPECT_EQ(reduced->session.reading_count(), 21u) << cut;
+    ASSERT_TRUE(reduced->cut.has_value()) << cut;
+    EXPECT_EQ(reduced->cut->line, 25u) << cut;
+    EXPECT_THAT(reduced->notes, Contains(HasSubstr("cut, and left out: line 25 of the log"))) << cut;
+    EXPECT_THAT(session::FindHeader(reduced->session, "cut_line").value_or(""), HasSubstr("line 25")) << cut;
+    EXPECT_TRUE(session::WriteSession(reduced->session).ok());
+  }
+  // What is cut in the middle is no last line.
+  EXPECT_THAT(Refusal(ReduceText(log + "X-391.0000 Y0.00\n%\nX-390.0000 Y0.0000 Z-464.5118 B0.0000 C0.0000\n", rules,
+                                 &machine)),
+              HasSubstr("probe.log: line 25, column 17: the line's end, expected also Z"));
+}
+
+TEST(Reduce, LinuxCncLogsHaveNineNumbers) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::string rules = std::string(kHeader) + "format: linuxcnc-probe\napproach: feature\nseconds: 5\n";
+  const std::string line = "-390.000000 0.000000 -464.511800 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000\n";
+  const auto reduced = ReduceText(line + line, rules, &machine);
+  ASSERT_TRUE(reduced.ok()) << reduced.status();
+  ASSERT_EQ(reduced->session.reading_count(), 2u);
+  EXPECT_EQ(session::FindColumn(reduced->session, "Z_mm")->values[1], -464.5118);
+  EXPECT_EQ(session::FindColumn(reduced->session, "t_s")->values[1], 5.0);
+  EXPECT_THAT(Refusal(ReduceText("-390 0 -464.5118 12 0 0 0 0 0\n", rules, &machine)),
+              HasSubstr("probe.log: line 1: A_deg reads 12, but machine mt has no such axis"));
+  EXPECT_THAT(Refusal(ReduceText("-390 0 -464.5118 0 0 0\n-390 0 1 0 0 0 0 0 0\n", rules, &machine)),
+              HasSubstr("probe.log: line 1, column 23: the line's end, expected a number for U_mm"));
+  EXPECT_THAT(Refusal(ReduceText(line, rules)), HasSubstr("expected one of them or 'line:'"));
+}
+
+TEST(Reduce, CentresOfATableBecomeACentresSession) {
+  const std::string rules =
+      "# machine: mt\n# session: C\n# instrument: centres\n# sigma_um: 2\n# tool_tip_mm: 0 0 -382.95\n"
+      "# table_ball_mm: -390 0 -472\nline: C,{*},{B_deg},{C_deg},1,{cx_mm},{cy_mm},{cz_mm}\n"
+      "skip: setup,{*}\nskip: C,{*},{*},{*},2,{*}\nskip: B-{*}\n";
+  std::ifstream in(AXISCAL_SOURCE_DIR "/tests/data/yao/table-5.2-sphere-centres.csv");
+  std::stringstream log;
+  log << in.rdbuf();
+  const auto reduced = ReduceText(log.str(), rules);
+  ASSERT_TRUE(reduced.ok()) << reduced.status();
+  ASSERT_EQ(reduced->session.reading_count(), 4u);
+  EXPECT_EQ(session::FindColumn(reduced->session, "cy_mm")->values[3], -99.738);
+  EXPECT_EQ(session::FindColumn(reduced->session, "C_deg")->values[3], 270.0);
+  EXPECT_TRUE(session::WriteSession(reduced->session).ok());
+}
+
+TEST(Reduce, WhatTheLogDoesNotSayIsAskedFor) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::string header = kHeader, axes = "line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg} C{C_deg}\n",
+                    log = "X-390.0 Y0.0 Z-464.5118 B0.0 C0.0\n";
+  EXPECT_THAT(Refusal(ReduceText(log, header + axes)), HasSubstr("t.txt: nothing says from where the stylus came"));
+  EXPECT_THAT(Refusal(ReduceText(log, header + axes + "approach: feature\n")), HasSubstr("needs the machine"));
+  EXPECT_THAT(Refusal(ReduceText(log, header + "# plane top: 0 0 0 0 0 1\n" + axes + "approach: 0 0 -1\n")),
+              HasSubstr("probe.log: line 1: nothing says which feature was touched"));
+  EXPECT_THAT(Refusal(ReduceText(log, header + axes + "approach: 0 0 -1\nfeature: bal\n")),
+              HasSubstr("probe.log: line 1 (feature): 'bal', expected a name that the header describes"));
+  EXPECT_THAT(Refusal(ReduceText(log, header + "line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg}\nskip: X{*}\n")),
+              HasSubstr("no line is a reading"));
+  EXPECT_THAT(Refusal(ReduceText(log, header + "line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg} C{dL_mm}\napproach: 0 0 -1\n")),
+              HasSubstr("{dL_mm} is no column of instrument touch"));
+  EXPECT_THAT(Refusal(ReduceText("X-390 Y0 Z-464.5 B0\n",
+                                 header + "line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg}\napproach: 0 0 -1\n", &machine)),
+              HasSubstr("has no field {C_deg}, instrument touch needs it"));
+  EXPECT_THAT(Refusal(ReduceText("alarm 3\n" + log, header + axes + "approach: 0 0 -1\n")),
+              HasSubstr("probe.log: line 1, column 1: 'alarm 3', expected a field of"));
+  EXPECT_THAT(Refusal(ReduceText("", header + axes)), HasSubstr("no line is a reading"));
+  EXPECT_THAT(Refusal(ReduceText("X-9390000.0 Y0.0 Z-464.5118 B0.0 C0.0\n", header + axes + "approach: 0 0 -1\n")),
+              HasSubstr("probe.log: line 1 (X_mm): -9.39e+06, expected mm from"));
+  // With the machine touches are gated: this one is 90 mm off the ball.
+  EXPECT_THAT(
+      Refusal(ReduceText("X-390.0 Y0.0 Z-374.5118 B0.0 C0.0\n", header + axes + "approach: 0 0 -1\n", &machine)),
+      HasSubstr("reading 1 stands 89.578 mm off feature 'ball'"));
+}
+
+TEST(Reduce, ScalesAndMarksApply) {
+  const std::string rules = std::string(kHeader) +
+                            "# plane top: 0 0 0 0 0 1\nline: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg} C{C_deg}\n"
+                            "mark: Feature {feature}\naxis: X 25.4 -390\naxis: Z 1 0.5\napproach: 0 0 -1\n";
+  const auto reduced =
+      ReduceText("Feature top\nX1.0 Y0.0 Z2.0 B0.0 C0.0\nFeature ball\nX0.0 Y0.0 Z-464.0 B0.0 C0.0\n", rules);
+  ASSERT_TRUE(reduced.ok()) << reduced.status();
+  EXPECT_THAT(session::FindColumn(reduced->session, "feature")->texts, ::testing::ElementsAre("top", "ball"));
+  EXPECT_NEAR(session::FindColumn(reduced->session, "X_mm")->values[0], -364.6, 1e-9);
+  EXPECT_EQ(session::FindColumn(reduced->session, "Z_mm")->values[0], 2.5);
+}
+
+// A plan brings the header, the features and where each touch should be.
+TEST(Reduce, APlanSaysWhatWasTouched) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto planned = ReduceText(Fig513(), std::string(kHeader) + "format: dprnt\napproach: feature\n", &machine);
+  ASSERT_TRUE(planned.ok());
+  const auto dprnt = FindFormat("dprnt");
+  ASSERT_TRUE(dprnt.ok());
+  const auto reduce = [&](const std::string& log) {
+    std::istringstream in(log);
+    return Reduce(in, "probe.log", *dprnt, {.plan = &planned->session, .session = "today", .start_s = 3600.0});
+  };
+  const auto again = reduce(Fig513());
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(session::FindHeader(again->session, "session"), "today");
+  EXPECT_EQ(session::FindColumn(again->session, "t_s")->values[1], 3601.0);
+  EXPECT_EQ(*session::FindColumn(again->session, "nx"), *session::FindColumn(planned->session, "nx"));
+  const auto fewer = reduce("X-390.0000 Y0.0000 Z-464.5118 B0.0000 C0.0000\n");
+  ASSERT_TRUE(fewer.ok()) << fewer.status();
+  EXPECT_THAT(fewer->notes, Contains("the plan has 21 readings, the log 1: the rest is missing"));
+  EXPECT_THAT(
+      Refusal(reduce("X-390.0000 Y0.0000 Z-404.5118 B0.0000 C0.0000\n")),
+      HasSubstr("probe.log: line 1: Z_mm = -404.512, but line 1 of the plan is at -464.512, expected within 25"));
+  EXPECT_THAT(Refusal(reduce(Fig513() + "X-390.0000 Y-7.8969 Z-472.0000 B0.0000 C0.0000\n%\n")),
+              HasSubstr("line 26: reading 22, but the plan has 21"));
+}
+
+}  // namespace
+}  // namespace axiscal::logs
