@@ -6,6 +6,7 @@
 #include "core/base/files.h"
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
+#include "tests/known_answers/fang_grinder.h"
 #include "tests/known_answers/ibaraki_columns.h"
 
 namespace axiscal::known_answers {
@@ -19,6 +20,7 @@ struct Planned {
 };
 
 std::vector<Planned> PlannedSessions() {
+  constexpr double kCertificateUm = 1.0;  // of the sphere's place on the flange
   const Eigen::Vector3d elsewhere_mm(40, -60, 0), by_hand_mm(0.2, -0.1, 0.15);
   const auto elsewhere = [&](const Eigen::Vector3d& off_mm) {
     return ColumnsSession("columns-elsewhere", {-15, -45, -75}, {30, 120, 210, 330}, elsewhere_mm + off_mm);
@@ -27,6 +29,22 @@ std::vector<Planned> PlannedSessions() {
       {"ibaraki-columns", "fit/columns.csv", &TiltingTableAc(), ColumnsSession(), ColumnsSession(by_hand_mm).header},
       {"ibaraki-columns", "check/columns-elsewhere.csv", &TiltingTableAc(), elsewhere(Eigen::Vector3d::Zero()),
        elsewhere(-by_hand_mm).header},
+      {"fang-grinder",
+       "fit/pattern-1.csv",
+       &grinder::Machine(),
+       grinder::CentresSession("pattern-1", grinder::PatternOne(), 0.0, kCertificateUm),
+       {}},
+      {"fang-grinder",
+       "fit/pattern-2.csv",
+       &grinder::Machine(),
+       grinder::CentresSession("pattern-2", grinder::PatternTwo(), 1200.0, kCertificateUm),
+       {}},
+      {"fang-grinder",
+       "check/between.csv",
+       &grinder::Machine(),
+       grinder::CentresSession("between", {{-15, 20}, {-5, 35}, {5, 50}, {15, 65}, {25, 80}, {35, 40}, {40, 10}},
+                               2400.0, kCertificateUm),
+       {}},
   };
 }
 
