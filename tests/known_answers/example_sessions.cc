@@ -6,6 +6,7 @@
 #include "core/base/files.h"
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
+#include "tests/known_answers/chang_linked.h"
 #include "tests/known_answers/fang_grinder.h"
 #include "tests/known_answers/ibaraki_columns.h"
 
@@ -19,13 +20,24 @@ struct Planned {
   std::optional<std::vector<session::HeaderEntry>> stated_header;  // where the cell says that it stands
 };
 
+// Every third reading: 241 in place of 721.
+session::Session Thinned(session::Session session) {
+  constexpr size_t kEvery = 3;
+  for (session::Column& column : session.columns) {
+    size_t kept = 0;
+    for (size_t k = 0; k < column.values.size(); k += kEvery) column.values[kept++] = column.values[k];
+    column.values.resize(kept);
+  }
+  return session;
+}
+
 std::vector<Planned> PlannedSessions() {
   constexpr double kCertificateUm = 1.0;  // of the sphere's place on the flange
   const Eigen::Vector3d elsewhere_mm(40, -60, 0), by_hand_mm(0.2, -0.1, 0.15);
   const auto elsewhere = [&](const Eigen::Vector3d& off_mm) {
     return ColumnsSession("columns-elsewhere", {-15, -45, -75}, {30, 120, 210, 330}, elsewhere_mm + off_mm);
   };
-  return {
+  std::vector<Planned> all = {
       {"ibaraki-columns", "fit/columns.csv", &TiltingTableAc(), ColumnsSession(), ColumnsSession(by_hand_mm).header},
       {"ibaraki-columns", "check/columns-elsewhere.csv", &TiltingTableAc(), elsewhere(Eigen::Vector3d::Zero()),
        elsewhere(-by_hand_mm).header},
@@ -46,6 +58,16 @@ std::vector<Planned> PlannedSessions() {
                                2400.0, kCertificateUm),
        {}},
   };
+  for (const double height_mm : {100.0, 250.0, 160.0}) {
+    for (const char axis : {'X', 'Y'}) {
+      constexpr double kMountedUm = 0.5;  // found with an indicator before the test
+      const session::Session planned = Thinned(linked::Planned(axis, height_mm, kMountedUm));
+      const std::string file =
+          absl::StrCat(height_mm == 160.0 ? "check/" : "fit/", std::string(1, axis), "C-", height_mm, ".csv");
+      all.push_back({"chang-linked", file, &linked::Machine(), planned, {}});
+    }
+  }
+  return all;
 }
 
 // Controls report 0.1 um.
@@ -67,7 +89,7 @@ absl::StatusOr<std::vector<ExampleSession>> ExampleSessions() {
     ASSIGN_OR_RETURN(const machine::ErrorModel truth, machine::ReadErrors(text, *planned.machine));
     synthetic::NoiseOptions noise;
     noise.seed = sessions.size() + 1;
-    noise.draw_setup = false;
+    noise.draw_setup = session::FindHeader(planned.session, "instrument") == "ballbar";  // balls of the others: above
     ASSIGN_OR_RETURN(session::Session session, synthetic::Simulate(*planned.machine, truth, planned.session, noise));
     Round(&session);
     if (planned.stated_header) session.header = *planned.stated_header;
