@@ -7,12 +7,12 @@ namespace axiscal::compensate {
 
 using machine::ErrorTerm;
 
-Bend BendOf(const ErrorTerm& term, const Pose& from, const Pose& to) {
+Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to) {
   double amplitude = 0;
   for (int i = 0; i < shapes::BasisCount(term.shape); ++i) amplitude += std::abs(term.amplitude[i]);
   const auto along = [&](int axis, double* largest) {
-    *largest = std::max(std::abs(from.position[axis]), std::abs(to.position[axis]));
-    return std::abs(to.position[axis] - from.position[axis]);
+    *largest = std::max(std::abs(from[axis]), std::abs(to[axis]));
+    return std::abs(to[axis] - from[axis]);
   };
   double largest = 0;
   if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {
@@ -30,8 +30,8 @@ Bend BendOf(const ErrorTerm& term, const Pose& from, const Pose& to) {
   }
   if (const auto* bump = std::get_if<shapes::Bump>(&term.shape)) {
     // exp(-u^2) has slopes up to sqrt(2 / e) and curvatures up to 2; six widths away nothing is left of it.
-    const double low = std::min(from.position[bump->axis], to.position[bump->axis]) - bump->at;
-    const double high = std::max(from.position[bump->axis], to.position[bump->axis]) - bump->at;
+    const double low = std::min(from[bump->axis], to[bump->axis]) - bump->at;
+    const double high = std::max(from[bump->axis], to[bump->axis]) - bump->at;
     if (std::min(std::abs(low), std::abs(high)) > 6.0 * bump->width && low * high > 0) return {0, 0, 0};
     const double travel = along(bump->axis, &largest) / bump->width;
     return {amplitude, 0.858 * amplitude * travel, 2.0 * amplitude * travel * travel};

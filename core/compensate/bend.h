@@ -14,7 +14,7 @@ struct Bend {
 };
 
 // Of a term that is not constant; all axes move linearly from `from` to `to`.
-Bend BendOf(const machine::ErrorTerm& term, const Pose& from, const Pose& to);
+Bend BendOf(const machine::ErrorTerm& term, const AxisValues& from, const AxisValues& to);
 
 }  // namespace axiscal::compensate
 

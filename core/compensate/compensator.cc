@@ -201,7 +201,7 @@ struct Compensator::Impl {
     return Solve(pose, found->tip_per_mm, *lacking_mm, change_mm);
   }
 
-  void Apply(const double* change_mm, std::array<double, machine::kMaxAxes>* positions) const {
+  void Apply(const double* change_mm, AxisValues* positions) const {
     for (size_t k = 0; k < linear_axes.size(); ++k) (*positions)[linear_axes[k]] += change_mm[k];
   }
 
@@ -319,12 +319,11 @@ absl::StatusOr<Correction> Compensator::Correct(const Pose& pose) const {
 }
 
 absl::Status Compensator::Correct(const Pose& pose, Correction* correction) const {
-  static constexpr std::array<double, machine::kMaxAxes> kNothing{};
+  static constexpr AxisValues kNothing{};
   return Correct(pose, kNothing, correction);
 }
 
-absl::Status Compensator::Correct(const Pose& pose, const std::array<double, machine::kMaxAxes>& near_mm,
-                                  Correction* correction) const {
+absl::Status Compensator::Correct(const Pose& pose, const AxisValues& near_mm, Correction* correction) const {
   for (int i = 0; i < impl_->machine.axis_count(); ++i) {
     if (!std::isfinite(pose.position[i])) {
       return absl::InvalidArgumentError(
@@ -337,16 +336,16 @@ absl::Status Compensator::Correct(const Pose& pose, const std::array<double, mac
 // The correction is a product of at most two turns per rotary axis (the errors' and the inverse's), linear in the
 // linear axes: the second derivative along a move is bounded by the product rule, and a chord departs by at most an
 // eighth.
-double Compensator::DepartureBound(const Pose& from, const Pose& to) const {
+double Compensator::DepartureBound(const AxisValues& from, const AxisValues& to) const {
   constexpr double kSecondOrder = 2.0;  // products of errors, axes out of square
   double turn_rad = 0, travel_mm = 0, lever_mm = impl_->fixed_lever_mm;
   for (int i = 0; i < impl_->machine.axis_count(); ++i) {
-    const double change = std::abs(to.position[i] - from.position[i]);
+    const double change = std::abs(to[i] - from[i]);
     if (impl_->machine.axes[i].kind == machine::AxisKind::kRotary) {
       turn_rad += 2.0 * change;
     } else {
       travel_mm += change;
-      lever_mm += std::max(std::abs(from.position[i]), std::abs(to.position[i]));
+      lever_mm += std::max(std::abs(from[i]), std::abs(to[i]));
     }
   }
   const double largest_mm = impl_->translation_errors_mm + impl_->angle_errors_rad * lever_mm;

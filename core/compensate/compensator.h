@@ -31,15 +31,18 @@ struct Options {
 
 inline constexpr double kToleranceMm = 1e-5;  // 0.01 um
 
-// Commands in the order of machine.axes: mm, rad. `sense` is the direction of each axis' last motion, +1 or -1, 0
+// In the order of machine.axes: mm, rad.
+using AxisValues = std::array<double, machine::kMaxAxes>;
+
+// Commands. `sense` is the direction of each axis' last motion, +1 or -1, 0
 // unknown.
 struct Pose {
-  std::array<double, machine::kMaxAxes> position{};
-  std::array<double, machine::kMaxAxes> sense{};
+  AxisValues position{};
+  AxisValues sense{};
 };
 
 struct Correction {
-  std::array<double, machine::kMaxAxes> corrected{};  // commands to give instead, mm, rad; rotary axes as programmed
+  AxisValues corrected{};  // commands to give instead, mm, rad; rotary axes as programmed
   double before_mm = 0;                               // predicted tool-point error without correction, table frame
   double after_mm = 0;                                // with it, <= kToleranceMm
   double tilt_left_rad =
@@ -67,12 +70,12 @@ class Compensator {
   absl::Status Correct(const Pose& pose, Correction* correction) const;
   // The same, begun at a correction that is near (mm of each axis), as the last block's is: most often one step then.
   // The result is the same to kToleranceMm / 100.
-  absl::Status Correct(const Pose& pose, const std::array<double, machine::kMaxAxes>& near_mm,
+  absl::Status Correct(const Pose& pose, const AxisValues& near_mm,
                        Correction* correction) const;
 
   // How far the correction between two poses departs from its linear interpolation, at most (mm at the tool point, all
   // axes moving linearly). Cheap: for skipping moves that need no splitting.
-  double DepartureBound(const Pose& from, const Pose& to) const;
+  double DepartureBound(const AxisValues& from, const AxisValues& to) const;
   // Travel of one axis (mm or rad) over which the correction bends so little that samples that far apart show it.
   double smooth_travel(int axis) const;
 

@@ -272,7 +272,7 @@ TEST(Compensator, TheDepartureBoundHolds) {
         squared += departure * departure;
       }
       constexpr double kRoundoffMm = 1e-11;
-      const double bound = compensator.DepartureBound(from, to);
+      const double bound = compensator.DepartureBound(from.position, to.position);
       EXPECT_LE(std::sqrt(squared), bound + kRoundoffMm) << machine.id << ' ' << round;
       EXPECT_LT(bound, 100 * size);  // mm: finite, and shrinks with the move
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/two_turns.h"
+
 namespace axiscal::compensate {
 namespace {
 
@@ -14,19 +16,36 @@ inline Eigen::Vector3d Times(const Eigen::Matrix3d& m, const Eigen::Vector3d& v)
           m(2, 0) * v.x() + m(2, 1) * v.y() + m(2, 2) * v.z()};
 }
 
+// Two vectors side by side, so that one instruction works on both.
+using Two = double __attribute__((vector_size(16)));
+struct TwoVectors {
+  Two x, y, z;
+};
+
+inline Two Both(double value) { return Two{value, value}; }
+inline TwoVectors Beside(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return {Two{a.x(), b.x()}, Two{a.y(), b.y()}, Two{a.z(), b.z()}};
+}
+inline Eigen::Vector3d Part(const TwoVectors& v, int index) { return {v.x[index], v.y[index], v.z[index]}; }
+
+inline TwoVectors Times(const Eigen::Matrix3d& m, const TwoVectors& v) {
+  return {m(0, 0) * v.x + m(0, 1) * v.y + m(0, 2) * v.z, m(1, 0) * v.x + m(1, 1) * v.y + m(1, 2) * v.z,
+          m(2, 0) * v.x + m(2, 1) * v.y + m(2, 2) * v.z};
+}
+
 // Rodrigues: v + s (k x v) + (1 - c) k x (k x v).
-inline Eigen::Vector3d Turned(const Eigen::Vector3d& k, double s, double one_minus_cosine, const Eigen::Vector3d& v) {
-  const Eigen::Vector3d once(k.y() * v.z() - k.z() * v.y(), k.z() * v.x() - k.x() * v.z(),
-                             k.x() * v.y() - k.y() * v.x());
-  const Eigen::Vector3d twice(k.y() * once.z() - k.z() * once.y(), k.z() * once.x() - k.x() * once.z(),
-                              k.x() * once.y() - k.y() * once.x());
-  return {v.x() + s * once.x() + one_minus_cosine * twice.x(), v.y() + s * once.y() + one_minus_cosine * twice.y(),
-          v.z() + s * once.z() + one_minus_cosine * twice.z()};
+inline TwoVectors Turned(const Eigen::Vector3d& k, double s, double one_minus_cosine, const TwoVectors& v) {
+  const auto cross = [&k](const TwoVectors& u) {
+    return TwoVectors{k.y() * u.z - k.z() * u.y, k.z() * u.x - k.x() * u.z, k.x() * u.y - k.y() * u.x};
+  };
+  const TwoVectors once = cross(v), twice = cross(once);
+  return {v.x + s * once.x + one_minus_cosine * twice.x, v.y + s * once.y + one_minus_cosine * twice.y,
+          v.z + s * once.z + one_minus_cosine * twice.z};
 }
 
 // About a coordinate axis by the angle of this sine and cosine; `a` turns towards `b`.
-inline void TurnPlane(double s, double c, double* a, double* b) {
-  const double before = *a;
+inline void TurnPlane(double s, double c, Two* a, Two* b) {
+  const Two before = *a;
   *a = c * before - s * *b;
   *b = s * before + c * *b;
 }
@@ -35,15 +54,15 @@ struct Turn {
   const FoldedChain::Stage& stage;
   double s, one_minus_cosine;
 
-  void Apply(Eigen::Vector3d* v) const {
+  void Apply(TwoVectors* v) const {
     const double c = 1.0 - one_minus_cosine;
     switch (stage.turn_coordinate) {
       case 0:
-        return TurnPlane(s, c, &v->y(), &v->z());
+        return TurnPlane(s, c, &v->y, &v->z);
       case 1:
-        return TurnPlane(s, c, &v->z(), &v->x());
+        return TurnPlane(s, c, &v->z, &v->x);
       case 2:
-        return TurnPlane(s, c, &v->x(), &v->y());
+        return TurnPlane(s, c, &v->x, &v->y);
       default:
         *v = Turned(stage.turn_direction, s, one_minus_cosine, *v);
     }
@@ -97,7 +116,8 @@ class Folder {
   void NewStage() {
     FoldedChain::Stage& stage = stages_.emplace_back();
     stage.columns.count = static_cast<int>(linear_axes_.size());
-    for (int k = 0; k < stage.columns.count; ++k) stage.columns.of_axis[k].setZero();
+    // One more: Evaluate reads them two by two.
+    for (int k = 0; k < stage.columns.count + stage.columns.count % 2; ++k) stage.columns.of_axis[k].setZero();
   }
 
   const machine::Machine& machine_;
@@ -143,48 +163,64 @@ void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
 }
 
 void EvaluateTurns(const machine::Machine& machine, const double* positions, Turns* turns) {
+  const auto set = [turns](int axis, const geometry::TwoTurns& two, int index) {
+    turns->sine[axis] = two.sine[index];
+    turns->one_minus_cosine[axis] = 1.0 - two.cosine[index];
+  };
+  int single = -1;
   for (int i = 0; i < machine.axis_count(); ++i) {
     if (machine.axes[i].kind != machine::AxisKind::kRotary) continue;
-    double cosine = 0;
-    sincos(positions[i], &turns->sine[i], &cosine);  // of glibc: half the time of two calls
-    turns->one_minus_cosine[i] = 1.0 - cosine;
+    if (single < 0) {
+      single = i;
+      continue;
+    }
+    const geometry::TwoTurns two = geometry::SineCosineOfTwo(positions[single], positions[i]);
+    set(single, two, 0);
+    set(i, two, 1);
+    single = -1;
   }
+  if (single >= 0) set(single, geometry::SineCosineOfTwo(positions[single], 0.0), 0);
 }
 
 void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear_mm, const Eigen::Vector3d& tip_mm,
               const Eigen::Vector3d& tool_direction, bool with_columns, AffineTip* out) {
-  Eigen::Vector3d tip = tip_mm, direction = tool_direction;
-  const int count = chain.stages.front().columns.count;
-  Columns& columns = out->tip_per_mm;
-  columns.count = count;
-  bool any_columns = false;
+  TwoVectors tool = Beside(tip_mm, tool_direction);
+  const int count = chain.stages.front().columns.count, pairs = with_columns ? (count + 1) / 2 : 0;
+  TwoVectors columns[(machine::kMaxAxes + 1) / 2];
+  for (int k = 0; k < pairs; ++k) columns[k] = Beside(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  int moved_pairs = 0;  // pairs, or 0 where no column differs from zero yet
   for (const FoldedChain::Stage& stage : chain.stages) {
     if (stage.has_rotation) {
-      tip = Times(stage.rotation, tip);
-      direction = Times(stage.rotation, direction);
-      for (int k = 0; with_columns && any_columns && k < count; ++k)
-        columns.of_axis[k] = Times(stage.rotation, columns.of_axis[k]);
+      tool = Times(stage.rotation, tool);
+      for (int k = 0; k < moved_pairs; ++k) columns[k] = Times(stage.rotation, columns[k]);
     }
-    tip += stage.translation_mm;
+    Eigen::Vector3d move_mm = stage.translation_mm;
     if (stage.has_columns) {
-      for (int k = 0; k < count; ++k) {
-        tip += stage.columns.of_axis[k] * linear_mm[k];
-        if (with_columns)
-          columns.of_axis[k] = any_columns ? columns.of_axis[k] + stage.columns.of_axis[k] : stage.columns.of_axis[k];
+      const auto& own = stage.columns.of_axis;  // zero behind the last one
+      for (int k = 0; k < count; ++k) move_mm += own[static_cast<size_t>(k)] * linear_mm[k];
+      for (int k = 0; k < pairs; ++k) {
+        const TwoVectors two = Beside(own[static_cast<size_t>(2 * k)], own[static_cast<size_t>(2 * k + 1)]);
+        columns[k].x += two.x;
+        columns[k].y += two.y;
+        columns[k].z += two.z;
       }
-      any_columns = true;
+      moved_pairs = pairs;
     }
+    tool.x[0] += move_mm.x();
+    tool.y[0] += move_mm.y();
+    tool.z[0] += move_mm.z();
     if (stage.turn_axis < 0) continue;
     const Turn turn{stage, stage.turn_sign * turns.sine[stage.turn_axis], turns.one_minus_cosine[stage.turn_axis]};
-    turn.Apply(&tip);
-    turn.Apply(&direction);
-    for (int k = 0; with_columns && any_columns && k < count; ++k) turn.Apply(&columns.of_axis[k]);
+    turn.Apply(&tool);
+    for (int k = 0; k < moved_pairs; ++k) turn.Apply(&columns[k]);
   }
-  if (with_columns && !any_columns) {
-    for (int k = 0; k < count; ++k) columns.of_axis[k].setZero();
+  out->tip_in_table_mm = Part(tool, 0);
+  out->direction_in_table = Part(tool, 1);
+  out->tip_per_mm.count = count;
+  for (int k = 0; k < pairs; ++k) {
+    out->tip_per_mm.of_axis[static_cast<size_t>(2 * k)] = Part(columns[k], 0);
+    if (2 * k + 1 < count) out->tip_per_mm.of_axis[static_cast<size_t>(2 * k + 1)] = Part(columns[k], 1);
   }
-  out->tip_in_table_mm = tip;
-  out->direction_in_table = direction;
 }
 
 }  // namespace axiscal::compensate

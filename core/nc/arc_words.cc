@@ -47,7 +47,7 @@ bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, con
 }
 
 void BlockWriter::WriteArcWord(const char* text, const Word& word, const Piece& piece, const AxisTicks& start,
-                               uint32_t* copied, std::string* out) const {
+                               uint32_t* copied, OutBuffer* out) const {
   const Role role = interpreter_->RoleOf(word.letter);
   const auto copy_to = [&](uint32_t at) {
     out->append(text + *copied, at - *copied);
@@ -77,7 +77,7 @@ void BlockWriter::WriteArcWord(const char* text, const Word& word, const Piece& 
 }
 
 void BlockWriter::InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start,
-                               std::string* out) {
+                               OutBuffer* out) {
   bool found[2] = {false, false};
   for (const Word& word : block) {
     const Role role = interpreter_->RoleOf(word.letter);
@@ -97,7 +97,7 @@ void BlockWriter::InsertCentre(const char* text, const Block& block, const Piece
 }
 
 void BlockWriter::AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
-                                 std::string* out) const {
+                                 OutBuffer* out) const {
   const auto append = [&](char letter, const Word* word) {
     Rounded rounded;
     if (!ArcWord(letter, word, piece, start, &rounded)) return;
@@ -135,7 +135,7 @@ std::string BlockWriter::MotionFor(const Block& block, bool wants_arc) const {
   return interpreter_->modal().is_clockwise ? "G02 " : "G03 ";
 }
 
-void BlockWriter::CopyBlock(const char* text, size_t size, const Block& block, const Step& step, std::string* out) {
+void BlockWriter::CopyBlock(const char* text, size_t size, const Block& block, const Step& step, OutBuffer* out) {
   if (!is_in_chords_ || step.kind == StepKind::kUntouched || step.kind == StepKind::kNone) {
     if (is_in_chords_ && HasMotionWord(block)) is_in_chords_ = false;
     out->append(text, size);

@@ -138,20 +138,20 @@ bool BlockWriter::IsPacked(const char* text, const Block& block) {
   return false;
 }
 
-void BlockWriter::AppendNumber(const Rounded& rounded, const Word* word, std::string* out) const {
+void BlockWriter::AppendNumber(const Rounded& rounded, const Word* word, OutBuffer* out) const {
   const bool is_increments = word != nullptr && IsIncrements(*word);
   const bool plus = word != nullptr ? word->number.has_plus : interpreter_->dialect().writes_plus;
   AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, plus, !is_increments, out);
 }
 
-void BlockWriter::AppendFeed(const Word& word, double fraction, std::string* out) const {
+void BlockWriter::AppendFeed(const Word& word, double fraction, OutBuffer* out) const {
   const int decimals = std::clamp<int>(word.number.decimals, kFeedDecimals, kMaxDecimals);
   const double feed = ValueOf(word.number) / std::max(fraction, kLeastShare);
   AppendFixed(std::llround(feed * static_cast<double>(kPowersOfTen[decimals])), decimals, false, true, out);
 }
 
 void BlockWriter::InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets,
-                              bool is_lower, std::string* out) {
+                              bool is_lower, OutBuffer* out) {
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
     const Ticks base = BaseOf(block, step, axis);
@@ -166,7 +166,7 @@ void BlockWriter::InsertWords(const char* text, const Block& block, const Step& 
 }
 
 bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
-                              std::string* out) {
+                              OutBuffer* out) {
   constexpr size_t kMaxBytes = 256;
   if (step.is_arc || is_in_chords_ || size > kMaxBytes || interpreter_->modal().is_incremental) return false;
   for (const int axis : order_) {
@@ -175,8 +175,7 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
                   GrainTicks(interpreter_->ticks_per_unit(axis), DecimalsOf(block, step, axis))))
       return false;
   }
-  char buffer[kMaxBytes + machine::kMaxAxes * kMaxFixedBytes];
-  char* to = buffer;
+  char* to = out->Room(kMaxBytes + machine::kMaxAxes * kMaxFixedBytes);
   uint32_t copied = 0;
   for (const Word& word : block) {
     const int axis = interpreter_->AxisOf(word.letter);
@@ -195,19 +194,17 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
     const Decimal number = interpreter_->Meant(word.number);
     SetCommanded(axis, rounded, base);
     if (rounded.mantissa == number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) continue;
-    for (; copied < word.number_at; ++copied) *to++ = text[copied];
+    to = CopyShort(text + copied, word.number_at - copied, to);
     const bool is_increments = IsIncrements(word);
     to = WriteFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, number.has_plus, !is_increments, to);
     copied = word.end;
   }
-  __builtin_memcpy(to, text + copied, size - copied);
-  to += size - copied;
-  out->append(buffer, static_cast<size_t>(to - buffer));
+  out->Take(CopyShort(text + copied, size - copied, to));
   return true;
 }
 
 void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
-                             double feed_fraction, std::string* out) {
+                             double feed_fraction, OutBuffer* out) {
   if (feed_fraction == 1.0 && WriteSimple(text, size, block, step, piece, out)) return;
   const bool scales_feed = feed_fraction < 1.0 && interpreter_->modal().feed_mode == FeedMode::kInverseTime;
   const AxisTicks start = step.is_arc ? commanded_.ticks : AxisTicks();
@@ -264,7 +261,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
 }
 
 void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction,
-                             bool is_packed, const std::string& line_end, std::string* out) {
+                             bool is_packed, const std::string& line_end, OutBuffer* out) {
   const AxisTicks start = commanded_.ticks;
   bool is_first = true;
   out->append(interpreter_->dialect().piece_prefix);

@@ -12,6 +12,7 @@
 #include "core/nc/block.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/move_corrector.h"
+#include "core/nc/out_buffer.h"
 
 namespace axiscal::nc {
 
@@ -40,13 +41,13 @@ class BlockWriter {
   // Appends `text` (line end included) so that every axis goes to `piece.targets`, rounded to the word's grain.
   // `feed_fraction` < 1: the block is a piece of its move and G93 scales its F word.
   void WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
-                  double feed_fraction, std::string* out);
+                  double feed_fraction, OutBuffer* out);
   // Appends a piece of the same move: axis words, the F word in G93, line end; no N, no other words.
   void WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction, bool is_packed,
-                  const std::string& line_end, std::string* out);
+                  const std::string& line_end, OutBuffer* out);
   // Appends a block that stays as it is. Where an arc was written as chords and the block relies on the arc's code, the
   // code is put in front of its words.
-  void CopyBlock(const char* text, size_t size, const Block& block, const Step& step, std::string* out);
+  void CopyBlock(const char* text, size_t size, const Block& block, const Step& step, OutBuffer* out);
 
   // What the words of this block can hold.
   WordGrain GrainOf(const Block& block, const Step& step) const;
@@ -60,7 +61,7 @@ class BlockWriter {
   };
   // Most blocks: a linear move whose words suffice and are absolute. False, and nothing written, for any other.
   bool WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
-                   std::string* out);
+                   OutBuffer* out);
   int DecimalsOf(const Block& block, const Step& step, int axis) const;
   int DecimalsOf(const Word& word, bool is_inch) const;
   // What a word of 0 means: the commanded position in G91, the coordinates' origin else.
@@ -69,17 +70,17 @@ class BlockWriter {
   void SetCommanded(int axis, const Rounded& rounded, Ticks base);
   bool NeedsWord(int axis, Ticks target, Ticks grain) const;
   bool IsIncrements(const Word& word) const;
-  void AppendNumber(const Rounded& rounded, const Word* word, std::string* out) const;
-  void AppendFeed(const Word& word, double fraction, std::string* out) const;
+  void AppendNumber(const Rounded& rounded, const Word* word, OutBuffer* out) const;
+  void AppendFeed(const Word& word, double fraction, OutBuffer* out) const;
   void InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets, bool is_lower,
-                   std::string* out);
+                   OutBuffer* out);
   // I, J, K or R of a written arc that began at `start`. False: such a word is not of this arc.
   bool ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start, Rounded* rounded) const;
   void WriteArcWord(const char* text, const Word& word, const Piece& piece, const AxisTicks& start, uint32_t* copied,
-                    std::string* out) const;
+                    OutBuffer* out) const;
   void AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
-                      std::string* out) const;
-  void InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start, std::string* out);
+                      OutBuffer* out) const;
+  void InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start, OutBuffer* out);
   // "G02 ": the code that the controller must be told before a block, "" when it is in force.
   std::string MotionFor(const Block& block, bool wants_arc) const;
   bool HasMotionWord(const Block& block) const;

@@ -62,10 +62,15 @@ inline int64_t RoundToGrains(Ticks ticks, Ticks grain_ticks) {
 
 // Appends units of 10^-decimals in fixed notation: "-12.0500", "+0.5000" with `plus`, never "-0.0000". No decimals:
 // "12", or "12." with `point`.
-// WriteFixed returns the end of what it wrote, at most kMaxFixedBytes.
+// WriteFixed returns the end of what it wrote; it may touch kMaxFixedBytes.
 inline constexpr int kMaxFixedBytes = 32;
 char* WriteFixed(int64_t mantissa, int decimals, bool plus, bool point, char* to);
-void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, std::string* text);
+// To a string or an OutBuffer.
+template <typename Text>
+void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, Text* text) {
+  char buffer[kMaxFixedBytes];
+  text->append(buffer, static_cast<size_t>(WriteFixed(mantissa, decimals, plus, point, buffer) - buffer));
+}
 
 }  // namespace axiscal::nc
 

@@ -115,6 +115,8 @@ class Interpreter {
   // Why axis words of this block cannot be followed, or "".
   std::string WhyNoMove(const Request& request, bool* is_consequence) const;
   void Move(const Block& block, const Request& request, Step* step);
+  // Whether a word may be a difference (G91) of the axis' position; Unsupported when not.
+  bool MayMoveBy(int axis, Step* step);
   // The axis words' positions into step->end; false and Unsupported when one cannot be read.
   bool ReadTargets(const Block& block, Step* step);
   bool ReadArc(const Block& block, const Request& request, Step* step);

@@ -8,6 +8,8 @@ namespace {
 
 constexpr Ticks kMaxTicks = 10'000'000 * kTicksPerMm;  // 10 km: ticks stay far from overflow
 
+bool InRange(Ticks ticks) { return ticks <= kMaxTicks && ticks >= -kMaxTicks; }
+
 const char* NameOf(ModalGroup group) {
   switch (group) {
     case kMotionGroup:
@@ -179,6 +181,19 @@ std::optional<Ticks> Interpreter::LengthTicks(const Word& word) const {
   return !ticks || std::abs(*ticks) > kMaxTicks ? std::nullopt : ticks;
 }
 
+bool Interpreter::MayMoveBy(int axis, Step* step) {
+  if (!step->end.is_known(axis)) {
+    Unsupported(absl::StrCat("G91 from an unknown position of ", machine_->axes[axis].name), is_unknown_reported(axis),
+                step);
+    return false;
+  }
+  if ((needs_absolute_ >> axis & 1) && machine_->axes[axis].name == "Z") {
+    Unsupported("G91 behind a change of the tool length: controllers differ", false, step);
+    return false;
+  }
+  return true;
+}
+
 bool Interpreter::ReadTargets(const Block& block, Step* step) {
   const int count = machine_->axis_count();
   step->start = positions_;
@@ -189,34 +204,27 @@ bool Interpreter::ReadTargets(const Block& block, Step* step) {
     const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
     const auto bit = static_cast<uint16_t>(1u << i);
     const bool is_incremental = IsIncremental(word);
-    if (is_incremental && !end.is_known(i)) {
-      Unsupported(absl::StrCat("G91 from an unknown position of ", machine_->axes[i].name), is_unknown_reported(i),
-                  step);
-      return false;
-    }
-    if (is_incremental && (needs_absolute_ & bit) && machine_->axes[i].name == "Z") {
-      Unsupported("G91 behind a change of the tool length: controllers differ", false, step);
-      return false;
-    }
+    if (is_incremental && !MayMoveBy(i, step)) return false;
     needs_absolute_ &= static_cast<uint16_t>(~bit);
-    const Decimal number = Meant(word.number);
-    const std::optional<Ticks> value = ToTicks(number, ticks_per_unit(i));
-    const Ticks base = is_incremental ? end.ticks[i] : offset(i);
-    const bool is_odd = !number.has_point && number.digits >= 5;
-    if (is_odd || !value || std::abs(*value) > kMaxTicks || std::abs(base + *value) > kMaxTicks) {
+    const Ticks base = is_incremental ? end.ticks[i] : offset(i), before = end.ticks[i];
+    const std::optional<Ticks> value = ToTicks(Meant(word.number), ticks_per_unit(i));
+    const bool is_odd = !word.number.has_point && word.number.digits >= 5;
+    // Both are far from overflow: ticks are within 9e18, bases within 1e17.
+    const bool is_in_range = value && InRange(*value) && InRange(base + *value);
+    if (is_odd || !is_in_range) {
       std::string problem = WordProblem(word);
-      if (problem.empty() && (!value || std::abs(base + *value) > kMaxTicks))
-        problem = absl::StrCat("word ", WordText(word), " is out of range");
+      if (problem.empty() && !is_in_range) problem = absl::StrCat("word ", WordText(word), " is out of range");
       if (!problem.empty()) {
         Unsupported(std::move(problem), false, step);
         return false;
       }
     }
     const Ticks target = base + *value;
-    if (!end.is_known(i)) {
+    const auto sense = static_cast<int8_t>((target > before) - (target < before));
+    if ((end.known & bit) == 0) {
       end.sense[i] = 0;
-    } else if (target != end.ticks[i]) {
-      end.sense[i] = target > end.ticks[i] ? 1 : -1;
+    } else if (sense != 0) {
+      end.sense[i] = sense;
     }
     end.ticks[i] = target;
     end.known |= bit;

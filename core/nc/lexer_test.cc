@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 #include <string>
 
 namespace axiscal::nc {
@@ -106,6 +107,21 @@ TEST(Decimal, FixedNotation) {
   EXPECT_EQ(fixed(12, 0, false, true), "12.");
   EXPECT_EQ(fixed(12, 0, false, false), "12");
   EXPECT_EQ(fixed(std::numeric_limits<int64_t>::min(), 3, false, true), "-9223372036854775.808");
+}
+
+// Against digits written one by one, at every length and place of the point.
+TEST(Decimal, FixedNotationOfEveryLength) {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const int decimals = static_cast<int>(random() % (kMaxDecimals + 1));
+    const auto size = static_cast<int64_t>(random() >> (1 + random() % 63));
+    std::string digits = std::to_string(size);
+    digits.insert(0, std::max<size_t>(static_cast<size_t>(decimals) + 1, digits.size()) - digits.size(), '0');
+    digits.insert(digits.size() - static_cast<size_t>(decimals), decimals > 0 ? "." : "");
+    std::string text;
+    AppendFixed(-size, decimals, false, false, &text);
+    EXPECT_EQ(text, (size == 0 ? "" : "-") + digits);
+  }
 }
 
 }  // namespace

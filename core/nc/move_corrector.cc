@@ -40,16 +40,16 @@ MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const R
 }
 
 absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& senses, Piece* piece) const {
-  compensate::Pose pose;
+  compensate::AxisValues near_mm;
+  for (const int axis : compensator_->linear_axes())
+    near_mm[axis] = static_cast<double>(piece->targets[axis] - piece->nominal[axis]) * (1.0 / kTicksPerUnit);
+  compensate::Pose& pose = piece->pose;
   for (int i = 0; i < axis_count_; ++i) {
     pose.position[i] = static_cast<double>(nominal[i]) * unit_per_tick_[i];
     pose.sense[i] = senses[i];
+    piece->nominal[i] = piece->targets[i] = nominal[i];
   }
-  std::array<double, machine::kMaxAxes> near_mm;
-  for (const int axis : compensator_->linear_axes())
-    near_mm[axis] = static_cast<double>(piece->targets[axis] - piece->nominal[axis]) * (1.0 / kTicksPerUnit);
   RETURN_IF_ERROR(compensator_->Correct(pose, near_mm, &piece->correction));
-  piece->nominal = piece->targets = nominal;
   for (const int axis : compensator_->linear_axes()) {
     // The change alone is converted: a position of 500 mm has no digits to lose to it.
     const double change_mm = piece->correction.corrected[axis] - pose.position[axis];
@@ -118,13 +118,10 @@ int MoveCorrector::SampleIntervals(const Step& step) const {
   return static_cast<int>(std::min<double>(intervals, kMaxIntervals));
 }
 
-absl::StatusOr<double> MoveCorrector::Departure(const Step& step) const {
-  compensate::Pose from, to;
-  for (int i = 0; i < axis_count_; ++i) {
-    from.position[i] = static_cast<double>(step.start.ticks[i]) * unit_per_tick_[i];
-    to.position[i] = static_cast<double>(step.end.ticks[i]) * unit_per_tick_[i];
-  }
-  const double bound_mm = compensator_->DepartureBound(from, to);
+absl::StatusOr<double> MoveCorrector::Departure(const Step& step, const Piece& end) const {
+  compensate::AxisValues from;
+  for (int i = 0; i < axis_count_; ++i) from[i] = static_cast<double>(step.start.ticks[i]) * unit_per_tick_[i];
+  const double bound_mm = compensator_->DepartureBound(from, end.pose.position);
   if (bound_mm <= tolerance_mm_) return bound_mm;
   std::vector<Change> samples;
   const int intervals = SampleIntervals(step);

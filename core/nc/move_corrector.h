@@ -15,6 +15,7 @@ namespace axiscal::nc {
 struct Piece {
   double end_fraction = 1.0;  // of the nominal move; the share 0 takes up what the sense of motion changed
   AxisTicks nominal{};        // axis positions at its end
+  compensate::Pose pose;      // the same in mm and rad, with the senses of motion there
   compensate::Correction correction;
   AxisTicks targets{};  // corrected, exact; rotary axes as nominal
   bool is_arc = false;
@@ -35,8 +36,8 @@ class MoveCorrector {
   absl::Status CorrectEnd(const Step& step, Piece* piece) const;
 
   // How far the correction along the linear move departs from the straight line between its ends: an upper bound where
-  // that is below the tolerance, sampled otherwise. The move's start must be known.
-  absl::StatusOr<double> Departure(const Step& step) const;
+  // that is below the tolerance, sampled otherwise. The move's start must be known; `end` is what CorrectEnd filled.
+  absl::StatusOr<double> Departure(const Step& step, const Piece& end) const;
 
   // Where the start of the move lies by the senses of this move; it differs from what is commanded behind a reversal.
   // The move's start must be known.

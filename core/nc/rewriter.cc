@@ -13,6 +13,7 @@
 #include "core/nc/line_splitter.h"
 #include "core/nc/mark.h"
 #include "core/nc/move_corrector.h"
+#include "core/nc/out_buffer.h"
 #include "core/nc/rewrite.h"
 
 namespace axiscal::nc {
@@ -45,7 +46,6 @@ struct Rewriter::Impl {
     for (const Tool& tool : tools) tool_correctors.emplace_back(tool.compensator, options);
     unknown_reported.fill(-1);
     all_axes = static_cast<uint16_t>((1u << compensator.machine().axis_count()) - 1);
-    out.reserve(2 * kOutBytes);
   }
 
   const Compensator& compensator;
@@ -63,7 +63,7 @@ struct Rewriter::Impl {
   BlockText now;
   Step step;
   Piece piece;
-  std::string out;
+  OutBuffer out;
   absl::Status status;
   std::array<int64_t, machine::kMaxAxes> unknown_reported;  // line since which an axis' unknown position was reported
   uint16_t all_axes = 0;
@@ -216,7 +216,7 @@ struct Rewriter::Impl {
   double MoveDeparture() {
     if (step.is_rapid || step.start.known != all_axes) return 0.0;
     if (TakesUpReversal()) return std::numeric_limits<double>::infinity();
-    const absl::StatusOr<double> departure_mm = corrector().Departure(step);
+    const absl::StatusOr<double> departure_mm = corrector().Departure(step, piece);
     return departure_mm.ok() ? *departure_mm : std::numeric_limits<double>::infinity();
   }
 
