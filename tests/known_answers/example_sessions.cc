@@ -9,6 +9,7 @@
 #include "tests/known_answers/chang_linked.h"
 #include "tests/known_answers/fang_grinder.h"
 #include "tests/known_answers/ibaraki_columns.h"
+#include "tests/known_answers/liu_blocks.h"
 
 namespace axiscal::known_answers {
 namespace {
@@ -18,6 +19,7 @@ struct Planned {
   const machine::Machine* machine;
   session::Session session;                                        // where everything stands
   std::optional<std::vector<session::HeaderEntry>> stated_header;  // where the cell says that it stands
+  std::string truth_file = "truth.json";
 };
 
 // Every third reading: 241 in place of 721.
@@ -67,6 +69,33 @@ std::vector<Planned> PlannedSessions() {
       all.push_back({"chang-linked", file, &linked::Machine(), planned, {}});
     }
   }
+  // The head's cubes stand on the linear axes, where C's errors do not move them.
+  constexpr double kFoundUm = 1.0;
+  all.push_back({"liu-blocks/swivel-head",
+                 "head.csv",
+                 &blocks::SwivelHead(),
+                 blocks::Touches(blocks::SwivelHead(), "head", blocks::kHeadMm, blocks::HeadPatterns(), kFoundUm),
+                 {},
+                 "truth-head.json"});
+  all.push_back(
+      {"liu-blocks/swivel-head", "table.csv", &blocks::SwivelHead(),
+       blocks::Touches(blocks::SwivelHead(), "table", blocks::kHeadMm, blocks::TablePatterns(), {}),
+       blocks::Touches(blocks::SwivelHead(), "table", blocks::kHeadMm, blocks::TablePatterns(), {}, by_hand_mm)
+           .header});
+  all.push_back(
+      {"liu-blocks/double-head",
+       "fit/patterns.csv",
+       &blocks::DoubleHead(),
+       blocks::Touches(blocks::DoubleHead(), "patterns", blocks::kDoubleMm, blocks::DoubleHeadPatterns(), kFoundUm),
+       {}});
+  const std::vector<blocks::Pattern> between = {{"x", {{"B", -45}, {"A", -20}}}, {"y", {{"B", -45}, {"A", -20}}},
+                                                {"x", {{"B", -15}, {"A", -60}}}, {"y", {{"B", -15}, {"A", -60}}},
+                                                {"x", {{"B", 30}, {"A", -40}}},  {"y", {{"B", 30}, {"A", -40}}}};
+  all.push_back({"liu-blocks/double-head",
+                 "check/between.csv",
+                 &blocks::DoubleHead(),
+                 blocks::Touches(blocks::DoubleHead(), "between", blocks::kDoubleMm, between, kFoundUm),
+                 {}});
   return all;
 }
 
@@ -85,7 +114,7 @@ absl::StatusOr<std::vector<ExampleSession>> ExampleSessions() {
   std::vector<ExampleSession> sessions;
   for (const Planned& planned : PlannedSessions()) {
     const std::string root = std::string(AXISCAL_SOURCE_DIR "/deploy/examples/") + planned.folder + "/";
-    ASSIGN_OR_RETURN(const std::string text, base::ReadFile(root + "truth.json", 1 << 20));
+    ASSIGN_OR_RETURN(const std::string text, base::ReadFile(root + planned.truth_file, 1 << 20));
     ASSIGN_OR_RETURN(const machine::ErrorModel truth, machine::ReadErrors(text, *planned.machine));
     synthetic::NoiseOptions noise;
     noise.seed = sessions.size() + 1;

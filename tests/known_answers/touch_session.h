@@ -43,12 +43,13 @@ class TouchSession {
     faces_[name] = face;
   }
 
-  // Touches the face at its point, the rotary axes at `rotary_deg` (others at zero).
-  void Touch(const std::string& name, const std::map<std::string, double>& rotary_deg) {
+  // Touches the face `aside_mm` from its point, the rotary axes at `rotary_deg` (others at zero).
+  void Touch(const std::string& name, const std::map<std::string, double>& rotary_deg,
+             const Eigen::Vector3d& aside_mm = Eigen::Vector3d::Zero()) {
     const Face& face = faces_.at(name);
     std::vector<double> positions(machine_.axis_count(), 0.0);
     for (const auto& [axis, deg] : rotary_deg) positions[machine::FindAxis(machine_, axis)] = deg * base::kRadPerDeg;
-    const Eigen::Vector3d stylus_mm = face.point_mm + stylus_radius_mm_ * face.normal;
+    const Eigen::Vector3d stylus_mm = face.point_mm + aside_mm + stylus_radius_mm_ * face.normal;
     const absl::Status reached = centres::SolveNominalCommands(machine_, tip_mm_, stylus_mm, positions.data());
     DEMAND(reached.ok());
     const auto pose = machine::EvaluateChain<double>(machine_, positions.data(), {});
