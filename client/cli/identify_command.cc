@@ -1,12 +1,16 @@
 // axiscal identify
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/job_wait.h"
 #include "client/cli/record_output.h"
 #include "client/cli/session_choice.h"
+#include "core/base/files.h"
+#include "core/base/strict_json.h"
+#include "core/identify/monte_carlo.h"
 
 namespace axiscal::cli {
 namespace {
@@ -15,7 +19,21 @@ struct Arguments {
   std::string machine, request_id;
   std::vector<std::string> sessions, declared;
   bool all = false, no_wait = false;
+  std::string budget;
+  std::optional<int> monte_carlo;
+  std::optional<uint64_t> seed;
 };
+
+absl::Status ReadSimulation(const Arguments& arguments, convert::IdentifyParams* params) {
+  params->monte_carlo_runs = arguments.monte_carlo;
+  if (arguments.seed) {
+    if (!arguments.monte_carlo) return absl::InvalidArgumentError("--seed: expected --monte-carlo with it");
+    params->monte_carlo_seed = *arguments.seed;
+  }
+  if (arguments.budget.empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(params->budget_json, base::ReadFile(arguments.budget, base::kMaxJsonBytes));
+  return absl::OkStatus();
+}
 
 absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, const Arguments& arguments) {
   if (arguments.all == !arguments.sessions.empty()) {
@@ -37,6 +55,7 @@ absl::Status Identify(Context& context, const Arguments& arguments) {
   convert::IdentifyParams params;
   params.machine = MachineId(arguments.machine);
   params.declared = arguments.declared;
+  RETURN_IF_ERROR(ReadSimulation(arguments, &params));
   ASSIGN_OR_RETURN(params.sessions, ChooseSessions(*client, arguments));
   ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params, arguments.request_id));
   if (arguments.no_wait) {
@@ -63,13 +82,21 @@ void AddIdentifyCommand(CLI::App& app, Context& context) {
   identify->add_flag("--all", arguments->all, "use every complete session of the machine");
   identify->add_option("--declare", arguments->declared, "errors to identify, instead of the machine's declared ones")
       ->delimiter(',');
+  identify->add_option("--budget", arguments->budget, "error budget, JSON: sources of error that scatter the readings");
+  identify
+      ->add_option("--monte-carlo", arguments->monte_carlo, "simulate the sessions so often, report how errors spread")
+      ->check(CLI::Range(1, identify::kMaxMonteCarloRuns));
+  identify->add_option("--seed", arguments->seed, "seed of the simulation; the same seed gives the same report (1)");
   identify->add_option("--request-id", arguments->request_id, "repeat under the same id to get the same job");
   identify->add_flag("--no-wait", arguments->no_wait, "print the job and return at once");
   identify->footer(
       "Errors are ISO 230-1 symbols (EX0C, EA0B, EZ0T). Each session's set-up (place of the sphere, run-out of the "
       "ball ...) is fitted\n"
       "beside them. What the sessions cannot tell is said so and gets no number.\n"
+      "--monte-carlo simulates them with all that --budget names, on all of the server's workers, and states the "
+      "spread beside.\n"
       "Examples: axiscal identify --machine mt --all\n"
+      "          axiscal identify --machine mt --all --budget sources.json --monte-carlo 1000\n"
       "          axiscal identify --machine mt --sessions BX,BY,CR --declare EA0B,EC0B,EX0C");
   SetAction(identify, context, [&context, arguments] { return Identify(context, *arguments); });
 }

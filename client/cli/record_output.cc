@@ -206,6 +206,28 @@ std::string ReportText(const Json& report) {
   return text;
 }
 
+// The spreads of a Monte Carlo simulation, one line per error; nothing where there was none.
+std::string MonteCarloText(const Json& report) {
+  const Json simulation = report.value("monte_carlo", Json());
+  if (!simulation.is_object()) return "";
+  std::string text = absl::StrFormat("Monte Carlo, %d runs, seed %d:\n", simulation.value("runs", 0),
+                                     simulation.value("seed", uint64_t{0}));
+  std::vector<std::vector<std::string>> rows = {
+      {"error", "value", "sigma", "95 % from", "to", "bias", "noise alone", "unit"}};
+  for (const Json& error : simulation.value("errors", Json::array())) {
+    const double value = error.value("value", NAN);
+    rows.push_back({error.value("name", ""), NumberText(value), NumberText(error.value("sigma", NAN)),
+                    NumberText(error.value("low", NAN)), NumberText(error.value("high", NAN)),
+                    NumberText(error.value("mean", NAN) - value), NumberText(error.value("linear_sigma", NAN)),
+                    error.value("unit", "")});
+  }
+  absl::StrAppend(&text, Table(rows));
+  if (const int failed = simulation.value("failed", 0); failed > 0) {
+    absl::StrAppend(&text, "warning: ", failed, " of these fits did not converge and are left out\n");
+  }
+  return text;
+}
+
 std::string PoorFitText(const storage::CalibrationRecord& record) {
   constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
   const std::optional<double>& chi2_per_dof = record.content.chi2_per_dof;
@@ -245,7 +267,7 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
   }
   absl::StrAppend(&text, "with the set-ups fitted ", NumberText(content.rms_before_um), " um, with these errors too ",
                   NumberText(content.rms_after_um), " um\n");
-  return text + PoorFitText(record);
+  return text + MonteCarloText(report) + PoorFitText(record);
 }
 
 std::string CautionText(const storage::CalibrationRecord& record) {

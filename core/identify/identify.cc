@@ -8,12 +8,21 @@
 #include "core/identify/noise.h"
 #include "core/identify/outliers.h"
 #include "core/identify/reduction.h"
+#include "core/identify/row_weights.h"
 #include "core/identify/solver.h"
 
 namespace axiscal::identify {
 namespace {
 
 using instruments::MeasuringRun;
+
+// Rows that are weighted together stay together: one bad number spoils its reading.
+void UseWhole(int row_count, std::vector<bool>* is_used) {
+  for (auto reading = is_used->begin(); reading != is_used->end(); reading += row_count) {
+    const bool is_whole = std::all_of(reading, reading + row_count, [](bool used) { return used; });
+    std::fill(reading, reading + row_count, is_whole);
+  }
+}
 
 // Sets scattered bad readings aside. Returns whether anything changed.
 bool UpdateUsed(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* problem) {
@@ -22,16 +31,15 @@ bool UpdateUsed(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* probl
   bool has_changed = false;
   for (size_t i = 0; i < problem->runs.size(); ++i) {
     const MeasuringRun& run = problem->runs[i];
+    std::vector<bool> is_used(problem->is_used[i].size());
     for (int row = 0; row < run.row_count; ++row) {
       const std::vector<bool> is_bad =
           FindOutliers(residuals_mm[i].row(row).transpose(), kQuantisedSigmaShare * run.sigma_mm);
-      for (int k = 0; k < run.reading_count(); ++k) {
-        const size_t at = static_cast<size_t>(k) * run.row_count + row;
-        if (problem->is_used[i][at] == !is_bad[k]) continue;
-        problem->is_used[i][at] = !is_bad[k];
-        has_changed = true;
-      }
+      for (int k = 0; k < run.reading_count(); ++k) is_used[static_cast<size_t>(k) * run.row_count + row] = !is_bad[k];
     }
+    if (problem->WeightOf(i, 0) != nullptr) UseWhole(run.row_count, &is_used);
+    has_changed |= is_used != problem->is_used[i];
+    problem->is_used[i] = std::move(is_used);
   }
   return has_changed;
 }
@@ -134,6 +142,7 @@ bool TakeCorrelation(Fit* fit) {
   judged.noise = EstimateNoise(fit->problem, fit->residuals_mm);
   double squares = 0.0, count = 0.0;
   for (size_t i = 0; i < judged.runs.size(); ++i) {
+    if (judged.WeightOf(i, 0) != nullptr) judged.noise[i] = fit->problem.noise[i];  // raw rows scatter unequally
     if (judged.noise[i].ar1 == 0.0) continue;
     judged.noise[i].sigma_mm = std::max(fit->problem.noise[i].sigma_mm, judged.noise[i].sigma_mm);
     squares += WhitenedSquaresOf(judged, i, fit->residuals_mm[i]);
@@ -278,6 +287,12 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<Measuri
   if (runs.empty()) return absl::InvalidArgumentError("no sessions to identify from");
   ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
   const machine::ErrorModel model = options.model ? *options.model : machine::DeclaredModel(machine);
+  if (options.budget) {
+    std::vector<std::string> names;
+    for (const MeasuringRun& run : problem.runs) names.push_back(run.session);
+    RETURN_IF_ERROR(CheckSessions(*options.budget, names));
+    WeighRows(*options.budget, model, &problem);
+  }
   ASSIGN_OR_RETURN(Fit fit, FitProblem(std::move(problem), model, options));
   const bool is_noise_as_stated = fit.result.noise_scale == 1.0;  // raised for a misfit, which is no servo ripple
   if (!options.judge_correlation || !is_noise_as_stated || !TakeCorrelation(&fit)) return fit;
@@ -293,13 +308,19 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
   return FitProblem(std::move(problem), {}, options);
 }
 
-absl::StatusOr<Result> Identify(const machine::Machine& machine, const std::vector<session::Session>& sessions,
+absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vector<session::Session>& sessions,
                                 const Options& options) {
   if (options.progress) options.progress({"reading sessions", 0.0, ""});
   ASSIGN_OR_RETURN(std::vector<MeasuringRun> runs, BindSessions(machine, sessions));
   ASSIGN_OR_RETURN(Fit fit, FitRuns(machine, std::move(runs), options));
   const Point nominal = StartingPoint(fit.problem, {});
   fit.result.nominal = StatisticsOf(fit.problem, nominal, ResidualsOf(fit.problem, nominal), 0);
+  return fit;
+}
+
+absl::StatusOr<Result> Identify(const machine::Machine& machine, const std::vector<session::Session>& sessions,
+                                const Options& options) {
+  ASSIGN_OR_RETURN(Fit fit, FitSessions(machine, sessions, options));
   return std::move(fit.result);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/identify/budget.h"
 #include "core/identify/problem.h"
 #include "core/identify/result.h"
 #include "core/machine/machine.h"
@@ -31,6 +32,8 @@ struct Options {
   // Where neighbouring readings of a dense series are correlated (servo ripple), fits again with that correlation:
   // independent readings would state uncertainties that are too small. Of FitRuns and Identify.
   bool judge_correlation = true;
+  // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
+  std::optional<Budget> budget;
   int max_iterations = 20;
   // A model that misses by hundreds of sigma is fitted with sigma raised (Result::noise_scale); false ends the fit with
   // FAILED_PRECONDITION instead.
@@ -55,8 +58,13 @@ struct Fit {
   std::vector<Eigen::MatrixXd> residuals_mm;  // per run, predicted - measured
   Result result;
 };
+// INVALID_ARGUMENT also for a budget that names a session which is not there.
 absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                             const Options& options);
+
+// Identify() with what it went through.
+absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vector<session::Session>& sessions,
+                                const Options& options);
 
 // A prepared problem (noise judged, readings set aside) from `model` on, and from the setup offsets `setup` (per group,
 // mm and rad) where they are known; zero otherwise.

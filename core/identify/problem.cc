@@ -173,7 +173,8 @@ double WhitenedSquaresOf(const Problem& problem, size_t run, const Eigen::Matrix
     Eigen::Matrix<double, 1, 1> value;
     for (int k = 0; k < residuals_mm.cols(); ++k) {
       if (!problem.is_used[run][static_cast<size_t>(k) * rows + r]) continue;
-      value[0] = residuals_mm(r, k);
+      const RowWeight* const weight = problem.WeightOf(run, k);
+      value[0] = weight != nullptr ? weight->row(r).dot(residuals_mm.col(k)) : residuals_mm(r, k);
       whitener.Apply(k, value);
       squares += value[0] * value[0];
     }

@@ -36,14 +36,25 @@ struct SetupGroup {
   std::vector<int> runs;
 };
 
+// row_count x row_count.
+using RowWeight = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, instruments::kMaxRows,
+                                instruments::kMaxRows>;
+
 struct Problem {
   const machine::Machine* machine = nullptr;
   machine::ErrorModel fixed_model;  // errors that act but are not fitted
   std::vector<instruments::MeasuringRun> runs;
   std::vector<Noise> noise;                // per run
   std::vector<std::vector<bool>> is_used;  // per run, reading * row_count + row; false for readings set aside
+  // Per run; empty, or per reading what its rows are multiplied with so that each scatters by the run's sigma and none
+  // with another (row_weights.h). A reading is then used or set aside as a whole.
+  std::vector<std::vector<RowWeight>> row_weights;
   std::vector<SetupGroup> groups;
   std::vector<int> group_of_run;
+
+  const RowWeight* WeightOf(size_t run, int reading) const {
+    return row_weights.empty() || row_weights[run].empty() ? nullptr : &row_weights[run][reading];
+  }
 };
 
 // Values of everything that is fitted.

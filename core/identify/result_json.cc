@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/units.h"
+#include "core/identify/monte_carlo.h"
 #include "core/identify/result.h"
 
 namespace axiscal::identify {
@@ -27,11 +28,11 @@ json ErrorsJson(const Result& result) {
   return errors;
 }
 
-json CorrelationJson(const Result& result) {
+json CorrelationJson(const Eigen::MatrixXd& correlation) {
   json rows = json::array();
-  for (Eigen::Index i = 0; i < result.correlation.rows(); ++i) {
+  for (Eigen::Index i = 0; i < correlation.rows(); ++i) {
     json row = json::array();
-    for (Eigen::Index j = 0; j < result.correlation.cols(); ++j) row.push_back(NumberOrNull(result.correlation(i, j)));
+    for (Eigen::Index j = 0; j < correlation.cols(); ++j) row.push_back(NumberOrNull(correlation(i, j)));
     rows.push_back(std::move(row));
   }
   return rows;
@@ -89,10 +90,29 @@ std::string ToJson(const Result& result) {
                         {"residual_um", outlier.residual_mm * kUmPerMm}});
   }
   root["outliers"] = std::move(outliers);
-  root["correlation"] = CorrelationJson(result);
+  root["correlation"] = CorrelationJson(result.correlation);
   root["iterations"] = result.iterations;
   root["noise_scale"] = result.noise_scale;
   return root.dump(1) + "\n";
+}
+
+nlohmann::ordered_json ToJson(const MonteCarloResult& result) {
+  json errors = json::array();
+  for (const Spread& spread : result.spreads) {
+    errors.push_back({{"name", spread.name},
+                      {"value", spread.value / spread.factor},
+                      {"mean", spread.mean / spread.factor},
+                      {"sigma", NumberOrNull(spread.sigma / spread.factor)},
+                      {"low", spread.low / spread.factor},
+                      {"high", spread.high / spread.factor},
+                      {"linear_sigma", NumberOrNull(spread.linear_sigma / spread.factor)},
+                      {"unit", spread.unit}});
+  }
+  return {{"runs", result.runs},
+          {"failed", result.failed},
+          {"seed", result.seed},
+          {"errors", std::move(errors)},
+          {"correlation", CorrelationJson(result.correlation)}};
 }
 
 }  // namespace axiscal::identify

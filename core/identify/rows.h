@@ -70,12 +70,18 @@ void VisitRows(const Problem& problem, int run_index, const Point& point, const 
     const machine::JointErrors<double>& errors = errors_of_run.At(state);
     if (!errors_of_run.is_constant()) ParameterSlopes(point.model, parameters, state, &slopes);
     instruments::Evaluate(machine, run, k, errors, setup.data(), &evaluation);
+    instruments::Reading residual_mm = evaluation.predicted_mm - run.measured_mm.col(k);
+    if (const RowWeight* const weight = problem.WeightOf(run_index, k)) {
+      residual_mm = *weight * residual_mm;
+      evaluation.by_error = *weight * evaluation.by_error;
+      evaluation.by_setup = *weight * evaluation.by_setup;
+    }
     for (int r = 0; r < run.row_count; ++r) {
       if (!problem.is_used[run_index][static_cast<size_t>(k) * run.row_count + r]) continue;
       auto row = sink->NextRow();
       row.head(setup_count) = evaluation.by_setup.row(r);
       for (int i = 0; i < count; ++i) row[setup_count + i] = evaluation.by_error(r, column[i]) * slopes[i];
-      row[setup_count + count] = evaluation.predicted_mm[r] - run.measured_mm(r, k);
+      row[setup_count + count] = residual_mm[r];
       sink->Close(k, r, evaluation, row);
     }
   }

@@ -9,8 +9,10 @@
 
 namespace axiscal::instruments {
 
+using Reading = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRows, 1>;  // row_count, mm
+
 struct Evaluation {
-  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxRows, 1> predicted_mm;  // row_count
+  Reading predicted_mm;
   // row_count x 6 joint_count, column 6 j + c: d(predicted) per component c of joint j, mm per mm or rad.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxRows,
                 machine::kComponents * machine::kMaxJoints>

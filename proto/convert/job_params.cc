@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/identify/monte_carlo.h"
 #include "proto/convert/field.h"
 
 namespace axiscal::convert {
@@ -13,6 +14,11 @@ v1::IdentifyParams IdentifyToProto(const IdentifyParams& params) {
   message.set_machine_id(params.machine.text());
   for (const SessionId& id : params.sessions) message.add_session_ids(id.number());
   for (const std::string& symbol : params.declared) message.add_declared_errors(symbol);
+  message.set_budget_json(params.budget_json);
+  if (params.monte_carlo_runs) {
+    message.set_monte_carlo_runs(*params.monte_carlo_runs);
+    message.set_monte_carlo_seed(params.monte_carlo_seed);
+  }
   return message;
 }
 
@@ -39,6 +45,18 @@ absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
   for (int i = 0; i < message.declared_errors_size(); ++i) {
     RETURN_IF_ERROR(RequireText(absl::StrCat("declared_errors[", i, "]"), message.declared_errors(i), 1, 100));
     params.declared.push_back(message.declared_errors(i));
+  }
+  params.budget_json = message.budget_json();
+  if (message.has_monte_carlo_runs()) {
+    if (message.monte_carlo_runs() < 1 || message.monte_carlo_runs() > identify::kMaxMonteCarloRuns) {
+      return FieldError("monte_carlo_runs",
+                        absl::StrCat(message.monte_carlo_runs(), ", must be 1 to ", identify::kMaxMonteCarloRuns));
+    }
+    params.monte_carlo_runs = message.monte_carlo_runs();
+  }
+  if (message.has_monte_carlo_seed()) {
+    if (!params.monte_carlo_runs) return FieldError("monte_carlo_seed", "must not be set without monte_carlo_runs");
+    params.monte_carlo_seed = message.monte_carlo_seed();
   }
   return params;
 }

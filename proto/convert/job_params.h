@@ -19,9 +19,12 @@ namespace axiscal::convert {
 struct IdentifyParams {
   MachineId machine;
   std::vector<SessionId> sessions;  // complete ones of that machine
-  std::vector<std::string>
-      declared;  // errors to fit: "EZ0T", or a term of errors.json without its amplitude
-                 // ({"symbol": "EBB", "shape": "backlash"}); empty: those that the machine declares
+  // Errors to fit: "EZ0T", or a term of errors.json without its amplitude ({"symbol": "EBB", "shape": "backlash"});
+  // empty: those that the machine declares.
+  std::vector<std::string> declared;
+  std::string budget_json{};              // identify::ReadBudget; empty: the readings' noise alone
+  std::optional<int> monte_carlo_runs{};  // 1 .. identify::kMaxMonteCarloRuns; nothing: no simulation
+  uint64_t monte_carlo_seed = 1;
 };
 
 // Find what a machine's declared model lacks; makes a candidate calibration.

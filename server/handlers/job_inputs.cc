@@ -35,6 +35,7 @@ absl::Status CheckSessions(storage::Database& database, const MachineId& machine
 absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
                            const convert::IdentifyParams& params) {
   RETURN_IF_ERROR(DeclaredModel(machine, params.declared).status());
+  RETURN_IF_ERROR(BudgetOf(machine, params).status());
   return CheckSessions(database, params.machine, params.sessions, "params.identify.session_ids");
 }
 
@@ -98,6 +99,14 @@ absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& dat
                  absl::StrCat("calibration ", calibration.id.number(), " is retired: approve it again to use it"));
   }
   return calibration;
+}
+
+absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
+                                                         const convert::IdentifyParams& params) {
+  if (params.budget_json.empty()) return std::nullopt;
+  absl::StatusOr<identify::Budget> budget = identify::ReadBudget(params.budget_json, machine);
+  if (!budget.ok()) return convert::FieldError("params.identify.budget_json", std::string(budget.status().message()));
+  return *std::move(budget);
 }
 
 absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machine,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/identify/budget.h"
 #include "core/machine/error_model.h"
 #include "proto/convert/job_params.h"
 #include "server/storage/database.h"
@@ -29,6 +30,10 @@ absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& dat
 // FIELD_INVALID.
 absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machine,
                                                   const std::vector<std::string>& declared);
+
+// The job's error budget, if it has one. INVALID_ARGUMENT FIELD_INVALID.
+absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
+                                                         const convert::IdentifyParams& params);
 
 }  // namespace axiscal::handlers
 

@@ -4,6 +4,7 @@
 
 #include "core/base/units.h"
 #include "core/identify/identify.h"
+#include "core/identify/monte_carlo.h"
 #include "proto/convert/job_params.h"
 #include "server/handlers/job_inputs.h"
 #include "server/jobs/job_sessions.h"
@@ -26,12 +27,37 @@ identify::Options EngineOptions(JobContext& context, double from, double to) {
   return options;
 }
 
+// The simulation's share of it, where one was asked for: it comes last.
+constexpr double kMonteCarloShare = 0.7;
+
+// Nothing where no simulation was asked for.
+absl::StatusOr<std::optional<identify::MonteCarloResult>> Simulate(const convert::IdentifyParams& params,
+                                                                   const std::optional<identify::Budget>& budget,
+                                                                   const identify::Fit& fit, JobContext& context) {
+  if (!params.monte_carlo_runs) return std::nullopt;
+  identify::MonteCarloOptions options;
+  options.runs = *params.monte_carlo_runs;
+  options.seed = params.monte_carlo_seed;
+  options.budget = budget.value_or(identify::Budget{});
+  options.for_each = [&context](int count, const auto& body) { context.ForEach(count, body); };
+  options.cancelled = [&context] { return context.cancelled(); };
+  options.progress = [&context, &options](double fraction) {
+    context.ReportProgress("simulating", 1.0 - kMonteCarloShare + kMonteCarloShare * fraction,
+                           absl::StrCat(options.runs, " runs"));
+  };
+  ASSIGN_OR_RETURN(identify::MonteCarloResult result, identify::MonteCarlo(fit, options));
+  return result;
+}
+
 // The engine's report with the residual before: setups fitted, no machine error.
-std::string ReportJson(const identify::Result& before, const identify::Result& after) {
+std::string ReportJson(const identify::Result& before, const identify::Result& after, const std::string& budget_json,
+                       const std::optional<identify::MonteCarloResult>& monte_carlo) {
   json report = json::parse(identify::ToJson(after));
   report["before"] = {{"rms_um", before.fit.rms_mm * base::kUmPerMm},
                       {"max_um", before.fit.max_mm * base::kUmPerMm},
                       {"chi2_per_dof", before.fit.chi2_per_dof}};
+  if (!budget_json.empty()) report["budget"] = json::parse(budget_json);
+  if (monte_carlo) report["monte_carlo"] = identify::ToJson(*monte_carlo);
   return report.dump(1) + "\n";
 }
 
@@ -43,18 +69,29 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   ASSIGN_OR_RETURN(const MachineInput inputs, LoadMachine(database, params.machine));
   ASSIGN_OR_RETURN(const StoredSessions sessions, LoadSessions(database, params.sessions, inputs.machine, context));
 
-  identify::Options options = EngineOptions(context, 0.0, kBeforeShare);
+  ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, handlers::BudgetOf(inputs.machine, params));
+
+  const double fitted = params.monte_carlo_runs ? 1.0 - kMonteCarloShare : 1.0;
+  identify::Options options = EngineOptions(context, 0.0, kBeforeShare * fitted);
+  options.budget = budget;
   options.model = machine::ErrorModel{};
   ASSIGN_OR_RETURN(const identify::Result before, identify::Identify(inputs.machine, sessions.sessions, options));
-  options = EngineOptions(context, kBeforeShare, 1.0);
+  options = EngineOptions(context, kBeforeShare * fitted, fitted);
+  options.budget = budget;
   ASSIGN_OR_RETURN(options.model, handlers::DeclaredModel(inputs.machine, params.declared));
-  ASSIGN_OR_RETURN(const identify::Result after, identify::Identify(inputs.machine, sessions.sessions, options));
+  ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitSessions(inputs.machine, sessions.sessions, options));
+  const identify::Result& after = fit.result;
+  ASSIGN_OR_RETURN(const auto monte_carlo, Simulate(params, budget, fit, context));
 
   storage::JobProduct product;
-  product.result = ReportJson(before, after);
+  product.result = ReportJson(before, after, params.budget_json, monte_carlo);
   product.calibration = MakeCalibration(inputs, sessions, before.fit, after, job);
   product.calibration->report_json = product.result;
-  product.calibration->options_json = json({{"declared", params.declared}}).dump();
+  json asked = {{"declared", params.declared}};
+  if (!params.budget_json.empty()) asked["budget"] = json::parse(params.budget_json);
+  if (params.monte_carlo_runs)
+    asked["monte_carlo"] = {{"runs", *params.monte_carlo_runs}, {"seed", params.monte_carlo_seed}};
+  product.calibration->options_json = asked.dump();
   return product;
 }
 

@@ -18,8 +18,9 @@ enum class StopReason { kNone, kCancelled, kDeadline, kDraining, kLeaseLost };
 class JobContext {
  public:
   using Publish = std::function<void(const storage::JobProgress&)>;
-  JobContext(base::Clock& clock, base::SteadyTime deadline, Publish publish)
-      : clock_(clock), deadline_(deadline), publish_(std::move(publish)) {}
+  using ForEachFunction = std::function<void(int count, const std::function<void(int)>& body)>;
+  JobContext(base::Clock& clock, base::SteadyTime deadline, Publish publish, ForEachFunction for_each)
+      : clock_(clock), deadline_(deadline), publish_(std::move(publish)), for_each_(std::move(for_each)) {}
 
   // Cheap; ask in every solver iteration. Once true it stays true: return soon, with any error.
   bool cancelled();
@@ -30,6 +31,10 @@ class JobContext {
   // Told to watchers at once and stored with the next heartbeat. Call as often as you like.
   void ReportProgress(const std::string& stage, double fraction, const std::string& detail);
 
+  // Calls body(0) .. body(count - 1) on this thread and on workers that are idle; returns when all have returned. The
+  // rest of this class may be used from the bodies.
+  void ForEach(int count, const std::function<void(int)>& body) { for_each_(count, body); }
+
   // For the runner: asks the job to stop. The first reason stands.
   void Stop(StopReason reason);
 
@@ -37,6 +42,7 @@ class JobContext {
   base::Clock& clock_;
   const base::SteadyTime deadline_;
   const Publish publish_;
+  const ForEachFunction for_each_;
   std::atomic<StopReason> stop_reason_{StopReason::kNone};
 };
 

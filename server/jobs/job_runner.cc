@@ -32,7 +32,8 @@ class JobRunner::Impl {
   }
   void Start() {
     DEMAND(!keeper_.joinable());
-    pool_ = std::make_unique<WorkerPool>(options_.workers, options_.workers);
+    // A place for every job, and for each that helps one.
+    pool_ = std::make_unique<WorkerPool>(options_.workers, 2 * options_.workers);
     keeper_ = std::thread([this] { Keep(); });
   }
   void Drain(std::chrono::milliseconds patience);
@@ -144,9 +145,10 @@ void JobRunner::Impl::Launch(const JobRecord& record) {
   const auto kind = kinds_.find(record.kind);
   const auto time_limit = kind != kinds_.end() ? kind->second.time_limit : std::chrono::milliseconds(0);
   const JobId id = record.id;
-  auto context =
-      std::make_shared<JobContext>(*options_.clock, options_.clock->SteadyNow() + time_limit,
-                                   [this, id](const storage::JobProgress& progress) { UpdateProgress(id, progress); });
+  auto context = std::make_shared<JobContext>(
+      *options_.clock, options_.clock->SteadyNow() + time_limit,
+      [this, id](const storage::JobProgress& progress) { UpdateProgress(id, progress); },
+      [this](int count, const auto& body) { pool_->ForEach(count, body); });
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     running_[id] = {record, context};
@@ -156,7 +158,7 @@ void JobRunner::Impl::Launch(const JobRecord& record) {
   if (record.cancel_requested) context->Stop(StopReason::kCancelled);
   Publish(record);
   const absl::Status submitted = pool_->Submit([this, record, context] { RunJob(record, *context); });
-  DEMAND(submitted.ok());  // no more jobs are running than there are workers
+  DEMAND(submitted.ok());  // there are no more jobs and helpers than workers
 }
 
 void JobRunner::Impl::BeatAll() {

@@ -1,5 +1,6 @@
 #include "server/jobs/worker_pool.h"
 
+#include <memory>
 #include <utility>
 
 #include "core/base/demand.h"
@@ -29,6 +30,56 @@ absl::Status WorkerPool::Submit(std::function<void()> task) {
   }
   changed_.notify_all();
   return absl::OkStatus();
+}
+
+bool WorkerPool::SubmitToIdle(std::function<void()> task) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (draining_ || waiting_.size() + running_ >= threads_.size()) return false;
+    waiting_.push_back(std::move(task));
+  }
+  changed_.notify_all();
+  return true;
+}
+
+bool WorkerPool::HasWaiting() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return !waiting_.empty();
+}
+
+void WorkerPool::ForEach(int count, const std::function<void(int)>& body) {
+  // Helpers may begin after the caller has returned; what they look at then must still be there.
+  struct Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    int next = 0, helpers = 0;  // guarded by mutex
+  };
+  const auto shared = std::make_shared<Shared>();
+  const auto take = [shared, count] {
+    const std::lock_guard<std::mutex> lock(shared->mutex);
+    return shared->next < count ? shared->next++ : -1;
+  };
+  const auto help = [this, shared, take, &body] {
+    {
+      const std::lock_guard<std::mutex> lock(shared->mutex);
+      ++shared->helpers;
+    }
+    for (int index = 0; !HasWaiting() && (index = take()) >= 0;) body(index);
+    {
+      const std::lock_guard<std::mutex> lock(shared->mutex);
+      --shared->helpers;
+    }
+    shared->changed.notify_all();
+  };
+  for (int index = 0; (index = take()) >= 0;) {
+    // Threads that became idle meanwhile join.
+    constexpr int kLookEvery = 16;
+    while (index % kLookEvery == 0 && index + 1 < count && SubmitToIdle(help)) {
+    }
+    body(index);
+  }
+  std::unique_lock<std::mutex> lock(shared->mutex);
+  shared->changed.wait(lock, [&shared] { return shared->helpers == 0; });
 }
 
 void WorkerPool::Drain() {

@@ -25,12 +25,18 @@ class WorkerPool {
   // RESOURCE_EXHAUSTED QUEUE_FULL when `max_waiting` tasks wait, UNAVAILABLE DRAINING after Drain(): the task is then
   // not run.
   absl::Status Submit(std::function<void()> task);
+  // Runs `body(0)` .. `body(count - 1)` on the calling thread and on those that are idle, and returns when all have
+  // returned. Idle threads help only as long as nothing waits for them. May be called from a task.
+  void ForEach(int count, const std::function<void(int)>& body);
   // Accepts nothing more and returns when every accepted task has run.
   void Drain();
   int workers() const { return static_cast<int>(threads_.size()); }
 
  private:
   void Work();
+  // Whether a thread has nothing to do; if so, it gets the task.
+  bool SubmitToIdle(std::function<void()> task);
+  bool HasWaiting();
 
   const int max_waiting_;
   std::mutex mutex_;

@@ -4,6 +4,10 @@
 
 #include <atomic>
 #include <future>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
 
 #include "core/base/error_detail.h"
 
@@ -37,6 +41,53 @@ TEST(WorkerPool, RefusesWhatDoesNotFit) {
   release.set_value();
   pool.Drain();
   EXPECT_EQ(base::ErrorReason(pool.Submit([] {})), "DRAINING");
+}
+
+TEST(WorkerPool, IdleThreadsHelpATaskAndEveryIndexRunsOnce) {
+  for (const int workers : {1, 4}) {
+    WorkerPool pool(workers, 8);
+    std::vector<std::atomic<int>> calls(5000);
+    std::mutex mutex;
+    std::set<std::thread::id> threads;
+    ASSERT_TRUE(pool.Submit([&] {
+                      pool.ForEach(static_cast<int>(calls.size()), [&](int index) {
+                        ++calls[index];
+                        const std::lock_guard<std::mutex> lock(mutex);
+                        threads.insert(std::this_thread::get_id());
+                      });
+                      for (const std::atomic<int>& count : calls) EXPECT_EQ(count, 1);  // all have returned
+                    })
+                    .ok());
+    pool.Drain();
+    EXPECT_LE(threads.size(), static_cast<size_t>(workers));
+  }
+}
+
+// A body that waits for a second thread: none may come while another task wants it, one comes when it is idle.
+TEST(WorkerPool, HelpComesFromAnIdleThread) {
+  WorkerPool pool(2, 8);
+  std::atomic<int> inside = 0;
+  std::atomic<bool> met = false;
+  ASSERT_TRUE(pool.Submit([&] {
+                    pool.ForEach(2, [&](int) {
+                      ++inside;
+                      while (inside < 2) std::this_thread::yield();
+                      met = true;
+                    });
+                  })
+                  .ok());
+  pool.Drain();
+  EXPECT_TRUE(met);
+}
+
+TEST(WorkerPool, ForEachAloneAndOfNothing) {
+  WorkerPool pool(1, 1);
+  int sum = 0;
+  pool.ForEach(0, [&](int) { ++sum; });
+  EXPECT_EQ(sum, 0);
+  pool.Drain();  // draining threads help nobody: the caller does it all
+  pool.ForEach(3, [&](int index) { sum += index; });
+  EXPECT_EQ(sum, 3);
 }
 
 }  // namespace

@@ -70,6 +70,37 @@ TEST_F(MainJob, APoorFitIsShownWithAWarning) {
   EXPECT_THAT(poor.out, HasSubstr("warning: the readings scatter by"));
 }
 
+// Named sources of error through the whole identification; the same seed is the same report, whatever runs it.
+TEST_F(MainJob, MonteCarloOverABudget) {
+  ASSERT_EQ(Run("upload " + Source("tests/data/loop/case-000")).exit_code, 0);
+  Write("budget.json", R"({"axiscal": "budget/1", "sources": [
+      {"name": "C angle", "symbol": "EC0C", "half_width": 50, "drawn": "reading"},
+      {"name": "tilt of the spindle", "symbol": "EA0B", "half_width": 30, "drawn": "run"}]})");
+  const std::string command = "identify --machine mt --all --budget budget.json --monte-carlo 100 --seed 3";
+  const Outcome text = Run(command);
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("Monte Carlo, 100 runs, seed 3:"));
+  const auto first = Run(command + " --json").Json()["report"]["monte_carlo"];
+  ASSERT_FALSE(first["errors"].empty());
+  for (const auto& error : first["errors"]) {
+    EXPECT_LT(error["low"].get<double>(), error["high"].get<double>());
+    // The tilt goes into EA0B whole: 30 um over root 3, far beyond the readings' noise.
+    if (error["name"] == "EA0B") EXPECT_NEAR(error["sigma"].get<double>(), 30.0 / std::sqrt(3.0), 4.0);
+  }
+  EXPECT_EQ(first, Run(command + " --json").Json()["report"]["monte_carlo"]);
+  EXPECT_NE(first, Run(command + "3 --json").Json()["report"]["monte_carlo"]);
+
+  const Outcome alone = Run("identify --machine mt --all --seed 3");
+  EXPECT_EQ(alone.exit_code, 3);
+  EXPECT_THAT(alone.err, HasSubstr("--seed: expected --monte-carlo with it"));
+  EXPECT_NE(Run("identify --machine mt --all --monte-carlo 0").exit_code, 0);
+  Write("bad.json",
+        R"({"axiscal": "budget/1", "sources": [{"name": "a", "symbol": "EC0Q", "sigma": 1, "drawn": "run"}]})");
+  const Outcome bad = Run("identify --machine mt --all --budget bad.json");
+  EXPECT_EQ(bad.exit_code, 3);
+  EXPECT_THAT(bad.err, HasSubstr("sources[0]: errors: terms[0]: machine 'mt' has no axis Q"));
+}
+
 TEST_F(MainJob, FromUploadToTheRewrittenProgram) {
   const Outcome upload = Run("upload . --json");
   ASSERT_EQ(upload.exit_code, 0) << upload.err;

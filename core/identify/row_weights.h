@@ -1,0 +1,19 @@
+// What the sources of a budget that are drawn anew for every reading do to its rows: the positioning error of a rotary
+// axis scatters the three numbers of a reading along the arc, not equally. The weights make such rows equal and
+// uncorrelated again (Fang 2022, section 4.4.3: without them the noise along the arc leaks into the angles).
+#ifndef AXISCAL_CORE_IDENTIFY_ROW_WEIGHTS_H_
+#define AXISCAL_CORE_IDENTIFY_ROW_WEIGHTS_H_
+
+#include "core/identify/budget.h"
+#include "core/identify/problem.h"
+
+namespace axiscal::identify {
+
+// Sets problem->row_weights from the sensitivities at `model`:
+//   W = (I + sum_s (sigma_s / sigma)^2 t_s t_s')^(-1/2),   t_s = d(rows)/d(source s), sigma = noise[run].sigma_mm.
+// Runs in which no such source acts get none.
+void WeighRows(const Budget& budget, const machine::ErrorModel& model, Problem* problem);
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_ROW_WEIGHTS_H_
