@@ -72,6 +72,10 @@ std::string PartText(const Json& part) {
     return absl::StrFormat("  session %s: the artefact or the setup moved between %.6g s and %.6g s\n",
                            part.value("session", ""), from, to);
   }
+  if (part.value("kind", "") == "bad-readings") {
+    return absl::StrFormat("  %s from %.6g to %.6g %s: bad readings cluster there, %.3g um rms: structure, not chips\n",
+                           variable, from, to, unit, Number(part, "/rms_um"));
+  }
   return absl::StrFormat("  %s from %.6g to %.6g %s: local structure without a name, %.3g um rms\n", variable, from, to,
                          unit, Number(part, "/rms_um"));
 }

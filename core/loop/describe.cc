@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/loop/aliases.h"
+#include "core/loop/clustered_readings.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/same_always.h"
 
@@ -102,6 +103,7 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     effect.amplitude_sigma = std::sqrt(variance);
     report->effects.push_back(std::move(effect));
   }
+  for (const Unexplained& range : ClusteredReadings(machine, fit)) AddRange(range, report);
   report->verdict = !report->unexplained.empty() ? Verdict::kUnexplained
                     : !report->effects.empty()   ? Verdict::kExtended
                                                  : Verdict::kAdequate;

@@ -24,8 +24,9 @@ struct Effect {
 
 // Structure that was found but has no name.
 struct Unexplained {
-  // a local defect along an axis; a slipped artefact; a check session that reads more than chance under the model
-  enum Kind { kLocal, kSlip, kCheckSession };
+  // a local defect along an axis; a slipped artefact; a check session that reads more than chance under the model;
+  // readings set aside that cluster along an axis
+  enum Kind { kLocal, kSlip, kCheckSession, kBadReadings };
   Kind kind = kLocal;
   std::string variable;         // axis, or "t" for a moment
   double from = 0.0, to = 0.0;  // mm, rad or s
