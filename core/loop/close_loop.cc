@@ -3,6 +3,7 @@
 #include "core/loop/describe.h"
 #include "core/loop/fitting.h"
 #include "core/loop/growth.h"
+#include "core/loop/told_apart.h"
 #include "core/loop/validation.h"
 
 namespace axiscal::loop {
@@ -80,6 +81,7 @@ class Loop {
       RETURN_IF_ERROR(growth.Extend(&fit));
       RETURN_IF_ERROR(validation.Run(&fit).status());
     }
+    RETURN_IF_ERROR(DropToldApart(fit, identify_options_, &attempt->extension));
     Describe(machine_, runs_, attempt->extension, fit, options_.search, report);
     KeepResiduals(fit, runs_, &SessionResiduals::after_mm, report);
     ASSIGN_OR_RETURN(report->check_after, CheckStatistics(fit.result.model, &SessionResiduals::after_mm, report));
