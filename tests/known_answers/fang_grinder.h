@@ -89,6 +89,23 @@ inline InEngine ToEngine(const Lines& lines, const Design& design = {}) {
   return out;
 }
 
+// The other way round, near the design.
+inline Unknowns FromEngine(const machine::ErrorVector<double>& of_b, const machine::ErrorVector<double>& of_c,
+                           const Vector3d& tip_mm, const Design& design = {}) {
+  const auto error_b = machine::ErrorTransform<double>(of_b, Vector3d(design.rbx, 0, -design.rbz));
+  const auto both = error_b * machine::ErrorTransform<double>(of_c, Vector3d(design.rcx, design.rcy, 0));
+  const Vector3d b = error_b.rotation.col(1), c = both.rotation.col(2), probe = both * tip_mm;
+  Vector3d point_b = error_b * Vector3d(design.rbx, 0, -design.rbz);
+  point_b -= b * (point_b.y() / b.y());
+  Vector3d point_c = both * Vector3d(design.rcx, design.rcy, 0);
+  point_c -= c * (point_c.z() / c.z());
+  const auto deg = [](double tangent) { return std::atan(tangent) * base::kDegPerRad; };
+  Unknowns u;
+  u << probe.x(), -probe.y(), -probe.z(), point_b.x() - design.rbx, -point_b.z() - design.rbz, deg(b.z() / b.y()),
+      deg(-b.x() / b.y()), point_c.x() - design.rcx, point_c.y() - design.rcy, deg(-c.y() / c.z()), deg(c.x() / c.z());
+  return u;
+}
+
 struct RotaryPose {
   double b_deg, c_deg;
 };

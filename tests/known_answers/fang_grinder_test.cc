@@ -9,7 +9,9 @@
 #include <random>
 #include <set>
 
+#include "core/base/files.h"
 #include "core/identify/identify.h"
+#include "core/identify/monte_carlo.h"
 #include "core/instruments/evaluation.h"
 #include "core/synthetic/simulate.h"
 
@@ -74,6 +76,8 @@ TEST(FangGrinder, TheSameErrorsInOurSymbols) {
   EXPECT_NEAR(engine.errors[kJointC][1], u[kEyoc] - c_b * (design.rcx - design.rbx) + a_b * design.rbz, kSecondOrderMm);
   EXPECT_NEAR(engine.errors[kJointC][3] * base::kDegPerRad, u[kEaoc] - u[kEaob], 1e-3);
   EXPECT_NEAR(engine.errors[kJointC][4] * base::kDegPerRad, u[kEboc], 1e-3);
+  EXPECT_LT((FromEngine(engine.errors[kJointB], engine.errors[kJointC], engine.tip_mm) - u).cwiseAbs().maxCoeff(),
+            1e-9);
 }
 
 Matrix3d Skew(const Vector3d& v) {
@@ -400,6 +404,66 @@ TEST(FangGrinder, WhatEachPatternSees) {
   const std::set<std::string> lost = {"EX0B", "EZ0B", "EY0C"};
   for (const identify::Estimate& estimate : free->estimates)
     EXPECT_NE(estimate.identifiable, lost.contains(estimate.name)) << estimate.name;
+}
+
+// Amplitudes of the declared errors, in their order, as the thesis' unknowns.
+Unknowns FromAmplitudes(const Eigen::VectorXd& amplitudes) {
+  machine::ErrorVector<double> of_b = machine::ErrorVector<double>::Zero(), of_c = of_b, of_t = of_b;
+  const machine::ErrorModel declared = machine::DeclaredModel(Machine());
+  for (size_t i = 0; i < declared.terms.size(); ++i) {
+    const machine::ErrorTerm& term = declared.terms[i];
+    auto& errors = term.joint == kJointB ? of_b : term.joint == kJointC ? of_c : of_t;
+    errors[static_cast<int>(term.component)] = amplitudes[static_cast<Eigen::Index>(i)];
+  }
+  return FromEngine(of_b, of_c, kDesignProbeMm + of_t.head<3>());
+}
+
+// Standard deviations of the thesis' unknowns from those of ours.
+Unknowns SigmaOf(const identify::MonteCarloResult& result) {
+  const Eigen::Index count = static_cast<Eigen::Index>(result.spreads.size());
+  Eigen::VectorXd value(count), sigma(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    value[i] = result.spreads[static_cast<size_t>(i)].value;
+    sigma[i] = result.spreads[static_cast<size_t>(i)].sigma;
+  }
+  const Eigen::MatrixXd covariance = sigma.asDiagonal() * result.correlation * sigma.asDiagonal();
+  Eigen::MatrixXd jacobian(11, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    constexpr double kStep = 1e-5;
+    Eigen::VectorXd more = value, less = value;
+    more[i] += kStep;
+    less[i] -= kStep;
+    jacobian.col(i) = (FromAmplitudes(more) - FromAmplitudes(less)) / (2.0 * kStep);
+  }
+  return Unknowns((jacobian * covariance * jacobian.transpose()).diagonal().cwiseSqrt());
+}
+
+// Table 4.6 as the error budget of the worked example, through the whole identification: its sources weigh the
+// readings.
+TEST(FangGrinder, MonteCarloOfTheBudgetGivesTheWeighedDeviations) {
+  const auto text = base::ReadFile(AXISCAL_SOURCE_DIR "/deploy/examples/fang-grinder/budget.json", 1 << 20);
+  ASSERT_TRUE(text.ok()) << text.status();
+  const auto budget = identify::ReadBudget(*text, Machine());
+  ASSERT_TRUE(budget.ok()) << budget.status();
+  identify::Options options;
+  options.budget = *budget;
+  const auto fit = identify::FitSessions(Machine(), Exact(true, true, 1e-3), options);
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  identify::MonteCarloOptions simulation;
+  simulation.runs = 500;
+  simulation.budget = *budget;
+  const auto result = identify::MonteCarlo(*fit, simulation);
+  ASSERT_TRUE(result.ok()) << result.status();
+  ASSERT_EQ(result->spreads.size(), 11u);
+  EXPECT_EQ(result->failed, 0);
+  const Unknowns sigma = SigmaOf(*result);
+  const double weighed[] = {0.0074, 0.0034, 0.0005, 0.0006};
+  constexpr int kUnknowns[] = {kDrpx, kDrpy, kEaob, kEaoc};
+  constexpr double kShare = 0.15, kRounding = 5e-5;
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(sigma[kUnknowns[i]], weighed[i], kShare * weighed[i] + kRounding) << kNames[kUnknowns[i]];
+  const Spread published = SpreadOf(0.004, 500);
+  for (int i = 0; i < 11; ++i) EXPECT_LT(sigma[i], 1.05 * published.staged[i]) << kNames[i];
 }
 
 }  // namespace
