@@ -8,6 +8,11 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+# For the sources that run for every block of an NC program. The choice of instructions is tuned for servers since 2017, they run on all.
+set(AXISCAL_FAST "$<$<CONFIG:Release>:-O3;-fno-math-errno>")
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL x86_64)
+  string(REPLACE "-O3" "-O3;-mtune=skylake" AXISCAL_FAST "${AXISCAL_FAST}")
+endif()
 
 find_program(CCACHE ccache)
 if(CCACHE)

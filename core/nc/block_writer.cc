@@ -194,7 +194,12 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
     const Decimal number = interpreter_->Meant(word.number);
     SetCommanded(axis, rounded, base);
     if (rounded.mantissa == number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) continue;
-    to = CopyShort(text + copied, word.number_at - copied, to);
+    if (word.number_at - copied <= 16 && copied + 16 <= size) {
+      __builtin_memcpy(to, text + copied, 16);  // more than is wanted, and written over
+      to += word.number_at - copied;
+    } else {
+      to = CopyShort(text + copied, word.number_at - copied, to);
+    }
     const bool is_increments = IsIncrements(word);
     to = WriteFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, number.has_plus, !is_increments, to);
     copied = word.end;

@@ -26,7 +26,11 @@ bool MayHoldCodes(const Dialect& dialect, const char* begin, const char* end) {
 
 Interpreter::Interpreter(const machine::Machine& machine, const RewriteOptions& options, const Dialect& dialect,
                          Coordinates coordinates)
-    : machine_(&machine), options_(&options), dialect_(&dialect), coordinates_(std::move(coordinates)) {
+    : machine_(&machine),
+      axis_count_(machine.axis_count()),
+      options_(&options),
+      dialect_(&dialect),
+      coordinates_(std::move(coordinates)) {
   axis_of_letter_.fill(-1);
   roles_ = dialect.roles;
   for (int i = 0; i < machine.axis_count(); ++i) {
@@ -69,7 +73,7 @@ void Interpreter::ForgetPosition(int axis, bool is_reported) {
 }
 
 void Interpreter::ForgetPositions(bool is_reported) {
-  for (int i = 0; i < machine_->axis_count(); ++i) ForgetPosition(i, is_reported);
+  for (int i = 0; i < axis_count_; ++i) ForgetPosition(i, is_reported);
 }
 
 void Interpreter::Unsupported(std::string reason, bool is_consequence, Step* step) {
@@ -152,7 +156,7 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
     return Unsupported("a modal code in a block that may be skipped", false, step);
   if (step->is_tool_change || at_program_end_) return;
   step->may_be_skipped = true;
-  for (int i = 0; i < machine_->axis_count(); ++i) {
+  for (int i = 0; i < axis_count_; ++i) {
     const bool was_known = positions.is_known(i), is_known = positions_.is_known(i);
     if (was_known == is_known && (!is_known || positions.ticks[i] == positions_.ticks[i])) continue;
     ForgetPosition(i, false);

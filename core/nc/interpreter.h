@@ -128,6 +128,7 @@ class Interpreter {
   const Code& Find(const Word& word) const;
 
   const machine::Machine* machine_;
+  int axis_count_;
   const RewriteOptions* options_;
   const Dialect* dialect_;
   Coordinates coordinates_;

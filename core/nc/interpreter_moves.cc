@@ -58,7 +58,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
 }
 
 void Interpreter::DoDwell(const Request& request, Step* step) {
-  for (int i = 0; i < machine_->axis_count(); ++i) {
+  for (int i = 0; i < axis_count_; ++i) {
     if (step->word_of_axis[i] < 0 || machine_->axes[i].name == "X" || machine_->axes[i].name == "U") continue;
     return Unsupported("a dwell with the axis word " + machine_->axes[i].name, false, step);
   }
@@ -67,7 +67,7 @@ void Interpreter::DoDwell(const Request& request, Step* step) {
 
 void Interpreter::DoMachineMove(const Request& request, Step* step) {
   step->kind = StepKind::kUntouched;
-  for (int i = 0; i < machine_->axis_count(); ++i) {
+  for (int i = 0; i < axis_count_; ++i) {
     if (step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0) ForgetPosition(i, true);
   }
 }
@@ -96,7 +96,7 @@ void Interpreter::DoPreset(const Block& block, const Request& request, Step* ste
   if (modal_.uncertain & (kUnitGroup | kOffsetGroup | kLengthGroup)) problem = "the modal state is not known";
   if (!request.has_axis && problem.empty() && request.parameter == 0) return;  // G92 S2000 limits the spindle
   step->preset_axes = 0;
-  for (int i = 0; i < machine_->axis_count() && problem.empty(); ++i) {
+  for (int i = 0; i < axis_count_ && problem.empty(); ++i) {
     if (step->word_of_axis[i] < 0) continue;
     const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
     problem = WordProblem(word);
@@ -122,7 +122,7 @@ void Interpreter::DoShift(const Block& block, const Request& request, Step* step
   if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
   if (modal_.is_incremental || (modal_.uncertain & (kDistanceGroup | kUnitGroup)) != 0)
     problem = "in G91 controllers differ on what it means";
-  for (int i = 0; i < machine_->axis_count() && problem.empty(); ++i) {
+  for (int i = 0; i < axis_count_ && problem.empty(); ++i) {
     if (step->word_of_axis[i] < 0) continue;
     const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
     problem = WordProblem(word);
@@ -195,23 +195,22 @@ bool Interpreter::MayMoveBy(int axis, Step* step) {
 }
 
 bool Interpreter::ReadTargets(const Block& block, Step* step) {
-  const int count = machine_->axis_count();
   step->start = positions_;
   Positions& end = step->end;
   end = positions_;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < axis_count_; ++i) {
     if (step->word_of_axis[i] < 0) continue;
     const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
-    const auto bit = static_cast<uint16_t>(1u << i);
     const bool is_incremental = IsIncremental(word);
     if (is_incremental && !MayMoveBy(i, step)) return false;
-    needs_absolute_ &= static_cast<uint16_t>(~bit);
-    const Ticks base = is_incremental ? end.ticks[i] : offset(i), before = end.ticks[i];
-    const std::optional<Ticks> value = ToTicks(Meant(word.number), ticks_per_unit(i));
+    const Ticks before = end.ticks[i], base = is_incremental ? before : offset(i);
+    Ticks value = 0;
+    // Sums stay far from overflow: values are within 9e18, bases within 1e17.
+    const bool is_in_range =
+        ToTicks(word.number.has_point ? word.number : Meant(word.number), ticks_per_unit(i), &value) &&
+        InRange(value) && InRange(base + value);
     const bool is_odd = !word.number.has_point && word.number.digits >= 5;
-    // Both are far from overflow: ticks are within 9e18, bases within 1e17.
-    const bool is_in_range = value && InRange(*value) && InRange(base + *value);
-    if (is_odd || !is_in_range) {
+    if (!is_in_range || is_odd) {
       std::string problem = WordProblem(word);
       if (problem.empty() && !is_in_range) problem = absl::StrCat("word ", WordText(word), " is out of range");
       if (!problem.empty()) {
@@ -219,15 +218,14 @@ bool Interpreter::ReadTargets(const Block& block, Step* step) {
         return false;
       }
     }
-    const Ticks target = base + *value;
-    const auto sense = static_cast<int8_t>((target > before) - (target < before));
-    if ((end.known & bit) == 0) {
-      end.sense[i] = 0;
-    } else if (sense != 0) {
-      end.sense[i] = sense;
-    }
+    const Ticks target = base + value;
+    if (target != before) end.sense[i] = target > before ? 1 : -1;
     end.ticks[i] = target;
-    end.known |= bit;
+    if (!end.is_known(i)) {
+      end.sense[i] = 0;
+      end.known |= static_cast<uint16_t>(1u << i);
+    }
+    if (needs_absolute_ != 0) needs_absolute_ &= static_cast<uint16_t>(~(1u << i));
   }
   return true;
 }

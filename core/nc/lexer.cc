@@ -32,39 +32,46 @@ inline const char* ReadDigits(const char* at, const char* end, uint64_t* number)
   return at;
 }
 
+// Digits up to a byte that is none: the line's end at the latest.
+inline const char* ReadDigits(const char* at, uint64_t* number) {
+  uint64_t value = *number;
+  for (unsigned digit; (digit = Digit(*at)) <= 9; ++at) value = value * 10 + digit;
+  *number = value;
+  return at;
+}
+
 // Nearly every word: a capital letter, directly behind it a number of at most 18 digits without blanks inside. Fills
-// `word` and returns where it ends; nullptr when it is anything else.
+// `word` and returns where it ends; nullptr when it is anything else. Need not look for `end`: no word goes on there.
 inline const char* ReadPlainWord(const char* text, const char* at, const char* end, Word* word) {
   const char letter = *at;
-  if (letter < 'A' || letter > 'Z' || end - at < 2) return nullptr;
-  const char* const number = at + 1;
-  const bool negative = *number == '-', plus = *number == '+';
-  const char* const first = number + (negative || plus);
+  if (letter < 'A' || letter > 'Z') return nullptr;
+  const char sign = at[1];
+  const char* const first = at + 1 + (sign == '-' || sign == '+');
   uint64_t mantissa = 0;
-  const char* last = ReadDigits(first, end, &mantissa);
+  const char* last = ReadDigits(first, &mantissa);
   ptrdiff_t digits = last - first, decimals = 0;
-  const bool point = last != end && *last == '.';
-  if (point) {
+  const bool has_point = *last == '.';
+  if (has_point) {
     const char* const fraction = last + 1;
-    last = ReadDigits(fraction, end, &mantissa);
+    last = ReadDigits(fraction, &mantissa);
     decimals = last - fraction;
     digits += decimals;
   }
   if (digits == 0 || digits > 18) return nullptr;
   const char* next = last;
-  while (next != end && *next == ' ') ++next;
+  while (*next == ' ') ++next;
   // Another part of the number behind a blank, or a character that the slow way must judge.
-  if (next != end && (*next < 'A' || *next > 'Z')) return nullptr;
+  if ((*next < 'A' || *next > 'Z') && next != end) return nullptr;
   word->letter = letter;
   word->is_lower = word->is_incremental = false;
   word->letter_at = static_cast<uint32_t>(at - text);
   word->number_at = word->letter_at + 1;
   word->end = static_cast<uint32_t>(last - text);
-  word->number.mantissa = negative ? -static_cast<int64_t>(mantissa) : static_cast<int64_t>(mantissa);
+  word->number.mantissa = sign == '-' ? -static_cast<int64_t>(mantissa) : static_cast<int64_t>(mantissa);
   word->number.decimals = static_cast<int8_t>(decimals);
   word->number.digits = static_cast<int8_t>(digits);
-  word->number.has_point = point;
-  word->number.has_plus = plus;
+  word->number.has_point = has_point;
+  word->number.has_plus = sign == '+';
   return next;
 }
 

@@ -13,8 +13,8 @@
 
 namespace axiscal::nc {
 
-// `text` is the line without its end ("\n", "\r\n"). Every field of `block` is set, words beyond word_count excepted.
-// Never fails.
+// `text` is the line without its end ("\n", "\r\n"); text[size] is that end, or the NUL behind a string. Every field of
+// `block` is set, words beyond word_count excepted. Never fails.
 void Lex(const char* text, size_t size, const Dialect& dialect, Block* block);
 
 // "nested comment at column 7".

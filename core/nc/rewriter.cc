@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "core/base/demand.h"
 #include "core/base/units.h"
@@ -200,7 +201,8 @@ struct Rewriter::Impl {
       return Copy();
     }
     ++job.report().blocks_corrected;
-    const Commanded before = step.may_be_skipped ? writer.commanded() : Commanded();
+    std::optional<Commanded> before;
+    if (step.may_be_skipped) before = writer.commanded();
     if (step.is_arc) {
       WriteSplit(0.0);
     } else if (const double departure_mm = MoveDeparture(); departure_mm > options.tolerance_mm) {
@@ -209,7 +211,7 @@ struct Rewriter::Impl {
       writer.WriteBlock(now.text, now.size, block, step, piece, 1.0, &out);
       job.Account(now, piece, writer.commanded(), departure_mm);
     }
-    if (step.may_be_skipped) writer.ForgetChanges(before);
+    if (before) writer.ForgetChanges(*before);
   }
 
   // 0 for a rapid, whose path no controller states, and for a move from an unknown position.
