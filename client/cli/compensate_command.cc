@@ -27,6 +27,37 @@ struct Arguments {
   RewriteArguments rewrite;
 };
 
+// The part of a report of nc::ToJson that --orientation adds: the first blocks whose direction was not reached by line.
+std::string OrientationText(const Json& report) {
+  constexpr size_t kShown = 5;
+  if (!report.contains("orientation")) return "";
+  const Json& orientation = report.at("orientation");
+  const auto row = [](const std::string& name, const Json& spread) {
+    return std::vector<std::string>{name, NumberText(spread.value("max_urad", 0.0)),
+                                    NumberText(spread.value("rms_urad", 0.0))};
+  };
+  std::vector<std::vector<std::string>> rows = {{"", "max urad", "rms urad"}};
+  const Json corrections = orientation.value("correction", Json::object());
+  for (const auto& [axis, spread] : corrections.items()) rows.push_back(row("correction of " + axis, spread));
+  const Json error = orientation.value("error", Json::object());
+  rows.push_back(row("tool direction error before", error.value("before", Json::object())));
+  rows.push_back(row("tool direction error after", error.value("after", Json::object())));
+  std::string text = Table(rows);
+  const auto count = orientation.value("blocks_not_reached", int64_t{0});
+  if (count == 0) return text;
+  absl::StrAppend(&text, "direction not reached in ", count, count == 1 ? " block" : " blocks",
+                  " (no rotary command changes by more than ",
+                  absl::StrFormat("%g", orientation.value("max_rotary_correction_deg", 0.0)), " deg):\n");
+  const Json findings = orientation.value("not_reached", Json::array());
+  for (size_t i = 0; i < findings.size() && i < kShown; ++i) {
+    absl::StrAppend(&text, "  line ", findings[i].value("line", int64_t{0}), ": ",
+                    findings[i].value("block", std::string()), "  (", findings[i].value("reason", std::string()),
+                    ")\n");
+  }
+  if (count > static_cast<int64_t>(kShown)) absl::StrAppend(&text, "  ... more in the report\n");
+  return text;
+}
+
 // Of a report of nc::ToJson.
 std::string ReportText(const Json& report, const std::string& output) {
   const auto number = [&report](const char* path) { return NumberText(report.value(Json::json_pointer(path), 0.0)); };
@@ -44,7 +75,7 @@ std::string ReportText(const Json& report, const std::string& output) {
                   number("/tool_point_error/before/rms_um")});
   rows.push_back(
       {"tool-point error after", number("/tool_point_error/after/max_um"), number("/tool_point_error/after/rms_um")});
-  absl::StrAppend(&text, Table(rows));
+  absl::StrAppend(&text, Table(rows), OrientationText(report));
   for (const Json& note : report.value("notes", Json::array()))
     absl::StrAppend(&text, "note: ", note.get<std::string>(), "\n");
   return text;
@@ -167,6 +198,7 @@ void AddCompensateCommand(CLI::App& app, Context& context) {
       "before, is\n"
       "refused with line and reason, and nothing is written.\n"
       "Examples: axiscal compensate --machine mt --tool-tip \"0 0 -350\" in.nc -o out.nc\n"
+      "          axiscal compensate --machine mt --tool-tip \"0 0 -350\" --orientation in.nc -o out.nc\n"
       "          axiscal compensate --machine machine.json --errors errors.json --tool-tip \"0 0 -350\" in.nc -o "
       "out.nc --report report.json");
   SetAction(compensate, context, [&context, arguments] { return Compensate(context, *arguments); });

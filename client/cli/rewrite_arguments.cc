@@ -123,6 +123,19 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
       .add_option("--tolerance-um", arguments.tolerance_um,
                   "a move is split where its correction departs from linear by more")
       ->capture_default_str();
+  command.add_flag("--orientation", arguments.orientation,
+                   "correct rotary commands too, so that the tool's direction is the programmed one; what the axes "
+                   "cannot turn is listed in the report");
+  command
+      .add_option("--max-rotary-correction-deg", arguments.max_rotary_correction_deg,
+                  "with --orientation: no rotary command changes by more; near singular poses the change falls to zero "
+                  "instead of swinging the axis round, and the report says what is left")
+      ->check(CLI::Range(0.0, nc::kMaxRotaryCorrectionRad * base::kDegPerRad))
+      ->capture_default_str();
+  command
+      .add_option("--tolerance-urad", arguments.tolerance_urad,
+                  "with --orientation: a move is also split where the tool's direction departs by more")
+      ->capture_default_str();
   command
       .add_option("--on-unsupported", arguments.on_unsupported,
                   "a block that cannot be corrected: refuse the program and list all, stop at the first, or pass the "
@@ -174,6 +187,9 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   options.decimals_mm = arguments.decimals;
   options.max_correction_mm = arguments.max_correction_um * base::kMmPerUm;
   options.tolerance_mm = arguments.tolerance_um * base::kMmPerUm;
+  options.orientation = arguments.orientation;
+  options.max_rotary_correction_rad = arguments.max_rotary_correction_deg * base::kRadPerDeg;
+  options.tolerance_rad = arguments.tolerance_urad * base::kRadPerUrad;
   std::istringstream start(arguments.start);
   ASSIGN_OR_RETURN(options.initial_position, ParseAxisValues("--start", start, machine));
   for (const std::string& text : arguments.offsets) {

@@ -25,6 +25,9 @@ struct RewriteArguments {
   int decimals = 4;
   double max_correction_um = 500;
   double tolerance_um = 1;
+  bool orientation = false;
+  double max_rotary_correction_deg = 0.05;
+  double tolerance_urad = 10;
   std::string start;                      // "X=0 Y=0 B=90"
   std::vector<std::string> offsets;       // "G54 X=-490 C=90" or "G54=-490 0 0 0 90"
   std::vector<std::string> tool_lengths;  // "H1=120.5"

@@ -25,7 +25,11 @@ std::vector<std::string> Row(const std::string& name, const nc::Spread& spread) 
   return {name, NumberText(spread.max_mm * base::kUmPerMm), NumberText(spread.rms_mm() * base::kUmPerMm)};
 }
 
-std::string ReportText(const nc::VerifyReport& report) {
+std::vector<std::string> AngleRow(const std::string& name, const nc::AngleSpread& spread) {
+  return {name, NumberText(spread.max_rad * base::kUradPerRad), NumberText(spread.rms_rad() * base::kUradPerRad)};
+}
+
+std::string ReportText(const nc::VerifyReport& report, bool with_directions) {
   std::string text = absl::StrCat(report.moves, " moves compared");
   if (report.moves_unknown > 0)
     absl::StrAppend(&text, ", ", report.moves_unknown, " not evaluated: an axis position is unknown");
@@ -37,6 +41,13 @@ std::string ReportText(const nc::VerifyReport& report) {
                          Row("at ends of moves, compensated", report.end_after),
                          Row("inside moves, original", report.path_before),
                          Row("inside moves, compensated", report.path_after)}));
+  if (with_directions) {
+    absl::StrAppend(&text, Table({{"tool direction error", "max urad", "rms urad"},
+                                  AngleRow("at ends of moves, original", report.end_tilt_before),
+                                  AngleRow("at ends of moves, compensated", report.end_tilt_after),
+                                  AngleRow("inside moves, original", report.path_tilt_before),
+                                  AngleRow("inside moves, compensated", report.path_tilt_after)}));
+  }
   if (report.worst_line > 0) absl::StrAppend(&text, "largest after compensation: line ", report.worst_line, "\n");
   return text;
 }
@@ -62,7 +73,7 @@ absl::Status Verify(Context& context, const Arguments& arguments) {
                    nc::VerifyFiles(arguments.original, arguments.compensated, model.machine, model.errors, options));
   const std::string report_json = nc::ToJson(report);
   if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report_json));
-  context.Print(Embedded(report_json), ReportText(report));
+  context.Print(Embedded(report_json), ReportText(report, arguments.rewrite.orientation));
   return absl::OkStatus();
 }
 

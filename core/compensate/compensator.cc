@@ -161,6 +161,16 @@ struct Compensator::Impl {
     return slope;
   }
 
+  absl::Status RequireFinite(const Pose& pose) const {
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      if (!std::isfinite(pose.position[i])) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("axis ", machine.axes[i].name, " = ", pose.position[i], ", must be finite"));
+      }
+    }
+    return absl::OkStatus();
+  }
+
   absl::Status RankError(const Pose& pose) const {
     std::string names;
     for (const int axis : linear_axes) absl::StrAppend(&names, names.empty() ? "" : ", ", machine.axes[axis].name);
@@ -214,10 +224,67 @@ struct Compensator::Impl {
   absl::Status Correct(const Pose& pose, const double* near_mm, Correction* correction) const {
     Turns turns;
     EvaluateTurns(machine, pose.position.data(), &turns);
+    AffineTip wanted;
+    EvaluateNominal(pose, turns, &wanted);
+    return Reach(pose, turns, wanted, near_mm, correction);
+  }
+
+  void EvaluateNominal(const Pose& pose, const Turns& turns, AffineTip* wanted) const {
     double linear_mm[machine::kMaxAxes];
     for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = pose.position[linear_axes[k]];
-    AffineTip wanted, found;
-    Evaluate(nominal, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, &wanted);
+    Evaluate(nominal, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, wanted);
+  }
+
+  absl::Status CorrectTurned(const Pose& pose, const AxisValues& turned, const double* near_mm,
+                             Correction* correction) const {
+    Turns turns;
+    EvaluateTurns(machine, pose.position.data(), &turns);
+    AffineTip wanted;
+    EvaluateNominal(pose, turns, &wanted);
+    FoldedChain varying_chain;
+    const FoldedChain& chain = ChainAt(pose, &varying_chain);
+    AffineTip found;
+    double linear_mm[machine::kMaxAxes];
+    for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = pose.position[linear_axes[k]];
+    Evaluate(chain, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, &found);
+    const double before_mm = (wanted.tip_in_table_mm - found.tip_in_table_mm).norm();
+    const double tilt_before_rad = wanted.direction_in_table.cross(found.direction_in_table).norm();
+    Pose start = pose;
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      if (machine.axes[i].kind == machine::AxisKind::kRotary) start.position[i] = turned[i];
+    }
+    EvaluateTurns(machine, start.position.data(), &turns);
+    RETURN_IF_ERROR(Reach(start, turns, wanted, near_mm, correction));
+    correction->before_mm = before_mm;
+    correction->tilt_before_rad = tilt_before_rad;
+    return absl::OkStatus();
+  }
+
+  // The chain with the errors at a pose.
+  const FoldedChain& ChainAt(const Pose& pose, FoldedChain* chain) const {
+    if (is_constant) return actual;
+    JointMaps maps = constant_maps;
+    MapsAt(pose, &maps);
+    Fold(machine, linear_axes, maps, chain);
+    return *chain;
+  }
+
+  void Aim(const Pose& commanded, TurnColumns* columns) const {
+    Turns turns;
+    EvaluateTurns(machine, commanded.position.data(), &turns);
+    double linear_mm[machine::kMaxAxes];
+    for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = commanded.position[linear_axes[k]];
+    FoldedChain varying_chain;
+    EvaluateTurnColumns(ChainAt(commanded, &varying_chain), turns, linear_mm, options.tool_tip_mm,
+                        machine.tool_direction, columns);
+  }
+
+  // The commands of the linear axes that bring the tool point to `wanted`, the rotary axes being at `pose`.
+  absl::Status Reach(const Pose& pose, const Turns& turns, const AffineTip& wanted, const double* near_mm,
+                     Correction* correction) const {
+    AffineTip found;
+    double linear_mm[machine::kMaxAxes];
+    for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = pose.position[linear_axes[k]];
     Eigen::Vector3d lacking_mm;
     double change_mm[machine::kMaxAxes];
     if (is_constant) {
@@ -324,14 +391,25 @@ absl::Status Compensator::Correct(const Pose& pose, Correction* correction) cons
 }
 
 absl::Status Compensator::Correct(const Pose& pose, const AxisValues& near_mm, Correction* correction) const {
-  for (int i = 0; i < impl_->machine.axis_count(); ++i) {
-    if (!std::isfinite(pose.position[i])) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("axis ", impl_->machine.axes[i].name, " = ", pose.position[i], ", must be finite"));
-    }
-  }
+  RETURN_IF_ERROR(impl_->RequireFinite(pose));
   return impl_->Correct(pose, near_mm.data(), correction);
 }
+
+absl::Status Compensator::CorrectTurned(const Pose& pose, const AxisValues& turned, const AxisValues& near_mm,
+                                        Correction* correction) const {
+  RETURN_IF_ERROR(impl_->RequireFinite(pose));
+  return impl_->CorrectTurned(pose, turned, near_mm.data(), correction);
+}
+
+Eigen::Vector3d Compensator::NominalDirection(const Pose& pose) const {
+  Turns turns;
+  EvaluateTurns(impl_->machine, pose.position.data(), &turns);
+  AffineTip wanted;
+  impl_->EvaluateNominal(pose, turns, &wanted);
+  return wanted.direction_in_table;
+}
+
+void Compensator::Aim(const Pose& commanded, TurnColumns* columns) const { impl_->Aim(commanded, columns); }
 
 // The correction is a product of at most two turns per rotary axis (the errors' and the inverse's), linear in the
 // linear axes: the second derivative along a move is bounded by the product rule, and a chord departs by at most an
@@ -360,6 +438,41 @@ double Compensator::DepartureBound(const AxisValues& from, const AxisValues& to)
   return kSecondOrder / 8.0 * curvature_mm;
 }
 
+// With e the error of direction, |e|, |e'|, |e''| <= E, E T, E T^2 for a turn T, and J the motion of the direction by
+// the rotary axes, the change of the commands is d = -J^-1 e. From |J^-1| <= 1/s, |(J^-1)'| <= T/s^2 and
+// |(J^-1)''| <= T^2 (1/s^2 + 2/s^3) follows |d''| <= 6 E T^2 / s^3. The linear axes follow on their lever.
+double Compensator::TurnDepartureBound(const AxisValues& from, const AxisValues& to, double least_turn,
+                                       double* direction_rad) const {
+  constexpr double kSecondOrder = 2.0;
+  *direction_rad = std::numeric_limits<double>::infinity();
+  if (!impl_->is_constant) return std::numeric_limits<double>::infinity();
+  double turn_rad = 0, travel_mm = 0, lever_mm = impl_->fixed_lever_mm;
+  for (int i = 0; i < impl_->machine.axis_count(); ++i) {
+    const double change = std::abs(to[i] - from[i]);
+    if (impl_->machine.axes[i].kind == machine::AxisKind::kRotary) {
+      turn_rad += 2.0 * change;
+    } else {
+      travel_mm += change;
+      lever_mm += std::max(std::abs(from[i]), std::abs(to[i]));
+    }
+  }
+  if (turn_rad == 0) {
+    *direction_rad = 0;
+    return DepartureBound(from, to);
+  }
+  if (!(least_turn > turn_rad)) return std::numeric_limits<double>::infinity();
+  const double least = least_turn - turn_rad, error_rad = impl_->angle_errors_rad;
+  const double change_rad = error_rad / least, slope_rad = 2.0 * error_rad * turn_rad / (least * least);
+  const double curvature_rad = 6.0 * error_rad * turn_rad * turn_rad / (least * least * least);
+  // The lever turns and grows meanwhile.
+  const double lever_slope_mm = turn_rad * lever_mm + travel_mm;
+  const double lever_curvature_mm = turn_rad * (turn_rad * lever_mm + 2.0 * travel_mm);
+  const double follow_mm =
+      lever_mm * curvature_rad + 2.0 * lever_slope_mm * slope_rad + lever_curvature_mm * change_rad;
+  *direction_rad = kSecondOrder / 8.0 * curvature_rad;
+  return DepartureBound(from, to) + kSecondOrder / 8.0 * follow_mm;
+}
+
 absl::StatusOr<Compensator> Compensator::WithLongerTool(double length_mm) const {
   Options longer = impl_->options;
   longer.tool_tip_mm += length_mm * impl_->machine.tool_direction;
@@ -369,6 +482,7 @@ absl::StatusOr<Compensator> Compensator::WithLongerTool(double length_mm) const 
 double Compensator::smooth_travel(int axis) const { return impl_->smooth_travel[axis]; }
 const Machine& Compensator::machine() const { return impl_->machine; }
 const std::vector<int>& Compensator::linear_axes() const { return impl_->linear_axes; }
+bool Compensator::is_constant() const { return impl_->is_constant; }
 bool Compensator::is_null() const { return impl_->carried.terms.empty(); }
 bool Compensator::uses_sense(int axis) const { return impl_->uses_sense[axis]; }
 const ErrorModel& Compensator::carried() const { return impl_->carried; }

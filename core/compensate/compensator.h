@@ -20,6 +20,8 @@
 
 namespace axiscal::compensate {
 
+struct TurnColumns;  // folded_chain.h
+
 struct Options {
   // Nominal tool point at home (all axes at zero), machine frame. A longer tool needs another compensator.
   Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();
@@ -42,9 +44,10 @@ struct Pose {
 };
 
 struct Correction {
-  AxisValues corrected{};  // commands to give instead, mm, rad; rotary axes as programmed
-  double before_mm = 0;                               // predicted tool-point error without correction, table frame
-  double after_mm = 0;                                // with it, <= kToleranceMm
+  AxisValues corrected{};      // commands to give instead, mm, rad; rotary axes as programmed
+  double before_mm = 0;        // predicted tool-point error without correction, table frame
+  double after_mm = 0;         // with it, <= kToleranceMm
+  double tilt_before_rad = 0;  // only CorrectTurned sets it: as below, without any correction
   double tilt_left_rad =
       0;  // angle between the predicted and the programmed tool direction, table frame; linear axes cannot change it
   // [k]: the tool point's motion in the table frame per mm of linear_axes()[k]. For the effect of rounding a command.
@@ -70,17 +73,32 @@ class Compensator {
   absl::Status Correct(const Pose& pose, Correction* correction) const;
   // The same, begun at a correction that is near (mm of each axis), as the last block's is: most often one step then.
   // The result is the same to kToleranceMm / 100.
-  absl::Status Correct(const Pose& pose, const AxisValues& near_mm,
-                       Correction* correction) const;
+  absl::Status Correct(const Pose& pose, const AxisValues& near_mm, Correction* correction) const;
+
+  // The linear-axis commands with which the tool point is the programmed one while the rotary axes get the commands of
+  // `turned` instead of the programmed ones (orientation.h chooses them). `near_mm` as above; Correction::before_mm and
+  // tilt_before_rad are those of the programmed commands. Errors as above.
+  absl::Status CorrectTurned(const Pose& pose, const AxisValues& turned, const AxisValues& near_mm,
+                             Correction* correction) const;
+  // The programmed tool direction: of the nominal machine, table frame, unit.
+  Eigen::Vector3d NominalDirection(const Pose& pose) const;
+  // The tool direction of the machine with its errors at these commands, and how the tool moves when rotary axes turn.
+  void Aim(const Pose& commanded, TurnColumns* columns) const;
 
   // How far the correction between two poses departs from its linear interpolation, at most (mm at the tool point, all
   // axes moving linearly). Cheap: for skipping moves that need no splitting.
   double DepartureBound(const AxisValues& from, const AxisValues& to) const;
+  // The same of corrections that turn the tool too (orientation.h), none of them at its bound: of the commands, weighed
+  // by what they do to the point; `direction_rad` by what they do to the direction. `least_turn` is the least turn of
+  // the tool per rad of a rotary change along the move. Infinity where errors vary.
+  double TurnDepartureBound(const AxisValues& from, const AxisValues& to, double least_turn,
+                            double* direction_rad) const;
   // Travel of one axis (mm or rad) over which the correction bends so little that samples that far apart show it.
   double smooth_travel(int axis) const;
 
   const machine::Machine& machine() const;
   const std::vector<int>& linear_axes() const;  // indices into machine().axes
+  bool is_constant() const;                     // no error depends on positions or senses
   bool is_null() const;                         // no error term differs from zero: every correction is zero
   // True for an axis whose sense of motion matters (backlash).
   bool uses_sense(int axis) const;

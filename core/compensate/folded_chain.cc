@@ -33,12 +33,13 @@ inline TwoVectors Times(const Eigen::Matrix3d& m, const TwoVectors& v) {
           m(2, 0) * v.x + m(2, 1) * v.y + m(2, 2) * v.z};
 }
 
+inline TwoVectors Cross(const Eigen::Vector3d& k, const TwoVectors& v) {
+  return {k.y() * v.z - k.z() * v.y, k.z() * v.x - k.x() * v.z, k.x() * v.y - k.y() * v.x};
+}
+
 // Rodrigues: v + s (k x v) + (1 - c) k x (k x v).
 inline TwoVectors Turned(const Eigen::Vector3d& k, double s, double one_minus_cosine, const TwoVectors& v) {
-  const auto cross = [&k](const TwoVectors& u) {
-    return TwoVectors{k.y() * u.z - k.z() * u.y, k.z() * u.x - k.x() * u.z, k.x() * u.y - k.y() * u.x};
-  };
-  const TwoVectors once = cross(v), twice = cross(once);
+  const TwoVectors once = Cross(k, v), twice = Cross(k, once);
   return {v.x + s * once.x + one_minus_cosine * twice.x, v.y + s * once.y + one_minus_cosine * twice.y,
           v.z + s * once.z + one_minus_cosine * twice.z};
 }
@@ -221,6 +222,38 @@ void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear
     out->tip_per_mm.of_axis[static_cast<size_t>(2 * k)] = Part(columns[k], 0);
     if (2 * k + 1 < count) out->tip_per_mm.of_axis[static_cast<size_t>(2 * k + 1)] = Part(columns[k], 1);
   }
+}
+
+void EvaluateTurnColumns(const FoldedChain& chain, const Turns& turns, const double* linear_mm,
+                         const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& tool_direction, TurnColumns* out) {
+  TwoVectors tool = Beside(tip_mm, tool_direction);
+  TwoVectors columns[machine::kMaxAxes];  // of axes[0], axes[1] ...: of the tool point, of the direction
+  int axes[machine::kMaxAxes], count = 0;
+  for (const FoldedChain::Stage& stage : chain.stages) {
+    if (stage.has_rotation) {
+      tool = Times(stage.rotation, tool);
+      for (int k = 0; k < count; ++k) columns[k] = Times(stage.rotation, columns[k]);
+    }
+    Eigen::Vector3d move_mm = stage.translation_mm;
+    for (int k = 0; stage.has_columns && k < stage.columns.count; ++k)
+      move_mm += stage.columns.of_axis[static_cast<size_t>(k)] * linear_mm[k];
+    tool.x[0] += move_mm.x();
+    tool.y[0] += move_mm.y();
+    tool.z[0] += move_mm.z();
+    if (stage.turn_axis < 0) continue;
+    const Turn turn{stage, stage.turn_sign * turns.sine[stage.turn_axis], turns.one_minus_cosine[stage.turn_axis]};
+    turn.Apply(&tool);
+    for (int k = 0; k < count; ++k) turn.Apply(&columns[k]);
+    axes[count] = stage.turn_axis;
+    columns[count++] = Cross(stage.turn_sign * stage.turn_direction, tool);
+  }
+  out->tip_per_rad.fill(Eigen::Vector3d::Zero());
+  out->direction_per_rad.fill(Eigen::Vector3d::Zero());
+  for (int k = 0; k < count; ++k) {
+    out->tip_per_rad[static_cast<size_t>(axes[k])] = Part(columns[k], 0);
+    out->direction_per_rad[static_cast<size_t>(axes[k])] = Part(columns[k], 1);
+  }
+  out->direction_in_table = Part(tool, 1);
 }
 
 }  // namespace axiscal::compensate

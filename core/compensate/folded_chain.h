@@ -69,6 +69,14 @@ void EvaluateTurns(const machine::Machine& machine, const double* positions, Tur
 void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear_mm, const Eigen::Vector3d& tip_mm,
               const Eigen::Vector3d& tool_direction, bool with_columns, AffineTip* out);
 
+// How the tool moves when rotary axes turn, per rad; indexed like machine.axes, zero for linear axes.
+struct TurnColumns {
+  Eigen::Vector3d direction_in_table;  // unit
+  std::array<Eigen::Vector3d, machine::kMaxAxes> tip_per_rad, direction_per_rad;
+};
+void EvaluateTurnColumns(const FoldedChain& chain, const Turns& turns, const double* linear_mm,
+                         const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& tool_direction, TurnColumns* out);
+
 }  // namespace axiscal::compensate
 
 #endif  // AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_

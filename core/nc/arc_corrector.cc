@@ -22,6 +22,13 @@ Eigen::Vector2d PlanePoint(const AxisTicks& at, const Arc& arc) {
   return Eigen::Vector2d(static_cast<double>(at[arc.first]), static_cast<double>(at[arc.second])) / kTicksPerUnit;
 }
 
+// The position at a fraction of a straight move.
+AxisTicks Mean(const AxisTicks& from, const AxisTicks& to, double t) {
+  AxisTicks mean{};
+  for (size_t i = 0; i < mean.size(); ++i) mean[i] = from[i] + std::llround(static_cast<double>(to[i] - from[i]) * t);
+  return mean;
+}
+
 bool IsFull(const Arc& arc) { return std::abs(std::abs(arc.sweep_rad) - 2.0 * kPi) < 1e-12; }
 
 }  // namespace
@@ -63,7 +70,7 @@ absl::Status MoveCorrector::CorrectOnArc(const Step& step, double fraction, cons
   }
   piece->end_fraction = fraction;
   piece->is_arc = false;
-  return CorrectAt(nominal, senses, piece);
+  return CorrectAt(nominal, senses, grain, piece);
 }
 
 absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& start, double first, double last,
@@ -96,16 +103,16 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& st
   }
   if (std::abs(sweep) * nominal.radius_mm() < kLeastGrains * grain_mm) return false;
 
-  // Corrected points of every linear axis, column by column.
-  const std::vector<int>& axes = compensator_->linear_axes();
-  Eigen::MatrixXd points(static_cast<Eigen::Index>(axes.size()), kSamplesPerArc);
+  // Corrected points between the ends.
+  std::array<AxisTicks, kSamplesPerArc> points;
+  std::array<Effect, kSamplesPerArc> effects;
   Eigen::Matrix2Xd in_plane(2, kSamplesPerArc);
   Piece sample;
   for (int k = 0; k < kSamplesPerArc; ++k) {
     const double t = (k + 1.0) / (kSamplesPerArc + 1);
-    RETURN_IF_ERROR(CorrectAt(Between(step, first + t * (last - first)), senses, &sample));
-    for (size_t i = 0; i < axes.size(); ++i)
-      points(static_cast<Eigen::Index>(i), k) = static_cast<double>(sample.targets[axes[i]]) / kTicksPerUnit;
+    RETURN_IF_ERROR(CorrectAt(Between(step, first + t * (last - first)), senses, WordGrain(), &sample));
+    points[static_cast<size_t>(k)] = sample.targets;
+    if (orientation_) effects[static_cast<size_t>(k)] = EffectAt(sample);
     in_plane.col(k) = PlanePoint(sample.targets, nominal);
   }
   // The largest distance of an arc from the corrected points, at equal fractions; infinity where it is another arc.
@@ -115,18 +122,11 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& st
     for (int k = 0; k < kSamplesPerArc; ++k) {
       const double t = (k + 1.0) / (kSamplesPerArc + 1);
       const Eigen::Vector2d at_mm = arc->At(t);
-      double squares = 0;
-      for (size_t i = 0; i < axes.size(); ++i) {
-        const int axis = axes[i];
-        const double from = static_cast<double>(start[axis]) / kTicksPerUnit;
-        const double to = static_cast<double>(piece->targets[axis]) / kTicksPerUnit;
-        const double written = axis == nominal.first    ? at_mm.x()
-                               : axis == nominal.second ? at_mm.y()
-                                                        : from + t * (to - from);
-        const double difference = written - points(static_cast<Eigen::Index>(i), k);
-        squares += difference * difference;
-      }
-      largest = std::max(largest, std::sqrt(squares));
+      AxisTicks written = Mean(start, piece->targets, t);
+      written[nominal.first] = NearestTick(at_mm.x() * kTicksPerUnit);
+      written[nominal.second] = NearestTick(at_mm.y() * kTicksPerUnit);
+      const auto at = static_cast<size_t>(k);
+      largest = std::max(largest, Weight(ChangeOf(written, points[at]), effects[at]));
     }
     return largest;
   };
@@ -180,9 +180,7 @@ absl::Status MoveCorrector::ChordsBetween(const Step& step, double first, double
   const Senses senses = SensesOfArc(step, 0.5 * (first + last));
   Piece start;
   RETURN_IF_ERROR(CorrectOnArc(step, first, senses, grain, &start));
-  if (Apart(start.targets, pieces->empty() ? commanded : pieces->back().targets) > tolerance_mm_)
-    pieces->push_back(start);
-  const std::vector<int>& axes = compensator_->linear_axes();
+  if (Apart(start, pieces->empty() ? commanded : pieces->back().targets) > tolerance_mm_) pieces->push_back(start);
   const double reach = std::min(1.0, kShare * tolerance_mm_ / step.arc.radius_mm());
   const double turn = 2.0 * std::acos(1.0 - reach);
   double wanted = std::ceil(std::abs(step.arc.sweep_rad) * (last - first) / turn);
@@ -200,15 +198,9 @@ absl::Status MoveCorrector::ChordsBetween(const Step& step, double first, double
       const AxisTicks& begin = k == 0 ? start.targets : chords[static_cast<size_t>(k) - 1].targets;
       RETURN_IF_ERROR(CorrectOnArc(step, to, senses, grain, &chord));
       for (const double t : {0.25, 0.5, 0.75}) {
-        RETURN_IF_ERROR(CorrectAt(Between(step, from + t * (to - from)), senses, &sample));
-        double apart = 0;
-        for (const int axis : axes) {
-          const double written =
-              static_cast<double>(begin[axis]) * (1 - t) + static_cast<double>(chord.targets[axis]) * t;
-          const double difference = (written - static_cast<double>(sample.targets[axis])) / kTicksPerUnit;
-          apart += difference * difference;
-        }
-        fits &= std::sqrt(apart) <= tolerance_mm_;
+        RETURN_IF_ERROR(CorrectAt(Between(step, from + t * (to - from)), senses, WordGrain(), &sample));
+        const Change apart = ChangeOf(Mean(begin, chord.targets, t), sample.targets);
+        fits &= Weight(apart, orientation_ ? EffectAt(sample) : Effect()) <= tolerance_mm_;
       }
     }
     if (fits) {
@@ -233,14 +225,14 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::SplitArc(const Step& step, con
                                                            const WordGrain& grain) const {
   const std::vector<double> breaks = Reversals(step);
   Piece start;
-  RETURN_IF_ERROR(CorrectStart(step, &start));
-  if (breaks.size() == 2 && Apart(start.targets, commanded) <= kShare * tolerance_mm_) {
+  RETURN_IF_ERROR(CorrectStart(step, grain, &start));
+  if (breaks.size() == 2 && Apart(start, commanded) <= kShare * tolerance_mm_) {
     ASSIGN_OR_RETURN(std::vector<Piece> pieces, ArcPieces(step, commanded, grain));
     if (!pieces.empty()) return pieces;
   }
   if (!std::isfinite(tolerance_mm_)) {
     std::vector<Piece> pieces(1);
-    RETURN_IF_ERROR(CorrectEnd(step, &pieces[0]));
+    RETURN_IF_ERROR(CorrectEnd(step, grain, &pieces[0]));
     return pieces;
   }
   return Chords(step, commanded, grain, breaks);

@@ -20,6 +20,8 @@ BlockWriter::BlockWriter(const machine::Machine& machine, const RewriteOptions& 
     const int axis = machine::FindAxis(machine, std::string(1, letter));
     if (axis >= 0) order_.push_back(axis);
   }
+  for (const int axis : order_)
+    is_followed_[axis] = options.orientation && machine.axes[axis].kind == machine::AxisKind::kRotary;
   commanded_.ticks = interpreter.positions().ticks;
   commanded_.known = interpreter.positions().known;
 }
@@ -99,8 +101,10 @@ int BlockWriter::DecimalsOf(const Block& block, const Step& step, int axis) cons
 
 WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
   WordGrain grain;
-  for (int i = 0; i < machine_->axis_count(); ++i)
+  for (int i = 0; i < machine_->axis_count(); ++i) {
     grain.of_axis[i] = GrainTicks(interpreter_->ticks_per_unit(i), DecimalsOf(block, step, i));
+    grain.base[i] = BaseOf(block, step, i);
+  }
   if (!step.is_arc) return grain;
   for (const Word& word : block) {
     if (interpreter_->RoleOf(word.letter) != Role::kRadius) continue;
@@ -128,6 +132,8 @@ void BlockWriter::SetCommanded(int axis, const Rounded& rounded, Ticks base) {
 }
 
 bool BlockWriter::NeedsWord(int axis, Ticks target, Ticks grain) const {
+  // Rotary targets of orientation are what words say, and the linear axes follow them exactly.
+  if (is_followed_[axis]) return !commanded_.is_known(axis) || target != commanded_.ticks[axis];
   return !commanded_.is_known(axis) || std::llabs(target - commanded_.ticks[axis]) > grain / 2;
 }
 

@@ -88,7 +88,8 @@ class BlockWriter {
   const machine::Machine* machine_;
   const RewriteOptions* options_;
   const Interpreter* interpreter_;
-  std::vector<int> order_;  // axes in the order in which inserted words are written
+  std::vector<int> order_;                             // axes in the order in which inserted words are written
+  std::array<bool, machine::kMaxAxes> is_followed_{};  // rotary axes with orientation
   Commanded commanded_;
   AxisTicks preset_shift_{}, suspended_shift_{};  // controller's preset (G92) - nominal one
   bool is_in_chords_ = false;                     // the controller is in G01 where the program is in G02 or G03

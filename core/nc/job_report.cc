@@ -27,6 +27,14 @@ JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOp
   report_.notes = compensator.not_carried();
   for (std::string& note : report_.notes) note = "not carried: " + note;
   for (const int axis : compensator.linear_axes()) report_.axes.push_back({compensator.machine().axes[axis].name, {}});
+  if (!options.orientation) return;
+  report_.has_orientation = true;
+  report_.max_rotary_correction_rad = options.max_rotary_correction_rad;
+  for (int i = 0; i < compensator.machine().axis_count(); ++i) {
+    if (compensator.machine().axes[i].kind != machine::AxisKind::kRotary) continue;
+    rotary_axes_.push_back(i);
+    report_.rotary_axes.push_back({compensator.machine().axes[i].name, {}});
+  }
 }
 
 void JobReport::Note(const BlockText& block, const std::string& text) {
@@ -71,6 +79,7 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
       CheckTravel(block, i, static_cast<double>(commanded.ticks[i]) / kTicksPerUnit);
   }
   const double after_mm = after.norm() + piece.correction.after_mm, before_mm = piece.correction.before_mm;
+  if (options_.orientation) AccountRotary(piece, commanded);
   report_.error_before.Add(before_mm);
   report_.error_after.Add(after_mm);
   report_.path_before_max_mm =
@@ -81,6 +90,24 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
   last_after_mm_ = after_mm;
   report_.max_departure_mm = std::max(report_.max_departure_mm, departure_mm);
   report_.max_tilt_left_rad = std::max(report_.max_tilt_left_rad, piece.correction.tilt_left_rad);
+}
+
+void JobReport::AccountRotary(const Piece& piece, const Commanded& commanded) {
+  for (size_t k = 0; k < rotary_axes_.size(); ++k) {
+    const int axis = rotary_axes_[k];
+    const double change = static_cast<double>(commanded.ticks[axis] - piece.nominal[axis]) / kTicksPerUnit;
+    report_.rotary_axes[k].correction.Add(change * base::kRadPerDeg);
+  }
+  report_.tilt_before.Add(piece.correction.tilt_before_rad);
+  report_.tilt_after.Add(piece.correction.tilt_left_rad);
+}
+
+void JobReport::Tilted(const BlockText& block, const compensate::Turned& turned) {
+  ++report_.blocks_tilted;
+  AddFinding(block,
+             absl::StrFormat("the tool's direction is %.3g urad off: %s", turned.tilt_left_rad * base::kUradPerRad,
+                             compensate::ToString(turned, options_.max_rotary_correction_rad)),
+             &report_.tilted);
 }
 
 void JobReport::CheckTravel(const BlockText& block, int index, double commanded) {

@@ -36,6 +36,8 @@ class JobReport {
   // One written piece that departs from the nominal path by at most `departure_mm` inside: its statistics, and limits,
   // which refuse.
   void Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm);
+  // The tool's direction was not reached in this block: `turned` is the worst of its pieces.
+  void Tilted(const BlockText& block, const compensate::Turned& turned);
   // The next piece does not begin where the last one ended.
   void BreakPath() { last_before_mm_ = last_after_mm_ = 0; }
 
@@ -44,11 +46,13 @@ class JobReport {
 
  private:
   void AddFinding(const BlockText& block, const std::string& reason, std::vector<Finding>* findings);
+  void AccountRotary(const Piece& piece, const Commanded& commanded);
   void CheckTravel(const BlockText& block, int axis, double commanded);
 
   const compensate::Compensator& compensator_;
   const RewriteOptions& options_;
   RewriteReport report_;
+  std::vector<int> rotary_axes_;                   // with orientation
   double last_before_mm_ = 0, last_after_mm_ = 0;  // at the end of the last piece
   bool has_travel_limits_ = false;
   bool has_exceeded_limit_ = false;  // listed once, counted on

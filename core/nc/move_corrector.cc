@@ -15,41 +15,54 @@ constexpr int kMaxIntervals = 8192;
 constexpr int kSamplesPerPiece = 8;
 // Rounding of words and the samples' spacing must not carry a piece beyond the tolerance.
 constexpr double kShare = 0.95;
+constexpr double kTurnedSamples = 4.0;
+constexpr double kMostToleranceMm = 1.0;  // an infinite tolerance still weighs directions
 
 }  // namespace
 
 // Largest distance of the samples between `first` and `last` from the straight line between these two.
-double MoveCorrector::ChordDeparture(const std::vector<Change>& samples, int first, int last) {
+double MoveCorrector::ChordDeparture(const Samples& samples, int first, int last) const {
+  static const Effect kNone;
   double largest = 0;
   const double length = last - first;
+  const Change &from = samples.changes[static_cast<size_t>(first)], &to = samples.changes[static_cast<size_t>(last)];
   for (int i = first + 1; i < last; ++i) {
     const double t = (i - first) / length;
-    const Change line = (1.0 - t) * samples[static_cast<size_t>(first)] + t * samples[static_cast<size_t>(last)];
-    largest = std::max(largest, (samples[static_cast<size_t>(i)] - line).norm());
+    const Change difference = samples.changes[static_cast<size_t>(i)] - ((1.0 - t) * from + t * to);
+    largest = std::max(largest, Weight(difference, orientation_ ? samples.effects[static_cast<size_t>(i)] : kNone));
   }
   return largest;
 }
 
 MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options)
-    : compensator_(&compensator), tolerance_mm_(options.tolerance_mm), axis_count_(compensator.machine().axis_count()) {
+    : compensator_(&compensator),
+      tolerance_mm_(options.tolerance_mm),
+      axis_count_(compensator.machine().axis_count()),
+      orientation_(options.orientation),
+      max_rotary_correction_rad_(options.max_rotary_correction_rad),
+      mm_per_rad_(std::min(options.tolerance_mm, kMostToleranceMm) / options.tolerance_rad),
+      corrected_(compensator.linear_axes()) {
   for (int i = 0; i < axis_count_; ++i) {
     const bool is_rotary = compensator.machine().axes[i].kind == machine::AxisKind::kRotary;
     unit_per_tick_[i] = (is_rotary ? base::kRadPerDeg : 1.0) / kTicksPerUnit;
     uses_sense_ |= compensator.uses_sense(i);
+    if (is_rotary && orientation_) corrected_.push_back(i);
   }
 }
 
-absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& senses, Piece* piece) const {
-  compensate::AxisValues near_mm;
-  for (const int axis : compensator_->linear_axes())
-    near_mm[axis] = static_cast<double>(piece->targets[axis] - piece->nominal[axis]) * (1.0 / kTicksPerUnit);
+absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& senses, const WordGrain& grain,
+                                      Piece* piece) const {
+  compensate::AxisValues near;
+  for (const int axis : corrected_)
+    near[axis] = static_cast<double>(piece->targets[axis] - piece->nominal[axis]) * unit_per_tick_[axis];
   compensate::Pose& pose = piece->pose;
   for (int i = 0; i < axis_count_; ++i) {
     pose.position[i] = static_cast<double>(nominal[i]) * unit_per_tick_[i];
     pose.sense[i] = senses[i];
     piece->nominal[i] = piece->targets[i] = nominal[i];
   }
-  RETURN_IF_ERROR(compensator_->Correct(pose, near_mm, &piece->correction));
+  if (orientation_) return TurnAt(near, grain, piece);
+  RETURN_IF_ERROR(compensator_->Correct(pose, near, &piece->correction));
   for (const int axis : compensator_->linear_axes()) {
     // The change alone is converted: a position of 500 mm has no digits to lose to it.
     const double change_mm = piece->correction.corrected[axis] - pose.position[axis];
@@ -59,24 +72,16 @@ absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& se
   return absl::OkStatus();
 }
 
-absl::Status MoveCorrector::CorrectEnd(const Step& step, Piece* piece) const {
+absl::Status MoveCorrector::CorrectEnd(const Step& step, const WordGrain& grain, Piece* piece) const {
   piece->end_fraction = 1.0;
   piece->is_arc = false;
-  return CorrectAt(step.end.ticks, step.end.sense, piece);
+  return CorrectAt(step.end.ticks, step.end.sense, grain, piece);
 }
 
-absl::Status MoveCorrector::CorrectStart(const Step& step, Piece* piece) const {
+absl::Status MoveCorrector::CorrectStart(const Step& step, const WordGrain& grain, Piece* piece) const {
   piece->end_fraction = 0.0;
   piece->is_arc = false;
-  return CorrectAt(step.start.ticks, step.is_arc ? SensesOfArc(step, 0.0) : step.end.sense, piece);
-}
-
-double MoveCorrector::Apart(const AxisTicks& a, const AxisTicks& b) const {
-  double apart = 0;
-  for (const int axis : compensator_->linear_axes()) {
-    apart = std::max(apart, std::abs(static_cast<double>(a[axis] - b[axis])));
-  }
-  return apart / kTicksPerUnit;
+  return CorrectAt(step.start.ticks, step.is_arc ? SensesOfArc(step, 0.0) : step.end.sense, grain, piece);
 }
 
 AxisTicks MoveCorrector::Between(const Step& step, double fraction) const {
@@ -93,18 +98,14 @@ AxisTicks MoveCorrector::Between(const Step& step, double fraction) const {
   return nominal;
 }
 
-absl::Status MoveCorrector::Sample(const Step& step, int intervals, std::vector<Change>* corrections) const {
-  corrections->clear();
-  const std::vector<int>& axes = compensator_->linear_axes();
+absl::Status MoveCorrector::Sample(const Step& step, int intervals, Samples* samples) const {
+  samples->changes.clear();
+  samples->effects.clear();
   Piece piece;
   for (int k = 0; k <= intervals; ++k) {
-    RETURN_IF_ERROR(CorrectAt(Between(step, static_cast<double>(k) / intervals), step.end.sense, &piece));
-    Change change(static_cast<Eigen::Index>(axes.size()));
-    for (size_t i = 0; i < axes.size(); ++i) {
-      change[static_cast<Eigen::Index>(i)] =
-          static_cast<double>(piece.targets[axes[i]] - piece.nominal[axes[i]]) / kTicksPerUnit;
-    }
-    corrections->push_back(std::move(change));
+    RETURN_IF_ERROR(CorrectAt(Between(step, static_cast<double>(k) / intervals), step.end.sense, WordGrain(), &piece));
+    samples->changes.push_back(ChangeOf(piece.targets, piece.nominal));
+    if (orientation_) samples->effects.push_back(EffectAt(piece));
   }
   return absl::OkStatus();
 }
@@ -113,7 +114,9 @@ int MoveCorrector::SampleIntervals(const Step& step) const {
   double intervals = kMinIntervals;
   for (int i = 0; i < axis_count_; ++i) {
     const double travel = std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) * unit_per_tick_[i];
-    intervals = std::max(intervals, kMinIntervals * std::ceil(travel / compensator_->smooth_travel(i)));
+    // Near singular poses rotary corrections bend within a few degrees.
+    const double finer = orientation_ ? kTurnedSamples : 1.0;
+    intervals = std::max(intervals, kMinIntervals * std::ceil(finer * travel / compensator_->smooth_travel(i)));
   }
   return static_cast<int>(std::min<double>(intervals, kMaxIntervals));
 }
@@ -121,16 +124,17 @@ int MoveCorrector::SampleIntervals(const Step& step) const {
 absl::StatusOr<double> MoveCorrector::Departure(const Step& step, const Piece& end) const {
   compensate::AxisValues from;
   for (int i = 0; i < axis_count_; ++i) from[i] = static_cast<double>(step.start.ticks[i]) * unit_per_tick_[i];
-  const double bound_mm = compensator_->DepartureBound(from, end.pose.position);
+  const compensate::AxisValues& to = end.pose.position;
+  const double bound_mm = orientation_ ? TurnedDepartureBound(from, to, end) : compensator_->DepartureBound(from, to);
   if (bound_mm <= tolerance_mm_) return bound_mm;
-  std::vector<Change> samples;
+  Samples samples;
   const int intervals = SampleIntervals(step);
   RETURN_IF_ERROR(Sample(step, intervals, &samples));
   return ChordDeparture(samples, 0, intervals);
 }
 
 absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const WordGrain& grain) const {
-  std::vector<Change> samples;
+  Samples samples;
   int intervals = SampleIntervals(step);
   std::vector<int> ends;
   while (true) {
@@ -170,7 +174,7 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const 
     for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i) {
       nominal[i] = RoundToGrains(nominal[i], grain.of_axis[i]) * grain.of_axis[i];
     }
-    RETURN_IF_ERROR(CorrectAt(nominal, step.end.sense, &piece));
+    RETURN_IF_ERROR(CorrectAt(nominal, step.end.sense, grain, &piece));
   }
   return pieces;
 }

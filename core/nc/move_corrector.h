@@ -7,6 +7,7 @@
 
 #include "core/base/status.h"
 #include "core/compensate/compensator.h"
+#include "core/compensate/orientation.h"
 #include "core/nc/interpreter.h"
 
 namespace axiscal::nc {
@@ -17,14 +18,16 @@ struct Piece {
   AxisTicks nominal{};        // axis positions at its end
   compensate::Pose pose;      // the same in mm and rad, with the senses of motion there
   compensate::Correction correction;
-  AxisTicks targets{};  // corrected, exact; rotary axes as nominal
+  AxisTicks targets{};        // corrected, exact; rotary axes as nominal, or with orientation as their words will say
+  compensate::Turned turned;  // with orientation: what the rotary axes reach, before rounding
   bool is_arc = false;
   Arc arc;  // in corrected positions; valid with is_arc
 };
 
 // What the written words can hold.
 struct WordGrain {
-  AxisTicks of_axis{};     // of each axis' word, ticks
+  AxisTicks of_axis{};     // of each axis' word, ticks; 0: any position
+  AxisTicks base{};        // a position that the word can say
   double radius_mm = 0.0;  // of the R word; 0: the arc has a centre
 };
 
@@ -32,8 +35,9 @@ class MoveCorrector {
  public:
   MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options);
 
-  // The corrected end of a move whose positions are known. Fills `piece`. Errors of Compensator::Correct.
-  absl::Status CorrectEnd(const Step& step, Piece* piece) const;
+  // The corrected end of a move whose positions are known. Fills `piece`. `grain` matters with orientation only: the
+  // linear axes follow the rotary commands as they will be written. Errors of Compensator::Correct.
+  absl::Status CorrectEnd(const Step& step, const WordGrain& grain, Piece* piece) const;
 
   // How far the correction along the linear move departs from the straight line between its ends: an upper bound where
   // that is below the tolerance, sampled otherwise. The move's start must be known; `end` is what CorrectEnd filled.
@@ -41,9 +45,10 @@ class MoveCorrector {
 
   // Where the start of the move lies by the senses of this move; it differs from what is commanded behind a reversal.
   // The move's start must be known.
-  absl::Status CorrectStart(const Step& step, Piece* piece) const;
-  // Largest difference in one linear axis, mm.
-  double Apart(const AxisTicks& a, const AxisTicks& b) const;
+  absl::Status CorrectStart(const Step& step, const WordGrain& grain, Piece* piece) const;
+  // How far the piece's end lies from what is commanded, mm: the largest difference in one linear axis; with
+  // orientation what the tool makes of it (Weight).
+  double Apart(const Piece& piece, const AxisTicks& commanded) const;
   bool uses_sense() const { return uses_sense_; }
 
   // As few pieces as samples of the correction allow, the last one ending the move, each within the tolerance.
@@ -62,15 +67,30 @@ class MoveCorrector {
   static constexpr int kMaxPieces = 10000;
 
  private:
-  // Corrections of the linear axes, mm.
+  // Of the corrected axes: corrections or differences of them, mm and rad.
   using Change = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, machine::kMaxAxes, 1>;
+  // What the tool does per unit of each entry of a Change: its point (mm), and its direction in the mm that count as
+  // much (tolerance_mm per tolerance_rad). Filled with orientation only.
+  using Effect = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, machine::kMaxAxes>;
+  struct Samples {
+    std::vector<Change> changes;
+    std::vector<Effect> effects;
+  };
   using Senses = std::array<int8_t, machine::kMaxAxes>;
 
-  static double ChordDeparture(const std::vector<Change>& samples, int first, int last);
+  double ChordDeparture(const Samples& samples, int first, int last) const;
+  // What a difference of commands means, mm.
+  double Weight(const Change& difference, const Effect& effect) const;
+  Effect EffectAt(const Piece& piece) const;
+  Change ChangeOf(const AxisTicks& to, const AxisTicks& from) const;
   AxisTicks Between(const Step& step, double fraction) const;
-  absl::Status CorrectAt(const AxisTicks& nominal, const Senses& senses, Piece* piece) const;
+  absl::Status CorrectAt(const AxisTicks& nominal, const Senses& senses, const WordGrain& grain, Piece* piece) const;
+  // CorrectAt with orientation: `piece` has its pose; `near` is a correction near the answer, mm and rad.
+  absl::Status TurnAt(const compensate::AxisValues& near, const WordGrain& grain, Piece* piece) const;
+  double TurnedDepartureBound(const compensate::AxisValues& from, const compensate::AxisValues& to,
+                              const Piece& end) const;
   // At equidistant points of the move, both ends included.
-  absl::Status Sample(const Step& step, int intervals, std::vector<Change>* corrections) const;
+  absl::Status Sample(const Step& step, int intervals, Samples* samples) const;
   int SampleIntervals(const Step& step) const;
 
   Senses SensesOfArc(const Step& step, double fraction) const;
@@ -92,6 +112,10 @@ class MoveCorrector {
   const compensate::Compensator* compensator_;
   double tolerance_mm_;
   int axis_count_;
+  bool orientation_;
+  double max_rotary_correction_rad_;
+  double mm_per_rad_;           // tolerance_mm / tolerance_rad
+  std::vector<int> corrected_;  // axes: the linear ones, then with orientation the rotary ones
   bool uses_sense_ = false;
   std::array<double, machine::kMaxAxes> unit_per_tick_{};  // mm or rad
 };

@@ -36,6 +36,13 @@ absl::Status Validate(const RewriteOptions& options) {
   if (!(options.tolerance_mm > 0)) {
     return absl::InvalidArgumentError(absl::StrCat("tolerance_mm = ", options.tolerance_mm, ", must be > 0"));
   }
+  if (!(options.max_rotary_correction_rad > 0 && options.max_rotary_correction_rad <= kMaxRotaryCorrectionRad)) {
+    return absl::InvalidArgumentError(absl::StrCat("max_rotary_correction_rad = ", options.max_rotary_correction_rad,
+                                                   ", must be > 0 and at most ", kMaxRotaryCorrectionRad));
+  }
+  if (!(options.tolerance_rad > 0)) {
+    return absl::InvalidArgumentError(absl::StrCat("tolerance_rad = ", options.tolerance_rad, ", must be > 0"));
+  }
   for (const ToolLength& length : options.tool_lengths) {
     const bool is_bad = length.number < 1 || length.number > 9999 || !(std::abs(length.length_mm) <= 1e4);
     if (is_bad) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/base/units.h"
 
 namespace axiscal::nc {
 
@@ -52,6 +53,8 @@ struct ToolLength {
   double length_mm = 0;
 };
 
+inline constexpr double kMaxRotaryCorrectionRad = 0.1;  // far beyond what errors of machines need
+
 struct RewriteOptions {
   // Name and version of the calibration, for the mark; letters, digits, blanks and "._-+:/".
   std::string calibration = "unnamed";
@@ -67,6 +70,14 @@ struct RewriteOptions {
   // A linear move is split where the correction along it departs from linear by more than this. > 0; infinity never
   // splits.
   double tolerance_mm = 0.001;
+  // Rotary commands are corrected too, where the machine's axes can turn the tool as programmed; what they cannot is
+  // listed. The machine needs a rotary axis.
+  bool orientation = false;
+  // With orientation: largest change of a rotary command, in (0, 0.1]. Near singular poses the change is bounded by it
+  // and falls to zero towards the pose (core/compensate/orientation.h).
+  double max_rotary_correction_rad = 0.05 * base::kRadPerDeg;
+  // With orientation: a move is also split where the tool's direction departs by more. > 0.
+  double tolerance_rad = 1e-5;
   // Where axes stand when the program starts, for those that it does not program before they matter.
   std::vector<AxisValue> initial_position;
   // Offsets that the program may select. A program that selects another one is refused.

@@ -18,6 +18,12 @@ Json ToJsonValue(const Spread& spread) {
           {"count", spread.count}};
 }
 
+Json ToJsonValue(const AngleSpread& spread) {
+  return {{"max_urad", spread.max_rad * base::kUradPerRad},
+          {"rms_urad", spread.rms_rad() * base::kUradPerRad},
+          {"count", spread.count}};
+}
+
 Json ToJsonValue(const std::vector<Finding>& findings) {
   Json list = Json::array();
   for (const Finding& finding : findings) {
@@ -29,6 +35,10 @@ Json ToJsonValue(const std::vector<Finding>& findings) {
 }  // namespace
 
 double Spread::rms_mm() const { return count == 0 ? 0.0 : std::sqrt(sum_squares_mm2 / static_cast<double>(count)); }
+
+double AngleSpread::rms_rad() const {
+  return count == 0 ? 0.0 : std::sqrt(sum_squares_rad2 / static_cast<double>(count));
+}
 
 std::string ToJson(const RewriteReport& report) {
   Json json;
@@ -42,6 +52,15 @@ std::string ToJson(const RewriteReport& report) {
   json["tool_point_error_along_path"] = {{"before_at_most_um", report.path_before_max_mm * base::kUmPerMm},
                                          {"after_at_most_um", report.path_after_max_mm * base::kUmPerMm}};
   json["max_tilt_left_urad"] = report.max_tilt_left_rad * base::kUradPerRad;
+  if (report.has_orientation) {
+    Json& orientation = json["orientation"];
+    orientation["max_rotary_correction_deg"] = report.max_rotary_correction_rad * base::kDegPerRad;
+    for (const RotaryAxisSpread& axis : report.rotary_axes)
+      orientation["correction"][axis.axis] = ToJsonValue(axis.correction);
+    orientation["error"] = {{"before", ToJsonValue(report.tilt_before)}, {"after", ToJsonValue(report.tilt_after)}};
+    orientation["blocks_not_reached"] = report.blocks_tilted;
+    orientation["not_reached"] = ToJsonValue(report.tilted);
+  }
   json["max_departure_um"] = report.max_departure_mm * base::kUmPerMm;
   json["passed"] = ToJsonValue(report.passed);
   json["refused"] = ToJsonValue(report.refused);

@@ -35,6 +35,26 @@ struct AxisSpread {
   Spread correction;
 };
 
+// The same of an angle.
+struct AngleSpread {
+  double max_rad = 0;
+  double sum_squares_rad2 = 0;
+  int64_t count = 0;
+
+  void Add(double value_rad) {
+    const double size_rad = value_rad < 0 ? -value_rad : value_rad;
+    if (size_rad > max_rad) max_rad = size_rad;
+    sum_squares_rad2 += value_rad * value_rad;
+    ++count;
+  }
+  double rms_rad() const;
+};
+
+struct RotaryAxisSpread {
+  std::string axis;
+  AngleSpread correction;
+};
+
 inline constexpr int kMaxFindings = 100;  // listed per kind; the counts go on
 
 struct RewriteReport {
@@ -55,8 +75,16 @@ struct RewriteReport {
   Spread error_before, error_after;
   // Along the whole path (G01 and arcs), at most: the larger end of each piece and its departure inside.
   double path_before_max_mm = 0, path_after_max_mm = 0;
-  double max_tilt_left_rad = 0;  // orientation error that linear axes cannot correct
-  double max_departure_mm = 0;   // largest departure of the correction along a written piece, at most
+  double max_tilt_left_rad = 0;  // orientation error that the corrected axes leave
+  // With orientation: corrections of rotary axes, predicted error of the tool's direction at block ends without the
+  // correction and with it as written, and the blocks where it was not reached (the first kMaxFindings).
+  bool has_orientation = false;
+  double max_rotary_correction_rad = 0;  // the bound
+  std::vector<RotaryAxisSpread> rotary_axes;
+  AngleSpread tilt_before, tilt_after;
+  int64_t blocks_tilted = 0;
+  std::vector<Finding> tilted;
+  double max_departure_mm = 0;  // largest departure of the correction along a written piece, at most
   uint32_t source_crc32c = 0;
   bool has_source_crc32c = false;
 };

@@ -24,6 +24,14 @@ using compensate::Compensator;
 
 constexpr size_t kOutBytes = 1u << 16;
 
+absl::Status RequireRotaryAxis(const machine::Machine& machine) {
+  for (const machine::Axis& axis : machine.axes) {
+    if (axis.kind == machine::AxisKind::kRotary) return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("orientation: machine '", machine.id, "' has no rotary axis that could turn the tool"));
+}
+
 }  // namespace
 
 struct Rewriter::Impl {
@@ -64,10 +72,12 @@ struct Rewriter::Impl {
   BlockText now;
   Step step;
   Piece piece;
+  WordGrain block_grain;  // with orientation
   OutBuffer out;
   absl::Status status;
   std::array<int64_t, machine::kMaxAxes> unknown_reported;  // line since which an axis' unknown position was reported
   uint16_t all_axes = 0;
+  uint16_t half_turns = 0;  // axes of which a half turn was noted
   bool is_mark_written = false;
   bool is_finished = false;
 
@@ -195,12 +205,14 @@ struct Rewriter::Impl {
       }
       return Copy();
     }
-    const absl::Status corrected = corrector().CorrectEnd(step, &piece);
+    if (options.orientation) block_grain = writer.GrainOf(block, step);
+    const absl::Status corrected = corrector().CorrectEnd(step, block_grain, &piece);
     if (!corrected.ok()) {
       job.Refused(now, std::string(corrected.message()), false);
       return Copy();
     }
     ++job.report().blocks_corrected;
+    if (options.orientation) NoteHalfTurns();
     std::optional<Commanded> before;
     if (step.may_be_skipped) before = writer.commanded();
     if (step.is_arc) {
@@ -210,8 +222,25 @@ struct Rewriter::Impl {
     } else {
       writer.WriteBlock(now.text, now.size, block, step, piece, 1.0, &out);
       job.Account(now, piece, writer.commanded(), departure_mm);
+      if (piece.turned.limit != compensate::DirectionLimit::kNone) job.Tilted(now, piece.turned);
     }
     if (before) writer.ForgetChanges(*before);
+  }
+
+  // A control that takes rotary axes the shorter way round decides at half a turn, which a correction may cross. Noted
+  // once for each axis.
+  void NoteHalfTurns() {
+    const machine::Machine& machine = compensator.machine();
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      const auto bit = static_cast<uint16_t>(1u << i);
+      if (machine.axes[i].kind != machine::AxisKind::kRotary || !step.start.is_known(i) || (half_turns & bit)) continue;
+      const double travel_deg = std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) / kTicksPerUnit;
+      const double apart_deg = std::abs(std::fmod(travel_deg, 360.0) - 180.0);
+      if (apart_deg > 2.0 * options.max_rotary_correction_rad * base::kDegPerRad) continue;
+      half_turns |= bit;
+      job.Note(now, absl::StrCat("a move of ", machine.axes[i].name,
+                                 " by half a turn: a control that takes the shorter way may now take the other one"));
+    }
   }
 
   // 0 for a rapid, whose path no controller states, and for a move from an unknown position.
@@ -226,8 +255,8 @@ struct Rewriter::Impl {
   bool TakesUpReversal() {
     if (!corrector().uses_sense() || writer.commanded().known != all_axes) return false;
     Piece start;
-    return corrector().CorrectStart(step, &start).ok() &&
-           corrector().Apart(start.targets, writer.commanded().ticks) > options.tolerance_mm;
+    return corrector().CorrectStart(step, WordGrain(), &start).ok() &&
+           corrector().Apart(start, writer.commanded().ticks) > options.tolerance_mm;
   }
 
   absl::StatusOr<std::vector<Piece>> Pieces() {
@@ -236,7 +265,7 @@ struct Rewriter::Impl {
     std::vector<Piece> pieces;
     if (TakesUpReversal()) {
       pieces.emplace_back();
-      RETURN_IF_ERROR(corrector().CorrectStart(step, &pieces.back()));
+      RETURN_IF_ERROR(corrector().CorrectStart(step, grain, &pieces.back()));
     }
     ASSIGN_OR_RETURN(const std::vector<Piece> moves, corrector().Split(step, grain));
     pieces.insert(pieces.end(), moves.begin(), moves.end());
@@ -263,7 +292,10 @@ struct Rewriter::Impl {
         now.text_size == now.size ? "\n" : std::string(now.text + now.text_size, now.size - now.text_size);
     const bool is_packed = BlockWriter::IsPacked(now.text, block);
     double from = 0.0;
+    compensate::Turned worst;
     for (const Piece& next : *pieces) {
+      if (next.turned.limit != compensate::DirectionLimit::kNone && next.turned.tilt_left_rad > worst.tilt_left_rad)
+        worst = next.turned;
       const double fraction = next.end_fraction - from;
       if (&next == pieces->data()) {
         writer.WriteBlock(now.text, now.size, block, step, next, fraction, &out);
@@ -276,19 +308,22 @@ struct Rewriter::Impl {
       job.Account(now, next, writer.commanded(), std::isfinite(options.tolerance_mm) ? options.tolerance_mm : 0.0);
       if (out.size() >= kOutBytes) Flush();
     }
+    if (worst.limit != compensate::DirectionLimit::kNone) job.Tilted(now, worst);
   }
 
   // "/" or "/2" of a block that may be skipped: its pieces are skipped with it.
   std::string SkipPrefix() const {
     if (!block.is_deletable) return "";
     const char* const slash = std::strchr(now.text, '/');
-    return std::string(slash, slash[1] >= '0' && slash[1] <= '9' ? 2 : 1);
+    // Klartext: the digit is of the block's number.
+    const bool has_switch = slash[1] >= '0' && slash[1] <= '9' && !interpreter.dialect().has_bare_keywords;
+    return std::string(slash, has_switch ? 2 : 1);
   }
 
   // A code that acts after the move would act after its first piece; F words of G93 must be there to be scaled.
   std::string WhyNotSplit() const {
     constexpr double kMaxFeed = 1e9;
-    if (step.ends_block || step.is_tool_change) return "its block has a code that acts after the move";
+    if (step.ends_block || step.is_tool_change) return "its block has a code that acts, or may act, after the move";
     if (interpreter.modal().uncertain & kFeedGroup) return "the feed mode is not known";
     if (interpreter.modal().feed_mode != FeedMode::kInverseTime) return "";
     for (const Word& word : block) {
@@ -304,6 +339,7 @@ absl::StatusOr<Rewriter> Rewriter::Create(const Compensator& compensator, const 
   if (!compensator.is_null() && !options.source_crc32c) {
     return absl::InvalidArgumentError("source_crc32c must be given: the output's mark names its source");
   }
+  if (options.orientation) RETURN_IF_ERROR(RequireRotaryAxis(compensator.machine()));
   std::vector<Impl::Tool> tools;
   for (const ToolLength& length : options.tool_lengths) {
     ASSIGN_OR_RETURN(Compensator longer, compensator.WithLongerTool(length.length_mm));

@@ -1,5 +1,6 @@
 #include "core/nc/verify.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -17,10 +18,21 @@ constexpr double kInside[] = {0.25, 0.5, 0.75};  // where a piece is looked at b
 
 using Values = std::array<double, machine::kMaxAxes>;  // mm, rad
 
+// The tool in the table's frame.
+struct Tool {
+  Eigen::Vector3d tip_mm, direction;
+};
+
+double AngleBetween(const Tool& a, const Tool& b) {
+  return std::atan2(a.direction.cross(b.direction).norm(), a.direction.dot(b.direction));
+}
+
 class Verifier {
  public:
   Verifier(const machine::Machine& machine, const machine::ErrorModel& errors, const VerifyOptions& options)
-      : machine_(machine), errors_(errors), options_(options) {}
+      : machine_(machine), errors_(errors), options_(options) {
+    if (options.reading.orientation) rotary_match_deg_ += options.reading.max_rotary_correction_rad * base::kDegPerRad;
+  }
 
   absl::StatusOr<VerifyReport> Run(MoveReader* original, MoveReader* compensated) {
     Event wanted, found;
@@ -61,7 +73,7 @@ class Verifier {
     for (int i = 0; i < machine_.axis_count(); ++i) {
       const double apart = std::abs(static_cast<double>(found.end.ticks[i] - wanted.end.ticks[i])) / kTicksPerUnit;
       const bool is_linear = machine_.axes[i].kind == machine::AxisKind::kLinear;
-      if (apart > (is_linear ? options_.reading.max_correction_mm : kRotaryMatchDeg)) return false;
+      if (apart > (is_linear ? options_.reading.max_correction_mm : rotary_match_deg_)) return false;
     }
     return true;
   }
@@ -84,9 +96,13 @@ class Verifier {
     return positions;
   }
 
-  // The tool point of the machine with its errors. Senses are the original's: a correction of micrometres reverses no
-  // axis.
-  Eigen::Vector3d Actual(const Values& at, const Step& senses) const {
+  Tool ToolAt(const Values& at, const machine::JointErrors<double>& errors) const {
+    const auto pose = machine::EvaluateChain<double>(machine_, at.data(), errors);
+    return {machine::TipInTable(pose, tip_mm_), machine::ToolDirectionInTable(machine_, pose)};
+  }
+
+  // The tool of the machine with its errors. Senses are the original's: a correction of micrometres reverses no axis.
+  Tool Actual(const Values& at, const Step& senses) const {
     std::array<shapes::AxisState, machine::kMaxAxes> axes;
     for (int i = 0; i < machine_.axis_count(); ++i) {
       axes[i].position = at[i];
@@ -96,13 +112,10 @@ class Verifier {
     state.axes = {axes.data(), static_cast<size_t>(machine_.axis_count())};
     state.time_s = options_.time_s;
     state.temperature_celsius = options_.temperature_celsius;
-    const auto errors = machine::ErrorsAt(machine_, errors_, state);
-    return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), errors), tip_mm_);
+    return ToolAt(at, machine::ErrorsAt(machine_, errors_, state));
   }
 
-  Eigen::Vector3d Nominal(const Values& at) const {
-    return machine::TipInTable(machine::EvaluateChain<double>(machine_, at.data(), {}), tip_mm_);
-  }
+  Tool Nominal(const Values& at) const { return ToolAt(at, {}); }
 
   // The tool point with the tool length in force.
   void TakeTool(const Step& step) {
@@ -148,12 +161,16 @@ class Verifier {
     double travel = 0;
     for (int i = 0; i < machine_.axis_count(); ++i) {
       const bool is_rotary = machine_.axes[i].kind == machine::AxisKind::kRotary;
-      const double length = std::abs(to[i] - from[i]) * (is_rotary ? 1e6 : 1.0);  // a rotary axis is not corrected
+      // A rotary axis is corrected least, or not at all.
+      const double length = std::abs(to[i] - from[i]) * (is_rotary ? 1e6 : 1.0);
       if (length > travel) longest = i, travel = length;
     }
     if (travel == 0) return 1.0;
-    if (machine_.axes[longest].kind == machine::AxisKind::kLinear)
+    if (machine_.axes[longest].kind == machine::AxisKind::kLinear) {
       *slack = std::max(1e-3, options_.reading.max_correction_mm / travel);
+    } else {
+      *slack = std::max(1e-3, rotary_match_deg_ * base::kRadPerDeg / (1e-6 * travel));
+    }
     return (at[longest] - from[longest]) / (to[longest] - from[longest]);
   }
 
@@ -169,17 +186,20 @@ class Verifier {
     for (const double t : kInside) {
       const double fraction = first + t * (last - first);
       const Values nominal = AlongMove(wanted.step, nominal_from, nominal_to, fraction);
-      const Eigen::Vector3d path_mm = Nominal(nominal);
+      const Tool path = Nominal(nominal);
       const Eigen::Vector3d ahead_mm =
-          Nominal(AlongMove(wanted.step, nominal_from, nominal_to, fraction + 1e-4)) - path_mm;
+          Nominal(AlongMove(wanted.step, nominal_from, nominal_to, fraction + 1e-4)).tip_mm - path.tip_mm;
       const auto across = [&](const Eigen::Vector3d& error_mm) {
         const double squared = ahead_mm.squaredNorm();
         return squared < 1e-18 ? error_mm.norm() : (error_mm - ahead_mm * (ahead_mm.dot(error_mm) / squared)).norm();
       };
       const Step senses = SensesAt(wanted.step, fraction);
-      report_.path_before.Add(across(Actual(nominal, senses) - path_mm));
-      const double after_mm = across(Actual(AlongMove(found.step, from, to, t), senses) - path_mm);
+      const Tool before = Actual(nominal, senses), after = Actual(AlongMove(found.step, from, to, t), senses);
+      report_.path_before.Add(across(before.tip_mm - path.tip_mm));
+      const double after_mm = across(after.tip_mm - path.tip_mm);
       report_.path_after.Add(after_mm);
+      report_.path_tilt_before.Add(AngleBetween(before, path));
+      report_.path_tilt_after.Add(AngleBetween(after, path));
       AddWorst(after_mm, wanted.line);
     }
   }
@@ -224,9 +244,12 @@ class Verifier {
       }
       fraction = std::max(fraction, next);
       if (!is_last) continue;
-      const Eigen::Vector3d wanted_mm = Nominal(nominal_to);
-      report_.end_before.Add((Actual(nominal_to, wanted.step) - wanted_mm).norm());
-      const double after_mm = (Actual(to, wanted.step) - wanted_mm).norm();
+      const Tool end = Nominal(nominal_to);
+      const Tool before = Actual(nominal_to, wanted.step), after = Actual(to, wanted.step);
+      report_.end_before.Add((before.tip_mm - end.tip_mm).norm());
+      const double after_mm = (after.tip_mm - end.tip_mm).norm();
+      report_.end_tilt_before.Add(AngleBetween(before, end));
+      report_.end_tilt_after.Add(AngleBetween(after, end));
       report_.end_after.Add(after_mm);
       AddWorst(after_mm, wanted.line);
       return absl::OkStatus();
@@ -238,6 +261,7 @@ class Verifier {
   const VerifyOptions& options_;
   VerifyReport report_;
   Eigen::Vector3d tip_mm_ = Eigen::Vector3d::Zero();
+  double rotary_match_deg_ = kRotaryMatchDeg;
   double worst_mm_ = -1.0;
 };
 
@@ -274,6 +298,11 @@ std::string ToJson(const VerifyReport& report) {
     return nlohmann::ordered_json{
         {"max_um", value.max_mm * base::kUmPerMm}, {"rms_um", value.rms_mm() * base::kUmPerMm}, {"count", value.count}};
   };
+  const auto angle = [](const AngleSpread& value) {
+    return nlohmann::ordered_json{{"max_urad", value.max_rad * base::kUradPerRad},
+                                  {"rms_urad", value.rms_rad() * base::kUradPerRad},
+                                  {"count", value.count}};
+  };
   nlohmann::ordered_json json;
   json["moves"] = report.moves;
   json["pieces"] = report.pieces;
@@ -281,6 +310,8 @@ std::string ToJson(const VerifyReport& report) {
   json["blocks_unsupported"] = report.blocks_unsupported;
   json["end"] = {{"before", spread(report.end_before)}, {"after", spread(report.end_after)}};
   json["path"] = {{"before", spread(report.path_before)}, {"after", spread(report.path_after)}};
+  json["end_tilt"] = {{"before", angle(report.end_tilt_before)}, {"after", angle(report.end_tilt_after)}};
+  json["path_tilt"] = {{"before", angle(report.path_tilt_before)}, {"after", angle(report.path_tilt_after)}};
   json["worst_line"] = report.worst_line;
   return json.dump(1) + "\n";
 }

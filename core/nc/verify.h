@@ -3,7 +3,8 @@
 // each program commands.
 //
 //   end error     tip(commanded; machine with errors) - tip(original's command; nominal machine), table frame, length
-//   path error    the same inside moves, perpendicular to the nominal path; linear moves (G01) only
+//   path error    the same inside moves, perpendicular to the nominal path; feed moves (G01, arcs) only
+//   tilt          the angle between the tool directions of the same two, at the ends of moves and inside them
 // A move may have become several; the next move of the compensated program that reaches the original's end ends the
 // pair.
 #ifndef AXISCAL_CORE_NC_VERIFY_H_
@@ -27,7 +28,7 @@ struct VerifyOptions {
   Eigen::Vector3d tool_tip_mm =
       Eigen::Vector3d::Zero();  // nominal tool point at home, machine frame; tool lengths come to it
   // How both programs are read: dialect, initial position, offsets, block delete, integer words, max_correction_mm (how
-  // far apart two ends may be to be the same).
+  // far apart two ends may be to be the same), with orientation max_rotary_correction_rad too.
   RewriteOptions reading;
   double time_s = 0;
   double temperature_celsius = shapes::kReferenceTemperatureCelsius;
@@ -40,7 +41,9 @@ struct VerifyReport {
   int64_t blocks_unsupported = 0;  // blocks of the original that are not linear moves in axis positions: not evaluated
   Spread end_before, end_after;    // tool-point error at the ends of moves
   Spread path_before, path_after;  // inside them
-  int64_t worst_line = 0;          // of the original, where end_after or path_after is largest
+  AngleSpread end_tilt_before, end_tilt_after;
+  AngleSpread path_tilt_before, path_tilt_after;
+  int64_t worst_line = 0;  // of the original, where end_after or path_after is largest
 };
 
 // In constant memory. INVALID_ARGUMENT with the lines when the moves of the programs do not pair; errors of the

@@ -168,6 +168,12 @@ TEST(JobParamsOnTheWire, AreRefusedWithTheirField) {
   EXPECT_TRUE(FromProto(compensate).ok());
   compensate.mutable_compensate()->mutable_options()->set_tolerance_mm(std::nan(""));
   EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.options.tolerance_mm");
+  compensate.mutable_compensate()->mutable_options()->clear_tolerance_mm();
+  compensate.mutable_compensate()->mutable_options()->set_max_rotary_correction_rad(0.2);
+  EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.options.max_rotary_correction_rad");
+  compensate.mutable_compensate()->mutable_options()->set_max_rotary_correction_rad(0.1);
+  compensate.mutable_compensate()->mutable_options()->set_tolerance_rad(0);
+  EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.options.tolerance_rad");
 }
 
 TEST(JobOnTheWire, ComesBackWithItsErrorOrResult) {

@@ -75,6 +75,9 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
   message.set_decimals_inch(options.decimals_inch);
   message.set_max_correction_mm(options.max_correction_mm);
   message.set_tolerance_mm(options.tolerance_mm);
+  message.set_orientation(options.orientation);
+  message.set_max_rotary_correction_rad(options.max_rotary_correction_rad);
+  message.set_tolerance_rad(options.tolerance_rad);
   WriteAxisValues(options.initial_position, message.mutable_initial_position());
   for (const nc::WorkOffset& offset : options.work_offsets) {
     v1::WorkOffset* const out = message.add_work_offsets();
@@ -99,6 +102,12 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
   if (message.has_tolerance_mm()) options.tolerance_mm = message.tolerance_mm();
   if (!(options.max_correction_mm > 0)) return FieldError("max_correction_mm", "must be > 0");
   if (!(options.tolerance_mm > 0)) return FieldError("tolerance_mm", "must be > 0");
+  options.orientation = message.orientation();
+  if (message.has_max_rotary_correction_rad()) options.max_rotary_correction_rad = message.max_rotary_correction_rad();
+  if (message.has_tolerance_rad()) options.tolerance_rad = message.tolerance_rad();
+  if (!(options.max_rotary_correction_rad > 0 && options.max_rotary_correction_rad <= nc::kMaxRotaryCorrectionRad))
+    return FieldError("max_rotary_correction_rad", "must be > 0 and at most 0.1");
+  if (!(options.tolerance_rad > 0)) return FieldError("tolerance_rad", "must be > 0");
   ASSIGN_OR_RETURN(options.initial_position, ReadAxisValues("initial_position", message.initial_position()));
   for (int i = 0; i < message.work_offsets_size(); ++i) {
     const v1::WorkOffset& offset = message.work_offsets(i);

@@ -95,6 +95,42 @@ TEST_F(FilesOnly, AProgramIsRewrittenAndReported) {
   EXPECT_FALSE(Exists("twice.nc"));
 }
 
+// A head that leans about Y (B turns it back) and about X (C turns it back where B is turned, and near B = 0 it
+// cannot).
+TEST_F(FilesOnly, OrientationIsCorrectedReportedAndVerified) {
+  Write("errors.json", R"({"EB0B": 100.0, "EA0B": 20.0})");
+  Write("in.nc", "G90 G21 G0 X0. Y0. Z0. B30. C0.\nG1 X10. B60. C400. F500\nC-20.\nB0.\nM30\n");
+  const std::string verify = "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc out.nc ";
+  ASSERT_EQ(Compensate("in.nc -o out.nc").exit_code, 0);
+  const auto point_only = Run(verify + "--json").Json();
+  EXPECT_GT(point_only["end_tilt"]["after"]["max_urad"].get<double>(), 90.0);
+  EXPECT_EQ(Read("out.nc").find("B29.9943"), std::string::npos);
+
+  const Outcome outcome = Compensate("in.nc -o out.nc --orientation --report report.json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(Read("out.nc"), HasSubstr("B29.9943 C"));
+  EXPECT_THAT(outcome.out, HasSubstr("tool direction error after"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("direction not reached in 1 block (no rotary command changes by more than 0.05 deg"));
+  EXPECT_THAT(outcome.out, HasSubstr("line 4: B0.  (the tool's direction is 20 urad off: "));
+  const auto report = nlohmann::json::parse(Read("report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["orientation"]["not_reached"][0]["line"], 4);
+  EXPECT_LT(report["orientation"]["correction"]["B"]["max_urad"], 101.0);
+
+  const Outcome verified = Run(verify + "--orientation --json");
+  ASSERT_EQ(verified.exit_code, 0) << verified.err;
+  const auto json = verified.Json();
+  EXPECT_GT(json["end_tilt"]["before"]["max_urad"].get<double>(), 100.0);
+  EXPECT_NEAR(json["end_tilt"]["after"]["max_urad"].get<double>(), 20.0, 1.0);  // of B = 0; a word is 1.7 urad
+  EXPECT_LT(json["end"]["after"]["max_um"].get<double>(), 0.1);
+  EXPECT_LT(json["path"]["after"]["max_um"].get<double>(), 1.2);
+  EXPECT_THAT(Run(verify + "--orientation").out, HasSubstr("tool direction error"));
+  // A verification that does not know of it finds rotary words that are not the original's.
+  EXPECT_EQ(Run(verify).exit_code, 3);
+  EXPECT_EQ(Compensate("in.nc -o out.nc --orientation --max-rotary-correction-deg 9").exit_code, 2);
+}
+
 TEST_F(FilesOnly, NoErrorsGiveTheSameBytes) {
   Write("errors.json", "{}");
   ASSERT_EQ(Compensate("in.nc -o out.nc").exit_code, 0);

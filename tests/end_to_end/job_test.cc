@@ -169,6 +169,13 @@ TEST_F(Job, CompensateRewritesForTheApprovedCalibration) {
   EXPECT_NE(rewritten->find("(keep me)"), std::string::npos);
   EXPECT_NE(rewritten->find("mt v1"), std::string::npos) << *rewritten;
   EXPECT_NE(job.result.find("\"corrected\": 1"), std::string::npos) << job.result;
+  EXPECT_EQ(job.result.find("\"orientation\""), std::string::npos) << job.result;
+
+  params.options.orientation = true;
+  params.options.max_rotary_correction_rad = 0.001;
+  const client::JobRecord turned = RunJob(params);
+  ASSERT_EQ(turned.state, JobState::kSucceeded) << (turned.error ? turned.error->message : "");
+  EXPECT_NE(turned.result.find("\"orientation\""), std::string::npos) << turned.result;
 }
 
 TEST_F(Job, AProgramThatCannotBeCorrectedFailsWithItsLine) {
