@@ -14,6 +14,7 @@ struct Word {
   char letter = 0;  // capital; 0: a keyword
   bool is_lower = false;
   bool is_incremental = false;  // IX+5 of Klartext
+  bool says_inch = false;       // of a keyword that takes the rest: BEGIN PGM PART INCH
   int16_t keyword = 0;          // index into Dialect::keywords
   uint32_t letter_at = 0;
   uint32_t number_at = 0;  // sign included
@@ -31,6 +32,7 @@ enum class LexProblem : uint8_t {
   kTooManyWords,
   kExpression,  // # [ ] = , macro arithmetic
   kStrayCharacter,
+  kSemicolon,    // ';' ends a block on some controllers, and what follows is another
   kSlashInside,  // '/' that does not begin the block
 };
 

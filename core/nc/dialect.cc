@@ -49,6 +49,13 @@ Dialect Make(const std::string& name, std::initializer_list<std::vector<CodeEntr
 Dialect Fanuc(const std::string& name) {
   Dialect dialect = Make(name, {IsoCodes(), FanucCodes()}, {MacroKeywords()});
   dialect.has_angle_names = true;
+  dialect.has_semicolon_ends = true;
+  return dialect;
+}
+
+Dialect Haas() {
+  Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes()}, {MacroKeywords()});
+  dialect.has_semicolon_ends = true;
   return dialect;
 }
 
@@ -84,12 +91,9 @@ Dialect Heidenhain() {
 
 const std::vector<Dialect>& Dialects() {
   static const std::vector<Dialect>* const dialects = new std::vector<Dialect>{
-      Fanuc("fanuc"),
-      Fanuc("mazak"),
-      Make("haas", {IsoCodes(), FanucCodes(), HaasCodes()}, {MacroKeywords()}),
-      Make("linuxcnc", {IsoCodes(), LinuxCncCodes()}, {MacroKeywords(), LinuxCncKeywords()}),
-      Sinumerik(),
-      Heidenhain(),
+      Fanuc("fanuc"), Fanuc("mazak"),
+      Haas(),         Make("linuxcnc", {IsoCodes(), LinuxCncCodes()}, {MacroKeywords(), LinuxCncKeywords()}),
+      Sinumerik(),    Heidenhain(),
   };
   return *dialects;
 }

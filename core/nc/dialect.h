@@ -44,11 +44,12 @@ enum class Meaning : uint8_t {
   kBlockerOff,
   kToolChange,  // axes may have moved
   kEndOfProgram,
-  kCall,                // control leaves this text and comes back
-  kJump,                // blocks are not run in the order of the text
-  kEndOfBlock,          // takes effect after the block's move (M00, M05 ...): such a move cannot be split
-  kHead,                // names the program (BEGIN PGM)
-  kAddress,             // a word of more than one letter: CR=5; detail: the letter that stands for it
+  kCall,        // control leaves this text and comes back
+  kJump,        // blocks are not run in the order of the text
+  kEndOfBlock,  // takes effect after the block's move (M00, M05 ...): such a move cannot be split; so may M codes that
+                // are in no table
+  kHead,        // names the program (BEGIN PGM)
+  kAddress,     // a word of more than one letter: CR=5; detail: the letter that stands for it
   kIncrementalAddress,  // IX+5; detail: the letter
 };
 
@@ -117,6 +118,7 @@ struct Dialect {
   bool has_parenthesis_comments = true;    // ( ... )
   char line_comment = ';';                 // to the end of the line; 0: none
   char line_comment2 = 0;                  // '*' of Klartext; only at the begin of a block
+  bool has_semicolon_ends = false;         // ';' may end a block: words behind it are not taken for a comment
   bool has_angle_names = false;            // <NAME> or O<NAME> begins a program
   bool has_equals = false;                 // X=5 is a word
   char variable = '#';                     // letter of variables; 0: none is told apart

@@ -61,6 +61,7 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'M', 4290, M::kBlockerOn, kToolControl, "switches the kinematics"},
       {'M', 4300, M::kBlockerOn, kToolControl, "switches the kinematics"},
   };
+  for (const int output : {62, 63, 64, 65, 67, 68}) codes.push_back({'M', 10 * output, M::kHarmless, 0, "output"});
   for (const int cycle : {70, 71, 72, 73, 74, 76, 81, 82, 83, 84, 85, 86, 87, 88, 89}) {
     codes.push_back({'G', 10 * cycle, M::kOtherMotion, 0, "canned cycle"});
   }

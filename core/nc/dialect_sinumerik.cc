@@ -9,7 +9,7 @@ std::vector<CodeEntry> SinumerikCodes() {
       {'G', 30, M::kArc, 0, "circular move"},
       {'G', 50, M::kOneShot, 0, "oblique grinding"},
       {'G', 70, M::kOneShot, 0, "oblique grinding"},
-      {'G', 90, M::kHarmless, 0, "exact stop"},
+      {'G', 90, M::kEndOfBlock, 0, "exact stop"},
       {'G', 250, M::kHarmless, 0, "working area limit"},
       {'G', 260, M::kHarmless, 0, "working area limit"},
       {'G', 330, M::kOtherMotion, 0, "threading"},
@@ -55,6 +55,10 @@ std::vector<Keyword> SinumerikKeywords() {
   using M = Meaning;
   return {
       {"CR", M::kAddress, 'Q', false, "arc radius"},
+      {"ADISPOS", M::kAddress, 'S', false, "blending distance"},
+      {"ADIS", M::kAddress, 'S', false, "blending distance"},
+      {"SPOSA", M::kAddress, 'S', false, "spindle position"},
+      {"SPOS", M::kAddress, 'S', false, "spindle position"},
       {"SUPA", M::kMachineMove, 0, false, "move in machine coordinates"},
       {"TRAORI", M::kBlockerOn, kToolControl, true, "tool centre point control"},
       {"TRAFOOF", M::kBlockerOff, kToolControl | kPolar | kCylinder, false, "transformation off"},

@@ -12,8 +12,22 @@ namespace {
 bool SameButRapid(Modal a, Modal b) {
   for (Modal* modal : {&a, &b}) {
     if (modal->motion == Meaning::kRapid) modal->motion = Meaning::kLinear;
+    if (modal->motion != Meaning::kOtherMotion) modal->motion_text = "";
   }
   return a == b;
+}
+
+// "CYCL DEF 200 DRILLING ~": the next line belongs to the block. Blocks of words cannot be continued: there '~' is a
+// stray character.
+bool IsContinued(const char* text, size_t size) {
+  while (size > 0 && (text[size - 1] == ' ' || text[size - 1] == '\t' || text[size - 1] == '\r')) --size;
+  return size > 0 && text[size - 1] == '~';
+}
+
+// Numbered lines begin blocks.
+bool BeginsWithNumber(const char* text, size_t size) {
+  while (size > 0 && (*text == ' ' || *text == '\t')) ++text, --size;
+  return size > 0 && *text >= '0' && *text <= '9';
 }
 
 // Whether what stands behind a problem may hold modal codes.
@@ -87,6 +101,7 @@ void Interpreter::StartProgram() {
   at_program_end_ = false;
   if (!has_moved_) return;
   modal_ = Modal();
+  if (has_called_) modal_.uncertain = kCalledGroups;
   coordinates_.Reset();
   needs_absolute_ = 0;
   last_length_number_ = -1;
@@ -126,6 +141,10 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
     case ProgramFrame::Kind::kSecondProgram:
       return Unsupported("a second program behind the closing '%'", false, step);
   }
+  if (is_continued_ && !BeginsWithNumber(text, size)) {
+    is_continued_ = IsContinued(text, size);
+    return;
+  }
   const size_t skipped = static_cast<size_t>(text - begin);
   Lex(begin + skipped, size, *dialect_, block);
   if (skipped > 0) {
@@ -138,6 +157,8 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
     }
     block->problem_at += shift;
   }
+  is_continued_ = dialect_->has_bare_keywords && block->word_count > 0 && IsContinued(text, size) &&
+                  TakesRest(block->words[static_cast<size_t>(block->word_count) - 1]);
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
   if (block->problem != LexProblem::kNone && MayHoldCodes(*dialect_, begin + block->problem_at, text + size))

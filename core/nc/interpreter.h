@@ -126,6 +126,9 @@ class Interpreter {
   void ForgetPosition(int axis, bool is_reported);
   void StartProgram();
   const Code& Find(const Word& word) const;
+  bool TakesRest(const Word& word) const {
+    return word.letter == 0 && dialect_->keywords[static_cast<size_t>(word.keyword)].takes_rest;
+  }
 
   const machine::Machine* machine_;
   int axis_count_;
@@ -145,6 +148,8 @@ class Interpreter {
   int64_t line_ = 0;
   int64_t jump_line_ = 0;  // behind it the order of blocks is not known
   bool has_moved_ = false;
+  bool has_called_ = false;      // a program further on may be a subprogram, called in any modal state
+  bool is_continued_ = false;    // Klartext: the next line belongs to this block ("~")
   bool at_program_end_ = false;  // M30: what follows is another program
 };
 

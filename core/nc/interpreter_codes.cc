@@ -101,7 +101,11 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
 void Interpreter::ScanKeyword(const Word& word, Request* request, Step* step) {
   const Keyword& keyword = dialect_->keywords[static_cast<size_t>(word.keyword)];
   step->has_other_words |= keyword.meaning != Meaning::kHead;
-  if (keyword.meaning == Meaning::kHead) return StartProgram();
+  if (keyword.meaning == Meaning::kHead) {
+    StartProgram();
+    modal_.is_inch = word.says_inch;
+    return;
+  }
   if (keyword.meaning != Meaning::kToolChange || !dialect_->tool_call_sets_length)
     return ScanCode(word, dialect_->keyword_codes[static_cast<size_t>(word.keyword)], request, step);
   // TOOL CALL: without a number or a name only speed or feed change.
@@ -141,6 +145,9 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kUnknown:
       return request->Refuse(named() + ": it might move axes");
     case Meaning::kHarmless:
+      // An M code of the machine's builder: it may clamp the axis behind its move.
+      step->ends_block |= word.letter == 'M' && *code.text == 0;
+      return;
     case Meaning::kHead:
     case Meaning::kAddress:
     case Meaning::kIncrementalAddress:
@@ -165,6 +172,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return request->Refuse(named());
     case Meaning::kCall:
       modal_.uncertain |= kCalledGroups;
+      has_called_ = true;
       return request->Refuse(named());
     case Meaning::kJump:
       request->is_jump = true;

@@ -47,8 +47,12 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
     if (request.has_code) return;
     char stray = request.parameter != 0 ? request.parameter : request.radius != nullptr ? 'R' : char{0};
     if (stray == 0 && request.has_centre) stray = 'I';
-    if (stray != 0)
+    if (stray != 0) {
+      // L100 of Sinumerik calls a subprogram.
+      modal_.uncertain |= kCalledGroups;
+      has_called_ = true;
       Unsupported(absl::StrCat("word ", std::string(1, stray), " without a code that it belongs to"), false, step);
+    }
     return;
   }
   bool is_consequence = false;
@@ -62,7 +66,9 @@ void Interpreter::DoDwell(const Request& request, Step* step) {
     if (step->word_of_axis[i] < 0 || machine_->axes[i].name == "X" || machine_->axes[i].name == "U") continue;
     return Unsupported("a dwell with the axis word " + machine_->axes[i].name, false, step);
   }
-  if (request.motion != nullptr) Unsupported("a dwell and a motion code in one block", false, step);
+  if (request.motion != nullptr) return Unsupported("a dwell and a motion code in one block", false, step);
+  if (request.has_axis && request.parameter == 'P')
+    Unsupported("a dwell with two times: one of them may be a position", false, step);
 }
 
 void Interpreter::DoMachineMove(const Request& request, Step* step) {

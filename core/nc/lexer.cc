@@ -1,6 +1,8 @@
 #include "core/nc/lexer.h"
 
 #include <algorithm>
+#include <cstring>
+#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "core/nc/mark.h"
@@ -13,7 +15,7 @@ enum CharClass : uint8_t { kOther, kBlank, kDigit, kUpper, kLower, kMacro };
 struct CharClasses {
   uint8_t of[256];
   constexpr CharClasses() : of() {
-    of[static_cast<int>(' ')] = of[static_cast<int>('\t')] = of[0] = kBlank;  // NUL: the leader of punched tape
+    of[static_cast<int>(' ')] = of[static_cast<int>('\t')] = kBlank;
     for (int c = '0'; c <= '9'; ++c) of[c] = kDigit;
     for (int c = 'A'; c <= 'Z'; ++c) of[c] = kUpper;
     of[static_cast<int>(':')] = kUpper;  // ISO's letter of the program number
@@ -106,6 +108,7 @@ class BlockLexer {
         if (!ReadComment()) return;
       } else if (*at_ == dialect_.line_comment && dialect_.line_comment != 0) {
         block_.is_marked |= HasMark(at_ + 1, end_);
+        if (dialect_.has_semicolon_ends && IsBlockBehind(at_)) Fail(LexProblem::kSemicolon, at_);
         return;
       } else {
         Fail(kind == kMacro ? LexProblem::kExpression
@@ -131,10 +134,11 @@ class BlockLexer {
     while (at_ != end_ && Class(*at_) == kBlank) ++at_;
   }
 
-  // Punched tape ends its blocks with LF CR CR: the returns stand at the begin of the next line.
+  // Punched tape ends its blocks with LF CR CR: the returns stand at the begin of the next line. NUL is its leader;
+  // between words it is that of a file in UTF-16, which is none of ours.
   void SkipReturns() {
-    while (at_ != end_ && *at_ == '\r') ++at_;
-    while (at_ != end_ && end_[-1] == '\r') --end_;
+    while (at_ != end_ && (*at_ == '\r' || *at_ == 0)) ++at_;
+    while (at_ != end_ && (end_[-1] == '\r' || end_[-1] == 0)) --end_;
   }
 
   void ReadBlockDelete() {
@@ -155,6 +159,26 @@ class BlockLexer {
     }
     block_.word_count = count;
     at_ = at;
+  }
+
+  // Whether what follows the ';' at `at` is words and nothing else, a code or a position among them.
+  bool IsBlockBehind(const char* at) const {
+    bool is_acting = false;
+    for (++at; at != end_ && *at != '(' && *at != ';';) {
+      if (Class(*at) == kBlank) {
+        ++at;
+        continue;
+      }
+      const char letter = Capital(*at);
+      if (letter < 'A' || letter > 'Z') return false;
+      is_acting |= std::strchr("GMXYZABCUVWIJK", letter) != nullptr;
+      ++at;
+      while (at != end_ && (Class(*at) == kBlank || *at == '-' || *at == '+')) ++at;
+      const char* const number = at;
+      while (at != end_ && (Class(*at) == kDigit || *at == '.')) ++at;
+      if (at == number) return false;
+    }
+    return is_acting;
   }
 
   // "<NAME>" or "O<NAME>": text, not words.
@@ -275,6 +299,8 @@ class BlockLexer {
   // variable.
   void ReadArgument(Word* word) {
     SkipBlanks();
+    const std::string_view rest(at_, static_cast<size_t>(end_ - at_));
+    word->says_inch = rest.find("INCH") != std::string_view::npos || rest.find("inch") != std::string_view::npos;
     word->number.has_plus = at_ != end_ && (*at_ == '"' || *at_ == 'Q' || *at_ == 'q');
     for (; at_ != end_ && Class(*at_) == kDigit && word->number.digits < 9; ++at_) {
       word->number.mantissa = word->number.mantissa * 10 + (*at_ - '0');
@@ -307,8 +333,22 @@ class BlockLexer {
       SkipBlanks();
     }
     word.number_at = Offset(at_);
-    if (!ReadNumber(letter, &word)) return false;
+    if (dialect_.has_equals && word.letter == 'T' && at_ != end_ && *at_ == '"') {
+      if (!SkipName(letter, &word)) return false;
+    } else if (!ReadNumber(letter, &word)) {
+      return false;
+    }
     ++block_.word_count;
+    return true;
+  }
+
+  // T="MILL_D10".
+  bool SkipName(const char* letter, Word* word) {
+    const char* const end = std::find(at_ + 1, end_, '"');
+    if (end == end_) return Fail(LexProblem::kNoNumber, letter);
+    at_ = end + 1;
+    word->end = Offset(at_);
+    word->number = Decimal();
     return true;
   }
 
@@ -405,6 +445,8 @@ std::string ToString(LexProblem problem, uint32_t at) {
       return "macro or expression" + where;
     case LexProblem::kStrayCharacter:
       return "unexpected character" + where;
+    case LexProblem::kSemicolon:
+      return "';' with words behind it" + where + " (a comment, or the end of the block: controllers differ)";
     case LexProblem::kSlashInside:
       return "'/' inside a block" + where;
   }

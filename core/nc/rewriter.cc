@@ -24,6 +24,10 @@ using compensate::Compensator;
 
 constexpr size_t kOutBytes = 1u << 16;
 
+bool IsUtf16(const char* text, size_t size) {
+  return size >= 2 && (std::memcmp(text, "\xFF\xFE", 2) == 0 || std::memcmp(text, "\xFE\xFF", 2) == 0);
+}
+
 absl::Status RequireRotaryAxis(const machine::Machine& machine) {
   for (const machine::Axis& axis : machine.axes) {
     if (axis.kind == machine::AxisKind::kRotary) return absl::OkStatus();
@@ -97,6 +101,10 @@ struct Rewriter::Impl {
       if (!is_null()) out.append(text, 3);  // a byte-order mark stays in front of ours
       text += 3;
       size -= 3;
+    }
+    if (interpreter.line() == 0 && IsUtf16(text, size) && !is_null()) {
+      status = absl::InvalidArgumentError("line 1: the program is in UTF-16, expected one byte per character");
+      return;
     }
     now = {text, size, TextSize(text, size), interpreter.line() + 1};
     if (is_overlong) {

@@ -83,8 +83,9 @@ TEST(Rewriter, InchesAndMillimetresInOneProgram) {
 
 TEST(Rewriter, LineEndsCommentsAndFrameStay) {
   EXPECT_REWRITTEN(
-      kAtZero, "%\r\nO1234 (PART)\r\n\r\n(X1. Y2. IN A COMMENT)\r\nN10 G1 X1. ; G2 X5\r\n;only this\r\nM30\r\n%\r\n",
-      "%\r\nO1234 (PART)\r\n\r\n(X1. Y2. IN A COMMENT)\r\nN10 G1 X1.0417 ; G2 X5\r\n;only this\r\nM30\r\n%\r\n");
+      kAtZero,
+      "%\r\nO1234 (PART)\r\n\r\n(X1. Y2. IN A COMMENT)\r\nN10 G1 X1. ; WAS G2 X5\r\n;only this\r\nM30\r\n%\r\n",
+      "%\r\nO1234 (PART)\r\n\r\n(X1. Y2. IN A COMMENT)\r\nN10 G1 X1.0417 ; WAS G2 X5\r\n;only this\r\nM30\r\n%\r\n");
   EXPECT_REWRITTEN(kAtZero, "G1 X1.", "G1 X1.0417");
   EXPECT_REWRITTEN(kAtZero, "\xEF\xBB\xBFG1 X1.\n\x1A", "\xEF\xBB\xBFG1 X1.0417\n\x1A");
   EXPECT_REWRITTEN(kAtZero, "G1 X  1 6.339  Y -25.409\n", "G1 X  16.3807  Y -25.409\n");

@@ -1,0 +1,12 @@
+0 BEGIN PGM TEST MM
+1 L X+0 Y+0 Z+0 B+0 C+0 R0 FMAX
+/2 L B+90 F500
+3 L X+0 Y+0 Z+0 B+90 C+0
+4 L X+5 ; comment X6
+5 * - section X7
+; X8
+6 STOP M5
+7 L X+6 RL
+8 L X+7
+9 L X+0 Y+0 Z+0 B+0 C+0 R0
+10 L X+1

@@ -1,0 +1,7 @@
+G21 G17 G40 G49 G80 G90 G94
+G0 X0. Y0. Z0. B0. C0.
+(MSG, X5 Y6) G1 X5. F100
+(DEBUG,#5)
+X6. ; X7 (a
+(PRINT,hello) X7.
+(a)(b) X8. (c)

@@ -1,0 +1,6 @@
+G21 G17 G40 G49 G80 G90 G94
+G0 X0. Y0. Z0. B0. C0.
+o100 sub
+G1 X5. F100
+o100 endsub
+o100 call

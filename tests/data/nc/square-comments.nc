@@ -1,0 +1,4 @@
+G21 G17 G40 G49 G80 G90 G94
+G0 X0. Y0. Z0. B0. C0.
+[tool 5 X10 Y20]
+G1 X5. F100 [finish]
