@@ -39,6 +39,14 @@ std::vector<Event> EventsOf(const identify::Fit& fit) {
   return events;
 }
 
+// A session in which the axis stands still says nothing about its places.
+bool Moves(const MeasuringRun& run, int axis) {
+  for (int k = 1; k < run.reading_count(); ++k) {
+    if (run.PositionsOf(k)[axis] != run.PositionsOf(0)[axis]) return true;
+  }
+  return false;
+}
+
 struct Range {
   double chance = 1.0;  // of one like it anywhere along the axis
   double from = 0.0, to = 0.0;
@@ -74,10 +82,15 @@ std::vector<Unexplained> ClusteredReadings(const machine::Machine& machine, cons
   int best_axis = -1;
   for (int axis = 0; axis < machine.axis_count(); ++axis) {
     std::vector<double> all, bad;
+    std::vector<bool> moves;
     for (const MeasuringRun& run : fit.problem.runs) {
-      for (int k = 0; k < run.reading_count(); ++k) all.push_back(run.PositionsOf(k)[axis]);
+      moves.push_back(Moves(run, axis));
+      for (int k = 0; moves.back() && k < run.reading_count(); ++k) all.push_back(run.PositionsOf(k)[axis]);
     }
-    for (const Event& event : events) bad.push_back(fit.problem.runs[event.run].PositionsOf(event.reading)[axis]);
+    for (const Event& event : events) {
+      if (moves[event.run]) bad.push_back(fit.problem.runs[event.run].PositionsOf(event.reading)[axis]);
+    }
+    if (bad.empty()) continue;
     std::sort(all.begin(), all.end());
     std::sort(bad.begin(), bad.end());
     const Range range = LeastLikely(bad, all);
@@ -92,7 +105,7 @@ std::vector<Unexplained> ClusteredReadings(const machine::Machine& machine, cons
   for (const Event& event : events) {
     const MeasuringRun& run = fit.problem.runs[event.run];
     const double position = run.PositionsOf(event.reading)[best_axis];
-    if (position < best.from || position > best.to) continue;
+    if (!Moves(run, best_axis) || position < best.from || position > best.to) continue;
     ++count_of[run.session];
     squares += event.residual_mm * event.residual_mm;
     ++count;

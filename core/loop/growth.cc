@@ -121,12 +121,28 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   return true;
 }
 
+// What is left of several weak effects bends a local defect to itself, which has place and width to choose. Of what is
+// faint a name takes at least half, or it is local. Beside a local defect that stands, what is faint is its own form.
+Finding Growth::NamedOfWeak(const Signatures& signatures, const std::vector<Candidate>& named, Finding local) const {
+  constexpr double kFaint = 80.0, kHalf = 0.5, kEvidenceShare = 0.6;
+  const bool has_local = std::any_of(effects().begin(), effects().end(),
+                                     [](const Added& one) { return one.candidate.family == Family::kBump; });
+  if (has_local || local.effect.likelihood_ratio > kFaint) return local;
+  SearchOptions options = options_.search;
+  options.evidence *= kEvidenceShare;  // that something is there was decided
+  SearchResult found = Search(machine_, signatures, named, options);
+  const bool is_named =
+      found.is_significant && found.finding.effect.likelihood_ratio > kHalf * local.effect.likelihood_ratio;
+  return is_named ? std::move(found.finding) : std::move(local);
+}
+
 // Two effects that reverse together look like a slipped artefact, which has three offsets to bend to both: what has no
 // name stands only where up to two effects with names do not explain as much.
 absl::StatusOr<Finding> Growth::NamedInstead(const Fit& fit, const Signatures& signatures,
                                              std::vector<Candidate> candidates, Finding unnamed) const {
-  if (unnamed.effect.candidate.family != Family::kStep) return unnamed;
+  if (!IsUnnamed(unnamed.effect.candidate.family)) return unnamed;
   std::erase_if(candidates, [](const Candidate& one) { return IsUnnamed(one.family); });
+  if (unnamed.effect.candidate.family == Family::kBump) return NamedOfWeak(signatures, candidates, std::move(unnamed));
   const double least = unnamed.effect.likelihood_ratio - options_.search.evidence;
   SearchResult found = Search(machine_, signatures, candidates, options_.search);
   if (!found.is_significant) return unnamed;

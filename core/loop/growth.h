@@ -41,6 +41,7 @@ class Growth {
   std::vector<Added>& effects() const { return attempt_->extension.effects; }
   std::vector<Candidate> Candidates(const identify::Fit& fit) const;
   absl::StatusOr<bool> Forward(identify::Fit* fit);
+  Finding NamedOfWeak(const Signatures& signatures, const std::vector<Candidate>& named, Finding local) const;
   absl::StatusOr<Finding> NamedInstead(const identify::Fit& fit, const Signatures& signatures,
                                        std::vector<Candidate> candidates, Finding unnamed) const;
   absl::StatusOr<Finding> Decide(const identify::Fit& fit, Finding finding) const;
