@@ -126,6 +126,7 @@ TEST(Orientation, TheChainFindsPointAndDirectionOnAllThreeStructures) {
     EXPECT_GT(report.end_before.max_mm * kUmPerMm, 20.0);
     EXPECT_LT(report.end_after.max_mm * kUmPerMm, 0.09) << machine.id;  // three words of 0.1 um
     EXPECT_LT(report.path_after.max_mm, options.tolerance_mm + 0.0002) << machine.id;
+    EXPECT_LT(report.path_tilt_after.max_rad, options.tolerance_rad + 1.5 * kWordRad) << machine.id;
     EXPECT_NEAR(outcome.report.tilt_before.max_rad, report.end_tilt_before.max_rad, 1e-6) << machine.id;
     EXPECT_EQ(outcome.report.blocks_tilted, 0);
   }
@@ -152,7 +153,7 @@ TEST(Orientation, WhatIsNotReachedIsListedWithItsSizeAndLine) {
 
 TEST(Orientation, MovesAreSplitWhereTheDirectionBends) {
   const Case leaning = Of(machine::testing::MultiTasking(), {{"EA0B", 100e-6}});
-  const std::string program = "G0 X0. B0.\nG1 X100. Z-50. B40. C0. F500\nB80. C90.\n";
+  const std::string program = "G0 X0. B20.\nG1 X100. Z-50. B40. C0. F500\nB80. C90.\n";
   RewriteOptions options = Turning();
   options.tolerance_mm = 0.001;
   options.tolerance_rad = 2e-6;
@@ -161,6 +162,7 @@ TEST(Orientation, MovesAreSplitWhereTheDirectionBends) {
   EXPECT_GE(fine.report.blocks_split, 1);
   const VerifyReport report = Verified(leaning, program, fine.text, options);
   EXPECT_LT(report.path_after.max_mm, 0.0012);
+  EXPECT_LT(report.path_tilt_after.max_rad, options.tolerance_rad + 1.5 * kWordRad);
   options.tolerance_rad = 1e-4;
   const Outcome coarse = Rewritten(program, options, leaning.compensator());
   EXPECT_LT(coarse.report.blocks_inserted, fine.report.blocks_inserted);

@@ -106,10 +106,12 @@ void FromCharsToChars(benchmark::State& state) {
 }
 BENCHMARK(FromCharsToChars)->Unit(benchmark::kMillisecond);
 
-void Rewrite(benchmark::State& state, bool with_scale, double tolerance_mm) {
+void Rewrite(benchmark::State& state, bool with_scale, double tolerance_mm, bool orientation = false) {
   const compensate::Compensator compensator = MakeCompensator(with_scale);
   nc::RewriteOptions options;
   options.tolerance_mm = tolerance_mm;
+  options.orientation = orientation;
+  options.max_correction_mm = 5.0;
   std::string out(Program().size() + Program().size() / 4, 0);
   for (auto _ : state) {
     size_t written = 0;
@@ -137,6 +139,8 @@ BENCHMARK_CAPTURE(Rewrite, constant_errors, false, 0.001)->Unit(benchmark::kMill
 BENCHMARK_CAPTURE(Rewrite, constant_errors_never_split, false, std::numeric_limits<double>::infinity())
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(Rewrite, position_dependent_errors, true, 0.001)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Rewrite, orientation_constant_errors, false, 0.001, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Rewrite, orientation_position_dependent_errors, true, 0.001, true)->Unit(benchmark::kMillisecond);
 
 // File to file; peak_MB is the process' peak before and after a file of 100 MB more: the difference is what the size
 // costs.
