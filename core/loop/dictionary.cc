@@ -163,6 +163,7 @@ class Builder {
     for (const double share : {0.16, 0.08, 0.04, 0.02}) {
       const double width = share * range;
       if (width < span.finest_step) break;
+      if (width > WidestBump(machine_, axis)) continue;
       for (double at = span.lowest; at <= span.highest; at += width)
         Add(Family::kBump, axis, shapes::Bump{axis, at, width});
     }
@@ -207,6 +208,11 @@ bool IsPositioning(const Machine& machine, const ErrorTerm& term) {
 }
 
 }  // namespace
+
+double WidestBump(const machine::Machine& machine, int axis) {
+  constexpr double kWidestRad = 30.0 * base::kRadPerDeg;
+  return IsRotary(machine, axis) ? kWidestRad : INFINITY;
+}
 
 double StepOf(const Machine& machine, const MeasuringRun& run, int axis) {
   std::vector<double> steps;

@@ -40,6 +40,10 @@ int StepStride(const instruments::MeasuringRun& run);
 // Candidates that `model` does not hold already.
 std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const machine::ErrorModel& model);
 
+// Half width beyond which structure along a rotary axis is no local defect but its form, which low orders describe.
+// Infinite on linear axes.
+double WidestBump(const machine::Machine& machine, int axis);
+
 }  // namespace axiscal::loop
 
 #endif  // AXISCAL_CORE_LOOP_DICTIONARY_H_

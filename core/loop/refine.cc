@@ -11,6 +11,7 @@ namespace axiscal::loop {
 namespace {
 
 Candidate RefinedBump(const Signatures& signatures, Candidate candidate) {
+  const double widest = WidestBump(*signatures.problem().machine, std::get<shapes::Bump>(candidate.term.shape).axis);
   double spread = 0.5;
   for (int round = 0; round < 5; ++round) {
     const shapes::Bump best = std::get<shapes::Bump>(candidate.term.shape);
@@ -18,8 +19,8 @@ Candidate RefinedBump(const Signatures& signatures, Candidate candidate) {
     for (int i = -2; i <= 2; ++i) {
       for (int j = -1; j <= 1; ++j) {
         Candidate moved = candidate;
-        moved.term.shape =
-            shapes::Bump{best.axis, best.at + 0.5 * i * spread * best.width, best.width * std::pow(1.0 + spread, j)};
+        const double width = std::min(widest, best.width * std::pow(1.0 + spread, j));
+        moved.term.shape = shapes::Bump{best.axis, best.at + 0.5 * i * spread * best.width, width};
         around.push_back(moved);
       }
     }
@@ -80,6 +81,11 @@ Candidate RefinedStep(const Signatures& signatures, const Candidate& candidate) 
 
 }  // namespace
 
+bool IsGrid(Family family) {
+  return family == Family::kBump || family == Family::kPitch || family == Family::kReversal ||
+         family == Family::kDriftExp;
+}
+
 Candidate BestOf(const Signatures& signatures, const std::vector<Candidate>& candidates) {
   DEMAND(!candidates.empty());
   const std::vector<Projection> projections = signatures.Project(candidates);
@@ -110,6 +116,15 @@ Candidate Refined(const Signatures& signatures, const Candidate& candidate, doub
     default:
       return candidate;
   }
+}
+
+Candidate AtPlaceOf(const Signatures& signatures, const Candidate& candidate, const std::vector<Candidate>& leaders) {
+  std::vector<Candidate> places = {candidate};
+  for (const Candidate& leader : leaders) {
+    places.push_back(candidate);
+    places.back().term.shape = leader.term.shape;
+  }
+  return BestOf(signatures, places);
 }
 
 }  // namespace axiscal::loop

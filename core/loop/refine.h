@@ -16,6 +16,13 @@ Candidate BestOf(const Signatures& signatures, const std::vector<Candidate>& can
 // others as they are. `range` is the measured range of the candidate's axis.
 Candidate Refined(const Signatures& signatures, const Candidate& candidate, double range);
 
+// Families that the dictionary samples: their members compare only once they are refined.
+bool IsGrid(Family family);
+
+// The candidate, or where it explains more, the candidate at the place (frequency, length, time constant) of one of the
+// leaders, of its family: what is one effect by other names, on other joints, is alike only there.
+Candidate AtPlaceOf(const Signatures& signatures, const Candidate& candidate, const std::vector<Candidate>& leaders);
+
 }  // namespace axiscal::loop
 
 #endif  // AXISCAL_CORE_LOOP_REFINE_H_

@@ -18,11 +18,6 @@ double LikelihoodRatio(double squares, double gain, int dof) {
 
 namespace {
 
-bool IsGrid(Family family) {
-  return family == Family::kBump || family == Family::kPitch || family == Family::kReversal ||
-         family == Family::kDriftExp;
-}
-
 // One effect at different points of its family's grid.
 bool IsNeighbour(const Candidate& a, const Candidate& b) {
   return a.family == b.family && a.term.joint == b.term.joint && a.term.component == b.term.component &&
@@ -32,22 +27,27 @@ bool IsNeighbour(const Candidate& a, const Candidate& b) {
 // The leading members of the families that stand on a grid, between its points: only so do they compare with each
 // other and with the rest. Their neighbours on the grid leave the list.
 void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
-  constexpr int kLeaders = 4;         // of each family and axis
+  constexpr size_t kLeaders = 4;      // of each family and axis
   constexpr double kFarBehind = 0.6;  // of the best likelihood ratio
   if (scored->empty()) return;
   double best = 0.0;
   for (const Scored& one : *scored) best = std::max(best, one.likelihood_ratio);
   std::vector<AxisSpan> spans;
-  std::map<std::pair<Family, int>, int> refined;
+  std::map<std::pair<Family, int>, std::vector<Candidate>> leaders;
   for (size_t i = 0; i < scored->size(); ++i) {
     Scored& leader = (*scored)[i];
     const Family family = leader.candidate.family;
     if (!IsGrid(family) || leader.likelihood_ratio < kFarBehind * best) continue;
     const std::optional<int> axis = shapes::VariableAxis(leader.candidate.term.shape);
-    if (++refined[{family, axis.value_or(-1)}] > kLeaders) continue;
+    std::vector<Candidate>& refined = leaders[{family, axis.value_or(-1)}];
     if (spans.empty()) spans = SpansOf(signatures.problem());
     const double range = axis ? spans[*axis].highest - spans[*axis].lowest : 0.0;
-    leader.candidate = Refined(signatures, leader.candidate, range);
+    if (refined.size() == kLeaders) {
+      leader.candidate = AtPlaceOf(signatures, leader.candidate, refined);
+    } else {
+      leader.candidate = Refined(signatures, leader.candidate, range);
+      refined.push_back(leader.candidate);
+    }
     const Projection projection = signatures.Project({leader.candidate})[0];
     const double gain = Gain(projection, &leader.amplitude);
     const double better =
