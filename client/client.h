@@ -144,6 +144,15 @@ class Client {
   absl::StatusOr<ProgramRecord> GetProgram(ProgramId id,
                                            const std::function<absl::Status(const std::string& bytes)>& take,
                                            const ProgressCallback& progress = nullptr);
+  // Rewrites a program for the machine's calibration while it is sent; nothing is stored. `take` gets the rewritten
+  // bytes in order, its error ends the call and is returned; they must not be used unless this returns OK. The report,
+  // JSON, as a COMPENSATE job's result. FAILED_PRECONDITION with the engine's words when a block cannot be corrected;
+  // RESOURCE_EXHAUSTED QUEUE_FULL; DATA_LOSS when what came does not fit its checksum. Not tried again by itself.
+  absl::StatusOr<std::string> RewriteProgram(const convert::CompensateParams& params, const std::string& bytes,
+                                             const std::function<absl::Status(const std::string& bytes)>& take);
+  // From a file, in constant memory. NOT_FOUND when it cannot be read.
+  absl::StatusOr<std::string> RewriteProgramFile(const convert::CompensateParams& params, const std::string& path,
+                                                 const std::function<absl::Status(const std::string& bytes)>& take);
   absl::StatusOr<Page<ProgramRecord>> ListPrograms(const PageRequest& page = {});
 
   // ---- compensation tables, made of the approved calibration or a named one (docs/tables.md)

@@ -5,6 +5,15 @@
 #include "core/base/sha256.h"
 
 namespace axiscal::client {
+namespace {
+
+ReadAt PartsOf(const std::string& bytes) {
+  return [&bytes](int64_t offset, int64_t size) -> absl::StatusOr<std::string> {
+    return bytes.substr(static_cast<size_t>(offset), static_cast<size_t>(size));
+  };
+}
+
+}  // namespace
 
 absl::StatusOr<UploadResult> Client::Upload(const MachineId& machine, const session::Session& session,
                                             const ProgressCallback& progress) {
@@ -46,11 +55,20 @@ absl::StatusOr<session::Session> Client::DownloadSession(SessionId id) {
 
 absl::StatusOr<ProgramRecord> Client::PutProgram(const std::string& name, const std::string& bytes,
                                                  const ProgressCallback& progress) {
-  ProgramSource source{name, static_cast<int64_t>(bytes.size()), base::Sha256Hex(bytes), nullptr};
-  source.read_at = [&](int64_t offset, int64_t size) -> absl::StatusOr<std::string> {
-    return bytes.substr(static_cast<size_t>(offset), static_cast<size_t>(size));
-  };
+  const ProgramSource source{name, static_cast<int64_t>(bytes.size()), base::Sha256Hex(bytes), PartsOf(bytes)};
   return client::PutProgram(impl_->connection, source, progress);
+}
+
+absl::StatusOr<std::string> Client::RewriteProgram(const convert::CompensateParams& params, const std::string& bytes,
+                                                   const TakeBytes& take) {
+  const ProgramSource source{"the program", static_cast<int64_t>(bytes.size()), "", PartsOf(bytes)};
+  return client::RewriteProgram(impl_->connection, params, source, take);
+}
+
+absl::StatusOr<std::string> Client::RewriteProgramFile(const convert::CompensateParams& params, const std::string& path,
+                                                       const TakeBytes& take) {
+  ASSIGN_OR_RETURN(const ProgramSource source, FileSource(path));
+  return client::RewriteProgram(impl_->connection, params, source, take);
 }
 
 absl::StatusOr<ProgramRecord> Client::PutProgramFile(const std::string& path, const ProgressCallback& progress) {

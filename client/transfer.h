@@ -25,6 +25,10 @@ using TakeBytes = std::function<absl::Status(const std::string& bytes)>;
 absl::StatusOr<ProgramRecord> GetProgram(const Connection& connection, ProgramId id, const TakeBytes& take,
                                          const ProgressCallback& progress);
 
+// Writes on a thread of its own, reads and takes on this one.
+absl::StatusOr<std::string> RewriteProgram(const Connection& connection, const convert::CompensateParams& params,
+                                           const ProgramSource& source, const TakeBytes& take);
+
 // Size, checksum and bytes of a file, without holding it. NOT_FOUND when it cannot be read.
 absl::StatusOr<ProgramSource> FileSource(const std::string& path);
 

@@ -10,6 +10,7 @@
 #include "server/handlers/list_programs.h"
 #include "server/handlers/list_sessions.h"
 #include "server/handlers/put_program.h"
+#include "server/handlers/rewrite_program.h"
 #include "server/handlers/upload.h"
 #include "server/respond.h"
 #include "server/service.h"
@@ -113,6 +114,16 @@ class ProgramsService final : public v1::Programs::Service {
           return program.End();
         },
         response);
+  }
+  grpc::Status RewriteProgram(
+      grpc::ServerContext* context,
+      grpc::ServerReaderWriter<v1::RewriteProgramResponse, v1::RewriteProgramRequest>* stream) override {
+    return RespondStream(core_, context, "Programs.RewriteProgram", [&](const auto& call) -> absl::Status {
+      handlers::RewriteProgramStream program(core_, call, [&](const auto& message) { return stream->Write(message); });
+      v1::RewriteProgramRequest request;
+      while (stream->Read(&request)) RETURN_IF_ERROR(program.Receive(request));
+      return program.End();
+    });
   }
 
  private:

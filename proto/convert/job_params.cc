@@ -110,10 +110,22 @@ absl::StatusOr<JobParams> ToolSetterFromProto(const v1::ToolSetterParams& messag
                           message.fit_pitch()};
 }
 
-v1::CompensateParams CompensateToProto(const CompensateParams& params) {
+}  // namespace
+
+std::string KindOf(const JobParams& params) {
+  if (std::holds_alternative<IdentifyParams>(params)) return kIdentify;
+  if (std::holds_alternative<ToolSetterParams>(params)) return kToolSetter;
+  return std::holds_alternative<CloseLoopParams>(params) ? kCloseLoop : kCompensate;
+}
+
+const MachineId& MachineOf(const JobParams& params) {
+  return std::visit([](const auto& kind) -> const MachineId& { return kind.machine; }, params);
+}
+
+v1::CompensateParams ToProto(const CompensateParams& params) {
   v1::CompensateParams message;
   message.set_machine_id(params.machine.text());
-  message.set_program_id(params.program.number());
+  if (params.program.number() > 0) message.set_program_id(params.program.number());
   if (params.calibration) message.set_calibration_id(params.calibration->number());
   for (const double value_mm : params.tool_tip_mm) message.add_tool_tip_mm(value_mm);
   *message.mutable_options() = ToProto(params.options);
@@ -122,9 +134,10 @@ v1::CompensateParams CompensateToProto(const CompensateParams& params) {
   return message;
 }
 
-absl::StatusOr<JobParams> CompensateFromProto(const v1::CompensateParams& message) {
+absl::StatusOr<CompensateParams> FromProto(const v1::CompensateParams& message, bool needs_program) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
-  RETURN_IF_ERROR(RequirePositive("program_id", message.program_id()));
+  if (needs_program) RETURN_IF_ERROR(RequirePositive("program_id", message.program_id()));
+  if (!needs_program && message.program_id() != 0) return FieldError("program_id", "the program comes with the call");
   CompensateParams params;
   params.machine = MachineId(message.machine_id());
   params.program = ProgramId(message.program_id());
@@ -153,18 +166,6 @@ absl::StatusOr<JobParams> CompensateFromProto(const v1::CompensateParams& messag
   return params;
 }
 
-}  // namespace
-
-std::string KindOf(const JobParams& params) {
-  if (std::holds_alternative<IdentifyParams>(params)) return kIdentify;
-  if (std::holds_alternative<ToolSetterParams>(params)) return kToolSetter;
-  return std::holds_alternative<CloseLoopParams>(params) ? kCloseLoop : kCompensate;
-}
-
-const MachineId& MachineOf(const JobParams& params) {
-  return std::visit([](const auto& kind) -> const MachineId& { return kind.machine; }, params);
-}
-
 v1::JobParams ToProto(const JobParams& params) {
   v1::JobParams message;
   if (const auto* identify = std::get_if<IdentifyParams>(&params)) {
@@ -174,7 +175,7 @@ v1::JobParams ToProto(const JobParams& params) {
   } else if (const auto* tool_setter = std::get_if<ToolSetterParams>(&params)) {
     *message.mutable_tool_setter() = ToolSetterToProto(*tool_setter);
   } else {
-    *message.mutable_compensate() = CompensateToProto(std::get<CompensateParams>(params));
+    *message.mutable_compensate() = ToProto(std::get<CompensateParams>(params));
   }
   return message;
 }
@@ -186,8 +187,9 @@ absl::StatusOr<JobParams> FromProto(const v1::JobParams& message) {
       return params.ok() ? params : InField("identify", params.status());
     }
     case v1::JobParams::kCompensate: {
-      absl::StatusOr<JobParams> params = CompensateFromProto(message.compensate());
-      return params.ok() ? params : InField("compensate", params.status());
+      absl::StatusOr<CompensateParams> params = FromProto(message.compensate(), true);
+      if (!params.ok()) return InField("compensate", params.status());
+      return JobParams(*std::move(params));
     }
     case v1::JobParams::kCloseLoop: {
       absl::StatusOr<JobParams> params = CloseLoopFromProto(message.close_loop());

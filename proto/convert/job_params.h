@@ -68,6 +68,10 @@ v1::JobParams ToProto(const JobParams& params);
 // than three finite numbers, unknown choices. Symbols, dialects and the like are judged by the engine that uses them.
 absl::StatusOr<JobParams> FromProto(const v1::JobParams& message);
 
+v1::CompensateParams ToProto(const CompensateParams& params);
+// Of a program that is stored (`needs_program`), or of one that comes with the call and has no id.
+absl::StatusOr<CompensateParams> FromProto(const v1::CompensateParams& message, bool needs_program);
+
 v1::RewriteOptions ToProto(const nc::RewriteOptions& options);
 // Unset fields take the defaults of nc::RewriteOptions.
 absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message);

@@ -28,6 +28,7 @@ struct Core {
   int workers = 0;
   std::atomic<int> open_calls = 0;
   std::atomic<int> open_uploads = 0;
+  std::atomic<int> open_rewrites = 0;  // RewriteProgram streams: each uses one core
   std::atomic<bool> draining = false;
 };
 

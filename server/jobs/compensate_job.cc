@@ -1,11 +1,9 @@
 #include "server/jobs/compensate_job.h"
 
-#include "core/compensate/compensator.h"
-#include "core/machine/error_json.h"
 #include "core/nc/rewrite.h"
 #include "proto/convert/job_params.h"
 #include "server/handlers/calibration_use.h"
-#include "server/handlers/job_inputs.h"
+#include "server/handlers/compensation.h"
 
 namespace axiscal::jobs {
 namespace {
@@ -54,27 +52,15 @@ class ProgramWriter {
   int64_t offset_ = 0;
 };
 
-absl::StatusOr<compensate::Compensator> CompensatorFor(storage::Database& database,
-                                                       const convert::CompensateParams& params,
-                                                       const storage::CalibrationRecord& calibration) {
-  ASSIGN_OR_RETURN(const machine::Machine machine, handlers::MachineFor(database, calibration));
-  ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));
-  return compensate::Compensator::Create(machine, errors,
-                                         {params.tool_tip_mm, params.time_s, params.temperature_celsius});
-}
-
 absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
                                         JobContext& context) {
   ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<convert::CompensateParams>(any_params);
-  ASSIGN_OR_RETURN(
-      const storage::CalibrationRecord calibration,
-      handlers::CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id"));
-  ASSIGN_OR_RETURN(const compensate::Compensator compensator, CompensatorFor(database, params, calibration));
+  ASSIGN_OR_RETURN(const handlers::Compensation compensation,
+                   handlers::CompensationFor(database, params, "params.compensate.calibration_id"));
+  const storage::CalibrationRecord& calibration = compensation.calibration;
   ASSIGN_OR_RETURN(const storage::ProgramRecord source, database.GetProgram(params.program));
 
-  nc::RewriteOptions options = params.options;
-  options.calibration = absl::StrCat(params.machine.text(), " v", calibration.version);
   // Attempts of one job that use the same calibration write the same program.
   const std::string request_id = absl::StrCat("job-", job.id.number(), "-calibration-", calibration.id.number());
   ASSIGN_OR_RETURN(ProgramWriter writer,
@@ -94,7 +80,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   };
   nc::RewriteReport report;
   RETURN_IF_ERROR(nc::RewriteProgram(
-      read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensator, options, &report));
+      read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensation.compensator,
+      compensation.options, &report));
   for (std::string& note : handlers::NotesOnInseparableErrors(calibration)) report.notes.push_back(std::move(note));
   ASSIGN_OR_RETURN(const storage::ProgramRecord program, writer.Finish());
   storage::JobProduct product;

@@ -1,6 +1,10 @@
 // The technician's way: identify, look, approve, roll back, compensate, look at the history.
+#include <gmock/gmock.h>
+
+#include "axiscal/v1/programs_service.grpc.pb.h"
 #include "core/base/error_detail.h"
 #include "tests/end_to_end/testing/fixture.h"
+#include "tests/end_to_end/testing/raw_upload.h"
 
 namespace axiscal {
 namespace {
@@ -8,6 +12,7 @@ namespace {
 using storage::CalibrationState;
 using storage::JobState;
 using testing::BallbarSession;
+using ::testing::HasSubstr;
 using testing::MachineJson;
 
 constexpr double kToleranceUm = 0.05;  // the readings are exact to 1e-4 um; priors on the setups pull by less than this
@@ -176,6 +181,76 @@ TEST_F(Job, CompensateRewritesForTheApprovedCalibration) {
   const client::JobRecord turned = RunJob(params);
   ASSERT_EQ(turned.state, JobState::kSucceeded) << (turned.error ? turned.error->message : "");
   EXPECT_NE(turned.result.find("\"orientation\""), std::string::npos) << turned.result;
+}
+
+// Nothing is stored, and the bytes are those of the job.
+TEST_F(Job, AProgramIsRewrittenWhileItIsSent) {
+  const CalibrationId calibration = Identify();
+  std::string program = "%\r\nG90 G21\r\n";
+  for (int i = 0; i < 20000; ++i) {
+    program += absl::StrCat("N", i, " G01 X", 100 + i % 977, ".5 Y0.0000 Z421.9000 B0.0000 C", i % 360, ". F1000\r\n");
+  }
+  convert::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.tool_tip_mm = {0, 0, -356.4};
+  const auto rewrite = [&](const std::string& bytes, std::string* rewritten) {
+    rewritten->clear();
+    return client().RewriteProgram(params, bytes, [&](const std::string& part) {
+      *rewritten += part;
+      return absl::OkStatus();
+    });
+  };
+  std::string rewritten;
+  EXPECT_EQ(base::ErrorReason(rewrite(program, &rewritten).status()), "CALIBRATION_NOT_APPROVED");
+  params.calibration = calibration;
+  const auto report = rewrite(program, &rewritten);
+  ASSERT_OK(report);
+  EXPECT_THAT(*report, HasSubstr("\"corrected\": 20000"));
+  EXPECT_TRUE(client().ListPrograms()->rows.empty());
+
+  const auto put = client().PutProgram("part.nc", program);
+  ASSERT_OK(put);
+  params.program = put->id;
+  const client::JobRecord job = RunJob(params);
+  ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+  const auto by_job = client().GetProgram(job.programs.at(0));
+  ASSERT_OK(by_job);
+  EXPECT_TRUE(*by_job == rewritten);
+  EXPECT_EQ(job.result, *report);
+  const auto stored = base::GetErrorDetail(rewrite(program, &rewritten).status());
+  ASSERT_TRUE(stored.has_value());
+  EXPECT_EQ(stored->facts.at("field"), "header.params.program_id");
+  params.program = ProgramId();
+
+  const auto refused = rewrite(program + "G41 D1 X1.\r\n", &rewritten);
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("line 20003"));
+  EXPECT_TRUE(rewrite("G01 X1.0 Y0. Z0. B0. C0.\n", &rewritten).ok());
+  const absl::Status full =
+      client().RewriteProgram(params, program, [](const std::string&) { return absl::DataLossError("disk"); }).status();
+  EXPECT_EQ(full.code(), absl::StatusCode::kDataLoss);
+}
+
+// What the client library never does: sizes and checksums that do not fit, messages out of order.
+TEST_F(Job, ABrokenRewriteIsRefused) {
+  Identify();
+  v1::RewriteProgramRequest header, data;
+  convert::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.calibration = CalibrationId(1);
+  *header.mutable_header()->mutable_params() = convert::ToProto(params);
+  header.mutable_header()->set_size_bytes(4);
+  header.mutable_header()->set_crc32c(1);
+  data.set_data("G0X2");
+  const auto send = [&](std::vector<std::string> messages) {
+    return testing::ReasonOf(testing::SendBytes(channel(), "/axiscal.v1.Programs/RewriteProgram", messages));
+  };
+  const std::string first = header.SerializeAsString(), second = data.SerializeAsString();
+  EXPECT_EQ(send({first, second}), "TOTALS_MISMATCH");
+  EXPECT_EQ(send({first}), "STREAM_INCOMPLETE");
+  EXPECT_EQ(send({second}), "STREAM_INVALID");
+  EXPECT_EQ(send({first, first}), "STREAM_INVALID");
+  EXPECT_EQ(send({first, second, second}), "SIZE_EXCEEDED");
 }
 
 TEST_F(Job, AProgramThatCannotBeCorrectedFailsWithItsLine) {

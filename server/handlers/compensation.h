@@ -1,0 +1,24 @@
+// What rewriting a program needs, from the store: for jobs and for calls that rewrite while the program comes.
+#ifndef AXISCAL_SERVER_HANDLERS_COMPENSATION_H_
+#define AXISCAL_SERVER_HANDLERS_COMPENSATION_H_
+
+#include "core/compensate/compensator.h"
+#include "core/nc/options.h"
+#include "proto/convert/job_params.h"
+#include "server/storage/database.h"
+
+namespace axiscal::handlers {
+
+struct Compensation {
+  storage::CalibrationRecord calibration;
+  compensate::Compensator compensator;
+  nc::RewriteOptions options;  // with the calibration's name for the mark
+};
+
+// Errors of CalibrationFor, MachineFor and Compensator::Create.
+absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const convert::CompensateParams& params,
+                                             const std::string& calibration_field);
+
+}  // namespace axiscal::handlers
+
+#endif  // AXISCAL_SERVER_HANDLERS_COMPENSATION_H_

@@ -1,0 +1,121 @@
+#include "server/handlers/rewrite_program.h"
+
+#include "core/base/crc32c.h"
+#include "core/base/error_detail.h"
+#include "proto/convert/field.h"
+#include "proto/convert/program.h"
+#include "server/handlers/calibration_use.h"
+
+namespace axiscal::handlers {
+
+RewriteProgramStream::RewriteProgramStream(Core& core, const Call& call,
+                                           std::function<bool(const v1::RewriteProgramResponse&)> send)
+    : core_(core), call_(call), send_(std::move(send)) {}
+
+RewriteProgramStream::~RewriteProgramStream() {
+  if (is_counted_) --core_.open_rewrites;
+}
+
+absl::Status RewriteProgramStream::Receive(const v1::RewriteProgramRequest& request) {
+  RETURN_IF_ERROR(RequireAccepting(core_));
+  const bool is_expected = header_ ? request.part_case() == v1::RewriteProgramRequest::kData : request.has_header();
+  if (!is_expected) {
+    return base::Error(absl::StatusCode::kInvalidArgument, "the header must come first and once, then data",
+                       {"STREAM_INVALID", {}});
+  }
+  return header_ ? Rewrite(request.data()) : Begin(request.header());
+}
+
+absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header) {
+  is_counted_ = true;
+  if (++core_.open_rewrites > std::max(1, core_.workers)) {
+    return base::Error(absl::StatusCode::kResourceExhausted,
+                       absl::StrCat("more than ", std::max(1, core_.workers), " programs are rewritten at a time"),
+                       {"QUEUE_FULL", {}});
+  }
+  RETURN_IF_ERROR(convert::RequireNotNegative("header.size_bytes", header.size_bytes()));
+  absl::StatusOr<convert::CompensateParams> params = convert::FromProto(header.params(), false);
+  if (!params.ok()) return convert::InField("header.params", params.status());
+  ASSIGN_OR_RETURN(const storage::MachineRecord machine, core_.database.GetMachine(params->machine));
+  if (machine.deleted_at) {
+    return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + machine.id.text() + " is deleted",
+                       {"MACHINE_DELETED", {}});
+  }
+  ASSIGN_OR_RETURN(Compensation compensation, CompensationFor(core_.database, *params, "header.params.calibration_id"));
+  compensation_.emplace(std::move(compensation));
+  compensation_->options.source_crc32c = header.crc32c();
+  ASSIGN_OR_RETURN(nc::Rewriter rewriter,
+                   nc::Rewriter::Create(compensation_->compensator, compensation_->options,
+                                        [this](const char* bytes, size_t size) { return Take(bytes, size); }));
+  rewriter_.emplace(std::move(rewriter));
+  header_ = header;
+  return absl::OkStatus();
+}
+
+absl::Status RewriteProgramStream::Rewrite(const std::string& bytes) {
+  if (bytes.empty() || bytes.size() > static_cast<size_t>(convert::kMaxProgramPartBytes)) {
+    return convert::FieldError("data",
+                               absl::StrCat(bytes.size(), " bytes, must be 1 to ", convert::kMaxProgramPartBytes));
+  }
+  received_ += static_cast<int64_t>(bytes.size());
+  if (received_ > header_->size_bytes()) {
+    return base::Error(absl::StatusCode::kOutOfRange,
+                       absl::StrCat("more than the ", header_->size_bytes(), " bytes that the header says"),
+                       {"SIZE_EXCEEDED", {}});
+  }
+  received_crc32c_ = base::Crc32c(received_crc32c_, bytes.data(), bytes.size());
+  return rewriter_->Feed(bytes.data(), bytes.size());
+}
+
+absl::Status RewriteProgramStream::Take(const char* bytes, size_t size) {
+  sent_ += static_cast<int64_t>(size);
+  sent_crc32c_ = base::Crc32c(sent_crc32c_, bytes, size);
+  std::string& data = *response_.mutable_data();
+  while (size > 0) {
+    const size_t count = std::min(size, static_cast<size_t>(convert::kMaxProgramPartBytes) - data.size());
+    data.append(bytes, count);
+    bytes += count;
+    size -= count;
+    if (data.size() == static_cast<size_t>(convert::kMaxProgramPartBytes)) RETURN_IF_ERROR(SendData());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RewriteProgramStream::SendData() {
+  if (!send_(response_)) {
+    return base::Error(absl::StatusCode::kCancelled, "the caller has left", {"CALLER_GONE", {}});
+  }
+  response_.mutable_data()->clear();
+  return absl::OkStatus();
+}
+
+absl::Status RewriteProgramStream::End() {
+  if (!header_ || received_ < header_->size_bytes()) {
+    return base::Error(
+        absl::StatusCode::kAborted,
+        absl::StrCat("the stream ended after ", received_, " of ", header_ ? header_->size_bytes() : 0, " bytes"),
+        {"STREAM_INCOMPLETE", {}});
+  }
+  if (received_crc32c_ != header_->crc32c()) {
+    return base::Error(
+        absl::StatusCode::kFailedPrecondition,
+        absl::StrFormat("the header says CRC-32C %08x, what came has %08x", header_->crc32c(), received_crc32c_),
+        {"TOTALS_MISMATCH", {}});
+  }
+  RETURN_IF_ERROR(rewriter_->Finish());
+  if (!response_.data().empty()) RETURN_IF_ERROR(SendData());
+  nc::RewriteReport report = rewriter_->report();
+  for (std::string& note : NotesOnInseparableErrors(compensation_->calibration))
+    report.notes.push_back(std::move(note));
+  v1::RewriteProgramResult& result = *response_.mutable_result();
+  result.set_size_bytes(sent_);
+  result.set_crc32c(sent_crc32c_);
+  result.set_calibration_id(compensation_->calibration.id.number());
+  result.set_report_json(nc::ToJson(report));
+  if (!send_(response_)) {
+    return base::Error(absl::StatusCode::kCancelled, "the caller has left", {"CALLER_GONE", {}});
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace axiscal::handlers
