@@ -8,6 +8,7 @@
 
 #include "core/base/units.h"
 #include "core/compensate/bend.h"
+#include "core/compensate/carried.h"
 #include "core/compensate/folded_chain.h"
 
 namespace axiscal::compensate {
@@ -23,42 +24,6 @@ constexpr int kMaxIterations = 50;
 constexpr double kRankTolerance = 1e-6;
 constexpr double kSmoothTurnRad = 15.0 * base::kRadPerDeg;
 constexpr double kSmoothTravelMm = 250.0;  // a quadratic shows in any three samples
-
-bool IsZero(const ErrorTerm& term) {
-  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
-    if (term.amplitude[i] != 0.0) return false;
-  }
-  return true;
-}
-
-// Why a term cannot be carried by a program, or "".
-std::string WhyNotCarried(const ErrorTerm& term, const Options& options) {
-  const std::string shape = shapes::Name(term.shape);
-  if (shape == "drift" || shape == "drift-exp") return options.time_s ? "" : "no time is stated";
-  if (shape == "thermal") return options.temperature_celsius ? "" : "no temperature is stated";
-  if (shape == "reversal") return "it decays along a move, a program's end points cannot follow it";
-  if (shape == "lag") return "it follows the speed, which a program does not fix";
-  return "";
-}
-
-absl::Status ValidateTerm(const Machine& machine, const ErrorTerm& term) {
-  if (term.joint < 0 || term.joint >= machine.joint_count()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("error term of joint ", term.joint, ", the machine has ", machine.joint_count()));
-  }
-  const std::optional<int> variable = shapes::VariableAxis(term.shape);
-  if (variable && (*variable < 0 || *variable >= machine.axis_count())) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("error term over axis ", *variable, ", the machine has ", machine.axis_count()));
-  }
-  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
-    if (!std::isfinite(term.amplitude[i])) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(machine::NameOf(machine, term), " = ", term.amplitude[i], ", must be finite"));
-    }
-  }
-  return absl::OkStatus();
-}
 
 std::string PoseText(const Machine& machine, const Pose& pose) {
   std::string text;
@@ -356,15 +321,8 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
   auto impl = std::make_unique<Impl>();
   impl->machine = machine;
   impl->options = options;
-  for (const ErrorTerm& term : errors.terms) {
-    RETURN_IF_ERROR(ValidateTerm(machine, term));
-    if (IsZero(term)) continue;
-    const std::string reason = WhyNotCarried(term, options);
-    if (!reason.empty()) {
-      impl->not_carried.push_back(machine::NameOf(machine, term) + ": " + reason);
-      continue;
-    }
-    impl->carried.terms.push_back(term);
+  RETURN_IF_ERROR(SelectCarried(machine, errors, options, &impl->carried, &impl->not_carried));
+  for (const ErrorTerm& term : impl->carried.terms) {
     impl->is_constant &= std::holds_alternative<shapes::Constant>(term.shape);
     if (const auto* backlash = std::get_if<shapes::Backlash>(&term.shape)) impl->uses_sense[backlash->axis] = true;
   }

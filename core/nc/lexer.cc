@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/nc/mark.h"
+#include "core/nc/plain_words.h"
 
 namespace axiscal::nc {
 namespace {
@@ -25,56 +26,11 @@ struct CharClasses {
 };
 constexpr CharClasses kClasses;
 
-inline unsigned Digit(char c) { return static_cast<unsigned char>(c) - static_cast<unsigned>('0'); }
-
 inline const char* ReadDigits(const char* at, const char* end, uint64_t* number) {
   uint64_t value = *number;
   for (; at != end && Digit(*at) <= 9; ++at) value = value * 10 + Digit(*at);
   *number = value;
   return at;
-}
-
-// Digits up to a byte that is none: the line's end at the latest.
-inline const char* ReadDigits(const char* at, uint64_t* number) {
-  uint64_t value = *number;
-  for (unsigned digit; (digit = Digit(*at)) <= 9; ++at) value = value * 10 + digit;
-  *number = value;
-  return at;
-}
-
-// Nearly every word: a capital letter, directly behind it a number of at most 18 digits without blanks inside. Fills
-// `word` and returns where it ends; nullptr when it is anything else. Need not look for `end`: no word goes on there.
-inline const char* ReadPlainWord(const char* text, const char* at, const char* end, Word* word) {
-  const char letter = *at;
-  if (letter < 'A' || letter > 'Z') return nullptr;
-  const char sign = at[1];
-  const char* const first = at + 1 + (sign == '-' || sign == '+');
-  uint64_t mantissa = 0;
-  const char* last = ReadDigits(first, &mantissa);
-  ptrdiff_t digits = last - first, decimals = 0;
-  const bool has_point = *last == '.';
-  if (has_point) {
-    const char* const fraction = last + 1;
-    last = ReadDigits(fraction, &mantissa);
-    decimals = last - fraction;
-    digits += decimals;
-  }
-  if (digits == 0 || digits > 18) return nullptr;
-  const char* next = last;
-  while (*next == ' ') ++next;
-  // Another part of the number behind a blank, or a character that the slow way must judge.
-  if ((*next < 'A' || *next > 'Z') && next != end) return nullptr;
-  word->letter = letter;
-  word->is_lower = word->is_incremental = false;
-  word->letter_at = static_cast<uint32_t>(at - text);
-  word->number_at = word->letter_at + 1;
-  word->end = static_cast<uint32_t>(last - text);
-  word->number.mantissa = sign == '-' ? -static_cast<int64_t>(mantissa) : static_cast<int64_t>(mantissa);
-  word->number.decimals = static_cast<int8_t>(decimals);
-  word->number.digits = static_cast<int8_t>(digits);
-  word->number.has_point = has_point;
-  word->number.has_plus = sign == '+';
-  return next;
 }
 
 class BlockLexer {
@@ -93,7 +49,7 @@ class BlockLexer {
       return;
     }
     while (true) {
-      ReadPlainWords();
+      at_ = ReadPlainWords(text_, at_, end_, &block_);
       SkipBlanks();
       if (at_ == end_) return;
       const uint8_t kind = Class(*at_);
@@ -145,20 +101,6 @@ class BlockLexer {
     block_.is_deletable = true;
     ++at_;
     if (at_ != end_ && Class(*at_) == kDigit) ++at_;  // "/2": one of several switches
-  }
-
-  void ReadPlainWords() {
-    const char* at = at_;
-    const char* const end = end_;
-    int count = block_.word_count;
-    while (at != end && count < kMaxWords) {
-      const char* const next = ReadPlainWord(text_, at, end, &block_.words[static_cast<size_t>(count)]);
-      if (next == nullptr) break;
-      at = next;
-      ++count;
-    }
-    block_.word_count = count;
-    at_ = at;
   }
 
   // Whether what follows the ';' at `at` is words and nothing else, a code or a position among them.

@@ -1,0 +1,64 @@
+#include "core/compensate/carried.h"
+
+#include <cmath>
+
+namespace axiscal::compensate {
+namespace {
+
+using machine::ErrorTerm;
+using machine::Machine;
+
+bool IsZero(const ErrorTerm& term) {
+  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
+    if (term.amplitude[i] != 0.0) return false;
+  }
+  return true;
+}
+
+// Why a term cannot be carried by a program, or "".
+std::string WhyNotCarried(const ErrorTerm& term, const Options& options) {
+  const std::string shape = shapes::Name(term.shape);
+  if (shape == "drift" || shape == "drift-exp") return options.time_s ? "" : "no time is stated";
+  if (shape == "thermal") return options.temperature_celsius ? "" : "no temperature is stated";
+  if (shape == "reversal") return "it decays along a move, a program's end points cannot follow it";
+  if (shape == "lag") return "it follows the speed, which a program does not fix";
+  return "";
+}
+
+absl::Status ValidateTerm(const Machine& machine, const ErrorTerm& term) {
+  if (term.joint < 0 || term.joint >= machine.joint_count()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("error term of joint ", term.joint, ", the machine has ", machine.joint_count()));
+  }
+  const std::optional<int> variable = shapes::VariableAxis(term.shape);
+  if (variable && (*variable < 0 || *variable >= machine.axis_count())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("error term over axis ", *variable, ", the machine has ", machine.axis_count()));
+  }
+  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
+    if (!std::isfinite(term.amplitude[i])) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(machine::NameOf(machine, term), " = ", term.amplitude[i], ", must be finite"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status SelectCarried(const Machine& machine, const machine::ErrorModel& errors, const Options& options,
+                           machine::ErrorModel* carried, std::vector<std::string>* not_carried) {
+  for (const ErrorTerm& term : errors.terms) {
+    RETURN_IF_ERROR(ValidateTerm(machine, term));
+    if (IsZero(term)) continue;
+    const std::string reason = WhyNotCarried(term, options);
+    if (reason.empty()) {
+      carried->terms.push_back(term);
+    } else {
+      not_carried->push_back(machine::NameOf(machine, term) + ": " + reason);
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace axiscal::compensate

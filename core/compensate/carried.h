@@ -1,0 +1,20 @@
+// Which terms of an error model a program or a table can carry.
+#ifndef AXISCAL_CORE_COMPENSATE_CARRIED_H_
+#define AXISCAL_CORE_COMPENSATE_CARRIED_H_
+
+#include <string>
+#include <vector>
+
+#include "core/compensate/compensator.h"
+
+namespace axiscal::compensate {
+
+// Appends the terms that differ from zero to `carried`, or to `not_carried` with the reason: "EXX:drift: no time is
+// stated". INVALID_ARGUMENT for a term of a joint or axis that the machine lacks, or with an amplitude that is not
+// finite.
+absl::Status SelectCarried(const machine::Machine& machine, const machine::ErrorModel& errors, const Options& options,
+                           machine::ErrorModel* carried, std::vector<std::string>* not_carried);
+
+}  // namespace axiscal::compensate
+
+#endif  // AXISCAL_CORE_COMPENSATE_CARRIED_H_
