@@ -1,0 +1,110 @@
+// One run of the rewriter: what it holds between the lines of a program. Private to rewriter.cc (one line after the
+// other) and rewriter_split.cc (moves in pieces).
+#ifndef AXISCAL_CORE_NC_REWRITER_IMPL_H_
+#define AXISCAL_CORE_NC_REWRITER_IMPL_H_
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/compensate/compensator.h"
+#include "core/nc/block_writer.h"
+#include "core/nc/interpreter.h"
+#include "core/nc/job_report.h"
+#include "core/nc/line_splitter.h"
+#include "core/nc/move_corrector.h"
+#include "core/nc/out_buffer.h"
+#include "core/nc/rewrite.h"
+
+namespace axiscal::nc {
+
+inline constexpr size_t kOutBytes = 1u << 16;
+
+struct Rewriter::Impl {
+  // A tool of a stated length: its tool point stands elsewhere.
+  struct Tool {
+    int number;
+    compensate::Compensator compensator;
+  };
+
+  // The interpreter refers to `*options_in`.
+  Impl(const compensate::Compensator& compensator_in, std::vector<Tool> tools_in,
+       std::unique_ptr<const RewriteOptions> options_in, ByteSink sink_in, Interpreter interpreter_in)
+      : compensator(compensator_in),
+        tools(std::move(tools_in)),
+        owned_options(std::move(options_in)),
+        sink(std::move(sink_in)),
+        interpreter(std::move(interpreter_in)),
+        writer(compensator.machine(), options, interpreter),
+        job(compensator, options),
+        base_corrector(compensator, options) {
+    for (const Tool& tool : tools) tool_correctors.emplace_back(tool.compensator, options);
+    unknown_reported.fill(-1);
+    all_axes = static_cast<uint16_t>((1u << compensator.machine().axis_count()) - 1);
+  }
+
+  const compensate::Compensator& compensator;
+  const std::vector<Tool> tools;
+  const std::unique_ptr<const RewriteOptions> owned_options;
+  const RewriteOptions& options = *owned_options;
+  const ByteSink sink;
+  Interpreter interpreter;
+  BlockWriter writer;
+  JobReport job;
+  const MoveCorrector base_corrector;
+  std::vector<MoveCorrector> tool_correctors;  // of `tools`
+  LineSplitter splitter;
+  Block block;
+  BlockText now;
+  Step step;
+  Piece piece;
+  WordGrain block_grain;  // with orientation
+  OutBuffer out;
+  absl::Status status;
+  std::array<int64_t, machine::kMaxAxes> unknown_reported;  // line since which an axis' unknown position was reported
+  uint16_t all_axes = 0;
+  uint16_t half_turns = 0;  // axes of which a half turn was noted
+  bool is_mark_written = false;
+  bool is_finished = false;
+
+  bool is_null() const { return job.report().is_null_correction; }
+
+  const MoveCorrector& corrector() const {
+    const int number = interpreter.coordinates().active_length();
+    for (size_t i = 0; number > 0 && i < tools.size(); ++i) {
+      if (tools[i].number == number) return tool_correctors[i];
+    }
+    return base_corrector;
+  }
+
+  void Line(const char* text, size_t size, bool is_overlong);
+  void Rest(const char* text, size_t size);
+  void Flush();
+  // A null correction: the bytes are out already, only the report is kept.
+  void Observe();
+  void NotCorrected(const std::string& reason, bool is_consequence);
+  // The block stays as it is.
+  void Copy();
+  void WriteMark();
+  // "position of Z is unknown: never programmed", or "" when all are known. `is_consequence`: reported before.
+  std::string UnknownPosition(bool* is_consequence);
+  void Move();
+  // A control that takes rotary axes the shorter way round decides at half a turn, which a correction may cross. Noted
+  // once for each axis.
+  void NoteHalfTurns();
+  // 0 for a rapid, whose path no controller states, and for a move from an unknown position.
+  double MoveDeparture();
+  // Whether an axis turned back and its lost motion must be taken up before the move.
+  bool TakesUpReversal();
+  absl::StatusOr<std::vector<Piece>> Pieces();
+  void WriteSplit(double departure_mm);
+  // "/" or "/2" of a block that may be skipped: its pieces are skipped with it.
+  std::string SkipPrefix() const;
+  // A code that acts after the move would act after its first piece; F words of G93 must be there to be scaled.
+  std::string WhyNotSplit() const;
+};
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_REWRITER_IMPL_H_

@@ -1,0 +1,81 @@
+// A move in pieces: an arc, a reversal whose lost motion is taken up first, or a correction that bends too much.
+#include <cmath>
+#include <cstring>
+
+#include "core/base/units.h"
+#include "core/nc/rewriter_impl.h"
+
+namespace axiscal::nc {
+
+absl::StatusOr<std::vector<Piece>> Rewriter::Impl::Pieces() {
+  const WordGrain grain = writer.GrainOf(block, step);
+  if (step.is_arc) return corrector().SplitArc(step, writer.commanded().ticks, grain);
+  std::vector<Piece> pieces;
+  if (TakesUpReversal()) {
+    pieces.emplace_back();
+    RETURN_IF_ERROR(corrector().CorrectStart(step, grain, &pieces.back()));
+  }
+  ASSIGN_OR_RETURN(const std::vector<Piece> moves, corrector().Split(step, grain));
+  pieces.insert(pieces.end(), moves.begin(), moves.end());
+  return pieces;
+}
+
+void Rewriter::Impl::WriteSplit(double departure_mm) {
+  const absl::StatusOr<std::vector<Piece>> pieces = Pieces();
+  if (!pieces.ok()) {
+    job.Refused(now, std::string(pieces.status().message()), false);
+    return Copy();
+  }
+  if (std::string reason = pieces->size() > 1 ? WhyNotSplit() : ""; !reason.empty()) {
+    const std::string departs =
+        std::isfinite(departure_mm) && !step.is_arc
+            ? absl::StrFormat("the correction departs from linear by %.2f um", departure_mm * base::kUmPerMm)
+            : std::string("the correction bends along the move");
+    job.Refused(now, absl::StrCat(departs, " and the move cannot be split: ", reason), false);
+    return Copy();
+  }
+  job.report().blocks_split += pieces->size() > 1;
+  job.report().blocks_inserted += static_cast<int64_t>(pieces->size()) - 1;
+  const std::string line_end =
+      now.text_size == now.size ? "\n" : std::string(now.text + now.text_size, now.size - now.text_size);
+  const bool is_packed = BlockWriter::IsPacked(now.text, block);
+  double from = 0.0;
+  compensate::Turned worst;
+  for (const Piece& next : *pieces) {
+    if (next.turned.limit != compensate::DirectionLimit::kNone && next.turned.tilt_left_rad > worst.tilt_left_rad)
+      worst = next.turned;
+    const double fraction = next.end_fraction - from;
+    if (&next == pieces->data()) {
+      writer.WriteBlock(now.text, now.size, block, step, next, fraction, &out);
+      if (now.text_size == now.size && pieces->size() > 1) out.append(line_end);
+    } else {
+      out.append(SkipPrefix());
+      writer.WritePiece(block, step, next, fraction, is_packed, line_end, &out);
+    }
+    from = next.end_fraction;
+    job.Account(now, next, writer.commanded(), std::isfinite(options.tolerance_mm) ? options.tolerance_mm : 0.0);
+    if (out.size() >= kOutBytes) Flush();
+  }
+  if (worst.limit != compensate::DirectionLimit::kNone) job.Tilted(now, worst);
+}
+
+std::string Rewriter::Impl::SkipPrefix() const {
+  if (!block.is_deletable) return "";
+  const char* const slash = std::strchr(now.text, '/');
+  // Klartext: the digit is of the block's number.
+  const bool has_switch = slash[1] >= '0' && slash[1] <= '9' && !interpreter.dialect().has_bare_keywords;
+  return std::string(slash, has_switch ? 2 : 1);
+}
+
+std::string Rewriter::Impl::WhyNotSplit() const {
+  constexpr double kMaxFeed = 1e9;
+  if (step.ends_block || step.is_tool_change) return "its block has a code that acts, or may act, after the move";
+  if (interpreter.modal().uncertain & kFeedGroup) return "the feed mode is not known";
+  if (interpreter.modal().feed_mode != FeedMode::kInverseTime) return "";
+  for (const Word& word : block) {
+    if (word.letter == 'F') return ValueOf(word.number) < kMaxFeed ? "" : "its feed is out of range";
+  }
+  return "G93 without an F word";
+}
+
+}  // namespace axiscal::nc
