@@ -22,7 +22,6 @@ struct TwoVectors {
   Two x, y, z;
 };
 
-inline Two Both(double value) { return Two{value, value}; }
 inline TwoVectors Beside(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return {Two{a.x(), b.x()}, Two{a.y(), b.y()}, Two{a.z(), b.z()}};
 }
