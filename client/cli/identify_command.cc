@@ -1,6 +1,7 @@
 // axiscal identify
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "client/cli/commands.h"
@@ -19,7 +20,7 @@ struct Arguments {
   std::string machine, request_id;
   std::vector<std::string> sessions, declared;
   bool all = false, no_wait = false;
-  std::string budget;
+  std::string budget, model;
   std::optional<int> monte_carlo;
   std::optional<uint64_t> seed;
 };
@@ -33,6 +34,29 @@ absl::Status ReadSimulation(const Arguments& arguments, convert::IdentifyParams*
   if (arguments.budget.empty()) return absl::OkStatus();
   ASSIGN_OR_RETURN(params->budget_json, base::ReadFile(arguments.budget, base::kMaxJsonBytes));
   return absl::OkStatus();
+}
+
+// The errors of an errors.json as the job takes them: which, not how large.
+absl::StatusOr<std::vector<std::string>> ErrorsOf(const std::string& path) {
+  ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, base::kMaxJsonBytes));
+  const auto root = base::ParseStrictJson(text);
+  if (!root.ok()) return base::Within(path, root.status());
+  if (!root->is_object()) return absl::InvalidArgumentError(path + ": expected an object, as errors.json");
+  std::vector<std::string> errors;
+  for (const auto& [key, value] : root->items()) {
+    if (key != "terms") {
+      errors.push_back(key);
+      continue;
+    }
+    if (!value.is_array()) return absl::InvalidArgumentError(path + ": terms: expected an array");
+    for (nlohmann::ordered_json term : value) {
+      if (!term.is_object()) return absl::InvalidArgumentError(path + ": terms: expected objects");
+      term.erase("amplitude");
+      term.erase("values");
+      errors.push_back(term.dump());
+    }
+  }
+  return errors;
 }
 
 absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, const Arguments& arguments) {
@@ -55,6 +79,9 @@ absl::Status Identify(Context& context, const Arguments& arguments) {
   convert::IdentifyParams params;
   params.machine = MachineId(arguments.machine);
   params.declared = arguments.declared;
+  if (!arguments.model.empty()) {
+    ASSIGN_OR_RETURN(params.declared, ErrorsOf(arguments.model));
+  }
   RETURN_IF_ERROR(ReadSimulation(arguments, &params));
   ASSIGN_OR_RETURN(params.sessions, ChooseSessions(*client, arguments));
   ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params, arguments.request_id));
@@ -80,8 +107,14 @@ void AddIdentifyCommand(CLI::App& app, Context& context) {
   identify->add_option("--machine", arguments->machine, "the machine")->required();
   identify->add_option("--sessions", arguments->sessions, "sessions to use, by number or name")->delimiter(',');
   identify->add_flag("--all", arguments->all, "use every complete session of the machine");
-  identify->add_option("--declare", arguments->declared, "errors to identify, instead of the machine's declared ones")
-      ->delimiter(',');
+  CLI::Option* const declare =
+      identify
+          ->add_option("--declare", arguments->declared, "errors to identify, instead of the machine's declared ones")
+          ->delimiter(',');
+  identify
+      ->add_option("--model", arguments->model,
+                   "errors.json: the errors to identify, of any shape, maps too; its numbers are not used")
+      ->excludes(declare);
   identify->add_option("--budget", arguments->budget, "error budget, JSON: sources of error that scatter the readings");
   identify
       ->add_option("--monte-carlo", arguments->monte_carlo, "simulate the sessions so often, report how errors spread")

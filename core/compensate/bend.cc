@@ -7,6 +7,13 @@ namespace axiscal::compensate {
 
 using machine::ErrorTerm;
 
+double GapOf(const shapes::Tabulated& map, int axis) {
+  const shapes::Node& node = axis == map.second_axis ? map.second : map.node;
+  double gap = std::min(node.before, node.after);
+  if (axis == map.axis && map.is_tied) gap = std::min({gap, map.tied_to.before, map.tied_to.after});
+  return gap;
+}
+
 Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to) {
   double amplitude = 0;
   for (int i = 0; i < shapes::BasisCount(term.shape); ++i) amplitude += std::abs(term.amplitude[i]);
@@ -35,6 +42,14 @@ Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to)
     if (std::min(std::abs(low), std::abs(high)) > 6.0 * bump->width && low * high > 0) return {0, 0, 0};
     const double travel = along(bump->axis, &largest) / bump->width;
     return {amplitude, 0.858 * amplitude * travel, 2.0 * amplitude * travel * travel};
+  }
+  if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) {
+    // Linear between nodes, with corners at them: what departs from a straight line is at most the whole change, which
+    // a curvature of eight times it stands for.
+    double travel = along(map->axis, &largest) / GapOf(*map, map->axis);
+    if (map->second_axis >= 0) travel += along(map->second_axis, &largest) / GapOf(*map, map->second_axis);
+    const double size = (map->is_tied ? 2.0 : 1.0) * amplitude, change = std::min(size * travel, 2.0 * size);
+    return {size, change, 8.0 * change};
   }
   // Of the others only those are carried that stand still along a move: backlash, and time and temperature as stated.
   return {amplitude, 0, 0};

@@ -73,6 +73,13 @@ struct Compensator::Impl {
       }
       if (const auto* bump = std::get_if<shapes::Bump>(&term.shape))
         smooth_travel[bump->axis] = std::min(smooth_travel[bump->axis], 0.5 * bump->width);
+      if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) {
+        constexpr double kShareOfGap = 0.25;  // a map is linear between nodes: what bends is near them
+        smooth_travel[map->axis] = std::min(smooth_travel[map->axis], kShareOfGap * GapOf(*map, map->axis));
+        if (map->second_axis >= 0)
+          smooth_travel[map->second_axis] =
+              std::min(smooth_travel[map->second_axis], kShareOfGap * GapOf(*map, map->second_axis));
+      }
       if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
         const double eighth = 0.25 * std::numbers::pi / std::max(std::abs(harmonic->frequency), 1e-9);
         smooth_travel[harmonic->axis] = std::min(smooth_travel[harmonic->axis], eighth);
@@ -110,6 +117,13 @@ struct Compensator::Impl {
       double amplitude = 0;
       for (int i = 0; i < shapes::BasisCount(term.shape); ++i) amplitude += std::abs(term.amplitude[i]);
       if (machine::IsAngle(term.component)) amplitude *= lever_mm;
+      if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) {
+        for (const int axis : {map->axis, map->second_axis}) {
+          if (axis < 0 || machine.axes[axis].kind == machine::AxisKind::kRotary) continue;
+          slope += (map->is_tied ? 2.0 : 1.0) * amplitude / GapOf(*map, axis);
+        }
+        continue;
+      }
       const std::optional<int> axis = shapes::VariableAxis(term.shape);
       if (!axis || machine.axes[*axis].kind == machine::AxisKind::kRotary) continue;  // these stand still
       if (const auto* linear = std::get_if<shapes::Linear>(&term.shape)) {

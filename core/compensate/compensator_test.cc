@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/base/units.h"
+#include "core/machine/error_json.h"
 #include "core/machine/testing/machines.h"
 
 namespace axiscal::compensate {
@@ -238,6 +239,33 @@ TEST(Compensator, AFourthLinearAxisSharesTheCorrection) {
   EXPECT_NEAR(correction->corrected[3], -0.05, 1e-12);
 }
 
+// A map over X alone and one over A and C: between nodes and at them.
+TEST(Compensator, ErrorMapsAreTakenOut) {
+  const Machine machine = machine::testing::TiltingTable();
+  const auto errors = machine::ReadErrors(R"({"terms": [
+      {"symbol": "EZX", "shape": "tabulated", "nodes_mm": [-200, 0, 150], "values": [30, -20, 45]},
+      {"symbol": "EBC", "shape": "tabulated", "variable": "C", "nodes_deg": [0, 120, 240], "zero_mean": true,
+       "over": {"variable": "A", "nodes_deg": [-90, 0]}, "values": [[50, -20, -30], [-10, 40, -30]]}]})",
+                                          machine);
+  ASSERT_TRUE(errors.ok()) << errors.status();
+  Options options;
+  options.tool_tip_mm = {0, 0, 150};
+  const Compensator compensator = MustCreate(machine, *errors, options);
+  EXPECT_LT(compensator.smooth_travel(FindAxis(machine, "X")), 150.0);
+  for (const double x_mm : {-250.0, -70.0, 0.0, 33.0}) {
+    for (const double c_deg : {0.0, 77.0, 300.0}) {
+      Pose pose;
+      pose.position[FindAxis(machine, "X")] = x_mm;
+      pose.position[FindAxis(machine, "A")] = -40.0 * kRadPerDeg;
+      pose.position[FindAxis(machine, "C")] = c_deg * kRadPerDeg;
+      const auto correction = compensator.Correct(pose);
+      ASSERT_TRUE(correction.ok()) << correction.status();
+      EXPECT_GT(correction->before_mm, 1e-3);
+      EXPECT_LE(correction->after_mm, kToleranceMm);
+    }
+  }
+}
+
 // The bound holds for every shape that a program carries, and is not so loose that it would have every move sampled.
 TEST(Compensator, TheDepartureBoundHolds) {
   std::mt19937 random(3);
@@ -249,9 +277,10 @@ TEST(Compensator, TheDepartureBoundHolds) {
       ErrorModel errors = machine::DeclaredModel(machine);
       for (auto& term : errors.terms) {
         term.amplitude[0] = unit(random) * (machine::IsAngle(term.component) ? 1e-4 : 0.05);
-        if (round % 4 == 1) term.shape = shapes::Linear{x, shapes::Linear::kReferenceMm};
-        if (round % 4 == 2) term.shape = shapes::Quadratic{x};
-        if (round % 4 == 3) term.shape = shapes::Harmonic{c, 3.0};
+        if (round % 5 == 1) term.shape = shapes::Linear{x, shapes::Linear::kReferenceMm};
+        if (round % 5 == 2) term.shape = shapes::Quadratic{x};
+        if (round % 5 == 3) term.shape = shapes::Harmonic{c, 3.0};
+        if (round % 5 == 4) term.shape = shapes::Tabulated{x, {40.0, 60.0, 80.0}, false, {}, c, {0.5, 0.5, 0.7}};
       }
       Options options;
       options.tool_tip_mm = {0, 0, -200};

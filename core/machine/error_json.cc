@@ -4,9 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
+#include <span>
 
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
+#include "core/machine/error_map_json.h"
 
 namespace axiscal::machine {
 namespace {
@@ -103,13 +105,21 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
 }
 
 absl::Status RefuseUnknownFields(const json& object, const std::string& where) {
-  static const std::set<std::string> kKnown = {"symbol",    "shape",      "variable",  "order",     "period_mm",
-                                               "length_mm", "length_deg", "tau_s",     "amplitude", "amplitude_sigma",
-                                               "phase_deg", "unit",       "equivalent"};
+  static const std::set<std::string> kKnown = {"symbol",    "shape",      "variable",   "order",     "period_mm",
+                                               "length_mm", "length_deg", "tau_s",      "amplitude", "amplitude_sigma",
+                                               "phase_deg", "unit",       "equivalent", "nodes_deg", "nodes_mm",
+                                               "zero_mean", "over",       "values"};
   for (const auto& [key, value] : object.items()) {
     if (!kKnown.contains(key)) return Refuse(where, absl::StrCat("unknown field '", key, "'"));
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckUnit(const json& object, const std::string& where, const ErrorTerm& term, const Machine& machine) {
+  if (!object.contains("unit")) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::string unit, Text(object, where, "unit"));
+  if (unit == AmplitudeUnit(term, machine)) return absl::OkStatus();
+  return Refuse(where, absl::StrCat("unit '", unit, "', expected '", AmplitudeUnit(term, machine), "'"));
 }
 
 absl::StatusOr<ErrorTerm> ReadTerm(const json& object, const std::string& where, const Machine& machine) {
@@ -130,13 +140,25 @@ absl::StatusOr<ErrorTerm> ReadTerm(const json& object, const std::string& where,
     ASSIGN_OR_RETURN(const double phase_deg, Number(object, where, "phase_deg"));
     term.amplitude = {amplitude * std::cos(phase_deg * kRadPerDeg), amplitude * std::sin(phase_deg * kRadPerDeg)};
   }
-  if (object.contains("unit")) {
-    ASSIGN_OR_RETURN(const std::string unit, Text(object, where, "unit"));
-    if (unit != AmplitudeUnit(term, machine)) {
-      return Refuse(where, absl::StrCat("unit '", unit, "', expected '", AmplitudeUnit(term, machine), "'"));
-    }
-  }
+  RETURN_IF_ERROR(CheckUnit(object, where, term, machine));
   return term;
+}
+
+// An entry of "terms": one term, or all nodes of a map.
+absl::StatusOr<std::vector<ErrorTerm>> ReadTerms(const json& object, const std::string& where, const Machine& machine) {
+  if (!object.is_object() || object.value("shape", json()) != shapes::Tabulated::kName) {
+    ASSIGN_OR_RETURN(ErrorTerm term, ReadTerm(object, where, machine));
+    return std::vector<ErrorTerm>{std::move(term)};
+  }
+  RETURN_IF_ERROR(RefuseUnknownFields(object, where));
+  ASSIGN_OR_RETURN(const std::string symbol_text, Text(object, where, "symbol"));
+  ASSIGN_OR_RETURN(const ErrorSymbol symbol, SymbolOfMachine(symbol_text, machine, where));
+  if (symbol.is_constant)
+    return Refuse(where,
+                  absl::StrCat("symbol ", symbol_text, " does not go with shape 'tabulated': a 0 means constant"));
+  ASSIGN_OR_RETURN(std::vector<ErrorTerm> map, ReadErrorMap(object, where, machine, symbol));
+  RETURN_IF_ERROR(CheckUnit(object, where, map[0], machine));
+  return map;
 }
 
 }  // namespace
@@ -160,6 +182,14 @@ nlohmann::ordered_json TermToJson(const ErrorTerm& term, const Machine& machine)
   object["shape"] = shapes::Name(term.shape);
   const std::optional<int> axis = shapes::VariableAxis(term.shape);
   if (axis) object["variable"] = machine.axes[*axis].name;
+  if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) {
+    const auto position = [&](int of, double at) { return IsRotary(machine, of) ? at * kDegPerRad : at; };
+    object["at"] = position(map->axis, map->node.at);
+    if (map->second_axis >= 0) {
+      object["over"] = machine.axes[map->second_axis].name;
+      object["over_at"] = position(map->second_axis, map->second.at);
+    }
+  }
   if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
     if (IsRotary(machine, *axis)) {
       object["order"] = harmonic->frequency;
@@ -205,8 +235,8 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
   if (!root["terms"].is_array()) return Refuse("terms", "expected an array");
   for (size_t i = 0; i < root["terms"].size(); ++i) {
     const std::string where = absl::StrCat("terms[", i, "]");
-    ASSIGN_OR_RETURN(const ErrorTerm term, ReadTerm(root["terms"][i], where, machine));
-    RETURN_IF_ERROR(add(term, where));
+    ASSIGN_OR_RETURN(const std::vector<ErrorTerm> read, ReadTerms(root["terms"][i], where, machine));
+    for (const ErrorTerm& term : read) RETURN_IF_ERROR(add(term, where));
   }
   return model;
 }
@@ -214,8 +244,16 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
 std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
   json root = json::object();
   json terms = json::array();
-  for (const ErrorTerm& term : model.terms) {
+  for (size_t i = 0; i < model.terms.size(); ++i) {
+    const ErrorTerm& term = model.terms[i];
     const double factor = AmplitudeFactor(term);
+    if (std::holds_alternative<shapes::Tabulated>(term.shape)) {
+      const auto map = std::span(model.terms).subspan(i, MapSize(std::span(model.terms).subspan(i)));
+      terms.push_back(ErrorMapToJson(map, machine));
+      terms.back()["unit"] = AmplitudeUnit(term, machine);
+      i += map.size() - 1;
+      continue;
+    }
     if (std::holds_alternative<shapes::Constant>(term.shape)) {
       root[SymbolOf(machine, term)] = term.amplitude[0] / factor;
       continue;

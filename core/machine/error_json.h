@@ -4,7 +4,8 @@
 //    "phase_deg": 12.0}]}
 // Amplitudes in um or urad, per reference where the shape has one: linear per m or rad, quadratic at 250 mm or 1 rad,
 // drift per h, thermal per K, lag per mm/s or rad/s. backlash is peak to peak. harmonic is amplitude cos(order q -
-// phase), with period_mm instead of order on a linear axis. reversal has length_mm or length_deg, drift-exp tau_s.
+// phase), with period_mm instead of order on a linear axis. reversal has length_mm or length_deg, drift-exp tau_s. tabulated is a map, all its nodes in one entry:
+// error_map_json.h.
 #ifndef AXISCAL_CORE_MACHINE_ERROR_JSON_H_
 #define AXISCAL_CORE_MACHINE_ERROR_JSON_H_
 

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "core/base/demand.h"
+#include "core/base/units.h"
 
 namespace axiscal::machine {
 namespace {
@@ -11,6 +12,16 @@ namespace {
 std::string FrequencyText(const Machine& machine, const shapes::Harmonic& harmonic) {
   if (machine.axes[harmonic.axis].kind == AxisKind::kRotary) return absl::StrFormat("%g", harmonic.frequency);
   return absl::StrFormat("%gmm", 2.0 * std::numbers::pi / harmonic.frequency);
+}
+
+// "60" for a node at 60 deg, "60,A -30" in a map over A too.
+std::string NodeText(const Machine& machine, const shapes::Tabulated& map) {
+  const auto position = [&](int axis, double at) {
+    return absl::StrFormat("%.6g", machine.axes[axis].kind == AxisKind::kRotary ? at * base::kDegPerRad : at);
+  };
+  const std::string text = position(map.axis, map.node.at);
+  if (map.second_axis < 0) return text;
+  return absl::StrCat(text, ",", machine.axes[map.second_axis].name, " ", position(map.second_axis, map.second.at));
 }
 
 }  // namespace
@@ -39,6 +50,7 @@ std::string NameOf(const Machine& machine, const ErrorTerm& term) {
   if (std::holds_alternative<shapes::Constant>(term.shape)) return SymbolOf(machine, term);
   std::string arguments;
   if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) arguments = FrequencyText(machine, *harmonic);
+  if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) arguments = NodeText(machine, *map);
   const std::optional<int> axis = shapes::VariableAxis(term.shape);
   if (axis && *axis != term.joint) {
     arguments = machine.axes[*axis].name + (arguments.empty() ? "" : "," + arguments);
@@ -61,7 +73,8 @@ JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, co
 bool DependsOnMoreThanPosition(const ErrorTerm& term) {
   return !std::holds_alternative<shapes::Constant>(term.shape) && !std::holds_alternative<shapes::Linear>(term.shape) &&
          !std::holds_alternative<shapes::Quadratic>(term.shape) &&
-         !std::holds_alternative<shapes::Harmonic>(term.shape);
+         !std::holds_alternative<shapes::Harmonic>(term.shape) &&
+         !std::holds_alternative<shapes::Tabulated>(term.shape);
 }
 
 }  // namespace axiscal::machine

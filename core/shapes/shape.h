@@ -19,12 +19,13 @@
 #include "core/shapes/quadratic.h"
 #include "core/shapes/reversal.h"
 #include "core/shapes/state.h"
+#include "core/shapes/tabulated.h"
 #include "core/shapes/thermal.h"
 
 namespace axiscal::shapes {
 
 using Shape =
-    std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag, Bump>;
+    std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag, Bump, Tabulated>;
 
 inline constexpr int kMaxBasisCount = 2;
 

@@ -45,6 +45,19 @@ TEST_F(ShapeTest, BasesAreTheFormulasOfTheirHeaders) {
   EXPECT_NEAR(harmonic[1], std::sin(3.6), 1e-15);
 }
 
+TEST_F(ShapeTest, ANodeOfAMapIsOneAtItsPlaceAndNothingAtItsNeighbours) {
+  // Axis 0 stands at 125 mm, axis 1 at 1.2 rad.
+  EXPECT_EQ(At(Tabulated{0, {125.0, 50.0, 50.0}, false, {}, -1, {}})[0], 1.0);
+  EXPECT_EQ(At(Tabulated{0, {100.0, 50.0, 50.0}, false, {}, -1, {}})[0], 0.5);
+  EXPECT_EQ(At(Tabulated{0, {75.0, 50.0, 50.0}, false, {}, -1, {}})[0], 0.0);
+  EXPECT_EQ(At(Tabulated{0, {100.0, 50.0}, false, {}, -1, {}})[0], 1.0);  // the last one keeps its value
+  EXPECT_NEAR(At(Tabulated{0, {100.0, 50.0, 50.0}, false, {}, 1, {1.0, 0.5, 0.5}})[0], 0.5 * 0.6, 1e-15);
+  EXPECT_NEAR(At(Tabulated{1, {7.0, 1.0, 1.0, 2.0 * M_PI}, false, {}, -1, {}})[0], 1.0 - (1.2 + 2.0 * M_PI - 7.0),
+              1e-12);
+  // Tied to the last node: the values of a row sum to zero.
+  EXPECT_EQ(At(Tabulated{0, {75.0, 50.0, 50.0}, true, {125.0, 50.0, 50.0}, -1, {}})[0], -1.0);
+}
+
 TEST_F(ShapeTest, AnAxisThatNeverMovedHasNoBacklashAndNoSpike) {
   EXPECT_EQ(At(Backlash{1}), std::vector<double>{0.0});
   EXPECT_EQ(At(Reversal{1, 5.0}), std::vector<double>{0.0});

@@ -9,6 +9,8 @@
 namespace axiscal::convert {
 namespace {
 
+constexpr size_t kMostErrorBytes = 10'000;  // of one declared error: a map has many nodes
+
 v1::IdentifyParams IdentifyToProto(const IdentifyParams& params) {
   v1::IdentifyParams message;
   message.set_machine_id(params.machine.text());
@@ -43,7 +45,8 @@ absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
   std::set<int64_t> seen;
   RETURN_IF_ERROR(ReadSessions("session_ids", message.session_ids(), seen, params.sessions));
   for (int i = 0; i < message.declared_errors_size(); ++i) {
-    RETURN_IF_ERROR(RequireText(absl::StrCat("declared_errors[", i, "]"), message.declared_errors(i), 1, 100));
+    RETURN_IF_ERROR(
+        RequireText(absl::StrCat("declared_errors[", i, "]"), message.declared_errors(i), 1, kMostErrorBytes));
     params.declared.push_back(message.declared_errors(i));
   }
   params.budget_json = message.budget_json();

@@ -39,6 +39,29 @@ void BM_ColumnsAt24Poses(benchmark::State& state) {
 }
 BENCHMARK(BM_ColumnsAt24Poses)->Unit(benchmark::kMillisecond);
 
+// Twelve functions at 24 poses as maps, a value per node: 144 numbers and the columns' place.
+void BM_MapsAt24Poses(benchmark::State& state) {
+  const machine::Machine machine = machine::ReadMachineFile(Example("ibaraki-columns/machine.json")).value();
+  const std::vector<session::Session> sessions = {
+      session::ReadSessionFile(Example("ibaraki-columns/fit/columns.csv")).value()};
+  std::string terms;
+  for (const char* component : {"EX", "EY", "EZ", "EA", "EB", "EC"}) {
+    absl::StrAppend(&terms, terms.empty() ? "" : ",", R"({"symbol": ")", component,
+                    R"(A", "shape": "tabulated", "nodes_deg": [-90, -60, -30, 0], "amplitude": 0}, {"symbol": ")",
+                    component,
+                    R"(C", "shape": "tabulated", "nodes_deg": [0, 60, 120, 180, 240, 300], "zero_mean": true,
+                    "over": {"variable": "A", "nodes_deg": [-90, -60, -30, 0]}, "amplitude": 0})");
+  }
+  Options options;
+  options.model = machine::ReadErrors(absl::StrCat("{\"terms\": [", terms, "]}"), machine).value();
+  for (auto _ : state) {
+    const auto result = Identify(machine, sessions, options);
+    Report(result.status(), state);
+    if (result.ok()) state.counters["rank"] = result->rank;
+  }
+}
+BENCHMARK(BM_MapsAt24Poses)->Unit(benchmark::kMillisecond);
+
 void BM_MonteCarloOfTheGrinder(benchmark::State& state) {
   const machine::Machine machine = machine::ReadMachineFile(Example("fang-grinder/machine.json")).value();
   const std::vector<session::Session> sessions = {

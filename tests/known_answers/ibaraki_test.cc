@@ -3,6 +3,7 @@
 // the one engine.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "core/identify/identify.h"
@@ -214,6 +215,78 @@ TEST(Ibaraki, TheJointFitOfErrorsAndArtefactGivesTheTruth) {
   const auto wider = JointFit(truth, Model(absl::StrCat("{", kEight, R"(, "EX0A": 0, "EZ0C": 0})")));
   ASSERT_TRUE(wider.ok()) << wider.status();
   EXPECT_EQ(wider->rank, 8);
+}
+
+// The twelve maps themselves, a value per node, asked of the engine in the form of errors.json.
+std::string MapsJson(const Drawn* drawn) {
+  nlohmann::ordered_json terms = nlohmann::ordered_json::array();
+  const char* const components[] = {"EX", "EY", "EZ", "EA", "EB", "EC"};
+  constexpr int kOrder[] = {3, 2, 1, 0};  // nodes rise: A from -90 to 0
+  for (int component = 0; component < 6; ++component) {
+    nlohmann::ordered_json of_a = {{"symbol", std::string(components[component]) + "A"},
+                                   {"shape", "tabulated"},
+                                   {"variable", "A"},
+                                   {"nodes_deg", {-90, -60, -30, 0}}};
+    nlohmann::ordered_json of_c = {{"symbol", std::string(components[component]) + "C"},
+                                   {"shape", "tabulated"},
+                                   {"variable", "C"},
+                                   {"nodes_deg", {0, 60, 120, 180, 240, 300}},
+                                   {"zero_mean", true},
+                                   {"over", {{"variable", "A"}, {"nodes_deg", {-90, -60, -30, 0}}}}};
+    if (drawn == nullptr) {
+      of_a["amplitude"] = of_c["amplitude"] = 0;
+    } else {
+      for (const int i : kOrder) {
+        of_a["values"].push_back(drawn->of_a[i][component]);
+        std::vector<double> row;
+        for (const Pose& pose : drawn->of_c[i]) row.push_back(pose[component]);
+        of_c["values"].push_back(row);
+      }
+    }
+    terms.push_back(of_a);
+    terms.push_back(of_c);
+  }
+  return nlohmann::ordered_json({{"terms", terms}}).dump();
+}
+
+absl::StatusOr<identify::Result> MapFit(const Drawn& drawn, std::optional<double> place_sigma_um) {
+  synthetic::NoiseOptions exact;
+  exact.sigma_scale = 0.0;
+  exact.draw_setup = false;
+  session::Session planned = ColumnsSession();
+  for (const char* key : {"artefact_x_sigma_um", "artefact_y_sigma_um", "artefact_z_sigma_um", "artefact_a_sigma_urad",
+                          "artefact_b_sigma_urad", "artefact_c_sigma_urad"}) {
+    if (place_sigma_um) planned.header.push_back({key, absl::StrCat(*place_sigma_um)});
+  }
+  ASSIGN_OR_RETURN(const session::Session session,
+                   synthetic::Simulate(TiltingTableAc(), Model(MapsJson(&drawn)), planned, exact));
+  identify::Options options;
+  options.model = Model(MapsJson(nullptr));
+  return identify::Identify(TiltingTableAc(), {session}, options);
+}
+
+// Where the columns' place is known the reference pose is a pose like the others: 24 values of A's maps and 120 of C's
+// (each row of six sums to zero) come back, error at A = C = 0 and all.
+TEST(Ibaraki, TheJointFitGivesTheMapsOfBothAxes) {
+  const Drawn drawn = DrawMaps(true);
+  const auto result = MapFit(drawn, 1e-3);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->rank, 144);
+  const machine::ErrorModel truth = Model(MapsJson(&drawn));
+  ASSERT_EQ(result->estimates.size(), truth.terms.size());
+  for (size_t i = 0; i < truth.terms.size(); ++i) {
+    const bool is_angle = machine::IsAngle(truth.terms[i].component);
+    EXPECT_NEAR(result->estimates[i].value, truth.terms[i].amplitude[0], is_angle ? 1e-9 : 1e-6)
+        << result->estimates[i].name;
+  }
+}
+
+// Where it is not, six combinations are the columns' place: no map that they touch is given a number.
+TEST(Ibaraki, MapsAndAPlaceThatNobodyKnowsAreNotSeparable) {
+  const auto result = MapFit(DrawMaps(true), std::nullopt);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->rank, 144 - 6);
+  EXPECT_EQ(result->not_separable.size(), 6u);
 }
 
 // Columns that move by 4 um between two touches are said to have moved, in that session at that moment.

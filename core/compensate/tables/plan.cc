@@ -232,6 +232,11 @@ void SetSampled(Plan* plan) {
         continue;
       }
     }
+    const auto* map = std::get_if<shapes::Tabulated>(&term.shape);
+    if (map != nullptr && map->second_axis >= 0) {
+      plan->not_carried.push_back(name + ": a map over two axes");
+      continue;
+    }
     const bool is_backlash = std::holds_alternative<shapes::Backlash>(term.shape);
     if (is_backlash && !plan->format.limits.by_sense) {
       plan->not_carried.push_back(name + ": " + plan->format.name + " knows no sense of motion");
