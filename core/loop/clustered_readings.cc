@@ -52,10 +52,9 @@ struct Range {
   double from = 0.0, to = 0.0;
 };
 
-// The least likely range of one axis.
-Range LeastLikely(const std::vector<double>& bad, const std::vector<double>& all) {
+// The least likely range of one axis. `share`: of all readings, how many begin a bad stretch.
+Range LeastLikely(const std::vector<double>& bad, const std::vector<double>& all, double share) {
   const double widest = 0.2 * (all.back() - all.front());
-  const double share = static_cast<double>(bad.size()) / static_cast<double>(all.size());
   const double ranges = static_cast<double>(bad.size()) * static_cast<double>(bad.size());
   constexpr size_t kFewest = 4;
   Range least;
@@ -78,6 +77,9 @@ Range LeastLikely(const std::vector<double>& bad, const std::vector<double>& all
 std::vector<Unexplained> ClusteredReadings(const machine::Machine& machine, const identify::Fit& fit) {
   constexpr double kChance = 1e-3;
   const std::vector<Event> events = EventsOf(fit);
+  int count_of_all = 0;
+  for (const MeasuringRun& run : fit.problem.runs) count_of_all += run.reading_count();
+  const double share = static_cast<double>(events.size()) / count_of_all;
   Range best;
   int best_axis = -1;
   for (int axis = 0; axis < machine.axis_count(); ++axis) {
@@ -93,7 +95,7 @@ std::vector<Unexplained> ClusteredReadings(const machine::Machine& machine, cons
     if (bad.empty()) continue;
     std::sort(all.begin(), all.end());
     std::sort(bad.begin(), bad.end());
-    const Range range = LeastLikely(bad, all);
+    const Range range = LeastLikely(bad, all, share);
     if (range.chance >= best.chance) continue;
     best = range;
     best_axis = axis;
