@@ -38,6 +38,13 @@ absl::StatusOr<plan::Situation> SituationOf(const machine::Machine& machine, con
   ASSIGN_OR_RETURN(mounted.tips_mm, Point("--tool-tip", arguments.tool_tip));
   ASSIGN_OR_RETURN(mounted.balls_mm, Point("--ball", arguments.ball));
   if (arguments.bar_mm) mounted.bars_mm = {*arguments.bar_mm};
+  mounted.stylus_radius_mm = arguments.program.probing.stylus_radius_mm;
+  mounted.sphere_radius_mm = arguments.program.probing.sphere_radius_mm;
+  for (const auto& [option, radius_mm] : {std::make_pair("--stylus-radius", mounted.stylus_radius_mm),
+                                          std::make_pair("--sphere-radius", mounted.sphere_radius_mm)}) {
+    if (!(radius_mm >= 0.01 && radius_mm <= 100.0))
+      return absl::InvalidArgumentError(absl::StrFormat("%s %g: expected 0.01 to 100 mm", option, radius_mm));
+  }
   return plan::SituationOfMachine(machine, mounted);
 }
 
@@ -201,7 +208,8 @@ void AddPlanCommand(CLI::App& app, Context& context) {
                    "errors that count as unknown, instead of the machine's declared ones")
       ->delimiter(',');
   plan->add_option("-o,--output", arguments->output,
-                   "FILE.csv: the axis table, a session without readings; else the NC program");
+                   "FILE.csv: the axis table, a session without readings (of touches: the plan for axiscal reduce); "
+                   "else the NC program");
   plan->add_option("--dialect", arguments->program.dialect, "of the program: " + Joined(plan::ProgramDialects(), ", "))
       ->capture_default_str();
   plan->add_option("--feed", arguments->program.feed_mm_min, "mm/min between poses at rest")->capture_default_str();
@@ -217,6 +225,8 @@ void AddPlanCommand(CLI::App& app, Context& context) {
       "A machine that declares no errors is judged by all location errors of its axes.\n"
       "Examples: axiscal plan --machine machine.json --list --tool-tip \"0 0 -350\" --ball \"50 0 65\"\n"
       "          axiscal plan --machine mt --for EX0C,EB0C --tool-tip \"0 0 -350\"\n"
+      "          axiscal plan --machine mt touch-columns --ball \"0 0 60\" --stylus-radius 3 --dialect fanuc -o "
+      "probe.nc\n"
       "          axiscal plan --machine mt CR-350 --tool-tip \"0 0 -350\" --dialect mazak -o CR.nc");
   SetAction(plan, context, [&context, arguments] { return Plan(context, *arguments); });
 }

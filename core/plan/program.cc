@@ -46,22 +46,31 @@ std::string Plain(const std::string& text) {
 
 absl::StatusOr<std::string> ProbingProgram(const machine::Machine& machine, const session::Session& session,
                                            const Style& style, const ProgramOptions& options) {
-  const bool has_skip = style.name == "fanuc" || style.name == "mazak" || style.name == "haas";
-  if (!has_skip) {
-    return absl::FailedPreconditionError(
-        "dialect '" + style.name +
-        "' has no G31 and DPRNT, expected fanuc, mazak or haas: use the control's own cycle");
+  const bool is_linuxcnc = style.name == "linuxcnc";
+  if (!is_linuxcnc && style.name != "fanuc" && style.name != "mazak" && style.name != "haas") {
+    return absl::FailedPreconditionError("dialect '" + style.name +
+                                         "' has neither G31 and DPRNT nor G38.2, expected fanuc, mazak, haas or "
+                                         "linuxcnc: use the control's own cycle");
   }
   for (const machine::Axis& axis : machine.axes) {
     if (axis.name.size() != 1) return absl::FailedPreconditionError("axis " + axis.name + " has no word of one letter");
   }
-  ASSIGN_OR_RETURN(const std::string blocks, ProbingBlocks(machine, session, options.probing));
+  const ProbeDialect dialect = is_linuxcnc ? ProbeDialect{"G38.2", false} : ProbeDialect{};
+  const bool is_of_touches = session::FindHeader(session, "instrument").value_or("") == "touch";
+  ASSIGN_OR_RETURN(const std::string blocks, is_of_touches ? TouchBlocks(machine, session, options.probing, dialect)
+                                                           : ProbingBlocks(machine, session, options.probing, dialect));
   const std::string name = Plain(session::FindHeader(session, "session").value_or("session"));
-  return absl::StrCat(
-      "%\nO1000\n(MEASURING RUN ", name, " OF MACHINE ", Plain(machine.id),
-      ")\n(AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD)\n(CHECK THE WAY BETWEEN POSES)\n", style.head,
-      "POPEN\nDPRNT[Number*of*Points*", 5 * session.reading_count(), "]\nDPRNT[Feature*Model*SPHERE]\n", blocks,
-      "PCLOS\n", style.tail);
+  const size_t touches = session.reading_count() * (is_of_touches ? 1 : kTouchesPerCentre);
+  const std::string comments = absl::StrCat("(MEASURING RUN ", name, " OF MACHINE ", Plain(machine.id),
+                                            ")\n(AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD)\n"
+                                            "(CHECK THE WAY BETWEEN POSES)\n");
+  if (is_linuxcnc) {
+    // No '%': within a program that has one, LinuxCNC reads nothing else.
+    return absl::StrCat(comments, style.head, "(PROBEOPEN ", name, ".txt)\n", blocks, "(PROBECLOSE)\n", style.tail);
+  }
+  return absl::StrCat("%\nO1000\n", comments, style.head, "POPEN\nDPRNT[Number*of*Points*", touches,
+                      "]\nDPRNT[Feature*Model*", is_of_touches ? "TOUCH" : "SPHERE", "]\n", blocks, "PCLOS\n",
+                      style.tail);
 }
 
 }  // namespace
@@ -88,8 +97,8 @@ absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const ses
         absl::StrFormat("feed_mm_min = %g, expected above 0 to 1e5", options.feed_mm_min));
   if (!(options.dwell_s >= 0.0 && options.dwell_s <= 3600.0))
     return absl::InvalidArgumentError(absl::StrFormat("dwell_s = %g, expected 0 to 3600", options.dwell_s));
-  if (session::FindHeader(session, "instrument").value_or("") == "centres")
-    return ProbingProgram(machine, session, *style, options);
+  const std::string instrument = session::FindHeader(session, "instrument").value_or("");
+  if (instrument == "centres" || instrument == "touch") return ProbingProgram(machine, session, *style, options);
   std::vector<const session::Column*> columns;
   std::vector<std::string> words;
   for (const machine::Axis& axis : machine.axes) {
@@ -102,7 +111,7 @@ absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const ses
     words.push_back(style->is_klartext && axis.name[0] >= 'A' ? " " + axis.name : " " + axis.name);
   }
   const session::Column* const time = session::FindColumn(session, "t_s");
-  const bool is_timed = session::FindHeader(session, "instrument").value_or("") == "ballbar" && time != nullptr;
+  const bool is_timed = instrument == "ballbar" && time != nullptr;
   const std::string name = Plain(session::FindHeader(session, "session").value_or("session"));
   const std::string& open = style->comment_begin;
   const std::string& close = style->comment_end;
@@ -146,8 +155,11 @@ std::string ToTable(const session::Session& session) {
   for (size_t c = 0; c < session.columns.size(); ++c) absl::StrAppend(&out, c > 0 ? "," : "", session.columns[c].name);
   out += "\n";
   for (size_t row = 0; row < session.reading_count(); ++row) {
-    for (size_t c = 0; c < session.columns.size(); ++c)
-      absl::StrAppend(&out, c > 0 ? "," : "", absl::StrFormat("%.10g", session.columns[c].values[row]));
+    for (size_t c = 0; c < session.columns.size(); ++c) {
+      const session::Column& column = session.columns[c];
+      absl::StrAppend(&out, c > 0 ? "," : "",
+                      column.texts.empty() ? absl::StrFormat("%.10g", column.values[row]) : column.texts[row]);
+    }
     out += "\n";
   }
   return out;

@@ -20,17 +20,19 @@ struct ProgramOptions {
   std::string dialect = "fanuc";
   double feed_mm_min = 500.0;  // to the first position, and between poses that are measured at rest
   double dwell_s = 2.0;        // at rest before a reading is taken
-  ProbingOptions probing;      // of sessions of `centres`
+  ProbingOptions probing;      // of sessions of `centres` and `touch`
 };
 
 // Ball-bar sessions run through at the session's own times (inverse-time feed G93; Klartext, which has none, at the
-// feed); R-tests stop at each pose; `centres` sessions become touches (probing_program.h; fanuc, mazak and haas only).
-// INVALID_ARGUMENT on an unknown dialect, a number out of range, or a session whose axis columns are not the machine's;
-// FAILED_PRECONDITION where the dialect has no word for an axis (J1) or no skip function.
+// feed); R-tests stop at each pose; `centres` and `touch` sessions become touches (probing_program.h; fanuc, mazak,
+// haas and linuxcnc only). INVALID_ARGUMENT on an unknown dialect, a number out of range, or a session whose axis
+// columns are not the machine's; FAILED_PRECONDITION where the dialect has no word for an axis (J1) or no skip
+// function.
 absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const session::Session& session,
                                       const ProgramOptions& options = {});
 
-// The axis table: the session's file without its readings, to be filled by whoever measures it. LF line ends.
+// The axis table: the session's file without its readings, to be filled by whoever measures it; of a `touch` session
+// the whole plan, as axiscal reduce takes it. LF line ends.
 std::string ToTable(const session::Session& session);
 
 }  // namespace axiscal::plan

@@ -30,6 +30,11 @@ const std::vector<Test>& FurtherTests() {
       {"ballbar-linked", "X and C, or Y and C, move together at constant path speed so that the bar keeps its length",
        BallbarLinked},
       {"sphere-probing", "a sphere on the table probed at positions of one rotary axis, with two styli", SphereProbing},
+      {"touch-sphere", "the same sphere touched nine times at each position, every touch a reading", TouchSpheres},
+      {"touch-plate", "a flat plate touched at nine places at positions of one rotary axis", TouchPlates},
+      {"touch-columns", "tops and sides of three square columns touched over a grid of the rotary axes", TouchColumns},
+      {"touch-blocks", "outer faces and tops of four small blocks in pairs, at positions of each rotary axis",
+       TouchBlockPairs},
   };
   return tests;
 }

@@ -55,6 +55,7 @@ Situation SituationOf(const machine::Machine& machine, const std::vector<Measuri
       if (std::none_of(situation.bars_mm.begin(), situation.bars_mm.end(), is_same))
         situation.bars_mm.push_back(run.bar_length_mm);
     }
+    if (run.kind == Kind::kTouch) situation.stylus_radius_mm = run.touches.stylus_radius_mm;
     if (run.kind == Kind::kRtest) AddUse(run, &situation.rtest);
     situation.has_time |= run.has_time;
     situation.has_temperature |= run.has_temperature;
@@ -88,6 +89,8 @@ Situation SituationOfMachine(const machine::Machine& machine, const Mounted& mou
     if (machine.axes[axis].max_position) range.highest = std::min(range.highest, *machine.axes[axis].max_position);
     situation.ranges[axis] = range.lowest < range.highest ? range : Range{};
   }
+  situation.stylus_radius_mm = mounted.stylus_radius_mm;
+  situation.sphere_radius_mm = mounted.sphere_radius_mm;
   if (!mounted.tips_mm.empty()) situation.tips_mm = mounted.tips_mm;
   if (!mounted.balls_mm.empty()) situation.balls_mm = mounted.balls_mm;
   if (!mounted.bars_mm.empty()) situation.bars_mm = mounted.bars_mm;

@@ -29,7 +29,8 @@ struct Situation {
   std::vector<Eigen::Vector3d> tips_mm;   // tool points in use, shortest tool first, machine frame at home
   std::vector<Eigen::Vector3d> balls_mm;  // places of the table ball in use, machine frame at home
   std::vector<double> bars_mm;            // bar lengths in use, shortest first
-  double start_s = 0.0;                   // when the next session can start
+  double stylus_radius_mm = 3.0, sphere_radius_mm = 12.5;  // of the touch probe, of a sphere on the table
+  double start_s = 0.0;                                    // when the next session can start
   bool has_time = false, has_temperature = false;
   double temperature_celsius = 20.0;  // mean of the sessions
   InstrumentUse ballbar, rtest;
@@ -45,6 +46,7 @@ Situation SituationOf(const machine::Machine& machine, const std::vector<instrum
 struct Mounted {
   std::vector<Eigen::Vector3d> tips_mm, balls_mm;  // at home, machine frame; empty: what is common stands
   std::vector<double> bars_mm;
+  double stylus_radius_mm = 3.0, sphere_radius_mm = 12.5;
 };
 
 // A machine that was never measured: its rotary axes turn over their travel as machine.json states it, a table without
