@@ -199,6 +199,14 @@ std::string ReportText(const Json& report) {
                     " ", combination.value("unit", ""), "\n");
   }
   for (const Json& outlier : report.value("outliers", Json::array())) {
+    if (outlier.contains("gate")) {
+      absl::StrAppend(&text, absl::StrFormat("rejected touch: session %s, row %d is %s um off its %s, gate %s um\n",
+                                             outlier.value("session", ""), outlier.value("row", 0),
+                                             NumberText(outlier.value("off_um", NAN)),
+                                             outlier.value("gate", "") == "sphere" ? "fellows' sphere" : "repeats",
+                                             NumberText(outlier.value("limit_um", NAN))));
+      continue;
+    }
     absl::StrAppend(&text, absl::StrFormat("set aside as a bad reading: session %s, row %d (%s um off)\n",
                                            outlier.value("session", ""), outlier.value("row", 0),
                                            NumberText(outlier.value("residual_um", NAN))));

@@ -38,6 +38,7 @@ bool UpdateUsed(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* probl
       for (int k = 0; k < run.reading_count(); ++k) is_used[static_cast<size_t>(k) * run.row_count + row] = !is_bad[k];
     }
     if (problem->WeightOf(i, 0) != nullptr) UseWhole(run.row_count, &is_used);
+    for (const touch::Rejection& rejection : run.touches.rejected) is_used[rejection.reading] = false;
     has_changed |= is_used != problem->is_used[i];
     problem->is_used[i] = std::move(is_used);
   }
@@ -51,7 +52,16 @@ std::vector<Outlier> ListOutliers(const Problem& problem, const std::vector<Eige
     for (int k = 0; k < run.reading_count(); ++k) {
       for (int row = 0; row < run.row_count; ++row) {
         if (problem.is_used[i][static_cast<size_t>(k) * run.row_count + row]) continue;
-        outliers.push_back({run.session, k + 1, row, residuals_mm[i](row, k)});
+        if (run.path_readings != nullptr) {
+          const eccentricity::Reading& reading = run.path_readings->readings[k];
+          outliers.push_back({run.session, reading.row + 1, reading.component, residuals_mm[i](row, k), {}});
+          continue;
+        }
+        Outlier outlier{run.session, k + 1, row, residuals_mm[i](row, k), {}};
+        for (const touch::Rejection& rejection : run.touches.rejected) {
+          if (rejection.reading == k) outlier.gate = Gate{rejection.gate, rejection.off_mm, rejection.limit_mm};
+        }
+        outliers.push_back(std::move(outlier));
       }
     }
   }

@@ -104,12 +104,15 @@ class Simulator {
     const double* const setup = truth.setup[fit_.problem.group_of_run[index]].data();
     ErrorsOfRun errors_of_run(fit_.problem, truth);
     for (int k = 0; k < run->reading_count(); ++k) {
-      const shapes::State state = run->StateOf(k);
-      machine::JointErrors<double> errors = errors_of_run.At(state);
       draws->Draw(DrawnPer::kReading);
-      draws->AddErrors(acts_[index], state, &errors);
+      machine::JointErrors<double> errors;
+      const auto errors_at = [&](const shapes::State& state) -> const machine::JointErrors<double>& {
+        errors = errors_of_run.At(state);
+        draws->AddErrors(acts_[index], state, &errors);
+        return errors;
+      };
       double predicted_mm[instruments::kMaxRows];
-      instruments::Predict(*fit_.problem.machine, *run, k, errors, setup, predicted_mm);
+      instruments::PredictWith(*fit_.problem.machine, *run, k, errors_at, setup, predicted_mm);
       for (int row = 0; row < run->row_count; ++row) {
         run->measured_mm(row, k) =
             predicted_mm[row] + sigma_mm * ripple[row].Next(*random) + draws->OnRow(acts_[index]);

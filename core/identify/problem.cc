@@ -101,6 +101,7 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
     problem.group_of_run.push_back(it->second);
     problem.noise.push_back({run.sigma_mm, 0.0});
     problem.is_used.emplace_back(static_cast<size_t>(run.reading_count()) * run.row_count, true);
+    for (const touch::Rejection& rejection : run.touches.rejected) problem.is_used.back()[rejection.reading] = false;
   }
   problem.runs = std::move(runs);
   return problem;
@@ -158,7 +159,10 @@ std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& po
     Eigen::MatrixXd residual_mm(run.row_count, run.reading_count());
     ErrorsOfRun errors_of_run(problem, point);
     for (int k = 0; k < run.reading_count(); ++k) {
-      instruments::Predict(machine, run, k, errors_of_run.At(run.StateOf(k)), setup, residual_mm.col(k).data());
+      instruments::PredictWith(
+          machine, run, k,
+          [&](const shapes::State& state) -> const machine::JointErrors<double>& { return errors_of_run.At(state); },
+          setup, residual_mm.col(k).data());
     }
     residuals_mm.push_back(residual_mm - run.measured_mm);
   }

@@ -55,7 +55,13 @@ Eliminated Eliminate(const SetupGroup& group, const Eigen::VectorXd& value, cons
   double largest[2] = {0.0, 0.0};
   for (int i = 0; i < s; ++i)
     largest[group.parameters[i].is_angle] = std::max(largest[group.parameters[i].is_angle], block(i, i));
-  for (int i = 0; i < s; ++i) block(i, i) += damping * largest[group.parameters[i].is_angle];
+  // An offset whose whole effect is rounding (the table ball on an eccentricity) has none.
+  constexpr double kRounding = 1e-9;
+  for (int i = 0; i < s; ++i) {
+    double& own = block(i, i);
+    if (own <= kRounding * kRounding * largest[group.parameters[i].is_angle]) own = 0.0;
+    own += damping * largest[group.parameters[i].is_angle];
+  }
   return {ScaledFactor(std::move(block)), normal.gram.block(0, s, s, p), std::move(gradient)};
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,11 +46,18 @@ struct SessionFit {
   std::vector<SetupOffset> setup;
 };
 
+// What a gate found before anything was fitted (touch/touch_bind.h).
+struct Gate {
+  std::string name;  // "sphere", "repeat"
+  double off_mm = 0.0, limit_mm = 0.0;
+};
+
 struct Outlier {
   std::string session;
   int row = 0;     // line of data, from 1
   int column = 0;  // which of its readings, from 0
   double residual_mm = 0.0;
+  std::optional<Gate> gate;  // set aside by it, else for standing out of its series
 };
 
 struct FitStatistics {

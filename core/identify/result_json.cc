@@ -84,10 +84,16 @@ std::string ToJson(const Result& result) {
   root["sessions"] = SessionsJson(result);
   json outliers = json::array();
   for (const Outlier& outlier : result.outliers) {
-    outliers.push_back({{"session", outlier.session},
-                        {"row", outlier.row},
-                        {"column", outlier.column},
-                        {"residual_um", outlier.residual_mm * kUmPerMm}});
+    json object = {{"session", outlier.session},
+                   {"row", outlier.row},
+                   {"column", outlier.column},
+                   {"residual_um", outlier.residual_mm * kUmPerMm}};
+    if (outlier.gate) {
+      object["gate"] = outlier.gate->name;
+      object["off_um"] = outlier.gate->off_mm * kUmPerMm;
+      object["limit_um"] = outlier.gate->limit_mm * kUmPerMm;
+    }
+    outliers.push_back(std::move(object));
   }
   root["outliers"] = std::move(outliers);
   root["correlation"] = CorrelationJson(result.correlation);

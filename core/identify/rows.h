@@ -47,6 +47,41 @@ class ErrorsOfRun {
 void ParameterSlopes(const machine::ErrorModel& model, const std::vector<Parameter>& parameters,
                      const shapes::State& state, Eigen::VectorXd* slopes);
 
+// The same for readings taken along a path (eccentricities): each is a sum over states, and so are its slopes.
+template <typename Sink>
+void VisitPathRows(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
+                   const std::vector<int>& column, Sink* sink) {
+  const instruments::MeasuringRun& run = problem.runs[run_index];
+  const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
+  const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
+  ErrorsOfRun errors_of_run(problem, point);
+  Eigen::VectorXd slopes = Eigen::VectorXd::Ones(count), by_parameter(count);
+  instruments::Evaluation evaluation;
+  for (int k = 0; k < run.reading_count(); ++k) {
+    if (!problem.is_used[run_index][k]) continue;
+    by_parameter.setZero();
+    instruments::EvaluateAlongPath(
+        *problem.machine, run, k,
+        [&](const shapes::State& state) -> const machine::JointErrors<double>& { return errors_of_run.At(state); },
+        setup.data(), &evaluation,
+        // Along a path nothing is touched: terms along an approach have no part.
+        [&](const shapes::State& state, const instruments::Evaluation& one, double weight) {
+          if (!errors_of_run.is_constant()) ParameterSlopes(point.model, parameters, state, &slopes);
+          for (int i = 0; i < count; ++i) by_parameter[i] += weight * one.by_error(0, column[i]) * slopes[i];
+        });
+    const RowWeight* const weight = problem.WeightOf(run_index, k);
+    const double scale = weight != nullptr ? (*weight)(0, 0) : 1.0;
+    evaluation.by_error *= scale;
+    auto row = sink->NextRow();
+    row.head(setup_count) = scale * evaluation.by_setup.row(0);
+    // Of terms that are alike all along the path, what cancels is zero.
+    for (int i = 0; i < count; ++i)
+      row[setup_count + i] = errors_of_run.is_constant() ? evaluation.by_error(0, column[i]) : scale * by_parameter[i];
+    row[setup_count + count] = scale * (evaluation.predicted_mm[0] - run.measured_mm(0, k));
+    sink->Close(k, 0, evaluation, row);
+  }
+}
+
 // For every used row of a run in time order: `sink.NextRow()` gives the storage of one row, which is filled with
 //   setup offsets of the run | errors (`parameters`) | predicted - measured           mm per mm or rad; mm
 // and handed back, raw, by `sink.Close(reading, row, evaluation, stored row)`. Rows start at the front of the storage.
@@ -58,13 +93,19 @@ void VisitRows(const Problem& problem, int run_index, const Point& point, const 
   const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
   const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
   std::vector<int> column(count);
+  bool any_along_approach = false;
   for (int i = 0; i < count; ++i) {
     const machine::ErrorTerm& term = point.model.terms[parameters[i].term];
     column[i] = machine::kComponents * term.joint + static_cast<int>(term.component);
+    any_along_approach |= shapes::IsAlongApproach(term.shape);
   }
   ErrorsOfRun errors_of_run(problem, point);
   Eigen::VectorXd slopes = Eigen::VectorXd::Ones(count);
   instruments::Evaluation evaluation;
+  if (run.path_readings != nullptr) {
+    VisitPathRows(problem, run_index, point, parameters, column, sink);
+    return;
+  }
   for (int k = 0; k < run.reading_count(); ++k) {
     const shapes::State state = run.StateOf(k);
     const machine::JointErrors<double>& errors = errors_of_run.At(state);
@@ -81,6 +122,12 @@ void VisitRows(const Problem& problem, int run_index, const Point& point, const 
       auto row = sink->NextRow();
       row.head(setup_count) = evaluation.by_setup.row(r);
       for (int i = 0; i < count; ++i) row[setup_count + i] = evaluation.by_error(r, column[i]) * slopes[i];
+      for (int i = 0; any_along_approach && i < count; ++i) {
+        if (!shapes::IsAlongApproach(point.model.terms[parameters[i].term].shape)) continue;
+        row[setup_count + i] = machine::AlongApproach(state.approach, &evaluation.by_error(r, column[i]),
+                                                      evaluation.by_error.outerStride()) *
+                               slopes[i];
+      }
       row[setup_count + count] = residual_mm[r];
       sink->Close(k, r, evaluation, row);
     }

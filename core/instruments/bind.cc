@@ -3,6 +3,7 @@
 
 #include "core/base/units.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/eccentricity/eccentricity_bind.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/run.h"
 #include "core/instruments/touch/touch_bind.h"
@@ -17,17 +18,21 @@ using session::Session;
 
 class Binder {
  public:
-  Binder(const Session& session, const machine::Machine& machine) : session_(session), machine_(machine) {}
+  Binder(const Session& session, const machine::Machine& machine, size_t readings_before)
+      : session_(session), machine_(machine) {
+    run_.readings_before = static_cast<int>(readings_before);
+  }
 
   absl::StatusOr<MeasuringRun> Bind() {
     RETURN_IF_ERROR(BindHeader());
+    if (run_.kind == Kind::kEccentricity) return BindPaths();
     RETURN_IF_ERROR(BindReadings());
     RETURN_IF_ERROR(BindPositions());
     RETURN_IF_ERROR(BindTimes());
     DeriveMotion(&run_);
     if (run_.kind == Kind::kTouch) {
-      RETURN_IF_ERROR(touch::BindTouches(session_, &run_));
-      RETURN_IF_ERROR(touch::GateTouches(machine_, session_, run_));
+      RETURN_IF_ERROR(touch::BindTouches(machine_, session_, &run_));
+      RETURN_IF_ERROR(touch::GateTouches(machine_, session_, &run_));
     }
     if (run_.kind == Kind::kTracker) run_.tracker_from_machine = tracker::StartingPose(machine_, run_);
     return std::move(run_);
@@ -122,7 +127,8 @@ class Binder {
     }
     for (size_t k = 0; k < column->values.size(); ++k) {
       if (!std::isfinite(column->values[k])) {
-        return Refuse(absl::StrCat("reading ", k + 1, ": ", name, " = ", column->values[k], ", expected a number"));
+        return Refuse(absl::StrCat("reading ", run_.readings_before + k + 1, ": ", name, " = ", column->values[k],
+                                   ", expected a number"));
       }
     }
     return column;
@@ -161,6 +167,13 @@ class Binder {
     return absl::OkStatus();
   }
 
+  absl::StatusOr<MeasuringRun> BindPaths() {
+    run_.axis_count = machine_.axis_count();
+    RETURN_IF_ERROR(eccentricity::BindEccentricities(machine_, session_, &run_));
+    DeriveMotion(&run_);
+    return std::move(run_);
+  }
+
   absl::Status BindTimes() {
     const size_t readings = session_.reading_count();
     run_.time_s.assign(readings, 0.0);
@@ -186,8 +199,9 @@ class Binder {
 
 }  // namespace
 
-absl::StatusOr<MeasuringRun> BindSession(const Session& session, const machine::Machine& machine) {
-  return Binder(session, machine).Bind();
+absl::StatusOr<MeasuringRun> BindSession(const Session& session, const machine::Machine& machine,
+                                         size_t readings_before) {
+  return Binder(session, machine, readings_before).Bind();
 }
 
 }  // namespace axiscal::instruments

@@ -2,6 +2,7 @@
 
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/eccentricity/eccentricity_model.h"
 #include "core/instruments/rtest/rtest_model.h"
 #include "core/instruments/touch/touch_model.h"
 #include "core/instruments/tracker/tracker_model.h"
@@ -21,6 +22,8 @@ void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int read
       return tracker::Evaluate(machine, run, reading, errors, setup, out);
     case Kind::kTouch:
       return touch::Evaluate(machine, run, reading, errors, setup, out);
+    case Kind::kEccentricity:
+      return eccentricity::Evaluate(machine, run, reading, errors, setup, out);
   }
 }
 
@@ -38,6 +41,8 @@ void Predict(const machine::Machine& machine, const MeasuringRun& run, int readi
       return tracker::Predict<double>(machine, run, positions, errors, setup, predicted_mm);
     case Kind::kTouch:
       return touch::Predict<double>(machine, run, reading, positions, errors, setup, predicted_mm);
+    case Kind::kEccentricity:
+      return eccentricity::Predict<double>(machine, run, reading, errors, setup, predicted_mm);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/eccentricity/eccentricity_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/rtest/rtest_model.h"
 #include "core/instruments/touch/touch_model.h"
@@ -48,8 +49,29 @@ MeasuringRun OneReading(const Machine& machine, const Instrument& instrument, st
     // A sphere or a face by turns, touched a little beside the nominal place.
     const Eigen::Vector3d normal = Eigen::Vector3d(uniform(*random), uniform(*random), 1.0).normalized();
     const bool is_sphere = uniform(*random) > 0.0;
-    run.touches = {
-        {{"f", is_sphere, run.ball_mm - 15.0 * normal, normal, 12.0}}, Eigen::Vector3d(20, -5, 7), 3.0, {0}, {-normal}};
+    run.touches = {{{"f", is_sphere, run.ball_mm - 15.0 * normal, normal, 12.0}},
+                   Eigen::Vector3d(20, -5, 7),
+                   3.0,
+                   {0},
+                   {-normal},
+                   {},
+                   {}};
+  }
+  if (run.kind == Kind::kEccentricity) {
+    // Three places of a trace, with weights that add up to nothing.
+    MeasuringRun trace = OneReading(machine, *FindInstrument("ballbar"), random);
+    for (const double turned_rad : {0.3, 0.6}) {
+      for (int i = 0; i < machine.axis_count(); ++i) {
+        const bool is_rotary = machine.axes[i].kind == machine::AxisKind::kRotary;
+        trace.positions.push_back(trace.positions[i] + (is_rotary ? turned_rad : 5.0));
+      }
+    }
+    trace.measured_mm = Eigen::MatrixXd::Zero(1, 3);
+    trace.time_s.assign(3, 0.0);
+    trace.temperature_celsius.assign(3, 20.0);
+    DeriveMotion(&trace);
+    run.path_readings = std::make_shared<const eccentricity::Eccentricities>(
+        eccentricity::Eccentricities{{trace}, {{0, Eigen::Vector3d(0.7, -1.5, 0.8), 0, 0}}});
   }
   run.time_s = {0.0};
   run.temperature_celsius = {20.0};
@@ -75,6 +97,8 @@ void PredictJets(const Machine& machine, const MeasuringRun& run, const JointErr
       return tracker::Predict<Jet>(machine, run, positions.data(), errors, setup, out);
     case Kind::kTouch:
       return touch::Predict<Jet>(machine, run, 0, positions.data(), errors, setup, out);
+    case Kind::kEccentricity:
+      return eccentricity::Predict<Jet>(machine, run, 0, errors, setup, out);
   }
 }
 

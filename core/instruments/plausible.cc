@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/instruments/eccentricity/eccentricity_bind.h"
 #include "core/instruments/evaluation.h"
 #include "core/instruments/registry.h"
 #include "core/session/column_rules.h"
@@ -11,8 +12,10 @@ namespace axiscal::instruments {
 absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine, size_t readings_before) {
   const Instrument* instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
   if (instrument == nullptr || instrument->kind == Kind::kTracker) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const MeasuringRun run, BindSession(session, machine));
-  if (run.kind == Kind::kTouch) return absl::OkStatus();  // gated when bound
+  // Eccentricities without paths are kept for whoever reads them; nothing is identified from them.
+  if (instrument->kind == Kind::kEccentricity && !eccentricity::HasPaths(session)) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const MeasuringRun run, BindSession(session, machine, readings_before));
+  if (run.kind == Kind::kTouch || run.kind == Kind::kEccentricity) return absl::OkStatus();  // gated when bound
   const machine::JointErrors<double> no_errors;
   const double no_setup[kMaxSetupParameters] = {};
   for (int reading = 0; reading < run.reading_count(); ++reading) {

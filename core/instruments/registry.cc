@@ -15,6 +15,7 @@ const std::vector<Instrument>& Instruments() {
       {Kind::kCentres, "centres", {"cx_mm", "cy_mm", "cz_mm"}, true, false, false, centres::SetupParameters},
       {Kind::kTracker, "tracker", {"px_mm", "py_mm", "pz_mm"}, false, false, true, tracker::SetupParameters},
       {Kind::kTouch, "touch", {}, false, false, true, touch::SetupParameters},
+      {Kind::kEccentricity, "eccentricity", {}, true, true, false, ballbar::SetupParameters},
   };
   return rows;
 }

@@ -12,10 +12,11 @@ namespace axiscal::instruments {
 struct Instrument {
   Kind kind;
   std::string name;                          // as in `# instrument: ballbar`
-  std::vector<std::string> reading_columns;  // mm; none: a condition that is measured as 0
+  std::vector<std::string> reading_columns;  // mm; none: a condition measured as 0 (touch), or read by its own binder
   bool has_table_ball = false;
   bool has_bar = false;
-  bool has_linear_columns = true;  // false: rotary columns only, linear commands follow from the condition
+  // False: rotary columns only, or a path (eccentricity); linear commands follow from the condition.
+  bool has_linear_columns = true;
   std::vector<SetupParameter> (*setup)();
 };
 

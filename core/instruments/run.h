@@ -4,10 +4,12 @@
 #define AXISCAL_CORE_INSTRUMENTS_RUN_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/geometry/rigid.h"
+#include "core/instruments/eccentricity/eccentricity_run.h"
 #include "core/instruments/touch/touch_run.h"
 #include "core/machine/machine.h"
 #include "core/session/session.h"
@@ -15,7 +17,7 @@
 
 namespace axiscal::instruments {
 
-enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch };
+enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch, kEccentricity };
 
 inline constexpr int kMaxRows = 3;             // readings that one line of a session holds
 inline constexpr int kMaxSetupParameters = 9;  // setup offsets of one session
@@ -40,8 +42,12 @@ struct MeasuringRun {
   double bar_length_mm = 0.0;
   geometry::Rigid<double> tracker_from_machine;  // tracker only: where its setup offsets start from
   touch::Touches touches;                        // touch only
+  // Eccentricity only: a reading is taken along a path, not at a state; positions and states of this run are zero then.
+  std::shared_ptr<const eccentricity::Eccentricities> path_readings;
   std::vector<SetupParameter> setup;
 
+  // Where this is a part of a session: readings before it, so that messages count from the session's first.
+  int readings_before = 0;
   int axis_count = 0;
   int row_count = 1;  // rows per reading: 1 or 3
   bool has_time = false, has_temperature = false;
@@ -57,13 +63,15 @@ struct MeasuringRun {
   shapes::State StateOf(int reading) const {
     return {{axis_states.data() + static_cast<size_t>(reading) * axis_count, static_cast<size_t>(axis_count)},
             time_s[reading],
-            temperature_celsius[reading]};
+            temperature_celsius[reading],
+            touches.approach_in_spindle.empty() ? shapes::Approach() : touches.approach_in_spindle[reading]};
   }
 };
 
 // INVALID_ARGUMENT naming session, key or column and the rule when the session does not fit the machine or its
-// instrument.
-absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine);
+// instrument. A part of a session begins after `readings_before`.
+absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine,
+                                         size_t readings_before = 0);
 
 // Fills run->axis_states from positions and times: sense of motion is that of the last commanded change, before the
 // first one that of the first (an axis is approached in the sense in which it goes on); travel counts from the last

@@ -29,6 +29,10 @@ class Builder {
 
   std::vector<Candidate> Build() {
     AddConstants();
+    // An eccentricity is one number of a whole path: it has no state to look for other shapes at.
+    if (std::any_of(problem_.runs.begin(), problem_.runs.end(),
+                    [](const MeasuringRun& run) { return run.path_readings != nullptr; }))
+      return std::move(candidates_);
     for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       if (spans_[axis].finest_step == 0.0) continue;
       AddShapesOf(axis);

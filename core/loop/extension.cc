@@ -20,6 +20,14 @@ MeasuringRun Part(const MeasuringRun& run, int begin, int end, const std::string
     const touch::Touches& touches = run.touches;
     part.touches.feature_of.assign(touches.feature_of.begin() + begin, touches.feature_of.begin() + end);
     part.touches.approach.assign(touches.approach.begin() + begin, touches.approach.begin() + end);
+    part.touches.approach_in_spindle.assign(touches.approach_in_spindle.begin() + begin,
+                                            touches.approach_in_spindle.begin() + end);
+    part.touches.rejected.clear();
+    for (touch::Rejection rejection : touches.rejected) {
+      if (rejection.reading < begin || rejection.reading >= end) continue;
+      rejection.reading -= begin;
+      part.touches.rejected.push_back(std::move(rejection));
+    }
   }
   return part;
 }

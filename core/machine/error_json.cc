@@ -104,6 +104,35 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
   return Refuse(where, absl::StrCat("unknown shape '", name, "'"));
 }
 
+absl::StatusOr<shapes::Shape> ReadApproachShape(const json& object, const std::string& where) {
+  ASSIGN_OR_RETURN(const std::string name, Text(object, where, "shape"));
+  if (name == shapes::PreTravel::kName) return shapes::PreTravel{};
+  if (name != shapes::Lobe::kName)
+    return Refuse(where, absl::StrCat("shape '", name, "', expected pre-travel or lobe of ", kAlongApproachSymbol));
+  ASSIGN_OR_RETURN(const double order, PositiveNumber(object, where, "order"));
+  constexpr double kHighest = 60.0;
+  if (order != std::floor(order) || order > kHighest)
+    return Refuse(where, absl::StrCat("'order' = ", order, ", expected a whole number from 1 to 60"));
+  return shapes::Lobe{static_cast<int>(order)};
+}
+
+// What stands at one component of a joint, or along the approach of a touch.
+absl::StatusOr<ErrorTerm> ReadPlaceAndShape(const json& object, const std::string& where, const Machine& machine) {
+  ASSIGN_OR_RETURN(const std::string symbol_text, Text(object, where, "symbol"));
+  if (symbol_text == kAlongApproachSymbol) {
+    ASSIGN_OR_RETURN(const shapes::Shape shape, ReadApproachShape(object, where));
+    return AlongApproachTerm(machine, shape);
+  }
+  ASSIGN_OR_RETURN(const ErrorSymbol symbol, SymbolOfMachine(symbol_text, machine, where));
+  ErrorTerm term = ConstantTerm(machine, symbol);
+  ASSIGN_OR_RETURN(term.shape, ReadShape(object, where, machine, symbol));
+  if (symbol.is_constant != std::holds_alternative<shapes::Constant>(term.shape)) {
+    return Refuse(where, absl::StrCat("symbol ", symbol_text, " does not go with shape '", shapes::Name(term.shape),
+                                      "': a 0 in the symbol means constant"));
+  }
+  return term;
+}
+
 absl::Status RefuseUnknownFields(const json& object, const std::string& where) {
   static const std::set<std::string> kKnown = {"symbol",    "shape",      "variable",   "order",     "period_mm",
                                                "length_mm", "length_deg", "tau_s",      "amplitude", "amplitude_sigma",
@@ -125,18 +154,11 @@ absl::Status CheckUnit(const json& object, const std::string& where, const Error
 absl::StatusOr<ErrorTerm> ReadTerm(const json& object, const std::string& where, const Machine& machine) {
   if (!object.is_object()) return Refuse(where, "expected an object");
   RETURN_IF_ERROR(RefuseUnknownFields(object, where));
-  ASSIGN_OR_RETURN(const std::string symbol_text, Text(object, where, "symbol"));
-  ASSIGN_OR_RETURN(const ErrorSymbol symbol, SymbolOfMachine(symbol_text, machine, where));
-  ErrorTerm term = ConstantTerm(machine, symbol);
-  ASSIGN_OR_RETURN(term.shape, ReadShape(object, where, machine, symbol));
-  if (symbol.is_constant != std::holds_alternative<shapes::Constant>(term.shape)) {
-    return Refuse(where, absl::StrCat("symbol ", symbol_text, " does not go with shape '", shapes::Name(term.shape),
-                                      "': a 0 in the symbol means constant"));
-  }
+  ASSIGN_OR_RETURN(ErrorTerm term, ReadPlaceAndShape(object, where, machine));
   ASSIGN_OR_RETURN(double amplitude, Number(object, where, "amplitude"));
   amplitude *= AmplitudeFactor(term);
   term.amplitude = {amplitude, 0.0};
-  if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
+  if (shapes::BasisCount(term.shape) == 2) {
     ASSIGN_OR_RETURN(const double phase_deg, Number(object, where, "phase_deg"));
     term.amplitude = {amplitude * std::cos(phase_deg * kRadPerDeg), amplitude * std::sin(phase_deg * kRadPerDeg)};
   }
@@ -196,6 +218,11 @@ nlohmann::ordered_json TermToJson(const ErrorTerm& term, const Machine& machine)
     } else {
       object["period_mm"] = 2.0 * std::numbers::pi / harmonic->frequency;
     }
+  } else if (const auto* lobe = std::get_if<shapes::Lobe>(&term.shape)) {
+    object["variable"] = "approach";
+    object["order"] = lobe->order;
+  } else if (std::holds_alternative<shapes::PreTravel>(term.shape)) {
+    object["variable"] = "approach";
   } else if (const auto* reversal = std::get_if<shapes::Reversal>(&term.shape)) {
     const bool is_rotary = IsRotary(machine, *axis);
     object[is_rotary ? "length_deg" : "length_mm"] = is_rotary ? reversal->length * kDegPerRad : reversal->length;
@@ -260,7 +287,7 @@ std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
     }
     json object = TermToJson(term, machine);
     object["amplitude"] = term.amplitude[0] / factor;
-    if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
+    if (shapes::BasisCount(term.shape) == 2) {
       object["amplitude"] = std::hypot(term.amplitude[0], term.amplitude[1]) / factor;
       object["phase_deg"] = std::atan2(term.amplitude[1], term.amplitude[0]) * kDegPerRad;
     }

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "core/base/units.h"
 #include "core/machine/testing/machines.h"
 
 namespace axiscal::machine {
@@ -11,6 +14,33 @@ namespace {
 using ::testing::HasSubstr;
 
 const Machine kMachine = testing::MultiTasking();
+
+TEST(ErrorJson, TheProbesPreTravelIsRoundTripped) {
+  const Machine machine = testing::MultiTasking();
+  const char* const text =
+      R"({"terms": [{"symbol": "ERT", "shape": "lobe", "variable": "approach", "order": 3, "amplitude": 3.0, "phase_deg": 40.0},
+                    {"symbol": "ERT", "shape": "pre-travel", "amplitude": 4.0, "unit": "um"}]})";
+  const auto model = ReadErrors(text, machine);
+  ASSERT_TRUE(model.ok()) << model.status();
+  ASSERT_EQ(model->terms.size(), 2u);
+  EXPECT_EQ(NameOf(machine, model->terms[0]), "ERT:lobe(3)");
+  EXPECT_EQ(NameOf(machine, model->terms[1]), "ERT:pre-travel");
+  const auto again = ReadErrors(WriteErrors(*model, machine), machine);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(NameOf(machine, again->terms[0]), "ERT:lobe(3)");
+  EXPECT_NEAR(again->terms[0].amplitude[1], 3e-3 * std::sin(40.0 * base::kRadPerDeg), 1e-12);
+  // It moves the tool back along the approach, and nothing where nothing is touched.
+  shapes::State state;
+  EXPECT_TRUE(ErrorsAt(machine, *model, state)[machine.tool_joint()].isZero(0.0));
+  state.approach = {true, {0.0, 0.0, -1.0}, 0.0, 0.0};
+  EXPECT_NEAR(ErrorsAt(machine, *model, state)[machine.tool_joint()][2], 4e-3, 1e-15);
+  for (const char* bad :
+       {R"({"terms": [{"symbol": "ERT", "shape": "harmonic", "order": 3, "amplitude": 3, "phase_deg": 0}]})",
+        R"({"terms": [{"symbol": "ERT", "shape": "lobe", "order": 2.5, "amplitude": 3, "phase_deg": 0}]})",
+        R"({"terms": [{"symbol": "EXT", "shape": "lobe", "order": 3, "amplitude": 3, "phase_deg": 0}]})",
+        R"({"ERT": 3})"})
+    EXPECT_FALSE(ReadErrors(bad, machine).ok()) << bad;
+}
 
 TEST(ErrorJson, ConstantsAreMicrometresAndMicroradians) {
   const auto model = ReadErrors(R"({"EA0B": -101.2, "X0C": 53.1})", kMachine);

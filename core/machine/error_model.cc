@@ -35,6 +35,10 @@ ErrorTerm ConstantTerm(const Machine& machine, const ErrorSymbol& symbol, double
   return term;
 }
 
+ErrorTerm AlongApproachTerm(const Machine& machine, const shapes::Shape& shape) {
+  return {machine.tool_joint(), Component::kX, shape, {}};
+}
+
 ErrorModel DeclaredModel(const Machine& machine) {
   ErrorModel model;
   for (const ErrorSymbol& symbol : machine.declared) model.terms.push_back(ConstantTerm(machine, symbol));
@@ -42,6 +46,7 @@ ErrorModel DeclaredModel(const Machine& machine) {
 }
 
 std::string SymbolOf(const Machine& machine, const ErrorTerm& term) {
+  if (shapes::IsAlongApproach(term.shape)) return kAlongApproachSymbol;
   const bool is_constant = std::holds_alternative<shapes::Constant>(term.shape);
   return ToString({term.component, JointName(machine, term.joint), is_constant});
 }
@@ -51,6 +56,7 @@ std::string NameOf(const Machine& machine, const ErrorTerm& term) {
   std::string arguments;
   if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) arguments = FrequencyText(machine, *harmonic);
   if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) arguments = NodeText(machine, *map);
+  if (const auto* lobe = std::get_if<shapes::Lobe>(&term.shape)) arguments = absl::StrCat(lobe->order);
   const std::optional<int> axis = shapes::VariableAxis(term.shape);
   if (axis && *axis != term.joint) {
     arguments = machine.axes[*axis].name + (arguments.empty() ? "" : "," + arguments);
@@ -64,6 +70,12 @@ JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, co
   double basis[shapes::kMaxBasisCount];
   for (const ErrorTerm& term : model.terms) {
     shapes::Basis(term.shape, state, basis);
+    if (shapes::IsAlongApproach(term.shape)) {
+      double value = 0.0;
+      for (int i = 0; i < shapes::BasisCount(term.shape); ++i) value += term.amplitude[i] * basis[i];
+      for (int c = 0; c < 3; ++c) errors[term.joint][c] -= value * state.approach.direction[c];
+      continue;
+    }
     double& error = errors[term.joint][static_cast<int>(term.component)];
     for (int i = 0; i < shapes::BasisCount(term.shape); ++i) error += term.amplitude[i] * basis[i];
   }

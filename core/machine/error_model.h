@@ -12,6 +12,8 @@
 
 namespace axiscal::machine {
 
+// Terms whose shape is along the approach of a touch (shapes/lobe.h) stand at tool_joint() with component kX, which
+// says nothing.
 struct ErrorTerm {
   int joint = 0;  // an axis, or the machine's tool_joint() or work_joint()
   Component component = Component::kX;
@@ -31,11 +33,21 @@ ErrorTerm ConstantTerm(const Machine& machine, const ErrorSymbol& symbol, double
 // The declared constant errors, all zero.
 ErrorModel DeclaredModel(const Machine& machine);
 
-// "EX0C" for a constant term, "EXC" for the others.
+// "EX0C" for a constant term, "EXC" for the others; "ERT" along the approach of a touch (R: as the probe radiates).
 std::string SymbolOf(const Machine& machine, const ErrorTerm& term);
 // A unique readable name: "EX0C", "EXX:backlash", "EBB:harmonic(45)", with the variable where it is not the term's own
 // axis: "EZT:thermal", "EBY:linear(Z)".
 std::string NameOf(const Machine& machine, const ErrorTerm& term);
+
+inline constexpr char kAlongApproachSymbol[] = "ERT";
+// A term of the tool along the approach of a touch, amplitudes zero.
+ErrorTerm AlongApproachTerm(const Machine& machine, const shapes::Shape& shape);
+// What a reading's derivatives by the tool's translations (x, y, z at `by_translation`, `stride` apart) are along such
+// a term's unit value.
+inline double AlongApproach(const shapes::Approach& approach, const double* by_translation, long stride) {
+  return -(by_translation[0] * approach.direction[0] + by_translation[stride] * approach.direction[1] +
+           by_translation[2 * stride] * approach.direction[2]);
+}
 
 // Sum of all terms at a state, one error vector per joint.
 JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, const shapes::State& state);

@@ -16,6 +16,7 @@
 #include "core/shapes/harmonic.h"
 #include "core/shapes/lag.h"
 #include "core/shapes/linear.h"
+#include "core/shapes/lobe.h"
 #include "core/shapes/quadratic.h"
 #include "core/shapes/reversal.h"
 #include "core/shapes/state.h"
@@ -24,8 +25,8 @@
 
 namespace axiscal::shapes {
 
-using Shape =
-    std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag, Bump, Tabulated>;
+using Shape = std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag,
+                           Bump, Tabulated, PreTravel, Lobe>;
 
 inline constexpr int kMaxBasisCount = 2;
 
@@ -33,6 +34,10 @@ inline constexpr int kMaxBasisCount = 2;
 std::string Name(const Shape& shape);
 // Number of amplitudes that the term has (a harmonic has a cosine and a sine).
 int BasisCount(const Shape& shape);
+// True for shapes that move the tool point back along the approach of a touch, instead of one component.
+inline bool IsAlongApproach(const Shape& shape) {
+  return std::holds_alternative<PreTravel>(shape) || std::holds_alternative<Lobe>(shape);
+}
 // The axis that a shape looks at, or nothing (constant, time, temperature).
 std::optional<int> VariableAxis(const Shape& shape);
 // The non-linear parameter (decay length, time constant, a free frequency), or nullptr.

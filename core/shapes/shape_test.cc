@@ -58,6 +58,15 @@ TEST_F(ShapeTest, ANodeOfAMapIsOneAtItsPlaceAndNothingAtItsNeighbours) {
   EXPECT_EQ(At(Tabulated{0, {75.0, 50.0, 50.0}, true, {125.0, 50.0, 50.0}, -1, {}})[0], -1.0);
 }
 
+TEST_F(ShapeTest, PreTravelNeedsATouch) {
+  EXPECT_EQ(At(PreTravel{}), std::vector<double>{0.0});
+  EXPECT_EQ(At(Lobe{3}), (std::vector<double>{0.0, 0.0}));
+  state_.approach = {true, {0.6, 0.0, -0.8}, 0.2, 0.6};
+  EXPECT_EQ(At(PreTravel{}), std::vector<double>{1.0});
+  EXPECT_DOUBLE_EQ(At(Lobe{3})[0], 0.6 * std::cos(0.6));
+  EXPECT_DOUBLE_EQ(At(Lobe{3})[1], 0.6 * std::sin(0.6));
+}
+
 TEST_F(ShapeTest, AnAxisThatNeverMovedHasNoBacklashAndNoSpike) {
   EXPECT_EQ(At(Backlash{1}), std::vector<double>{0.0});
   EXPECT_EQ(At(Reversal{1, 5.0}), std::vector<double>{0.0});

@@ -2,6 +2,7 @@
 #ifndef AXISCAL_CORE_SHAPES_STATE_H_
 #define AXISCAL_CORE_SHAPES_STATE_H_
 
+#include <array>
 #include <limits>
 #include <span>
 
@@ -18,10 +19,19 @@ struct AxisState {
   double speed = 0.0;                           // signed, mm/s or rad/s; 0 where the session has no times
 };
 
+// Of a touch: the unit direction in which the stylus went, in the spindle's frame (machine axes at home), its azimuth
+// about the stylus and the sine of its angle to it.
+struct Approach {
+  bool is_touch = false;
+  std::array<double, 3> direction = {0.0, 0.0, 0.0};
+  double azimuth_rad = 0.0, across = 0.0;
+};
+
 struct State {
   std::span<const AxisState> axes;  // in the machine's order
   double time_s = 0.0;
   double temperature_celsius = kReferenceTemperatureCelsius;
+  Approach approach = {};
 };
 
 }  // namespace axiscal::shapes

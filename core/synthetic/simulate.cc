@@ -1,10 +1,13 @@
 #include "core/synthetic/simulate.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/base/units.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/eccentricity/eccentricity_bind.h"
 #include "core/instruments/evaluation.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/run.h"
@@ -50,6 +53,13 @@ absl::Status MoveToContact(const machine::Machine& machine, const machine::Joint
                                                  ": the approach passes its feature by on this machine"));
 }
 
+void WriteEccentricity(const eccentricity::Reading& reading, double reading_mm, session::Session* session) {
+  const char* const names[] = {"ex_um", "ey_um", "ez_um"};
+  for (session::Column& column : session->columns) {
+    if (column.name == names[reading.component]) column.values[reading.row] = reading_mm * base::kUmPerMm;
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const machine::ErrorModel& truth,
@@ -66,6 +76,8 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
   });
   for (const std::string& name : instrument->reading_columns)
     session.columns.push_back({name, std::vector<double>(readings, 0.0), {}});
+  if (instrument->kind == instruments::Kind::kEccentricity)
+    RETURN_IF_ERROR(eccentricity::AddReadingColumns(machine, &session));
   ASSIGN_OR_RETURN(instruments::MeasuringRun run, instruments::BindSession(session, machine));
 
   base::Random random(noise.seed);
@@ -76,10 +88,15 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
   }
   const double sigma_mm = noise.sigma_scale * run.sigma_mm;
   std::vector<base::RippleNoise> ripple(run.row_count, base::RippleNoise(noise.ar1));
-  for (size_t k = 0; k < readings; ++k) {
-    const machine::JointErrors<double> errors = machine::ErrorsAt(machine, truth, run.StateOf(static_cast<int>(k)));
+  for (size_t k = 0; k < static_cast<size_t>(run.reading_count()); ++k) {
+    machine::JointErrors<double> errors;
     double predicted_mm[instruments::kMaxRows];
-    instruments::Predict(machine, run, static_cast<int>(k), errors, setup.data(), predicted_mm);
+    instruments::PredictWith(
+        machine, run, static_cast<int>(k),
+        [&](const shapes::State& state) -> const machine::JointErrors<double>& {
+          return errors = machine::ErrorsAt(machine, truth, state);
+        },
+        setup.data(), predicted_mm);
     for (int row = 0; row < run.row_count; ++row) {
       double reading_mm = predicted_mm[row] + sigma_mm * ripple[row].Next(random);
       if (noise.bad_share > 0.0 && random.Uniform() < noise.bad_share) {
@@ -89,6 +106,10 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
       if (run.kind == instruments::Kind::kTouch) {
         RETURN_IF_ERROR(
             MoveToContact(machine, errors, setup.data(), static_cast<int>(k), reading_mm - predicted_mm[row], &run));
+        continue;
+      }
+      if (run.kind == instruments::Kind::kEccentricity) {
+        WriteEccentricity(run.path_readings->readings[k], reading_mm, &session);
         continue;
       }
       session.columns[session.columns.size() - run.row_count + row].values[k] = reading_mm;

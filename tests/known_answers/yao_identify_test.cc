@@ -4,55 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <map>
-
-#include "absl/strings/numbers.h"
-#include "absl/strings/str_split.h"
 #include "core/identify/identify.h"
 #include "core/instruments/ballbar/ballbar_plan.h"
 #include "core/synthetic/simulate.h"
 #include "tests/known_answers/yao_machine.h"
+#include "tests/known_answers/yao_tables.h"
 
 namespace axiscal::known_answers {
 namespace {
 
 using ballbar::Pattern;
-
-struct BarSetup {
-  double tool_length_mm = NAN, zc_mm = NAN, zt_mm = NAN, xt_mm = NAN;
-};
-struct Measured {
-  std::map<std::string, double> mean_mm;  // "BX ex"
-  std::map<std::string, BarSetup> setups;
-};
-
-std::vector<std::vector<std::string>> ReadTable(const std::string& name) {
-  std::ifstream file(std::string(AXISCAL_SOURCE_DIR "/tests/data/yao/") + name);
-  EXPECT_TRUE(file.is_open()) << name;
-  std::vector<std::vector<std::string>> rows;
-  std::string line;
-  std::getline(file, line);  // column names
-  while (std::getline(file, line)) rows.push_back(absl::StrSplit(line, ','));
-  return rows;
-}
-
-double Number(const std::string& text) {
-  double number = NAN;
-  EXPECT_TRUE(absl::SimpleAtod(text, &number)) << text;
-  return number;
-}
-
-Measured ReadMeasured() {
-  Measured measured;
-  for (const auto& row : ReadTable("table-4.4-eccentricity.csv")) {
-    measured.mean_mm[row[1] + " " + row[2]] = base::kMmPerUm * (Number(row[3]) + Number(row[4]) + Number(row[5])) / 3.0;
-  }
-  for (const auto& row : ReadTable("table-4.3-setup.csv")) {
-    measured.setups[row[1]] = {Number(row[2]), Number(row[3]), Number(row[4]), Number(row[5])};
-  }
-  return measured;
-}
 
 // Rows of Table 4.5 to one in a hundred, or to half of the last printed digit.
 constexpr double kShare = 0.01, kPrinted = 0.005;
@@ -61,8 +22,8 @@ void ExpectPublished(double ours, double published, const std::string& what) {
 }
 
 TEST(YaoTable45, ClosedFormulasGiveThePublishedDeviations) {
-  const Measured m = ReadMeasured();
-  const auto e = [&](const std::string& name) { return m.mean_mm.at(name); };
+  const YaoTables m = ReadYaoTables();
+  const auto e = [&](const std::string& name) { return base::kMmPerUm * m.MeanUm(name); };
   const BarSetup bx = m.setups.at("BX"), with_long = m.setups.at("CR-long");
   constexpr double kRcMm = 50.0;
   const double rb = bx.tool_length_mm, zc = bx.zc_mm, zt = bx.zt_mm, zt_long = with_long.zt_mm, xt = bx.xt_mm;
@@ -84,8 +45,8 @@ TEST(YaoTable45, ClosedFormulasGiveThePublishedDeviations) {
 // The fifth test repeats ex of CR with a longer tool. Predicted from the others it misses by ten times its
 // repeatability: no deviation of the thesis explains it.
 TEST(YaoTable45, TheRedundantEccentricityDoesNotClose) {
-  const Measured m = ReadMeasured();
-  const auto e = [&](const std::string& name) { return m.mean_mm.at(name); };
+  const YaoTables m = ReadYaoTables();
+  const auto e = [&](const std::string& name) { return base::kMmPerUm * m.MeanUm(name); };
   const double lever_change = m.setups.at("CR-long").zt_mm - m.setups.at("CR").zt_mm;
   const double predicted_um =
       base::kUmPerMm * (e("CR ex") - lever_change * e("BX ez") / m.setups.at("BX").tool_length_mm);

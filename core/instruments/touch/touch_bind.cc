@@ -1,6 +1,10 @@
 #include "core/instruments/touch/touch_bind.h"
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
+
+#include "core/instruments/ballbar/ballbar_model.h"
 
 namespace axiscal::touch {
 namespace {
@@ -42,6 +46,20 @@ absl::Status ReadFeatures(const session::Session& session, MeasuringRun* run) {
   return absl::OkStatus();
 }
 
+// The approach of reading k as the probe sees it on the nominal machine; azimuth from the first of the two machine axes
+// across the tool towards the second.
+shapes::Approach InSpindle(const machine::Machine& machine, const MeasuringRun& run, int k) {
+  const auto pose = machine::EvaluateChain<double>(machine, run.PositionsOf(k), {});
+  const Eigen::Vector3d direction = pose.bed_from_tool.rotation.transpose() * run.touches.approach[k];
+  const Eigen::Vector2d across = ballbar::RunOutDirections(machine).transpose() * direction;
+  shapes::Approach approach;
+  approach.is_touch = true;
+  approach.direction = {direction.x(), direction.y(), direction.z()};
+  approach.azimuth_rad = std::atan2(across.y(), across.x());
+  approach.across = across.norm();
+  return approach;
+}
+
 }  // namespace
 
 absl::StatusOr<Feature> ParseFeature(const std::string& key, const std::string& value) {
@@ -63,7 +81,7 @@ absl::StatusOr<Feature> ParseFeature(const std::string& key, const std::string& 
   return feature;
 }
 
-absl::Status BindTouches(const session::Session& session, MeasuringRun* run) {
+absl::Status BindTouches(const machine::Machine& machine, const session::Session& session, MeasuringRun* run) {
   Touches& touches = run->touches;
   const auto radius = Numbers("stylus_radius_mm", session::FindHeader(session, "stylus_radius_mm").value_or(""), 1);
   if (!radius.ok()) return base::Within("session '" + run->session + "'", radius.status());
@@ -87,6 +105,7 @@ absl::Status BindTouches(const session::Session& session, MeasuringRun* run) {
                                                      ", expected a unit vector"));
     }
     touches.approach.push_back(approach.normalized());
+    touches.approach_in_spindle.push_back(InSpindle(machine, *run, static_cast<int>(k)));
     const auto at = std::find_if(touches.features.begin(), touches.features.end(),
                                  [&](const Feature& feature) { return feature.name == columns[3]->texts[k]; });
     if (at == touches.features.end()) {

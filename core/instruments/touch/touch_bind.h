@@ -14,17 +14,22 @@ absl::StatusOr<Feature> ParseFeature(const std::string& key, const std::string& 
 // Fills run->touches from the headers `stylus_radius_mm`, `sphere NAME`, `plane NAME` and the columns nx, ny, nz,
 // feature. INVALID_ARGUMENT naming key or reading and the rule: unknown or twice-named feature, an approach that is no
 // unit vector (1e-3).
-absl::Status BindTouches(const session::Session& session, instruments::MeasuringRun* run);
+absl::Status BindTouches(const machine::Machine& machine, const session::Session& session,
+                         instruments::MeasuringRun* run);
 
 // INVALID_ARGUMENT naming reading, feature and what was expected when
 // - a touch stands off its feature by more than kWrongFeatureMm or does not approach it from outside: it is of another
 //   feature;
 // - a sphere's radius, fitted to at least five touches at one rotary pose, misses sphere + stylus by more than the
 //   header's `radius_gate_um`: the stylus radius or the sphere is another one;
-// - repeats of one touch (same feature, commands and approach) scatter by more than the header's `repeat_gate_um`.
+// - more than a third of the touches of a feature at one rotary pose would be rejected.
+// Single touches are rejected (run->touches.rejected, for the fit to leave out and the report to list) that
+// - stand off the sphere of their fellows, at least five, by more than `radius_gate_um`;
+// - differ from the other repeats of one touch (same feature, commands and approach) by more than `repeat_gate_um`: the
+//   one that is off where there are three or more, both where there are two.
 // Both gates are 20 um where the header is silent.
 absl::Status GateTouches(const machine::Machine& machine, const session::Session& session,
-                         const instruments::MeasuringRun& run);
+                         instruments::MeasuringRun* run);
 
 inline constexpr double kDefaultGateMm = 0.020;
 // Far above mounting (5 mm is one sigma of the prior), below the distance between features.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -37,24 +38,89 @@ std::map<std::vector<double>, std::vector<int>> Groups(const machine::Machine& m
   return groups;
 }
 
-absl::Status GateRepeats(const MeasuringRun& run, const std::vector<int>& group,
-                         const std::vector<Eigen::Vector3d>& stylus_mm, double gate_mm) {
+// Touches of one feature at one rotary pose, with where the stylus centre stood.
+struct Group {
+  std::vector<int> readings;
+  std::vector<Eigen::Vector3d> in_table_mm, in_bed_mm;
+};
+
+void Reject(int reading, const char* gate, double off_mm, double limit_mm, std::vector<Rejection>* rejected) {
+  const auto is_it = [reading](const Rejection& one) { return one.reading == reading; };
+  if (std::none_of(rejected->begin(), rejected->end(), is_it)) rejected->push_back({reading, gate, off_mm, limit_mm});
+}
+
+double MedianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+// Repeats of one touch stand at one place across the approach. Of two that differ nobody can say which is wrong; of
+// more it is the one that is off the others' median.
+void GateRepeats(const MeasuringRun& run, const Group& group, double gate_mm, std::vector<Rejection>* rejected) {
   constexpr double kSamePlaceMm = 0.010;  // across the approach: what a control's positioning leaves
-  for (size_t i = 0; i < group.size(); ++i) {
-    for (size_t j = 0; j < i; ++j) {
-      const Eigen::Vector3d& approach = run.touches.approach[group[i]];
-      if ((approach - run.touches.approach[group[j]]).norm() > 1e-6) continue;
-      const Eigen::Vector3d apart_mm = stylus_mm[i] - stylus_mm[j];
-      const double along_mm = apart_mm.dot(approach);
-      if ((apart_mm - along_mm * approach).norm() > kSamePlaceMm || std::abs(along_mm) <= gate_mm) continue;
-      return absl::InvalidArgumentError(absl::StrFormat(
-          "session '%s': readings %d and %d repeat one touch of '%s' but differ by %.1f um, expected within "
-          "repeat_gate_um = %g",
-          run.session, group[j] + 1, group[i] + 1, run.touches.features[run.touches.feature_of[group[i]]].name,
-          std::abs(along_mm) / base::kMmPerUm, gate_mm / base::kMmPerUm));
+  std::vector<bool> is_seen(group.readings.size(), false);
+  for (size_t i = 0; i < group.readings.size(); ++i) {
+    if (is_seen[i]) continue;
+    const Eigen::Vector3d& approach = run.touches.approach[group.readings[i]];
+    std::vector<int> repeats;
+    std::vector<double> along_mm;
+    for (size_t j = i; j < group.readings.size(); ++j) {
+      const Eigen::Vector3d apart_mm = group.in_bed_mm[j] - group.in_bed_mm[i];
+      const double along = apart_mm.dot(approach);
+      if ((approach - run.touches.approach[group.readings[j]]).norm() > 1e-6 ||
+          (apart_mm - along * approach).norm() > kSamePlaceMm)
+        continue;
+      is_seen[j] = true;
+      repeats.push_back(group.readings[j]);
+      along_mm.push_back(along);
+    }
+    for (size_t k = 0; k < repeats.size(); ++k) {
+      std::vector<double> others_mm = along_mm;
+      others_mm.erase(others_mm.begin() + static_cast<std::ptrdiff_t>(k));
+      if (others_mm.empty()) continue;
+      const double off_mm = std::abs(along_mm[k] - MedianOf(others_mm));
+      const double from_all_mm = std::abs(along_mm[k] - MedianOf(along_mm));
+      if (off_mm > gate_mm && (repeats.size() < 3 || from_all_mm > 0.5 * gate_mm))
+        Reject(repeats[k], "repeat", off_mm, gate_mm, rejected);
     }
   }
-  return absl::OkStatus();
+}
+
+// Leaves out, one after the other, the touches that stand off the sphere of their fellows. A sphere of another radius
+// is refused.
+absl::Status GateSphere(const MeasuringRun& run, const Feature& feature, Group group, double gate_mm,
+                        std::vector<Rejection>* rejected) {
+  const int first = run.readings_before + group.readings[0] + 1;
+  const size_t most = group.readings.size() / 3 + 1;
+  while (rejected->size() < most) {
+    const std::optional<Sphere> of_all = FitSphere(group.in_table_mm);
+    if (of_all && of_all->max_mm <= 0.25 * gate_mm) break;  // nor is any far off the others'
+    // The one without which the others agree best.
+    double least_rms_mm = INFINITY, worst_mm = 0.0;
+    size_t worst = 0;
+    for (size_t k = 0; k < group.readings.size(); ++k) {
+      std::vector<Eigen::Vector3d> fellows_mm = group.in_table_mm;
+      fellows_mm.erase(fellows_mm.begin() + static_cast<std::ptrdiff_t>(k));
+      const std::optional<Sphere> sphere = FitSphere(fellows_mm);
+      if (!sphere || sphere->rms_mm >= least_rms_mm) continue;
+      least_rms_mm = sphere->rms_mm;
+      worst_mm = std::abs((group.in_table_mm[k] - sphere->centre_mm).norm() - sphere->radius_mm);
+      worst = k;
+    }
+    if (worst_mm <= gate_mm) break;
+    Reject(group.readings[worst], "sphere", worst_mm, gate_mm, rejected);
+    group.readings.erase(group.readings.begin() + static_cast<std::ptrdiff_t>(worst));
+    group.in_table_mm.erase(group.in_table_mm.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+  const std::optional<Sphere> sphere = FitSphere(group.in_table_mm);
+  const double expected_mm = feature.radius_mm + run.touches.stylus_radius_mm;
+  if (!sphere || std::abs(sphere->radius_mm - expected_mm) <= gate_mm) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "session '%s': the %d touches of sphere '%s' from reading %d lie on a radius of %.4f mm, expected %.4f "
+      "(sphere %g + stylus_radius_mm %g) within radius_gate_um = %g: was it measured with another stylus?",
+      run.session, group.readings.size(), feature.name, first, sphere->radius_mm, expected_mm, feature.radius_mm,
+      run.touches.stylus_radius_mm, gate_mm / base::kMmPerUm));
 }
 
 absl::Status GateFeature(const machine::Machine& machine, const MeasuringRun& run, int reading) {
@@ -66,7 +132,7 @@ absl::Status GateFeature(const machine::Machine& machine, const MeasuringRun& ru
     return absl::InvalidArgumentError(absl::StrFormat(
         "session '%s': reading %d stands %.3f mm off feature '%s', expected a touch within %g mm: is it a touch of "
         "another feature, are tool_tip_mm and stylus_radius_mm right?",
-        run.session, reading + 1, gap_mm, name, kWrongFeatureMm));
+        run.session, run.readings_before + reading + 1, gap_mm, name, kWrongFeatureMm));
   }
   const double cosine = run.touches.approach[reading].dot(NominalNormal(machine, run, reading));
   // 60 deg: no probe is sent that far off the normal, and another face of a block stands at 90.
@@ -74,34 +140,40 @@ absl::Status GateFeature(const machine::Machine& machine, const MeasuringRun& ru
   return absl::InvalidArgumentError(absl::StrFormat(
       "session '%s': reading %d approaches feature '%s' at %.0f deg to its inward normal, expected within 60: is it a "
       "touch of another feature, or nx, ny, nz of the other sign?",
-      run.session, reading + 1, name, std::acos(std::clamp(-cosine, -1.0, 1.0)) / base::kRadPerDeg));
+      run.session, run.readings_before + reading + 1, name,
+      std::acos(std::clamp(-cosine, -1.0, 1.0)) / base::kRadPerDeg));
 }
 
 }  // namespace
 
-absl::Status GateTouches(const machine::Machine& machine, const session::Session& session, const MeasuringRun& run) {
-  for (int k = 0; k < run.reading_count(); ++k) RETURN_IF_ERROR(GateFeature(machine, run, k));
+absl::Status GateTouches(const machine::Machine& machine, const session::Session& session, MeasuringRun* run) {
+  for (int k = 0; k < run->reading_count(); ++k) RETURN_IF_ERROR(GateFeature(machine, *run, k));
   ASSIGN_OR_RETURN(const double radius_gate_mm, GateMm(session, "radius_gate_um"));
   ASSIGN_OR_RETURN(const double repeat_gate_mm, GateMm(session, "repeat_gate_um"));
-  for (const auto& [key, group] : Groups(machine, run)) {
-    const Feature& feature = run.touches.features[run.touches.feature_of[group[0]]];
-    std::vector<Eigen::Vector3d> in_table_mm, in_bed_mm;
-    for (const int k : group) {
-      const auto pose = machine::EvaluateChain<double>(machine, run.PositionsOf(k), {});
-      in_bed_mm.push_back(pose.bed_from_tool * run.tip_mm);
-      in_table_mm.push_back(pose.bed_from_table.Inverse() * in_bed_mm.back());
+  std::vector<Rejection>& all = run->touches.rejected;
+  for (const auto& [key, readings] : Groups(machine, *run)) {
+    const Feature& feature = run->touches.features[run->touches.feature_of[readings[0]]];
+    Group group{readings, {}, {}};
+    for (const int k : readings) {
+      const auto pose = machine::EvaluateChain<double>(machine, run->PositionsOf(k), {});
+      group.in_bed_mm.push_back(pose.bed_from_tool * run->tip_mm);
+      group.in_table_mm.push_back(pose.bed_from_table.Inverse() * group.in_bed_mm.back());
     }
-    RETURN_IF_ERROR(GateRepeats(run, group, in_bed_mm, repeat_gate_mm));
-    if (!feature.is_sphere) continue;
-    const std::optional<Sphere> sphere = FitSphere(in_table_mm);
-    const double expected_mm = feature.radius_mm + run.touches.stylus_radius_mm;
-    if (!sphere || std::abs(sphere->radius_mm - expected_mm) <= radius_gate_mm) continue;
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "session '%s': the %d touches of sphere '%s' from reading %d lie on a radius of %.4f mm, expected %.4f "
-        "(sphere %g + stylus_radius_mm %g) within radius_gate_um = %g: was it measured with another stylus?",
-        run.session, group.size(), feature.name, group[0] + 1, sphere->radius_mm, expected_mm, feature.radius_mm,
-        run.touches.stylus_radius_mm, radius_gate_mm / base::kMmPerUm));
+    std::vector<Rejection> rejected;
+    GateRepeats(*run, group, repeat_gate_mm, &rejected);
+    if (feature.is_sphere) RETURN_IF_ERROR(GateSphere(*run, feature, group, radius_gate_mm, &rejected));
+    if (3 * rejected.size() > std::max<size_t>(readings.size(), 6)) {
+      const Rejection& worst = rejected[0];
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "session '%s': %d of the %d touches of '%s' from reading %d fail a gate (reading %d is %.1f um off its %s, "
+          "expected within %g um), expected at most a third: what is wrong with them all?",
+          run->session, rejected.size(), readings.size(), feature.name, run->readings_before + readings[0] + 1,
+          run->readings_before + worst.reading + 1, worst.off_mm / base::kMmPerUm,
+          worst.gate == "sphere" ? "fellows' sphere" : "repeats", worst.limit_mm / base::kMmPerUm));
+    }
+    all.insert(all.end(), rejected.begin(), rejected.end());
   }
+  std::sort(all.begin(), all.end(), [](const Rejection& a, const Rejection& b) { return a.reading < b.reading; });
   return absl::OkStatus();
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/shapes/state.h"
+
 namespace axiscal::touch {
 
 // A sphere, or one plane face of a block or column: nominal, table frame at home.
@@ -17,6 +19,13 @@ struct Feature {
   double radius_mm = 0.0;                              // sphere
 };
 
+// A hit that a gate took out: it is no reading of its feature, and not fitted.
+struct Rejection {
+  int reading = 0;
+  std::string gate;  // "sphere": off the sphere of its fellows; "repeat": off its repeats
+  double off_mm = 0.0, limit_mm = 0.0;
+};
+
 struct Touches {
   std::vector<Feature> features;
   // Place about which the setup's angles turn the features: the mean of their points.
@@ -25,6 +34,8 @@ struct Touches {
   // By reading: what was touched, and the unit direction in which the stylus went, machine axes.
   std::vector<int> feature_of;
   std::vector<Eigen::Vector3d> approach;
+  std::vector<shapes::Approach> approach_in_spindle;  // the same on the nominal machine
+  std::vector<Rejection> rejected;                    // by reading, ascending
 };
 
 }  // namespace axiscal::touch

@@ -70,6 +70,12 @@ std::string Refusal(const session::Session& session) {
   return run.ok() ? "accepted" : std::string(run.status().message());
 }
 
+std::vector<Rejection> Rejected(const session::Session& session) {
+  const auto run = instruments::BindSession(session, machine::testing::MultiTasking());
+  EXPECT_TRUE(run.ok()) << run.status();
+  return run.ok() ? run->touches.rejected : std::vector<Rejection>();
+}
+
 TEST(TouchGates, TheRightStylusPassesAndTheWrongOneIsNamed) {
   EXPECT_EQ(Refusal(Fig513(5.0, 2.9106)), "accepted");
   EXPECT_EQ(Refusal(Fig513(5.0, 2.9306)), "accepted");  // at the gate
@@ -85,16 +91,61 @@ TEST(TouchGates, TheRightStylusPassesAndTheWrongOneIsNamed) {
   }
 }
 
-TEST(TouchGates, RepeatsThatScatterAreNamed) {
+TEST(TouchGates, RepeatsThatScatterAreRejectedAndNamed) {
   session::Session session = Fig513(5.0, 2.9106);
   for (session::Column& column : session.columns) {
     if (column.texts.empty()) column.values.push_back(column.values[5]);
   }
   session.columns[9].texts.push_back("ball");
-  EXPECT_EQ(Refusal(session), "accepted");
-  // Along the approach, which meets X at almost no angle.
+  EXPECT_TRUE(Rejected(session).empty());
+  // Along the approach, which meets X at almost no angle. Of two nobody can say which is wrong.
   for (int i = 0; i < 3; ++i) session.columns[1 + i].values.back() += 0.021 * session.columns[6 + i].values.back();
-  EXPECT_THAT(Refusal(session), HasSubstr("readings 6 and 22 repeat one touch of 'ball' but differ by 21.0 um"));
+  std::vector<Rejection> rejected = Rejected(session);
+  ASSERT_EQ(rejected.size(), 2u);
+  EXPECT_EQ(rejected[0].reading, 5);
+  EXPECT_EQ(rejected[1].reading, 21);
+  EXPECT_EQ(rejected[1].gate, "repeat");
+  EXPECT_NEAR(rejected[1].off_mm, 0.021, 1e-9);
+  EXPECT_EQ(rejected[1].limit_mm, 0.020);
+  // A third one tells.
+  for (session::Column& column : session.columns) {
+    if (column.texts.empty()) column.values.push_back(column.values[5]);
+  }
+  session.columns[9].texts.push_back("ball");
+  rejected = Rejected(session);
+  ASSERT_EQ(rejected.size(), 1u);
+  EXPECT_EQ(rejected[0].reading, 21);
+  session.header.push_back({"repeat_gate_um", "25"});
+  EXPECT_TRUE(Rejected(session).empty());
+}
+
+TEST(TouchGates, OneTouchOfAChipIsRejectedAndNamed) {
+  session::Session session = Fig513(5.0, 2.9106);
+  for (int i = 0; i < 3; ++i) session.columns[1 + i].values[7] -= 0.060 * session.columns[6 + i].values[7];
+  const std::vector<Rejection> rejected = Rejected(session);
+  ASSERT_EQ(rejected.size(), 1u);
+  EXPECT_EQ(rejected[0].reading, 7);
+  EXPECT_EQ(rejected[0].gate, "sphere");
+  EXPECT_NEAR(rejected[0].off_mm, 0.060, 0.015);  // the log's own scatter, carried to the touch
+  // Many chips are no chips.
+  for (const int k : {1, 3, 9, 12, 14, 16, 19}) {
+    for (int i = 0; i < 3; ++i) session.columns[1 + i].values[k] -= (0.3 + 0.2 * k) * session.columns[6 + i].values[k];
+  }
+  EXPECT_THAT(Refusal(session), ::testing::AnyOf(HasSubstr("fail a gate"), HasSubstr("lie on a radius")));
+}
+
+TEST(TouchGates, APartOfASessionCountsFromItsBegin) {
+  session::Session far = Fig513(5.0, 2.9106);
+  far.columns[3].values[4] += 40.0;
+  const auto run = instruments::BindSession(far, machine::testing::MultiTasking(), 100);
+  EXPECT_THAT(std::string(run.status().message()), HasSubstr("reading 105 stands"));
+  far.columns[8].values[0] = 1.0;
+  far.columns[3].values[4] -= 40.0;
+  EXPECT_THAT(std::string(instruments::BindSession(far, machine::testing::MultiTasking(), 100).status().message()),
+              HasSubstr("reading 101 approaches"));
+  EXPECT_THAT(
+      std::string(instruments::BindSession(Fig513(5.0, 3.0), machine::testing::MultiTasking(), 7).status().message()),
+      HasSubstr("from reading 8 lie on a radius"));
 }
 
 TEST(TouchGates, TouchesOfAnotherFeatureAreRefused) {

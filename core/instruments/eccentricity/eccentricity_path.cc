@@ -1,0 +1,106 @@
+#include "core/instruments/eccentricity/eccentricity_path.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <sstream>
+
+#include "core/base/units.h"
+#include "core/instruments/centres/centres_model.h"
+#include "core/machine/chain.h"
+
+namespace axiscal::eccentricity {
+namespace {
+
+constexpr double kTurnDeg = 360.0;
+constexpr double kAlong = 0.999;  // of the axis' direction along x, y or z: otherwise the trace has no ex, ey, ez
+
+absl::StatusOr<int> RotaryAxis(const machine::Machine& machine, const std::string& name) {
+  const int axis = machine::FindAxis(machine, name);
+  if (axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary) return axis;
+  return absl::InvalidArgumentError("machine " + machine.id + " has no rotary axis '" + name + "'");
+}
+
+}  // namespace
+
+absl::StatusOr<Path> ParsePath(const machine::Machine& machine, const std::string& name, const std::string& text) {
+  const auto refuse = [&](const std::string& what) {
+    return absl::InvalidArgumentError(absl::StrCat("header 'path ", name, ": ", text, "', ", what));
+  };
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  Path path;
+  path.name = name;
+  std::string axis, kind;
+  double from_deg = 0.0, to_deg = 0.0;
+  if (!(in >> axis >> from_deg >> to_deg >> kind >> path.bar.x() >> path.bar.y() >> path.bar.z()) ||
+      (kind != "fixed" && kind != "turning")) {
+    return refuse("expected 'AXIS FROM TO fixed|turning UX UY UZ' in deg, such as 'C 0 360 turning -1 0 0'");
+  }
+  const auto turned = RotaryAxis(machine, axis);
+  if (!turned.ok()) return refuse(std::string(turned.status().message()));
+  path.axis = *turned;
+  path.is_turning = kind == "turning";
+  // A free radius is told from an eccentricity by a quarter turn well, by a few degrees not at all.
+  if (!(to_deg - from_deg >= 30.0 && to_deg - from_deg <= kTurnDeg))
+    return refuse("expected TO - FROM of 30 to 360 deg");
+  path.from_rad = from_deg * base::kRadPerDeg;
+  path.to_rad = to_deg * base::kRadPerDeg;
+  if (!(path.bar.norm() > 1e-6)) return refuse("expected a direction other than 0 0 0");
+  path.bar.normalize();
+  if (machine.axes[path.axis].direction.cwiseAbs().maxCoeff() < kAlong)
+    return refuse("axis " + axis + " stands along none of x, y and z: its trace has no ex, ey, ez");
+  path.at_rest_rad.assign(machine.axis_count(), 0.0);
+  double angle_deg = 0.0;
+  while (in >> axis) {
+    const auto other = RotaryAxis(machine, axis);
+    if (!other.ok()) return refuse(std::string(other.status().message()));
+    if (*other == path.axis || !(in >> angle_deg)) return refuse("expected other axes as 'AXIS ANGLE' in deg");
+    path.at_rest_rad[*other] = angle_deg * base::kRadPerDeg;
+  }
+  return path;
+}
+
+std::vector<double> AnglesOf(const Path& path) {
+  const double range = path.to_rad - path.from_rad;
+  const int steps = static_cast<int>(std::ceil(range / base::kRadPerDeg - 1e-9));
+  const bool is_whole = range > (kTurnDeg - 1e-6) * base::kRadPerDeg;
+  std::vector<double> angles;
+  for (int k = 0; k < steps + (is_whole ? 0 : 1); ++k) angles.push_back(path.from_rad + range * k / steps);
+  return angles;
+}
+
+absl::StatusOr<std::vector<double>> CommandsOf(const machine::Machine& machine, const Path& path,
+                                               const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& ball_mm,
+                                               double bar_length_mm) {
+  std::vector<double> commands;
+  for (const double angle_rad : AnglesOf(path)) {
+    std::vector<double> positions = path.at_rest_rad;
+    positions[path.axis] = angle_rad;
+    Eigen::Vector3d bar = path.bar;
+    if (path.is_turning) bar = Eigen::AngleAxisd(angle_rad, machine.axes[path.axis].direction) * bar;
+    const auto pose = machine::EvaluateChain<double>(machine, positions.data(), {});
+    const Eigen::Vector3d target_mm = ball_mm + pose.bed_from_table.rotation.transpose() * (bar_length_mm * bar);
+    RETURN_IF_ERROR(centres::SolveNominalCommands(machine, tip_mm, target_mm, positions.data()));
+    // An axis that stands still stands still to the last digit: what moves, and in which sense, is read off this.
+    constexpr double kGridPerMm = 1e9;
+    for (const int axis : centres::LinearAxes(machine))
+      positions[axis] = std::round(positions[axis] * kGridPerMm) / kGridPerMm;
+    commands.insert(commands.end(), positions.begin(), positions.end());
+  }
+  return commands;
+}
+
+Eigen::Matrix3Xd PolarDirections(const machine::Machine& machine, const Path& path) {
+  const Eigen::Vector3d& direction = machine.axes[path.axis].direction;
+  int along = 0;
+  direction.cwiseAbs().maxCoeff(&along);
+  const Eigen::Vector3d reference = Eigen::Vector3d::Unit((along + 1) % 3);
+  const std::vector<double> angles = AnglesOf(path);
+  Eigen::Matrix3Xd directions(3, angles.size());
+  for (size_t k = 0; k < angles.size(); ++k)
+    directions.col(k) = std::cos(angles[k]) * reference + std::sin(angles[k]) * direction.cross(reference);
+  directions.row(along).setZero();
+  return directions;
+}
+
+}  // namespace axiscal::eccentricity
