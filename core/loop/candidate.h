@@ -23,6 +23,7 @@ enum class Family {
   kDriftExp,
   kThermal,
   kLag,
+  kLobe,  // pre-travel of a touch probe
   kBump,  // unnamed structure along an axis
   kStep,  // unnamed: the artefact slipped in one session
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "core/base/units.h"
 #include "core/identify/outliers.h"
@@ -39,6 +40,7 @@ class Builder {
       AddMotionShapes(axis);
       AddBumps(axis);
     }
+    AddLobes();
     AddTimeShapes();
     AddSteps();
     return std::move(candidates_);
@@ -154,6 +156,33 @@ class Builder {
 
   void AddAtAllJoints(Family family, const shapes::Shape& shape) {
     for (int joint = 0; joint < machine_.joint_count(); ++joint) Add(family, joint, shape);
+  }
+
+  // Pre-travel of the touch probe: as many lobes as the directions of the touches tell apart.
+  void AddLobes() {
+    constexpr double kAcross = 0.1, kApartDeg = 1.0;
+    constexpr int kMostLobes = 6;
+    std::set<long> azimuths;
+    for (const MeasuringRun& run : problem_.runs) {
+      for (const shapes::Approach& approach : run.touches.approach_in_spindle) {
+        if (approach.across > kAcross)
+          azimuths.insert(std::lround(approach.azimuth_rad / (kApartDeg * base::kRadPerDeg)));
+      }
+    }
+    if (std::none_of(problem_.runs.begin(), problem_.runs.end(),
+                     [](const MeasuringRun& run) { return run.kind == instruments::Kind::kTouch; }))
+      return;
+    AddAlongApproach(shapes::PreTravel{});
+    const int highest = std::min(kMostLobes, (static_cast<int>(azimuths.size()) - 1) / 2);
+    // One lobe is a stylus beside its place: EX0T and EY0T.
+    for (int order = 2; order <= highest; ++order) AddAlongApproach(shapes::Lobe{order});
+  }
+
+  void AddAlongApproach(const shapes::Shape& shape) {
+    const ErrorTerm term = machine::AlongApproachTerm(machine_, shape);
+    const auto holds = [&](const ErrorTerm& other) { return other.shape == shape; };
+    if (std::none_of(model_.terms.begin(), model_.terms.end(), holds))
+      candidates_.push_back({Family::kLobe, term, -1, 0});
   }
 
   bool AllTimed() const {

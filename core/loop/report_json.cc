@@ -25,7 +25,7 @@ json EffectJson(const machine::Machine& machine, const Effect& effect) {
   object["amplitude"] = effect.amplitude / factor;
   object["amplitude_sigma"] = effect.amplitude_sigma / factor;
   object["unit"] = machine::AmplitudeUnit(effect.term, machine);
-  if (std::holds_alternative<shapes::Harmonic>(effect.term.shape)) {
+  if (shapes::BasisCount(effect.term.shape) == 2) {
     object["phase_deg"] = std::atan2(effect.term.amplitude[1], effect.term.amplitude[0]) * kDegPerRad;
   }
   if (!effect.alias_orders.empty()) object["alias_orders"] = effect.alias_orders;

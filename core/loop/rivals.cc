@@ -52,6 +52,7 @@ bool CanBeNeighbour(const Candidate& candidate, const ErrorTerm& effect) {
     case Family::kHarmonic:
     case Family::kBacklash:
     case Family::kLag:
+    case Family::kLobe:
       return true;
     case Family::kFineHarmonic:
       return shapes::VariableAxis(candidate.term.shape) == shapes::VariableAxis(effect.shape);

@@ -230,6 +230,16 @@ void Signatures::FillRaw(const std::vector<const Candidate*>& candidates, int be
         }
         filled = &candidate->term.shape;
       }
+      if (shapes::IsAlongApproach(candidate->term.shape)) {
+        for (Eigen::Index i = 0; i < count; ++i) {
+          const shapes::State state = StateAt(begin + static_cast<int>(i));
+          const double along = machine::AlongApproach(state.approach, &sensitivity_(begin + i, ColumnOf(*candidate)),
+                                                      sensitivity_.outerStride());
+          for (int b = 0; b < width; ++b) columns(i, at + b) = basis(i, b) * along;
+        }
+        at += width;
+        continue;
+      }
       const auto sensitivity = sensitivity_.col(ColumnOf(*candidate)).segment(begin, count);
       for (int b = 0; b < width; ++b) columns.col(at + b) = basis.col(b).cwiseProduct(sensitivity);
     }
