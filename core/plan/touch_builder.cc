@@ -77,8 +77,9 @@ bool TouchBuilder::TouchFace(const std::vector<double>& rotary, const std::strin
   return Add(rotary, FaceName(box, outward), point_mm, outward);
 }
 
-// The stylus on its way up from `from_mm` (table at home) meets no box.
+// The stylus on its way up from `from_mm` (table at home) meets neither the table nor a box.
 bool TouchBuilder::IsFree(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& up) const {
+  if (up.dot(table_normal_) < -1e-6) return false;
   constexpr double kSparedMm = 1.0;
   return std::none_of(boxes_.begin(), boxes_.end(), [&](const Box& box) {
     const Eigen::Vector3d half_mm = box.half_mm.array() + situation_.stylus_radius_mm + kSparedMm;

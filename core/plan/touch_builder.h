@@ -19,6 +19,9 @@ class TouchBuilder {
   void AddSphere(const std::string& name, const Eigen::Vector3d& centre_mm, double radius_mm);
   void AddBox(const std::string& name, const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& half_mm);
 
+  // The artefact stands on a table whose surface faces `normal` (unit, table at home): no way goes through it.
+  void SetTable(const Eigen::Vector3d& normal) { table_normal_ = normal; }
+
   // The sphere from the side `outward` (unit, bed's axes), or the face of a box whose outward normal is `outward`
   // (unit, table at home) at `point_mm` on it. `rotary`: per axis, rad; linear ones do not count. False: left out.
   bool TouchSphere(const std::vector<double>& rotary, const std::string& name, const Eigen::Vector3d& outward);
@@ -53,6 +56,7 @@ class TouchBuilder {
   std::vector<session::HeaderEntry> features_;
   std::vector<Sphere> spheres_;
   std::vector<Box> boxes_;
+  Eigen::Vector3d table_normal_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace axiscal::plan

@@ -92,6 +92,7 @@ std::vector<PlannedSession> TouchSpheres(const Situation& situation) {
       const Eigen::Vector3d tip_mm = situation.tips_mm.front() + longer_mm * situation.machine->tool_direction;
       const std::string name = situation.machine->axes[axis].name;
       TouchBuilder builder(situation, "touch-sphere-" + name + (longer_mm > 0.0 ? "-long" : ""), tip_mm);
+      builder.SetTable(UpAtHome(*situation.machine));
       builder.AddSphere("ball", situation.balls_mm.front(), situation.sphere_radius_mm);
       const std::vector<double> positions = PositionsOf(situation, axis, kStepRad);
       for (size_t k = 0; k < positions.size(); ++k) {
@@ -118,6 +119,7 @@ std::vector<PlannedSession> TouchPlates(const Situation& situation) {
   for (const int axis : TurningAxes(situation)) {
     const std::string name = situation.machine->axes[axis].name;
     TouchBuilder builder(situation, "touch-plate-" + name, situation.tips_mm.front());
+    builder.SetTable(frame.up);
     builder.AddBox("plate", middle_mm - kThickMm * frame.up, Halves(frame, kHalfMm, kThickMm));
     for (const double position : PositionsOf(situation, axis, kStepRad)) {
       Pose pose = Home(situation);
@@ -152,6 +154,7 @@ std::vector<PlannedSession> TouchColumns(const Situation& situation) {
     poses = std::move(further);
   }
   TouchBuilder builder(situation, "touch-columns", situation.tips_mm.front());
+  builder.SetTable(frame.up);
   std::vector<Eigen::Vector3d> feet_mm;
   for (int column = 0; column < 3; ++column) {
     const double at = column * 2.0 * std::numbers::pi / 3.0, away_mm = kApartMm / std::sqrt(3.0);
@@ -183,6 +186,7 @@ std::vector<PlannedSession> TouchBlockPairs(const Situation& situation) {
   std::vector<PlannedSession> planned;
   if (frame.up.isZero() || axes.empty()) return planned;
   TouchBuilder builder(situation, "touch-blocks", situation.tips_mm.front());
+  builder.SetTable(frame.up);
   const std::vector<Eigen::Vector3d> sides = {frame.u, -frame.u, frame.v, -frame.v};
   const auto name_of = [](size_t side) { return absl::StrCat("block", side + 1); };
   std::vector<Eigen::Vector3d> middles_mm;
