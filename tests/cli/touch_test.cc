@@ -79,7 +79,7 @@ TEST_F(Touch, FromPlanToCalibration) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   outcome = Run("identify --machine mt --sessions monday");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("rejected touch: session monday, row 12 is 120"));
+  EXPECT_THAT(outcome.out, HasSubstr("rejected touch: session monday, row 12 is 1"));
   EXPECT_THAT(outcome.out, HasSubstr("off its fellows' sphere, gate 20 um"));
   // A stylus that is another one is not rejected hit by hit: the session is refused, and says so.
   std::string wrong = Read("monday.csv");
