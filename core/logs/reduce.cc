@@ -74,6 +74,11 @@ class Reducer {
       if (entry.key == "session" && !options_.session.empty()) entry.value = options_.session;
     }
     RETURN_IF_ERROR(base::Within(template_.name, session::ValidateHeader(header)));
+    const std::string machine = *session::FindHeader(out_.session, "machine");
+    if (options_.machine != nullptr && machine != options_.machine->id) {
+      return Refuse(absl::StrCat(options_.plan != nullptr ? "the plan" : template_.name,
+                                 ": machine: ", session::Quoted(machine), ", expected '", options_.machine->id, "'"));
+    }
     format_ = session::FindInstrumentFormat(*session::FindHeader(out_.session, "instrument"));
     return absl::OkStatus();
   }
