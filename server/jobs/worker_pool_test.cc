@@ -63,21 +63,23 @@ TEST(WorkerPool, IdleThreadsHelpATaskAndEveryIndexRunsOnce) {
   }
 }
 
-// A body that waits for a second thread: none may come while another task wants it, one comes when it is idle.
+// A body that waits for a second thread: one comes when it is idle. A pool that drains sends nobody, so it drains
+// after.
 TEST(WorkerPool, HelpComesFromAnIdleThread) {
   WorkerPool pool(2, 8);
   std::atomic<int> inside = 0;
-  std::atomic<bool> met = false;
+  std::promise<void> met;
   ASSERT_TRUE(pool.Submit([&] {
                     pool.ForEach(2, [&](int) {
                       ++inside;
                       while (inside < 2) std::this_thread::yield();
-                      met = true;
                     });
+                    met.set_value();
                   })
                   .ok());
+  met.get_future().wait();
   pool.Drain();
-  EXPECT_TRUE(met);
+  EXPECT_EQ(inside, 2);
 }
 
 TEST(WorkerPool, ForEachAloneAndOfNothing) {

@@ -106,10 +106,10 @@ TEST_F(MainJob, MonteCarloOverABudget) {
 TEST_F(MainJob, FromUploadToTheRewrittenProgram) {
   const Outcome upload = Run("upload . --json");
   ASSERT_EQ(upload.exit_code, 0) << upload.err;
-  EXPECT_EQ(upload.Json()["sessions"].size(), 6u);
+  EXPECT_EQ(upload.Json()["sessions"].size(), 9u);
   const Outcome again = Run("upload B-short-run1.csv --json");
   EXPECT_TRUE(again.Json()["sessions"][0]["was_there"].get<bool>());
-  EXPECT_EQ(Run("session list --json").Json()["sessions"].size(), 6u);
+  EXPECT_EQ(Run("session list --json").Json()["sessions"].size(), 9u);
 
   const std::string compensate =
       "compensate --machine integrex-i200 --tool-tip '0 0 -356.3945' fig-4.30-original.nc -o out.nc ";
