@@ -87,6 +87,24 @@ struct Compensator::Impl {
     }
   }
 
+  // How far a move turns, twice (the errors' turns and the inverse's), how far it goes, and its longest lever.
+  struct Extent {
+    double turn_rad = 0, travel_mm = 0, lever_mm = 0;
+  };
+  Extent ExtentOf(const AxisValues& from, const AxisValues& to) const {
+    Extent extent{0, 0, fixed_lever_mm};
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      const double change = std::abs(to[i] - from[i]);
+      if (machine.axes[i].kind == machine::AxisKind::kRotary) {
+        extent.turn_rad += 2.0 * change;
+      } else {
+        extent.travel_mm += change;
+        extent.lever_mm += std::max(std::abs(from[i]), std::abs(to[i]));
+      }
+    }
+    return extent;
+  }
+
   // The joints' maps at a pose: only those of varying terms are computed.
   void MapsAt(const Pose& pose, JointMaps* maps) const {
     std::array<shapes::AxisState, machine::kMaxAxes> axes;
@@ -100,12 +118,7 @@ struct Compensator::Impl {
     if (options.temperature_celsius) state.temperature_celsius = *options.temperature_celsius;
     machine::JointErrors<double> errors;
     for (const int joint : varying_joints) errors[joint] = constant[joint];
-    double basis[shapes::kMaxBasisCount];
-    for (const ErrorTerm& term : varying) {
-      shapes::Basis(term.shape, state, basis);
-      double& error = errors[term.joint][static_cast<int>(term.component)];
-      for (int i = 0; i < shapes::BasisCount(term.shape); ++i) error += term.amplitude[i] * basis[i];
-    }
+    for (const ErrorTerm& term : varying) machine::AddErrors(term, state, &errors);
     for (const int joint : varying_joints) SetMap(machine, joint, errors[joint], maps);
   }
 
@@ -388,16 +401,7 @@ void Compensator::Aim(const Pose& commanded, TurnColumns* columns) const { impl_
 // eighth.
 double Compensator::DepartureBound(const AxisValues& from, const AxisValues& to) const {
   constexpr double kSecondOrder = 2.0;  // products of errors, axes out of square
-  double turn_rad = 0, travel_mm = 0, lever_mm = impl_->fixed_lever_mm;
-  for (int i = 0; i < impl_->machine.axis_count(); ++i) {
-    const double change = std::abs(to[i] - from[i]);
-    if (impl_->machine.axes[i].kind == machine::AxisKind::kRotary) {
-      turn_rad += 2.0 * change;
-    } else {
-      travel_mm += change;
-      lever_mm += std::max(std::abs(from[i]), std::abs(to[i]));
-    }
-  }
+  const auto [turn_rad, travel_mm, lever_mm] = impl_->ExtentOf(from, to);
   const double largest_mm = impl_->translation_errors_mm + impl_->angle_errors_rad * lever_mm;
   double curvature_mm = turn_rad * (turn_rad * largest_mm + 2.0 * impl_->angle_errors_rad * travel_mm);
   for (const ErrorTerm& term : impl_->varying) {
@@ -418,16 +422,7 @@ double Compensator::TurnDepartureBound(const AxisValues& from, const AxisValues&
   constexpr double kSecondOrder = 2.0;
   *direction_rad = std::numeric_limits<double>::infinity();
   if (!impl_->is_constant) return std::numeric_limits<double>::infinity();
-  double turn_rad = 0, travel_mm = 0, lever_mm = impl_->fixed_lever_mm;
-  for (int i = 0; i < impl_->machine.axis_count(); ++i) {
-    const double change = std::abs(to[i] - from[i]);
-    if (impl_->machine.axes[i].kind == machine::AxisKind::kRotary) {
-      turn_rad += 2.0 * change;
-    } else {
-      travel_mm += change;
-      lever_mm += std::max(std::abs(from[i]), std::abs(to[i]));
-    }
-  }
+  const auto [turn_rad, travel_mm, lever_mm] = impl_->ExtentOf(from, to);
   if (turn_rad == 0) {
     *direction_rad = 0;
     return DepartureBound(from, to);

@@ -90,13 +90,16 @@ absl::Status ReadEffect(const json& object, const std::string& where, const mach
     source->scale *= base::kMmPerUm;
     return absl::OkStatus();
   }
-  if (term.contains("amplitude")) return Refuse(where, "'amplitude' is what is drawn, expected none");
+  for (const char* const drawn : {"amplitude", "phase_deg"}) {
+    if (term.contains(drawn)) return Refuse(where, absl::StrCat("'", drawn, "' is what is drawn, expected none"));
+  }
   term["amplitude"] = 1.0;
   if (!term.contains("shape")) term["shape"] = shapes::Constant::kName;
-  if (term["shape"] == shapes::Harmonic::kName && !term.contains("phase_deg")) term["phase_deg"] = 0.0;
+  if (term["shape"] == shapes::Harmonic::kName || term["shape"] == shapes::Lobe::kName) term["phase_deg"] = 0.0;
   const absl::StatusOr<machine::ErrorModel> model =
       machine::ReadErrors(json({{"terms", json::array({term})}}).dump(), machine);
   if (!model.ok()) return base::Within("budget: " + where, model.status());
+  if (model->terms.size() != 1) return Refuse(where, "expected an error of one amplitude, no map");
   source->term = model->terms[0];
   source->scale *= machine::AmplitudeFactor(source->term);
   return absl::OkStatus();

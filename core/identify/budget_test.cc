@@ -43,6 +43,16 @@ TEST(Budget, SourcesComeInUmAndUrad) {
   EXPECT_NEAR(budget->sources[2].scale, 4e-3, 1e-15);
 }
 
+// The two parts of a probe's lobe are drawn each, along the approach of every touch.
+TEST(Budget, APreTravelLobeIsASource) {
+  const auto budget = ReadBudget(
+      WithSources(R"({"name": "lobe", "symbol": "ERT", "shape": "lobe", "order": 3, "sigma": 2, "drawn": "run"})"),
+      kMachine);
+  ASSERT_TRUE(budget.ok()) << budget.status();
+  EXPECT_EQ(machine::NameOf(kMachine, budget->sources[0].term), "ERT:lobe(3)");
+  EXPECT_NEAR(budget->sources[0].scale, 2e-3, 1e-15);
+}
+
 struct Bad {
   const char* text;
   const char* message;
@@ -74,6 +84,8 @@ TEST(Budget, SaysWhereItIsWrong) {
       {R"({"name": "a", "symbol": "EXX", "sigma": 1, "drawn": "run"})", "EXX does not go with shape 'constant'"},
       {R"({"name": "a", "symbol": "EC0C", "amplitude": 2, "sigma": 1, "drawn": "run"})",
        "'amplitude' is what is drawn"},
+      {R"({"name": "a", "symbol": "EXC", "shape": "harmonic", "order": 2, "phase_deg": 9, "sigma": 1, "drawn": "run"})",
+       "'phase_deg' is what is drawn"},
       {R"({"name": "a", "symbol": "EC0C", "sigma": 1, "drawn": "run", "sessions": "I"})", "expected names of sessions"},
       {R"({"name": "a", "reading": true, "symbol": "EC0C", "sigma": 1, "drawn": "run"})", "does not go with 'reading'"},
       {R"({"name": "a", "reading": true, "sigma": 1, "drawn": "run"}, {"name": "a", "reading": true, "sigma": 1,

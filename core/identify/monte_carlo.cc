@@ -16,26 +16,22 @@ using instruments::MeasuringRun;
 // The draws that stand for now.
 class Draws {
  public:
-  Draws(const Budget& budget, base::Random* random)
-      : budget_(budget), random_(*random), drawn_(budget.sources.size()) {}
+  Draws(const Budget& budget, base::Random* random) : budget_(budget), random_(*random) {
+    for (const Source& source : budget.sources) drawn_.push_back(source.term);
+  }
 
   void Draw(DrawnPer drawn_per) {
     for (size_t i = 0; i < drawn_.size(); ++i) {
       const Source& source = budget_.sources[i];
       if (source.drawn_per != drawn_per) continue;
-      for (double& amplitude : drawn_[i]) amplitude = source.scale * Standard(source.distribution);
+      for (double& amplitude : drawn_[i].amplitude) amplitude = source.scale * Standard(source.distribution);
     }
   }
   // What the sources add to the machine's errors at a state.
   void AddErrors(const std::vector<bool>& acts, const shapes::State& state,
                  machine::JointErrors<double>* errors) const {
-    double basis[shapes::kMaxBasisCount];
     for (size_t i = 0; i < drawn_.size(); ++i) {
-      const Source& source = budget_.sources[i];
-      if (!acts[i] || source.is_reading) continue;
-      shapes::Basis(source.term.shape, state, basis);
-      double& component = (*errors)[source.term.joint][static_cast<int>(source.term.component)];
-      for (int k = 0; k < shapes::BasisCount(source.term.shape); ++k) component += drawn_[i][k] * basis[k];
+      if (acts[i] && !budget_.sources[i].is_reading) machine::AddErrors(drawn_[i], state, errors);
     }
   }
   // What they add to one row of a reading. Those of readings are drawn anew for each row.
@@ -44,7 +40,8 @@ class Draws {
     for (size_t i = 0; i < drawn_.size(); ++i) {
       const Source& source = budget_.sources[i];
       if (!acts[i] || !source.is_reading) continue;
-      sum_mm += source.drawn_per == DrawnPer::kReading ? source.scale * Standard(source.distribution) : drawn_[i][0];
+      sum_mm += source.drawn_per == DrawnPer::kReading ? source.scale * Standard(source.distribution)
+                                                       : drawn_[i].amplitude[0];
     }
     return sum_mm;
   }
@@ -56,7 +53,7 @@ class Draws {
 
   const Budget& budget_;
   base::Random& random_;
-  std::vector<std::array<double, shapes::kMaxBasisCount>> drawn_;
+  std::vector<machine::ErrorTerm> drawn_;  // the sources' terms with the amplitudes that stand
 };
 
 // One set of sessions as it might have been measured.

@@ -17,25 +17,41 @@ std::vector<const Source*> SourcesOfReadings(const Budget& budget, const std::st
   return sources;
 }
 
-// Covariance of the rows of one reading over sigma^2.
-RowWeight RelativeCovariance(const std::vector<const Source*>& sources, const MeasuringRun& run, double sigma_mm,
-                             const shapes::State& state, const instruments::Evaluation& evaluation) {
-  RowWeight covariance = RowWeight::Identity(run.row_count, run.row_count);
-  for (const Source* const source : sources) {
-    const double share = source->sigma() / sigma_mm;
-    if (source->is_reading) {
-      covariance.diagonal().array() += share * share;
-      continue;
+// What a term of unit amplitude adds to the rows of a reading at a state.
+Eigen::VectorXd RowsOf(const machine::ErrorTerm& unit, const shapes::State& state,
+                       const instruments::Evaluation& evaluation) {
+  machine::JointErrors<double> errors;
+  machine::AddErrors(unit, state, &errors);
+  return evaluation.by_error.middleCols(machine::kComponents * unit.joint, machine::kComponents) * errors[unit.joint];
+}
+
+// Rows of a reading, moved by one standard deviation of a source: column i by the term's basis function i.
+Eigen::MatrixXd DeviationsOf(const Problem& problem, const MeasuringRun& run, int reading, const Source& source,
+                             const machine::ErrorModel& model, const double* setup) {
+  if (source.is_reading) return source.sigma() * Eigen::MatrixXd::Identity(run.row_count, run.row_count);
+  const int count = shapes::BasisCount(source.term.shape);
+  Eigen::MatrixXd deviations = Eigen::MatrixXd::Zero(run.row_count, count);
+  const auto add = [&](const shapes::State& state, const instruments::Evaluation& evaluation, double weight) {
+    for (int i = 0; i < count; ++i) {
+      machine::ErrorTerm unit = source.term;
+      unit.amplitude.fill(0.0);
+      unit.amplitude[i] = weight * source.sigma();
+      deviations.col(i) += RowsOf(unit, state, evaluation);
     }
-    const int column = machine::kComponents * source->term.joint + static_cast<int>(source->term.component);
-    double basis[shapes::kMaxBasisCount];
-    shapes::Basis(source->term.shape, state, basis);
-    for (int i = 0; i < shapes::BasisCount(source->term.shape); ++i) {
-      const Eigen::VectorXd rows = evaluation.by_error.col(column) * (basis[i] * share);
-      covariance += rows * rows.transpose();
-    }
+  };
+  machine::JointErrors<double> errors;
+  const auto errors_at = [&](const shapes::State& state) -> const machine::JointErrors<double>& {
+    return errors = machine::ErrorsAt(*problem.machine, model, state);
+  };
+  instruments::Evaluation evaluation;
+  if (run.path_readings != nullptr) {
+    instruments::EvaluateAlongPath(*problem.machine, run, reading, errors_at, setup, &evaluation, add);
+    return deviations;
   }
-  return covariance;
+  const shapes::State state = run.StateOf(reading);
+  instruments::Evaluate(*problem.machine, run, reading, errors_at(state), setup, &evaluation);
+  add(state, evaluation, 1.0);
+  return deviations;
 }
 
 }  // namespace
@@ -47,12 +63,14 @@ void WeighRows(const Budget& budget, const machine::ErrorModel& model, Problem* 
     const MeasuringRun& run = problem->runs[i];
     const std::vector<const Source*> sources = SourcesOfReadings(budget, run.session);
     if (sources.empty()) continue;
-    instruments::Evaluation evaluation;
+    const double* const setup = point.setup[problem->group_of_run[i]].data();
+    const double sigma_mm = problem->noise[i].sigma_mm;
     for (int k = 0; k < run.reading_count(); ++k) {
-      const shapes::State state = run.StateOf(k);
-      instruments::Evaluate(*problem->machine, run, k, machine::ErrorsAt(*problem->machine, model, state),
-                            point.setup[problem->group_of_run[i]].data(), &evaluation);
-      const RowWeight covariance = RelativeCovariance(sources, run, problem->noise[i].sigma_mm, state, evaluation);
+      RowWeight covariance = RowWeight::Identity(run.row_count, run.row_count);
+      for (const Source* const source : sources) {
+        const Eigen::MatrixXd deviations = DeviationsOf(*problem, run, k, *source, model, setup) / sigma_mm;
+        covariance += deviations * deviations.transpose();
+      }
       problem->row_weights[i].push_back(Eigen::SelfAdjointEigenSolver<RowWeight>(covariance).operatorInverseSqrt());
     }
   }

@@ -67,18 +67,7 @@ std::string NameOf(const Machine& machine, const ErrorTerm& term) {
 
 JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, const shapes::State& state) {
   JointErrors<double> errors;
-  double basis[shapes::kMaxBasisCount];
-  for (const ErrorTerm& term : model.terms) {
-    shapes::Basis(term.shape, state, basis);
-    if (shapes::IsAlongApproach(term.shape)) {
-      double value = 0.0;
-      for (int i = 0; i < shapes::BasisCount(term.shape); ++i) value += term.amplitude[i] * basis[i];
-      for (int c = 0; c < 3; ++c) errors[term.joint][c] -= value * state.approach.direction[c];
-      continue;
-    }
-    double& error = errors[term.joint][static_cast<int>(term.component)];
-    for (int i = 0; i < shapes::BasisCount(term.shape); ++i) error += term.amplitude[i] * basis[i];
-  }
+  for (const ErrorTerm& term : model.terms) AddErrors(term, state, &errors);
   return errors;
 }
 
