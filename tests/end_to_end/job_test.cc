@@ -297,6 +297,27 @@ TEST_F(Job, ACancelledJobStoresNothing) {
   EXPECT_EQ(cancel_when_it_runs(), JobState::kCancelled);
 }
 
+// Long jobs hold every worker, so that the one behind them is cancelled before it begins.
+TEST_F(Job, AJobThatWasCancelledRunsToItsEndOnceItIsQueuedAgain) {
+  const SessionId session = UploadSession("a", 10'000);
+  convert::IdentifyParams endless{MachineId("mt"), {session}, {}};
+  endless.monte_carlo_runs = 100'000;
+  std::vector<JobId> busy;
+  for (int i = 0; i < 8; ++i) {
+    const auto job = client().CreateJob(endless);
+    ASSERT_OK(job);
+    busy.push_back(job->id);
+  }
+  const auto job = client().CreateJob(convert::IdentifyParams{MachineId("mt"), {session}, {}});
+  ASSERT_OK(job);
+  ASSERT_OK(client().CancelJob(job->id));
+  EXPECT_EQ(client().WaitJob(job->id, std::chrono::seconds(60))->state, JobState::kCancelled);
+  for (const JobId& id : busy) ASSERT_OK(client().CancelJob(id));
+  for (const JobId& id : busy) ASSERT_OK(client().WaitJob(id, std::chrono::seconds(60)));
+  ASSERT_OK(client().RequeueJob(job->id));
+  EXPECT_EQ(client().WaitJob(job->id, std::chrono::seconds(60))->state, JobState::kSucceeded);
+}
+
 TEST_F(Job, ACancelledLoopStoresNothing) {
   const convert::CloseLoopParams params{MachineId("mt"), {UploadSession("a", 50'000)}, {UploadSession("b")}, {}};
   const auto job = client().CreateJob(params);
