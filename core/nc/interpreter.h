@@ -119,6 +119,8 @@ class Interpreter {
   bool MayMoveBy(int axis, Step* step);
   // The axis words' positions into step->end; false and Unsupported when one cannot be read.
   bool ReadTargets(const Block& block, Step* step);
+  // The value of one of them, of any number; false and Unsupported as above.
+  bool ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step);
   bool ReadArc(const Block& block, const Request& request, Step* step);
   std::string WordProblem(const Word& word) const;
   void Unsupported(std::string reason, bool is_consequence, Step* step);

@@ -201,39 +201,52 @@ bool Interpreter::MayMoveBy(int axis, Step* step) {
 }
 
 bool Interpreter::ReadTargets(const Block& block, Step* step) {
-  step->start = positions_;
+  step->start.CopyFrom(positions_, axis_count_);
   Positions& end = step->end;
-  end = positions_;
+  end.CopyFrom(positions_, axis_count_);
   for (int i = 0; i < axis_count_; ++i) {
     if (step->word_of_axis[i] < 0) continue;
     const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
+    const Decimal& number = word.number;
     const bool is_incremental = IsIncremental(word);
     if (is_incremental && !MayMoveBy(i, step)) return false;
-    const Ticks before = end.ticks[i], base = is_incremental ? before : offset(i);
+    const Ticks before = end.ticks[i], base = is_incremental ? before : offset(i), unit = ticks_per_unit(i);
     Ticks value = 0;
-    // Sums stay far from overflow: values are within 9e18, bases within 1e17.
-    const bool is_in_range =
-        ToTicks(word.number.has_point ? word.number : Meant(word.number), ticks_per_unit(i), &value) &&
-        InRange(value) && InRange(base + value);
-    const bool is_odd = !word.number.has_point && word.number.digits >= 5;
-    if (!is_in_range || is_odd) {
-      std::string problem = WordProblem(word);
-      if (problem.empty() && !is_in_range) problem = absl::StrCat("word ", WordText(word), " is out of range");
-      if (!problem.empty()) {
-        Unsupported(std::move(problem), false, step);
-        return false;
-      }
+    // With five whole digits at most, 2540 m, no limit is near.
+    if (number.has_point && number.decimals <= kMaxDecimals && number.digits - number.decimals <= 5) {
+      value = number.mantissa * GrainTicks(unit, number.decimals);
+    } else if (!ReadTarget(word, unit, &value, step)) {
+      return false;
     }
-    const Ticks target = base + value;
+    const Ticks target = base + value;  // far from overflow: values are within 9e18, bases within 1e17
+    if (!InRange(target)) {
+      Unsupported(absl::StrCat("word ", WordText(word), " is out of range"), false, step);
+      return false;
+    }
     if (target != before) end.sense[i] = target > before ? 1 : -1;
     end.ticks[i] = target;
     if (!end.is_known(i)) {
       end.sense[i] = 0;
       end.known |= static_cast<uint16_t>(1u << i);
     }
-    if (needs_absolute_ != 0) needs_absolute_ &= static_cast<uint16_t>(~(1u << i));
+  }
+  if (needs_absolute_ != 0) {
+    for (int i = 0; i < axis_count_; ++i) {
+      if (step->word_of_axis[i] >= 0) needs_absolute_ &= static_cast<uint16_t>(~(1u << i));
+    }
   }
   return true;
+}
+
+bool Interpreter::ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step) {
+  const bool is_in_range = ToTicks(Meant(word.number), unit, value) && InRange(*value);
+  const bool is_odd = !word.number.has_point && word.number.digits >= 5;
+  if (is_in_range && !is_odd) return true;
+  std::string problem = WordProblem(word);
+  if (problem.empty() && !is_in_range) problem = absl::StrCat("word ", WordText(word), " is out of range");
+  if (problem.empty()) return true;
+  Unsupported(std::move(problem), false, step);
+  return false;
 }
 
 void Interpreter::Move(const Block& block, const Request& request, Step* step) {
@@ -242,7 +255,7 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   if (modal_.motion == Meaning::kArc && !ReadArc(block, request, step)) return;
   step->kind = StepKind::kMove;
   step->tool_length = coordinates_.active_length();
-  positions_ = step->end;
+  positions_.CopyFrom(step->end, axis_count_);
   has_moved_ = true;
 }
 

@@ -365,6 +365,11 @@ void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
   block->is_deletable = block->is_marked = block->has_assignment = false;
   block->problem = LexProblem::kNone;
   block->problem_at = 0;
+  // Nearly every block is plain words from its first byte to its last.
+  const bool begins_with_word =
+      size > 0 && *text >= 'A' && *text <= 'Z' && *text != 'O' && !dialect.has_bare_keywords;
+  if (begins_with_word && ReadPlainWords(text, text, text + size, block) == text + size) return;
+  block->word_count = 0;
   BlockLexer(text, size, dialect, block).Run();
 }
 

@@ -49,6 +49,15 @@ struct Positions {
   uint16_t known = 0;                             // bit i: axis i
 
   bool is_known(int axis) const { return known >> axis & 1; }
+
+  // Of the first `count` axes: the machine has no more.
+  void CopyFrom(const Positions& other, int count) {
+    for (int i = 0; i < count; ++i) {
+      ticks[static_cast<size_t>(i)] = other.ticks[static_cast<size_t>(i)];
+      sense[static_cast<size_t>(i)] = other.sense[static_cast<size_t>(i)];
+    }
+    known = other.known;
+  }
 };
 
 }  // namespace axiscal::nc

@@ -41,6 +41,7 @@ MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const R
       orientation_(options.orientation),
       max_rotary_correction_rad_(options.max_rotary_correction_rad),
       mm_per_rad_(std::min(options.tolerance_mm, kMostToleranceMm) / options.tolerance_rad),
+      begins_near_(options.orientation || !compensator.is_constant()),
       corrected_(compensator.linear_axes()) {
   for (int i = 0; i < axis_count_; ++i) {
     const bool is_rotary = compensator.machine().axes[i].kind == machine::AxisKind::kRotary;
@@ -53,8 +54,10 @@ MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const R
 absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& senses, const WordGrain& grain,
                                       Piece* piece) const {
   compensate::AxisValues near;
-  for (const int axis : corrected_)
-    near[axis] = static_cast<double>(piece->targets[axis] - piece->nominal[axis]) * unit_per_tick_[axis];
+  if (begins_near_) {
+    for (const int axis : corrected_)
+      near[axis] = static_cast<double>(piece->targets[axis] - piece->nominal[axis]) * unit_per_tick_[axis];
+  }
   compensate::Pose& pose = piece->pose;
   for (int i = 0; i < axis_count_; ++i) {
     pose.position[i] = static_cast<double>(nominal[i]) * unit_per_tick_[i];

@@ -115,6 +115,7 @@ class MoveCorrector {
   bool orientation_;
   double max_rotary_correction_rad_;
   double mm_per_rad_;           // tolerance_mm / tolerance_rad
+  bool begins_near_;            // the last correction is where the next one is looked for
   std::vector<int> corrected_;  // axes: the linear ones, then with orientation the rotary ones
   bool uses_sense_ = false;
   std::array<double, machine::kMaxAxes> unit_per_tick_{};  // mm or rad
