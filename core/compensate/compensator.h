@@ -90,7 +90,7 @@ class Compensator {
   double DepartureBound(const AxisValues& from, const AxisValues& to) const;
   // The same of corrections that turn the tool too (orientation.h), none of them at its bound: of the commands, weighed
   // by what they do to the point; `direction_rad` by what they do to the direction. `least_turn` is the least turn of
-  // the tool per rad of a rotary change along the move. Infinity where errors vary.
+  // the tool per rad of a rotary change at either end of the move. Infinity where that may fall to zero on the way.
   double TurnDepartureBound(const AxisValues& from, const AxisValues& to, double least_turn,
                             double* direction_rad) const;
   // Travel of one axis (mm or rad) over which the correction bends so little that samples that far apart show it.

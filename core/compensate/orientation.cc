@@ -28,17 +28,39 @@ struct Answer {
   double least_turn = 0;
 };
 
+// The squares of the singular values of J, ascending, and v_k.
+struct Parts {
+  Change squares;
+  Gram directions;
+};
+
+// Of two axes by one rotation that makes their columns orthogonal (Jacobi): nearly every machine has two, and this runs
+// for every block.
+Parts PartsOf(const Jacobian& jacobian) {
+  if (jacobian.cols() != 2) {
+    const Eigen::SelfAdjointEigenSolver<Gram> solver(jacobian.transpose() * jacobian);
+    return {solver.eigenvalues(), solver.eigenvectors()};
+  }
+  const Eigen::Vector3d a = jacobian.col(0), b = jacobian.col(1);
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
+  const double angle = 0.5 * std::atan2(2.0 * ab, aa - bb);  // of the larger one
+  const double c = std::cos(angle), s = std::sin(angle);
+  Parts parts{Change(2), Gram(2, 2)};
+  parts.squares << (b * c - a * s).squaredNorm(), (a * c + b * s).squaredNorm();
+  parts.directions << -s, c, c, s;
+  return parts;
+}
+
 // The formula of the header.
 Answer TurnTowards(const Jacobian& jacobian, const Eigen::Vector3d& wanted, double bound_rad) {
-  const Gram gram = jacobian.transpose() * jacobian;
-  const Eigen::SelfAdjointEigenSolver<Gram> parts(gram);
+  const Parts parts = PartsOf(jacobian);
   Answer answer;
   answer.change = Change::Zero(jacobian.cols());
-  if (jacobian.cols() > 0) answer.least_turn = std::sqrt(std::max(0.0, parts.eigenvalues()[0]));  // ascending
+  if (jacobian.cols() > 0) answer.least_turn = std::sqrt(std::max(0.0, parts.squares[0]));
   for (Eigen::Index k = 0; k < jacobian.cols(); ++k) {
-    const double squared = parts.eigenvalues()[k];
+    const double squared = parts.squares[k];
     if (!(squared > kNoTurnSquared)) continue;
-    const Change direction = parts.eigenvectors().col(k);
+    const Change direction = parts.directions.col(k);
     const double projected = (jacobian * direction).dot(wanted);  // s_k (u_k e)
     const double exact = projected / squared;
     if (std::abs(exact) <= bound_rad) {

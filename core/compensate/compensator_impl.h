@@ -1,0 +1,80 @@
+// What a compensator holds, and what its parts share. Private to compensator.cc (made, asked), inverse.cc (the commands
+// at one pose) and departure.cc (how far corrections bend along moves).
+#ifndef AXISCAL_CORE_COMPENSATE_COMPENSATOR_IMPL_H_
+#define AXISCAL_CORE_COMPENSATE_COMPENSATOR_IMPL_H_
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/compensate/compensator.h"
+#include "core/compensate/folded_chain.h"
+
+namespace axiscal::compensate {
+
+struct Compensator::Impl {
+  machine::Machine machine;
+  Options options;
+  machine::ErrorModel carried;
+  std::vector<std::string> not_carried;
+  std::vector<int> linear_axes;
+  std::array<bool, machine::kMaxAxes> uses_sense{};
+  bool is_constant = true;  // all carried terms are: the folded chain is exact
+  FoldedChain nominal, actual;
+  // For DepartureBound: sums of the constant terms' magnitudes, and the terms that are not constant.
+  double fixed_lever_mm = 0, translation_errors_mm = 0, angle_errors_rad = 0;
+  std::vector<machine::ErrorTerm> varying;
+  // The sum of the constant terms, and the joints' maps of it; joints with varying terms get theirs at every pose.
+  machine::JointErrors<double> constant;
+  JointMaps constant_maps;
+  std::vector<int> varying_joints;
+  std::array<double, machine::kMaxAxes> smooth_travel{};
+
+  // departure.cc
+  // Sums of the errors and the travels over which they look straight, of `carried`.
+  void MeasureErrors();
+  // How far a move turns, twice (the errors' turns and the inverse's), how far it goes, and its longest lever.
+  struct Extent {
+    double turn_rad = 0, travel_mm = 0, lever_mm = 0;
+  };
+  Extent ExtentOf(const AxisValues& from, const AxisValues& to) const;
+  // How much the tool point's error changes per mm of change of the linear axes near a pose, at most.
+  double ErrorSlope(const Pose& pose) const;
+
+  // inverse.cc
+  absl::Status RequireFinite(const Pose& pose) const;
+  absl::Status Correct(const Pose& pose, const double* near_mm, Correction* correction) const;
+  absl::Status CorrectTurned(const Pose& pose, const AxisValues& turned, const double* near_mm,
+                             Correction* correction) const;
+  void EvaluateNominal(const Pose& pose, const Turns& turns, AffineTip* wanted) const;
+  void Aim(const Pose& commanded, TurnColumns* columns) const;
+  // The joints' maps at a pose: only those of varying terms are computed.
+  void MapsAt(const Pose& pose, JointMaps* maps) const;
+  // The chain with the errors at a pose.
+  const FoldedChain& ChainAt(const Pose& pose, FoldedChain* chain) const;
+
+ private:
+  absl::Status RankError(const Pose& pose) const;
+  // Commands of the linear axes that move the tool point by `move_mm`; the shortest ones when there are more than three
+  // axes.
+  absl::Status Solve(const Pose& pose, const Columns& tip_per_mm, const Eigen::Vector3d& move_mm,
+                     double* change_mm) const;
+  // One step at the errors of `commanded`: what the tool point lacks, and the step that would bring it there.
+  absl::Status Step(const Pose& pose, const FoldedChain& chain, const Turns& turns, const AffineTip& wanted,
+                    Pose* commanded, Eigen::Vector3d* lacking_mm, double* change_mm, AffineTip* found) const;
+  void Apply(const double* change_mm, AxisValues* positions) const {
+    for (size_t k = 0; k < linear_axes.size(); ++k) (*positions)[linear_axes[k]] += change_mm[k];
+  }
+  void Finish(const AffineTip& wanted, const AffineTip& found, double after_mm, Correction* correction) const;
+  // The commands of the linear axes that bring the tool point to `wanted`, the rotary axes being at `pose`.
+  absl::Status Reach(const Pose& pose, const Turns& turns, const AffineTip& wanted, const double* near_mm,
+                     Correction* correction) const;
+  // Errors that vary with the position act at the command that the machine gets: the step is repeated until what the
+  // last change of the command may have changed of the errors is below the tolerance. Begins at `near_mm`.
+  absl::Status Iterate(const Pose& pose, const Turns& turns, const AffineTip& wanted, const double* near_mm,
+                       Correction* correction) const;
+};
+
+}  // namespace axiscal::compensate
+
+#endif  // AXISCAL_CORE_COMPENSATE_COMPENSATOR_IMPL_H_
