@@ -12,6 +12,7 @@
 #include "core/base/files.h"
 #include "core/base/strict_json.h"
 #include "core/identify/monte_carlo.h"
+#include "core/machine/error_symbol.h"
 
 namespace axiscal::cli {
 namespace {
@@ -20,7 +21,8 @@ struct Arguments {
   std::string machine, request_id;
   std::vector<std::string> sessions, declared;
   bool all = false, no_wait = false;
-  std::string budget, model;
+  std::string budget, model, hold;
+  std::vector<std::string> hold_only;
   std::optional<int> monte_carlo;
   std::optional<uint64_t> seed;
 };
@@ -56,7 +58,74 @@ absl::StatusOr<std::vector<std::string>> ErrorsOf(const std::string& path) {
       errors.push_back(term.dump());
     }
   }
+  if (errors.empty()) return absl::InvalidArgumentError(path + ": no error in it");
   return errors;
+}
+
+// "EX0C,{"symbol": "EBB", "shape": "harmonic", "order": 45},EA0C": commas inside braces separate nothing.
+std::vector<std::string> SplitErrors(const std::vector<std::string>& words) {
+  std::vector<std::string> errors;
+  for (const std::string& word : words) {
+    errors.emplace_back();
+    int depth = 0;
+    for (const char c : word) {
+      depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+      if (c == ',' && depth == 0) {
+        errors.emplace_back();
+      } else {
+        errors.back().push_back(c);
+      }
+    }
+  }
+  return errors;
+}
+
+// The constant errors of an errors.json, or of a calibration's model, that `only` names; what else it holds is dropped.
+absl::StatusOr<std::string> Only(const std::vector<std::string>& only, Json document) {
+  if (!document.is_object()) return document.dump();  // refused where it is read
+  Json& errors = document.contains("model") && document["model"].is_object() ? document["model"] : document;
+  Json kept = Json::object();
+  for (const std::string& name : only) {
+    ASSIGN_OR_RETURN(const machine::ErrorSymbol symbol, machine::ParseErrorSymbol(name));
+    const std::string written = machine::ToString(symbol);
+    if (!errors.contains(written)) {
+      return absl::InvalidArgumentError(absl::StrCat("--hold-only: ", name, " is no constant error of what is held"));
+    }
+    kept[written] = errors[written];
+  }
+  if (&errors == &document) return kept.dump();
+  Json calibration = Json::object();
+  for (const char* const key : {"id", "machine", "report"}) {
+    if (document.contains(key)) calibration[key] = document[key];
+  }
+  calibration["model"] = std::move(kept);
+  return calibration.dump();
+}
+
+// A number is a calibration; all else a file.
+absl::Status ReadHeld(Context& context, const Arguments& arguments, convert::IdentifyParams* params) {
+  const std::string& hold = arguments.hold;
+  if (hold.empty() && !arguments.hold_only.empty()) {
+    return absl::InvalidArgumentError("--hold-only: expected --hold with it");
+  }
+  if (hold.empty()) return absl::OkStatus();
+  int64_t id = 0;
+  if (absl::SimpleAtoi(hold, &id)) {
+    if (arguments.hold_only.empty()) {
+      params->held_calibration = CalibrationId(id);
+      return absl::OkStatus();
+    }
+    ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+    ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(CalibrationId(id)));
+    ASSIGN_OR_RETURN(params->held_errors_json, Only(arguments.hold_only, ToJson(record)));
+    return absl::OkStatus();
+  }
+  ASSIGN_OR_RETURN(params->held_errors_json, base::ReadFile(hold, base::kMaxJsonBytes));
+  const auto document = base::ParseStrictJson(params->held_errors_json);
+  if (!document.ok()) return base::Within(hold, document.status());
+  if (arguments.hold_only.empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(params->held_errors_json, Only(arguments.hold_only, *document));
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, const Arguments& arguments) {
@@ -78,7 +147,8 @@ absl::Status Identify(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   convert::IdentifyParams params;
   params.machine = MachineId(arguments.machine);
-  params.declared = arguments.declared;
+  params.declared = SplitErrors(arguments.declared);
+  RETURN_IF_ERROR(ReadHeld(context, arguments, &params));
   if (!arguments.model.empty()) {
     ASSIGN_OR_RETURN(params.declared, ErrorsOf(arguments.model));
   }
@@ -107,14 +177,17 @@ void AddIdentifyCommand(CLI::App& app, Context& context) {
   identify->add_option("--machine", arguments->machine, "the machine")->required();
   identify->add_option("--sessions", arguments->sessions, "sessions to use, by number or name")->delimiter(',');
   identify->add_flag("--all", arguments->all, "use every complete session of the machine");
-  CLI::Option* const declare =
-      identify
-          ->add_option("--declare", arguments->declared, "errors to identify, instead of the machine's declared ones")
-          ->delimiter(',');
+  CLI::Option* const declare = identify->add_option(
+      "--declare", arguments->declared,
+      "errors to identify, instead of the machine's declared ones: symbols, or terms of errors.json");
   identify
       ->add_option("--model", arguments->model,
                    "errors.json: the errors to identify, of any shape, maps too; its numbers are not used")
       ->excludes(declare);
+  identify->add_option("--hold", arguments->hold,
+                       "errors that are known and not fitted: a calibration's number, or a file (errors.json, or what "
+                       "calibration show --json prints)");
+  identify->add_option("--hold-only", arguments->hold_only, "of them only these constant errors")->delimiter(',');
   identify->add_option("--budget", arguments->budget, "error budget, JSON: sources of error that scatter the readings");
   identify
       ->add_option("--monte-carlo", arguments->monte_carlo, "simulate the sessions so often, report how errors spread")
@@ -126,11 +199,15 @@ void AddIdentifyCommand(CLI::App& app, Context& context) {
       "Errors are ISO 230-1 symbols (EX0C, EA0B, EZ0T). Each session's set-up (place of the sphere, run-out of the "
       "ball ...) is fitted\n"
       "beside them. What the sessions cannot tell is said so and gets no number.\n"
+      "--hold keeps errors of an earlier calibration at their values (the head first, then the table); what is "
+      "fitted carries their uncertainty\n"
+      "too, and the new calibration holds both.\n"
       "--monte-carlo simulates them with all that --budget names, on all of the server's workers, and states the "
       "spread beside.\n"
       "Examples: axiscal identify --machine mt --all\n"
       "          axiscal identify --machine mt --all --budget sources.json --monte-carlo 1000\n"
-      "          axiscal identify --machine mt --sessions BX,BY,CR --declare EA0B,EC0B,EX0C");
+      "          axiscal identify --machine mt --sessions BX,BY,CR --declare EA0B,EC0B,EX0C\n"
+      "          axiscal identify --machine mt --sessions table --hold 1");
   SetAction(identify, context, [&context, arguments] { return Identify(context, *arguments); });
 }
 

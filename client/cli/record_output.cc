@@ -184,6 +184,27 @@ Json ToJson(const storage::FleetRow& row) {
 
 namespace {
 
+// Errors that were held, as rows of the errors' table, and whether their uncertainty is in what is stated.
+std::string HeldRows(const Json& report, std::vector<std::vector<std::string>>* rows) {
+  const Json held = report.is_object() ? report.value("held", Json::object()) : Json::object();
+  std::string unknown, known;
+  for (const Json& error : held.value("errors", Json::array())) {
+    const std::string name = error.value("name", error.value("symbol", ""));
+    const Json sigma = error.value("sigma", Json());
+    rows->push_back({name, NumberText(error.value("value", NAN)), sigma.is_number() ? NumberText(sigma) : "-",
+                     error.value("unit", ""), "held"});
+    std::string& list = sigma.is_number() ? known : unknown;
+    absl::StrAppend(&list, list.empty() ? "" : ", ", name);
+  }
+  std::string text;
+  if (!known.empty()) absl::StrAppend(&text, "the uncertainty of the held ", known, " is part of every sigma\n");
+  if (!unknown.empty()) {
+    absl::StrAppend(&text, "the uncertainty of the held ", unknown,
+                    " is not known: every sigma holds for exactly these values\n");
+  }
+  return text;
+}
+
 // What a report of identify::ToJson says beyond the single errors: lines for people.
 std::string ReportText(const Json& report) {
   std::string text;
@@ -259,8 +280,9 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
     rows.push_back({estimate.symbol, NumberText(estimate.value), NumberText(estimate.sigma), UnitName(estimate.unit),
                     estimate.identifiable ? "" : "not identifiable from these sessions"});
   }
-  absl::StrAppend(&text, Table(rows));
   const Json report = Embedded(content.report_json);
+  const std::string held = HeldRows(report, &rows);
+  absl::StrAppend(&text, Table(rows), held);
   const bool is_of_loop = report.is_object() && report.contains("verdict");
   if (is_of_loop) {
     absl::StrAppend(&text, ReportText(report), LoopText(report));
@@ -273,8 +295,9 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
   } else {
     absl::StrAppend(&text, "rms: ");
   }
-  absl::StrAppend(&text, "with the set-ups fitted ", NumberText(content.rms_before_um), " um, with these errors too ",
-                  NumberText(content.rms_after_um), " um\n");
+  absl::StrAppend(&text, "with the set-ups fitted", held.empty() ? " " : " and the held errors ",
+                  NumberText(content.rms_before_um), " um, with these errors too ", NumberText(content.rms_after_um),
+                  " um\n");
   return text + MonteCarloText(report) + PoorFitText(record);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/demand.h"
 #include "core/identify/naming.h"
@@ -69,7 +70,7 @@ std::vector<Outlier> ListOutliers(const Problem& problem, const std::vector<Eige
 }
 
 std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point, const Covariance& covariance,
-                                     double scale, const std::vector<Eigen::MatrixXd>& residuals_mm) {
+                                     const std::vector<Eigen::MatrixXd>& residuals_mm) {
   std::vector<SessionFit> sessions;
   for (size_t i = 0; i < problem.runs.size(); ++i) {
     const int group = problem.group_of_run[i];
@@ -81,7 +82,7 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
     for (size_t k = 0; k < problem.groups[group].parameters.size(); ++k) {
       const instruments::SetupParameter& parameter = problem.groups[group].parameters[k];
       session.setup.push_back(
-          {parameter.name, point.setup[group][k], scale * covariance.setup_sigma[group][k], parameter.is_angle});
+          {parameter.name, point.setup[group][k], covariance.setup_sigma[group][k], parameter.is_angle});
     }
     sessions.push_back(std::move(session));
   }
@@ -114,13 +115,12 @@ std::vector<Combination> DeterminedCombinations(const std::vector<Estimate>& est
 }
 
 void DescribeErrors(const Problem& problem, const Solution& solution, const NullSpace& null_space,
-                    const Covariance& covariance, double scale, const std::vector<Parameter>& parameters,
-                    Result* result) {
+                    const Covariance& covariance, const std::vector<Parameter>& parameters, Result* result) {
   const int p = static_cast<int>(parameters.size());
   Eigen::VectorXd values(p), sigmas(p);
   for (int i = 0; i < p; ++i) {
     values[i] = ValueOf(solution.point.model, parameters[i]);
-    sigmas[i] = scale * std::sqrt(std::max(0.0, covariance.errors(i, i)));
+    sigmas[i] = std::sqrt(std::max(0.0, covariance.errors(i, i)));
     Estimate estimate = NamedEstimate(*problem.machine, solution.point.model, parameters[i]);
     estimate.identifiable = !null_space.involved[i];
     if (estimate.identifiable) {
@@ -133,7 +133,7 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
   for (int i = 0; i < p; ++i) {
     for (int j = 0; j < p; ++j) {
       if (null_space.involved[i] || null_space.involved[j]) continue;
-      result->correlation(i, j) = covariance.errors(i, j) * scale * scale / (sigmas[i] * sigmas[j]);
+      result->correlation(i, j) = covariance.errors(i, j) / (sigmas[i] * sigmas[j]);
     }
   }
   for (int k = 0; k < null_space.directions.rows(); ++k) {
@@ -142,6 +142,41 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
   result->determined = DeterminedCombinations(result->estimates, null_space, values, sigmas);
   result->rank = null_space.rank;
   result->condition = null_space.condition;
+}
+
+// Uncertainties of the fitted errors and set-ups; behind the fitted errors those that are held.
+Covariance UncertaintyOf(const Problem& problem, const Solution& solution, const NullSpace& null_space,
+                         const std::vector<Parameter>& parameters, double scale) {
+  if (problem.fixed_covariance.size() == 0) {
+    return CovarianceOf(problem, solution.point, solution.normal, null_space.fixed, scale);
+  }
+  Problem all_free = problem;
+  all_free.fixed_model = {};
+  Point point = solution.point;
+  std::vector<Parameter> all = parameters;
+  const int fitted = static_cast<int>(point.model.terms.size());
+  for (Parameter held : ListParameters(problem.fixed_model, true)) {
+    held.term += fitted;
+    all.push_back(held);
+  }
+  point.model.terms.insert(point.model.terms.end(), problem.fixed_model.terms.begin(), problem.fixed_model.terms.end());
+  return CovarianceOf(all_free, point, Assemble(all_free, point, all), null_space.fixed, scale,
+                      problem.fixed_covariance);
+}
+
+// `covariance`: of the fitted errors and the held ones.
+void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Result* result) {
+  result->held_errors = held.errors;
+  const Eigen::Index p = static_cast<Eigen::Index>(result->estimates.size()),
+                     h = static_cast<Eigen::Index>(held.errors.size());
+  result->held_correlation = Eigen::MatrixXd::Constant(h, p + h, std::numeric_limits<double>::quiet_NaN());
+  const Eigen::VectorXd sigma = covariance.errors.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (Eigen::Index i = 0; i < h; ++i) {
+    for (Eigen::Index j = 0; j < p + h; ++j) {
+      if (sigma[p + i] == 0.0 || sigma[j] == 0.0 || (j < p && !result->estimates[j].identifiable)) continue;
+      result->held_correlation(i, j) = covariance.errors(p + i, j) / (sigma[p + i] * sigma[j]);
+    }
+  }
 }
 
 // Gives correlated runs the correlation that their residuals show, and the scatter that goes with it where it is above
@@ -237,9 +272,10 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   fit.result.fit = StatisticsOf(problem, solution.point, solution.residuals_mm,
                                 static_cast<int>(parameters.size()) - static_cast<int>(null_space.fixed.size()));
   const double scale = options.scale_uncertainties ? std::sqrt(std::max(1.0, fit.result.fit.chi2_per_dof)) : 1.0;
-  const Covariance covariance = CovarianceOf(problem, solution.point, solution.normal, null_space.fixed);
-  DescribeErrors(problem, solution, null_space, covariance, scale, parameters, &fit.result);
-  fit.result.sessions = ListSessions(problem, solution.point, covariance, scale, solution.residuals_mm);
+  const Covariance covariance = UncertaintyOf(problem, solution, null_space, parameters, scale);
+  DescribeErrors(problem, solution, null_space, covariance, parameters, &fit.result);
+  if (options.held_errors) DescribeHeldErrors(*options.held_errors, covariance, &fit.result);
+  fit.result.sessions = ListSessions(problem, solution.point, covariance, solution.residuals_mm);
   fit.result.outliers = ListOutliers(problem, solution.residuals_mm);
   fit.result.model = solution.point.model;
   fit.result.iterations = solution.iterations;
@@ -297,6 +333,10 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<Measuri
   if (runs.empty()) return absl::InvalidArgumentError("no sessions to identify from");
   ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
   const machine::ErrorModel model = options.model ? *options.model : machine::DeclaredModel(machine);
+  if (options.held_errors) {
+    problem.fixed_model = options.held_errors->model;
+    problem.fixed_covariance = options.held_errors->covariance;
+  }
   if (options.budget) {
     std::vector<std::string> names;
     for (const MeasuringRun& run : problem.runs) names.push_back(run.session);
@@ -324,7 +364,9 @@ absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vect
   ASSIGN_OR_RETURN(std::vector<MeasuringRun> runs, BindSessions(machine, sessions));
   ASSIGN_OR_RETURN(Fit fit, FitRuns(machine, std::move(runs), options));
   const Point nominal = StartingPoint(fit.problem, {});
+  const machine::ErrorModel held = std::exchange(fit.problem.fixed_model, {});
   fit.result.nominal = StatisticsOf(fit.problem, nominal, ResidualsOf(fit.problem, nominal), 0);
+  fit.problem.fixed_model = held;
   return fit;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/identify/budget.h"
+#include "core/identify/held.h"
 #include "core/identify/problem.h"
 #include "core/identify/result.h"
 #include "core/machine/machine.h"
@@ -38,6 +39,9 @@ struct Options {
   // A model that misses by hundreds of sigma is fitted with sigma raised (Result::noise_scale); false ends the fit with
   // FAILED_PRECONDITION instead.
   bool raise_noise = true;
+  // Errors of an earlier identification that act at their values; the model holds none of them. Of FitRuns and
+  // Identify.
+  std::optional<HeldErrors> held_errors;
   // Polled in every iteration; true ends the fit with CANCELLED.
   std::function<bool()> cancelled;
   std::function<void(const Progress&)> progress;

@@ -1,5 +1,6 @@
 #include "core/identify/monte_carlo.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -62,6 +63,10 @@ class Simulator {
   Simulator(const Fit& fit, const Budget& budget) : fit_(fit), budget_(budget) {
     // Uncertainties were scaled where the readings scatter more than stated: so is the noise.
     noise_scale_ = std::sqrt(std::max(1.0, fit.result.fit.chi2_per_dof));
+    if (const Eigen::MatrixXd& held = fit.problem.fixed_covariance; held.size() > 0) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(held);
+      held_spread_ = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    }
     for (const MeasuringRun& run : fit.problem.runs) {
       std::vector<bool>& acts = acts_.emplace_back();
       for (const Source& source : budget.sources) acts.push_back(source.ActsIn(run.session));
@@ -70,13 +75,15 @@ class Simulator {
 
   Problem Simulate(base::Random* random) const {
     Problem problem = fit_.problem;
+    DrawFixedErrors(random, &problem);
     const Point truth = DrawSetups(random);
     Draws draws(budget_, random);
     draws.Draw(DrawnPer::kRun);
     for (size_t i = 0; i < problem.runs.size(); ++i) {
       draws.Draw(DrawnPer::kSession);
-      SimulateRun(i, truth, &draws, random, &problem.runs[i]);
+      SimulateRun(problem, i, truth, &draws, random, &problem.runs[i]);
     }
+    problem.fixed_model = fit_.problem.fixed_model;  // what the fit takes them for
     return problem;
   }
 
@@ -94,12 +101,25 @@ class Simulator {
     return truth;
   }
 
-  void SimulateRun(size_t index, const Point& truth, Draws* draws, base::Random* random, MeasuringRun* run) const {
+  // Errors that the fit holds are what they are held for within their uncertainty.
+  void DrawFixedErrors(base::Random* random, Problem* problem) const {
+    if (held_spread_.size() == 0) return;
+    Eigen::VectorXd draws(held_spread_.cols());
+    for (double& draw : draws) draw = random->Normal();
+    const Eigen::VectorXd off = held_spread_ * draws;
+    const std::vector<Parameter> parameters = ListParameters(problem->fixed_model, true);
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      SetValue(parameters[i], ValueOf(problem->fixed_model, parameters[i]) + off[i], &problem->fixed_model);
+    }
+  }
+
+  void SimulateRun(const Problem& problem, size_t index, const Point& truth, Draws* draws, base::Random* random,
+                   MeasuringRun* run) const {
     const Noise& noise = fit_.problem.noise[index];
     const double sigma_mm = budget_.with_reading_noise ? noise_scale_ * noise.sigma_mm : 0.0;
     std::vector<base::RippleNoise> ripple(run->row_count, base::RippleNoise(noise.ar1));
     const double* const setup = truth.setup[fit_.problem.group_of_run[index]].data();
-    ErrorsOfRun errors_of_run(fit_.problem, truth);
+    ErrorsOfRun errors_of_run(problem, truth);
     for (int k = 0; k < run->reading_count(); ++k) {
       draws->Draw(DrawnPer::kReading);
       machine::JointErrors<double> errors;
@@ -120,6 +140,7 @@ class Simulator {
   const Fit& fit_;
   const Budget& budget_;
   double noise_scale_;
+  Eigen::MatrixXd held_spread_;          // times its transpose: covariance of held errors
   std::vector<std::vector<bool>> acts_;  // per run and source
 };
 

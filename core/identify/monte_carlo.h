@@ -33,7 +33,7 @@ struct Spread {
   std::string name, unit;
   double factor = 1.0;        // mm or rad per unit
   double value = 0.0;         // as identified: the truth of the simulation
-  double linear_sigma = 0.0;  // standard uncertainty by linear propagation, of the readings' noise alone
+  double linear_sigma = 0.0;  // standard uncertainty by linear propagation, of the readings' noise and held errors
   double mean = 0.0, sigma = 0.0;
   double low = 0.0, high = 0.0;  // 2.5 and 97.5 % quantiles
 };

@@ -42,7 +42,8 @@ using RowWeight = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::C
 
 struct Problem {
   const machine::Machine* machine = nullptr;
-  machine::ErrorModel fixed_model;  // errors that act but are not fitted
+  machine::ErrorModel fixed_model;   // errors that act but are not fitted
+  Eigen::MatrixXd fixed_covariance;  // of ListParameters(fixed_model, true), mm and rad; empty: they are exact
   std::vector<instruments::MeasuringRun> runs;
   std::vector<Noise> noise;                // per run
   std::vector<std::vector<bool>> is_used;  // per run, reading * row_count + row; false for readings set aside

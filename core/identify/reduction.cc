@@ -179,19 +179,28 @@ Step SolveStep(const Problem& problem, const Point& point, const NormalEquations
 }
 
 Covariance CovarianceOf(const Problem& problem, const Point& point, const NormalEquations& normal,
-                        const std::vector<int>& held) {
+                        const std::vector<int>& held, double scale, const Eigen::MatrixXd& known) {
   const Reduced reduced = Reduce(problem, point, normal, Priors::kAll);
-  const int p = static_cast<int>(reduced.gradient.size());
+  const int p = static_cast<int>(reduced.gradient.size()), h = static_cast<int>(known.rows());
   Covariance out;
   out.errors = Eigen::MatrixXd::Zero(p, p);
-  const std::vector<int> free = FreeErrors(p, held);
+  const std::vector<int> free = FreeErrors(p - h, held);
   const int n = static_cast<int>(free.size());
-  out.errors(free, free) = ScaledFactor(reduced.information(free, free)).Solve(Eigen::MatrixXd::Identity(n, n));
+  const ScaledFactor information(reduced.information(free, free));
+  out.errors(free, free) = scale * scale * information.Solve(Eigen::MatrixXd::Identity(n, n));
+  if (h > 0) {
+    // A known error that is off by d moves the fitted ones by slopes * d.
+    Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(p, h);
+    slopes.bottomRows(h).setIdentity();
+    const Eigen::MatrixXd by_known = reduced.information.rightCols(h);
+    slopes(free, Eigen::all) = -information.Solve(by_known(free, Eigen::all));
+    out.errors += slopes * known * slopes.transpose();
+  }
   for (size_t g = 0; g < normal.groups.size(); ++g) {
     const Eliminated eliminated = Eliminate(problem.groups[g], point.setup[g], normal.groups[g], Priors::kAll);
     const int s = normal.groups[g].setup_count;
     const Eigen::MatrixXd by_errors = eliminated.setup.Solve(eliminated.setup_by_errors);
-    const Eigen::MatrixXd own = eliminated.setup.Solve(Eigen::MatrixXd::Identity(s, s));
+    const Eigen::MatrixXd own = scale * scale * eliminated.setup.Solve(Eigen::MatrixXd::Identity(s, s));
     out.setup_sigma.push_back(
         (own + by_errors * out.errors * by_errors.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
   }

@@ -60,8 +60,10 @@ struct Covariance {
   std::vector<Eigen::VectorXd> setup_sigma;  // per group
 };
 
+// `scale` multiplies what the readings' scatter makes uncertain. `known`: covariance of the last columns, errors that
+// are not fitted but known from elsewhere; they and their share of the fitted ones' uncertainty are in the result.
 Covariance CovarianceOf(const Problem& problem, const Point& point, const NormalEquations& normal,
-                        const std::vector<int>& held);
+                        const std::vector<int>& held, double scale = 1.0, const Eigen::MatrixXd& known = {});
 
 // Sum of squares of the priors' residuals.
 double PriorSquares(const Problem& problem, const Point& point);

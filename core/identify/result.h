@@ -21,7 +21,7 @@ struct Estimate {
   // mm or rad (per the shape's reference). NaN where the data cannot tell: an error that is not identifiable has no
   // number.
   double value = std::numeric_limits<double>::quiet_NaN();
-  double sigma = std::numeric_limits<double>::quiet_NaN();  // standard uncertainty
+  double sigma = std::numeric_limits<double>::quiet_NaN();  // standard uncertainty, with that of held errors
   bool identifiable = false;
 };
 
@@ -71,6 +71,8 @@ struct Result {
   machine::ErrorModel model;  // fitted; errors held as the gauge are zero
   std::vector<Estimate> estimates;
   Eigen::MatrixXd correlation;             // of the estimates; NaN rows where not identifiable
+  std::vector<Estimate> held_errors;       // errors of an earlier identification, held at their values (held.h)
+  Eigen::MatrixXd held_correlation;        // of them with the estimates and with each other: held x (estimates, held)
   std::vector<std::string> not_separable;  // directions that change no reading: "EX0B - EX0C"
   std::vector<Combination> determined;
   int rank = 0;

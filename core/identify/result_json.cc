@@ -38,6 +38,19 @@ json CorrelationJson(const Eigen::MatrixXd& correlation) {
   return rows;
 }
 
+json HeldJson(const Result& result) {
+  json errors = json::array();
+  for (const Estimate& estimate : result.held_errors) {
+    json entry = {{"symbol", estimate.symbol}};
+    if (estimate.name != estimate.symbol) entry["name"] = estimate.name;
+    entry["value"] = estimate.value / estimate.factor;
+    entry["sigma"] = NumberOrNull(estimate.sigma / estimate.factor);
+    entry["unit"] = estimate.unit;
+    errors.push_back(std::move(entry));
+  }
+  return {{"errors", std::move(errors)}, {"correlation", CorrelationJson(result.held_correlation)}};
+}
+
 json SessionsJson(const Result& result) {
   json sessions = json::array();
   for (const SessionFit& session : result.sessions) {
@@ -97,6 +110,7 @@ std::string ToJson(const Result& result) {
   }
   root["outliers"] = std::move(outliers);
   root["correlation"] = CorrelationJson(result.correlation);
+  if (!result.held_errors.empty()) root["held"] = HeldJson(result);
   root["iterations"] = result.iterations;
   root["noise_scale"] = result.noise_scale;
   return root.dump(1) + "\n";

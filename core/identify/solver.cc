@@ -72,7 +72,14 @@ Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model) {
   Nominal nominal;
   nominal.point = StartingPoint(problem, zero);
   nominal.normal = Assemble(problem, nominal.point, ListParameters(zero, false));
-  nominal.null_space = FindNullSpace(Reduce(problem, nominal.point, nominal.normal, Priors::kInformative));
+  if (problem.fixed_model.terms.empty()) {
+    nominal.null_space = FindNullSpace(Reduce(problem, nominal.point, nominal.normal, Priors::kInformative));
+    return nominal;
+  }
+  Problem free_of_errors = problem;
+  free_of_errors.fixed_model = {};
+  const NormalEquations normal = Assemble(free_of_errors, nominal.point, ListParameters(zero, false));
+  nominal.null_space = FindNullSpace(Reduce(free_of_errors, nominal.point, normal, Priors::kInformative));
   return nominal;
 }
 

@@ -20,8 +20,8 @@ struct Solution {
 // property of poses and error terms, judged there, where degeneracies are exact.
 struct Nominal {
   Point point;
-  NormalEquations normal;  // of the amplitudes
-  NullSpace null_space;    // of the amplitudes
+  NormalEquations normal;  // of the amplitudes; errors that the problem holds act
+  NullSpace null_space;    // of the amplitudes; none act
 };
 Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model);
 

@@ -21,6 +21,8 @@ v1::IdentifyParams IdentifyToProto(const IdentifyParams& params) {
     message.set_monte_carlo_runs(*params.monte_carlo_runs);
     message.set_monte_carlo_seed(params.monte_carlo_seed);
   }
+  if (params.held_calibration) message.set_held_calibration_id(params.held_calibration->number());
+  message.set_held_errors_json(params.held_errors_json);
   return message;
 }
 
@@ -61,6 +63,14 @@ absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
     if (!params.monte_carlo_runs) return FieldError("monte_carlo_seed", "must not be set without monte_carlo_runs");
     params.monte_carlo_seed = message.monte_carlo_seed();
   }
+  if (message.has_held_calibration_id()) {
+    RETURN_IF_ERROR(RequirePositive("held_calibration_id", message.held_calibration_id()));
+    if (!message.held_errors_json().empty()) {
+      return FieldError("held_errors_json", "must not be set beside held_calibration_id");
+    }
+    params.held_calibration = CalibrationId(message.held_calibration_id());
+  }
+  params.held_errors_json = message.held_errors_json();
   return params;
 }
 

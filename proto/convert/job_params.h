@@ -25,6 +25,8 @@ struct IdentifyParams {
   std::string budget_json{};              // identify::ReadBudget; empty: the readings' noise alone
   std::optional<int> monte_carlo_runs{};  // 1 .. identify::kMaxMonteCarloRuns; nothing: no simulation
   uint64_t monte_carlo_seed = 1;
+  std::optional<CalibrationId> held_calibration{};  // whose errors act at their values; or
+  std::string held_errors_json{};                   // identify::ReadHeldErrors; empty and no calibration: none
 };
 
 // Find what a machine's declared model lacks; makes a candidate calibration.

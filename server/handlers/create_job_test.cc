@@ -63,5 +63,25 @@ TEST_F(CreateJobTest, NamesTheFieldThatIsWrong) {
   EXPECT_EQ(FieldOf(CreateJob(core, call, request_).status()), "params.kind");
 }
 
+TEST_F(CreateJobTest, WhatIsHeldIsCheckedBeforeAnythingRuns) {
+  Finish();
+  v1::IdentifyParams& identify = *request_.mutable_params()->mutable_identify();
+  identify.add_declared_errors("EY0C");
+  identify.set_held_errors_json(R"({"EX0C": 12.5})");
+  EXPECT_TRUE(CreateJob(core, call, request_).ok());
+  request_.set_request_id("j-2");
+  identify.set_held_errors_json(R"({"EX0Q": 12.5})");
+  EXPECT_EQ(FieldOf(CreateJob(core, call, request_).status()), "params.identify.held_errors_json");
+  identify.set_held_errors_json(R"({"EY0C": 12.5})");
+  EXPECT_EQ(FieldOf(CreateJob(core, call, request_).status()), "params.identify.declared_errors");
+  identify.set_held_calibration_id(1);
+  EXPECT_EQ(FieldOf(CreateJob(core, call, request_).status()), "params.identify.held_errors_json");  // one of the two
+  identify.clear_held_errors_json();
+  EXPECT_EQ(base::ErrorReason(CreateJob(core, call, request_).status()), "CALIBRATION_NOT_FOUND");
+  identify.set_held_calibration_id(-1);
+  EXPECT_EQ(FieldOf(CreateJob(core, call, request_).status()), "params.identify.held_calibration_id");
+  EXPECT_EQ(ListJobs(core, call, Parse<v1::ListJobsRequest>("state: JOB_STATE_QUEUED"))->jobs_size(), 1);
+}
+
 }  // namespace
 }  // namespace axiscal::handlers

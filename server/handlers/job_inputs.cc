@@ -7,6 +7,7 @@
 #include "core/machine/machine_json.h"
 #include "core/toolsetter/evaluate.h"
 #include "proto/convert/field.h"
+#include "server/handlers/calibration_use.h"
 
 namespace axiscal::handlers {
 namespace {
@@ -34,7 +35,7 @@ absl::Status CheckSessions(storage::Database& database, const MachineId& machine
 
 absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
                            const convert::IdentifyParams& params) {
-  RETURN_IF_ERROR(DeclaredModel(machine, params.declared).status());
+  RETURN_IF_ERROR(ErrorsOf(database, machine, params).status());
   RETURN_IF_ERROR(BudgetOf(machine, params).status());
   return CheckSessions(database, params.machine, params.sessions, "params.identify.session_ids");
 }
@@ -59,6 +60,16 @@ absl::Status CheckCompensate(storage::Database& database, const convert::Compens
     return Unmet("PROGRAM_NOT_COMPLETE", absl::StrCat("program ", program.id.number(), " is not complete"));
   }
   return CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id").status();
+}
+
+// A calibration as users get it printed: what ReadHeldErrors reads.
+absl::StatusOr<std::string> HeldCalibrationJson(storage::Database& database, const MachineId& machine,
+                                                const CalibrationId& id) {
+  ASSIGN_OR_RETURN(const storage::CalibrationRecord calibration,
+                   CalibrationFor(database, machine, id, "params.identify.held_calibration_id"));
+  RETURN_IF_ERROR(MachineFor(database, calibration).status());
+  return absl::StrCat("{\"model\": ", calibration.content.model_json, ", \"report\": ", calibration.content.report_json,
+                      "}");
 }
 
 }  // namespace
@@ -99,6 +110,27 @@ absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& dat
                  absl::StrCat("calibration ", calibration.id.number(), " is retired: approve it again to use it"));
   }
   return calibration;
+}
+
+absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machine::Machine& machine,
+                                        const convert::IdentifyParams& params) {
+  IdentifyErrors errors;
+  ASSIGN_OR_RETURN(errors.fitted, DeclaredModel(machine, params.declared));
+  std::string field = "params.identify.held_errors_json", text = params.held_errors_json;
+  if (params.held_calibration) {
+    field = "params.identify.held_calibration_id";
+    ASSIGN_OR_RETURN(text, HeldCalibrationJson(database, params.machine, *params.held_calibration));
+  }
+  if (text.empty()) return errors;
+  absl::StatusOr<identify::HeldErrors> held = identify::ReadHeldErrors(text, machine);
+  if (!held.ok()) return convert::FieldError(field, std::string(held.status().message()));
+  absl::StatusOr<machine::ErrorModel> fitted =
+      identify::BesideHeld(machine, errors.fitted, !params.declared.empty(), *held);
+  if (!fitted.ok())
+    return convert::FieldError("params.identify.declared_errors", std::string(fitted.status().message()));
+  errors.fitted = *std::move(fitted);
+  errors.held = *std::move(held);
+  return errors;
 }
 
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,

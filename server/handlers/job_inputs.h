@@ -8,6 +8,7 @@
 
 #include "core/base/status.h"
 #include "core/identify/budget.h"
+#include "core/identify/held.h"
 #include "core/machine/error_model.h"
 #include "proto/convert/job_params.h"
 #include "server/storage/database.h"
@@ -30,6 +31,15 @@ absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& dat
 // FIELD_INVALID.
 absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machine,
                                                   const std::vector<std::string>& declared);
+
+// What an identification holds at its values, if anything, and the error terms that it fits beside.
+struct IdentifyErrors {
+  std::optional<identify::HeldErrors> held;
+  machine::ErrorModel fitted;
+};
+// FIELD_INVALID; of a held calibration also what CalibrationFor refuses, and MACHINE_CHANGED.
+absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machine::Machine& machine,
+                                        const convert::IdentifyParams& params);
 
 // The job's error budget, if it has one. INVALID_ARGUMENT FIELD_INVALID.
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,

@@ -49,7 +49,7 @@ absl::StatusOr<std::optional<identify::MonteCarloResult>> Simulate(const convert
   return result;
 }
 
-// The engine's report with the residual before: setups fitted, no machine error.
+// The engine's report with the residual before: setups fitted, no machine error but the held ones.
 std::string ReportJson(const identify::Result& before, const identify::Result& after, const std::string& budget_json,
                        const std::optional<identify::MonteCarloResult>& monte_carlo) {
   json report = json::parse(identify::ToJson(after));
@@ -70,17 +70,24 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   ASSIGN_OR_RETURN(const StoredSessions sessions, LoadSessions(database, params.sessions, inputs.machine, context));
 
   ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, handlers::BudgetOf(inputs.machine, params));
+  ASSIGN_OR_RETURN(const handlers::IdentifyErrors errors, handlers::ErrorsOf(database, inputs.machine, params));
 
   const double fitted = params.monte_carlo_runs ? 1.0 - kMonteCarloShare : 1.0;
   identify::Options options = EngineOptions(context, 0.0, kBeforeShare * fitted);
   options.budget = budget;
+  options.held_errors = errors.held;
   options.model = machine::ErrorModel{};
   ASSIGN_OR_RETURN(const identify::Result before, identify::Identify(inputs.machine, sessions.sessions, options));
   options = EngineOptions(context, kBeforeShare * fitted, fitted);
   options.budget = budget;
-  ASSIGN_OR_RETURN(options.model, handlers::DeclaredModel(inputs.machine, params.declared));
+  options.held_errors = errors.held;
+  options.model = errors.fitted;
   ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitSessions(inputs.machine, sessions.sessions, options));
-  const identify::Result& after = fit.result;
+  identify::Result after = fit.result;
+  if (errors.held) {  // the calibration is of the whole machine
+    const std::vector<machine::ErrorTerm>& held = errors.held->model.terms;
+    after.model.terms.insert(after.model.terms.begin(), held.begin(), held.end());
+  }
   ASSIGN_OR_RETURN(const auto monte_carlo, Simulate(params, budget, fit, context));
 
   storage::JobProduct product;
@@ -91,6 +98,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   if (!params.budget_json.empty()) asked["budget"] = json::parse(params.budget_json);
   if (params.monte_carlo_runs)
     asked["monte_carlo"] = {{"runs", *params.monte_carlo_runs}, {"seed", params.monte_carlo_seed}};
+  if (params.held_calibration) asked["held"] = {{"calibration", params.held_calibration->number()}};
+  if (!params.held_errors_json.empty()) asked["held"] = json::parse(params.held_errors_json);
   product.calibration->options_json = asked.dump();
   return product;
 }
