@@ -43,6 +43,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddProgramCommand(app, context);
   AddPlanCommand(app, context);
   AddToolSetterCommand(app, context);
+  AddPublishedCommand(app, context);
   AddHistoryCommand(app, context);
   AddJobsCommand(app, context);
 }

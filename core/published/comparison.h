@@ -1,0 +1,48 @@
+// What a publication's own closed formulas make of a user's sessions, beside what the one engine makes of them. For
+// comparison only: no number from here reaches a calibration, a table or a program.
+#ifndef AXISCAL_CORE_PUBLISHED_COMPARISON_H_
+#define AXISCAL_CORE_PUBLISHED_COMPARISON_H_
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "core/machine/machine.h"
+#include "core/session/session.h"
+
+namespace axiscal::published {
+
+// One published quantity. Numbers are NaN where the sessions do not give them; `note` says why.
+struct Row {
+  std::string quantity;                                         // as published: "dxCZ - dxBT"
+  std::string unit;                                             // of all numbers: "um", "arcsec"
+  double published = std::numeric_limits<double>::quiet_NaN();  // by the formula as printed
+  double corrected = std::numeric_limits<double>::quiet_NaN();  // by the formula with its errata put right
+  std::string symbol;                                           // what it is in our terms: "EX0C - EX0T"
+  double exact = std::numeric_limits<double>::quiet_NaN();      // by the engine, from all sessions together
+  double sigma = std::numeric_limits<double>::quiet_NaN();
+  std::string formula;  // as printed
+  std::string note;     // the erratum, or what is missing
+};
+
+struct Comparison {
+  std::vector<Row> rows;
+  std::vector<std::string> notes;  // on the sessions as a whole
+};
+
+struct Source {
+  std::string name;      // "yao-table-4.5"
+  std::string citation;  // where it is printed
+  std::string needs;     // which sessions, for people
+  // FAILED_PRECONDITION or INVALID_ARGUMENT where machine or sessions are not what the formulas are about, with what
+  // was expected; else whatever the fit says.
+  absl::StatusOr<Comparison> (*compare)(const machine::Machine&, const std::vector<session::Session>&);
+};
+const std::vector<Source>& Sources();
+// INVALID_ARGUMENT listing the known ones.
+absl::StatusOr<const Source*> FindSource(const std::string& name);
+
+}  // namespace axiscal::published
+
+#endif  // AXISCAL_CORE_PUBLISHED_COMPARISON_H_

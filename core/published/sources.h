@@ -1,0 +1,16 @@
+// The functions behind the registry's lines.
+#ifndef AXISCAL_CORE_PUBLISHED_SOURCES_H_
+#define AXISCAL_CORE_PUBLISHED_SOURCES_H_
+
+#include "core/published/comparison.h"
+
+namespace axiscal::published {
+
+// Yao 2022, Table 4.5: location errors of a machine Z Y X B | C from eccentricities of BX, BY, CR and CA, and of CR
+// with a second tool. Zt and Xt, machine coordinates that the printed formulas take for levers, stand in the sessions'
+// headers (`zt_mm`, `xt_mm`): the machine's description does not know them, and nothing else needs them.
+absl::StatusOr<Comparison> YaoTable45(const machine::Machine& machine, const std::vector<session::Session>& sessions);
+
+}  // namespace axiscal::published
+
+#endif  // AXISCAL_CORE_PUBLISHED_SOURCES_H_
