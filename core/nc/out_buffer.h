@@ -29,6 +29,12 @@ class OutBuffer {
     size_ += size;
   }
   void append(const std::string& bytes) { append(bytes.data(), bytes.size()); }
+  void insert(size_t at, const std::string& bytes) {
+    Room(bytes.size());
+    std::memmove(bytes_.data() + at + bytes.size(), bytes_.data() + at, size_ - at);
+    std::memcpy(bytes_.data() + at, bytes.data(), bytes.size());
+    size_ += bytes.size();
+  }
   void push_back(char c) {
     *Room(1) = c;
     ++size_;

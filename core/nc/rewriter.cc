@@ -57,7 +57,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     job.Note(now, "this program was compensated before");
   }
   if (is_null()) return Observe();
-  if (step.has_other_words && !is_mark_written) WriteMark();
+  if (step.has_other_words && !has_mark_place) KeepMarkPlace();
   if (step.is_tool_change && job.report().blocks_corrected > 0 && tools.empty())
     job.Note(now, "tool change; all moves are corrected for the one tool point stated");
   if (step.kind == StepKind::kMove) {
@@ -81,6 +81,8 @@ void Rewriter::Impl::Rest(const char* text, size_t size) {
 
 void Rewriter::Impl::Flush() {
   if (!job.is_refused() && status.ok() && !out.empty()) status = sink(out.data(), out.size());
+  is_flushed |= has_mark_place && !out.empty();
+  mark_place = 0;
   out.clear();
 }
 
@@ -102,14 +104,23 @@ void Rewriter::Impl::Copy() {
   }
 }
 
-void Rewriter::Impl::WriteMark() {
+bool Rewriter::Impl::IsWrittenAsItWas(size_t begin) const {
+  return out.size() - begin == now.size && std::memcmp(out.data() + begin, now.text, now.size) == 0;
+}
+
+void Rewriter::Impl::KeepMarkPlace() {
+  has_mark_place = true;
+  mark_place = out.size();
+  mark_line_end.assign(now.text + now.text_size, now.size - now.text_size);
+  if (mark_line_end.empty()) mark_line_end.push_back('\n');  // the only line of a program without line ends
+}
+
+void Rewriter::Impl::WriteMark(size_t block_begin) {
+  if (is_mark_written || job.is_refused()) return;  // a refused program has no output
   is_mark_written = true;
-  out.append(MarkComment(interpreter.dialect(), options.calibration, *options.source_crc32c));
-  if (now.text_size == now.size) {
-    out.push_back('\n');  // the only line of a program without line ends
-  } else {
-    out.append(now.text + now.text_size, now.size - now.text_size);
-  }
+  std::string mark = MarkComment(interpreter.dialect(), options.calibration, *options.source_crc32c);
+  mark += mark_line_end;
+  out.insert(is_flushed ? block_begin : mark_place, mark);
 }
 
 std::string Rewriter::Impl::UnknownPosition(bool* is_consequence) {
@@ -157,7 +168,9 @@ void Rewriter::Impl::Move() {
   } else if (const double departure_mm = MoveDeparture(); departure_mm > options.tolerance_mm) {
     WriteSplit(departure_mm);
   } else {
+    const size_t begin = out.size();
     writer.WriteBlock(now.text, now.size, block, step, piece, 1.0, &out);
+    if (!is_mark_written && !IsWrittenAsItWas(begin)) WriteMark(begin);
     job.Account(now, piece, writer.commanded(), departure_mm);
     if (piece.turned.limit != compensate::DirectionLimit::kNone) job.Tilted(now, piece.turned);
   }
@@ -231,6 +244,8 @@ absl::Status Rewriter::Finish() {
   impl_->splitter.Finish(
       [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); });
   impl_->Flush();
+  if (!impl_->is_null() && !impl_->is_mark_written && !impl_->job.is_refused())
+    impl_->job.report().notes.push_back("no word changed: the program stays byte for byte, without a mark");
   if (impl_->status.ok() && impl_->job.is_refused()) impl_->status = impl_->job.Refusal();
   return impl_->status;
 }

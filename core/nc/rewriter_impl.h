@@ -65,7 +65,13 @@ struct Rewriter::Impl {
   std::array<int64_t, machine::kMaxAxes> unknown_reported;  // line since which an axis' unknown position was reported
   uint16_t all_axes = 0;
   uint16_t half_turns = 0;  // axes of which a half turn was noted
+  // The mark goes in front of the first block of words, once a word has changed; in front of that word's block where the
+  // first one is on its way already.
   bool is_mark_written = false;
+  bool has_mark_place = false;
+  size_t mark_place = 0;  // in `out`, while nothing of it was sent since the program's begin
+  bool is_flushed = false;
+  std::string mark_line_end;
   bool is_finished = false;
 
   bool is_null() const { return job.report().is_null_correction; }
@@ -86,7 +92,11 @@ struct Rewriter::Impl {
   void NotCorrected(const std::string& reason, bool is_consequence);
   // The block stays as it is.
   void Copy();
-  void WriteMark();
+  void KeepMarkPlace();
+  // Whether what was written from `begin` on is the block's own bytes.
+  bool IsWrittenAsItWas(size_t begin) const;
+  // In front of what was written from `block_begin` on, or farther up.
+  void WriteMark(size_t block_begin);
   // "position of Z is unknown: never programmed", or "" when all are known. `is_consequence`: reported before.
   std::string UnknownPosition(bool* is_consequence);
   void Move();

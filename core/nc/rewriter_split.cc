@@ -41,12 +41,15 @@ void Rewriter::Impl::WriteSplit(double departure_mm) {
   const bool is_packed = BlockWriter::IsPacked(now.text, block);
   double from = 0.0;
   compensate::Turned worst;
+  if (pieces->size() > 1) WriteMark(out.size());
   for (const Piece& next : *pieces) {
     if (next.turned.limit != compensate::DirectionLimit::kNone && next.turned.tilt_left_rad > worst.tilt_left_rad)
       worst = next.turned;
     const double fraction = next.end_fraction - from;
     if (&next == pieces->data()) {
+      const size_t begin = out.size();
       writer.WriteBlock(now.text, now.size, block, step, next, fraction, &out);
+      if (!is_mark_written && !IsWrittenAsItWas(begin)) WriteMark(begin);
       if (now.text_size == now.size && pieces->size() > 1) out.append(line_end);
     } else {
       out.append(SkipPrefix());
