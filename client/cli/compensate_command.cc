@@ -1,5 +1,5 @@
-// axiscal compensate: on the service with a stored calibration, or with machine.json and errors.json and no database at
-// all.
+// axiscal compensate: with a calibration of the service, sent and rewritten in one stream or kept there as a job, or
+// with machine.json and errors.json and no database at all.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string machine, errors, input, output, report;
   int64_t calibration = 0;
+  bool keep = false;
   RewriteArguments rewrite;
 };
 
@@ -149,36 +150,69 @@ absl::Status FetchProgram(client::Client& client, ProgramId id, const std::strin
   return file.Commit();
 }
 
-absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
+absl::StatusOr<convert::CompensateParams> ParamsOf(const Arguments& arguments, client::Client& client) {
   convert::CompensateParams params;
   ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
-  base::AtomicFile report_file;
-  RETURN_IF_ERROR(OpenReport(arguments, &report_file));
-  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   params.machine = MachineId(arguments.machine);
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(params.machine));
+  ASSIGN_OR_RETURN(const storage::MachineRecord record, client.GetMachine(params.machine));
   ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
   ASSIGN_OR_RETURN(params.options, ToRewriteOptions(arguments.rewrite, machine));
   params.time_s = arguments.rewrite.time_s;
   params.temperature_celsius = arguments.rewrite.temperature_celsius;
   if (arguments.calibration != 0) params.calibration = CalibrationId(arguments.calibration);
-  ASSIGN_OR_RETURN(const storage::ProgramRecord program, client->PutProgramFile(arguments.input));
+  return params;
+}
+
+struct OnService {
+  std::string report;  // JSON
+  Json kept = Json::object();
+};
+
+// Up and down in one call; nothing stays on the service.
+absl::StatusOr<OnService> RewriteInStream(client::Client& client, const convert::CompensateParams& params,
+                                          const Arguments& arguments) {
+  base::AtomicFile file;
+  RETURN_IF_ERROR(file.Open(arguments.output));
+  OnService made;
+  ASSIGN_OR_RETURN(made.report, client.RewriteProgramFile(params, arguments.input, [&file](const std::string& bytes) {
+    return file.Write(bytes);
+  }));
+  RETURN_IF_ERROR(file.Commit());
+  return made;
+}
+
+// The program, the rewritten one and the report stay on the service.
+absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& client, convert::CompensateParams params,
+                                       const Arguments& arguments) {
+  ASSIGN_OR_RETURN(const storage::ProgramRecord program, client.PutProgramFile(arguments.input));
   params.program = program.id;
-  ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params));
-  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, *client, job.id));
+  ASSIGN_OR_RETURN(const storage::JobRecord job, client.CreateJob(params));
+  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, client, job.id));
   if (done.programs.empty()) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no program"));
-  RETURN_IF_ERROR(FetchProgram(*client, done.programs[0], arguments.output));
-  RETURN_IF_ERROR(WriteReport(arguments, done.result, &report_file));
-  Json json = Embedded(done.result);
+  RETURN_IF_ERROR(FetchProgram(client, done.programs[0], arguments.output));
+  return OnService{done.result, {{"job", done.id.number()}, {"program", done.programs[0].number()}}};
+}
+
+absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
+  RETURN_IF_ERROR(ToolTip(arguments.rewrite).status());
+  base::AtomicFile report_file;
+  RETURN_IF_ERROR(OpenReport(arguments, &report_file));
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const convert::CompensateParams params, ParamsOf(arguments, *client));
+  ASSIGN_OR_RETURN(const OnService made, arguments.keep ? RewriteAsJob(context, *client, params, arguments)
+                                                        : RewriteInStream(*client, params, arguments));
+  RETURN_IF_ERROR(WriteReport(arguments, made.report, &report_file));
+  Json json = Embedded(made.report);
   const std::string text = ReportText(json, arguments.output);
-  json["job"] = done.id.number();
-  json["program"] = done.programs[0].number();
+  json.update(made.kept);
   context.Print(json, text);
   return absl::OkStatus();
 }
 
 absl::Status Compensate(Context& context, const Arguments& arguments) {
   RETURN_IF_ERROR(CheckPaths(context, arguments));
+  if (arguments.keep && !arguments.errors.empty())
+    return absl::InvalidArgumentError("--keep stores programs on the service, which --errors does without");
   return arguments.errors.empty() ? CompensateOnService(context, arguments) : CompensateFiles(context, arguments);
 }
 
@@ -192,6 +226,8 @@ void AddCompensateCommand(CLI::App& app, Context& context) {
   compensate->add_option("-o,--output", arguments->output, "the rewritten program")->required();
   AddModelOptions(*compensate, arguments->machine, arguments->errors, arguments->calibration);
   compensate->add_option("--report", arguments->report, "write the report as JSON");
+  compensate->add_flag("--keep", arguments->keep,
+                       "as a job: the program, the rewritten one and the report stay on the service");
   AddRewriteOptions(*compensate, arguments->rewrite);
   compensate->footer(
       "Every byte that is not a corrected axis word stays. A program that cannot be corrected safely, or was corrected "

@@ -121,12 +121,19 @@ TEST_F(MainJob, FromUploadToTheRewrittenProgram) {
 
   EXPECT_EQ(Run(compensate).exit_code, 5);  // 3 mm is above the default limit
   EXPECT_FALSE(Exists("out.nc"));
-  const Outcome done = Run(compensate + "--max-correction-um 5000 --report report.json --json");
+  // In one stream nothing stays; as a job the same bytes are stored.
+  const Outcome streamed = Run(compensate + "--max-correction-um 5000 --report report.json --json");
+  ASSERT_EQ(streamed.exit_code, 0) << streamed.err;
+  const std::string program = Read("out.nc");
+  EXPECT_FALSE(streamed.Json().contains("job"));
+  EXPECT_EQ(Run("program list --json").Json()["programs"].size(), 0u) << "nothing is stored";
+  EXPECT_EQ(nlohmann::json::parse(Read("report.json")), streamed.Json());
+  const Outcome done = Run(compensate + "--max-correction-um 5000 --keep --json");
   ASSERT_EQ(done.exit_code, 0) << done.err;
   EXPECT_EQ(done.Json()["blocks"]["corrected"], 10);
   EXPECT_GT(done.Json()["tool_point_error"]["before"]["max_um"], 3000.0);
   EXPECT_LT(done.Json()["tool_point_error"]["after"]["max_um"], 0.2);
-  const std::string program = Read("out.nc");
+  EXPECT_EQ(Read("out.nc"), program);
   EXPECT_EQ(Run("program get " + done.Json()["program"].dump() + " -o again.nc").exit_code, 0);
   EXPECT_EQ(Read("again.nc"), program);
 
