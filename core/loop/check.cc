@@ -46,13 +46,7 @@ bool Check::IsChance(double squares, double count) const {
   return squares < count + kBeyondChance * std::sqrt(2.0 * count + 2.0 * count * count / noise_readings_);
 }
 
-bool Check::IsAdequate(double squares) const {
-  double count = 0.0;
-  for (size_t i = 0; i < problem_.runs.size(); ++i) count += UsedOf(i);
-  return IsChance(squares, count);
-}
-
-absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identify::Fit& best) const {
+absl::StatusOr<identify::Fit> Check::Joint(const identify::Fit& best) const {
   DEMAND(problem_.runs.size() == runs_.size());
   const size_t fitted = best.problem.runs.size();
   std::vector<instruments::MeasuringRun> runs = best.problem.runs;
@@ -70,13 +64,24 @@ absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identi
   identify::Options options = options_;
   options.set_outliers_aside = false;
   options.raise_noise = false;
-  ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitProblem(std::move(joint), best.result.model, options));
-  double squares = -identify::WhitenedSquares(best.problem, best.residuals_mm), count = 0.0;
-  for (size_t i = 0; i < fit.problem.runs.size(); ++i)
-    squares += identify::WhitenedSquaresOf(fit.problem, i, fit.residuals_mm[i]);
-  for (size_t i = 0; i < runs_.size(); ++i) count += UsedOf(i);
+  std::vector<Eigen::VectorXd> setup = best.point.setup;
+  setup.insert(setup.end(), point_.setup.begin(), point_.setup.end());
+  return identify::FitProblem(std::move(joint), best.result.model, options, setup);
+}
+
+bool Check::IsExplained(const identify::Fit& joint, const identify::Fit& best) const {
+  double count = 0.0;
+  for (size_t i = 0; i < problem_.runs.size(); ++i) count += UsedOf(i);
+  return IsChance(identify::WhitenedSquares(joint.problem, joint.residuals_mm) -
+                      identify::WhitenedSquares(best.problem, best.residuals_mm),
+                  count);
+}
+
+absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identify::Fit& best) const {
+  ASSIGN_OR_RETURN(const identify::Fit fit, Joint(best));
+  const size_t fitted = best.problem.runs.size();
   std::vector<Unexplained> sessions;
-  if (IsChance(squares, count)) return sessions;
+  if (IsExplained(fit, best)) return sessions;
   Unexplained worst;
   double most = -INFINITY;
   for (size_t i = 0; i < runs_.size(); ++i) {
@@ -93,18 +98,6 @@ absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identi
   }
   if (sessions.empty()) sessions.push_back(worst);  // the errors bent to it: it shows in all of them together
   return sessions;
-}
-
-absl::StatusOr<double> Check::Squares(const machine::ErrorModel& model) const {
-  identify::Problem problem = problem_;
-  problem.fixed_model = model;
-  identify::Options options = options_;
-  options.set_outliers_aside = false;
-  options.raise_noise = false;
-  const absl::StatusOr<identify::Fit> fit = identify::FitProblem(std::move(problem), {}, options, point_.setup);
-  if (absl::IsCancelled(fit.status())) return fit.status();
-  if (!fit.ok()) return INFINITY;
-  return identify::WhitenedSquares(fit->problem, fit->residuals_mm) + identify::PriorSquares(fit->problem, fit->point);
 }
 
 }  // namespace axiscal::loop

@@ -24,13 +24,13 @@ class Check {
   // Fits the setup offsets under the best model known and sets bad readings aside; noise is that of the fit sessions of
   // the same instrument, so that no model is judged by a scatter of its own making.
   absl::Status Settle(const identify::Fit& best);
-  // Chi-square under another model, setup offsets refitted; infinite where they run away to follow it.
-  absl::StatusOr<double> Squares(const machine::ErrorModel& model) const;
-  // Whether so much is chance, given also how well the fit sessions know the noise.
-  bool IsAdequate(double squares) const;
-  // The sessions that read more than chance and the uncertainty of the model that Settle was given: a drift whose rate
-  // is poorly known may be off two hours later. They are fitted together with the fit sessions; what either then lacks
-  // is not explained. DEMANDs Settle before; CANCELLED or the fit's errors.
+  // All sessions, the fit's and these, fitted together with the fit's model from where it stands. What they leave
+  // beyond what the fit sessions leave alone is beyond chance and the uncertainty of the errors too: a drift whose rate
+  // is poorly known may be off two hours later. DEMANDs Settle before; CANCELLED or the fit's errors.
+  absl::StatusOr<identify::Fit> Joint(const identify::Fit& best) const;
+  // Whether what `joint` leaves beyond `best` is chance, given also how well the fit sessions know the noise.
+  bool IsExplained(const identify::Fit& joint, const identify::Fit& best) const;
+  // The sessions that read more than that; empty where all is explained.
   absl::StatusOr<std::vector<Unexplained>> UnexplainedSessions(const identify::Fit& best) const;
 
  private:

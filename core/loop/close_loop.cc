@@ -25,26 +25,27 @@ class Loop {
 
   absl::StatusOr<Report> Run() {
     std::vector<Candidate> not_first;
-    Attempt attempt = NewAttempt(not_first);
-    ASSIGN_OR_RETURN(bool is_explained, Try(&attempt));
-    Report best = std::move(attempt.report);
+    ASSIGN_OR_RETURN(Outcome best, Try(not_first));
     // An effect that swallowed two others leads astray: where the check sessions stay unexplained, another beginning
     // is tried, and taken if it explains them better without explaining the fit sessions worse.
     // Where more is left than may be added, a beginning is not what is wrong.
     constexpr int kBeginnings = 3;
-    for (int round = 1; round < kBeginnings && !is_explained && !best.has_stopped_early && attempt.first.has_value();
-         ++round) {
+    std::optional<Added> first = best.attempt.first;
+    bool is_explained = best.unexplained_sessions.empty();
+    for (int round = 1;
+         round < kBeginnings && !is_explained && !best.attempt.report.has_stopped_early && first.has_value(); ++round) {
       // What was alike leads to the same end.
-      not_first.push_back(attempt.first->candidate);
-      not_first.insert(not_first.end(), attempt.first->equivalent.begin(), attempt.first->equivalent.end());
-      attempt = NewAttempt(not_first);
-      ASSIGN_OR_RETURN(is_explained, Try(&attempt));
+      not_first.push_back(first->candidate);
+      not_first.insert(not_first.end(), first->equivalent.begin(), first->equivalent.end());
+      ASSIGN_OR_RETURN(Outcome other, Try(not_first));
+      first = other.attempt.first;
+      is_explained = other.unexplained_sessions.empty();
       constexpr double kBetter = 0.98, kNoWorse = 1.02;
-      if (attempt.report.check_after.rms_mm < kBetter * best.check_after.rms_mm &&
-          attempt.report.fit_after.rms_mm < kNoWorse * best.fit_after.rms_mm)
-        best = std::move(attempt.report);
+      if (other.check_after.rms_mm < kBetter * best.check_after.rms_mm &&
+          other.fit.result.fit.rms_mm < kNoWorse * best.fit.result.fit.rms_mm)
+        best = std::move(other);
     }
-    return best;
+    return Finish(&best);
   }
 
  private:
@@ -55,16 +56,20 @@ class Loop {
     return out;
   }
 
-  Attempt NewAttempt(const std::vector<Candidate>& not_first) const {
-    Attempt attempt{Extension(machine_, runs_), not_first, {}, {}, {}};
-    attempt.report.has_check = !check_.is_empty();
-    return attempt;
-  }
+  // Where an attempt ended.
+  struct Outcome {
+    Attempt attempt;
+    Fit fit;
+    identify::FitStatistics check_after;
+    std::vector<Unexplained> unexplained_sessions;  // of the check sessions
+  };
 
-  // Whether the check sessions are explained in the end.
-  absl::StatusOr<bool> Try(Attempt* attempt) {
-    Report* report = &attempt->report;
+  absl::StatusOr<Outcome> Try(const std::vector<Candidate>& not_first) {
+    Outcome outcome{{Extension(machine_, runs_), not_first, {}, {}, {}}, {}, {}, {}};
+    Attempt* const attempt = &outcome.attempt;
+    Report* const report = &attempt->report;
     std::vector<Added>& effects = attempt->extension.effects;
+    report->has_check = !check_.is_empty();
     if (options_.progress) options_.progress({"fitting the declared model", 0.0, ""});
     ASSIGN_OR_RETURN(Fit fit, FitExtension(machine_, attempt->extension, identify_options_));
     report->fit_before = fit.result.fit;
@@ -81,16 +86,25 @@ class Loop {
       RETURN_IF_ERROR(growth.Extend(&fit));
       RETURN_IF_ERROR(validation.Run(&fit).status());
     }
-    RETURN_IF_ERROR(DropToldApart(fit, identify_options_, &attempt->extension));
-    Describe(machine_, runs_, attempt->extension, fit, options_.search, report);
-    KeepResiduals(fit, runs_, &SessionResiduals::after_mm, report);
-    ASSIGN_OR_RETURN(report->check_after, CheckStatistics(fit.result.model, &SessionResiduals::after_mm, report));
-    if (check_.is_empty()) return true;
-    RETURN_IF_ERROR(check_.Settle(fit));
-    ASSIGN_OR_RETURN(const std::vector<Unexplained> sessions, check_.UnexplainedSessions(fit));
-    report->unexplained.insert(report->unexplained.end(), sessions.begin(), sessions.end());
-    if (!report->unexplained.empty()) report->verdict = Verdict::kUnexplained;
-    return sessions.empty();
+    ASSIGN_OR_RETURN(outcome.check_after, CheckStatistics(fit.result.model, &SessionResiduals::after_mm, report));
+    if (!check_.is_empty()) {
+      RETURN_IF_ERROR(check_.Settle(fit));
+      ASSIGN_OR_RETURN(outcome.unexplained_sessions, check_.UnexplainedSessions(fit));
+    }
+    outcome.fit = std::move(fit);
+    return outcome;
+  }
+
+  absl::StatusOr<Report> Finish(Outcome* outcome) const {
+    Report& report = outcome->attempt.report;
+    RETURN_IF_ERROR(DropToldApart(outcome->fit, identify_options_, &outcome->attempt.extension));
+    Describe(machine_, runs_, outcome->attempt.extension, outcome->fit, options_.search, &report);
+    KeepResiduals(outcome->fit, runs_, &SessionResiduals::after_mm, &report);
+    report.check_after = outcome->check_after;
+    report.unexplained.insert(report.unexplained.end(), outcome->unexplained_sessions.begin(),
+                              outcome->unexplained_sessions.end());
+    if (!report.unexplained.empty()) report.verdict = Verdict::kUnexplained;
+    return std::move(report);
   }
 
   using ResidualField = Eigen::MatrixXd SessionResiduals::*;

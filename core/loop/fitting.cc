@@ -33,4 +33,16 @@ double SquaresOf(const Fit& fit) {
   return identify::WhitenedSquares(fit.problem, fit.residuals_mm) + identify::PriorSquares(fit.problem, fit.point);
 }
 
+double EvidenceOf(const Fit& fit, int term) {
+  const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
+  double squares = 0.0;
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].term != term || parameters[i].is_nonlinear) continue;
+    const identify::Estimate& estimate = fit.result.estimates[i];
+    if (estimate.identifiable && estimate.sigma > 0.0)
+      squares += estimate.value * estimate.value / (estimate.sigma * estimate.sigma);
+  }
+  return squares;
+}
+
 }  // namespace axiscal::loop

@@ -19,6 +19,9 @@ absl::StatusOr<identify::Fit> Refit(const identify::Fit& fit, const machine::Err
 // Chi-square of a fit with what its priors add.
 double SquaresOf(const identify::Fit& fit);
 
+// Likelihood ratio of a term that is in the model: how much chi-square its removal would cost (Wald).
+double EvidenceOf(const identify::Fit& fit, int term);
+
 }  // namespace axiscal::loop
 
 #endif  // AXISCAL_CORE_LOOP_FITTING_H_

@@ -200,7 +200,7 @@ absl::Status Growth::Backward(Fit* fit) {
     double least = options_.search.evidence;
     for (size_t i = 0; i + 1 < effects().size(); ++i) {
       if (effects()[i].candidate.family == Family::kStep) continue;
-      const double evidence = EvidenceOf(*fit, i);
+      const double evidence = EvidenceOf(*fit, extension().TermOf(i));
       if (evidence < least) {
         least = evidence;
         weakest = static_cast<int>(i);
@@ -220,20 +220,6 @@ absl::Status Growth::Backward(Fit* fit) {
     attempt_->Note(Step::kDropped, name, *fit);
   }
   return absl::OkStatus();
-}
-
-// Likelihood ratio of an effect that is in the model: how much chi-square its removal would cost (Wald).
-double Growth::EvidenceOf(const Fit& fit, size_t effect) const {
-  const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
-  const int term = extension().TermOf(effect);
-  double squares = 0.0;
-  for (size_t i = 0; i < parameters.size(); ++i) {
-    if (parameters[i].term != term || parameters[i].is_nonlinear) continue;
-    const identify::Estimate& estimate = fit.result.estimates[i];
-    if (estimate.identifiable && estimate.sigma > 0.0)
-      squares += estimate.value * estimate.value / (estimate.sigma * estimate.sigma);
-  }
-  return squares;
 }
 
 }  // namespace axiscal::loop

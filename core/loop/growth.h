@@ -48,7 +48,6 @@ class Growth {
   absl::Status Swap(identify::Fit* fit);
   absl::StatusOr<bool> SwapOne(size_t effect, identify::Fit* fit);
   absl::Status Backward(identify::Fit* fit);
-  double EvidenceOf(const identify::Fit& fit, size_t effect) const;
 
   const machine::Machine& machine_;
   const Options& options_;

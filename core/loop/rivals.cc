@@ -1,6 +1,7 @@
 #include "core/loop/rivals.h"
 
 #include <algorithm>
+#include <map>
 
 #include "core/base/demand.h"
 #include "core/loop/dictionary.h"
@@ -125,11 +126,13 @@ std::vector<ErrorTerm> NeighboursOf(const identify::Problem& problem, const iden
   std::erase_if(candidates, [&](const Candidate& one) {
     return !CanBeNeighbour(one, effect) || IsIn(known, one.term) || IsIn(point.model.terms, one.term);
   });
-  const std::vector<Projection> projections = signatures.Project(candidates);
+  std::map<Family, double> worth;
+  for (const Candidate& one : candidates) worth[one.family] = near * near * signatures.residual_squares();
+  const std::vector<Projection> projections = signatures.ProjectWorthy(candidates, worth, 0.0);
   std::vector<std::pair<double, ErrorTerm>> found;
   for (size_t i = 0; i < candidates.size(); ++i) {
     Eigen::Vector3d amplitude;
-    if (projections[i].visible <= kVisible) continue;
+    if (projections[i].is_screened || projections[i].visible <= kVisible) continue;
     const double share = Gain(projections[i], &amplitude) / signatures.residual_squares();
     if (share > near * near) found.push_back({share, candidates[i].term});
   }

@@ -103,7 +103,8 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   for (const Candidate& candidate : candidates) worth[candidate.family] += 0.5;
   const double noise_square = signatures.residual_squares() / signatures.degrees_of_freedom();
   for (auto& [family, value] : worth) value = noise_square * (options.evidence + 2.0 * std::log(std::max(1.0, value)));
-  const std::vector<Projection> projections = signatures.ProjectWorthy(candidates, worth);
+  constexpr double kClearlyLess = 0.8;
+  const std::vector<Projection> projections = signatures.ProjectWorthy(candidates, worth, kClearlyLess);
   result.not_visible = NotVisible(candidates, projections);
   std::map<Family, int> members;
   for (size_t i = 0; i < candidates.size(); ++i)

@@ -82,7 +82,7 @@ std::vector<Projection> Signatures::Project(const std::vector<Candidate>& candid
 }
 
 std::vector<Projection> Signatures::ProjectWorthy(const std::vector<Candidate>& candidates,
-                                                  const std::map<Family, double>& worth) const {
+                                                  const std::map<Family, double>& worth, double share) const {
   std::vector<Projection> projections(candidates.size());
   if (row_count() == 0) return projections;
   const std::vector<Bounds> bounds = Scan(candidates);
@@ -96,8 +96,7 @@ std::vector<Projection> Signatures::ProjectWorthy(const std::vector<Candidate>& 
       best = std::max(best, Gain(projections[i], &amplitude));
   }
   for (size_t i = 0; i < candidates.size(); ++i) {
-    constexpr double kClearlyLess = 0.8;
-    if (bounds[i].most >= worth.at(candidates[i].family) && bounds[i].most >= kClearlyLess * best)
+    if (bounds[i].most >= worth.at(candidates[i].family) && bounds[i].most >= share * best)
       projections[i].is_screened = false;
   }
   ProjectPending(candidates, &projections);

@@ -46,10 +46,10 @@ class Signatures {
   // One projection per candidate, in order.
   std::vector<Projection> Project(const std::vector<Candidate>& candidates) const;
   // The same for those that matter: members of the scans (frequencies, places) that, even if most of them were
-  // projected off, would explain less than `worth[family]` of the residual's squares or clearly less than the best
-  // candidate does, are screened out unprojected.
-  std::vector<Projection> ProjectWorthy(const std::vector<Candidate>& candidates,
-                                        const std::map<Family, double>& worth) const;
+  // projected off, would explain less than `worth[family]` of the residual's squares or less than `share` of what the
+  // best candidate does, are screened out unprojected.
+  std::vector<Projection> ProjectWorthy(const std::vector<Candidate>& candidates, const std::map<Family, double>& worth,
+                                        double share) const;
   // For each candidate the smallest canonical correlation with `reference` after projection, over the smaller of the
   // two spaces.
   std::vector<double> CorrelationsWith(const Candidate& reference, const std::vector<Candidate>& candidates) const;

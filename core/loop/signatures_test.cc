@@ -84,7 +84,7 @@ TEST(Signatures, NothingThatMattersIsScreenedOut) {
     std::map<Family, double> worth;
     for (const Candidate& candidate : candidates) worth[candidate.family] = kWorth;
     const std::vector<Projection> all = signatures.Project(candidates);
-    const std::vector<Projection> worthy = signatures.ProjectWorthy(candidates, worth);
+    const std::vector<Projection> worthy = signatures.ProjectWorthy(candidates, worth, 0.8);
     double best = 0.0;
     int screened = 0, explain_much = 0;
     Eigen::Vector3d amplitude;

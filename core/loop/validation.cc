@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/loop/fitting.h"
 #include "core/loop/same_always.h"
+#include "core/loop/signatures.h"
 
 namespace axiscal::loop {
 
@@ -21,53 +23,62 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
   bool has_replaced = false;
   if (check_.is_empty() || effects().empty()) return has_replaced;
   RETURN_IF_ERROR(check_.Settle(*fit));
+  ASSIGN_OR_RETURN(std::optional<Fit> joint, Joint(*fit));
   // Of effects that the fit sessions could not tell apart another may be the one: the largest first, since what is
   // wrong there bends all that was found beside it.
-  for (size_t i = 0; i < effects().size(); ++i) {
+  for (size_t i = 0; i < effects().size() && joint.has_value(); ++i) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
-    ASSIGN_OR_RETURN(const double squares, check_.Squares(fit->result.model));
-    if (check_.IsAdequate(squares)) break;
-    ASSIGN_OR_RETURN(const double squares_without, SquaresWithout(i, *fit, nullptr));
     const std::vector<Added> before = effects();
-    ASSIGN_OR_RETURN(const bool is_replaced, Replace(i, std::min(squares_without, squares - kSpeaksAgainst), *fit));
+    ASSIGN_OR_RETURN(const bool is_replaced, Replace(i, *fit, *joint));
     if (!is_replaced) continue;
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
     has_replaced = true;
     attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+    ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
-  for (size_t i = effects().size(); i-- > 0;) {
+  for (size_t i = effects().size(); i-- > 0 && joint.has_value();) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
-    ASSIGN_OR_RETURN(const double squares, check_.Squares(fit->result.model));
-    double worth = 0.0;
-    ASSIGN_OR_RETURN(const double squares_without, SquaresWithout(i, *fit, &worth));
-    if (!std::isfinite(squares) && !std::isfinite(squares_without)) continue;  // they say nothing of it
-    // What is plain in the fit sessions is not wrong because what stands beside it disturbs the check sessions a
-    // little.
-    constexpr double kLittle = 0.1;
-    if (!(squares > squares_without + std::max(kSpeaksAgainst, kLittle * worth))) continue;
+    ASSIGN_OR_RETURN(const bool speaks_against, SpeaksAgainst(i, *fit, *joint));
+    if (!speaks_against) continue;
     const std::vector<Added> before = effects();
     const std::string name = extension().NameOf(i);
-    // A member that the check sessions cannot see is better than none: the fit sessions do see it.
-    ASSIGN_OR_RETURN(const bool is_replaced, Replace(i, squares_without + kSpeaksAgainst, *fit));
-    if (!is_replaced) effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(i));
+    effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(i));
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    has_replaced = has_replaced || is_replaced;
-    if (!is_replaced) attempt_->report.withdrawn.push_back(name);
-    attempt_->Note(is_replaced ? Step::kReplaced : Step::kWithdrawn, is_replaced ? extension().NameOf(i) : name, *fit);
+    attempt_->report.withdrawn.push_back(name);
+    attempt_->Note(Step::kWithdrawn, name, *fit);
+    ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
   return has_replaced;
 }
 
-absl::StatusOr<double> Validation::SquaresWithout(size_t effect, const Fit& fit, double* worth) const {
-  ErrorModel lacking = fit.result.model;
-  lacking.terms.erase(lacking.terms.begin() + extension().TermOf(effect));
-  const absl::StatusOr<Fit> reduced = Refit(fit, lacking, identify_options_);
-  if (absl::IsCancelled(reduced.status())) return reduced.status();
-  if (!reduced.ok()) return INFINITY;
-  if (worth != nullptr) *worth = SquaresOf(*reduced) - SquaresOf(fit);
-  return check_.Squares(reduced->result.model);
+// None where all sessions together cannot be fitted: then the check sessions say nothing.
+absl::StatusOr<std::optional<Fit>> Validation::Joint(const Fit& fit) const {
+  absl::StatusOr<Fit> joint = check_.Joint(fit);
+  if (absl::IsCancelled(joint.status())) return joint.status();
+  if (!joint.ok()) return std::nullopt;
+  return *std::move(joint);
+}
+
+// An effect that is there is worth as much with the check sessions as without them, or more.
+absl::StatusOr<bool> Validation::SpeaksAgainst(size_t effect, const Fit& fit, const Fit& joint) const {
+  const int term = extension().TermOf(effect);
+  // What is plain in the fit sessions is not wrong because what stands beside it disturbs the check sessions a little.
+  constexpr double kLittle = 0.1;
+  const double estimated = EvidenceOf(fit, term), joint_estimated = EvidenceOf(joint, term);
+  // Far from doubt the quadratic estimate says enough.
+  if (joint_estimated > estimated - 0.5 * std::max(kSpeaksAgainst, kLittle * estimated)) return false;
+  const auto worth_in = [&](const Fit& whole) -> absl::StatusOr<double> {
+    ErrorModel lacking = whole.result.model;
+    lacking.terms.erase(lacking.terms.begin() + term);
+    const absl::StatusOr<Fit> reduced = Refit(whole, lacking, identify_options_);
+    if (absl::IsCancelled(reduced.status())) return reduced.status();
+    return reduced.ok() ? SquaresOf(*reduced) - SquaresOf(whole) : INFINITY;
+  };
+  ASSIGN_OR_RETURN(const double worth, worth_in(fit));
+  ASSIGN_OR_RETURN(const double joint_worth, worth_in(joint));
+  return joint_worth < worth - std::max(kSpeaksAgainst, kLittle * worth);
 }
 
 // Fits the changed extension; false, and the effects as they were, where that does not converge.
@@ -83,35 +94,62 @@ absl::StatusOr<bool> Validation::Change(const std::vector<Added>& before, Fit* f
   return true;
 }
 
-// Puts the member of effect i's class in its place that the check sessions speak for most; false when none leaves
-// less than `least` of their squares.
-absl::StatusOr<bool> Validation::Replace(size_t i, double least, const Fit& fit) {
-  constexpr size_t kTried = 24;
+// Members of effect i's class, simplest first, that by linear estimate explain all sessions best, with amplitudes.
+// Where the effect itself does, only what is better still; elsewhere the estimate may be wrong by a share.
+std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, bool is_explained) const {
+  const int term = extension().TermOf(i);
   std::vector<Candidate> all = {effects()[i].candidate};
+  all[0].term = joint.result.model.terms[term];
   all.insert(all.end(), effects()[i].equivalent.begin(), effects()[i].equivalent.end());
   all.insert(all.end(), effects()[i].rivals.begin(), effects()[i].rivals.end());
   std::vector<machine::ErrorTerm> terms;
   for (const Candidate& one : all) terms.push_back(one.term);
   // One effect by two names says the same to any session.
-  const std::vector<int> first = FirstOfTheSame(machine_, fit.problem.runs.front().tip_mm, terms);
+  const std::vector<int> first = FirstOfTheSame(machine_, joint.problem.runs.front().tip_mm, terms);
   std::vector<Candidate> members;
-  for (size_t m = 1; m < all.size() && members.size() < kTried; ++m) {
+  for (size_t m = 0; m < all.size(); ++m) {
     if (first[m] == static_cast<int>(m)) members.push_back(all[m]);
   }
+  if (members.size() < 2) return {};
+  identify::Point lacking = joint.point;
+  lacking.model.terms.erase(lacking.model.terms.begin() + term);
+  const Signatures signatures(joint.problem, lacking, identify::ListParameters(lacking.model, true));
+  const std::vector<Projection> projections = signatures.Project(members);
+  std::vector<double> gains(members.size());
+  for (size_t m = 0; m < members.size(); ++m) {
+    Eigen::Vector3d amplitude;
+    gains[m] = Gain(projections[m], &amplitude);
+    for (int b = 0; b < projections[m].columns; ++b) members[m].term.amplitude[b] = amplitude[b];
+  }
+  constexpr double kShare = 0.05;
+  constexpr size_t kTried = 4;
+  double least = is_explained ? gains[0] + 0.5 * kSpeaksAgainst : (1.0 - kShare) * gains[0];
+  std::vector<double> best(gains.begin() + 1, gains.end());
+  std::sort(best.begin(), best.end(), std::greater<>());
+  if (best.size() > kTried) least = std::max(least, best[kTried - 1]);
+  std::vector<Candidate> contenders;
+  for (size_t m = 1; m < members.size(); ++m) {
+    if (gains[m] >= least) contenders.push_back(members[m]);
+  }
+  return contenders;
+}
+
+// Puts the member of effect i's class in its place that all sessions together speak for most; false when none does
+// better than the effect itself.
+absl::StatusOr<bool> Validation::Replace(size_t i, const Fit& fit, const Fit& joint) {
   std::vector<std::pair<double, Candidate>> tried;
-  for (const Candidate& member : members) {
-    ErrorModel model = fit.result.model;
+  double lowest = INFINITY;
+  for (const Candidate& member : Contenders(i, joint, check_.IsExplained(joint, fit))) {
+    ErrorModel model = joint.result.model;
     model.terms[extension().TermOf(i)] = member.term;
-    const absl::StatusOr<Fit> replaced = Refit(fit, model, identify_options_);
+    const absl::StatusOr<Fit> replaced = Refit(joint, model, identify_options_);
     if (absl::IsCancelled(replaced.status())) return replaced.status();
     if (!replaced.ok()) continue;  // a member that does not fit is no alternative
-    ASSIGN_OR_RETURN(const double squares, check_.Squares(replaced->result.model));
-    if (squares < least) tried.push_back({squares, member});
+    tried.push_back({SquaresOf(*replaced), member});
+    lowest = std::min(lowest, tried.back().first);
   }
-  if (tried.empty()) return false;
-  double lowest = INFINITY;
-  for (const auto& [squares, member] : tried) lowest = std::min(lowest, squares);
-  // Of those that the check sessions do not tell from the best, the simplest: members come in that order.
+  if (!(lowest < SquaresOf(joint) - kSpeaksAgainst)) return false;
+  // Of those that the sessions do not tell from the best, the simplest: members come in that order.
   constexpr double kAlike = 1.0;
   const Candidate best =
       std::find_if(tried.begin(), tried.end(), [&](const auto& one) { return one.first < lowest + kAlike; })->second;

@@ -2,6 +2,9 @@
 #ifndef AXISCAL_CORE_LOOP_VALIDATION_H_
 #define AXISCAL_CORE_LOOP_VALIDATION_H_
 
+#include <optional>
+#include <vector>
+
 #include "core/loop/check.h"
 #include "core/loop/growth.h"
 
@@ -20,10 +23,10 @@ class Validation {
  private:
   Extension& extension() const { return attempt_->extension; }
   std::vector<Added>& effects() const { return attempt_->extension.effects; }
-  // Chi-square of the check sessions without an effect; `worth` (may be null): what it takes off that of the fit
-  // sessions.
-  absl::StatusOr<double> SquaresWithout(size_t effect, const identify::Fit& fit, double* worth) const;
-  absl::StatusOr<bool> Replace(size_t effect, double least, const identify::Fit& fit);
+  absl::StatusOr<std::optional<identify::Fit>> Joint(const identify::Fit& fit) const;
+  absl::StatusOr<bool> SpeaksAgainst(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
+  std::vector<Candidate> Contenders(size_t effect, const identify::Fit& joint, bool is_explained) const;
+  absl::StatusOr<bool> Replace(size_t effect, const identify::Fit& fit, const identify::Fit& joint);
   absl::StatusOr<bool> Change(const std::vector<Added>& before, identify::Fit* fit);
 
   const machine::Machine& machine_;

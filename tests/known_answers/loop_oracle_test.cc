@@ -2,67 +2,16 @@
 // engine reaches the residual that a fit which knows the truth reaches, on the sessions fitted and on those kept back.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <optional>
-
 #include "core/base/units.h"
 #include "core/identify/identify.h"
-#include "core/session/case.h"
+#include "tests/known_answers/loop_truth.h"
 
 namespace axiscal::known_answers {
 namespace {
 
-namespace fs = std::filesystem;
+using loop_truth::IsDirty;
+using loop_truth::TermOf;
 using nlohmann::json;
-
-std::string Folder(const std::string& name) { return AXISCAL_SOURCE_DIR "/tests/data/loop/" + name; }
-
-std::vector<std::string> CaseNames() {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(Folder(""))) {
-    if (entry.is_directory()) names.push_back(entry.path().filename().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-// Bad readings (one in a hundred), correlated noise and a wrong stated sigma: 012 and later. Bad readings stay in the
-// oracle's figures; how far a fit leans towards them is its own choice.
-bool IsDirty(const json& truth) { return truth["category"] == "hard"; }
-
-// The shape of an effect of a truth file, with start values of its own for what is not linear; nothing for `bump` and
-// `step`, which are no shapes of error terms.
-std::optional<shapes::Shape> ShapeOf(const json& effect, const machine::Machine& machine) {
-  const std::string shape = effect["shape"];
-  const int axis = machine::FindAxis(machine, effect.value("var", ""));
-  const bool is_rotary = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary;
-  if (shape == "constant") return shapes::Constant{};
-  if (shape == "linear") {
-    return shapes::Linear{axis, is_rotary ? shapes::Linear::kReferenceRad : shapes::Linear::kReferenceMm};
-  }
-  if (shape == "quad") {
-    return shapes::Quadratic{axis, is_rotary ? shapes::Quadratic::kReferenceRad : shapes::Quadratic::kReferenceMm};
-  }
-  if (shape == "harmonic") return shapes::Harmonic{axis, effect["n"].get<double>()};
-  if (shape == "backlash") return shapes::Backlash{axis};
-  if (shape == "reversal") return shapes::Reversal{axis};
-  if (shape == "drift") return shapes::Drift{};
-  if (shape == "drift-exp") return shapes::DriftExp{};
-  if (shape == "thermal") return shapes::Thermal{};
-  return std::nullopt;
-}
-
-std::optional<machine::ErrorTerm> TermOf(const json& effect, const machine::Machine& machine) {
-  const std::optional<shapes::Shape> shape = ShapeOf(effect, machine);
-  const int joint = machine::FindJoint(machine, effect.value("axis", ""));
-  const size_t component = std::string("XYZABC").find(effect.value("comp", "?"));
-  if (!shape || joint < 0 || component == std::string::npos) return std::nullopt;
-  return machine::ErrorTerm{joint, static_cast<machine::Component>(component), *shape, {}};
-}
 
 struct Numbers {
   identify::Result fit, check;
@@ -82,8 +31,8 @@ Numbers FitAndCheck(const session::Case& c, const machine::ErrorModel& model) {
 class LoopOracle : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    case_ = session::ReadCase(Folder(GetParam())).value();
-    truth_ = json::parse(std::ifstream(Folder(GetParam()) + "/truth.json"));
+    case_ = loop_truth::ReadCase(GetParam());
+    truth_ = loop_truth::ReadTruth(GetParam());
     model_ = machine::DeclaredModel(case_.machine);
   }
   double OracleUm(const std::string& key) const { return truth_["oracle"][key]; }
@@ -148,11 +97,7 @@ TEST_P(LoopOracle, ErrorsAreTheTrueOnesWithinTheirUncertainty) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, LoopOracle, testing::ValuesIn(CaseNames()), [](const auto& param) {
-  std::string name = param.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Cases, LoopOracle, testing::ValuesIn(loop_truth::CaseNames()), loop_truth::NameOf);
 
 }  // namespace
 }  // namespace axiscal::known_answers
