@@ -66,6 +66,19 @@ TEST_F(Integrex, LadderOfTheBSetUps) {
   ExpectWithin(RmsUm(R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0})"), 2.97);
 }
 
+// The rungs below the sphere's place: one error of the machine alone, the sphere where it is stated.
+TEST_F(Integrex, OneErrorAloneOnTheNominalSphere) {
+  std::vector<instruments::MeasuringRun> runs = BRuns();
+  for (instruments::MeasuringRun& run : runs) {
+    for (instruments::SetupParameter& parameter : run.setup) {
+      parameter.prior_sigma = 1e-9;
+      parameter.is_weak = false;
+    }
+  }
+  ExpectWithin(kUmPerMm * Fit(runs, R"({"EX0B": 0, "EZ0B": 0})").result.fit.rms_mm, 1299.0);
+  ExpectWithin(kUmPerMm * Fit(runs, R"({"EZ0T": 0})").result.fit.rms_mm, 1589.0);
+}
+
 // Two probes, two lengths. A session's temperature says which probe it was (one degree more with the long one), so that
 // a thermal EZ0T is the difference of their lengths: the published model of two lengths without a second joint.
 TEST_F(Integrex, LengthsOfTheTwoProbesApart) {
@@ -78,6 +91,30 @@ TEST_F(Integrex, LengthsOfTheTwoProbesApart) {
   const identify::Fit fit = Fit(runs, R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0,
       "terms": [{"symbol": "EZT", "shape": "thermal", "amplitude": 0}]})");
   ExpectWithin(kUmPerMm * fit.result.fit.rms_mm, 2.53);
+}
+
+// A place of the sphere for each run (it wandered by up to 10.6 um from one run to the next) and each probe's own
+// errors leave what the runs do not repeat.
+TEST_F(Integrex, DriftFromRunToRun) {
+  std::vector<session::Session> sessions;
+  for (const char* name : {"B-short-run1", "B-short-run2", "B-long-run1", "B-long-run2"}) {
+    sessions.push_back(session::ReadSessionFileOf(Folder() + name + ".csv", machine_).value());
+    std::erase_if(sessions.back().header, [](const session::HeaderEntry& entry) { return entry.key == "setup"; });
+  }
+  std::vector<instruments::MeasuringRun> runs = identify::BindSessions(machine_, sessions).value();
+  double largest_mm = 0.0;
+  for (const int run : {0, 2})
+    largest_mm = std::max(largest_mm, (runs[run + 1].measured_mm - runs[run].measured_mm).cwiseAbs().maxCoeff());
+  EXPECT_NEAR(kUmPerMm * largest_mm, 10.6, 0.05);
+  for (instruments::MeasuringRun& run : runs) {
+    const bool is_long = run.session.starts_with("B-long");
+    run.temperature_celsius.assign(run.temperature_celsius.size(),
+                                   shapes::kReferenceTemperatureCelsius + (is_long ? 1.0 : 0.0));
+  }
+  const identify::Fit fit = Fit(runs, R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0,
+      "terms": [{"symbol": "EZT", "shape": "thermal", "amplitude": 0}, {"symbol": "EXT", "shape": "thermal", "amplitude": 0},
+                {"symbol": "EAB", "shape": "thermal", "amplitude": 0}]})");
+  EXPECT_NEAR(kUmPerMm * fit.result.fit.rms_mm, 0.25, 0.01);
 }
 
 // Differences between B = 0 and 90 that no datum moves (seeds: "datum-free differential formulas"), mean of all runs:
