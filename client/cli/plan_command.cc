@@ -1,6 +1,7 @@
 // axiscal plan: what the known measuring tests of a machine can see, which set determines what is asked, and the axis
 // table or NC program of one.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -19,7 +20,7 @@ namespace {
 
 struct Arguments {
   std::string machine, test, output, tool_tip, ball;
-  std::vector<std::string> asked, declared;
+  std::vector<std::string> asked, declared, with;
   std::optional<double> bar_mm;
   bool list = false;
   plan::ProgramOptions program;
@@ -67,7 +68,8 @@ Json ToJson(const testplan::SurveyedTest& test, const testplan::Survey& survey) 
           {"determined", determined},  {"not_separable", test.not_separable}};
 }
 
-absl::Status List(Context& context, const testplan::Survey& survey) {
+// `with`: the tests that were asked about; empty: all.
+absl::Status List(Context& context, const testplan::Survey& survey, const std::vector<std::string>& with) {
   Json tests = Json::array();
   std::vector<std::vector<std::string>> rows = {{"session", "test", "readings", "takes", "rank"}};
   std::string text;
@@ -87,7 +89,8 @@ absl::Status List(Context& context, const testplan::Survey& survey) {
       const bool is_here =
           std::any_of(survey.tests.begin(), survey.tests.end(),
                       [&](const testplan::SurveyedTest& surveyed) { return surveyed.test == test.name; });
-      if (is_here) continue;
+      const bool is_asked = with.empty() || std::find(with.begin(), with.end(), test.name) != with.end();
+      if (is_here || !is_asked) continue;
       other.push_back({{"test", test.name}, {"summary", test.summary}});
       absl::StrAppend(&not_here, "not on this machine as it stands: ", test.name, " (", test.summary, ")\n");
     }
@@ -173,9 +176,29 @@ absl::Status WriteTest(Context& context, const machine::Machine& machine, const 
   return absl::OkStatus();
 }
 
+// Leaves only the tests that were named: the instruments at hand.
+absl::Status KeepOnly(const std::vector<std::string>& with, testplan::Survey* survey) {
+  if (with.empty()) return absl::OkStatus();
+  std::vector<std::string> known;
+  for (const auto* tests : {&plan::Tests(), &plan::FurtherTests()}) {
+    for (const plan::Test& test : *tests) known.push_back(test.name);
+  }
+  for (const std::string& name : with) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      return absl::InvalidArgumentError(
+          absl::StrCat("--with: '", name, "' is no test, expected some of ", Joined(known, ", ")));
+  }
+  std::erase_if(survey->tests, [&](const testplan::SurveyedTest& test) {
+    return std::find(with.begin(), with.end(), test.test) == with.end();
+  });
+  return absl::OkStatus();
+}
+
 absl::Status Plan(Context& context, const Arguments& arguments) {
   const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
   if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
+  if (!arguments.with.empty() && !arguments.test.empty())
+    return absl::InvalidArgumentError("--with: expected --list or --for with it");
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
   ASSIGN_OR_RETURN(const plan::Situation situation, SituationOf(machine, arguments));
   if (!arguments.test.empty()) return WriteTest(context, machine, situation, arguments);
@@ -187,8 +210,9 @@ absl::Status Plan(Context& context, const Arguments& arguments) {
   }
   symbols.insert(symbols.end(), arguments.asked.begin(), arguments.asked.end());
   ASSIGN_OR_RETURN(const machine::ErrorModel model, testplan::ErrorsToJudge(machine, symbols));
-  ASSIGN_OR_RETURN(const testplan::Survey survey, testplan::SurveyTests(situation, model));
-  return arguments.list ? List(context, survey) : Propose(context, machine, survey, arguments);
+  ASSIGN_OR_RETURN(testplan::Survey survey, testplan::SurveyTests(situation, model));
+  RETURN_IF_ERROR(KeepOnly(arguments.with, &survey));
+  return arguments.list ? List(context, survey, arguments.with) : Propose(context, machine, survey, arguments);
 }
 
 }  // namespace
@@ -203,6 +227,9 @@ void AddPlanCommand(CLI::App& app, Context& context) {
   plan->add_flag("--list", arguments->list,
                  "the tests that this machine can run, with rank, time and what they cannot tell");
   plan->add_option("--for", arguments->asked, "propose the smallest set of tests that determines these errors")
+      ->delimiter(',');
+  plan->add_option("--with", arguments->with,
+                   "of --list and --for: only these tests, those whose instrument is at hand")
       ->delimiter(',');
   plan->add_option("--declare", arguments->declared,
                    "errors that count as unknown, instead of the machine's declared ones")
@@ -225,6 +252,7 @@ void AddPlanCommand(CLI::App& app, Context& context) {
       "A machine that declares no errors is judged by all location errors of its axes.\n"
       "Examples: axiscal plan --machine machine.json --list --tool-tip \"0 0 -350\" --ball \"50 0 65\"\n"
       "          axiscal plan --machine mt --for EX0C,EB0C --tool-tip \"0 0 -350\"\n"
+      "          axiscal plan --machine mt --for EX0C,EB0C --with touch-columns,touch-sphere --ball \"0 0 60\"\n"
       "          axiscal plan --machine mt touch-columns --ball \"0 0 60\" --stylus-radius 3 --dialect fanuc -o "
       "probe.nc\n"
       "          axiscal plan --machine mt CR-350 --tool-tip \"0 0 -350\" --dialect mazak -o CR.nc");

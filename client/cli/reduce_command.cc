@@ -27,8 +27,8 @@ absl::StatusOr<logs::LogTemplate> TemplateOf(const std::string& name) {
   constexpr size_t kMaxTemplateBytes = size_t{1} << 20;
   auto text = base::ReadFile(name, kMaxTemplateBytes);
   if (absl::IsNotFound(text.status())) {
-    return absl::NotFoundError(
-        absl::StrCat("--template ", name, ": no such file, expected a template or one of dprnt, linuxcnc-probe"));
+    return absl::NotFoundError(absl::StrCat(
+        "--template ", name, ": no such file, expected a template or one of dprnt, linuxcnc-probe, sinumerik-write"));
   }
   if (!text.ok()) return text.status();
   return logs::ParseTemplate(*text, name);
@@ -86,8 +86,9 @@ void AddReduceCommand(CLI::App& app, Context& context) {
       "reduce", "Turn a controller's log (DPRNT, LinuxCNC probe log, any table) into a session file");
   reduce->add_option("LOG", arguments->log, "what the controller wrote")->required();
   reduce
-      ->add_option("--template", arguments->log_template,
-                   "how its lines look: a file (docs/logs.md), or dprnt or linuxcnc-probe together with --plan")
+      ->add_option(
+          "--template", arguments->log_template,
+          "how its lines look: a file (docs/logs.md), or dprnt, linuxcnc-probe or sinumerik-write together with --plan")
       ->required();
   reduce->add_option("-o,--output", arguments->output, "the session file")->required();
   reduce->add_option("--plan", arguments->plan,
@@ -101,7 +102,7 @@ void AddReduceCommand(CLI::App& app, Context& context) {
       "A line that no rule of the template names is refused with its line and column. A cut last line is left out, "
       "reported, and\nkept as header `cut_line`.\n"
       "Template: header lines of the session '# key: value', then rules\n"
-      "  format: dprnt | linuxcnc-probe        or\n"
+      "  format: dprnt | linuxcnc-probe | sinumerik-write        or\n"
       "  line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg}    a reading; {*} is passed over; tagged fields come in any order\n"
       "  skip: TEXT {*}                        a line that says nothing (as often as needed)\n"
       "  count: Number of Points {count}       how many readings follow: reported where they do not\n"

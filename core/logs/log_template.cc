@@ -23,12 +23,20 @@ std::string Trimmed(const std::string& text) {
 absl::StatusOr<KnownFormat> FormatOf(const std::string& name) {
   if (name == "dprnt") return KnownFormat::kDprnt;
   if (name == "linuxcnc-probe") return KnownFormat::kLinuxCncProbe;
-  return Refuse(session::Quoted(name) + ", expected dprnt or linuxcnc-probe");
+  if (name == "sinumerik-write") return KnownFormat::kSinumerikWrite;
+  return Refuse(session::Quoted(name) + ", expected dprnt, linuxcnc-probe or sinumerik-write");
 }
 
-// What the DPRNT programs of Yao 2022 and of core/plan print beside touches.
+// What the programs of Yao 2022 and of core/plan print beside touches, and the head of a Sinumerik file.
 absl::Status AddUsualLines(LogTemplate* out) {
-  if (out->format != KnownFormat::kDprnt) return absl::OkStatus();
+  if (out->format == KnownFormat::kSinumerikWrite) {
+    for (const char* const head : {"%_N_{*}", ";$PATH={*}"}) {
+      ASSIGN_OR_RETURN(LinePattern pattern, ParsePattern(head));
+      out->skip.push_back(std::move(pattern));
+    }
+  } else if (out->format != KnownFormat::kDprnt) {
+    return absl::OkStatus();
+  }
   if (!out->count) {
     ASSIGN_OR_RETURN(out->count, ParsePattern("Number of Points {count}"));
   }
@@ -118,7 +126,7 @@ absl::Status CheckWhole(const LogTemplate& out) {
 }  // namespace
 
 const std::vector<std::string>& KnownFormats() {
-  static const auto& names = *new std::vector<std::string>{"dprnt", "linuxcnc-probe"};
+  static const auto& names = *new std::vector<std::string>{"dprnt", "linuxcnc-probe", "sinumerik-write"};
   return names;
 }
 

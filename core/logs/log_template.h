@@ -27,7 +27,7 @@ struct AxisScale {
 
 // Formats that are known by name; their lines follow from the machine's axes. DPRNT also has "Number of Points N" and
 // "Feature Model ...".
-enum class KnownFormat { kNone, kDprnt, kLinuxCncProbe };
+enum class KnownFormat { kNone, kDprnt, kLinuxCncProbe, kSinumerikWrite };
 
 struct LogTemplate {
   std::string name;  // for messages
@@ -44,7 +44,7 @@ struct LogTemplate {
   double seconds = 1.0;                           // from reading to reading, where the log has no times
 };
 
-// "dprnt", "linuxcnc-probe".
+// "dprnt", "linuxcnc-probe", "sinumerik-write".
 const std::vector<std::string>& KnownFormats();
 
 // The template in `text`, or the known format of that name (no header: a plan brings it). INVALID_ARGUMENT with line

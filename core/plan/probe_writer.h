@@ -10,11 +10,13 @@
 
 namespace axiscal::plan {
 
-// How a control touches: "G31" with a DPRNT line behind it (Fanuc, Mazak, Haas), or "G38.2", which LinuxCNC writes down
-// by itself between PROBEOPEN and PROBECLOSE.
+// How a control touches: "G31" with a DPRNT line behind it (Fanuc, Mazak, Haas); "G38.2", which LinuxCNC writes down by
+// itself between PROBEOPEN and PROBECLOSE; or "MEAS=1 G01" with a WRITE of $AA_MM behind it (Sinumerik), which jumps to
+// the label NO_TOUCH where nothing was touched.
+enum class TouchLog { kDprnt, kOfTheControl, kSinumerik };
 struct ProbeDialect {
   std::string skip = "G31";
-  bool prints = true;
+  TouchLog log = TouchLog::kDprnt;
 };
 
 class ProbeWriter {

@@ -46,31 +46,42 @@ std::string Plain(const std::string& text) {
 
 absl::StatusOr<std::string> ProbingProgram(const machine::Machine& machine, const session::Session& session,
                                            const Style& style, const ProgramOptions& options) {
-  const bool is_linuxcnc = style.name == "linuxcnc";
-  if (!is_linuxcnc && style.name != "fanuc" && style.name != "mazak" && style.name != "haas") {
-    return absl::FailedPreconditionError("dialect '" + style.name +
-                                         "' has neither G31 and DPRNT nor G38.2, expected fanuc, mazak, haas or "
-                                         "linuxcnc: use the control's own cycle");
+  const bool is_linuxcnc = style.name == "linuxcnc", is_sinumerik = style.name == "sinumerik";
+  if (style.is_klartext) {
+    return absl::FailedPreconditionError(
+        "dialect 'heidenhain' logs touches (TCH PROBE 4) only through FN 16 and a mask file of its own, which is not "
+        "written, expected fanuc, mazak, haas, linuxcnc or sinumerik: write the plan (-o FILE.csv), touch its lines "
+        "with the control's own cycle, and read its log with axiscal reduce --plan FILE.csv");
   }
   for (const machine::Axis& axis : machine.axes) {
     if (axis.name.size() != 1) return absl::FailedPreconditionError("axis " + axis.name + " has no word of one letter");
   }
-  const ProbeDialect dialect = is_linuxcnc ? ProbeDialect{"G38.2", false} : ProbeDialect{};
+  const ProbeDialect dialect = is_linuxcnc    ? ProbeDialect{"G38.2", TouchLog::kOfTheControl}
+                               : is_sinumerik ? ProbeDialect{"MEAS=1 G01", TouchLog::kSinumerik}
+                                              : ProbeDialect{};
   const bool is_of_touches = session::FindHeader(session, "instrument").value_or("") == "touch";
   ASSIGN_OR_RETURN(const std::string blocks, is_of_touches ? TouchBlocks(machine, session, options.probing, dialect)
                                                            : ProbingBlocks(machine, session, options.probing, dialect));
   const std::string name = Plain(session::FindHeader(session, "session").value_or("session"));
   const size_t touches = session.reading_count() * (is_of_touches ? 1 : kTouchesPerCentre);
-  const std::string comments = absl::StrCat("(MEASURING RUN ", name, " OF MACHINE ", Plain(machine.id),
-                                            ")\n(AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD)\n"
-                                            "(CHECK THE WAY BETWEEN POSES)\n");
+  const auto comment = [&](const std::string& text) { return style.comment_begin + text + style.comment_end + "\n"; };
+  const std::string comments = comment("MEASURING RUN " + name + " OF MACHINE " + Plain(machine.id)) +
+                               comment("AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD") +
+                               comment("CHECK THE WAY BETWEEN POSES");
+  const std::string kind = is_of_touches ? "TOUCH" : "SPHERE";
   if (is_linuxcnc) {
     // No '%': within a program that has one, LinuxCNC reads nothing else.
     return absl::StrCat(comments, style.head, "(PROBEOPEN ", name, ".txt)\n", blocks, "(PROBECLOSE)\n", style.tail);
   }
+  if (is_sinumerik) {
+    // Definitions stand before any other block. A touch that finds nothing ends the run: the next way down is not safe.
+    return absl::StrCat(comments, comment("PROBE ON MEASURING INPUT 1, SPRINT NEEDED; WRITE APPENDS: MOVE AN OLD AXISCAL_LOG AWAY FIRST"),
+                        "DEF INT ERR\nDEF STRING[32] LOG=\"AXISCAL_LOG\"\n", style.head,
+                        "WRITE(ERR,LOG,\"Number of Points ", touches, "\")\nWRITE(ERR,LOG,\"Feature Model ", kind,
+                        "\")\n", blocks, "M30\nNO_TOUCH:\nMSG(\"NO TOUCH\")\nM0\n", style.tail);
+  }
   return absl::StrCat("%\nO1000\n", comments, style.head, "POPEN\nDPRNT[Number*of*Points*", touches,
-                      "]\nDPRNT[Feature*Model*", is_of_touches ? "TOUCH" : "SPHERE", "]\n", blocks, "PCLOS\n",
-                      style.tail);
+                      "]\nDPRNT[Feature*Model*", kind, "]\n", blocks, "PCLOS\n", style.tail);
 }
 
 }  // namespace

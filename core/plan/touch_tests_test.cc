@@ -174,7 +174,22 @@ TEST(TouchTests, DialectsPrintWhatReduceReads) {
   EXPECT_THAT(*program, HasSubstr("(PROBECLOSE)\n"));
   EXPECT_THAT(*program, ::testing::Not(HasSubstr("DPRNT")));
   options.dialect = "sinumerik";
-  EXPECT_EQ(ToProgram(machine, one.session, options).status().code(), absl::StatusCode::kFailedPrecondition);
+  const auto sinumerik = ToProgram(machine, one.session, options);
+  ASSERT_TRUE(sinumerik.ok()) << sinumerik.status();
+  EXPECT_EQ(sinumerik->find("DEF INT ERR\n"), sinumerik->find("\nDEF ") + 1);
+  EXPECT_LT(sinumerik->find("DEF STRING[32] LOG=\"AXISCAL_LOG\"\n"), sinumerik->find("G71 "));
+  EXPECT_THAT(*sinumerik,
+              HasSubstr(absl::StrCat("WRITE(ERR,LOG,\"Number of Points ", one.session.reading_count(), "\")\n")));
+  EXPECT_THAT(*sinumerik, HasSubstr("\nMEAS=1 G01 "));
+  EXPECT_THAT(*sinumerik, HasSubstr("\nSTOPRE\nIF $AC_MEA[1]==0 GOTOF NO_TOUCH\n"
+                                    "WRITE(ERR,LOG,SPRINT(\"X%.4F Y%.4F Z%.4F B%.4F C%.4F\",$AA_MM[X],$AA_MM[Y],"
+                                    "$AA_MM[Z],$AA_MM[B],$AA_MM[C]))\n"));
+  EXPECT_THAT(*sinumerik, HasSubstr("\nM30\nNO_TOUCH:\n"));
+  EXPECT_THAT(*sinumerik, ::testing::Not(HasSubstr("(MEASURING")));
+  options.dialect = "heidenhain";
+  const absl::Status klartext = ToProgram(machine, one.session, options).status();
+  EXPECT_EQ(klartext.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(klartext.message()), HasSubstr("axiscal reduce --plan"));
   options.dialect = "mazak";
   options.probing.overtravel_mm = -1.0;
   EXPECT_EQ(ToProgram(machine, one.session, options).status().code(), absl::StatusCode::kInvalidArgument);

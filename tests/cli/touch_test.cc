@@ -74,6 +74,15 @@ TEST_F(Touch, FromPlanToCalibration) {
   outcome =
       Run("reduce probe.log --template dprnt --plan plan.csv --machine machine.json --session monday -o monday.csv");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  // The same as a Sinumerik program writes it, behind the head of its file.
+  ASSERT_EQ(Run(plan + "--dialect sinumerik -o probe.mpf").exit_code, 0);
+  EXPECT_THAT(Read("probe.mpf"), HasSubstr("\nMEAS=1 G01 "));
+  Write("probe.mpf.log", "%_N_AXISCAL_LOG_MPF\n;$PATH=/_N_MPF_DIR\n" + Read("probe.log"));
+  outcome = Run(
+      "reduce probe.mpf.log --template sinumerik-write --plan plan.csv --machine machine.json --session monday -o s.csv");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Read("s.csv"), Read("monday.csv"));
+  EXPECT_EQ(Run("reduce probe.mpf.log --template dprnt --plan plan.csv --machine machine.json -o d.csv").exit_code, 3);
   ASSERT_EQ(Run("machine add machine.json").exit_code, 0);
   outcome = Run("upload monday.csv");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -102,6 +111,23 @@ TEST_F(Touch, ListAndProposalKnowTouches) {
   EXPECT_EQ(ranks["touch-columns"], 4);
   EXPECT_EQ(ranks["touch-sphere-C"], 4);
   EXPECT_LT(ranks["touch-plate-C"], 4);  // a plate knows nothing of where C stands
+}
+
+// Touch patterns beside all others: what a probe can do is proposed where it sees most.
+TEST_F(Touch, ForProposesTouchPatterns) {
+  auto outcome = Run(
+      "plan --for EX0C,EY0C,EA0C,EB0C --json --machine machine.json --tool-tip '0 0 -350' --ball '90 0 60' --with "
+      "touch-sphere,touch-plate,touch-columns,touch-blocks");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = outcome.Json();
+  ASSERT_GE(json["tests"].size(), 1u);
+  for (const auto& test : json["tests"])
+    EXPECT_EQ(test["test"].get<std::string>().rfind("touch-", 0), 0u) << test["test"];
+  for (const auto& error : json["errors"]) EXPECT_TRUE(error["identifiable"].get<bool>()) << error;
+  outcome = Run("plan --list --with touch-ball --machine machine.json");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("touch-ball"));
+  EXPECT_THAT(outcome.err, HasSubstr("touch-columns"));
 }
 
 // A pattern of another machine, or one that this one cannot run, is refused with what was expected.
