@@ -155,13 +155,18 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
       ->check(CLI::IsMember(NamesOf(kIntegerWords)))
       ->capture_default_str();
   command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
-  command.add_option(
-      "--offset", arguments.offsets,
-      "a work offset that the program selects, mm and deg: \"G54 X=-490 C=90\" or, of all axes in the order "
-      "XYZABC, \"G54=-490 0 0 0 90\"");
-  command.add_option(
-      "--tool-length", arguments.tool_lengths,
-      "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: H1=120.5");
+  // One value each time: the program's name may follow.
+  command
+      .add_option(
+          "--offset", arguments.offsets,
+          "a work offset that the program selects, mm and deg: \"G54 X=-490 C=90\" or, of all axes in the order "
+          "XYZABC, \"G54=-490 0 0 0 90\"; may be given again")
+      ->allow_extra_args(false);
+  command
+      .add_option("--tool-length", arguments.tool_lengths,
+                  "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: "
+                  "H1=120.5; may be given again")
+      ->allow_extra_args(false);
   command.add_option("--time-s", arguments.time_s,
                      "when the program runs, s of the sessions' clock; needed for errors that drift");
   command.add_option("--temperature-c", arguments.temperature_celsius,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "core/base/units.h"
 #include "core/nc/move_reader.h"
@@ -47,7 +48,7 @@ class Verifier {
       }
       RETURN_IF_ERROR(Pair(wanted, compensated, &found));
     }
-    ASSIGN_OR_RETURN(const bool has_more, compensated->Next(&found));
+    ASSIGN_OR_RETURN(const bool has_more, Take(compensated, &found));
     if (has_more)
       return absl::InvalidArgumentError(
           absl::StrCat("line ", found.line, " of the compensated program: the original has no such move"));
@@ -55,8 +56,16 @@ class Verifier {
   }
 
  private:
-  absl::Status NextOf(MoveReader* compensated, const Event& wanted, Event* found) const {
-    ASSIGN_OR_RETURN(const bool has_found, compensated->Next(found));
+  // The next event of the compensated program: the one that was looked at already, or a new one.
+  absl::StatusOr<bool> Take(MoveReader* compensated, Event* found) {
+    if (!ahead_) return compensated->Next(found);
+    *found = std::move(*ahead_);
+    ahead_.reset();
+    return true;
+  }
+
+  absl::Status NextOf(MoveReader* compensated, const Event& wanted, Event* found) {
+    ASSIGN_OR_RETURN(const bool has_found, Take(compensated, found));
     if (has_found) return absl::OkStatus();
     return absl::InvalidArgumentError(
         absl::StrCat("line ", wanted.line, " of the original: the compensated program ends before it"));
@@ -76,6 +85,25 @@ class Verifier {
       if (apart > (is_linear ? options_.reading.max_correction_mm : rotary_match_deg_)) return false;
     }
     return true;
+  }
+
+  // How far the tool of the machine with its errors, at the piece's end, is from where the move should bring it.
+  double EndErrorMm(const Event& wanted, const Event& found) const {
+    const Tool end = Nominal(PositionsOf(wanted.step.end));
+    return (Actual(PositionsOf(found.step.end), wanted.step).tip_mm - end.tip_mm).norm();
+  }
+
+  // Whether the piece, near the move's end, is one before its last: short pieces are, where the next one comes to the
+  // end exactly.
+  absl::StatusOr<bool> IsBeforeLast(const Event& wanted, const Event& found, MoveReader* compensated) {
+    constexpr double kExactMm = 0.002;  // the words' rounding, and room
+    if (EndErrorMm(wanted, found) <= kExactMm) return false;
+    Event next;
+    ASSIGN_OR_RETURN(const bool has_next, compensated->Next(&next));
+    if (!has_next) return false;
+    ahead_ = std::move(next);
+    return ahead_->step.kind == StepKind::kMove && Reaches(wanted.step, ahead_->step) &&
+           EndErrorMm(wanted, *ahead_) <= kExactMm;
   }
 
   // Whether the piece ends the arc: behind `fraction` of it there is room for no other.
@@ -254,8 +282,11 @@ class Verifier {
       if (piece >= kMaxPiecesPerMove || !IsKnown(found->step.end))
         return Mismatch(wanted, *found, "does not reach the same position");
       // Pieces of a full circle pass its end at the begin.
-      const bool is_last =
-          Reaches(wanted.step, found->step) && (!wanted.step.is_arc || IsAtEnd(wanted, *found, fraction));
+      bool is_last = Reaches(wanted.step, found->step) && (!wanted.step.is_arc || IsAtEnd(wanted, *found, fraction));
+      if (is_last && has_path) {
+        ASSIGN_OR_RETURN(const bool is_before_last, IsBeforeLast(wanted, *found, compensated));
+        is_last = !is_before_last;
+      }
       const Values to = PositionsOf(found->step.end);
       double slack = 0;
       double next = is_last ? 1.0 : FractionOf(wanted.step, nominal_from, nominal_to, to, fraction, &slack);
@@ -288,6 +319,7 @@ class Verifier {
   Eigen::Vector3d tip_mm_ = Eigen::Vector3d::Zero();
   double rotary_match_deg_ = kRotaryMatchDeg;
   double worst_mm_ = -1.0;
+  std::optional<Event> ahead_;  // of the compensated program
 };
 
 }  // namespace

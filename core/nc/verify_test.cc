@@ -209,6 +209,26 @@ TEST(Verify, AnUncompensatedProgramShowsItsError) {
   EXPECT_EQ(verified->end_after.max_mm, verified->end_before.max_mm);
 }
 
+// Chords of an arc whose start was not corrected are shorter than a correction may be: only the last one ends the move.
+TEST(Verify, PiecesShorterThanTheLargestCorrectionPairToo) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  VerifyOptions options;
+  options.tool_tip_mm = {0, 0, -testing::kToolMm};
+  options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
+  const std::string program = "G3 X10. Y10. R10. F100\nG1 X10.2\nX10.3\nG2 X10.4 Y9.9 R.1\n";
+  RewriteReport report;
+  const auto text = RewriteText(program, testing::LeaningHead(), options.reading, &report);
+  ASSERT_TRUE(text.ok()) << text.status();
+  EXPECT_GT(report.blocks_inserted, 30);
+  const auto verified =
+      VerifyText(program, *text, machine, testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}}), options);
+  ASSERT_TRUE(verified.ok()) << verified.status();
+  EXPECT_EQ(verified->moves, 4);
+  EXPECT_EQ(verified->pieces, 4 + report.blocks_inserted);
+  EXPECT_LT(verified->end_after.max_mm, 0.0001);
+  EXPECT_LT(verified->path_after.max_mm, options.reading.tolerance_mm);
+}
+
 TEST(Verify, ProgramsThatDoNotPairAreErrors) {
   VerifyOptions options;
   options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};

@@ -164,6 +164,9 @@ TEST_F(FilesOnly, OffsetsAndToolLengthsAreStated) {
   ASSERT_EQ(Compensate("offset.nc -o out.nc" + stated).exit_code, 0);
   // As in AProgramIsRewrittenAndReported: 53.1 um and 35.4 um.
   EXPECT_THAT(Read("out.nc"), HasSubstr("G90 G55 G43 H2 G01 X0.0531 Y0.0354 Z0. B0. C0. F100\n"));
+  // The program's name may follow an option that may be given again.
+  ASSERT_EQ(Compensate("-o behind.nc" + stated + " offset.nc").exit_code, 0);
+  EXPECT_EQ(Read("behind.nc"), Read("out.nc"));
   EXPECT_EQ(Compensate("offset.nc -o out.nc --offset 'G55=1 2'").exit_code, 3);
   EXPECT_EQ(Compensate("offset.nc -o out.nc --tool-length H2").exit_code, 3);
   EXPECT_EQ(Compensate("offset.nc -o out.nc --tool-length H0=5").exit_code, 3);
