@@ -129,7 +129,10 @@ absl::Status Propose(Context& context, const machine::Machine& machine, const te
         {error.name, is_told ? NumberText(proposal.sigma[i] / error.factor) : "no known test tells", error.unit});
   }
   context.Print({{"tests", tests}, {"errors", errors}, {"seconds_with_mounting", proposal.seconds}},
-                absl::StrCat(text, Table(rows), "takes about ", Minutes(proposal.seconds), " with mounting\n"));
+                absl::StrCat(text, Table(rows),
+                             proposal.tests.empty() ? "no set of these tests tells any of them beside the other errors "
+                                                      "(--list says what each cannot separate, --declare fewer)\n"
+                                                    : "takes about " + Minutes(proposal.seconds) + " with mounting\n"));
   return absl::OkStatus();
 }
 

@@ -241,8 +241,9 @@ std::string MonteCarloText(const Json& report) {
   if (!simulation.is_object()) return "";
   std::string text = absl::StrFormat("Monte Carlo, %d runs, seed %d:\n", simulation.value("runs", 0),
                                      simulation.value("seed", uint64_t{0}));
-  std::vector<std::vector<std::string>> rows = {
-      {"error", "value", "sigma", "95 % from", "to", "bias", "noise alone", "unit"}};
+  // Linear propagation: of the readings' noise, and of what is known of held errors.
+  const char* const linear = report.contains("held") ? "linear" : "noise alone";
+  std::vector<std::vector<std::string>> rows = {{"error", "value", "sigma", "95 % from", "to", "bias", linear, "unit"}};
   for (const Json& error : simulation.value("errors", Json::array())) {
     const double value = error.value("value", NAN);
     rows.push_back({error.value("name", ""), NumberText(value), NumberText(error.value("sigma", NAN)),

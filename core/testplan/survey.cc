@@ -200,6 +200,7 @@ Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked) {
       improves = best != before;
     }
   }
+  if (best_verdict.determined == 0) best.clear();  // nobody runs a test that tells nothing of what was asked
   proposal.tests = best;
   proposal.sigma = best_verdict.sigma;
   for (const int test : best) proposal.seconds += survey.tests[test].seconds + kMountingSeconds;

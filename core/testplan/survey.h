@@ -54,7 +54,7 @@ struct Proposal {
 
 // The smallest set that determines every error of `asked` (indices into Survey::errors) beside all others of the
 // survey; of equal size the one with the least determinant of their covariance (D-optimal). Where some cannot be
-// determined by all tests together, the rest is. Sets of up to two are compared all; larger ones grow from the best and
+// determined by all tests together, the rest is; none where none can. Sets of up to two are compared all; larger ones grow from the best and
 // are improved by exchange.
 Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked);
 

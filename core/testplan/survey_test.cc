@@ -126,6 +126,10 @@ TEST(Survey, WhatNoTestDeterminesIsNamed) {
   EXPECT_EQ(proposal.undetermined, (std::vector<int>{0}));
   EXPECT_TRUE(std::isnan(proposal.sigma[0]));
   EXPECT_GT(proposal.sigma[1], 0.0);
+  const Proposal nothing = ProposeTests(*survey, IndicesOf(*survey, {"EX0X"}));
+  EXPECT_TRUE(nothing.tests.empty());
+  EXPECT_EQ(nothing.undetermined, (std::vector<int>{0}));
+  EXPECT_TRUE(std::isnan(nothing.sigma[0]));
 }
 
 // Chang 2019: XC and YC at one ball height have rank 6 of 8 (the published six are not identifiable), at two heights 8;
