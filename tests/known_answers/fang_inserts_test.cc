@@ -209,6 +209,22 @@ TEST(FangInserts, Example2PeaksDifferByTheWear) {
   EXPECT_NEAR(fired * 0.01, 120, 1.5);  // degrees on which the worn insert fires first
 }
 
+// Up to some 2 um before an insert stops firing (W = f, 15 um) its peak shows its whole wear; then the other's hump
+// cuts it, by half a micrometre at most.
+TEST(FangInserts, APeakIsCutBeforeItVanishes) {
+  const auto reads_low_mm = [](double wear_mm) {
+    double peak_mm = -1;
+    for (const CurvePoint& point : Curve(Example1(), {0, wear_mm}, 0.01)) {
+      if (point.insert == 1) peak_mm = std::max(peak_mm, point.height_mm);
+    }
+    return -0.00111382 - wear_mm - peak_mm;
+  };
+  for (const double wear_mm : {0.005, 0.010, 0.013}) EXPECT_NEAR(reads_low_mm(wear_mm), 0.0, 1e-6) << wear_mm;
+  EXPECT_GT(reads_low_mm(0.0148), 1e-4);
+  EXPECT_LT(reads_low_mm(0.0148), 5.5e-4);
+  EXPECT_GT(reads_low_mm(0.0151), 0.5);  // it fires nowhere
+}
+
 // The printed heights are lower because of 300 chords (0.00022 lower) and a time step of 0.93 ms whose first step below
 // fires: a comparison only.
 TEST(FangInserts, PublishedPolygonAndTimeStep) {

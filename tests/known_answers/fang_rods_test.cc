@@ -77,7 +77,16 @@ TEST(FangRods, ClosedForm) {
                          Height(MakeRod(6, 1, 87.5, 30), MakeBeam(0.35, 0.2));
   EXPECT_GT(std::abs(miss_mm), 1e-6);
   EXPECT_LT(std::abs(miss_mm), 1.6e-6);
-  // The curvature term is needed.
+  // The curvature term is needed: 3.7e-5 for the most inclined of the published rods.
+  double largest_mm = 0.0;
+  for (const auto& [yaw_deg, pitch_deg] : {std::pair(0.0, 0.0), std::pair(0.6241, 0.2836)}) {
+    for (const Rod& rod : {kStandard, kRod1, kRod2}) {
+      const double pitch = pitch_deg * kRadPerDeg, across = rod.azimuth_rad - yaw_deg * kRadPerDeg;
+      const double lean = std::abs(std::sin(pitch) + std::cos(pitch) / std::tan(rod.face_rad) * std::cos(across));
+      largest_mm = std::max(largest_mm, lean * 0.2 * 0.2 / (6 * 4.97 * std::cos(pitch)));
+    }
+  }
+  EXPECT_NEAR(largest_mm, 3.7e-5, 0.05e-5);
   const double rho = 4.97, a = std::sin(0.2836 * kRadPerDeg);
   EXPECT_NEAR(a * 0.2 * 0.2 / (6 * rho * std::cos(0.2836 * kRadPerDeg)), 6.6e-6, 1e-7);
 }
