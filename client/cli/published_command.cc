@@ -44,7 +44,10 @@ absl::StatusOr<session::Session> SessionFrom(Context& context, const machine::Ma
 
 Json NumberOrNull(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
 
-std::string Cell(double number) { return std::isfinite(number) ? absl::StrFormat("%.2f", number) : "-"; }
+std::string Cell(double number) {
+  if (!std::isfinite(number)) return "-";
+  return absl::StrFormat("%.2f", std::abs(number) < 0.005 ? 0.0 : number);  // never -0.00
+}
 
 absl::Status Compare(Context& context, const Arguments& arguments) {
   if (arguments.list) return List(context);
@@ -59,8 +62,8 @@ absl::Status Compare(Context& context, const Arguments& arguments) {
   }
   ASSIGN_OR_RETURN(const published::Comparison comparison, source->compare(machine, sessions));
   Json rows = Json::array();
-  std::vector<std::vector<std::string>> table = {{"quantity", "published", "errata put right", "exact", "sigma", "unit",
-                                                  "exact is", "erratum or what is missing"}};
+  std::vector<std::vector<std::string>> table = {
+      {"quantity", "published", "corrected", "exact", "sigma", "unit", "exact is", "erratum or what is missing"}};
   for (const published::Row& row : comparison.rows) {
     rows.push_back({{"quantity", row.quantity},
                     {"formula", row.formula},

@@ -18,7 +18,7 @@ struct Row {
   std::string quantity;                                         // as published: "dxCZ - dxBT"
   std::string unit;                                             // of all numbers: "um", "arcsec"
   double published = std::numeric_limits<double>::quiet_NaN();  // by the formula as printed
-  double corrected = std::numeric_limits<double>::quiet_NaN();  // by the formula with its errata put right
+  double corrected = std::numeric_limits<double>::quiet_NaN();  // with the errata, or what it leaves out, put right
   std::string symbol;                                           // what it is in our terms: "EX0C - EX0T"
   double exact = std::numeric_limits<double>::quiet_NaN();      // by the engine, from all sessions together
   double sigma = std::numeric_limits<double>::quiet_NaN();

@@ -11,6 +11,11 @@ namespace axiscal::published {
 // headers (`zt_mm`, `xt_mm`): the machine's description does not know them, and nothing else needs them.
 absl::StatusOr<Comparison> YaoTable45(const machine::Machine& machine, const std::vector<session::Session>& sessions);
 
+// Ibaraki, Iritani, Matsushita: displacement of a table with two rotary axes at each of their positions, and the maps
+// of both, from touches of plane faces that were touched at 0, 0 too: closed form, against that reference pose. Beside
+// it the table's displacement by the machine's declared errors, fitted to all touches with the artefact's place free.
+absl::StatusOr<Comparison> IbarakiMaps(const machine::Machine& machine, const std::vector<session::Session>& sessions);
+
 }  // namespace axiscal::published
 
 #endif  // AXISCAL_CORE_PUBLISHED_SOURCES_H_
