@@ -76,7 +76,8 @@ Dialect Heidenhain() {
   Dialect dialect = Make("heidenhain", {KlartextCodes()}, {KlartextKeywords()});
   dialect.has_parenthesis_comments = false;
   dialect.line_comment2 = '*';
-  dialect.variable = 0;
+  dialect.variable = 'Q';
+  dialect.has_assignment_blocks = true;
   dialect.has_bare_keywords = true;
   dialect.tool_call_sets_length = true;
   dialect.first_offset = "PRESET";

@@ -24,6 +24,7 @@ enum class Meaning : uint8_t {
   kMachineMove,   // moves to machine positions (G53, G28, SUPA, M91): never touched, also not refused
   kDataInput,     // G10: stated offsets and lengths hold no longer
   kDwell,         // X and U of this block are times
+  kSpeedMode,     // G5 P0, P2, P10000: look-ahead off and on; with another number it moves axes
   kInch,
   kMillimetre,
   kAbsolute,
@@ -122,6 +123,7 @@ struct Dialect {
   bool has_angle_names = false;            // <NAME> or O<NAME> begins a program
   bool has_equals = false;                 // X=5 is a word
   char variable = '#';                     // letter of variables; 0: none is told apart
+  bool has_assignment_blocks = false;      // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
   bool has_bare_keywords = false;          // single letters may be keywords (L), blocks begin with their number
   bool tool_call_sets_length = false;      // the tool's length acts from the tool change on, without a code
   std::string first_offset = "G54";        // the work offset that is selected at the begin

@@ -52,7 +52,7 @@ std::vector<CodeEntry> FanucCodes() {
   return {
       {'G', 22, M::kOtherMotion, 0, "involute move"},
       {'G', 32, M::kOtherMotion, 0, "involute move"},
-      {'G', 50, M::kOtherMotion, 0, "high-speed cycle or spline"},
+      {'G', 50, M::kSpeedMode, 0, "high-speed cycle or spline"},
       {'G', 51, M::kHarmless, 0, "look-ahead"},
       {'G', 61, M::kOtherMotion, 0, "splines"},
       {'G', 62, M::kOtherMotion, 0, "splines"},

@@ -78,6 +78,7 @@ std::vector<Keyword> KlartextKeywords() {
       {"BLK FORM", M::kHarmless, 0, true, "blank"},
       {"STOP", M::kEndOfBlock, 0, false, "stop"},
       {"FMAX", M::kRapidBlock, 0, false, "rapid move"},
+      {"F MAX", M::kRapidBlock, 0, false, "rapid move"},  // of older controls
       {"FAUTO", M::kHarmless, 0, false, "feed of the tool"},
       {"RL", M::kBlockerOn, kCutterCompensation, false, "cutter compensation"},
       {"RR", M::kBlockerOn, kCutterCompensation, false, "cutter compensation"},
@@ -87,6 +88,20 @@ std::vector<Keyword> KlartextKeywords() {
       {"IA", M::kIncrementalAddress, 'A', false, ""},
       {"IB", M::kIncrementalAddress, 'B', false, ""},
       {"IC", M::kIncrementalAddress, 'C', false, ""},
+      {"QL", M::kHarmless, 0, true, "parameter"},
+      {"QR", M::kHarmless, 0, true, "parameter"},
+      {"QS", M::kHarmless, 0, true, "parameter"},
+      // Arithmetic; the others jump, or write to the control.
+      {"FN 0", M::kHarmless, 0, true, "parameter"},
+      {"FN 1", M::kHarmless, 0, true, "parameter"},
+      {"FN 2", M::kHarmless, 0, true, "parameter"},
+      {"FN 3", M::kHarmless, 0, true, "parameter"},
+      {"FN 4", M::kHarmless, 0, true, "parameter"},
+      {"FN 5", M::kHarmless, 0, true, "parameter"},
+      {"FN 6", M::kHarmless, 0, true, "parameter"},
+      {"FN 7", M::kHarmless, 0, true, "parameter"},
+      {"FN 8", M::kHarmless, 0, true, "parameter"},
+      {"FN 18", M::kHarmless, 0, true, "reads a value of the control"},
       {"FN", M::kJump, 0, true, "parameters or a jump"},
   };
 }

@@ -110,7 +110,7 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"LN X+5 Y+5 NX0 NY0 NZ1", "surface normals"},
       {"L X+5 RL F100", "cutter compensation"},
       {"CALL LBL 1", "call"},
-      {"FN 0: Q1 = +5", "parameters"},
+      {"FN 9: IF +Q1 EQU +0 GOTO LBL 1", "parameters"},
       {"L X+Q1", "without a number"},
       {"TCH PROBE 0.0 REF. PLANE Q5 X-", "probing"},
       {"APPR LT X+5 LEN5 RL", "approach"},

@@ -30,10 +30,33 @@ bool BeginsWithNumber(const char* text, size_t size) {
   return size > 0 && *text >= '0' && *text <= '9';
 }
 
-// Whether what stands behind a problem may hold modal codes.
-bool MayHoldCodes(const Dialect& dialect, const char* begin, const char* end) {
-  if (!dialect.has_parenthesis_comments) return true;
-  return std::any_of(begin, end, [](char c) { return c == 'G' || c == 'g'; });
+char Capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+// Whether the M at `at` may be a code that changes the modal state: any but one that is known to change nothing. M
+// within a word (FMAX, MOD) is none.
+bool MayChangeState(const Dialect& dialect, const char* at, const char* end) {
+  size_t number = 0;
+  const char* digit = ++at;
+  for (; digit != end && *digit >= '0' && *digit <= '9' && number < kCodes; ++digit)
+    number = 10 * number + static_cast<size_t>(*digit - '0');
+  if (digit == at) return digit == end || Capital(*digit) < 'A' || Capital(*digit) > 'Z';
+  return 10 * number >= kCodes || dialect.m_codes[10 * number].meaning != Meaning::kHarmless;
+}
+
+// Whether what stands behind a problem may hold modal codes. An L block of Klartext can hold M codes and RL or RR;
+// other blocks of Klartext are not known, nor those of Sinumerik, whose codes may be words.
+bool MayHoldCodes(const Dialect& dialect, const Block& block, const char* begin, const char* end) {
+  const bool is_klartext = dialect.has_bare_keywords;
+  const bool is_l_block = is_klartext && block.word_count > 0 && block.words[0].letter == 0 &&
+                          dialect.keywords[static_cast<size_t>(block.words[0].keyword)].meaning == Meaning::kLinear;
+  if (!dialect.has_parenthesis_comments && !is_l_block) return true;
+  for (const char* at = begin; at != end; ++at) {
+    const char c = Capital(*at);
+    if (c == 'G' && !is_klartext) return true;
+    if (c == 'M' && MayChangeState(dialect, at, end)) return true;
+    if (c == 'R' && is_klartext && at + 1 != end && (Capital(at[1]) == 'L' || Capital(at[1]) == 'R')) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -161,8 +184,10 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
                   TakesRest(block->words[static_cast<size_t>(block->word_count) - 1]);
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
-  if (block->problem != LexProblem::kNone && MayHoldCodes(*dialect_, begin + block->problem_at, text + size))
+  if (block->problem != LexProblem::kNone && MayHoldCodes(*dialect_, *block, begin + block->problem_at, text + size)) {
     modal_.uncertain = kAllGroups;
+    has_called_ = true;
+  }
 }
 
 void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
@@ -202,6 +227,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     modal_.motion_text = request.motion->text;
   }
   modal_.uncertain &= static_cast<uint8_t>(~request.stated);
+  if (request.speed_mode != nullptr) SelectSpeedMode(&request);
   if (request.offset != nullptr) SelectOffset(block, &request);
   if (request.length != nullptr || request.length_number != nullptr) SelectLength(&request);
   if (block.problem != LexProblem::kNone) {

@@ -105,6 +105,7 @@ class Interpreter {
   void ScanWords(const Block& block, Request* request, Step* step);
   void ScanCode(const Word& word, const Code& code, Request* request, Step* step);
   void ScanKeyword(const Word& word, Request* request, Step* step);
+  void SelectSpeedMode(Request* request);
   void SelectOffset(const Block& block, Request* request);
   void SelectLength(Request* request);
   void Act(const Block& block, const Request& request, Step* step);

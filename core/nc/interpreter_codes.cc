@@ -188,6 +188,9 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kDwell:
       request->is_dwell = true;
       return;
+    case Meaning::kSpeedMode:
+      request->speed_mode = &word;
+      return;
     case Meaning::kInch:
       return unit(true);
     case Meaning::kMillimetre:
@@ -256,6 +259,21 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->ends_block = true;
       return;
   }
+}
+
+// "G5 P2" alone: the path stays that of the blocks. Any other number calls a cycle, and axis words make it a spline.
+void Interpreter::SelectSpeedMode(Request* request) {
+  const Word* const number = request->number_of_parameter;
+  const bool is_mode =
+      request->parameter == 'P' && number != nullptr && number->number.decimals == 0 &&
+      (number->number.mantissa == 0 || number->number.mantissa == 2 || number->number.mantissa == 10000);
+  if (is_mode && !request->has_axis && request->foreign_axis == 0 && !request->has_centre) {
+    request->parameter = 0;
+    return;
+  }
+  modal_.motion = Meaning::kOtherMotion;
+  modal_.motion_text = Find(*request->speed_mode).text;
+  request->Refuse(absl::StrCat(WordText(*request->speed_mode), " (", modal_.motion_text, ")"));
 }
 
 void Interpreter::SelectOffset(const Block& block, Request* request) {

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <string_view>
 
-#include "absl/strings/str_cat.h"
 #include "core/nc/mark.h"
 #include "core/nc/plain_words.h"
 
@@ -145,6 +144,12 @@ class BlockLexer {
     };
     skip_blanks();
     if (at == end_ || *at != '=') return false;
+    if (dialect_.has_assignment_blocks) {
+      if (block_.word_count > 0) return false;
+      block_.has_assignment = true;
+      at_ = end_;
+      return true;
+    }
     ++at;
     skip_blanks();
     if (at != end_ && (*at == '-' || *at == '+')) ++at;
@@ -366,38 +371,10 @@ void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
   block->problem = LexProblem::kNone;
   block->problem_at = 0;
   // Nearly every block is plain words from its first byte to its last.
-  const bool begins_with_word =
-      size > 0 && *text >= 'A' && *text <= 'Z' && *text != 'O' && !dialect.has_bare_keywords;
+  const bool begins_with_word = size > 0 && *text >= 'A' && *text <= 'Z' && *text != 'O' && !dialect.has_bare_keywords;
   if (begins_with_word && ReadPlainWords(text, text, text + size, block) == text + size) return;
   block->word_count = 0;
   BlockLexer(text, size, dialect, block).Run();
-}
-
-std::string ToString(LexProblem problem, uint32_t at) {
-  const std::string where = absl::StrCat(" at column ", at + 1);
-  switch (problem) {
-    case LexProblem::kNone:
-      return "no problem";
-    case LexProblem::kNestedComment:
-      return "nested comment" + where + " (controllers differ on where it ends)";
-    case LexProblem::kUnclosedComment:
-      return "comment without end" + where;
-    case LexProblem::kNoNumber:
-      return "letter without a number" + where;
-    case LexProblem::kNumberTooLong:
-      return "number of more than 18 digits" + where;
-    case LexProblem::kTooManyWords:
-      return absl::StrCat("more than ", kMaxWords, " words", where);
-    case LexProblem::kExpression:
-      return "macro or expression" + where;
-    case LexProblem::kStrayCharacter:
-      return "unexpected character" + where;
-    case LexProblem::kSemicolon:
-      return "';' with words behind it" + where + " (a comment, or the end of the block: controllers differ)";
-    case LexProblem::kSlashInside:
-      return "'/' inside a block" + where;
-  }
-  return "unknown problem";
 }
 
 }  // namespace axiscal::nc

@@ -23,7 +23,8 @@ struct Interpreter::Request {
   const Word* length_number = nullptr;
   const Word* offset = nullptr;  // G54
   const Code* offset_code = nullptr;
-  std::string problem;  // first reason to refuse
+  const Word* speed_mode = nullptr;  // G5
+  std::string problem;               // first reason to refuse
   uint16_t blockers_before = 0;
   uint8_t uncertain_before = 0;
   uint8_t stated = 0;  // modal groups that this block states

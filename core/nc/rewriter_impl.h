@@ -65,8 +65,8 @@ struct Rewriter::Impl {
   std::array<int64_t, machine::kMaxAxes> unknown_reported;  // line since which an axis' unknown position was reported
   uint16_t all_axes = 0;
   uint16_t half_turns = 0;  // axes of which a half turn was noted
-  // The mark goes in front of the first block of words, once a word has changed; in front of that word's block where the
-  // first one is on its way already.
+  // The mark goes in front of the first block of words, once a word has changed; in front of that word's block where
+  // the first one is on its way already.
   bool is_mark_written = false;
   bool has_mark_place = false;
   size_t mark_place = 0;  // in `out`, while nothing of it was sent since the program's begin
