@@ -26,9 +26,11 @@ std::string ToolText(const Situation& situation, const Eigen::Vector3d& tip_mm) 
 
 // A ball that stands at this distance from C's line at least, as the patterns of C want it.
 double RadiusOf(const Situation& situation) {
+  const int c = machine::FindAxis(*situation.machine, "C");
+  const Eigen::Vector3d line_mm = c < 0 ? Eigen::Vector3d::Zero() : situation.machine->axes[c].point_mm;
   constexpr double kUsualMm = 50.0, kOffLineMm = 10.0;
   for (const Eigen::Vector3d& ball_mm : situation.balls_mm) {
-    const double radius_mm = std::hypot(ball_mm.x(), ball_mm.y());
+    const double radius_mm = std::hypot(ball_mm.x() - line_mm.x(), ball_mm.y() - line_mm.y());
     if (radius_mm > kOffLineMm) return radius_mm;
   }
   return kUsualMm;
@@ -64,8 +66,14 @@ std::vector<PlannedSession> BallbarPatterns(const Situation& situation) {
   options.sigma_um = situation.ballbar.sigma_mm * base::kUmPerMm;
   options.seconds_per_reading = situation.ballbar.seconds_per_reading;
   options.start_s = situation.start_s;
+  const int b = machine::FindAxis(*situation.machine, "B");
+  if (b < 0) return {};
+  const Eigen::Vector3d pivot_mm = situation.machine->axes[b].point_mm;
   for (const Eigen::Vector3d& tip_mm : TipsToTry(situation)) {
-    options.tool_length_mm = tip_mm.dot(situation.machine->tool_direction);
+    constexpr double kOffPivotMm = 1e-6;
+    const Eigen::Vector3d off_mm = tip_mm - pivot_mm;
+    if (std::hypot(off_mm.x(), off_mm.y()) > kOffPivotMm) continue;  // the patterns hold for a tool through the pivot
+    options.tool_length_mm = off_mm.dot(situation.machine->tool_direction);
     for (const auto& [name, pattern] : ballbar::Patterns()) {
       const std::string session_name = absl::StrFormat("%s-%.0f", name, options.tool_length_mm);
       auto session = ballbar::PlanPattern(*situation.machine, session_name, pattern, options);

@@ -84,6 +84,33 @@ TEST(Plan, TheTwelvePatternsAreForMachinesThatTheyFit) {
   EXPECT_TRUE(FindTest("ballbar-pattern")->plan(SituationOf(mirrored, {})).empty());
 }
 
+// Wherever pivot and table stand: the same bar, the balls at the machine's own places.
+TEST(Plan, TheTwelvePatternsFollowPivotAndTable) {
+  Machine machine = machine::testing::MultiTasking();
+  machine.axes[machine::FindAxis(machine, "B")].point_mm = {30.0, 0.0, 200.0};
+  machine.axes[machine::FindAxis(machine, "C")].point_mm = {-490.0, 12.0, -80.0};
+  Mounted mounted;
+  mounted.tips_mm = {{30.0, 0.0, -156.4}};
+  mounted.balls_mm = {{-440.0, 12.0, 65.5}};
+  mounted.bars_mm = {120.0};
+  const auto planned = FindTest("ballbar-pattern")->plan(SituationOfMachine(machine, mounted));
+  ASSERT_EQ(planned.size(), 24u);
+  EXPECT_EQ(session::FindHeader(planned[0].session, "session"), "BX-356");
+  EXPECT_EQ(session::FindHeader(planned[0].session, "tool_tip_mm"), "30 0 -156.4");
+  EXPECT_EQ(session::FindHeader(planned[0].session, "table_ball_mm"), "-490 12 65.5");
+  EXPECT_EQ(session::FindHeader(planned[6].session, "session"), "CR-356");
+  EXPECT_EQ(session::FindHeader(planned[6].session, "table_ball_mm"), "-440 12 65.5");
+  // CR at C = 0: the tool ball a bar's length towards C's line from the table ball.
+  EXPECT_NEAR(session::FindColumn(planned[6].session, "X_mm")->values[0], -440.0 - 120.0 - 30.0, 1e-9);
+  EXPECT_NEAR(session::FindColumn(planned[6].session, "Y_mm")->values[0], 12.0, 1e-9);
+  EXPECT_NEAR(session::FindColumn(planned[6].session, "Z_mm")->values[0], 65.5 - -156.4, 1e-9);
+  const Situation unsaid = SituationOfMachine(machine, {});  // on the table, and through the pivot
+  EXPECT_EQ(unsaid.balls_mm.front(), Eigen::Vector3d(-490.0, 12.0, -80.0));
+  EXPECT_EQ(unsaid.tips_mm.front(), Eigen::Vector3d(30.0, 0.0, 50.0));
+  mounted.tips_mm = {{35.0, 0.0, -156.4}};  // a tool beside the pivot would tear the bar
+  EXPECT_TRUE(FindTest("ballbar-pattern")->plan(SituationOfMachine(machine, mounted)).empty());
+}
+
 // An arm has no linear axis that would bring the tool point to the ball.
 TEST(Plan, AnArmCanRunNoneOfTheTests) {
   const Machine arm = machine::testing::Make("arm",

@@ -27,6 +27,14 @@ void AddUse(const MeasuringRun& run, InstrumentUse* use) {
     use->seconds_per_reading = (run.time_s.back() - run.time_s.front()) / (count - 1);
 }
 
+// A point of the last rotary axis of a branch, where tool or artefact stand if nobody says; else the origin.
+Eigen::Vector3d OnOutermostAxis(const machine::Machine& machine, const std::vector<int>& branch) {
+  for (auto axis = branch.rbegin(); axis != branch.rend(); ++axis) {
+    if (machine.axes[*axis].kind == machine::AxisKind::kRotary) return machine.axes[*axis].point_mm;
+  }
+  return Eigen::Vector3d::Zero();
+}
+
 }  // namespace
 
 Situation SituationOf(const machine::Machine& machine, const std::vector<MeasuringRun>& runs) {
@@ -67,8 +75,9 @@ Situation SituationOf(const machine::Machine& machine, const std::vector<Measuri
   if (readings > 0.0) situation.temperature_celsius = celsius / readings;
   constexpr double kMountingS = 600.0, kToolMm = 150.0, kBarMm = 100.0;
   situation.start_s = runs.empty() ? 0.0 : end_s + kMountingS;
-  if (situation.tips_mm.empty()) situation.tips_mm.push_back(kToolMm * machine.tool_direction);
-  if (situation.balls_mm.empty()) situation.balls_mm.push_back(Eigen::Vector3d::Zero());
+  if (situation.tips_mm.empty())
+    situation.tips_mm.push_back(OnOutermostAxis(machine, machine.tool_branch) + kToolMm * machine.tool_direction);
+  if (situation.balls_mm.empty()) situation.balls_mm.push_back(OnOutermostAxis(machine, machine.work_branch));
   if (situation.bars_mm.empty()) situation.bars_mm.push_back(kBarMm);
   std::sort(situation.tips_mm.begin(), situation.tips_mm.end(), [&](const auto& a, const auto& b) {
     return a.dot(machine.tool_direction) < b.dot(machine.tool_direction);

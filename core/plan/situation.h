@@ -38,8 +38,8 @@ struct Situation {
   bool Turns(int axis) const { return ranges[axis].highest - ranges[axis].lowest > 1e-3; }
 };
 
-// `runs` must outlive what is returned. Never fails: of what no session tells, what is common stands (a tool of 150 mm,
-// a bar of 100 mm).
+// `runs` must outlive what is returned. Never fails: of what no session tells, what is common stands (a tool of 150 mm
+// below the pivot, a ball at the table's axis, a bar of 100 mm).
 Situation SituationOf(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs);
 
 // What is mounted where no session tells it.

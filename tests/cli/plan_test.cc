@@ -73,6 +73,18 @@ TEST_F(Plan, WritesTablesAndPrograms) {
   ASSERT_EQ(Run("plan ballbar-linked -o xc.nc" + Machine()).exit_code, 0);
 }
 
+// Yao's machine has its table 490 mm from the pivot: all twelve patterns, in every dialect.
+TEST_F(Plan, TheTwelvePatternsOfTheIntegrex) {
+  const std::string options = " --machine '" + Source("deploy/examples/integrex/machine.json") +
+                              "' --tool-tip '0 0 -356.4' --ball '-440 0 65.5' --bar 120 -o p.nc --dialect ";
+  for (const char* pattern :
+       {"BX", "BY", "BZ", "B-axial", "B-radial", "B-tangential", "CR", "CT", "CA", "CX", "CY", "CZ"}) {
+    const auto outcome = Run(std::string("plan ") + pattern + "-356" + options + "mazak");
+    EXPECT_EQ(outcome.exit_code, 0) << pattern << outcome.err;
+  }
+  EXPECT_THAT(Read("p.nc"), HasSubstr("G01 Z541.9000 Y0.0000 X-440.0000 B0.0000 C0.0000"));  // CZ: a bar above the ball
+}
+
 TEST_F(Plan, StoredMachines) {
   ASSERT_EQ(Run("machine add '" + Source("tests/data/loop/case-000/machine.json") + "'").exit_code, 0);
   const std::string id = Run("machine list --json").Json()["machines"][0]["id"].get<std::string>();

@@ -7,7 +7,7 @@
 namespace axiscal::ballbar {
 namespace {
 
-// Pivot position (x, y, z) at the angle p of B or q of C.
+// Pivot position (x, y, z) at the angle p of B or q of C, the origin on C's line.
 Eigen::Vector3d Command(Pattern pattern, double angle_rad, const PatternOptions& o) {
   const double s = std::sin(angle_rad), c = std::cos(angle_rad);
   const double length = o.bar_length_mm, rb = o.tool_length_mm, zc = o.ball_height_mm, rc = o.ball_radius_mm;
@@ -43,6 +43,9 @@ Eigen::Vector3d Command(Pattern pattern, double angle_rad, const PatternOptions&
 }
 
 std::string Number(double number) { return absl::StrFormat("%.10g", number); }
+std::string Point(const Eigen::Vector3d& point_mm) {
+  return absl::StrCat(Number(point_mm.x()), " ", Number(point_mm.y()), " ", Number(point_mm.z()));
+}
 
 absl::Status Validate(const PatternOptions& options) {
   const std::pair<const char*, double> positive[] = {{"bar_length_mm", options.bar_length_mm},
@@ -87,22 +90,25 @@ absl::StatusOr<session::Session> PlanPattern(const machine::Machine& machine, co
     }
   }
   const bool turns_b = TurnsB(pattern);
+  const Eigen::Vector3d pivot_home_mm = machine.axes[machine::FindAxis(machine, "B")].point_mm;
+  Eigen::Vector3d line_mm = machine.axes[machine::FindAxis(machine, "C")].point_mm;
+  line_mm.z() = 0.0;
+  const Eigen::Vector3d ball_mm(turns_b ? 0.0 : options.ball_radius_mm, 0.0, options.ball_height_mm);
   session::Session session;
-  session.header = {
-      {"machine", machine.id},
-      {"session", name},
-      {"instrument", "ballbar"},
-      {"sigma_um", Number(options.sigma_um)},
-      {"tool_tip_mm", "0 0 " + Number(-options.tool_length_mm)},
-      {"table_ball_mm", Number(turns_b ? 0.0 : options.ball_radius_mm) + " 0 " + Number(options.ball_height_mm)},
-      {"bar_length_mm", Number(options.bar_length_mm)}};
+  session.header = {{"machine", machine.id},
+                    {"session", name},
+                    {"instrument", "ballbar"},
+                    {"sigma_um", Number(options.sigma_um)},
+                    {"tool_tip_mm", Point(pivot_home_mm - options.tool_length_mm * Eigen::Vector3d::UnitZ())},
+                    {"table_ball_mm", Point(line_mm + ball_mm)},
+                    {"bar_length_mm", Number(options.bar_length_mm)}};
   for (const char* column : {"t_s", "X_mm", "Y_mm", "Z_mm", "B_deg", "C_deg"})
     session.columns.push_back({column, {}, {}});
   const int steps = static_cast<int>(std::lround((turns_b ? 90.0 : 360.0) / options.step_deg));
   const int readings = options.both_senses ? 2 * steps + 1 : steps + 1;
   for (int k = 0; k < readings; ++k) {
     const double angle_deg = options.step_deg * (k <= steps ? k : 2 * steps - k);
-    const Eigen::Vector3d pivot_mm = Command(pattern, angle_deg * base::kRadPerDeg, options);
+    const Eigen::Vector3d pivot_mm = line_mm + Command(pattern, angle_deg * base::kRadPerDeg, options) - pivot_home_mm;
     const double row[] = {options.start_s + k * options.seconds_per_reading,
                           pivot_mm.x(),
                           pivot_mm.y(),

@@ -1,7 +1,7 @@
 // The twelve ball-bar patterns of Yao 2022 (Table 2.5) on a multi-tasking machine w-C'bZYXB: axis commands (mm, rad)
-// that keep the nominal bar at its length while B or C turns. X, Y, Z command the B pivot; the tool points to -Z at B =
-// 0. The table ball stands at (0, 0, Zc) for the tests of B and at (Rc, 0, Zc) for those of C, the tool ball a distance
-// R_B below the pivot.
+// that keep the nominal bar at its length while B or C turns. X, Y, Z command the B pivot, wherever it stands at home;
+// the tool points to -Z at B = 0. The table ball stands on C's line for the tests of B and Rc beside it (+x) for those
+// of C, at the machine's height Zc; the tool ball a distance R_B below the pivot.
 #ifndef AXISCAL_CORE_INSTRUMENTS_BALLBAR_BALLBAR_PLAN_H_
 #define AXISCAL_CORE_INSTRUMENTS_BALLBAR_BALLBAR_PLAN_H_
 
@@ -21,7 +21,7 @@ inline bool TurnsB(Pattern pattern) { return pattern <= Pattern::kBTangential; }
 struct PatternOptions {
   double bar_length_mm = 100.0;   // L
   double tool_length_mm = 356.4;  // R_B: B pivot to the tool ball
-  double ball_height_mm = 65.5;   // Zc
+  double ball_height_mm = 65.5;   // Zc, machine frame
   double ball_radius_mm = 50.0;   // Rc: distance of the table ball from C
   double step_deg = 1.0;
   bool both_senses = true;  // there and back: backlash shows only so
