@@ -225,6 +225,8 @@ absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::Er
   if (!setup.empty() && !NeedsAmplitudes(model)) return Solve(problem, start, null_space, options);
   Options amplitudes_only = options;
   amplitudes_only.fit_nonlinear = false;
+  constexpr double kNear = 1e-2;  // only where the second stage starts
+  amplitudes_only.converged_decrement = std::max(kNear, options.converged_decrement);
   ASSIGN_OR_RETURN(const Solution first, Solve(problem, start, nominal.null_space, amplitudes_only, at_start));
   return Solve(problem, first.point, null_space, options);
 }
@@ -288,6 +290,10 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
 absl::Status Validate(const Options& options) {
   if (options.max_iterations <= 0) {
     return absl::InvalidArgumentError(absl::StrCat("max_iterations = ", options.max_iterations, ", must be > 0"));
+  }
+  if (!(options.converged_decrement > 0.0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("converged_decrement = ", options.converged_decrement, ", must be > 0"));
   }
   return absl::OkStatus();
 }

@@ -36,6 +36,8 @@ struct Options {
   // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
   std::optional<Budget> budget;
   int max_iterations = 20;
+  // Ends the fit once the next step would take less than this off chi-square.
+  double converged_decrement = 1e-6;  // a step of a thousandth of a standard deviation: no reading could show it
   // A model that misses by hundreds of sigma is fitted with sigma raised (Result::noise_scale); false ends the fit with
   // FAILED_PRECONDITION instead.
   bool raise_noise = true;

@@ -5,9 +5,6 @@
 namespace axiscal::identify {
 namespace {
 
-// A decrease of chi-square that no reading could show: a step of a thousandth of a standard deviation.
-constexpr double kConvergedDecrement = 1e-6;
-
 // A model that misses by more sigmas than this, all readings taken together, is not fitted on but given a larger sigma
 // (identify.cc).
 constexpr double kFarOff = 10.0;
@@ -124,8 +121,8 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
     // Convergence is quadratic: where this step and the one before promise that the next would not matter, this one is
     // the last.
     const bool is_last =
-        step.decrement < kConvergedDecrement ||
-        (iteration > 1 && step.decrement * (step.decrement / previous_decrement) < kConvergedDecrement);
+        step.decrement < options.converged_decrement ||
+        (iteration > 1 && step.decrement * (step.decrement / previous_decrement) < options.converged_decrement);
     if (is_last) {
       solution.point = Moved(solution.point, parameters, step);
       solution.has_converged = true;

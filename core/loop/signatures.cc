@@ -5,18 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/loop/shape_columns.h"
+#include "core/loop/signature_scan.h"
 
 namespace axiscal::loop {
 namespace {
 
 constexpr int kRowsAtOnce = 256;  // rows x columns of a block stay in cache
-
-// Families that scan: neighbours are alike, hardly any of them is mostly explained by declared errors.
-bool IsScan(Family family) {
-  return family == Family::kFineHarmonic || family == Family::kPitch || family == Family::kBump;
-}
-constexpr double kLeastVisible = 0.2;
 
 int ColumnOf(const Candidate& candidate) {
   return machine::kComponents * candidate.term.joint + static_cast<int>(candidate.term.component);
@@ -85,7 +79,8 @@ std::vector<Projection> Signatures::ProjectWorthy(const std::vector<Candidate>& 
                                                   const std::map<Family, double>& worth, double share) const {
   std::vector<Projection> projections(candidates.size());
   if (row_count() == 0) return projections;
-  const std::vector<Bounds> bounds = Scan(candidates);
+  const std::vector<ScanBounds> bounds =
+      Scan(candidates, weight_, correlation_, residual_, sensitivity_, [this](int row) { return StateAt(row); });
   for (size_t i = 0; i < candidates.size(); ++i) projections[i].is_screened = IsScan(candidates[i].family);
   ProjectPending(candidates, &projections);
   double best = 0.0;
@@ -125,86 +120,6 @@ void Signatures::ProjectPending(const std::vector<Candidate>& candidates, std::v
     width += ColumnsOf(candidates[i]);
   }
   flush();
-}
-
-// Products with the projected residual need no projection of the signature; its own squares before projection bound
-// what it can explain.
-std::vector<Signatures::Bounds> Signatures::Scan(const std::vector<Candidate>& candidates) const {
-  std::vector<Bounds> bounds(candidates.size());
-  ShapeColumns shape_columns(row_count(), [this](int at) { return StateAt(at); });
-  // |W x|^2 = sum_k d_k x_k^2 - 2 sum_k o_k x_k x_(k-1)
-  const Eigen::Index n = row_count();
-  const Eigen::ArrayXd off = weight_.square() * correlation_;
-  // Raw column's product with this = whitened column's with the projected residual.
-  Eigen::ArrayXd dual = weight_ * residual_.array();
-  dual.head(n - 1) -= correlation_.tail(n - 1) * weight_.tail(n - 1) * residual_.tail(n - 1).array();
-  Eigen::ArrayXd diagonal = weight_.square();
-  diagonal.head(n - 1) += off.tail(n - 1) * correlation_.tail(n - 1);
-  const Eigen::Index columns = sensitivity_.cols();
-  Eigen::MatrixXd with_residual(n, columns), own(n, columns), neighbour(is_white_ ? 0 : n - 1, columns);
-  for (Eigen::Index c = 0; c < columns; ++c) {
-    with_residual.col(c) = sensitivity_.col(c).array() * dual;
-    own.col(c) = sensitivity_.col(c).array().square() * diagonal;
-    if (!is_white_)
-      neighbour.col(c) =
-          off.tail(n - 1) * sensitivity_.col(c).tail(n - 1).array() * sensitivity_.col(c).head(n - 1).array();
-  }
-  // With a constant: the part that an axis at rest leaves in a signature, mostly a declared error's or the setup's.
-  Eigen::MatrixXd with_constant = own;
-  if (!is_white_) {
-    with_constant.topRows(n - 1) -= neighbour;
-    with_constant.bottomRows(n - 1) -= neighbour;
-  }
-  const Eigen::RowVectorXd constant = with_constant.colwise().sum();
-  constexpr int kProducts = 3;  // of basis columns: 11, 12, 22
-  Eigen::MatrixXd squares(n, kProducts), crossed(is_white_ ? 0 : n - 1, kProducts);
-  for (size_t begin = 0; begin < candidates.size();) {
-    size_t end = begin + 1;
-    while (end < candidates.size() && candidates[end].family == candidates[begin].family &&
-           candidates[end].term.joint == candidates[begin].term.joint &&
-           candidates[end].term.shape == candidates[begin].term.shape)
-      ++end;
-    if (!IsScan(candidates[begin].family)) {
-      begin = end;
-      continue;
-    }
-    const Eigen::MatrixXd& basis = shape_columns.Of(candidates[begin].term.shape);
-    const Eigen::Index width = basis.cols(), products = width * (width + 1) / 2;
-    Eigen::Index at = 0;
-    for (Eigen::Index a = 0; a < width; ++a) {
-      for (Eigen::Index b = 0; b <= a; ++b, ++at) {
-        squares.col(at) = basis.col(a).cwiseProduct(basis.col(b));
-        if (is_white_) continue;
-        crossed.col(at) = basis.col(a).tail(n - 1).cwiseProduct(basis.col(b).head(n - 1)) +
-                          basis.col(b).tail(n - 1).cwiseProduct(basis.col(a).head(n - 1));
-      }
-    }
-    const int first = machine::kComponents * candidates[begin].term.joint;
-    const Eigen::MatrixXd right = basis.transpose() * with_residual.middleCols(first, machine::kComponents);
-    Eigen::MatrixXd gram = squares.leftCols(products).transpose() * own.middleCols(first, machine::kComponents);
-    if (!is_white_) gram -= crossed.leftCols(products).transpose() * neighbour.middleCols(first, machine::kComponents);
-    const Eigen::MatrixXd level = basis.transpose() * with_constant.middleCols(first, machine::kComponents);
-    for (size_t i = begin; i < end; ++i) {
-      const int component = static_cast<int>(candidates[i].term.component);
-      Projection projection;
-      projection.columns = static_cast<int>(width);
-      projection.with_residual.head(width) = right.col(component);
-      at = 0;
-      for (Eigen::Index a = 0; a < width; ++a) {
-        for (Eigen::Index b = 0; b <= a; ++b, ++at) projection.own(a, b) = projection.own(b, a) = gram(at, component);
-      }
-      Eigen::Vector3d amplitude;
-      bounds[i].least = Gain(projection, &amplitude);
-      if (constant[first + component] > 0.0) {
-        const Eigen::VectorXd part = level.col(component) / std::sqrt(constant[first + component]);
-        constexpr double kRegularised = 1e-7;  // a signature that is constant altogether is left for projection
-        projection.own.topLeftCorner(width, width) -= (1.0 - kRegularised) * part * part.transpose();
-      }
-      bounds[i].most = Gain(projection, &amplitude) / kLeastVisible;
-    }
-    begin = end;
-  }
-  return bounds;
 }
 
 void Signatures::FillRaw(const std::vector<const Candidate*>& candidates, int begin,

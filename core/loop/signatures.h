@@ -69,12 +69,6 @@ class Signatures {
   shapes::State StateAt(int row) const { return problem_.runs[run_[row]].StateOf(reading_[row]); }
   // Raw signatures side by side at the rows begin .. begin + columns.rows().
   void FillRaw(const std::vector<const Candidate*>& candidates, int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
-  // What a scan's member explains of the residual's squares at least, and at most unless nearly all of it is projected
-  // off. Zero for other families.
-  struct Bounds {
-    double least = 0.0, most = 0.0;
-  };
-  std::vector<Bounds> Scan(const std::vector<Candidate>& candidates) const;
   void ProjectPending(const std::vector<Candidate>& candidates, std::vector<Projection>* projections) const;
   // Candidates of one `run` (slips) or of none.
   void ProjectFully(const std::vector<const Candidate*>& candidates, const std::vector<Projection*>& projections) const;

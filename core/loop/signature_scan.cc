@@ -1,0 +1,203 @@
+#include "core/loop/signature_scan.h"
+
+#include <cmath>
+
+#include "core/loop/signatures.h"
+#include "core/loop/trig_sums.h"
+
+namespace axiscal::loop {
+namespace {
+
+constexpr double kLeastVisible = 0.2;
+
+// One member: products of its columns with the residual, with each other, with a constant (whitened).
+struct Products {
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d gram = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d level = Eigen::Vector2d::Zero();
+};
+
+class Scanner {
+ public:
+  Scanner(const Eigen::ArrayXd& weight, const Eigen::ArrayXd& correlation, const Eigen::VectorXd& residual,
+          const Eigen::MatrixXd& sensitivity, const std::function<shapes::State(int row)>& state_of)
+      : n_(weight.size()), is_white_((correlation == 0.0).all()), state_of_(state_of) {
+    // |W x|^2 = sum_k d_k x_k^2 - 2 sum_k o_k x_k x_(k-1)
+    const Eigen::ArrayXd off = weight.square() * correlation;
+    // Raw column's product with this = whitened column's with the projected residual.
+    Eigen::ArrayXd dual = weight * residual.array();
+    dual.head(n_ - 1) -= correlation.tail(n_ - 1) * weight.tail(n_ - 1) * residual.tail(n_ - 1).array();
+    Eigen::ArrayXd diagonal = weight.square();
+    diagonal.head(n_ - 1) += off.tail(n_ - 1) * correlation.tail(n_ - 1);
+    const auto columns = sensitivity.array();
+    with_residual_ = columns.colwise() * dual;
+    own_ = columns.square().colwise() * diagonal;
+    // With a constant: the part that an axis at rest leaves in a signature, mostly a declared error's or the setup's.
+    with_constant_ = own_;
+    if (!is_white_) {
+      neighbour_ = (columns.bottomRows(n_ - 1) * columns.topRows(n_ - 1)).colwise() * off.tail(n_ - 1);
+      with_constant_.topRows(n_ - 1) -= neighbour_;
+      with_constant_.bottomRows(n_ - 1) -= neighbour_;
+    }
+    constant_ = with_constant_.colwise().sum();
+  }
+
+  // Members of one family of one axis' own errors, at evenly spaced frequencies.
+  void Harmonics(const std::vector<Candidate>& candidates, const std::vector<size_t>& first_of, double step,
+                 std::vector<ScanBounds>* bounds) {
+    const Candidate& lowest = candidates[first_of.front()];
+    const auto& harmonic = std::get<shapes::Harmonic>(lowest.term.shape);
+    const int count = static_cast<int>(first_of.size()) - 1;
+    const Eigen::Index joint = FirstColumn(lowest);
+    const Eigen::ArrayXd& positions = PositionsOf(harmonic.axis);
+    const auto of_joint = [&](const Eigen::MatrixXd& rows) { return rows.middleCols(joint, machine::kComponents); };
+    const auto sums_at = [&](const Eigen::ArrayXd& at) { return TrigSums(at, harmonic.frequency, step, count); };
+    const TrigSums plain = sums_at(positions);
+    const Eigen::MatrixXcd right = plain.Of(of_joint(with_residual_)), level = plain.Of(of_joint(with_constant_));
+    // Products of cosines and sines are those of sums and differences of the angles.
+    const Eigen::MatrixXcd twice = sums_at(2.0 * positions).Of(of_joint(own_));
+    const Eigen::RowVectorXd total = of_joint(own_).colwise().sum();
+    Eigen::MatrixXcd sum, difference;
+    if (!is_white_) {
+      sum = sums_at(positions.tail(n_ - 1) + positions.head(n_ - 1)).Of(of_joint(neighbour_));
+      difference = sums_at(positions.tail(n_ - 1) - positions.head(n_ - 1)).Of(of_joint(neighbour_));
+    }
+    for (int m = 0; m < count; ++m) {
+      for (size_t i = first_of[m]; i < first_of[m + 1]; ++i) {
+        const int c = static_cast<int>(candidates[i].term.component);
+        Products products;
+        products.right = {right(m, c).real(), right(m, c).imag()};
+        products.level = {level(m, c).real(), level(m, c).imag()};
+        Eigen::Matrix2d& gram = products.gram;
+        gram(0, 0) = 0.5 * (total[c] + twice(m, c).real());
+        gram(1, 1) = 0.5 * (total[c] - twice(m, c).real());
+        gram(0, 1) = 0.5 * twice(m, c).imag();
+        if (!is_white_) {
+          gram(0, 0) -= difference(m, c).real() + sum(m, c).real();
+          gram(1, 1) -= difference(m, c).real() - sum(m, c).real();
+          gram(0, 1) -= sum(m, c).imag();
+        }
+        gram(1, 0) = gram(0, 1);
+        (*bounds)[i] = BoundsOf(products, 2, constant_[joint + c]);
+      }
+    }
+  }
+
+  // Members of one local shape of one column: only the readings near it count.
+  void Place(const std::vector<Candidate>& candidates, size_t begin, size_t end, std::vector<ScanBounds>* bounds) {
+    const auto& bump = std::get<shapes::Bump>(candidates[begin].term.shape);
+    const Eigen::ArrayXd& positions = PositionsOf(bump.axis);
+    constexpr double kReach = 5.0;  // widths: exp(-25) of it is left there
+    std::vector<Eigen::Index> rows;
+    std::vector<double> basis;
+    double values[shapes::kMaxBasisCount];
+    for (Eigen::Index k = 0; k < n_; ++k) {
+      if (std::abs(positions[k] - bump.at) > kReach * bump.width) continue;
+      shapes::Basis(candidates[begin].term.shape, state_of_(static_cast<int>(k)), values);
+      rows.push_back(k);
+      basis.push_back(values[0]);
+    }
+    for (size_t i = begin; i < end; ++i) {
+      const Eigen::Index column = FirstColumn(candidates[i]) + static_cast<int>(candidates[i].term.component);
+      Products products;
+      for (size_t r = 0; r < rows.size(); ++r) {
+        products.right[0] += basis[r] * with_residual_(rows[r], column);
+        products.level[0] += basis[r] * with_constant_(rows[r], column);
+        products.gram(0, 0) += basis[r] * basis[r] * own_(rows[r], column);
+        if (!is_white_ && r > 0 && rows[r - 1] == rows[r] - 1)
+          products.gram(0, 0) -= 2.0 * basis[r] * basis[r - 1] * neighbour_(rows[r - 1], column);
+      }
+      (*bounds)[i] = BoundsOf(products, 1, constant_[column]);
+    }
+  }
+
+ private:
+  static Eigen::Index FirstColumn(const Candidate& candidate) { return machine::kComponents * candidate.term.joint; }
+
+  const Eigen::ArrayXd& PositionsOf(int axis) {
+    if (axis != axis_) {
+      positions_.resize(n_);
+      for (Eigen::Index k = 0; k < n_; ++k) positions_[k] = state_of_(static_cast<int>(k)).axes[axis].position;
+      axis_ = axis;
+    }
+    return positions_;
+  }
+
+  static ScanBounds BoundsOf(const Products& products, int width, double constant) {
+    Projection projection;
+    projection.columns = width;
+    projection.with_residual.head(2) = products.right;
+    projection.own.topLeftCorner(2, 2) = products.gram;
+    ScanBounds bounds;
+    Eigen::Vector3d amplitude;
+    bounds.least = Gain(projection, &amplitude);
+    if (constant > 0.0) {
+      const Eigen::Vector2d part = products.level / std::sqrt(constant);
+      constexpr double kRegularised = 1e-7;  // a signature that is constant altogether is left for projection
+      projection.own.topLeftCorner(2, 2) -= (1.0 - kRegularised) * part * part.transpose();
+    }
+    bounds.most = Gain(projection, &amplitude) / kLeastVisible;
+    return bounds;
+  }
+
+  const Eigen::Index n_;
+  const bool is_white_;
+  const std::function<shapes::State(int row)>& state_of_;
+  Eigen::MatrixXd with_residual_, own_, neighbour_, with_constant_;  // rows x 6 joints
+  Eigen::RowVectorXd constant_;
+  int axis_ = -1;  // of positions_
+  Eigen::ArrayXd positions_;
+};
+
+bool IsHarmonic(const Candidate& candidate) { return std::holds_alternative<shapes::Harmonic>(candidate.term.shape); }
+
+double FrequencyOf(const Candidate& candidate) { return std::get<shapes::Harmonic>(candidate.term.shape).frequency; }
+
+}  // namespace
+
+std::vector<ScanBounds> Scan(const std::vector<Candidate>& candidates, const Eigen::ArrayXd& weight,
+                             const Eigen::ArrayXd& correlation, const Eigen::VectorXd& residual,
+                             const Eigen::MatrixXd& sensitivity,
+                             const std::function<shapes::State(int row)>& state_of) {
+  std::vector<ScanBounds> bounds(candidates.size());
+  Scanner scanner(weight, correlation, residual, sensitivity, state_of);
+  // Members of one shape follow each other, and shapes of one scan by their frequency.
+  const auto is_of_shape = [&](size_t i, size_t other) {
+    return i < candidates.size() && candidates[i].family == candidates[other].family &&
+           candidates[i].term.joint == candidates[other].term.joint &&
+           candidates[i].term.shape == candidates[other].term.shape;
+  };
+  const auto end_of_shape = [&](size_t begin) {
+    size_t end = begin + 1;
+    while (is_of_shape(end, begin)) ++end;
+    return end;
+  };
+  for (size_t begin = 0; begin < candidates.size();) {
+    size_t end = end_of_shape(begin);
+    if (!IsScan(candidates[begin].family)) {
+      begin = end;
+      continue;
+    }
+    if (!IsHarmonic(candidates[begin])) {
+      scanner.Place(candidates, begin, end, &bounds);
+      begin = end;
+      continue;
+    }
+    std::vector<size_t> first_of = {begin, end};
+    double step = 1.0;
+    while (end < candidates.size() && candidates[end].family == candidates[begin].family &&
+           candidates[end].term.joint == candidates[begin].term.joint) {
+      const double next = FrequencyOf(candidates[end]) - FrequencyOf(candidates[first_of[first_of.size() - 2]]);
+      if (first_of.size() == 2) step = next;
+      constexpr double kSame = 1e-9;
+      if (!(next > 0.0) || std::abs(next - step) > kSame * step) break;
+      end = end_of_shape(end);
+      first_of.push_back(end);
+    }
+    scanner.Harmonics(candidates, first_of, first_of.size() > 2 ? step : 1.0, &bounds);
+    begin = end;
+  }
+  return bounds;
+}
+
+}  // namespace axiscal::loop
