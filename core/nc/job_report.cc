@@ -12,9 +12,40 @@ namespace {
 constexpr size_t kShownBytes = 120;
 constexpr size_t kMaxNotes = 100;
 
+// Bytes of the well-formed UTF-8 character that begins there; 0: none does.
+size_t CharacterSize(const unsigned char* at, size_t size) {
+  const auto follows = [&](size_t i, unsigned low, unsigned high) { return i < size && at[i] >= low && at[i] <= high; };
+  if (at[0] < 0x80) return 1;
+  if (at[0] >= 0xC2 && at[0] <= 0xDF) return follows(1, 0x80, 0xBF) ? 2 : 0;
+  if (at[0] >= 0xE0 && at[0] <= 0xEF) {
+    const bool is_second = follows(1, at[0] == 0xE0 ? 0xA0 : 0x80, at[0] == 0xED ? 0x9F : 0xBF);
+    return is_second && follows(2, 0x80, 0xBF) ? 3 : 0;
+  }
+  if (at[0] >= 0xF0 && at[0] <= 0xF4) {
+    const bool is_second = follows(1, at[0] == 0xF0 ? 0x90 : 0x80, at[0] == 0xF4 ? 0x8F : 0xBF);
+    return is_second && follows(2, 0x80, 0xBF) && follows(3, 0x80, 0xBF) ? 4 : 0;
+  }
+  return 0;
+}
+
 }  // namespace
 
-std::string Shown(const BlockText& block) { return std::string(block.text, std::min(block.text_size, kShownBytes)); }
+std::string Shown(const BlockText& block) {
+  const size_t size = std::min(block.text_size, kShownBytes);
+  std::string text;
+  for (size_t at = 0; at < size;) {
+    const char c = block.text[at];
+    const size_t count = CharacterSize(reinterpret_cast<const unsigned char*>(block.text) + at, size - at);
+    const bool is_control = (c >= 0 && c < ' ') || c == 0x7F;
+    if (count == 0 || is_control) {
+      text += c == '\t' ? ' ' : '?';
+    } else {
+      text.append(block.text + at, count);
+    }
+    at += std::max<size_t>(count, 1);
+  }
+  return text;
+}
 
 JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOptions& options)
     : compensator_(compensator), options_(options) {

@@ -58,7 +58,8 @@ class JobReport {
   bool has_exceeded_limit_ = false;  // listed once, counted on
 };
 
-// Of a block in a message: its first bytes.
+// Of a block in a message: its first bytes, as UTF-8 without control characters ('?' stands for what is none), whatever
+// the program holds.
 std::string Shown(const BlockText& block);
 
 }  // namespace axiscal::nc

@@ -94,6 +94,15 @@ TEST(Rewriter, LineEndsCommentsAndFrameStay) {
   EXPECT_THAT(tail.report.notes, ::testing::Contains(HasSubstr("line 4: text behind the end")));
 }
 
+// Programs may hold anything: a terminal, a log and a message of the service take what is shown of them.
+TEST(Rewriter, BlocksAreShownAsPlainText) {
+  RewriteReport report;
+  const std::string block = "G1 X\x1B[2J\xFF\t\xC3\xA4\xE2\x82";
+  EXPECT_FALSE(RewriteText(block + "\n", LeaningHead(), kAtZero, &report).ok());
+  ASSERT_EQ(report.refused.size(), 1u);
+  EXPECT_EQ(report.refused[0].block, "G1 X?[2J? \xC3\xA4??");
+}
+
 TEST(Rewriter, ANullCorrectionReturnsTheBytesWhateverTheyAre) {
   for (const std::string program : {"", "G1 X1.\n", "G02 X1. (nested (comment)\n#1=[2]\r\n%\n%\n%",
                                     "\x00\x01\xFF/\n/\n", "(AXISCAL COMPENSATED BY x)\nG28 Z0\n"}) {
