@@ -250,17 +250,17 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   const NullSpace null_space =
       HasNonlinear(model, options) ? WithNonlinearColumns(nominal.null_space, model) : nominal.null_space;
   ASSIGN_OR_RETURN(Solution solution, SolveInStages(problem, model, setup, nominal, null_space, options));
-  // A model that misses by hundreds of sigma pulls setup offsets far from where anybody would mount a ball, along
-  // valleys without a floor. The stated sigma says little then: it is raised, by no more than it takes for the priors
-  // to hold again.
+  // A model that misses pulls setup offsets far from where anybody would mount a ball, along valleys without a floor.
+  // The stated sigma says little then: it is raised, by no more than it takes for the priors to hold again.
   while (!solution.has_converged) {
-    constexpr double kGrowth = 3.0;
-    if (!options.raise_noise || solution.cost / readings < kGrowth * kGrowth) {
+    constexpr double kMostGrowth = 3.0, kMisses = 1.1;
+    const double growth = std::min(kMostGrowth, std::sqrt(solution.cost / readings));
+    if (!options.raise_noise || growth < kMisses) {
       return absl::FailedPreconditionError(
           absl::StrCat("identification has not converged after ", solution.iterations, " iterations"));
     }
-    for (Noise& noise : problem.noise) noise.sigma_mm *= kGrowth;
-    noise_scale *= kGrowth;
+    for (Noise& noise : problem.noise) noise.sigma_mm *= growth;
+    noise_scale *= growth;
     nominal = AtNominal(problem, model);
     ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, setup, nominal, null_space, options));
   }

@@ -38,8 +38,8 @@ struct Options {
   int max_iterations = 20;
   // Ends the fit once the next step would take less than this off chi-square.
   double converged_decrement = 1e-6;  // a step of a thousandth of a standard deviation: no reading could show it
-  // A model that misses by hundreds of sigma is fitted with sigma raised (Result::noise_scale); false ends the fit with
-  // FAILED_PRECONDITION instead.
+  // A model that misses so that the fit does not converge is fitted with sigma raised (Result::noise_scale); false ends
+  // the fit with FAILED_PRECONDITION instead.
   bool raise_noise = true;
   // Errors of an earlier identification that act at their values; the model holds none of them. Of FitRuns and
   // Identify.

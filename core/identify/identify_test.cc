@@ -125,6 +125,21 @@ TEST(Identify, CorrelatedReadingsStateLargerUncertainties) {
   EXPECT_NEAR(judged->fit.chi2_per_dof, 1.0, 0.15);
 }
 
+// A tilt of the table that nobody declared is taken up by balls pulled across the bar, along a valley without a floor:
+// such a fit ended without an answer.
+TEST(Identify, AModelThatLacksATiltIsFittedAllTheSame) {
+  for (const double tilt_urad : {150.0, 250.0, 400.0}) {
+    Options options;
+    options.model = testing::Errors(kMachine, R"({"EA0B": 0, "EC0B": 0, "EB0B": 0, "EX0C": 0, "EY0C": 0, "EA0C": 0,
+                                                  "EX0T": 0, "EZ0T": 0})");
+    const auto truth = testing::Errors(
+        kMachine, absl::StrFormat(R"({"EA0B": 20, "EC0B": 20, "EX0C": 20, "EZ0T": 20, "EB0C": %g})", tilt_urad));
+    const auto result = Identify(kMachine, testing::Measure(kMachine, truth, {}), options);
+    ASSERT_TRUE(result.ok()) << tilt_urad << ": " << result.status();
+    EXPECT_GT(result->fit.chi2_per_dof * result->noise_scale * result->noise_scale, 1.5) << tilt_urad;  // it says so
+  }
+}
+
 TEST(Identify, CancellationReachesTheSolver) {
   Options options;
   int polls = 0;

@@ -156,5 +156,22 @@ TEST(CloseLoop, CancellationEndsIt) {
             absl::StatusCode::kCancelled);
 }
 
+// Balls pulled across the bar take up most of such a tilt, which must not keep the loop from its name.
+TEST(CloseLoop, ATiltThatIsNotDeclaredIsNamed) {
+  Machine lacking = kMachine;
+  std::erase_if(lacking.declared,
+                [](const machine::ErrorSymbol& symbol) { return machine::ToString(symbol) == "EB0C"; });
+  const machine::ErrorModel truth = Errors(kMachine, R"({"EA0B": 40, "EC0B": -61, "EX0C": -22.2, "EB0C": 150})");
+  const auto fit = Measure(kMachine, truth, {});
+  ballbar::PatternOptions later;
+  later.start_s = 7200.0;
+  const auto check = Measure(kMachine, truth, {}, kCheckPatterns, later);
+  const auto report =
+      CloseLoop(lacking, *identify::BindSessions(lacking, fit), *identify::BindSessions(lacking, check));
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_EQ(report->effects.size(), 1u);
+  EXPECT_TRUE(Names(report->effects[0], "EB0C")) << machine::NameOf(lacking, report->effects[0].term);
+}
+
 }  // namespace
 }  // namespace axiscal::loop
