@@ -159,28 +159,37 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& st
   return true;
 }
 
-absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, const AxisTicks& commanded,
-                                                            const WordGrain& grain) const {
+absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, double first, double last,
+                                                            const AxisTicks& commanded, const WordGrain& grain) const {
   for (const int count : kArcCounts) {
     std::vector<Piece> pieces(static_cast<size_t>(count));
     bool fits = true;
     for (int k = 0; k < count && fits; ++k) {
       const AxisTicks& start = k == 0 ? commanded : pieces[static_cast<size_t>(k) - 1].targets;
-      ASSIGN_OR_RETURN(
-          fits, FitArc(step, start, static_cast<double>(k) / count, k + 1.0 == count ? 1.0 : (k + 1.0) / count, grain,
-                       &pieces[static_cast<size_t>(k)]));
+      const double from = first + (last - first) * k / count;
+      const double to = k + 1 == count ? last : first + (last - first) * (k + 1) / count;
+      ASSIGN_OR_RETURN(fits, FitArc(step, start, from, to, grain, &pieces[static_cast<size_t>(k)]));
     }
     if (fits) return pieces;
   }
   return std::vector<Piece>();
 }
 
-absl::Status MoveCorrector::ChordsBetween(const Step& step, double first, double last, const AxisTicks& commanded,
+absl::Status MoveCorrector::PiecesBetween(const Step& step, double first, double last, const AxisTicks& commanded,
                                           const WordGrain& grain, std::vector<Piece>* pieces) const {
   const Senses senses = SensesOfArc(step, 0.5 * (first + last));
   Piece start;
   RETURN_IF_ERROR(CorrectOnArc(step, first, senses, grain, &start));
-  if (Apart(start, pieces->empty() ? commanded : pieces->back().targets) > tolerance_mm_) pieces->push_back(start);
+  AxisTicks reached = pieces->empty() ? commanded : pieces->back().targets;
+  if (Apart(start, reached) > tolerance_mm_) {
+    pieces->push_back(start);  // takes up the lost motion
+    reached = start.targets;
+  }
+  ASSIGN_OR_RETURN(const std::vector<Piece> arcs, ArcPieces(step, first, last, reached, grain));
+  if (!arcs.empty()) {
+    pieces->insert(pieces->end(), arcs.begin(), arcs.end());
+    return absl::OkStatus();
+  }
   const double reach = std::min(1.0, kShare * tolerance_mm_ / step.arc.radius_mm());
   const double turn = 2.0 * std::acos(1.0 - reach);
   double wanted = std::ceil(std::abs(step.arc.sweep_rad) * (last - first) / turn);
@@ -211,23 +220,13 @@ absl::Status MoveCorrector::ChordsBetween(const Step& step, double first, double
   }
 }
 
-absl::StatusOr<std::vector<Piece>> MoveCorrector::Chords(const Step& step, const AxisTicks& commanded,
-                                                         const WordGrain& grain,
-                                                         const std::vector<double>& breaks) const {
-  std::vector<Piece> pieces;
-  for (size_t i = 0; i + 1 < breaks.size(); ++i) {
-    RETURN_IF_ERROR(ChordsBetween(step, breaks[i], breaks[i + 1], commanded, grain, &pieces));
-  }
-  return pieces;
-}
-
 absl::StatusOr<std::vector<Piece>> MoveCorrector::SplitArc(const Step& step, const AxisTicks& commanded,
                                                            const WordGrain& grain) const {
   const std::vector<double> breaks = Reversals(step);
   Piece start;
   RETURN_IF_ERROR(CorrectStart(step, grain, &start));
   if (breaks.size() == 2 && Apart(start, commanded) <= kShare * tolerance_mm_) {
-    ASSIGN_OR_RETURN(std::vector<Piece> pieces, ArcPieces(step, commanded, grain));
+    ASSIGN_OR_RETURN(std::vector<Piece> pieces, ArcPieces(step, 0.0, 1.0, commanded, grain));
     if (!pieces.empty()) return pieces;
   }
   if (!std::isfinite(tolerance_mm_)) {
@@ -235,7 +234,10 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::SplitArc(const Step& step, con
     RETURN_IF_ERROR(CorrectEnd(step, grain, &pieces[0]));
     return pieces;
   }
-  return Chords(step, commanded, grain, breaks);
+  std::vector<Piece> pieces;
+  for (size_t i = 0; i + 1 < breaks.size(); ++i)
+    RETURN_IF_ERROR(PiecesBetween(step, breaks[i], breaks[i + 1], commanded, grain, &pieces));
+  return pieces;
 }
 
 }  // namespace axiscal::nc

@@ -276,6 +276,11 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
   const AxisTicks start = commanded_.ticks;
   bool is_first = true;
   out->append(interpreter_->dialect().piece_prefix);
+  if (step.is_arc && piece.is_arc == is_in_chords_) {
+    out->append(piece.is_arc ? interpreter_->modal().is_clockwise ? "G02" : "G03" : "G01");
+    if (!is_packed) out->push_back(' ');
+    is_in_chords_ = !piece.is_arc;
+  }
   for (const int axis : order_) {
     const int index = step.word_of_axis[axis];
     const bool is_of_arc = piece.is_arc && (axis == piece.arc.first || axis == piece.arc.second);

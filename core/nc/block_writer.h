@@ -42,7 +42,8 @@ class BlockWriter {
   // `feed_fraction` < 1: the block is a piece of its move and G93 scales its F word.
   void WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                   double feed_fraction, OutBuffer* out);
-  // Appends a piece of the same move: axis words, the F word in G93, line end; no N, no other words.
+  // Appends a piece of the same move: axis words, the F word in G93, line end; no N, no other words but the motion code
+  // where an arc has straight pieces.
   void WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction, bool is_packed,
                   const std::string& line_end, OutBuffer* out);
   // Appends a block that stays as it is. Where an arc was written as chords and the block relies on the arc's code, the

@@ -57,7 +57,7 @@ class MoveCorrector {
   absl::StatusOr<std::vector<Piece>> Split(const Step& step, const WordGrain& grain) const;
 
   // The same of an arc that begins at `commanded`: one arc where the corrected points lie on one within the tolerance,
-  // else several, else chords. All pieces are arcs, or none is.
+  // else several, else chords. Where an axis turns back, a straight piece takes up its lost motion first.
   absl::StatusOr<std::vector<Piece>> SplitArc(const Step& step, const AxisTicks& commanded,
                                               const WordGrain& grain) const;
 
@@ -100,11 +100,11 @@ class MoveCorrector {
   // `piece`.
   absl::StatusOr<bool> FitArc(const Step& step, const AxisTicks& start, double first, double last,
                               const WordGrain& grain, Piece* piece) const;
-  absl::StatusOr<std::vector<Piece>> ArcPieces(const Step& step, const AxisTicks& commanded,
+  // Arcs from `commanded` between two fractions of the move; empty when no number of them keeps the tolerance.
+  absl::StatusOr<std::vector<Piece>> ArcPieces(const Step& step, double first, double last, const AxisTicks& commanded,
                                                const WordGrain& grain) const;
-  absl::StatusOr<std::vector<Piece>> Chords(const Step& step, const AxisTicks& commanded, const WordGrain& grain,
-                                            const std::vector<double>& breaks) const;
-  absl::Status ChordsBetween(const Step& step, double first, double last, const AxisTicks& commanded,
+  // Appends what goes there between two reversals: a piece that takes up lost motion, then arcs, or else chords.
+  absl::Status PiecesBetween(const Step& step, double first, double last, const AxisTicks& commanded,
                              const WordGrain& grain, std::vector<Piece>* pieces) const;
   // Fractions of an arc where an axis whose sense matters turns back, 0 and 1 included.
   std::vector<double> Reversals(const Step& step) const;

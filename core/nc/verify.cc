@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <optional>
 
 #include "core/base/units.h"
 #include "core/nc/move_reader.h"
@@ -56,11 +56,11 @@ class Verifier {
   }
 
  private:
-  // The next event of the compensated program: the one that was looked at already, or a new one.
+  // The next event of the compensated program: one that was looked at already, or a new one.
   absl::StatusOr<bool> Take(MoveReader* compensated, Event* found) {
-    if (!ahead_) return compensated->Next(found);
-    *found = std::move(*ahead_);
-    ahead_.reset();
+    if (ahead_.empty()) return compensated->Next(found);
+    *found = std::move(ahead_.front());
+    ahead_.pop_front();
     return true;
   }
 
@@ -93,17 +93,27 @@ class Verifier {
     return (Actual(PositionsOf(found.step.end), wanted.step).tip_mm - end.tip_mm).norm();
   }
 
-  // Whether the piece, near the move's end, is one before its last: short pieces are, where the next one comes to the
-  // end exactly.
+  // Whether the piece, near the move's end, is one before its last: pieces may be short. So it is where those behind it
+  // come nearer, and one of them to the end exactly.
   absl::StatusOr<bool> IsBeforeLast(const Event& wanted, const Event& found, MoveReader* compensated) {
     constexpr double kExactMm = 0.002;  // the words' rounding, and room
-    if (EndErrorMm(wanted, found) <= kExactMm) return false;
-    Event next;
-    ASSIGN_OR_RETURN(const bool has_next, compensated->Next(&next));
-    if (!has_next) return false;
-    ahead_ = std::move(next);
-    return ahead_->step.kind == StepKind::kMove && Reaches(wanted.step, ahead_->step) &&
-           EndErrorMm(wanted, *ahead_) <= kExactMm;
+    constexpr size_t kMostPieces = 1000;
+    double error_mm = EndErrorMm(wanted, found);
+    for (size_t k = 0; error_mm > kExactMm && k < kMostPieces; ++k) {
+      if (k == ahead_.size()) {
+        Event next;
+        ASSIGN_OR_RETURN(const bool has_next, compensated->Next(&next));
+        if (!has_next) return false;
+        ahead_.push_back(std::move(next));
+      }
+      const Event& next = ahead_[k];
+      if (next.step.kind != StepKind::kMove || !Reaches(wanted.step, next.step)) return false;
+      const double next_mm = EndErrorMm(wanted, next);
+      if (next_mm <= kExactMm) return true;
+      if (next_mm >= error_mm) return false;
+      error_mm = next_mm;
+    }
+    return false;
   }
 
   // Whether the piece ends the arc: behind `fraction` of it there is room for no other.
@@ -181,8 +191,10 @@ class Verifier {
       double fraction = angle / step.arc.sweep_rad;
       *slack =
           std::max(1e-3, options_.reading.max_correction_mm / (step.arc.radius_mm() * std::abs(step.arc.sweep_rad)));
-      while (fraction < last - std::min(*slack, 0.1)) fraction += turn;
-      while (fraction - turn >= last - 1e-9) fraction -= turn;
+      // A correction may stand a little before the place, also before the begin.
+      const double least = last - std::min(*slack, 0.1);
+      while (fraction < least) fraction += turn;
+      while (fraction - turn >= least) fraction -= turn;
       return fraction;
     }
     int longest = 0;
@@ -319,7 +331,7 @@ class Verifier {
   Eigen::Vector3d tip_mm_ = Eigen::Vector3d::Zero();
   double rotary_match_deg_ = kRotaryMatchDeg;
   double worst_mm_ = -1.0;
-  std::optional<Event> ahead_;  // of the compensated program
+  std::deque<Event> ahead_;  // of the compensated program
 };
 
 }  // namespace

@@ -209,24 +209,54 @@ TEST(Verify, AnUncompensatedProgramShowsItsError) {
   EXPECT_EQ(verified->end_after.max_mm, verified->end_before.max_mm);
 }
 
-// Chords of an arc whose start was not corrected are shorter than a correction may be: only the last one ends the move.
+// Chords are shorter than a correction may be: only the last one ends the move.
 TEST(Verify, PiecesShorterThanTheLargestCorrectionPairToo) {
   const machine::Machine machine = machine::testing::MultiTasking();
   VerifyOptions options;
+  options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
+  std::string chords = "G1 F100\n";
+  constexpr int kCount = 100;
+  for (int k = 1; k <= kCount; ++k) {
+    const double angle = 0.5 * std::numbers::pi * k / kCount;
+    absl::StrAppendFormat(&chords, "X%.6f Y%.6f\n", 10.0 * std::sin(angle), 10.0 - 10.0 * std::cos(angle));
+  }
+  const auto verified =
+      VerifyText("G3 X10. Y10. R10. F100\nG1 X10.2\nX10.3\n", chords + "X10.2\nX10.3\n", machine, {}, options);
+  ASSERT_TRUE(verified.ok()) << verified.status();
+  EXPECT_EQ(verified->moves, 3);
+  EXPECT_EQ(verified->pieces, kCount + 2);
+  EXPECT_LT(verified->end_after.max_mm, 1e-6);
+  EXPECT_LT(verified->path_after.max_mm, 0.001);
+}
+
+// Between two reversals an arc stays an arc: a straight piece takes up the lost motion, also right before its begin.
+TEST(Verify, ArcsWithLostMotionStayArcs) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  machine::ErrorModel errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
+  for (const char* symbol : {"EX0X", "EY0Y"}) {
+    machine::ErrorTerm backlash = machine::ConstantTerm(machine, *machine::ParseErrorSymbol(symbol), 0.005);
+    backlash.shape = shapes::Backlash{machine::FindAxis(machine, std::string(1, symbol[3]))};
+    errors.terms.push_back(backlash);
+  }
+  VerifyOptions options;
   options.tool_tip_mm = {0, 0, -testing::kToolMm};
   options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
-  const std::string program = "G3 X10. Y10. R10. F100\nG1 X10.2\nX10.3\nG2 X10.4 Y9.9 R.1\n";
-  RewriteReport report;
-  const auto text = RewriteText(program, testing::LeaningHead(), options.reading, &report);
-  ASSERT_TRUE(text.ok()) << text.status();
-  EXPECT_GT(report.blocks_inserted, 30);
-  const auto verified =
-      VerifyText(program, *text, machine, testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}}), options);
-  ASSERT_TRUE(verified.ok()) << verified.status();
-  EXPECT_EQ(verified->moves, 4);
-  EXPECT_EQ(verified->pieces, 4 + report.blocks_inserted);
-  EXPECT_LT(verified->end_after.max_mm, 0.0001);
-  EXPECT_LT(verified->path_after.max_mm, options.reading.tolerance_mm);
+  const auto compensator = compensate::Compensator::Create(machine, errors, {options.tool_tip_mm, {}, {}});
+  ASSERT_TRUE(compensator.ok());
+  for (const std::string program :
+       {"G1 X10. F100\nX20.\nG2 X30. Y10. R10.\nG3 X20. Y20. I-10. J0\nX5. Y5. J-15.\nG2 X25. I10.\nI-10.\nG1 X0\n",
+        "G91 G2 X20. I10. F100\nX-20. I-10.\nX5.Y5.I5.\nG90 G1 X0\n",
+        "G93 G2 X20. I10. F4.\nX0 I-10. F2.\nX20. I10. F2.\nG94 G1 X0 F100\n"}) {
+    RewriteReport report;
+    const auto text = RewriteText(program, *compensator, options.reading, &report);
+    ASSERT_TRUE(text.ok()) << text.status();
+    EXPECT_LT(report.blocks_inserted, 25) << *text;
+    EXPECT_THAT(*text, HasSubstr("G02"));
+    const auto verified = VerifyText(program, *text, machine, errors, options);
+    ASSERT_TRUE(verified.ok()) << verified.status() << *text;
+    EXPECT_LT(verified->end_after.max_mm, 0.0001);
+    EXPECT_LT(verified->path_after.max_mm, options.reading.tolerance_mm) << *text;
+  }
 }
 
 TEST(Verify, ProgramsThatDoNotPairAreErrors) {
