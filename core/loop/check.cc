@@ -64,6 +64,8 @@ absl::StatusOr<identify::Fit> Check::Joint(const identify::Fit& best) const {
   identify::Options options = options_;
   options.set_outliers_aside = false;
   options.raise_noise = false;
+  // Balls that the check sessions alone pulled far across the bar come back in short steps.
+  options.max_iterations *= 5;
   std::vector<Eigen::VectorXd> setup = best.point.setup;
   setup.insert(setup.end(), point_.setup.begin(), point_.setup.end());
   return identify::FitProblem(std::move(joint), best.result.model, options, setup);

@@ -26,6 +26,7 @@ absl::StatusOr<Fit> FitExtension(const machine::Machine& machine, const Extensio
 absl::StatusOr<Fit> Refit(const Fit& fit, const machine::ErrorModel& model, const identify::Options& options) {
   identify::Options own = options;
   own.set_outliers_aside = false;
+  own.raise_noise = false;         // chi-squares compare at one sigma only
   own.converged_decrement = 1e-3;  // what decides is a thousand times as much
   return identify::FitProblem(fit.problem, model, own, fit.point.setup);
 }

@@ -50,6 +50,14 @@ TEST(Rates, AMisstatedSigmaDoesNotMatter) {
   EXPECT_EQ(total.spurious_cases, 0) << total.texts;
 }
 
+// The set-ups of its check sessions stand far off before the effects are known: the fit of all sessions together needs
+// more steps than others, and ended the loop without a report.
+TEST(Rates, CheckSessionsThatConvergeSlowlyAreJudged) {
+  const Score score = Judge(Draw(Kind::kDirty, 61005), Kind::kDirty);
+  EXPECT_EQ(score.named, score.effects) << score.text;
+  EXPECT_EQ(score.spurious, 0) << score.text;
+}
+
 TEST(Rates, ChipsAreListedAndDirtyMachinesThatLackNothingAreLeftAlone) {
   const Total total = JudgeMany(Kind::kDirtyNull, 20);
   EXPECT_EQ(total.spurious_cases, 0) << total.texts;
