@@ -26,12 +26,25 @@ std::string Names(const Json& names) {
   return text;
 }
 
-// "EXX:backlash    -2.92 +- 0.02 um, 0.9 um rms in the readings" and what else it could be.
+// What the amplitude of a shape means where its unit does not say it, and the shape's own length or time.
+std::string ReferenceText(const Json& effect) {
+  const std::string shape = effect.value("shape", "");
+  if (shape == "backlash") return " peak to peak";
+  if (shape == "quadratic") return " at 250 mm or 1 rad from zero";
+  if (shape == "drift-exp") return absl::StrFormat(" when warm (time constant %.4g s)", Number(effect, "/tau_s"));
+  if (shape == "reversal" && effect.contains("length_mm"))
+    return absl::StrFormat(" at the reversal, decaying over %.3g mm", Number(effect, "/length_mm"));
+  if (shape == "reversal" && effect.contains("length_deg"))
+    return absl::StrFormat(" at the reversal, decaying over %.3g deg", Number(effect, "/length_deg"));
+  return "";
+}
+
+// "EXX:backlash    -2.92 +- 0.02 um peak to peak, 0.9 um rms in the readings" and what else it could be.
 std::string EffectText(const Json& effect) {
   std::string text =
-      absl::StrFormat("  %-24s %10.4g +- %.2g %s, %.3g um rms in the readings\n", effect.value("name", ""),
+      absl::StrFormat("  %-24s %10.4g +- %.2g %s%s, %.3g um rms in the readings\n", effect.value("name", ""),
                       Number(effect, "/amplitude"), Number(effect, "/amplitude_sigma"), effect.value("unit", ""),
-                      Number(effect, "/rms_um"));
+                      ReferenceText(effect), Number(effect, "/rms_um"));
   const Json same = List(effect, "same_always");
   Json others = Json::array();
   for (const Json& other : List(effect, "equivalent")) {
@@ -53,8 +66,12 @@ std::string ProposalText(const Json& proposal) {
   std::string text = absl::StrFormat("  %s (%s)\n", proposal.value("text", ""), proposal.value("test", ""));
   if (proposal.contains("beyond")) absl::StrAppend(&text, "      moves ", proposal.value("beyond", ""), "\n");
   if (proposal.value("needs_next", false)) return text + "      together with the next one\n";
+  // One alone is told from errors that are no members of its class, but that too little would keep apart from it.
+  const Json separates = List(proposal, "separates");
   absl::StrAppend(
-      &text, "      tells apart ", Names(List(proposal, "separates")),
+      &text, "      ",
+      separates.size() == 1 ? "tells " + Names(separates) + " from errors that come close to it"
+                            : "tells apart " + Names(separates),
       absl::StrFormat(": correlation %.3f -> %.3f, chi-square %.0f or more\n", Number(proposal, "/correlation_before"),
                       Number(proposal, "/correlation_after"), Number(proposal, "/expected_chi2")));
   if (!remaining.empty()) absl::StrAppend(&text, "      leaves ", effect, " with ", Names(remaining), "\n");
@@ -92,11 +109,12 @@ Rows StepRows(const Json& report) {
   Rows rows = {{"step", "rms um"}, {"the declared model", NumberText(Number(report, "/fit/before/rms_um"))}};
   for (const Json& step : List(report, "steps")) {
     const std::string change = step.value("change", ""), name = step.value("name", "");
-    const std::string text = change == "added"      ? "+ " + name
-                             : change == "dropped"  ? "- " + name + " (no longer needed)"
-                             : change == "replaced" ? "= " + name + " (in the place of another of its class)"
-                             : change == "refused"  ? "x " + name + " (refused: the fit with it is worse)"
-                                                    : "- " + name + " (withdrawn)";
+    const std::string text = change == "added"     ? "+ " + name
+                             : change == "dropped" ? "- " + name + " (no longer needed)"
+                             : change == "replaced"
+                                 ? "= " + name + " (in the place of another that these sessions hardly tell from it)"
+                             : change == "refused" ? "x " + name + " (refused: the fit with it is worse)"
+                                                   : "- " + name + " (withdrawn)";
     rows.push_back({text, NumberText(Number(step, "/rms_um"))});
   }
   return rows;
@@ -137,12 +155,17 @@ std::string LoopText(const Json& report) {
   if (!proposals.empty()) absl::StrAppend(&text, "measure next:\n");
   for (const Json& proposal : proposals) absl::StrAppend(&text, ProposalText(proposal));
   if (!List(report, "steps").empty()) absl::StrAppend(&text, Table(StepRows(report)));
+  const bool has_outliers = !List(report, "outliers").empty();
   Rows rows = {{"residual rms, um", "before", "after"}};
+  const auto add = [&rows](const std::string& what, const Json& both, const std::string& field) {
+    rows.push_back({what, NumberText(Number(both, ("/before/" + field).c_str())),
+                    NumberText(Number(both, ("/after/" + field).c_str()))});
+  };
   for (const char* sessions : {"fit", "check"}) {
     if (!report.contains(sessions)) continue;
-    const Json& both = report[sessions];
-    rows.push_back({absl::StrCat(sessions, " sessions"), NumberText(Number(both, "/before/rms_um")),
-                    NumberText(Number(both, "/after/rms_um"))});
+    add(absl::StrCat(sessions, " sessions"), report[sessions], "rms_um");
+    // Bad readings weigh more in the plain figure than anything that the model could explain.
+    if (has_outliers) add("  without readings set aside", report[sessions], "rms_without_outliers_um");
   }
   return text + Table(rows);
 }
