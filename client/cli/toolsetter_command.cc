@@ -11,6 +11,7 @@
 #include "client/cli/record_output.h"
 #include "client/cli/session_choice.h"
 #include "client/cli/toolsetter_curve.h"
+#include "client/cli/toolsetter_plan.h"
 #include "client/cli/toolsetter_text.h"
 #include "core/base/files.h"
 #include "core/base/units.h"
@@ -227,6 +228,7 @@ void AddToolSetterCommand(CLI::App& app, Context& context) {
   SetAction(wear, context, [&context, arguments] { return Evaluate(context, *arguments, WearText, "inserts"); });
 
   AddToolSetterCurve(*toolsetter, context);
+  AddToolSetterPlan(*toolsetter, context);
 }
 
 }  // namespace axiscal::cli

@@ -86,6 +86,47 @@ TEST_F(ToolSetter, StoredSessionsAreEvaluatedAsJobs) {
   EXPECT_THAT(Read("wear.json"), HasSubstr("\"length_mm\""));
 }
 
+// What plan writes is a session once its readings are filled in.
+TEST_F(ToolSetter, PlansAreFilledInAndEvaluated) {
+  const std::string cutter = Example("fang-round-insert/cutter.json");
+  const auto plan =
+      Run("toolsetter plan " + cutter + " --starts 12 --machine cmx50u --session mill -o starts.csv --json");
+  ASSERT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_NEAR(plan.Json()["expected"]["length_sigma_um"].get<double>(), 0.8, 0.4);
+  EXPECT_NEAR(plan.Json()["unseen_from_um"].get<double>(), 15.0, 1e-9);
+  EXPECT_EQ(Run("toolsetter wear starts.csv").exit_code, 3);  // nothing was measured yet
+  const auto curve = Run("toolsetter curve --json --step 30 --wear '0 0.003' " + cutter).Json();
+  std::istringstream in(Read("starts.csv"));
+  std::string filled;
+  size_t reading = 0;
+  for (std::string line; std::getline(in, line);) {
+    const bool is_reading = line.ends_with(",");
+    if (is_reading) line += std::to_string(200.0 + curve["curve"][reading++]["Zt_mm"].get<double>());
+    filled += line + "\n";
+  }
+  ASSERT_EQ(reading, 12u);
+  Write("filled.csv", filled);
+  const auto wear = Run("toolsetter wear --json filled.csv");
+  ASSERT_EQ(wear.exit_code, 0) << wear.err;
+  EXPECT_NEAR(wear.Json()["length_mm"].get<double>(), 200.0, 1e-5);
+  const auto inserts = wear.Json()["inserts"];
+  EXPECT_NEAR(std::max(inserts[0]["wear_um"].get<double>(), inserts[1]["wear_um"].get<double>()), 3.0, 0.01);
+
+  const std::string rods = Example("fang-tool-setter/tool-setter-misaligned-1.csv");
+  const auto three = Run("toolsetter plan --json -o rods.csv " + rods),
+             turned = Run("toolsetter plan --json --turn rod-2 -o turned.csv " + rods);
+  ASSERT_EQ(turned.exit_code, 0) << turned.err;
+  EXPECT_LT(turned.Json()["expected"]["yaw"]["sigma"].get<double>(),
+            0.1 * three.Json()["expected"]["yaw"]["sigma"].get<double>());
+  EXPECT_THAT(Read("turned.csv"), HasSubstr("\n# rod rod-2@30: 5 0.03 88.041 144.086 179.822 30\n"));
+  EXPECT_THAT(Read("turned.csv"), HasSubstr("\nrod-2@330,3,\n"));
+  EXPECT_EQ(Run("toolsetter plan --turn rod-9 -o no.csv " + rods).exit_code, 3);
+  EXPECT_EQ(Run("toolsetter plan --starts 3 --machine m -o no.csv " + cutter).exit_code, 3);
+  EXPECT_THAT(Run("toolsetter plan -o no.csv " + cutter).err, HasSubstr("--machine"));
+  EXPECT_EQ(Run("toolsetter plan -o no.csv missing.json").exit_code, 4);
+  EXPECT_FALSE(Exists("no.csv"));
+}
+
 TEST_F(ToolSetter, AJobOnAnotherInstrumentIsRefusedWhenItIsCreated) {
   ASSERT_EQ(Run("machine add machine.json").exit_code, 0);
   Write("bar.csv",
