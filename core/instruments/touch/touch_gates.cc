@@ -38,10 +38,11 @@ std::map<std::vector<double>, std::vector<int>> Groups(const machine::Machine& m
   return groups;
 }
 
-// Touches of one feature at one rotary pose, with where the stylus centre stood.
+// Touches of one feature at one rotary pose, with where the stylus centre stood: on the table, which linear axes may
+// carry, in its axes and turned into the machine's.
 struct Group {
   std::vector<int> readings;
-  std::vector<Eigen::Vector3d> in_table_mm, in_bed_mm;
+  std::vector<Eigen::Vector3d> in_table_mm, turned_mm;
 };
 
 void Reject(int reading, const char* gate, double off_mm, double limit_mm, std::vector<Rejection>* rejected) {
@@ -66,7 +67,7 @@ void GateRepeats(const MeasuringRun& run, const Group& group, double gate_mm, st
     std::vector<int> repeats;
     std::vector<double> along_mm;
     for (size_t j = i; j < group.readings.size(); ++j) {
-      const Eigen::Vector3d apart_mm = group.in_bed_mm[j] - group.in_bed_mm[i];
+      const Eigen::Vector3d apart_mm = group.turned_mm[j] - group.turned_mm[i];
       const double along = apart_mm.dot(approach);
       if ((approach - run.touches.approach[group.readings[j]]).norm() > 1e-6 ||
           (apart_mm - along * approach).norm() > kSamePlaceMm)
@@ -156,8 +157,8 @@ absl::Status GateTouches(const machine::Machine& machine, const session::Session
     Group group{readings, {}, {}};
     for (const int k : readings) {
       const auto pose = machine::EvaluateChain<double>(machine, run->PositionsOf(k), {});
-      group.in_bed_mm.push_back(pose.bed_from_tool * run->tip_mm);
-      group.in_table_mm.push_back(pose.bed_from_table.Inverse() * group.in_bed_mm.back());
+      group.in_table_mm.push_back(pose.bed_from_table.Inverse() * (pose.bed_from_tool * run->tip_mm));
+      group.turned_mm.push_back(pose.bed_from_table.rotation * group.in_table_mm.back());
     }
     std::vector<Rejection> rejected;
     GateRepeats(*run, group, repeat_gate_mm, &rejected);

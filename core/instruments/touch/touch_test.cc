@@ -119,6 +119,28 @@ TEST(TouchGates, RepeatsThatScatterAreRejectedAndNamed) {
   EXPECT_TRUE(Rejected(session).empty());
 }
 
+// A table that moves under the probe: four places on a plate that stands askew, 20 mm apart, are no repeats.
+TEST(TouchGates, PlacesThatTheTableMovesToAreNoRepeats) {
+  session::Session session;
+  session.header = {{"machine", "ht"},        {"session", "plate"},      {"instrument", "touch"},     {"sigma_um", "1"},
+                    {"tool_tip_mm", "0 0 0"}, {"stylus_radius_mm", "3"}, {"plane top", "0 0 0 0 0 1"}};
+  const double x_mm[] = {-10, 10, -10, 10, -10}, y_mm[] = {-10, -10, 10, 10, -10}, z_mm[] = {3.0, 3.4, 3.1, 3.5, 3.1};
+  for (const char* name : {"t_s", "X_mm", "Y_mm", "Z_mm", "B_deg", "C_deg", "nx", "ny", "nz", "feature"})
+    session.columns.push_back({name, {}, {}});
+  for (int k = 0; k < 5; ++k) {
+    const double values[] = {10.0 * k, x_mm[k], y_mm[k], z_mm[k], 0, 0, 0, 0, -1};
+    for (int i = 0; i < 9; ++i) session.columns[i].values.push_back(values[i]);
+    session.columns[9].texts.push_back("top");
+  }
+  const auto run = instruments::BindSession(session, machine::testing::SwivelHead());
+  ASSERT_TRUE(run.ok()) << run.status();
+  // The last is a repeat of the first, 0.1 mm off it.
+  ASSERT_EQ(run->touches.rejected.size(), 2u);
+  EXPECT_EQ(run->touches.rejected[0].reading, 0);
+  EXPECT_EQ(run->touches.rejected[1].reading, 4);
+  EXPECT_NEAR(run->touches.rejected[0].off_mm, 0.1, 1e-9);
+}
+
 TEST(TouchGates, OneTouchOfAChipIsRejectedAndNamed) {
   session::Session session = Fig513(5.0, 2.9106);
   for (int i = 0; i < 3; ++i) session.columns[1 + i].values[7] -= 0.060 * session.columns[6 + i].values[7];
