@@ -176,6 +176,23 @@ TEST(JobParamsOnTheWire, AreRefusedWithTheirField) {
   EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.options.tolerance_rad");
 }
 
+TEST(JobParamsOnTheWire, HeldErrorsComeBackAsOneOfTwo) {
+  IdentifyParams params{MachineId("mt"), {SessionId(1)}, {"EA0B"}};
+  params.held_calibration = CalibrationId(7);
+  const auto by_id = ParseJobParams(Serialize(params));
+  ASSERT_TRUE(by_id.ok()) << by_id.status();
+  EXPECT_EQ(std::get<IdentifyParams>(*by_id).held_calibration, CalibrationId(7));
+  EXPECT_EQ(std::get<IdentifyParams>(*by_id).held_errors_json, "");
+  params.held_calibration.reset();
+  params.held_errors_json = R"({"EX0C": 1})";
+  const auto by_value = ParseJobParams(Serialize(params));
+  ASSERT_TRUE(by_value.ok()) << by_value.status();
+  EXPECT_FALSE(std::get<IdentifyParams>(*by_value).held_calibration.has_value());
+  EXPECT_EQ(std::get<IdentifyParams>(*by_value).held_errors_json, params.held_errors_json);
+  params.held_calibration = CalibrationId(7);
+  EXPECT_EQ(FieldOf(ParseJobParams(Serialize(params)).status()), "identify.held_errors_json");
+}
+
 TEST(JobOnTheWire, ComesBackWithItsErrorOrResult) {
   storage::JobRecord record;
   record.id = JobId(5);
