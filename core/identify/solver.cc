@@ -124,7 +124,11 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
         step.decrement < options.converged_decrement ||
         (iteration > 1 && step.decrement * (step.decrement / previous_decrement) < options.converged_decrement);
     if (is_last) {
-      solution.point = Moved(solution.point, parameters, step);
+      // What nothing holds (a tracker's turn about a line of points) may go far for next to nothing: not where it
+      // costs.
+      Point last = Moved(solution.point, parameters, step);
+      const double last_cost = WhitenedSquares(problem, ResidualsOf(problem, last)) + PriorSquares(problem, last);
+      if (last_cost <= cost * (1.0 + 1e-12) + options.converged_decrement) solution.point = std::move(last);
       solution.has_converged = true;
       break;
     }
