@@ -214,6 +214,10 @@ std::string ReportText(const Json& report) {
     absl::StrAppend(&text, is_single ? "the sessions do not show: " : "the sessions cannot tell apart: ", direction,
                     "\n");
   }
+  for (const Json& warning : report.value("warnings", Json::array())) {
+    if (warning.value("kind", "") != "scatter")  // PoorFitText says it, also where there is no report
+      absl::StrAppend(&text, "warning: ", warning.value("text", ""), "\n");
+  }
   for (const Json& combination : report.value("determined", Json::array())) {
     absl::StrAppend(&text, "they determine: ", combination.value("name", ""), " = ",
                     NumberText(combination.value("value", NAN)), " +- ", NumberText(combination.value("sigma", NAN)),
@@ -235,7 +239,20 @@ std::string ReportText(const Json& report) {
   return text;
 }
 
-// The spreads of a Monte Carlo simulation, one line per error; nothing where there was none.
+std::string PoorFitText(const storage::CalibrationRecord& record) {
+  constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
+  const std::optional<double>& chi2_per_dof = record.content.chi2_per_dof;
+  if (!chi2_per_dof || *chi2_per_dof <= kPoorFit) return "";
+  const Json report = Embedded(record.content.report_json);
+  const bool is_of_loop = report.is_object() && report.contains("verdict");
+  return absl::StrCat("warning: the readings scatter by ", NumberText(std::sqrt(*chi2_per_dof)),
+                      " times their stated sigma about this model: it lacks something",
+                      is_of_loop ? " that has no name yet" : " (axiscal close-loop looks for it)",
+                      ", or a session is bad\n");
+}
+
+}  // namespace
+
 std::string MonteCarloText(const Json& report) {
   const Json simulation = report.value("monte_carlo", Json());
   if (!simulation.is_object()) return "";
@@ -258,20 +275,6 @@ std::string MonteCarloText(const Json& report) {
   return text;
 }
 
-std::string PoorFitText(const storage::CalibrationRecord& record) {
-  constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
-  const std::optional<double>& chi2_per_dof = record.content.chi2_per_dof;
-  if (!chi2_per_dof || *chi2_per_dof <= kPoorFit) return "";
-  const Json report = Embedded(record.content.report_json);
-  const bool is_of_loop = report.is_object() && report.contains("verdict");
-  return absl::StrCat("warning: the readings scatter by ", NumberText(std::sqrt(*chi2_per_dof)),
-                      " times their stated sigma about this model: it lacks something",
-                      is_of_loop ? " that has no name yet" : " (axiscal close-loop looks for it)",
-                      ", or a session is bad\n");
-}
-
-}  // namespace
-
 std::string CalibrationText(const storage::CalibrationRecord& record) {
   const storage::NewCalibration& content = record.content;
   std::string text = absl::StrCat("calibration ", record.id.number(), ": machine ", content.machine.text(),
@@ -284,9 +287,13 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
   const Json report = Embedded(content.report_json);
   const std::string held = HeldRows(report, &rows);
   absl::StrAppend(&text, Table(rows), held);
+  // Student's t: with few readings an interval is wider than the 1.96 sigma that everybody has in mind.
+  if (const double factor = report.is_object() ? report.value("coverage_factor", 0.0) : 0.0; factor > 2.0)
+    absl::StrAppend(&text, "sigma was estimated from few readings: 95 % intervals are value +- ", NumberText(factor),
+                    " sigma\n");
   const bool is_of_loop = report.is_object() && report.contains("verdict");
   if (is_of_loop) {
-    absl::StrAppend(&text, ReportText(report), LoopText(report));
+    absl::StrAppend(&text, ReportText(report), LoopText(report), MonteCarloText(report));
     return text + PoorFitText(record);
   }
   if (report.is_object()) {

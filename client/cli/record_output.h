@@ -42,6 +42,9 @@ std::string PageText(const storage::Page<Row>& page) {
   return page.next_token.empty() ? "" : "more: --page " + page.next_token + "\n";
 }
 
+// "monte_carlo" of a report, one line per error or effect; nothing where nothing was simulated.
+std::string MonteCarloText(const Json& report);
+
 // The estimates of a calibration as a table, with the combinations that the data determine, and the rms before and
 // after; of a loop also its effects and verdict.
 std::string CalibrationText(const storage::CalibrationRecord& record);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/demand.h"
+#include "core/identify/honesty.h"
 #include "core/identify/naming.h"
 #include "core/identify/noise.h"
 #include "core/identify/outliers.h"
@@ -90,9 +91,9 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
 }
 
 // What the free errors carry once the null directions are held: error j stands for itself and its share of the held
-// ones.
+// ones. `covariance` of the errors, scaled.
 std::vector<Combination> DeterminedCombinations(const std::vector<Estimate>& estimates, const NullSpace& null_space,
-                                                const Eigen::VectorXd& values, const Eigen::VectorXd& sigmas) {
+                                                const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance) {
   std::vector<Combination> combinations;
   const int p = static_cast<int>(estimates.size());
   for (int j = 0; j < p; ++j) {
@@ -108,21 +109,22 @@ std::vector<Combination> DeterminedCombinations(const std::vector<Estimate>& est
     std::vector<Estimate> order = estimates;
     std::swap(order[0], order[j]);
     std::swap(coefficients[0], coefficients[j]);
-    combinations.push_back(
-        {CombinationName(order, coefficients), estimates[j].unit, estimates[j].factor, values[j], sigmas[j]});
+    combinations.push_back({CombinationName(order, coefficients), estimates[j].unit, estimates[j].factor,
+                            dual.dot(values), std::sqrt(std::max(0.0, dual.dot(covariance * dual)))});
   }
   return combinations;
 }
 
 void DescribeErrors(const Problem& problem, const Solution& solution, const NullSpace& null_space,
-                    const Covariance& covariance, const std::vector<Parameter>& parameters, Result* result) {
+                    const OwedToPriors& owed, const Covariance& covariance, const std::vector<Parameter>& parameters,
+                    Result* result) {
   const int p = static_cast<int>(parameters.size());
   Eigen::VectorXd values(p), sigmas(p);
   for (int i = 0; i < p; ++i) {
     values[i] = ValueOf(solution.point.model, parameters[i]);
     sigmas[i] = std::sqrt(std::max(0.0, covariance.errors(i, i)));
     Estimate estimate = NamedEstimate(*problem.machine, solution.point.model, parameters[i]);
-    estimate.identifiable = !null_space.involved[i];
+    estimate.identifiable = !null_space.involved[i] && !owed.involved[i];
     if (estimate.identifiable) {
       estimate.value = values[i];
       estimate.sigma = sigmas[i];
@@ -132,14 +134,17 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
   result->correlation = Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < p; ++i) {
     for (int j = 0; j < p; ++j) {
-      if (null_space.involved[i] || null_space.involved[j]) continue;
+      if (!result->estimates[i].identifiable || !result->estimates[j].identifiable) continue;
       result->correlation(i, j) = covariance.errors(i, j) / (sigmas[i] * sigmas[j]);
     }
   }
   for (int k = 0; k < null_space.directions.rows(); ++k) {
     result->not_separable.push_back(CombinationName(result->estimates, null_space.directions.row(k).transpose()));
   }
-  result->determined = DeterminedCombinations(result->estimates, null_space, values, sigmas);
+  for (const Eigen::VectorXd& direction : owed.directions)
+    result->not_separable.push_back(CombinationName(result->estimates, direction));
+  result->determined =
+      DeterminedCombinations(result->estimates, null_space, values, covariance.errors.topLeftCorner(p, p));
   result->rank = null_space.rank;
   result->condition = null_space.condition;
 }
@@ -179,26 +184,43 @@ void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Re
   }
 }
 
+// Readings to every unknown that a scatter below the stated one must be judged from.
+constexpr double kManyReadings = 10.0;
+
+bool HasManyReadings(const Fit& fit) {
+  size_t unknowns = fit.result.estimates.size();
+  for (const SetupGroup& group : fit.problem.groups) unknowns += group.parameters.size();
+  return fit.result.fit.used > kManyReadings * static_cast<double>(unknowns);
+}
+
 // Gives correlated runs the correlation that their residuals show, and the scatter that goes with it where it is above
-// the stated one: correlated readings scatter less about a fit than about the truth. Returns whether there are any; not
-// where they leave more than such noise would, which is an effect that the model lacks and no servo ripple.
-bool TakeCorrelation(Fit* fit) {
-  Problem judged = fit->problem;
-  judged.noise = EstimateNoise(fit->problem, fit->residuals_mm);
+// the stated one: correlated readings scatter less about a fit than about the truth. Gives others the scatter that they
+// show where it is clearly below the stated one: somebody was careful, and intervals would hold more than they say.
+// Returns whether there are any; not where they leave more than such noise would, which is an effect that the model
+// lacks and no servo ripple.
+bool TakeNoise(Fit* fit) {
+  constexpr double kClearlyBelow = 0.9;
+  const bool may_narrow = HasManyReadings(*fit);
+  Problem& problem = fit->problem;
+  const std::vector<Noise> as_stated = problem.noise;
+  problem.noise = EstimateNoise(problem, fit->residuals_mm);
   double squares = 0.0, count = 0.0;
-  for (size_t i = 0; i < judged.runs.size(); ++i) {
-    if (judged.WeightOf(i, 0) != nullptr) judged.noise[i] = fit->problem.noise[i];  // raw rows scatter unequally
-    if (judged.noise[i].ar1 == 0.0) continue;
-    judged.noise[i].sigma_mm = std::max(fit->problem.noise[i].sigma_mm, judged.noise[i].sigma_mm);
-    squares += WhitenedSquaresOf(judged, i, fit->residuals_mm[i]);
-    count += static_cast<double>(std::count(judged.is_used[i].begin(), judged.is_used[i].end(), true));
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const Noise& stated = as_stated[i];
+    Noise& shown = problem.noise[i];
+    if (problem.WeightOf(i, 0) != nullptr) shown = stated;  // raw rows scatter unequally
+    if (shown.ar1 == 0.0 && !(may_narrow && shown.sigma_mm < kClearlyBelow * stated.sigma_mm)) {
+      shown = stated;
+      continue;
+    }
+    if (shown.ar1 != 0.0) shown.sigma_mm = std::max(stated.sigma_mm, shown.sigma_mm);
+    squares += WhitenedSquaresOf(problem, i, fit->residuals_mm[i]);
+    count += static_cast<double>(std::count(problem.is_used[i].begin(), problem.is_used[i].end(), true));
   }
   constexpr double kLackOfFit = 1.2;
-  if (count == 0.0 || squares > kLackOfFit * count) return false;
-  for (size_t i = 0; i < judged.runs.size(); ++i) {
-    if (judged.noise[i].ar1 != 0.0) fit->problem.noise[i] = judged.noise[i];
-  }
-  return true;
+  if (count > 0.0 && squares <= kLackOfFit * count) return true;
+  problem.noise = as_stated;
+  return false;
 }
 
 bool HasNonlinear(const machine::ErrorModel& model, const Options& options) {
@@ -264,21 +286,30 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
     nominal = AtNominal(problem, model);
     ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, setup, nominal, null_space, options));
   }
+  ASSIGN_OR_RETURN(Stand stand, StandOf(problem, std::move(solution), parameters, null_space, options));
+  solution = stand.best_first[0];
+  const NullSpace& holding = stand.holding;
   constexpr int kRounds = 5;
   for (int round = 0; options.set_outliers_aside && round < kRounds; ++round) {
     if (!UpdateUsed(solution.residuals_mm, &problem)) break;
-    ASSIGN_OR_RETURN(solution, Solve(problem, solution.point, null_space, options));
+    ASSIGN_OR_RETURN(solution, Solve(problem, solution.point, holding, options));
   }
   Fit fit;
   fit.result.noise_scale = noise_scale;
   fit.result.fit = StatisticsOf(problem, solution.point, solution.residuals_mm,
-                                static_cast<int>(parameters.size()) - static_cast<int>(null_space.fixed.size()));
+                                static_cast<int>(parameters.size()) - static_cast<int>(holding.fixed.size()));
   const double scale = options.scale_uncertainties ? std::sqrt(std::max(1.0, fit.result.fit.chi2_per_dof)) : 1.0;
-  const Covariance covariance = UncertaintyOf(problem, solution, null_space, parameters, scale);
-  DescribeErrors(problem, solution, null_space, covariance, parameters, &fit.result);
+  const Covariance covariance = UncertaintyOf(problem, solution, holding, parameters, scale);
+  OwedToPriors owed = FindOwedToPriors(problem, solution, parameters, null_space, holding.fixed);
+  ASSIGN_OR_RETURN(const std::vector<bool> open,
+                   FindWithoutInterval(problem, solution, stand, parameters, scale, options));
+  for (size_t i = 0; i < open.size(); ++i) owed.involved[i] = owed.involved[i] || open[i];
+  DescribeErrors(problem, solution, null_space, owed, covariance, parameters, &fit.result);
   if (options.held_errors) DescribeHeldErrors(*options.held_errors, covariance, &fit.result);
   fit.result.sessions = ListSessions(problem, solution.point, covariance, solution.residuals_mm);
   fit.result.outliers = ListOutliers(problem, solution.residuals_mm);
+  fit.result.coverage_factor = CoverageFactor(scale > 1.0, fit.result.fit.degrees_of_freedom);
+  fit.result.warnings = WarningsOf(fit.result, open);
   fit.result.model = solution.point.model;
   fit.result.iterations = solution.iterations;
   fit.problem = std::move(problem);
@@ -351,7 +382,7 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<Measuri
   }
   ASSIGN_OR_RETURN(Fit fit, FitProblem(std::move(problem), model, options));
   const bool is_noise_as_stated = fit.result.noise_scale == 1.0;  // raised for a misfit, which is no servo ripple
-  if (!options.judge_correlation || !is_noise_as_stated || !TakeCorrelation(&fit)) return fit;
+  if (!options.judge_correlation || !is_noise_as_stated || !TakeNoise(&fit)) return fit;
   return FitProblem(std::move(fit.problem), model, options);
 }
 

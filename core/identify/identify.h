@@ -31,8 +31,12 @@ struct Options {
   // Multiplies uncertainties by sqrt(chi2 / dof) where the readings scatter more than the stated sigma.
   bool scale_uncertainties = true;
   // Where neighbouring readings of a dense series are correlated (servo ripple), fits again with that correlation:
-  // independent readings would state uncertainties that are too small. Of FitRuns and Identify.
+  // independent readings would state uncertainties that are too small. The same where many readings scatter by clearly
+  // less than stated. Of FitRuns and Identify.
   bool judge_correlation = true;
+  // Frees what is held where the fit misses for it, and where the problem bends (solver.h), tries each interval by
+  // refitting at its ends.
+  bool judge_bends = true;
   // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
   std::optional<Budget> budget;
   int max_iterations = 20;

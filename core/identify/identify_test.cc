@@ -140,6 +140,47 @@ TEST(Identify, AModelThatLacksATiltIsFittedAllTheSame) {
   }
 }
 
+// Sigma estimated from few readings: the interval is Student's.
+TEST(Identify, FewReadingsThatScatterMoreTakeStudentsT) {
+  ballbar::PatternOptions few;
+  few.step_deg = 45.0;
+  synthetic::NoiseOptions noise;
+  noise.sigma_scale = 3.0;
+  const auto result = Identify(
+      kMachine, testing::Measure(kMachine, testing::Errors(kMachine, kTruth), noise, testing::FivePatterns(), few));
+  ASSERT_TRUE(result.ok()) << result.status();
+  const int freedom = result->fit.degrees_of_freedom;
+  ASSERT_GT(result->fit.chi2_per_dof, 1.0);
+  ASSERT_TRUE(freedom >= 20 && freedom <= 60) << freedom;  // t(20) = 2.086, t(60) = 2.000
+  EXPECT_GT(result->coverage_factor, 2.000);
+  EXPECT_LT(result->coverage_factor, 2.087);
+  EXPECT_THAT(ToJson(*result), HasSubstr("\"coverage_factor\": 2.0"));
+}
+
+// Many readings that scatter by half of what was stated say so.
+TEST(Identify, ManyReadingsThatScatterLessThanStatedNarrowTheirIntervals) {
+  synthetic::NoiseOptions noise;
+  const auto as_stated = Identify(kMachine, testing::Measure(kMachine, testing::Errors(kMachine, kTruth), noise));
+  noise.sigma_scale = 0.5;
+  const auto quieter = Identify(kMachine, testing::Measure(kMachine, testing::Errors(kMachine, kTruth), noise));
+  ASSERT_TRUE(as_stated.ok() && quieter.ok());
+  EXPECT_NEAR(quieter->fit.chi2_per_dof, 1.0, 0.1);
+  EXPECT_NEAR(Find(*quieter, "EC0B").sigma / Find(*as_stated, "EC0B").sigma, 0.5, 0.1);
+}
+
+// A third of the readings off by fifty sigma is no chip: the fit says so.
+TEST(Identify, TooManyBadReadingsAreSaidAloud) {
+  auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
+  ASSERT_TRUE(Identify(kMachine, sessions)->warnings.empty());
+  std::vector<double>& values = sessions[2].columns.back().values;
+  for (size_t k = 0; k < values.size(); k += 5) values[k] += 0.050;
+  const auto result = Identify(kMachine, sessions);
+  ASSERT_TRUE(result.ok()) << result.status();
+  ASSERT_FALSE(result->warnings.empty());
+  EXPECT_EQ(result->warnings[0].kind, "set-aside");
+  EXPECT_THAT(ToJson(*result), HasSubstr("too many for chips"));
+}
+
 TEST(Identify, CancellationReachesTheSolver) {
   Options options;
   int polls = 0;

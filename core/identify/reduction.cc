@@ -123,6 +123,23 @@ Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations
   return reduced;
 }
 
+Eigen::MatrixXd InformationBeside(const Reduced& reduced, const std::vector<int>& kept) {
+  const std::vector<int> others = FreeErrors(static_cast<int>(reduced.gradient.size()), kept);
+  const Eigen::MatrixXd own = reduced.information(kept, kept);
+  if (others.empty()) return own;
+  const Eigen::MatrixXd cross = reduced.information(others, kept);
+  return own - cross.transpose() * ScaledFactor(reduced.information(others, others)).Solve(cross);
+}
+
+Eigen::MatrixXd InverseBeside(const Reduced& reduced, const std::vector<int>& held) {
+  const int p = static_cast<int>(reduced.gradient.size());
+  const std::vector<int> free = FreeErrors(p, held);
+  const int n = static_cast<int>(free.size());
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(p, p);
+  inverse(free, free) = ScaledFactor(reduced.information(free, free)).Solve(Eigen::MatrixXd::Identity(n, n));
+  return inverse;
+}
+
 NullSpace FindNullSpace(const Reduced& reduced, double threshold) {
   const int p = static_cast<int>(reduced.gradient.size());
   NullSpace out;

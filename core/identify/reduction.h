@@ -28,6 +28,12 @@ struct Reduced {
 Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations& normal, Priors priors,
                double damping = 0.0);
 
+// Information on the errors in `kept`, in their order, once the others are refitted beside them (Schur complement).
+Eigen::MatrixXd InformationBeside(const Reduced& reduced, const std::vector<int>& kept);
+
+// Inverse of the information while the errors in `held` do not move: p x p, zero rows and columns for those.
+Eigen::MatrixXd InverseBeside(const Reduced& reduced, const std::vector<int>& held);
+
 // Directions in the space of errors that the data does not see.
 struct NullSpace {
   // One row per direction, in units of the errors (mm, rad); row k has 1 at column fixed[k], 0 at the others of

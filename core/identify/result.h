@@ -67,6 +67,12 @@ struct FitStatistics {
   int readings = 0, used = 0, degrees_of_freedom = 0;
 };
 
+// What a reader of the numbers must know.
+struct Warning {
+  std::string kind;  // "scatter": about the fit, beyond the stated sigma; "set-aside": too many readings; "interval"
+  std::string text;
+};
+
 struct Result {
   machine::ErrorModel model;  // fitted; errors held as the gauge are zero
   std::vector<Estimate> estimates;
@@ -81,6 +87,10 @@ struct Result {
   FitStatistics fit;
   std::vector<SessionFit> sessions;
   std::vector<Outlier> outliers;
+  std::vector<Warning> warnings;
+  // value +- this many sigma is the 95 % interval: 1.96, or Student's t for the degrees of freedom of the fit where the
+  // readings scatter by more than stated, so that the scale of all sigmas was estimated from them.
+  double coverage_factor = 1.959964;
   int iterations = 0;
   double noise_scale =
       1.0;  // factor on every stated sigma; not 1 only where the model misses by so much that the misfit took its place

@@ -84,6 +84,7 @@ std::string ToJson(const Result& result) {
                           {"unit", combination.unit}});
   }
   root["determined"] = std::move(determined);
+  root["coverage_factor"] = result.coverage_factor;
   root["rank"] = result.rank;
   root["parameters"] = result.estimates.size();
   root["condition"] = NumberOrNull(result.condition);
@@ -109,6 +110,9 @@ std::string ToJson(const Result& result) {
     outliers.push_back(std::move(object));
   }
   root["outliers"] = std::move(outliers);
+  json warnings = json::array();
+  for (const Warning& warning : result.warnings) warnings.push_back({{"kind", warning.kind}, {"text", warning.text}});
+  root["warnings"] = std::move(warnings);
   root["correlation"] = CorrelationJson(result.correlation);
   if (!result.held_errors.empty()) root["held"] = HeldJson(result);
   root["iterations"] = result.iterations;

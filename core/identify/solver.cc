@@ -1,9 +1,13 @@
 #include "core/identify/solver.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace axiscal::identify {
 namespace {
+
+// A tenth of a standard deviation: a step that bends nothing.
+constexpr double kSmallDecrement = 1e-2;
 
 // A model that misses by more sigmas than this, all readings taken together, is not fitted on but given a larger sigma
 // (identify.cc).
@@ -33,33 +37,104 @@ double CostOf(const Problem& problem, const Point& point, const NormalEquations&
   return cost;
 }
 
-// Takes `step`, or a more damped one that does not raise the cost. Undamped steps are the rule; where a bad model bends
-// the problem (a bar pulled far across its length) the damping grows until the step is honest. Returns the new cost.
-absl::StatusOr<double> Descend(const Problem& problem, const std::vector<Parameter>& parameters,
-                               const std::vector<int>& held, Step step, double cost, double* damping,
-                               Solution* solution) {
-  constexpr double kFirstDamping = 1e-4, kGrowth = 10.0, kLargestDamping = 1e9;
-  while (true) {
-    Point next = Moved(solution->point, parameters, step);
-    NormalEquations normal = Assemble(problem, next, parameters);
-    const double next_cost = CostOf(problem, next, normal);
-    if (next_cost <= cost * (1.0 + 1e-12)) {
-      solution->point = std::move(next);
-      solution->normal = std::move(normal);
-      // A step that keeps little of what it promised was too long: it zigzags across a bent valley.
-      constexpr double kKeepsLittle = 0.25;
-      if (cost - next_cost < kKeepsLittle * step.decrement) {
-        *damping = *damping == 0.0 ? kFirstDamping : *damping * kGrowth;
-      } else {
-        *damping = *damping <= kFirstDamping ? 0.0 : *damping / kGrowth;
-      }
-      return next_cost;
-    }
-    *damping = *damping == 0.0 ? kFirstDamping : *damping * kGrowth;
-    if (!(*damping <= kLargestDamping)) return absl::FailedPreconditionError("identification does not descend");
-    step = SolveStep(problem, solution->point, solution->normal, held, *damping);
-  }
+// How much each set-up offset shows in the readings, per group.
+std::vector<Eigen::VectorXd> SetupShown(const NormalEquations& normal) {
+  std::vector<Eigen::VectorXd> shown;
+  for (const GroupNormal& group : normal.groups) shown.push_back(group.gram.diagonal().head(group.setup_count));
+  return shown;
 }
+
+// Whether a step changed that of no offset by more than a tenth; what is nothing beside the others of its unit may
+// change.
+bool IsSteady(const Problem& problem, const std::vector<Eigen::VectorXd>& before,
+              const std::vector<Eigen::VectorXd>& after) {
+  constexpr double kChanged = 0.1, kNothing = 1e-4;
+  for (size_t g = 0; g < before.size(); ++g) {
+    double largest[2] = {0.0, 0.0};
+    const auto unit = [&](Eigen::Index i) -> double& { return largest[problem.groups[g].parameters[i].is_angle]; };
+    for (Eigen::Index i = 0; i < before[g].size(); ++i) unit(i) = std::max({unit(i), before[g][i], after[g][i]});
+    for (Eigen::Index i = 0; i < before[g].size(); ++i) {
+      const double allowed = std::max(kChanged * std::max(before[g][i], after[g][i]), kNothing * unit(i));
+      if (std::abs(after[g][i] - before[g][i]) > allowed) return false;
+    }
+  }
+  return true;
+}
+
+// Takes `step`, or a more damped one that does not raise the cost. Undamped steps are the rule. Where the problem is
+// bent (a bar pulled far across its length, a turn that shows only off the middle of a face) a long step leaves the
+// floor of its valley: a damped one from there leads back to it, and the two count as one where they keep half the
+// promise; otherwise the damping grows until the step is honest.
+class Descent {
+ public:
+  Descent(const Problem& problem, const std::vector<Parameter>& parameters, const std::vector<int>& held)
+      : problem_(problem), parameters_(parameters), held_(held) {}
+
+  double damping() const { return damping_; }
+  bool is_bent() const { return is_bent_; }
+
+  // Moves `solution` from `cost` on. Returns the new cost.
+  absl::StatusOr<double> Take(Step step, double cost, Solution* solution) {
+    while (true) {
+      Trial trial = Try(solution->point, step);
+      if (trial.cost <= cost * (1.0 + 1e-12)) {
+        // A step that keeps little of what it promised was too long: it zigzags across a bent valley.
+        constexpr double kKeepsLittle = 0.25;
+        if (cost - trial.cost < kKeepsLittle * step.decrement) {
+          Raise();
+        } else {
+          damping_ = damping_ <= kLeastDamping ? 0.0 : damping_ / kGrowth;
+        }
+        return Accept(std::move(trial), solution);
+      }
+      const Step back =
+          SolveStep(problem_, trial.point, trial.normal, held_, std::max(kFirstDamping, kGrowth * damping_));
+      Trial on_floor = Try(trial.point, back);
+      constexpr double kKeepsHalf = 0.5;
+      if (on_floor.cost < cost - kKeepsHalf * step.decrement) {
+        is_bent_ = true;
+        return Accept(std::move(on_floor), solution);
+      }
+      Raise();
+      if (!(damping_ <= kLargestDamping)) return absl::FailedPreconditionError("identification does not descend");
+      step = SolveStep(problem_, solution->point, solution->normal, held_, damping_);
+    }
+  }
+
+ private:
+  static constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-10, kGrowth = 10.0, kLargestDamping = 1e9;
+
+  struct Trial {
+    Point point;
+    NormalEquations normal;
+    double cost = 0.0;
+  };
+
+  Trial Try(const Point& from, const Step& step) const {
+    Trial trial;
+    trial.point = Moved(from, parameters_, step);
+    trial.normal = Assemble(problem_, trial.point, parameters_);
+    trial.cost = CostOf(problem_, trial.point, trial.normal);
+    return trial;
+  }
+
+  static double Accept(Trial trial, Solution* solution) {
+    solution->point = std::move(trial.point);
+    solution->normal = std::move(trial.normal);
+    return trial.cost;
+  }
+
+  void Raise() {
+    damping_ = damping_ == 0.0 ? kFirstDamping : damping_ * kGrowth;
+    is_bent_ = true;
+  }
+
+  const Problem& problem_;
+  const std::vector<Parameter>& parameters_;
+  const std::vector<int>& held_;
+  double damping_ = 0.0;
+  bool is_bent_ = false;
+};
 
 }  // namespace
 
@@ -106,11 +181,13 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
   Solution solution;
   solution.point = start;
   solution.normal = at_start != nullptr ? *at_start : Assemble(problem, start, parameters);
-  double cost = CostOf(problem, start, solution.normal), previous_decrement = 0.0, damping = 0.0;
+  double cost = CostOf(problem, start, solution.normal), previous_decrement = 0.0;
+  Descent descent(problem, parameters, null_space.fixed);
   int flat_steps = 0;
+  bool is_steady = false;
   for (int iteration = 1; iteration <= options.max_iterations; ++iteration) {
     if (options.cancelled && options.cancelled()) return absl::CancelledError("identification cancelled");
-    const Step step = SolveStep(problem, solution.point, solution.normal, null_space.fixed, damping);
+    const Step step = SolveStep(problem, solution.point, solution.normal, null_space.fixed, descent.damping());
     if (!step.errors.allFinite())
       return absl::FailedPreconditionError("identification: the normal equations are singular");
     solution.iterations = iteration;
@@ -119,11 +196,16 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
                         absl::StrFormat("iteration %d, chi-square %.6g", iteration, cost)});
     }
     // Convergence is quadratic: where this step and the one before promise that the next would not matter, this one is
-    // the last.
-    const bool is_last =
-        step.decrement < options.converged_decrement ||
-        (iteration > 1 && step.decrement * (step.decrement / previous_decrement) < options.converged_decrement);
-    if (is_last) {
+    // the last. Not after a long step that made show what hardly did before (a turn of a face that was touched in its
+    // middle), which no earlier step tells.
+    const bool is_last = step.decrement < options.converged_decrement ||
+                         (iteration > 1 && (step.decrement < kSmallDecrement || is_steady) &&
+                          step.decrement * (step.decrement / previous_decrement) < options.converged_decrement);
+    // What damping held back is no convergence.
+    const bool is_held_back = is_last && descent.damping() > 0.0 &&
+                              !(SolveStep(problem, solution.point, solution.normal, null_space.fixed).decrement <
+                                std::max(kSmallDecrement, options.converged_decrement));
+    if (is_last && !is_held_back) {
       // What nothing holds (a tracker's turn about a line of points) may go far for next to nothing: not where it
       // costs.
       Point last = Moved(solution.point, parameters, step);
@@ -134,7 +216,9 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
     }
     previous_decrement = step.decrement;
     const double cost_before = cost;
-    ASSIGN_OR_RETURN(cost, Descend(problem, parameters, null_space.fixed, step, cost, &damping, &solution));
+    const std::vector<Eigen::VectorXd> shown_before = SetupShown(solution.normal);
+    ASSIGN_OR_RETURN(cost, descent.Take(step, cost, &solution));
+    is_steady = IsSteady(problem, shown_before, SetupShown(solution.normal));
     // A valley so flat that its floor, wherever it is, fits no better: only a model that misses has one.
     constexpr double kFlat = 2e-3;
     constexpr int kFlatSteps = 4;
@@ -145,6 +229,7 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
     }
   }
   solution.cost = cost;
+  solution.is_bent = descent.is_bent();
   solution.residuals_mm = ResidualsOf(problem, solution.point);
   return solution;
 }

@@ -1,4 +1,4 @@
-// Gauss-Newton with halved steps on the arrow of problem.h.
+// Gauss-Newton with damped steps on the arrow of problem.h.
 #ifndef AXISCAL_CORE_IDENTIFY_SOLVER_H_
 #define AXISCAL_CORE_IDENTIFY_SOLVER_H_
 
@@ -13,7 +13,8 @@ struct Solution {
   std::vector<Eigen::MatrixXd> residuals_mm;
   int iterations = 0;
   bool has_converged = false;
-  double cost = 0.0;  // whitened squares and priors at the last linearisation
+  bool is_bent = false;  // some step had to be damped or led back: uncertainties by linear propagation may be too small
+  double cost = 0.0;     // whitened squares and priors at the last linearisation
 };
 
 // The problem at the nominal machine, all amplitudes and offsets zero. What the data cannot see of the amplitudes is a

@@ -114,6 +114,7 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   root["effects"] = std::move(effects);
   const json fitted = json::parse(identify::ToJson(report.fitted));
   root["errors"] = fitted["errors"];
+  root["coverage_factor"] = fitted["coverage_factor"];
   root["not_separable"] = fitted["not_separable"];
   root["determined"] = fitted["determined"];
   root["fit"] = {{"before", StatisticsJson(report.fit_before)}, {"after", StatisticsJson(report.fit_after)}};

@@ -13,14 +13,14 @@
 namespace axiscal::rates {
 namespace {
 
-constexpr double kNormal95 = 1.959964;  // half-width of the 95 % interval in standard uncertainties
-
-// One number, counted under "all" and every other name once.
-void Count(double deviation, double sigma, std::initializer_list<std::string> names, CoverageByKind* coverage) {
+// One number with the half-width of its 95 % interval in standard uncertainties, counted under "all" and every other
+// name once.
+void Count(double deviation, double sigma, double factor, std::initializer_list<std::string> names,
+           CoverageByKind* coverage) {
   for (const std::string& name : names) {
     Coverage& one = (*coverage)[name];
     ++one.intervals;
-    one.held += std::abs(deviation) <= kNormal95 * sigma;  // false for NaN
+    one.held += std::abs(deviation) <= factor * sigma;  // false for NaN
     one.squares += deviation * deviation / (sigma * sigma);
   }
 }
@@ -68,7 +68,7 @@ bool AddIdentified(const SimulatedCase& simulated, int keep_every, CoverageByKin
     if (!estimate.identifiable) continue;
     const machine::ErrorTerm& term = truth.terms[parameters[i].term];
     const bool is_effect = parameters[i].term >= static_cast<int>(declared);
-    Count(estimate.value - identify::ValueOf(truth, parameters[i]), estimate.sigma,
+    Count(estimate.value - identify::ValueOf(truth, parameters[i]), estimate.sigma, fit->result.coverage_factor,
           {"all", machine,
            is_effect                          ? "effect"
            : machine::IsAngle(term.component) ? "angle"
@@ -85,7 +85,8 @@ bool AddIdentified(const SimulatedCase& simulated, int keep_every, CoverageByKin
     for (size_t k = 0; k < space.fixed.size(); ++k)
       true_value -= space.directions(k, j) * identify::ValueOf(truth, parameters[space.fixed[k]]);
     const identify::Combination& combination = fit->result.determined.at(next++);
-    Count(combination.value - true_value, combination.sigma, {"all", machine, "combination"}, coverage);
+    Count(combination.value - true_value, combination.sigma, fit->result.coverage_factor,
+          {"all", machine, "combination"}, coverage);
   }
   return true;
 }
@@ -99,7 +100,8 @@ void AddClosed(const SimulatedCase& simulated, CoverageByKind* coverage) {
       const bool has_phase = shapes::BasisCount(truth.shape) == 2;
       const double amplitude =
           has_phase ? std::hypot(truth.amplitude[0], truth.amplitude[1]) : std::abs(truth.amplitude[0]);
-      Count(std::abs(effect.amplitude) - amplitude, effect.amplitude_sigma, {"all", "effect"}, coverage);
+      Count(std::abs(effect.amplitude) - amplitude, effect.amplitude_sigma, report->fitted.coverage_factor,
+            {"all", "effect"}, coverage);
     }
   }
 }

@@ -1,0 +1,257 @@
+#include "core/identify/honesty.h"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "core/machine/error_json.h"
+
+namespace axiscal::identify {
+namespace {
+
+// What counts as plausible, mm or rad per the shape's reference.
+Eigen::VectorXd PlausibleSizes(const Solution& solution, const std::vector<Parameter>& parameters) {
+  Eigen::VectorXd sizes(static_cast<Eigen::Index>(parameters.size()));
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const machine::ErrorTerm& term = solution.point.model.terms[parameters[i].term];
+    sizes[static_cast<Eigen::Index>(i)] = kPlausible * machine::AmplitudeFactor(term);
+  }
+  return sizes;
+}
+
+// Of the errors, p x p, by the readings' noise as stated: neither scaled nor with what held errors add.
+Eigen::MatrixXd LinearCovariance(const Problem& problem, const Solution& solution, const std::vector<int>& held) {
+  return InverseBeside(Reduce(problem, solution.point, solution.normal, Priors::kAll), held);
+}
+
+bool Contains(const std::vector<int>& list, int value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
+}
+
+std::vector<int> StillHeld(const Problem& problem, const Solution& solution, const std::vector<Parameter>& parameters,
+                           const NullSpace& null_space) {
+  if (null_space.fixed.empty()) return {};
+  const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kInformative);
+  const Eigen::VectorXd sizes = PlausibleSizes(solution, parameters)(null_space.fixed);
+  Eigen::MatrixXd shows = sizes.asDiagonal() * InformationBeside(reduced, null_space.fixed) * sizes.asDiagonal();
+  std::vector<int> held = null_space.fixed;
+  // The best-seen first, each time in what the others leave: chi-square by which a plausible size of it shows.
+  constexpr double kShows = 0.1;
+  Eigen::Index best = 0;
+  while (shows.diagonal().maxCoeff(&best) > kShows) {
+    held.erase(std::find(held.begin(), held.end(), null_space.fixed[best]));
+    shows -= (shows.col(best) * shows.row(best) / shows(best, best)).eval();
+    shows.row(best).setZero();
+    shows.col(best).setZero();
+  }
+  return held;
+}
+
+// The errors that are held but the one which chi-square asks most to move, if any. One that no reading shows without
+// the weak priors may well show with them (three readings leave it to the set-up, but not to a run-out of a tenth):
+// held at zero it is a misfit, which errors that are identified would take up.
+std::vector<int> HeldUnlessAsked(const Problem& problem, const Solution& solution, std::vector<int> held) {
+  constexpr double kAsks = 4.0;  // chi-square: two standard uncertainties
+  const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kAll);
+  if (held.empty()) return held;
+  const Eigen::VectorXd information = InformationBeside(reduced, held).diagonal(), gradient = reduced.gradient(held);
+  // Drop of chi-square when one is freed; one at a time, as the gradient is that of this solution.
+  Eigen::VectorXd gain = Eigen::VectorXd::Zero(information.size());
+  for (Eigen::Index k = 0; k < gain.size(); ++k) {
+    if (information[k] > 0.0) gain[k] = gradient[k] * gradient[k] / information[k];
+  }
+  Eigen::Index best = 0;
+  if (gain.maxCoeff(&best) > kAsks) held.erase(held.begin() + best);
+  return held;
+}
+
+absl::StatusOr<std::vector<Solution>> SolveTwins(const Problem& problem, Solution solution, const NullSpace& holding,
+                                                 const Options& options) {
+  Options quiet = options;
+  quiet.progress = nullptr;
+  std::vector<Point> starts;
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    std::vector<int> turns;
+    for (size_t k = 0; k < problem.groups[g].parameters.size(); ++k) {
+      if (problem.groups[g].parameters[k].is_angle) turns.push_back(static_cast<int>(k));
+    }
+    for (unsigned reversed = 1; reversed < 1u << turns.size(); ++reversed) {
+      Point start = solution.point;
+      for (size_t k = 0; k < turns.size(); ++k) {
+        if (reversed >> k & 1u) start.setup[g][turns[k]] *= -1.0;
+      }
+      starts.push_back(std::move(start));
+    }
+  }
+  std::vector<Solution> twins = {std::move(solution)};
+  for (const Point& start : starts) {
+    absl::StatusOr<Solution> twin = Solve(problem, start, holding, quiet);
+    if (twin.status().code() == absl::StatusCode::kCancelled) return twin.status();
+    if (twin.ok() && twin->has_converged) twins.push_back(*std::move(twin));
+  }
+  std::stable_sort(twins.begin(), twins.end(), [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
+  return twins;
+}
+
+std::vector<bool> FindAmbiguous(const std::vector<Solution>& best_first, const std::vector<Parameter>& parameters,
+                                const Eigen::MatrixXd& linear, double scale) {
+  std::vector<bool> is_ambiguous(parameters.size(), false);
+  for (const Solution& other : best_first) {
+    constexpr double kRefused = 16.0;  // four standard uncertainties
+    if (other.cost - best_first[0].cost > kRefused * scale * scale) break;
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      const double apart =
+          ValueOf(other.point.model, parameters[i]) - ValueOf(best_first[0].point.model, parameters[i]);
+      if (std::abs(apart) > scale * std::sqrt(linear(at, at))) is_ambiguous[i] = true;
+    }
+  }
+  return is_ambiguous;
+}
+
+absl::StatusOr<std::vector<bool>> FindBent(const Problem& problem, const Solution& solution,
+                                           const std::vector<Parameter>& parameters, const NullSpace& holding,
+                                           const Eigen::MatrixXd& linear, const Options& options) {
+  const int p = static_cast<int>(parameters.size());
+  std::vector<bool> is_bent(p, false);
+  Options quiet = options;
+  quiet.progress = nullptr;
+  for (int i = 0; i < p; ++i) {
+    const double variance = linear(i, i);
+    if (holding.involved[i] || parameters[i].is_nonlinear || Contains(holding.fixed, i) || !(variance > 0.0)) continue;
+    NullSpace beside = holding;
+    beside.fixed.push_back(i);
+    constexpr double kMoved = 2.0, kLeast = 0.5, kMost = 2.0;  // standard uncertainties; of the chi-square expected
+    for (const double sign : {-1.0, 1.0}) {
+      Point moved = solution.point;
+      for (int j = 0; j < p; ++j) {
+        const double share = sign * kMoved * linear(j, i) / std::sqrt(variance);
+        SetValue(parameters[j], ValueOf(moved.model, parameters[j]) + share, &moved.model);
+      }
+      const absl::StatusOr<Solution> profile = Solve(problem, moved, beside, quiet);
+      if (profile.status().code() == absl::StatusCode::kCancelled) return profile.status();
+      const double rise = profile.ok() ? (profile->cost - solution.cost) / (kMoved * kMoved) : NAN;
+      if (!(rise >= kLeast && rise <= kMost)) is_bent[i] = true;
+    }
+  }
+  return is_bent;
+}
+
+}  // namespace
+
+absl::StatusOr<Stand> StandOf(const Problem& problem, Solution solution, const std::vector<Parameter>& parameters,
+                              const NullSpace& null_space, const Options& options) {
+  Stand stand{null_space, {}, solution.is_bent};
+  stand.holding.fixed = StillHeld(problem, solution, parameters, null_space);
+  if (stand.holding.fixed != null_space.fixed) {
+    ASSIGN_OR_RETURN(Solution freed, Solve(problem, solution.point, stand.holding, options));
+    stand.is_bent |= freed.is_bent;
+    if (freed.has_converged) {
+      solution = std::move(freed);
+    } else {
+      stand.holding.fixed = null_space.fixed;
+    }
+  }
+  for (bool has_changed = options.judge_bends; has_changed;) {
+    const std::vector<int> held = HeldUnlessAsked(problem, solution, stand.holding.fixed);
+    has_changed = held != stand.holding.fixed;
+    if (!has_changed) break;
+    NullSpace fewer = stand.holding;
+    fewer.fixed = held;
+    ASSIGN_OR_RETURN(Solution freed, Solve(problem, solution.point, fewer, options));
+    if (!freed.has_converged) break;
+    stand.is_bent |= freed.is_bent;
+    stand.holding = std::move(fewer);
+    solution = std::move(freed);
+  }
+  stand.is_bent &= options.judge_bends;
+  if (!stand.is_bent) {
+    stand.best_first.push_back(std::move(solution));
+    return stand;
+  }
+  ASSIGN_OR_RETURN(stand.best_first, SolveTwins(problem, std::move(solution), stand.holding, options));
+  return stand;
+}
+
+absl::StatusOr<std::vector<bool>> FindWithoutInterval(const Problem& problem, const Solution& solution,
+                                                      const Stand& stand, const std::vector<Parameter>& parameters,
+                                                      double scale, const Options& options) {
+  std::vector<bool> open(parameters.size(), false);
+  if (!stand.is_bent) return open;
+  const Eigen::MatrixXd linear = LinearCovariance(problem, solution, stand.holding.fixed);
+  ASSIGN_OR_RETURN(const std::vector<bool> bent,
+                   FindBent(problem, solution, parameters, stand.holding, linear, options));
+  const std::vector<bool> ambiguous = FindAmbiguous(stand.best_first, parameters, linear, scale);
+  for (size_t i = 0; i < open.size(); ++i) open[i] = (bent[i] || ambiguous[i]) && !stand.holding.involved[i];
+  return open;
+}
+
+OwedToPriors FindOwedToPriors(const Problem& problem, const Solution& solution,
+                              const std::vector<Parameter>& parameters, const NullSpace& null_space,
+                              const std::vector<int>& held) {
+  const int p = static_cast<int>(parameters.size());
+  OwedToPriors owed;
+  owed.involved.assign(p, false);
+  const Eigen::MatrixXd linear = LinearCovariance(problem, solution, held);
+  const Eigen::MatrixXd alone =
+      InverseBeside(Reduce(problem, solution.point, solution.normal, Priors::kInformative), held);
+  const Eigen::VectorXd sizes = PlausibleSizes(solution, parameters);
+  constexpr double kTold = 1.0 / 3.0;
+  for (int i = 0; i < p; ++i) {
+    if (null_space.involved[i] || parameters[i].is_nonlinear || Contains(held, i)) continue;
+    constexpr double kHalf = 0.5;
+    owed.involved[i] = std::sqrt(linear(i, i)) > kTold * sizes[i] && !(linear(i, i) >= kHalf * alone(i, i));
+  }
+  // Named together where readings alone would move them together.
+  constexpr double kTogether = 0.9;
+  std::vector<bool> is_named(p, false);
+  for (int i = 0; i < p; ++i) {
+    if (!owed.involved[i] || is_named[i]) continue;
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(p);
+    for (int j = 0; j < p; ++j) {
+      if (!owed.involved[j] || !(std::abs(alone(i, j)) >= kTogether * std::sqrt(alone(i, i) * alone(j, j)))) continue;
+      direction[j] = alone(i, j) / alone(i, i);
+      is_named[j] = true;
+    }
+    direction[i] = 1.0;
+    owed.directions.push_back(std::move(direction));
+  }
+  return owed;
+}
+
+double CoverageFactor(bool is_estimated, int degrees_of_freedom) {
+  constexpr double kNormal = 1.959964, kUpper = 0.975;
+  if (!is_estimated || degrees_of_freedom < 1) return kNormal;
+  return boost::math::quantile(boost::math::students_t(static_cast<double>(degrees_of_freedom)), kUpper);
+}
+
+std::vector<Warning> WarningsOf(const Result& result, const std::vector<bool>& open) {
+  std::vector<Warning> warnings;
+  constexpr double kPoorFit = 4.0;  // twice the stated sigma
+  if (result.fit.chi2_per_dof > kPoorFit) {
+    warnings.push_back({"scatter", absl::StrFormat("the readings scatter by %.1f times their stated sigma about this "
+                                                   "model: it lacks something, or a session is bad",
+                                                   std::sqrt(result.fit.chi2_per_dof))});
+  }
+  const auto set_aside = std::count_if(result.outliers.begin(), result.outliers.end(),
+                                       [](const Outlier& outlier) { return !outlier.gate.has_value(); });
+  constexpr double kChips = 0.05;  // of all readings: dirty sessions have one or two in a hundred
+  constexpr int kFew = 3;
+  if (set_aside > std::max<double>(kFew, kChips * result.fit.readings)) {
+    warnings.push_back({"set-aside", absl::StrFormat("%d of %d readings stand out and were set aside, too many for "
+                                                     "chips: the model lacks something that they show",
+                                                     set_aside, result.fit.readings)});
+  }
+  std::string names;
+  for (size_t i = 0; i < open.size(); ++i) {
+    if (open[i]) absl::StrAppend(&names, names.empty() ? "" : ", ", result.estimates[i].name);
+  }
+  if (!names.empty()) {
+    warnings.push_back(
+        {"interval", names + ": the readings leave the set-up so open that no interval can be stated (another set-up "
+                             "with other errors explains them as well)"});
+  }
+  return warnings;
+}
+
+}  // namespace axiscal::identify
