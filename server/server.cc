@@ -77,10 +77,11 @@ class Server::Impl {
               .jobs = runner_,
               .limits = {.max_uploads = options.max_uploads},
               .workers = options.workers} {
-    runner_.Register(convert::kIdentify, {jobs::IdentifyJob(*database_)});
+    // Monte Carlo of a hundred thousand runs.
+    runner_.Register(convert::kIdentify, {jobs::IdentifyJob(*database_), std::chrono::hours(1)});
     runner_.Register(convert::kCompensate, {jobs::CompensateJob(*database_)});
-    // Thousands of candidates, and a full refit after each effect.
     runner_.Register(convert::kToolSetter, {jobs::ToolSetterJob(*database_), std::chrono::minutes(10)});
+    // Thousands of candidates, and a full refit after each effect.
     runner_.Register(convert::kCloseLoop, {jobs::CloseLoopJob(*database_), std::chrono::hours(1)});
   }
 
