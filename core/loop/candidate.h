@@ -34,6 +34,7 @@ struct Candidate {
   Family family = Family::kConstant;
   machine::ErrorTerm term;          // all but kStep
   int run = -1, first_reading = 0;  // kStep: from this reading on the setup's first three offsets are others
+  int earliest = 0, latest = 0;     // kStep, once found: the first reading that may be the first_reading, the last one
 };
 
 // The same component, shape and variable; decay lengths, time constants and free frequencies may differ.

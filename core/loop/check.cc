@@ -80,15 +80,23 @@ bool Check::IsExplained(const identify::Fit& joint, const identify::Fit& best) c
 }
 
 absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identify::Fit& best) const {
-  ASSIGN_OR_RETURN(const identify::Fit fit, Joint(best));
-  const size_t fitted = best.problem.runs.size();
+  const absl::StatusOr<identify::Fit> joint = Joint(best);
+  if (absl::IsCancelled(joint.status())) return joint.status();
+  // Where all together cannot be fitted each is judged under the errors of the fit sessions.
+  const std::vector<Eigen::MatrixXd> alone_mm =
+      joint.ok() ? std::vector<Eigen::MatrixXd>() : ResidualsOf(problem_, point_);
+  const auto squares_of = [&](size_t i) {
+    return joint.ok() ? identify::WhitenedSquaresOf(joint->problem, best.problem.runs.size() + i,
+                                                    joint->residuals_mm[best.problem.runs.size() + i])
+                      : identify::WhitenedSquaresOf(problem_, i, alone_mm[i]);
+  };
   std::vector<Unexplained> sessions;
-  if (IsExplained(fit, best)) return sessions;
+  if (joint.ok() && IsExplained(*joint, best)) return sessions;
   Unexplained worst;
   double most = -INFINITY;
   for (size_t i = 0; i < runs_.size(); ++i) {
     if (UsedOf(i) == 0.0) continue;
-    const double own = identify::WhitenedSquaresOf(fit.problem, fitted + i, fit.residuals_mm[fitted + i]);
+    const double own = squares_of(i);
     const double excess = own / UsedOf(i) - 1.0;
     const Unexplained session = {
         Unexplained::kCheckSession, "t",
@@ -98,7 +106,8 @@ absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identi
     if (excess > most) worst = session;
     most = std::max(most, excess);
   }
-  if (sessions.empty()) sessions.push_back(worst);  // the errors bent to it: it shows in all of them together
+  if (sessions.empty() && joint.ok())
+    sessions.push_back(worst);  // the errors bent to it: it shows in all of them together
   return sessions;
 }
 

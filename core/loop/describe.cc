@@ -67,9 +67,8 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     const Added& added = effects[a];
     if (added.candidate.family == Family::kStep) {
       const MeasuringRun& run = runs[added.candidate.run];
-      const int k = added.candidate.first_reading;
-      report->unexplained.push_back(
-          {Unexplained::kSlip, "t", run.time_s[std::max(0, k - 1)], run.time_s[k], run.session, 0.0});
+      report->unexplained.push_back({Unexplained::kSlip, "t", run.time_s[std::max(0, added.candidate.earliest - 1)],
+                                     run.time_s[added.candidate.latest], run.session, 0.0});
       continue;
     }
     const int t = extension.TermOf(a);

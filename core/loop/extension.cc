@@ -79,6 +79,8 @@ void Extension::MapSlip(const identify::Problem& problem, Candidate* candidate) 
     while ((*runs_)[i].time_s[before] < part.time_s.front()) ++before;
     candidate->run = static_cast<int>(i);
     candidate->first_reading += before;
+    candidate->earliest += before;
+    candidate->latest += before;
     return;
   }
 }

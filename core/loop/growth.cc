@@ -87,7 +87,8 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   SetClass(finding, &added);
   const bool is_slip = added.candidate.family == Family::kStep;
   if (is_slip) {
-    added.candidate = Refined(signatures, added.candidate, 0.0);
+    added.candidate =
+        WithMoments(signatures, Refined(signatures, added.candidate, 0.0), options_.search.indistinguishable);
     extension().MapSlip(fit->problem, &added.candidate);
   }
   effects().push_back(added);

@@ -6,6 +6,7 @@
 
 #include "core/base/demand.h"
 #include "core/loop/dictionary.h"
+#include "core/loop/search.h"
 
 namespace axiscal::loop {
 namespace {
@@ -80,6 +81,25 @@ Candidate RefinedStep(const Signatures& signatures, const Candidate& candidate) 
 }
 
 }  // namespace
+
+Candidate WithMoments(const Signatures& signatures, Candidate slip, double indistinguishable) {
+  DEMAND(slip.family == Family::kStep);
+  const int last = signatures.problem().runs[slip.run].reading_count() - 1;
+  std::vector<Candidate> moments(last, slip);
+  for (int k = 1; k <= last; ++k) moments[k - 1].first_reading = k;
+  const std::vector<Projection> projections = signatures.Project(moments);
+  const auto explained = [&](int k) {
+    Eigen::Vector3d amplitude;
+    const Projection& projection = projections[k - 1];
+    const double gain = projection.visible > kVisible ? Gain(projection, &amplitude) : 0.0;
+    return LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
+  };
+  const double least = explained(slip.first_reading) - indistinguishable;
+  slip.earliest = slip.latest = slip.first_reading;
+  while (slip.earliest > 1 && explained(slip.earliest - 1) >= least) --slip.earliest;
+  while (slip.latest < last && explained(slip.latest + 1) >= least) ++slip.latest;
+  return slip;
+}
 
 bool IsGrid(Family family) {
   return family == Family::kBump || family == Family::kPitch || family == Family::kReversal ||

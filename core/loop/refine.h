@@ -16,6 +16,9 @@ Candidate BestOf(const Signatures& signatures, const std::vector<Candidate>& can
 // others as they are. `range` is the measured range of the candidate's axis.
 Candidate Refined(const Signatures& signatures, const Candidate& candidate, double range);
 
+// A refined slip with the range of moments that explain as much within `indistinguishable` (chi-square units).
+Candidate WithMoments(const Signatures& signatures, Candidate slip, double indistinguishable);
+
 // Families that the dictionary samples: their members compare only once they are refined.
 bool IsGrid(Family family);
 

@@ -8,7 +8,9 @@
 namespace axiscal::loop {
 namespace {
 
-constexpr double kLeastVisible = 0.2;
+// Of fine structure hardly anything is projected off; of what is as wide as this share of an axis' range nearly all may
+// be.
+constexpr double kLeastVisible = 0.2, kLeastVisibleWide = 0.01, kWide = 0.03;
 
 // One member: products of its columns with the residual, with each other, with a constant (whitened).
 struct Products {
@@ -78,7 +80,7 @@ class Scanner {
           gram(0, 1) -= sum(m, c).imag();
         }
         gram(1, 0) = gram(0, 1);
-        (*bounds)[i] = BoundsOf(products, 2, constant_[joint + c]);
+        (*bounds)[i] = BoundsOf(products, 2, constant_[joint + c], kLeastVisible);
       }
     }
   }
@@ -107,7 +109,8 @@ class Scanner {
         if (!is_white_ && r > 0 && rows[r - 1] == rows[r] - 1)
           products.gram(0, 0) -= 2.0 * basis[r] * basis[r - 1] * neighbour_(rows[r - 1], column);
       }
-      (*bounds)[i] = BoundsOf(products, 1, constant_[column]);
+      const bool is_wide = bump.width > kWide * (positions.maxCoeff() - positions.minCoeff());
+      (*bounds)[i] = BoundsOf(products, 1, constant_[column], is_wide ? kLeastVisibleWide : kLeastVisible);
     }
   }
 
@@ -123,7 +126,7 @@ class Scanner {
     return positions_;
   }
 
-  static ScanBounds BoundsOf(const Products& products, int width, double constant) {
+  static ScanBounds BoundsOf(const Products& products, int width, double constant, double least_visible) {
     Projection projection;
     projection.columns = width;
     projection.with_residual.head(2) = products.right;
@@ -136,7 +139,7 @@ class Scanner {
       constexpr double kRegularised = 1e-7;  // a signature that is constant altogether is left for projection
       projection.own.topLeftCorner(2, 2) -= (1.0 - kRegularised) * part * part.transpose();
     }
-    bounds.most = Gain(projection, &amplitude) / kLeastVisible;
+    bounds.most = Gain(projection, &amplitude) / least_visible;
     return bounds;
   }
 

@@ -72,6 +72,21 @@ TEST(Rates, ALocalDefectAndASlipAreNoticed) {
   EXPECT_GE(slips.noticed, 9) << slips.texts;
 }
 
+// Nearly all of what it does is taken up by declared errors and set-ups: two periodic errors of another axis that moves
+// along explained the rest almost as well.
+TEST(Rates, AWideDefectThatDeclaredErrorsTakeUpIsNoticed) {
+  const Score score = Judge(Draw(Kind::kBump, 73020), Kind::kBump);
+  EXPECT_TRUE(score.is_structure_noticed) << score.text;
+  EXPECT_EQ(score.spurious, 0) << score.text;
+}
+
+// So faint that its moment is not known to the reading: the report gives the range that holds it.
+TEST(Rates, AFaintSlipIsGivenARangeOfMoments) {
+  const Score score = Judge(Draw(Kind::kSlip, 72024), Kind::kSlip);
+  EXPECT_TRUE(score.is_structure_noticed) << score.text;
+  EXPECT_EQ(score.spurious, 0) << score.text;
+}
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;
