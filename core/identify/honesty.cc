@@ -24,6 +24,12 @@ Eigen::MatrixXd LinearCovariance(const Problem& problem, const Solution& solutio
   return InverseBeside(Reduce(problem, solution.point, solution.normal, Priors::kAll), held);
 }
 
+// Touches bend the problem: a turn of a face that was touched in its middle shows by its square, and two turns alike.
+bool MayBend(const Problem& problem) {
+  return std::any_of(problem.runs.begin(), problem.runs.end(),
+                     [](const instruments::MeasuringRun& run) { return run.kind == instruments::Kind::kTouch; });
+}
+
 bool Contains(const std::vector<int>& list, int value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
@@ -35,10 +41,11 @@ std::vector<int> StillHeld(const Problem& problem, const Solution& solution, con
   const Eigen::VectorXd sizes = PlausibleSizes(solution, parameters)(null_space.fixed);
   Eigen::MatrixXd shows = sizes.asDiagonal() * InformationBeside(reduced, null_space.fixed) * sizes.asDiagonal();
   std::vector<int> held = null_space.fixed;
-  // The best-seen first, each time in what the others leave: chi-square by which a plausible size of it shows.
-  constexpr double kShows = 0.1;
+  // The best-seen first, each time in what the others leave: chi-square by which a plausible size of it shows, of
+  // readings that may scatter by more than stated. What shows less bends the others by less than their uncertainty.
+  const double least = std::max(1.0, solution.cost / std::max(1, solution.normal.row_count));
   Eigen::Index best = 0;
-  while (shows.diagonal().maxCoeff(&best) > kShows) {
+  while (shows.diagonal().maxCoeff(&best) > least) {
     held.erase(std::find(held.begin(), held.end(), null_space.fixed[best]));
     shows -= (shows.col(best) * shows.row(best) / shows(best, best)).eval();
     shows.row(best).setZero();
@@ -50,18 +57,25 @@ std::vector<int> StillHeld(const Problem& problem, const Solution& solution, con
 // The errors that are held but the one which chi-square asks most to move, if any. One that no reading shows without
 // the weak priors may well show with them (three readings leave it to the set-up, but not to a run-out of a tenth):
 // held at zero it is a misfit, which errors that are identified would take up.
-std::vector<int> HeldUnlessAsked(const Problem& problem, const Solution& solution, std::vector<int> held) {
-  constexpr double kAsks = 4.0;  // chi-square: two standard uncertainties
+std::vector<int> HeldUnlessAsked(const Problem& problem, const Solution& solution,
+                                 const std::vector<Parameter>& parameters, std::vector<int> held) {
+  // Chi-square: five standard uncertainties, which chance does not reach with a dozen held, of readings that may
+  // scatter by more than stated. What is freed makes uncertain what was determined without it.
+  const double asks = 25.0 * std::max(1.0, solution.cost / std::max(1, solution.normal.row_count));
   const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kAll);
   if (held.empty()) return held;
   const Eigen::VectorXd information = InformationBeside(reduced, held).diagonal(), gradient = reduced.gradient(held);
-  // Drop of chi-square when one is freed; one at a time, as the gradient is that of this solution.
-  Eigen::VectorXd gain = Eigen::VectorXd::Zero(information.size());
+  const Eigen::VectorXd sizes = PlausibleSizes(solution, parameters)(held);
+  // Drop of chi-square when one is freed; one at a time, as the gradient is that of this solution, and no further than
+  // is plausible: what hardly shows promises anything at sizes that no machine has.
+  Eigen::VectorXd gain(information.size());
   for (Eigen::Index k = 0; k < gain.size(); ++k) {
-    if (information[k] > 0.0) gain[k] = gradient[k] * gradient[k] / information[k];
+    const double slope = std::abs(gradient[k]);
+    const double move = slope < information[k] * sizes[k] ? slope / information[k] : sizes[k];
+    gain[k] = 2.0 * slope * move - std::max(0.0, information[k]) * move * move;
   }
   Eigen::Index best = 0;
-  if (gain.maxCoeff(&best) > kAsks) held.erase(held.begin() + best);
+  if (gain.maxCoeff(&best) > asks) held.erase(held.begin() + best);
   return held;
 }
 
@@ -152,8 +166,9 @@ absl::StatusOr<Stand> StandOf(const Problem& problem, Solution solution, const s
       stand.holding.fixed = null_space.fixed;
     }
   }
-  for (bool has_changed = options.judge_bends; has_changed;) {
-    const std::vector<int> held = HeldUnlessAsked(problem, solution, stand.holding.fixed);
+  const bool judge_bends = options.judge_bends && MayBend(problem);
+  for (bool has_changed = judge_bends; has_changed;) {
+    const std::vector<int> held = HeldUnlessAsked(problem, solution, parameters, stand.holding.fixed);
     has_changed = held != stand.holding.fixed;
     if (!has_changed) break;
     NullSpace fewer = stand.holding;
@@ -164,7 +179,7 @@ absl::StatusOr<Stand> StandOf(const Problem& problem, Solution solution, const s
     stand.holding = std::move(fewer);
     solution = std::move(freed);
   }
-  stand.is_bent &= options.judge_bends;
+  stand.is_bent &= judge_bends;
   if (!stand.is_bent) {
     stand.best_first.push_back(std::move(solution));
     return stand;
