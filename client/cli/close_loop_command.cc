@@ -1,8 +1,13 @@
 // axiscal close-loop: the effects that a machine's model lacks, from a case folder without database and server, or as a
 // job on stored sessions.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
@@ -12,6 +17,7 @@
 #include "client/cli/record_output.h"
 #include "client/cli/session_choice.h"
 #include "core/base/files.h"
+#include "core/base/strict_json.h"
 #include "core/loop/close_loop.h"
 #include "core/loop/pictures.h"
 #include "core/machine/error_json.h"
@@ -24,6 +30,9 @@ struct Arguments {
   std::string folder, machine, report, errors, plot, request_id;
   std::vector<std::string> fit, check;
   int max_effects = loop::Options().max_effects;
+  std::string budget;
+  std::optional<int> monte_carlo;
+  std::optional<uint64_t> seed;
   bool no_wait = false;
 };
 
@@ -52,6 +61,46 @@ absl::Status CheckPaths(const Arguments& arguments, const std::vector<NamedPath>
   return CheckOutputs(inputs, {{"--report", arguments.report}, {"--errors", arguments.errors}});
 }
 
+// The simulation that was asked for, and the text of its budget; both ways take the same.
+absl::Status CheckSimulation(const Arguments& arguments) {
+  if (arguments.monte_carlo) return absl::OkStatus();
+  if (arguments.seed) return absl::InvalidArgumentError("--seed: expected --monte-carlo with it");
+  if (!arguments.budget.empty()) return absl::InvalidArgumentError("--budget: expected --monte-carlo with it");
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> BudgetText(const Arguments& arguments) {
+  if (arguments.budget.empty()) return std::string();
+  return base::ReadFile(arguments.budget, base::kMaxJsonBytes);
+}
+
+// Without a server the runs of the simulation share the machine's cores.
+void OnAllCores(int count, const std::function<void(int)>& body) {
+  std::atomic<int> next = 0;
+  std::vector<std::thread> threads;
+  const int others = std::min(count, static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))) - 1;
+  const auto work = [&] {
+    for (int index = next++; index < count; index = next++) body(index);
+  };
+  for (int i = 0; i < others; ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+}
+
+absl::Status AddSimulation(const Arguments& arguments, const machine::Machine& machine, loop::Options* options) {
+  if (!arguments.monte_carlo) return absl::OkStatus();
+  options->monte_carlo.emplace();
+  options->monte_carlo->runs = *arguments.monte_carlo;
+  options->monte_carlo->seed = arguments.seed.value_or(options->monte_carlo->seed);
+  options->monte_carlo->for_each = OnAllCores;
+  ASSIGN_OR_RETURN(options->budget_json, BudgetText(arguments));
+  if (options->budget_json.empty()) return absl::OkStatus();
+  auto budget = identify::ReadBudget(options->budget_json, machine);
+  if (!budget.ok()) return base::Within(arguments.budget, budget.status());
+  options->monte_carlo->budget = *std::move(budget);
+  return absl::OkStatus();
+}
+
 absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
   std::vector<NamedPath> inputs = {{"machine.json", arguments.folder + "/machine.json"}};
@@ -64,14 +113,19 @@ absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(auto check, identify::BindSessions(measured.machine, measured.check));
   loop::Options options;
   options.max_effects = arguments.max_effects;
+  RETURN_IF_ERROR(AddSimulation(arguments, measured.machine, &options));
   ProgressBar bar = context.Bar("closing the loop");
-  options.progress = [&bar](const identify::Progress& progress) { bar.Show(progress.fraction, progress.detail); };
+  std::mutex mutex;  // a simulation reports from every core
+  options.progress = [&bar, &mutex](const identify::Progress& progress) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    bar.Show(progress.fraction, progress.detail);
+  };
   ASSIGN_OR_RETURN(const loop::Report report, loop::CloseLoop(measured.machine, fit, check, options));
   const std::string json = loop::ToJson(measured.machine, report);
   RETURN_IF_ERROR(WriteOutputs(arguments, json, machine::WriteErrors(report.fitted.model, measured.machine)));
   if (!arguments.plot.empty())
     RETURN_IF_ERROR(WritePictures(arguments.plot, loop::Pictures(measured.machine, fit, check, report)));
-  context.Print(Embedded(json), LoopText(Embedded(json)));
+  context.Print(Embedded(json), LoopText(Embedded(json)) + MonteCarloText(Embedded(json)));
   return absl::OkStatus();
 }
 
@@ -83,6 +137,9 @@ absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
   convert::CloseLoopParams params;
   params.machine = MachineId(arguments.machine);
   params.max_effects = arguments.max_effects;
+  params.monte_carlo_runs = arguments.monte_carlo;
+  params.monte_carlo_seed = arguments.seed.value_or(params.monte_carlo_seed);
+  ASSIGN_OR_RETURN(params.budget_json, BudgetText(arguments));
   ASSIGN_OR_RETURN(params.fit, NamedSessions(*client, params.machine, "--fit", arguments.fit));
   ASSIGN_OR_RETURN(params.check, NamedSessions(*client, params.machine, "--check", arguments.check));
   ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params, arguments.request_id));
@@ -96,7 +153,7 @@ absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(*done.calibration));
   RETURN_IF_ERROR(WriteOutputs(arguments, done.result, record.content.model_json));
   Json json = Embedded(done.result);
-  const std::string text = LoopText(json);
+  const std::string text = LoopText(json) + MonteCarloText(json);
   json["job"] = done.id.number();
   json["calibration"] = record.id.number();
   context.Print(json, text);
@@ -106,6 +163,7 @@ absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
 }
 
 absl::Status CloseLoop(Context& context, const Arguments& arguments) {
+  RETURN_IF_ERROR(CheckSimulation(arguments));
   if (arguments.folder.empty() == arguments.machine.empty()) {
     return absl::InvalidArgumentError("close-loop: expected either a case folder or --machine");
   }
@@ -143,6 +201,14 @@ void AddCloseLoopCommand(CLI::App& app, Context& context) {
   command->add_option("--max-effects", arguments->max_effects, "stop after this many effects")
       ->check(CLI::Range(1, convert::kMaxEffects))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--monte-carlo", arguments->monte_carlo,
+          "when the loop has ended, simulate the fit sessions under the extended model so often and report how "
+          "errors and effects spread")
+      ->check(CLI::Range(1, identify::kMaxMonteCarloRuns));
+  command->add_option("--budget", arguments->budget, "error budget of the simulation, JSON: sources of error by name");
+  command->add_option("--seed", arguments->seed, "seed of the simulation; the same seed gives the same report (1)");
   command->add_option("--request-id", arguments->request_id, "repeat under the same id to get the same job");
   command->add_flag("--no-wait", arguments->no_wait, "print the job and return at once");
   command->footer(

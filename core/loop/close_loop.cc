@@ -1,5 +1,7 @@
 #include "core/loop/close_loop.h"
 
+#include <algorithm>
+
 #include "core/loop/describe.h"
 #include "core/loop/fitting.h"
 #include "core/loop/growth.h"
@@ -19,11 +21,70 @@ class Loop {
   Loop(const Machine& machine, std::vector<MeasuringRun> fit, std::vector<MeasuringRun> check, const Options& options)
       : machine_(machine),
         runs_(std::move(fit)),
-        options_(options),
+        whole_progress_(options.progress),
+        options_(OwnOptions(options)),
         identify_options_(OptionsOf(options)),
         check_(machine, std::move(check), identify_options_) {}
 
   absl::StatusOr<Report> Run() {
+    RETURN_IF_ERROR(CheckBudget());
+    ASSIGN_OR_RETURN(Report report, Close());
+    RETURN_IF_ERROR(Simulate(&report));
+    return report;
+  }
+
+ private:
+  // The loop's share of the progress, where a simulation comes after it.
+  static constexpr double kLoopShare = 0.3;
+
+  static Options OwnOptions(const Options& options) {
+    Options own = options;
+    if (!options.monte_carlo || !options.progress) return own;
+    own.progress = [progress = options.progress](identify::Progress one) {
+      one.fraction *= kLoopShare;
+      progress(one);
+    };
+    return own;
+  }
+
+  // Before any work: names of sessions that are not there.
+  absl::Status CheckBudget() const {
+    if (!options_.monte_carlo) return absl::OkStatus();
+    std::vector<std::string> names;
+    for (const MeasuringRun& run : runs_) names.push_back(run.session);
+    return identify::CheckSessions(options_.monte_carlo->budget, names);
+  }
+
+  // A session whose artefact slipped stands in the fit in parts, "CR#1" and so on: what acts in it acts in each.
+  static void NameParts(const Fit& fit, identify::Budget* budget) {
+    for (identify::Source& source : budget->sources) {
+      std::vector<std::string> names;
+      for (const MeasuringRun& run : fit.problem.runs) {
+        const auto is_of = [&run](const std::string& session) {
+          return run.session == session || run.session.rfind(session + "#", 0) == 0;
+        };
+        if (std::any_of(source.sessions.begin(), source.sessions.end(), is_of)) names.push_back(run.session);
+      }
+      source.sessions = names;
+    }
+  }
+
+  absl::Status Simulate(Report* report) const {
+    if (!options_.monte_carlo) return absl::OkStatus();
+    identify::MonteCarloOptions simulation = *options_.monte_carlo;
+    NameParts(*report->last_fit, &simulation.budget);
+    simulation.cancelled = options_.cancelled;
+    simulation.progress = [this, &simulation](double fraction) {
+      if (!whole_progress_) return;
+      whole_progress_(
+          {"simulating", kLoopShare + (1.0 - kLoopShare) * fraction, absl::StrCat(simulation.runs, " runs")});
+    };
+    ASSIGN_OR_RETURN(report->monte_carlo, identify::MonteCarlo(*report->last_fit, simulation));
+    report->budget_json = options_.budget_json;
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<Report> Close() {
     std::vector<Candidate> not_first;
     ASSIGN_OR_RETURN(Outcome best, Try(not_first));
     // An effect that swallowed two others leads astray: where the check sessions stay unexplained, another beginning
@@ -48,7 +109,6 @@ class Loop {
     return Finish(&best);
   }
 
- private:
   static identify::Options OptionsOf(const Options& options) {
     identify::Options out;
     out.cancelled = options.cancelled;
@@ -101,6 +161,7 @@ class Loop {
     RETURN_IF_ERROR(DropToldApart(outcome->fit, identify_options_, &outcome->attempt.extension));
     Describe(machine_, runs_, outcome->attempt.extension, outcome->fit, options_.search, &report);
     KeepResiduals(outcome->fit, runs_, &SessionResiduals::after_mm, &report);
+    report.last_fit = std::make_shared<Fit>(outcome->fit);
     report.check_after = outcome->check_after;
     report.unexplained.insert(report.unexplained.end(), outcome->unexplained_sessions.begin(),
                               outcome->unexplained_sessions.end());
@@ -140,7 +201,8 @@ class Loop {
 
   const Machine& machine_;
   const std::vector<MeasuringRun> runs_;
-  const Options options_;
+  const std::function<void(const identify::Progress&)> whole_progress_;
+  const Options options_;  // its progress is that of the loop alone
   const identify::Options identify_options_;
   Check check_;
 };

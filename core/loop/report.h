@@ -2,10 +2,13 @@
 #ifndef AXISCAL_CORE_LOOP_REPORT_H_
 #define AXISCAL_CORE_LOOP_REPORT_H_
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "core/identify/result.h"
+#include "core/identify/identify.h"
+#include "core/identify/monte_carlo.h"
 #include "core/loop/next_measurement.h"
 #include "core/loop/search.h"
 
@@ -80,8 +83,11 @@ struct Report {
   // Effects that would leave no trace in the fit sessions: setup offsets and declared errors take them up. One of each
   // component, shape and variable, crossed variables left out.
   std::vector<machine::ErrorTerm> not_visible;
-  std::vector<std::string> axes_at_rest;  // that the fit sessions never moved: nothing is known of them
-  bool has_stopped_early = false;         // at the most effects allowed: more may be there
+  std::vector<std::string> axes_at_rest;                  // that the fit sessions never moved: nothing is known of them
+  bool has_stopped_early = false;                         // at the most effects allowed: more may be there
+  std::shared_ptr<const identify::Fit> last_fit;          // that of `fitted`, with its runs
+  std::string budget_json;                                // of the simulation, as it was given
+  std::optional<identify::MonteCarloResult> monte_carlo;  // of the fit sessions under the extended model
 };
 
 // report.json of formats.md.

@@ -146,6 +146,8 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   root["stopped_early"] = report.has_stopped_early;
   root["sessions"] = fitted["sessions"];
   root["candidates"] = report.candidates;
+  if (!report.budget_json.empty()) root["budget"] = json::parse(report.budget_json);
+  if (report.monte_carlo) root["monte_carlo"] = identify::ToJson(*report.monte_carlo);
   return root.dump(1) + "\n";
 }
 

@@ -11,16 +11,38 @@ namespace {
 
 constexpr size_t kMostErrorBytes = 10'000;  // of one declared error: a map has many nodes
 
+// What both kinds that simulate say of it.
+template <typename Params, typename Message>
+void SimulationToProto(const Params& params, Message* message) {
+  message->set_budget_json(params.budget_json);
+  if (!params.monte_carlo_runs) return;
+  message->set_monte_carlo_runs(*params.monte_carlo_runs);
+  message->set_monte_carlo_seed(params.monte_carlo_seed);
+}
+
+template <typename Message, typename Params>
+absl::Status SimulationFromProto(const Message& message, Params* params) {
+  params->budget_json = message.budget_json();
+  if (message.has_monte_carlo_runs()) {
+    if (message.monte_carlo_runs() < 1 || message.monte_carlo_runs() > identify::kMaxMonteCarloRuns) {
+      return FieldError("monte_carlo_runs",
+                        absl::StrCat(message.monte_carlo_runs(), ", must be 1 to ", identify::kMaxMonteCarloRuns));
+    }
+    params->monte_carlo_runs = message.monte_carlo_runs();
+  }
+  if (message.has_monte_carlo_seed()) {
+    if (!params->monte_carlo_runs) return FieldError("monte_carlo_seed", "must not be set without monte_carlo_runs");
+    params->monte_carlo_seed = message.monte_carlo_seed();
+  }
+  return absl::OkStatus();
+}
+
 v1::IdentifyParams IdentifyToProto(const IdentifyParams& params) {
   v1::IdentifyParams message;
   message.set_machine_id(params.machine.text());
   for (const SessionId& id : params.sessions) message.add_session_ids(id.number());
   for (const std::string& symbol : params.declared) message.add_declared_errors(symbol);
-  message.set_budget_json(params.budget_json);
-  if (params.monte_carlo_runs) {
-    message.set_monte_carlo_runs(*params.monte_carlo_runs);
-    message.set_monte_carlo_seed(params.monte_carlo_seed);
-  }
+  SimulationToProto(params, &message);
   if (params.held_calibration) message.set_held_calibration_id(params.held_calibration->number());
   message.set_held_errors_json(params.held_errors_json);
   return message;
@@ -51,18 +73,7 @@ absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
         RequireText(absl::StrCat("declared_errors[", i, "]"), message.declared_errors(i), 1, kMostErrorBytes));
     params.declared.push_back(message.declared_errors(i));
   }
-  params.budget_json = message.budget_json();
-  if (message.has_monte_carlo_runs()) {
-    if (message.monte_carlo_runs() < 1 || message.monte_carlo_runs() > identify::kMaxMonteCarloRuns) {
-      return FieldError("monte_carlo_runs",
-                        absl::StrCat(message.monte_carlo_runs(), ", must be 1 to ", identify::kMaxMonteCarloRuns));
-    }
-    params.monte_carlo_runs = message.monte_carlo_runs();
-  }
-  if (message.has_monte_carlo_seed()) {
-    if (!params.monte_carlo_runs) return FieldError("monte_carlo_seed", "must not be set without monte_carlo_runs");
-    params.monte_carlo_seed = message.monte_carlo_seed();
-  }
+  RETURN_IF_ERROR(SimulationFromProto(message, &params));
   if (message.has_held_calibration_id()) {
     RETURN_IF_ERROR(RequirePositive("held_calibration_id", message.held_calibration_id()));
     if (!message.held_errors_json().empty()) {
@@ -80,6 +91,7 @@ v1::CloseLoopParams CloseLoopToProto(const CloseLoopParams& params) {
   for (const SessionId& id : params.fit) message.add_fit_session_ids(id.number());
   for (const SessionId& id : params.check) message.add_check_session_ids(id.number());
   if (params.max_effects) message.set_max_effects(*params.max_effects);
+  SimulationToProto(params, &message);
   return message;
 }
 
@@ -104,6 +116,9 @@ absl::StatusOr<JobParams> CloseLoopFromProto(const v1::CloseLoopParams& message)
     }
     params.max_effects = message.max_effects();
   }
+  RETURN_IF_ERROR(SimulationFromProto(message, &params));
+  if (!params.budget_json.empty() && !params.monte_carlo_runs)
+    return FieldError("budget_json", "must not be set without monte_carlo_runs");
   return params;
 }
 

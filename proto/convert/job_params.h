@@ -34,6 +34,10 @@ struct CloseLoopParams {
   MachineId machine;
   std::vector<SessionId> fit, check;  // complete ones of that machine, none in both; check may be empty
   std::optional<int> max_effects;     // 1 .. kMaxEffects; nothing: the engine's default
+  // Of the simulation alone, under the extended model; as in IdentifyParams.
+  std::string budget_json{};
+  std::optional<int> monte_carlo_runs{};
+  uint64_t monte_carlo_seed = 1;
 };
 inline constexpr int kMaxEffects = 50;
 

@@ -33,6 +33,14 @@ absl::Status CheckSessions(storage::Database& database, const MachineId& machine
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::optional<identify::Budget>> ReadBudget(const machine::Machine& machine, const std::string& json,
+                                                           const std::string& field) {
+  if (json.empty()) return std::nullopt;
+  absl::StatusOr<identify::Budget> budget = identify::ReadBudget(json, machine);
+  if (!budget.ok()) return convert::FieldError(field, std::string(budget.status().message()));
+  return *std::move(budget);
+}
+
 absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
                            const convert::IdentifyParams& params) {
   RETURN_IF_ERROR(ErrorsOf(database, machine, params).status());
@@ -40,7 +48,9 @@ absl::Status CheckIdentify(storage::Database& database, const machine::Machine& 
   return CheckSessions(database, params.machine, params.sessions, "params.identify.session_ids");
 }
 
-absl::Status CheckCloseLoop(storage::Database& database, const convert::CloseLoopParams& params) {
+absl::Status CheckCloseLoop(storage::Database& database, const machine::Machine& machine,
+                            const convert::CloseLoopParams& params) {
+  RETURN_IF_ERROR(BudgetOf(machine, params).status());
   RETURN_IF_ERROR(CheckSessions(database, params.machine, params.fit, "params.close_loop.fit_session_ids"));
   return CheckSessions(database, params.machine, params.check, "params.close_loop.check_session_ids");
 }
@@ -85,7 +95,7 @@ absl::Status CheckInputs(storage::Database& database, const convert::JobParams& 
     return CheckToolSetter(database, *tool_setter);
   }
   if (const auto* close_loop = std::get_if<convert::CloseLoopParams>(&params)) {
-    return CheckCloseLoop(database, *close_loop);
+    return CheckCloseLoop(database, machine, *close_loop);
   }
   return CheckCompensate(database, std::get<convert::CompensateParams>(params));
 }
@@ -135,10 +145,12 @@ absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machi
 
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
                                                          const convert::IdentifyParams& params) {
-  if (params.budget_json.empty()) return std::nullopt;
-  absl::StatusOr<identify::Budget> budget = identify::ReadBudget(params.budget_json, machine);
-  if (!budget.ok()) return convert::FieldError("params.identify.budget_json", std::string(budget.status().message()));
-  return *std::move(budget);
+  return ReadBudget(machine, params.budget_json, "params.identify.budget_json");
+}
+
+absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
+                                                         const convert::CloseLoopParams& params) {
+  return ReadBudget(machine, params.budget_json, "params.close_loop.budget_json");
 }
 
 absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machine,

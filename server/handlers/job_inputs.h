@@ -41,9 +41,11 @@ struct IdentifyErrors {
 absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machine::Machine& machine,
                                         const convert::IdentifyParams& params);
 
-// The job's error budget, if it has one. INVALID_ARGUMENT FIELD_INVALID.
+// A job's error budget, if it has one. INVALID_ARGUMENT FIELD_INVALID.
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
                                                          const convert::IdentifyParams& params);
+absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
+                                                         const convert::CloseLoopParams& params);
 
 }  // namespace axiscal::handlers
 

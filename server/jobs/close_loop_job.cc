@@ -1,11 +1,13 @@
 #include "server/jobs/close_loop_job.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/loop/close_loop.h"
 #include "proto/convert/job_params.h"
+#include "server/handlers/job_inputs.h"
 #include "server/jobs/job_sessions.h"
 #include "server/jobs/new_calibration.h"
 
@@ -14,15 +16,28 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-loop::Options EngineOptions(const convert::CloseLoopParams& params, JobContext& context) {
+absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, const convert::CloseLoopParams& params,
+                                            JobContext& context) {
   loop::Options options;
   options.max_effects = params.max_effects.value_or(options.max_effects);
   options.cancelled = [&context] { return context.cancelled(); };
   // A backward step takes an effect out again; the job's progress does not fall for it.
-  options.progress = [&context, furthest = 0.0](const identify::Progress& progress) mutable {
-    furthest = std::max(furthest, progress.fraction);
-    context.ReportProgress(progress.stage, furthest, progress.detail);
+  // A simulation reports from every worker.
+  options.progress = [&context,
+                      furthest = std::make_shared<std::atomic<double>>(0.0)](const identify::Progress& progress) {
+    double before = furthest->load();
+    while (before < progress.fraction && !furthest->compare_exchange_weak(before, progress.fraction)) {
+    }
+    context.ReportProgress(progress.stage, std::max(before, progress.fraction), progress.detail);
   };
+  if (!params.monte_carlo_runs) return options;
+  ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, handlers::BudgetOf(machine, params));
+  options.monte_carlo.emplace();
+  options.monte_carlo->runs = *params.monte_carlo_runs;
+  options.monte_carlo->seed = params.monte_carlo_seed;
+  options.monte_carlo->budget = budget.value_or(identify::Budget{});
+  options.monte_carlo->for_each = [&context](int count, const auto& body) { context.ForEach(count, body); };
+  options.budget_json = params.budget_json;
   return options;
 }
 
@@ -44,7 +59,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   ASSIGN_OR_RETURN(const StoredSessions check, LoadSessions(database, params.check, input.machine, context));
   ASSIGN_OR_RETURN(auto fit_runs, identify::BindSessions(input.machine, fit.sessions));
   ASSIGN_OR_RETURN(auto check_runs, identify::BindSessions(input.machine, check.sessions));
-  const loop::Options options = EngineOptions(params, context);
+  ASSIGN_OR_RETURN(const loop::Options options, EngineOptions(input.machine, params, context));
   ASSIGN_OR_RETURN(const loop::Report report,
                    loop::CloseLoop(input.machine, std::move(fit_runs), std::move(check_runs), options));
 
@@ -52,8 +67,11 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
   product.result = loop::ToJson(input.machine, report);
   product.calibration = MakeCalibration(input, fit, report.fit_before, report.fitted, job);
   product.calibration->report_json = product.result;
-  product.calibration->options_json =
-      json({{"max_effects", options.max_effects}, {"fit", SessionsJson(fit)}, {"check", SessionsJson(check)}}).dump();
+  json asked = {{"max_effects", options.max_effects}, {"fit", SessionsJson(fit)}, {"check", SessionsJson(check)}};
+  if (!params.budget_json.empty()) asked["budget"] = json::parse(params.budget_json);
+  if (params.monte_carlo_runs)
+    asked["monte_carlo"] = {{"runs", *params.monte_carlo_runs}, {"seed", params.monte_carlo_seed}};
+  product.calibration->options_json = asked.dump();
   return product;
 }
 

@@ -55,6 +55,52 @@ TEST_F(CloseLoop, FilesDatabaseAndServerGiveOneReport) {
   EXPECT_EQ(served.out, files.out);
 }
 
+// The simulation of `identify`, over the model that the loop ended with: the same in a folder and as a job.
+TEST_F(CloseLoop, MonteCarloOverTheExtendedModel) {
+  Write("budget.json", R"({"axiscal": "budget/1", "sources": [
+      {"name": "squareness of Y", "symbol": "EC0Y", "sigma": 10, "drawn": "session", "sessions": ["BX", "CR"]}]})");
+  const std::string simulated = "--monte-carlo 60 --budget budget.json --seed 5 ";
+  const std::string folder = Source("tests/data/loop/case-003");
+  const Outcome files = Run("close-loop " + folder + " " + simulated + "--report files.json");
+  ASSERT_EQ(files.exit_code, 0) << files.err;
+  EXPECT_THAT(files.out, HasSubstr("Monte Carlo, 60 runs, seed 5:"));
+  Store("case-003");
+  ASSERT_EQ(Run(Job(simulated + "--report job.json")).exit_code, 0);
+  EXPECT_EQ(Read("job.json"), Read("files.json"));
+  const auto report = nlohmann::json::parse(Read("files.json"));
+  EXPECT_EQ(report["budget"]["sources"].size(), 1u);
+  bool has_effect = false;
+  for (const auto& error : report["monte_carlo"]["errors"]) {
+    has_effect |= error["name"] == "EXX:backlash";
+    EXPECT_GE(error["sigma"], 0.7 * error["linear_sigma"].get<double>()) << error;
+    EXPECT_LT(std::abs(error["mean"].get<double>() - error["value"].get<double>()), 1.0 * error["sigma"].get<double>())
+        << error;
+  }
+  EXPECT_TRUE(has_effect);
+  // The simulation changes nothing of the loop's own report.
+  ASSERT_EQ(Run("close-loop " + folder + " --report plain.json").exit_code, 0);
+  auto without = report;
+  without.erase("budget");
+  without.erase("monte_carlo");
+  EXPECT_EQ(without, nlohmann::json::parse(Read("plain.json")));
+
+  Write("unknown.json", R"({"axiscal": "budget/1", "sources": [
+      {"name": "a", "symbol": "EC0Y", "sigma": 10, "drawn": "session", "sessions": ["nobody"]}]})");
+  const auto refused = [&](const std::string& arguments, const std::string& text) {
+    const Outcome outcome = Run("close-loop " + arguments);
+    EXPECT_EQ(outcome.exit_code, 3) << arguments << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(text)) << arguments;
+  };
+  refused(folder + " --monte-carlo 10 --budget unknown.json", "nobody");
+  refused(folder + " --seed 3", "--seed: expected --monte-carlo with it");
+  refused(folder + " --budget budget.json", "--budget: expected --monte-carlo with it");
+  Write("bad.json",
+        R"({"axiscal": "budget/1", "sources": [{"name": "a", "symbol": "EC0Q", "sigma": 1, "drawn": "run"}]})");
+  refused(folder + " --monte-carlo 10 --budget bad.json", "EC0Q");
+  refused("--machine mt --fit 1 --monte-carlo 10 --budget bad.json", "params.close_loop.budget_json");
+  EXPECT_EQ(Run("close-loop " + folder + " --monte-carlo 0").exit_code, 2);
+}
+
 TEST_F(CloseLoop, TheCandidateHoldsItsProvenanceAndCompensationUsesItOnceApproved) {
   Store("case-003");
   const Outcome loop = Run(Job("--json"));
