@@ -59,9 +59,9 @@ std::vector<int> StillHeld(const Problem& problem, const Solution& solution, con
 // held at zero it is a misfit, which errors that are identified would take up.
 std::vector<int> HeldUnlessAsked(const Problem& problem, const Solution& solution,
                                  const std::vector<Parameter>& parameters, std::vector<int> held) {
-  // Chi-square: five standard uncertainties, which chance does not reach with a dozen held, of readings that may
+  // Chi-square: four standard uncertainties, which chance does not reach with a dozen held, of readings that may
   // scatter by more than stated. What is freed makes uncertain what was determined without it.
-  const double asks = 25.0 * std::max(1.0, solution.cost / std::max(1, solution.normal.row_count));
+  const double asks = 18.0 * std::max(1.0, solution.cost / std::max(1, solution.normal.row_count));
   const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kAll);
   if (held.empty()) return held;
   const Eigen::VectorXd information = InformationBeside(reduced, held).diagonal(), gradient = reduced.gradient(held);
@@ -166,8 +166,7 @@ absl::StatusOr<Stand> StandOf(const Problem& problem, Solution solution, const s
       stand.holding.fixed = null_space.fixed;
     }
   }
-  const bool judge_bends = options.judge_bends && MayBend(problem);
-  for (bool has_changed = judge_bends; has_changed;) {
+  for (bool has_changed = options.judge_bends; has_changed;) {
     const std::vector<int> held = HeldUnlessAsked(problem, solution, parameters, stand.holding.fixed);
     has_changed = held != stand.holding.fixed;
     if (!has_changed) break;
@@ -179,7 +178,7 @@ absl::StatusOr<Stand> StandOf(const Problem& problem, Solution solution, const s
     stand.holding = std::move(fewer);
     solution = std::move(freed);
   }
-  stand.is_bent &= judge_bends;
+  stand.is_bent &= options.judge_bends && MayBend(problem);
   if (!stand.is_bent) {
     stand.best_first.push_back(std::move(solution));
     return stand;

@@ -34,8 +34,8 @@ struct Options {
   // independent readings would state uncertainties that are too small. The same where many readings scatter by clearly
   // less than stated. Of FitRuns and Identify.
   bool judge_correlation = true;
-  // In touch sessions: frees what is held where the fit misses for it, and where the problem bends (solver.h), tries
-  // each interval by refitting at its ends.
+  // Frees what is held where the fit misses for it; where touches bend the problem (solver.h), tries each interval by
+  // refitting at its ends.
   bool judge_bends = true;
   // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
   std::optional<Budget> budget;

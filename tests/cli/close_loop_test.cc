@@ -71,8 +71,10 @@ TEST_F(CloseLoop, MonteCarloOverTheExtendedModel) {
   EXPECT_EQ(report["budget"]["sources"].size(), 1u);
   bool has_effect = false;
   for (const auto& error : report["monte_carlo"]["errors"]) {
-    has_effect |= error["name"] == "EXX:backlash";
-    EXPECT_GE(error["sigma"], 0.7 * error["linear_sigma"].get<double>()) << error;
+    if (error["name"] == "EXX:backlash") {  // no set-up's prior, which the simulation leaves where it is, holds it
+      has_effect = true;
+      EXPECT_GE(error["sigma"], 0.7 * error["linear_sigma"].get<double>()) << error;
+    }
     EXPECT_LT(std::abs(error["mean"].get<double>() - error["value"].get<double>()), 1.0 * error["sigma"].get<double>())
         << error;
   }
@@ -96,7 +98,7 @@ TEST_F(CloseLoop, MonteCarloOverTheExtendedModel) {
   refused(folder + " --budget budget.json", "--budget: expected --monte-carlo with it");
   Write("bad.json",
         R"({"axiscal": "budget/1", "sources": [{"name": "a", "symbol": "EC0Q", "sigma": 1, "drawn": "run"}]})");
-  refused(folder + " --monte-carlo 10 --budget bad.json", "EC0Q");
+  refused(folder + " --monte-carlo 10 --budget bad.json", "has no axis Q");
   refused("--machine mt --fit 1 --monte-carlo 10 --budget bad.json", "params.close_loop.budget_json");
   EXPECT_EQ(Run("close-loop " + folder + " --monte-carlo 0").exit_code, 2);
 }
