@@ -54,28 +54,40 @@ std::vector<int> StillHeld(const Problem& problem, const Solution& solution, con
   return held;
 }
 
-// The errors that are held but the one which chi-square asks most to move, if any. One that no reading shows without
-// the weak priors may well show with them (three readings leave it to the set-up, but not to a run-out of a tenth):
-// held at zero it is a misfit, which errors that are identified would take up.
-std::vector<int> HeldUnlessAsked(const Problem& problem, const Solution& solution,
-                                 const std::vector<Parameter>& parameters, std::vector<int> held) {
-  // Chi-square: four standard uncertainties, which chance does not reach with a dozen held, of readings that may
-  // scatter by more than stated. What is freed makes uncertain what was determined without it.
-  const double asks = 18.0 * std::max(1.0, solution.cost / std::max(1, solution.normal.row_count));
-  const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kAll);
+// The errors that are held but the one which bends the others most, if any. One that no reading shows without the weak
+// priors may well show with them (three readings leave it to the set-up, but not to a run-out of a tenth): held at zero
+// it is a misfit, and where errors that are identified take it up, their numbers are wrong.
+std::vector<int> HeldUnlessItBends(const Problem& problem, const Solution& solution,
+                                   const std::vector<Parameter>& parameters, const NullSpace& null_space,
+                                   std::vector<int> held) {
   if (held.empty()) return held;
+  constexpr double kAsks = 4.0;   // chi-square: two standard uncertainties, or it is chance
+  constexpr double kBends = 0.5;  // standard uncertainties of an error that is identified
+  // Readings may scatter by more than stated.
+  const double scale = std::max(1.0, solution.cost / std::max(1, solution.normal.row_count));
+  const Reduced reduced = Reduce(problem, solution.point, solution.normal, Priors::kAll);
   const Eigen::VectorXd information = InformationBeside(reduced, held).diagonal(), gradient = reduced.gradient(held);
   const Eigen::VectorXd sizes = PlausibleSizes(solution, parameters)(held);
-  // Drop of chi-square when one is freed; one at a time, as the gradient is that of this solution, and no further than
-  // is plausible: what hardly shows promises anything at sizes that no machine has.
-  Eigen::VectorXd gain(information.size());
-  for (Eigen::Index k = 0; k < gain.size(); ++k) {
+  const Eigen::MatrixXd covariance = InverseBeside(reduced, held);
+  // One at a time, as the gradient is that of this solution, and no further than is plausible: what hardly shows
+  // promises anything at sizes that no machine has.
+  Eigen::Index worst = -1;
+  double most = kBends * std::sqrt(scale);
+  for (Eigen::Index k = 0; k < information.size(); ++k) {
     const double slope = std::abs(gradient[k]);
     const double move = slope < information[k] * sizes[k] ? slope / information[k] : sizes[k];
-    gain[k] = 2.0 * slope * move - std::max(0.0, information[k]) * move * move;
+    const double gain = 2.0 * slope * move - std::max(0.0, information[k]) * move * move;
+    if (!(gain > kAsks * scale)) continue;
+    const Eigen::VectorXd shift = move * (covariance * reduced.information.col(held[static_cast<size_t>(k)]));
+    for (Eigen::Index i = 0; i < shift.size(); ++i) {
+      if (null_space.involved[static_cast<size_t>(i)] || !(covariance(i, i) > 0.0)) continue;
+      const double bend = std::abs(shift[i]) / std::sqrt(covariance(i, i));
+      if (bend <= most) continue;
+      most = bend;
+      worst = k;
+    }
   }
-  Eigen::Index best = 0;
-  if (gain.maxCoeff(&best) > asks) held.erase(held.begin() + best);
+  if (worst >= 0) held.erase(held.begin() + worst);
   return held;
 }
 
@@ -167,7 +179,7 @@ absl::StatusOr<Stand> StandOf(const Problem& problem, Solution solution, const s
     }
   }
   for (bool has_changed = options.judge_bends; has_changed;) {
-    const std::vector<int> held = HeldUnlessAsked(problem, solution, parameters, stand.holding.fixed);
+    const std::vector<int> held = HeldUnlessItBends(problem, solution, parameters, null_space, stand.holding.fixed);
     has_changed = held != stand.holding.fixed;
     if (!has_changed) break;
     NullSpace fewer = stand.holding;

@@ -39,8 +39,7 @@ TEST(Coverage, FewReadingsPerSession) {
   // Three to five readings a session: what only the set-ups' priors show is freed but gets no number.
   const CoverageByKind fewest = Identified(Kind::kNull, 500, 80);
   ExpectHonest(fewest, {"all"});
-  // Tails are longer than normal still: an error is freed only for a misfit of four standard uncertainties.
-  EXPECT_LT(fewest.at("all").squares, 2.3 * fewest.at("all").intervals) << ToText(fewest);
+  EXPECT_LT(fewest.at("all").squares, 1.3 * fewest.at("all").intervals) << ToText(fewest);
 }
 
 // Scatter above the stated sigma widens the intervals, scatter clearly below it narrows them.
