@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/compensate/pose_state.h"
 #include "core/machine/chain.h"
 
 namespace axiscal::compensate {
@@ -54,16 +55,8 @@ absl::StatusOr<Positions> CorrectionTarget::Whole(const Pose& pose) const {
   Positions change{};
   for (const int axis : compensator_.linear_axes()) change[axis] = correction.corrected[axis] - pose.position[axis];
   if (turned_.empty()) return change;
-  std::array<shapes::AxisState, machine::kMaxAxes> axes;
-  for (int i = 0; i < machine.axis_count(); ++i) {
-    axes[i].position = pose.position[i];
-    axes[i].sense = pose.sense[i];
-  }
-  shapes::State state;
-  state.axes = {axes.data(), static_cast<size_t>(machine.axis_count())};
-  if (options_.time_s) state.time_s = *options_.time_s;
-  if (options_.temperature_celsius) state.temperature_celsius = *options_.temperature_celsius;
-  const machine::JointErrors<double> errors = machine::ErrorsAt(machine, turns_, state);
+  const PoseState at(machine, pose, options_);
+  const machine::JointErrors<double> errors = machine::ErrorsAt(machine, turns_, at.state());
   for (const int axis : turned_) change[axis] = -machine.axes[axis].direction.dot(errors[axis].tail<3>());
   return change;
 }

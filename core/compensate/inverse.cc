@@ -4,6 +4,7 @@
 
 #include "core/base/units.h"
 #include "core/compensate/compensator_impl.h"
+#include "core/compensate/pose_state.h"
 
 namespace axiscal::compensate {
 namespace {
@@ -93,18 +94,10 @@ void Compensator::Impl::EvaluateNominal(const Pose& pose, const Turns& turns, Af
 }
 
 void Compensator::Impl::MapsAt(const Pose& pose, JointMaps* maps) const {
-  std::array<shapes::AxisState, machine::kMaxAxes> axes;
-  for (int i = 0; i < machine.axis_count(); ++i) {
-    axes[i].position = pose.position[i];
-    axes[i].sense = pose.sense[i];
-  }
-  shapes::State state;
-  state.axes = {axes.data(), static_cast<size_t>(machine.axis_count())};
-  if (options.time_s) state.time_s = *options.time_s;
-  if (options.temperature_celsius) state.temperature_celsius = *options.temperature_celsius;
+  const PoseState at(machine, pose, options);
   machine::JointErrors<double> errors;
   for (const int joint : varying_joints) errors[joint] = constant[joint];
-  for (const ErrorTerm& term : varying) machine::AddErrors(term, state, &errors);
+  for (const ErrorTerm& term : varying) machine::AddErrors(term, at.state(), &errors);
   for (const int joint : varying_joints) SetMap(machine, joint, errors[joint], maps);
 }
 
