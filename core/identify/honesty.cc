@@ -9,6 +9,8 @@
 namespace axiscal::identify {
 namespace {
 
+constexpr double kTold = 1.0 / 3.0;  // of a plausible size: left uncertain by more, an error is not told
+
 // What counts as plausible, mm or rad per the shape's reference.
 Eigen::VectorXd PlausibleSizes(const Solution& solution, const std::vector<Parameter>& parameters) {
   Eigen::VectorXd sizes(static_cast<Eigen::Index>(parameters.size()));
@@ -222,7 +224,6 @@ OwedToPriors FindOwedToPriors(const Problem& problem, const Solution& solution,
   const Eigen::MatrixXd alone =
       InverseBeside(Reduce(problem, solution.point, solution.normal, Priors::kInformative), held);
   const Eigen::VectorXd sizes = PlausibleSizes(solution, parameters);
-  constexpr double kTold = 1.0 / 3.0;
   for (int i = 0; i < p; ++i) {
     if (null_space.involved[i] || parameters[i].is_nonlinear || Contains(held, i)) continue;
     constexpr double kHalf = 0.5;
@@ -245,13 +246,30 @@ OwedToPriors FindOwedToPriors(const Problem& problem, const Solution& solution,
   return owed;
 }
 
+std::vector<bool> FindUnsupported(const Solution& solution, const std::vector<Parameter>& parameters,
+                                  const OwedToPriors& owed, const NullSpace& null_space, const std::vector<int>& held,
+                                  const Covariance& covariance) {
+  std::vector<bool> unsupported = owed.involved;
+  const Eigen::VectorXd sizes = PlausibleSizes(solution, parameters);
+  for (Eigen::Index i = 0; i < sizes.size(); ++i) {
+    const auto at = static_cast<size_t>(i);
+    if (null_space.involved[at] && std::sqrt(covariance.errors(i, i)) > kTold * sizes[i]) unsupported[at] = true;
+    for (size_t k = 0; k < null_space.fixed.size(); ++k) {
+      const bool is_freed = !Contains(held, null_space.fixed[k]);
+      if (is_freed && null_space.directions(static_cast<Eigen::Index>(k), i) != 0.0) unsupported[at] = true;
+    }
+  }
+  return unsupported;
+}
+
 double CoverageFactor(bool is_estimated, int degrees_of_freedom) {
   constexpr double kNormal = 1.959964, kUpper = 0.975;
   if (!is_estimated || degrees_of_freedom < 1) return kNormal;
   return boost::math::quantile(boost::math::students_t(static_cast<double>(degrees_of_freedom)), kUpper);
 }
 
-std::vector<Warning> WarningsOf(const Result& result, const std::vector<bool>& open) {
+std::vector<Warning> WarningsOf(const Result& result, const std::vector<Parameter>& parameters,
+                                const std::vector<bool>& open, const std::vector<bool>& unsupported) {
   std::vector<Warning> warnings;
   constexpr double kPoorFit = 4.0;  // twice the stated sigma
   if (result.fit.chi2_per_dof > kPoorFit) {
@@ -276,6 +294,19 @@ std::vector<Warning> WarningsOf(const Result& result, const std::vector<bool>& o
     warnings.push_back(
         {"interval", names + ": the readings leave the set-up so open that no interval can be stated (another set-up "
                              "with other errors explains them as well)"});
+  }
+  names.clear();
+  for (size_t i = 0; i < unsupported.size(); ++i) {
+    const Estimate& estimate = result.estimates[i];
+    const double size = ValueOf(result.model, parameters[i]) / estimate.factor;
+    if (!unsupported[i] || parameters[i].is_nonlinear || !(std::abs(size) > kPlausible)) continue;
+    absl::StrAppend(&names, names.empty() ? "" : ", ",
+                    absl::StrFormat("%s at %.0f %s", estimate.name, size, estimate.unit));
+  }
+  if (!names.empty()) {
+    warnings.push_back({"no-number", names + ": the fit ended there because something had to take up what the readings "
+                                             "show, but no reading supports such a size; do not compensate with this "
+                                             "model away from the measured poses"});
   }
   return warnings;
 }

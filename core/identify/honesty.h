@@ -55,8 +55,18 @@ absl::StatusOr<std::vector<bool>> FindWithoutInterval(const Problem& problem, co
 double CoverageFactor(bool is_estimated, int degrees_of_freedom);
 
 // What must be said aloud of a fit: readings that scatter about it by more than twice their stated sigma, or of which
-// too many were set aside for chips. `open`: per estimate, no interval.
-std::vector<Warning> WarningsOf(const Result& result, const std::vector<bool>& open);
+// too many were set aside for chips; errors without an interval (`open`); and errors that have no number but, as
+// something had to take up what the readings show, stand in the model at sizes that are not plausible (`open`,
+// `unsupported`: per estimate). After the estimates and the model.
+std::vector<Warning> WarningsOf(const Result& result, const std::vector<Parameter>& parameters,
+                                const std::vector<bool>& open, const std::vector<bool>& unsupported);
+
+// The errors that the model holds at values which readings do not support: owed to weak priors, of directions that were
+// freed because they show where a set-up happened to stand, or carriers of a combination that is left uncertain by a
+// third of kPlausible.
+std::vector<bool> FindUnsupported(const Solution& solution, const std::vector<Parameter>& parameters,
+                                  const OwedToPriors& owed, const NullSpace& null_space, const std::vector<int>& held,
+                                  const Covariance& covariance);
 
 }  // namespace axiscal::identify
 

@@ -69,7 +69,9 @@ struct FitStatistics {
 
 // What a reader of the numbers must know.
 struct Warning {
-  std::string kind;  // "scatter": about the fit, beyond the stated sigma; "set-aside": too many readings; "interval"
+  // "scatter": about the fit, beyond the stated sigma; "set-aside": too many readings; "interval": errors without one;
+  // "no-number": errors without a number that the model holds at implausible sizes.
+  std::string kind;
   std::string text;
 };
 

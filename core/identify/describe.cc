@@ -1,0 +1,133 @@
+#include "core/identify/describe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/identify/naming.h"
+
+namespace axiscal::identify {
+namespace {
+
+using instruments::MeasuringRun;
+
+// What the free errors carry once the null directions are held: error j stands for itself and its share of the held
+// ones. `covariance` of the errors, scaled.
+std::vector<Combination> DeterminedCombinations(const std::vector<Estimate>& estimates, const NullSpace& null_space,
+                                                const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance) {
+  std::vector<Combination> combinations;
+  const int p = static_cast<int>(estimates.size());
+  for (int j = 0; j < p; ++j) {
+    const bool is_held = std::find(null_space.fixed.begin(), null_space.fixed.end(), j) != null_space.fixed.end();
+    if (!null_space.involved[j] || is_held) continue;
+    Eigen::VectorXd dual = Eigen::VectorXd::Zero(p);  // the combination as a sum of errors
+    dual[j] = 1.0;
+    for (size_t k = 0; k < null_space.fixed.size(); ++k) dual[null_space.fixed[k]] -= null_space.directions(k, j);
+    // CombinationName divides by the factors (a direction); a sum is written with its coefficients times them.
+    Eigen::VectorXd coefficients(p);
+    for (int i = 0; i < p; ++i) coefficients[i] = dual[i] * estimates[i].factor * estimates[i].factor;
+    // The carrier comes first so that value and unit are its own.
+    std::vector<Estimate> order = estimates;
+    std::swap(order[0], order[j]);
+    std::swap(coefficients[0], coefficients[j]);
+    combinations.push_back({CombinationName(order, coefficients), estimates[j].unit, estimates[j].factor,
+                            dual.dot(values), std::sqrt(std::max(0.0, dual.dot(covariance * dual)))});
+  }
+  return combinations;
+}
+
+}  // namespace
+
+std::vector<Outlier> ListOutliers(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
+  std::vector<Outlier> outliers;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const MeasuringRun& run = problem.runs[i];
+    for (int k = 0; k < run.reading_count(); ++k) {
+      for (int row = 0; row < run.row_count; ++row) {
+        if (problem.is_used[i][static_cast<size_t>(k) * run.row_count + row]) continue;
+        if (run.path_readings != nullptr) {
+          const eccentricity::Reading& reading = run.path_readings->readings[k];
+          outliers.push_back({run.session, reading.row + 1, reading.component, residuals_mm[i](row, k), {}});
+          continue;
+        }
+        Outlier outlier{run.session, k + 1, row, residuals_mm[i](row, k), {}};
+        for (const touch::Rejection& rejection : run.touches.rejected) {
+          if (rejection.reading == k) outlier.gate = Gate{rejection.gate, rejection.off_mm, rejection.limit_mm};
+        }
+        outliers.push_back(std::move(outlier));
+      }
+    }
+  }
+  return outliers;
+}
+
+std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point, const Covariance& covariance,
+                                     const std::vector<Eigen::MatrixXd>& residuals_mm) {
+  std::vector<SessionFit> sessions;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const int group = problem.group_of_run[i];
+    SessionFit session;
+    session.session = problem.runs[i].session;
+    session.readings = static_cast<int>(residuals_mm[i].size());
+    session.rms_mm = std::sqrt(residuals_mm[i].squaredNorm() / session.readings);
+    session.max_mm = residuals_mm[i].cwiseAbs().maxCoeff();
+    for (size_t k = 0; k < problem.groups[group].parameters.size(); ++k) {
+      const instruments::SetupParameter& parameter = problem.groups[group].parameters[k];
+      session.setup.push_back(
+          {parameter.name, point.setup[group][k], covariance.setup_sigma[group][k], parameter.is_angle});
+    }
+    sessions.push_back(std::move(session));
+  }
+  return sessions;
+}
+
+void DescribeErrors(const Problem& problem, const Solution& solution, const NullSpace& null_space,
+                    const OwedToPriors& owed, const Covariance& covariance, const std::vector<Parameter>& parameters,
+                    Result* result) {
+  const int p = static_cast<int>(parameters.size());
+  Eigen::VectorXd values(p), sigmas(p);
+  for (int i = 0; i < p; ++i) {
+    values[i] = ValueOf(solution.point.model, parameters[i]);
+    sigmas[i] = std::sqrt(std::max(0.0, covariance.errors(i, i)));
+    Estimate estimate = NamedEstimate(*problem.machine, solution.point.model, parameters[i]);
+    estimate.identifiable = !null_space.involved[i] && !owed.involved[i];
+    if (estimate.identifiable) {
+      estimate.value = values[i];
+      estimate.sigma = sigmas[i];
+    }
+    result->estimates.push_back(std::move(estimate));
+  }
+  result->correlation = Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < p; ++i) {
+    for (int j = 0; j < p; ++j) {
+      if (!result->estimates[i].identifiable || !result->estimates[j].identifiable) continue;
+      result->correlation(i, j) = covariance.errors(i, j) / (sigmas[i] * sigmas[j]);
+    }
+  }
+  for (int k = 0; k < null_space.directions.rows(); ++k) {
+    result->not_separable.push_back(CombinationName(result->estimates, null_space.directions.row(k).transpose()));
+  }
+  for (const Eigen::VectorXd& direction : owed.directions)
+    result->not_separable.push_back(CombinationName(result->estimates, direction));
+  result->determined =
+      DeterminedCombinations(result->estimates, null_space, values, covariance.errors.topLeftCorner(p, p));
+  result->rank = null_space.rank;
+  result->condition = null_space.condition;
+}
+
+void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Result* result) {
+  result->held_errors = held.errors;
+  const Eigen::Index p = static_cast<Eigen::Index>(result->estimates.size()),
+                     h = static_cast<Eigen::Index>(held.errors.size());
+  result->held_correlation = Eigen::MatrixXd::Constant(h, p + h, std::numeric_limits<double>::quiet_NaN());
+  const Eigen::VectorXd sigma = covariance.errors.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (Eigen::Index i = 0; i < h; ++i) {
+    for (Eigen::Index j = 0; j < p + h; ++j) {
+      if (sigma[p + i] == 0.0 || sigma[j] == 0.0 || (j < p && !result->estimates[j].identifiable)) continue;
+      result->held_correlation(i, j) = covariance.errors(p + i, j) / (sigma[p + i] * sigma[j]);
+    }
+  }
+}
+
+}  // namespace axiscal::identify
