@@ -22,7 +22,8 @@ absl::StatusOr<MachineWithErrors> ReadModelFiles(const std::string& machine_path
   return model;
 }
 
-absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration) {
+absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const std::string& machine,
+                                                        int64_t calibration) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   const MachineId id(machine);
   CalibrationId calibration_id(calibration);
@@ -30,16 +31,24 @@ absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string
     ASSIGN_OR_RETURN(const storage::CalibrationRecord approved, client->GetApprovedCalibration(id));
     calibration_id = approved.id;
   }
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(calibration_id));
+  MachineWithCalibration from;
+  ASSIGN_OR_RETURN(from.calibration, client->GetCalibration(calibration_id));
+  const storage::CalibrationRecord& record = from.calibration;
   if (record.content.machine != id) {
     return absl::InvalidArgumentError(absl::StrCat("--calibration: ", calibration_id.number(), " is of machine ",
                                                    record.content.machine.text(), ", expected one of ", machine));
   }
   ASSIGN_OR_RETURN(const storage::MachineRecord described,
                    client->GetMachineRevision(id, record.content.machine_revision));
+  ASSIGN_OR_RETURN(from.machine, machine::MachineFromJson(described.description_json));
+  return from;
+}
+
+absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration) {
+  ASSIGN_OR_RETURN(const MachineWithCalibration from, FetchCalibration(context, machine, calibration));
   MachineWithErrors model;
-  ASSIGN_OR_RETURN(model.machine, machine::MachineFromJson(described.description_json));
-  ASSIGN_OR_RETURN(model.errors, machine::ReadErrors(record.content.model_json, model.machine));
+  model.machine = from.machine;
+  ASSIGN_OR_RETURN(model.errors, machine::ReadErrors(from.calibration.content.model_json, model.machine));
   return model;
 }
 

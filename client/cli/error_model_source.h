@@ -17,7 +17,15 @@ struct MachineWithErrors {
 // machine.json and errors.json. NOT_FOUND, or INVALID_ARGUMENT with the file in front.
 absl::StatusOr<MachineWithErrors> ReadModelFiles(const std::string& machine_path, const std::string& errors_path);
 
-// A stored machine under one of its calibrations, the approved one for 0; as it was described when it was identified.
+// A stored machine as it was described when one of its calibrations, the approved one for 0, was identified.
+struct MachineWithCalibration {
+  machine::Machine machine;
+  storage::CalibrationRecord calibration;
+};
+absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const std::string& machine,
+                                                        int64_t calibration);
+
+// A stored machine under one of its calibrations, the approved one for 0.
 absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration);
 
 }  // namespace axiscal::cli

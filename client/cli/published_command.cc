@@ -5,8 +5,13 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/error_model_source.h"
 #include "client/cli/machine_source.h"
+#include "client/cli/record_output.h"
+#include "client/cli/rewrite_arguments.h"
 #include "client/cli/session_choice.h"
+#include "core/base/files.h"
+#include "core/base/strict_json.h"
 #include "core/published/comparison.h"
 #include "core/session/case.h"
 
@@ -14,8 +19,10 @@ namespace axiscal::cli {
 namespace {
 
 struct Arguments {
-  std::string source, machine;
-  std::vector<std::string> sessions;
+  std::string source, machine, errors;
+  std::vector<std::string> inputs;  // sessions, or one program
+  int64_t calibration = 0;
+  RewriteArguments rewrite;  // of a program
   bool list = false;
 };
 
@@ -49,18 +56,59 @@ std::string Cell(double number) {
   return absl::StrFormat("%.2f", std::abs(number) < 0.005 ? 0.0 : number);  // never -0.00
 }
 
-absl::Status Compare(Context& context, const Arguments& arguments) {
-  if (arguments.list) return List(context);
-  if (arguments.source.empty() || arguments.machine.empty() || arguments.sessions.empty()) {
-    return absl::InvalidArgumentError("published: expected --list, or SOURCE, --machine and SESSIONS");
+absl::StatusOr<published::Comparison> OfSessions(Context& context, const published::Source& source,
+                                                 const Arguments& arguments) {
+  if (!arguments.rewrite.tool_tip.empty() || !arguments.errors.empty() || arguments.calibration != 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "published: ", source.name, " is about sessions, expected no --tool-tip, --errors, --calibration"));
   }
-  ASSIGN_OR_RETURN(const published::Source* const source, published::FindSource(arguments.source));
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
   std::vector<session::Session> sessions;
-  for (const std::string& name : arguments.sessions) {
+  for (const std::string& name : arguments.inputs) {
     ASSIGN_OR_RETURN(sessions.emplace_back(), SessionFrom(context, machine, name));
   }
-  ASSIGN_OR_RETURN(const published::Comparison comparison, source->compare(machine, sessions));
+  return source.compare(machine, sessions);
+}
+
+absl::StatusOr<published::Comparison> OfProgram(Context& context, const published::Source& source,
+                                                const Arguments& arguments) {
+  if (arguments.inputs.size() != 1)
+    return absl::InvalidArgumentError(absl::StrCat("published: expected one NC program for ", source.name));
+  published::Program program;
+  ASSIGN_OR_RETURN(program.tool_tip_mm, ToolTip(arguments.rewrite));
+  machine::Machine machine;
+  if (arguments.errors.empty()) {
+    ASSIGN_OR_RETURN(const MachineWithCalibration from,
+                     FetchCalibration(context, arguments.machine, arguments.calibration));
+    machine = from.machine;
+    ASSIGN_OR_RETURN(program.errors, identify::ReadHeldErrors(ToJson(from.calibration).dump(), machine));
+  } else {
+    ASSIGN_OR_RETURN(machine, MachineFrom(context, arguments.machine));
+    ASSIGN_OR_RETURN(const std::string text, base::ReadFile(arguments.errors, base::kMaxJsonBytes));
+    auto errors = identify::ReadHeldErrors(text, machine);
+    if (!errors.ok()) return base::Within(arguments.errors, errors.status());
+    program.errors = *std::move(errors);
+  }
+  const std::string& path = arguments.inputs[0];
+  ASSIGN_OR_RETURN(const nc::ByteReader reader, nc::FileReader(path));
+  ASSIGN_OR_RETURN(const nc::RewriteOptions reading, ToRewriteOptions(arguments.rewrite, machine));
+  auto poses = nc::ReadPoses(reader, machine, reading, published::kMostPoses);
+  if (!poses.ok()) return base::Within(path, poses.status());
+  program.poses = *std::move(poses);
+  auto comparison = source.compare_program(machine, program);
+  if (!comparison.ok()) return base::Within(path, comparison.status());
+  return comparison;
+}
+
+absl::Status Compare(Context& context, const Arguments& arguments) {
+  if (arguments.list) return List(context);
+  if (arguments.source.empty() || arguments.machine.empty() || arguments.inputs.empty()) {
+    return absl::InvalidArgumentError("published: expected --list, or SOURCE, --machine and what --list says it needs");
+  }
+  ASSIGN_OR_RETURN(const published::Source* const source, published::FindSource(arguments.source));
+  ASSIGN_OR_RETURN(const published::Comparison comparison, source->compare_program == nullptr
+                                                               ? OfSessions(context, *source, arguments)
+                                                               : OfProgram(context, *source, arguments));
   Json rows = Json::array();
   std::vector<std::vector<std::string>> table = {
       {"quantity", "published", "corrected", "exact", "sigma", "unit", "exact is", "erratum or what is missing"}};
@@ -91,13 +139,26 @@ void AddPublishedCommand(CLI::App& app, Context& context) {
   CLI::App* published = app.add_subcommand(
       "published", "What a publication's own formulas make of sessions, beside the exact model, with its errata");
   published->add_option("SOURCE", arguments->source, "one of --list");
-  published->add_option("SESSIONS", arguments->sessions, "session files, or numbers or names of stored sessions");
+  published->add_option("SESSIONS", arguments->inputs,
+                        "session files, or numbers or names of stored sessions; of a compensation the NC program");
   published->add_option("--machine", arguments->machine, "the machine, or its machine.json without any database");
+  published->add_option("--tool-tip", arguments->rewrite.tool_tip,
+                        "of a compensation: the nominal tool point with all axes at zero, \"X Y Z\" in mm");
+  CLI::Option* calibration = published->add_option("--calibration", arguments->calibration,
+                                                   "of a compensation: this one instead of the approved one");
+  calibration->check(CLI::PositiveNumber);
+  published
+      ->add_option("--errors", arguments->errors,
+                   "of a compensation: errors.json in um and urad, or a calibration as --json prints it: with sigmas")
+      ->excludes(calibration);
   published->add_flag("--list", arguments->list, "the publications whose formulas are known");
   published->footer(
       "For comparison only: no number of it reaches a calibration, a table or a program.\n"
-      "Example: axiscal published yao-table-4.5 --machine machine.json eccentricity-B.csv eccentricity-C.csv "
-      "eccentricity-C-long.csv");
+      "Examples: axiscal published yao-table-4.5 --machine machine.json eccentricity-B.csv eccentricity-C.csv "
+      "eccentricity-C-long.csv\n"
+      "          axiscal published yao-compensation --machine machine.json --errors errors.json --tool-tip \"0 0 "
+      "-350\" "
+      "in.nc");
   SetAction(published, context, [&context, arguments] { return Compare(context, *arguments); });
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/base/units.h"
 #include "core/nc/move_reader.h"
+#include "core/nc/poses.h"
 
 namespace axiscal::nc {
 namespace {
@@ -125,14 +126,7 @@ class Verifier {
     return fraction > 0.5;
   }
 
-  Values PositionsOf(const nc::Positions& axes) const {
-    Values positions{};
-    for (int i = 0; i < machine_.axis_count(); ++i) {
-      const bool is_rotary = machine_.axes[i].kind == machine::AxisKind::kRotary;
-      positions[i] = static_cast<double>(axes.ticks[i]) / kTicksPerUnit * (is_rotary ? base::kRadPerDeg : 1.0);
-    }
-    return positions;
-  }
+  Values PositionsOf(const nc::Positions& axes) const { return AxisValuesOf(machine_, axes); }
 
   Tool ToolAt(const Values& at, const machine::JointErrors<double>& errors) const {
     const auto pose = machine::EvaluateChain<double>(machine_, at.data(), errors);

@@ -3,12 +3,15 @@
 #ifndef AXISCAL_CORE_PUBLISHED_COMPARISON_H_
 #define AXISCAL_CORE_PUBLISHED_COMPARISON_H_
 
+#include <Eigen/Core>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/identify/held.h"
 #include "core/machine/machine.h"
+#include "core/nc/poses.h"
 #include "core/session/session.h"
 
 namespace axiscal::published {
@@ -31,13 +34,22 @@ struct Comparison {
   std::vector<std::string> notes;  // on the sessions as a whole
 };
 
+// What a published compensation is about: where a program goes with a tool, and the machine's errors.
+struct Program {
+  identify::HeldErrors errors;                            // with their uncertainties where those are known
+  Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();  // at home, machine frame
+  std::vector<nc::ProgramPose> poses;
+};
+inline constexpr size_t kMostPoses = 1000;  // a table is made of them
+
 struct Source {
   std::string name;      // "yao-table-4.5"
   std::string citation;  // where it is printed
-  std::string needs;     // which sessions, for people
-  // FAILED_PRECONDITION or INVALID_ARGUMENT where machine or sessions are not what the formulas are about, with what
-  // was expected; else whatever the fit says.
+  std::string needs;     // which sessions or program, for people
+  // One of both; null otherwise. FAILED_PRECONDITION or INVALID_ARGUMENT where machine or sessions are not what the
+  // formulas are about, with what was expected; else whatever the fit says.
   absl::StatusOr<Comparison> (*compare)(const machine::Machine&, const std::vector<session::Session>&);
+  absl::StatusOr<Comparison> (*compare_program)(const machine::Machine&, const Program&) = nullptr;
 };
 const std::vector<Source>& Sources();
 // INVALID_ARGUMENT listing the known ones.

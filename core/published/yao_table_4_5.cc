@@ -8,6 +8,7 @@
 #include "core/instruments/eccentricity/eccentricity_path.h"
 #include "core/instruments/registry.h"
 #include "core/published/sources.h"
+#include "core/published/yao_machine.h"
 #include "core/session/text.h"
 
 namespace axiscal::published {
@@ -27,20 +28,6 @@ struct Measured {
   std::map<std::string, Trace> traces;  // "BX" ... "CA"
   Trace cr_long;                        // CR with a tool of another length
 };
-
-absl::Status CheckMachine(const Machine& machine) {
-  std::string chain;
-  for (const int axis : machine.tool_branch) chain += machine.axes[axis].name;
-  chain += "|";
-  for (const int axis : machine.work_branch) chain += machine.axes[axis].name;
-  const bool turns_alike = chain == "ZYXB|C" && machine.axes[machine::FindAxis(machine, "B")].direction.y() == 1.0 &&
-                           machine.axes[machine::FindAxis(machine, "C")].direction.z() == 1.0 &&
-                           machine.tool_direction.z() == -1.0;
-  if (turns_alike) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat("machine ", machine.id, " is ", chain,
-                   ", Yao's formulas are about a machine ZYXB|C whose B turns about +y, C about +z, tool along -z"));
-}
 
 // "BX" ... of a path, empty where the formulas know none like it.
 std::string PatternOf(const Machine& machine, const eccentricity::Path& path) {
@@ -189,7 +176,7 @@ absl::Status AddExact(const Machine& machine, const std::vector<Session>& sessio
 }  // namespace
 
 absl::StatusOr<Comparison> YaoTable45(const Machine& machine, const std::vector<Session>& sessions) {
-  RETURN_IF_ERROR(CheckMachine(machine));
+  RETURN_IF_ERROR(CheckYaoMachine(machine));
   Measured measured;
   for (const Session& session : sessions) RETURN_IF_ERROR(ReadTraces(machine, session, &measured));
   if (measured.traces.empty()) {

@@ -11,6 +11,7 @@
 #include "core/compensate/compensator.h"
 #include "core/instruments/ballbar/ballbar_plan.h"
 #include "core/instruments/evaluation.h"
+#include "core/published/yao_compensation.h"
 #include "tests/known_answers/yao_machine.h"
 
 namespace axiscal::known_answers {
@@ -46,8 +47,9 @@ std::vector<Block> ReadProgram(const std::string& name) {
   return blocks;
 }
 
-Block ByThePublishedRule(const Block& block, double b = kPublishedB) {
-  return {block.x_mm - b * block.z_mm, block.y_mm, block.z_mm + b * block.x_mm, block.b_deg};
+Block ByThePublishedRule(const Block& block, double times = 1.0) {
+  const Eigen::Vector3d mm = published::YaoRule({block.x_mm, block.y_mm, block.z_mm}, kPublishedB, times);
+  return {mm.x(), mm.y(), mm.z(), block.b_deg};
 }
 
 // The same tool point with another tool length: the commands are of the B pivot.
@@ -124,7 +126,7 @@ TEST(YaoFig430, TheRuleLeavesAConstantErrorWhereTheExactCorrectionLeavesNone) {
 // Equation 3.13 as printed corrects twice: 13 and 46 um more.
 TEST(YaoFig430, Equation313CorrectsTwice) {
   const Block block = ReadProgram("/tests/data/yao/fig-4.30-original.nc")[0];
-  const Block once = ByThePublishedRule(block), twice = ByThePublishedRule(block, 2.0 * kPublishedB);
+  const Block once = ByThePublishedRule(block), twice = ByThePublishedRule(block, published::kTimesOfYao313);
   EXPECT_NEAR(std::abs(twice.x_mm - once.x_mm) * kUmPerMm, 13, 0.5);
   EXPECT_NEAR(std::abs(twice.z_mm - once.z_mm) * kUmPerMm, 46, 0.5);
 }
