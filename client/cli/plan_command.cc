@@ -9,6 +9,7 @@
 #include "client/cli/context.h"
 #include "client/cli/machine_source.h"
 #include "client/cli/output_paths.h"
+#include "client/cli/toolsetter_plan.h"
 #include "core/base/files.h"
 #include "core/base/units.h"
 #include "core/plan/program.h"
@@ -24,6 +25,7 @@ struct Arguments {
   std::optional<double> bar_mm;
   bool list = false;
   plan::ProgramOptions program;
+  ToolSetterPlan tools;
 };
 
 absl::StatusOr<std::vector<Eigen::Vector3d>> Point(const std::string& option, const std::string& text) {
@@ -95,7 +97,14 @@ absl::Status List(Context& context, const testplan::Survey& survey, const std::v
       absl::StrAppend(&not_here, "not on this machine as it stands: ", test.name, " (", test.summary, ")\n");
     }
   }
-  context.Print({{"errors", names}, {"tests", tests}, {"not_runnable", other}},
+  Json tool_setter = Json::array();
+  for (const ToolSetterTest& test : ToolSetterTests()) {
+    if (!with.empty() && std::find(with.begin(), with.end(), test.name) == with.end()) continue;
+    tool_setter.push_back({{"test", test.name}, {"summary", test.summary}, {"tools", test.file}});
+    absl::StrAppend(&not_here, "of tools, not of the machine's errors: ", test.name, " --tools FILE (", test.summary,
+                    "; FILE is ", test.file, ")\n");
+  }
+  context.Print({{"errors", names}, {"tests", tests}, {"not_runnable", other}, {"tool_setter", tool_setter}},
                 absl::StrCat("errors: ", Joined(names, ", "), "\n", Table(rows), text, not_here));
   return absl::OkStatus();
 }
@@ -156,6 +165,7 @@ absl::Status WriteTest(Context& context, const machine::Machine& machine, const 
       }
     }
   }
+  for (const ToolSetterTest& test : ToolSetterTests()) known.push_back(test.name);
   if (!chosen) {
     return absl::NotFoundError(absl::StrCat("plan: '", arguments.test, "' is no test that machine ", machine.id,
                                             " can run, expected a session of --list, or one of ", Joined(known, ", ")));
@@ -186,6 +196,7 @@ absl::Status KeepOnly(const std::vector<std::string>& with, testplan::Survey* su
   for (const auto* tests : {&plan::Tests(), &plan::FurtherTests()}) {
     for (const plan::Test& test : *tests) known.push_back(test.name);
   }
+  for (const ToolSetterTest& test : ToolSetterTests()) known.push_back(test.name);
   for (const std::string& name : with) {
     if (std::find(known.begin(), known.end(), name) == known.end())
       return absl::InvalidArgumentError(
@@ -197,12 +208,24 @@ absl::Status KeepOnly(const std::vector<std::string>& with, testplan::Survey* su
   return absl::OkStatus();
 }
 
+bool IsToolSetterTest(const std::string& name) {
+  return std::any_of(ToolSetterTests().begin(), ToolSetterTests().end(),
+                     [&](const ToolSetterTest& test) { return test.name == name; });
+}
+
 absl::Status Plan(Context& context, const Arguments& arguments) {
   const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
   if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
   if (!arguments.with.empty() && !arguments.test.empty())
     return absl::InvalidArgumentError("--with: expected --list or --for with it");
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
+  if (IsToolSetterTest(arguments.test)) {
+    ToolSetterPlan tools = arguments.tools;
+    tools.output = arguments.output;
+    return PlanToolSetterTest(context, machine, arguments.test, tools);
+  }
+  if (!arguments.tools.file.empty())
+    return absl::InvalidArgumentError("--tools: expected tool-setter or tool-curve with it");
   ASSIGN_OR_RETURN(const plan::Situation situation, SituationOf(machine, arguments));
   if (!arguments.test.empty()) return WriteTest(context, machine, situation, arguments);
   // What is asked for counts beside what the machine declares, or beside what --declare names.
@@ -251,6 +274,9 @@ void AddPlanCommand(CLI::App& app, Context& context) {
   plan->add_option("--tool-tip", arguments->tool_tip, "\"x y z\": the tool point at home, machine frame, mm");
   plan->add_option("--ball", arguments->ball, "\"x y z\": the table ball at home, machine frame, mm");
   plan->add_option("--bar", arguments->bar_mm, "length of the ball bar, mm")->check(CLI::Range(10.0, 5000.0));
+  plan->add_option("--tools", arguments->tools.file,
+                   "of tool-setter a session whose rods are meant, of tool-curve a cutter.json");
+  AddToolSetterOptions(*plan, arguments->tools);
   plan->footer(
       "A machine that declares no errors is judged by all location errors of its axes.\n"
       "Examples: axiscal plan --machine machine.json --list --tool-tip \"0 0 -350\" --ball \"50 0 65\"\n"
@@ -258,6 +284,7 @@ void AddPlanCommand(CLI::App& app, Context& context) {
       "          axiscal plan --machine mt --for EX0C,EB0C --with touch-columns,touch-sphere --ball \"0 0 60\"\n"
       "          axiscal plan --machine mt touch-columns --ball \"0 0 60\" --stylus-radius 3 --dialect fanuc -o "
       "probe.nc\n"
+      "          axiscal plan --machine mt tool-curve --tools cutter.json --starts 12 -o starts.csv\n"
       "          axiscal plan --machine mt CR-350 --tool-tip \"0 0 -350\" --dialect mazak -o CR.nc");
   SetAction(plan, context, [&context, arguments] { return Plan(context, *arguments); });
 }

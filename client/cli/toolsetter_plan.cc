@@ -1,6 +1,7 @@
 #include "client/cli/toolsetter_plan.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 
 #include "client/cli/context.h"
@@ -16,12 +17,6 @@ namespace {
 
 using base::kDegPerRad;
 using base::kUmPerMm;
-
-struct Arguments {
-  std::string file, output, turn, machine, session = "planned";
-  int starts = 12, holders = 12, readouts = 3;
-  double sigma_um = 1.0;
-};
 
 std::string Number(double number) { return absl::StrFormat("%.10g", number); }
 
@@ -46,7 +41,7 @@ absl::StatusOr<std::string> RodTable(const session::Session& session, const tool
   return text;
 }
 
-absl::Status PlanRods(Context& context, const Arguments& arguments) {
+absl::Status PlanRods(Context& context, const ToolSetterPlan& arguments) {
   ASSIGN_OR_RETURN(const session::Session session, session::ReadSessionFile(arguments.file));
   ASSIGN_OR_RETURN(const toolsetter::RodSession rods, toolsetter::ReadRodSession(session));
   ASSIGN_OR_RETURN(const toolsetter::RodSession planned,
@@ -74,7 +69,7 @@ absl::Status PlanRods(Context& context, const Arguments& arguments) {
 }
 
 // A cutter.json has the keys of the session's header.
-std::string CurveTable(const Json& cutter, const Arguments& arguments, const toolsetter::CurveSession& planned) {
+std::string CurveTable(const Json& cutter, const ToolSetterPlan& arguments, const toolsetter::CurveSession& planned) {
   std::string text =
       absl::StrCat("# machine: ", arguments.machine, "\n# session: ", arguments.session,
                    "\n# instrument: tool-curve\n# sigma_um: ", Number(arguments.sigma_um), "\n# tool_tip_mm: 0 0 0\n");
@@ -90,7 +85,7 @@ std::string CurveTable(const Json& cutter, const Arguments& arguments, const too
   return text;
 }
 
-absl::Status PlanStarts(Context& context, const Arguments& arguments) {
+absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
   ASSIGN_OR_RETURN(const toolsetter::CutterDescription described, toolsetter::ReadCutterFile(arguments.file));
   if (arguments.machine.empty())
     return absl::InvalidArgumentError("--machine: expected the id for the session's header");
@@ -132,33 +127,80 @@ absl::Status PlanStarts(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Plan(Context& context, const Arguments& arguments) {
-  RETURN_IF_ERROR(CheckOutputs({{"the file", arguments.file}}, {{"--output", arguments.output}}));
-  return arguments.file.ends_with(".json") ? PlanStarts(context, arguments) : PlanRods(context, arguments);
+bool IsCutter(const std::string& file) { return file.ends_with(".json"); }
+
+// The tool setter is fed onto by the axis along the tool.
+bool FeedsAlongTool(const machine::Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [&](const machine::Axis& axis) {
+    return axis.kind == machine::AxisKind::kLinear && std::abs(axis.direction.dot(machine.tool_direction)) > 1.0 - 1e-9;
+  });
 }
 
 }  // namespace
 
+const std::vector<ToolSetterTest>& ToolSetterTests() {
+  static const auto& tests = *new std::vector<ToolSetterTest>{
+      {"tool-setter", "measuring rods in a laser tool setter: its reference point, yaw and pitch of its beam",
+       "a tool-setter session whose rods are meant (FILE.csv)"},
+      {"tool-curve", "a mill with round inserts in a laser tool setter: its length and each insert's wear",
+       "a cutter.json"}};
+  return tests;
+}
+
+void AddToolSetterOptions(CLI::App& command, ToolSetterPlan& plan) {
+  command.add_option("--starts", plan.starts, "of a cutter: start angles")->capture_default_str();
+  command.add_option("--session", plan.session, "of a cutter: the session's name")->capture_default_str();
+  command.add_option("--sigma-um", plan.sigma_um, "of a cutter: repeatability of a reading, um")->capture_default_str();
+  command.add_option("--turn", plan.turn, "of rods: this one at several positions of the spindle");
+  command.add_option("--holders", plan.holders, "of rods: how many positions")->capture_default_str();
+  command.add_option("--readouts", plan.readouts, "of rods: of each")->capture_default_str();
+}
+
+absl::Status PlanToolSetter(Context& context, const ToolSetterPlan& plan) {
+  if (!plan.output.ends_with(".csv"))
+    return absl::InvalidArgumentError(absl::StrCat("--output '", plan.output, "': expected FILE.csv, a session"));
+  RETURN_IF_ERROR(CheckOutputs({{"the file", plan.file}}, {{"--output", plan.output}}));
+  return IsCutter(plan.file) ? PlanStarts(context, plan) : PlanRods(context, plan);
+}
+
+absl::Status PlanToolSetterTest(Context& context, const machine::Machine& machine, const std::string& test,
+                                const ToolSetterPlan& plan) {
+  const auto known = std::find_if(ToolSetterTests().begin(), ToolSetterTests().end(),
+                                  [&](const ToolSetterTest& one) { return one.name == test; });
+  if (plan.file.empty() || IsCutter(plan.file) != (test == "tool-curve"))
+    return absl::InvalidArgumentError(
+        absl::StrCat("plan: ", test, ": --tools '", plan.file, "', expected ", known->file));
+  if (!FeedsAlongTool(machine)) {
+    return absl::FailedPreconditionError(absl::StrCat("plan: ", test, ": machine ", machine.id,
+                                                      " has no linear axis along its tool, which a tool setter is fed "
+                                                      "onto with"));
+  }
+  if (!IsCutter(plan.file)) {
+    ASSIGN_OR_RETURN(const session::Session session, session::ReadSessionFile(plan.file));
+    const std::string of = session::FindHeader(session, "machine").value_or("");
+    if (of != machine.id)
+      return absl::InvalidArgumentError(
+          absl::StrCat(plan.file, ": machine ", of, ", expected rods of machine ", machine.id));
+  }
+  ToolSetterPlan of_machine = plan;
+  of_machine.machine = machine.id;
+  return PlanToolSetter(context, of_machine);
+}
+
 void AddToolSetterPlan(CLI::App& toolsetter, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ToolSetterPlan>();
   CLI::App* plan = toolsetter.add_subcommand(
       "plan", "What to measure in the tool setter: a session to be filled in, and what it will tell");
   plan->add_option("FILE", arguments->file, "a cutter.json, or a tool-setter session whose rods are meant")->required();
   plan->add_option("-o,--output", arguments->output, "FILE.csv: the session without its readings")->required();
-  plan->add_option("--starts", arguments->starts, "of a cutter: start angles")->capture_default_str();
   plan->add_option("--machine", arguments->machine, "of a cutter: the machine's id in the header");
-  plan->add_option("--session", arguments->session, "of a cutter: the session's name")->capture_default_str();
-  plan->add_option("--sigma-um", arguments->sigma_um, "of a cutter: repeatability of a reading, um")
-      ->capture_default_str();
-  plan->add_option("--turn", arguments->turn, "of rods: this one at several positions of the spindle");
-  plan->add_option("--holders", arguments->holders, "of rods: how many positions")->capture_default_str();
-  plan->add_option("--readouts", arguments->readouts, "of rods: of each")->capture_default_str();
+  AddToolSetterOptions(*plan, *arguments);
   plan->footer(
       "Expected are standard uncertainties of length and wear, or of the beam's Z, yaw and pitch, by the stated "
       "repeatability.\n"
       "Examples: axiscal toolsetter plan cutter.json --starts 12 --machine cmx50u -o starts.csv\n"
       "          axiscal toolsetter plan rods.csv --turn rod-2 -o turned.csv");
-  SetAction(plan, context, [&context, arguments] { return Plan(context, *arguments); });
+  SetAction(plan, context, [&context, arguments] { return PlanToolSetter(context, *arguments); });
 }
 
 }  // namespace axiscal::cli

@@ -127,6 +127,43 @@ TEST_F(ToolSetter, PlansAreFilledInAndEvaluated) {
   EXPECT_FALSE(Exists("no.csv"));
 }
 
+// The tests of the tool setter are tests of the machine too, by the same code.
+TEST_F(ToolSetter, PlanKnowsBothTestsOfTheMachine) {
+  const std::string cutter = Example("fang-round-insert/cutter.json"),
+                    rods = Example("fang-tool-setter/tool-setter-misaligned-1.csv"),
+                    plan = "plan --machine machine.json ";
+  const auto list = Run(plan + "--list --json");
+  ASSERT_EQ(list.exit_code, 0) << list.err;
+  EXPECT_EQ(list.Json()["tool_setter"][1]["test"], "tool-curve");
+  EXPECT_THAT(Run(plan + "--list").out, HasSubstr("tool-curve --tools FILE"));
+  ASSERT_EQ(Run(plan + "tool-curve --tools " + cutter + " --starts 24 -o a.csv").exit_code, 0);
+  ASSERT_EQ(Run("toolsetter plan " + cutter + " --starts 24 --machine cmx50u -o b.csv").exit_code, 0);
+  EXPECT_EQ(Read("a.csv"), Read("b.csv"));
+  ASSERT_EQ(Run(plan + "tool-setter --turn rod-2 -o c.csv --tools " + rods).exit_code, 0);
+  ASSERT_EQ(Run("toolsetter plan --turn rod-2 -o d.csv " + rods).exit_code, 0);
+  EXPECT_EQ(Read("c.csv"), Read("d.csv"));
+  const auto message = [&](const std::string& arguments, int exit_code) {
+    const auto outcome = Run("plan " + arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << arguments;
+    return outcome.err;
+  };
+  EXPECT_THAT(message("--machine machine.json tool-curve -o no.csv", 3), HasSubstr("expected a cutter.json"));
+  EXPECT_THAT(message("--machine machine.json tool-setter -o no.csv --tools " + cutter, 3),
+              HasSubstr("expected a tool-setter session"));
+  EXPECT_THAT(message("--machine machine.json tool-curve -o no.nc --tools " + cutter, 3),
+              HasSubstr("expected FILE.csv"));
+  EXPECT_THAT(message("--machine machine.json --list --tools " + cutter, 3), HasSubstr("tool-setter or tool-curve"));
+  Write("other.json", R"({"id": "mill", "axes": {"X": {"kind": "linear", "direction": [1, 0, 0]}},
+      "tool_branch": ["X"], "work_branch": [], "tool_direction": [0, 0, -1]})");
+  EXPECT_THAT(message("--machine other.json tool-curve -o no.csv --tools " + cutter, 5),
+              HasSubstr("no linear axis along its tool"));
+  Write("mill.json", R"({"id": "mill", "axes": {"Z": {"kind": "linear", "direction": [0, 0, 1]}},
+      "tool_branch": ["Z"], "work_branch": [], "tool_direction": [0, 0, -1]})");
+  EXPECT_THAT(message("--machine mill.json tool-setter -o no.csv --tools " + rods, 3),
+              HasSubstr("expected rods of machine mill"));
+  EXPECT_FALSE(Exists("no.csv"));
+}
+
 TEST_F(ToolSetter, AJobOnAnotherInstrumentIsRefusedWhenItIsCreated) {
   ASSERT_EQ(Run("machine add machine.json").exit_code, 0);
   Write("bar.csv",
