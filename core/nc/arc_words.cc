@@ -41,13 +41,16 @@ bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, con
   if (index < 0) return false;
   const int axis = index == 0 ? piece.arc.first : piece.arc.second;
   const Ticks centre = std::llround(piece.arc.centre_mm[index] * kTicksPerUnit);
-  const Ticks base = modal.are_centres_absolute ? interpreter_->offset(axis) + preset_shift_[axis] : start[axis];
+  const bool is_absolute = word == nullptr || word->distance == Distance::kModal
+                               ? modal.are_centres_absolute
+                               : word->distance == Distance::kAbsolute;
+  const Ticks base = is_absolute ? interpreter_->offset(axis) + preset_shift_[axis] : start[axis];
   rounded->mantissa = RoundToGrains(centre - base, rounded->grain);
   return true;
 }
 
-void BlockWriter::WriteArcWord(const char* text, const Word& word, const Piece& piece, const AxisTicks& start,
-                               uint32_t* copied, OutBuffer* out) const {
+void BlockWriter::WriteArcWord(const char* text, size_t size, const Word& word, const Piece& piece,
+                               const AxisTicks& start, uint32_t* copied, OutBuffer* out) const {
   const Role role = interpreter_->RoleOf(word.letter);
   const auto copy_to = [&](uint32_t at) {
     out->append(text + *copied, at - *copied);
@@ -64,7 +67,7 @@ void BlockWriter::WriteArcWord(const char* text, const Word& word, const Piece& 
     uint32_t begin = word.letter_at;
     while (begin > *copied && IsBlank(text[begin - 1])) --begin;
     copy_to(begin);
-    *copied = word.end;
+    *copied = EndOf(text, size, word);
     return;
   }
   Rounded rounded;
@@ -98,8 +101,12 @@ void BlockWriter::InsertCentre(const char* text, const Block& block, const Piece
 
 void BlockWriter::AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
                                  OutBuffer* out) const {
-  const auto append = [&](char letter, const Word* word) {
+  const auto append = [&](char letter, const Word* like) {
     Rounded rounded;
+    Word plain;  // a word without a distance of its own
+    if (like != nullptr) plain = *like;
+    plain.distance = Distance::kModal;
+    const Word* const word = like == nullptr ? nullptr : &plain;
     if (!ArcWord(letter, word, piece, start, &rounded)) return;
     if (!is_packed) out->push_back(' ');
     if (interpreter_->RoleOf(letter) == Role::kRadius) {

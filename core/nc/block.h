@@ -10,12 +10,22 @@
 
 namespace axiscal::nc {
 
+// What a word's number counts from, where the word says it itself.
+enum class Distance : uint8_t {
+  kModal,        // as G90 or G91 says
+  kAbsolute,     // X=AC(5)
+  kIncremental,  // X=IC(5), IX+5 of Klartext
+  kShortestWay,  // C=DC(5): absolute; of a rotary axis that counts from 0 to 360 deg
+  kUpwards,      // C=ACP(5): the same in the positive sense
+  kDownwards,    // C=ACN(5)
+};
+
 struct Word {
   char letter = 0;  // capital; 0: a keyword
   bool is_lower = false;
-  bool is_incremental = false;  // IX+5 of Klartext
-  bool says_inch = false;       // of a keyword that takes the rest: BEGIN PGM PART INCH
-  int16_t keyword = 0;          // index into Dialect::keywords
+  Distance distance = Distance::kModal;
+  bool says_inch = false;  // of a keyword that takes the rest: BEGIN PGM PART INCH
+  int16_t keyword = 0;     // index into Dialect::keywords
   uint32_t letter_at = 0;
   uint32_t number_at = 0;  // sign included
   uint32_t end = 0;

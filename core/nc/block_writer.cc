@@ -26,7 +26,7 @@ BlockWriter::BlockWriter(const machine::Machine& machine, const RewriteOptions& 
   commanded_.known = interpreter.positions().known;
 }
 
-void BlockWriter::Pass(const Step& step) {
+void BlockWriter::Pass(const Block& block, const Step& step) {
   switch (step.preset) {
     case PresetChange::kNone:
       break;
@@ -52,12 +52,19 @@ void BlockWriter::Pass(const Step& step) {
   if (step.kind != StepKind::kMove) return;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] < 0) continue;
-    if (interpreter_->modal().is_incremental) {
+    if (interpreter_->IsIncremental(block.words[static_cast<size_t>(step.word_of_axis[axis])])) {
       commanded_.ticks[axis] += step.end.ticks[axis] - step.start.ticks[axis];
     } else {
       commanded_.ticks[axis] = step.end.ticks[axis] + preset_shift_[axis];
       commanded_.known |= static_cast<uint16_t>(1u << axis);
     }
+  }
+}
+
+void BlockWriter::Wrap(const Step& step) {
+  for (const int axis : order_) {
+    if ((step.wrapped >> axis & 1) == 0 || !step.start.is_known(axis)) continue;
+    commanded_.ticks[axis] -= RoundToGrains(commanded_.ticks[axis] - step.start.ticks[axis], kTurn) * kTurn;
   }
 }
 
@@ -72,7 +79,7 @@ int BlockWriter::FirstUnknown(const Block& block, const Step& step) const {
   if (!interpreter_->modal().is_incremental && !step.is_arc) {
     for (int i = 0; i < block.word_count; ++i) {
       const Word& word = block.words[static_cast<size_t>(i)];
-      const int axis = word.is_incremental ? interpreter_->AxisOf(word.letter) : -1;
+      const int axis = word.distance == Distance::kIncremental ? interpreter_->AxisOf(word.letter) : -1;
       if (axis >= 0 && !commanded_.is_known(axis)) return axis;
     }
     return -1;
@@ -116,14 +123,26 @@ WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
 
 Ticks BlockWriter::BaseOf(const Block& block, const Step& step, int axis) const {
   const int index = step.word_of_axis[axis];
-  const bool is_incremental =
-      interpreter_->modal().is_incremental || (index >= 0 && block.words[static_cast<size_t>(index)].is_incremental);
+  const bool is_incremental = index < 0 ? interpreter_->modal().is_incremental
+                                        : interpreter_->IsIncremental(block.words[static_cast<size_t>(index)]);
   return is_incremental ? commanded_.ticks[axis] : interpreter_->offset(axis) + preset_shift_[axis];
 }
 
-BlockWriter::Rounded BlockWriter::Round(int axis, Ticks target, int decimals, Ticks base) const {
+BlockWriter::Rounded BlockWriter::Round(const Step& step, int axis, Ticks target, int decimals, Ticks base) const {
   const Ticks grain = GrainTicks(interpreter_->ticks_per_unit(axis), decimals);
-  return {RoundToGrains(target - base, grain), decimals, grain};
+  int64_t mantissa = RoundToGrains(target - base, grain);
+  if (step.wrapped >> axis & 1) {
+    mantissa %= kTurn / grain;
+    if (mantissa < 0) mantissa += kTurn / grain;
+  }
+  return {mantissa, decimals, grain};
+}
+
+uint32_t BlockWriter::EndOf(const char* text, size_t size, const Word& word) {
+  if (word.distance == Distance::kModal) return word.end;
+  size_t at = word.end;
+  while (at < size && IsBlank(text[at])) ++at;
+  return at < size && text[at] == ')' ? static_cast<uint32_t>(at + 1) : word.end;
 }
 
 void BlockWriter::SetCommanded(int axis, const Rounded& rounded, Ticks base) {
@@ -150,6 +169,12 @@ void BlockWriter::AppendNumber(const Rounded& rounded, const Word* word, OutBuff
   AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, plus, !is_increments, out);
 }
 
+void BlockWriter::AppendDistance(Distance distance, OutBuffer* out) const {
+  for (const DistanceName& known : interpreter_->dialect().distance_names) {
+    if (known.distance == distance) out->append(absl::StrCat("=", known.name, "("));
+  }
+}
+
 void BlockWriter::AppendFeed(const Word& word, double fraction, OutBuffer* out) const {
   const int decimals = std::clamp<int>(word.number.decimals, kFeedDecimals, kMaxDecimals);
   const double feed = ValueOf(word.number) / std::max(fraction, kLeastShare);
@@ -161,7 +186,7 @@ void BlockWriter::InsertWords(const char* text, const Block& block, const Step& 
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
     const Ticks base = BaseOf(block, step, axis);
-    const Rounded rounded = Round(axis, targets[axis], DecimalsOf(block, step, axis), base);
+    const Rounded rounded = Round(step, axis, targets[axis], DecimalsOf(block, step, axis), base);
     if (!NeedsWord(axis, targets[axis], rounded.grain)) continue;
     if (!IsPacked(text, block)) out->push_back(' ');
     const char letter = machine_->axes[axis].name[0];
@@ -186,7 +211,7 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
   for (const Word& word : block) {
     const int axis = interpreter_->AxisOf(word.letter);
     if (axis < 0) continue;
-    if (word.is_incremental) return false;
+    if (word.distance != Distance::kModal) return false;
     const auto bit = static_cast<uint16_t>(1u << axis);
     const Ticks target = piece.targets[axis], base = interpreter_->offset(axis) + preset_shift_[axis];
     // The position that the word says already.
@@ -196,7 +221,7 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
       continue;
     }
     const Rounded rounded =
-        Round(axis, target, DecimalsOf(word, interpreter_->ticks_per_unit(axis) == kTicksPerInch), base);
+        Round(step, axis, target, DecimalsOf(word, interpreter_->ticks_per_unit(axis) == kTicksPerInch), base);
     const Decimal number = interpreter_->Meant(word.number);
     SetCommanded(axis, rounded, base);
     if (rounded.mantissa == number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) continue;
@@ -242,7 +267,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
     const int axis = interpreter_->AxisOf(word.letter);
     if (axis >= 0) {
       const Ticks base = BaseOf(block, step, axis);
-      const Rounded rounded = Round(axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
+      const Rounded rounded = Round(step, axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
       const Decimal number = interpreter_->Meant(word.number);
       SetCommanded(axis, rounded, base);
       if (rounded.mantissa != number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) {
@@ -255,10 +280,10 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
       AppendFeed(word, feed_fraction, out);
       copied = word.end;
     } else if (step.is_arc) {
-      WriteArcWord(text, word, piece, start, &copied, out);
+      WriteArcWord(text, size, word, piece, start, &copied, out);
     }
     if (&word == last) {
-      copy_to(word.end);
+      copy_to(EndOf(text, size, word));
       InsertWords(text, block, step, piece.targets, last->is_lower, out);
       if (piece.is_arc) InsertCentre(text, block, piece, start, out);
     }
@@ -286,15 +311,18 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
     const bool is_of_arc = piece.is_arc && (axis == piece.arc.first || axis == piece.arc.second);
     const Ticks base = interpreter_->modal().is_incremental ? commanded_.ticks[axis]
                                                             : interpreter_->offset(axis) + preset_shift_[axis];
-    const Rounded rounded = Round(axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
+    const Rounded rounded = Round(step, axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
     if (index < 0 && !is_of_arc && !NeedsWord(axis, piece.targets[axis], rounded.grain)) continue;
     if (!is_first && !is_packed) out->push_back(' ');
     is_first = false;
     out->push_back(machine_->axes[axis].name[0]);
     const Word* const word = index < 0 ? nullptr : &block.words[static_cast<size_t>(index)];
     const bool is_increments = word != nullptr && IsIncrements(*word);
+    const bool is_wrapped = step.wrapped >> axis & 1;
+    if (is_wrapped) AppendDistance(word->distance, out);
     AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, interpreter_->dialect().writes_plus,
                 !is_increments, out);
+    if (is_wrapped) out->push_back(')');
     SetCommanded(axis, rounded, base);
   }
   if (piece.is_arc) AppendArcWords(block, piece, start, is_packed, out);

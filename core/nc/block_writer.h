@@ -29,7 +29,9 @@ class BlockWriter {
 
   const Commanded& commanded() const { return commanded_; }
   // The block stays as it is: what the controller does with it.
-  void Pass(const Step& step);
+  void Pass(const Block& block, const Step& step);
+  // In front of a move: an axis that counts from 0 to 360 deg is said to stand as many turns away as the move's start.
+  void Wrap(const Step& step);
   void ForgetAll() { commanded_.known = 0; }
   // After a block that may be skipped: what it changed is unknown.
   void ForgetChanges(const Commanded& before);
@@ -67,18 +69,21 @@ class BlockWriter {
   int DecimalsOf(const Word& word, bool is_inch) const;
   // What a word of 0 means: the commanded position in G91, the coordinates' origin else.
   Ticks BaseOf(const Block& block, const Step& step, int axis) const;
-  Rounded Round(int axis, Ticks target, int decimals, Ticks base) const;
+  Rounded Round(const Step& step, int axis, Ticks target, int decimals, Ticks base) const;
   void SetCommanded(int axis, const Rounded& rounded, Ticks base);
   bool NeedsWord(int axis, Ticks target, Ticks grain) const;
   bool IsIncrements(const Word& word) const;
+  // Where the word ends, the ')' of X=IC(5) included.
+  static uint32_t EndOf(const char* text, size_t size, const Word& word);
   void AppendNumber(const Rounded& rounded, const Word* word, OutBuffer* out) const;
+  void AppendDistance(Distance distance, OutBuffer* out) const;
   void AppendFeed(const Word& word, double fraction, OutBuffer* out) const;
   void InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets, bool is_lower,
                    OutBuffer* out);
   // I, J, K or R of a written arc that began at `start`. False: such a word is not of this arc.
   bool ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start, Rounded* rounded) const;
-  void WriteArcWord(const char* text, const Word& word, const Piece& piece, const AxisTicks& start, uint32_t* copied,
-                    OutBuffer* out) const;
+  void WriteArcWord(const char* text, size_t size, const Word& word, const Piece& piece, const AxisTicks& start,
+                    uint32_t* copied, OutBuffer* out) const;
   void AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
                       OutBuffer* out) const;
   void InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start, OutBuffer* out);

@@ -63,6 +63,7 @@ Dialect Sinumerik() {
   Dialect dialect = Make("sinumerik", {IsoCodes(), SinumerikCodes()}, {SinumerikKeywords()});
   dialect.has_parenthesis_comments = false;
   dialect.has_equals = true;
+  dialect.distance_names = SinumerikDistances();
   dialect.variable = 'R';
   dialect.first_offset = "";
   SetRole("D", Role::kActiveToolLength, &dialect);

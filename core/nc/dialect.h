@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/nc/block.h"
+
 namespace axiscal::nc {
 
 // What a code or a keyword does to the modal state. `detail` below refines it.
@@ -52,6 +54,7 @@ enum class Meaning : uint8_t {
   kHead,        // names the program (BEGIN PGM)
   kAddress,     // a word of more than one letter: CR=5; detail: the letter that stands for it
   kIncrementalAddress,  // IX+5; detail: the letter
+  kCorner,  // RND=5: the control rounds or chamfers the corner at the block's end; detail 1: every corner, until 0
 };
 
 // Modes that keep moves from being corrected. Bits of Modal::blockers.
@@ -110,6 +113,12 @@ enum class Role : uint8_t {
   kRadiusCompensation,  // R0 of Klartext
 };
 
+// The name of a distance that a word says itself: "IC" of X=IC(5).
+struct DistanceName {
+  const char* name;
+  Distance distance;
+};
+
 struct Dialect {
   std::string name;
   std::vector<CodeMeaning> g_codes, m_codes;  // by tenths, kCodes each
@@ -122,14 +131,15 @@ struct Dialect {
   bool has_semicolon_ends = false;         // ';' may end a block: words behind it are not taken for a comment
   bool has_angle_names = false;            // <NAME> or O<NAME> begins a program
   bool has_equals = false;                 // X=5 is a word
-  char variable = '#';                     // letter of variables; 0: none is told apart
-  bool has_assignment_blocks = false;      // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
-  bool has_bare_keywords = false;          // single letters may be keywords (L), blocks begin with their number
-  bool tool_call_sets_length = false;      // the tool's length acts from the tool change on, without a code
-  std::string first_offset = "G54";        // the work offset that is selected at the begin
-  std::string piece_prefix;                // what inserted pieces begin with: "L "
-  std::string radius_address = "R";        // what a piece's radius word begins with
-  bool writes_plus = false;                // inserted words carry their sign
+  std::vector<DistanceName> distance_names;
+  char variable = '#';                 // letter of variables; 0: none is told apart
+  bool has_assignment_blocks = false;  // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
+  bool has_bare_keywords = false;      // single letters may be keywords (L), blocks begin with their number
+  bool tool_call_sets_length = false;  // the tool's length acts from the tool change on, without a code
+  std::string first_offset = "G54";    // the work offset that is selected at the begin
+  std::string piece_prefix;            // what inserted pieces begin with: "L "
+  std::string radius_address = "R";    // what a piece's radius word begins with
+  bool writes_plus = false;            // inserted words carry their sign
 
   std::vector<CodeMeaning> keyword_codes;  // of `keywords`, in their order
   uint32_t keyword_letters = 0;            // bit i: a keyword begins with the letter i

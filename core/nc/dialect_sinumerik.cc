@@ -51,6 +51,14 @@ std::vector<CodeEntry> SinumerikCodes() {
   return codes;
 }
 
+std::vector<DistanceName> SinumerikDistances() {
+  return {{"AC", Distance::kAbsolute},
+          {"IC", Distance::kIncremental},
+          {"DC", Distance::kShortestWay},
+          {"ACP", Distance::kUpwards},
+          {"ACN", Distance::kDownwards}};
+}
+
 std::vector<Keyword> SinumerikKeywords() {
   using M = Meaning;
   return {
@@ -59,6 +67,18 @@ std::vector<Keyword> SinumerikKeywords() {
       {"ADIS", M::kAddress, 'S', false, "blending distance"},
       {"SPOSA", M::kAddress, 'S', false, "spindle position"},
       {"SPOS", M::kAddress, 'S', false, "spindle position"},
+      {"RNDM", M::kCorner, 1, false, "rounding of all corners"},
+      {"RND", M::kCorner, 0, false, "rounding"},
+      {"CHF", M::kCorner, 0, false, "chamfer"},
+      {"CHR", M::kCorner, 0, false, "chamfer"},
+      {"FRCM", M::kAddress, 'S', false, "feed of corners"},
+      {"FRC", M::kAddress, 'S', false, "feed of corners"},
+      {"FB", M::kAddress, 'S', false, "feed of the block"},
+      {"AP", M::kOneShot, 0, true, "polar coordinates: no word of an axis could be corrected"},
+      {"RP", M::kOneShot, 0, true, "polar coordinates: no word of an axis could be corrected"},
+      {"ANG", M::kOneShot, 0, true, "a line by its angle: no word of an axis could be corrected"},
+      {"AR", M::kOneShot, 0, true, "an arc by its opening angle"},
+      {"TURN", M::kOneShot, 0, true, "a helix of several turns"},
       {"SUPA", M::kMachineMove, 0, false, "move in machine coordinates"},
       {"TRAORI", M::kBlockerOn, kToolControl, true, "tool centre point control"},
       {"TRAFOOF", M::kBlockerOff, kToolControl | kPolar | kCylinder, false, "transformation off"},
@@ -139,6 +159,26 @@ std::vector<Keyword> SinumerikKeywords() {
       {"SPATH", M::kHarmless, 0, false, "path parameter"},
       {"FNORM", M::kHarmless, 0, false, "feed profile"},
       {"FIFOCTRL", M::kHarmless, 0, false, "look-ahead"},
+      {"ORIWKS", M::kHarmless, 0, false, "frame of the tool's direction"},
+      {"ORIMKS", M::kHarmless, 0, false, "frame of the tool's direction"},
+      {"ORIAXES", M::kHarmless, 0, false, "kind of turning"},
+      {"ORIVECT", M::kHarmless, 0, false, "kind of turning"},
+      {"DYNNORM", M::kHarmless, 0, false, "dynamics"},
+      {"DYNPOS", M::kHarmless, 0, false, "dynamics"},
+      {"DYNROUGH", M::kHarmless, 0, false, "dynamics"},
+      {"DYNSEMIFIN", M::kHarmless, 0, false, "dynamics"},
+      {"DYNFINISH", M::kHarmless, 0, false, "dynamics"},
+      {"DYNPREC", M::kHarmless, 0, false, "dynamics"},
+      {"RTLION", M::kHarmless, 0, false, "rapid moves in a line"},
+      {"RTLIOF", M::kHarmless, 0, false, "rapid moves axis by axis"},
+      {"WALIMON", M::kHarmless, 0, false, "working area limit"},
+      {"WALIMOF", M::kHarmless, 0, false, "working area limit"},
+      {"CDON", M::kHarmless, 0, false, "collision watch"},
+      {"CDOF", M::kHarmless, 0, false, "collision watch"},
+      {"KONT", M::kHarmless, 0, false, "approach with cutter compensation"},
+      {"NORM", M::kHarmless, 0, false, "approach with cutter compensation"},
+      {"FGROUP", M::kHarmless, 0, true, "axes of the feed"},
+      {"FGREF", M::kHarmless, 0, true, "radius of the feed of rotary axes"},
       {"LIMS", M::kHarmless, 0, true, "speed limit"},
       {"SETMS", M::kHarmless, 0, true, "master spindle"},
       {"GROUP_BEGIN", M::kHarmless, 0, true, "group of blocks"},

@@ -19,6 +19,7 @@ std::vector<Keyword> MacroKeywords();    // custom macro B
 std::vector<Keyword> LinuxCncKeywords();
 std::vector<Keyword> SinumerikKeywords();
 std::vector<Keyword> KlartextKeywords();
+std::vector<DistanceName> SinumerikDistances();
 
 }  // namespace axiscal::nc
 

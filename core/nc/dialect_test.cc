@@ -54,7 +54,6 @@ TEST(Dialect, SinumerikModesAreReported) {
       {"MIRROR X0", "mirror"},
       {"R1=R2+5", "macro or expression"},
       {"X=R1", "without a number"},
-      {"X=IC(5)", "without a number"},
       {"L140(2)", "unexpected character"},
       {"IF R1==0 GOTOF ENDE", "condition"},
       {"ENDE:", "without a number"},

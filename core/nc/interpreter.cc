@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/nc/char_class.h"
 #include "core/nc/lexer.h"
 #include "core/nc/request.h"
 
@@ -29,8 +30,6 @@ bool BeginsWithNumber(const char* text, size_t size) {
   while (size > 0 && (*text == ' ' || *text == '\t')) ++text, --size;
   return size > 0 && *text >= '0' && *text <= '9';
 }
-
-char Capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
 // Whether the M at `at` may be a code that changes the modal state: any but one that is known to change nothing. M
 // within a word (FMAX, MOD) is none.
@@ -128,6 +127,7 @@ void Interpreter::StartProgram() {
   coordinates_.Reset();
   needs_absolute_ = 0;
   last_length_number_ = -1;
+  rounds_corners_ = is_behind_corner_ = false;
   ForgetPositions(false);
 }
 
@@ -144,7 +144,8 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   ++line_;
   step->kind = StepKind::kNone;
   step->has_words = step->has_other_words = step->is_rapid = step->is_arc = step->may_be_skipped = false;
-  step->is_consequence = step->is_tool_change = step->ends_block = false;
+  step->is_consequence = step->is_tool_change = step->ends_block = step->is_at_corner = false;
+  step->wrapped = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
   if (!step->note.empty()) step->note.clear();

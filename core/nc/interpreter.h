@@ -42,7 +42,9 @@ struct Step {
   bool may_be_skipped = false;  // block delete, switch unknown
   bool is_consequence = false;  // of a block reported before
   bool is_tool_change = false;
-  bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
+  bool ends_block = false;    // has a code that acts after the move (M00, M05 ...)
+  bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
+  uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
   PresetChange preset = PresetChange::kNone;
   uint16_t preset_axes = 0;  // of kSet; `end` is where they stand
   int tool_length = -1;      // number of the length in force, -1: none
@@ -80,7 +82,9 @@ class Interpreter {
   Role RoleOf(char letter) const { return letter == 0 ? Role::kParameter : roles_[static_cast<size_t>(letter - 'A')]; }
   // Axis of the plane's first, second and normal direction (0 to 2) in the present plane, or -1.
   int PlaneAxis(int index) const;
-  bool IsIncremental(const Word& word) const { return modal_.is_incremental || word.is_incremental; }
+  bool IsIncremental(const Word& word) const {
+    return word.distance == Distance::kModal ? modal_.is_incremental : word.distance == Distance::kIncremental;
+  }
   bool IsMotionCode(const Word& word) const;  // of the group of G00 to G03
   bool IsArcCode(const Word& word) const;
   // A word's value by the rule for words without a point.
@@ -120,6 +124,9 @@ class Interpreter {
   bool MayMoveBy(int axis, Step* step);
   // The axis words' positions into step->end; false and Unsupported when one cannot be read.
   bool ReadTargets(const Block& block, Step* step);
+  // The way to the position of a rotary axis that counts from 0 to 360 deg: moves step->start by whole turns, so that
+  // the difference is what the axis travels.
+  bool Wrap(const Word& word, int axis, Step* step);
   // The value of one of them, of any number; false and Unsupported as above.
   bool ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step);
   bool ReadArc(const Block& block, const Request& request, Step* step);
@@ -149,7 +156,9 @@ class Interpreter {
   uint16_t needs_absolute_ = 0;  // axes whose tool length changed: controllers differ on what G91 does then
   int last_length_number_ = -1;  // of H
   int64_t line_ = 0;
-  int64_t jump_line_ = 0;  // behind it the order of blocks is not known
+  int64_t jump_line_ = 0;          // behind it the order of blocks is not known
+  bool rounds_corners_ = false;    // until it ends (RNDM=)
+  bool is_behind_corner_ = false;  // the corner at the end of the last move is rounded or chamfered
   bool has_moved_ = false;
   bool has_called_ = false;      // a program further on may be a subprogram, called in any modal state
   bool is_continued_ = false;    // Klartext: the next line belongs to this block ("~")

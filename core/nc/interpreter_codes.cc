@@ -152,6 +152,13 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kAddress:
     case Meaning::kIncrementalAddress:
       return;
+    case Meaning::kCorner:
+      if (code.detail == 0) {
+        request->has_corner = true;
+      } else {
+        rounds_corners_ = word.number.mantissa != 0;
+      }
+      return;
     case Meaning::kRapid:
     case Meaning::kLinear:
     case Meaning::kArc:

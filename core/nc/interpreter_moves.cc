@@ -210,7 +210,8 @@ bool Interpreter::ReadTargets(const Block& block, Step* step) {
     const Decimal& number = word.number;
     const bool is_incremental = IsIncremental(word);
     if (is_incremental && !MayMoveBy(i, step)) return false;
-    const Ticks before = end.ticks[i], base = is_incremental ? before : offset(i), unit = ticks_per_unit(i);
+    Ticks before = end.ticks[i];
+    const Ticks base = is_incremental ? before : offset(i), unit = ticks_per_unit(i);
     Ticks value = 0;
     // With five whole digits at most, 2540 m, no limit is near.
     if (number.has_point && number.decimals <= kMaxDecimals && number.digits - number.decimals <= 5) {
@@ -222,6 +223,11 @@ bool Interpreter::ReadTargets(const Block& block, Step* step) {
     if (!InRange(target)) {
       Unsupported(absl::StrCat("word ", WordText(word), " is out of range"), false, step);
       return false;
+    }
+    if (word.distance >= Distance::kShortestWay) {
+      end.ticks[i] = target;
+      if (!Wrap(word, i, step)) return false;
+      before = step->start.ticks[i];
     }
     if (target != before) end.sense[i] = target > before ? 1 : -1;
     end.ticks[i] = target;
@@ -235,6 +241,30 @@ bool Interpreter::ReadTargets(const Block& block, Step* step) {
       if (step->word_of_axis[i] >= 0) needs_absolute_ &= static_cast<uint16_t>(~(1u << i));
     }
   }
+  return true;
+}
+
+bool Interpreter::Wrap(const Word& word, int axis, Step* step) {
+  const auto refuse = [&](const std::string& reason) {
+    Unsupported(absl::StrCat("word ", WordText(word), ": ", reason), false, step);
+    return false;
+  };
+  const Ticks value = step->end.ticks[axis] - offset(axis);
+  if (is_linear_[axis]) return refuse("a way round is of rotary axes");
+  if (value < 0 || value >= kTurn) return refuse("a position of an axis that counts from 0 to 360 deg is out of it");
+  // A correction of the position that it starts from could make a full turn of none.
+  if (options_->orientation && word.distance != Distance::kShortestWay)
+    return refuse("a stated sense of rotation while rotary axes are corrected");
+  step->wrapped |= static_cast<uint16_t>(1u << axis);
+  if (!step->start.is_known(axis)) return true;
+  Ticks travel = (step->end.ticks[axis] - step->start.ticks[axis]) % kTurn;
+  if (travel < 0) travel += kTurn;
+  if (word.distance == Distance::kShortestWay && 2 * travel == kTurn)
+    return refuse("half a turn: which way the axis goes is not known");
+  if (travel != 0 &&
+      (word.distance == Distance::kDownwards || (word.distance == Distance::kShortestWay && 2 * travel > kTurn)))
+    travel -= kTurn;
+  step->start.ticks[axis] = step->end.ticks[axis] - travel;
   return true;
 }
 
@@ -254,6 +284,8 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   if (!ReadTargets(block, step)) return;
   if (modal_.motion == Meaning::kArc && !ReadArc(block, request, step)) return;
   step->kind = StepKind::kMove;
+  step->is_at_corner = rounds_corners_ || is_behind_corner_ || request.has_corner;
+  is_behind_corner_ = request.has_corner;
   step->tool_length = coordinates_.active_length();
   positions_.CopyFrom(step->end, axis_count_);
   has_moved_ = true;
@@ -281,6 +313,7 @@ bool Interpreter::ReadArc(const Block& block, const Request& request, Step* step
   if (request.radius != nullptr) {
     const std::optional<Ticks> radius = LengthTicks(*request.radius);
     if (request.has_centre) return refuse("it has a centre and a radius", false);
+    if (request.radius->distance != Distance::kModal) return refuse("its radius is a position", false);
     if (!radius) return refuse(WordProblem(*request.radius), false);
     arc = ArcOfRadius(start_mm, end_mm, static_cast<double>(*radius) / kTicksPerUnit, !modal_.is_clockwise);
   } else if (request.has_centre) {
@@ -296,8 +329,11 @@ bool Interpreter::ReadArc(const Block& block, const Request& request, Step* step
       const int index = word.letter == letters[0] ? 0 : 1, axis = index == 0 ? first : second;
       const std::optional<Ticks> value = LengthTicks(word);
       if (std::string problem = WordProblem(word); !problem.empty() || !value) return refuse(problem, false);
-      centre_mm[index] +=
-          static_cast<double>(*value + (modal_.are_centres_absolute ? offset(axis) : 0)) / kTicksPerUnit;
+      const bool is_absolute =
+          word.distance == Distance::kModal ? modal_.are_centres_absolute : word.distance == Distance::kAbsolute;
+      const Eigen::Vector2d base_mm = is_absolute ? Eigen::Vector2d::Zero().eval() : start_mm;
+      centre_mm[index] =
+          base_mm[index] + static_cast<double>(*value + (is_absolute ? offset(axis) : 0)) / kTicksPerUnit;
       found |= found & (1 << index) ? 4 : 1 << index;
     }
     if (found > 3) return refuse("two centre words of one letter", false);

@@ -127,7 +127,8 @@ void JobReport::AccountRotary(const Piece& piece, const Commanded& commanded) {
   for (size_t k = 0; k < rotary_axes_.size(); ++k) {
     const int axis = rotary_axes_[k];
     const double change = static_cast<double>(commanded.ticks[axis] - piece.nominal[axis]) / kTicksPerUnit;
-    report_.rotary_axes[k].correction.Add(change * base::kRadPerDeg);
+    // An axis that counts from 0 to 360 deg is whole turns away.
+    report_.rotary_axes[k].correction.Add(std::remainder(change, 360.0) * base::kRadPerDeg);
   }
   report_.tilt_before.Add(piece.correction.tilt_before_rad);
   report_.tilt_after.Add(piece.correction.tilt_left_rad);

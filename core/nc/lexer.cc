@@ -4,26 +4,12 @@
 #include <cstring>
 #include <string_view>
 
+#include "core/nc/char_class.h"
 #include "core/nc/mark.h"
 #include "core/nc/plain_words.h"
 
 namespace axiscal::nc {
 namespace {
-
-enum CharClass : uint8_t { kOther, kBlank, kDigit, kUpper, kLower, kMacro };
-
-struct CharClasses {
-  uint8_t of[256];
-  constexpr CharClasses() : of() {
-    of[static_cast<int>(' ')] = of[static_cast<int>('\t')] = kBlank;
-    for (int c = '0'; c <= '9'; ++c) of[c] = kDigit;
-    for (int c = 'A'; c <= 'Z'; ++c) of[c] = kUpper;
-    of[static_cast<int>(':')] = kUpper;  // ISO's letter of the program number
-    for (int c = 'a'; c <= 'z'; ++c) of[c] = kLower;
-    for (const char c : {'#', '[', ']', '=', ',', '<', '>', '*'}) of[static_cast<int>(c)] = kMacro;
-  }
-};
-constexpr CharClasses kClasses;
 
 inline const char* ReadDigits(const char* at, const char* end, uint64_t* number) {
   uint64_t value = *number;
@@ -76,7 +62,6 @@ class BlockLexer {
   }
 
  private:
-  static uint8_t Class(char c) { return kClasses.of[static_cast<unsigned char>(c)]; }
   uint32_t Offset(const char* p) const { return static_cast<uint32_t>(p - text_); }
 
   bool Fail(LexProblem problem, const char* at) {
@@ -180,8 +165,6 @@ class BlockLexer {
     SkipBlanks();
   }
 
-  static char Capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
-
   // Words are a letter and a number: a keyword goes on with another letter, or stands alone.
   bool MayBeKeyword() const {
     if ((dialect_.keyword_letters >> ((*at_ - 'A') & 31) & 1) == 0 || *at_ == ':') return false;
@@ -217,7 +200,9 @@ class BlockLexer {
     if (found < 0) return false;
     const Keyword& keyword = dialect_.keywords[static_cast<size_t>(found)];
     takes_rest_ = keyword.takes_rest;
-    const bool is_address = keyword.meaning == Meaning::kAddress || keyword.meaning == Meaning::kIncrementalAddress;
+    const bool is_corner = keyword.meaning == Meaning::kCorner;
+    const bool is_address =
+        is_corner || keyword.meaning == Meaning::kAddress || keyword.meaning == Meaning::kIncrementalAddress;
     if (is_address) {
       const char* const begin = at_;
       at_ = longest - 1;
@@ -226,9 +211,10 @@ class BlockLexer {
         return true;
       }
       Word& word = block_.words[block_.word_count - 1];
-      word.letter = static_cast<char>(keyword.detail);
+      word.letter = is_corner ? char{0} : static_cast<char>(keyword.detail);
+      word.keyword = static_cast<int16_t>(found);
       word.letter_at = Offset(begin);
-      word.is_incremental = keyword.meaning == Meaning::kIncrementalAddress;
+      if (keyword.meaning == Meaning::kIncrementalAddress) word.distance = Distance::kIncremental;
       return true;
     }
     if (block_.word_count == kMaxWords) return Fail(LexProblem::kTooManyWords, at_);
@@ -272,12 +258,14 @@ class BlockLexer {
     word.letter = is_lower ? static_cast<char>(*at_ - 'a' + 'A') : *at_ == ':' ? 'O' : *at_;
     word.is_lower = is_lower;
     word.letter_at = Offset(at_);
-    word.is_incremental = false;
+    word.distance = Distance::kModal;
     const char* const letter = at_++;
     SkipBlanks();
+    bool is_enclosed = false;
     if (dialect_.has_equals && at_ != end_ && *at_ == '=') {
       ++at_;
       SkipBlanks();
+      is_enclosed = ReadDistance(&word);
     }
     word.number_at = Offset(at_);
     if (dialect_.has_equals && word.letter == 'T' && at_ != end_ && *at_ == '"') {
@@ -285,8 +273,36 @@ class BlockLexer {
     } else if (!ReadNumber(letter, &word)) {
       return false;
     }
+    // "S2=8000 M2=3": of the second spindle.
+    if (dialect_.has_equals && at_ != end_ && *at_ == '=' && (word.letter == 'S' || word.letter == 'M')) {
+      ++at_;
+      SkipBlanks();
+      word.number_at = Offset(at_);
+      if (!ReadNumber(letter, &word)) return false;
+    }
+    if (is_enclosed) {
+      SkipBlanks();
+      if (at_ == end_ || *at_ != ')') return Fail(LexProblem::kExpression, letter);
+      ++at_;
+    }
     ++block_.word_count;
     return true;
+  }
+
+  // "IC(" of X=IC(5). False and nothing read where there is none.
+  bool ReadDistance(Word* word) {
+    for (const DistanceName& known : dialect_.distance_names) {
+      const char* at = at_;
+      for (const char* name = known.name; *name != 0 && at != end_ && Capital(*at) == *name; ++name) ++at;
+      if (static_cast<size_t>(at - at_) != std::strlen(known.name)) continue;
+      while (at != end_ && Class(*at) == kBlank) ++at;
+      if (at == end_ || *at != '(') continue;
+      at_ = at + 1;
+      SkipBlanks();
+      word->distance = known.distance;
+      return true;
+    }
+    return false;
   }
 
   // T="MILL_D10".

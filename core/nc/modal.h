@@ -41,6 +41,8 @@ struct Modal {
   bool operator==(const Modal&) const = default;
 };
 
+inline constexpr Ticks kTurn = 360 * kTicksPerMm;  // ticks of degrees are as many
+
 using AxisTicks = std::array<Ticks, machine::kMaxAxes>;
 
 struct Positions {

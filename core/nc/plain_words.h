@@ -43,7 +43,8 @@ inline const char* ReadPlainWord(const char* text, const char* at, const char* e
   // Another part of the number behind a blank, or a character that the slow way must judge.
   if ((*next < 'A' || *next > 'Z') && next != end) return nullptr;
   word->letter = letter;
-  word->is_lower = word->is_incremental = false;
+  word->is_lower = false;
+  word->distance = Distance::kModal;
   word->letter_at = static_cast<uint32_t>(at - text);
   word->number_at = word->letter_at + 1;
   word->end = static_cast<uint32_t>(last - text);

@@ -36,6 +36,7 @@ struct Interpreter::Request {
   bool is_end = false;
   bool is_jump = false;
   bool is_rapid_block = false;
+  bool has_corner = false;  // RND=
   char foreign_axis = 0;
   char parameter = 0;
   const Word* number_of_parameter = nullptr;  // P

@@ -99,7 +99,7 @@ void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence
 void Rewriter::Impl::Copy() {
   writer.CopyBlock(now.text, now.size, block, step, &out);
   if (step.kind != StepKind::kNone || step.preset != PresetChange::kNone) {
-    writer.Pass(step);
+    writer.Pass(block, step);
     job.BreakPath();
   }
 }
@@ -142,6 +142,7 @@ std::string Rewriter::Impl::UnknownPosition(bool* is_consequence) {
 }
 
 void Rewriter::Impl::Move() {
+  if (step.wrapped != 0) writer.Wrap(step);
   bool is_consequence = false;
   const std::string unknown = UnknownPosition(&is_consequence);
   if (!unknown.empty()) {

@@ -73,6 +73,7 @@ std::string Rewriter::Impl::SkipPrefix() const {
 std::string Rewriter::Impl::WhyNotSplit() const {
   constexpr double kMaxFeed = 1e9;
   if (step.ends_block || step.is_tool_change) return "its block has a code that acts, or may act, after the move";
+  if (step.is_at_corner) return "the control rounds or chamfers the corner at one of its ends, and needs it whole";
   if (interpreter.modal().uncertain & kFeedGroup) return "the feed mode is not known";
   if (interpreter.modal().feed_mode != FeedMode::kInverseTime) return "";
   for (const Word& word : block) {

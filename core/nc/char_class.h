@@ -1,0 +1,29 @@
+// What a byte is to the lexer.
+#ifndef AXISCAL_CORE_NC_CHAR_CLASS_H_
+#define AXISCAL_CORE_NC_CHAR_CLASS_H_
+
+#include <cstdint>
+
+namespace axiscal::nc {
+
+enum CharClass : uint8_t { kOther, kBlank, kDigit, kUpper, kLower, kMacro };
+
+struct CharClasses {
+  uint8_t of[256];
+  constexpr CharClasses() : of() {
+    of[static_cast<int>(' ')] = of[static_cast<int>('\t')] = kBlank;
+    for (int c = '0'; c <= '9'; ++c) of[c] = kDigit;
+    for (int c = 'A'; c <= 'Z'; ++c) of[c] = kUpper;
+    of[static_cast<int>(':')] = kUpper;  // ISO's letter of the program number
+    for (int c = 'a'; c <= 'z'; ++c) of[c] = kLower;
+    for (const char c : {'#', '[', ']', '=', ',', '<', '>', '*'}) of[static_cast<int>(c)] = kMacro;
+  }
+};
+inline constexpr CharClasses kClasses;
+
+inline uint8_t Class(char c) { return kClasses.of[static_cast<unsigned char>(c)]; }
+inline char Capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+}  // namespace axiscal::nc
+
+#endif  // AXISCAL_CORE_NC_CHAR_CLASS_H_
