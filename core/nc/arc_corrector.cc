@@ -78,6 +78,10 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& st
   const Arc& nominal = step.arc;
   const Senses senses = SensesOfArc(step, 0.5 * (first + last));
   RETURN_IF_ERROR(CorrectOnArc(step, last, senses, grain, piece));
+  for (int i = 0; grain.is_flat && i < axis_count_; ++i) {
+    const bool is_in_plane = i == nominal.first || i == nominal.second;
+    if (!is_in_plane && std::llabs(piece->targets[i] - start[i]) > grain.of_axis[i] / 2) return false;
+  }
   const double grain_mm =
       static_cast<double>(std::max(grain.of_axis[nominal.first], grain.of_axis[nominal.second])) / kTicksPerUnit;
   const bool is_full = IsFull(nominal) && last - first == 1.0;

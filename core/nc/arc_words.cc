@@ -56,6 +56,21 @@ void BlockWriter::WriteArcWord(const char* text, size_t size, const Word& word, 
     out->append(text + *copied, at - *copied);
     *copied = at;
   };
+  const auto drop = [&] {
+    uint32_t begin = word.letter_at;
+    while (begin > *copied && IsBlank(text[begin - 1])) --begin;
+    copy_to(begin);
+    *copied = EndOf(text, size, word);
+  };
+  if (word.letter == 0 && interpreter_->dialect().has_poles) {
+    const Meaning meaning = interpreter_->dialect().keywords[static_cast<size_t>(word.keyword)].meaning;
+    if (meaning == Meaning::kArcSense && !piece.is_arc) return drop();
+    if (meaning != Meaning::kArc || piece.is_arc) return;
+    copy_to(word.letter_at);
+    out->append("L");
+    *copied = word.end;
+    return;
+  }
   if (role == Role::kCode && word.letter == 'G' && !piece.is_arc && interpreter_->IsArcCode(word)) {
     copy_to(word.number_at);
     out->append(word.end - word.number_at > 1 ? "01" : "1");
@@ -63,13 +78,7 @@ void BlockWriter::WriteArcWord(const char* text, size_t size, const Word& word, 
     return;
   }
   if (role != Role::kCentre && role != Role::kRadius) return;
-  if (!piece.is_arc) {
-    uint32_t begin = word.letter_at;
-    while (begin > *copied && IsBlank(text[begin - 1])) --begin;
-    copy_to(begin);
-    *copied = EndOf(text, size, word);
-    return;
-  }
+  if (!piece.is_arc) return drop();
   Rounded rounded;
   if (!ArcWord(word.letter, &word, piece, start, &rounded)) return;
   const Decimal number = interpreter_->Meant(word.number);
@@ -81,6 +90,7 @@ void BlockWriter::WriteArcWord(const char* text, size_t size, const Word& word, 
 
 void BlockWriter::InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start,
                                OutBuffer* out) {
+  if (interpreter_->dialect().has_poles) return;
   bool found[2] = {false, false};
   for (const Word& word : block) {
     const Role role = interpreter_->RoleOf(word.letter);
@@ -118,6 +128,10 @@ void BlockWriter::AppendArcWords(const Block& block, const Piece& piece, const A
     AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, interpreter_->dialect().writes_plus,
                 !is_increments, out);
   };
+  if (interpreter_->dialect().has_poles) {
+    if (const Word* const radius = RadiusOf(block); radius != nullptr) append(radius->letter, radius);
+    return;
+  }
   const Word* of_letter[26] = {};
   for (const Word& word : block) {
     if (word.letter != 0) of_letter[word.letter - 'A'] = &word;
@@ -129,6 +143,33 @@ void BlockWriter::AppendArcWords(const Block& block, const Piece& piece, const A
   }
 }
 
+const Word* BlockWriter::RadiusOf(const Block& block) const {
+  for (const Word& word : block) {
+    if (interpreter_->RoleOf(word.letter) == Role::kRadius) return &word;
+  }
+  return nullptr;
+}
+
+void BlockWriter::AppendPole(const Block& block, const Piece& piece, const std::string& line_end, OutBuffer* out) {
+  if (!interpreter_->dialect().has_poles || RadiusOf(block) != nullptr) return;
+  Pole wanted = {{}, true, true};
+  std::string words = "CC";
+  for (const int index : {0, 1}) {
+    const int axis = index == 0 ? piece.arc.first : piece.arc.second;
+    const Ticks unit = interpreter_->ticks_per_unit(axis), base = interpreter_->offset(axis);
+    const int decimals = unit == kTicksPerInch ? options_->decimals_inch : options_->decimals_mm;
+    const int64_t mantissa =
+        RoundToGrains(std::llround(piece.arc.centre_mm[index] * kTicksPerUnit) - base, GrainTicks(unit, decimals));
+    wanted.ticks[static_cast<size_t>(index)] = base + mantissa * GrainTicks(unit, decimals);
+    absl::StrAppend(&words, " ", machine_->axes[axis].name);
+    AppendFixed(mantissa, decimals, true, true, &words);
+  }
+  if (wanted == pole_) return;
+  pole_ = wanted;
+  out->append(words);
+  out->append(line_end);
+}
+
 bool BlockWriter::HasMotionWord(const Block& block) const {
   for (const Word& word : block) {
     if (interpreter_->IsMotionCode(word)) return true;
@@ -137,6 +178,7 @@ bool BlockWriter::HasMotionWord(const Block& block) const {
 }
 
 std::string BlockWriter::MotionFor(const Block& block, bool wants_arc) const {
+  if (interpreter_->dialect().has_poles) return "";  // every block states its motion
   if (wants_arc != is_in_chords_ || HasMotionWord(block)) return "";
   if (!wants_arc) return "G01 ";
   return interpreter_->modal().is_clockwise ? "G02 " : "G03 ";

@@ -10,6 +10,12 @@ namespace {
 constexpr int kFeedDecimals = 4;      // of a scaled G93 feed; its own decimals when there are more
 constexpr double kLeastShare = 1e-3;  // of the time of a move: for pieces that only take up a reversal
 
+std::string LineEndOf(const char* text, size_t size) {
+  size_t at = size;
+  while (at > 0 && (text[at - 1] == '\n' || text[at - 1] == '\r')) --at;
+  return at == size ? "\n" : std::string(text + at, size - at);
+}
+
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 
 }  // namespace
@@ -85,7 +91,9 @@ int BlockWriter::FirstUnknown(const Block& block, const Step& step) const {
     return -1;
   }
   for (const int axis : order_) {
-    const bool matters = interpreter_->modal().is_incremental || axis == step.arc.first || axis == step.arc.second;
+    const bool is_flat = interpreter_->dialect().has_poles;  // arcs hold no word of another axis
+    const bool matters =
+        interpreter_->modal().is_incremental || is_flat || axis == step.arc.first || axis == step.arc.second;
     if (matters && !commanded_.is_known(axis)) return axis;
   }
   return -1;
@@ -113,6 +121,7 @@ WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
     grain.base[i] = BaseOf(block, step, i);
   }
   if (!step.is_arc) return grain;
+  grain.is_flat = interpreter_->dialect().has_poles;
   for (const Word& word : block) {
     if (interpreter_->RoleOf(word.letter) != Role::kRadius) continue;
     const Ticks unit = interpreter_->ticks_per_unit(step.arc.first);
@@ -244,6 +253,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
   if (feed_fraction == 1.0 && WriteSimple(text, size, block, step, piece, out)) return;
   const bool scales_feed = feed_fraction < 1.0 && interpreter_->modal().feed_mode == FeedMode::kInverseTime;
   const AxisTicks start = step.is_arc ? commanded_.ticks : AxisTicks();
+  if (piece.is_arc) AppendPole(block, piece, LineEndOf(text, size), out);
   uint32_t copied = 0;
   const auto copy_to = [&](uint32_t at) {
     out->append(text + copied, at - copied);
@@ -290,7 +300,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
   }
   out->append(text + copied, size - copied);
   if (step.is_arc) {
-    is_in_chords_ = !piece.is_arc;
+    is_in_chords_ = !piece.is_arc && !interpreter_->dialect().has_poles;
   } else if (HasMotionWord(block)) {
     is_in_chords_ = false;
   }
@@ -300,8 +310,14 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
                              bool is_packed, const std::string& line_end, OutBuffer* out) {
   const AxisTicks start = commanded_.ticks;
   bool is_first = true;
-  out->append(interpreter_->dialect().piece_prefix);
-  if (step.is_arc && piece.is_arc == is_in_chords_) {
+  const bool has_poles = interpreter_->dialect().has_poles;
+  if (piece.is_arc && has_poles) {
+    AppendPole(block, piece, line_end, out);
+    out->append(RadiusOf(block) != nullptr ? "CR " : "C ");
+  } else {
+    out->append(interpreter_->dialect().piece_prefix);
+  }
+  if (step.is_arc && !has_poles && piece.is_arc == is_in_chords_) {
     out->append(piece.is_arc ? interpreter_->modal().is_clockwise ? "G02" : "G03" : "G01");
     if (!is_packed) out->push_back(' ');
     is_in_chords_ = !piece.is_arc;
@@ -326,6 +342,7 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
     SetCommanded(axis, rounded, base);
   }
   if (piece.is_arc) AppendArcWords(block, piece, start, is_packed, out);
+  if (piece.is_arc && has_poles) out->append(interpreter_->modal().is_clockwise ? " DR-" : " DR+");
   if (interpreter_->modal().feed_mode == FeedMode::kInverseTime) {
     for (const Word& word : block) {
       if (word.letter != 'F') continue;

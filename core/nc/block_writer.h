@@ -32,7 +32,16 @@ class BlockWriter {
   void Pass(const Block& block, const Step& step);
   // In front of a move: an axis that counts from 0 to 360 deg is said to stand as many turns away as the move's start.
   void Wrap(const Step& step);
-  void ForgetAll() { commanded_.known = 0; }
+  void ForgetAll() {
+    commanded_.known = 0;
+    pole_.is_known = false;
+  }
+  // The program's own CC block was copied. One that counts from where the tool stands means another place.
+  void TakePole(const Pole& pole) {
+    pole_ = pole;
+    pole_.is_known &= pole.is_absolute;
+  }
+  void ForgetPole() { pole_.is_known = false; }
   // After a block that may be skipped: what it changed is unknown.
   void ForgetChanges(const Commanded& before);
 
@@ -87,8 +96,11 @@ class BlockWriter {
   void AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
                       OutBuffer* out) const;
   void InsertCentre(const char* text, const Block& block, const Piece& piece, const AxisTicks& start, OutBuffer* out);
+  // "CC X+1 Y+2" in front of an arc about a pole, unless it is the controller's.
+  void AppendPole(const Block& block, const Piece& piece, const std::string& line_end, OutBuffer* out);
   // "G02 ": the code that the controller must be told before a block, "" when it is in force.
   std::string MotionFor(const Block& block, bool wants_arc) const;
+  const Word* RadiusOf(const Block& block) const;  // nullptr: none
   bool HasMotionWord(const Block& block) const;
 
   const machine::Machine* machine_;
@@ -97,6 +109,7 @@ class BlockWriter {
   std::vector<int> order_;                             // axes in the order in which inserted words are written
   std::array<bool, machine::kMaxAxes> is_followed_{};  // rotary axes with orientation
   Commanded commanded_;
+  Pole pole_;                                     // of the controller
   AxisTicks preset_shift_{}, suspended_shift_{};  // controller's preset (G92) - nominal one
   bool is_in_chords_ = false;                     // the controller is in G01 where the program is in G02 or G03
 };

@@ -80,12 +80,14 @@ Dialect Heidenhain() {
   dialect.variable = 'Q';
   dialect.has_assignment_blocks = true;
   dialect.has_bare_keywords = true;
+  dialect.has_poles = true;
   dialect.tool_call_sets_length = true;
   dialect.first_offset = "PRESET";
   dialect.piece_prefix = "L ";
   dialect.writes_plus = true;
   SetRole("GNOHTDIJK", Role::kParameter, &dialect);
   SetRole("R", Role::kRadiusCompensation, &dialect);
+  SetRole("Q", Role::kRadius, &dialect);  // stands for the R of CR
   return dialect;
 }
 

@@ -19,7 +19,7 @@ enum class Meaning : uint8_t {
   kRapid,
   kLinear,
   kRapidBlock,    // rapid in this block only (FMAX)
-  kArc,           // detail: 1 clockwise, 0 counterclockwise, seen against the plane's normal
+  kArc,           // detail: 1 clockwise, 0 counterclockwise, seen against the plane's normal; with poles kArcWithRadius
   kCancelMotion,  // G80: axis words after it have no meaning
   kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code
   kOneShot,       // moves axes or changes positions in this block only
@@ -54,6 +54,8 @@ enum class Meaning : uint8_t {
   kHead,        // names the program (BEGIN PGM)
   kAddress,     // a word of more than one letter: CR=5; detail: the letter that stands for it
   kIncrementalAddress,  // IX+5; detail: the letter
+  kPole,                // CC: the centre of arcs behind it
+  kArcSense,            // DR+, DR-; detail: 1 clockwise
   kCorner,  // RND=5: the control rounds or chamfers the corner at the block's end; detail 1: every corner, until 0
 };
 
@@ -71,6 +73,8 @@ enum Blocker : uint16_t {
   kUnstatedOffset = 512,
   kDiameter = 1024,
 };
+
+inline constexpr uint16_t kArcWithRadius = 2;  // Klartext's CR, whose R is a radius
 
 struct CodeEntry {
   char letter;  // G or M
@@ -135,6 +139,7 @@ struct Dialect {
   char variable = '#';                 // letter of variables; 0: none is told apart
   bool has_assignment_blocks = false;  // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
   bool has_bare_keywords = false;      // single letters may be keywords (L), blocks begin with their number
+  bool has_poles = false;              // arcs stand about a pole (CC), in XY, and say their sense (DR)
   bool tool_call_sets_length = false;  // the tool's length acts from the tool change on, without a code
   std::string first_offset = "G54";    // the work offset that is selected at the begin
   std::string piece_prefix;            // what inserted pieces begin with: "L "

@@ -1,4 +1,4 @@
-// Words of Heidenhain Klartext: L blocks are read, everything else is recognised and reported.
+// Words of Heidenhain Klartext: L, C, CR and CC blocks are read, everything else is recognised and reported.
 #include "core/nc/dialect_tables.h"
 
 namespace axiscal::nc {
@@ -40,17 +40,19 @@ std::vector<Keyword> KlartextKeywords() {
   return {
       {"L", M::kLinear, 0, false, "linear move"},
       {"LN", M::kOneShot, 0, true, "linear move with surface normals"},
-      {"LP", M::kOneShot, 0, true, "polar linear move"},
+      {"LP", M::kOneShot, 0, true, "polar linear move: no word of an axis could be corrected"},
       {"LBL", M::kJump, 0, true, "label"},
       {"CALL", M::kCall, 0, true, "call"},
-      {"C", M::kOneShot, 0, true, "circular move"},
-      {"CC", M::kHarmless, 0, true, "pole"},
-      {"CR", M::kOneShot, 0, true, "circular move"},
-      {"CT", M::kOneShot, 0, true, "circular move"},
-      {"CP", M::kOneShot, 0, true, "circular move"},
-      {"CTP", M::kOneShot, 0, true, "circular move"},
-      {"CHF", M::kOneShot, 0, true, "chamfer"},
-      {"RND", M::kOneShot, 0, true, "rounding"},
+      {"C", M::kArc, 0, false, "circular move"},
+      {"CC", M::kPole, 0, false, "pole"},
+      {"CR", M::kArc, kArcWithRadius, false, "circular move"},
+      {"DR+", M::kArcSense, 0, false, "sense of an arc"},
+      {"DR-", M::kArcSense, 1, false, "sense of an arc"},
+      {"CT", M::kOneShot, 0, true, "tangential circular move: its centre follows from the block before"},
+      {"CP", M::kOneShot, 0, true, "polar circular move: no word of an axis could be corrected"},
+      {"CTP", M::kOneShot, 0, true, "polar circular move: no word of an axis could be corrected"},
+      {"CHF", M::kCorner, 0, true, "chamfer"},
+      {"RND", M::kCorner, 0, true, "rounding"},
       {"APPR", M::kBlockerOn, kCutterCompensation, true, "approach with cutter compensation"},
       {"DEP", M::kOneShot, 0, true, "departure"},
       {"CYCL DEF 19", M::kBlockerOn, kTiltedPlane, true, "tilted plane"},

@@ -96,8 +96,9 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
     const char* block;
     const char* reason;
   } kCases[] = {
-      {"C X+10 Y+0 DR-", "circular move"},
-      {"CR X+10 Y+0 R+20 DR+", "circular move"},
+      {"CT X+10 Y+0", "its centre follows from the block before"},
+      {"CP IPA+90 DR-", "polar circular move"},
+      {"LP PR+10 PA+30", "polar linear move"},
       {"TOOL CALL 5 Z S2000", "TOOL CALL 5: the tool's length is not stated"},
       {"TOOL CALL \"MILL\" Z S2000", "by name"},
       {"PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY", "tilted plane"},
@@ -113,7 +114,6 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"L X+Q1", "without a number"},
       {"TCH PROBE 0.0 REF. PLANE Q5 X-", "probing"},
       {"APPR LT X+5 LEN5 RL", "approach"},
-      {"RND R5", "rounding"},
   };
   for (const auto& known : kCases) {
     const Outcome outcome = Rewritten("1 L X+1 R0 FMAX\n2 " + std::string(known.block) + "\n", In("heidenhain"));

@@ -42,12 +42,17 @@ bool MayChangeState(const Dialect& dialect, const char* at, const char* end) {
   return 10 * number >= kCodes || dialect.m_codes[10 * number].meaning != Meaning::kHarmless;
 }
 
+// L, C, CR and CC: words, M codes, RL and RR.
+bool IsPlainMove(Meaning meaning) {
+  return meaning == Meaning::kLinear || meaning == Meaning::kArc || meaning == Meaning::kPole;
+}
+
 // Whether what stands behind a problem may hold modal codes. An L block of Klartext can hold M codes and RL or RR;
 // other blocks of Klartext are not known, nor those of Sinumerik, whose codes may be words.
 bool MayHoldCodes(const Dialect& dialect, const Block& block, const char* begin, const char* end) {
   const bool is_klartext = dialect.has_bare_keywords;
   const bool is_l_block = is_klartext && block.word_count > 0 && block.words[0].letter == 0 &&
-                          dialect.keywords[static_cast<size_t>(block.words[0].keyword)].meaning == Meaning::kLinear;
+                          IsPlainMove(dialect.keywords[static_cast<size_t>(block.words[0].keyword)].meaning);
   if (!dialect.has_parenthesis_comments && !is_l_block) return true;
   for (const char* at = begin; at != end; ++at) {
     const char c = Capital(*at);
@@ -116,6 +121,7 @@ void Interpreter::Unsupported(std::string reason, bool is_consequence, Step* ste
   step->kind = StepKind::kUnsupported;
   step->reason = std::move(reason);
   step->is_consequence = is_consequence;
+  pole_.is_known = false;
   ForgetPositions(true);
 }
 
@@ -128,6 +134,7 @@ void Interpreter::StartProgram() {
   needs_absolute_ = 0;
   last_length_number_ = -1;
   rounds_corners_ = is_behind_corner_ = false;
+  pole_.is_known = false;
   ForgetPositions(false);
 }
 
@@ -145,6 +152,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->kind = StepKind::kNone;
   step->has_words = step->has_other_words = step->is_rapid = step->is_arc = step->may_be_skipped = false;
   step->is_consequence = step->is_tool_change = step->ends_block = step->is_at_corner = false;
+  step->sets_pole = step->is_corner = false;
   step->wrapped = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
@@ -194,11 +202,13 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
 void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
   if (!block.is_deletable || options_->block_delete == BlockDelete::kExecuted) return Apply(text, block, step);
   if (options_->block_delete == BlockDelete::kSkipped) return;
-  const Modal modal = modal_;
+  Modal modal = modal_;
   const Positions positions = positions_;
   const AxisTicks offsets = coordinates_.offsets();
   Apply(text, block, step);
   if (step->kind == StepKind::kUnsupported) return;
+  if (dialect_->has_poles)
+    modal.motion = modal_.motion, modal.is_clockwise = modal_.is_clockwise;  // every block states it
   if (!SameButRapid(modal, modal_) || offsets != coordinates_.offsets())
     return Unsupported("a modal code in a block that may be skipped", false, step);
   if (step->is_tool_change || at_program_end_) return;
@@ -208,6 +218,7 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
     if (was_known == is_known && (!is_known || positions.ticks[i] == positions_.ticks[i])) continue;
     ForgetPosition(i, false);
   }
+  if (step->sets_pole) pole_.is_known = false;
 }
 
 void Interpreter::Apply(const char* text, const Block& block, Step* step) {
@@ -226,12 +237,16 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     modal_.motion = request.motion->meaning;
     modal_.is_clockwise = request.motion->detail != 0;
     modal_.motion_text = request.motion->text;
+    if (dialect_->has_poles) SelectSense(&request);
+  } else if (request.sense != nullptr) {
+    request.Refuse("the sense of an arc without one");
   }
   modal_.uncertain &= static_cast<uint8_t>(~request.stated);
   if (request.speed_mode != nullptr) SelectSpeedMode(&request);
   if (request.offset != nullptr) SelectOffset(block, &request);
   if (request.length != nullptr || request.length_number != nullptr) SelectLength(&request);
-  if (block.problem != LexProblem::kNone) {
+  // A pole of parameters moves nothing: it is not known.
+  if (block.problem != LexProblem::kNone && !request.is_pole) {
     step->has_other_words = true;
     // o<name> of LinuxCNC calls or defines what stands elsewhere.
     request.is_jump |= text[block.problem_at] == 'o' || text[block.problem_at] == 'O';

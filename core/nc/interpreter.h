@@ -42,7 +42,9 @@ struct Step {
   bool may_be_skipped = false;  // block delete, switch unknown
   bool is_consequence = false;  // of a block reported before
   bool is_tool_change = false;
-  bool ends_block = false;    // has a code that acts after the move (M00, M05 ...)
+  bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
+  bool sets_pole = false;
+  bool is_corner = false;     // the control rounds or chamfers the corner between the moves before and behind
   bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
   uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
   PresetChange preset = PresetChange::kNone;
@@ -54,6 +56,15 @@ struct Step {
   std::array<int8_t, machine::kMaxAxes> word_of_axis{};  // index into Block::words, -1: none
   Positions start, end;
   Arc arc;
+};
+
+// The centre of Klartext's arcs (CC), axis positions of X and Y.
+struct Pole {
+  std::array<Ticks, 2> ticks{};
+  bool is_known = false;
+  bool is_absolute = false;  // the words that set it say so: they mean the same to the controller
+
+  bool operator==(const Pole&) const = default;
 };
 
 class Interpreter {
@@ -73,6 +84,7 @@ class Interpreter {
   const Coordinates& coordinates() const { return coordinates_; }
   Ticks ticks_per_unit(int axis) const { return modal_.is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm; }
   Ticks offset(int axis) const { return coordinates_.Offset(axis); }
+  const Pole& pole() const { return pole_; }
   const Positions& positions() const { return positions_; }
   // Of an axis whose position is unknown: since which line (0: never programmed), and whether that block was reported.
   int64_t unknown_since(int axis) const { return unknown_since_[axis]; }
@@ -109,6 +121,7 @@ class Interpreter {
   void ScanWords(const Block& block, Request* request, Step* step);
   void ScanCode(const Word& word, const Code& code, Request* request, Step* step);
   void ScanKeyword(const Word& word, Request* request, Step* step);
+  void SelectSense(Request* request);
   void SelectSpeedMode(Request* request);
   void SelectOffset(const Block& block, Request* request);
   void SelectLength(Request* request);
@@ -116,6 +129,7 @@ class Interpreter {
   void DoDwell(const Request& request, Step* step);
   void DoMachineMove(const Request& request, Step* step);
   void DoPreset(const Block& block, const Request& request, Step* step);
+  void SetPole(const Block& block, const Request& request, Step* step);
   void DoShift(const Block& block, const Request& request, Step* step);
   // Why axis words of this block cannot be followed, or "".
   std::string WhyNoMove(const Request& request, bool* is_consequence) const;
@@ -130,6 +144,8 @@ class Interpreter {
   // The value of one of them, of any number; false and Unsupported as above.
   bool ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step);
   bool ReadArc(const Block& block, const Request& request, Step* step);
+  // The arc of a circular move that states its sense: about the pole, or CR's. INVALID_ARGUMENT says why there is none.
+  absl::StatusOr<Arc> ArcByPole(const Request& request, const Step& step) const;
   std::string WordProblem(const Word& word) const;
   void Unsupported(std::string reason, bool is_consequence, Step* step);
   void ForgetPositions(bool is_reported);
@@ -156,7 +172,8 @@ class Interpreter {
   uint16_t needs_absolute_ = 0;  // axes whose tool length changed: controllers differ on what G91 does then
   int last_length_number_ = -1;  // of H
   int64_t line_ = 0;
-  int64_t jump_line_ = 0;          // behind it the order of blocks is not known
+  int64_t jump_line_ = 0;  // behind it the order of blocks is not known
+  Pole pole_;
   bool rounds_corners_ = false;    // until it ends (RNDM=)
   bool is_behind_corner_ = false;  // the corner at the end of the last move is rounded or chamfered
   bool has_moved_ = false;

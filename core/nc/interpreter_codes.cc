@@ -152,6 +152,12 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kAddress:
     case Meaning::kIncrementalAddress:
       return;
+    case Meaning::kPole:
+      request->is_pole = true;
+      return;
+    case Meaning::kArcSense:
+      request->sense = &code;
+      return;
     case Meaning::kCorner:
       if (code.detail == 0) {
         request->has_corner = true;
@@ -266,6 +272,16 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->ends_block = true;
       return;
   }
+}
+
+// "C X+20 Y+10 DR-".
+void Interpreter::SelectSense(Request* request) {
+  const bool is_arc = request->motion->meaning == Meaning::kArc;
+  if (!is_arc && request->sense != nullptr) request->Refuse("the sense of an arc without one");
+  if (!is_arc) return;
+  if (request->sense == nullptr) return request->Refuse("a circular move without DR");
+  if (!request->has_axis) return request->Refuse("a circular move without a word of X or Y");
+  modal_.is_clockwise = request->sense->detail != 0;
 }
 
 // "G5 P2" alone: the path stays that of the blocks. Any other number calls a cycle, and axis words make it a spline.

@@ -33,6 +33,7 @@ const char* NameOf(ModalGroup group) {
 }  // namespace
 
 void Interpreter::Act(const Block& block, const Request& request, Step* step) {
+  if (request.is_pole) return SetPole(block, request, step);
   if (request.machine_move != nullptr) return DoMachineMove(request, step);
   if (request.preset != nullptr) return DoPreset(block, request, step);
   if (request.shift != nullptr) return DoShift(block, request, step);
@@ -44,6 +45,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
       std::string reason = WhyNoMove(request, &is_consequence);
       return reason.empty() ? Move(block, request, step) : Unsupported(std::move(reason), is_consequence, step);
     }
+    step->is_corner = is_behind_corner_ = request.has_corner;
     if (request.has_code) return;
     char stray = request.parameter != 0 ? request.parameter : request.radius != nullptr ? 'R' : char{0};
     if (stray == 0 && request.has_centre) stray = 'I';
@@ -164,6 +166,7 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
   }
   const char* const kind = is_arc ? " in a circular move" : " in a linear move";
   if (request.parameter != 0) return absl::StrCat("word ", std::string(1, request.parameter), kind);
+  if (is_arc && dialect_->has_poles && request.motion == nullptr) return "axis words without L or C behind an arc";
   if (!is_arc && request.radius != nullptr) return absl::StrCat("word R", kind);
   if (!is_arc && request.has_centre) return absl::StrCat("word I, J or K", kind);
   return "";
@@ -289,69 +292,6 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   step->tool_length = coordinates_.active_length();
   positions_.CopyFrom(step->end, axis_count_);
   has_moved_ = true;
-}
-
-bool Interpreter::ReadArc(const Block& block, const Request& request, Step* step) {
-  const int first = PlaneAxis(0), second = PlaneAxis(1);
-  const auto refuse = [&](std::string reason, bool is_consequence) {
-    Unsupported("circular move: " + std::move(reason), is_consequence, step);
-    return false;
-  };
-  if (first < 0 || second < 0 || !is_linear_[first] || !is_linear_[second])
-    return refuse("the machine has no two linear axes in this plane", false);
-  for (const int axis : {first, second}) {
-    if (!step->start.is_known(axis)) {
-      return refuse(absl::StrCat("it starts at an unknown position of ", machine_->axes[axis].name),
-                    is_unknown_reported(axis));
-    }
-  }
-  const auto point = [&](const Positions& at) -> Eigen::Vector2d {
-    return Eigen::Vector2d(static_cast<double>(at.ticks[first]), static_cast<double>(at.ticks[second])) / kTicksPerUnit;
-  };
-  const Eigen::Vector2d start_mm = point(step->start), end_mm = point(step->end);
-  absl::StatusOr<Arc> arc = absl::InvalidArgumentError("it has no centre and no radius");
-  if (request.radius != nullptr) {
-    const std::optional<Ticks> radius = LengthTicks(*request.radius);
-    if (request.has_centre) return refuse("it has a centre and a radius", false);
-    if (request.radius->distance != Distance::kModal) return refuse("its radius is a position", false);
-    if (!radius) return refuse(WordProblem(*request.radius), false);
-    arc = ArcOfRadius(start_mm, end_mm, static_cast<double>(*radius) / kTicksPerUnit, !modal_.is_clockwise);
-  } else if (request.has_centre) {
-    // I belongs to X, J to Y, K to Z.
-    static constexpr char kCentres[3][3] = {"JK", "KI", "IJ"};
-    Eigen::Vector2d centre_mm = modal_.are_centres_absolute ? Eigen::Vector2d::Zero().eval() : start_mm;
-    int found = 0;
-    for (const Word& word : block) {
-      if (RoleOf(word.letter) != Role::kCentre) continue;
-      const char* const letters = kCentres[modal_.plane_normal];
-      if (word.letter != letters[0] && word.letter != letters[1])
-        return refuse(absl::StrCat("word ", std::string(1, word.letter), " is not of its plane"), false);
-      const int index = word.letter == letters[0] ? 0 : 1, axis = index == 0 ? first : second;
-      const std::optional<Ticks> value = LengthTicks(word);
-      if (std::string problem = WordProblem(word); !problem.empty() || !value) return refuse(problem, false);
-      const bool is_absolute =
-          word.distance == Distance::kModal ? modal_.are_centres_absolute : word.distance == Distance::kAbsolute;
-      const Eigen::Vector2d base_mm = is_absolute ? Eigen::Vector2d::Zero().eval() : start_mm;
-      centre_mm[index] =
-          base_mm[index] + static_cast<double>(*value + (is_absolute ? offset(axis) : 0)) / kTicksPerUnit;
-      found |= found & (1 << index) ? 4 : 1 << index;
-    }
-    if (found > 3) return refuse("two centre words of one letter", false);
-    if (modal_.are_centres_absolute && found != 3) return refuse("an absolute centre needs both words", false);
-    arc = ArcAboutCentre(start_mm, end_mm, centre_mm, !modal_.is_clockwise);
-  }
-  if (!arc.ok()) return refuse(std::string(arc.status().message()), false);
-  step->is_arc = true;
-  step->arc = *arc;
-  step->arc.first = first;
-  step->arc.second = second;
-  // The senses in which the axes come to the end.
-  const double end_rad = arc->start_rad + arc->sweep_rad;
-  const double along[2] = {-std::sin(end_rad) * arc->sweep_rad, std::cos(end_rad) * arc->sweep_rad};
-  for (const int index : {0, 1}) {
-    if (std::abs(along[index]) > 1e-9) step->end.sense[index == 0 ? first : second] = along[index] > 0 ? 1 : -1;
-  }
-  return true;
 }
 
 }  // namespace axiscal::nc

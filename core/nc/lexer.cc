@@ -49,7 +49,7 @@ class BlockLexer {
         if (!ReadComment()) return;
       } else if (*at_ == dialect_.line_comment && dialect_.line_comment != 0) {
         block_.is_marked |= HasMark(at_ + 1, end_);
-        if (dialect_.has_semicolon_ends && IsBlockBehind(at_)) Fail(LexProblem::kSemicolon, at_);
+        if (dialect_.has_semicolon_ends && IsBlockBehind(at_, end_)) Fail(LexProblem::kSemicolon, at_);
         return;
       } else {
         Fail(kind == kMacro ? LexProblem::kExpression
@@ -85,26 +85,6 @@ class BlockLexer {
     block_.is_deletable = true;
     ++at_;
     if (at_ != end_ && Class(*at_) == kDigit) ++at_;  // "/2": one of several switches
-  }
-
-  // Whether what follows the ';' at `at` is words and nothing else, a code or a position among them.
-  bool IsBlockBehind(const char* at) const {
-    bool is_acting = false;
-    for (++at; at != end_ && *at != '(' && *at != ';';) {
-      if (Class(*at) == kBlank) {
-        ++at;
-        continue;
-      }
-      const char letter = Capital(*at);
-      if (letter < 'A' || letter > 'Z') return false;
-      is_acting |= std::strchr("GMXYZABCUVWIJK", letter) != nullptr;
-      ++at;
-      while (at != end_ && (Class(*at) == kBlank || *at == '-' || *at == '+')) ++at;
-      const char* const number = at;
-      while (at != end_ && (Class(*at) == kDigit || *at == '.')) ++at;
-      if (at == number) return false;
-    }
-    return is_acting;
   }
 
   // "<NAME>" or "O<NAME>": text, not words.
@@ -187,6 +167,7 @@ class BlockLexer {
     const uint8_t next = Class(*at);
     if (at == at_ + 1) return next == kBlank ? at : nullptr;
     if (last >= '0' && last <= '9') return next == kDigit ? nullptr : at;
+    if (last == '+' || last == '-') return next == kDigit ? nullptr : at;
     return next == kUpper || next == kLower || *at == '_' ? nullptr : at;
   }
 
@@ -200,7 +181,7 @@ class BlockLexer {
     if (found < 0) return false;
     const Keyword& keyword = dialect_.keywords[static_cast<size_t>(found)];
     takes_rest_ = keyword.takes_rest;
-    const bool is_corner = keyword.meaning == Meaning::kCorner;
+    const bool is_corner = keyword.meaning == Meaning::kCorner && !keyword.takes_rest;
     const bool is_address =
         is_corner || keyword.meaning == Meaning::kAddress || keyword.meaning == Meaning::kIncrementalAddress;
     if (is_address) {
@@ -379,6 +360,17 @@ class BlockLexer {
   bool takes_rest_ = false;
 };
 
+// "CR X+20 Y+10 R+20 DR- R0": the first R is the radius, and called Q from here on.
+void NameRadius(const Dialect& dialect, Block* block) {
+  const Word* const first = block->begin();
+  if (block->word_count == 0 || first->letter != 0) return;
+  const Keyword& keyword = dialect.keywords[static_cast<size_t>(first->keyword)];
+  if (keyword.meaning != Meaning::kArc || keyword.detail != kArcWithRadius) return;
+  const auto end = block->words.begin() + block->word_count;
+  const auto radius = std::find_if(block->words.begin(), end, [](const Word& word) { return word.letter == 'R'; });
+  if (radius != end) radius->letter = 'Q';
+}
+
 }  // namespace
 
 void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
@@ -391,6 +383,7 @@ void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
   if (begins_with_word && ReadPlainWords(text, text, text + size, block) == text + size) return;
   block->word_count = 0;
   BlockLexer(text, size, dialect, block).Run();
+  if (dialect.has_poles) NameRadius(dialect, block);
 }
 
 }  // namespace axiscal::nc

@@ -17,6 +17,9 @@ namespace axiscal::nc {
 // `block` is set, words beyond word_count excepted. Never fails.
 void Lex(const char* text, size_t size, const Dialect& dialect, Block* block);
 
+// Whether what follows the ';' at `at` is words and nothing else, a code or a position among them.
+bool IsBlockBehind(const char* at, const char* end);
+
 // "nested comment at column 7".
 std::string ToString(LexProblem problem, uint32_t at);
 

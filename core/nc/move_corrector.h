@@ -29,6 +29,7 @@ struct WordGrain {
   AxisTicks of_axis{};     // of each axis' word, ticks; 0: any position
   AxisTicks base{};        // a position that the word can say
   double radius_mm = 0.0;  // of the R word; 0: the arc has a centre
+  bool is_flat = false;    // the arc's block holds no word of another axis than its plane's
 };
 
 class MoveCorrector {

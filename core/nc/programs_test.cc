@@ -60,11 +60,11 @@ const std::vector<Program>& Programs() {
       {"heidenhain",
        "0 BEGIN PGM 12 MM\n1 BLK FORM 0.1 Z X+0 Y+0 Z-20\n2 BLK FORM 0.2 X+100 Y+100 Z+0\n3 L X+0 Y+0 Z+50 B+0 C+0 R0 "
        "FMAX M3\n"
-       "4 L X+10 F2000\n5 L Y+20\n6 CC X+0 Y+0\n7 C X+20 Y+10 DR-\n8 L X+0 Y+0 Z+50 B+0 C+0 R0 FMAX\n9 PLANE SPATIAL "
+       "4 L X+10 F2000\n5 L Y+20\n6 CR X+20 Y+10 R+20 DR-\n7 RND R2\n8 L X+0 Y+0 Z+50 B+0 C+0 R0 FMAX\n9 PLANE SPATIAL "
        "SPA+0 SPB+30 SPC+0 "
        "STAY\n10 L X+5\n11 L Z+0 R0 FMAX M91\n12 END PGM 12 MM\n",
-       {4, 5, 9},
-       {8, 10}},
+       {4, 5, 7, 9},
+       {10}},
   };
   return *programs;
 }

@@ -16,6 +16,7 @@ struct Interpreter::Request {
   const Code* unit = nullptr;      // G20, G21
   const Code* feed = nullptr;      // G93 to G95
   const Code* plane = nullptr;
+  const Code* sense = nullptr;  // DR+, DR-
   const Code* machine_move = nullptr;
   const Code* preset = nullptr;  // G92
   const Code* shift = nullptr;   // G52
@@ -36,6 +37,7 @@ struct Interpreter::Request {
   bool is_end = false;
   bool is_jump = false;
   bool is_rapid_block = false;
+  bool is_pole = false;     // CC
   bool has_corner = false;  // RND=
   char foreign_axis = 0;
   char parameter = 0;

@@ -60,7 +60,10 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   if (step.has_other_words && !has_mark_place) KeepMarkPlace();
   if (step.is_tool_change && job.report().blocks_corrected > 0 && tools.empty())
     job.Note(now, "tool change; all moves are corrected for the one tool point stated");
+  if (step.is_corner && is_last_split)
+    job.Refused(now, "the move in front of the corner had to be split, and the control needs it whole", false);
   if (step.kind == StepKind::kMove) {
+    is_last_split = false;
     Move();
   } else {
     if (step.kind == StepKind::kUnsupported) NotCorrected(step.reason, step.is_consequence);
@@ -98,6 +101,7 @@ void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence
 
 void Rewriter::Impl::Copy() {
   writer.CopyBlock(now.text, now.size, block, step, &out);
+  if (step.sets_pole) writer.TakePole(interpreter.pole());
   if (step.kind != StepKind::kNone || step.preset != PresetChange::kNone) {
     writer.Pass(block, step);
     job.BreakPath();
@@ -176,6 +180,7 @@ void Rewriter::Impl::Move() {
     if (piece.turned.limit != compensate::DirectionLimit::kNone) job.Tilted(now, piece.turned);
   }
   if (before) writer.ForgetChanges(*before);
+  if (before) writer.ForgetPole();
 }
 
 void Rewriter::Impl::NoteHalfTurns() {

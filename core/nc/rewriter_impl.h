@@ -72,6 +72,7 @@ struct Rewriter::Impl {
   size_t mark_place = 0;  // in `out`, while nothing of it was sent since the program's begin
   bool is_flushed = false;
   std::string mark_line_end;
+  bool is_last_split = false;  // the last move was written in pieces
   bool is_finished = false;
 
   bool is_null() const { return job.report().is_null_correction; }

@@ -34,7 +34,8 @@ void Rewriter::Impl::WriteSplit(double departure_mm) {
     job.Refused(now, absl::StrCat(departs, " and the move cannot be split: ", reason), false);
     return Copy();
   }
-  job.report().blocks_split += pieces->size() > 1;
+  is_last_split = pieces->size() > 1;
+  job.report().blocks_split += is_last_split;
   job.report().blocks_inserted += static_cast<int64_t>(pieces->size()) - 1;
   const std::string line_end =
       now.text_size == now.size ? "\n" : std::string(now.text + now.text_size, now.size - now.text_size);

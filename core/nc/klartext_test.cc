@@ -1,0 +1,131 @@
+// Arcs and corners of Klartext.
+#include "core/base/units.h"
+#include "core/nc/testing/rewritten.h"
+#include "core/nc/verify.h"
+
+namespace axiscal::nc {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::kAtZero;
+using ::testing::Not;
+
+RewriteOptions Klartext() {
+  RewriteOptions options = testing::kAtZero;
+  options.dialect = "heidenhain";
+  return options;
+}
+
+// The centre goes along with the arc: a CC line in front of it, once for arcs of one centre.
+TEST(Klartext, ArcsAboutAPoleGetTheirCentre) {
+  EXPECT_REWRITTEN(
+      Klartext(),
+      "1 L X+10 Y+0 F500\n2 CC X+0 Y+0\n3 C X+0 Y+10 DR+\n4 C X+10 Y+0 DR- M8\n5 C X+10 Y+0 DR+ R0\n6 L X+5\n",
+      "1 L X+10.0417 Y+0 F500\n2 CC X+0 Y+0\nCC X+0.0417 Y+0.0000\n3 C X+0.0417 Y+10 DR+\n"
+      "4 C X+10.0417 Y+0 DR- M8\n5 C X+10.0417 Y+0 DR+ R0\n6 L X+5.0417\n");
+  // CC where the tool stands, and counted from there.
+  EXPECT_REWRITTEN(Klartext(),
+                   "1 L X+0 Y+0 F500\n2 CC\n3 L X+10\n4 C X-10 Y+0 DR+\n5 CC IX+20 IY+0\n6 C IX+20 IY-20 DR+\n",
+                   "1 L X+0.0417 Y+0 F500\n2 CC\n3 L X+10.0417\nCC X+0.0417 Y+0.0000\n4 C X-9.9583 Y+0 DR+\n"
+                   "5 CC IX+20 IY+0\nCC X+10.0417 Y+0.0000\n6 C IX+20 IY-20 DR+\n");
+  // A block that may be skipped leaves either pole.
+  EXPECT_REWRITTEN(Klartext(), "1 L X+10 Y+0 F500\n2 CC X+0 Y+0\n/3 C X+10 Y+0 DR+\n4 L X+10 Y+0\n5 C X+0 Y+10 DR+\n",
+                   "1 L X+10.0417 Y+0 F500\n2 CC X+0 Y+0\nCC X+0.0417 Y+0.0000\n/3 C X+10.0417 Y+0 DR+\n"
+                   "4 L X+10.0417 Y+0\nCC X+0.0417 Y+0.0000\n5 C X+0.0417 Y+10 DR+\n");
+}
+
+TEST(Klartext, ArcsOfARadius) {
+  EXPECT_REWRITTEN(Klartext(), "1 L X+10 Y+0 F500\n2 CR X+0 Y+10 R+10 DR+\n3 CR X+10 Y+0 R-10.000 DR+ R0 F200\n",
+                   "1 L X+10.0417 Y+0 F500\n2 CR X+0.0417 Y+10 R+10 DR+\n3 CR X+10.0417 Y+0 R-10.000 DR+ R0 F200\n");
+}
+
+TEST(Klartext, ArcsThatCannotBeFollowedSayWhy) {
+  const std::string head = "1 L X+10 Y+0 F500\n";
+  EXPECT_REFUSED(Klartext(), head + "C X+0 Y+10 DR+\n", "its centre is not known: no CC block states it in numbers");
+  EXPECT_REFUSED(Klartext(), head + "CC X+Q1 Y+0\nC X+0 Y+10 DR+\n",
+                 "line 3: 'C X+0 Y+10 DR+': circular move: its centre");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0\nC X+0 Y+10 DR+\n", "its centre is not known");
+  EXPECT_REFUSED(Klartext(), head + "CC Z+0 X+0\nC X+0 Y+10 DR+\n", "its centre is not known");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nC X+0 Y+10\n", "a circular move without DR");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nC DR+\n", "without a word of X or Y");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nC X+0 Y+10 Z-1 DR+\n", "a word of Z in it");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nC X+0 Y+10 DR+ FMAX\n", "a rapid one");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nC X+0 Y+11 DR+\n", "1.0000 mm off the circle about its centre");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nC X+0 Y+10 DR+ RL\n", "cutter compensation");
+  EXPECT_REFUSED(Klartext(), head + "CR X+0 Y+10 DR+\n", "it has no radius");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nC X+0 Y+10 DR+\nX+5\n", "axis words without L or C behind an arc");
+  EXPECT_REFUSED(Klartext(), head + "L X+0 DR+\n", "the sense of an arc without one");
+  EXPECT_REFUSED(Klartext(), head + "CT X+0 Y+10\n", "its centre follows from the block before");
+  EXPECT_REFUSED(Klartext(), head + "CC X+0 Y+0\nLP PR+5 PA+0\n", "no word of an axis could be corrected");
+}
+
+TEST(Klartext, CornersAreRoundedByTheControlWhereTheirMovesStayWhole) {
+  EXPECT_REWRITTEN(Klartext(), "1 L X+10 Y+0 F500\n2 RND R2 F100\n3 L Y+10\n4 CHF 1.5\n5 L X+0\n",
+                   "1 L X+10.0417 Y+0 F500\n2 RND R2 F100\n3 L Y+10\n4 CHF 1.5\n5 L X+0.0417\n");
+  RewriteOptions fine = Klartext();
+  fine.tolerance_mm = 0.001;
+  const std::string head = "1 L X+10 Y+0 Z+0 B+0 C+0 F500\n";
+  EXPECT_REFUSED(fine, head + "2 L B+90 X+20\n3 RND R2\n4 L Y+5\n",
+                 "line 3: '3 RND R2': the move in front of the corner had to be split");
+  EXPECT_REFUSED(fine, head + "2 L X+20\n3 RND R2\n4 L B+90 Y+5\n", "line 4");
+  EXPECT_TRUE(testing::Rewritten(head + "2 L X+20\n3 RND R2\n4 L Y+5\n5 L B+90\n", fine).status.ok());
+}
+
+struct Path {
+  std::string text;
+  VerifyReport verified;
+};
+
+Path Compensated(const std::string& program, const std::vector<std::pair<std::string, double>>& values) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto errors = testing::ConstantErrors(machine, values);
+  RewriteOptions options;
+  options.dialect = "heidenhain";
+  options.tolerance_mm = 0.001;
+  VerifyOptions verify;
+  verify.tool_tip_mm = {0, 0, -testing::kToolMm};
+  verify.reading = options;
+  Path path;
+  RewriteReport report;
+  const auto text = RewriteText(program, testing::MustCreate(machine, errors, verify.tool_tip_mm), options, &report);
+  EXPECT_TRUE(text.ok()) << text.status();
+  if (!text.ok()) return path;
+  path.text = *text;
+  const auto verified = VerifyText(program, *text, machine, errors, verify);
+  EXPECT_TRUE(verified.ok()) << verified.status() << *text;
+  if (verified.ok()) path.verified = *verified;
+  return path;
+}
+
+constexpr char kArcs[] =
+    "0 BEGIN PGM A MM\n1 L X+80 Y+10 Z-20 B+30 C+0 R0 FMAX\n2 CC X+50 Y+10\n3 C X+50 Y+40 DR+ F1000\n4 C X+50 Y+40 "
+    "DR-\n"
+    "5 CC IX-30 IY+5\n6 C IX-30.4138 IY+35.4138 DR-\n7 CR X+10 Y+10 R+45 DR+\n8 CR X+20 Y+10 R-7.5 DR-\n9 L X+0\n";
+
+// Squareness of X and Y shears circles: they become several arcs, each with its centre.
+TEST(Klartext, ArcsStayWithinToleranceAsArcs) {
+  const Path path = Compensated(kArcs, {{"EC0Y", 2e-4}, {"EX0C", 0.03}, {"EB0B", testing::kTiltRad}});
+  EXPECT_EQ(path.verified.moves, 7);
+  EXPECT_GT(path.verified.pieces, 7);
+  EXPECT_LT(path.verified.pieces, 60);
+  EXPECT_THAT(path.text, HasSubstr("\nC X+"));
+  EXPECT_THAT(path.text, HasSubstr(" DR-\n"));
+  EXPECT_THAT(path.text, Not(HasSubstr("I-")));
+  EXPECT_LT(path.verified.end_after.max_mm, 0.0002);
+  EXPECT_LT(path.verified.path_after.max_mm, 0.0012) << path.text;
+  EXPECT_GT(path.verified.path_before.max_mm, 0.02);
+}
+
+// Where Z must follow, no word of an arc could say so: chords in L blocks.
+TEST(Klartext, ArcsThatNeedAnotherAxisBecomeChords) {
+  const Path path = Compensated(kArcs, {{"EA0C", 2e-4}, {"EB0C", -1e-4}});
+  EXPECT_EQ(path.verified.moves, 7);
+  EXPECT_GT(path.verified.pieces, 100);
+  EXPECT_THAT(path.text, HasSubstr("\n3 L X+"));
+  EXPECT_THAT(path.text, Not(HasSubstr("DR")));
+  EXPECT_LT(path.verified.end_after.max_mm, 0.0002);
+  EXPECT_LT(path.verified.path_after.max_mm, 0.0012);
+}
+
+}  // namespace
+}  // namespace axiscal::nc
