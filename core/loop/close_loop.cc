@@ -144,6 +144,7 @@ class Loop {
       // What had no name beside the wrong effect may have one beside the right one, or not be there at all.
       std::erase_if(effects, [](const Added& one) { return IsUnnamed(one.candidate.family); });
       ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
+      RETURN_IF_ERROR(growth.Prune(&fit));
       RETURN_IF_ERROR(growth.Extend(&fit));
       RETURN_IF_ERROR(validation.Run(&fit).status());
     }

@@ -23,10 +23,12 @@ absl::Status Growth::Extend(Fit* fit) {
     ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
     if (!has_found) break;
     RETURN_IF_ERROR(Swap(fit));
-    RETURN_IF_ERROR(Backward(fit));
+    RETURN_IF_ERROR(Backward(effects().size() - 1, fit));
   }
   return absl::OkStatus();
 }
+
+absl::Status Growth::Prune(Fit* fit) { return Backward(effects().size(), fit); }
 
 namespace {
 
@@ -87,8 +89,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   SetClass(finding, &added);
   const bool is_slip = added.candidate.family == Family::kStep;
   if (is_slip) {
-    added.candidate =
-        WithMoments(signatures, Refined(signatures, added.candidate, 0.0), options_.search.indistinguishable);
+    added.candidate = AtBestMoment(signatures, added.candidate, options_.search.indistinguishable);
     extension().MapSlip(fit->problem, &added.candidate);
   }
   effects().push_back(added);
@@ -194,12 +195,12 @@ absl::StatusOr<Finding> Growth::Decide(const Fit& fit, Finding finding) const {
   return finding;
 }
 
-// Drops effects that the refitted model no longer needs.
-absl::Status Growth::Backward(Fit* fit) {
-  while (effects().size() > 1) {
+// Drops those of the first `count` effects that the refitted model no longer needs.
+absl::Status Growth::Backward(size_t count, Fit* fit) {
+  for (; count > 0; --count) {
     int weakest = -1;
     double least = options_.search.evidence;
-    for (size_t i = 0; i + 1 < effects().size(); ++i) {
+    for (size_t i = 0; i < count; ++i) {
       if (effects()[i].candidate.family == Family::kStep) continue;
       const double evidence = EvidenceOf(*fit, extension().TermOf(i));
       if (evidence < least) {

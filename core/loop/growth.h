@@ -35,6 +35,8 @@ class Growth {
 
   // Adds effects until nothing significant is left; `fit` is that of the extension before and after.
   absl::Status Extend(identify::Fit* fit);
+  // Drops effects that stand for nothing once others have been replaced.
+  absl::Status Prune(identify::Fit* fit);
 
  private:
   Extension& extension() const { return attempt_->extension; }
@@ -47,7 +49,7 @@ class Growth {
   absl::StatusOr<Finding> Decide(const identify::Fit& fit, Finding finding) const;
   absl::Status Swap(identify::Fit* fit);
   absl::StatusOr<bool> SwapOne(size_t effect, identify::Fit* fit);
-  absl::Status Backward(identify::Fit* fit);
+  absl::Status Backward(size_t count, identify::Fit* fit);
 
   const machine::Machine& machine_;
   const Options& options_;

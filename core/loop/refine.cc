@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/base/demand.h"
@@ -67,37 +68,44 @@ Candidate RefinedDecay(const Signatures& signatures, Candidate candidate) {
   return candidate;
 }
 
-Candidate RefinedStep(const Signatures& signatures, const Candidate& candidate) {
-  const identify::Problem& problem = signatures.problem();
-  const int stride = StepStride(problem.runs[candidate.run]);
-  const int last = problem.runs[candidate.run].reading_count() - 1;
-  std::vector<Candidate> around;
-  for (int k = std::max(1, candidate.first_reading - stride); k <= std::min(last, candidate.first_reading + stride);
-       ++k) {
-    around.push_back(candidate);
-    around.back().first_reading = k;
-  }
-  return BestOf(signatures, around);
-}
-
 }  // namespace
 
-Candidate WithMoments(const Signatures& signatures, Candidate slip, double indistinguishable) {
+Candidate AtBestMoment(const Signatures& signatures, Candidate slip, double indistinguishable) {
   DEMAND(slip.family == Family::kStep);
-  const int last = signatures.problem().runs[slip.run].reading_count() - 1;
-  std::vector<Candidate> moments(last, slip);
-  for (int k = 1; k <= last; ++k) moments[k - 1].first_reading = k;
-  const std::vector<Projection> projections = signatures.Project(moments);
-  const auto explained = [&](int k) {
-    Eigen::Vector3d amplitude;
-    const Projection& projection = projections[k - 1];
-    const double gain = projection.visible > kVisible ? Gain(projection, &amplitude) : 0.0;
-    return LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
+  const instruments::MeasuringRun& run = signatures.problem().runs[slip.run];
+  const int last = run.reading_count() - 1, stride = StepStride(run);
+  std::map<int, double> explained;  // likelihood ratio by the first reading after the slip
+  const auto explain = [&](const std::vector<int>& moments) {
+    std::vector<Candidate> candidates(moments.size(), slip);
+    for (size_t i = 0; i < moments.size(); ++i) candidates[i].first_reading = moments[i];
+    const std::vector<Projection> projections = signatures.Project(candidates);
+    for (size_t i = 0; i < moments.size(); ++i) {
+      Eigen::Vector3d amplitude;
+      const double gain = projections[i].visible > kVisible ? Gain(projections[i], &amplitude) : 0.0;
+      explained[moments[i]] = LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
+    }
   };
-  const double least = explained(slip.first_reading) - indistinguishable;
-  slip.earliest = slip.latest = slip.first_reading;
-  while (slip.earliest > 1 && explained(slip.earliest - 1) >= least) --slip.earliest;
-  while (slip.latest < last && explained(slip.latest + 1) >= least) ++slip.latest;
+  const auto by_value = [](const auto& a, const auto& b) { return a.second < b.second; };
+  std::vector<int> moments = {slip.first_reading};
+  for (int k = 1; k <= last; k += stride) moments.push_back(k);
+  explain(moments);
+  // Of a slip that a session hardly sees the profile is rugged: every reading near moments that come close.
+  constexpr double kClose = 25.0;
+  const double close = std::max_element(explained.begin(), explained.end(), by_value)->second - kClose;
+  moments.clear();
+  for (const auto& [moment, value] : explained) {
+    for (int k = std::max(1, moment - stride); value >= close && k <= std::min(last, moment + stride); ++k) {
+      if (!explained.contains(k) && (moments.empty() || k > moments.back())) moments.push_back(k);
+    }
+  }
+  if (!moments.empty()) explain(moments);
+  const auto best = std::max_element(explained.begin(), explained.end(), by_value);
+  slip.first_reading = slip.earliest = slip.latest = best->first;
+  for (const auto& [moment, value] : explained) {
+    if (value < best->second - indistinguishable) continue;
+    slip.earliest = std::min(slip.earliest, moment);
+    slip.latest = std::max(slip.latest, moment);
+  }
   return slip;
 }
 
@@ -131,8 +139,6 @@ Candidate Refined(const Signatures& signatures, const Candidate& candidate, doub
     case Family::kReversal:
     case Family::kDriftExp:
       return RefinedDecay(signatures, candidate);
-    case Family::kStep:
-      return RefinedStep(signatures, candidate);
     default:
       return candidate;
   }

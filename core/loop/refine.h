@@ -12,12 +12,13 @@ namespace axiscal::loop {
 // The best of the candidates by what it explains, with its linear amplitude. DEMANDs that there is one.
 Candidate BestOf(const Signatures& signatures, const std::vector<Candidate>& candidates);
 
-// A bump's place and width, a pitch's frequency, a decay length or time constant, a slip's moment (to the reading);
-// others as they are. `range` is the measured range of the candidate's axis.
+// A bump's place and width, a pitch's frequency, a decay length or time constant; others as they are. `range` is the
+// measured range of the candidate's axis.
 Candidate Refined(const Signatures& signatures, const Candidate& candidate, double range);
 
-// A refined slip with the range of moments that explain as much within `indistinguishable` (chi-square units).
-Candidate WithMoments(const Signatures& signatures, Candidate slip, double indistinguishable);
+// A slip at the reading of its session that explains most, with the range of moments that explain as much within
+// `indistinguishable` (chi-square units).
+Candidate AtBestMoment(const Signatures& signatures, Candidate slip, double indistinguishable);
 
 // Families that the dictionary samples: their members compare only once they are refined.
 bool IsGrid(Family family);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/loop/signature_scan.h"
@@ -16,26 +17,45 @@ int ColumnOf(const Candidate& candidate) {
   return machine::kComponents * candidate.term.joint + static_cast<int>(candidate.term.component);
 }
 
+// An artefact may slip along what its session does not see.
+void LeaveOut(int column, Projection* projection) {
+  projection->own.row(column).setZero();
+  projection->own.col(column).setZero();
+  projection->with_residual[column] = 0.0;
+}
+
 }  // namespace
 
+// Pivoted elimination; columns that are a combination of others in this data take no part.
 double Gain(const Projection& projection, Eigen::Vector3d* amplitude) {
   const int n = projection.columns;
-  const Eigen::MatrixXd own = projection.own.topLeftCorner(n, n);
-  const Eigen::VectorXd right = projection.with_residual.head(n);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(own);
+  Eigen::Matrix3d own = projection.own;
+  Eigen::Vector3d right = projection.with_residual;
   constexpr double kRegular = 1e-9;
-  if (factor.vectorD().minCoeff() <= kRegular * own.diagonal().maxCoeff()) {
-    // Columns that are one column in this data count as one.
-    int best = 0;
-    own.diagonal().maxCoeff(&best);
-    amplitude->setZero();
-    (*amplitude)[best] = -right[best] / own(best, best);
-    return right[best] * right[best] / own(best, best);
+  const double least = kRegular * own.diagonal().head(n).maxCoeff();
+  std::array<int, 3> order = {0, 1, 2};
+  double gain = 0.0;
+  int rank = 0;
+  for (; rank < n; ++rank) {
+    const auto largest = std::max_element(order.begin() + rank, order.begin() + n,
+                                          [&own](int a, int b) { return own(a, a) < own(b, b); });
+    std::iter_swap(order.begin() + rank, largest);
+    const int pivot = order[rank];
+    if (!(own(pivot, pivot) > least)) break;
+    gain += right[pivot] * right[pivot] / own(pivot, pivot);
+    for (int i = rank + 1; i < n; ++i) {
+      const double share = own(order[i], pivot) / own(pivot, pivot);
+      right[order[i]] -= share * right[pivot];
+      for (int k = rank + 1; k < n; ++k) own(order[i], order[k]) -= share * own(pivot, order[k]);
+    }
   }
-  const Eigen::VectorXd solution = factor.solve(right);
   amplitude->setZero();
-  amplitude->head(n) = -solution;
-  return right.dot(solution);
+  for (int i = rank - 1; i >= 0; --i) {
+    double value = -right[order[i]];
+    for (int k = i + 1; k < rank; ++k) value -= own(order[i], order[k]) * (*amplitude)[order[k]];
+    (*amplitude)[order[i]] = value / own(order[i], order[i]);
+  }
+  return gain;
 }
 
 int Signatures::ColumnsOf(const Candidate& candidate) const {
@@ -188,15 +208,20 @@ void Signatures::ProjectFully(const std::vector<const Candidate*>& candidates,
   for (size_t i = 0; i < candidates.size(); ++i) {
     Projection& out = *projections[i];
     out.columns = ColumnsOf(*candidates[i]);
-    out.visible = 1.0;
+    Eigen::Vector3d visible = Eigen::Vector3d::Zero();
     for (int a = 0; a < out.columns; ++a) {
       for (int b = 0; b <= a; ++b) {
         const double squares = out.own(a, b);
         out.own(a, b) = out.own(b, a) = squares - coefficients.col(at + a).dot(coefficients.col(at + b));
-        if (a == b) out.visible = std::min(out.visible, squares > kRounding ? out.own(a, a) / squares : 0.0);
+        if (a == b && squares > kRounding) visible[a] = out.own(a, a) / squares;
       }
     }
     at += out.columns;
+    const bool is_slip = candidates[i]->family == Family::kStep;
+    out.visible = is_slip ? visible.maxCoeff() : visible.head(out.columns).minCoeff();
+    for (int a = 0; is_slip && a < out.columns; ++a) {
+      if (visible[a] <= kVisible) LeaveOut(a, &out);
+    }
   }
 }
 

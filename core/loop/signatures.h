@@ -24,7 +24,9 @@ struct Projection {
   int columns = 0;
   Eigen::Matrix3d own = Eigen::Matrix3d::Zero();            // X' X after projection, upper-left columns x columns
   Eigen::Vector3d with_residual = Eigen::Vector3d::Zero();  // X' r after projection
-  double visible = 0.0;      // smallest share of a column's squares that is left after projection
+  // Share of a column's squares that is left after projection: the smallest; of a slip the largest, as a session sees
+  // few of its directions.
+  double visible = 0.0;
   bool is_screened = false;  // too far from the residual to matter: nothing else is known
 };
 

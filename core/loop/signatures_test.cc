@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "core/identify/identify.h"
 #include "core/identify/testing/scenario.h"
 #include "core/loop/dictionary.h"
@@ -45,6 +47,26 @@ TEST(Signatures, ThePromisedGainIsThatOfTheRefit) {
   EXPECT_GT(gain, 50.0);
   EXPECT_NEAR(gain, chi2(before) - chi2(after), 1e-3 * gain);  // second order of errors of 1e-4
   EXPECT_NEAR(signatures.residual_squares(), chi2(before), 1e-6 * chi2(before));
+}
+
+// A session that does not see one direction of a slip, and one that sees two directions as one.
+TEST(Signatures, ColumnsThatShowNothingOfTheirOwnTakeNoPartInTheGain) {
+  Projection projection;
+  projection.columns = 3;
+  projection.own.topLeftCorner<2, 2>() << 4.0, 1.0, 1.0, 2.0;
+  projection.with_residual << 3.0, -5.0, 0.0;
+  const Eigen::Vector2d solution = projection.own.topLeftCorner<2, 2>().inverse() * Eigen::Vector2d(3.0, -5.0);
+  const double gain = solution.dot(Eigen::Vector2d(3.0, -5.0));
+  Eigen::Vector3d amplitude;
+  EXPECT_NEAR(Gain(projection, &amplitude), gain, 1e-12);
+  EXPECT_NEAR((amplitude.head<2>() + solution).norm(), 0.0, 1e-12);
+  EXPECT_EQ(amplitude[2], 0.0);
+  // The third as half the first.
+  projection.own.row(2) = 0.5 * projection.own.row(0);
+  projection.own.col(2) = 0.5 * projection.own.col(0);
+  projection.with_residual[2] = 0.5 * projection.with_residual[0];
+  EXPECT_NEAR(Gain(projection, &amplitude), gain, 1e-12);
+  EXPECT_NEAR((projection.own * amplitude + projection.with_residual).norm(), 0.0, 1e-12);
 }
 
 TEST(Signatures, WhatTheSetupExplainsIsInvisible) {

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <functional>
 
+#include "core/loop/dictionary.h"
 #include "core/loop/fitting.h"
+#include "core/loop/refine.h"
 #include "core/loop/same_always.h"
 #include "core/loop/signatures.h"
 
@@ -15,7 +17,8 @@ using machine::ErrorModel;
 
 namespace {
 
-constexpr double kSpeaksAgainst = 9.0;  // chi-square units
+// Chi-square units.
+constexpr double kSpeaksAgainst = 9.0, kClearly = 4.0, kAlike = 6.0;
 
 }  // namespace
 
@@ -33,7 +36,8 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
     if (!is_replaced) continue;
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    has_replaced = true;
+    RETURN_IF_ERROR(PutSlip(i, fit));
+    has_replaced |= effects()[i].candidate.family != Family::kStep;
     attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
     ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
@@ -134,6 +138,39 @@ std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, bool i
   return contenders;
 }
 
+// A slip in a fit session that explains clearly more than effect i does in `joint`. A name goes before a slip where it
+// explains as much; what the check sessions have sent from name to name is left with one that they hardly see.
+std::optional<Candidate> Validation::SlipInstead(size_t i, const Fit& fit, const Fit& joint) const {
+  const int term = extension().TermOf(i);
+  identify::Point lacking = joint.point;
+  lacking.model.terms.erase(lacking.model.terms.begin() + term);
+  const Signatures signatures(joint.problem, lacking, identify::ListParameters(lacking.model, true));
+  std::vector<Candidate> slips = MakeDictionary(joint.problem, lacking.model);
+  std::erase_if(slips, [&fit](const Candidate& one) {
+    return one.family != Family::kStep || one.run >= static_cast<int>(fit.problem.runs.size());
+  });
+  if (slips.empty()) return std::nullopt;
+  Candidate own;
+  own.term = joint.result.model.terms[term];
+  const Candidate best = BestOf(signatures, slips);
+  Candidate slip = AtBestMoment(signatures, best, kAlike);
+  const std::vector<Projection> projections = signatures.Project({own, slip});
+  Eigen::Vector3d amplitude;
+  if (Gain(projections[1], &amplitude) < Gain(projections[0], &amplitude) + kClearly) return std::nullopt;
+  extension().MapSlip(joint.problem, &slip);
+  return slip;
+}
+
+absl::Status Validation::PutSlip(size_t i, Fit* fit) {
+  ASSIGN_OR_RETURN(const std::optional<Fit> joint, Joint(*fit));
+  if (!joint.has_value()) return absl::OkStatus();
+  const std::optional<Candidate> slip = SlipInstead(i, *fit, *joint);
+  if (!slip.has_value()) return absl::OkStatus();
+  const std::vector<Added> named = effects();
+  effects()[i] = {*slip, named[i].score, {}, {}};
+  return Change(named, fit).status();
+}
+
 // Puts the member of effect i's class in its place that all sessions together speak for most; false when none does
 // better than the effect itself.
 absl::StatusOr<bool> Validation::Replace(size_t i, const Fit& fit, const Fit& joint) {
@@ -150,9 +187,9 @@ absl::StatusOr<bool> Validation::Replace(size_t i, const Fit& fit, const Fit& jo
   }
   if (!(lowest < SquaresOf(joint) - kSpeaksAgainst)) return false;
   // Of those that the sessions do not tell from the best, the simplest: members come in that order.
-  constexpr double kAlike = 1.0;
+  constexpr double kSame = 1.0;
   const Candidate best =
-      std::find_if(tried.begin(), tried.end(), [&](const auto& one) { return one.first < lowest + kAlike; })->second;
+      std::find_if(tried.begin(), tried.end(), [&](const auto& one) { return one.first < lowest + kSame; })->second;
   Added& effect = effects()[i];
   const Candidate before = effect.candidate;
   const auto is_it = [&](const Candidate& one) { return IsSameEffect(one.term, best.term); };

@@ -26,6 +26,8 @@ class Validation {
   absl::StatusOr<std::optional<identify::Fit>> Joint(const identify::Fit& fit) const;
   absl::StatusOr<bool> SpeaksAgainst(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
   std::vector<Candidate> Contenders(size_t effect, const identify::Fit& joint, bool is_explained) const;
+  std::optional<Candidate> SlipInstead(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
+  absl::Status PutSlip(size_t effect, identify::Fit* fit);
   absl::StatusOr<bool> Replace(size_t effect, const identify::Fit& fit, const identify::Fit& joint);
   absl::StatusOr<bool> Change(const std::vector<Added>& before, identify::Fit* fit);
 

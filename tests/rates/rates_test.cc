@@ -87,6 +87,23 @@ TEST(Rates, AFaintSlipIsGivenARangeOfMoments) {
   EXPECT_EQ(score.spurious, 0) << score.text;
 }
 
+// 81019: across what its session hardly sees; 81040: a profile of moments with many peaks; 81007, 81026: an error that
+// fades after the first session explains nearly as much, and the check sessions cannot tell.
+TEST(Rates, SlipsThatHideAreGivenTheirSessionAndMoment) {
+  for (const int seed : {81019, 81040, 81007, 81026}) {
+    const Score score = Judge(Draw(Kind::kSlip, seed), Kind::kSlip);
+    EXPECT_TRUE(score.is_structure_noticed) << score.text;
+    EXPECT_EQ(score.spurious, 0) << score.text;
+  }
+}
+
+// A harmonic that stood for the error of another which the check sessions replaced.
+TEST(Rates, WhatStoodForAWrongNameLeavesWithIt) {
+  const Score score = Judge(Draw(Kind::kDirty, 81076), Kind::kDirty);
+  EXPECT_EQ(score.named, score.effects) << score.text;
+  EXPECT_EQ(score.spurious, 0) << score.text;
+}
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;
