@@ -73,14 +73,14 @@ absl::Status MoveCorrector::CorrectOnArc(const Step& step, double fraction, cons
   return CorrectAt(nominal, senses, grain, piece);
 }
 
-absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& start, double first, double last,
-                                           const WordGrain& grain, Piece* piece) const {
+absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at_begin, const AxisTicks& start,
+                                           double first, double last, const WordGrain& grain, Piece* piece) const {
   const Arc& nominal = step.arc;
   const Senses senses = SensesOfArc(step, 0.5 * (first + last));
   RETURN_IF_ERROR(CorrectOnArc(step, last, senses, grain, piece));
   for (int i = 0; grain.is_flat && i < axis_count_; ++i) {
     const bool is_in_plane = i == nominal.first || i == nominal.second;
-    if (!is_in_plane && std::llabs(piece->targets[i] - start[i]) > grain.of_axis[i] / 2) return false;
+    if (!is_in_plane && std::llabs(piece->targets[i] - at_begin[i]) > grain.of_axis[i] / 2) return false;
   }
   const double grain_mm =
       static_cast<double>(std::max(grain.of_axis[nominal.first], grain.of_axis[nominal.second])) / kTicksPerUnit;
@@ -165,6 +165,11 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& st
 
 absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, double first, double last,
                                                             const AxisTicks& commanded, const WordGrain& grain) const {
+  AxisTicks at_begin = commanded;  // as words say it
+  for (int i = 0; grain.is_flat && i < axis_count_; ++i) {
+    const Ticks one = grain.of_axis[i];
+    at_begin[i] = grain.base[i] + RoundToGrains(commanded[i] - grain.base[i], one) * one;
+  }
   for (const int count : kArcCounts) {
     std::vector<Piece> pieces(static_cast<size_t>(count));
     bool fits = true;
@@ -172,7 +177,7 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, do
       const AxisTicks& start = k == 0 ? commanded : pieces[static_cast<size_t>(k) - 1].targets;
       const double from = first + (last - first) * k / count;
       const double to = k + 1 == count ? last : first + (last - first) * (k + 1) / count;
-      ASSIGN_OR_RETURN(fits, FitArc(step, start, from, to, grain, &pieces[static_cast<size_t>(k)]));
+      ASSIGN_OR_RETURN(fits, FitArc(step, at_begin, start, from, to, grain, &pieces[static_cast<size_t>(k)]));
     }
     if (fits) return pieces;
   }

@@ -174,7 +174,8 @@ bool BlockWriter::IsPacked(const char* text, const Block& block) {
 
 void BlockWriter::AppendNumber(const Rounded& rounded, const Word* word, OutBuffer* out) const {
   const bool is_increments = word != nullptr && IsIncrements(*word);
-  const bool plus = word != nullptr ? word->number.has_plus : interpreter_->dialect().writes_plus;
+  const bool plus =
+      word == nullptr || word->number.mantissa < 0 ? interpreter_->dialect().writes_plus : word->number.has_plus;
   AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, plus, !is_increments, out);
 }
 

@@ -116,6 +116,15 @@ TEST(Klartext, ArcsStayWithinToleranceAsArcs) {
   EXPECT_GT(path.verified.path_before.max_mm, 0.02);
 }
 
+// A lean of micrometres that adds up over the pieces of an arc is of the same kind.
+TEST(Klartext, NoArcHoldsAWordOfZ) {
+  const Path path = Compensated(kArcs, {{"EA0C", 3e-6}, {"EC0Y", 1e-4}, {"EX0C", 0.03}});
+  EXPECT_EQ(path.verified.moves, 7);
+  EXPECT_THAT(path.text, Not(::testing::ContainsRegex("C[^\n]*Z[^\n]*DR")));
+  EXPECT_LT(path.verified.end_after.max_mm, 0.0002);
+  EXPECT_LT(path.verified.path_after.max_mm, 0.0012);
+}
+
 // Where Z must follow, no word of an arc could say so: chords in L blocks.
 TEST(Klartext, ArcsThatNeedAnotherAxisBecomeChords) {
   const Path path = Compensated(kArcs, {{"EA0C", 2e-4}, {"EB0C", -1e-4}});

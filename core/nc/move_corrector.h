@@ -97,10 +97,10 @@ class MoveCorrector {
   Senses SensesOfArc(const Step& step, double fraction) const;
   absl::Status CorrectOnArc(const Step& step, double fraction, const Senses& senses, const WordGrain& grain,
                             Piece* piece) const;
-  // Whether the arc through the corrected points from `start` to the fraction `last` keeps the tolerance; fills
-  // `piece`.
-  absl::StatusOr<bool> FitArc(const Step& step, const AxisTicks& start, double first, double last,
-                              const WordGrain& grain, Piece* piece) const;
+  // Whether the arc through the corrected points from `start`, of arcs that began at `at_begin`, to the fraction `last`
+  // keeps the tolerance; fills `piece`.
+  absl::StatusOr<bool> FitArc(const Step& step, const AxisTicks& at_begin, const AxisTicks& start, double first,
+                              double last, const WordGrain& grain, Piece* piece) const;
   // Arcs from `commanded` between two fractions of the move; empty when no number of them keeps the tolerance.
   absl::StatusOr<std::vector<Piece>> ArcPieces(const Step& step, double first, double last, const AxisTicks& commanded,
                                                const WordGrain& grain) const;
