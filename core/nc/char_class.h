@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "core/nc/plain_words.h"
+
 namespace axiscal::nc {
 
 enum CharClass : uint8_t { kOther, kBlank, kDigit, kUpper, kLower, kMacro };
@@ -23,6 +25,14 @@ inline constexpr CharClasses kClasses;
 
 inline uint8_t Class(char c) { return kClasses.of[static_cast<unsigned char>(c)]; }
 inline char Capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+// Digits up to `end`.
+inline const char* ReadDigits(const char* at, const char* end, uint64_t* number) {
+  uint64_t value = *number;
+  for (; at != end && Digit(*at) <= 9; ++at) value = value * 10 + Digit(*at);
+  *number = value;
+  return at;
+}
 
 }  // namespace axiscal::nc
 

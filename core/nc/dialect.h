@@ -23,10 +23,11 @@ enum class Meaning : uint8_t {
   kCancelMotion,  // G80: axis words after it have no meaning
   kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code
   kOneShot,       // moves axes or changes positions in this block only
-  kMachineMove,   // moves to machine positions (G53, G28, SUPA, M91): never touched, also not refused
-  kDataInput,     // G10: stated offsets and lengths hold no longer
-  kDwell,         // X and U of this block are times
-  kSpeedMode,     // G5 P0, P2, P10000: look-ahead off and on; with another number it moves axes
+  kMachineMove,  // moves to machine positions (G53, G28, SUPA, M91): never touched, also not refused; detail 1: without
+                 // axis words
+  kDataInput,    // G10: stated offsets and lengths hold no longer
+  kDwell,        // X and U of this block are times
+  kSpeedMode,    // G5 P0, P2, P10000: look-ahead off and on; with another number it moves axes
   kInch,
   kMillimetre,
   kAbsolute,

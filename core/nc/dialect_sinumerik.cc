@@ -73,6 +73,7 @@ std::vector<Keyword> SinumerikKeywords() {
       {"CHR", M::kCorner, 0, false, "chamfer"},
       {"FRCM", M::kAddress, 'S', false, "feed of corners"},
       {"FRC", M::kAddress, 'S', false, "feed of corners"},
+      {"OVR", M::kAddress, 'S', false, "override"},
       {"FB", M::kAddress, 'S', false, "feed of the block"},
       {"AP", M::kOneShot, 0, true, "polar coordinates: no word of an axis could be corrected"},
       {"RP", M::kOneShot, 0, true, "polar coordinates: no word of an axis could be corrected"},

@@ -72,7 +72,12 @@ TEST(Dialect, SinumerikModesAreReported) {
     EXPECT_THAT(std::string(outcome.status.message()), HasSubstr(known.reason)) << known.block << outcome.text;
     EXPECT_THAT(std::string(outcome.status.message()), HasSubstr("line 2")) << known.block;
   }
-  EXPECT_REFUSED(In("sinumerik"), "G1 X1\nT1 M6\nG0 X1 Y1 Z1 B0 C0\n", "the tool length is not known");
+  // Behind a tool change the tool length is not known: rapid moves stay, feed moves refuse, until a D states it.
+  EXPECT_REWRITTEN(In("sinumerik"), "G1 X1\nT1 M6\nG0 X1 Y1 Z1 B0 C0\nX2\nZ5 D0\nG1 X3\n",
+                   "G1 X1.0417\nT1 M6\nG0 X1 Y1 Z1 B0 C0\nX2\nZ5 X2.0417 D0\nG1 X3.0417\n");
+  EXPECT_REFUSED(In("sinumerik"), "G1 X1\nT1 M6\nG0 X1 Y1 Z1 B0 C0\nG1 X2\n",
+                 "line 4: 'G1 X2': the tool length is not known");
+  EXPECT_REFUSED(In("sinumerik"), "G1 X1\nT1 M6\nG0 X1 Y1 Z1 B0 C0\nG2 X2 Y2 CR=5\n", "the tool length is not known");
 }
 
 TEST(Dialect, KlartextLBlocks) {
@@ -126,11 +131,21 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
                    "1 TOOL CALL 5 Z S2000\n2 L X+1.0533 Y+0 Z+0 B+0 C+0 R0 FMAX\n3 TOOL CALL Z S500\n4 L X+2.0533\n");
 }
 
+TEST(Dialect, NamedVariablesMayBeSetToNumbers) {
+  EXPECT_REWRITTEN(In("linuxcnc"), "#<depth> = -2.5 (d)\nG1 X1.\n#<_feed>=5\nX2.\n",
+                   "#<depth> = -2.5 (d)\nG1 X1.0417\n#<_feed>=5\nX2.0417\n");
+  EXPECT_REWRITTEN(In("sinumerik"), "N20 _camtolerance=0.01 ; mm\nG1 X1\n_A1=3 _B=-4\nX2\n",
+                   "N20 _camtolerance=0.01 ; mm\nG1 X1.0417\n_A1=3 _B=-4\nX2.0417\n");
+  EXPECT_REFUSED(In("sinumerik"), "_A=_B+1\nG1 X1\n", "line 1");
+  EXPECT_REFUSED(In("sinumerik"), "_A=1 X5\nG1 X1\n", "line 1");
+}
+
 TEST(Dialect, LinuxCncWords) {
   EXPECT_REWRITTEN(In("linuxcnc"), "G1 X1. (MSG, hello)\nG64 P0.01 Q0.01\nM62 P1\nG8\nX2.\n",
                    "G1 X1.0417 (MSG, hello)\nG64 P0.01 Q0.01\nM62 P1\nG8\nX2.0417\n");
-  for (const std::string block : {"o100 sub", "o<probe> call [5]", "O100 if [#1 EQ 0]", "#<x>=5", "G5 X1 Y1 I1 J1",
-                                  "G76 P1 Z-5 I1", "G7", "M429", "G38.2 Z-5 F10", "G33 Z-5 K1", "M72"}) {
+  for (const std::string block :
+       {"o100 sub", "o<probe> call [5]", "O100 if [#1 EQ 0]", "#<x>=[5]", "G1 X#<x>", "G5 X1 Y1 I1 J1", "G76 P1 Z-5 I1",
+        "G7", "M429", "G38.2 Z-5 F10", "G33 Z-5 K1", "M72"}) {
     const Outcome outcome = Rewritten("G1 X1.\n" + block + "\nG1 X2.\n", In("linuxcnc"));
     EXPECT_THAT(std::string(outcome.status.message()), HasSubstr("line 2")) << block;
     EXPECT_EQ(outcome.status.code(), absl::StatusCode::kFailedPrecondition) << block;

@@ -74,6 +74,9 @@ void Interpreter::DoDwell(const Request& request, Step* step) {
 }
 
 void Interpreter::DoMachineMove(const Request& request, Step* step) {
+  const bool names_axis = request.has_axis || request.foreign_axis != 0;
+  if (request.machine_move->detail == 1 && names_axis)
+    return Unsupported(step->reason + " and words of axes in one block", false, step);
   step->kind = StepKind::kUntouched;
   for (int i = 0; i < axis_count_; ++i) {
     if (step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0) ForgetPosition(i, true);
@@ -154,7 +157,8 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
   }
   if (modal_.motion == Meaning::kCancelMotion) return "axis words while no motion code is in force (G80)";
   const bool is_arc = modal_.motion == Meaning::kArc;
-  const uint8_t needed = static_cast<uint8_t>(kAllGroups & ~(is_arc ? 0 : kPlaneGroup));
+  // While the tool length is unknown, so is where Z words lead.
+  const uint8_t needed = static_cast<uint8_t>(kAllGroups & ~(is_arc ? kLengthGroup : kPlaneGroup | kLengthGroup));
   if (const uint8_t missing = modal_.uncertain & needed; missing != 0) {
     *is_consequence = (missing & request.uncertain_before) != 0;
     return absl::StrCat(NameOf(static_cast<ModalGroup>(missing & -missing)),
@@ -238,6 +242,10 @@ bool Interpreter::ReadTargets(const Block& block, Step* step) {
       end.sense[i] = 0;
       end.known |= static_cast<uint16_t>(1u << i);
     }
+  }
+  if (modal_.uncertain & kLengthGroup) {
+    const int z = AxisOf('Z');
+    if (z >= 0) end.known &= static_cast<uint16_t>(~(1u << z));
   }
   if (needs_absolute_ != 0) {
     for (int i = 0; i < axis_count_; ++i) {

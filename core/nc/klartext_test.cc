@@ -71,6 +71,17 @@ TEST(Klartext, CornersAreRoundedByTheControlWhereTheirMovesStayWhole) {
   EXPECT_TRUE(testing::Rewritten(head + "2 L X+20\n3 RND R2\n4 L Y+5\n5 L B+90\n", fine).status.ok());
 }
 
+TEST(Klartext, RetractionsToTheTravelLimitAreNeverTouched) {
+  EXPECT_REWRITTEN(Klartext(),
+                   "1 L X+10 F500\n2 M140 MB MAX\n3 L X+1 Y+1 R0 FMAX\n4 L Z+5 B+0 C+0 R0 FMAX\n5 L X+2 F500\n",
+                   "1 L X+10.0417 F500\n2 M140 MB MAX\n3 L X+1 Y+1 R0 FMAX\n"
+                   "4 L Z+5 B+0 C+0 X+1.0417 R0 FMAX\n5 L X+2.0417 F500\n");
+  EXPECT_REFUSED(Klartext(), "1 L X+10 F500\n2 M140 MB+50 F100\n3 L X+1 Y+1 F500\n", "the position of Z is unknown");
+  EXPECT_REFUSED(Klartext(), "1 L X+10 M140 MB+50\n",
+                 "M140 (retraction along the tool) and words of axes in one block");
+  EXPECT_REFUSED(Klartext(), "1 FL X+10 AN+30\n", "free contour: no word of an axis could be corrected");
+}
+
 struct Path {
   std::string text;
   VerifyReport verified;

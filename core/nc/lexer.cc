@@ -4,19 +4,13 @@
 #include <cstring>
 #include <string_view>
 
+#include "core/nc/assignment.h"
 #include "core/nc/char_class.h"
 #include "core/nc/mark.h"
 #include "core/nc/plain_words.h"
 
 namespace axiscal::nc {
 namespace {
-
-inline const char* ReadDigits(const char* at, const char* end, uint64_t* number) {
-  uint64_t value = *number;
-  for (; at != end && Digit(*at) <= 9; ++at) value = value * 10 + Digit(*at);
-  *number = value;
-  return at;
-}
 
 class BlockLexer {
  public:
@@ -45,6 +39,8 @@ class BlockLexer {
         } else if (!ReadWord(kind == kLower)) {
           return;
         }
+      } else if (*at_ == '_' && dialect_.has_equals && SkipAssignment()) {
+        continue;
       } else if (*at_ == '(' && dialect_.has_parenthesis_comments) {
         if (!ReadComment()) return;
       } else if (*at_ == dialect_.line_comment && dialect_.line_comment != 0) {
@@ -96,46 +92,13 @@ class BlockLexer {
     if (at != end_) at_ = at + 1;
   }
 
-  // "#100 = -5.2", "R1=3": a number for a variable that is the program's own moves nothing; where the variable stands
-  // in a word, that word is refused. Variables of the controller (#5221 is a work offset) are not skipped.
+  // What assigns a number moves nothing; where the variable stands in a word, that word is refused.
   bool SkipAssignment() {
-    const char* at = at_ + 1;
-    uint64_t number = 0;
-    const char* const digits = at;
-    at = ReadDigits(at, end_, &number);
-    if (at == digits || at - digits > 9 || !IsOwnVariable(number)) return false;
-    const auto skip_blanks = [&] {
-      while (at != end_ && Class(*at) == kBlank) ++at;
-    };
-    skip_blanks();
-    if (at == end_ || *at != '=') return false;
-    if (dialect_.has_assignment_blocks) {
-      if (block_.word_count > 0) return false;
-      block_.has_assignment = true;
-      at_ = end_;
-      return true;
-    }
-    ++at;
-    skip_blanks();
-    if (at != end_ && (*at == '-' || *at == '+')) ++at;
-    bool has_digit = false, has_point = false;
-    for (; at != end_ && (Digit(*at) <= 9 || (*at == '.' && !has_point)); ++at) {
-      has_point |= *at == '.';
-      has_digit |= *at != '.';
-    }
-    skip_blanks();
-    const bool ends = at == end_ || *at == dialect_.variable || *at == dialect_.line_comment ||
-                      (*at == '(' && dialect_.has_parenthesis_comments);
-    if (!has_digit || !ends) return false;
+    const char* const end = EndOfAssignment(at_, end_, block_.word_count == 0, dialect_);
+    if (end == nullptr) return false;
     block_.has_assignment = true;
-    at_ = at;
+    at_ = end;
     return true;
-  }
-
-  // Of '#': what Fanuc, Haas and LinuxCNC all leave to programs. Every R of Sinumerik is.
-  bool IsOwnVariable(uint64_t number) const {
-    if (dialect_.variable != '#') return true;
-    return (number >= 1 && number <= 33) || (number >= 100 && number <= 199) || (number >= 500 && number <= 549);
   }
 
   // Klartext numbers its blocks with a bare integer.

@@ -134,6 +134,7 @@ std::string Rewriter::Impl::UnknownPosition(bool* is_consequence) {
     const int64_t since = interpreter.unknown_since(i);
     *is_consequence = interpreter.is_unknown_reported(i) || unknown_reported[i] == since;
     unknown_reported[i] = since;
+    if (interpreter.modal().uncertain & kLengthGroup) return "the tool length is not known";
     return absl::StrCat("the position of ", machine.axes[i].name, " is unknown: ",
                         since == 0 ? "never programmed, and no initial position is stated"
                                    : absl::StrCat("not programmed since line ", since));

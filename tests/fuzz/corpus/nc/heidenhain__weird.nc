@@ -1,0 +1,10 @@
+1 L X+0 Y+0 Z+0 B+0 C+0 R0 FMAX
+2 C
+3 CC
+4 CR
+5 DR+
+6 C DR-
+7 CC CC
+8 C C X+1
+9 CC X+1 L X+2
+10 L CC

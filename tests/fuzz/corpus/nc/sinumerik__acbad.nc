@@ -1,0 +1,9 @@
+G500 G0 X0 Y0 Z0 B0 C0 D0
+G1 X=AC( F100
+X=AC()
+X=AC(5
+X=AC(5+1)
+X=AC(R1)
+X=DC(5)
+C=DC(400)
+C=DC(-1)
