@@ -110,22 +110,25 @@ absl::Status Compare(Context& context, const Arguments& arguments) {
                                                                ? OfSessions(context, *source, arguments)
                                                                : OfProgram(context, *source, arguments));
   Json rows = Json::array();
-  std::vector<std::vector<std::string>> table = {
-      {"quantity", "published", "corrected", "exact", "sigma", "unit", "exact is", "erratum or what is missing"}};
+  std::vector<std::vector<std::string>> table = {{"quantity", "published", "sigma", "corrected", "exact", "sigma",
+                                                  "unit", "exact is", "erratum or what is missing"}};
   for (const published::Row& row : comparison.rows) {
     rows.push_back({{"quantity", row.quantity},
                     {"formula", row.formula},
                     {"unit", row.unit},
                     {"published", NumberOrNull(row.published)},
+                    {"published_sigma", NumberOrNull(row.published_sigma)},
                     {"corrected", NumberOrNull(row.corrected)},
                     {"symbol", row.symbol},
                     {"exact", NumberOrNull(row.exact)},
                     {"sigma", NumberOrNull(row.sigma)},
                     {"note", row.note}});
-    table.push_back({row.quantity, Cell(row.published), Cell(row.corrected), Cell(row.exact), Cell(row.sigma), row.unit,
-                     row.symbol, row.note});
+    table.push_back({row.quantity, Cell(row.published), Cell(row.published_sigma), Cell(row.corrected), Cell(row.exact),
+                     Cell(row.sigma), row.unit, row.symbol, row.note});
   }
-  std::string text = absl::StrCat("by the formulas of ", source->citation, "; for comparison only\n", Table(table));
+  std::string text = absl::StrCat(
+      "by the formulas of ", source->citation,
+      "; for comparison only; the first sigma is by the stated sigma of the readings or errors alone\n", Table(table));
   for (const std::string& note : comparison.notes) absl::StrAppend(&text, note, "\n");
   context.Print({{"source", source->name}, {"citation", source->citation}, {"rows", rows}, {"notes", comparison.notes}},
                 text);

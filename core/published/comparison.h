@@ -24,9 +24,11 @@ struct Row {
   double corrected = std::numeric_limits<double>::quiet_NaN();  // with the errata, or what it leaves out, put right
   std::string symbol;                                           // what it is in our terms: "EX0C - EX0T"
   double exact = std::numeric_limits<double>::quiet_NaN();      // by the engine, from all sessions together
-  double sigma = std::numeric_limits<double>::quiet_NaN();
-  std::string formula;  // as printed
-  std::string note;     // the erratum, or what is missing
+  double sigma = std::numeric_limits<double>::quiet_NaN();      // standard uncertainty of `exact`
+  std::string formula;                                          // as printed
+  std::string note;                                             // the erratum, or what is missing
+  // Standard uncertainty of `published` by what the readings, or the errors, state: linear.
+  double published_sigma = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct Comparison {

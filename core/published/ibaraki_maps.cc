@@ -14,7 +14,8 @@ namespace {
 
 using instruments::MeasuringRun;
 using machine::Machine;
-using Six = Eigen::Matrix<double, 6, 1>;           // displacements x y z, turns a b c; mm, rad
+using Six = Eigen::Matrix<double, 6, 1>;  // displacements x y z, turns a b c; mm, rad
+using SixBySix = Eigen::Matrix<double, 6, 6>;
 using Index = std::pair<double, double>;           // positions of the two axes, deg, as commanded
 using ByFeature = std::map<int, Eigen::Vector2d>;  // sum and count of what a face is off along its normal, mm
 
@@ -30,6 +31,19 @@ absl::StatusOr<std::pair<int, int>> TableAxes(const Machine& machine) {
   return absl::FailedPreconditionError("machine " + machine.id +
                                        ": expected a table on two rotary axes, the last two of the work branch");
 }
+
+// Six numbers with their covariance: `own`, independent of every other index', and what is shared by all indices (the
+// touches at the reference pose, or the fitted errors), by which these move so much.
+struct Uncertain {
+  Six value = Six::Zero();
+  SixBySix own = SixBySix::Zero();
+  Eigen::MatrixXd by_shared = Eigen::MatrixXd(6, 0);
+
+  Six Sigma(const Eigen::MatrixXd& shared) const {
+    return (own + by_shared * shared * by_shared.transpose()).diagonal().cwiseSqrt();
+  }
+};
+using ByIndex = std::map<Index, Uncertain>;
 
 struct Grid {
   std::map<Index, ByFeature> off;  // against the nominal machine
@@ -78,13 +92,25 @@ geometry::Rigid<double> TableAt(const Machine& machine, const MeasuringRun& run,
   return machine::EvaluateChain<double>(machine, positions.data(), errors).bed_from_table;
 }
 
+// Variance of a face's mean, mm2.
+double VarianceOf(const MeasuringRun& run, const Eigen::Vector2d& sum) { return run.sigma_mm * run.sigma_mm / sum[1]; }
+
+// Of the touches at the reference pose, in the order of their faces.
+Eigen::MatrixXd ReferenceCovariance(const MeasuringRun& run, const ByFeature& reference) {
+  Eigen::VectorXd variance(reference.size());
+  Eigen::Index next = 0;
+  for (const auto& [feature, sum] : reference) variance[next++] = VarianceOf(run, sum);
+  return variance.asDiagonal();
+}
+
 // Equations 6 and 9: least squares of what the faces moved along their normals since the reference pose. NaN where the
 // touches do not determine all six.
-Six PublishedDisplacement(const Machine& machine, const MeasuringRun& run, const Grid& grid, const Index& index) {
+Uncertain PublishedDisplacement(const Machine& machine, const MeasuringRun& run, const Grid& grid, const Index& index) {
   const ByFeature& here = grid.off.at(index);
   const ByFeature& reference = grid.off.at({0, 0});
   Eigen::MatrixXd rows(here.size(), 6);
-  Eigen::VectorXd moved_mm(here.size());
+  Eigen::VectorXd moved_mm(here.size()), variance(here.size());
+  std::vector<Eigen::Index> place(here.size());  // among the faces of the reference pose
   const geometry::Rigid<double> table = TableAt(machine, run, grid.reading.at(index), {});
   int count = 0;
   for (const auto& [feature, sum] : here) {
@@ -93,6 +119,8 @@ Six PublishedDisplacement(const Machine& machine, const MeasuringRun& run, const
     const touch::Feature& face = run.touches.features[feature];
     const Eigen::Vector3d arm_mm = table * face.point_mm - grid.origin_mm, n = table.rotation * face.normal;
     rows.row(count) << n.transpose(), arm_mm.cross(n).transpose();
+    variance[count] = VarianceOf(run, sum);
+    place[count] = std::distance(reference.begin(), at_reference);
     moved_mm[count++] = sum[0] / sum[1] - at_reference->second[0] / at_reference->second[1];
   }
   Eigen::MatrixXd scaled = rows.topRows(count);
@@ -100,10 +128,20 @@ Six PublishedDisplacement(const Machine& machine, const MeasuringRun& run, const
   scaled.rightCols(3) /= kArmMm;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
   qr.setThreshold(1e-6);
-  if (count < 6 || qr.rank() < 6) return Six::Constant(NAN);
-  Six solved = qr.solve(moved_mm.head(count));
-  solved.tail<3>() /= kArmMm;
-  return solved;
+  Uncertain out;
+  out.by_shared.setZero(6, static_cast<Eigen::Index>(reference.size()));
+  if (count < 6 || qr.rank() < 6) {
+    out.value.setConstant(NAN);
+    out.own.setConstant(NAN);
+    return out;
+  }
+  Eigen::MatrixXd by_face = qr.solve(Eigen::MatrixXd::Identity(count, count));  // 6 x count
+  by_face.bottomRows<3>() /= kArmMm;
+  out.value = by_face * moved_mm.head(count);
+  if (index == Index(0, 0)) return out;  // nothing has moved, for certain
+  out.own = by_face * variance.head(count).asDiagonal() * by_face.transpose();
+  for (int i = 0; i < count; ++i) out.by_shared.col(place[i]) = -by_face.col(i);
+  return out;
 }
 
 // Of the table against the nominal machine, about the axes' crossing.
@@ -118,41 +156,91 @@ Six Displacement(const Machine& machine, const MeasuringRun& run, int reading, c
   return six;
 }
 
+// By the declared errors as they were fitted, with what one sigma of each does.
+Uncertain ExactDisplacement(const Machine& machine, const MeasuringRun& run, int reading, const identify::Fit& fit,
+                            const Eigen::Vector3d& origin_mm) {
+  const machine::ErrorModel& model = fit.result.model;
+  const std::vector<identify::Parameter> parameters = identify::ListParameters(model, true);
+  Uncertain out;
+  out.value = Displacement(machine, run, reading, model, origin_mm);
+  out.by_shared.resize(6, static_cast<Eigen::Index>(parameters.size()));
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    machine::ErrorModel moved = model;
+    const double sigma = fit.result.estimates[i].sigma;
+    identify::SetValue(parameters[i], identify::ValueOf(model, parameters[i]) + sigma, &moved);
+    out.by_shared.col(static_cast<Eigen::Index>(i)) = Displacement(machine, run, reading, moved, origin_mm) - out.value;
+  }
+  return out;
+}
+
 struct Maps {
-  std::map<double, Six> of_first;
-  std::map<Index, Six> of_second;
+  std::map<double, Uncertain> of_first;
+  ByIndex of_second;
 };
 
 // Equations 12 and 13: the carrying axis' map is the mean over the carried one's positions, the rest, turned back, is
 // the carried one's.
-Maps MapsOf(const Machine& machine, const Grid& grid, const std::map<Index, Six>& displacements) {
+Maps MapsOf(const Machine& machine, const Grid& grid, const ByIndex& displacements) {
   Maps maps;
   std::map<double, int> count;
+  const Eigen::Index shared = displacements.begin()->second.by_shared.cols();
   for (const auto& [index, six] : displacements) {
-    maps.of_first.try_emplace(index.first, Six::Zero()).first->second += six;
-    ++count[index.first];
+    Uncertain& mean = maps.of_first[index.first];
+    if (count[index.first]++ == 0) mean.by_shared.setZero(6, shared);
+    mean.value += six.value;
+    mean.own += six.own;
+    mean.by_shared += six.by_shared;
   }
-  for (auto& [position, six] : maps.of_first) six /= count[position];
+  for (auto& [position, mean] : maps.of_first) {
+    const double n = count[position];
+    mean.value /= n;
+    mean.own /= n * n;
+    mean.by_shared /= n;
+  }
   for (const auto& [index, six] : displacements) {
     const double turn_rad = -index.first * base::kRadPerDeg;
-    const Eigen::Matrix3d back = Eigen::AngleAxisd(turn_rad, machine.axes[grid.first].direction).toRotationMatrix();
-    const Six rest = six - maps.of_first[index.first];
-    maps.of_second[index] << back * rest.head<3>(), back * rest.tail<3>();
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(turn_rad, machine.axes[grid.first].direction).toRotationMatrix();
+    SixBySix back = SixBySix::Zero();
+    back.topLeftCorner<3, 3>() = back.bottomRightCorner<3, 3>() = turn;
+    const Uncertain& mean = maps.of_first[index.first];
+    Uncertain& rest = maps.of_second[index];
+    rest.value = back * (six.value - mean.value);
+    // The mean holds a share of this index' own touches.
+    const SixBySix own = (1.0 - 2.0 / count[index.first]) * six.own + mean.own;
+    rest.own = back * own * back.transpose();
+    rest.by_shared = back * (six.by_shared - mean.by_shared);
   }
   return maps;
 }
 
-void AddRows(const std::string& where, const std::string& symbol_of, const Six& published, const Six& corrected,
-             const Six& exact, const char* formula, std::vector<Row>* rows) {
+// Of the three ways, at one place.
+struct ThreeWays {
+  const Uncertain &published, &corrected, &exact;
+};
+
+struct Shared {
+  Eigen::MatrixXd published, exact;  // covariances
+};
+
+void AddRows(const std::string& where, const std::string& symbol_of, const ThreeWays& ways, const Shared& shared,
+             const char* formula, std::vector<Row>* rows) {
   static const char* const kNames[] = {"dx", "dy", "dz", "a", "b", "c"};
   static const char kLetters[] = "XYZABC";
+  const Six published_sigma = ways.published.Sigma(shared.published), exact_sigma = ways.exact.Sigma(shared.exact);
   for (int i = 0; i < 6; ++i) {
     const bool is_angle = i >= 3;
     const double per_unit = is_angle ? base::kUradPerRad : base::kUmPerMm;
-    const std::string symbol = symbol_of.empty() ? "" : std::string("E") + kLetters[i] + symbol_of;
-    rows->push_back({absl::StrCat(kNames[i], " ", where), is_angle ? "urad" : "um", per_unit * published[i],
-                     per_unit * corrected[i], symbol, per_unit * exact[i], NAN, formula,
-                     std::isfinite(published[i]) ? "" : "the faces touched here and at 0, 0 do not determine all six"});
+    Row& row = rows->emplace_back();
+    row.quantity = absl::StrCat(kNames[i], " ", where);
+    row.unit = is_angle ? "urad" : "um";
+    row.published = per_unit * ways.published.value[i];
+    row.published_sigma = per_unit * published_sigma[i];
+    row.corrected = per_unit * ways.corrected.value[i];
+    row.symbol = symbol_of.empty() ? "" : std::string("E") + kLetters[i] + symbol_of;
+    row.exact = per_unit * ways.exact.value[i];
+    row.sigma = per_unit * exact_sigma[i];
+    row.formula = formula;
+    if (!std::isfinite(row.published)) row.note = "the faces touched here and at 0, 0 do not determine all six";
   }
 }
 
@@ -169,33 +257,41 @@ absl::StatusOr<Comparison> IbarakiMaps(const Machine& machine, const std::vector
   ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitRuns(machine, std::move(runs), {}));
   const bool is_told = fit.result.not_separable.empty() && !fit.result.estimates.empty();
   Comparison out;
-  std::map<Index, Six> published, exact, corrected;
+  Shared shared;
+  shared.published = ReferenceCovariance(run, grid.off.at({0, 0}));
+  if (is_told) shared.exact = fit.result.correlation;  // by_shared is per sigma
+  ByIndex published, exact, corrected;
   for (const auto& [index, reading] : grid.reading) {
     published[index] = PublishedDisplacement(machine, run, grid, index);
-    exact[index] =
-        is_told ? Displacement(machine, run, reading, fit.result.model, grid.origin_mm) : Six(Six::Constant(NAN));
+    if (is_told) {
+      exact[index] = ExactDisplacement(machine, run, reading, fit, grid.origin_mm);
+    } else {
+      exact[index].value.setConstant(NAN);
+      exact[index].own.setConstant(NAN);
+    }
   }
   // What the reference pose takes away: its own error, turned with the table.
-  const Six lost = exact.at({0, 0});
+  const Six lost = exact.at({0, 0}).value;
   for (const auto& [index, six] : published) {
     const Eigen::Matrix3d turn = TableAt(machine, run, grid.reading.at(index), {}).rotation;
-    corrected[index] << six.head<3>() + turn * lost.head<3>(), six.tail<3>() + turn * lost.tail<3>();
+    corrected[index].value << six.value.head<3>() + turn * lost.head<3>(), six.value.tail<3>() + turn * lost.tail<3>();
   }
   const std::string &first = machine.axes[grid.first].name, &second = machine.axes[grid.second].name;
   const auto place = [&](const Index& index) {
     return absl::StrFormat("at %s %g %s %g", first, index.first, second, index.second);
   };
   for (const auto& [index, six] : published)
-    AddRows(place(index), "", six, corrected[index], exact[index], "eqs 6, 9", &out.rows);
+    AddRows(place(index), "", {six, corrected.at(index), exact.at(index)}, shared, "eqs 6, 9", &out.rows);
   const Maps p = MapsOf(machine, grid, published), c = MapsOf(machine, grid, corrected),
              e = MapsOf(machine, grid, exact);
   for (const auto& [position, six] : p.of_first) {
-    AddRows(absl::StrFormat("of %s at %g", first, position), first, six, c.of_first.at(position),
-            e.of_first.at(position), "eq 12", &out.rows);
+    AddRows(absl::StrFormat("of %s at %g", first, position), first,
+            {six, c.of_first.at(position), e.of_first.at(position)}, shared, "eq 12", &out.rows);
   }
-  for (const auto& [index, six] : p.of_second)
-    AddRows("of " + second + " " + place(index), second, six, c.of_second.at(index), e.of_second.at(index), "eq 13",
-            &out.rows);
+  for (const auto& [index, six] : p.of_second) {
+    AddRows("of " + second + " " + place(index), second, {six, c.of_second.at(index), e.of_second.at(index)}, shared,
+            "eq 13", &out.rows);
+  }
   out.notes.push_back(absl::StrCat("the published steps take the artefact from ", first, " = ", second,
                                    " = 0: that pose's own error is missing everywhere, turned with the table, and "
                                    "constant errors come back as maps"));

@@ -70,6 +70,38 @@ TEST(IbarakiMaps, ConstantOffsetsComeBackAsMaps) {
   EXPECT_NEAR(rows.at("dx at A 0 C 0").exact, 12.0, kUm);
 }
 
+// Published and exact numbers of sixty measurements scatter as stated, at the index, in A's map and in C's.
+TEST(IbarakiMaps, StatedUncertaintiesAreThoseOfRepetition) {
+  const machine::Machine machine = TiltingTable();
+  const session::Session columns = Columns();
+  synthetic::NoiseOptions noise;
+  noise.draw_setup = false;
+  constexpr int kRuns = 60;
+  std::map<std::string, std::pair<double, int>> scatter;  // squares over stated variances, of each kind
+  for (int seed = 1; seed <= kRuns; ++seed) {
+    noise.seed = seed;
+    const auto session = synthetic::Simulate(machine, {}, columns, noise);
+    const auto comparison = FindSource("ibaraki-maps").value()->compare(machine, {*session});
+    ASSERT_TRUE(comparison.ok()) << comparison.status();
+    for (const Row& row : comparison->rows) {
+      if (row.quantity.ends_with(" at A 0 C 0") && row.formula == "eqs 6, 9") {
+        EXPECT_EQ(row.published_sigma, 0.0);  // nothing has moved there
+        continue;
+      }
+      auto& [published, count] = scatter[row.formula];
+      published += std::pow(row.published / row.published_sigma, 2);
+      ++count;
+      if (!(row.sigma > 1e-6)) continue;  // constant errors draw no map of C
+      auto& [exact, exact_count] = scatter["exact"];
+      exact += std::pow(row.exact / row.sigma, 2);
+      ++exact_count;
+    }
+  }
+  ASSERT_EQ(scatter.size(), 4u);
+  // Some 20 independent numbers per run and kind in the published ones, 8 in the exact ones: 5 and 9 % of the variance.
+  for (const auto& [kind, sum] : scatter) EXPECT_NEAR(sum.first / sum.second, 1.0, 0.2) << kind;
+}
+
 TEST(IbarakiMaps, RefusesWhatItIsNotAbout) {
   const auto compare = FindSource("ibaraki-maps").value()->compare;
   const auto message = [&](const machine::Machine& machine, const std::vector<session::Session>& sessions) {

@@ -81,16 +81,17 @@ Eigen::Matrix3d TipCovariance(const PoseView& view, const Eigen::Vector3d& comma
   return slope * errors.covariance * slope.transpose();
 }
 
-absl::StatusOr<double> Tilt(const Machine& machine, const machine::ErrorModel& model) {
-  for (const machine::ErrorTerm& term : model.terms) {
-    if (machine::NameOf(machine, term) == "EB0B") return term.amplitude[0];
+absl::StatusOr<identify::Estimate> Tilt(const identify::HeldErrors& errors) {
+  for (const identify::Estimate& error : errors.errors) {
+    if (error.name == "EB0B") return error;
   }
   return absl::InvalidArgumentError("expected EB0B among the errors: it is all that the published rule corrects");
 }
 
 absl::StatusOr<Comparison> ByRule(const Machine& machine, const Program& program, double times, const char* formula) {
   RETURN_IF_ERROR(CheckYaoMachine(machine));
-  ASSIGN_OR_RETURN(const double b, Tilt(machine, program.errors.model));
+  ASSIGN_OR_RETURN(const identify::Estimate tilt, Tilt(program.errors));
+  const double b = tilt.value;
   compensate::Options options;
   options.tool_tip_mm = program.tool_tip_mm;
   ASSIGN_OR_RETURN(const auto compensator, compensate::Compensator::Create(machine, program.errors.model, options));
@@ -113,18 +114,32 @@ absl::StatusOr<Comparison> ByRule(const Machine& machine, const Program& program
     }
     const Eigen::Matrix3d of_tip = TipCovariance(view, exact_mm, program.errors), back = tip_per_mm.inverse();
     const Eigen::Matrix3d of_command = back * of_tip * back.transpose();
-    const auto add = [&](const std::string& what, const Eigen::Vector3d& published, const Eigen::Vector3d& corrected,
-                         const Eigen::Vector3d& exact, const Eigen::Matrix3d& covariance) {
+    struct Three {
+      Eigen::Vector3d mm, sigma_mm;
+    };
+    const auto add = [&](const std::string& what, const Three& published, const Eigen::Vector3d& corrected,
+                         const Three& exact) {
       for (int i = 0; i < 3; ++i) {
-        out.rows.push_back({absl::StrCat(what, " ", std::string(1, kXyz[i]), ", line ", pose.line), "um",
-                            base::kUmPerMm * published[i], base::kUmPerMm * corrected[i], "", base::kUmPerMm * exact[i],
-                            base::kUmPerMm * std::sqrt(covariance(i, i)), formula, ""});
+        Row& row = out.rows.emplace_back();
+        row.quantity = absl::StrCat(what, " ", std::string(1, kXyz[i]), ", line ", pose.line);
+        row.unit = "um";
+        row.published = base::kUmPerMm * published.mm[i];
+        row.published_sigma = base::kUmPerMm * published.sigma_mm[i];
+        row.corrected = base::kUmPerMm * corrected[i];
+        row.exact = base::kUmPerMm * exact.mm[i];
+        row.sigma = base::kUmPerMm * exact.sigma_mm[i];
+        row.formula = formula;
       }
     };
-    add("change of", published_mm - command_mm, corrected_mm - command_mm, exact_mm - command_mm, of_command);
+    const auto sigma_of = [](const Eigen::Matrix3d& covariance) -> Eigen::Vector3d {
+      return covariance.diagonal().cwiseSqrt();
+    };
+    add("change of", {published_mm - command_mm, (YaoRule(command_mm, tilt.sigma, times) - command_mm).cwiseAbs()},
+        corrected_mm - command_mm, {exact_mm - command_mm, sigma_of(of_command)});
     const Eigen::Vector3d left_mm = view.ErrorMm(published_mm, program.errors.model);
-    add("left in", left_mm, view.ErrorMm(corrected_mm, program.errors.model),
-        view.ErrorMm(exact_mm, program.errors.model), of_tip);
+    add("left in", {left_mm, sigma_of(TipCovariance(view, published_mm, program.errors))},
+        view.ErrorMm(corrected_mm, program.errors.model),
+        {view.ErrorMm(exact_mm, program.errors.model), sigma_of(of_tip)});
     worst_mm = std::max(worst_mm, left_mm.norm());
     before_mm = std::max(before_mm, correction->before_mm);
   }

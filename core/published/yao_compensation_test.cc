@@ -102,6 +102,9 @@ TEST(YaoCompensation, UncertaintyOfTheErrorsReachesTheCorrection) {
     EXPECT_NEAR(rows.at(absl::StrCat(what, " X, line 2")).sigma, 0.0, 1e-3);
     EXPECT_NEAR(rows.at(absl::StrCat(what, " Z, line 2")).sigma, kUm, 1e-3);
   }
+  EXPECT_NEAR(rows.at("change of X, line 1").published_sigma, 2e-3 * 112, 1e-3);
+  EXPECT_NEAR(rows.at("change of Z, line 1").published_sigma, 2e-3 * 390, 1e-3);
+  EXPECT_NEAR(rows.at("left in X, line 1").published_sigma, kUm, 1e-3);  // what is left is as uncertain as the tilt
 }
 
 TEST(YaoCompensation, RefusesWhatItIsNotAbout) {

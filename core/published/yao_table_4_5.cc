@@ -1,6 +1,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "core/base/units.h"
 #include "core/identify/identify.h"
@@ -20,6 +22,7 @@ using session::Session;
 // One of the four patterns with one tool, mean over its runs; mm. NaN where it was not measured.
 struct Trace {
   double ex = NAN, ey = NAN, ez = NAN;
+  double ex_sigma = 0, ey_sigma = 0, ez_sigma = 0;  // of the means, as stated
   double rb = NAN, rc = NAN, zc = NAN;  // levers: B's pivot to the tool ball, C's line and table to the table ball
   double zt = NAN, xt = NAN;            // as the header states them
 };
@@ -78,8 +81,9 @@ absl::Status ReadTraces(const Machine& machine, const Session& session, Measured
     const std::string pattern = PatternOf(machine, path);
     if (pattern.empty()) continue;
     Trace trace = LeversOf(machine, session, run);
-    for (const auto& [column, into] :
-         {std::make_pair("ex_um", &trace.ex), std::make_pair("ey_um", &trace.ey), std::make_pair("ez_um", &trace.ez)}) {
+    for (const auto& [column, into, sigma] :
+         {std::tuple("ex_um", &trace.ex, &trace.ex_sigma), std::tuple("ey_um", &trace.ey, &trace.ey_sigma),
+          std::tuple("ez_um", &trace.ez, &trace.ez_sigma)}) {
       const session::Column* const cells = session::FindColumn(session, column);
       double sum_um = 0.0;
       int count = 0;
@@ -88,7 +92,9 @@ absl::Status ReadTraces(const Machine& machine, const Session& session, Measured
         sum_um += cells->values[row];
         ++count;
       }
-      if (count > 0) *into = base::kMmPerUm * sum_um / count;
+      if (count == 0) continue;
+      *into = base::kMmPerUm * sum_um / count;
+      *sigma = run.sigma_mm / std::sqrt(count);
     }
     Trace& known = measured->traces[pattern];
     const bool is_first = std::isnan(known.rb);
@@ -141,6 +147,28 @@ std::vector<Row> ByFormulas(const Measured& measured) {
   return rows;
 }
 
+// The formulas are linear in the eccentricities.
+void AddPublishedSigma(const Measured& measured, std::vector<Row>* rows) {
+  constexpr std::pair<double Trace::*, double Trace::*> kComponents[] = {
+      {&Trace::ex, &Trace::ex_sigma}, {&Trace::ey, &Trace::ey_sigma}, {&Trace::ez, &Trace::ez_sigma}};
+  Measured moved = measured;
+  std::vector<Trace*> traces = {&moved.cr_long};
+  for (auto& [pattern, trace] : moved.traces) traces.push_back(&trace);
+  for (Row& row : *rows) row.published_sigma = 0.0;
+  for (Trace* const trace : traces) {
+    for (const auto& [component, sigma] : kComponents) {
+      const double measured_mm = trace->*component;
+      trace->*component += trace->*sigma;
+      const std::vector<Row> there = ByFormulas(moved);
+      trace->*component = measured_mm;
+      for (size_t i = 0; i < rows->size(); ++i) {
+        Row& row = (*rows)[i];
+        row.published_sigma = std::hypot(row.published_sigma, there[i].published - row.published);
+      }
+    }
+  }
+}
+
 // Why a printed formula has no number.
 std::string Missing(const Row& row, const Measured& measured) {
   for (const char* const pattern : {"BX", "BY", "CR", "CA"}) {
@@ -186,6 +214,7 @@ absl::StatusOr<Comparison> YaoTable45(const Machine& machine, const std::vector<
   }
   Comparison out;
   out.rows = ByFormulas(measured);
+  AddPublishedSigma(measured, &out.rows);
   RETURN_IF_ERROR(AddExact(machine, sessions, &out.rows));
   for (Row& row : out.rows) {
     if (!std::isfinite(row.published)) row.note = Missing(row, measured);

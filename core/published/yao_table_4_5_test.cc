@@ -53,6 +53,11 @@ TEST(YaoTable45, ThePrintedNumbersAndWhatTheErrataMakeOfThem) {
     EXPECT_EQ(!rows[quantity].note.empty(), has_erratum) << quantity;
     EXPECT_TRUE(std::isfinite(rows[quantity].exact)) << quantity;
   }
+  // Means of three runs of 0.3 um each.
+  const double mean_um = 0.3 / std::sqrt(3.0);
+  EXPECT_NEAR(rows["bCZ"].published_sigma, mean_um / 50.0 * 1e-3 * base::kArcsecPerRad, 1e-6);
+  EXPECT_NEAR(rows["dxCZ - dxBT"].published_sigma, mean_um * std::hypot(1.0, 65.5348 / 50.0, 112.2877 / 356.3945),
+              1e-9);
   const Comparison comparison = *FindSource("yao-table-4.5").value()->compare(Integrex(), Measured());
   ASSERT_EQ(comparison.notes.size(), 1u);
   EXPECT_THAT(comparison.notes[0], HasSubstr("-53.85 um predicted"));
