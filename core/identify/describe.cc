@@ -69,6 +69,7 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
     const int group = problem.group_of_run[i];
     SessionFit session;
     session.session = problem.runs[i].session;
+    session.setup_name = problem.runs[i].setup_name;
     session.readings = static_cast<int>(residuals_mm[i].size());
     session.rms_mm = std::sqrt(residuals_mm[i].squaredNorm() / session.readings);
     session.max_mm = residuals_mm[i].cwiseAbs().maxCoeff();
@@ -118,6 +119,7 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
 
 void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Result* result) {
   result->held_errors = held.errors;
+  result->held_from = held.from;
   const Eigen::Index p = static_cast<Eigen::Index>(result->estimates.size()),
                      h = static_cast<Eigen::Index>(held.errors.size());
   result->held_correlation = Eigen::MatrixXd::Constant(h, p + h, std::numeric_limits<double>::quiet_NaN());

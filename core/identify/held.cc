@@ -19,6 +19,7 @@ struct Reported {
   std::vector<double> sigma;         // um, urad ...; NaN where there is none
   std::vector<std::string> unknown;  // errors without a number
   Eigen::MatrixXd correlation;       // NaN where there is none
+  std::vector<MeasuredIn> from;
 };
 
 double NumberOr(const json& object, const char* key, double otherwise) {
@@ -66,12 +67,23 @@ void ReadCorrelation(const json& object, int first, Eigen::MatrixXd* correlation
   }
 }
 
+void ReadSessions(const json& object, std::vector<MeasuredIn>* out) {
+  const json* const sessions = ArrayIn(object, "sessions");
+  if (sessions == nullptr) return;
+  for (const json& session : *sessions) {
+    const std::string name = TextIn(session, "session"), shared = TextIn(session, "shared_setup");
+    if (!name.empty()) out->push_back({name, shared.empty() ? name : shared});
+  }
+}
+
 Reported ReadReport(const json& report) {
   Reported out;
+  ReadSessions(report, &out.from);
   ReadSigmas(report, &out);
   const int fitted = static_cast<int>(out.sigma.size());
   const json held = report.is_object() ? report.value("held", json()) : json();
   ReadSigmas(held, &out);
+  ReadSessions(held, &out.from);
   const Eigen::Index count = static_cast<Eigen::Index>(out.sigma.size());
   out.correlation = Eigen::MatrixXd::Constant(count, count, NAN);
   ReadCorrelation(report, 0, &out.correlation);
@@ -146,6 +158,7 @@ absl::StatusOr<HeldErrors> ReadHeldErrors(const std::string& text, const machine
   const Eigen::Index count = static_cast<Eigen::Index>(held.errors.size());
   held.covariance = Eigen::MatrixXd::Zero(count, count);
   TakeUncertainties(reported, &held);
+  held.from = reported.from;
   return held;
 }
 

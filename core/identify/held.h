@@ -17,6 +17,7 @@ struct HeldErrors {
   std::vector<Estimate> errors;  // ListParameters(model, true) with their values; `sigma` NaN where none is known
   // Of them, mm and rad. Zero rows where no uncertainty is known: what is fitted then holds for exactly these values.
   Eigen::MatrixXd covariance;
+  std::vector<MeasuredIn> from;  // of every stage before; empty where it is not known
 };
 
 // From an errors.json, which states no uncertainties, or from a calibration as `axiscal identify --json` and

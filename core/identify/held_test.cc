@@ -95,6 +95,40 @@ TEST(HeldErrors, TheirUncertaintyIsCarried) {
   EXPECT_GT(by_tilt, 0.1 * bare.sigma);
 }
 
+std::vector<session::Session> OnOneSetup(std::vector<session::Session> sessions) {
+  for (session::Session& session : sessions) session.header.push_back({"setup", "mount"});
+  return sessions;
+}
+
+// The run-out of the tool ball is known to the micrometres that are stated of it, and EX0C rests on them: nothing else
+// tells both apart with one tool. EB0C rests on nothing that is stated.
+TEST(HeldErrors, WhatBothStagesRestOnIsSaid) {
+  const auto head = ReadHeldErrors(Printed(FitOrDie(OnOneSetup(Sessions(kOfHead, 3)), kHead).result), kMachine);
+  ASSERT_TRUE(head.ok()) << head.status();
+  ASSERT_EQ(head->from.size(), 2u);
+  EXPECT_EQ(head->from[0].session, "BX");
+  EXPECT_EQ(head->from[0].setup, "mount");
+  const auto sessions = Sessions(kOfTable, 4);
+  const Result offset = FitOrDie(OnOneSetup(sessions), R"({"EX0C": 0, "EA0C": 0, "EB0C": 0})", *head).result;
+  ASSERT_EQ(offset.warnings.size(), 1u);
+  EXPECT_EQ(offset.warnings[0].kind, "held");
+  EXPECT_THAT(offset.warnings[0].text, HasSubstr("run_out_x of set-up mount"));
+  EXPECT_TRUE(FitOrDie(sessions, kTable, *head).result.warnings.empty());  // mounted anew: a set-up of its own
+  const Result tilts = FitOrDie(OnOneSetup({sessions[1]}), R"({"EA0C": 0, "EB0C": 0})", *head).result;
+  EXPECT_TRUE(tilts.warnings.empty()) << tilts.warnings[0].text;
+  // A third stage knows what the first two came from.
+  EXPECT_EQ(ReadHeldErrors(Printed(offset), kMachine)->from.size(), 4u);
+}
+
+TEST(HeldErrors, ReadingsThatGaveBothStagesAreSaid) {
+  const auto sessions = Sessions(kOfHead, 3);
+  const auto head = ReadHeldErrors(Printed(FitOrDie(sessions, kHead).result), kMachine);
+  ASSERT_TRUE(head.ok()) << head.status();
+  const Result again = FitOrDie(sessions, R"({"EZ0T": 0})", *head).result;
+  ASSERT_EQ(again.warnings.size(), 1u);
+  EXPECT_THAT(again.warnings[0].text, HasSubstr("come from sessions that are used again (BX, BY)"));
+}
+
 TEST(HeldErrors, MonteCarloDrawsThem) {
   const Result head = FitOrDie(Sessions(kOfHead, 3), kHead).result;
   const Fit fit = FitOrDie(Sessions(kOfTable, 4), kTable, ReadHeldErrors(Printed(head), kMachine).value());

@@ -311,4 +311,43 @@ std::vector<Warning> WarningsOf(const Result& result, const std::vector<Paramete
   return warnings;
 }
 
+std::vector<Warning> SharedWithHeld(const Problem& problem, const Covariance& covariance,
+                                    const std::vector<MeasuredIn>& held_from) {
+  std::string readings, offsets;
+  const auto append = [](const std::string& text, std::string* to) {
+    absl::StrAppend(to, to->empty() ? "" : ", ", text);
+  };
+  const auto is_shared = [&](std::string MeasuredIn::*what, const std::string& name) {
+    return std::any_of(held_from.begin(), held_from.end(), [&](const MeasuredIn& from) { return from.*what == name; });
+  };
+  for (const instruments::MeasuringRun& run : problem.runs) {
+    if (is_shared(&MeasuredIn::session, run.session)) append(run.session, &readings);
+  }
+  // By how much of its sigma an error moves with the offset's stated one.
+  constexpr double kRests = 0.3;  // less: the stages' errors correlate by less than a tenth
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    const SetupGroup& group = problem.groups[g];
+    if (!is_shared(&MeasuredIn::setup, group.name)) continue;
+    for (size_t k = 0; k < group.parameters.size(); ++k) {
+      const instruments::SetupParameter& parameter = group.parameters[k];
+      if (parameter.is_weak || !std::isfinite(parameter.prior_sigma)) continue;
+      const Eigen::ArrayXd moved = covariance.with_setup[g].col(static_cast<Eigen::Index>(k)) / parameter.prior_sigma;
+      const Eigen::ArrayXd sigma = covariance.errors.diagonal().array().max(0.0).sqrt();
+      if ((moved.abs() > kRests * sigma && sigma > 0.0).any())
+        append(absl::StrCat(parameter.name, " of set-up ", group.name), &offsets);
+    }
+  }
+  constexpr char kAdvice[] =
+      ": the stated sigmas take both stages for independent; identify from all sessions together";
+  std::vector<Warning> warnings;
+  if (!readings.empty()) {
+    warnings.push_back(
+        {"held", absl::StrCat("the held errors come from sessions that are used again (", readings, ")", kAdvice)});
+  } else if (!offsets.empty()) {
+    warnings.push_back(
+        {"held", absl::StrCat("the held errors rest on the same stated sigma as this fit (", offsets, ")", kAdvice)});
+  }
+  return warnings;
+}
+
 }  // namespace axiscal::identify

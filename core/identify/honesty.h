@@ -61,6 +61,12 @@ double CoverageFactor(bool is_estimated, int degrees_of_freedom);
 std::vector<Warning> WarningsOf(const Result& result, const std::vector<Parameter>& parameters,
                                 const std::vector<bool>& open, const std::vector<bool>& unsupported);
 
+// The covariance of a fit takes what is held for independent of its readings. It is where the stages have no session in
+// common: a set-up that both fit freely carries nothing from one to the other. Not so where the same readings gave
+// both, or where errors rest on an offset that both know to a stated sigma: it is off by the same amount in both.
+std::vector<Warning> SharedWithHeld(const Problem& problem, const Covariance& covariance,
+                                    const std::vector<MeasuredIn>& held_from);
+
 // The errors that the model holds at values which readings do not support: owed to weak priors, of directions that were
 // freed because they show where a set-up happened to stand, or carriers of a combination that is left uncertain by a
 // third of kPlausible.

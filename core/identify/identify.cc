@@ -196,6 +196,8 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   const std::vector<bool> unsupported =
       FindUnsupported(solution, parameters, owed, null_space, holding.fixed, covariance);
   fit.result.warnings = WarningsOf(fit.result, parameters, open, unsupported);
+  for (Warning& warning : SharedWithHeld(problem, covariance, fit.result.held_from))
+    fit.result.warnings.push_back(std::move(warning));
   fit.result.iterations = solution.iterations;
   fit.problem = std::move(problem);
   fit.point = std::move(solution.point);

@@ -205,6 +205,7 @@ Covariance CovarianceOf(const Problem& problem, const Point& point, const Normal
   const int n = static_cast<int>(free.size());
   const ScaledFactor information(reduced.information(free, free));
   out.errors(free, free) = scale * scale * information.Solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd as_stated = out.errors / (scale * scale);
   if (h > 0) {
     // A known error that is off by d moves the fitted ones by slopes * d.
     Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(p, h);
@@ -220,6 +221,7 @@ Covariance CovarianceOf(const Problem& problem, const Point& point, const Normal
     const Eigen::MatrixXd own = scale * scale * eliminated.setup.Solve(Eigen::MatrixXd::Identity(s, s));
     out.setup_sigma.push_back(
         (own + by_errors * out.errors * by_errors.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
+    out.with_setup.push_back(-as_stated * by_errors.transpose());
   }
   return out;
 }

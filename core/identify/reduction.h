@@ -64,6 +64,9 @@ Step SolveStep(const Problem& problem, const Point& point, const NormalEquations
 struct Covariance {
   Eigen::MatrixXd errors;                    // p x p; zero rows and columns for held errors
   std::vector<Eigen::VectorXd> setup_sigma;  // per group
+  // Per group, errors x setup offsets, as the stated sigmas have it and without `known`: divided by an offset's prior
+  // variance it is how the errors move with what the prior takes the offset for.
+  std::vector<Eigen::MatrixXd> with_setup;
 };
 
 // `scale` multiplies what the readings' scatter makes uncertain. `known`: covariance of the last columns, errors that

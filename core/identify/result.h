@@ -39,9 +39,15 @@ struct SetupOffset {
   bool is_angle = false;
 };
 
+// Which readings a number comes from: a session, and the set-up that it may share with others.
+struct MeasuredIn {
+  std::string session, setup;
+};
+
 struct SessionFit {
   std::string session;
-  int readings = 0;  // numbers, not lines
+  std::string setup_name;  // sessions with the same name share their offsets
+  int readings = 0;        // numbers, not lines
   double rms_mm = 0.0, max_mm = 0.0;
   std::vector<SetupOffset> setup;
 };
@@ -70,7 +76,8 @@ struct FitStatistics {
 // What a reader of the numbers must know.
 struct Warning {
   // "scatter": about the fit, beyond the stated sigma; "set-aside": too many readings; "interval": errors without one;
-  // "no-number": errors without a number that the model holds at implausible sizes.
+  // "no-number": errors without a number that the model holds at implausible sizes; "held": the stages share what their
+  // sigmas take for independent.
   std::string kind;
   std::string text;
 };
@@ -81,6 +88,7 @@ struct Result {
   Eigen::MatrixXd correlation;             // of the estimates; NaN rows where not identifiable
   std::vector<Estimate> held_errors;       // errors of an earlier identification, held at their values (held.h)
   Eigen::MatrixXd held_correlation;        // of them with the estimates and with each other: held x (estimates, held)
+  std::vector<MeasuredIn> held_from;       // what they come from, as far as it is known
   std::vector<std::string> not_separable;  // directions that change no reading: "EX0B - EX0C"
   std::vector<Combination> determined;
   int rank = 0;

@@ -48,7 +48,15 @@ json HeldJson(const Result& result) {
     entry["unit"] = estimate.unit;
     errors.push_back(std::move(entry));
   }
-  return {{"errors", std::move(errors)}, {"correlation", CorrelationJson(result.held_correlation)}};
+  json sessions = json::array();
+  for (const MeasuredIn& from : result.held_from) {
+    json session = {{"session", from.session}};
+    if (from.setup != from.session) session["shared_setup"] = from.setup;
+    sessions.push_back(std::move(session));
+  }
+  return {{"errors", std::move(errors)},
+          {"correlation", CorrelationJson(result.held_correlation)},
+          {"sessions", std::move(sessions)}};
 }
 
 json SessionsJson(const Result& result) {
@@ -61,11 +69,13 @@ json SessionsJson(const Result& result) {
                             {"sigma", offset.sigma * per_unit},
                             {"unit", offset.is_angle ? "urad" : "um"}};
     }
-    sessions.push_back({{"session", session.session},
-                        {"readings", session.readings},
-                        {"rms_um", session.rms_mm * kUmPerMm},
-                        {"max_um", session.max_mm * kUmPerMm},
-                        {"setup", std::move(setup)}});
+    json entry = {{"session", session.session}};
+    if (session.setup_name != session.session) entry["shared_setup"] = session.setup_name;
+    entry["readings"] = session.readings;
+    entry["rms_um"] = session.rms_mm * kUmPerMm;
+    entry["max_um"] = session.max_mm * kUmPerMm;
+    entry["setup"] = std::move(setup);
+    sessions.push_back(std::move(entry));
   }
   return sessions;
 }
