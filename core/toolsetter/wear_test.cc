@@ -88,7 +88,7 @@ TEST(Wear, ThreeInsertsAndUnevenSpacing) {
 // 12 starts, 30 deg apart, W = 3.5 um: the largest reading and straight lines between readings read low; the fit does
 // not.
 TEST(Wear, TheFitRemovesTheBiasOfStraightLines) {
-  double joined_um = 0.0, worst_um = 0.0, fitted_um = 0.0;
+  double joined_um = 0.0, squares_um2 = 0.0, worst_um = 0.0, fitted_um = 0.0;
   const int phases = 10;
   for (int i = 0; i < phases; ++i) {
     CurveSession session = MakeSession(2, 12, 3.0 * i);
@@ -98,14 +98,33 @@ TEST(Wear, TheFitRemovesTheBiasOfStraightLines) {
     // What is published corrects neither this nor the peak's own 1.1 um.
     const double peak_mm = kLengthMm - 0.00111382;
     joined_um += (longest_mm - peak_mm) * 1e3 / phases;
+    squares_um2 += std::pow((longest_mm - peak_mm) * 1e3, 2) / phases;
     worst_um = std::min(worst_um, (longest_mm - peak_mm) * 1e3);
     const auto report = FitWear(session);
     ASSERT_TRUE(report.ok()) << report.status();
     fitted_um = std::max(fitted_um, std::abs(report->length_mm - kLengthMm) * 1e3);
   }
   EXPECT_NEAR(joined_um, -0.8, 0.3);
+  EXPECT_NEAR(std::sqrt(squares_um2 - joined_um * joined_um), 0.5, 0.15);
   EXPECT_NEAR(worst_um, -1.7, 0.3);
   EXPECT_LT(fitted_um, 0.01);
+}
+
+// The same at 1 um of noise (the fit's scatter: IntervalsCoverTheTruth): straight lines read low and scatter.
+TEST(Wear, StraightLinesScatter) {
+  std::mt19937 random(7);
+  constexpr int kRuns = 600;
+  double joined_um = 0.0, squares_um2 = 0.0;
+  for (int i = 0; i < kRuns; ++i) {
+    CurveSession session = MakeSession(2, 12, 30.0 * i / kRuns);
+    Measure(&session, {0.0, 0.0035}, 0.0, &random);
+    const double longest_mm = *std::max_element(session.lengths_mm.begin(), session.lengths_mm.end());
+    const double low_um = (longest_mm - (kLengthMm - 0.00111382)) * 1e3;
+    joined_um += low_um / kRuns;
+    squares_um2 += low_um * low_um / kRuns;
+  }
+  EXPECT_NEAR(joined_um, -0.4, 0.15);
+  EXPECT_NEAR(std::sqrt(squares_um2 - joined_um * joined_um), 1.0, 0.15);
 }
 
 TEST(Wear, IntervalsCoverTheTruth) {

@@ -14,9 +14,9 @@ namespace {
 using base::kDegPerRad;
 using base::kRadPerDeg;
 
-constexpr double kExactMm = 2e-8;       // the digest's own rounding of Zc
-constexpr double kClosedFormMm = 1e-6;  // neglected curvature
-constexpr double kCurveMm = 2e-6;       // the digest's curve
+constexpr double kExactMm = 2e-8;                                 // the digest's own rounding of Zc
+constexpr double kClosedFormMm = 4e-7, kClosedFormOfR4Mm = 5.5e-7;  // the digest's: what the closed form neglects
+constexpr double kCurveMm = 2e-6;                                 // the digest's curve
 
 Cutter Table31() {
   Cutter cutter;
@@ -82,6 +82,11 @@ TEST(FangInserts, TriggerHeightsOfOneInsert) {
   EXPECT_NEAR(*TriggerHeightMm(other, run, 75 * kRadPerDeg), -0.024655896, kExactMm);
   EXPECT_NEAR(*TriggerHeightMm(other, run, 85 * kRadPerDeg), -0.008261460, kExactMm);
   EXPECT_NEAR(*TriggerHeightMm(other, run, 95 * kRadPerDeg), -0.004920804, kExactMm);
+  for (const double psi_deg : {75.0, 85.0, 95.0}) {
+    EXPECT_NEAR(*ClosedFormTriggerMm(other, run, psi_deg * kRadPerDeg),
+                *TriggerHeightMm(other, run, psi_deg * kRadPerDeg), kClosedFormOfR4Mm)
+        << psi_deg;
+  }
 }
 
 // Two maxima: the edge's lowest point crosses the beam twice.

@@ -129,6 +129,9 @@ TEST(LiuBlocks, TheHeadsCoefficientsAreThoseOfTheChain) {
   scaled.rightCols(3) /= kHeadMm;
   const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(scaled).singularValues();
   EXPECT_NEAR(values[0] / values[4], 13.7, 0.1);
+  // dy, a, g of 2-a, 2-c and 3: 1 - cos 30 - sin 30, in units of the coefficients 2 and 2 L.
+  const Eigen::Matrix3d y_block = HeadFormulas(kHeadMm)({1, 3, 4}, {1, 2, 4}) / 2.0;
+  EXPECT_NEAR(std::abs(y_block.determinant()) / (kHeadMm * kHeadMm), 0.366, 5e-4);
 }
 
 TEST(LiuBlocks, HeadSumsAndWhatTheLinearEquationsRecover) {
@@ -136,7 +139,7 @@ TEST(LiuBlocks, HeadSumsAndWhatTheLinearEquationsRecover) {
   const std::vector<double> sums = HeadSums(SwivelHead(), kHeadMm, HeadPatterns(), kHead);
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(sums[i], expected[i], 1e-8) << i;
   const Eigen::VectorXd recovered = Solved(HeadFormulas(kHeadMm), sums);
-  const double published[] = {0.029985, 0.025000, 0.015000, -0.010004, 0.019997};  // second order: 15 um off in dx
+  const double published[] = {0.029985, 0.025000, 0.015000, -0.010004, 0.019997};  // second order: 15 nm off in dx
   for (int i = 0; i < 5; ++i)
     EXPECT_NEAR(recovered[i] * (i < 2 ? 1.0 : base::kDegPerRad), published[i], 1e-6) << kHeadErrors[i];
 }
@@ -157,6 +160,22 @@ TEST(LiuBlocks, TableSumsAndThePrintedSignOf3_6) {
   const double b_printed = -b, x_printed = sums[2] / 2.0 - kZMm * b_printed;
   EXPECT_NEAR(b_printed * base::kDegPerRad, 0.0100, kPrinted);
   EXPECT_NEAR(x_printed, 0.0195, kPrinted);
+}
+
+// A pair that stands aside by e looks like dx = e at one angle of C; the mean of C and C + 180 does not see it.
+TEST(LiuBlocks, AnAsymmetricPairLooksLikeAnOffsetAtOneAngle) {
+  constexpr double kAsideMm = 0.02, kZMm = 30;
+  const auto sum_mm = [&](double c_deg) {
+    const std::vector<double> positions = PositionsOf(SwivelHead(), {"x", {{"C", c_deg}}});
+    const auto pose =
+        machine::EvaluateChain<double>(SwivelHead(), positions.data(), JointErrorsOf(SwivelHead(), kTable));
+    return (pose.bed_from_table * Vector3d(kPairMm + kAsideMm, 0, kZMm)).x() +
+           (pose.bed_from_table * Vector3d(-kPairMm + kAsideMm, 0, kZMm)).x();
+  };
+  const double published_mm = 0.049528025;  // 2 dx + 2 z b
+  EXPECT_NEAR(sum_mm(0) - published_mm, 2.0 * kAsideMm, 1e-7);
+  EXPECT_NEAR(sum_mm(180) - published_mm, -2.0 * kAsideMm, 1e-7);
+  EXPECT_NEAR(0.5 * (sum_mm(0) + sum_mm(180)), published_mm, 1e-7);
 }
 
 TEST(LiuBlocks, DoubleHeadSumsAndWhatTheLinearEquationsRecover) {

@@ -137,6 +137,29 @@ TEST_P(YaoPatterns, EccentricitiesAgreeWithTheFirstOrderTable) {
   }
 }
 
+// Table 2.6 prints six terms with the other sign: what its eccentricity is off by, beside ours.
+TEST(YaoTable26, PrintedSignsMissByTwiceTheTerm) {
+  const PatternOptions options;
+  const double rb = options.tool_length_mm, zc = options.ball_height_mm;
+  const struct {
+    Pattern pattern;
+    int component;
+    double Deviations::*deviation;
+    double printed;  // mm per mm, mm per rad
+  } terms[] = {{Pattern::kBX, 1, &Deviations::bXB, rb},  {Pattern::kBZ, 0, &Deviations::dxBT, 1},
+               {Pattern::kCR, 0, &Deviations::bCZ, -zc}, {Pattern::kCR, 1, &Deviations::aCZ, zc},
+               {Pattern::kCT, 0, &Deviations::aCZ, -zc}, {Pattern::kCT, 1, &Deviations::bCZ, -zc}};
+  for (const auto& term : terms) {
+    const double size = term.deviation == &Deviations::dxBT ? kOffsetMm : kAngleRad;
+    Deviations one;
+    one.*term.deviation = size;
+    const double ours_um = base::kUmPerMm * Eccentricity(term.pattern, options, one)[term.component];
+    const double printed_um = base::kUmPerMm * size * term.printed;
+    EXPECT_NEAR(ours_um, -printed_um, kToleranceUm);
+    EXPECT_GT(std::abs(printed_um - ours_um), 10.0);  // 11 um of the tilts of C, 62 um of B's
+  }
+}
+
 // The trace of b_YZ on B radial and tangential, by the same least squares from its closed first-order form. Beyond Y
 // the tool ball stands at (x, z) = (L u_x, -R_B cos p), u the bar's direction; a turn b about Y moves it by b (z, -x),
 // and at the start it moved the table ball by b (-R_B, 0):   dL = b ((z + R_B) u_x - x u_z).
