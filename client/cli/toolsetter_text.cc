@@ -34,6 +34,8 @@ std::string ReferenceText(const Json& report) {
       &text, "spread between rods: range ", Fixed(report["range_um"], 2), " um, ",
       report["between_rods_um"].get<double>() > 0.0
           ? Fixed(report["between_rods_um"], 2) + " um (1 sigma) more than readouts and stated errors explain\n"
+      : report["chi2"].get<double>() > std::max(1, report["degrees_of_freedom"].get<int>())
+          ? std::string("more than readouts and stated errors explain: sigma is raised by it\n")
           : std::string("as readouts and stated errors explain\n"));
   for (const Json& unseen : report["not_told_apart"]) {
     std::string parts;
@@ -72,6 +74,8 @@ std::string WearText(const Json& report) {
   absl::StrAppend(&text, "residual rms ", NumberText(report["fit"]["rms_um"].get<double>()), " um, chi2 ",
                   NumberText(report["fit"]["chi2"].get<double>()), " at ", report["fit"]["degrees_of_freedom"].dump(),
                   " degrees of freedom\n");
+  for (const Json& warning : report.value("warnings", Json::array()))
+    absl::StrAppend(&text, "warning: ", warning["text"].get<std::string>(), "\n");
   if (report.contains("next_measurement")) {
     absl::StrAppend(&text, "an insert never fired: measure with a feed of ",
                     NumberText(report["next_measurement"]["feed_mm_min"].get<double>()), " mm/min at ",

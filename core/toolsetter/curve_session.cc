@@ -90,6 +90,16 @@ std::string ToJson(const CurveSession& session, const WearReport& report) {
   }
   json["fit"] = {
       {"rms_um", report.rms_mm * kUmPerMm}, {"chi2", report.chi2}, {"degrees_of_freedom", report.degrees_of_freedom}};
+  json["warnings"] = Json::array();
+  constexpr double kPoorFit = 4.0;  // twice the stated sigma
+  if (report.degrees_of_freedom > 0 && report.chi2 > kPoorFit * report.degrees_of_freedom) {
+    json["warnings"].push_back(
+        {{"kind", "scatter"},
+         {"text",
+          absl::StrFormat("the readings scatter by %.1f times their stated sigma about the curves of this cutter: "
+                          "a number of it is another, or readings are bad",
+                          std::sqrt(report.chi2 / report.degrees_of_freedom))}});
+  }
   json["longest_reading_mm"] = report.longest_reading_mm;
   json["readings"] = Json::array();
   for (size_t i = 0; i < report.residual_mm.size(); ++i) {

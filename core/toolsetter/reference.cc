@@ -254,6 +254,45 @@ std::optional<RodProposal> Propose(const RodSession& session, const Fit& fit) {
   return proposal;
 }
 
+// A chip moves a readout by micrometres; another rod's, or one in another unit, stands elsewhere.
+absl::Status CheckReadouts(const std::string& session, const MeasuredRod& rod) {
+  constexpr double kApartMm = 0.1;
+  const auto [least, most] = std::minmax_element(rod.readouts_mm.begin(), rod.readouts_mm.end());
+  if (*most - *least <= kApartMm) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("session %s: %s: readouts from %.4f to %.4f mm, expected within %g mm of each other: is one of "
+                      "another rod, or in "
+                      "another unit?",
+                      session, rod.name, *least, *most, kApartMm));
+}
+
+double MedianOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+// Rods that no beam and no stated error reconciles.
+absl::Status CheckRods(const RodSession& session, const Fitter& fitter, const Fit& fit) {
+  constexpr double kApartMm = 2.0;  // a beam that is 20 deg out of line moves a rod's trigger by less
+  const size_t count = fitter.rods().size();
+  size_t worst = 0;
+  double worst_mm = 0.0;
+  for (size_t i = 0; count > 1 && i < count; ++i) {
+    std::vector<double> others_mm;
+    for (size_t j = 0; j < count; ++j) {
+      if (j != i) others_mm.push_back(fitter.AnswerMm(j, fit));
+    }
+    const double off_mm = std::abs(fitter.AnswerMm(i, fit) - MedianOf(others_mm));
+    if (off_mm > worst_mm) worst_mm = off_mm, worst = i;
+  }
+  if (worst_mm <= kApartMm) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "session %s: %s puts the reference point %.3f mm off where the other rods do, expected rods that agree to %g mm: "
+      "is its length of %g mm right, are its readouts of another rod or in another unit?",
+      session.session, fitter.rods()[worst]->name, worst_mm, kApartMm, fitter.rods()[worst]->rod.length_mm));
+}
+
 }  // namespace
 
 const char* ParameterName(ReferenceParameter parameter) {
@@ -267,7 +306,9 @@ absl::StatusOr<Reference> FitReference(const RodSession& session, const Referenc
   if (fitter.rods().empty()) {
     return absl::InvalidArgumentError("session " + session.session + ": no rod has a readout, expected at least one");
   }
+  for (const MeasuredRod* const rod : fitter.rods()) RETURN_IF_ERROR(CheckReadouts(session.session, *rod));
   ASSIGN_OR_RETURN(Fit fit, BestFit(fitter, session, options));
+  RETURN_IF_ERROR(CheckRods(session, fitter, fit));
   Reference out;
   out.chi2 = fit.chi2;
   out.degrees_of_freedom = fitter.rows() - fit.rank;

@@ -1,5 +1,6 @@
 #include "core/toolsetter/reference.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,6 +10,8 @@
 
 namespace axiscal::toolsetter {
 namespace {
+
+using ::testing::HasSubstr;
 
 using base::kRadPerDeg;
 
@@ -156,6 +159,26 @@ TEST(Reference, RodsThatDisagreeWidenTheUncertainty) {
     covered += std::abs(z.estimate - kTrueZ) < 2.36 * z.sigma;  // Student's t, 7 degrees of freedom
   }
   EXPECT_GE(covered, 0.90 * runs);
+}
+
+TEST(Reference, RefusesReadoutsThatAreNotTheRods) {
+  RodSession session = ThreeRods();
+  std::mt19937 random(1);
+  Measure(&session, session.sigma_mm, &random);
+  const RodSession right = session;
+  session.rods[1].readouts_mm[1] *= 1e-3;
+  EXPECT_THAT(std::string(FitReference(session).status().message()),
+              HasSubstr("to -0.3600 mm, expected within 0.1 mm of each other"));
+  session = right;
+  session.rods[1].rod.length_mm *= 1e-3;
+  EXPECT_THAT(std::string(FitReference(session).status().message()),
+              HasSubstr("rods: rod-1 puts the reference point 149.85"));
+  session = right;
+  session.rods[2].rod.length_mm += 3.0;
+  EXPECT_EQ(FitReference(session).status().code(), absl::StatusCode::kInvalidArgument);
+  session.rods[2].rod.length_mm -= 2.95;  // nobody stated better: said as the spread between rods
+  EXPECT_TRUE(FitReference(session).ok());
+  EXPECT_TRUE(FitReference(right).ok());
 }
 
 TEST(Reference, StatedUncertaintiesOfRodsAndBeamCount) {

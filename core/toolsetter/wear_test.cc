@@ -1,5 +1,6 @@
 #include "core/toolsetter/wear.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,6 +12,8 @@
 
 namespace axiscal::toolsetter {
 namespace {
+
+using ::testing::HasSubstr;
 
 using base::kDegPerRad;
 using base::kRadPerDeg;
@@ -187,6 +190,19 @@ absl::StatusOr<CurveSession> ReadText(const std::string& header, int rows, doubl
   const auto session = session::ReadSessionText(text, "curve.csv");
   if (!session.ok()) return session.status();
   return ReadCurveSession(*session);
+}
+
+// Two inserts read as three: the curves do not fit, and that is said.
+TEST(Wear, ReadingsOfAnotherCutterAreSaid) {
+  CurveSession session = MakeSession(2, 12);
+  Measure(&session, {0.0, 0.003}, 0, nullptr);
+  const auto right = FitWear(session);
+  ASSERT_TRUE(right.ok()) << right.status();
+  EXPECT_THAT(ToJson(session, *right), ::testing::Not(HasSubstr("scatter")));
+  session.cutter.inserts = 3;
+  const auto wrong = FitWear(session);
+  ASSERT_TRUE(wrong.ok()) << wrong.status();
+  EXPECT_THAT(ToJson(session, *wrong), HasSubstr("times their stated sigma about the curves of this cutter"));
 }
 
 TEST(CurveSession, ReadsCutterAndRun) {

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "core/instruments/evaluation.h"
 #include "core/instruments/touch/sphere_fit.h"
 #include "core/instruments/touch/touch_bind.h"
+#include "core/machine/machine_json.h"
 #include "core/machine/testing/machines.h"
+#include "core/session/read_session.h"
 
 namespace axiscal::touch {
 namespace {
@@ -186,6 +189,52 @@ TEST(TouchGates, TouchesOfAnotherFeatureAreRefused) {
 }
 
 // A face 10 mm above the table's origin, a stylus of 3 mm: the gap is what the tip stands above 13 mm.
+// Three columns on a tilting table, deploy/examples/ibaraki-columns.
+absl::Status BindColumns(const std::function<void(session::Session*)>& change) {
+  const std::string folder = AXISCAL_SOURCE_DIR "/deploy/examples/ibaraki-columns/";
+  const machine::Machine machine = machine::ReadMachineFile(folder + "machine.json").value();
+  session::Session session = session::ReadSessionFile(folder + "fit/columns.csv").value();
+  change(&session);
+  return instruments::BindSession(session, machine).status();
+}
+
+void SetHeader(session::Session* session, const std::string& key, const std::string& value) {
+  for (session::HeaderEntry& entry : session->header) {
+    if (entry.key == key) entry.value = value;
+  }
+}
+
+TEST(TouchGates, OppositeFacesNameAWrongStylus) {
+  EXPECT_TRUE(BindColumns([](session::Session*) {}).ok());
+  EXPECT_TRUE(BindColumns([](session::Session* session) { SetHeader(session, "stylus_radius_mm", "3.015"); }).ok());
+  for (const auto& [radius, out] : {std::pair("2", "stands out by 1.000"), std::pair("3.05", "stands out by -0.050")}) {
+    const absl::Status status =
+        BindColumns([&](session::Session* session) { SetHeader(session, "stylus_radius_mm", radius); });
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()), HasSubstr(out));
+    EXPECT_THAT(std::string(status.message()), HasSubstr(absl::StrCat("stylus_radius_mm ", radius)));
+  }
+  EXPECT_TRUE(BindColumns([](session::Session* session) {
+                SetHeader(session, "stylus_radius_mm", "3.05");
+                session->header.push_back({"radius_gate_um", "100"});
+              }).ok());
+  // One touch of a chip is no stylus.
+  EXPECT_TRUE(BindColumns([](session::Session* session) {
+                for (session::Column& column : session->columns)
+                  if (column.name == "X_mm") column.values[1] += 0.09;
+              }).ok());
+}
+
+TEST(TouchGates, ATouchOfTheNextColumnsTopIsRefused) {
+  const absl::Status status = BindColumns([](session::Session* session) {
+    for (session::Column& column : session->columns)
+      if (column.name == "X_mm") column.values[0] = 150.0;
+  });
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("reading 1 of feature 'column1top' stands 299.8 mm aside"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("'column2top'"));
+}
+
 TEST(Touch, APlaneReadsTheGapAlongItsNormal) {
   session::Session session = Fig513(5.0, 3.0);
   session.header.back() = {"plane ball", "1 2 10 0 0 2"};
