@@ -31,6 +31,7 @@ absl::Status List(Context& context) {
   for (const tables::Format& format : tables::Formats()) {
     absl::StrAppend(&text, format.name, "\n    ", format.title, "\n    ", tables::LimitsText(format), "\n    ",
                     format.values, "\n");
+    if (!format.assumed.empty()) absl::StrAppend(&text, "    assumed: ", format.assumed, "\n");
     for (const std::string& what : format.cannot_carry) absl::StrAppend(&text, "    cannot carry ", what, "\n");
   }
   context.Print({{"formats", Embedded(tables::FormatsJson())}}, text);

@@ -12,7 +12,7 @@ absl::StatusOr<v1::ListTableFormatsResponse> ListTableFormats(Core& core, const 
     out->set_name(format.name);
     out->set_title(format.title);
     out->set_values(format.values);
-    out->set_limits(tables::LimitsText(format));
+    out->set_limits(tables::LimitsText(format) + (format.assumed.empty() ? "" : "; assumed: " + format.assumed));
     if (format.limits.max_points > 0) out->set_max_points(format.limits.max_points);
     for (const std::string& what : format.cannot_carry) out->add_cannot_carry(what);
   }

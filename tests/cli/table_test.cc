@@ -29,6 +29,7 @@ TEST_F(Tables, TheListNeedsNothing) {
   EXPECT_EQ(text.exit_code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("linuxcnc-comp\n"));
   EXPECT_THAT(text.out, HasSubstr("256 points anywhere, by sense of motion"));
+  EXPECT_THAT(text.out, HasSubstr("    assumed: the layout of the data lines"));
   const Outcome json = Run("table --list --json");
   ASSERT_TRUE(json.Json().is_object()) << json.out;
   EXPECT_EQ(json.Json()["formats"][0]["name"], "general");
@@ -111,6 +112,14 @@ TEST_F(Tables, AnApprovedLoopBecomesATableOnEveryWay) {
   refused("--format linuxcnc-comp --axis X --points 999", 3, "TABLE_INVALID");
   refused("--format linuxcnc-comp --calibration 99", 4, "CALIBRATION_NOT_FOUND");
   EXPECT_EQ(Run(at + "table --machine nobody --format general -o z.comp").exit_code, 4);
+
+  // Every format, written or refused alike.
+  for (const auto& format : Run("table --list --json").Json()["formats"]) {
+    const std::string make = "table --machine mt --format " + format["name"].get<std::string>() + " -o ";
+    const Outcome here = Run(make + "here.txt"), there = Run(at + make + "there.txt");
+    EXPECT_EQ(here.exit_code, there.exit_code) << make << there.err;
+    if (here.exit_code == 0) EXPECT_EQ(Read("here.txt"), Read("there.txt")) << make;
+  }
 }
 
 }  // namespace

@@ -132,6 +132,9 @@ Format FanucGridFormat() {
   format.limits.is_resolution_free = true;
   format.limits.value_step_mm = 1e-3;
   format.limits.position_step_mm = 1e-3;
+  format.assumed =
+      "the layout of the data lines, the numbers of the parameters and the order of the points: no source was at hand. "
+      "Compare them with the control's manual and arrange the numbers as it says";
   format.cannot_carry = {"backlash (fanuc-pitch)", "errors over rotary axes: the grid holds for the reference's angles",
                          "orientation of the tool"};
   format.fit = Fit;

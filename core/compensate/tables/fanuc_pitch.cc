@@ -190,6 +190,9 @@ Format FanucPitchFormat() {
   format.limits.value_step_deg = 1e-3;
   format.limits.position_step_mm = 1e-3;
   format.limits.position_step_deg = 1e-3;
+  format.assumed =
+      "an increment is spread evenly over its interval, reference return is in the positive direction, text behind the "
+      "closing % is not read; written as the maker's manual is understood, not tried on a control";
   format.cannot_carry = {"errors across the axis or over another one", "orientation of the tool"};
   format.fit = Fit;
   format.write = Write;

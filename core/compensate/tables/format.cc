@@ -63,6 +63,7 @@ std::string FormatsJson() {
         {"rotary_axes", limits.holds_rotary},
         {"value_step_mm", limits.value_step_mm},
         {format.layout == Layout::kComponents ? "value_step_rad" : "value_step_deg", limits.value_step_deg}};
+    entry["assumed"] = format.assumed;
     entry["cannot_carry"] = format.cannot_carry;
     list.push_back(std::move(entry));
   }

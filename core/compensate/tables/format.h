@@ -59,6 +59,9 @@ struct Format {
   Limits limits;
   // What no table of this format can carry, whatever the machine.
   std::vector<std::string> cannot_carry;
+  // What was assumed, because no source was at hand, or what was not tried on a control; "": the control's own source
+  // was read. Stands in every file.
+  std::string assumed;
   // Chooses value_steps where values must be coarser than the least step, or says what does not fit. May be null.
   absl::Status (*fit)(const machine::Machine& machine, Content* content) = nullptr;
   // FAILED_PRECONDITION where the machine is none that the format can describe.

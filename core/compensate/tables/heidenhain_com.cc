@@ -84,6 +84,7 @@ Format HeidenhainComFormat() {
   format.limits.one_axis = true;
   format.limits.value_step_mm = kUnit;
   format.limits.value_step_deg = kUnit;
+  format.assumed = "layout and sign: no source was at hand. Compare them with a table of the control";
   format.cannot_carry = {"backlash (machine parameter)", "errors across the axis or over another one",
                          "orientation of the tool"};
   format.write = Write;

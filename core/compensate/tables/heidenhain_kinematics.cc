@@ -123,6 +123,8 @@ Format HeidenhainKinematicsFormat() {
   format.values = "shifts from axis to axis, mm, beginning at the tool point at home";
   format.layout = Layout::kPoints;
   format.limits.value_step_mm = 1e-4;
+  format.assumed =
+      "the layout of the list: no source was at hand. Take the numbers over into the control's own kinematics by hand";
   format.cannot_carry = {"tilts of the rotary axes and squareness", "errors that vary with a position",
                          "what moves all axes alike (datum)"};
   format.write = Write;

@@ -102,6 +102,7 @@ Format IsgVolumetricFormat() {
   format.limits.whole_axes = true;
   format.limits.value_step_mm = kStepMm;
   format.limits.value_step_deg = kStepRad;
+  format.assumed = "the columns: no source was at hand. Arrange them as the control's manual says";
   format.cannot_carry = {"backlash", "errors of an axis over the position of another",
                          "errors of spindle, tool and workpiece"};
   format.write = Write;

@@ -132,6 +132,75 @@ TEST(LinuxcncXyzbc, ATiltingTableAboutB) {
   EXPECT_LT(made.report["tool_point_error"]["within_ranges"]["after"]["max_um"].get<double>(), 0.05);
 }
 
+// trtfuncs.c of LinuxCNC 2.9.0~pre1, xyzbcKinematicsInverse.
+Eigen::Vector3d XyzbcInverse(const std::string& pins, const Eigen::Vector3d& pos, double b, double c) {
+  const double x_rot = Pin(pins, "x-rot-point"), y_rot = Pin(pins, "y-rot-point"), z_rot = Pin(pins, "z-rot-point");
+  const double dx = Pin(pins, "x-offset"), dz = Pin(pins, "z-offset");
+  return {std::cos(c) * std::cos(b) * (pos.x() - x_rot) - std::sin(c) * std::cos(b) * (pos.y() - y_rot) +
+              std::sin(b) * (pos.z() - z_rot) - std::cos(b) * dx - std::sin(b) * dz + dx + x_rot,
+          std::sin(c) * (pos.x() - x_rot) + std::cos(c) * (pos.y() - y_rot) + y_rot,
+          -std::cos(c) * std::sin(b) * (pos.x() - x_rot) + std::sin(c) * std::sin(b) * (pos.y() - y_rot) +
+              std::cos(b) * (pos.z() - z_rot) + std::sin(b) * dx - std::cos(b) * dz + dz + z_rot};
+}
+
+using Inverse = Eigen::Vector3d (*)(const std::string& pins, const Eigen::Vector3d& pos, double tilt, double c);
+
+// How far LinuxCNC, with these pins, brings the tool point of the machine with its errors from where the program wants
+// it, more than at home: what moves all alike belongs into the work offset.
+double WorstMm(const machine::Machine& machine, const machine::ErrorModel& errors, const Eigen::Vector3d& tip_mm,
+               const std::string& tilting, Inverse inverse, const std::string& pins) {
+  const auto error = [&](const Eigen::Vector3d& pos, double tilt, double c) -> Eigen::Vector3d {
+    const Eigen::Vector3d joints = inverse(pins, pos, tilt, c);
+    std::array<shapes::AxisState, machine::kMaxAxes> axes;
+    compensate::Positions positions{};
+    for (const auto& [name, value] : std::map<std::string, double>{
+             {"X", joints.x()}, {"Y", joints.y()}, {"Z", joints.z()}, {tilting, tilt}, {"C", c}}) {
+      const int axis = machine::FindAxis(machine, name);
+      positions[axis] = axes[axis].position = value;
+    }
+    shapes::State state;
+    state.axes = {axes.data(), static_cast<size_t>(machine.axis_count())};
+    const auto chain =
+        machine::EvaluateChain<double>(machine, positions.data(), machine::ErrorsAt(machine, errors, state));
+    return machine::TipInTable<double>(chain, tip_mm) - tip_mm - pos;
+  };
+  const Eigen::Vector3d at_home = error(Eigen::Vector3d::Zero(), 0.0, 0.0);
+  double worst = 0.0;
+  for (const double tilt : {-1.2, -0.3, 0.0, 0.5}) {
+    for (const double c : {0.0, 0.9, 2.5, 4.0}) {
+      for (const double place : {-60.0, 0.0, 80.0}) {
+        worst = std::max(worst, (error({place, -0.5 * place, 40.0 - place}, tilt, c) - at_home).norm());
+      }
+    }
+  }
+  return worst;
+}
+
+// The numbers of the pins, by LinuxCNC's own formulas on the machine with its errors: what the file says is what the
+// control does with it.
+TEST(LinuxcncPins, LinuxcncsFormulasWithThemBringTheToolPointThere) {
+  constexpr double kPinsMm = 5e-5;  // four or five pins of 1e-5 mm
+  const machine::Machine xyzac = WithTravel();
+  TableRequest request = WithTip("linuxcnc-xyzac");
+  Eigen::Vector3d tip_mm = request.state.tool_tip_mm;
+  machine::ErrorModel errors = Errors(xyzac, kLocations);
+  EXPECT_GT(WorstMm(xyzac, errors, tip_mm, "A", XyzacInverse, Make(xyzac, "{}", request).text), 0.05);
+  EXPECT_LT(WorstMm(xyzac, errors, tip_mm, "A", XyzacInverse, Make(xyzac, kLocations, request).text), kPinsMm);
+
+  using machine::testing::Linear, machine::testing::Rotary;
+  const machine::Machine xyzbc = machine::testing::Make(
+      "xyzbc", {Linear("Y", {0, 1, 0}), Linear("Z", {0, 0, 1})},
+      {Linear("X", {-1, 0, 0}), Rotary("B", {0, 1, 0}, {12, 0, -30}), Rotary("C", {0, 0, 1}, {-3, 5, 0})}, {});
+  constexpr char kTableLocations[] = R"({"EX0B": 30, "EZ0B": -20, "EX0C": 11, "EY0C": 25})";
+  request = WithTip("linuxcnc-xyzbc");
+  request.ranges = {{"X", -100, 100}, {"Y", -100, 100}, {"Z", -100, 100}, {"B", -1, 1}, {"C", 0, 6}};
+  tip_mm = request.state.tool_tip_mm;
+  errors = Errors(xyzbc, kTableLocations);
+  EXPECT_GT(WorstMm(xyzbc, errors, tip_mm, "B", XyzbcInverse, Make(xyzbc, "{}", request).text), 0.02);
+  EXPECT_LT(WorstMm(xyzbc, errors, tip_mm, "B", XyzbcInverse, Make(xyzbc, kTableLocations, request).text), kPinsMm);
+  EXPECT_LT(WorstMm(xyzbc, {}, tip_mm, "B", XyzbcInverse, Make(xyzbc, "{}", request).text), kPinsMm);
+}
+
 TEST(HeidenhainKinematics, ShiftsFromAxisToAxisOnBothSides) {
   const Made made = Make(kLocations, Request("heidenhain-kinematics"));
   ASSERT_TRUE(made.status.ok()) << made.status;

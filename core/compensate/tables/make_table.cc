@@ -181,6 +181,14 @@ absl::Status ListLeft(const Plan& plan, std::vector<std::string>* not_carried) {
     ASSIGN_OR_RETURN(const Positions zeros, ZerosOf(plan, alone));
     ASSIGN_OR_RETURN(const compensate::PointError error, checker.Check(Without(zeros), command, poses));
     if (error.after.largest <= std::max(kCarriedPart * error.before.largest, plan.request.tolerance_mm)) continue;
+    if (error.after.largest > error.before.largest + plan.request.tolerance_mm) {
+      not_carried->push_back(absl::StrFormat(
+          "%s: alone it would be worse with the table, %.2f um at the tool point within the ranges instead of %.2f: it "
+          "turns with axes that the table is not over",
+          machine::NameOf(plan.machine, term), error.after.largest * base::kUmPerMm,
+          error.before.largest * base::kUmPerMm));
+      continue;
+    }
     not_carried->push_back(absl::StrFormat("%s: %.2f of %.2f um at the tool point stay within the ranges",
                                            machine::NameOf(plan.machine, term), error.after.largest * base::kUmPerMm,
                                            error.before.largest * base::kUmPerMm));
@@ -217,16 +225,31 @@ void ListZeros(const Plan& plan, const Positions& zeros, std::vector<std::string
   }
 }
 
+// "B, C": axes that move within the ranges and over which the table is not.
+std::string AxesBeside(const Plan& plan) {
+  std::string names;
+  for (int i = 0; i < plan.machine.axis_count(); ++i) {
+    const bool is_over = std::find(plan.arguments.begin(), plan.arguments.end(), i) != plan.arguments.end();
+    const bool is_free = is_over && (plan.format.layout == Layout::kGrid || plan.arguments.size() == 1);
+    if (plan.ranges[i].is_set && !is_free)
+      absl::StrAppend(&names, names.empty() ? "" : ", ", plan.machine.axes[i].name);
+  }
+  return names.empty() ? "the other axes" : names;
+}
+
 // A table that makes things worse is not handed out.
 absl::Status Judge(const Plan& plan, const TableReport& report) {
   const double rounding =
       2.0 * plan.request.tolerance_mm + 2.0 * plan.value_step(plan.arguments.empty() ? 0 : plan.arguments[0]);
   const auto worse = [&](const Deviation& before, const Deviation& after, const char* where) -> absl::Status {
     if (after.rms() <= before.rms() + rounding) return absl::OkStatus();
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "with the table the tool point would be off by %.2f um rms %s, without it by %.2f: this format cannot correct "
-        "this machine from this reference",
-        after.rms() * base::kUmPerMm, where, before.rms() * base::kUmPerMm));
+    return absl::FailedPreconditionError(
+        absl::StrFormat("the table would make the tool point worse: %.2f um rms %s instead of %.2f. Its values hold "
+                        "for one position of "
+                        "%s. Narrow the ranges, put the reference (--reference) where the work is, or take another "
+                        "format; programs can "
+                        "be corrected at every position (compensate)",
+                        after.rms() * base::kUmPerMm, where, before.rms() * base::kUmPerMm, AxesBeside(plan)));
   };
   RETURN_IF_ERROR(worse(report.along.before, report.along.after, "along the axes"));
   return worse(report.within.before, report.within.after, "within the ranges");

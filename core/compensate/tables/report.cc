@@ -77,6 +77,11 @@ std::vector<std::string> NotesOf(const Plan& plan, const TableReport& report) {
       absl::StrCat("reference: ", ReferenceText(plan), "; tool point at home ", Fixed(tip.x(), 4), " ",
                    Fixed(tip.y(), 4), " ", Fixed(tip.z(), 4), " mm"),
       "ranges: " + RangesText(plan)};
+  if (!plan.format.assumed.empty()) {
+    notes.push_back("assumed: " + plan.format.assumed);
+    notes.push_back(
+        "before production: load one table, move to its largest value, see that the axis goes where this file says");
+  }
   for (const ColumnReport& column : report.columns) notes.push_back(ColumnText(column));
   notes.push_back("tool point along the axes: " + Text(report.along.before) + " before; " + Text(report.along.after) +
                   " with it");

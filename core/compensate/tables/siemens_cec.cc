@@ -157,6 +157,8 @@ Format SiemensCecFormat() {
   format.limits.is_resolution_free = true;
   format.limits.value_step_mm = 1e-4;
   format.limits.value_step_deg = 1e-5;
+  format.assumed =
+      "the sign is that of siemens-eec; written as the maker's manual is understood, not tried on a control";
   format.cannot_carry = {"errors that two axes make together (angles with a lever along another axis)",
                          "more than 62 tables"};
   format.write = Write;

@@ -95,6 +95,7 @@ Format SiemensEecFormat() {
   format.limits.is_resolution_free = true;
   format.limits.value_step_mm = 1e-4;
   format.limits.value_step_deg = 1e-5;
+  format.assumed = "written as the maker's manual is understood, not tried on a control";
   format.cannot_carry = {"backlash (MD32450 $MA_BACKLASH, or siemens-cec)",
                          "errors across the axis or over another one", "orientation of the tool"};
   format.write = Write;

@@ -114,9 +114,24 @@ TEST(MakeTable, ATableThatMakesItWorseIsNotHandedOut) {
       {"symbol": "EBX", "shape": "linear", "variable": "X", "amplitude": 150}]})";
   const Made worse = Make(errors, request);
   EXPECT_EQ(worse.status.code(), absl::StatusCode::kFailedPrecondition) << worse.text;
-  EXPECT_THAT(std::string(worse.status.message()), HasSubstr("cannot correct this machine from this reference"));
+  EXPECT_THAT(std::string(worse.status.message()), HasSubstr("the table would make the tool point worse: "));
+  EXPECT_THAT(std::string(worse.status.message()),
+              HasSubstr("Its values hold for one position of Z, Y, A, C. Narrow the ranges"));
   request.reference = {{"Z", 200}};
   EXPECT_TRUE(Make(errors, request).status.ok());
+}
+
+// A tilt of C turns with A: the grid of A = 0 is wrong for it elsewhere, though the machine is better with the grid.
+TEST(MakeTable, ATermThatATableMakesWorseIsSaidToBe) {
+  TableRequest request = Request("fanuc-3d");
+  const Made made =
+      Make(R"({"EB0C": 60, "EC0Y": 200, "terms": [{"symbol": "EXX", "shape": "linear", "amplitude": 90}]})", request);
+  ASSERT_TRUE(made.status.ok()) << made.status;
+  EXPECT_THAT(NotCarried(made), HasSubstr("EB0C: alone it would be worse with the table, "));
+  EXPECT_THAT(NotCarried(made), HasSubstr("it turns with axes that the table is not over"));
+  EXPECT_THAT(made.text, HasSubstr("(assumed: the layout of the data lines"));
+  const auto& within = made.report["tool_point_error"]["within_ranges"];
+  EXPECT_LT(within["after"]["rms_um"].get<double>(), within["before"]["rms_um"].get<double>());
 }
 
 TEST(General, ErrorsKeepTheirNamesSignsAndUnits) {
