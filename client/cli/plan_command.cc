@@ -31,8 +31,13 @@ struct Arguments {
 absl::StatusOr<std::vector<Eigen::Vector3d>> Point(const std::string& option, const std::string& text) {
   if (text.empty()) return std::vector<Eigen::Vector3d>();
   std::vector<double> numbers;
-  if (!session::ParseNumbers(text, &numbers) || numbers.size() != 3)
-    return absl::InvalidArgumentError(absl::StrCat(option, " '", text, "': expected \"x y z\" in mm"));
+  constexpr double kMostMm = 1e5;  // as in session files
+  const bool are_near = session::ParseNumbers(text, &numbers) && numbers.size() == 3 &&
+                        std::all_of(numbers.begin(), numbers.end(), [](double mm) { return std::abs(mm) <= kMostMm; });
+  if (!are_near) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s '%s': expected \"x y z\" in mm within +-%g", option, text, kMostMm));
+  }
   return std::vector<Eigen::Vector3d>{{numbers[0], numbers[1], numbers[2]}};
 }
 

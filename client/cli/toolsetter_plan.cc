@@ -90,6 +90,12 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
   if (arguments.machine.empty())
     return absl::InvalidArgumentError("--machine: expected the id for the session's header");
   ASSIGN_OR_RETURN(const std::string cutter, base::ReadFile(arguments.file, base::kMaxJsonBytes));
+  for (const auto& [option, name] :
+       {std::make_pair("--session", &arguments.session), {"--machine", &arguments.machine}}) {
+    const bool is_line = std::none_of(name->begin(), name->end(), [](char c) { return c >= 0 && c < ' '; });
+    if (name->empty() || !is_line)
+      return absl::InvalidArgumentError(absl::StrCat(option, ": expected a name on one line for the session's header"));
+  }
   if (!(arguments.sigma_um > 0.0 && arguments.sigma_um <= 1000.0))
     return absl::InvalidArgumentError(
         absl::StrFormat("--sigma-um %g: expected above 0 to 1000 um", arguments.sigma_um));

@@ -57,6 +57,10 @@ TEST_F(Plan, UnknownErrorsTestsAndWaysAreRefused) {
   EXPECT_EQ(Run("plan --list --for EX0C" + Machine()).exit_code, 3);
   EXPECT_EQ(Run("plan rtest-grid" + Machine()).exit_code, 3);  // no -o
   EXPECT_EQ(Run("plan rtest-grid -o a.nc --dialect okuma" + Machine()).exit_code, 3);
+  outcome = Run("plan rtest-grid -o a.nc --ball '0 0 1e9' --machine '" +
+                Source("tests/data/loop/case-000/machine.json") + "'");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("--ball '0 0 1e9': expected \"x y z\" in mm within +-100000"));
   EXPECT_FALSE(Exists("a.nc"));
 }
 

@@ -152,6 +152,9 @@ TEST_F(ToolSetter, PlanKnowsBothTestsOfTheMachine) {
               HasSubstr("expected a tool-setter session"));
   EXPECT_THAT(message("--machine machine.json tool-curve -o no.nc --tools " + cutter, 3),
               HasSubstr("expected FILE.csv"));
+  EXPECT_THAT(
+      message("--machine machine.json tool-curve -o no.csv --session \"$(printf 'a\\nb')\" --tools " + cutter, 3),
+      HasSubstr("--session: expected a name on one line"));
   EXPECT_THAT(message("--machine machine.json --list --tools " + cutter, 3), HasSubstr("tool-setter or tool-curve"));
   Write("other.json", R"({"id": "mill", "axes": {"X": {"kind": "linear", "direction": [1, 0, 0]}},
       "tool_branch": ["X"], "work_branch": [], "tool_direction": [0, 0, -1]})");
