@@ -32,10 +32,11 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
     if (machine.axes[i].kind == machine::AxisKind::kLinear) impl->linear_axes.push_back(i);
   }
   impl->MeasureErrors();
-  Fold(impl->machine, impl->linear_axes, JointMaps(), &impl->nominal);
+  Fold(impl->machine, impl->linear_axes, JointMaps(), {}, &impl->nominal);
+  JointMaps constant_maps;
   for (int joint = 0; joint < machine.joint_count(); ++joint)
-    SetMap(impl->machine, joint, impl->constant[joint], &impl->constant_maps);
-  if (impl->is_constant) Fold(impl->machine, impl->linear_axes, impl->constant_maps, &impl->actual);
+    SetMap(impl->machine, joint, impl->constant[joint], &constant_maps);
+  Fold(impl->machine, impl->linear_axes, constant_maps, impl->varying_joints, &impl->actual);
   return Compensator(std::move(impl));
 }
 

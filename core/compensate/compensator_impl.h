@@ -19,14 +19,13 @@ struct Compensator::Impl {
   std::vector<std::string> not_carried;
   std::vector<int> linear_axes;
   std::array<bool, machine::kMaxAxes> uses_sense{};
-  bool is_constant = true;  // all carried terms are: the folded chain is exact
+  bool is_constant = true;  // all carried terms are
   FoldedChain nominal, actual;
   // For DepartureBound: sums of the constant terms' magnitudes, and the terms that are not constant.
   double fixed_lever_mm = 0, translation_errors_mm = 0, angle_errors_rad = 0;
   std::vector<machine::ErrorTerm> varying;
-  // The sum of the constant terms, and the joints' maps of it; joints with varying terms get theirs at every pose.
+  // The sum of the constant terms; the maps of joints with varying terms are not folded, they are made at every pose.
   machine::JointErrors<double> constant;
-  JointMaps constant_maps;
   std::vector<int> varying_joints;
   std::array<double, machine::kMaxAxes> smooth_travel{};
 
@@ -48,10 +47,8 @@ struct Compensator::Impl {
                              Correction* correction) const;
   void EvaluateNominal(const Pose& pose, const Turns& turns, AffineTip* wanted) const;
   void Aim(const Pose& commanded, TurnColumns* columns) const;
-  // The joints' maps at a pose: only those of varying terms are computed.
+  // The maps of the joints with varying terms at a pose.
   void MapsAt(const Pose& pose, JointMaps* maps) const;
-  // The chain with the errors at a pose.
-  const FoldedChain& ChainAt(const Pose& pose, FoldedChain* chain) const;
 
  private:
   absl::Status RankError(const Pose& pose) const;
@@ -60,7 +57,7 @@ struct Compensator::Impl {
   absl::Status Solve(const Pose& pose, const Columns& tip_per_mm, const Eigen::Vector3d& move_mm,
                      double* change_mm) const;
   // One step at the errors of `commanded`: what the tool point lacks, and the step that would bring it there.
-  absl::Status Step(const Pose& pose, const FoldedChain& chain, const Turns& turns, const AffineTip& wanted,
+  absl::Status Step(const Pose& pose, const JointMaps& maps, const Turns& turns, const AffineTip& wanted,
                     Pose* commanded, Eigen::Vector3d* lacking_mm, double* change_mm, AffineTip* found) const;
   void Apply(const double* change_mm, AxisValues* positions) const {
     for (size_t k = 0; k < linear_axes.size(); ++k) (*positions)[linear_axes[k]] += change_mm[k];

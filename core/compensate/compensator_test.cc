@@ -132,6 +132,44 @@ TEST(Compensator, ConstantErrorsOfAllThreeStructuresAreTakenOutByTheChainItself)
   }
 }
 
+// Constant errors are folded into the chain; with a vanishing error that varies, every axis' map stands apart in it.
+TEST(Compensator, MapsThatAreFoldedAndThoseThatVaryMakeOneChain) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  for (const Machine& machine :
+       {machine::testing::MultiTasking(), machine::testing::SwivelHead(), machine::testing::TiltingTable()}) {
+    const Options options{Eigen::Vector3d(20, -30, -350), {}, {}};
+    ErrorModel errors = machine::DeclaredModel(machine);
+    for (auto& term : errors.terms) term.amplitude[0] = share(random) * (machine::IsAngle(term.component) ? 1e-3 : 0.1);
+    const Compensator whole = MustCreate(machine, errors, options);
+    for (int joint = 0; joint < machine.axis_count(); ++joint) {
+      machine::ErrorTerm vanishing{
+          joint, machine::Component::kX, shapes::Linear{0, shapes::Linear::kReferenceMm}, {1e-15}};
+      errors.terms.push_back(vanishing);
+    }
+    const Compensator stepped = MustCreate(machine, errors, options);
+    ASSERT_TRUE(whole.is_constant());
+    ASSERT_FALSE(stepped.is_constant());
+    for (int i = 0; i < 200; ++i) {
+      Pose pose;
+      for (int axis = 0; axis < machine.axis_count(); ++axis) {
+        const bool is_rotary = machine.axes[axis].kind == machine::AxisKind::kRotary;
+        pose.position[axis] = share(random) * (is_rotary ? std::numbers::pi : 500.0);
+      }
+      const auto folded = whole.Correct(pose), apart = stepped.Correct(pose);
+      ASSERT_TRUE(folded.ok() && apart.ok());
+      constexpr double kRoundOffMm = 1e-9, kRoundOffRad = 1e-12;
+      for (const int axis : whole.linear_axes())
+        EXPECT_NEAR(folded->corrected[axis], apart->corrected[axis], kRoundOffMm);
+      for (size_t k = 0; k < whole.linear_axes().size(); ++k)
+        EXPECT_LT((folded->tip_per_mm[k] - apart->tip_per_mm[k]).norm(), kRoundOffRad);
+      EXPECT_NEAR(folded->before_mm, apart->before_mm, kRoundOffMm);
+      EXPECT_LT(folded->after_mm, kRoundOffMm);
+      EXPECT_NEAR(folded->tilt_left_rad, apart->tilt_left_rad, kRoundOffRad);
+    }
+  }
+}
+
 TEST(Compensator, LargeErrorsNeedTheWholeInverse) {
   constexpr double kTiltRad = 0.05;  // 3 degrees: one linearised step would leave 0.4 mm
   const Machine machine = machine::testing::TiltingTable();
@@ -316,9 +354,21 @@ TEST(Compensator, BadInputIsNamed) {
   ErrorModel errors;
   errors.terms = {Term(machine, "EA0B", std::nan(""))};
   EXPECT_THAT(std::string(Compensator::Create(machine, errors, {}).status().message()), HasSubstr("EA0B = nan"));
-  Pose pose;
-  pose.position[1] = std::nan("");
-  EXPECT_EQ(MustCreate(machine, {}, {}).Correct(pose).status().code(), absl::StatusCode::kInvalidArgument);
+  ErrorModel constant, varying;
+  constant.terms = {Term(machine, "EA0B", 1e-4)};
+  varying.terms = {{0, machine::Component::kX, shapes::Linear{0, shapes::Linear::kReferenceMm}, {0.01}}};
+  for (const ErrorModel& model : {ErrorModel(), constant, varying}) {
+    const Compensator compensator = MustCreate(machine, model, {});
+    for (int axis = 0; axis < machine.axis_count(); ++axis) {
+      for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+        Pose pose;
+        pose.position[axis] = value;
+        const absl::Status status = compensator.Correct(pose).status();
+        EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+        EXPECT_THAT(std::string(status.message()), HasSubstr("axis " + machine.axes[axis].name));
+      }
+    }
+  }
 }
 
 }  // namespace

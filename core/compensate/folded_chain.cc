@@ -32,6 +32,21 @@ inline TwoVectors Times(const Eigen::Matrix3d& m, const TwoVectors& v) {
           m(2, 0) * v.x + m(2, 1) * v.y + m(2, 2) * v.z};
 }
 
+// nullptr: there is none, or it is the identity.
+inline const JointMaps::Map* VaryingMap(const FoldedChain::Stage& stage, const JointMaps& maps) {
+  const int joint = stage.varying_joint;
+  return joint < 0 || maps.is_identity[joint] ? nullptr : &maps.of_joint[joint];
+}
+
+// Of a point and a direction.
+inline TwoVectors Mapped(const JointMaps::Map& map, const TwoVectors& tool) {
+  TwoVectors mapped = Times(map.rotation, tool);
+  mapped.x[0] += map.translation_mm.x();
+  mapped.y[0] += map.translation_mm.y();
+  mapped.z[0] += map.translation_mm.z();
+  return mapped;
+}
+
 inline TwoVectors Cross(const Eigen::Vector3d& k, const TwoVectors& v) {
   return {k.y() * v.z - k.z() * v.y, k.z() * v.x - k.x() * v.z, k.x() * v.y - k.y() * v.x};
 }
@@ -78,7 +93,12 @@ class Folder {
     NewStage();
   }
 
-  void Constant(const Rigid<double>& map) {
+  void Varying(int joint) {
+    NewStage();
+    stages_.back().varying_joint = joint;
+  }
+
+  void Constant(const JointMaps::Map& map) {
     FoldedChain::Stage& stage = stages_.back();
     const Eigen::Matrix3d rotation = stage.rotation;
     stage.has_rotation = true;
@@ -134,13 +154,16 @@ void SetMap(const machine::Machine& machine, int joint, const machine::ErrorVect
       joint == machine.work_joint() ||
       std::find(machine.work_branch.begin(), machine.work_branch.end(), joint) != machine.work_branch.end();
   const Rigid<double> map = machine::ErrorTransform<double>(error, machine::ErrorPoint(machine, joint));
-  maps->of_joint[joint] = is_work ? map.Inverse() : map;
+  const Rigid<double> on_the_way = is_work ? map.Inverse() : map;
+  maps->of_joint[joint] = {on_the_way.rotation, on_the_way.translation_mm};
 }
 
 void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes, const JointMaps& maps,
-          FoldedChain* chain) {
+          const std::vector<int>& varying_joints, FoldedChain* chain) {
   Folder folder(machine, linear_axes, chain);
   const auto constant = [&](int joint) {
+    if (std::find(varying_joints.begin(), varying_joints.end(), joint) != varying_joints.end())
+      return folder.Varying(joint);
     if (!maps.is_identity[joint]) folder.Constant(maps.of_joint[joint]);
   };
   constant(machine.tool_joint());
@@ -159,7 +182,7 @@ void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
           const machine::JointErrors<double>& errors, FoldedChain* chain) {
   JointMaps maps;
   for (int joint = 0; joint < machine.joint_count(); ++joint) SetMap(machine, joint, errors[joint], &maps);
-  Fold(machine, linear_axes, maps, chain);
+  Fold(machine, linear_axes, maps, {}, chain);
 }
 
 void EvaluateTurns(const machine::Machine& machine, const double* positions, Turns* turns) {
@@ -182,14 +205,18 @@ void EvaluateTurns(const machine::Machine& machine, const double* positions, Tur
   if (single >= 0) set(single, geometry::SineCosineOfTwo(positions[single], 0.0), 0);
 }
 
-void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear_mm, const Eigen::Vector3d& tip_mm,
-              const Eigen::Vector3d& tool_direction, bool with_columns, AffineTip* out) {
+void Evaluate(const FoldedChain& chain, const JointMaps& maps, const Turns& turns, const double* linear_mm,
+              const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& tool_direction, bool with_columns, AffineTip* out) {
   TwoVectors tool = Beside(tip_mm, tool_direction);
   const int count = chain.stages.front().columns.count, pairs = with_columns ? (count + 1) / 2 : 0;
   TwoVectors columns[(machine::kMaxAxes + 1) / 2];
   for (int k = 0; k < pairs; ++k) columns[k] = Beside(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   int moved_pairs = 0;  // pairs, or 0 where no column differs from zero yet
   for (const FoldedChain::Stage& stage : chain.stages) {
+    if (const JointMaps::Map* const map = VaryingMap(stage, maps)) {
+      tool = Mapped(*map, tool);
+      for (int k = 0; k < moved_pairs; ++k) columns[k] = Times(map->rotation, columns[k]);
+    }
     if (stage.has_rotation) {
       tool = Times(stage.rotation, tool);
       for (int k = 0; k < moved_pairs; ++k) columns[k] = Times(stage.rotation, columns[k]);
@@ -223,12 +250,16 @@ void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear
   }
 }
 
-void EvaluateTurnColumns(const FoldedChain& chain, const Turns& turns, const double* linear_mm,
+void EvaluateTurnColumns(const FoldedChain& chain, const JointMaps& maps, const Turns& turns, const double* linear_mm,
                          const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& tool_direction, TurnColumns* out) {
   TwoVectors tool = Beside(tip_mm, tool_direction);
   TwoVectors columns[machine::kMaxAxes];  // of axes[0], axes[1] ...: of the tool point, of the direction
   int axes[machine::kMaxAxes], count = 0;
   for (const FoldedChain::Stage& stage : chain.stages) {
+    if (const JointMaps::Map* const map = VaryingMap(stage, maps)) {
+      tool = Mapped(*map, tool);
+      for (int k = 0; k < count; ++k) columns[k] = Times(map->rotation, columns[k]);
+    }
     if (stage.has_rotation) {
       tool = Times(stage.rotation, tool);
       for (int k = 0; k < count; ++k) columns[k] = Times(stage.rotation, columns[k]);

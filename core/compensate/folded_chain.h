@@ -1,7 +1,8 @@
-// chain.h for constant errors, folded: from the tool point through the bed to the table every run of joints between two
-// rotary axes is one constant affine map of the point and of the linear axes' commands. Same numbers (a test holds it
-// against chain.h), a tenth of the time:
+// chain.h, folded: from the tool point through the bed to the table every run of joints between two rotary axes, or
+// joints whose errors vary, is one constant affine map of the point and of the linear axes' commands. Same numbers (a
+// test holds it against chain.h), a tenth of the time:
 //   x -> rotation * x + translation + columns * q_linear, then the turn of a rotary axis, and so on.
+// A joint whose errors vary begins a stage with its map at the pose.
 #ifndef AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_
 #define AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_
 
@@ -22,6 +23,7 @@ struct Columns {
 
 struct FoldedChain {
   struct Stage {
+    int varying_joint = -1;  // whose map comes first; -1: none
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
     bool has_rotation = false;  // else it is the identity
     Eigen::Vector3d translation_mm = Eigen::Vector3d::Zero();
@@ -37,18 +39,23 @@ struct FoldedChain {
 };
 
 // Each joint's error as it stands in the way from the tool point to the table: E on the tool branch, its inverse on the
-// work branch.
+// work branch. Maps that are the identity are not filled.
 struct JointMaps {
-  std::array<geometry::Rigid<double>, machine::kMaxJoints> of_joint;
+  struct Map {
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d translation_mm;
+  };
+  std::array<Map, machine::kMaxJoints> of_joint;
   std::array<bool, machine::kMaxJoints> is_identity;
 
   JointMaps() { is_identity.fill(true); }
 };
 void SetMap(const machine::Machine& machine, int joint, const machine::ErrorVector<double>& error, JointMaps* maps);
 
-// `linear_axes`: indices into machine.axes, the order of columns.
+// `linear_axes`: indices into machine.axes, the order of columns. The maps of `varying_joints` are not folded, they are
+// those that Evaluate gets.
 void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes, const JointMaps& maps,
-          FoldedChain* chain);
+          const std::vector<int>& varying_joints, FoldedChain* chain);
 void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,
           const machine::JointErrors<double>& errors, FoldedChain* chain);
 
@@ -65,16 +72,17 @@ struct Turns {
 };
 void EvaluateTurns(const machine::Machine& machine, const double* positions, Turns* turns);
 
-// `linear_mm`: positions of the linear axes in the order of columns. Columns are only computed on request.
-void Evaluate(const FoldedChain& chain, const Turns& turns, const double* linear_mm, const Eigen::Vector3d& tip_mm,
-              const Eigen::Vector3d& tool_direction, bool with_columns, AffineTip* out);
+// `maps`: of the varying joints at the pose, the others are not looked at. `linear_mm`: positions of the linear axes in
+// the order of columns. Columns are only computed on request.
+void Evaluate(const FoldedChain& chain, const JointMaps& maps, const Turns& turns, const double* linear_mm,
+              const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& tool_direction, bool with_columns, AffineTip* out);
 
 // How the tool moves when rotary axes turn, per rad; indexed like machine.axes, zero for linear axes.
 struct TurnColumns {
   Eigen::Vector3d direction_in_table;  // unit
   std::array<Eigen::Vector3d, machine::kMaxAxes> tip_per_rad, direction_per_rad;
 };
-void EvaluateTurnColumns(const FoldedChain& chain, const Turns& turns, const double* linear_mm,
+void EvaluateTurnColumns(const FoldedChain& chain, const JointMaps& maps, const Turns& turns, const double* linear_mm,
                          const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& tool_direction, TurnColumns* out);
 
 }  // namespace axiscal::compensate

@@ -70,12 +70,12 @@ absl::Status Compensator::Impl::Solve(const Pose& pose, const Columns& tip_per_m
   return absl::OkStatus();
 }
 
-absl::Status Compensator::Impl::Step(const Pose& pose, const FoldedChain& chain, const Turns& turns,
+absl::Status Compensator::Impl::Step(const Pose& pose, const JointMaps& maps, const Turns& turns,
                                      const AffineTip& wanted, Pose* commanded, Eigen::Vector3d* lacking_mm,
                                      double* change_mm, AffineTip* found) const {
   double linear_mm[machine::kMaxAxes];
   for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = commanded->position[linear_axes[k]];
-  Evaluate(chain, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, found);
+  Evaluate(actual, maps, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, found);
   *lacking_mm = wanted.tip_in_table_mm - found->tip_in_table_mm;
   return Solve(pose, found->tip_per_mm, *lacking_mm, change_mm);
 }
@@ -90,10 +90,11 @@ void Compensator::Impl::Finish(const AffineTip& wanted, const AffineTip& found, 
 void Compensator::Impl::EvaluateNominal(const Pose& pose, const Turns& turns, AffineTip* wanted) const {
   double linear_mm[machine::kMaxAxes];
   for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = pose.position[linear_axes[k]];
-  Evaluate(nominal, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, wanted);
+  Evaluate(nominal, JointMaps(), turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, wanted);
 }
 
 void Compensator::Impl::MapsAt(const Pose& pose, JointMaps* maps) const {
+  if (is_constant) return;
   const PoseState at(machine, pose, options);
   machine::JointErrors<double> errors;
   for (const int joint : varying_joints) errors[joint] = constant[joint];
@@ -101,22 +102,14 @@ void Compensator::Impl::MapsAt(const Pose& pose, JointMaps* maps) const {
   for (const int joint : varying_joints) SetMap(machine, joint, errors[joint], maps);
 }
 
-const FoldedChain& Compensator::Impl::ChainAt(const Pose& pose, FoldedChain* chain) const {
-  if (is_constant) return actual;
-  JointMaps maps = constant_maps;
-  MapsAt(pose, &maps);
-  Fold(machine, linear_axes, maps, chain);
-  return *chain;
-}
-
 void Compensator::Impl::Aim(const Pose& commanded, TurnColumns* columns) const {
   Turns turns;
   EvaluateTurns(machine, commanded.position.data(), &turns);
   double linear_mm[machine::kMaxAxes];
   for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = commanded.position[linear_axes[k]];
-  FoldedChain varying_chain;
-  EvaluateTurnColumns(ChainAt(commanded, &varying_chain), turns, linear_mm, options.tool_tip_mm, machine.tool_direction,
-                      columns);
+  JointMaps maps;
+  MapsAt(commanded, &maps);
+  EvaluateTurnColumns(actual, maps, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, columns);
 }
 
 absl::Status Compensator::Impl::Iterate(const Pose& pose, const Turns& turns, const AffineTip& wanted,
@@ -124,15 +117,13 @@ absl::Status Compensator::Impl::Iterate(const Pose& pose, const Turns& turns, co
   Pose commanded = pose;
   for (const int axis : linear_axes) commanded.position[axis] += near_mm[axis];
   const double slope = ErrorSlope(pose);
-  JointMaps maps = constant_maps;
-  FoldedChain chain;
+  JointMaps maps;
   AffineTip found;
   Eigen::Vector3d lacking_mm;
   double change_mm[machine::kMaxAxes];
   for (int iteration = 0; iteration <= kMaxIterations; ++iteration) {
     MapsAt(commanded, &maps);
-    Fold(machine, linear_axes, maps, &chain);
-    RETURN_IF_ERROR(Step(pose, chain, turns, wanted, &commanded, &lacking_mm, change_mm, &found));
+    RETURN_IF_ERROR(Step(pose, maps, turns, wanted, &commanded, &lacking_mm, change_mm, &found));
     const double lacking = lacking_mm.norm();
     if (!(lacking < 1e6)) break;
     Apply(change_mm, &commanded.position);
@@ -165,7 +156,7 @@ absl::Status Compensator::Impl::Reach(const Pose& pose, const Turns& turns, cons
   double change_mm[machine::kMaxAxes];
   if (is_constant) {
     // The tool point is affine in the linear axes: one step is the answer.
-    Evaluate(actual, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, &found);
+    Evaluate(actual, JointMaps(), turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, &found);
     lacking_mm = wanted.tip_in_table_mm - found.tip_in_table_mm;
     RETURN_IF_ERROR(Solve(pose, found.tip_per_mm, lacking_mm, change_mm));
     correction->corrected = pose.position;
@@ -192,12 +183,12 @@ absl::Status Compensator::Impl::CorrectTurned(const Pose& pose, const AxisValues
   EvaluateTurns(machine, pose.position.data(), &turns);
   AffineTip wanted;
   EvaluateNominal(pose, turns, &wanted);
-  FoldedChain varying_chain;
-  const FoldedChain& chain = ChainAt(pose, &varying_chain);
+  JointMaps maps;
+  MapsAt(pose, &maps);
   AffineTip found;
   double linear_mm[machine::kMaxAxes];
   for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = pose.position[linear_axes[k]];
-  Evaluate(chain, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, &found);
+  Evaluate(actual, maps, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, false, &found);
   const double before_mm = (wanted.tip_in_table_mm - found.tip_in_table_mm).norm();
   const double tilt_before_rad = wanted.direction_in_table.cross(found.direction_in_table).norm();
   Pose start = pose;
