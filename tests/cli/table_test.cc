@@ -118,7 +118,9 @@ TEST_F(Tables, AnApprovedLoopBecomesATableOnEveryWay) {
     const std::string make = "table --machine mt --format " + format["name"].get<std::string>() + " -o ";
     const Outcome here = Run(make + "here.txt"), there = Run(at + make + "there.txt");
     EXPECT_EQ(here.exit_code, there.exit_code) << make << there.err;
-    if (here.exit_code == 0) EXPECT_EQ(Read("here.txt"), Read("there.txt")) << make;
+    if (here.exit_code == 0) {
+      EXPECT_EQ(Read("here.txt"), Read("there.txt")) << make;
+    }
   }
 }
 
