@@ -67,6 +67,20 @@ Trace LeversOf(const Machine& machine, const Session& session, const instruments
   return trace;
 }
 
+// The formulas are printed for levers above zero.
+absl::Status CheckLevers(const std::string& session, const std::string& pattern, const Trace& trace) {
+  const bool is_of_c = pattern[0] == 'C';
+  for (const auto& [name, what, lever_mm] :
+       {std::tuple("R_B", "tool_tip_mm below the pivot of B", trace.rb),
+        std::tuple("Rc", "table_ball_mm beside the line of C, along +x", is_of_c ? trace.rc : 1.0),
+        std::tuple("Zc", "table_ball_mm above the point of C", is_of_c ? trace.zc : 1.0)}) {
+    if (lever_mm > 0.0) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("session %s: %s of %s is %g mm, expected above 0: %s", session, name, pattern, lever_mm, what));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ReadTraces(const Machine& machine, const Session& session, Measured* measured) {
   const std::string name = session::FindHeader(session, "session").value_or("");
   if (session::FindHeader(session, "instrument").value_or("") != "eccentricity") {
@@ -81,6 +95,7 @@ absl::Status ReadTraces(const Machine& machine, const Session& session, Measured
     const std::string pattern = PatternOf(machine, path);
     if (pattern.empty()) continue;
     Trace trace = LeversOf(machine, session, run);
+    RETURN_IF_ERROR(CheckLevers(name, pattern, trace));
     for (const auto& [column, into, sigma] :
          {std::tuple("ex_um", &trace.ex, &trace.ex_sigma), std::tuple("ey_um", &trace.ey, &trace.ey_sigma),
           std::tuple("ez_um", &trace.ez, &trace.ez_sigma)}) {

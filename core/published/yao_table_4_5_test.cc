@@ -120,6 +120,11 @@ TEST(YaoTable45, RefusesOtherMachinesAndSessions) {
   const auto centres = session::ReadSessionFileOf(kFolder + "C-run1.csv", Integrex()).value();
   EXPECT_THAT(std::string(compare(Integrex(), {centres}).status().message()),
               HasSubstr("expected instrument eccentricity"));
+  std::vector<session::Session> upside_down = Measured({"B"});
+  for (session::HeaderEntry& entry : upside_down[0].header)
+    if (entry.key == "tool_tip_mm") entry.value = "0 0 356.3945";
+  EXPECT_THAT(std::string(compare(Integrex(), upside_down).status().message()),
+              HasSubstr("R_B of BX is -356.394 mm, expected above 0"));
   std::vector<session::Session> twice = Measured({"B", "B"});
   EXPECT_THAT(std::string(compare(Integrex(), twice).status().message()), HasSubstr("is there twice"));
   EXPECT_THAT(std::string(FindSource("yao").status().message()), HasSubstr("expected one of yao-table-4.5"));
