@@ -23,7 +23,8 @@ absl::Status Growth::Extend(Fit* fit) {
     ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
     if (!has_found) break;
     RETURN_IF_ERROR(Swap(fit));
-    RETURN_IF_ERROR(Backward(effects().size() - 1, fit));
+    // Nothing is there where the first effect was tried and refused.
+    if (!effects().empty()) RETURN_IF_ERROR(Backward(effects().size() - 1, fit));
   }
   return absl::OkStatus();
 }
