@@ -155,46 +155,6 @@ absl::Status GateNeighbours(const machine::Machine& machine, const MeasuringRun&
   return absl::OkStatus();
 }
 
-// A face at one rotary pose.
-struct Side {
-  const Feature* face;
-  Eigen::Vector3d at_mm;  // mean of where the stylus centre stood, table frame
-};
-
-// Opposite faces that both stand out: no error of a machine and no mounting does that, a wrong stylus does.
-absl::Status GateStylus(const MeasuringRun& run, const std::map<std::vector<double>, std::vector<Side>>& sides_at,
-                        double gate_mm) {
-  constexpr double kAsideMm = 10.0;  // an artefact that is turned by 1 mrad moves them by 10 um against each other
-  constexpr size_t kFew = 3;         // pairs: one bad touch is not the stylus
-  std::vector<double> standing_out_mm;
-  const auto out_mm = [&](const Side& side) {
-    return (side.at_mm - side.face->point_mm).dot(side.face->normal) - run.touches.stylus_radius_mm;
-  };
-  for (const auto& [pose, sides] : sides_at) {
-    for (size_t i = 0; i < sides.size(); ++i) {
-      const Side* nearest = nullptr;
-      for (size_t j = i + 1; j < sides.size(); ++j) {
-        const Eigen::Vector3d apart_mm = sides[j].at_mm - sides[i].at_mm;
-        const Eigen::Vector3d& normal = sides[i].face->normal;
-        if (sides[j].face->normal.dot(normal) > -0.999 || (apart_mm - apart_mm.dot(normal) * normal).norm() > kAsideMm)
-          continue;
-        const bool is_nearer = nearest == nullptr || apart_mm.norm() < (nearest->at_mm - sides[i].at_mm).norm();
-        if (is_nearer) nearest = &sides[j];
-      }
-      if (nearest != nullptr) standing_out_mm.push_back(0.5 * (out_mm(sides[i]) + out_mm(*nearest)));
-    }
-  }
-  if (standing_out_mm.size() < kFew) return absl::OkStatus();
-  const double median_mm = MedianOf(standing_out_mm);
-  if (std::abs(median_mm) <= gate_mm) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "session '%s': in %d pairs of opposite faces each stands out by %.4f mm (median), expected 0 within "
-      "radius_gate_um = %g: were they measured with another stylus than stylus_radius_mm %g, or do they stand "
-      "otherwise "
-      "than the header says?",
-      run.session, standing_out_mm.size(), median_mm, gate_mm / base::kMmPerUm, run.touches.stylus_radius_mm));
-}
-
 absl::Status GateFeature(const machine::Machine& machine, const MeasuringRun& run, int reading) {
   const double no_setup[instruments::kMaxSetupParameters] = {};
   double gap_mm = 0.0;
@@ -224,7 +184,6 @@ absl::Status GateTouches(const machine::Machine& machine, const session::Session
   ASSIGN_OR_RETURN(const double radius_gate_mm, GateMm(session, "radius_gate_um"));
   ASSIGN_OR_RETURN(const double repeat_gate_mm, GateMm(session, "repeat_gate_um"));
   std::vector<Rejection>& all = run->touches.rejected;
-  std::map<std::vector<double>, std::vector<Side>> sides_at;  // by rotary pose
   for (const auto& [key, readings] : Groups(machine, *run)) {
     const Feature& feature = run->touches.features[run->touches.feature_of[readings[0]]];
     Group group{readings, {}, {}};
@@ -235,11 +194,6 @@ absl::Status GateTouches(const machine::Machine& machine, const session::Session
     }
     std::vector<Rejection> rejected;
     GateRepeats(*run, group, repeat_gate_mm, &rejected);
-    if (!feature.is_sphere) {
-      Eigen::Vector3d sum_mm = Eigen::Vector3d::Zero();
-      for (const Eigen::Vector3d& at_mm : group.in_table_mm) sum_mm += at_mm;
-      sides_at[{key.begin() + 1, key.end()}].push_back({&feature, sum_mm / static_cast<double>(readings.size())});
-    }
     if (feature.is_sphere) RETURN_IF_ERROR(GateSphere(*run, feature, group, radius_gate_mm, &rejected));
     if (3 * rejected.size() > std::max<size_t>(readings.size(), 6)) {
       const Rejection& worst = rejected[0];
@@ -252,7 +206,6 @@ absl::Status GateTouches(const machine::Machine& machine, const session::Session
     }
     all.insert(all.end(), rejected.begin(), rejected.end());
   }
-  RETURN_IF_ERROR(GateStylus(*run, sides_at, radius_gate_mm));
   std::sort(all.begin(), all.end(), [](const Rejection& a, const Rejection& b) { return a.reading < b.reading; });
   return absl::OkStatus();
 }

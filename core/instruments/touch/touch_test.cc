@@ -198,33 +198,6 @@ absl::Status BindColumns(const std::function<void(session::Session*)>& change) {
   return instruments::BindSession(session, machine).status();
 }
 
-void SetHeader(session::Session* session, const std::string& key, const std::string& value) {
-  for (session::HeaderEntry& entry : session->header) {
-    if (entry.key == key) entry.value = value;
-  }
-}
-
-TEST(TouchGates, OppositeFacesNameAWrongStylus) {
-  EXPECT_TRUE(BindColumns([](session::Session*) {}).ok());
-  EXPECT_TRUE(BindColumns([](session::Session* session) { SetHeader(session, "stylus_radius_mm", "3.015"); }).ok());
-  for (const auto& [radius, out] : {std::pair("2", "stands out by 1.000"), std::pair("3.05", "stands out by -0.050")}) {
-    const absl::Status status =
-        BindColumns([&](session::Session* session) { SetHeader(session, "stylus_radius_mm", radius); });
-    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_THAT(std::string(status.message()), HasSubstr(out));
-    EXPECT_THAT(std::string(status.message()), HasSubstr(absl::StrCat("stylus_radius_mm ", radius)));
-  }
-  EXPECT_TRUE(BindColumns([](session::Session* session) {
-                SetHeader(session, "stylus_radius_mm", "3.05");
-                session->header.push_back({"radius_gate_um", "100"});
-              }).ok());
-  // One touch of a chip is no stylus.
-  EXPECT_TRUE(BindColumns([](session::Session* session) {
-                for (session::Column& column : session->columns)
-                  if (column.name == "X_mm") column.values[1] += 0.09;
-              }).ok());
-}
-
 TEST(TouchGates, ATouchOfTheNextColumnsTopIsRefused) {
   const absl::Status status = BindColumns([](session::Session* session) {
     for (session::Column& column : session->columns)
