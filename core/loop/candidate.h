@@ -37,7 +37,7 @@ struct Candidate {
   int earliest = 0, latest = 0;     // kStep, once found: the first reading that may be the first_reading, the last one
 };
 
-// The same component, shape and variable; decay lengths, time constants and free frequencies may differ.
+// The same component, shape and variable; decay lengths and time constants may differ, pitches by a twentieth.
 bool IsSameEffect(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
 
 // Simpler first: of candidates that the data cannot tell apart, the one with the lowest number is reported.

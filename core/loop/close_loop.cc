@@ -1,6 +1,7 @@
 #include "core/loop/close_loop.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/loop/describe.h"
 #include "core/loop/fitting.h"
@@ -84,9 +85,20 @@ class Loop {
     return absl::OkStatus();
   }
 
+  // Where an attempt ended.
+  struct Outcome {
+    Attempt attempt;
+    Fit fit;
+    identify::FitStatistics check_after;
+    std::vector<Unexplained> unexplained_sessions;  // of the check sessions
+  };
+
   absl::StatusOr<Report> Close() {
-    std::vector<Candidate> not_first;
-    ASSIGN_OR_RETURN(Outcome best, Try(not_first));
+    Way way;
+    way.most_effects = options_.max_effects;
+    ASSIGN_OR_RETURN(Outcome best, Try(way));
+    ASSIGN_OR_RETURN(way.names_first, PreferNames(way, &best));
+    RETURN_IF_ERROR(Detour(way, &best));
     // An effect that swallowed two others leads astray: where the check sessions stay unexplained, another beginning
     // is tried, and taken if it explains them better without explaining the fit sessions worse.
     // Where more is left than may be added, a beginning is not what is wrong.
@@ -96,9 +108,9 @@ class Loop {
     for (int round = 1;
          round < kBeginnings && !is_explained && !best.attempt.report.has_stopped_early && first.has_value(); ++round) {
       // What was alike leads to the same end.
-      not_first.push_back(first->candidate);
-      not_first.insert(not_first.end(), first->equivalent.begin(), first->equivalent.end());
-      ASSIGN_OR_RETURN(Outcome other, Try(not_first));
+      way.not_first.push_back(first->candidate);
+      way.not_first.insert(way.not_first.end(), first->equivalent.begin(), first->equivalent.end());
+      ASSIGN_OR_RETURN(Outcome other, Try(way));
       first = other.attempt.first;
       is_explained = other.unexplained_sessions.empty();
       constexpr double kBetter = 0.98, kNoWorse = 1.02;
@@ -109,6 +121,75 @@ class Loop {
     return Finish(&best);
   }
 
+  // What two effects leave where one of them alone was expected looks like a local defect, which has place and width to
+  // bend to it. Where one was found, names alone are tried, one more of them than effects so far, and kept if they
+  // explain as much. Returns whether they were.
+  absl::StatusOr<bool> PreferNames(Way way, Outcome* best) {
+    const std::vector<Added>& found = best->attempt.extension.effects;
+    const auto is_local = [](const Added& one) { return one.candidate.family == Family::kBump; };
+    if (std::none_of(found.begin(), found.end(), is_local) || best->attempt.report.has_stopped_early) return false;
+    way.names_first = true;
+    way.most_effects = std::min(way.most_effects, static_cast<int>(found.size()) + 1);
+    ASSIGN_OR_RETURN(Outcome named, Try(way));
+    if (!IsBetter(named, *best)) return false;
+    *best = std::move(named);
+    return true;
+  }
+
+  // One effect may have been added for two others which, found one after the other, would have explained more. Where
+  // the noise does not account for what is left, each effect in turn is kept from coming where it came.
+  absl::Status Detour(Way way, Outcome* best) {
+    const std::vector<Added> found = best->attempt.extension.effects;
+    for (size_t i = 0; i < found.size() && IsMisfit(best->fit) && !best->attempt.report.has_stopped_early; ++i) {
+      if (IsUnnamed(found[i].candidate.family)) continue;
+      way.prefix.assign(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(i));
+      way.not_first = {found[i].candidate};
+      way.not_first.insert(way.not_first.end(), found[i].equivalent.begin(), found[i].equivalent.end());
+      ASSIGN_OR_RETURN(Outcome other, Try(way));
+      if (!IsBetter(other, *best)) continue;
+      Report& report = other.attempt.report;
+      report.ranking = best->attempt.report.ranking;
+      report.candidates = best->attempt.report.candidates;
+      report.not_visible = best->attempt.report.not_visible;
+      other.attempt.first = best->attempt.first;
+      *best = std::move(other);
+    }
+    return absl::OkStatus();
+  }
+
+  // The scatter between neighbouring readings, of which the noise of dense series is judged, knows nothing of what is
+  // left; that of a few readings takes it up, and one session seems to scatter more than others of its instrument.
+  static bool IsMisfit(const Fit& fit) {
+    constexpr double kBeyondChance = 1.0, kUnlike = 1.5;  // standard deviations; sigma
+    const identify::FitStatistics& all = fit.result.fit;
+    if (all.chi2_per_dof > 1.0 + kBeyondChance * std::sqrt(2.0 / std::max(1, all.degrees_of_freedom))) return true;
+    const identify::Problem& problem = fit.problem;
+    const auto factor = [&](size_t i) { return problem.noise[i].sigma_mm / problem.runs[i].sigma_mm; };
+    for (size_t i = 0; i < problem.runs.size(); ++i) {
+      for (size_t k = 0; k < problem.runs.size(); ++k) {
+        if (problem.runs[i].kind == problem.runs[k].kind && factor(i) > kUnlike * factor(k)) return true;
+      }
+    }
+    return false;
+  }
+
+  // Explains more for what it takes, and no fewer of the check sessions.
+  bool IsBetter(const Outcome& one, const Outcome& other) const {
+    return CostOf(one) < CostOf(other) && one.unexplained_sessions.size() <= other.unexplained_sessions.size();
+  }
+
+  // What is left and what it took to explain the rest.
+  double CostOf(const Outcome& outcome) const {
+    double cost = ComparableSquaresOf(outcome.fit);
+    for (const Added& one : outcome.attempt.extension.effects) {
+      const bool is_named = !IsUnnamed(one.candidate.family);
+      constexpr int kUnnamedColumns = 3;
+      const int columns = is_named ? shapes::BasisCount(one.candidate.term.shape) : kUnnamedColumns;
+      cost += options_.search.evidence + options_.search.per_column * (columns - 1);
+    }
+    return cost;
+  }
+
   static identify::Options OptionsOf(const Options& options) {
     identify::Options out;
     out.cancelled = options.cancelled;
@@ -117,16 +198,8 @@ class Loop {
     return out;
   }
 
-  // Where an attempt ended.
-  struct Outcome {
-    Attempt attempt;
-    Fit fit;
-    identify::FitStatistics check_after;
-    std::vector<Unexplained> unexplained_sessions;  // of the check sessions
-  };
-
-  absl::StatusOr<Outcome> Try(const std::vector<Candidate>& not_first) {
-    Outcome outcome{{Extension(machine_, runs_), not_first, {}, {}, {}}, {}, {}, {}};
+  absl::StatusOr<Outcome> Try(const Way& way) {
+    Outcome outcome{{Extension(machine_, runs_), way, {}, {}, {}}, {}, {}, {}};
     Attempt* const attempt = &outcome.attempt;
     Report* const report = &attempt->report;
     std::vector<Added>& effects = attempt->extension.effects;
@@ -136,6 +209,11 @@ class Loop {
     report->fit_before = fit.result.fit;
     KeepResiduals(fit, runs_, &SessionResiduals::before_mm, report);
     ASSIGN_OR_RETURN(report->check_before, CheckStatistics(fit.result.model, &SessionResiduals::before_mm, report));
+    for (const Added& one : way.prefix) {
+      effects.push_back(one);
+      ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
+      attempt->Note(Step::kAdded, attempt->extension.NameOf(effects.size() - 1), fit);
+    }
     Growth growth(machine_, options_, identify_options_, attempt);
     Validation validation(machine_, identify_options_, &check_, attempt);
     RETURN_IF_ERROR(growth.Extend(&fit));

@@ -294,8 +294,24 @@ std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const ma
   return Builder(problem, model).Build();
 }
 
+std::vector<Candidate> SiblingsOf(const identify::Problem& problem, const machine::ErrorModel& model,
+                                  const Candidate& effect, const std::vector<Candidate>& known) {
+  std::vector<Candidate> siblings = MakeDictionary(problem, model);
+  std::erase_if(siblings, [&](const Candidate& one) {
+    return IsUnnamed(one.family) || one.term.shape != effect.term.shape ||
+           std::any_of(known.begin(), known.end(), [&](const Candidate& k) { return IsSameEffect(k.term, one.term); });
+  });
+  return siblings;
+}
+
 bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
   if (a.joint != b.joint || a.component != b.component) return false;
+  const auto *pitch = std::get_if<shapes::Harmonic>(&a.shape), *other_pitch = std::get_if<shapes::Harmonic>(&b.shape);
+  if (pitch != nullptr && other_pitch != nullptr && pitch->is_frequency_free && other_pitch->is_frequency_free) {
+    constexpr double kOnePitch = 0.05;
+    const double apart = std::abs(pitch->frequency - other_pitch->frequency);
+    return pitch->axis == other_pitch->axis && apart < kOnePitch * other_pitch->frequency;
+  }
   shapes::Shape one = a.shape, other = b.shape;
   double *of_one = shapes::NonlinearParameter(one), *of_other = shapes::NonlinearParameter(other);
   if (of_one != nullptr && of_other != nullptr) *of_one = *of_other = 1.0;

@@ -44,6 +44,10 @@ std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const ma
 // Infinite on linear axes.
 double WidestBump(const machine::Machine& machine, int axis);
 
+// The dictionary's effects of the same shape over the same variable on any joint, but for `known` ones.
+std::vector<Candidate> SiblingsOf(const identify::Problem& problem, const machine::ErrorModel& model,
+                                  const Candidate& effect, const std::vector<Candidate>& known);
+
 }  // namespace axiscal::loop
 
 #endif  // AXISCAL_CORE_LOOP_DICTIONARY_H_

@@ -1,5 +1,8 @@
 #include "core/loop/fitting.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/identify/noise.h"
 #include "core/identify/reduction.h"
 
@@ -33,6 +36,20 @@ absl::StatusOr<Fit> Refit(const Fit& fit, const machine::ErrorModel& model, cons
 
 double SquaresOf(const Fit& fit) {
   return identify::WhitenedSquares(fit.problem, fit.residuals_mm) + identify::PriorSquares(fit.problem, fit.point);
+}
+
+double ComparableSquaresOf(const Fit& fit) {
+  constexpr double kSetAside = 25.0;  // a chip is worth five standard deviations, or it would pay to have more of them
+  double squares = SquaresOf(fit);
+  for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
+    const identify::Noise& noise = fit.problem.noise[i];
+    const std::vector<bool>& used = fit.problem.is_used[i];
+    const auto count = static_cast<double>(std::count(used.begin(), used.end(), true));
+    const auto all = static_cast<double>(used.size());
+    squares += 2.0 * all * std::log(noise.sigma_mm / fit.problem.runs[i].sigma_mm) +
+               count * std::log1p(-noise.ar1 * noise.ar1) + kSetAside * (all - count);
+  }
+  return squares;
 }
 
 double EvidenceOf(const Fit& fit, int term) {

@@ -19,6 +19,10 @@ absl::StatusOr<identify::Fit> Refit(const identify::Fit& fit, const machine::Err
 // Chi-square of a fit with what its priors add.
 double SquaresOf(const identify::Fit& fit);
 
+// Chi-square that compares fits of the same readings with unequal noise and other readings set aside: minus twice the
+// logarithm of the likelihood, with what priors add.
+double ComparableSquaresOf(const identify::Fit& fit);
+
 // Likelihood ratio of a term that is in the model: how much chi-square its removal would cost (Wald).
 double EvidenceOf(const identify::Fit& fit, int term);
 

@@ -15,13 +15,20 @@ using machine::ErrorModel;
 
 absl::Status Growth::Extend(Fit* fit) {
   // What is dropped may be found again: as many steps as twice the effects end that.
-  for (int step = 0; step < 2 * options_.max_effects; ++step) {
-    if (static_cast<int>(effects().size()) >= options_.max_effects) {
-      attempt_->report.has_stopped_early = true;
+  for (int step = 0; step < 2 * attempt_->way.most_effects; ++step) {
+    if (static_cast<int>(effects().size()) >= attempt_->way.most_effects) {
+      attempt_->report.has_stopped_early = attempt_->way.most_effects == options_.max_effects;
       break;
     }
     ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
-    if (!has_found) break;
+    if (!has_found) {
+      // The last one stood while the others changed about it.
+      const size_t before = effects().size();
+      RETURN_IF_ERROR(Prune(fit));
+      ASSIGN_OR_RETURN(const bool is_simpler, Consolidate(fit));
+      if (effects().size() == before && !is_simpler) break;
+      continue;
+    }
     RETURN_IF_ERROR(Swap(fit));
     // Nothing is there where the first effect was tried and refused.
     if (!effects().empty()) RETURN_IF_ERROR(Backward(effects().size() - 1, fit));
@@ -43,13 +50,7 @@ bool IsNear(const Candidate& a, const Candidate& b) {
     return a.term.joint == b.term.joint && a.term.component == b.term.component && one->axis == other.axis &&
            std::abs(one->at - other.at) < std::max(one->width, other.width);
   }
-  if (!IsSameEffect(a.term, b.term)) return false;
-  constexpr double kNearFrequency = 0.05;
-  if (const auto* one = std::get_if<shapes::Harmonic>(&a.term.shape); one != nullptr && one->is_frequency_free) {
-    const double other = std::get<shapes::Harmonic>(b.term.shape).frequency;
-    return std::abs(one->frequency - other) < kNearFrequency * other;
-  }
-  return true;
+  return IsSameEffect(a.term, b.term);
 }
 
 }  // namespace
@@ -57,10 +58,10 @@ bool IsNear(const Candidate& a, const Candidate& b) {
 // The dictionary without what was tried and did not do.
 std::vector<Candidate> Growth::Candidates(const Fit& fit) const {
   std::vector<Candidate> candidates = MakeDictionary(fit.problem, fit.point.model);
-  if (effects().empty() && !attempt_->not_first.empty()) {
+  if (effects().size() == attempt_->way.prefix.size() && !attempt_->way.not_first.empty()) {
     std::erase_if(candidates, [this](const Candidate& one) {
       return IsUnnamed(one.family) ||
-             std::any_of(attempt_->not_first.begin(), attempt_->not_first.end(),
+             std::any_of(attempt_->way.not_first.begin(), attempt_->way.not_first.end(),
                          [&](const Candidate& other) { return IsSameEffect(one.term, other.term); });
     });
   }
@@ -74,7 +75,13 @@ std::vector<Candidate> Growth::Candidates(const Fit& fit) const {
 absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   const Signatures signatures(fit->problem, fit->point, identify::ListParameters(fit->point.model, true));
   const std::vector<Candidate> candidates = Candidates(*fit);
-  const SearchResult found = Search(machine_, signatures, candidates, options_.search);
+  SearchResult found = Search(machine_, signatures, candidates, options_.search);
+  if (attempt_->way.names_first && found.is_significant && found.finding.effect.candidate.family == Family::kBump) {
+    std::vector<Candidate> named = candidates;
+    std::erase_if(named, [](const Candidate& one) { return one.family == Family::kBump; });
+    SearchResult other = Search(machine_, signatures, named, options_.search);
+    if (other.is_significant) found = std::move(other);
+  }
   if (attempt_->report.candidates == 0) {
     attempt_->report.ranking = found.ranking;
     attempt_->report.candidates = found.candidate_count;
@@ -210,6 +217,12 @@ absl::Status Growth::Backward(size_t count, Fit* fit) {
       }
     }
     if (weakest < 0) return absl::OkStatus();
+    // A length or time constant that goes with the amplitude makes it uncertain where the effect is not.
+    ErrorModel lacking = fit->result.model;
+    lacking.terms.erase(lacking.terms.begin() + extension().TermOf(weakest));
+    const absl::StatusOr<Fit> without = Refit(*fit, lacking, identify_options_);
+    if (absl::IsCancelled(without.status())) return without.status();
+    if (!without.ok() || SquaresOf(*without) - SquaresOf(*fit) > options_.search.evidence) return absl::OkStatus();
     const std::string name = extension().NameOf(weakest);
     const std::vector<Added> before = effects();
     effects().erase(effects().begin() + weakest);

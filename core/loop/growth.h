@@ -13,13 +13,21 @@
 
 namespace axiscal::loop {
 
+// How to go about it.
+struct Way {
+  std::vector<Added> prefix;         // effects to begin with
+  std::vector<Candidate> not_first;  // that led astray before when they came next
+  bool names_first = false;          // local defects only once nothing with a name is significant
+  int most_effects = 0;
+};
+
 // One way from the declared model to what explains the sessions.
 struct Attempt {
   Extension extension;
-  std::vector<Candidate> not_first;  // beginnings that led astray before
-  std::vector<Candidate> refused;    // that promised much and did not fit
-  std::optional<Added> first;        // what was added first
-  Report report;                     // steps and ranking, as they come
+  Way way;
+  std::vector<Candidate> refused;  // that promised much and did not fit
+  std::optional<Added> first;      // what was added first
+  Report report;                   // steps and ranking, as they come
 
   void Note(Step::Change change, const std::string& name, const identify::Fit& fit) {
     report.steps.push_back({change, name, fit.result.fit.rms_mm});
@@ -48,7 +56,9 @@ class Growth {
                                        std::vector<Candidate> candidates, Finding unnamed) const;
   absl::StatusOr<Finding> Decide(const identify::Fit& fit, Finding finding) const;
   absl::Status Swap(identify::Fit* fit);
+  std::vector<Scored> ScoreOf(const Signatures& signatures, const std::vector<Candidate>& members) const;
   absl::StatusOr<bool> SwapOne(size_t effect, identify::Fit* fit);
+  absl::StatusOr<bool> Consolidate(identify::Fit* fit);
   absl::Status Backward(size_t count, identify::Fit* fit);
 
   const machine::Machine& machine_;

@@ -1,6 +1,7 @@
 // Growth: effects that were alike when one of them was added change places once more is known.
 #include <algorithm>
 
+#include "core/loop/dictionary.h"
 #include "core/loop/fitting.h"
 #include "core/loop/growth.h"
 #include "core/loop/refine.h"
@@ -29,6 +30,22 @@ absl::Status Growth::Swap(Fit* fit) {
   return absl::OkStatus();
 }
 
+std::vector<Scored> Growth::ScoreOf(const Signatures& signatures, const std::vector<Candidate>& members) const {
+  std::vector<Scored> scored;
+  const std::vector<Projection> projections = signatures.Project(members);
+  for (size_t k = 0; k < members.size(); ++k) {
+    Scored one;
+    one.candidate = members[k];
+    if (projections[k].visible > kVisible) {
+      const double gain = Gain(projections[k], &one.amplitude);
+      one.likelihood_ratio = LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
+      one.score = one.likelihood_ratio - options_.search.per_column * (projections[k].columns - 1);
+    }
+    scored.push_back(std::move(one));
+  }
+  return scored;
+}
+
 // Among effects that were alike when one of them was added, the others that have been found since may tell: the
 // member that fits clearly better takes the place, and the class is what is alike now.
 absl::StatusOr<bool> Growth::SwapOne(size_t effect, Fit* fit) {
@@ -47,24 +64,25 @@ absl::StatusOr<bool> Growth::SwapOne(size_t effect, Fit* fit) {
   for (size_t k = 1; k < members.size(); ++k) {
     const bool is_alike = members[k].family == members[0].family &&
                           shapes::VariableAxis(members[k].term.shape) == shapes::VariableAxis(members[0].term.shape);
-    if (is_alike && IsGrid(members[k].family)) members[k] = AtPlaceOf(signatures, members[k], {members[0]});
+    // A pitch of the same component that passes for the effect's own stays where it is.
+    const bool is_alias = members[k].family == Family::kPitch && members[k].term.joint == members[0].term.joint &&
+                          members[k].term.component == members[0].term.component;
+    if (is_alike && !is_alias && IsGrid(members[k].family))
+      members[k] = AtPlaceOf(signatures, members[k], {members[0]});
   }
-  std::vector<Scored> scored;
-  const std::vector<Projection> projections = signatures.Project(members);
-  for (size_t k = 0; k < members.size(); ++k) {
-    Scored one;
-    one.candidate = members[k];
-    if (projections[k].visible > kVisible) {
-      const double gain = Gain(projections[k], &one.amplitude);
-      one.likelihood_ratio = LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
-      one.score = one.likelihood_ratio - options_.search.per_column * (projections[k].columns - 1);
-    }
-    scored.push_back(one);
-  }
+  std::vector<Scored> scored = ScoreOf(signatures, members);
   const double own = scored[0].likelihood_ratio;
-  std::stable_sort(scored.begin(), scored.end(),
-                   [](const Scored& a, const Scored& b) { return a.likelihood_ratio > b.likelihood_ratio; });
+  const auto better = [](const Scored& a, const Scored& b) { return a.likelihood_ratio > b.likelihood_ratio; };
+  std::stable_sort(scored.begin(), scored.end(), better);
   Finding finding = ClassOf(machine_, signatures, scored, options_.search);
+  if (finding.effect.likelihood_ratio > own + options_.search.indistinguishable) {
+    // The class of another effect was looked for: what is alike the new one is its own shape on other joints.
+    const std::vector<Scored> siblings =
+        ScoreOf(signatures, SiblingsOf(reduced->problem, reduced->point.model, finding.effect.candidate, members));
+    scored.insert(scored.end(), siblings.begin(), siblings.end());
+    std::stable_sort(scored.begin(), scored.end(), better);
+    finding = ClassOf(machine_, signatures, scored, options_.search);
+  }
   bool is_swapped = false;
   if (finding.effect.likelihood_ratio > own + options_.search.indistinguishable) {
     ErrorModel other = fit->result.model;
@@ -78,6 +96,66 @@ absl::StatusOr<bool> Growth::SwapOne(size_t effect, Fit* fit) {
   SetClass(finding, &changed);
   effects()[effect] = std::move(changed);
   return is_swapped;
+}
+
+namespace {
+
+bool ActsAlike(const Candidate& a, const Candidate& b) {
+  return !IsUnnamed(a.family) && !IsUnnamed(b.family) && a.term.joint == b.term.joint &&
+         a.term.component == b.term.component &&
+         shapes::VariableAxis(a.term.shape) == shapes::VariableAxis(b.term.shape);
+}
+
+}  // namespace
+
+// Several shapes of one component over one variable may be what the search made of a single other one.
+absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
+  for (size_t first = 0; first < effects().size(); ++first) {
+    std::vector<Added> rest = effects();
+    const Candidate leader = rest[first].candidate;
+    std::erase_if(rest, [&leader](const Added& one) { return ActsAlike(one.candidate, leader); });
+    const size_t parts = effects().size() - rest.size();
+    if (parts < 2) continue;
+    ErrorModel lacking = fit->result.model;
+    for (size_t i = effects().size(); i-- > 0;) {
+      if (ActsAlike(effects()[i].candidate, leader)) lacking.terms.erase(lacking.terms.begin() + extension().TermOf(i));
+    }
+    const absl::StatusOr<Fit> reduced = Refit(*fit, lacking, identify_options_);
+    if (absl::IsCancelled(reduced.status())) return reduced.status();
+    if (!reduced.ok()) continue;
+    std::vector<Candidate> members = MakeDictionary(reduced->problem, lacking);
+    std::erase_if(members, [&leader](const Candidate& one) { return !ActsAlike(one, leader); });
+    if (members.empty()) continue;
+    const Signatures signatures(reduced->problem, reduced->point, identify::ListParameters(reduced->point.model, true));
+    const Candidate one = BestOf(signatures, members);
+    ErrorModel model = lacking;
+    model.terms.push_back(one.term);
+    const absl::StatusOr<Fit> whole = Refit(*fit, model, identify_options_);
+    if (absl::IsCancelled(whole.status())) return whole.status();
+    // Each part had to be worth as much as the evidence that an effect needs; so must all but one together.
+    const double worth = options_.search.evidence * static_cast<double>(parts - 1);
+    if (!whole.ok() || SquaresOf(*whole) > SquaresOf(*fit) + worth) continue;
+    const std::vector<Added> before = effects();
+    Finding finding = ClassOf(machine_, signatures, ScoreOf(signatures, SiblingsOf(reduced->problem, lacking, one, {})),
+                              options_.search);
+    Added merged;
+    merged.candidate = one;
+    merged.score = finding.effect.score;
+    finding.equivalent.insert(finding.equivalent.begin(), finding.effect);
+    SetClass(finding, &merged);
+    rest.insert(rest.begin() + static_cast<std::ptrdiff_t>(std::min(first, rest.size())), std::move(merged));
+    effects() = std::move(rest);
+    absl::StatusOr<Fit> changed = FitExtension(machine_, extension(), identify_options_);
+    if (absl::IsCancelled(changed.status())) return changed.status();
+    if (!changed.ok()) {
+      effects() = before;
+      continue;
+    }
+    *fit = *std::move(changed);
+    attempt_->Note(Step::kReplaced, extension().NameOf(std::min(first, effects().size() - 1)), *fit);
+    return true;
+  }
+  return false;
 }
 
 }  // namespace axiscal::loop

@@ -24,6 +24,21 @@ bool IsNeighbour(const Candidate& a, const Candidate& b) {
          shapes::VariableAxis(a.term.shape) == shapes::VariableAxis(b.term.shape);
 }
 
+void Estimate(const Signatures& signatures, Scored* one) {
+  const Projection projection = signatures.Project({one->candidate})[0];
+  const double gain = Gain(projection, &one->amplitude);
+  const double better =
+      LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom()) - one->likelihood_ratio;
+  one->likelihood_ratio += better;
+  one->score += better;
+}
+
+// Puts one between the points of its family's grid.
+void Refine(const Signatures& signatures, double range, Scored* one) {
+  one->candidate = Refined(signatures, one->candidate, range);
+  Estimate(signatures, one);
+}
+
 // The leading members of the families that stand on a grid, between its points: only so do they compare with each
 // other and with the rest. Their neighbours on the grid leave the list.
 void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
@@ -44,21 +59,48 @@ void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
     const double range = axis ? spans[*axis].highest - spans[*axis].lowest : 0.0;
     if (refined.size() == kLeaders) {
       leader.candidate = AtPlaceOf(signatures, leader.candidate, refined);
+      Estimate(signatures, &leader);
     } else {
-      leader.candidate = Refined(signatures, leader.candidate, range);
+      Refine(signatures, range, &leader);
       refined.push_back(leader.candidate);
     }
-    const Projection projection = signatures.Project({leader.candidate})[0];
-    const double gain = Gain(projection, &leader.amplitude);
-    const double better =
-        LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom()) - leader.likelihood_ratio;
-    leader.likelihood_ratio += better;
-    leader.score += better;
     const Candidate kept = leader.candidate;
     scored->erase(std::remove_if(scored->begin() + static_cast<std::ptrdiff_t>(i) + 1, scored->end(),
                                  [&](const Scored& other) { return IsNeighbour(other.candidate, kept); }),
                   scored->end());
   }
+}
+
+// Other pitches by which the best, a pitch, would pass as well where these readings were taken join the list.
+void AddAliases(const Signatures& signatures, const std::vector<Candidate>& candidates, double indistinguishable,
+                std::vector<Scored>* scored) {
+  const Scored best = scored->front();
+  const double least = best.likelihood_ratio - indistinguishable;
+  std::vector<Candidate> others;
+  for (const Candidate& one : candidates) {
+    if (IsNeighbour(one, best.candidate) && !IsSameEffect(one.term, best.candidate.term)) others.push_back(one);
+  }
+  const std::vector<Projection> projections = signatures.Project(others);
+  std::vector<Scored> promising;
+  for (size_t i = 0; i < others.size(); ++i) {
+    Scored one{others[i], 0.0, best.score - best.likelihood_ratio, {}};
+    if (projections[i].visible <= kVisible) continue;
+    Estimate(signatures, &one);
+    constexpr double kOnGrid = 0.7;  // of what a pitch explains between the points of the grid
+    if (one.likelihood_ratio > kOnGrid * least) promising.push_back(std::move(one));
+  }
+  std::sort(promising.begin(), promising.end(),
+            [](const Scored& a, const Scored& b) { return a.likelihood_ratio > b.likelihood_ratio; });
+  const AxisSpan span = SpansOf(signatures.problem())[*shapes::VariableAxis(best.candidate.term.shape)];
+  constexpr size_t kMost = 2;
+  std::vector<Scored> aliases = {best};
+  for (Scored& one : promising) {
+    if (aliases.size() > kMost) break;
+    Refine(signatures, span.highest - span.lowest, &one);
+    const auto is_it = [&](const Scored& other) { return IsSameEffect(other.candidate.term, one.candidate.term); };
+    if (one.likelihood_ratio > least && std::none_of(aliases.begin(), aliases.end(), is_it)) aliases.push_back(one);
+  }
+  scored->insert(scored->begin() + 1, aliases.begin() + 1, aliases.end());
 }
 
 // What would leave no trace. Constants are mostly only where a machine's zero is; crossed variables and fine scans
@@ -141,6 +183,8 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
       std::min(kRival * scored[0].likelihood_ratio, scored[0].likelihood_ratio - options.indistinguishable);
   std::erase_if(scored, [&](const Scored& one) { return one.likelihood_ratio < least; });
   scored.resize(std::min(kCompared, scored.size()));
+  if (scored[0].candidate.family == Family::kPitch)
+    AddAliases(signatures, candidates, options.indistinguishable, &scored);
   result.finding = ClassOf(machine, signatures, scored, options);
   return result;
 }
@@ -156,6 +200,12 @@ Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, c
     const int ca = Complexity(machine, a.candidate), cb = Complexity(machine, b.candidate);
     return ca != cb ? ca < cb : a.score > b.score;
   };
+  // Two pitches of one component share but one of their two amplitudes where one passes for the other.
+  constexpr double kRelatedPitch = 0.5;
+  const auto related = [&](size_t i) {
+    return best.candidate.family == Family::kPitch && IsNeighbour(scored[i].candidate, best.candidate) ? kRelatedPitch
+                                                                                                       : kRelated;
+  };
   const auto explains_as_much = [&](size_t i) {
     return scored[i].likelihood_ratio >= best.likelihood_ratio - options.indistinguishable;
   };
@@ -163,7 +213,7 @@ Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, c
   // may stand for another single one without the two pairs being alike).
   const Scored* simplest = &best;
   for (size_t i = 1; i < scored.size(); ++i) {
-    if (explains_as_much(i) && correlations[i] > kRelated && simpler(scored[i], *simplest)) simplest = &scored[i];
+    if (explains_as_much(i) && correlations[i] > related(i) && simpler(scored[i], *simplest)) simplest = &scored[i];
   }
   std::vector<double> with_simplest = correlations;
   if (simplest != &best) with_simplest = signatures.CorrelationsWith(simplest->candidate, compared);
@@ -172,7 +222,7 @@ Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, c
   for (size_t i = 0; i < scored.size(); ++i) {
     const double closest = std::max(correlations[i], with_simplest[i]);
     // The best is in its class even where one of its columns shows in no reading.
-    if (i == 0 || &scored[i] == simplest || (explains_as_much(i) && closest > kRelated)) {
+    if (i == 0 || &scored[i] == simplest || (explains_as_much(i) && closest > related(i))) {
       compatible.push_back(scored[i]);
     } else if (closest > options.same_class_correlation) {
       correlated.push_back(scored[i]);

@@ -131,10 +131,28 @@ std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, bool i
   std::vector<double> best(gains.begin() + 1, gains.end());
   std::sort(best.begin(), best.end(), std::greater<>());
   if (best.size() > kTried) least = std::max(least, best[kTried - 1]);
+  // The class of another effect was looked for: the best one's own shape may stand elsewhere by a simpler name.
+  const size_t leader = static_cast<size_t>(std::max_element(gains.begin(), gains.end()) - gains.begin());
+  if (leader > 0) {
+    const int complexity = Complexity(machine_, members[leader]);
+    std::vector<Candidate> siblings = SiblingsOf(joint.problem, lacking.model, members[leader], members);
+    std::erase_if(siblings, [&](const Candidate& one) { return Complexity(machine_, one) >= complexity; });
+    const std::vector<Projection> of_siblings = signatures.Project(siblings);
+    for (size_t m = 0; m < siblings.size(); ++m) {
+      if (of_siblings[m].visible <= kVisible) continue;
+      Eigen::Vector3d amplitude;
+      gains.push_back(Gain(of_siblings[m], &amplitude));
+      for (int b = 0; b < of_siblings[m].columns; ++b) siblings[m].term.amplitude[b] = amplitude[b];
+      members.push_back(siblings[m]);
+    }
+  }
   std::vector<Candidate> contenders;
   for (size_t m = 1; m < members.size(); ++m) {
     if (gains[m] >= least) contenders.push_back(members[m]);
   }
+  std::stable_sort(contenders.begin(), contenders.end(), [this](const Candidate& a, const Candidate& b) {
+    return Complexity(machine_, a) < Complexity(machine_, b);
+  });
   return contenders;
 }
 
@@ -187,9 +205,8 @@ absl::StatusOr<bool> Validation::Replace(size_t i, const Fit& fit, const Fit& jo
   }
   if (!(lowest < SquaresOf(joint) - kSpeaksAgainst)) return false;
   // Of those that the sessions do not tell from the best, the simplest: members come in that order.
-  constexpr double kSame = 1.0;
   const Candidate best =
-      std::find_if(tried.begin(), tried.end(), [&](const auto& one) { return one.first < lowest + kSame; })->second;
+      std::find_if(tried.begin(), tried.end(), [&](const auto& one) { return one.first < lowest + kAlike; })->second;
   Added& effect = effects()[i];
   const Candidate before = effect.candidate;
   const auto is_it = [&](const Candidate& one) { return IsSameEffect(one.term, best.term); };

@@ -104,6 +104,17 @@ TEST(Rates, WhatStoodForAWrongNameLeavesWithIt) {
   EXPECT_EQ(score.spurious, 0) << score.text;
 }
 
+// Steps that led astray one after the other: a local defect, or one effect, where two with names act together (82023,
+// 82025, 81044, 83026, 83011), two shapes for one (82025), and a pitch that another passes for (81075).
+TEST(Rates, WhatCameFirstIsGivenUpForWhatExplainsMore) {
+  for (const int seed : {81044, 81075, 82023, 82025, 83011, 83026}) {
+    const Score score = Judge(Draw(Kind::kDirty, seed), Kind::kDirty);
+    EXPECT_EQ(score.named, score.effects) << score.text;
+    EXPECT_EQ(score.spurious, 0) << score.text;
+    EXPECT_LE(score.check_ratio, 1.02) << score.text;
+  }
+}
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;
