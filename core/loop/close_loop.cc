@@ -160,8 +160,10 @@ class Loop {
   // The scatter between neighbouring readings, of which the noise of dense series is judged, knows nothing of what is
   // left; that of a few readings takes it up, and one session seems to scatter more than others of its instrument.
   static bool IsMisfit(const Fit& fit) {
-    constexpr double kBeyondChance = 1.0, kUnlike = 1.5;  // standard deviations; sigma
+    constexpr double kBeyondChance = 2.0, kUnlike = 1.5;  // standard deviations; sigma
+    constexpr double kHopeless = 4.0;  // what is twice the noise is no choice between names: the dictionary lacks it
     const identify::FitStatistics& all = fit.result.fit;
+    if (all.chi2_per_dof > kHopeless) return false;
     if (all.chi2_per_dof > 1.0 + kBeyondChance * std::sqrt(2.0 / std::max(1, all.degrees_of_freedom))) return true;
     const identify::Problem& problem = fit.problem;
     const auto factor = [&](size_t i) { return problem.noise[i].sigma_mm / problem.runs[i].sigma_mm; };
