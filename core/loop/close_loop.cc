@@ -122,12 +122,13 @@ class Loop {
   }
 
   // What two effects leave where one of them alone was expected looks like a local defect, which has place and width to
-  // bend to it. Where one was found, names alone are tried, one more of them than effects so far, and kept if they
-  // explain as much. Returns whether they were.
+  // bend to it. Where one was found that names come close to, names alone are tried, one more of them than effects so
+  // far, and kept if they explain as much. Returns whether they were.
   absl::StatusOr<bool> PreferNames(Way way, Outcome* best) {
     const std::vector<Added>& found = best->attempt.extension.effects;
     const auto is_local = [](const Added& one) { return one.candidate.family == Family::kBump; };
-    if (std::none_of(found.begin(), found.end(), is_local) || best->attempt.report.has_stopped_early) return false;
+    if (!best->attempt.has_close_name || best->attempt.report.has_stopped_early) return false;
+    if (std::none_of(found.begin(), found.end(), is_local)) return false;
     way.names_first = true;
     way.most_effects = std::min(way.most_effects, static_cast<int>(found.size()) + 1);
     ASSIGN_OR_RETURN(Outcome named, Try(way));
@@ -201,7 +202,7 @@ class Loop {
   }
 
   absl::StatusOr<Outcome> Try(const Way& way) {
-    Outcome outcome{{Extension(machine_, runs_), way, {}, {}, {}}, {}, {}, {}};
+    Outcome outcome{{Extension(machine_, runs_), way, {}, {}, false, {}}, {}, {}, {}};
     Attempt* const attempt = &outcome.attempt;
     Report* const report = &attempt->report;
     std::vector<Added>& effects = attempt->extension.effects;

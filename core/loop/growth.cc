@@ -53,6 +53,16 @@ bool IsNear(const Candidate& a, const Candidate& b) {
   return IsSameEffect(a.term, b.term);
 }
 
+// A real defect explains about twice as much as any name, or more.
+bool HasCloseName(const SearchResult& found) {
+  constexpr double kClose = 0.6;
+  const Scored& best = found.finding.effect;
+  return best.candidate.family == Family::kBump &&
+         std::any_of(found.ranking.begin(), found.ranking.end(), [&best](const Scored& one) {
+           return !IsUnnamed(one.candidate.family) && one.likelihood_ratio > kClose * best.likelihood_ratio;
+         });
+}
+
 }  // namespace
 
 // The dictionary without what was tried and did not do.
@@ -88,6 +98,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
     attempt_->report.not_visible = found.not_visible;
   }
   if (!found.is_significant) return false;
+  attempt_->has_close_name |= HasCloseName(found);
   ASSIGN_OR_RETURN(const Finding named, NamedInstead(*fit, signatures, candidates, found.finding));
   ASSIGN_OR_RETURN(const Finding finding, Decide(*fit, named));
   Added added;

@@ -27,6 +27,7 @@ struct Attempt {
   Way way;
   std::vector<Candidate> refused;  // that promised much and did not fit
   std::optional<Added> first;      // what was added first
+  bool has_close_name = false;     // a local defect was added for which a name would have explained nearly as much
   Report report;                   // steps and ranking, as they come
 
   void Note(Step::Change change, const std::string& name, const identify::Fit& fit) {
