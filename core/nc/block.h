@@ -48,8 +48,23 @@ enum class LexProblem : uint8_t {
 
 inline constexpr int kMaxWords = 64;
 
+// How a plain word (plain_words.h) of at most eight characters behind its sign was written: where its letter, its sign
+// and its point stand. The word at the same place in the next line is most often written alike.
+struct WordLayout {
+  uint32_t size = 0;                           // letter, sign and number
+  uint16_t head = 1, head_mask = 0;            // letter, and the sign if there is one; these are no word's
+  int64_t negative = 0;                        // -1: the sign is '-'
+  uint64_t point = 0, point_mask = 0;          // of the number's eight last characters, the last one highest
+  uint32_t point_shift = 0;                    // 8: there is a point
+  uint64_t whole_mask = 0, fraction_mask = 0;  // of the digits, the point taken out
+};
+inline constexpr int kMaxLayouts = 16;
+
 struct Block {
   std::array<Word, kMaxWords> words;
+  // Of the first words, as the lexer left them; for its next line.
+  std::array<WordLayout, kMaxLayouts> layouts;
+  int layout_count = 0;
   int word_count = 0;
   bool is_deletable = false;    // begins with '/'
   bool has_assignment = false;  // #100=5 and no other use of it: moves nothing

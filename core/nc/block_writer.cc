@@ -216,34 +216,46 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
                   GrainTicks(interpreter_->ticks_per_unit(axis), DecimalsOf(block, step, axis))))
       return false;
   }
+  // Kept here: what is written through `to` might be anything of this object, for all that the compiler knows.
+  const bool is_inch = interpreter_->modal().is_inch;
+  const int decimals_mm = options_->decimals_mm, decimals_inch = options_->decimals_inch;
+  const bool has_increments = options_->integer_words == IntegerWords::kLeastIncrement;
   char* to = out->Room(kMaxBytes + machine::kMaxAxes * kMaxFixedBytes);
   uint32_t copied = 0;
-  for (const Word& word : block) {
+  const int word_count = block.word_count;
+  for (int i = 0; i < word_count; ++i) {
+    const Word& word = block.words[static_cast<size_t>(i)];
     const int axis = interpreter_->AxisOf(word.letter);
     if (axis < 0) continue;
     if (word.distance != Distance::kModal) return false;
-    const auto bit = static_cast<uint16_t>(1u << axis);
-    const Ticks target = piece.targets[axis], base = interpreter_->offset(axis) + preset_shift_[axis];
+    commanded_.known |= static_cast<uint16_t>(1u << axis);
+    const Ticks target = piece.targets[axis], shift = preset_shift_[axis];
     // The position that the word says already.
-    if (target == step.end.ticks[axis] && preset_shift_[axis] == 0) {
+    if (target == step.end.ticks[axis] && shift == 0) {
       commanded_.ticks[axis] = target;
-      commanded_.known |= bit;
       continue;
     }
-    const Rounded rounded =
-        Round(step, axis, target, DecimalsOf(word, interpreter_->ticks_per_unit(axis) == kTicksPerInch), base);
-    const Decimal number = interpreter_->Meant(word.number);
-    SetCommanded(axis, rounded, base);
-    if (rounded.mantissa == number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) continue;
-    if (word.number_at - copied <= 16 && copied + 16 <= size) {
+    const Ticks unit = interpreter_->ticks_per_unit(axis), base = interpreter_->offset(axis) + shift;
+    const Decimal& number = word.number;
+    const bool is_increments = has_increments && !number.has_point;
+    const int says = is_increments ? is_inch ? decimals_inch : decimals_mm : number.decimals;
+    const int decimals =
+        is_increments ? says : std::max<int>(unit == kTicksPerInch ? decimals_inch : decimals_mm, says);
+    // No axis of this block is wrapped (Round): such a word states its distance.
+    const Ticks grain = GrainTicks(unit, decimals);
+    const int64_t mantissa = RoundToGrains(target - base, grain);
+    commanded_.ticks[axis] = base + mantissa * grain;
+    if (mantissa == number.mantissa * kPowersOfTen[decimals - says]) continue;
+    const uint32_t number_at = word.number_at, end = word.end;
+    const bool has_plus = number.has_plus;
+    if (number_at - copied <= 16 && copied + 16 <= size) {
       __builtin_memcpy(to, text + copied, 16);  // more than is wanted, and written over
-      to += word.number_at - copied;
+      to += number_at - copied;
     } else {
-      to = CopyShort(text + copied, word.number_at - copied, to);
+      to = CopyShort(text + copied, number_at - copied, to);
     }
-    const bool is_increments = IsIncrements(word);
-    to = WriteFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, number.has_plus, !is_increments, to);
-    copied = word.end;
+    to = WriteFixed(mantissa, is_increments ? 0 : decimals, has_plus, !is_increments, to);
+    copied = end;
   }
   out->Take(CopyShort(text + copied, size - copied, to));
   return true;

@@ -121,12 +121,12 @@ void Interpreter::Unsupported(std::string reason, bool is_consequence, Step* ste
   step->kind = StepKind::kUnsupported;
   step->reason = std::move(reason);
   step->is_consequence = is_consequence;
-  pole_.is_known = false;
+  pole_.is_known = takes_plain_moves_ = false;
   ForgetPositions(true);
 }
 
 void Interpreter::StartProgram() {
-  at_program_end_ = false;
+  at_program_end_ = takes_plain_moves_ = false;
   if (!has_moved_) return;
   modal_ = Modal();
   if (has_called_) modal_.uncertain = kCalledGroups;
@@ -191,12 +191,55 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   }
   is_continued_ = dialect_->has_bare_keywords && block->word_count > 0 && IsContinued(text, size) &&
                   TakesRest(block->words[static_cast<size_t>(block->word_count) - 1]);
+  if (takes_plain_moves_ && IsPlainMove(*block, step)) {
+    step->has_words = step->has_other_words = true;
+    step->is_rapid = modal_.motion == Meaning::kRapid;
+    if (ReadTargets(*block, step)) GoTo(step);
+    takes_plain_moves_ = step->kind == StepKind::kMove;
+    return;
+  }
+  takes_plain_moves_ = false;
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
   if (block->problem != LexProblem::kNone && MayHoldCodes(*dialect_, *block, begin + block->problem_at, text + size)) {
     modal_.uncertain = kAllGroups;
     has_called_ = true;
   }
+}
+
+bool Interpreter::IsPlainMove(const Block& block, Step* step) const {
+  if (block.problem != LexProblem::kNone || block.is_deletable || block.has_assignment) return false;
+  step->word_of_axis.fill(-1);
+  bool has_axis = false, has_code = false;
+  for (int i = 0; i < block.word_count; ++i) {
+    const Word& word = block.words[static_cast<size_t>(i)];
+    if (word.distance != Distance::kModal) return false;
+    switch (RoleOf(word.letter)) {
+      case Role::kAxis: {
+        const int axis = AxisOf(word.letter);
+        if (axis < 0 || step->word_of_axis[axis] >= 0) return false;
+        step->word_of_axis[axis] = static_cast<int8_t>(i);
+        has_axis = true;
+        break;
+      }
+      case Role::kCode: {
+        // The motion code in force, once more, but once.
+        const Code& code = Find(word);
+        if (has_code || code.meaning != modal_.motion || code.text != modal_.motion_text) return false;
+        if ((code.detail != 0) != modal_.is_clockwise) return false;
+        has_code = true;
+        break;
+      }
+      case Role::kLineNumber:
+      case Role::kPassive:
+      case Role::kFeed:
+      case Role::kToolNumber:
+        break;
+      default:
+        return false;
+    }
+  }
+  return has_axis;
 }
 
 void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
@@ -264,6 +307,10 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   if (request.is_jump) jump_line_ = line_;
   if (step->is_tool_change && step->kind != StepKind::kUnsupported) ForgetPositions(false);
   at_program_end_ = request.is_end;
+  const bool is_corner_pending = rounds_corners_ || is_behind_corner_;
+  takes_plain_moves_ = step->kind == StepKind::kMove && !step->is_arc && step->wrapped == 0 && !is_corner_pending &&
+                       !step->is_tool_change && !request.is_jump && !request.is_end && !request.is_rapid_block &&
+                       !dialect_->has_bare_keywords && !dialect_->has_poles;
 }
 
 }  // namespace axiscal::nc

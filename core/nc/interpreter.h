@@ -116,6 +116,9 @@ class Interpreter {
   Interpreter(const machine::Machine& machine, const RewriteOptions& options, const Dialect& dialect,
               Coordinates coordinates);
   absl::Status TakeOptions();
+  // Whether the block is nothing but axis words, and words that change nothing, where such a block is a linear move;
+  // fills step->word_of_axis then. Any other block takes the way through ReadBlock, which most do not need.
+  bool IsPlainMove(const Block& block, Step* step) const;
   void ReadBlock(const char* text, const Block& block, Step* step);
   void Apply(const char* text, const Block& block, Step* step);
   void ScanWords(const Block& block, Request* request, Step* step);
@@ -134,6 +137,7 @@ class Interpreter {
   // Why axis words of this block cannot be followed, or "".
   std::string WhyNoMove(const Request& request, bool* is_consequence) const;
   void Move(const Block& block, const Request& request, Step* step);
+  void GoTo(Step* step);
   // Whether a word may be a difference (G91) of the axis' position; Unsupported when not.
   bool MayMoveBy(int axis, Step* step);
   // The axis words' positions into step->end; false and Unsupported when one cannot be read.
@@ -177,9 +181,10 @@ class Interpreter {
   bool rounds_corners_ = false;    // until it ends (RNDM=)
   bool is_behind_corner_ = false;  // the corner at the end of the last move is rounded or chamfered
   bool has_moved_ = false;
-  bool has_called_ = false;      // a program further on may be a subprogram, called in any modal state
-  bool is_continued_ = false;    // Klartext: the next line belongs to this block ("~")
-  bool at_program_end_ = false;  // M30: what follows is another program
+  bool takes_plain_moves_ = false;  // the last block was a linear move that left nothing behind but its positions
+  bool has_called_ = false;         // a program further on may be a subprogram, called in any modal state
+  bool is_continued_ = false;       // Klartext: the next line belongs to this block ("~")
+  bool at_program_end_ = false;     // M30: what follows is another program
 };
 
 }  // namespace axiscal::nc

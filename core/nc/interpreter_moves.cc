@@ -294,9 +294,13 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   step->is_rapid = modal_.motion == Meaning::kRapid || request.is_rapid_block;
   if (!ReadTargets(block, step)) return;
   if (modal_.motion == Meaning::kArc && !ReadArc(block, request, step)) return;
-  step->kind = StepKind::kMove;
   step->is_at_corner = rounds_corners_ || is_behind_corner_ || request.has_corner;
   is_behind_corner_ = request.has_corner;
+  GoTo(step);
+}
+
+void Interpreter::GoTo(Step* step) {
+  step->kind = StepKind::kMove;
   step->tool_length = coordinates_.active_length();
   positions_.CopyFrom(step->end, axis_count_);
   has_moved_ = true;

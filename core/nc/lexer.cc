@@ -323,6 +323,11 @@ class BlockLexer {
   bool takes_rest_ = false;
 };
 
+// Apart from Lex, whose common case needs little room.
+[[gnu::noinline]] void LexAnyBlock(const char* text, size_t size, const Dialect& dialect, Block* block) {
+  BlockLexer(text, size, dialect, block).Run();
+}
+
 // "CR X+20 Y+10 R+20 DR- R0": the first R is the radius, and called Q from here on.
 void NameRadius(const Dialect& dialect, Block* block) {
   const Word* const first = block->begin();
@@ -343,9 +348,9 @@ void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
   block->problem_at = 0;
   // Nearly every block is plain words from its first byte to its last.
   const bool begins_with_word = size > 0 && *text >= 'A' && *text <= 'Z' && *text != 'O' && !dialect.has_bare_keywords;
-  if (begins_with_word && ReadPlainWords(text, text, text + size, block) == text + size) return;
-  block->word_count = 0;
-  BlockLexer(text, size, dialect, block).Run();
+  if (begins_with_word && ReadPlainBlock(text, text + size, block)) return;
+  block->word_count = block->layout_count = 0;  // the words' other fields are no longer those of the layouts
+  LexAnyBlock(text, size, dialect, block);
   if (dialect.has_poles) NameRadius(dialect, block);
 }
 

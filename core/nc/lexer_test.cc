@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace axiscal::nc {
 namespace {
@@ -107,6 +109,45 @@ TEST(Decimal, FixedNotation) {
   EXPECT_EQ(fixed(12, 0, false, true), "12.");
   EXPECT_EQ(fixed(12, 0, false, false), "12");
   EXPECT_EQ(fixed(std::numeric_limits<int64_t>::min(), 3, false, true), "-9223372036854775.808");
+}
+
+// A block that is lexed behind another one, whose words lend it their layout, has the words that it has alone.
+TEST(Lexer, WhatStoodInTheLineBeforeChangesNothing) {
+  std::mt19937 random(7);
+  const auto one_of = [&](const std::vector<std::string>& all) { return all[random() % all.size()]; };
+  const auto digits = [&](size_t least, size_t most) {
+    std::string text;
+    for (size_t size = least + random() % (most - least + 1); text.size() < size;)
+      text += static_cast<char>('0' + random() % 10);
+    return text;
+  };
+  const Dialect& dialect = *FindDialect("fanuc");
+  Block after;
+  int plain = 0;
+  for (int i = 0; i < 100000; ++i) {
+    std::string text;
+    for (int words = 0; words < 4; ++words) {
+      const std::string fraction = random() % 4 == 0 ? "" : "." + digits(random() % 8 == 0 ? 0 : 3, 4);
+      text += one_of({"X", "Y", "F", "G", "x"}).substr(random() % 40 == 0) + one_of({"", "-", "+", "-"}) +
+              digits(random() % 20 == 0 ? 0 : 1, random() % 20 == 0 ? 19 : 3) + fraction +
+              one_of({"", " ", " ", "  ", " 5", "#", "."}).substr(0, random() % 3);
+    }
+    Lex(text.data(), text.size(), dialect, &after);
+    const Block alone = Lexed(text);
+    ASSERT_EQ(after.problem, alone.problem) << text;
+    ASSERT_EQ(after.word_count, alone.word_count) << text;
+    plain += alone.problem == LexProblem::kNone;
+    for (int k = 0; k < alone.word_count; ++k) {
+      const Word &a = after.words[static_cast<size_t>(k)], &b = alone.words[static_cast<size_t>(k)];
+      ASSERT_EQ(std::tie(a.letter, a.is_lower, a.distance, a.letter_at, a.number_at, a.end),
+                std::tie(b.letter, b.is_lower, b.distance, b.letter_at, b.number_at, b.end))
+          << text;
+      ASSERT_EQ(std::tie(a.number.mantissa, a.number.decimals, a.number.digits, a.number.has_point, a.number.has_plus),
+                std::tie(b.number.mantissa, b.number.decimals, b.number.digits, b.number.has_point, b.number.has_plus))
+          << text;
+    }
+  }
+  EXPECT_GT(plain, 30000);
 }
 
 // Against digits written one by one, at every length and place of the point.

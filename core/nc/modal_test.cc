@@ -1,4 +1,9 @@
 // Modal state: coordinates, lengths, machine positions, calls and jumps.
+#include <algorithm>
+#include <random>
+#include <sstream>
+
+#include "absl/strings/str_split.h"
 #include "core/base/units.h"
 #include "core/nc/testing/rewritten.h"
 
@@ -113,6 +118,74 @@ TEST(Modal, StopEndsAtTheFirstBlock) {
   EXPECT_THAT(std::string(outcome.status.message()), HasSubstr("line 2: 'G81 Z-5. R2.'"));
   EXPECT_EQ(outcome.report.blocks_refused, 1);
   EXPECT_EQ(outcome.report.blocks_read, 2);
+}
+
+// Rewritten, without the lines that are comments: a mark, if there is one, and others.
+Outcome WithoutComments(const std::string& program, const RewriteOptions& options) {
+  Outcome outcome;
+  const auto text = RewriteText(program, testing::LeaningHead(), options, &outcome.report);
+  outcome.status = text.status();
+  std::istringstream lines(text.value_or(""));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || (line[0] != '(' && line[0] != ';')) outcome.text += line + "\n";
+  }
+  return outcome;
+}
+
+// Random blocks of `usual` words and now and then an `odd` one, each followed by `comment` or not: a comment makes the
+// block behind it take the long way. Returns how many blocks were corrected.
+int64_t CompareBothWays(const std::vector<std::string>& usual, const std::vector<std::string>& odd,
+                        const std::string& comment, const RewriteOptions& options) {
+  std::mt19937 random(11);
+  int64_t corrected = 0;
+  for (int round = 0; round < 2000; ++round) {
+    std::string together, apart;
+    for (int line = 0; line < 12; ++line) {
+      std::string block = random() % 20 == 0 ? "/" : "";
+      for (size_t words = 1 + random() % 4; words > 0; --words)
+        block += (random() % 12 == 0 ? odd[random() % odd.size()] : usual[random() % usual.size()]) + " ";
+      together += block + "\n";
+      apart += block + "\n" + comment + "\n";
+    }
+    const Outcome short_way = WithoutComments(together, options), long_way = WithoutComments(apart, options);
+    EXPECT_EQ(short_way.text, long_way.text) << together;
+    EXPECT_EQ(short_way.status.code(), long_way.status.code()) << together;
+    EXPECT_EQ(short_way.report.blocks_read, long_way.report.blocks_read) << together;
+    EXPECT_EQ(short_way.report.blocks_corrected, long_way.report.blocks_corrected) << together;
+    EXPECT_EQ(short_way.report.blocks_split, long_way.report.blocks_split) << together;
+    EXPECT_EQ(short_way.report.blocks_passed, long_way.report.blocks_passed) << together;
+    EXPECT_EQ(short_way.report.passed.size(), long_way.report.passed.size()) << together;
+    for (size_t i = 0; i < std::min(short_way.report.passed.size(), long_way.report.passed.size()); ++i)
+      EXPECT_EQ(short_way.report.passed[i].block, long_way.report.passed[i].block) << together;
+    if (::testing::Test::HasFailure()) break;
+    corrected += short_way.report.blocks_corrected;
+  }
+  return corrected;
+}
+
+// A block behind a plain move is read the short way.
+TEST(Modal, PlainMovesMeanWhatTheyMeanAlone) {
+  const std::vector<std::string> usual = absl::StrSplit("X12.5|Y-3.25|Z7.|B30.|C-45.5|F500.|N20|S900|T3|G1|G01", '|');
+  const std::vector<std::string> odd = absl::StrSplit(
+      "G0|G00|G90|G91|G20|G21|G17|G94|G93 F2.|G80|A1.|I1.|X1. X2.|M5|M6|H1|R2.|P1|G4 P1|G28 Z0|G92 X0.|G52 X1.|G41|G40|"
+      "G54|M98 P7|G43 H1 Z5.|G5 P2|X12345|X1.0000000001|G2 X1. Y1. R5.|#1=2|(note)|x5.|G1 G1|G1 G0",
+      '|');
+  RewriteOptions options = Passing();
+  options.tool_lengths = {{1, 0.0}};
+  options.work_offsets = {{"G54", {{"X", 5.0}}}};
+  EXPECT_GT(CompareBothWays(usual, odd, "(apart)", options), 2000);
+}
+
+// Rounded corners and words that state their distance change how the blocks behind them are taken.
+TEST(Modal, PlainMovesBehindCornersAndStatedDistancesMeanWhatTheyMeanAlone) {
+  const std::vector<std::string> usual = absl::StrSplit("X12.5|Y-3.25|Z7.|B30.|C-45.5|F500|N20|S900|G1", '|');
+  const std::vector<std::string> odd = absl::StrSplit(
+      "RND=2|RNDM=1|RNDM=0|CHF=1|X=IC(5)|X=AC(10)|C=DC(90)|C=ACP(300)|C=ACN(20)|G0|G91|G90|G3 X5 Y5 CR=20|SUPA|R1=5|M5",
+      '|');
+  RewriteOptions options = Passing();
+  options.dialect = "sinumerik";
+  options.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
+  EXPECT_GT(CompareBothWays(usual, odd, ";apart", options), 2000);
 }
 
 }  // namespace

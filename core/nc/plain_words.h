@@ -69,6 +69,10 @@ inline const char* ReadPlainWords(const char* text, const char* at, const char* 
   return at;
 }
 
+// Whether the block is plain words from its first byte to its last; `block` has them then. Looks first whether each
+// word is laid out as the one at its place in the line before was, which `block` remembers.
+bool ReadPlainBlock(const char* text, const char* end, Block* block);
+
 }  // namespace axiscal::nc
 
 #endif  // AXISCAL_CORE_NC_PLAIN_WORDS_H_

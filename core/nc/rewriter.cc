@@ -146,18 +146,22 @@ std::string Rewriter::Impl::UnknownPosition(bool* is_consequence) {
                       " that the controller may not have reached");
 }
 
+void Rewriter::Impl::MoveFromUnknown(const std::string& unknown, bool is_consequence) {
+  // A rapid does not cut: behind G28 or a tool change it brings back what is known of the axes.
+  if (step.is_rapid) {
+    job.Passed(now, "rapid move left as it is, " + unknown, is_consequence);
+  } else {
+    NotCorrected(unknown, is_consequence);
+  }
+  Copy();
+}
+
 void Rewriter::Impl::Move() {
   if (step.wrapped != 0) writer.Wrap(step);
-  bool is_consequence = false;
-  const std::string unknown = UnknownPosition(&is_consequence);
-  if (!unknown.empty()) {
-    // A rapid does not cut: behind G28 or a tool change it brings back what is known of the axes.
-    if (step.is_rapid) {
-      job.Passed(now, "rapid move left as it is, " + unknown, is_consequence);
-    } else {
-      NotCorrected(unknown, is_consequence);
-    }
-    return Copy();
+  if (step.end.known != all_axes || writer.commanded().known != all_axes) [[unlikely]] {
+    bool is_consequence = false;
+    const std::string unknown = UnknownPosition(&is_consequence);
+    if (!unknown.empty()) return MoveFromUnknown(unknown, is_consequence);
   }
   if (options.orientation) block_grain = writer.GrainOf(block, step);
   const absl::Status corrected = corrector().CorrectEnd(step, block_grain, &piece);

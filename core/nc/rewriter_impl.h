@@ -100,6 +100,7 @@ struct Rewriter::Impl {
   void WriteMark(size_t block_begin);
   // "position of Z is unknown: never programmed", or "" when all are known. `is_consequence`: reported before.
   std::string UnknownPosition(bool* is_consequence);
+  void MoveFromUnknown(const std::string& unknown, bool is_consequence);
   void Move();
   // A control that takes rotary axes the shorter way round decides at half a turn, which a correction may cross. Noted
   // once for each axis.
