@@ -1,5 +1,7 @@
 #include "core/compensate/compensator.h"
 
+#include <limits>
+
 #include "core/compensate/carried.h"
 #include "core/compensate/compensator_impl.h"
 
@@ -37,6 +39,10 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
   for (int joint = 0; joint < machine.joint_count(); ++joint)
     SetMap(impl->machine, joint, impl->constant[joint], &constant_maps);
   Fold(impl->machine, impl->linear_axes, constant_maps, impl->varying_joints, &impl->actual);
+  if (impl->is_constant) {
+    impl->polynomial =
+        ErrorPolynomial::Create(impl->nominal, impl->actual, options.tool_tip_mm, impl->machine.tool_direction);
+  }
   return Compensator(std::move(impl));
 }
 
@@ -52,8 +58,11 @@ absl::Status Compensator::Correct(const Pose& pose, Correction* correction) cons
 }
 
 absl::Status Compensator::Correct(const Pose& pose, const AxisValues& near_mm, Correction* correction) const {
-  RETURN_IF_ERROR(impl_->RequireFinite(pose));
-  return impl_->Correct(pose, near_mm.data(), correction);
+  absl::Status status = impl_->Correct(pose, near_mm.data(), correction);
+  // A position that is not finite leaves no finite error behind: it need not be looked for before.
+  if (!status.ok() || !(correction->before_mm <= std::numeric_limits<double>::max())) [[unlikely]]
+    RETURN_IF_ERROR(impl_->RequireFinite(pose));
+  return status;
 }
 
 absl::Status Compensator::CorrectTurned(const Pose& pose, const AxisValues& turned, const AxisValues& near_mm,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/compensate/compensator.h"
+#include "core/compensate/error_polynomial.h"
 #include "core/compensate/folded_chain.h"
 
 namespace axiscal::compensate {
@@ -21,6 +22,7 @@ struct Compensator::Impl {
   std::array<bool, machine::kMaxAxes> uses_sense{};
   bool is_constant = true;  // all carried terms are
   FoldedChain nominal, actual;
+  std::optional<ErrorPolynomial> polynomial;  // of constant errors, where the machine has one
   // For DepartureBound: sums of the constant terms' magnitudes, and the terms that are not constant.
   double fixed_lever_mm = 0, translation_errors_mm = 0, angle_errors_rad = 0;
   std::vector<machine::ErrorTerm> varying;
@@ -54,7 +56,7 @@ struct Compensator::Impl {
   absl::Status RankError(const Pose& pose) const;
   // Commands of the linear axes that move the tool point by `move_mm`; the shortest ones when there are more than three
   // axes.
-  absl::Status Solve(const Pose& pose, const Columns& tip_per_mm, const Eigen::Vector3d& move_mm,
+  absl::Status Solve(const Pose& pose, const Eigen::Vector3d* tip_per_mm, const Eigen::Vector3d& move_mm,
                      double* change_mm) const;
   // One step at the errors of `commanded`: what the tool point lacks, and the step that would bring it there.
   absl::Status Step(const Pose& pose, const JointMaps& maps, const Turns& turns, const AffineTip& wanted,
@@ -63,6 +65,8 @@ struct Compensator::Impl {
     for (size_t k = 0; k < linear_axes.size(); ++k) (*positions)[linear_axes[k]] += change_mm[k];
   }
   void Finish(const AffineTip& wanted, const AffineTip& found, double after_mm, Correction* correction) const;
+  // Correct by `polynomial`.
+  absl::Status CorrectByPolynomial(const Pose& pose, Correction* correction) const;
   // The commands of the linear axes that bring the tool point to `wanted`, the rotary axes being at `pose`.
   absl::Status Reach(const Pose& pose, const Turns& turns, const AffineTip& wanted, const double* near_mm,
                      Correction* correction) const;

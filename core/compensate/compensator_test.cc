@@ -132,8 +132,8 @@ TEST(Compensator, ConstantErrorsOfAllThreeStructuresAreTakenOutByTheChainItself)
   }
 }
 
-// Constant errors are folded into the chain; with a vanishing error that varies, every axis' map stands apart in it.
-TEST(Compensator, MapsThatAreFoldedAndThoseThatVaryMakeOneChain) {
+// Constant errors have a closed form; with a vanishing error that varies the chain is stepped through instead.
+TEST(Compensator, TheClosedFormIsTheChain) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   for (const Machine& machine :
@@ -141,14 +141,14 @@ TEST(Compensator, MapsThatAreFoldedAndThoseThatVaryMakeOneChain) {
     const Options options{Eigen::Vector3d(20, -30, -350), {}, {}};
     ErrorModel errors = machine::DeclaredModel(machine);
     for (auto& term : errors.terms) term.amplitude[0] = share(random) * (machine::IsAngle(term.component) ? 1e-3 : 0.1);
-    const Compensator whole = MustCreate(machine, errors, options);
+    const Compensator closed = MustCreate(machine, errors, options);
     for (int joint = 0; joint < machine.axis_count(); ++joint) {
       machine::ErrorTerm vanishing{
           joint, machine::Component::kX, shapes::Linear{0, shapes::Linear::kReferenceMm}, {1e-15}};
       errors.terms.push_back(vanishing);
     }
     const Compensator stepped = MustCreate(machine, errors, options);
-    ASSERT_TRUE(whole.is_constant());
+    ASSERT_TRUE(closed.is_constant());
     ASSERT_FALSE(stepped.is_constant());
     for (int i = 0; i < 200; ++i) {
       Pose pose;
@@ -156,16 +156,16 @@ TEST(Compensator, MapsThatAreFoldedAndThoseThatVaryMakeOneChain) {
         const bool is_rotary = machine.axes[axis].kind == machine::AxisKind::kRotary;
         pose.position[axis] = share(random) * (is_rotary ? std::numbers::pi : 500.0);
       }
-      const auto folded = whole.Correct(pose), apart = stepped.Correct(pose);
-      ASSERT_TRUE(folded.ok() && apart.ok());
+      const auto by_form = closed.Correct(pose), by_chain = stepped.Correct(pose);
+      ASSERT_TRUE(by_form.ok() && by_chain.ok());
       constexpr double kRoundOffMm = 1e-9, kRoundOffRad = 1e-12;
-      for (const int axis : whole.linear_axes())
-        EXPECT_NEAR(folded->corrected[axis], apart->corrected[axis], kRoundOffMm);
-      for (size_t k = 0; k < whole.linear_axes().size(); ++k)
-        EXPECT_LT((folded->tip_per_mm[k] - apart->tip_per_mm[k]).norm(), kRoundOffRad);
-      EXPECT_NEAR(folded->before_mm, apart->before_mm, kRoundOffMm);
-      EXPECT_LT(folded->after_mm, kRoundOffMm);
-      EXPECT_NEAR(folded->tilt_left_rad, apart->tilt_left_rad, kRoundOffRad);
+      for (const int axis : closed.linear_axes())
+        EXPECT_NEAR(by_form->corrected[axis], by_chain->corrected[axis], kRoundOffMm);
+      for (size_t k = 0; k < closed.linear_axes().size(); ++k)
+        EXPECT_LT((by_form->tip_per_mm[k] - by_chain->tip_per_mm[k]).norm(), kRoundOffRad);
+      EXPECT_NEAR(by_form->before_mm, by_chain->before_mm, kRoundOffMm);
+      EXPECT_LT(by_form->after_mm, kRoundOffMm);
+      EXPECT_NEAR(by_form->tilt_left_rad, by_chain->tilt_left_rad, kRoundOffRad);
     }
   }
 }

@@ -50,23 +50,25 @@ absl::Status Compensator::Impl::RankError(const Pose& pose) const {
                    ") cannot move the tool in three directions at ", PoseText(machine, pose)));
 }
 
-absl::Status Compensator::Impl::Solve(const Pose& pose, const Columns& tip_per_mm, const Eigen::Vector3d& move_mm,
-                                      double* change_mm) const {
-  if (tip_per_mm.count == 3) {
-    const Eigen::Vector3d &a = tip_per_mm.of_axis[0], &b = tip_per_mm.of_axis[1], &c = tip_per_mm.of_axis[2];
+absl::Status Compensator::Impl::Solve(const Pose& pose, const Eigen::Vector3d* tip_per_mm,
+                                      const Eigen::Vector3d& move_mm, double* change_mm) const {
+  const size_t count = linear_axes.size();
+  if (count == 3) {
+    const Eigen::Vector3d &a = tip_per_mm[0], &b = tip_per_mm[1], &c = tip_per_mm[2];
     const Eigen::Vector3d bc = b.cross(c);
     const double volume = a.dot(bc);  // columns are unit vectors: 1 where the axes are square
     if (!(std::abs(volume) > kRankTolerance)) return RankError(pose);
-    change_mm[0] = move_mm.dot(bc) / volume;
-    change_mm[1] = move_mm.dot(c.cross(a)) / volume;
-    change_mm[2] = move_mm.dot(a.cross(b)) / volume;
+    const double per_volume = 1.0 / volume;
+    change_mm[0] = move_mm.dot(bc) * per_volume;
+    change_mm[1] = move_mm.dot(c.cross(a)) * per_volume;
+    change_mm[2] = move_mm.dot(a.cross(b)) * per_volume;
     return absl::OkStatus();
   }
   Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
-  for (int k = 0; k < tip_per_mm.count; ++k) gram += tip_per_mm.of_axis[k] * tip_per_mm.of_axis[k].transpose();
+  for (size_t k = 0; k < count; ++k) gram += tip_per_mm[k] * tip_per_mm[k].transpose();
   if (!(std::abs(gram.determinant()) > kRankTolerance * kRankTolerance)) return RankError(pose);
   const Eigen::Vector3d weights = gram.inverse() * move_mm;
-  for (int k = 0; k < tip_per_mm.count; ++k) change_mm[k] = tip_per_mm.of_axis[k].dot(weights);
+  for (size_t k = 0; k < count; ++k) change_mm[k] = tip_per_mm[k].dot(weights);
   return absl::OkStatus();
 }
 
@@ -77,7 +79,7 @@ absl::Status Compensator::Impl::Step(const Pose& pose, const JointMaps& maps, co
   for (size_t k = 0; k < linear_axes.size(); ++k) linear_mm[k] = commanded->position[linear_axes[k]];
   Evaluate(actual, maps, turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, found);
   *lacking_mm = wanted.tip_in_table_mm - found->tip_in_table_mm;
-  return Solve(pose, found->tip_per_mm, *lacking_mm, change_mm);
+  return Solve(pose, found->tip_per_mm.of_axis.data(), *lacking_mm, change_mm);
 }
 
 void Compensator::Impl::Finish(const AffineTip& wanted, const AffineTip& found, double after_mm,
@@ -158,7 +160,7 @@ absl::Status Compensator::Impl::Reach(const Pose& pose, const Turns& turns, cons
     // The tool point is affine in the linear axes: one step is the answer.
     Evaluate(actual, JointMaps(), turns, linear_mm, options.tool_tip_mm, machine.tool_direction, true, &found);
     lacking_mm = wanted.tip_in_table_mm - found.tip_in_table_mm;
-    RETURN_IF_ERROR(Solve(pose, found.tip_per_mm, lacking_mm, change_mm));
+    RETURN_IF_ERROR(Solve(pose, found.tip_per_mm.of_axis.data(), lacking_mm, change_mm));
     correction->corrected = pose.position;
     Apply(change_mm, &correction->corrected);
     correction->before_mm = lacking_mm.norm();
@@ -169,7 +171,31 @@ absl::Status Compensator::Impl::Reach(const Pose& pose, const Turns& turns, cons
   return Iterate(pose, turns, wanted, near_mm, correction);
 }
 
+absl::Status Compensator::Impl::CorrectByPolynomial(const Pose& pose, Correction* correction) const {
+  Turns turns;
+  EvaluateTurns(machine, pose.position.data(), &turns);
+  ToolErrors errors;
+  polynomial->Evaluate(turns, &errors);
+  Eigen::Vector3d lacking_mm = -errors.tip_error_mm;
+  for (int k = 0; k < 3; ++k) {
+    lacking_mm -= errors.error_per_mm[k] * pose.position[linear_axes[static_cast<size_t>(k)]];
+    correction->tip_per_mm[static_cast<size_t>(k)] = errors.tip_per_mm[k];
+  }
+  double change_mm[3];
+  RETURN_IF_ERROR(Solve(pose, errors.tip_per_mm, lacking_mm, change_mm));
+  correction->corrected = pose.position;
+  Apply(change_mm, &correction->corrected);
+  correction->before_mm = lacking_mm.norm();
+  for (int k = 0; k < 3; ++k) lacking_mm -= errors.tip_per_mm[k] * change_mm[k];
+  correction->after_mm = lacking_mm.norm();
+  // The sine of the angle between two unit vectors from their difference.
+  const double chord_squared = errors.direction_error.squaredNorm();
+  correction->tilt_left_rad = std::sqrt(chord_squared * (1.0 - 0.25 * chord_squared));
+  return absl::OkStatus();
+}
+
 absl::Status Compensator::Impl::Correct(const Pose& pose, const double* near_mm, Correction* correction) const {
+  if (polynomial) return CorrectByPolynomial(pose, correction);
   Turns turns;
   EvaluateTurns(machine, pose.position.data(), &turns);
   AffineTip wanted;
