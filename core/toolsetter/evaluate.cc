@@ -1,5 +1,7 @@
 #include "core/toolsetter/evaluate.h"
 
+#include "core/toolsetter/cutter_keys.h"
+#include "core/toolsetter/length_curve.h"
 #include "core/toolsetter/wear.h"
 
 namespace axiscal::toolsetter {
@@ -10,6 +12,14 @@ constexpr char kRods[] = "tool-setter", kCurve[] = "tool-curve";
 }  // namespace
 
 bool IsToolSetter(const std::string& instrument) { return instrument == kRods || instrument == kCurve; }
+
+absl::Status CheckHeader(const session::Session& session) {
+  const std::string instrument = session::FindHeader(session, "instrument").value_or("");
+  if (instrument == kRods) return ReadRodSession(session).status();
+  if (instrument != kCurve) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const CutterDescription description, ReadCutterKeys(session));
+  return HeightsOf(description.cutter, description.run).status();
+}
 
 absl::StatusOr<std::string> Evaluate(const session::Session& session, const ReferenceOptions& options) {
   const std::string instrument = session::FindHeader(session, "instrument").value_or("");

@@ -50,6 +50,29 @@ TEST_F(CreateSessionTest, RefusesWhatNoFileCouldHold) {
   EXPECT_TRUE(database->ListSessions({}, {})->rows.empty());
 }
 
+// Beam and rods stand in the header: a session that could never be evaluated is not stored.
+TEST_F(CreateSessionTest, RefusesARodThatCannotStandInTheBeam) {
+  const auto create = [&](const std::string& phi_deg) {
+    const auto request = Parse<v1::CreateSessionRequest>(R"(
+      request_id: "rod-)" + phi_deg + R"(" machine_id: "mt"
+      schema {
+        header { key: "machine" value: "mt" } header { key: "session" value: "rod )" +
+                                                         phi_deg + R"(" }
+        header { key: "instrument" value: "tool-setter" } header { key: "sigma_um" value: "0.5" }
+        header { key: "tool_tip_mm" value: "0 0 0" } header { key: "beam" value: "0.2 0 0" }
+        header { key: "rod standard" value: "5 0.03 )" + phi_deg +
+                                                         R"( 0 133.702 0" }
+        columns { name: "rod" kind: COLUMN_KIND_TEXT } columns { name: "readout" kind: COLUMN_KIND_NUMBER }
+        columns { name: "Z_mm" kind: COLUMN_KIND_NUMBER }
+      })");
+    return CreateSession(core, call, request).status();
+  };
+  EXPECT_TRUE(create("90").ok()) << create("90");
+  EXPECT_EQ(base::ErrorReason(create("-90")), "SESSION_INVALID");
+  EXPECT_NE(create("-90").message().find("phi = -90 deg, expected"), std::string::npos) << create("-90");
+  EXPECT_EQ(database->ListSessions({}, {})->rows.size(), 1u);
+}
+
 TEST_F(CreateSessionTest, TakesNothingWhileDraining) {
   core.draining = true;
   const absl::Status status = CreateSession(core, call, request_).status();

@@ -8,6 +8,7 @@
 #include "core/session/check_machine.h"
 #include "core/session/header_rules.h"
 #include "core/session/text.h"
+#include "core/toolsetter/evaluate.h"
 
 namespace axiscal::handlers {
 namespace {
@@ -54,6 +55,7 @@ absl::Status CheckSchema(Core& core, const MachineId& machine_id, const convert:
     return Invalid(absl::InvalidArgumentError(schema.columns[i].name + (is_text ? " holds texts" : " holds numbers")),
                    absl::StrCat("schema.columns[", i, "].kind"));
   }
+  RETURN_IF_ERROR(Invalid(toolsetter::CheckHeader(WithoutReadings(schema)), "schema.header"));
   return Invalid(session::CheckAgainstMachine(WithoutReadings(schema), machine), "schema");
 }
 
