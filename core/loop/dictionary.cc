@@ -285,6 +285,14 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
   return spans;
 }
 
+double LastReadingS(const identify::Problem& problem) {
+  double last_s = 0.0;
+  for (const MeasuringRun& run : problem.runs) {
+    if (run.has_time && !run.time_s.empty()) last_s = std::max(last_s, run.time_s.back());
+  }
+  return last_s;
+}
+
 int StepStride(const MeasuringRun& run) {
   constexpr int kMoments = 48;
   return std::max(1, run.reading_count() / kMoments);

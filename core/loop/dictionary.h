@@ -28,6 +28,9 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem);
 // Frequencies of the pitch scan stand this share of a period (over the measured range) apart.
 inline constexpr double kPitchStep = 1.0 / 3.0;
 
+// Time of the last reading, s; 0 where none has a time.
+double LastReadingS(const identify::Problem& problem);
+
 // Time constants of warmings go up to this share of the time of the last reading: what is slower is a drift.
 inline constexpr double kSlowestWarming = 0.64;
 

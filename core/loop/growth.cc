@@ -23,6 +23,8 @@ absl::Status Growth::Extend(Fit* fit) {
     ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
     if (!has_found) {
       // The last one stood while the others changed about it.
+      ASSIGN_OR_RETURN(const bool is_straight, Straighten(fit));
+      if (is_straight) continue;
       const size_t before = effects().size();
       RETURN_IF_ERROR(Prune(fit));
       ASSIGN_OR_RETURN(const bool is_simpler, Consolidate(fit));

@@ -60,6 +60,7 @@ class Growth {
   std::vector<Scored> ScoreOf(const Signatures& signatures, const std::vector<Candidate>& members) const;
   absl::StatusOr<bool> SwapOne(size_t effect, identify::Fit* fit);
   absl::StatusOr<bool> Consolidate(identify::Fit* fit);
+  absl::StatusOr<bool> Straighten(identify::Fit* fit);
   absl::Status Backward(size_t count, identify::Fit* fit);
 
   const machine::Machine& machine_;

@@ -158,4 +158,39 @@ absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
   return false;
 }
 
+// A warming that is far slower than the sessions are long is a drift: the amplitude that it would have in the end, and
+// its time constant, are made up.
+absl::StatusOr<bool> Growth::Straighten(Fit* fit) {
+  constexpr double kFar = 5.0;
+  for (size_t i = 0; i < effects().size(); ++i) {
+    const machine::ErrorTerm& term = fit->point.model.terms[extension().TermOf(i)];
+    const auto* warming = std::get_if<shapes::DriftExp>(&term.shape);
+    if (IsUnnamed(effects()[i].candidate.family) || warming == nullptr) continue;
+    if (!(warming->tau_s > kFar * LastReadingS(fit->problem))) continue;
+    const std::vector<Added> before = effects();
+    ErrorModel lacking = fit->result.model;
+    lacking.terms.erase(lacking.terms.begin() + extension().TermOf(i));
+    Added drift;
+    drift.candidate = {Family::kDrift, {term.joint, term.component, shapes::Drift{}, {}}};
+    drift.score = before[i].score;
+    for (const Candidate& one : MakeDictionary(fit->problem, lacking)) {
+      const bool goes_with_time = one.family == Family::kDrift || one.family == Family::kThermal;
+      if (goes_with_time && one.term.component == term.component && !IsSameEffect(one.term, drift.candidate.term))
+        drift.equivalent.push_back(one);
+    }
+    effects()[i] = std::move(drift);
+    absl::StatusOr<Fit> straight = FitExtension(machine_, extension(), identify_options_);
+    if (absl::IsCancelled(straight.status())) return straight.status();
+    if (!straight.ok()) {
+      effects() = before;
+      continue;
+    }
+    *fit = *std::move(straight);
+    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+    RETURN_IF_ERROR(Swap(fit));
+    return true;
+  }
+  return false;
+}
+
 }  // namespace axiscal::loop

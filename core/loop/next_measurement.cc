@@ -5,6 +5,7 @@
 
 #include "core/loop/chooser.h"
 #include "core/loop/contest.h"
+#include "core/loop/dictionary.h"
 #include "core/loop/planned_tests.h"
 
 namespace axiscal::loop {
@@ -13,14 +14,6 @@ namespace {
 using machine::ErrorTerm;
 
 constexpr size_t kMostSessions = 4;
-
-double LastOf(const identify::Problem& problem) {
-  double last_s = 0.0;
-  for (const instruments::MeasuringRun& run : problem.runs) {
-    if (run.has_time && !run.time_s.empty()) last_s = std::max(last_s, run.time_s.back());
-  }
-  return last_s;
-}
 
 // When the tests end, soon after one another counted once.
 std::vector<double> EndsOf(const std::vector<PlannedTest>& tests) {
@@ -83,7 +76,7 @@ std::vector<Proposal> Proposer::Propose(const ErrorTerm& effect, const std::vect
     const Contest contest(problem_, point_, effect, equivalent, neighbours, confused, tests_->ends_s);
     if (contest.class_count() < 2) return {};
     same_always = contest.same_always();
-    Chooser chooser(contest, tests_->list, LastOf(problem_));
+    Chooser chooser(contest, tests_->list, LastReadingS(problem_));
     proposals = ChooseSessions(&chooser);
     if (chooser.IsDone() && proposals.empty()) return {};
     if (proposals.empty()) {

@@ -47,14 +47,8 @@ Candidate RefinedPitch(const Signatures& signatures, Candidate candidate, double
 
 // A decay length or time constant.
 Candidate RefinedDecay(const Signatures& signatures, Candidate candidate) {
-  double longest = INFINITY;
-  if (candidate.family == Family::kDriftExp) {
-    double last_s = 0.0;
-    for (const instruments::MeasuringRun& run : signatures.problem().runs) {
-      if (run.has_time) last_s = std::max(last_s, run.time_s.back());
-    }
-    longest = kSlowestWarming * last_s;
-  }
+  const double longest =
+      candidate.family == Family::kDriftExp ? kSlowestWarming * LastReadingS(signatures.problem()) : INFINITY;
   double spread = 0.35;
   for (int round = 0; round < 4; ++round) {
     std::vector<Candidate> around(5, candidate);

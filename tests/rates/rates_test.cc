@@ -32,6 +32,11 @@ Total JudgeMany(Kind kind, int count) {
   return total;
 }
 
+void ExpectNamedAndNothingBeside(const Score& score) {
+  EXPECT_EQ(score.named, score.effects) << score.text;
+  EXPECT_EQ(score.spurious, 0) << score.text;
+}
+
 TEST(Rates, MachinesThatLackNothingAreLeftAlone) {
   const Total total = JudgeMany(Kind::kNull, 100);
   EXPECT_LE(total.spurious_cases, 1) << total.texts;
@@ -53,9 +58,7 @@ TEST(Rates, AMisstatedSigmaDoesNotMatter) {
 // The set-ups of its check sessions stand far off before the effects are known: the fit of all sessions together needs
 // more steps than others, and ended the loop without a report.
 TEST(Rates, CheckSessionsThatConvergeSlowlyAreJudged) {
-  const Score score = Judge(Draw(Kind::kDirty, 61005), Kind::kDirty);
-  EXPECT_EQ(score.named, score.effects) << score.text;
-  EXPECT_EQ(score.spurious, 0) << score.text;
+  ExpectNamedAndNothingBeside(Judge(Draw(Kind::kDirty, 61005), Kind::kDirty));
 }
 
 TEST(Rates, ChipsAreListedAndDirtyMachinesThatLackNothingAreLeftAlone) {
@@ -99,18 +102,16 @@ TEST(Rates, SlipsThatHideAreGivenTheirSessionAndMoment) {
 
 // A harmonic that stood for the error of another which the check sessions replaced.
 TEST(Rates, WhatStoodForAWrongNameLeavesWithIt) {
-  const Score score = Judge(Draw(Kind::kDirty, 81076), Kind::kDirty);
-  EXPECT_EQ(score.named, score.effects) << score.text;
-  EXPECT_EQ(score.spurious, 0) << score.text;
+  ExpectNamedAndNothingBeside(Judge(Draw(Kind::kDirty, 81076), Kind::kDirty));
 }
 
 // Steps that led astray one after the other: a local defect, or one effect, where two with names act together (82023,
-// 82025, 81044, 83026, 83011), two shapes for one (82025), and a pitch that another passes for (81075).
+// 82025, 81044, 83026, 83011), two shapes for one (82025), a pitch that another passes for (81075), and a warming of
+// 200 days for a drift (88007).
 TEST(Rates, WhatCameFirstIsGivenUpForWhatExplainsMore) {
-  for (const int seed : {81044, 81075, 82023, 82025, 83011, 83026}) {
+  for (const int seed : {81044, 81075, 82023, 82025, 83011, 83026, 88007}) {
     const Score score = Judge(Draw(Kind::kDirty, seed), Kind::kDirty);
-    EXPECT_EQ(score.named, score.effects) << score.text;
-    EXPECT_EQ(score.spurious, 0) << score.text;
+    ExpectNamedAndNothingBeside(score);
     EXPECT_LE(score.check_ratio, 1.02) << score.text;
   }
 }
