@@ -1,6 +1,7 @@
 // axiscal: the command line. Global options, one sub-command, one exit code.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 
 #include "absl/synchronization/mutex.h"
@@ -107,5 +108,7 @@ int Main(int argc, char** argv) {
 int main(int argc, char** argv) {
   // Debian's Abseil aborts at lock orders that gRPC's own shutdown uses.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  // A file beyond the user's limit (ulimit -f) is an error of the write, like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   return axiscal::cli::Main(argc, argv);
 }

@@ -35,6 +35,10 @@ void SyncFolderOf(const std::string& path) {
   close(handle);
 }
 
+// So many new bytes are sent to the disk while the next ones are made: Commit() waits for the last ones only. Fewer at
+// a time would leave the file in many parts on the disk.
+constexpr int64_t kWriteBackBytes = int64_t{8} << 20;
+
 std::string LinkTo(int file) { return absl::StrCat("/proc/self/fd/", file); }
 
 // A file in the folder of `path` that has no name until it is linked: a process that is killed leaves nothing. -1 where
@@ -105,13 +109,19 @@ absl::Status AtomicFile::Open(const std::string& path) {
   return fchmod(file_, 0666 & ~mask) == 0 ? absl::OkStatus() : Fail(errno);
 }
 
-absl::Status AtomicFile::Write(const std::string& bytes) {
+absl::Status AtomicFile::Write(std::string_view bytes) {
   DEMAND(file_ >= 0);
   for (size_t done = 0; done < bytes.size();) {
     const ssize_t wrote = write(file_, bytes.data() + done, bytes.size() - done);
     if (wrote < 0 && errno == EINTR) continue;
     if (wrote < 0) return Fail(errno);
     done += static_cast<size_t>(wrote);
+  }
+  written_ += static_cast<int64_t>(bytes.size());
+  // Starts the disk and waits for nothing; what goes wrong with it is what fsync returns.
+  if (written_ - started_ >= kWriteBackBytes) {
+    sync_file_range(file_, started_, written_ - started_, SYNC_FILE_RANGE_WRITE);
+    started_ = written_;
   }
   return absl::OkStatus();
 }

@@ -2,7 +2,9 @@
 #ifndef AXISCAL_CORE_BASE_FILES_H_
 #define AXISCAL_CORE_BASE_FILES_H_
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "core/base/status.h"
 
@@ -29,7 +31,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   absl::Status Open(const std::string& path);
-  absl::Status Write(const std::string& bytes);
+  absl::Status Write(std::string_view bytes);
   absl::Status Commit();
 
  private:
@@ -37,6 +39,7 @@ class AtomicFile {
 
   std::string path_, beside_;  // beside_: empty when there is nothing to remove, or no name yet
   int file_ = -1;
+  int64_t written_ = 0, started_ = 0;  // bytes written, and of them on their way to the disk
 };
 
 absl::Status WriteFileAtomically(const std::string& path, const std::string& bytes);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -97,6 +98,36 @@ TEST_F(Files, AKilledWriterLeavesNothingBehind) {
   if (CanHoldNamelessFiles()) {
     EXPECT_EQ(FileCount(), 1u);
   }
+}
+
+TEST_F(Files, WhatTheDiskDoesNotTakeLeavesTheOldFile) {
+  ASSERT_TRUE(WriteFileAtomically(Path("a"), "old").ok());
+  const auto old_handler = signal(SIGXFSZ, SIG_IGN);
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit small{1000, limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const absl::Status status = WriteFileAtomically(Path("a"), std::string(1001, 'x'));
+  setrlimit(RLIMIT_FSIZE, &limit);
+  signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr(Path("a") + ": File too large"));
+  EXPECT_EQ(*ReadFile(Path("a"), 100), "old");
+  EXPECT_EQ(FileCount(), 1u);
+}
+
+TEST_F(Files, ALargeFileIsWholeInAnyPieces) {
+  // Beyond the size at which the disk is started before the end.
+  std::string expected;
+  AtomicFile file;
+  ASSERT_TRUE(file.Open(Path("a")).ok());
+  for (size_t i = 0; expected.size() < (20u << 20); ++i) {
+    const std::string bytes(i * 7919 % 700000, static_cast<char>('a' + i % 26));
+    ASSERT_TRUE(file.Write(bytes).ok());
+    expected += bytes;
+  }
+  ASSERT_TRUE(file.Commit().ok());
+  EXPECT_TRUE(*ReadFile(Path("a"), 30u << 20) == expected);
 }
 
 TEST_F(Files, ANewFileHasTheRightsOfTheUsersFiles) {

@@ -84,11 +84,7 @@ absl::Status RewriteFile(const std::string& input_path, const std::string& outpu
   RETURN_IF_ERROR(Open(input_path, "rb").status());
   base::AtomicFile file;
   RETURN_IF_ERROR(file.Open(output_path));
-  std::string piece;  // its room is used again
-  const ByteSink sink = [&file, &piece](const char* bytes, size_t size) {
-    piece.assign(bytes, size);
-    return file.Write(piece);
-  };
+  const ByteSink sink = [&file](const char* bytes, size_t size) { return file.Write({bytes, size}); };
   RETURN_IF_ERROR(RewriteProgram(source, sink, compensator, options, report));
   return file.Commit();
 }
