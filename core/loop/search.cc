@@ -126,15 +126,17 @@ std::vector<machine::ErrorTerm> NotVisible(const std::vector<Candidate>& candida
   return terms;
 }
 
-// What is all but explained already can be bent to anything by an amplitude that no machine has.
-bool IsPlausible(const Signatures& signatures, const Scored& scored) {
-  constexpr double kMostMm = 30.0, kMostRad = 0.1;
-  if (scored.candidate.family == Family::kStep) return true;
-  const double most = machine::IsAngle(scored.candidate.term.component) ? kMostRad : kMostMm;
-  return signatures.LargestValue(scored.candidate.term, scored.amplitude) < most;
-}
-
 }  // namespace
+
+bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const Eigen::Vector3d& amplitude) {
+  if (candidate.family == Family::kStep) return true;
+  // A tool or a table may stand centimetres off, and an axis follow its command as far behind; what varies along an
+  // axis is another matter.
+  const bool is_large = candidate.family == Family::kConstant || candidate.family == Family::kLag;
+  const double most_mm = is_large ? 30.0 : 3.0, most_rad = is_large ? 0.1 : 0.01;
+  const double most = machine::IsAngle(candidate.term.component) ? most_rad : most_mm;
+  return signatures.LargestValue(candidate.term, amplitude) < most;
+}
 
 SearchResult Search(const machine::Machine& machine, const Signatures& signatures,
                     const std::vector<Candidate>& candidates, const SearchOptions& options) {
@@ -164,8 +166,9 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
                 options.per_column * (projections[i].columns - 1);
     scored.push_back(std::move(one));
   }
-  std::erase_if(scored,
-                [&](const Scored& one) { return one.score > 0.5 * options.evidence && !IsPlausible(signatures, one); });
+  std::erase_if(scored, [&](const Scored& one) {
+    return one.score > 0.5 * options.evidence && !IsPlausible(signatures, one.candidate, one.amplitude);
+  });
   const auto better = [](const Scored& a, const Scored& b) { return a.score > b.score; };
   std::sort(scored.begin(), scored.end(), better);
   if (!scored.empty() && scored[0].score > 0.5 * options.evidence) {

@@ -47,6 +47,9 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
 Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, const std::vector<Scored>& scored,
                 const SearchOptions& options);
 
+// What is all but explained already can be bent to anything by an amplitude that no machine has: false for such.
+bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const Eigen::Vector3d& amplitude);
+
 // Likelihood ratio (chi-square units) of explaining `gain` of `squares` at `dof` degrees of freedom with the noise
 // scale unknown.
 double LikelihoodRatio(double squares, double gain, int dof);

@@ -148,7 +148,9 @@ std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, bool i
   }
   std::vector<Candidate> contenders;
   for (size_t m = 1; m < members.size(); ++m) {
-    if (gains[m] >= least) contenders.push_back(members[m]);
+    const auto& amplitude = members[m].term.amplitude;
+    if (gains[m] >= least && IsPlausible(signatures, members[m], {amplitude[0], amplitude[1], 0.0}))
+      contenders.push_back(members[m]);
   }
   std::stable_sort(contenders.begin(), contenders.end(), [this](const Candidate& a, const Candidate& b) {
     return Complexity(machine_, a) < Complexity(machine_, b);
@@ -174,7 +176,11 @@ std::optional<Candidate> Validation::SlipInstead(size_t i, const Fit& fit, const
   Candidate slip = AtBestMoment(signatures, best, kAlike);
   const std::vector<Projection> projections = signatures.Project({own, slip});
   Eigen::Vector3d amplitude;
-  if (Gain(projections[1], &amplitude) < Gain(projections[0], &amplitude) + kClearly) return std::nullopt;
+  const double gain = Gain(projections[0], &amplitude);
+  if (Gain(projections[1], &amplitude) < gain + kClearly) return std::nullopt;
+  // Set-ups that stand far off without the effect are no place to estimate from.
+  constexpr double kShare = 0.1;
+  if (std::abs(signatures.residual_squares() - gain - SquaresOf(joint)) > kShare * gain) return std::nullopt;
   extension().MapSlip(joint.problem, &slip);
   return slip;
 }
