@@ -155,6 +155,12 @@ std::string LoopText(const Json& report) {
   if (!proposals.empty()) absl::StrAppend(&text, "measure next:\n");
   for (const Json& proposal : proposals) absl::StrAppend(&text, ProposalText(proposal));
   if (!List(report, "steps").empty()) absl::StrAppend(&text, Table(StepRows(report)));
+  const bool is_check_fitted = report.contains("check") && report["check"].value("fitted", false);
+  if (is_check_fitted) {
+    absl::StrAppend(&text,
+                    "the fit sessions alone do not tell these amplitudes: all sessions were fitted together, and the "
+                    "check sessions prove nothing\n");
+  }
   const bool has_outliers = !List(report, "outliers").empty();
   Rows rows = {{"residual rms, um", "before", "after"}};
   const auto add = [&rows](const std::string& what, const Json& both, const std::string& field) {
@@ -163,7 +169,8 @@ std::string LoopText(const Json& report) {
   };
   for (const char* sessions : {"fit", "check"}) {
     if (!report.contains(sessions)) continue;
-    add(absl::StrCat(sessions, " sessions"), report[sessions], "rms_um");
+    const bool is_all = is_check_fitted && std::string(sessions) == "fit";
+    add(is_all ? "all sessions" : absl::StrCat(sessions, " sessions"), report[sessions], "rms_um");
     // Bad readings weigh more in the plain figure than anything that the model could explain.
     if (has_outliers) add("  without readings set aside", report[sessions], "rms_without_outliers_um");
   }

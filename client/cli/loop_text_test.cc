@@ -44,6 +44,15 @@ TEST(LoopText, BadReadingsDoNotHideWhatTheModelGained) {
                                           "  without readings set aside   1.200  0.3100\n"));
 }
 
+TEST(LoopText, CheckSessionsThatWereFittedProveNothing) {
+  Json report = ReportOf(Effect("EB0B", "constant", "urad"));
+  report["check"] = report["fit"];
+  EXPECT_THAT(LoopText(report), Not(HasSubstr("prove nothing")));
+  report["check"]["fitted"] = true;
+  EXPECT_THAT(LoopText(report), HasSubstr("all sessions were fitted together, and the check sessions prove nothing\n"));
+  EXPECT_THAT(LoopText(report), HasSubstr("\nall sessions "));
+}
+
 TEST(LoopText, AProposalForOneEffectSaysWhatItIsToldFrom) {
   Json report = ReportOf(Effect("EB0B", "constant", "urad"));
   Json proposal = {{"effect", "EB0B"},      {"text", "session CR again"}, {"test", "later"},

@@ -9,9 +9,25 @@
 
 namespace axiscal::loop {
 
+using instruments::MeasuringRun;
+
 absl::StatusOr<identify::Fit> Check::Under(const machine::ErrorModel& model) const {
   DEMAND(!runs_.empty());
   return identify::CheckRuns(machine_, runs_, model, options_);
+}
+
+std::vector<MeasuringRun> Check::After(std::vector<MeasuringRun> runs) const {
+  const size_t fitted = runs.size();
+  for (const MeasuringRun& run : runs_) {
+    runs.push_back(run);
+    const bool is_known =
+        std::any_of(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(fitted), [&](const MeasuringRun& other) {
+          return other.session == run.session || other.session.rfind(run.session + "#", 0) == 0;  // or a part of it
+        });
+    if (is_known) runs.back().session = "check " + run.session;
+    runs.back().setup_name = "check " + run.setup_name;
+  }
+  return runs;
 }
 
 absl::Status Check::Settle(const identify::Fit& best) {
@@ -23,7 +39,7 @@ absl::Status Check::Settle(const identify::Fit& best) {
   for (const std::vector<bool>& used : best.problem.is_used)
     noise_readings_ += static_cast<double>(std::count(used.begin(), used.end(), true));
   for (size_t i = 0; i < problem_.runs.size(); ++i) {
-    const instruments::MeasuringRun& run = problem_.runs[i];
+    const MeasuringRun& run = problem_.runs[i];
     double factor = 0.0, ar1 = 0.0;
     int count = 0;
     for (size_t k = 0; k < best.problem.runs.size(); ++k) {
@@ -49,13 +65,7 @@ bool Check::IsChance(double squares, double count) const {
 absl::StatusOr<identify::Fit> Check::Joint(const identify::Fit& best) const {
   DEMAND(problem_.runs.size() == runs_.size());
   const size_t fitted = best.problem.runs.size();
-  std::vector<instruments::MeasuringRun> runs = best.problem.runs;
-  for (instruments::MeasuringRun run : problem_.runs) {  // that may bear the names of fit sessions
-    run.session = "check " + run.session;
-    run.setup_name = "check " + run.setup_name;
-    runs.push_back(std::move(run));
-  }
-  ASSIGN_OR_RETURN(identify::Problem joint, identify::MakeProblem(machine_, std::move(runs)));
+  ASSIGN_OR_RETURN(identify::Problem joint, identify::MakeProblem(machine_, After(best.problem.runs)));
   for (size_t i = 0; i < joint.runs.size(); ++i) {
     const identify::Problem& own = i < fitted ? best.problem : problem_;
     joint.noise[i] = own.noise[i < fitted ? i : i - fitted];
@@ -79,35 +89,41 @@ bool Check::IsExplained(const identify::Fit& joint, const identify::Fit& best) c
                   count);
 }
 
+Unexplained Check::ExcessOf(size_t run, double squares) const {
+  const double excess = std::max(0.0, squares / UsedOf(run) - 1.0);
+  return {Unexplained::kCheckSession, "t",
+          runs_[run].time_s.front(),  runs_[run].time_s.back(),
+          runs_[run].session,         problem_.noise[run].sigma_mm * std::sqrt(excess)};
+}
+
+std::vector<Unexplained> Check::UnexplainedWhereFitted() const {
+  const std::vector<Eigen::MatrixXd> residuals_mm = ResidualsOf(problem_, point_);
+  std::vector<Unexplained> sessions;
+  for (size_t i = 0; i < runs_.size(); ++i) {
+    const double squares = identify::WhitenedSquaresOf(problem_, i, residuals_mm[i]);
+    if (UsedOf(i) > 0.0 && !IsChance(squares, UsedOf(i))) sessions.push_back(ExcessOf(i, squares));
+  }
+  return sessions;
+}
+
 absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identify::Fit& best) const {
   const absl::StatusOr<identify::Fit> joint = Joint(best);
   if (absl::IsCancelled(joint.status())) return joint.status();
   // Where all together cannot be fitted each is judged under the errors of the fit sessions.
-  const std::vector<Eigen::MatrixXd> alone_mm =
-      joint.ok() ? std::vector<Eigen::MatrixXd>() : ResidualsOf(problem_, point_);
-  const auto squares_of = [&](size_t i) {
-    return joint.ok() ? identify::WhitenedSquaresOf(joint->problem, best.problem.runs.size() + i,
-                                                    joint->residuals_mm[best.problem.runs.size() + i])
-                      : identify::WhitenedSquaresOf(problem_, i, alone_mm[i]);
-  };
+  if (!joint.ok()) return UnexplainedWhereFitted();
   std::vector<Unexplained> sessions;
-  if (joint.ok() && IsExplained(*joint, best)) return sessions;
+  if (IsExplained(*joint, best)) return sessions;
   Unexplained worst;
   double most = -INFINITY;
   for (size_t i = 0; i < runs_.size(); ++i) {
     if (UsedOf(i) == 0.0) continue;
-    const double own = squares_of(i);
-    const double excess = own / UsedOf(i) - 1.0;
-    const Unexplained session = {
-        Unexplained::kCheckSession, "t",
-        runs_[i].time_s.front(),    runs_[i].time_s.back(),
-        runs_[i].session,           problem_.noise[i].sigma_mm * std::sqrt(std::max(0.0, excess))};
-    if (!IsChance(own, UsedOf(i))) sessions.push_back(session);
-    if (excess > most) worst = session;
-    most = std::max(most, excess);
+    const size_t at = best.problem.runs.size() + i;
+    const double squares = identify::WhitenedSquaresOf(joint->problem, at, joint->residuals_mm[at]);
+    if (!IsChance(squares, UsedOf(i))) sessions.push_back(ExcessOf(i, squares));
+    if (squares / UsedOf(i) > most) worst = ExcessOf(i, squares);
+    most = std::max(most, squares / UsedOf(i));
   }
-  if (sessions.empty() && joint.ok())
-    sessions.push_back(worst);  // the errors bent to it: it shows in all of them together
+  if (sessions.empty()) sessions.push_back(worst);  // the errors bent to it: it shows in all of them together
   return sessions;
 }
 

@@ -18,6 +18,8 @@ class Check {
 
   bool is_empty() const { return runs_.empty(); }
   const std::vector<instruments::MeasuringRun>& runs() const { return runs_; }
+  // `runs` and after them these sessions, to be fitted together: set-ups are their own, and so are names: "check CR".
+  std::vector<instruments::MeasuringRun> After(std::vector<instruments::MeasuringRun> runs) const;
   // The sessions under a model. DEMANDs that there are some; CANCELLED or the fit's errors.
   absl::StatusOr<identify::Fit> Under(const machine::ErrorModel& model) const;
 
@@ -32,6 +34,8 @@ class Check {
   bool IsExplained(const identify::Fit& joint, const identify::Fit& best) const;
   // The sessions that read more than that; empty where all is explained.
   absl::StatusOr<std::vector<Unexplained>> UnexplainedSessions(const identify::Fit& best) const;
+  // The same where `best` was fitted to these sessions, too: those that read more than chance under its errors.
+  std::vector<Unexplained> UnexplainedWhereFitted() const;
 
  private:
   const machine::Machine& machine_;
@@ -39,6 +43,7 @@ class Check {
   const identify::Options options_;
   bool IsChance(double squares, double count) const;
   double UsedOf(size_t run) const;
+  Unexplained ExcessOf(size_t run, double squares) const;
 
   identify::Problem problem_;
   identify::Point point_;

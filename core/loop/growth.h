@@ -18,6 +18,7 @@ struct Way {
   std::vector<Added> prefix;         // effects to begin with
   std::vector<Candidate> not_first;  // that led astray before when they came next
   bool names_first = false;          // local defects only once nothing with a name is significant
+  bool with_check = false;           // the check sessions are fitted like the others
   int most_effects = 0;
 };
 

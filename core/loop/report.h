@@ -75,6 +75,9 @@ struct Report {
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;
+  // Only the check sessions told the effects apart: all sessions were fitted together, what is said of fit sessions is
+  // of all of them, and the check figures prove nothing.
+  bool is_check_fitted = false;
   std::vector<SessionNoise> noise;          // of the fit sessions, under the extended model
   std::vector<SessionResiduals> residuals;  // fit sessions, then check sessions, in the order given
   std::vector<Proposal> next_measurement;   // sessions that would tell the effects' classes apart

@@ -119,7 +119,9 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   root["determined"] = fitted["determined"];
   root["fit"] = {{"before", StatisticsJson(report.fit_before)}, {"after", StatisticsJson(report.fit_after)}};
   if (report.has_check)
-    root["check"] = {{"before", StatisticsJson(report.check_before)}, {"after", StatisticsJson(report.check_after)}};
+    root["check"] = {{"before", StatisticsJson(report.check_before)},
+                     {"after", StatisticsJson(report.check_after)},
+                     {"fitted", report.is_check_fitted}};
   json steps = json::array();
   for (const Step& step : report.steps) steps.push_back(StepJson(step));
   root["steps"] = std::move(steps);

@@ -49,6 +49,18 @@ json SessionsJson(const StoredSessions& stored) {
   return sessions;
 }
 
+// All that the errors were fitted to.
+StoredSessions Both(StoredSessions fit, const StoredSessions& check) {
+  for (size_t i = 0; i < check.records.size(); ++i) {
+    const auto is_it = [&](const storage::SessionRecord& record) { return record.id == check.records[i].id; };
+    if (std::any_of(fit.records.begin(), fit.records.end(), is_it)) continue;
+    fit.records.push_back(check.records[i]);
+    fit.sessions.push_back(check.sessions[i]);
+  }
+  fit.measured_at = std::max(fit.measured_at, check.measured_at);
+  return fit;
+}
+
 absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
                                         JobContext& context) {
   ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
@@ -65,7 +77,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
 
   storage::JobProduct product;
   product.result = loop::ToJson(input.machine, report);
-  product.calibration = MakeCalibration(input, fit, report.fit_before, report.fitted, job);
+  product.calibration =
+      MakeCalibration(input, report.is_check_fitted ? Both(fit, check) : fit, report.fit_before, report.fitted, job);
   product.calibration->report_json = product.result;
   json asked = {{"max_effects", options.max_effects}, {"fit", SessionsJson(fit)}, {"check", SessionsJson(check)}};
   if (!params.budget_json.empty()) asked["budget"] = json::parse(params.budget_json);

@@ -116,6 +116,17 @@ TEST(Rates, WhatCameFirstIsGivenUpForWhatExplainsMore) {
   }
 }
 
+// Effects that the fit sessions show too faintly (91048), or of which they only see the sum (91059: an absurd harmonic
+// that the check sessions liked gave way to a slip).
+TEST(Rates, WhatOnlyAllSessionsTellIsNamed) {
+  for (const int seed : {91048, 91059}) {
+    const Score score = Judge(Draw(Kind::kDirty, seed), Kind::kDirty);
+    ExpectNamedAndNothingBeside(score);
+    EXPECT_LE(score.check_ratio, 1.02) << score.text;
+    EXPECT_EQ(score.is_check_fitted, seed != 91048) << score.text;
+  }
+}
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;

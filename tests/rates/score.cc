@@ -98,6 +98,8 @@ Score Judge(const SimulatedCase& simulated, Kind kind) {
     score.text += absl::StrFormat(" %sunexplained %s %.4g..%.4g %s", is_right ? "" : "WRONG ", part.variable, part.from,
                                   part.to, part.session);
   }
+  score.is_check_fitted = report.is_check_fitted;
+  if (report.is_check_fitted) score.text += " CHECK FITTED";
   for (const std::string& name : report.withdrawn) score.text += " withdrawn " + name;
   if (kind == Kind::kSlip)
     score.text += absl::StrFormat(" (slip in %s at %.0f s)", simulated.slipped_session, simulated.slip_s);
@@ -108,7 +110,12 @@ Score Judge(const SimulatedCase& simulated, Kind kind) {
 
   std::set<std::tuple<std::string, int, int>> bad, listed;
   for (const BadReading& one : simulated.bad) bad.insert({one.session, one.row, one.column});
-  for (const identify::Outlier& one : report.fitted.outliers) listed.insert({one.session, one.row, one.column});
+  const auto is_of_fit = [&](const std::string& session) {
+    return std::any_of(simulated.fit.begin(), simulated.fit.end(),
+                       [&](const instruments::MeasuringRun& one) { return one.session == session; });
+  };
+  for (const identify::Outlier& one : report.fitted.outliers)
+    if (is_of_fit(one.session)) listed.insert({one.session, one.row, one.column});
   int readings = 0;
   for (const instruments::MeasuringRun& session : simulated.fit)
     readings += static_cast<int>(session.measured_mm.size());

@@ -16,6 +16,7 @@ struct Score {
   int bad = 0, bad_listed = 0, good = 0, good_listed = 0;
   double sigma_ratio = 1.0;  // worst estimated over true sigma of all fit sessions
   double check_ratio = 1.0;  // check rms over that of a fit that knows what went in
+  bool is_check_fitted = false;
   double seconds = 0.0;
   std::string text;  // what was put in and what was reported
 };

@@ -1,0 +1,286 @@
+#include "core/loop/explorer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/loop/dictionary.h"
+#include "core/loop/fitting.h"
+#include "core/loop/validation.h"
+
+namespace axiscal::loop {
+
+using identify::Fit;
+using instruments::MeasuringRun;
+using machine::ErrorModel;
+
+namespace {
+
+// The scatter between neighbouring readings, of which the noise of dense series is judged, knows nothing of what is
+// left; that of a few readings takes it up, and one session seems to scatter more than others of its instrument.
+bool IsMisfit(const Fit& fit) {
+  constexpr double kBeyondChance = 2.0, kUnlike = 1.5;  // standard deviations; sigma
+  constexpr double kHopeless = 4.0;  // what is twice the noise is no choice between names: the dictionary lacks it
+  const identify::FitStatistics& all = fit.result.fit;
+  if (all.chi2_per_dof > kHopeless) return false;
+  if (all.chi2_per_dof > 1.0 + kBeyondChance * std::sqrt(2.0 / std::max(1, all.degrees_of_freedom))) return true;
+  const identify::Problem& problem = fit.problem;
+  const auto factor = [&](size_t i) { return problem.noise[i].sigma_mm / problem.runs[i].sigma_mm; };
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    for (size_t k = 0; k < problem.runs.size(); ++k) {
+      if (problem.runs[i].kind == problem.runs[k].kind && factor(i) > kUnlike * factor(k)) return true;
+    }
+  }
+  return false;
+}
+
+// Effects of `before` that `after` does without, then those that it has instead.
+void NoteChanges(const Extension& before, const Fit& fit, Attempt* after) {
+  const auto names_of = [](const Extension& extension) {
+    std::vector<std::string> names;
+    for (size_t i = 0; i < extension.effects.size(); ++i) names.push_back(extension.NameOf(i));
+    return names;
+  };
+  const std::vector<std::string> old_names = names_of(before), new_names = names_of(after->extension);
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const std::string& name : old_names)
+    if (!has(new_names, name)) after->Note(Step::kDropped, name, fit);
+  for (const std::string& name : new_names)
+    if (!has(old_names, name)) after->Note(Step::kAdded, name, fit);
+}
+
+}  // namespace
+
+absl::StatusOr<Outcome> Explorer::Explore() {
+  Way way;
+  way.most_effects = options_.max_effects;
+  ASSIGN_OR_RETURN(Outcome best, Grow(&way));
+  ASSIGN_OR_RETURN(const bool is_more, IsMoreInAll(best));
+  if (!is_more) return best;
+  ASSIGN_OR_RETURN(const bool is_taken, FitTogether(&best));
+  if (!is_taken) RETURN_IF_ERROR(BeginElsewhere(way, &best));
+  return best;
+}
+
+absl::StatusOr<Outcome> Explorer::Grow(Way* way) {
+  ASSIGN_OR_RETURN(Outcome best, Try(*way));
+  ASSIGN_OR_RETURN(way->names_first, PreferNames(*way, &best));
+  RETURN_IF_ERROR(Detour(*way, &best));
+  return best;
+}
+
+// What two effects leave where one of them alone was expected looks like a local defect, which has place and width to
+// bend to it. Where one was found that names come close to, names alone are tried, one more of them than effects so
+// far, and kept if they explain as much. Returns whether they were.
+absl::StatusOr<bool> Explorer::PreferNames(Way way, Outcome* best) {
+  const std::vector<Added>& found = best->attempt.extension.effects;
+  const auto is_local = [](const Added& one) { return one.candidate.family == Family::kBump; };
+  if (!best->attempt.has_close_name || best->attempt.report.has_stopped_early) return false;
+  if (std::none_of(found.begin(), found.end(), is_local)) return false;
+  way.names_first = true;
+  way.most_effects = std::min(way.most_effects, static_cast<int>(found.size()) + 1);
+  ASSIGN_OR_RETURN(Outcome named, Try(way));
+  if (!IsBetter(named, *best)) return false;
+  *best = std::move(named);
+  return true;
+}
+
+// One effect may have been added for two others which, found one after the other, would have explained more. Where
+// the noise does not account for what is left, each effect in turn is kept from coming where it came.
+absl::Status Explorer::Detour(Way way, Outcome* best) {
+  const std::vector<Added> found = best->attempt.extension.effects;
+  for (size_t i = 0; i < found.size() && IsMisfit(best->fit) && !best->attempt.report.has_stopped_early; ++i) {
+    if (IsUnnamed(found[i].candidate.family)) continue;
+    way.prefix.assign(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(i));
+    way.not_first = {found[i].candidate};
+    way.not_first.insert(way.not_first.end(), found[i].equivalent.begin(), found[i].equivalent.end());
+    ASSIGN_OR_RETURN(Outcome other, Try(way));
+    if (!IsBetter(other, *best)) continue;
+    Report& report = other.attempt.report;
+    report.ranking = best->attempt.report.ranking;
+    report.candidates = best->attempt.report.candidates;
+    report.not_visible = best->attempt.report.not_visible;
+    other.attempt.first = best->attempt.first;
+    *best = std::move(other);
+  }
+  return absl::OkStatus();
+}
+
+// Explains more for what it takes, and no fewer of the check sessions.
+bool Explorer::IsBetter(const Outcome& one, const Outcome& other) const {
+  return CostOf(one.attempt.extension, one.fit) < CostOf(other.attempt.extension, other.fit) &&
+         one.unexplained_sessions.size() <= other.unexplained_sessions.size();
+}
+
+// What is left and what it took to explain the rest.
+double Explorer::CostOf(const Extension& extension, const Fit& fit) const {
+  double cost = ComparableSquaresOf(fit);
+  for (const Added& one : extension.effects) {
+    const bool is_named = !IsUnnamed(one.candidate.family);
+    constexpr int kUnnamedColumns = 3;
+    const int columns = is_named ? shapes::BasisCount(one.candidate.term.shape) : kUnnamedColumns;
+    cost += options_.search.evidence + options_.search.per_column * (columns - 1);
+  }
+  return cost;
+}
+
+// Whether the check sessions show that something is amiss, be it less than what leaves them unexplained.
+absl::StatusOr<bool> Explorer::IsMoreInAll(const Outcome& best) {
+  if (check_.is_empty() || best.attempt.report.has_stopped_early) return false;
+  if (!best.unexplained_sessions.empty()) return true;
+  if (best.attempt.extension.effects.empty()) return false;
+  RETURN_IF_ERROR(check_.Settle(best.fit));
+  const absl::StatusOr<Fit> joint = check_.Joint(best.fit);
+  if (absl::IsCancelled(joint.status())) return joint.status();
+  if (!joint.ok()) return false;
+  const Signatures signatures(joint->problem, joint->point, identify::ListParameters(joint->point.model, true));
+  std::vector<Candidate> named = MakeDictionary(joint->problem, joint->point.model);
+  std::erase_if(named, [](const Candidate& one) { return IsUnnamed(one.family); });
+  return Search(machine_, signatures, named, options_.search).is_significant;
+}
+
+// Of two effects the fit sessions may see the sum alone, and one of them stands for both. Where all sessions fitted
+// together explain the check sessions with names, and for less than what was found so far, that is the result: true.
+absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
+  together_ = check_.After(runs_);
+  Way way;
+  way.most_effects = options_.max_effects;
+  way.with_check = true;
+  ASSIGN_OR_RETURN(Outcome other, Grow(&way));
+  if (!other.unexplained_sessions.empty()) return false;
+  Extension known(machine_, together_);
+  known.effects = best->attempt.extension.effects;
+  const absl::StatusOr<Fit> same = FitExtension(machine_, known, identify_options_);
+  if (absl::IsCancelled(same.status())) return same.status();
+  if (same.ok() && !(CostOf(other.attempt.extension, other.fit) < CostOf(known, *same))) return false;
+  ASSIGN_OR_RETURN(const bool is_alone, FitAlone(other, best));
+  if (!is_alone) *best = std::move(other);
+  return true;
+}
+
+// The effects of `named`, which all sessions speak for, with amplitudes of the fit sessions alone: the check sessions
+// stay a proof. False, and `best` as it was, where the fit sessions do not tell these amplitudes.
+absl::StatusOr<bool> Explorer::FitAlone(const Outcome& named, Outcome* best) {
+  constexpr double kNoWorse = 1.02;
+  const std::vector<Added>& effects = named.attempt.extension.effects;
+  Outcome alone{best->attempt, {}, {}, {}};
+  alone.attempt.extension.effects = effects;
+  for (const Added& one : effects) {
+    if (one.candidate.run >= static_cast<int>(runs_.size())) return false;  // a slip in a check session
+  }
+  absl::StatusOr<Fit> fit = FitExtension(machine_, alone.attempt.extension, identify_options_);
+  if (absl::IsCancelled(fit.status())) return fit.status();
+  if (!fit.ok()) return false;
+  for (size_t i = 0; i < effects.size(); ++i) {
+    const bool is_named = !IsUnnamed(effects[i].candidate.family);
+    if (is_named && EvidenceOf(*fit, alone.attempt.extension.TermOf(i)) < options_.search.evidence) return false;
+  }
+  Report& report = alone.attempt.report;
+  ASSIGN_OR_RETURN(alone.check_after, CheckStatistics(fit->result.model, &SessionResiduals::after_mm, &report));
+  RETURN_IF_ERROR(check_.Settle(*fit));
+  ASSIGN_OR_RETURN(alone.unexplained_sessions, check_.UnexplainedSessions(*fit));
+  if (!alone.unexplained_sessions.empty() || alone.check_after.rms_mm > kNoWorse * named.check_after.rms_mm)
+    return false;
+  NoteChanges(best->attempt.extension, *fit, &alone.attempt);
+  alone.fit = *std::move(fit);
+  *best = std::move(alone);
+  return true;
+}
+
+// An effect that swallowed two others leads astray: where the check sessions stay unexplained, another beginning is
+// tried, and taken if it explains them better without explaining the fit sessions worse. Where more is left than may be
+// added, a beginning is not what is wrong.
+absl::Status Explorer::BeginElsewhere(Way way, Outcome* best) {
+  constexpr int kBeginnings = 3;
+  std::optional<Added> first = best->attempt.first;
+  bool is_explained = best->unexplained_sessions.empty();
+  for (int round = 1; round < kBeginnings && !is_explained && first.has_value(); ++round) {
+    // What was alike leads to the same end.
+    way.not_first.push_back(first->candidate);
+    way.not_first.insert(way.not_first.end(), first->equivalent.begin(), first->equivalent.end());
+    ASSIGN_OR_RETURN(Outcome other, Try(way));
+    first = other.attempt.first;
+    is_explained = other.unexplained_sessions.empty();
+    constexpr double kBetter = 0.98, kNoWorse = 1.02;
+    if (other.check_after.rms_mm < kBetter * best->check_after.rms_mm &&
+        other.fit.result.fit.rms_mm < kNoWorse * best->fit.result.fit.rms_mm)
+      *best = std::move(other);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
+  const std::vector<MeasuringRun>& runs = way.with_check ? together_ : runs_;
+  Outcome outcome{{Extension(machine_, runs), way, {}, {}, false, {}}, {}, {}, {}};
+  Attempt* const attempt = &outcome.attempt;
+  Report* const report = &attempt->report;
+  std::vector<Added>& effects = attempt->extension.effects;
+  report->has_check = !check_.is_empty();
+  report->is_check_fitted = way.with_check;
+  Check none(machine_, {}, identify_options_);
+  if (options_.progress) options_.progress({"fitting the declared model", 0.0, ""});
+  ASSIGN_OR_RETURN(Fit fit, FitExtension(machine_, attempt->extension, identify_options_));
+  report->fit_before = fit.result.fit;
+  KeepResiduals(fit, runs_, &SessionResiduals::before_mm, report);
+  ASSIGN_OR_RETURN(report->check_before, CheckStatistics(fit.result.model, &SessionResiduals::before_mm, report));
+  for (const Added& one : way.prefix) {
+    effects.push_back(one);
+    ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
+    attempt->Note(Step::kAdded, attempt->extension.NameOf(effects.size() - 1), fit);
+  }
+  Growth growth(machine_, options_, identify_options_, attempt);
+  Validation validation(machine_, identify_options_, way.with_check ? &none : &check_, attempt);
+  RETURN_IF_ERROR(growth.Extend(&fit));
+  ASSIGN_OR_RETURN(const bool has_replaced, validation.Run(&fit));
+  if (has_replaced) {
+    // What had no name beside the wrong effect may have one beside the right one, or not be there at all.
+    std::erase_if(effects, [](const Added& one) { return IsUnnamed(one.candidate.family); });
+    ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
+    RETURN_IF_ERROR(growth.Prune(&fit));
+    RETURN_IF_ERROR(growth.Extend(&fit));
+    RETURN_IF_ERROR(validation.Run(&fit).status());
+  }
+  ASSIGN_OR_RETURN(outcome.check_after, CheckStatistics(fit.result.model, &SessionResiduals::after_mm, report));
+  if (!check_.is_empty()) {
+    RETURN_IF_ERROR(check_.Settle(fit));
+    outcome.unexplained_sessions = check_.UnexplainedWhereFitted();
+    if (!way.with_check) {
+      ASSIGN_OR_RETURN(outcome.unexplained_sessions, check_.UnexplainedSessions(fit));
+    }
+  }
+  outcome.fit = std::move(fit);
+  return outcome;
+}
+
+// Parts of a session whose artefact slipped join again.
+void Explorer::KeepResiduals(const Fit& fit, const std::vector<MeasuringRun>& runs, ResidualField field,
+                             Report* report) const {
+  const bool is_check = &runs == &check_.runs();
+  const size_t offset = is_check ? runs_.size() : 0;
+  report->residuals.resize(runs_.size() + check_.runs().size());
+  size_t part = 0;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    SessionResiduals& kept = report->residuals[offset + i];
+    kept.session = runs[i].session;
+    kept.is_check = is_check;
+    Eigen::MatrixXd& residuals_mm = kept.*field;
+    residuals_mm.resize(runs[i].row_count, runs[i].reading_count());
+    for (Eigen::Index at = 0; at < residuals_mm.cols(); ++part) {
+      const Eigen::MatrixXd& columns = fit.residuals_mm[part];
+      residuals_mm.middleCols(at, columns.cols()) = columns;
+      at += columns.cols();
+    }
+  }
+}
+
+absl::StatusOr<identify::FitStatistics> Explorer::CheckStatistics(const ErrorModel& model, ResidualField field,
+                                                                  Report* report) const {
+  if (check_.is_empty()) return identify::FitStatistics{};
+  ASSIGN_OR_RETURN(const Fit check, check_.Under(model));
+  KeepResiduals(check, check_.runs(), field, report);
+  return check.result.fit;
+}
+
+}  // namespace axiscal::loop
