@@ -63,22 +63,6 @@ class GramSink {
 
 }  // namespace
 
-void ParameterSlopes(const machine::ErrorModel& model, const std::vector<Parameter>& parameters,
-                     const shapes::State& state, Eigen::VectorXd* slopes) {
-  double values[shapes::kMaxBasisCount];
-  for (size_t i = 0; i < parameters.size(); ++i) {
-    const machine::ErrorTerm& term = model.terms[parameters[i].term];
-    if (!parameters[i].is_nonlinear) {
-      if (parameters[i].basis == 0) shapes::Basis(term.shape, state, values);
-      (*slopes)[i] = values[parameters[i].basis];
-      continue;
-    }
-    shapes::BasisSlope(term.shape, state, values);
-    (*slopes)[i] = 0.0;
-    for (int k = 0; k < shapes::BasisCount(term.shape); ++k) (*slopes)[i] += term.amplitude[k] * values[k];
-  }
-}
-
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<MeasuringRun> runs) {
   Problem problem;
   problem.machine = &machine;

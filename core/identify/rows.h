@@ -3,59 +3,24 @@
 #ifndef AXISCAL_CORE_IDENTIFY_ROWS_H_
 #define AXISCAL_CORE_IDENTIFY_ROWS_H_
 
-#include <algorithm>
 #include <vector>
 
+#include "core/identify/errors_of_run.h"
 #include "core/identify/problem.h"
 #include "core/instruments/evaluation.h"
 
 namespace axiscal::identify {
 
-// Fitted and fixed errors together; evaluated once where no term depends on the state.
-class ErrorsOfRun {
- public:
-  ErrorsOfRun(const Problem& problem, const Point& point)
-      : problem_(problem), point_(point), is_constant_(IsConstant(point.model) && IsConstant(problem.fixed_model)) {}
-
-  bool is_constant() const { return is_constant_; }
-  const machine::JointErrors<double>& At(const shapes::State& state) {
-    if (is_constant_ && is_evaluated_) return errors_;
-    errors_ = machine::ErrorsAt(*problem_.machine, point_.model, state);
-    if (!problem_.fixed_model.terms.empty()) {
-      const machine::JointErrors<double> fixed = machine::ErrorsAt(*problem_.machine, problem_.fixed_model, state);
-      for (int joint = 0; joint < problem_.machine->joint_count(); ++joint) errors_[joint] += fixed[joint];
-    }
-    is_evaluated_ = true;
-    return errors_;
-  }
-
- private:
-  static bool IsConstant(const machine::ErrorModel& model) {
-    return std::all_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
-      return std::holds_alternative<shapes::Constant>(term.shape);
-    });
-  }
-
-  const Problem& problem_;
-  const Point& point_;
-  const bool is_constant_;
-  bool is_evaluated_ = false;
-  machine::JointErrors<double> errors_;
-};
-
-// d(error component)/d(parameter) at a state.
-void ParameterSlopes(const machine::ErrorModel& model, const std::vector<Parameter>& parameters,
-                     const shapes::State& state, Eigen::VectorXd* slopes);
-
-// The same for readings taken along a path (eccentricities): each is a sum over states, and so are its slopes.
+// VisitRows for readings taken along a path (eccentricities): each is a sum over states, and so are its slopes.
 template <typename Sink>
 void VisitPathRows(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
                    const std::vector<int>& column, Sink* sink) {
   const instruments::MeasuringRun& run = problem.runs[run_index];
   const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
   const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
-  ErrorsOfRun errors_of_run(problem, point);
-  Eigen::VectorXd slopes = Eigen::VectorXd::Ones(count), by_parameter(count);
+  ErrorsOfRun errors_of_run(problem, point, parameters);
+  const Eigen::VectorXd& slopes = errors_of_run.slopes();
+  Eigen::VectorXd by_parameter(count);
   instruments::Evaluation evaluation;
   for (int k = 0; k < run.reading_count(); ++k) {
     if (!problem.is_used[run_index][k]) continue;
@@ -65,8 +30,7 @@ void VisitPathRows(const Problem& problem, int run_index, const Point& point, co
         [&](const shapes::State& state) -> const machine::JointErrors<double>& { return errors_of_run.At(state); },
         setup.data(), &evaluation,
         // Along a path nothing is touched: terms along an approach have no part.
-        [&](const shapes::State& state, const instruments::Evaluation& one, double weight) {
-          if (!errors_of_run.is_constant()) ParameterSlopes(point.model, parameters, state, &slopes);
+        [&](const shapes::State&, const instruments::Evaluation& one, double weight) {
           for (int i = 0; i < count; ++i) by_parameter[i] += weight * one.by_error(0, column[i]) * slopes[i];
         });
     const RowWeight* const weight = problem.WeightOf(run_index, k);
@@ -99,8 +63,8 @@ void VisitRows(const Problem& problem, int run_index, const Point& point, const 
     column[i] = machine::kComponents * term.joint + static_cast<int>(term.component);
     any_along_approach |= shapes::IsAlongApproach(term.shape);
   }
-  ErrorsOfRun errors_of_run(problem, point);
-  Eigen::VectorXd slopes = Eigen::VectorXd::Ones(count);
+  ErrorsOfRun errors_of_run(problem, point, parameters);
+  const Eigen::VectorXd& slopes = errors_of_run.slopes();
   instruments::Evaluation evaluation;
   if (run.path_readings != nullptr) {
     VisitPathRows(problem, run_index, point, parameters, column, sink);
@@ -109,7 +73,6 @@ void VisitRows(const Problem& problem, int run_index, const Point& point, const 
   for (int k = 0; k < run.reading_count(); ++k) {
     const shapes::State state = run.StateOf(k);
     const machine::JointErrors<double>& errors = errors_of_run.At(state);
-    if (!errors_of_run.is_constant()) ParameterSlopes(point.model, parameters, state, &slopes);
     instruments::Evaluate(machine, run, k, errors, setup.data(), &evaluation);
     instruments::Reading residual_mm = evaluation.predicted_mm - run.measured_mm.col(k);
     if (const RowWeight* const weight = problem.WeightOf(run_index, k)) {

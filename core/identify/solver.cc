@@ -144,7 +144,7 @@ Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model) {
   Nominal nominal;
   nominal.point = StartingPoint(problem, zero);
   nominal.normal = Assemble(problem, nominal.point, ListParameters(zero, false));
-  if (problem.fixed_model.terms.empty()) {
+  if (problem.fixed_model.terms.empty() || model.terms.empty()) {
     nominal.null_space = FindNullSpace(Reduce(problem, nominal.point, nominal.normal, Priors::kInformative));
     return nominal;
   }
@@ -209,8 +209,12 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
       // What nothing holds (a tracker's turn about a line of points) may go far for next to nothing: not where it
       // costs.
       Point last = Moved(solution.point, parameters, step);
-      const double last_cost = WhitenedSquares(problem, ResidualsOf(problem, last)) + PriorSquares(problem, last);
-      if (last_cost <= cost * (1.0 + 1e-12) + options.converged_decrement) solution.point = std::move(last);
+      std::vector<Eigen::MatrixXd> residuals_mm = ResidualsOf(problem, last);
+      const double last_cost = WhitenedSquares(problem, residuals_mm) + PriorSquares(problem, last);
+      if (last_cost <= cost * (1.0 + 1e-12) + options.converged_decrement) {
+        solution.point = std::move(last);
+        solution.residuals_mm = std::move(residuals_mm);
+      }
       solution.has_converged = true;
       break;
     }
@@ -230,7 +234,7 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
   }
   solution.cost = cost;
   solution.is_bent = descent.is_bent();
-  solution.residuals_mm = ResidualsOf(problem, solution.point);
+  if (solution.residuals_mm.empty()) solution.residuals_mm = ResidualsOf(problem, solution.point);
   return solution;
 }
 

@@ -49,18 +49,22 @@ inline double AlongApproach(const shapes::Approach& approach, const double* by_t
            by_translation[2 * stride] * approach.direction[2]);
 }
 
-// What one term adds to the errors of its joint at a state.
-inline void AddErrors(const ErrorTerm& term, const shapes::State& state, JointErrors<double>* errors) {
-  double basis[shapes::kMaxBasisCount];
-  shapes::Basis(term.shape, state, basis);
+// What one term adds to the errors of its joint at a state, where its shape's `count` basis functions are `basis`.
+inline void AddErrors(const ErrorTerm& term, int count, const double* basis, const shapes::State& state,
+                      JointErrors<double>* errors) {
   if (shapes::IsAlongApproach(term.shape)) {
     double value = 0.0;
-    for (int i = 0; i < shapes::BasisCount(term.shape); ++i) value += term.amplitude[i] * basis[i];
+    for (int i = 0; i < count; ++i) value += term.amplitude[i] * basis[i];
     for (int c = 0; c < 3; ++c) (*errors)[term.joint][c] -= value * state.approach.direction[c];
     return;
   }
   double& error = (*errors)[term.joint][static_cast<int>(term.component)];
-  for (int i = 0; i < shapes::BasisCount(term.shape); ++i) error += term.amplitude[i] * basis[i];
+  for (int i = 0; i < count; ++i) error += term.amplitude[i] * basis[i];
+}
+inline void AddErrors(const ErrorTerm& term, const shapes::State& state, JointErrors<double>* errors) {
+  double basis[shapes::kMaxBasisCount];
+  shapes::Basis(term.shape, state, basis);
+  AddErrors(term, shapes::BasisCount(term.shape), basis, state, errors);
 }
 
 // Sum of all terms at a state, one error vector per joint.

@@ -2,15 +2,19 @@
 
 #include <ceres/jet.h>
 
+#include <type_traits>
+
 namespace axiscal::shapes {
 namespace {
 
+// To a double of the shape's own constness.
 template <typename S>
-double* Nonlinear(S& shape) {
+auto* Nonlinear(S& shape) {
+  using Double = std::conditional_t<std::is_const_v<S>, const double, double>;
   if constexpr (requires { shape.tau_s; }) return &shape.tau_s;
   if constexpr (requires { shape.length; }) return &shape.length;
   if constexpr (requires { shape.is_frequency_free; }) return shape.is_frequency_free ? &shape.frequency : nullptr;
-  return nullptr;
+  return static_cast<Double*>(nullptr);
 }
 
 }  // namespace
@@ -39,8 +43,7 @@ double* NonlinearParameter(Shape& shape) {
 const double* NonlinearParameter(const Shape& shape) { return NonlinearParameter(const_cast<Shape&>(shape)); }
 
 void Basis(const Shape& shape, const State& state, double* basis) {
-  const double* nonlinear = NonlinearParameter(shape);
-  std::visit([&](const auto& s) { s.template Basis<double>(state, nonlinear, basis); }, shape);
+  std::visit([&](const auto& s) { s.template Basis<double>(state, Nonlinear(s), basis); }, shape);
 }
 
 void BasisSlope(const Shape& shape, const State& state, double* slope) {
