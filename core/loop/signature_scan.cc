@@ -19,29 +19,19 @@ struct Products {
   Eigen::Vector2d level = Eigen::Vector2d::Zero();
 };
 
+// One joint at a time: for all of them together, what it sums up would be most of the loop's memory.
 class Scanner {
  public:
   Scanner(const Eigen::ArrayXd& weight, const Eigen::ArrayXd& correlation, const Eigen::VectorXd& residual,
           const Eigen::MatrixXd& sensitivity, const std::function<shapes::State(int row)>& state_of)
-      : n_(weight.size()), is_white_((correlation == 0.0).all()), state_of_(state_of) {
+      : n_(weight.size()), is_white_((correlation == 0.0).all()), sensitivity_(sensitivity), state_of_(state_of) {
     // |W x|^2 = sum_k d_k x_k^2 - 2 sum_k o_k x_k x_(k-1)
-    const Eigen::ArrayXd off = weight.square() * correlation;
+    off_ = weight.square() * correlation;
     // Raw column's product with this = whitened column's with the projected residual.
-    Eigen::ArrayXd dual = weight * residual.array();
-    dual.head(n_ - 1) -= correlation.tail(n_ - 1) * weight.tail(n_ - 1) * residual.tail(n_ - 1).array();
-    Eigen::ArrayXd diagonal = weight.square();
-    diagonal.head(n_ - 1) += off.tail(n_ - 1) * correlation.tail(n_ - 1);
-    const auto columns = sensitivity.array();
-    with_residual_ = columns.colwise() * dual;
-    own_ = columns.square().colwise() * diagonal;
-    // With a constant: the part that an axis at rest leaves in a signature, mostly a declared error's or the setup's.
-    with_constant_ = own_;
-    if (!is_white_) {
-      neighbour_ = (columns.bottomRows(n_ - 1) * columns.topRows(n_ - 1)).colwise() * off.tail(n_ - 1);
-      with_constant_.topRows(n_ - 1) -= neighbour_;
-      with_constant_.bottomRows(n_ - 1) -= neighbour_;
-    }
-    constant_ = with_constant_.colwise().sum();
+    dual_ = weight * residual.array();
+    dual_.head(n_ - 1) -= correlation.tail(n_ - 1) * weight.tail(n_ - 1) * residual.tail(n_ - 1).array();
+    diagonal_ = weight.square();
+    diagonal_.head(n_ - 1) += off_.tail(n_ - 1) * correlation.tail(n_ - 1);
   }
 
   // Members of one family of one axis' own errors, at evenly spaced frequencies.
@@ -50,19 +40,18 @@ class Scanner {
     const Candidate& lowest = candidates[first_of.front()];
     const auto& harmonic = std::get<shapes::Harmonic>(lowest.term.shape);
     const int count = static_cast<int>(first_of.size()) - 1;
-    const Eigen::Index joint = FirstColumn(lowest);
+    LookAt(lowest.term.joint);
     const Eigen::ArrayXd& positions = PositionsOf(harmonic.axis);
-    const auto of_joint = [&](const Eigen::MatrixXd& rows) { return rows.middleCols(joint, machine::kComponents); };
     const auto sums_at = [&](const Eigen::ArrayXd& at) { return TrigSums(at, harmonic.frequency, step, count); };
     const TrigSums plain = sums_at(positions);
-    const Eigen::MatrixXcd right = plain.Of(of_joint(with_residual_)), level = plain.Of(of_joint(with_constant_));
+    const Eigen::MatrixXcd right = plain.Of(with_residual_), level = plain.Of(with_constant_);
     // Products of cosines and sines are those of sums and differences of the angles.
-    const Eigen::MatrixXcd twice = sums_at(2.0 * positions).Of(of_joint(own_));
-    const Eigen::RowVectorXd total = of_joint(own_).colwise().sum();
+    const Eigen::MatrixXcd twice = sums_at(2.0 * positions).Of(own_);
+    const Eigen::RowVectorXd total = own_.colwise().sum();
     Eigen::MatrixXcd sum, difference;
     if (!is_white_) {
-      sum = sums_at(positions.tail(n_ - 1) + positions.head(n_ - 1)).Of(of_joint(neighbour_));
-      difference = sums_at(positions.tail(n_ - 1) - positions.head(n_ - 1)).Of(of_joint(neighbour_));
+      sum = sums_at(positions.tail(n_ - 1) + positions.head(n_ - 1)).Of(neighbour_);
+      difference = sums_at(positions.tail(n_ - 1) - positions.head(n_ - 1)).Of(neighbour_);
     }
     for (int m = 0; m < count; ++m) {
       for (size_t i = first_of[m]; i < first_of[m + 1]; ++i) {
@@ -80,7 +69,7 @@ class Scanner {
           gram(0, 1) -= sum(m, c).imag();
         }
         gram(1, 0) = gram(0, 1);
-        (*bounds)[i] = BoundsOf(products, 2, constant_[joint + c], kLeastVisible);
+        (*bounds)[i] = BoundsOf(products, 2, constant_[c], kLeastVisible);
       }
     }
   }
@@ -88,6 +77,7 @@ class Scanner {
   // Members of one local shape of one column: only the readings near it count.
   void Place(const std::vector<Candidate>& candidates, size_t begin, size_t end, std::vector<ScanBounds>* bounds) {
     const auto& bump = std::get<shapes::Bump>(candidates[begin].term.shape);
+    LookAt(candidates[begin].term.joint);
     const Eigen::ArrayXd& positions = PositionsOf(bump.axis);
     constexpr double kReach = 5.0;  // widths: exp(-25) of it is left there
     std::vector<Eigen::Index> rows;
@@ -100,7 +90,7 @@ class Scanner {
       basis.push_back(values[0]);
     }
     for (size_t i = begin; i < end; ++i) {
-      const Eigen::Index column = FirstColumn(candidates[i]) + static_cast<int>(candidates[i].term.component);
+      const auto column = static_cast<Eigen::Index>(candidates[i].term.component);
       Products products;
       for (size_t r = 0; r < rows.size(); ++r) {
         products.right[0] += basis[r] * with_residual_(rows[r], column);
@@ -115,7 +105,21 @@ class Scanner {
   }
 
  private:
-  static Eigen::Index FirstColumn(const Candidate& candidate) { return machine::kComponents * candidate.term.joint; }
+  void LookAt(int joint) {
+    if (joint == joint_) return;
+    joint_ = joint;
+    const auto columns = sensitivity_.middleCols(machine::kComponents * joint, machine::kComponents).array();
+    with_residual_ = columns.colwise() * dual_;
+    own_ = columns.square().colwise() * diagonal_;
+    // With a constant: the part that an axis at rest leaves in a signature, mostly a declared error's or the setup's.
+    with_constant_ = own_;
+    if (!is_white_) {
+      neighbour_ = (columns.bottomRows(n_ - 1) * columns.topRows(n_ - 1)).colwise() * off_.tail(n_ - 1);
+      with_constant_.topRows(n_ - 1) -= neighbour_;
+      with_constant_.bottomRows(n_ - 1) -= neighbour_;
+    }
+    constant_ = with_constant_.colwise().sum();
+  }
 
   const Eigen::ArrayXd& PositionsOf(int axis) {
     if (axis != axis_) {
@@ -145,8 +149,11 @@ class Scanner {
 
   const Eigen::Index n_;
   const bool is_white_;
+  const Eigen::MatrixXd& sensitivity_;
   const std::function<shapes::State(int row)>& state_of_;
-  Eigen::MatrixXd with_residual_, own_, neighbour_, with_constant_;  // rows x 6 joints
+  Eigen::ArrayXd off_, dual_, diagonal_;
+  int joint_ = -1;                                                   // of what follows
+  Eigen::MatrixXd with_residual_, own_, neighbour_, with_constant_;  // rows x 6
   Eigen::RowVectorXd constant_;
   int axis_ = -1;  // of positions_
   Eigen::ArrayXd positions_;
