@@ -34,8 +34,9 @@ Chooser::Chooser(const Contest& contest, const std::vector<PlannedTest>& tests, 
       pairs_(contest.pairs()),
       is_chosen_(tests.size(), false),
       last_s_(last_s),
-      information_(of_.information()) {
-  for (const PlannedTest& test : tests) added_.push_back(of_.InformationOfTest(test.problem));
+      information_(of_.information()),
+      after_(tests.size()) {
+  for (const PlannedTest& test : tests) added_.push_back(of_.InformationOfTest(test.rows));
   margins_ = MarginsWith(information_, last_s_);
 }
 
@@ -49,26 +50,24 @@ bool Chooser::IsDone() const {
 }
 
 std::optional<Proposal> Chooser::Next(bool any_instrument) {
-  std::vector<std::vector<double>> after(tests_.size());
+  std::vector<size_t> open;
   std::vector<double> reachable = margins_;
   for (size_t t = 0; t < tests_.size(); ++t) {
     if (is_chosen_[t] || (!any_instrument && !tests_[t].has_used_instrument)) continue;
-    Information together = information_;
-    together += added_[t];
-    after[t] = MarginsWith(together, std::max(last_s_, tests_[t].end_s));
-    for (size_t p = 0; p < reachable.size(); ++p) reachable[p] = std::max(reachable[p], after[t][p]);
+    open.push_back(t);
+    const std::vector<double>& after = MarginsAfter(t);
+    for (size_t p = 0; p < reachable.size(); ++p) reachable[p] = std::max(reachable[p], after[p]);
   }
   std::optional<size_t> best;
   Judged judged;
-  for (size_t t = 0; t < tests_.size(); ++t) {
-    if (after[t].empty()) continue;
-    const Judged one = Judge(after[t], reachable, tests_[t].seconds);
+  for (const size_t t : open) {
+    const Judged one = Judge(MarginsAfter(t), reachable, tests_[t].seconds);
     if (!one.Helps() || (best && !one.IsBetterThan(judged))) continue;
     best = t;
     judged = one;
   }
   if (!best) return std::nullopt;
-  return Choose(*best, after[*best]);
+  return Choose(*best, std::vector<double>(MarginsAfter(*best)));
 }
 
 std::vector<Proposal> Chooser::NextTwo() {
@@ -103,9 +102,7 @@ std::vector<Proposal> Chooser::NextTwo() {
   }
   if (best_after.empty()) return {};
   std::vector<Proposal> two;
-  Information first = information_;
-  first += added_[best.first];
-  two.push_back(Choose(best.first, MarginsWith(first, std::max(last_s_, tests_[best.first].end_s))));
+  two.push_back(Choose(best.first, std::vector<double>(MarginsAfter(best.first))));
   two.push_back(Choose(best.second, best_after));
   return two;
 }
@@ -136,6 +133,15 @@ std::vector<double> Chooser::MarginsWith(const Information& information, double 
   for (const Pair& pair : pairs_)
     margins.push_back(pair.from_s > last_s ? kReserve : Margin(separation, pair.a, pair.b));
   return margins;
+}
+
+const std::vector<double>& Chooser::MarginsAfter(size_t test) {
+  if (after_[test].empty()) {
+    Information together = information_;
+    together += added_[test];
+    after_[test] = MarginsWith(together, std::max(last_s_, tests_[test].end_s));
+  }
+  return after_[test];
 }
 
 double Chooser::AloneAt(const std::vector<double>& margins) const {
@@ -192,6 +198,7 @@ Proposal Chooser::Choose(size_t test, const std::vector<double>& after) {
   proposal.beyond = tests_[test].beyond;
   const Separation before(information_, of_.members());
   information_ += added_[test];
+  after_.assign(tests_.size(), {});
   last_s_ = std::max(last_s_, tests_[test].end_s);
   const Separation now(information_, of_.members());
   proposal.correlation_before = proposal.correlation_after = 0.0;

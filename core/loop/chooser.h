@@ -50,6 +50,8 @@ class Chooser {
   // Sum of the weights of the members that stand alone at these margins.
   double AloneAt(const std::vector<double>& margins) const;
   std::vector<double> MarginsWith(const Information& information, double last_s) const;
+  // Of the pairs, with one test beside what is measured and chosen.
+  const std::vector<double>& MarginsAfter(size_t test);
   Judged Judge(const std::vector<double>& after, const std::vector<double>& reachable, double seconds) const;
   Proposal Choose(size_t test, const std::vector<double>& after);
 
@@ -61,8 +63,9 @@ class Chooser {
   std::vector<bool> is_chosen_;
   double last_s_;
   Information information_;
-  std::vector<Information> added_;  // per test
-  std::vector<double> margins_;     // of the pairs, with what is measured and chosen
+  std::vector<Information> added_;          // per test
+  std::vector<double> margins_;             // of the pairs, with what is measured and chosen
+  std::vector<std::vector<double>> after_;  // per test, its MarginsAfter; empty where nobody has asked yet
 };
 
 }  // namespace axiscal::loop

@@ -52,7 +52,8 @@ std::vector<Proposal> ChooseSessions(Chooser* chooser) {
 
 class Proposer::Tests {
  public:
-  explicit Tests(const identify::Problem& problem) : list(PlanTests(problem)), ends_s(EndsOf(list)) {}
+  Tests(const identify::Problem& problem, const machine::ErrorModel& fitted)
+      : list(PlanTests(problem, fitted)), ends_s(EndsOf(list)) {}
   const std::vector<PlannedTest> list;
   const std::vector<double> ends_s;
 };
@@ -62,7 +63,7 @@ Proposer::~Proposer() = default;
 
 std::vector<Proposal> Proposer::Propose(const ErrorTerm& effect, const std::vector<ErrorTerm>& equivalent) {
   if (equivalent.empty()) return {};
-  if (!tests_) tests_ = std::make_unique<Tests>(problem_);
+  if (!tests_) tests_ = std::make_unique<Tests>(problem_, point_.model);
   std::vector<ErrorTerm> known = {effect};
   known.insert(known.end(), equivalent.begin(), equivalent.end());
   constexpr double kNear = 0.5, kConfused = 0.7;

@@ -57,7 +57,7 @@ MeasuringRun Thinned(const MeasuringRun& run, int most, identify::Noise* noise) 
 
 }  // namespace
 
-std::vector<PlannedTest> PlanTests(const identify::Problem& measured) {
+std::vector<PlannedTest> PlanTests(const identify::Problem& measured, const machine::ErrorModel& fitted) {
   const machine::Machine& machine = *measured.machine;
   const plan::Situation situation = plan::SituationOf(machine, measured.runs);
   std::set<std::string> taken;
@@ -71,23 +71,24 @@ std::vector<PlannedTest> PlanTests(const identify::Problem& measured) {
       empty.columns.push_back({name, std::vector<double>(empty.reading_count(), 0.0), {}});
     absl::StatusOr<MeasuringRun> run = instruments::BindSession(empty, machine);
     if (!run.ok() || !taken.insert(run->session).second) return;
-    PlannedTest out;
     const identify::Noise whole_noise = NoiseOf(measured, *run);
     identify::Noise noise = whole_noise;
     const int most = run->row_count == 1 ? 120 : 90;
     absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, {Thinned(*run, most, &noise)});
     if (!problem.ok()) return;
-    out.test = test.name;
-    out.seconds = run->time_s.back() - run->time_s.front();
-    out.end_s = run->has_time ? run->time_s.back() : 0.0;
-    out.planned = planned;
-    out.run = *std::move(run);
-    out.problem = *std::move(problem);
-    out.problem.noise[0] = noise;
-    out.noise = whole_noise;
-    out.beyond = beyond;
-    out.has_used_instrument = instrument->kind == Kind::kBallbar ? situation.ballbar.is_used : situation.rtest.is_used;
-    tests.push_back(std::move(out));
+    problem->noise[0] = noise;
+    const bool is_bar = instrument->kind == Kind::kBallbar;
+    const double begins_s = run->time_s.front(), ends_s = run->time_s.back();
+    const bool has_time = run->has_time;
+    tests.push_back({.test = test.name,
+                     .planned = planned,
+                     .run = *std::move(run),
+                     .rows = TestRows(*std::move(problem), fitted),
+                     .noise = whole_noise,
+                     .beyond = beyond,
+                     .has_used_instrument = is_bar ? situation.ballbar.is_used : situation.rtest.is_used,
+                     .seconds = ends_s - begins_s,
+                     .end_s = has_time ? ends_s : 0.0});
   };
   for (const plan::Test& test : plan::Tests()) {
     for (const plan::PlannedSession& planned : test.plan(situation)) {

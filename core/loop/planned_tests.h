@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/identify/problem.h"
+#include "core/loop/test_rows.h"
 #include "core/plan/test.h"
 
 namespace axiscal::loop {
@@ -15,7 +16,7 @@ struct PlannedTest {
   std::string test;
   plan::PlannedSession planned;
   instruments::MeasuringRun run;  // its readings are zero
-  identify::Problem problem;      // that run, thinned
+  TestRows rows;                  // of that run, thinned
   identify::Noise noise;          // of the run in full
   std::string beyond;
   bool has_used_instrument = false;  // the shop has it
@@ -24,8 +25,8 @@ struct PlannedTest {
 };
 
 // Everything in the registry that the machine can run from here, near the range of its linear axes so far: once, and in
-// several passes.
-std::vector<PlannedTest> PlanTests(const identify::Problem& measured);
+// several passes. `fitted`: the errors that act.
+std::vector<PlannedTest> PlanTests(const identify::Problem& measured, const machine::ErrorModel& fitted);
 
 // The measured sessions and planned ones beside them, in full.
 identify::Problem Together(const identify::Problem& measured, const std::vector<const PlannedTest*>& tests);

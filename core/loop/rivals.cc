@@ -81,10 +81,6 @@ Rivals::Rivals(const identify::Problem& problem, const identify::Point& point, s
   FitAmplitudes(problem);
 }
 
-Information Rivals::InformationOfTest(const identify::Problem& test) const {
-  return InformationOf(test, identify::StartingPoint(test, point_.model), parameters_);
-}
-
 // With its amplitude a rival's decay length or time constant shows too.
 void Rivals::FitAmplitudes(const identify::Problem& problem) {
   for (size_t i = 0; i < members_[0].columns.size(); ++i)

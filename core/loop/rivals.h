@@ -7,6 +7,7 @@
 
 #include "core/loop/candidate.h"
 #include "core/loop/separation.h"
+#include "core/loop/test_rows.h"
 
 namespace axiscal::loop {
 
@@ -19,8 +20,8 @@ class Rivals {
   const machine::ErrorTerm& term(int rival) const { return terms_[rival]; }
   const std::vector<Member>& members() const { return members_; }
   const Information& information() const { return information_; }
-  // Of another session with its own setup.
-  Information InformationOfTest(const identify::Problem& test) const;
+  // Of another session with its own setup; its rows are at the point's model.
+  Information InformationOfTest(const TestRows& test) const { return test.InformationOf(point_.model); }
 
  private:
   void FitAmplitudes(const identify::Problem& problem);

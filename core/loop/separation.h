@@ -26,7 +26,8 @@ struct Information {
 Information InformationOf(const identify::Problem& problem, const identify::Point& point,
                           const std::vector<identify::Parameter>& parameters);
 
-// One effect of a class: its columns in the information matrix, and its amplitudes (mm or rad) if it is the true one.
+// One effect of a class: its columns in the information matrix, and its amplitudes (mm or rad) if it is the true one;
+// none where that is not asked for.
 struct Member {
   std::vector<int> columns;    // amplitudes
   std::vector<int> nonlinear;  // decay length, time constant: refitted by a rival
@@ -46,13 +47,20 @@ class Separation {
   Eigen::VectorXd FittedAmplitude(int truth, int rival) const;
 
  private:
-  Eigen::MatrixXd Block(const std::vector<int>& rows, const std::vector<int>& columns) const;
-  std::vector<int> AllColumns(int member) const;
+  // Of one member's columns: on the stack, as there are thousands of pairs to judge.
+  static constexpr int kMostColumns = shapes::kMaxBasisCount + 1;
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostColumns, kMostColumns>;
+
+  Small SmallBlock(const std::vector<int>& rows, const std::vector<int>& columns) const;
 
   // Per member, orthonormal bases B (B' G B = 1) of what is seen of its amplitudes and of all its columns.
   struct Root {
-    Eigen::MatrixXd amplitudes, all;
-    Eigen::Index rank = 0;  // amplitudes that are seen
+    std::vector<int> columns;  // amplitudes, then nonlinear
+    Small amplitudes, all;
+    Eigen::Index rank = 0;     // amplitudes that are seen
+    bool acts = false;         // every amplitude shows in some reading
+    Eigen::VectorXd response;  // p: products of every column with what the member does at its amplitudes
+    double squares = 0.0;      // of what it does
   };
 
   const std::vector<Member>& members_;
