@@ -144,4 +144,11 @@ double LargestDeparture(const Curve& curve, const std::vector<double>& nodes) {
   return largest;
 }
 
+double LargestOwnDeparture(const Curve& curve, const std::vector<double>& nodes) {
+  double largest = 0.0;
+  for (const std::vector<double>& values : curve.values)
+    largest = std::max(largest, Departure(curve.position, values, nodes, OwnValues(curve.position, values, nodes)));
+  return largest;
+}
+
 }  // namespace axiscal::compensate

@@ -27,8 +27,10 @@ std::vector<size_t> BestFreeNodes(const Curve& curve, size_t max_nodes);
 std::vector<double> FitNodes(const std::vector<double>& position, const std::vector<double>& values,
                              const std::vector<double>& nodes);
 
-// The largest departure of the curve from the interpolation of its fitted values at `nodes`, over all functions.
+// The largest departure of the curve from the interpolation of its fitted values at `nodes`, over all functions; and
+// from that of its own values there.
 double LargestDeparture(const Curve& curve, const std::vector<double>& nodes);
+double LargestOwnDeparture(const Curve& curve, const std::vector<double>& nodes);
 
 }  // namespace axiscal::compensate
 

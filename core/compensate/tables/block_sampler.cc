@@ -80,7 +80,9 @@ absl::StatusOr<std::vector<double>> ChooseEqual(const Sampler& sampler) {
     const size_t count = std::max(sampler.sample_count() / 2, 8 * nodes.size());
     ASSIGN_OR_RETURN(const Curve curve, sampler.Sample(sampler.Even(nodes.front(), nodes.back(), count,
                                                                     plan.position_step(sampler.argument))));
-    if (compensate::LargestDeparture(curve, nodes) <= 1.0 && IncrementsFit(sampler, curve, nodes)) return nodes;
+    const double departure =
+        sampler.is_fitted ? compensate::LargestDeparture(curve, nodes) : compensate::LargestOwnDeparture(curve, nodes);
+    if (departure <= 1.0 && IncrementsFit(sampler, curve, nodes)) return nodes;
     points = std::max(points + 1, static_cast<size_t>(static_cast<double>(points) * kMoreNodes));
   }
 }

@@ -19,6 +19,7 @@ struct Sampler {
   std::vector<double> tolerance;  // per column, mm or rad
   bool by_sense = false;
   Evaluator evaluate;
+  bool is_fitted = true;  // the table's values are fitted to the samples; false: they are those at the nodes
 
   // How many samples show every period and bend.
   size_t sample_count() const;

@@ -290,5 +290,19 @@ TEST(FanucGrid, AnglesWithLeversAreTrilinear) {
   EXPECT_THAT(std::string(read(machine, bad).status().message()), HasSubstr("the notes say"));
 }
 
+TEST(FanucGrid, WhatThreeAxesLeaveStaysWithinTheTolerance) {
+  TableRequest request = Request("fanuc-3d");
+  request.tolerance_mm = 2e-3;
+  const Made made = Make(
+      R"({"terms": [{"symbol": "EZX", "shape": "harmonic", "variable": "X", "period_mm": 400, "amplitude": 3, "phase_deg": 0},
+                    {"symbol": "EZY", "shape": "harmonic", "variable": "Y", "period_mm": 400, "amplitude": 3, "phase_deg": 0},
+                    {"symbol": "EZZ", "shape": "quadratic", "amplitude": 8}]})",
+      request);
+  ASSERT_TRUE(made.status.ok()) << made.status;
+  constexpr double kHalfStepUm = 0.5;
+  for (const auto& table : made.report["tables"])
+    EXPECT_LT(table["left_max"].get<double>(), 2.0 + kHalfStepUm) << table;
+}
+
 }  // namespace
 }  // namespace axiscal::tables

@@ -159,12 +159,15 @@ absl::Status SampleGrid(const Plan& plan, Content* content) {
   TableBlock block;
   size_t count = 1;
   for (const int argument : plan.arguments) {
-    Sampler sampler{plan, argument, std::vector<double>(plan.arguments.size(), plan.tolerance(false)), false, {}};
+    // What the functions of all axes leave adds up.
+    const double share = plan.tolerance(false) / static_cast<double>(plan.arguments.size());
+    Sampler sampler{plan, argument, std::vector<double>(plan.arguments.size(), share), false, {}};
     sampler.evaluate = [&](double position, double sense, std::vector<double>* values) {
       ASSIGN_OR_RETURN(const Positions change, target.Along(argument, position, sense));
       for (size_t c = 0; c < plan.arguments.size(); ++c) (*values)[c] = change[plan.arguments[c]];
       return absl::OkStatus();
     };
+    sampler.is_fitted = false;
     ASSIGN_OR_RETURN(std::vector<double> nodes, ChooseNodes(sampler));
     count *= nodes.size();
     block.arguments.push_back({argument, std::move(nodes)});
