@@ -1,6 +1,7 @@
 #include "client/cli/rewrite_arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <map>
 #include <sstream>
 
@@ -143,15 +144,20 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
       ->check(CLI::IsMember(NamesOf(kOnUnsupported)))
       ->capture_default_str();
   command.add_option("--dialect", arguments.dialect, "of the controller")->capture_default_str();
-  command.add_option("--decimals", arguments.decimals, "least number of decimals of corrected words")
-      ->check(CLI::Range(0, 6))
-      ->capture_default_str();
+  command
+      .add_option(
+          "--decimals", arguments.decimals,
+          "least number of decimals of corrected words in mm and deg, one more in inch (4); the control's least "
+          "increment")
+      ->check(CLI::Range(0, 6));
   command
       .add_option("--block-delete", arguments.block_delete,
                   "blocks that begin with /: executed, skipped, or either (not known)")
       ->check(CLI::IsMember(NamesOf(kBlockDelete)))
       ->capture_default_str();
-  command.add_option("--integer-words", arguments.integer_words, "X10 means 10 mm (units) or 10 least increments")
+  command
+      .add_option("--integer-words", arguments.integer_words,
+                  "X10 means 10 mm (units) or 10 least increments, of --decimals: with 3 it is 0.010 mm")
       ->check(CLI::IsMember(NamesOf(kIntegerWords)))
       ->capture_default_str();
   command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
@@ -189,7 +195,14 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   options.on_unsupported = kOnUnsupported.at(arguments.on_unsupported);
   options.block_delete = kBlockDelete.at(arguments.block_delete);
   options.integer_words = kIntegerWords.at(arguments.integer_words);
-  options.decimals_mm = arguments.decimals;
+  if (options.integer_words == nc::IntegerWords::kLeastIncrement && !arguments.decimals) {
+    return absl::InvalidArgumentError(
+        "--integer-words increments: needs --decimals, the least increment: with 3 X10 is 0.010 mm, with 4 0.0010 mm");
+  }
+  if (arguments.decimals) {
+    options.decimals_mm = *arguments.decimals;
+    options.decimals_inch = std::min(*arguments.decimals + 1, 6);
+  }
   options.max_correction_mm = arguments.max_correction_um * base::kMmPerUm;
   options.tolerance_mm = arguments.tolerance_um * base::kMmPerUm;
   options.orientation = arguments.orientation;

@@ -22,7 +22,7 @@ struct RewriteArguments {
   std::string on_unsupported = "refuse";
   std::string block_delete = "either";
   std::string integer_words = "units";
-  int decimals = 4;
+  std::optional<int> decimals;
   double max_correction_um = 500;
   double tolerance_um = 1;
   bool orientation = false;

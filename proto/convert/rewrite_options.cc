@@ -98,6 +98,8 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
   if (message.has_dialect()) options.dialect = message.dialect();
   if (message.has_decimals_mm()) options.decimals_mm = message.decimals_mm();
   if (message.has_decimals_inch()) options.decimals_inch = message.decimals_inch();
+  if (options.integer_words == nc::IntegerWords::kLeastIncrement && !message.has_decimals_mm())
+    return FieldError("decimals_mm", "must be stated with LEAST_INCREMENT: it says how large an increment is");
   if (message.has_max_correction_mm()) options.max_correction_mm = message.max_correction_mm();
   if (message.has_tolerance_mm()) options.tolerance_mm = message.tolerance_mm();
   if (!(options.max_correction_mm > 0)) return FieldError("max_correction_mm", "must be > 0");
