@@ -71,6 +71,8 @@ struct Block {
   bool is_marked = false;       // a comment carries our mark
   LexProblem problem = LexProblem::kNone;
   uint32_t problem_at = 0;
+  // Of a block with TOOL CALL: what stands behind DL; digits = 0: nothing.
+  Decimal length_difference;
 
   const Word* begin() const { return words.data(); }
   const Word* end() const { return words.data() + word_count; }

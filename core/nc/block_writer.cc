@@ -44,7 +44,9 @@ void BlockWriter::Pass(const Block& block, const Step& step) {
       suspended_shift_ = preset_shift_;
       return;
     case PresetChange::kCleared:
-      preset_shift_ = suspended_shift_ = {};
+      for (const int axis : order_) {
+        if (step.preset_axes >> axis & 1) preset_shift_[axis] = suspended_shift_[axis] = 0;
+      }
       return;
     case PresetChange::kSuspended:
       preset_shift_ = {};

@@ -56,7 +56,7 @@ absl::StatusOr<Coordinates> Coordinates::Create(const machine::Machine& machine,
 
 void Coordinates::Reset() {
   selected_ = active_length_ = -1;
-  length_ = 0;
+  length_ = length_difference_ = 0;
   preset_ = suspended_ = shift_ = {};
   for (size_t i = 0; i < stated_.size(); ++i) {
     if (stated_[i].code == first_offset_) selected_ = static_cast<int>(i);
@@ -74,7 +74,7 @@ bool Coordinates::Select(const std::string& code) {
 }
 
 bool Coordinates::SelectLength(int number, int sign) {
-  length_ = 0;
+  length_ = length_difference_ = 0;
   active_length_ = -1;
   bool is_stated = number == 0;
   for (const Length& length : lengths_) {
@@ -89,15 +89,26 @@ bool Coordinates::SelectLength(int number, int sign) {
 
 void Coordinates::DropLength() { SelectLength(0, 1); }
 
+void Coordinates::SetLengthDifference(Ticks difference) {
+  length_difference_ = difference;
+  Sum();
+}
+
 void Coordinates::Preset(int axis, Ticks position, Ticks value) {
   preset_[axis] += position - value - total_[axis];
   suspended_ = preset_;
   Sum();
 }
 
-void Coordinates::ClearPreset() {
-  preset_ = suspended_ = {};
+void Coordinates::ClearPreset(uint16_t axes) {
+  for (int i = 0; i < axis_count_; ++i) {
+    if (axes >> i & 1) preset_[i] = suspended_[i] = shift_[i] = 0;
+  }
   Sum();
+}
+
+bool Coordinates::has_shift() const {
+  return std::any_of(shift_.begin(), shift_.end(), [](Ticks ticks) { return ticks != 0; });
 }
 
 void Coordinates::SuspendPreset() {
@@ -126,7 +137,7 @@ void Coordinates::Sum() {
   for (int i = 0; i < axis_count_; ++i) {
     total_[i] = preset_[i] + shift_[i] + (selected_ < 0 ? 0 : stated_[static_cast<size_t>(selected_)].ticks[i]);
   }
-  if (length_axis_ >= 0) total_[length_axis_] += length_;
+  if (length_axis_ >= 0) total_[length_axis_] += length_ + length_difference_;
 }
 
 }  // namespace axiscal::nc

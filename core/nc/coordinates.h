@@ -34,11 +34,16 @@ class Coordinates {
   // Index into options.tool_lengths of the number, -1: not stated. Number 0 is no length.
   bool SelectLength(int number, int sign);
   void DropLength();
+  // A difference of the length in force (DL): Z stands so much higher, the tool is as long as it is.
+  void SetLengthDifference(Ticks difference);
   // G92: the axis' present position gets the programmed value.
   void Preset(int axis, Ticks position, Ticks value);
-  void ClearPreset();
+  // G92.1, of the axes in `axes`; a local shift (G52) ends with it.
+  void ClearPreset(uint16_t axes);
   void SuspendPreset();
   void RestorePreset();
+  // A local shift is in force.
+  bool has_shift() const;
   // G52. False: a preset is in force, controllers differ.
   bool Shift(int axis, Ticks value);
   // G10: what was stated holds no longer.
@@ -63,7 +68,7 @@ class Coordinates {
   std::string first_offset_;
   int selected_ = -1;
   int active_length_ = -1;
-  Ticks length_ = 0;
+  Ticks length_ = 0, length_difference_ = 0;
   AxisTicks preset_{}, suspended_{}, shift_{}, total_{};
 };
 

@@ -50,12 +50,20 @@ Dialect Fanuc(const std::string& name) {
   Dialect dialect = Make(name, {IsoCodes(), FanucCodes()}, {MacroKeywords()});
   dialect.has_angle_names = true;
   dialect.has_semicolon_ends = true;
+  dialect.integers_may_be_increments = true;
   return dialect;
 }
 
 Dialect Haas() {
   Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes()}, {MacroKeywords()});
   dialect.has_semicolon_ends = true;
+  dialect.integers_may_be_increments = true;
+  return dialect;
+}
+
+Dialect LinuxCnc() {
+  Dialect dialect = Make("linuxcnc", {IsoCodes(), LinuxCncCodes()}, {MacroKeywords(), LinuxCncKeywords()});
+  dialect.takes_loaded_tool = true;
   return dialect;
 }
 
@@ -64,6 +72,7 @@ Dialect Sinumerik() {
   dialect.has_parenthesis_comments = false;
   dialect.has_equals = true;
   dialect.distance_names = SinumerikDistances();
+  dialect.g91_takes_new_offsets = true;
   dialect.variable = 'R';
   dialect.first_offset = "";
   SetRole("D", Role::kActiveToolLength, &dialect);
@@ -95,9 +104,7 @@ Dialect Heidenhain() {
 
 const std::vector<Dialect>& Dialects() {
   static const std::vector<Dialect>* const dialects = new std::vector<Dialect>{
-      Fanuc("fanuc"), Fanuc("mazak"),
-      Haas(),         Make("linuxcnc", {IsoCodes(), LinuxCncCodes()}, {MacroKeywords(), LinuxCncKeywords()}),
-      Sinumerik(),    Heidenhain(),
+      Fanuc("fanuc"), Fanuc("mazak"), Haas(), LinuxCnc(), Sinumerik(), Heidenhain(),
   };
   return *dialects;
 }
@@ -112,7 +119,8 @@ const Dialect* FindDialect(const std::string& name) {
 const char* BlockerText(uint16_t blockers) {
   DEMAND(blockers != 0);
   if (blockers & kCutterCompensation) return "cutter compensation is active";
-  if (blockers & kToolControl) return "tool centre point control or a tool length that is not stated is active";
+  if (blockers & kToolControl) return "tool centre point control is active";
+  if (blockers & kUnstatedLength) return "a tool length is active that is not stated";
   if (blockers & kTiltedPlane) return "a rotated or tilted plane is active";
   if (blockers & kShift) return "a shift of coordinates of unknown size is active";
   if (blockers & kScaling) return "scaling is active";
@@ -121,6 +129,7 @@ const char* BlockerText(uint16_t blockers) {
   if (blockers & kModalMacro) return "a modal macro call is active";
   if (blockers & kCylinder) return "cylindrical interpolation is active";
   if (blockers & kDiameter) return "words are diameters";
+  if (blockers & kUnfollowedMode) return "a function is active that is not followed";
   return "a work offset is active whose values are not stated";
 }
 

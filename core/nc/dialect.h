@@ -16,6 +16,7 @@ namespace axiscal::nc {
 enum class Meaning : uint8_t {
   kUnknown,   // not in the table: refused
   kHarmless,  // moves nothing and changes nothing that matters here
+  kLimits,    // the same; axis words of its block are its own (G22, G25)
   kRapid,
   kLinear,
   kRapidBlock,    // rapid in this block only (FMAX)
@@ -45,7 +46,7 @@ enum class Meaning : uint8_t {
   kPreset,      // G92; detail: 0 set, 1 cleared, 2 suspended, 3 restored
   kLocalShift,  // G52
   kBlockerOn,   // a mode in which axis words are not axis positions; detail: a Blocker
-  kBlockerOff,
+  kBlockerOff,  // of mirroring: axis words of its block say which axes
   kToolChange,  // axes may have moved
   kEndOfProgram,
   kCall,        // control leaves this text and comes back
@@ -63,7 +64,7 @@ enum class Meaning : uint8_t {
 // Modes that keep moves from being corrected. Bits of Modal::blockers.
 enum Blocker : uint16_t {
   kCutterCompensation = 1,
-  kToolControl = 2,  // tool centre point control, or a tool length that is not stated
+  kToolControl = 2,  // tool centre point control
   kTiltedPlane = 4,
   kShift = 8,
   kScaling = 16,
@@ -73,6 +74,8 @@ enum Blocker : uint16_t {
   kCylinder = 256,
   kUnstatedOffset = 512,
   kDiameter = 1024,
+  kUnstatedLength = 2048,
+  kUnfollowedMode = 4096,
 };
 
 inline constexpr uint16_t kArcWithRadius = 2;  // Klartext's CR, whose R is a radius
@@ -137,15 +140,18 @@ struct Dialect {
   bool has_angle_names = false;            // <NAME> or O<NAME> begins a program
   bool has_equals = false;                 // X=5 is a word
   std::vector<DistanceName> distance_names;
-  char variable = '#';                 // letter of variables; 0: none is told apart
-  bool has_assignment_blocks = false;  // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
-  bool has_bare_keywords = false;      // single letters may be keywords (L), blocks begin with their number
-  bool has_poles = false;              // arcs stand about a pole (CC), in XY, and say their sense (DR)
-  bool tool_call_sets_length = false;  // the tool's length acts from the tool change on, without a code
-  std::string first_offset = "G54";    // the work offset that is selected at the begin
-  std::string piece_prefix;            // what inserted pieces begin with: "L "
-  std::string radius_address = "R";    // what a piece's radius word begins with
-  bool writes_plus = false;            // inserted words carry their sign
+  char variable = '#';                      // letter of variables; 0: none is told apart
+  bool has_assignment_blocks = false;       // Q1 = Q2 * 3 is a block of its own, and no such variable moves an axis
+  bool has_bare_keywords = false;           // single letters may be keywords (L), blocks begin with their number
+  bool has_poles = false;                   // arcs stand about a pole (CC), in XY, and say their sense (DR)
+  bool takes_loaded_tool = false;           // G43 without H takes the length of the tool in the spindle
+  bool g91_takes_new_offsets = false;       // G91 behind a change of the work offset moves by that too (SD42440)
+  bool integers_may_be_increments = false;  // X10 is 10 mm or 0.010 mm, as a parameter of the control says
+  bool tool_call_sets_length = false;       // the tool's length acts from the tool change on, without a code
+  std::string first_offset = "G54";         // the work offset that is selected at the begin
+  std::string piece_prefix;                 // what inserted pieces begin with: "L "
+  std::string radius_address = "R";         // what a piece's radius word begins with
+  bool writes_plus = false;                 // inserted words carry their sign
 
   std::vector<CodeMeaning> keyword_codes;  // of `keywords`, in their order
   uint32_t keyword_letters = 0;            // bit i: a keyword begins with the letter i

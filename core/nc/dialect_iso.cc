@@ -68,7 +68,7 @@ std::vector<CodeEntry> FanucCodes() {
       {'G', 160, M::kBlockerOn, kPolar, "polar coordinates"},
       {'G', 200, M::kInch, 0, "inch"},
       {'G', 210, M::kMillimetre, 0, "mm"},
-      {'G', 220, M::kHarmless, 0, "stored stroke check"},
+      {'G', 220, M::kLimits, 0, "stored stroke check"},
       {'G', 230, M::kHarmless, 0, "stored stroke check off"},
       {'G', 270, M::kMachineMove, 0, "reference return check, machine coordinates"},
       {'G', 280, M::kMachineMove, 0, "reference return, machine coordinates"},

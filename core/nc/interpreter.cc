@@ -172,6 +172,10 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
       return StartProgram();
     case ProgramFrame::Kind::kSecondProgram:
       return Unsupported("a second program behind the closing '%'", false, step);
+    case ProgramFrame::Kind::kBehindCut:
+      Unsupported("text behind 0x1A: controllers differ on whether the program ends there", has_noted_cut_, step);
+      has_noted_cut_ = true;
+      return;
   }
   if (is_continued_ && !BeginsWithNumber(text, size)) {
     is_continued_ = IsContinued(text, size);
@@ -233,7 +237,6 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) const {
       case Role::kLineNumber:
       case Role::kPassive:
       case Role::kFeed:
-      case Role::kToolNumber:
         break;
       default:
         return false;
@@ -276,6 +279,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   request.blockers_before = modal_.blockers;
   request.uncertain_before = modal_.uncertain;
   ScanWords(block, &request, step);
+  if (step->is_tool_change) loaded_tool_ = called_tool_, has_changer_ = true;
   if (request.motion != nullptr) {
     modal_.motion = request.motion->meaning;
     modal_.is_clockwise = request.motion->detail != 0;

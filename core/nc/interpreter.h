@@ -48,7 +48,7 @@ struct Step {
   bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
   uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
   PresetChange preset = PresetChange::kNone;
-  uint16_t preset_axes = 0;  // of kSet; `end` is where they stand
+  uint16_t preset_axes = 0;  // of kSet, where `end` is where they stand, and of kCleared
   int tool_length = -1;      // number of the length in force, -1: none
   std::string reason;
   std::string note;  // for the report: text after the end of the program
@@ -123,11 +123,15 @@ class Interpreter {
   void Apply(const char* text, const Block& block, Step* step);
   void ScanWords(const Block& block, Request* request, Step* step);
   void ScanCode(const Word& word, const Code& code, Request* request, Step* step);
-  void ScanKeyword(const Word& word, Request* request, Step* step);
+  void ScanKeyword(const Block& block, const Word& word, Request* request, Step* step);
+  void CallTool(const Block& block, const Word& word, Request* request, Step* step);
   void SelectSense(Request* request);
   void SelectSpeedMode(Request* request);
   void SelectOffset(const Block& block, Request* request);
+  void NeedAbsoluteZ();
   void SelectLength(Request* request);
+  // Whether a D number is of the tool that it was of when it was used first.
+  bool IsOfOneTool(int number);
   void Act(const Block& block, const Request& request, Step* step);
   void DoDwell(const Request& request, Step* step);
   void DoMachineMove(const Request& request, Step* step);
@@ -173,8 +177,12 @@ class Interpreter {
   Positions positions_;
   std::array<int64_t, machine::kMaxAxes> unknown_since_{};
   uint16_t unknown_reported_ = 0;
-  uint16_t needs_absolute_ = 0;  // axes whose tool length changed: controllers differ on what G91 does then
+  uint16_t needs_absolute_ = 0;  // axes whose tool length or work offset changed: controllers differ on G91 then
   int last_length_number_ = -1;  // of H
+  int64_t called_tool_ = 0, loaded_tool_ = 0;            // of the last T word, and of that before the last M6
+  bool has_changer_ = false;                             // T words choose a tool for M6
+  std::vector<std::pair<int, int64_t>> tool_of_length_;  // D numbers of Sinumerik that were used, with their tools
+  bool has_noted_integers_ = false, has_noted_cut_ = false;
   int64_t line_ = 0;
   int64_t jump_line_ = 0;  // behind it the order of blocks is not known
   Pole pole_;

@@ -115,8 +115,11 @@ bool Interpreter::ReadArc(const Block& block, const Request& request, Step* step
   // The senses in which the axes come to the end.
   const double end_rad = arc->start_rad + arc->sweep_rad;
   const double along[2] = {-std::sin(end_rad) * arc->sweep_rad, std::cos(end_rad) * arc->sweep_rad};
+  // Where an axis turns back just there, it came outwards.
+  const double outwards[2] = {std::cos(end_rad), std::sin(end_rad)};
   for (const int index : {0, 1}) {
-    if (std::abs(along[index]) > 1e-9) step->end.sense[index == 0 ? first : second] = along[index] > 0 ? 1 : -1;
+    const double last = std::abs(along[index]) > 1e-9 ? along[index] : outwards[index];
+    step->end.sense[index == 0 ? first : second] = last > 0 ? 1 : -1;
   }
   return true;
 }

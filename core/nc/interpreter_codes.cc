@@ -45,7 +45,7 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
   for (int i = 0; i < block.word_count; ++i) {
     const Word& word = block.words[static_cast<size_t>(i)];
     if (word.letter == 0) {
-      ScanKeyword(word, request, step);
+      ScanKeyword(block, word, request, step);
       continue;
     }
     const size_t letter = static_cast<size_t>(word.letter - 'A');
@@ -92,13 +92,15 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
       case Role::kLineNumber:
       case Role::kPassive:
       case Role::kFeed:
+        break;
       case Role::kToolNumber:
+        called_tool_ = word.number.mantissa;
         break;
     }
   }
 }
 
-void Interpreter::ScanKeyword(const Word& word, Request* request, Step* step) {
+void Interpreter::ScanKeyword(const Block& block, const Word& word, Request* request, Step* step) {
   const Keyword& keyword = dialect_->keywords[static_cast<size_t>(word.keyword)];
   step->has_other_words |= keyword.meaning != Meaning::kHead;
   if (keyword.meaning == Meaning::kHead) {
@@ -106,17 +108,38 @@ void Interpreter::ScanKeyword(const Word& word, Request* request, Step* step) {
     modal_.is_inch = word.says_inch;
     return;
   }
-  if (keyword.meaning != Meaning::kToolChange || !dialect_->tool_call_sets_length)
-    return ScanCode(word, dialect_->keyword_codes[static_cast<size_t>(word.keyword)], request, step);
-  // TOOL CALL: without a number or a name only speed or feed change.
-  if (word.number.digits == 0 && !word.number.has_plus) return;
+  if (keyword.meaning == Meaning::kToolChange && dialect_->tool_call_sets_length)
+    return CallTool(block, word, request, step);
+  ScanCode(word, dialect_->keyword_codes[static_cast<size_t>(word.keyword)], request, step);
+}
+
+// TOOL CALL: without a number or a name only speed, feed or the length's difference change.
+void Interpreter::CallTool(const Block& block, const Word& word, Request* request, Step* step) {
+  const bool names_tool = word.number.digits > 0 || word.number.has_plus;
+  const bool has_difference = block.length_difference.digits > 0;
+  if (!names_tool && !has_difference && !word.number.has_point) return;
   const int number =
       word.number.digits == 0 || word.number.mantissa > 9999 ? -1 : static_cast<int>(word.number.mantissa);
-  step->is_tool_change = true;
-  if (coordinates_.SelectLength(number, 1)) return;
-  modal_.blockers |= kToolControl;
-  request->Refuse(number < 0 ? "tool call by name: the tool's length is not stated"
-                             : absl::StrCat("TOOL CALL ", number, ": the tool's length is not stated"));
+  const std::optional<Ticks> difference =
+      ToTicks(block.length_difference, modal_.is_inch ? kTicksPerInch : kTicksPerMm);
+  step->is_tool_change |= names_tool;
+  std::string problem;
+  if (word.number.has_point || !difference || std::abs(*difference) > kTicksPerMm * 1000) {
+    problem = "TOOL CALL with an index, a tool axis other than Z or a difference DL that is no length: not followed";
+  } else if (names_tool) {
+    modal_.blockers &= static_cast<uint16_t>(~kUnstatedLength);
+    if (!coordinates_.SelectLength(number, 1)) {
+      problem = number < 0 ? "tool call by name: the tool's length is not stated"
+                           : absl::StrCat("TOOL CALL ", number, ": the tool's length is not stated");
+    }
+  }
+  if (problem.empty()) {
+    if (has_difference) coordinates_.SetLengthDifference(*difference);
+    return;
+  }
+  coordinates_.DropLength();
+  modal_.blockers |= kUnstatedLength;
+  request->Refuse(problem);
 }
 
 void Interpreter::ScanCode(const Word& word, const Code& code, Request* request, Step* step) {
@@ -147,6 +170,9 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kHarmless:
       // An M code of the machine's builder: it may clamp the axis behind its move.
       step->ends_block |= word.letter == 'M' && *code.text == 0;
+      return;
+    case Meaning::kLimits:
+      request->owner = &code;
       return;
     case Meaning::kHead:
     case Meaning::kAddress:
@@ -244,8 +270,8 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return;
     case Meaning::kNoToolLength:
       coordinates_.DropLength();
-      needs_absolute_ = 0xFFFF;
-      modal_.blockers &= static_cast<uint16_t>(~kToolControl);
+      NeedAbsoluteZ();
+      modal_.blockers &= static_cast<uint16_t>(~(kToolControl | kUnstatedLength));
       request->stated |= kLengthGroup;
       return;
     case Meaning::kPreset:
@@ -258,6 +284,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       modal_.blockers |= code.detail;
       return request->Refuse(named());
     case Meaning::kBlockerOff:
+      if (code.detail == kMirror) request->owner = &code;
       modal_.blockers &= static_cast<uint16_t>(~code.detail);
       return;
     case Meaning::kToolChange:
@@ -310,12 +337,30 @@ void Interpreter::SelectOffset(const Block& block, Request* request) {
       request->parameter = 0;
     }
   }
-  if (coordinates_.Select(name)) {
+  const AxisTicks before = coordinates_.offsets();
+  const bool is_stated = coordinates_.Select(name);
+  for (int i = 0; i < axis_count_ && dialect_->g91_takes_new_offsets; ++i) {
+    if (coordinates_.Offset(i) != before[i]) needs_absolute_ |= static_cast<uint16_t>(1u << i);
+  }
+  if (is_stated) {
     modal_.blockers &= static_cast<uint16_t>(~kUnstatedOffset);
     return;
   }
   modal_.blockers |= kUnstatedOffset;
   request->Refuse(absl::StrCat(name, " (", request->offset_code->text, "): its values are not stated"));
+}
+
+void Interpreter::NeedAbsoluteZ() {
+  if (const int z = AxisOf('Z'); z >= 0) needs_absolute_ |= static_cast<uint16_t>(1u << z);
+}
+
+bool Interpreter::IsOfOneTool(int number) {
+  const int64_t tool = has_changer_ ? loaded_tool_ : called_tool_;
+  for (const auto& [known, its_tool] : tool_of_length_) {
+    if (known == number) return its_tool == tool;
+  }
+  tool_of_length_.emplace_back(number, tool);
+  return true;
 }
 
 // G43 H1, H1 while a length is in force, or D1 of Sinumerik.
@@ -327,17 +372,24 @@ void Interpreter::SelectLength(Request* request) {
     last_length_number_ = is_whole ? static_cast<int>(number.mantissa) : -1;
     if (acts_alone) modal_.uncertain &= static_cast<uint8_t>(~kLengthGroup);
   }
-  const bool is_active = coordinates_.active_length() >= 0 || (modal_.blockers & kToolControl) != 0;
+  const bool is_active = coordinates_.active_length() >= 0 || (modal_.blockers & (kToolControl | kUnstatedLength)) != 0;
   if (request->length == nullptr && !acts_alone && !is_active) return;
+  if (request->length_number == nullptr && dialect_->takes_loaded_tool) last_length_number_ = -1;
   const int sign = request->length != nullptr && request->length->detail == 2 ? -1 : 1;
-  needs_absolute_ = 0xFFFF;
+  NeedAbsoluteZ();
+  if (acts_alone && last_length_number_ > 0 && !IsOfOneTool(last_length_number_)) {
+    coordinates_.DropLength();
+    modal_.blockers |= kUnstatedLength;
+    return request->Refuse(
+        absl::StrCat("D", last_length_number_, " of another tool than before: one length is stated for it"));
+  }
   if (last_length_number_ >= 0 && coordinates_.SelectLength(last_length_number_, sign)) {
-    modal_.blockers &= static_cast<uint16_t>(~kToolControl);
+    modal_.blockers &= static_cast<uint16_t>(~(kToolControl | kUnstatedLength));
     if (modal_.plane_normal != 2 && last_length_number_ != 0)
       request->Refuse("a tool length in another plane than XY: controllers differ on its axis");
     return;
   }
-  modal_.blockers |= kToolControl;
+  modal_.blockers |= kUnstatedLength;
   request->Refuse(request->length_number == nullptr && last_length_number_ < 0
                       ? "tool length offset without a number"
                       : absl::StrCat("tool length ", last_length_number_, ": its value is not stated"));

@@ -38,6 +38,11 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   if (request.preset != nullptr) return DoPreset(block, request, step);
   if (request.shift != nullptr) return DoShift(block, request, step);
   if (request.is_dwell) return DoDwell(request, step);
+  if (request.owner != nullptr && (request.has_axis || request.foreign_axis != 0)) {
+    if (request.motion != nullptr)
+      Unsupported(absl::StrCat(request.owner->text, " and a motion code in one block"), false, step);
+    return;
+  }
   if (!request.has_axis && request.foreign_axis == 0) {
     const bool moves_by_centre = modal_.motion == Meaning::kArc && request.has_centre;
     if (moves_by_centre) {
@@ -84,24 +89,36 @@ void Interpreter::DoMachineMove(const Request& request, Step* step) {
 }
 
 void Interpreter::DoPreset(const Block& block, const Request& request, Step* step) {
+  const std::string name = request.preset->text;
+  std::string problem;
   switch (request.preset->detail) {
     case 1:
-      coordinates_.ClearPreset();
+      // Fanuc names the axes, LinuxCNC means all.
+      step->preset_axes = request.has_axis || request.foreign_axis != 0 ? 0 : 0xFFFF;
+      for (int i = 0; i < axis_count_; ++i) {
+        if (step->word_of_axis[i] >= 0) step->preset_axes |= static_cast<uint16_t>(1u << i);
+      }
+      coordinates_.ClearPreset(step->preset_axes);
       step->preset = PresetChange::kCleared;
       return;
     case 2:
-      coordinates_.SuspendPreset();
-      step->preset = PresetChange::kSuspended;
-      return;
     case 3:
-      coordinates_.RestorePreset();
-      step->preset = PresetChange::kRestored;
+      // LinuxCNC keeps both in one place.
+      if (coordinates_.has_shift()) {
+        problem = "with a local shift (G52) in force";
+        break;
+      }
+      if (request.preset->detail == 2) {
+        coordinates_.SuspendPreset();
+        step->preset = PresetChange::kSuspended;
+      } else {
+        coordinates_.RestorePreset();
+        step->preset = PresetChange::kRestored;
+      }
       return;
     default:
       break;
   }
-  const std::string name = request.preset->text;
-  std::string problem;
   if (modal_.blockers != 0) problem = BlockerText(modal_.blockers);
   if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
   if (modal_.uncertain & (kUnitGroup | kOffsetGroup | kLengthGroup)) problem = "the modal state is not known";
@@ -200,8 +217,8 @@ bool Interpreter::MayMoveBy(int axis, Step* step) {
                 step);
     return false;
   }
-  if ((needs_absolute_ >> axis & 1) && machine_->axes[axis].name == "Z") {
-    Unsupported("G91 behind a change of the tool length: controllers differ", false, step);
+  if (needs_absolute_ >> axis & 1) {
+    Unsupported("G91 behind a change of the tool length or of the work offset: controllers differ", false, step);
     return false;
   }
   return true;
@@ -282,6 +299,13 @@ bool Interpreter::Wrap(const Word& word, int axis, Step* step) {
 bool Interpreter::ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step) {
   const bool is_in_range = ToTicks(Meant(word.number), unit, value) && InRange(*value);
   const bool is_odd = !word.number.has_point && word.number.digits >= 5;
+  const bool is_integer = !word.number.has_point && word.number.mantissa != 0;
+  if (is_integer && !has_noted_integers_ && dialect_->integers_may_be_increments &&
+      options_->integer_words == IntegerWords::kWholeUnits) {
+    has_noted_integers_ = true;
+    step->note = absl::StrCat("line ", line_, ": word ", WordText(word),
+                              " has no point: such words count whole units here, on other controls least increments");
+  }
   if (is_in_range && !is_odd) return true;
   std::string problem = WordProblem(word);
   if (problem.empty() && !is_in_range) problem = absl::StrCat("word ", WordText(word), " is out of range");

@@ -1,5 +1,6 @@
 // Arcs and corners of Klartext.
 #include "core/base/units.h"
+#include "core/nc/interpreter.h"
 #include "core/nc/testing/rewritten.h"
 #include "core/nc/verify.h"
 
@@ -125,6 +126,47 @@ TEST(Klartext, ArcsStayWithinToleranceAsArcs) {
   EXPECT_LT(path.verified.end_after.max_mm, 0.0002);
   EXPECT_LT(path.verified.path_after.max_mm, 0.0012) << path.text;
   EXPECT_GT(path.verified.path_before.max_mm, 0.02);
+}
+
+TEST(Klartext, ToolCallsThatMakeAnotherLengthAreRefused) {
+  RewriteOptions options = Klartext();
+  options.tool_lengths = {{5, 100.0}};
+  const std::string move = "\nL X+1 Y+0 Z+0 B+0 C+0 R0 FMAX\n", moved = "\nL X+1.0533 Y+0 Z+0 B+0 C+0 R0 FMAX\n";
+  for (const std::string call : {"TOOL CALL 5.1 Z S3000", "TOOL CALL 5 X S3000", "TOOL CALL 5 Z S3000 DL+Q1"})
+    EXPECT_REFUSED(options, call + move, "TOOL CALL with an index, a tool axis other than Z or a difference DL");
+  for (const std::string call : {"TOOL CALL 5 Z S3000 F500 DL+0 DR-0.1", "TOOL CALL 5 Z ; X DL+Q3"})
+    EXPECT_REWRITTEN(options, call + move, call + moved);
+  // Z stands higher by the difference, until the next tool is called.
+  const compensate::Compensator compensator = testing::LeaningHead();
+  auto interpreter = Interpreter::Create(compensator.machine(), options);
+  ASSERT_TRUE(interpreter.ok());
+  Block block;
+  Step step;
+  const auto z_behind = [&](const std::string& call) {
+    for (const std::string& line : {call, std::string("L X+1 Y+0 Z+2 B+0 C+0 R0 FMAX")})
+      interpreter->Read(line.data(), line.size(), &block, &step);
+    EXPECT_EQ(step.kind, StepKind::kMove) << step.reason;
+    return static_cast<double>(interpreter->positions().ticks[machine::FindAxis(compensator.machine(), "Z")]) /
+           static_cast<double>(kTicksPerMm);
+  };
+  EXPECT_DOUBLE_EQ(z_behind("TOOL CALL 5 Z S3000 DL+0.5 DR-0.1"), 102.5);
+  EXPECT_DOUBLE_EQ(z_behind("TOOL CALL DL-0.02"), 101.98);
+  EXPECT_DOUBLE_EQ(z_behind("TOOL CALL S100"), 101.98);
+  EXPECT_DOUBLE_EQ(z_behind("TOOL CALL 5 Z"), 102.0);
+  // M129 ends tool centre point control, not the length.
+  RewriteOptions passing = options;
+  passing.on_unsupported = OnUnsupported::kPass;
+  RewriteReport report;
+  EXPECT_TRUE(RewriteText("TOOL CALL 6 Z S3000\nM129" + move, testing::LeaningHead(), passing, &report).ok());
+  EXPECT_EQ(report.blocks_corrected, 0);
+}
+
+TEST(Klartext, FunctionsThatAreNotFollowedAreRefused) {
+  for (const std::string function : {"FUNCTION MODE TURN", "FUNCTION PARAXCOMP MOVE X", "FUNCTION PARAXMODE X Y W",
+                                     "FUNCTION PROG PATH IS CONTOUR", "FUNCTION CORRDATA TCS #1", "M114"})
+    EXPECT_REFUSED(Klartext(), function + "\nL X+1 F500\n", function.substr(0, function.find(' ')));
+  EXPECT_REWRITTEN(Klartext(), "FUNCTION DCM OFF\nFUNCTION FEED DWELL D-TIME0.5 F-TIME5\nL X+1 F500\n",
+                   "FUNCTION DCM OFF\nFUNCTION FEED DWELL D-TIME0.5 F-TIME5\nL X+1.0417 F500\n");
 }
 
 // A lean of micrometres that adds up over the pieces of an arc is of the same kind.

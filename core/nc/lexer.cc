@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "core/base/crc32c.h"
 #include "core/nc/assignment.h"
 #include "core/nc/char_class.h"
 #include "core/nc/mark.h"
@@ -18,6 +19,7 @@ class BlockLexer {
       : text_(text), end_(text + size), at_(text), dialect_(dialect), block_(*block) {}
 
   void Run() {
+    block_.length_difference = Decimal();
     SkipReturns();
     SkipBlanks();
     if (at_ != end_ && *at_ == '/') ReadBlockDelete();
@@ -173,7 +175,7 @@ class BlockLexer {
   }
 
   // "TOOL CALL 5": the number of a keyword that takes the rest; digits = 0: it has none, has_plus: it has a text or a
-  // variable.
+  // variable, has_point: what stands behind it makes another length of it ("5.1", "5 X", "5 Z DL+Q1").
   void ReadArgument(Word* word) {
     SkipBlanks();
     const std::string_view rest(at_, static_cast<size_t>(end_ - at_));
@@ -183,6 +185,44 @@ class BlockLexer {
       word->number.mantissa = word->number.mantissa * 10 + (*at_ - '0');
       ++word->number.digits;
     }
+    word->number.has_point = IsOtherLength();
+  }
+
+  // Behind the number of TOOL CALL: an index, a tool axis other than Z, a difference of the length in parameters. One
+  // in numbers is read.
+  bool IsOtherLength() {
+    const char* at = at_;
+    if (at != end_ && *at == '.') return true;
+    while (at != end_ && *at != ';') {
+      const char* const begin = at;
+      while (at != end_ && *at != ';' && Class(*at) != kBlank) ++at;
+      const std::string_view word(begin, static_cast<size_t>(at - begin));
+      if (word.size() == 1 && std::strchr("XYUVWxyuvw", word[0]) != nullptr) return true;
+      if (word.size() > 2 && Capital(word[0]) == 'D' && Capital(word[1]) == 'L' &&
+          !ReadDifference(word.substr(2), &block_.length_difference))
+        return true;
+      while (at != end_ && Class(*at) == kBlank) ++at;
+    }
+    return false;
+  }
+
+  static bool ReadDifference(std::string_view text, Decimal* number) {
+    *number = Decimal();
+    const bool is_negative = text[0] == '-';
+    if (is_negative || text[0] == '+') text.remove_prefix(1);
+    for (const char c : text) {
+      if (c == '.' && !number->has_point) {
+        number->has_point = true;
+      } else if (Class(c) == kDigit && number->digits < 12) {
+        number->mantissa = 10 * number->mantissa + (c - '0');
+        ++number->digits;
+        number->decimals = static_cast<int8_t>(number->decimals + number->has_point);
+      } else {
+        return false;
+      }
+    }
+    if (is_negative) number->mantissa = -number->mantissa;
+    return number->digits > 0;
   }
 
   bool ReadComment() {
@@ -249,13 +289,14 @@ class BlockLexer {
     return false;
   }
 
-  // T="MILL_D10".
+  // T="MILL_D10": a number below zero stands for the name.
   bool SkipName(const char* letter, Word* word) {
     const char* const end = std::find(at_ + 1, end_, '"');
     if (end == end_) return Fail(LexProblem::kNoNumber, letter);
+    word->number = Decimal();
+    word->number.mantissa = -1 - static_cast<int64_t>(base::Crc32c(0, at_, static_cast<size_t>(end - at_)));
     at_ = end + 1;
     word->end = Offset(at_);
-    word->number = Decimal();
     return true;
   }
 

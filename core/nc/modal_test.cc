@@ -74,6 +74,54 @@ TEST(Modal, LocalShiftsMovePositions) {
   EXPECT_REFUSED(kAtZero, "G92 X7.\nG52 X5.\n", "G92");
 }
 
+TEST(Modal, ClearedPresetsAreThoseOfTheAxesNamedAndLocalShiftsEndWithThem) {
+  // B90 stands at 0 as long as its preset acts.
+  EXPECT_REWRITTEN(kAtZero, "G1 X1. Z0.\nG92 X0 B90.\nG92.1 X0\nX2. B90.\n",
+                   "G1 X1.0417 Z0.\nG92 X0 B90.\nG92.1 X0\nX2.0417 B90.\n");
+  EXPECT_REWRITTEN(kAtZero, "G52 B50.\nG92.1 B0\nG1 X0. Z0. B90.\n", "G52 B50.\nG92.1 B0\nG1 X0. Z-0.0417 B90.\n");
+  RewriteOptions options = kAtZero;
+  options.dialect = "linuxcnc";
+  EXPECT_REWRITTEN(options, "G52 B50.\nG92.1\nG1 X0. Z0. B90.\n", "G52 B50.\nG92.1\nG1 X0. Z-0.0417 B90.\n");
+  EXPECT_REFUSED(options, "G52 X5\nG92.2\nG1 X0\n", "with a local shift (G52) in force");
+}
+
+TEST(Modal, LengthOfTheToolInTheSpindleIsNotThatOfTheLastNumber) {
+  RewriteOptions options = kAtZero;
+  options.tool_lengths = {{1, 0.0}};
+  EXPECT_REWRITTEN(options, "G43 H1 Z5.\nG49\nG43 Z5. X1.\n", "G43 H1 Z5. X0.0417\nG49\nG43 Z5. X1.0417\n");
+  options.dialect = "linuxcnc";
+  EXPECT_REFUSED(options, "G43 H1 Z5.\nT2 M6\nG43 Z5.\n", "tool length offset without a number");
+}
+
+TEST(Modal, WordsWithoutAPointAreNoted) {
+  const std::string note =
+      "line 2: word X5 has no point: such words count whole units here, on other controls least increments";
+  const std::string program = "G1 X0 Y0.\nX5\nX7\n";
+  EXPECT_THAT(Rewritten(program, kAtZero).report.notes, ::testing::ElementsAre(note));
+  RewriteOptions options = kAtZero;
+  options.dialect = "linuxcnc";
+  EXPECT_THAT(Rewritten(program, options).report.notes, ::testing::IsEmpty());
+}
+
+TEST(Modal, TextBehindASubstituteIsNotTakenForTheEnd) {
+  for (const std::string program : {"G1 X1.\n\x1A\nG1 X2.\n", "G1 X1.\n\x1AG1 X2.\n", "G1 X1.\x1A\nX2.\n"})
+    EXPECT_REFUSED(kAtZero, program, "text behind 0x1A");
+  EXPECT_REWRITTEN(kAtZero, "G1 X1.\n%\n\x1A\nX2.\n", "G1 X1.0417\n%\n\x1A\nX2.\n");
+  EXPECT_REWRITTEN(kAtZero, "G1 X1.\n\x1A\x1A\n\n\x1A", "G1 X1.0417\n\x1A\x1A\n\n\x1A");
+}
+
+TEST(Modal, AxisWordsOfLimitsAndMirrorsAreNoMoves) {
+  for (const std::string block : {"G22 X100. Y100. Z50. I-100. J-100. K-50.", "G22 X5.", "G50.1 X0 Y0"})
+    EXPECT_REWRITTEN(kAtZero, "G1 X1.\n" + block + "\nX2.\n", "G1 X1.0417\n" + block + "\nX2.0417\n");
+  EXPECT_REFUSED(kAtZero, "G1 X1. G22\n", "stored stroke check and a motion code in one block");
+  RewriteOptions options = kAtZero;
+  options.dialect = "haas";
+  EXPECT_REWRITTEN(options, "G100 X0\nG1 X2.\n", "G100 X0\nG1 X2.0417\n");
+  options.dialect = "sinumerik";
+  EXPECT_REWRITTEN(options, "G25 X-200 Y-200\nG26 X200\nG25 S50\nG1 X2.\n",
+                   "G25 X-200 Y-200\nG26 X200\nG25 S50\nG1 X2.0417\n");
+}
+
 TEST(Modal, AdditionalWorkOffsetsByNumber) {
   RewriteOptions options = kAtZero;
   options.work_offsets = {{"G54.1 P5", {{"B", 90 * base::kRadPerDeg}}}};

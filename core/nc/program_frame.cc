@@ -17,20 +17,25 @@ ProgramFrame::Kind ProgramFrame::ReadSlowly(int64_t line, const char** text, siz
     has_begun_ = true;
     return Kind::kHead;
   }
-  if (has_ended_) {
+  if (has_ended_ && !is_cut_) {
     if (*at == '%') return Kind::kSecondProgram;
     if (*at == kSubstitute || has_tail_) return Kind::kNotABlock;
     has_tail_ = true;
     return Kind::kTail;
   }
-  if (*at == '%' || *at == kSubstitute) {
-    has_ended_ = has_begun_ || *at == kSubstitute;
+  if (*at == '%') {
+    has_ended_ = has_begun_;
     has_begun_ = true;
+    is_cut_ = false;
     return Kind::kNotABlock;
   }
+  is_cut_ |= *at == kSubstitute;
+  has_ended_ |= is_cut_;
+  while (at != end && (*at == kSubstitute || *at == ' ' || *at == '\t' || *at == '\r')) ++at;
+  if (is_cut_) return at == end ? Kind::kNotABlock : Kind::kBehindCut;
   while ((*text)[*size - 1] == kSubstitute) {
     --*size;
-    has_ended_ = true;
+    has_ended_ = is_cut_ = true;
   }
   has_begun_ = true;
   return Kind::kBlock;

@@ -14,6 +14,7 @@ class ProgramFrame {
     kNotABlock,      // blank, '%', or further text behind the end
     kTail,           // the first text behind the end: controllers do not read it
     kSecondProgram,  // '%' behind the closing '%'
+    kBehindCut,      // text behind 0x1A without a closing '%': controllers may read on
     kHead,           // "%_N_NAME_MPF" of Sinumerik archives: a program begins, also behind another one
   };
 
@@ -35,6 +36,7 @@ class ProgramFrame {
 
   bool has_begun_ = false;  // a '%' or a block was read
   bool has_ended_ = false;  // the closing '%' or 0x1A was read
+  bool is_cut_ = false;     // by 0x1A
   bool has_tail_ = false;
 };
 

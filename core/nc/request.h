@@ -20,6 +20,7 @@ struct Interpreter::Request {
   const Code* machine_move = nullptr;
   const Code* preset = nullptr;  // G92
   const Code* shift = nullptr;   // G52
+  const Code* owner = nullptr;   // whose words axis words are (G22, G50.1)
   const Code* length = nullptr;  // G43, G44
   const Word* length_number = nullptr;
   const Word* offset = nullptr;  // G54

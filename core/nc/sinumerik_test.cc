@@ -118,6 +118,31 @@ TEST(Sinumerik, CornersAreRoundedByTheControlWhereTheirMovesStayWhole) {
   EXPECT_REFUSED(Sinumerik(), "G1 X10 RND=R5\n", "without a number");
 }
 
+TEST(Sinumerik, ALengthIsOfOneTool) {
+  RewriteOptions options = Sinumerik();
+  options.tool_lengths = {{1, 0.0}, {2, 100.0}};
+  const std::string state = "G1 X1 Y0 Z0 B0 C0\n", at_1 = "G1 X1.0417 Y0 Z0 B0 C0\n";
+  const std::string reason = "D1 of another tool than before: one length is stated for it";
+  EXPECT_REFUSED(options, "T1 M6\nD1\n" + state + "T2 M6\nD1\n" + state, reason);
+  EXPECT_REFUSED(options, "T=\"A\" M6\nD1\n" + state + "T=\"B\"\nM6\nD1\n" + state, reason);
+  EXPECT_REFUSED(options, "T1 D1\n" + state + "T2 D1\n" + state, reason);
+  // The next tool is waiting in the changer.
+  EXPECT_REWRITTEN(options, "T=\"A\"\nM6\nT=\"B\"\nD1\n" + state + "D0\nD1\n" + state,
+                   "T=\"A\"\nM6\nT=\"B\"\nD1\n" + at_1 + "D0\nD1\n" + at_1);
+  EXPECT_REWRITTEN(options, "T1 M6\nD1\n" + state + "T2 M6\nD2\n" + state + "T1 M6\nD1\n" + state,
+                   "T1 M6\nD1\n" + at_1 + "T2 M6\nD2\nG1 X1.0533 Y0 Z0 B0 C0\nT1 M6\nD1\n" + at_1);
+}
+
+TEST(Sinumerik, DifferencesBehindANewOffsetAreRefused) {
+  RewriteOptions options = Sinumerik();
+  options.work_offsets = {{"G54", {{"X", 100.0}}}, {"G55", {{"X", 200.0}}}};
+  const std::string reason = "G91 behind a change of the tool length or of the work offset";
+  EXPECT_REFUSED(options, "G54\nG1 X1\nG55\nG91 X10\n", reason);
+  EXPECT_REFUSED(options, "G54\nG1 X1\nG500 X=IC(10)\n", reason);
+  EXPECT_REWRITTEN(options, "G54\nG1 X1\nG55\nX5\nG91 X10\n", "G54\nG1 X1.0417\nG55\nX5.0417\nG91 X10\n");
+  EXPECT_REWRITTEN(options, "G54\nG1 X1\nG55\nG91 Y10\n", "G54\nG1 X1.0417\nG55\nG91 Y10\n");
+}
+
 TEST(Sinumerik, WhatHasNoWordOfAnAxisIsRefusedWithItsReason) {
   EXPECT_REFUSED(Sinumerik(), "G1 AP=30 RP=20\n", "AP (polar coordinates: no word of an axis could be corrected)");
   EXPECT_REFUSED(Sinumerik(), "G1 RP=20\n", "RP (polar coordinates");

@@ -245,6 +245,7 @@ TEST(Verify, ArcsWithLostMotionStayArcs) {
   ASSERT_TRUE(compensator.ok());
   for (const std::string program :
        {"G1 X10. F100\nX20.\nG2 X30. Y10. R10.\nG3 X20. Y20. I-10. J0\nX5. Y5. J-15.\nG2 X25. I10.\nI-10.\nG1 X0\n",
+        "G1 X10. F100\nG2 I10.\nG1 X0\n",  // the circle begins where X turns back
         "G91 G2 X20. I10. F100\nX-20. I-10.\nX5.Y5.I5.\nG90 G1 X0\n",
         "G93 G2 X20. I10. F4.\nX0 I-10. F2.\nX20. I10. F2.\nG94 G1 X0 F100\n"}) {
     RewriteReport report;
