@@ -19,10 +19,10 @@ Eigen::MatrixXd InverseRoot(const Eigen::MatrixXd& gram) {
   return scale.asDiagonal() * eigen.eigenvectors() * root.asDiagonal();
 }
 
-Nuisance::Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd setup,
-                   Eigen::MatrixXd errors)
-    : setup_(std::move(setup)), errors_(std::move(errors)) {
-  const Eigen::Index p = errors_.cols();
+Nuisance::Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd columns,
+                   Eigen::Index errors)
+    : columns_(std::move(columns)), widest_(columns_.cols() - errors) {
+  const Eigen::Index p = errors;
   const size_t groups = problem.groups.size();
   std::vector<Eigen::MatrixXd> gram(groups);
   for (size_t g = 0; g < groups; ++g) {
@@ -35,7 +35,8 @@ Nuisance::Nuisance(const identify::Problem& problem, const std::vector<Series>& 
   }
   size_ += p;
   for (const Series& rows : series) {
-    const auto block = setup_.block(rows.begin, 0, rows.end - rows.begin, gram[rows.group].rows());
+    const Eigen::Index s = gram[rows.group].rows();
+    const auto block = columns_.block(rows.begin, widest_ - s, rows.end - rows.begin, s);
     gram[rows.group].noalias() += block.transpose() * block;
   }
   for (size_t g = 0; g < groups; ++g) {
@@ -43,17 +44,17 @@ Nuisance::Nuisance(const identify::Problem& problem, const std::vector<Series>& 
     setup_error_.push_back(Eigen::MatrixXd::Zero(gram[g].rows(), p));
   }
   for (const Series& rows : series) {
-    const Eigen::Index n = rows.end - rows.begin, s = gram[rows.group].rows();
+    const Eigen::Index n = rows.end - rows.begin;
     setup_error_[rows.group] += setup_basis_[rows.group].transpose() *
-                                (setup_.block(rows.begin, 0, n, s).transpose() * errors_.middleRows(rows.begin, n));
+                                (SetupOf(rows.group, rows.begin, n).transpose() * ErrorsOf(rows.begin, n));
   }
-  Eigen::MatrixXd reduced = errors_.transpose() * errors_;
+  Eigen::MatrixXd reduced = columns_.rightCols(p).transpose() * columns_.rightCols(p);
   for (size_t g = 0; g < groups; ++g) reduced -= setup_error_[g].transpose() * setup_error_[g];
   error_basis_ = p > 0 ? InverseRoot(reduced) : Eigen::MatrixXd(0, 0);
 }
 
 void Nuisance::Finish(Eigen::MatrixXd* raw) const {
-  const Eigen::Index p = errors_.cols();
+  const Eigen::Index p = error_basis_.cols();
   for (size_t g = 0; g < setup_basis_.size(); ++g) {
     const Eigen::Index s = setup_basis_[g].rows();
     raw->middleRows(offset_[g], s) = (setup_basis_[g].transpose() * raw->middleRows(offset_[g], s)).eval();
@@ -74,14 +75,14 @@ Eigen::VectorXd Nuisance::OfPriors(const identify::Problem& problem, const std::
 }
 
 Eigen::VectorXd Nuisance::Column(const std::vector<Series>& series, const Eigen::VectorXd& coefficients) const {
-  const Eigen::Index p = errors_.cols();
+  const Eigen::Index p = error_basis_.cols();
   const Eigen::VectorXd by_errors = error_basis_ * coefficients.tail(p);
-  Eigen::VectorXd column = errors_ * by_errors;
+  Eigen::VectorXd column = columns_.rightCols(p) * by_errors;
   for (const Series& rows : series) {
     const Eigen::Index n = rows.end - rows.begin, s = setup_basis_[rows.group].rows();
     const Eigen::VectorXd by_setup = setup_basis_[rows.group] * (coefficients.segment(offset_[rows.group], s) -
                                                                  setup_error_[rows.group] * by_errors);
-    column.segment(rows.begin, n) += setup_.block(rows.begin, 0, n, s) * by_setup;
+    column.segment(rows.begin, n) += SetupOf(rows.group, rows.begin, n) * by_setup;
   }
   return column;
 }

@@ -19,19 +19,21 @@ struct Series {
 class Nuisance {
  public:
   Nuisance() = default;
-  // Whitened columns, one row per used reading; `setup` holds the offsets of the row's own group.
-  Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd setup,
-           Eigen::MatrixXd errors);
+  // Whitened columns, one row per used reading: the offsets of the row's own group end where the last `errors` columns
+  // begin.
+  Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd columns,
+           Eigen::Index errors);
 
   Eigen::Index size() const { return size_; }
   // Adds the inner products of some rows' whitened columns (rows first .. first + count of one series) to `raw`
   // (size() x width); Finish turns the sum over all rows into coefficients.
   template <typename Columns>
   void Accumulate(int group, Eigen::Index first, const Columns& columns, Eigen::MatrixXd* raw) const {
-    const Eigen::Index s = setup_basis_[group].rows(), n = columns.rows();
-    raw->middleRows(offset_[group], s).noalias() += setup_.block(first, 0, n, s).transpose() * columns;
-    if (errors_.cols() > 0)
-      raw->bottomRows(errors_.cols()).noalias() += errors_.middleRows(first, n).transpose() * columns;
+    const Eigen::Index s = setup_basis_[group].rows(), n = columns.rows(), p = error_basis_.cols();
+    // The setup's offsets stand right before the errors, unused ones of other groups to their left: one product.
+    const Eigen::MatrixXd sums = columns_.block(first, widest_ - s, n, s + p).transpose() * columns;
+    raw->middleRows(offset_[group], s) += sums.topRows(s);
+    raw->bottomRows(p) += sums.bottomRows(p);
   }
   void Finish(Eigen::MatrixXd* raw) const;
   // Coefficients of the priors' own rows, `value` being each group's offsets: adds to those of the residual.
@@ -40,7 +42,16 @@ class Nuisance {
   Eigen::VectorXd Column(const std::vector<Series>& series, const Eigen::VectorXd& coefficients) const;
 
  private:
-  Eigen::MatrixXd setup_, errors_;
+  // Of some rows of one group: columns of the errors; of its offsets.
+  auto ErrorsOf(Eigen::Index first, Eigen::Index count) const {
+    return columns_.block(first, widest_, count, columns_.cols() - widest_);
+  }
+  auto SetupOf(int group, Eigen::Index first, Eigen::Index count) const {
+    return columns_.block(first, widest_ - setup_basis_[group].rows(), count, setup_basis_[group].rows());
+  }
+
+  Eigen::MatrixXd columns_;  // setup offsets of the row's own group, to the right in the first widest_ columns | errors
+  Eigen::Index widest_ = 0;
   std::vector<Eigen::MatrixXd> setup_basis_;  // per group: columns times this are orthonormal with the priors' rows
   std::vector<Eigen::MatrixXd> setup_error_;  // per group: setup-basis coefficients of the error columns
   std::vector<Eigen::Index> offset_;          // per group: where its coefficients begin

@@ -13,15 +13,14 @@ using instruments::MeasuringRun;
 // Places the rows of one run: those of one series stand together, so that the neighbour in time is the row above.
 class RowSink {
  public:
-  RowSink(const identify::Problem& problem, int run, int setup_count, std::vector<int> next, Eigen::MatrixXd* setup,
-          Eigen::MatrixXd* errors, Eigen::VectorXd* residual, Signatures* out)
+  // `columns`: those of `errors` stand last.
+  RowSink(const identify::Problem& problem, int run, int setup_count, Eigen::Index errors, std::vector<int> next,
+          Eigen::MatrixXd* columns, Eigen::VectorXd* residual, Signatures* out)
       : run_(run),
-        setup_count_(setup_count),
         next_(std::move(next)),
         whiteners_(problem.runs[run].row_count, identify::SeriesWhitener(problem.noise[run], 0)),
-        row_(setup_count + errors->cols() + 1),
-        setup_(setup),
-        errors_(errors),
+        row_(setup_count + errors + 1),
+        columns_(columns),
         residual_(residual),
         out_(out) {}
 
@@ -35,17 +34,16 @@ class RowSink {
     out_->correlation_[at] = factors.correlation;
     out_->sensitivity_.row(at) = evaluation.by_error.row(row);
     out_->setup_raw_.row(at) = stored.head<3>();
-    setup_->row(at).head(setup_count_) = stored.head(setup_count_);
-    errors_->row(at) = stored.segment(setup_count_, errors_->cols());
+    columns_->row(at).tail(stored.size() - 1) = stored.head(stored.size() - 1);
     (*residual_)[at] = stored[stored.size() - 1];
   }
 
  private:
-  const int run_, setup_count_;
+  const int run_;
   std::vector<int> next_;
   std::vector<identify::SeriesWhitener> whiteners_;
   Eigen::RowVectorXd row_;
-  Eigen::MatrixXd *setup_, *errors_;
+  Eigen::MatrixXd* columns_;
   Eigen::VectorXd* residual_;
   Signatures* out_;
 };
@@ -72,14 +70,14 @@ Signatures::Signatures(const identify::Problem& problem, const identify::Point& 
   correlation_.resize(count);
   sensitivity_.resize(count, machine::kComponents * problem.machine->joint_count());
   setup_raw_.resize(count, 3);
-  Eigen::MatrixXd setup = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(setup_width)), errors(count, p);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(setup_width) + p);
   Eigen::VectorXd residual(count);
   size_t first_series = 0;
   for (size_t i = 0; i < problem.runs.size(); ++i) {
     std::vector<int> next;
     for (int row = 0; row < problem.runs[i].row_count; ++row) next.push_back(series_[first_series++].begin);
-    RowSink sink(problem, static_cast<int>(i), static_cast<int>(problem.runs[i].setup.size()), std::move(next), &setup,
-                 &errors, &residual, this);
+    RowSink sink(problem, static_cast<int>(i), static_cast<int>(problem.runs[i].setup.size()), p, std::move(next),
+                 &columns, &residual, this);
     identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
   }
   is_white_ = (correlation_ == 0.0).all();
@@ -87,10 +85,9 @@ Signatures::Signatures(const identify::Problem& problem, const identify::Point& 
     for (Eigen::Index at = x.size() - 1; at > 0; --at) x[at] = weight_[at] * (x[at] - correlation_[at] * x[at - 1]);
     if (x.size() > 0) x[0] *= weight_[0];
   };
-  for (Eigen::Index c = 0; c < setup.cols(); ++c) whiten(setup.col(c));
-  for (Eigen::Index c = 0; c < p; ++c) whiten(errors.col(c));
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) whiten(columns.col(c));
   whiten(residual);
-  nuisance_ = Nuisance(problem, series_, std::move(setup), std::move(errors));
+  nuisance_ = Nuisance(problem, series_, std::move(columns), p);
 
   // The residual has the priors' rows too: offset / prior sigma.
   Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), 1);

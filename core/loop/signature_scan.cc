@@ -82,12 +82,15 @@ class Scanner {
     constexpr double kReach = 5.0;  // widths: exp(-25) of it is left there
     std::vector<Eigen::Index> rows;
     std::vector<double> basis;
-    double values[shapes::kMaxBasisCount];
+    std::vector<shapes::AxisState> axes(bump.axis + 1);  // a local shape sees nothing but the position
+    const shapes::State state = {.axes = axes};
+    double value = 0.0;
     for (Eigen::Index k = 0; k < n_; ++k) {
       if (std::abs(positions[k] - bump.at) > kReach * bump.width) continue;
-      shapes::Basis(candidates[begin].term.shape, state_of_(static_cast<int>(k)), values);
+      axes[bump.axis].position = positions[k];
+      bump.Basis<double>(state, nullptr, &value);
       rows.push_back(k);
-      basis.push_back(values[0]);
+      basis.push_back(value);
     }
     for (size_t i = begin; i < end; ++i) {
       const auto column = static_cast<Eigen::Index>(candidates[i].term.component);
