@@ -30,7 +30,7 @@ Dialect Make(const std::string& name, std::initializer_list<std::vector<CodeEntr
   for (const auto& table : keywords) dialect.keywords.insert(dialect.keywords.end(), table.begin(), table.end());
   for (const Keyword& keyword : dialect.keywords) {
     dialect.keyword_codes.push_back({keyword.meaning, keyword.detail, keyword.text});
-    dialect.keyword_letters |= 1u << (keyword.name[0] - 'A');
+    if (keyword.name[0] != ',') dialect.keyword_letters |= 1u << (keyword.name[0] - 'A');
   }
   dialect.roles.fill(Role::kParameter);
   SetRole("XYZABCUVW", Role::kAxis, &dialect);
@@ -47,7 +47,7 @@ Dialect Make(const std::string& name, std::initializer_list<std::vector<CodeEntr
 }
 
 Dialect Fanuc(const std::string& name) {
-  Dialect dialect = Make(name, {IsoCodes(), FanucCodes()}, {MacroKeywords()});
+  Dialect dialect = Make(name, {IsoCodes(), FanucCodes()}, {MacroKeywords(), FanucCorners()});
   dialect.has_angle_names = true;
   dialect.has_semicolon_ends = true;
   dialect.integers_may_be_increments = true;
@@ -55,7 +55,7 @@ Dialect Fanuc(const std::string& name) {
 }
 
 Dialect Haas() {
-  Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes()}, {MacroKeywords()});
+  Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes()}, {MacroKeywords(), FanucCorners()});
   dialect.has_semicolon_ends = true;
   dialect.integers_may_be_increments = true;
   return dialect;

@@ -58,7 +58,8 @@ enum class Meaning : uint8_t {
   kIncrementalAddress,  // IX+5; detail: the letter
   kPole,                // CC: the centre of arcs behind it
   kArcSense,            // DR+, DR-; detail: 1 clockwise
-  kCorner,  // RND=5: the control rounds or chamfers the corner at the block's end; detail 1: every corner, until 0
+  kCorner,  // RND=5; ,R5. of Fanuc: the control rounds or chamfers the corner at the block's end; detail 1: every
+            // corner, until 0
 };
 
 // Modes that keep moves from being corrected. Bits of Modal::blockers.
@@ -154,7 +155,7 @@ struct Dialect {
   bool writes_plus = false;                 // inserted words carry their sign
 
   std::vector<CodeMeaning> keyword_codes;  // of `keywords`, in their order
-  uint32_t keyword_letters = 0;            // bit i: a keyword begins with the letter i
+  uint32_t keyword_letters = 0;            // bit i: a keyword begins with the letter i; those with a comma apart
 };
 
 const std::vector<Dialect>& Dialects();

@@ -223,4 +223,12 @@ std::vector<Keyword> MacroKeywords() {
   };
 }
 
+std::vector<Keyword> FanucCorners() {
+  using M = Meaning;
+  return {
+      {",C", M::kCorner, 0, false, "chamfer"},
+      {",R", M::kCorner, 0, false, "rounding"},
+  };
+}
+
 }  // namespace axiscal::nc

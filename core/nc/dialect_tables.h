@@ -16,6 +16,7 @@ std::vector<CodeEntry> LinuxCncCodes();  // over IsoCodes
 std::vector<CodeEntry> SinumerikCodes();
 std::vector<CodeEntry> KlartextCodes();  // M functions only
 std::vector<Keyword> MacroKeywords();    // custom macro B
+std::vector<Keyword> FanucCorners();     // Fanuc, Mazak and Haas
 std::vector<Keyword> LinuxCncKeywords();
 std::vector<Keyword> SinumerikKeywords();
 std::vector<Keyword> KlartextKeywords();

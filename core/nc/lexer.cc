@@ -49,6 +49,8 @@ class BlockLexer {
         block_.is_marked |= HasMark(at_ + 1, end_);
         if (dialect_.has_semicolon_ends && IsBlockBehind(at_, end_)) Fail(LexProblem::kSemicolon, at_);
         return;
+      } else if (*at_ == ',' && ReadKeyword()) {
+        if (takes_rest_) return;
       } else {
         Fail(kind == kMacro ? LexProblem::kExpression
              : *at_ == '/'  ? LexProblem::kSlashInside

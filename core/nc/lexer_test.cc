@@ -43,7 +43,7 @@ TEST(Lexer, ProblemsNameTheirColumn) {
   } kCases[] = {
       {"(a (b) c)", LexProblem::kNestedComment, 3}, {"G1 (open", LexProblem::kUnclosedComment, 3},
       {"G1 X Y5", LexProblem::kNoNumber, 3},        {"G1 X#5", LexProblem::kExpression, 3},
-      {"G1 ,R5", LexProblem::kExpression, 3},       {"X1.2.3", LexProblem::kStrayCharacter, 4},
+      {"G1 ,A5", LexProblem::kExpression, 3},       {"X1.2.3", LexProblem::kStrayCharacter, 4},
       {"X--3", LexProblem::kNoNumber, 0},           {"G1 \xFF", LexProblem::kStrayCharacter, 3},
       {"N5 /X1", LexProblem::kSlashInside, 3},      {"X", LexProblem::kNoNumber, 0},
       {"G1\rX5", LexProblem::kStrayCharacter, 2},

@@ -155,7 +155,7 @@ TEST(Rewriter, WhatMovesAxesOtherwiseIsRefusedWithItsLine) {
       {"G187.3 X5.", "unknown code"},
       {"G1 U5.", "no such axis"},
       {"G1 X5. R2.", "word R in a linear move"},
-      {"G1 X5.,R2.", "macro or expression"},
+      {"G1 X5.,A30.", "macro or expression"},
       {"G1 X5. X6.", "two words X"},
       {"G0 G1 X5.", "two motion codes"},
       {"G90 X5. G91 Y1.", "two different distance"},
@@ -327,6 +327,22 @@ TEST(Rewriter, MovesAreSplitWhereTheCorrectionBends) {
   EXPECT_EQ(outcome.report.blocks_split, 1);
   EXPECT_EQ(outcome.report.blocks_inserted, 1);
   EXPECT_LE(outcome.report.max_departure_mm, options.tolerance_mm);
+}
+
+TEST(Rewriter, CornersOfFanucStayWhereTheirMovesStayWhole) {
+  EXPECT_REWRITTEN(kAtZero, "G1 X10.,R2. F500\nY10. ,C1.5\nX0.\nX5.,r3. Y0.\n",
+                   "G1 X10.0417,R2. F500\nY10. ,C1.5\nX0.0417\nX5.0417,r3. Y0.\n");
+  RewriteOptions fine = kAtZero;
+  fine.tolerance_mm = 0.001;
+  const std::string reason = "cannot be split: the control rounds or chamfers the corner at one of its ends";
+  EXPECT_REFUSED(fine, "G1 X10. F500\nB90. X20.,R2.\n", reason);
+  EXPECT_REFUSED(fine, "G1 X10.,C2. F500\nB90. X20.\n", reason);
+  EXPECT_TRUE(Rewritten("G1 X10.,R2. F500\nY10.\nB90. X20.\n", fine).status.ok());
+  EXPECT_REFUSED(kAtZero, "G1 X10.,R#1\n", "macro or expression");
+  EXPECT_REFUSED(kAtZero, "G1 X10.,R\n", "letter without a number");
+  RewriteOptions linuxcnc = kAtZero;
+  linuxcnc.dialect = "linuxcnc";
+  EXPECT_REFUSED(linuxcnc, "G1 X10.,R2.\n", "macro or expression");
 }
 
 TEST(Rewriter, PiecesOfAnySizeGiveTheSameOutput) {
