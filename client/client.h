@@ -157,6 +157,8 @@ class Client {
 
   // ---- compensation tables, made of the approved calibration or a named one (docs/tables.md)
   absl::StatusOr<convert::MadeTable> MakeTable(const convert::TableParams& params);
+  // The formats that the server knows.
+  absl::StatusOr<std::vector<convert::TableFormat>> ListTableFormats();
 
   // ---- history
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query);

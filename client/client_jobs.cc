@@ -58,6 +58,18 @@ absl::StatusOr<convert::MadeTable> Client::MakeTable(const convert::TableParams&
   return convert::FromProto(response);
 }
 
+absl::StatusOr<std::vector<convert::TableFormat>> Client::ListTableFormats() {
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::ListTableFormatsResponse>(*impl_->tables, &v1::Tables::Stub::ListTableFormats,
+                                                             v1::ListTableFormatsRequest()));
+  std::vector<convert::TableFormat> formats;
+  for (const v1::TableFormat& message : response.formats()) {
+    ASSIGN_OR_RETURN(convert::TableFormat format, convert::FromProto(message));
+    formats.push_back(std::move(format));
+  }
+  return formats;
+}
+
 absl::StatusOr<JobRecord> Client::WaitJob(JobId id, std::chrono::milliseconds timeout) {
   v1::WaitJobRequest request;
   request.set_job_id(id.number());

@@ -25,16 +25,35 @@ struct Arguments {
   TableArguments table;
 };
 
-absl::Status List(Context& context) {
-  std::vector<std::vector<std::string>> rows = {{"format", "limits", "values"}};
+std::string ListText(const std::vector<convert::TableFormat>& formats) {
   std::string text;
-  for (const tables::Format& format : tables::Formats()) {
-    absl::StrAppend(&text, format.name, "\n    ", format.title, "\n    ", tables::LimitsText(format), "\n    ",
-                    format.values, "\n");
-    if (!format.assumed.empty()) absl::StrAppend(&text, "    assumed: ", format.assumed, "\n");
+  for (const convert::TableFormat& format : formats) {
+    absl::StrAppend(&text, format.name, "\n    ", format.title, "\n    ", format.limits, "\n    ", format.values, "\n");
     for (const std::string& what : format.cannot_carry) absl::StrAppend(&text, "    cannot carry ", what, "\n");
   }
-  context.Print({{"formats", Embedded(tables::FormatsJson())}}, text);
+  return text;
+}
+
+// What the server knows; without one the formats of this program, which need no database.
+absl::Status List(Context& context) {
+  if (context.server.empty()) {
+    std::vector<convert::TableFormat> formats;
+    for (const tables::Format& format : tables::Formats()) formats.push_back(convert::Summary(format));
+    context.Print({{"formats", Embedded(tables::FormatsJson())}}, ListText(formats));
+    return absl::OkStatus();
+  }
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const std::vector<convert::TableFormat> formats, client->ListTableFormats());
+  Json list = Json::array();
+  for (const convert::TableFormat& format : formats) {
+    list.push_back(
+        {{"name", format.name},
+         {"title", format.title},
+         {"values", format.values},
+         {"limits", {{"text", format.limits}, {"max_points", format.max_points ? Json(*format.max_points) : Json()}}},
+         {"cannot_carry", format.cannot_carry}});
+  }
+  context.Print({{"formats", list}}, ListText(formats));
   return absl::OkStatus();
 }
 

@@ -99,6 +99,35 @@ absl::StatusOr<TableParams> FromProto(const v1::MakeTableRequest& message) {
   return params;
 }
 
+TableFormat Summary(const tables::Format& format) {
+  TableFormat summary{format.name, format.title, format.values, tables::LimitsText(format), {}, format.cannot_carry};
+  if (!format.assumed.empty()) absl::StrAppend(&summary.limits, "; assumed: ", format.assumed);
+  if (format.limits.max_points > 0) summary.max_points = format.limits.max_points;
+  return summary;
+}
+
+v1::TableFormat ToProto(const TableFormat& format) {
+  v1::TableFormat message;
+  message.set_name(format.name);
+  message.set_title(format.title);
+  message.set_values(format.values);
+  message.set_limits(format.limits);
+  if (format.max_points) message.set_max_points(*format.max_points);
+  for (const std::string& what : format.cannot_carry) message.add_cannot_carry(what);
+  return message;
+}
+
+absl::StatusOr<TableFormat> FromProto(const v1::TableFormat& message) {
+  RETURN_IF_ERROR(RequireText("name", message.name(), 1, 64));
+  TableFormat format{message.name(), message.title(), message.values(), message.limits(), {}, {}};
+  if (message.has_max_points()) {
+    RETURN_IF_ERROR(RequirePositive("max_points", message.max_points()));
+    format.max_points = message.max_points();
+  }
+  format.cannot_carry.assign(message.cannot_carry().begin(), message.cannot_carry().end());
+  return format;
+}
+
 v1::MakeTableResponse ToProto(const MadeTable& made) {
   v1::MakeTableResponse message;
   message.set_content(made.table.text);

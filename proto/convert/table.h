@@ -4,10 +4,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "axiscal/v1/tables_service.pb.h"
 #include "core/base/ids.h"
 #include "core/base/status.h"
+#include "core/compensate/tables/format.h"
 #include "core/compensate/tables/request.h"
 
 namespace axiscal::convert {
@@ -28,6 +30,17 @@ struct MadeTable {
   tables::MadeTable table;
   CalibrationId calibration;
 };
+
+// What a format can hold, for people; the engine's own description is tables::Format.
+struct TableFormat {
+  std::string name, title, values, limits;
+  std::optional<int> max_points;
+  std::vector<std::string> cannot_carry;
+};
+
+TableFormat Summary(const tables::Format& format);
+v1::TableFormat ToProto(const TableFormat& format);
+absl::StatusOr<TableFormat> FromProto(const v1::TableFormat& message);
 
 v1::MakeTableResponse ToProto(const MadeTable& made);
 absl::StatusOr<MadeTable> FromProto(const v1::MakeTableResponse& message);

@@ -29,7 +29,7 @@ TEST_F(Tables, TheListNeedsNothing) {
   EXPECT_EQ(text.exit_code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("linuxcnc-comp\n"));
   EXPECT_THAT(text.out, HasSubstr("256 points anywhere, by sense of motion"));
-  EXPECT_THAT(text.out, HasSubstr("    assumed: the layout of the data lines"));
+  EXPECT_THAT(text.out, HasSubstr("; assumed: the layout of the data lines"));
   const Outcome json = Run("table --list --json");
   ASSERT_TRUE(json.Json().is_object()) << json.out;
   EXPECT_EQ(json.Json()["formats"][0]["name"], "general");
@@ -101,6 +101,17 @@ TEST_F(Tables, AnApprovedLoopBecomesATableOnEveryWay) {
   ASSERT_EQ(remote.exit_code, 0) << remote.err;
   EXPECT_EQ(Read("y.comp"), Read("x.comp"));
   EXPECT_EQ(Read("y.json"), Read("x.json"));
+
+  // The list is the server's: one that is not there has none.
+  EXPECT_EQ(Run(at + "table --list").out, Run("table --list").out);
+  const auto theirs = Run(at + "table --list --json").Json()["formats"];
+  const auto ours = Run("table --list --json").Json()["formats"];
+  ASSERT_EQ(theirs.size(), ours.size());
+  for (size_t i = 0; i < ours.size(); ++i) {
+    EXPECT_EQ(theirs[i]["name"], ours[i]["name"]);
+    EXPECT_EQ(theirs[i]["limits"]["max_points"], ours[i]["limits"]["max_points"]) << ours[i]["name"];
+  }
+  EXPECT_EQ(Run("--server 127.0.0.1:1 table --list").exit_code, 6);
 
   const auto refused = [&](const std::string& options, int exit_code, const std::string& reason) {
     const Outcome outcome = Run(at + "table --machine mt -o z.comp --json " + options);
