@@ -5,6 +5,11 @@
 #include "proto/convert/program.h"
 
 namespace axiscal::handlers {
+namespace {
+
+constexpr size_t kPartBytes = 1 << 20;
+
+}  // namespace
 
 absl::Status PutProgramStream::Receive(const v1::PutProgramRequest& request) {
   RETURN_IF_ERROR(RequireAccepting(core_));
@@ -34,16 +39,26 @@ absl::Status PutProgramStream::Append(const std::string& bytes) {
     return convert::FieldError("data",
                                absl::StrCat(bytes.size(), " bytes, must be 1 to ", convert::kMaxProgramPartBytes));
   }
-  const int64_t offset = received_;
   received_ += static_cast<int64_t>(bytes.size());
   if (received_ > header_->size_bytes()) {
     return base::Error(absl::StatusCode::kOutOfRange,
                        absl::StrCat("more than the ", header_->size_bytes(), " bytes that the header says"),
                        {"SIZE_EXCEEDED", {}});
   }
+  gathered_ += bytes;
+  size_t taken = 0;
+  for (; gathered_.size() - taken >= kPartBytes; taken += kPartBytes)
+    RETURN_IF_ERROR(Store(gathered_.substr(taken, kPartBytes)));
+  gathered_.erase(0, taken);
+  return absl::OkStatus();
+}
+
+absl::Status PutProgramStream::Store(const std::string& part) {
+  const int64_t offset = stored_;
+  stored_ += static_cast<int64_t>(part.size());
   // Sent again after it was stored: what is there need not be compared, the checksum is.
   if (program_.state == storage::ProgramState::kComplete) return absl::OkStatus();
-  return core_.database.AppendProgram(program_.id, offset, bytes).status();
+  return core_.database.AppendProgram(program_.id, offset, part).status();
 }
 
 absl::StatusOr<v1::PutProgramResponse> PutProgramStream::End() {
@@ -53,6 +68,7 @@ absl::StatusOr<v1::PutProgramResponse> PutProgramStream::End() {
         absl::StrCat("the stream ended after ", received_, " of ", header_ ? header_->size_bytes() : 0, " bytes"),
         {"STREAM_INCOMPLETE", {}});
   }
+  if (!gathered_.empty()) RETURN_IF_ERROR(Store(gathered_));
   ASSIGN_OR_RETURN(const storage::ProgramRecord record,
                    core_.database.FinishProgram(program_.id, header_->size_bytes(), header_->sha256()));
   v1::PutProgramResponse response;

@@ -3,6 +3,7 @@
 #define AXISCAL_SERVER_HANDLERS_PUT_PROGRAM_H_
 
 #include <optional>
+#include <string>
 
 #include "axiscal/v1/programs_service.pb.h"
 #include "server/handlers/core.h"
@@ -22,12 +23,17 @@ class PutProgramStream {
  private:
   absl::Status Begin(const v1::PutProgramHeader& header);
   absl::Status Append(const std::string& bytes);
+  absl::Status Store(const std::string& part);
 
   Core& core_;
   const Call call_;
   std::optional<v1::PutProgramHeader> header_;
   storage::ProgramRecord program_;
   int64_t received_ = 0;  // bytes
+  // Each part that is stored is a transaction that waits for the disk: messages are gathered into parts of one size,
+  // the same ones when the program is sent again.
+  std::string gathered_;
+  int64_t stored_ = 0;  // bytes
 };
 
 }  // namespace axiscal::handlers

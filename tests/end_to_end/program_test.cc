@@ -92,6 +92,39 @@ TEST_F(Program, WhatDoesNotFitItsHeaderIsNotStored) {
   EXPECT_TRUE(stored->rows.empty());
 }
 
+// The first attempt breaks off behind parts that are stored already; the second one cuts its messages elsewhere.
+TEST_F(Program, SentAgainInOtherMessagesItIsStoredOnce) {
+  const std::string program = BigProgram(3'500'000);
+  v1::PutProgramRequest header;
+  header.mutable_header()->set_name("a.nc");
+  header.mutable_header()->set_size_bytes(static_cast<int64_t>(program.size()));
+  header.mutable_header()->set_sha256(base::Sha256Hex(program));
+  header.mutable_header()->set_request_id("r-1");
+  const auto stub = v1::Programs::NewStub(channel());
+  const auto send = [&](size_t message_bytes, size_t total_bytes) {
+    grpc::ClientContext context;
+    v1::PutProgramResponse response;
+    const auto writer = stub->PutProgram(&context, &response);
+    v1::PutProgramRequest data;
+    bool is_open = writer->Write(header);
+    for (size_t at = 0; is_open && at < total_bytes; at += message_bytes) {
+      data.set_data(program.substr(at, std::min(message_bytes, total_bytes - at)));
+      is_open = writer->Write(data);
+    }
+    writer->WritesDone();
+    return writer->Finish();
+  };
+  EXPECT_EQ(testing::ReasonOf(send(200'000, 2'900'000)), "STREAM_INCOMPLETE");
+  EXPECT_TRUE(send(77'777, program.size()).ok());
+  EXPECT_TRUE(send(250'000, program.size()).ok());  // it is there already
+  const auto stored = client().ListPrograms();
+  ASSERT_OK(stored);
+  ASSERT_EQ(stored->rows.size(), 1u);
+  const auto back = client().GetProgram(stored->rows[0].id);
+  ASSERT_OK(back);
+  EXPECT_TRUE(*back == program);
+}
+
 TEST_F(Program, AnUnknownProgramIsNotFound) {
   const auto back = client().GetProgram(ProgramId(77));
   EXPECT_EQ(back.status().code(), absl::StatusCode::kNotFound);
