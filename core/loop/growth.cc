@@ -109,10 +109,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   added.score = finding.effect.score;
   SetClass(finding, &added);
   const bool is_slip = added.candidate.family == Family::kStep;
-  if (is_slip) {
-    added.candidate = AtBestMoment(signatures, added.candidate, options_.search.indistinguishable);
-    extension().MapSlip(fit->problem, &added.candidate);
-  }
+  if (is_slip) extension().MapSlip(fit->problem, &added.candidate);
   effects().push_back(added);
   // What is all but explained already may promise much and fit nothing: its amplitude runs away.
   if (!is_slip) {
@@ -159,19 +156,21 @@ Finding Growth::NamedOfWeak(const Signatures& signatures, const std::vector<Cand
   return is_named ? std::move(found.finding) : std::move(local);
 }
 
-// Two effects that reverse together look like a slipped artefact, which has three offsets to bend to both: what has no
-// name stands only where up to two effects with names do not explain as much.
+// Two effects that reverse together look like a slipped artefact, which has three offsets to bend to both: a slip
+// stands only where up to two effects with names do not explain as much for what they take.
 absl::StatusOr<Finding> Growth::NamedInstead(const Fit& fit, const Signatures& signatures,
                                              std::vector<Candidate> candidates, Finding unnamed) const {
   if (!IsUnnamed(unnamed.effect.candidate.family)) return unnamed;
   std::erase_if(candidates, [](const Candidate& one) { return IsUnnamed(one.family); });
   if (unnamed.effect.candidate.family == Family::kBump) return NamedOfWeak(signatures, candidates, std::move(unnamed));
-  const double least = unnamed.effect.likelihood_ratio - options_.search.evidence;
+  constexpr double kNamesFirst = 2.0;  // in score
   SearchResult found = Search(machine_, signatures, candidates, options_.search);
   if (!found.is_significant) return unnamed;
   const Finding first = std::move(found.finding);
   ErrorModel model = fit.result.model;
+  double penalty = -options_.search.evidence;  // the slip needed as much as the first name
   for (const Finding* next = &first;; next = &found.finding) {
+    penalty += options_.search.evidence + next->effect.likelihood_ratio - next->effect.score;
     model.terms.push_back(next->effect.candidate.term);
     const absl::StatusOr<Fit> refit = Refit(fit, model, identify_options_);
     if (absl::IsCancelled(refit.status())) return refit.status();
@@ -180,7 +179,7 @@ absl::StatusOr<Finding> Growth::NamedInstead(const Fit& fit, const Signatures& s
     const double explained =
         LikelihoodRatio(signatures.residual_squares(), signatures.residual_squares() - left.residual_squares(),
                         signatures.degrees_of_freedom());
-    if (explained >= least) return first;
+    if (explained - penalty >= unnamed.effect.score - kNamesFirst) return first;
     if (next != &first) return unnamed;
     found = Search(machine_, left, candidates, options_.search);
     if (!found.is_significant) return unnamed;

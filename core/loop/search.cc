@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/loop/dictionary.h"
 #include "core/loop/refine.h"
@@ -68,6 +69,17 @@ void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
     scored->erase(std::remove_if(scored->begin() + static_cast<std::ptrdiff_t>(i) + 1, scored->end(),
                                  [&](const Scored& other) { return IsNeighbour(other.candidate, kept); }),
                   scored->end());
+  }
+}
+
+// The best slip of each session at its best moment: the search looked at every few.
+void RefineSlips(const Signatures& signatures, const SearchOptions& options, std::vector<Scored>* scored) {
+  std::set<int> runs;
+  for (Scored& one : *scored) {
+    if (one.candidate.family != Family::kStep || one.score < 0.5 * options.evidence) continue;
+    if (!runs.insert(one.candidate.run).second) continue;
+    one.candidate = AtBestMoment(signatures, one.candidate, options.indistinguishable);
+    Estimate(signatures, &one);
   }
 }
 
@@ -173,6 +185,7 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   std::sort(scored.begin(), scored.end(), better);
   if (!scored.empty() && scored[0].score > 0.5 * options.evidence) {
     RefineLeaders(signatures, &scored);
+    RefineSlips(signatures, options, &scored);
     std::sort(scored.begin(), scored.end(), better);
   }
   constexpr size_t kRanked = 20, kCompared = 400;

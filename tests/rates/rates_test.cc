@@ -91,9 +91,11 @@ TEST(Rates, AFaintSlipIsGivenARangeOfMoments) {
 }
 
 // 81019: across what its session hardly sees; 81040: a profile of moments with many peaks; 81007, 81026: an error that
-// fades after the first session explains nearly as much, and the check sessions cannot tell.
+// fades after the first session explains nearly as much, and the check sessions cannot tell; 93006: significant only at
+// its very moment; 95010, 95013: backlash, and a reversal beside it, explain nearly as much as the slip on the search's
+// grid.
 TEST(Rates, SlipsThatHideAreGivenTheirSessionAndMoment) {
-  for (const int seed : {81019, 81040, 81007, 81026}) {
+  for (const int seed : {81019, 81040, 81007, 81026, 93006, 95010, 95013}) {
     const Score score = Judge(Draw(Kind::kSlip, seed), Kind::kSlip);
     EXPECT_TRUE(score.is_structure_noticed) << score.text;
     EXPECT_EQ(score.spurious, 0) << score.text;
