@@ -18,6 +18,7 @@
 #include "client/cli/session_choice.h"
 #include "core/base/files.h"
 #include "core/base/strict_json.h"
+#include "core/instruments/plausible.h"
 #include "core/loop/close_loop.h"
 #include "core/loop/pictures.h"
 #include "core/machine/error_json.h"
@@ -101,6 +102,14 @@ absl::Status AddSimulation(const Arguments& arguments, const machine::Machine& m
   return absl::OkStatus();
 }
 
+// What an upload asks of sessions, asked of files.
+absl::Status CheckPlausible(const std::vector<std::string>& files, const std::vector<session::Session>& sessions,
+                            const machine::Machine& machine) {
+  for (size_t i = 0; i < files.size(); ++i)
+    RETURN_IF_ERROR(base::Within(files[i], instruments::CheckPlausible(sessions[i], machine)));
+  return absl::OkStatus();
+}
+
 absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
   std::vector<NamedPath> inputs = {{"machine.json", arguments.folder + "/machine.json"}};
@@ -108,6 +117,8 @@ absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
     for (const std::string& file : *files) inputs.push_back({"session", file});
   }
   RETURN_IF_ERROR(CheckPaths(arguments, inputs));
+  RETURN_IF_ERROR(CheckPlausible(measured.fit_files, measured.fit, measured.machine));
+  RETURN_IF_ERROR(CheckPlausible(measured.check_files, measured.check, measured.machine));
   if (!arguments.plot.empty()) RETURN_IF_ERROR(MakeFolder(arguments.plot));
   ASSIGN_OR_RETURN(auto fit, identify::BindSessions(measured.machine, measured.fit));
   ASSIGN_OR_RETURN(auto check, identify::BindSessions(measured.machine, measured.check));

@@ -142,20 +142,32 @@ std::string LoopText(const Json& report) {
     absl::StrAppend(&text, count, " readings stand out of their series and were set aside (listed in the report)\n");
   }
   if (report.value("stopped_early", false)) {
-    absl::StrAppend(&text, "stopped at ", List(report, "effects").size(), " effects: more may be there\n");
+    const Json parts = List(report, "unexplained");
+    const auto unnamed = std::count_if(parts.begin(), parts.end(), [](const Json& part) {
+      return part.value("kind", "") == "local" || part.value("kind", "") == "slip";
+    });
+    absl::StrAppend(&text, "stopped at the limit of --max-effects with ", List(report, "effects").size(), " effects",
+                    unnamed > 0 ? absl::StrCat(" and ", unnamed, " parts without a name") : "",
+                    ": more may be there\n");
+  }
+  const bool is_check_fitted = report.contains("check") && report["check"].value("fitted", false);
+  const std::string fitted = is_check_fitted ? "these sessions" : "the fit sessions";
+  Json untold = Json::array();
+  for (const Json& error : List(report, "errors"))
+    if (!error.value("identifiable", true)) untold.push_back(error.value("name", error.value("symbol", "")));
+  if (!untold.empty()) {
+    absl::StrAppend(&text, "errors without a number, which ", fitted, " do not tell: ", Names(untold), "\n");
   }
   if (const Json rest = List(report, "axes_at_rest"); !rest.empty()) {
-    absl::StrAppend(&text, "axes that never moved in the fit sessions, of which nothing is known: ", Names(rest), "\n");
+    absl::StrAppend(&text, "axes that never moved in ", fitted, ", of which nothing is known: ", Names(rest), "\n");
   }
   if (const Json hidden = List(report, "not_visible"); !hidden.empty()) {
-    absl::StrAppend(&text, "the fit sessions could not see (set-ups and declared errors take it up): ", Names(hidden),
-                    "\n");
+    absl::StrAppend(&text, fitted, " could not see (set-ups and declared errors take it up): ", Names(hidden), "\n");
   }
   const Json proposals = List(report, "next_measurement");
   if (!proposals.empty()) absl::StrAppend(&text, "measure next:\n");
   for (const Json& proposal : proposals) absl::StrAppend(&text, ProposalText(proposal));
   if (!List(report, "steps").empty()) absl::StrAppend(&text, Table(StepRows(report)));
-  const bool is_check_fitted = report.contains("check") && report["check"].value("fitted", false);
   if (is_check_fitted) {
     absl::StrAppend(&text,
                     "the fit sessions alone do not tell these amplitudes: all sessions were fitted together, and the "

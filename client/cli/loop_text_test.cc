@@ -53,6 +53,28 @@ TEST(LoopText, CheckSessionsThatWereFittedProveNothing) {
   EXPECT_THAT(LoopText(report), HasSubstr("\nall sessions "));
 }
 
+TEST(LoopText, WhatTheSessionsDoNotTellIsNamed) {
+  Json report = ReportOf(Effect("EB0B", "constant", "urad"));
+  report["errors"] = Json::parse(R"([{"symbol": "EX0C", "value": 3.1, "identifiable": true},
+                                     {"symbol": "EZ0T", "value": null, "identifiable": false}])");
+  report["not_visible"] = Json::array({"EXZ:linear"});
+  EXPECT_THAT(LoopText(report), HasSubstr("errors without a number, which the fit sessions do not tell: EZ0T\n"));
+  EXPECT_THAT(LoopText(report), HasSubstr("\nthe fit sessions could not see"));
+  report["check"] = report["fit"];
+  report["check"]["fitted"] = true;
+  EXPECT_THAT(LoopText(report), HasSubstr("errors without a number, which these sessions do not tell: EZ0T\n"));
+  EXPECT_THAT(LoopText(report), HasSubstr("\nthese sessions could not see"));
+}
+
+TEST(LoopText, TheLimitCountsPartsWithoutAName) {
+  Json report = ReportOf(Effect("EB0B", "constant", "urad"));
+  report["stopped_early"] = true;
+  EXPECT_THAT(LoopText(report), HasSubstr("stopped at the limit of --max-effects with 1 effects: more may be there\n"));
+  report["unexplained"] = Json::parse(R"([{"kind": "slip", "variable": "t", "session": "CR"},
+                                          {"kind": "check-session", "session": "CT"}])");
+  EXPECT_THAT(LoopText(report), HasSubstr("with 1 effects and 1 parts without a name: more may be there\n"));
+}
+
 TEST(LoopText, AProposalForOneEffectSaysWhatItIsToldFrom) {
   Json report = ReportOf(Effect("EB0B", "constant", "urad"));
   Json proposal = {{"effect", "EB0B"},      {"text", "session CR again"}, {"test", "later"},

@@ -23,6 +23,7 @@ class Loop {
         explorer_(machine, std::move(fit), std::move(check), options_, identify_options_) {}
 
   absl::StatusOr<Report> Run() {
+    RETURN_IF_ERROR(CheckRepeated());
     RETURN_IF_ERROR(CheckBudget());
     ASSIGN_OR_RETURN(Outcome outcome, explorer_.Explore());
     ASSIGN_OR_RETURN(Report report, Finish(&outcome));
@@ -42,6 +43,26 @@ class Loop {
       progress(one);
     };
     return own;
+  }
+
+  // A copy of a session under any name: fitted twice it would count twice, and as a check it would prove nothing.
+  absl::Status CheckRepeated() const {
+    const std::vector<MeasuringRun>&fit = explorer_.fit_runs(), &check = explorer_.check_runs();
+    const auto run = [&](size_t i) -> const MeasuringRun& { return i < fit.size() ? fit[i] : check[i - fit.size()]; };
+    const auto name = [&](size_t i) {
+      return absl::StrCat(i < fit.size() ? "fit" : "check", " session '", run(i).session, "'");
+    };
+    for (size_t i = 0; i < fit.size() + check.size(); ++i) {
+      for (size_t k = 0; k < i; ++k) {
+        if (run(i).kind != run(k).kind || run(i).time_s != run(k).time_s || run(i).positions != run(k).positions ||
+            run(i).measured_mm != run(k).measured_mm)
+          continue;
+        return absl::InvalidArgumentError(
+            absl::StrCat(name(i), " holds the same readings as ", name(k),
+                         i < fit.size() ? ": they would count twice" : ": what was fitted or checked proves nothing"));
+      }
+    }
+    return absl::OkStatus();
   }
 
   // Before any work: names of sessions that are not there.

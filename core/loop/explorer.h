@@ -36,6 +36,7 @@ class Explorer {
   absl::StatusOr<Outcome> Explore();
 
   const std::vector<instruments::MeasuringRun>& fit_runs() const { return runs_; }
+  const std::vector<instruments::MeasuringRun>& check_runs() const { return check_.runs(); }
   // That an outcome was fitted to: the fit sessions, or all.
   const std::vector<instruments::MeasuringRun>& RunsOf(const Outcome& outcome) const {
     return outcome.attempt.way.with_check ? together_ : runs_;

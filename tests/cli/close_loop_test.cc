@@ -55,6 +55,32 @@ TEST_F(CloseLoop, FilesDatabaseAndServerGiveOneReport) {
   EXPECT_EQ(served.out, files.out);
 }
 
+// What the service refuses of uploads and jobs, files do not get past.
+TEST_F(CloseLoop, FilesThatProveNothingAreRefused) {
+  const auto refused = [&](const char* folder, const char* text) {
+    const Outcome outcome = Run(std::string("close-loop ") + folder + " --report report.json");
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(text));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "report.json"));
+  };
+  const std::filesystem::path source(Source("tests/data/loop/case-003"));
+  const auto copy = [&](const char* folder) {
+    std::filesystem::copy(source, folder_ / folder, std::filesystem::copy_options::recursive);
+    return folder_ / folder;
+  };
+  const std::filesystem::path leak = copy("leak");
+  std::filesystem::copy_file(leak / "fit/01-BY.csv", leak / "check/09-BY.csv");
+  refused("leak", "check session 'BY' holds the same readings as fit session 'BY'");
+
+  const std::filesystem::path turned = copy("turned");
+  std::string session = Read("turned/check/02-CR.csv");
+  const size_t tip = session.find("# tool_tip_mm: 0 0 -");
+  ASSERT_NE(tip, std::string::npos);
+  Write("turned/check/02-CR.csv", session.erase(tip + 19, 1));
+  refused("turned", "turned/check/02-CR.csv: line ");
+  refused("turned", "tool_tip_mm and table_ball_mm right?");
+}
+
 // The simulation of `identify`, over the model that the loop ended with: the same in a folder and as a job.
 TEST_F(CloseLoop, MonteCarloOverTheExtendedModel) {
   Write("budget.json", R"({"axiscal": "budget/1", "sources": [
