@@ -85,6 +85,10 @@ std::string PartText(const Json& part) {
     return absl::StrFormat("  check session %s: its readings leave %.3g um rms that the model does not explain\n",
                            part.value("session", ""), Number(part, "/rms_um"));
   }
+  if (part.value("kind", "") == "scatter") {
+    return absl::StrFormat("  session %s: its readings scatter by %.3g um rms, far more than it states\n",
+                           part.value("session", ""), Number(part, "/rms_um"));
+  }
   if (variable == "t") {
     return absl::StrFormat("  session %s: the artefact or the setup moved between %.6g s and %.6g s\n",
                            part.value("session", ""), from, to);

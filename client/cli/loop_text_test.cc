@@ -66,6 +66,12 @@ TEST(LoopText, WhatTheSessionsDoNotTellIsNamed) {
   EXPECT_THAT(LoopText(report), HasSubstr("\nthese sessions could not see"));
 }
 
+TEST(LoopText, ASessionThatScattersIsNoSlip) {
+  EXPECT_EQ(UnexplainedText(Json::parse(R"({"unexplained": [
+                {"kind": "scatter", "variable": "t", "from": 0, "to": 9, "session": "CR", "rms_um": 20.02}]})")),
+            "unexplained:\n  session CR: its readings scatter by 20 um rms, far more than it states\n");
+}
+
 TEST(LoopText, TheLimitCountsPartsWithoutAName) {
   Json report = ReportOf(Effect("EB0B", "constant", "urad"));
   report["stopped_early"] = true;

@@ -43,7 +43,7 @@ double Scatter(const std::vector<double>& values, double lost_freedom) {
   return std::sqrt(squares / freedom / kShareOfVariance);
 }
 
-double Clamp(double ratio) { return std::clamp(ratio, 1.0 / 3.0, 3.0); }
+double Clamp(double ratio) { return std::clamp(ratio, 1.0 / kMostScatter, kMostScatter); }
 
 }  // namespace
 

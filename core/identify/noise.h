@@ -33,10 +33,13 @@ class Variogram {
   int count_[kLags] = {};
 };
 
+// Of the stated sigma: what scatters by more is not the instrument's noise.
+inline constexpr double kMostScatter = 3.0;
+
 // Noise of every run from its residuals under the model so far. Sessions of one instrument share the correlation and
 // the factor on their stated sigma, unless a session's own scatter clearly differs. Dense series are judged by the
-// variogram, others by the robust scatter of their residuals. Never below a third or above three times the stated
-// sigma: beyond that a session is not what it says it is.
+// variogram, others by the robust scatter of their residuals. Never below a third or above kMostScatter times the
+// stated sigma: beyond that a session is not what it says it is.
 std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm);
 
 }  // namespace axiscal::identify

@@ -1,7 +1,9 @@
 #include "core/loop/close_loop.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/identify/noise.h"
 #include "core/loop/describe.h"
 #include "core/loop/explorer.h"
 #include "core/loop/told_apart.h"
@@ -110,6 +112,27 @@ class Loop {
     return out;
   }
 
+  // Fitted sessions that scatter by more than noise may (identify::kMostScatter), and by more than that by chance.
+  static std::vector<Unexplained> ScatteringSessions(const Fit& fit) {
+    constexpr double kBeyondChance = 6.0, kAtTheLimit = 1.0 - 1e-9;  // standard deviations
+    std::vector<Unexplained> sessions;
+    for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
+      const MeasuringRun& run = fit.problem.runs[i];
+      if (fit.problem.noise[i].sigma_mm < kAtTheLimit * identify::kMostScatter * run.sigma_mm) continue;
+      const std::vector<bool>& used = fit.problem.is_used[i];
+      const auto count = static_cast<double>(std::count(used.begin(), used.end(), true));
+      if (identify::WhitenedSquaresOf(fit.problem, i, fit.residuals_mm[i]) <=
+          count + kBeyondChance * std::sqrt(2.0 * count))
+        continue;
+      double squares = 0.0;
+      for (Eigen::Index k = 0; k < fit.residuals_mm[i].size(); ++k)
+        if (used[static_cast<size_t>(k)]) squares += std::pow(fit.residuals_mm[i].data()[k], 2);
+      sessions.push_back(
+          {Unexplained::kScatter, "t", run.time_s.front(), run.time_s.back(), run.session, std::sqrt(squares / count)});
+    }
+    return sessions;
+  }
+
   absl::StatusOr<Report> Finish(Outcome* outcome) const {
     Report& report = outcome->attempt.report;
     RETURN_IF_ERROR(DropToldApart(outcome->fit, identify_options_, &outcome->attempt.extension));
@@ -119,6 +142,8 @@ class Loop {
     report.check_after = outcome->check_after;
     report.unexplained.insert(report.unexplained.end(), outcome->unexplained_sessions.begin(),
                               outcome->unexplained_sessions.end());
+    const std::vector<Unexplained> scattering = ScatteringSessions(outcome->fit);
+    report.unexplained.insert(report.unexplained.end(), scattering.begin(), scattering.end());
     if (!report.unexplained.empty()) report.verdict = Verdict::kUnexplained;
     return std::move(report);
   }

@@ -94,6 +94,27 @@ TEST(NotKnown, ACheckSessionThatNothingExplainsIsNamedSo) {
   EXPECT_NEAR(report.unexplained[0].rms_mm, 0.002, 0.0005);
 }
 
+// A broken probe or a loose ball is not a model that is adequate.
+TEST(NotKnown, AFittedSessionThatScattersByMoreThanNoiseMayIsNamed) {
+  const Machine machine = Declaring({"EX0C", "EY0C", "EA0C", "EB0C", "EZ0T"});
+  const machine::ErrorModel truth = Errors(machine, R"({"EX0C": 20})");
+  const auto closed = [&](double scatter_mm) {
+    auto fit = Measure(machine, truth, {}, {{"CR", Pattern::kCR, 356.4}, {"CA", Pattern::kCA, 356.4}});
+    std::mt19937 random(7);
+    std::normal_distribution<double> scatter(0.0, scatter_mm);
+    for (double& reading : fit[1].columns.back().values) reading += scatter(random);
+    return Close(machine, fit);
+  };
+  EXPECT_EQ(closed(0.0006).verdict, Verdict::kAdequate);  // the instrument states 0.3 um
+  const Report report = closed(0.005);
+  EXPECT_TRUE(report.effects.empty());
+  EXPECT_EQ(report.verdict, Verdict::kUnexplained);
+  ASSERT_EQ(report.unexplained.size(), 1u);
+  EXPECT_EQ(report.unexplained[0].kind, Unexplained::kScatter);
+  EXPECT_EQ(report.unexplained[0].session, "CA");
+  EXPECT_NEAR(report.unexplained[0].rms_mm, 0.005, 0.0005);
+}
+
 TEST(NotKnown, AnEffectThatOneSessionAloneShowsIsFound) {
   const Machine machine = Declaring({"EX0C", "EY0C", "EA0C", "EB0C", "EZ0T"});
   const machine::ErrorModel truth =

@@ -28,8 +28,8 @@ struct Effect {
 // Structure that was found but has no name.
 struct Unexplained {
   // a local defect along an axis; a slipped artefact; a check session that reads more than chance under the model;
-  // readings set aside that cluster along an axis
-  enum Kind { kLocal, kSlip, kCheckSession, kBadReadings };
+  // readings set aside that cluster along an axis; a fitted session that scatters by more than noise may
+  enum Kind { kLocal, kSlip, kCheckSession, kBadReadings, kScatter };
   Kind kind = kLocal;
   std::string variable;         // axis, or "t" for a moment
   double from = 0.0, to = 0.0;  // mm, rad or s

@@ -51,7 +51,7 @@ json UnexplainedJson(const machine::Machine& machine, const Unexplained& part) {
   const int axis = machine::FindAxis(machine, part.variable);
   const bool is_rotary = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary;
   const double unit = is_rotary ? kDegPerRad : 1.0;
-  constexpr const char* kKinds[] = {"local", "slip", "check-session", "bad-readings"};
+  constexpr const char* kKinds[] = {"local", "slip", "check-session", "bad-readings", "scatter"};
   return {{"kind", kKinds[part.kind]},
           {"variable", part.variable},
           {"from", part.from * unit},
