@@ -18,14 +18,21 @@ absl::StatusOr<identify::Fit> Check::Under(const machine::ErrorModel& model) con
 
 std::vector<MeasuringRun> Check::After(std::vector<MeasuringRun> runs) const {
   const size_t fitted = runs.size();
+  // That no session and no set-up bears already, whatever they are called.
+  std::string prefix = "check ";
+  const auto bears = [&prefix](const MeasuringRun& run) {
+    return run.session.rfind(prefix, 0) == 0 || run.setup_name.rfind(prefix, 0) == 0;
+  };
+  while (std::any_of(runs.begin(), runs.end(), bears) || std::any_of(runs_.begin(), runs_.end(), bears))
+    prefix += "check ";
   for (const MeasuringRun& run : runs_) {
     runs.push_back(run);
     const bool is_known =
         std::any_of(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(fitted), [&](const MeasuringRun& other) {
           return other.session == run.session || other.session.rfind(run.session + "#", 0) == 0;  // or a part of it
         });
-    if (is_known) runs.back().session = "check " + run.session;
-    runs.back().setup_name = "check " + run.setup_name;
+    if (is_known) runs.back().session = prefix + run.session;
+    runs.back().setup_name = prefix + run.setup_name;
   }
   return runs;
 }

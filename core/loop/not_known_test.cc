@@ -72,6 +72,18 @@ TEST(NotKnown, WhatOnlyACheckSessionShowsIsNamedAndTheCheckIsGone) {
   EXPECT_EQ(report.verdict, Verdict::kExtended);
 }
 
+TEST(NotKnown, SessionsMayBeCalledAsFittedCheckSessionsAre) {
+  const Machine machine = Declaring({"EX0C", "EY0C", "EA0C", "EB0C", "EZ0T"});
+  const machine::ErrorModel truth =
+      Errors(machine, R"({"EX0C": 20, "terms": [{"symbol": "EBB", "shape": "backlash", "amplitude": 40}]})");
+  const auto fit = Measure(machine, truth, {}, {{"CR", Pattern::kCR, 356.4}, {"check CR", Pattern::kCA, 356.4}});
+  const auto check = Measure(machine, truth, {}, {{"CR", Pattern::kCT, 356.4}, {"BX", Pattern::kBX, 356.4}});
+  const Report report = Close(machine, fit, check);
+  ASSERT_EQ(report.effects.size(), 1u);
+  EXPECT_THAT(ClassOf(machine, report.effects[0]), Contains("EBB:backlash"));
+  EXPECT_TRUE(report.is_check_fitted);
+}
+
 // Readings that scatter as those of the instrument never did: no model explains them.
 TEST(NotKnown, ACheckSessionThatNothingExplainsIsNamedSo) {
   const Machine machine = Declaring({"EX0C", "EY0C", "EA0C", "EB0C", "EZ0T"});

@@ -216,8 +216,17 @@ class Painter {
     }
     const SessionResiduals& first = report_.residuals[group[0]];
     pictures_.push_back(
-        {absl::StrCat("trace-", first.is_check ? "check-" : "", FileName(first.session), ".svg"),
+        {NewFile(absl::StrCat("trace-", first.is_check ? "check-" : "", FileName(first.session))),
          plot::PolarChart(absl::StrCat("Ball bar ", names, ": measured - predicted, ", text), "um", panels)});
+  }
+
+  // The name with .svg, counted on where sessions whose names differ by other characters alone came before.
+  std::string NewFile(const std::string& name) const {
+    std::string file = name + ".svg";
+    const auto is_it = [&file](const Picture& picture) { return picture.file == file; };
+    for (int i = 2; std::any_of(pictures_.begin(), pictures_.end(), is_it); ++i)
+      file = absl::StrCat(name, "-", i, ".svg");
+    return file;
   }
 
   static std::string FileName(const std::string& session) {

@@ -84,6 +84,18 @@ TEST(Pictures, ShowEveryVariableTheTracesAndTheRanking) {
   for (size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].svg, pictures[i].svg);
 }
 
+TEST(Pictures, SessionsWhoseNamesDifferByOneSignHaveTheirOwn) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto sessions =
+      identify::testing::Measure(machine, identify::testing::Errors(machine, R"({"EZ0T": 30})"), {},
+                                 {{"B/1", ballbar::Pattern::kBX, 356.4}, {"B-1", ballbar::Pattern::kBY, 356.4}});
+  const auto fit = *identify::BindSessions(machine, sessions);
+  std::set<std::string> files;
+  for (const Picture& picture : Pictures(machine, fit, {}, CloseLoop(machine, fit, {}).value()))
+    EXPECT_TRUE(files.insert(picture.file).second) << picture.file;
+  EXPECT_TRUE(files.count("trace-B-1.svg") && files.count("trace-B-1-2.svg"));
+}
+
 TEST(Pictures, TheXmlCheckRefusesWhatIsNoXml) {
   EXPECT_EQ(XmlError("<a><b/></a>"), "");
   EXPECT_NE(XmlError("<a><b></a>"), "");
