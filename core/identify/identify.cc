@@ -119,21 +119,23 @@ bool NeedsAmplitudes(const machine::ErrorModel& model) {
   });
 }
 
-absl::StatusOr<Solution> SolveInStages(const Problem& problem, const machine::ErrorModel& model,
-                                       const std::vector<Eigen::VectorXd>& setup, const Nominal& nominal,
-                                       const NullSpace& null_space, const Options& options) {
-  Point start = StartingPoint(problem, model);
+// Bad readings are set aside between the stages: they would send a time constant where it does not come back from.
+absl::StatusOr<Solution> SolveInStages(const machine::ErrorModel& model, const std::vector<Eigen::VectorXd>& setup,
+                                       const Nominal& nominal, const NullSpace& null_space, const Options& options,
+                                       Problem* problem) {
+  Point start = StartingPoint(*problem, model);
   if (!setup.empty()) start.setup = setup;
   const bool is_nominal = setup.empty() && start.model.terms == nominal.point.model.terms;
   const NormalEquations* at_start = is_nominal ? &nominal.normal : nullptr;
-  if (!HasNonlinear(model, options)) return Solve(problem, start, null_space, options, at_start);
-  if (!setup.empty() && !NeedsAmplitudes(model)) return Solve(problem, start, null_space, options);
+  if (!HasNonlinear(model, options)) return Solve(*problem, start, null_space, options, at_start);
+  if (!setup.empty() && !NeedsAmplitudes(model)) return Solve(*problem, start, null_space, options);
   Options amplitudes_only = options;
   amplitudes_only.fit_nonlinear = false;
   constexpr double kNear = 1e-2;  // only where the second stage starts
   amplitudes_only.converged_decrement = std::max(kNear, options.converged_decrement);
-  ASSIGN_OR_RETURN(const Solution first, Solve(problem, start, nominal.null_space, amplitudes_only, at_start));
-  return Solve(problem, first.point, null_space, options);
+  ASSIGN_OR_RETURN(const Solution first, Solve(*problem, start, nominal.null_space, amplitudes_only, at_start));
+  if (options.set_outliers_aside) UpdateUsed(first.residuals_mm, problem);
+  return Solve(*problem, first.point, null_space, options);
 }
 
 }  // namespace
@@ -154,7 +156,7 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   Nominal nominal = AtNominal(problem, model);
   const NullSpace null_space =
       HasNonlinear(model, options) ? WithNonlinearColumns(nominal.null_space, model) : nominal.null_space;
-  ASSIGN_OR_RETURN(Solution solution, SolveInStages(problem, model, setup, nominal, null_space, options));
+  ASSIGN_OR_RETURN(Solution solution, SolveInStages(model, setup, nominal, null_space, options, &problem));
   // A model that misses pulls setup offsets far from where anybody would mount a ball, along valleys without a floor.
   // The stated sigma says little then: it is raised, by no more than it takes for the priors to hold again.
   while (!solution.has_converged) {
@@ -167,7 +169,7 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
     for (Noise& noise : problem.noise) noise.sigma_mm *= growth;
     noise_scale *= growth;
     nominal = AtNominal(problem, model);
-    ASSIGN_OR_RETURN(solution, SolveInStages(problem, model, setup, nominal, null_space, options));
+    ASSIGN_OR_RETURN(solution, SolveInStages(model, setup, nominal, null_space, options, &problem));
   }
   ASSIGN_OR_RETURN(Stand stand, StandOf(problem, std::move(solution), parameters, null_space, options));
   solution = stand.best_first[0];

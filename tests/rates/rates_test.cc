@@ -129,6 +129,11 @@ TEST(Rates, WhatOnlyAllSessionsTellIsNamed) {
   }
 }
 
+// Bad readings sent the time constant of a warming away before they were set aside, and another warming made up for it.
+TEST(Rates, BadReadingsDoNotMoveATimeConstant) {
+  ExpectNamedAndNothingBeside(Judge(Draw(Kind::kDirty, 97015), Kind::kDirty));
+}
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;
