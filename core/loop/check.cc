@@ -88,6 +88,15 @@ absl::StatusOr<identify::Fit> Check::Joint(const identify::Fit& best) const {
   return identify::FitProblem(std::move(joint), best.result.model, options, setup);
 }
 
+double Check::SquaresAlone() const { return identify::WhitenedSquares(problem_, ResidualsOf(problem_, point_)); }
+
+double Check::SquaresIn(const identify::Fit& joint, size_t fitted) const {
+  double squares = 0.0;
+  for (size_t i = fitted; i < joint.problem.runs.size(); ++i)
+    squares += identify::WhitenedSquaresOf(joint.problem, i, joint.residuals_mm[i]);
+  return squares;
+}
+
 bool Check::IsExplained(const identify::Fit& joint, const identify::Fit& best) const {
   double count = 0.0;
   for (size_t i = 0; i < problem_.runs.size(); ++i) count += UsedOf(i);

@@ -30,6 +30,10 @@ class Check {
   // beyond what the fit sessions leave alone is beyond chance and the uncertainty of the errors too: a drift whose rate
   // is poorly known may be off two hours later. DEMANDs Settle before; CANCELLED or the fit's errors.
   absl::StatusOr<identify::Fit> Joint(const identify::Fit& best) const;
+  // Chi-square of these sessions under the errors of the fit sessions (Settle before), and in `joint`, which holds them
+  // after its first `fitted` runs.
+  double SquaresAlone() const;
+  double SquaresIn(const identify::Fit& joint, size_t fitted) const;
   // Whether what `joint` leaves beyond `best` is chance, given also how well the fit sessions know the noise.
   bool IsExplained(const identify::Fit& joint, const identify::Fit& best) const;
   // The sessions that read more than that; empty where all is explained.

@@ -41,6 +41,14 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
     attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
     ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
+  for (size_t i = 0; i < effects().size() && joint.has_value(); ++i) {
+    if (IsUnnamed(effects()[i].candidate.family) || effects()[i].equivalent.empty()) continue;
+    const Candidate before = effects()[i].candidate;
+    RETURN_IF_ERROR(Foretell(i, *joint, fit));
+    if (IsSameEffect(before.term, effects()[i].candidate.term)) continue;
+    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+    ASSIGN_OR_RETURN(joint, Joint(*fit));
+  }
   for (size_t i = effects().size(); i-- > 0 && joint.has_value();) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
     ASSIGN_OR_RETURN(const bool speaks_against, SpeaksAgainst(i, *fit, *joint));
@@ -55,6 +63,30 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
     ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
   return has_replaced;
+}
+
+// Of members of effect i's class that all sessions leave alike, that takes its place whose amplitude, told by the fit
+// sessions alone, foretells the check sessions best, where its own foretells them badly.
+absl::Status Validation::Foretell(size_t i, const Fit& joint, Fit* fit) {
+  constexpr double kBadly = 1.1, kWell = 1.05;  // chi-square over that with all sessions fitted
+  const double within_reach = check_.SquaresIn(joint, fit->problem.runs.size());
+  double least = check_.SquaresAlone();
+  if (least < kBadly * within_reach) return absl::OkStatus();
+  const std::vector<Added> before = effects();
+  const Fit fit_before = *fit;
+  for (const Candidate& member : Contenders(i, joint, Wanted::kAlike)) {
+    Added& effect = effects()[i];
+    const Candidate own = before[i].candidate;
+    effect = before[i];
+    effect.candidate = member;
+    std::erase_if(effect.equivalent, [&](const Candidate& one) { return IsSameEffect(one.term, member.term); });
+    effect.equivalent.push_back(own);
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (is_fitted && check_.SquaresAlone() < kWell * within_reach) return absl::OkStatus();
+  }
+  effects() = before;
+  *fit = fit_before;
+  return check_.Settle(*fit);
 }
 
 // None where all sessions together cannot be fitted: then the check sessions say nothing.
@@ -98,9 +130,9 @@ absl::StatusOr<bool> Validation::Change(const std::vector<Added>& before, Fit* f
   return true;
 }
 
-// Members of effect i's class, simplest first, that by linear estimate explain all sessions best, with amplitudes.
-// Where the effect itself does, only what is better still; elsewhere the estimate may be wrong by a share.
-std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, bool is_explained) const {
+// Members of effect i's class, simplest first, that by linear estimate explain all sessions better than it, or nearly
+// as well (the estimate may be wrong by a share): the best few; or alike: the simplest few. With amplitudes.
+std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, Wanted wanted) const {
   const int term = extension().TermOf(i);
   std::vector<Candidate> all = {effects()[i].candidate};
   all[0].term = joint.result.model.terms[term];
@@ -127,10 +159,12 @@ std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, bool i
   }
   constexpr double kShare = 0.05;
   constexpr size_t kTried = 4;
-  double least = is_explained ? gains[0] + 0.5 * kSpeaksAgainst : (1.0 - kShare) * gains[0];
+  double least = wanted == Wanted::kBetter         ? gains[0] + 0.5 * kSpeaksAgainst
+                 : wanted == Wanted::kNearlyAsGood ? (1.0 - kShare) * gains[0]
+                                                   : gains[0] - kAlike;
   std::vector<double> best(gains.begin() + 1, gains.end());
   std::sort(best.begin(), best.end(), std::greater<>());
-  if (best.size() > kTried) least = std::max(least, best[kTried - 1]);
+  if (wanted != Wanted::kAlike && best.size() > kTried) least = std::max(least, best[kTried - 1]);
   // The class of another effect was looked for: the best one's own shape may stand elsewhere by a simpler name.
   const size_t leader = static_cast<size_t>(std::max_element(gains.begin(), gains.end()) - gains.begin());
   if (leader > 0) {
@@ -155,6 +189,7 @@ std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, bool i
   std::stable_sort(contenders.begin(), contenders.end(), [this](const Candidate& a, const Candidate& b) {
     return Complexity(machine_, a) < Complexity(machine_, b);
   });
+  if (wanted == Wanted::kAlike) contenders.resize(std::min(kTried, contenders.size()));
   return contenders;
 }
 
@@ -200,7 +235,8 @@ absl::Status Validation::PutSlip(size_t i, Fit* fit) {
 absl::StatusOr<bool> Validation::Replace(size_t i, const Fit& fit, const Fit& joint) {
   std::vector<std::pair<double, Candidate>> tried;
   double lowest = INFINITY;
-  for (const Candidate& member : Contenders(i, joint, check_.IsExplained(joint, fit))) {
+  for (const Candidate& member :
+       Contenders(i, joint, check_.IsExplained(joint, fit) ? Wanted::kBetter : Wanted::kNearlyAsGood)) {
     ErrorModel model = joint.result.model;
     model.terms[extension().TermOf(i)] = member.term;
     const absl::StatusOr<Fit> replaced = Refit(joint, model, identify_options_);

@@ -25,7 +25,9 @@ class Validation {
   std::vector<Added>& effects() const { return attempt_->extension.effects; }
   absl::StatusOr<std::optional<identify::Fit>> Joint(const identify::Fit& fit) const;
   absl::StatusOr<bool> SpeaksAgainst(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
-  std::vector<Candidate> Contenders(size_t effect, const identify::Fit& joint, bool is_explained) const;
+  enum class Wanted { kBetter, kNearlyAsGood, kAlike };
+  std::vector<Candidate> Contenders(size_t effect, const identify::Fit& joint, Wanted wanted) const;
+  absl::Status Foretell(size_t effect, const identify::Fit& joint, identify::Fit* fit);
   std::optional<Candidate> SlipInstead(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
   absl::Status PutSlip(size_t effect, identify::Fit* fit);
   absl::StatusOr<bool> Replace(size_t effect, const identify::Fit& fit, const identify::Fit& joint);

@@ -134,6 +134,13 @@ TEST(Rates, BadReadingsDoNotMoveATimeConstant) {
   ExpectNamedAndNothingBeside(Judge(Draw(Kind::kDirty, 97015), Kind::kDirty));
 }
 
+// A class of 78: of those that all sessions leave alike, one whose amplitude foretells the check sessions.
+TEST(Rates, WhatForetellsTheCheckSessionsIsChosen) {
+  const Score score = Judge(Draw(Kind::kOne, 88033), Kind::kOne);
+  ExpectNamedAndNothingBeside(score);
+  EXPECT_LE(score.check_ratio, 1.05) << score.text;
+}
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;
