@@ -57,10 +57,13 @@ absl::StatusOr<Outcome> Explorer::Explore() {
   Way way;
   way.most_effects = options_.max_effects;
   ASSIGN_OR_RETURN(Outcome best, Grow(&way));
-  ASSIGN_OR_RETURN(const bool is_more, IsMoreInAll(best));
-  if (!is_more) return best;
-  ASSIGN_OR_RETURN(const bool is_taken, FitTogether(&best));
-  if (!is_taken) RETURN_IF_ERROR(BeginElsewhere(way, &best));
+  bool is_foretold = true, is_taken = false;
+  ASSIGN_OR_RETURN(const bool is_more, IsMoreInAll(best, &is_foretold));
+  if (is_more) {
+    ASSIGN_OR_RETURN(is_taken, FitTogether(&best));
+    if (!is_taken) RETURN_IF_ERROR(BeginElsewhere(way, &best));
+  }
+  if (!is_taken && !is_foretold) RETURN_IF_ERROR(FitSameTogether(&best));
   return best;
 }
 
@@ -126,8 +129,9 @@ double Explorer::CostOf(const Extension& extension, const Fit& fit) const {
   return cost;
 }
 
-// Whether the check sessions show that something is amiss, be it less than what leaves them unexplained.
-absl::StatusOr<bool> Explorer::IsMoreInAll(const Outcome& best) {
+// Whether the check sessions show that something is amiss, be it less than what leaves them unexplained; and whether
+// amplitudes of the fit sessions foretell them nearly as well as those of all sessions.
+absl::StatusOr<bool> Explorer::IsMoreInAll(const Outcome& best, bool* is_foretold) {
   if (check_.is_empty() || best.attempt.report.has_stopped_early) return false;
   if (!best.unexplained_sessions.empty()) return true;
   if (best.attempt.extension.effects.empty()) return false;
@@ -135,6 +139,8 @@ absl::StatusOr<bool> Explorer::IsMoreInAll(const Outcome& best) {
   const absl::StatusOr<Fit> joint = check_.Joint(best.fit);
   if (absl::IsCancelled(joint.status())) return joint.status();
   if (!joint.ok()) return false;
+  constexpr double kNearly = 1.2;
+  *is_foretold = check_.SquaresAlone() < kNearly * check_.SquaresIn(*joint, best.fit.problem.runs.size());
   const Signatures signatures(joint->problem, joint->point, identify::ListParameters(joint->point.model, true));
   std::vector<Candidate> named = MakeDictionary(joint->problem, joint->point.model);
   std::erase_if(named, [](const Candidate& one) { return IsUnnamed(one.family); });
@@ -158,6 +164,19 @@ absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
   ASSIGN_OR_RETURN(const bool is_alone, FitAlone(other, best));
   if (!is_alone) *best = std::move(other);
   return true;
+}
+
+// The names stand, but of amplitudes the fit sessions tell little more than a sum: the same effects with all sessions
+// fitted.
+absl::Status Explorer::FitSameTogether(Outcome* best) {
+  together_ = check_.After(runs_);
+  Way way;
+  way.most_effects = options_.max_effects;
+  way.with_check = true;
+  way.prefix = best->attempt.extension.effects;
+  ASSIGN_OR_RETURN(Outcome other, Try(way));
+  if (other.unexplained_sessions.empty()) *best = std::move(other);
+  return absl::OkStatus();
 }
 
 // The effects of `named`, which all sessions speak for, with amplitudes of the fit sessions alone: the check sessions

@@ -52,8 +52,9 @@ class Explorer {
   absl::StatusOr<bool> PreferNames(Way way, Outcome* best);
   absl::Status Detour(Way way, Outcome* best);
   absl::Status BeginElsewhere(Way way, Outcome* best);
-  absl::StatusOr<bool> IsMoreInAll(const Outcome& best);
+  absl::StatusOr<bool> IsMoreInAll(const Outcome& best, bool* is_foretold);
   absl::StatusOr<bool> FitTogether(Outcome* best);
+  absl::Status FitSameTogether(Outcome* best);
   absl::StatusOr<bool> FitAlone(const Outcome& named, Outcome* best);
   bool IsBetter(const Outcome& one, const Outcome& other) const;
   double CostOf(const Extension& extension, const identify::Fit& fit) const;

@@ -141,6 +141,14 @@ TEST(Rates, WhatForetellsTheCheckSessionsIsChosen) {
   EXPECT_LE(score.check_ratio, 1.05) << score.text;
 }
 
+// Both names are right, but the fit sessions see the sum: with their amplitudes, 70 um came out as 982 um.
+TEST(Rates, AmplitudesThatOnlyAllSessionsTellAreThoseOfAll) {
+  const Score score = Judge(Draw(Kind::kDirty, 97049), Kind::kDirty);
+  ExpectNamedAndNothingBeside(score);
+  EXPECT_TRUE(score.is_check_fitted);
+  EXPECT_LE(score.check_ratio, 1.0) << score.text;
+}
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;
