@@ -145,7 +145,7 @@ bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const
   // A tool or a table may stand centimetres off, and an axis follow its command as far behind; what varies along an
   // axis is another matter.
   const bool is_large = candidate.family == Family::kConstant || candidate.family == Family::kLag;
-  const double most_mm = is_large ? 30.0 : 3.0, most_rad = is_large ? 0.1 : 0.01;
+  const double most_mm = is_large ? 30.0 : 10.0, most_rad = is_large ? 0.1 : 0.03;
   const double most = machine::IsAngle(candidate.term.component) ? most_rad : most_mm;
   return signatures.LargestValue(candidate.term, amplitude) < most;
 }
