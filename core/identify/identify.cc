@@ -134,7 +134,7 @@ absl::StatusOr<Solution> SolveInStages(const machine::ErrorModel& model, const s
   constexpr double kNear = 1e-2;  // only where the second stage starts
   amplitudes_only.converged_decrement = std::max(kNear, options.converged_decrement);
   ASSIGN_OR_RETURN(const Solution first, Solve(*problem, start, nominal.null_space, amplitudes_only, at_start));
-  if (options.set_outliers_aside) UpdateUsed(first.residuals_mm, problem);
+  if (options.set_outliers_aside && first.has_converged) UpdateUsed(first.residuals_mm, problem);
   return Solve(*problem, first.point, null_space, options);
 }
 

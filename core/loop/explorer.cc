@@ -147,13 +147,18 @@ absl::StatusOr<bool> Explorer::IsMoreInAll(const Outcome& best, bool* is_foretol
   return Search(machine_, signatures, named, options_.search).is_significant;
 }
 
-// Of two effects the fit sessions may see the sum alone, and one of them stands for both. Where all sessions fitted
-// together explain the check sessions with names, and for less than what was found so far, that is the result: true.
-absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
+Way Explorer::WayOfAll() {
   together_ = check_.After(runs_);
   Way way;
   way.most_effects = options_.max_effects;
   way.with_check = true;
+  return way;
+}
+
+// Of two effects the fit sessions may see the sum alone, and one of them stands for both. Where all sessions fitted
+// together leave no check session unexplained, for less than what was found so far, that is the result: true.
+absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
+  Way way = WayOfAll();
   ASSIGN_OR_RETURN(Outcome other, Grow(&way));
   if (!other.unexplained_sessions.empty()) return false;
   Extension known(machine_, together_);
@@ -169,10 +174,7 @@ absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
 // The names stand, but of amplitudes the fit sessions tell little more than a sum: the same effects with all sessions
 // fitted.
 absl::Status Explorer::FitSameTogether(Outcome* best) {
-  together_ = check_.After(runs_);
-  Way way;
-  way.most_effects = options_.max_effects;
-  way.with_check = true;
+  Way way = WayOfAll();
   way.prefix = best->attempt.extension.effects;
   ASSIGN_OR_RETURN(Outcome other, Try(way));
   if (other.unexplained_sessions.empty()) *best = std::move(other);

@@ -53,6 +53,7 @@ class Explorer {
   absl::Status Detour(Way way, Outcome* best);
   absl::Status BeginElsewhere(Way way, Outcome* best);
   absl::StatusOr<bool> IsMoreInAll(const Outcome& best, bool* is_foretold);
+  Way WayOfAll();
   absl::StatusOr<bool> FitTogether(Outcome* best);
   absl::Status FitSameTogether(Outcome* best);
   absl::StatusOr<bool> FitAlone(const Outcome& named, Outcome* best);
