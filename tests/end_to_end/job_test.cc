@@ -3,7 +3,7 @@
 
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "core/base/error_detail.h"
-#include "tests/end_to_end/testing/fixture.h"
+#include "tests/end_to_end/testing/job_fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
 namespace axiscal {
@@ -11,38 +11,11 @@ namespace {
 
 using storage::CalibrationState;
 using storage::JobState;
-using testing::BallbarSession;
 using ::testing::HasSubstr;
+using testing::Job;
 using testing::MachineJson;
 
 constexpr double kToleranceUm = 0.05;  // the readings are exact to 1e-4 um; priors on the setups pull by less than this
-
-class Job : public testing::EndToEnd {
- protected:
-  void SetUp() override {
-    EndToEnd::SetUp();
-    ASSERT_OK(client().CreateMachine(MachineJson("mt")));
-  }
-
-  SessionId UploadSession(const std::string& name, int readings = 720) {
-    const auto upload = client().Upload(MachineId("mt"), BallbarSession("mt", name, readings));
-    EXPECT_TRUE(upload.ok()) << upload.status();
-    return upload.ok() ? upload->session.id : SessionId();
-  }
-  client::JobRecord RunJob(const convert::JobParams& params) {
-    const auto job = client().CreateJob(params);
-    EXPECT_TRUE(job.ok()) << job.status();
-    if (!job.ok()) return {};
-    const auto ended = client().WatchJob(job->id, nullptr);
-    EXPECT_TRUE(ended.ok()) << ended.status();
-    return ended.ok() ? *ended : client::JobRecord{};
-  }
-  CalibrationId Identify() {
-    const client::JobRecord job = RunJob(convert::IdentifyParams{MachineId("mt"), {UploadSession("BX")}, {}});
-    EXPECT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
-    return job.calibration.value_or(CalibrationId());
-  }
-};
 
 TEST_F(Job, IdentifyMakesACandidateWithItsProvenance) {
   const SessionId session = UploadSession("BX");
@@ -316,52 +289,6 @@ TEST_F(Job, AJobThatWasCancelledRunsToItsEndOnceItIsQueuedAgain) {
   for (const JobId& id : busy) ASSERT_OK(client().WaitJob(id, std::chrono::seconds(60)));
   ASSERT_OK(client().RequeueJob(job->id));
   EXPECT_EQ(client().WaitJob(job->id, std::chrono::seconds(60))->state, JobState::kSucceeded);
-}
-
-TEST_F(Job, ACancelledLoopStoresNothing) {
-  const convert::CloseLoopParams params{MachineId("mt"), {UploadSession("a", 50'000)}, {UploadSession("b")}, {}};
-  const auto job = client().CreateJob(params);
-  ASSERT_OK(job);
-  bool has_run = false;
-  const auto ended = client().WatchJob(job->id, [&](const client::JobRecord& record) {
-    if (!has_run && record.state == JobState::kRunning) {
-      has_run = true;
-      EXPECT_TRUE(client().CancelJob(job->id).ok());
-    }
-    return true;
-  });
-  ASSERT_OK(ended);
-  EXPECT_TRUE(has_run);
-  EXPECT_EQ(ended->state, JobState::kCancelled);
-  EXPECT_TRUE(client().ListCalibrations()->rows.empty());
-}
-
-TEST_F(Job, TheLoopReportsItsProgressAndRefusesWhatProvesNothing) {
-  const SessionId fit = UploadSession("a"), check = UploadSession("b");
-  const auto job = client().CreateJob(convert::CloseLoopParams{MachineId("mt"), {fit}, {check}, 2});
-  ASSERT_OK(job);
-  double fraction = 0.0;
-  std::string stages;
-  const auto ended = client().WatchJob(job->id, [&](const client::JobRecord& record) {
-    EXPECT_GE(record.progress.fraction, fraction);
-    fraction = record.progress.fraction;
-    absl::StrAppend(&stages, record.progress.stage, ";");
-    return true;
-  });
-  ASSERT_OK(ended);
-  ASSERT_EQ(ended->state, JobState::kSucceeded) << (ended->error ? ended->error->message : "");
-  EXPECT_FALSE(stages.empty());
-  EXPECT_EQ(ended->result, client().GetCalibration(*ended->calibration)->content.report_json);
-
-  const auto field = [&](const convert::CloseLoopParams& params) {
-    const auto detail = base::GetErrorDetail(client().CreateJob(params).status());
-    return detail.has_value() && detail->facts.count("field") > 0 ? detail->facts.at("field") : std::string("none");
-  };
-  const MachineId mt("mt");
-  EXPECT_EQ(field({mt, {}, {check}, {}}), "params.close_loop.fit_session_ids");
-  EXPECT_EQ(field({mt, {fit}, {check, fit}, {}}), "params.close_loop.check_session_ids[1]");
-  EXPECT_EQ(field({mt, {fit}, {check, check}, {}}), "params.close_loop.check_session_ids[1]");
-  EXPECT_EQ(field({mt, {fit}, {}, 51}), "params.close_loop.max_effects");
 }
 
 TEST_F(Job, ListsAreNewestFirstAndStable) {
