@@ -27,8 +27,8 @@ class Nuisance {
   Eigen::Index size() const { return size_; }
   // Adds the inner products of some rows' whitened columns (rows first .. first + count of one series) to `raw`
   // (size() x width); Finish turns the sum over all rows into coefficients.
-  template <typename Columns>
-  void Accumulate(int group, Eigen::Index first, const Columns& columns, Eigen::MatrixXd* raw) const {
+  template <typename Columns, typename Raw>
+  void Accumulate(int group, Eigen::Index first, const Columns& columns, Raw* raw) const {
     const Eigen::Index s = setup_basis_[group].rows(), n = columns.rows(), p = error_basis_.cols();
     // The setup's offsets stand right before the errors, unused ones of other groups to their left: one product.
     const Eigen::MatrixXd sums = columns_.block(first, widest_ - s, n, s + p).transpose() * columns;

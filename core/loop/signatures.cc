@@ -63,11 +63,9 @@ int Signatures::ColumnsOf(const Candidate& candidate) const {
 }
 
 template <typename Visit>
-void Signatures::ForEachBlock(const std::vector<const Candidate*>& candidates, Eigen::Index width, int run,
-                              Visit visit) const {
+void Signatures::ForEachBlock(const std::vector<const Candidate*>& candidates, Eigen::Index width, Visit visit) const {
   Eigen::MatrixXd raw(kRowsAtOnce + 1, width), whitened(kRowsAtOnce, width);
   for (const Series& rows : series_) {
-    if (run >= 0 && rows.run != run) continue;
     for (int begin = rows.begin; begin < rows.end; begin += kRowsAtOnce) {
       const int count = std::min(kRowsAtOnce, rows.end - begin);
       // The row above, where the noise remembers it.
@@ -122,7 +120,7 @@ std::vector<Projection> Signatures::ProjectWorthy(const std::vector<Candidate>& 
 void Signatures::ProjectPending(const std::vector<Candidate>& candidates, std::vector<Projection>* projections) const {
   if (row_count() == 0) return;
   // A slip touches one run only: those of a run go together, all others over all rows.
-  constexpr int kColumnsAtOnce = 96;
+  constexpr int kColumnsAtOnce = 96, kSlipColumnsAtOnce = 3072;
   std::vector<const Candidate*> some;
   std::vector<Projection*> theirs;
   int width = 0;
@@ -134,7 +132,8 @@ void Signatures::ProjectPending(const std::vector<Candidate>& candidates, std::v
   };
   for (size_t i = 0; i < candidates.size(); ++i) {
     if ((*projections)[i].is_screened || (*projections)[i].columns > 0) continue;
-    if (!some.empty() && (width >= kColumnsAtOnce || some.front()->run != candidates[i].run)) flush();
+    const int most = candidates[i].family == Family::kStep ? kSlipColumnsAtOnce : kColumnsAtOnce;
+    if (!some.empty() && (width >= most || some.front()->run != candidates[i].run)) flush();
     some.push_back(&candidates[i]);
     theirs.push_back(&(*projections)[i]);
     width += ColumnsOf(candidates[i]);
@@ -181,17 +180,10 @@ void Signatures::FillRaw(const std::vector<const Candidate*>& candidates, int be
   }
 }
 
-void Signatures::ProjectFully(const std::vector<const Candidate*>& candidates,
-                              const std::vector<Projection*>& projections) const {
-  // Squares of sigmas per mm or rad: a turn about the line through the point, and nothing more.
-  constexpr double kRounding = 1e-6;
-  Eigen::Index width = 0;
-  for (const Candidate* candidate : candidates) width += ColumnsOf(*candidate);
-  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), width);
-  for (Projection* out : projections) *out = {};
-  const int run = candidates.front()->family == Family::kStep ? candidates.front()->run : -1;
-  ForEachBlock(candidates, width, run, [&](const Series& rows, int first, const auto& whitened) {
-    nuisance_.Accumulate(rows.group, first, whitened, &coefficients);
+void Signatures::SumColumns(const std::vector<const Candidate*>& candidates,
+                            const std::vector<Projection*>& projections, Eigen::MatrixXd* coefficients) const {
+  ForEachBlock(candidates, coefficients->cols(), [&](const Series& rows, int first, const auto& whitened) {
+    nuisance_.Accumulate(rows.group, first, whitened, coefficients);
     const Eigen::VectorXd right = whitened.transpose() * residual_.segment(first, whitened.rows());
     Eigen::Index at = 0;
     for (size_t i = 0; i < candidates.size(); ++i) {
@@ -203,6 +195,18 @@ void Signatures::ProjectFully(const std::vector<const Candidate*>& candidates,
       at += own;
     }
   });
+}
+
+void Signatures::ProjectFully(const std::vector<const Candidate*>& candidates,
+                              const std::vector<Projection*>& projections) const {
+  // Squares of sigmas per mm or rad: a turn about the line through the point, and nothing more.
+  constexpr double kRounding = 1e-6;
+  Eigen::Index width = 0;
+  for (const Candidate* candidate : candidates) width += ColumnsOf(*candidate);
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), width);
+  for (Projection* out : projections) *out = {};
+  const bool are_slips = candidates.front()->family == Family::kStep;
+  are_slips ? SumSlips(candidates, projections, &coefficients) : SumColumns(candidates, projections, &coefficients);
   nuisance_.Finish(&coefficients);
   Eigen::Index at = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
@@ -234,7 +238,7 @@ std::vector<double> Signatures::CorrelationsWith(const Candidate& reference,
     const int m = ColumnsOf(reference), n = ColumnsOf(candidate);
     Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), m + n);
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(m + n, m + n);
-    ForEachBlock(both, m + n, -1, [&](const Series& rows, int first, const auto& whitened) {
+    ForEachBlock(both, m + n, [&](const Series& rows, int first, const auto& whitened) {
       nuisance_.Accumulate(rows.group, first, whitened, &coefficients);
       gram.noalias() += whitened.transpose() * whitened;
     });

@@ -72,11 +72,17 @@ class Signatures {
   // Raw signatures side by side at the rows begin .. begin + columns.rows().
   void FillRaw(const std::vector<const Candidate*>& candidates, int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
   void ProjectPending(const std::vector<Candidate>& candidates, std::vector<Projection>* projections) const;
-  // Candidates of one `run` (slips) or of none.
+  // Slips of one run, or others.
   void ProjectFully(const std::vector<const Candidate*>& candidates, const std::vector<Projection*>& projections) const;
-  // Calls visit(series, first row, whitened columns) for blocks of rows of all series (of one run where run >= 0).
+  // Products of whitened columns before projection, with themselves and the residual and, added to `coefficients`
+  // (nuisance size x columns side by side), with the nuisance; of any but slips, and of slips of one run.
+  void SumColumns(const std::vector<const Candidate*>& candidates, const std::vector<Projection*>& projections,
+                  Eigen::MatrixXd* coefficients) const;
+  void SumSlips(const std::vector<const Candidate*>& slips, const std::vector<Projection*>& projections,
+                Eigen::MatrixXd* coefficients) const;
+  // Calls visit(series, first row, whitened columns) for blocks of rows of all series.
   template <typename Visit>
-  void ForEachBlock(const std::vector<const Candidate*>& candidates, Eigen::Index width, int run, Visit visit) const;
+  void ForEachBlock(const std::vector<const Candidate*>& candidates, Eigen::Index width, Visit visit) const;
 
   const identify::Problem& problem_;
   std::vector<int> run_, reading_;

@@ -6,6 +6,7 @@
 
 #include "core/identify/identify.h"
 #include "core/identify/testing/scenario.h"
+#include "core/instruments/evaluation.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/search.h"
 
@@ -75,6 +76,42 @@ TEST(Signatures, WhatTheSetupExplainsIsInvisible) {
   // EX0W, the table ball's place, is what every session refits; only the ball's prior, 60 um, keeps a trace of it.
   const machine::ErrorTerm ball = machine::ConstantTerm(kMachine, *machine::ParseErrorSymbol("EX0W"));
   EXPECT_LT(signatures.Project({{Family::kConstant, ball, -1, 0}})[0].visible, 1e-4);
+}
+
+// Moves the ball from each slip's reading on and looks at what is left then.
+TEST(Signatures, ASlipIsWhatAMovedBallLeaves) {
+  identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), {}, 1.0);
+  const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
+  constexpr int kRun = 1;
+  instruments::MeasuringRun& run = fit.problem.runs[kRun];
+  const Eigen::MatrixXd as_measured_mm = run.measured_mm;
+  const Eigen::Vector3d moved_mm(0.01, -0.02, 0.005);
+  const std::vector<int> moments = {run.reading_count() / 2, 7, run.reading_count() - 9, 8};
+  for (const int bad : {3, 7, 10}) fit.problem.is_used[kRun][bad] = false;
+  for (const double ar1 : {0.0, 0.6}) {
+    for (identify::Noise& noise : fit.problem.noise) noise.ar1 = ar1;
+    run.measured_mm = as_measured_mm;
+    std::vector<Candidate> slips;
+    for (const int moment : moments) slips.push_back({Family::kStep, {}, kRun, moment});
+    const Signatures before(fit.problem, fit.point, parameters);
+    const std::vector<Projection> projections = before.Project(slips);
+    for (size_t i = 0; i < slips.size(); ++i) {
+      run.measured_mm = as_measured_mm;
+      instruments::Evaluation evaluation;
+      for (int k = moments[i]; k < run.reading_count(); ++k) {
+        const machine::JointErrors<double> errors = machine::ErrorsAt(kMachine, fit.point.model, run.StateOf(k));
+        instruments::Evaluate(kMachine, run, k, errors, fit.point.setup[fit.problem.group_of_run[kRun]].data(),
+                              &evaluation);
+        run.measured_mm(0, k) -= evaluation.by_setup.row(0).head<3>() * moved_mm;
+      }
+      const Signatures after(fit.problem, fit.point, parameters);
+      const double more =
+          2.0 * moved_mm.dot(projections[i].with_residual) + moved_mm.dot(projections[i].own * moved_mm);
+      EXPECT_GT(more, 100.0);
+      // A direction of which less than kVisible shows counts as none.
+      EXPECT_NEAR(after.residual_squares(), before.residual_squares() + more, 1e-3 * more) << moments[i];
+    }
+  }
 }
 
 TEST(Signatures, TwoNamesOfOneMotionCorrelateFully) {
