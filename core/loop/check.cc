@@ -11,9 +11,23 @@ namespace axiscal::loop {
 
 using instruments::MeasuringRun;
 
-absl::StatusOr<identify::Fit> Check::Under(const machine::ErrorModel& model) const {
+absl::StatusOr<identify::Fit> Check::Under(const machine::ErrorModel& model) {
   DEMAND(!runs_.empty());
-  return identify::CheckRuns(machine_, runs_, model, options_);
+  // A model is asked for when an attempt ends, when its figures are stated and when it is compared.
+  if (last_model_.has_value() && last_model_->terms == model.terms) return under_last_model_;
+  last_model_.reset();
+  ASSIGN_OR_RETURN(under_last_model_, identify::CheckRuns(machine_, runs_, model, options_));
+  last_model_ = model;
+  return under_last_model_;
+}
+
+bool Check::Settled::IsUnder(const identify::Fit& fit) const {
+  const auto is_same = [](const identify::Noise& a, const identify::Noise& b) {
+    return a.sigma_mm == b.sigma_mm && a.ar1 == b.ar1;
+  };
+  // What is used first: only set-ups of the same runs compare.
+  return is_used == fit.problem.is_used && model.terms == fit.result.model.terms && setup == fit.point.setup &&
+         std::equal(noise.begin(), noise.end(), fit.problem.noise.begin(), fit.problem.noise.end(), is_same);
 }
 
 std::vector<MeasuringRun> Check::After(std::vector<MeasuringRun> runs) const {
@@ -38,15 +52,22 @@ std::vector<MeasuringRun> Check::After(std::vector<MeasuringRun> runs) const {
 }
 
 absl::Status Check::Settle(const identify::Fit& best) {
+  if (settled_.IsUnder(best)) return absl::OkStatus();
   ASSIGN_OR_RETURN(identify::Fit fit, Under(best.result.model));
-  problem_ = std::move(fit.problem);
-  point_ = std::move(fit.point);
-  problem_.noise = EstimateNoise(problem_, fit.residuals_mm);
-  noise_readings_ = 0.0;
+  settled_ = {best.result.model,
+              best.point.setup,
+              best.problem.noise,
+              best.problem.is_used,
+              std::move(fit.problem),
+              std::move(fit.point),
+              0.0,
+              nullptr};
+  identify::Problem& problem = settled_.problem;
+  problem.noise = EstimateNoise(problem, fit.residuals_mm);
   for (const std::vector<bool>& used : best.problem.is_used)
-    noise_readings_ += static_cast<double>(std::count(used.begin(), used.end(), true));
-  for (size_t i = 0; i < problem_.runs.size(); ++i) {
-    const MeasuringRun& run = problem_.runs[i];
+    settled_.noise_readings += static_cast<double>(std::count(used.begin(), used.end(), true));
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const MeasuringRun& run = problem.runs[i];
     double factor = 0.0, ar1 = 0.0;
     int count = 0;
     for (size_t k = 0; k < best.problem.runs.size(); ++k) {
@@ -55,26 +76,29 @@ absl::Status Check::Settle(const identify::Fit& best) {
       ar1 += best.problem.noise[k].ar1;
       ++count;
     }
-    if (count > 0) problem_.noise[i] = {factor / count * run.sigma_mm, ar1 / count};
+    if (count > 0) problem.noise[i] = {factor / count * run.sigma_mm, ar1 / count};
   }
   return absl::OkStatus();
 }
 
 double Check::UsedOf(size_t run) const {
-  return static_cast<double>(std::count(problem_.is_used[run].begin(), problem_.is_used[run].end(), true));
+  return static_cast<double>(
+      std::count(settled_.problem.is_used[run].begin(), settled_.problem.is_used[run].end(), true));
 }
 
 bool Check::IsChance(double squares, double count) const {
   constexpr double kBeyondChance = 6.0;  // standard deviations
-  return squares < count + kBeyondChance * std::sqrt(2.0 * count + 2.0 * count * count / noise_readings_);
+  return squares < count + kBeyondChance * std::sqrt(2.0 * count + 2.0 * count * count / settled_.noise_readings);
 }
 
-absl::StatusOr<identify::Fit> Check::Joint(const identify::Fit& best) const {
-  DEMAND(problem_.runs.size() == runs_.size());
+absl::StatusOr<std::shared_ptr<const identify::Fit>> Check::Joint(const identify::Fit& best) {
+  DEMAND(settled_.problem.runs.size() == runs_.size());
+  const bool is_settled_under = settled_.IsUnder(best);
+  if (is_settled_under && settled_.joint != nullptr) return settled_.joint;
   const size_t fitted = best.problem.runs.size();
   ASSIGN_OR_RETURN(identify::Problem joint, identify::MakeProblem(machine_, After(best.problem.runs)));
   for (size_t i = 0; i < joint.runs.size(); ++i) {
-    const identify::Problem& own = i < fitted ? best.problem : problem_;
+    const identify::Problem& own = i < fitted ? best.problem : settled_.problem;
     joint.noise[i] = own.noise[i < fitted ? i : i - fitted];
     joint.is_used[i] = own.is_used[i < fitted ? i : i - fitted];
   }
@@ -84,11 +108,16 @@ absl::StatusOr<identify::Fit> Check::Joint(const identify::Fit& best) const {
   // Balls that the check sessions alone pulled far across the bar come back in short steps.
   options.max_iterations *= 5;
   std::vector<Eigen::VectorXd> setup = best.point.setup;
-  setup.insert(setup.end(), point_.setup.begin(), point_.setup.end());
-  return identify::FitProblem(std::move(joint), best.result.model, options, setup);
+  setup.insert(setup.end(), settled_.point.setup.begin(), settled_.point.setup.end());
+  ASSIGN_OR_RETURN(identify::Fit fit, identify::FitProblem(std::move(joint), best.result.model, options, setup));
+  auto kept = std::make_shared<const identify::Fit>(std::move(fit));
+  if (is_settled_under) settled_.joint = kept;
+  return kept;
 }
 
-double Check::SquaresAlone() const { return identify::WhitenedSquares(problem_, ResidualsOf(problem_, point_)); }
+double Check::SquaresAlone() const {
+  return identify::WhitenedSquares(settled_.problem, ResidualsOf(settled_.problem, settled_.point));
+}
 
 double Check::SquaresIn(const identify::Fit& joint, size_t fitted) const {
   double squares = 0.0;
@@ -99,7 +128,7 @@ double Check::SquaresIn(const identify::Fit& joint, size_t fitted) const {
 
 bool Check::IsExplained(const identify::Fit& joint, const identify::Fit& best) const {
   double count = 0.0;
-  for (size_t i = 0; i < problem_.runs.size(); ++i) count += UsedOf(i);
+  for (size_t i = 0; i < settled_.problem.runs.size(); ++i) count += UsedOf(i);
   return IsChance(identify::WhitenedSquares(joint.problem, joint.residuals_mm) -
                       identify::WhitenedSquares(best.problem, best.residuals_mm),
                   count);
@@ -109,32 +138,32 @@ Unexplained Check::ExcessOf(size_t run, double squares) const {
   const double excess = std::max(0.0, squares / UsedOf(run) - 1.0);
   return {Unexplained::kCheckSession, "t",
           runs_[run].time_s.front(),  runs_[run].time_s.back(),
-          runs_[run].session,         problem_.noise[run].sigma_mm * std::sqrt(excess)};
+          runs_[run].session,         settled_.problem.noise[run].sigma_mm * std::sqrt(excess)};
 }
 
 std::vector<Unexplained> Check::UnexplainedWhereFitted() const {
-  const std::vector<Eigen::MatrixXd> residuals_mm = ResidualsOf(problem_, point_);
+  const std::vector<Eigen::MatrixXd> residuals_mm = ResidualsOf(settled_.problem, settled_.point);
   std::vector<Unexplained> sessions;
   for (size_t i = 0; i < runs_.size(); ++i) {
-    const double squares = identify::WhitenedSquaresOf(problem_, i, residuals_mm[i]);
+    const double squares = identify::WhitenedSquaresOf(settled_.problem, i, residuals_mm[i]);
     if (UsedOf(i) > 0.0 && !IsChance(squares, UsedOf(i))) sessions.push_back(ExcessOf(i, squares));
   }
   return sessions;
 }
 
-absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identify::Fit& best) const {
-  const absl::StatusOr<identify::Fit> joint = Joint(best);
+absl::StatusOr<std::vector<Unexplained>> Check::UnexplainedSessions(const identify::Fit& best) {
+  const absl::StatusOr<std::shared_ptr<const identify::Fit>> joint = Joint(best);
   if (absl::IsCancelled(joint.status())) return joint.status();
   // Where all together cannot be fitted each is judged under the errors of the fit sessions.
   if (!joint.ok()) return UnexplainedWhereFitted();
   std::vector<Unexplained> sessions;
-  if (IsExplained(*joint, best)) return sessions;
+  if (IsExplained(**joint, best)) return sessions;
   Unexplained worst;
   double most = -INFINITY;
   for (size_t i = 0; i < runs_.size(); ++i) {
     if (UsedOf(i) == 0.0) continue;
     const size_t at = best.problem.runs.size() + i;
-    const double squares = identify::WhitenedSquaresOf(joint->problem, at, joint->residuals_mm[at]);
+    const double squares = identify::WhitenedSquaresOf((*joint)->problem, at, (*joint)->residuals_mm[at]);
     if (!IsChance(squares, UsedOf(i))) sessions.push_back(ExcessOf(i, squares));
     if (squares / UsedOf(i) > most) worst = ExcessOf(i, squares);
     most = std::max(most, squares / UsedOf(i));

@@ -3,6 +3,8 @@
 #ifndef AXISCAL_CORE_LOOP_CHECK_H_
 #define AXISCAL_CORE_LOOP_CHECK_H_
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/identify/identify.h"
@@ -21,7 +23,7 @@ class Check {
   // `runs` and after them these sessions, to be fitted together: set-ups are their own, and so are names: "check CR".
   std::vector<instruments::MeasuringRun> After(std::vector<instruments::MeasuringRun> runs) const;
   // The sessions under a model. DEMANDs that there are some; CANCELLED or the fit's errors.
-  absl::StatusOr<identify::Fit> Under(const machine::ErrorModel& model) const;
+  absl::StatusOr<identify::Fit> Under(const machine::ErrorModel& model);
 
   // Fits the setup offsets under the best model known and sets bad readings aside; noise is that of the fit sessions of
   // the same instrument, so that no model is judged by a scatter of its own making.
@@ -29,7 +31,7 @@ class Check {
   // All sessions, the fit's and these, fitted together with the fit's model from where it stands. What they leave
   // beyond what the fit sessions leave alone is beyond chance and the uncertainty of the errors too: a drift whose rate
   // is poorly known may be off two hours later. DEMANDs Settle before; CANCELLED or the fit's errors.
-  absl::StatusOr<identify::Fit> Joint(const identify::Fit& best) const;
+  absl::StatusOr<std::shared_ptr<const identify::Fit>> Joint(const identify::Fit& best);
   // Chi-square of these sessions under the errors of the fit sessions (Settle before), and in `joint`, which holds them
   // after its first `fitted` runs.
   double SquaresAlone() const;
@@ -37,9 +39,27 @@ class Check {
   // Whether what `joint` leaves beyond `best` is chance, given also how well the fit sessions know the noise.
   bool IsExplained(const identify::Fit& joint, const identify::Fit& best) const;
   // The sessions that read more than that; empty where all is explained.
-  absl::StatusOr<std::vector<Unexplained>> UnexplainedSessions(const identify::Fit& best) const;
+  absl::StatusOr<std::vector<Unexplained>> UnexplainedSessions(const identify::Fit& best);
   // The same where `best` was fitted to these sessions, too: those that read more than chance under its errors.
   std::vector<Unexplained> UnexplainedWhereFitted() const;
+
+  // What Settle left, and what was asked since.
+  struct Settled {
+    // Of the fit that it was settled under.
+    machine::ErrorModel model;
+    std::vector<Eigen::VectorXd> setup;
+    std::vector<identify::Noise> noise;
+    std::vector<std::vector<bool>> is_used;
+
+    identify::Problem problem;
+    identify::Point point;
+    double noise_readings = 0.0;                 // that the noise was judged from
+    std::shared_ptr<const identify::Fit> joint;  // with that fit; none yet
+
+    bool IsUnder(const identify::Fit& fit) const;
+  };
+  const Settled& settled() const { return settled_; }
+  void PutBack(Settled settled) { settled_ = std::move(settled); }
 
  private:
   const machine::Machine& machine_;
@@ -49,9 +69,9 @@ class Check {
   double UsedOf(size_t run) const;
   Unexplained ExcessOf(size_t run, double squares) const;
 
-  identify::Problem problem_;
-  identify::Point point_;
-  double noise_readings_ = 0.0;  // that the noise was judged from
+  Settled settled_;
+  std::optional<machine::ErrorModel> last_model_;  // asked for by Under
+  identify::Fit under_last_model_;
 };
 
 }  // namespace axiscal::loop

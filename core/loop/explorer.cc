@@ -136,13 +136,14 @@ absl::StatusOr<bool> Explorer::IsMoreInAll(const Outcome& best, bool* is_foretol
   if (!best.unexplained_sessions.empty()) return true;
   if (best.attempt.extension.effects.empty()) return false;
   RETURN_IF_ERROR(check_.Settle(best.fit));
-  const absl::StatusOr<Fit> joint = check_.Joint(best.fit);
-  if (absl::IsCancelled(joint.status())) return joint.status();
-  if (!joint.ok()) return false;
+  const absl::StatusOr<std::shared_ptr<const Fit>> fit = check_.Joint(best.fit);
+  if (absl::IsCancelled(fit.status())) return fit.status();
+  if (!fit.ok()) return false;
+  const Fit& joint = **fit;
   constexpr double kNearly = 1.2;
-  *is_foretold = check_.SquaresAlone() < kNearly * check_.SquaresIn(*joint, best.fit.problem.runs.size());
-  const Signatures signatures(joint->problem, joint->point, identify::ListParameters(joint->point.model, true));
-  std::vector<Candidate> named = MakeDictionary(joint->problem, joint->point.model);
+  *is_foretold = check_.SquaresAlone() < kNearly * check_.SquaresIn(joint, best.fit.problem.runs.size());
+  const Signatures signatures(joint.problem, joint.point, identify::ListParameters(joint.point.model, true));
+  std::vector<Candidate> named = MakeDictionary(joint.problem, joint.point.model);
   std::erase_if(named, [](const Candidate& one) { return IsUnnamed(one.family); });
   return Search(machine_, signatures, named, options_.search).is_significant;
 }
@@ -297,7 +298,7 @@ void Explorer::KeepResiduals(const Fit& fit, const std::vector<MeasuringRun>& ru
 }
 
 absl::StatusOr<identify::FitStatistics> Explorer::CheckStatistics(const ErrorModel& model, ResidualField field,
-                                                                  Report* report) const {
+                                                                  Report* report) {
   if (check_.is_empty()) return identify::FitStatistics{};
   ASSIGN_OR_RETURN(const Fit check, check_.Under(model));
   KeepResiduals(check, check_.runs(), field, report);

@@ -62,7 +62,7 @@ class Explorer {
   void KeepResiduals(const identify::Fit& fit, const std::vector<instruments::MeasuringRun>& runs, ResidualField field,
                      Report* report) const;
   absl::StatusOr<identify::FitStatistics> CheckStatistics(const machine::ErrorModel& model, ResidualField field,
-                                                          Report* report) const;
+                                                          Report* report);
 
   const machine::Machine& machine_;
   const std::vector<instruments::MeasuringRun> runs_;

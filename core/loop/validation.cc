@@ -74,6 +74,7 @@ absl::Status Validation::Foretell(size_t i, const Fit& joint, Fit* fit) {
   if (least < kBadly * within_reach) return absl::OkStatus();
   const std::vector<Added> before = effects();
   const Fit fit_before = *fit;
+  Check::Settled settled_before = check_.settled();
   for (const Candidate& member : Contenders(i, joint, Wanted::kAlike)) {
     Added& effect = effects()[i];
     const Candidate own = before[i].candidate;
@@ -86,15 +87,16 @@ absl::Status Validation::Foretell(size_t i, const Fit& joint, Fit* fit) {
   }
   effects() = before;
   *fit = fit_before;
-  return check_.Settle(*fit);
+  check_.PutBack(std::move(settled_before));
+  return absl::OkStatus();
 }
 
 // None where all sessions together cannot be fitted: then the check sessions say nothing.
-absl::StatusOr<std::optional<Fit>> Validation::Joint(const Fit& fit) const {
-  absl::StatusOr<Fit> joint = check_.Joint(fit);
+absl::StatusOr<std::optional<Fit>> Validation::Joint(const Fit& fit) {
+  const absl::StatusOr<std::shared_ptr<const Fit>> joint = check_.Joint(fit);
   if (absl::IsCancelled(joint.status())) return joint.status();
   if (!joint.ok()) return std::nullopt;
-  return *std::move(joint);
+  return **joint;
 }
 
 // An effect that is there is worth as much with the check sessions as without them, or more.

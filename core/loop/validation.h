@@ -23,7 +23,7 @@ class Validation {
  private:
   Extension& extension() const { return attempt_->extension; }
   std::vector<Added>& effects() const { return attempt_->extension.effects; }
-  absl::StatusOr<std::optional<identify::Fit>> Joint(const identify::Fit& fit) const;
+  absl::StatusOr<std::optional<identify::Fit>> Joint(const identify::Fit& fit);
   absl::StatusOr<bool> SpeaksAgainst(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
   enum class Wanted { kBetter, kNearlyAsGood, kAlike };
   std::vector<Candidate> Contenders(size_t effect, const identify::Fit& joint, Wanted wanted) const;
