@@ -17,7 +17,9 @@ class GramBuilder {
  public:
   explicit GramBuilder(int width) : gram_(Eigen::MatrixXd::Zero(width, width)), buffer_(kRows, width) {}
 
-  Eigen::MatrixXd::RowXpr NextRow() {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  Rows::RowXpr NextRow() {
     if (used_ == kRows) Flush();
     return buffer_.row(used_++);
   }
@@ -36,7 +38,8 @@ class GramBuilder {
     used_ = 0;
   }
 
-  Eigen::MatrixXd gram_, buffer_;
+  Eigen::MatrixXd gram_;
+  Rows buffer_;
   int used_ = 0;
 };
 
@@ -48,7 +51,7 @@ class GramSink {
         gram_(gram),
         row_count_(row_count) {}
 
-  Eigen::MatrixXd::RowXpr NextRow() { return gram_->NextRow(); }
+  GramBuilder::Rows::RowXpr NextRow() { return gram_->NextRow(); }
   template <typename Row>
   void Close(int reading, int row_index, const instruments::Evaluation&, Row& row) {
     whiteners_[row_index].Apply(reading, row);

@@ -43,9 +43,11 @@ class SeriesWhitener {
       row *= factors.weight;
       return;
     }
-    const Eigen::RowVectorXd raw = row;
-    row = factors.weight * (raw - factors.correlation * previous_);
-    previous_ = raw;
+    for (Eigen::Index i = 0; i < previous_.size(); ++i) {
+      const double raw = row[i];
+      row[i] = factors.weight * (raw - factors.correlation * previous_[i]);
+      previous_[i] = raw;
+    }
   }
 
  private:

@@ -231,22 +231,44 @@ void Signatures::ProjectFully(const std::vector<const Candidate*>& candidates,
 
 std::vector<double> Signatures::CorrelationsWith(const Candidate& reference,
                                                  const std::vector<Candidate>& candidates) const {
+  constexpr Eigen::Index kColumnsAtOnce = 96;
+  const Eigen::Index m = ColumnsOf(reference);
   std::vector<double> correlations;
-  for (const Candidate& candidate : candidates) {
-    // Both together: their inner products after projection.
-    const std::vector<const Candidate*> both = {&reference, &candidate};
-    const int m = ColumnsOf(reference), n = ColumnsOf(candidate);
-    Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), m + n);
-    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(m + n, m + n);
-    ForEachBlock(both, m + n, [&](const Series& rows, int first, const auto& whitened) {
+  while (correlations.size() < candidates.size()) {
+    std::vector<const Candidate*> some = {&reference};
+    Eigen::Index width = m;
+    for (size_t i = correlations.size(); i < candidates.size() && width < kColumnsAtOnce; ++i) {
+      some.push_back(&candidates[i]);
+      width += ColumnsOf(candidates[i]);
+    }
+    // Inner products after projection: of each with itself, of the reference with all.
+    std::vector<Eigen::MatrixXd> own;
+    for (const Candidate* one : some) own.push_back(Eigen::MatrixXd::Zero(ColumnsOf(*one), ColumnsOf(*one)));
+    Eigen::MatrixXd with_reference = Eigen::MatrixXd::Zero(m, width);
+    const auto add = [&](const auto& columns, double sign) {
+      with_reference.noalias() += sign * columns.leftCols(m).transpose() * columns;
+      Eigen::Index at = 0;
+      for (Eigen::MatrixXd& gram : own) {
+        const auto its = columns.middleCols(at, gram.cols());
+        gram.noalias() += sign * its.transpose() * its;
+        at += gram.cols();
+      }
+    };
+    Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), width);
+    ForEachBlock(some, width, [&](const Series& rows, int first, const auto& whitened) {
       nuisance_.Accumulate(rows.group, first, whitened, &coefficients);
-      gram.noalias() += whitened.transpose() * whitened;
+      add(whitened, 1.0);
     });
     nuisance_.Finish(&coefficients);
-    gram.noalias() -= coefficients.transpose() * coefficients;
-    const Eigen::MatrixXd cross = InverseRoot(gram.topLeftCorner(m, m)).transpose() * gram.topRightCorner(m, n) *
-                                  InverseRoot(gram.bottomRightCorner(n, n));
-    correlations.push_back(Eigen::JacobiSVD<Eigen::MatrixXd>(cross).singularValues()[std::min(m, n) - 1]);
+    add(coefficients, -1.0);
+    const Eigen::MatrixXd root = InverseRoot(own[0]);
+    Eigen::Index at = m;
+    for (size_t i = 1; i < own.size(); ++i) {
+      const Eigen::Index n = own[i].cols();
+      const Eigen::MatrixXd cross = root.transpose() * with_reference.middleCols(at, n) * InverseRoot(own[i]);
+      correlations.push_back(Eigen::JacobiSVD<Eigen::MatrixXd>(cross).singularValues()[std::min(m, n) - 1]);
+      at += n;
+    }
   }
   return correlations;
 }
