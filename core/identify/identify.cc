@@ -12,6 +12,7 @@
 #include "core/identify/reduction.h"
 #include "core/identify/row_weights.h"
 #include "core/identify/solver.h"
+#include "core/instruments/plausible.h"
 
 namespace axiscal::identify {
 namespace {
@@ -223,6 +224,7 @@ absl::StatusOr<std::vector<MeasuringRun>> BindSessions(const machine::Machine& m
   std::vector<MeasuringRun> runs;
   for (const session::Session& session : sessions) {
     ASSIGN_OR_RETURN(MeasuringRun run, instruments::BindSession(session, machine));
+    RETURN_IF_ERROR(instruments::CheckAlive(session, run));
     runs.push_back(std::move(run));
   }
   return runs;

@@ -81,6 +81,8 @@ absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vect
 absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
                                const std::vector<Eigen::VectorXd>& setup = {});
 
+// Measured sessions. INVALID_ARGUMENT for those that do not fit the machine, or of an instrument that reads one value
+// all the time (instruments/plausible.h).
 absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machine::Machine& machine,
                                                                     const std::vector<session::Session>& sessions);
 

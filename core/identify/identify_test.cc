@@ -46,7 +46,7 @@ TEST(Identify, ExactReadingsGiveTheErrorsBack) {
 
 TEST(Identify, APerfectMachineHasNoErrors) {
   synthetic::NoiseOptions noise;
-  noise.sigma_scale = 0.0;
+  noise.sigma_scale = 1e-7;  // all the same they would be a dead instrument's
   noise.draw_setup = false;
   const auto result = Identify(kMachine, testing::Measure(kMachine, {}, noise));
   ASSERT_TRUE(result.ok()) << result.status();
@@ -123,6 +123,15 @@ TEST(Identify, CorrelatedReadingsStateLargerUncertainties) {
   EXPECT_GT(Find(*judged, "EC0B").sigma, 1.6 * Find(*independent, "EC0B").sigma);
   EXPECT_LT(Find(*judged, "EC0B").sigma, 2.2 * Find(*independent, "EC0B").sigma);
   EXPECT_NEAR(judged->fit.chi2_per_dof, 1.0, 0.15);
+}
+
+TEST(Identify, AnInstrumentThatReadsOneValueIsRefused) {
+  auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
+  std::vector<double>& readings = sessions[1].columns.back().values;
+  std::fill(readings.begin() + 40, readings.begin() + 90, readings[40]);
+  const auto result = Identify(kMachine, sessions);
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("readings 41 to 90 of session"));
 }
 
 // A tilt of the table that nobody declared is taken up by balls pulled across the bar, along a valley without a floor:

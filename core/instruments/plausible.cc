@@ -11,11 +11,13 @@ namespace axiscal::instruments {
 
 absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine, size_t readings_before) {
   const Instrument* instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
-  if (instrument == nullptr || instrument->kind == Kind::kTracker) return absl::OkStatus();
+  if (instrument == nullptr) return absl::OkStatus();
   // Eccentricities without paths are kept for whoever reads them; nothing is identified from them.
   if (instrument->kind == Kind::kEccentricity && !eccentricity::HasPaths(session)) return absl::OkStatus();
   ASSIGN_OR_RETURN(const MeasuringRun run, BindSession(session, machine, readings_before));
   if (run.kind == Kind::kTouch || run.kind == Kind::kEccentricity) return absl::OkStatus();  // gated when bound
+  RETURN_IF_ERROR(CheckAlive(session, run));
+  if (run.kind == Kind::kTracker) return absl::OkStatus();
   const machine::JointErrors<double> no_errors;
   const double no_setup[kMaxSetupParameters] = {};
   for (int reading = 0; reading < run.reading_count(); ++reading) {

@@ -70,5 +70,68 @@ TEST(Plausible, AWrongSignOfAnAxisIsNot) {
   EXPECT_EQ(CheckPlausible(loaded.fit[0], loaded.machine).code(), absl::StatusCode::kInvalidArgument);
 }
 
+// Sticks at reading 101, for so many readings.
+session::Session Stuck(session::Session session, int readings) {
+  std::vector<double>& values = Values(session, "dL_mm");
+  std::fill_n(values.begin() + 100, readings, values[100]);
+  return session;
+}
+
+TEST(Alive, AnInstrumentThatReadsOneValueIsRefused) {
+  const session::Case loaded = Load("case-000");
+  session::Session session = loaded.fit[0];
+  Values(session, "dL_mm").assign(session.reading_count(), 0.0123);
+  EXPECT_THAT(std::string(CheckPlausible(session, loaded.machine).message()),
+              StartsWith(absl::StrCat("line 9: readings 1 to ", session.reading_count(), " of session '",
+                                      *session::FindHeader(session, "session"),
+                                      "': dL_mm = 0.0123 mm in all of them while the machine moves")));
+}
+
+TEST(Alive, AStretchOfMoreThanTwentyMovesIsRefused) {
+  const session::Case loaded = Load("case-000");
+  EXPECT_TRUE(CheckPlausible(Stuck(loaded.fit[0], 15), loaded.machine).ok());
+  EXPECT_THAT(std::string(CheckPlausible(Stuck(loaded.fit[0], 25), loaded.machine).message()),
+              HasSubstr("readings 101 to 125 of session"));
+}
+
+TEST(Alive, APartOfASessionIsJudgedByWhatElseIsInIt) {
+  const session::Case loaded = Load("case-000");
+  EXPECT_THAT(std::string(CheckPlausible(Stuck(loaded.fit[0], 25), loaded.machine, 1000).message()),
+              HasSubstr("readings 1101 to 1125 of session"));
+  session::Session part = loaded.fit[0];
+  Values(part, "dL_mm").assign(part.reading_count(), 0.0123);  // the whole may have a coarse display
+  EXPECT_TRUE(CheckPlausible(part, loaded.machine, 1000).ok());
+}
+
+TEST(Alive, AMachineAtRestMayReadTheSame) {
+  const session::Case loaded = Load("case-000");
+  session::Session session = Stuck(loaded.fit[0], 200);
+  for (session::Column& column : session.columns) {
+    if (column.name != "t_s" && column.name != "dL_mm")
+      std::fill_n(column.values.begin() + 100, 200, column.values[100]);
+  }
+  EXPECT_TRUE(CheckPlausible(session, loaded.machine).ok());
+}
+
+TEST(Alive, ACoarseDisplayOrASignalWithoutNoiseMayStandStill) {
+  const session::Case loaded = Load("case-000");
+  session::Session coarse = loaded.fit[0], smooth = loaded.fit[0];
+  std::vector<double>&displayed = Values(coarse, "dL_mm"), &exact = Values(smooth, "dL_mm");
+  for (double& value : displayed) value = 0.02 * std::round(value / 0.02);
+  for (size_t k = 0; k < exact.size(); ++k) exact[k] = 1e-4 * std::round(50.0 * std::sin(0.005 * k));
+  const auto longest = [](const std::vector<double>& values) {
+    int most = 0;
+    for (size_t k = 1, now = 0; k < values.size(); ++k) {
+      now = values[k] == values[k - 1] ? now + 1 : 0;
+      most = std::max(most, static_cast<int>(now));
+    }
+    return most;
+  };
+  EXPECT_GT(longest(displayed), 2 * kDeadMoves);
+  EXPECT_GT(longest(exact), 2 * kDeadMoves);
+  EXPECT_TRUE(CheckPlausible(coarse, loaded.machine).ok());
+  EXPECT_TRUE(CheckPlausible(smooth, loaded.machine).ok());
+}
+
 }  // namespace
 }  // namespace axiscal::instruments

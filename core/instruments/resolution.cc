@@ -1,0 +1,50 @@
+#include "core/instruments/resolution.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace axiscal::instruments {
+namespace {
+
+// Euclid's algorithm with the nearest multiple; what is below `same` counts as nothing.
+double CommonStep(double a, double b, double same) {
+  while (b > same) {
+    const double rest = std::abs(std::remainder(a, b));
+    a = b;
+    b = rest;
+  }
+  return a;
+}
+
+// The largest step by whose multiples all readings of the column differ; 0 where it is below `finest_mm`, or not told
+// from chance: by fewer than five different values, unless each came five times.
+double StepOf(const MeasuringRun& run, int row, double finest_mm) {
+  constexpr int kFewest = 10, kMostLookedAt = 2000;       // readings
+  constexpr double kOfFinest = 1e-3, kOfLargest = 1e-14;  // what decimals and differences of doubles are off by
+  constexpr size_t kDifferent = 5, kOften = 5;
+  if (run.reading_count() < kFewest) return 0.0;
+  const int count = std::min(run.reading_count(), kMostLookedAt);
+  const double same = std::max(kOfFinest * finest_mm, kOfLargest * run.measured_mm.row(row).cwiseAbs().maxCoeff());
+  std::vector<double> different;
+  double step = 0.0, last_mm = run.measured_mm(row, 0);
+  for (int k = 0; k < count; ++k) {
+    const double reading_mm = run.measured_mm(row, static_cast<Eigen::Index>(k) * run.reading_count() / count);
+    step = CommonStep(std::abs(reading_mm - last_mm), step, same);
+    if (step > same && step < finest_mm) return 0.0;
+    last_mm = reading_mm;
+    if (different.size() < kDifferent && std::find(different.begin(), different.end(), reading_mm) == different.end())
+      different.push_back(reading_mm);
+  }
+  const bool is_told = different.size() >= kDifferent || kOften * different.size() <= static_cast<size_t>(count);
+  return is_told ? step : 0.0;
+}
+
+}  // namespace
+
+double ResolutionOf(const MeasuringRun& run, int row) {
+  constexpr double kOfNoInterest = 0.01;  // of sigma
+  return StepOf(run, row, kOfNoInterest * run.sigma_mm);
+}
+
+}  // namespace axiscal::instruments
