@@ -123,6 +123,24 @@ Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations
   return reduced;
 }
 
+double LargestOf(const machine::ErrorModel& model, const Parameter& parameter) {
+  if (parameter.is_nonlinear) return INFINITY;
+  constexpr double kLargestMm = 10.0, kLargestRad = 0.03;
+  return machine::IsAngle(model.terms[parameter.term].component) ? kLargestRad : kLargestMm;
+}
+
+Reduced ReduceVisible(const Problem& problem, const Point& point, const NormalEquations& normal) {
+  Reduced reduced = Reduce(problem, point, normal, Priors::kInformative);
+  const std::vector<Parameter> parameters = ListParameters(point.model, false);
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (reduced.column_norm[i] * LargestOf(point.model, parameters[i]) >= 1.0) continue;
+    reduced.column_norm[i] = 0.0;
+    reduced.information.row(i).setZero();
+    reduced.information.col(i).setZero();
+  }
+  return reduced;
+}
+
 Eigen::MatrixXd InformationBeside(const Reduced& reduced, const std::vector<int>& kept) {
   const std::vector<int> others = FreeErrors(static_cast<int>(reduced.gradient.size()), kept);
   const Eigen::MatrixXd own = reduced.information(kept, kept);

@@ -28,6 +28,14 @@ struct Reduced {
 Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations& normal, Priors priors,
                double damping = 0.0);
 
+// No machine's error is larger: 10 mm or 30 mrad; infinite for a non-linear parameter.
+double LargestOf(const machine::ErrorModel& model, const Parameter& parameter);
+
+// What the readings themselves say (Priors::kInformative) of the amplitudes of `point`'s model, and nothing of those
+// that they would not show by one standard deviation, all taken together, were they as large as LargestOf. What a
+// bar sees of errors across it is the rounding of the positions in the file; fitted, they run away and bend the bar.
+Reduced ReduceVisible(const Problem& problem, const Point& point, const NormalEquations& normal);
+
 // Information on the errors in `kept`, in their order, once the others are refitted beside them (Schur complement).
 Eigen::MatrixXd InformationBeside(const Reduced& reduced, const std::vector<int>& kept);
 

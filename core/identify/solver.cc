@@ -145,13 +145,13 @@ Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model) {
   nominal.point = StartingPoint(problem, zero);
   nominal.normal = Assemble(problem, nominal.point, ListParameters(zero, false));
   if (problem.fixed_model.terms.empty() || model.terms.empty()) {
-    nominal.null_space = FindNullSpace(Reduce(problem, nominal.point, nominal.normal, Priors::kInformative));
+    nominal.null_space = FindNullSpace(ReduceVisible(problem, nominal.point, nominal.normal));
     return nominal;
   }
   Problem free_of_errors = problem;
   free_of_errors.fixed_model = {};
   const NormalEquations normal = Assemble(free_of_errors, nominal.point, ListParameters(zero, false));
-  nominal.null_space = FindNullSpace(Reduce(free_of_errors, nominal.point, normal, Priors::kInformative));
+  nominal.null_space = FindNullSpace(ReduceVisible(free_of_errors, nominal.point, normal));
   return nominal;
 }
 

@@ -30,7 +30,7 @@ absl::StatusOr<SurveyedTest> Judge(const machine::Machine& machine, const machin
   const identify::Point point = identify::StartingPoint(problem, model);
   const auto parameters = identify::ListParameters(model, false);
   const identify::NormalEquations normal = identify::Assemble(problem, point, parameters);
-  out.identifying = identify::Reduce(problem, point, normal, identify::Priors::kInformative);
+  out.identifying = identify::ReduceVisible(problem, point, normal);
   out.informing = identify::Reduce(problem, point, normal, identify::Priors::kAll);
   const identify::NullSpace null_space = identify::FindNullSpace(out.identifying);
   out.rank = null_space.rank;
