@@ -174,6 +174,38 @@ TEST(NotKnown, SquarenessLooksLikeServoMismatchUntilTheOtherSenseIsRun) {
   EXPECT_THAT(ClassOf(machine, both.effects[0]), Not(Contains(testing::HasSubstr(":lag"))));
 }
 
+// A shift of the table is the ball's. What is left of it are rounding and the curvature of the bar: it takes nothing
+// up that it would have to be metres for.
+TEST(NotKnown, ADeclaredErrorThatHardlyShowsHidesNoEffect) {
+  using machine::testing::kX, machine::testing::kY, machine::testing::kZ;
+  using machine::testing::Linear, machine::testing::Rotary;
+  const Machine machine =
+      machine::testing::Make("tt", {Linear("Y", kY), Linear("Z", kZ), Linear("X", kX)},
+                             {Rotary("B", -kY, {30, 0, -80}), Rotary("C", -kZ, {30, 10, 0})}, {"EX0C", "EA0Z", "EB0Z"});
+  const machine::ErrorModel truth = Errors(
+      machine,
+      R"({"EX0C": 30, "EA0Z": 60, "EB0Z": -70, "terms": [{"symbol": "EBY", "shape": "linear", "amplitude": -294}]})");
+  const plan::Situation situation = plan::SituationOf(machine, {});
+  constexpr double kBarMm = 150.0;
+  std::vector<session::Session> sessions;
+  for (int plane = 0; plane < 3; ++plane) {
+    plan::SessionBuilder builder(situation, absl::StrCat("plane-", plane), {0, 0, -150}, {0, 0, 50}, kBarMm);
+    for (int deg = 0; deg <= 360; ++deg) {
+      Eigen::Vector3d bar_mm = Eigen::Vector3d::Zero();
+      bar_mm[plane] = kBarMm * std::cos(deg * std::numbers::pi / 180.0);
+      bar_mm[(plane + 1) % 3] = kBarMm * std::sin(deg * std::numbers::pi / 180.0);
+      builder.AddInBed(std::vector<double>(machine.axis_count(), 0.0), bar_mm);
+    }
+    synthetic::NoiseOptions noise;
+    noise.seed = 5 + plane;
+    noise.resolution_mm = 1e-4;
+    sessions.push_back(synthetic::Simulate(machine, truth, builder.Finish(), noise).value());
+  }
+  const Report report = Close(machine, sessions);
+  ASSERT_EQ(report.effects.size(), 1u);
+  EXPECT_THAT(ClassOf(machine, report.effects[0]), Contains("EC0X"));
+}
+
 // Backlash of an axis that turns one way only is a constant; with both senses it is itself.
 TEST(NotKnown, BacklashNeedsBothSenses) {
   const Machine machine = Declaring({"EX0C", "EY0C", "EA0C", "EB0C", "EZ0T"});

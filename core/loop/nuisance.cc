@@ -20,9 +20,9 @@ Eigen::MatrixXd InverseRoot(const Eigen::MatrixXd& gram) {
 }
 
 Nuisance::Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd columns,
-                   Eigen::Index errors)
-    : columns_(std::move(columns)), widest_(columns_.cols() - errors) {
-  const Eigen::Index p = errors;
+                   const Eigen::VectorXd& precision)
+    : columns_(std::move(columns)), widest_(columns_.cols() - precision.size()) {
+  const Eigen::Index p = precision.size();
   const size_t groups = problem.groups.size();
   std::vector<Eigen::MatrixXd> gram(groups);
   for (size_t g = 0; g < groups; ++g) {
@@ -50,6 +50,7 @@ Nuisance::Nuisance(const identify::Problem& problem, const std::vector<Series>& 
   }
   Eigen::MatrixXd reduced = columns_.rightCols(p).transpose() * columns_.rightCols(p);
   for (size_t g = 0; g < groups; ++g) reduced -= setup_error_[g].transpose() * setup_error_[g];
+  reduced.diagonal() += precision;
   error_basis_ = p > 0 ? InverseRoot(reduced) : Eigen::MatrixXd(0, 0);
 }
 

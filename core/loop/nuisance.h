@@ -1,5 +1,6 @@
 // What the declared errors and the setup offsets can explain of a column of readings: coefficients on an orthonormal
-// basis of their whitened columns, the priors of the setup offsets counted as rows.
+// basis of their whitened columns, the priors counted as rows. Errors have one too, as wide as errors get: without it a
+// declared error that shows by nothing but the curvature of the bar explains, a radian large, what another does.
 #ifndef AXISCAL_CORE_LOOP_NUISANCE_H_
 #define AXISCAL_CORE_LOOP_NUISANCE_H_
 
@@ -20,9 +21,9 @@ class Nuisance {
  public:
   Nuisance() = default;
   // Whitened columns, one row per used reading: the offsets of the row's own group end where the last `errors` columns
-  // begin.
+  // begin. `precision`: of those errors' priors.
   Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd columns,
-           Eigen::Index errors);
+           const Eigen::VectorXd& precision);
 
   Eigen::Index size() const { return size_; }
   // Adds the inner products of some rows' whitened columns (rows first .. first + count of one series) to `raw`

@@ -87,7 +87,12 @@ Signatures::Signatures(const identify::Problem& problem, const identify::Point& 
   };
   for (Eigen::Index c = 0; c < columns.cols(); ++c) whiten(columns.col(c));
   whiten(residual);
-  nuisance_ = Nuisance(problem, series_, std::move(columns), p);
+  Eigen::VectorXd precision(p);
+  for (Eigen::Index k = 0; k < p; ++k) {
+    const double largest = identify::LargestOf(point.model, parameters[k]);
+    precision[k] = 1.0 / (largest * largest);
+  }
+  nuisance_ = Nuisance(problem, series_, std::move(columns), precision);
 
   // The residual has the priors' rows too: offset / prior sigma.
   Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(nuisance_.size(), 1);
