@@ -1,5 +1,6 @@
 // Growth: effects that were alike when one of them was added change places once more is known.
 #include <algorithm>
+#include <optional>
 
 #include "core/loop/dictionary.h"
 #include "core/loop/fitting.h"
@@ -158,27 +159,47 @@ absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
   return false;
 }
 
-// A warming that is far slower than the sessions are long is a drift: the amplitude that it would have in the end, and
-// its time constant, are made up.
-absl::StatusOr<bool> Growth::Straighten(Fit* fit) {
+namespace {
+
+bool GoesWithTime(Family family) { return family == Family::kDrift || family == Family::kThermal; }
+bool GoesWithSense(Family family) { return family == Family::kBacklash || family == Family::kLag; }
+
+// The shape without a decay that a decay far longer than the sessions is. A warming that is far slower than they are
+// long is a drift, a spike that outlasts the travel a backlash: the amplitude that the one would have in the end, its
+// time constant and the other's length are made up.
+std::optional<Candidate> StraightFormOf(const identify::Problem& problem, const machine::ErrorTerm& term) {
   constexpr double kFar = 5.0;
+  if (const auto* warming = std::get_if<shapes::DriftExp>(&term.shape)) {
+    if (warming->tau_s > kFar * LastReadingS(problem))
+      return Candidate{Family::kDrift, {term.joint, term.component, shapes::Drift{}, {}}};
+  } else if (const auto* spike = std::get_if<shapes::Reversal>(&term.shape)) {
+    const AxisSpan span = SpansOf(problem)[spike->axis];
+    if (spike->length > kFar * (span.highest - span.lowest))
+      return Candidate{Family::kBacklash, {term.joint, term.component, shapes::Backlash{spike->axis}, {}}};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+absl::StatusOr<bool> Growth::Straighten(Fit* fit) {
   for (size_t i = 0; i < effects().size(); ++i) {
     const machine::ErrorTerm& term = fit->point.model.terms[extension().TermOf(i)];
-    const auto* warming = std::get_if<shapes::DriftExp>(&term.shape);
-    if (IsUnnamed(effects()[i].candidate.family) || warming == nullptr) continue;
-    if (!(warming->tau_s > kFar * LastReadingS(fit->problem))) continue;
+    if (IsUnnamed(effects()[i].candidate.family)) continue;
+    const std::optional<Candidate> form = StraightFormOf(fit->problem, term);
+    if (!form) continue;
     const std::vector<Added> before = effects();
     ErrorModel lacking = fit->result.model;
     lacking.terms.erase(lacking.terms.begin() + extension().TermOf(i));
-    Added drift;
-    drift.candidate = {Family::kDrift, {term.joint, term.component, shapes::Drift{}, {}}};
-    drift.score = before[i].score;
+    Added plain;
+    plain.candidate = *form;
+    plain.score = before[i].score;
+    const auto is_alike = GoesWithTime(form->family) ? GoesWithTime : GoesWithSense;
     for (const Candidate& one : MakeDictionary(fit->problem, lacking)) {
-      const bool goes_with_time = one.family == Family::kDrift || one.family == Family::kThermal;
-      if (goes_with_time && one.term.component == term.component && !IsSameEffect(one.term, drift.candidate.term))
-        drift.equivalent.push_back(one);
+      if (is_alike(one.family) && one.term.component == term.component && !IsSameEffect(one.term, form->term))
+        plain.equivalent.push_back(one);
     }
-    effects()[i] = std::move(drift);
+    effects()[i] = std::move(plain);
     absl::StatusOr<Fit> straight = FitExtension(machine_, extension(), identify_options_);
     if (absl::IsCancelled(straight.status())) return straight.status();
     if (!straight.ok()) {
