@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/str_join.h"
+
 namespace axiscal::cli {
 namespace {
 
@@ -78,6 +80,26 @@ std::string ProposalText(const Json& proposal) {
   return text;
 }
 
+std::string CarriedBy(const std::string& carrier) {
+  return carrier == "tool" ? "what the tool holder carries" : "what stands on the table";
+}
+
+std::string SlippedText(const Json& slip) {
+  const std::string other = slip.value("may_be", "");
+  return CarriedBy(slip.value("carrier", "")) + (other.empty() ? "" : " (or " + CarriedBy(other) + ")");
+}
+
+// ", by x 3.01 +- 0.05 um, z -1.2 +- 0.1 um": directions that the session sees.
+std::string MovedText(const Json& slip) {
+  std::vector<std::string> moved;
+  for (size_t k = 0; k < 3; ++k) {
+    const std::string at = absl::StrCat("/", k);
+    if (const double by = Number(slip, ("/moved_um" + at).c_str()); std::isfinite(by))
+      moved.push_back(absl::StrFormat("%c %.3g +- %.2g um", "xyz"[k], by, Number(slip, ("/sigma_um" + at).c_str())));
+  }
+  return moved.empty() ? "" : ", by " + absl::StrJoin(moved, ", ");
+}
+
 std::string PartText(const Json& part) {
   const std::string variable = part.value("variable", ""), unit = part.value("unit", "");
   const double from = Number(part, "/from"), to = Number(part, "/to");
@@ -90,8 +112,9 @@ std::string PartText(const Json& part) {
                            part.value("session", ""), Number(part, "/rms_um"));
   }
   if (variable == "t") {
-    return absl::StrFormat("  session %s: the artefact or the setup moved between %.6g s and %.6g s\n",
-                           part.value("session", ""), from, to);
+    return absl::StrFormat("  session %s: %s moved between %.6g s and %.6g s%s\n", part.value("session", ""),
+                           part.contains("slip") ? SlippedText(part["slip"]) : "the artefact or the setup", from, to,
+                           part.contains("slip") ? MovedText(part["slip"]) : "");
   }
   if (part.value("kind", "") == "bad-readings") {
     return absl::StrFormat("  %s from %.6g to %.6g %s: bad readings cluster there, %.3g um rms: structure, not chips\n",

@@ -76,16 +76,17 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
     if (!sessions.insert(run.session).second) {
       return absl::InvalidArgumentError(absl::StrCat("session '", run.session, "' is there twice"));
     }
-    const auto [it, is_new] = group_of_name.emplace(run.setup_name, static_cast<int>(problem.groups.size()));
-    if (is_new) problem.groups.push_back({run.setup_name, run.setup, {}});
-    SetupGroup& group = problem.groups[it->second];
+    int at = static_cast<int>(problem.groups.size());
+    if (run.slips.empty()) at = group_of_name.emplace(run.setup_name, at).first->second;  // a slip is of one alone
+    if (at == static_cast<int>(problem.groups.size())) problem.groups.push_back({run.setup_name, run.setup, {}});
+    SetupGroup& group = problem.groups[at];
     if (!group.runs.empty() && runs[group.runs[0]].kind != run.kind) {
       return absl::InvalidArgumentError(absl::StrCat("sessions '", runs[group.runs[0]].session, "' and '", run.session,
                                                      "' share the setup '", run.setup_name,
                                                      "' but not the instrument"));
     }
     group.runs.push_back(static_cast<int>(i));
-    problem.group_of_run.push_back(it->second);
+    problem.group_of_run.push_back(at);
     problem.noise.push_back({run.sigma_mm, 0.0});
     problem.is_used.emplace_back(static_cast<size_t>(run.reading_count()) * run.row_count, true);
     for (const touch::Rejection& rejection : run.touches.rejected) problem.is_used.back()[rejection.reading] = false;

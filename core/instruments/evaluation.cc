@@ -1,5 +1,7 @@
 #include "core/instruments/evaluation.h"
 
+#include <algorithm>
+
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/eccentricity/eccentricity_model.h"
@@ -8,9 +10,36 @@
 #include "core/instruments/tracker/tracker_model.h"
 
 namespace axiscal::instruments {
+namespace {
 
-void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int reading,
-              const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
+// What a reading of a session in which something slipped is read with: the artefact is where the first three setup
+// offsets put it, and a probe that slipped is an error of the tool joint.
+struct Slipped {
+  machine::JointErrors<double> errors;
+  double setup[kMaxSetupParameters];
+};
+
+int OwnSetupCount(const MeasuringRun& run) {
+  return static_cast<int>(run.setup.size()) - 3 * static_cast<int>(run.slips.size());
+}
+
+Slipped AfterSlips(const machine::Machine& machine, const MeasuringRun& run, int reading,
+                   const machine::JointErrors<double>& errors, const double* setup) {
+  Slipped out;
+  out.errors = errors;
+  const int own = OwnSetupCount(run);
+  std::copy(setup, setup + own, out.setup);
+  const double* by_mm = setup + own;
+  for (const Slip& slip : run.slips) {
+    for (int k = 0; reading >= slip.first_reading && k < 3; ++k)
+      (slip.carrier == Carrier::kTable ? out.setup[k] : out.errors[machine.tool_joint()][k]) += by_mm[k];
+    by_mm += 3;
+  }
+  return out;
+}
+
+void EvaluateInstrument(const machine::Machine& machine, const MeasuringRun& run, int reading,
+                        const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
   switch (run.kind) {
     case Kind::kBallbar:
       return ballbar::Evaluate(machine, run, reading, errors, setup, out);
@@ -27,8 +56,8 @@ void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int read
   }
 }
 
-void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,
-             const machine::JointErrors<double>& errors, const double* setup, double* predicted_mm) {
+void PredictInstrument(const machine::Machine& machine, const MeasuringRun& run, int reading,
+                       const machine::JointErrors<double>& errors, const double* setup, double* predicted_mm) {
   const double* positions = run.PositionsOf(reading);
   switch (run.kind) {
     case Kind::kBallbar:
@@ -44,6 +73,35 @@ void Predict(const machine::Machine& machine, const MeasuringRun& run, int readi
     case Kind::kEccentricity:
       return eccentricity::Predict<double>(machine, run, reading, errors, setup, predicted_mm);
   }
+}
+
+}  // namespace
+
+void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int reading,
+              const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
+  if (run.slips.empty()) return EvaluateInstrument(machine, run, reading, errors, setup, out);
+  const Slipped slipped = AfterSlips(machine, run, reading, errors, setup);
+  EvaluateInstrument(machine, run, reading, slipped.errors, slipped.setup, out);
+  int column = OwnSetupCount(run);
+  out->by_setup.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(run.setup.size()));
+  for (const Slip& slip : run.slips) {
+    if (reading < slip.first_reading) {
+      out->by_setup.middleCols<3>(column).setZero();
+    } else if (slip.carrier == Carrier::kTable) {
+      out->by_setup.middleCols<3>(column) = out->by_setup.leftCols<3>();
+    } else {
+      out->by_setup.middleCols<3>(column) =
+          out->by_error.middleCols<3>(machine::kComponents * Eigen::Index{machine.tool_joint()});
+    }
+    column += 3;
+  }
+}
+
+void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,
+             const machine::JointErrors<double>& errors, const double* setup, double* predicted_mm) {
+  if (run.slips.empty()) return PredictInstrument(machine, run, reading, errors, setup, predicted_mm);
+  const Slipped slipped = AfterSlips(machine, run, reading, errors, setup);
+  PredictInstrument(machine, run, reading, slipped.errors, slipped.setup, predicted_mm);
 }
 
 }  // namespace axiscal::instruments

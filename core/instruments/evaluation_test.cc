@@ -3,6 +3,7 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "core/instruments/ballbar/ballbar_model.h"
@@ -163,6 +164,56 @@ TEST(Evaluation, APerfectMachineReadsZero) {
       Predict(machine, run, 0, {}, setup, predicted);
       for (int row = 0; row < run.row_count; ++row)
         EXPECT_NEAR(predicted[row], 0.0, 1e-10) << machine.id << ' ' << name;
+    }
+  }
+}
+
+// What slipped on the table is as if the artefact had stood there, what slipped in the holder as if the tool joint had
+// erred, from the slip's reading on.
+TEST(Evaluation, ASlipMovesWhatItsCarrierBearsFromItsReadingOn) {
+  std::mt19937 random(5);
+  const Eigen::Vector3d by_mm(0.3, -0.2, 0.5);
+  for (const Machine& machine : {machine::testing::MultiTasking(), machine::testing::TiltingTable()}) {
+    for (const Instrument& instrument : Instruments()) {
+      if (instrument.kind == Kind::kEccentricity) continue;
+      const MeasuringRun whole = OneReading(machine, instrument, &random);
+      for (const Carrier carrier : {Carrier::kTable, Carrier::kTool}) {
+        double moved[kMaxSetupParameters] = {};
+        JointErrors<double> errors;
+        for (int k = 0; k < 3; ++k)
+          (carrier == Carrier::kTable ? moved[k] : errors[machine.tool_joint()][k]) = by_mm[k];
+        double setup[kMaxSetupParameters] = {};
+        std::copy(by_mm.begin(), by_mm.end(), setup + whole.setup.size());
+        for (const bool is_after : {false, true}) {
+          MeasuringRun slipped = whole;
+          AddSlip({carrier, is_after ? 0 : 1}, &slipped);
+          ASSERT_EQ(slipped.setup.size(), whole.setup.size() + 3);
+          const double none[kMaxSetupParameters] = {};
+          double predicted[kMaxRows], reference[kMaxRows];
+          Predict(machine, slipped, 0, {}, setup, predicted);
+          if (is_after) {
+            Predict(machine, whole, 0, errors, moved, reference);
+          } else {
+            Predict(machine, whole, 0, {}, none, reference);
+          }
+          Evaluation evaluation, undisturbed;
+          Evaluate(machine, slipped, 0, {}, setup, &evaluation);
+          Evaluate(machine, whole, 0, is_after ? errors : JointErrors<double>(), is_after ? moved : none, &undisturbed);
+          ASSERT_EQ(evaluation.by_setup.cols(), static_cast<Eigen::Index>(slipped.setup.size()));
+          for (int row = 0; row < whole.row_count; ++row) {
+            EXPECT_NEAR(predicted[row], reference[row], 1e-12) << instrument.name;
+            EXPECT_NEAR(evaluation.predicted_mm[row], reference[row], 1e-9) << instrument.name;
+            for (int k = 0; k < 3; ++k) {
+              const double slope = carrier == Carrier::kTable
+                                       ? undisturbed.by_setup(row, k)
+                                       : undisturbed.by_error(row, kComponents * machine.tool_joint() + k);
+              EXPECT_EQ(evaluation.by_setup(row, static_cast<Eigen::Index>(whole.setup.size()) + k),
+                        is_after ? slope : 0.0)
+                  << instrument.name;
+            }
+          }
+        }
+      }
     }
   }
 }

@@ -19,8 +19,10 @@ namespace axiscal::instruments {
 
 enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch, kEccentricity };
 
-inline constexpr int kMaxRows = 3;             // readings that one line of a session holds
-inline constexpr int kMaxSetupParameters = 9;  // setup offsets of one session
+inline constexpr int kMaxRows = 3;                             // readings that one line of a session holds
+inline constexpr int kMaxSlips = 3;                            // of one session
+inline constexpr double kSlipSigmaMm = 0.1;                    // weak prior of how far something slips
+inline constexpr int kMaxSetupParameters = 9 + 3 * kMaxSlips;  // setup offsets of one session
 
 // One setup offset: refitted with its session, never taken for a machine error.
 struct SetupParameter {
@@ -30,6 +32,14 @@ struct SetupParameter {
   // by.
   bool is_weak = true;
   bool is_angle = false;
+};
+
+// Something in the setup slipped: from `first_reading` on the artefact on the table, or what the tool holder carries
+// (probe, ball, target), stands elsewhere.
+enum class Carrier { kTable, kTool };
+struct Slip {
+  Carrier carrier = Carrier::kTable;
+  int first_reading = 0;
 };
 
 struct MeasuringRun {
@@ -45,6 +55,9 @@ struct MeasuringRun {
   // Eccentricity only: a reading is taken along a path, not at a state; positions and states of this run are zero then.
   std::shared_ptr<const eccentricity::Eccentricities> path_readings;
   std::vector<SetupParameter> setup;
+  // By how far (x, y, z; table or tool frame, mm) are three more setup offsets each, in this order behind the
+  // instrument's own. Not of readings along a path.
+  std::vector<Slip> slips;
 
   // Where this is a part of a session: readings before it, so that messages count from the session's first.
   int readings_before = 0;
@@ -72,6 +85,9 @@ struct MeasuringRun {
 // instrument. A part of a session begins after `readings_before`.
 absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine,
                                          size_t readings_before = 0);
+
+// Adds a slip with its offsets. What a session slipped in it shares with no other: its setup becomes its own.
+void AddSlip(const Slip& slip, MeasuringRun* run);
 
 // Fills run->axis_states from positions and times: sense of motion is that of the last commanded change, before the
 // first one that of the first (an axis is approached in the sense in which it goes on); travel counts from the last

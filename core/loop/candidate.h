@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "core/instruments/run.h"
 #include "core/machine/error_model.h"
 
 namespace axiscal::loop {
@@ -25,7 +26,7 @@ enum class Family {
   kLag,
   kLobe,  // pre-travel of a touch probe
   kBump,  // unnamed structure along an axis
-  kStep,  // unnamed: the artefact slipped in one session
+  kStep,  // unnamed: artefact or probe slipped in one session
 };
 
 inline bool IsUnnamed(Family family) { return family >= Family::kBump; }
@@ -33,8 +34,10 @@ inline bool IsUnnamed(Family family) { return family >= Family::kBump; }
 struct Candidate {
   Family family = Family::kConstant;
   machine::ErrorTerm term;          // all but kStep
-  int run = -1, first_reading = 0;  // kStep: from this reading on the setup's first three offsets are others
+  int run = -1, first_reading = 0;  // kStep: from this reading on what `carrier` bears stands elsewhere
   int earliest = 0, latest = 0;     // kStep, once found: the first reading that may be the first_reading, the last one
+  instruments::Carrier carrier = instruments::Carrier::kTable;  // kStep
+  bool may_be_other = false;                                    // kStep, once found: the other carrier explains as much
 };
 
 // The same component, shape and variable; decay lengths and time constants may differ, pitches by a twentieth.

@@ -41,10 +41,8 @@ std::vector<MeasuringRun> Check::After(std::vector<MeasuringRun> runs) const {
     prefix += "check ";
   for (const MeasuringRun& run : runs_) {
     runs.push_back(run);
-    const bool is_known =
-        std::any_of(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(fitted), [&](const MeasuringRun& other) {
-          return other.session == run.session || other.session.rfind(run.session + "#", 0) == 0;  // or a part of it
-        });
+    const bool is_known = std::any_of(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(fitted),
+                                      [&](const MeasuringRun& other) { return other.session == run.session; });
     if (is_known) runs.back().session = prefix + run.session;
     runs.back().setup_name = prefix + run.setup_name;
   }

@@ -75,24 +75,9 @@ class Loop {
     return identify::CheckSessions(options_.monte_carlo->budget, names);
   }
 
-  // A session whose artefact slipped stands in the fit in parts, "CR#1" and so on: what acts in it acts in each.
-  static void NameParts(const Fit& fit, identify::Budget* budget) {
-    for (identify::Source& source : budget->sources) {
-      std::vector<std::string> names;
-      for (const MeasuringRun& run : fit.problem.runs) {
-        const auto is_of = [&run](const std::string& session) {
-          return run.session == session || run.session.rfind(session + "#", 0) == 0;
-        };
-        if (std::any_of(source.sessions.begin(), source.sessions.end(), is_of)) names.push_back(run.session);
-      }
-      source.sessions = names;
-    }
-  }
-
   absl::Status Simulate(Report* report) const {
     if (!options_.monte_carlo) return absl::OkStatus();
     identify::MonteCarloOptions simulation = *options_.monte_carlo;
-    NameParts(*report->last_fit, &simulation.budget);
     simulation.cancelled = options_.cancelled;
     simulation.progress = [this, &simulation](double fraction) {
       if (!whole_progress_) return;

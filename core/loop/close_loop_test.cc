@@ -136,6 +136,47 @@ TEST(CloseLoop, ASlippedBallIsReportedWithSessionAndMoment) {
   EXPECT_EQ(report.unexplained[0].session, "CR");
   const double moment_s = session::FindColumn(cr, "t_s")->values[300];
   EXPECT_NEAR(report.unexplained[0].to, moment_s, 5.0);
+  // By how far, along x; far across the bar, so loosely that 3 um may be, along z.
+  const Slipped& slip = report.unexplained[0].slip.value();
+  EXPECT_EQ(slip.carrier, instruments::Carrier::kTable);
+  size_t readings = 0;
+  for (const session::Session& session : sessions) readings += session.reading_count();
+  const double share = static_cast<double>(length_mm.size() - 300) / static_cast<double>(readings);
+  EXPECT_NEAR(report.unexplained[0].rms_mm, 0.003 * std::sqrt(share), 0.0002);
+  ASSERT_TRUE(slip.moved_mm[0].has_value());
+  EXPECT_NEAR(std::abs(*slip.moved_mm[0]), 0.003, 0.003 + 3.0 * slip.sigma_mm[0]);
+}
+
+// A probe that moved in its holder: while the table turns, its ball could not have moved so.
+TEST(CloseLoop, AProbeThatMovedIsToldFromTheTablesBall) {
+  const machine::ErrorModel declared = Errors(kMachine, "{" + std::string(kDeclared) + "}");
+  machine::ErrorModel moved = declared;
+  const Eigen::Vector3d by_mm(0.004, -0.002, 0.0);
+  for (const machine::Component component : {machine::Component::kX, machine::Component::kY}) {
+    moved.terms.push_back(
+        {kMachine.tool_joint(), component, shapes::Constant{}, {by_mm[static_cast<int>(component)], 0.0}});
+  }
+  auto sessions = Measure(kMachine, declared, {});
+  synthetic::NoiseOptions exact;
+  exact.sigma_scale = 0.0;
+  exact.draw_setup = false;
+  const auto before = Measure(kMachine, declared, exact), after = Measure(kMachine, moved, exact);
+  constexpr size_t kFirst = 300, kCr = 2;
+  std::vector<double>& length_mm = sessions[kCr].columns.back().values;
+  for (size_t k = kFirst; k < length_mm.size(); ++k)
+    length_mm[k] += after[kCr].columns.back().values[k] - before[kCr].columns.back().values[k];
+  const Report report = CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value();
+  ASSERT_EQ(report.unexplained.size(), 1u);
+  EXPECT_EQ(report.unexplained[0].session, "CR");
+  EXPECT_NEAR(report.unexplained[0].to, session::FindColumn(sessions[kCr], "t_s")->values[kFirst], 5.0);
+  const Slipped& slip = report.unexplained[0].slip.value();
+  EXPECT_EQ(slip.carrier, instruments::Carrier::kTool);
+  EXPECT_FALSE(slip.may_be_other);
+  for (size_t k = 0; k < 2; ++k) {
+    ASSERT_TRUE(slip.moved_mm[k].has_value());
+    EXPECT_NEAR(*slip.moved_mm[k], by_mm[static_cast<Eigen::Index>(k)], 4.0 * slip.sigma_mm[k]);
+  }
+  EXPECT_THAT(ToJson(kMachine, report), ::testing::HasSubstr(R"("carrier": "tool")"));
 }
 
 TEST(CloseLoop, TheReportIsThatOfTheFormatPage) {

@@ -56,6 +56,26 @@ std::string SessionWhereItShows(const Fit& fit, const shapes::Bump& bump) {
   return session;
 }
 
+Unexplained SlipOf(const MeasuringRun& run, const Candidate& candidate, size_t setup_at, const Fit& fit,
+                   const Signatures& signatures) {
+  constexpr double kSeen = 0.5;  // of what is known of any slip before it is measured
+  Slipped slip{candidate.carrier, candidate.may_be_other, {}, {}};
+  Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();
+  for (size_t k = 0; k < 3; ++k) {
+    const identify::SetupOffset& offset = fit.result.sessions[candidate.run].setup[setup_at + k];
+    if (!(offset.sigma < kSeen * fit.problem.runs[candidate.run].setup[setup_at + k].prior_sigma)) continue;
+    slip.moved_mm[k] = moved_mm[static_cast<Eigen::Index>(k)] = offset.value;
+    slip.sigma_mm[k] = offset.sigma;
+  }
+  return {Unexplained::kSlip,
+          "t",
+          run.time_s[std::max(0, candidate.earliest - 1)],
+          run.time_s[candidate.latest],
+          run.session,
+          signatures.RmsOf(candidate, moved_mm),
+          slip};
+}
+
 }  // namespace
 
 void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, const Extension& extension, const Fit& fit,
@@ -66,9 +86,8 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
   for (size_t a = 0; a < effects.size(); ++a) {
     const Added& added = effects[a];
     if (added.candidate.family == Family::kStep) {
-      const MeasuringRun& run = runs[added.candidate.run];
-      report->unexplained.push_back({Unexplained::kSlip, "t", run.time_s[std::max(0, added.candidate.earliest - 1)],
-                                     run.time_s[added.candidate.latest], run.session, 0.0});
+      report->unexplained.push_back(
+          SlipOf(runs[added.candidate.run], added.candidate, extension.SetupOf(a), fit, signatures));
       continue;
     }
     const int t = extension.TermOf(a);

@@ -205,13 +205,33 @@ class Builder {
   void AddSteps() {
     for (size_t i = 0; i < problem_.runs.size(); ++i) {
       const MeasuringRun& run = problem_.runs[i];
-      if (run.kind == instruments::Kind::kTracker) continue;
-      constexpr int kSmallest = 6;
-      const int stride = StepStride(run);
-      for (int k = kSmallest; k + kSmallest <= run.reading_count(); k += stride) {
-        candidates_.push_back({Family::kStep, {}, static_cast<int>(i), k});
-      }
+      if (run.slips.size() == instruments::kMaxSlips) continue;
+      // Seen from a tracker the table has no part, and a tracker that slips turns too.
+      const bool has_table = run.kind != instruments::Kind::kTracker;
+      if (has_table) AddSteps(static_cast<int>(i), instruments::Carrier::kTable);
+      if (!has_table || TurnsAny(run)) AddSteps(static_cast<int>(i), instruments::Carrier::kTool);
     }
+  }
+
+  void AddSteps(int index, instruments::Carrier carrier) {
+    constexpr int kSmallest = 6;  // readings before and after
+    const MeasuringRun& run = problem_.runs[index];
+    for (int k = kSmallest; k + kSmallest <= run.reading_count(); k += StepStride(run)) {
+      const bool is_near = std::any_of(run.slips.begin(), run.slips.end(), [k](const instruments::Slip& slip) {
+        return std::abs(slip.first_reading - k) < kSmallest;
+      });
+      if (!is_near) candidates_.push_back({Family::kStep, {}, index, k, 0, 0, carrier});
+    }
+  }
+
+  // Where no rotary axis turns, table and tool slip alike.
+  bool TurnsAny(const MeasuringRun& run) const {
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) {
+      if (!IsRotary(machine_, axis)) continue;
+      for (int k = 1; k < run.reading_count(); ++k)
+        if (std::abs(run.PositionsOf(k)[axis] - run.PositionsOf(0)[axis]) > kStandsStillRad) return true;
+    }
+    return false;
   }
 
   const identify::Problem& problem_;

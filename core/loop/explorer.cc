@@ -276,24 +276,16 @@ absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
   return outcome;
 }
 
-// Parts of a session whose artefact slipped join again.
 void Explorer::KeepResiduals(const Fit& fit, const std::vector<MeasuringRun>& runs, ResidualField field,
                              Report* report) const {
   const bool is_check = &runs == &check_.runs();
   const size_t offset = is_check ? runs_.size() : 0;
   report->residuals.resize(runs_.size() + check_.runs().size());
-  size_t part = 0;
   for (size_t i = 0; i < runs.size(); ++i) {
     SessionResiduals& kept = report->residuals[offset + i];
     kept.session = runs[i].session;
     kept.is_check = is_check;
-    Eigen::MatrixXd& residuals_mm = kept.*field;
-    residuals_mm.resize(runs[i].row_count, runs[i].reading_count());
-    for (Eigen::Index at = 0; at < residuals_mm.cols(); ++part) {
-      const Eigen::MatrixXd& columns = fit.residuals_mm[part];
-      residuals_mm.middleCols(at, columns.cols()) = columns;
-      at += columns.cols();
-    }
+    kept.*field = fit.residuals_mm[i];
   }
 }
 

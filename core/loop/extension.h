@@ -28,10 +28,10 @@ class Extension {
   machine::ErrorModel Model() const;
   // Which term of Model() an effect is.
   int TermOf(size_t effect) const;
-  // The fit sessions. A slipped artefact: from that reading on the session is another session with a setup of its own.
+  // The fit sessions, with the slips found in them.
   std::vector<instruments::MeasuringRun> Runs() const;
-  // A slip that was found in the runs of `problem`, which may be parts of sessions: back to the session's own readings.
-  void MapSlip(const identify::Problem& problem, Candidate* candidate) const;
+  // Where the three setup offsets of an effect that is a slip stand in its session's setup.
+  size_t SetupOf(size_t effect) const;
   // As in error model and report; slips by their session.
   std::string NameOf(size_t effect) const;
 

@@ -46,7 +46,9 @@ namespace {
 bool IsNear(const Candidate& a, const Candidate& b) {
   if (a.family != b.family) return false;
   constexpr int kNearReadings = 12;
-  if (a.family == Family::kStep) return a.run == b.run && std::abs(a.first_reading - b.first_reading) <= kNearReadings;
+  if (a.family == Family::kStep) {
+    return a.run == b.run && a.carrier == b.carrier && std::abs(a.first_reading - b.first_reading) <= kNearReadings;
+  }
   if (const auto* one = std::get_if<shapes::Bump>(&a.term.shape)) {
     const auto& other = std::get<shapes::Bump>(b.term.shape);
     return a.term.joint == b.term.joint && a.term.component == b.term.component && one->axis == other.axis &&
@@ -109,7 +111,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   added.score = finding.effect.score;
   SetClass(finding, &added);
   const bool is_slip = added.candidate.family == Family::kStep;
-  if (is_slip) extension().MapSlip(fit->problem, &added.candidate);
+  if (is_slip) added.candidate = WithCarrierTold(signatures, added.candidate, options_.search.indistinguishable);
   effects().push_back(added);
   // What is all but explained already may promise much and fit nothing: its amplitude runs away.
   if (!is_slip) {

@@ -103,6 +103,23 @@ Candidate AtBestMoment(const Signatures& signatures, Candidate slip, double indi
   return slip;
 }
 
+Candidate WithCarrierTold(const Signatures& signatures, Candidate slip, double indistinguishable) {
+  using instruments::Carrier;
+  if (signatures.problem().runs[slip.run].kind == instruments::Kind::kTracker) return slip;
+  Candidate other = slip;
+  other.carrier = slip.carrier == Carrier::kTable ? Carrier::kTool : Carrier::kTable;
+  other = AtBestMoment(signatures, other, indistinguishable);
+  const std::vector<Projection> projections = signatures.Project({slip, other});
+  double ratio[2] = {};
+  for (size_t i = 0; i < 2; ++i) {
+    Eigen::Vector3d amplitude;
+    const double gain = projections[i].visible > kVisible ? Gain(projections[i], &amplitude) : 0.0;
+    ratio[i] = LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
+  }
+  slip.may_be_other = ratio[1] > ratio[0] - indistinguishable;
+  return slip;
+}
+
 bool IsGrid(Family family) {
   return family == Family::kBump || family == Family::kPitch || family == Family::kReversal ||
          family == Family::kDriftExp;

@@ -20,6 +20,10 @@ Candidate Refined(const Signatures& signatures, const Candidate& candidate, doub
 // `indistinguishable` (chi-square units).
 Candidate AtBestMoment(const Signatures& signatures, Candidate slip, double indistinguishable);
 
+// The slip, and whether one of the tool instead of the table, or the other way round, explains as much within
+// `indistinguishable` at its own best moment.
+Candidate WithCarrierTold(const Signatures& signatures, Candidate slip, double indistinguishable);
+
 // Families that the dictionary samples: their members compare only once they are refined.
 bool IsGrid(Family family);
 

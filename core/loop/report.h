@@ -2,6 +2,7 @@
 #ifndef AXISCAL_CORE_LOOP_REPORT_H_
 #define AXISCAL_CORE_LOOP_REPORT_H_
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,16 +26,26 @@ struct Effect {
   std::vector<int> alias_orders;                  // of a harmonic: orders beyond Nyquist that would read the same
 };
 
+// What slipped, and how far: x, y, z in the frame of the table or of the tool, mm. A direction that its session does
+// not see has no number.
+struct Slipped {
+  instruments::Carrier carrier = instruments::Carrier::kTable;
+  bool may_be_other = false;  // the readings do not tell table from tool
+  std::array<std::optional<double>, 3> moved_mm;
+  std::array<double, 3> sigma_mm{};
+};
+
 // Structure that was found but has no name.
 struct Unexplained {
-  // a local defect along an axis; a slipped artefact; a check session that reads more than chance under the model;
-  // readings set aside that cluster along an axis; a fitted session that scatters by more than noise may
+  // a local defect along an axis; a slipped artefact or probe; a check session that reads more than chance under the
+  // model; readings set aside that cluster along an axis; a fitted session that scatters by more than noise may
   enum Kind { kLocal, kSlip, kCheckSession, kBadReadings, kScatter };
   Kind kind = kLocal;
   std::string variable;         // axis, or "t" for a moment
   double from = 0.0, to = 0.0;  // mm, rad or s
   std::string session;          // where it shows most
   double rms_mm = 0.0;
+  std::optional<Slipped> slip = std::nullopt;  // kSlip
 };
 
 // One change of the model, in the order in which they were made, and what was left of the residuals after the refit.

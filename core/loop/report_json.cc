@@ -47,20 +47,36 @@ json StatisticsJson(const identify::FitStatistics& fit) {
           {"chi2_per_dof", fit.chi2_per_dof}};
 }
 
+json SlipJson(const Slipped& slip) {
+  const bool is_table = slip.carrier == instruments::Carrier::kTable;
+  json object = {{"carrier", is_table ? "table" : "tool"}};
+  if (slip.may_be_other) object["may_be"] = is_table ? "tool" : "table";
+  json moved = json::array(), sigma = json::array();
+  for (size_t k = 0; k < 3; ++k) {
+    moved.push_back(slip.moved_mm[k] ? json(*slip.moved_mm[k] * kUmPerMm) : json());
+    sigma.push_back(slip.moved_mm[k] ? json(slip.sigma_mm[k] * kUmPerMm) : json());
+  }
+  object["moved_um"] = std::move(moved);
+  object["sigma_um"] = std::move(sigma);
+  return object;
+}
+
 json UnexplainedJson(const machine::Machine& machine, const Unexplained& part) {
   const int axis = machine::FindAxis(machine, part.variable);
   const bool is_rotary = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary;
   const double unit = is_rotary ? kDegPerRad : 1.0;
   constexpr const char* kKinds[] = {"local", "slip", "check-session", "bad-readings", "scatter"};
-  return {{"kind", kKinds[part.kind]},
-          {"variable", part.variable},
-          {"from", part.from * unit},
-          {"to", part.to * unit},
-          {"unit", axis < 0    ? "s"
-                   : is_rotary ? "deg"
-                               : "mm"},
-          {"session", part.session},
-          {"rms_um", part.rms_mm * kUmPerMm}};
+  json object = {{"kind", kKinds[part.kind]},
+                 {"variable", part.variable},
+                 {"from", part.from * unit},
+                 {"to", part.to * unit},
+                 {"unit", axis < 0    ? "s"
+                          : is_rotary ? "deg"
+                                      : "mm"},
+                 {"session", part.session},
+                 {"rms_um", part.rms_mm * kUmPerMm}};
+  if (part.slip.has_value()) object["slip"] = SlipJson(*part.slip);
+  return object;
 }
 
 json StepJson(const Step& step) {

@@ -72,12 +72,12 @@ void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
   }
 }
 
-// The best slip of each session at its best moment: the search looked at every few.
+// The best slip of each session, of table and of tool, at its best moment: the search looked at every few.
 void RefineSlips(const Signatures& signatures, const SearchOptions& options, std::vector<Scored>* scored) {
-  std::set<int> runs;
+  std::set<std::pair<int, instruments::Carrier>> seen;
   for (Scored& one : *scored) {
     if (one.candidate.family != Family::kStep || one.score < 0.5 * options.evidence) continue;
-    if (!runs.insert(one.candidate.run).second) continue;
+    if (!seen.insert({one.candidate.run, one.candidate.carrier}).second) continue;
     one.candidate = AtBestMoment(signatures, one.candidate, options.indistinguishable);
     Estimate(signatures, &one);
   }
@@ -162,9 +162,11 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   constexpr double kClearlyLess = 0.8;
   const std::vector<Projection> projections = signatures.ProjectWorthy(candidates, worth, kClearlyLess);
   result.not_visible = NotVisible(candidates, projections);
-  std::map<Family, int> members;
+  // Slips of table and tool are two families.
+  const auto kin_of = [](const Candidate& one) { return std::pair(one.family, one.carrier); };
+  std::map<std::pair<Family, instruments::Carrier>, int> members;
   for (size_t i = 0; i < candidates.size(); ++i)
-    members[candidates[i].family] += projections[i].is_screened || projections[i].visible > kVisible;
+    members[kin_of(candidates[i])] += projections[i].is_screened || projections[i].visible > kVisible;
   const Resolution resolution(signatures);
   std::vector<Scored> scored;
   for (size_t i = 0; i < candidates.size(); ++i) {
@@ -174,7 +176,7 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
     one.candidate = candidates[i];
     const double gain = Gain(projections[i], &one.amplitude);
     one.likelihood_ratio = LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
-    one.score = one.likelihood_ratio - 2.0 * std::log(std::max(1, members[candidates[i].family])) -
+    one.score = one.likelihood_ratio - 2.0 * std::log(std::max(1, members[kin_of(candidates[i])])) -
                 options.per_column * (projections[i].columns - 1);
     scored.push_back(std::move(one));
   }

@@ -7,6 +7,13 @@
 
 namespace axiscal::loop {
 
+Eigen::Ref<const Eigen::MatrixXd> Signatures::SlipOf(const Candidate& slip, Eigen::Index begin,
+                                                     Eigen::Index count) const {
+  if (slip.carrier == instruments::Carrier::kTable) return setup_raw_.middleRows(begin, count);
+  const Eigen::Index tool = machine::kComponents * Eigen::Index{problem_.machine->tool_joint()};
+  return sensitivity_.block(begin, tool, count, 3);
+}
+
 void Signatures::SumSlips(const std::vector<const Candidate*>& slips, const std::vector<Projection*>& projections,
                           Eigen::MatrixXd* coefficients) const {
   std::vector<size_t> latest_first(slips.size());
@@ -17,9 +24,9 @@ void Signatures::SumSlips(const std::vector<const Candidate*>& slips, const std:
     if (rows.run != slips.front()->run) continue;
     // Of rows whose neighbour above has slipped, too.
     const Eigen::Index n = rows.end - rows.begin;
-    Eigen::MatrixXd whitened = setup_raw_.middleRows(rows.begin, n);
-    for (Eigen::Index k = n - 1; k > 0; --k)
-      whitened.row(k) -= correlation_[rows.begin + k] * setup_raw_.row(rows.begin + k - 1);
+    const Eigen::Ref<const Eigen::MatrixXd> raw = SlipOf(*slips.front(), rows.begin, n);
+    Eigen::MatrixXd whitened = raw;
+    for (Eigen::Index k = n - 1; k > 0; --k) whitened.row(k) -= correlation_[rows.begin + k] * raw.row(k - 1);
     whitened.array().colwise() *= weight_.segment(rows.begin, n);
 
     Eigen::MatrixXd of_nuisance = Eigen::MatrixXd::Zero(nuisance_.size(), kMaxColumns);
@@ -40,7 +47,7 @@ void Signatures::SumSlips(const std::vector<const Candidate*>& slips, const std:
         summed = first + 1;
       }
       auto sums = coefficients->middleCols<kMaxColumns>(kMaxColumns * static_cast<Eigen::Index>(i));
-      const Eigen::RowVector3d begin = weight_[first] * setup_raw_.row(first);  // its neighbour has not
+      const Eigen::RowVector3d begin = weight_[first] * raw.row(first - rows.begin);  // its neighbour has not
       sums += of_nuisance;
       nuisance_.Accumulate(rows.group, first, begin, &sums);
       projections[i]->own += own + begin.transpose() * begin;

@@ -119,7 +119,7 @@ std::vector<Projection> Signatures::ProjectWorthy(const std::vector<Candidate>& 
 // All that are neither projected (columns > 0) nor screened out.
 void Signatures::ProjectPending(const std::vector<Candidate>& candidates, std::vector<Projection>* projections) const {
   if (row_count() == 0) return;
-  // A slip touches one run only: those of a run go together, all others over all rows.
+  // A slip touches one run only: those of a run and carrier go together, all others over all rows.
   constexpr int kColumnsAtOnce = 96, kSlipColumnsAtOnce = 3072;
   std::vector<const Candidate*> some;
   std::vector<Projection*> theirs;
@@ -133,7 +133,9 @@ void Signatures::ProjectPending(const std::vector<Candidate>& candidates, std::v
   for (size_t i = 0; i < candidates.size(); ++i) {
     if ((*projections)[i].is_screened || (*projections)[i].columns > 0) continue;
     const int most = candidates[i].family == Family::kStep ? kSlipColumnsAtOnce : kColumnsAtOnce;
-    if (!some.empty() && (width >= most || some.front()->run != candidates[i].run)) flush();
+    const bool is_alike =
+        !some.empty() && some.front()->run == candidates[i].run && some.front()->carrier == candidates[i].carrier;
+    if (width >= most || !is_alike) flush();
     some.push_back(&candidates[i]);
     theirs.push_back(&(*projections)[i]);
     width += ColumnsOf(candidates[i]);
@@ -150,9 +152,10 @@ void Signatures::FillRaw(const std::vector<const Candidate*>& candidates, int be
   for (const Candidate* candidate : candidates) {
     const int width = ColumnsOf(*candidate);
     if (candidate->family == Family::kStep) {
+      const Eigen::Ref<const Eigen::MatrixXd> source = SlipOf(*candidate, begin, count);
       for (Eigen::Index i = 0; i < count; ++i) {
         const bool is_after = run_[begin + i] == candidate->run && reading_[begin + i] >= candidate->first_reading;
-        for (int b = 0; b < width; ++b) columns(i, at + b) = is_after ? setup_raw_(begin + i, b) : 0.0;
+        for (int b = 0; b < width; ++b) columns(i, at + b) = is_after ? source(i, b) : 0.0;
       }
     } else {
       if (filled == nullptr || !(*filled == candidate->term.shape)) {
@@ -225,6 +228,7 @@ void Signatures::ProjectFully(const std::vector<const Candidate*>& candidates,
     out.visible = is_slip ? visible.maxCoeff() : visible.head(out.columns).minCoeff();
     for (int a = 0; is_slip && a < out.columns; ++a) {
       if (visible[a] <= kVisible) LeaveOut(a, &out);
+      out.own(a, a) += 1.0 / (instruments::kSlipSigmaMm * instruments::kSlipSigmaMm);  // as in the fit
     }
   }
 }

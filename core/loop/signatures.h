@@ -22,7 +22,8 @@ inline constexpr double kVisible = 1e-5;
 // Inner products of one candidate's projected signature with itself and with the residual.
 struct Projection {
   int columns = 0;
-  Eigen::Matrix3d own = Eigen::Matrix3d::Zero();            // X' X after projection, upper-left columns x columns
+  // X' X after projection, upper-left columns x columns; of a slip with its prior.
+  Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
   Eigen::Vector3d with_residual = Eigen::Vector3d::Zero();  // X' r after projection
   // Share of a column's squares that is left after projection: the smallest; of a slip the largest, as a session sees
   // few of its directions.
@@ -72,10 +73,12 @@ class Signatures {
   // Raw signatures side by side at the rows begin .. begin + columns.rows().
   void FillRaw(const std::vector<const Candidate*>& candidates, int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
   void ProjectPending(const std::vector<Candidate>& candidates, std::vector<Projection>* projections) const;
-  // Slips of one run, or others.
+  // Rows of a slip that happened before all of them: count x 3, raw.
+  Eigen::Ref<const Eigen::MatrixXd> SlipOf(const Candidate& slip, Eigen::Index begin, Eigen::Index count) const;
+  // Slips of one run and carrier, or others.
   void ProjectFully(const std::vector<const Candidate*>& candidates, const std::vector<Projection*>& projections) const;
   // Products of whitened columns before projection, with themselves and the residual and, added to `coefficients`
-  // (nuisance size x columns side by side), with the nuisance; of any but slips, and of slips of one run.
+  // (nuisance size x columns side by side), with the nuisance; of any but slips, and of slips of one run and carrier.
   void SumColumns(const std::vector<const Candidate*>& candidates, const std::vector<Projection*>& projections,
                   Eigen::MatrixXd* coefficients) const;
   void SumSlips(const std::vector<const Candidate*>& slips, const std::vector<Projection*>& projections,

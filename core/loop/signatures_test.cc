@@ -79,7 +79,9 @@ TEST(Signatures, WhatTheSetupExplainsIsInvisible) {
 }
 
 // Moves the ball from each slip's reading on and looks at what is left then.
-TEST(Signatures, ASlipIsWhatAMovedBallLeaves) {
+class SlipSignatures : public testing::TestWithParam<instruments::Carrier> {};
+
+TEST_P(SlipSignatures, AreWhatAMovedBallLeaves) {
   identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), {}, 1.0);
   const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
   constexpr int kRun = 1;
@@ -92,7 +94,7 @@ TEST(Signatures, ASlipIsWhatAMovedBallLeaves) {
     for (identify::Noise& noise : fit.problem.noise) noise.ar1 = ar1;
     run.measured_mm = as_measured_mm;
     std::vector<Candidate> slips;
-    for (const int moment : moments) slips.push_back({Family::kStep, {}, kRun, moment});
+    for (const int moment : moments) slips.push_back({Family::kStep, {}, kRun, moment, 0, 0, GetParam()});
     const Signatures before(fit.problem, fit.point, parameters);
     const std::vector<Projection> projections = before.Project(slips);
     for (size_t i = 0; i < slips.size(); ++i) {
@@ -102,7 +104,10 @@ TEST(Signatures, ASlipIsWhatAMovedBallLeaves) {
         const machine::JointErrors<double> errors = machine::ErrorsAt(kMachine, fit.point.model, run.StateOf(k));
         instruments::Evaluate(kMachine, run, k, errors, fit.point.setup[fit.problem.group_of_run[kRun]].data(),
                               &evaluation);
-        run.measured_mm(0, k) -= evaluation.by_setup.row(0).head<3>() * moved_mm;
+        const Eigen::RowVector3d of_table = evaluation.by_setup.row(0).head<3>();
+        const Eigen::RowVector3d of_tool =
+            evaluation.by_error.row(0).segment<3>(machine::kComponents * kMachine.tool_joint());
+        run.measured_mm(0, k) -= (GetParam() == instruments::Carrier::kTable ? of_table : of_tool) * moved_mm;
       }
       const Signatures after(fit.problem, fit.point, parameters);
       const double more =
@@ -113,6 +118,9 @@ TEST(Signatures, ASlipIsWhatAMovedBallLeaves) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Carriers, SlipSignatures,
+                         testing::Values(instruments::Carrier::kTable, instruments::Carrier::kTool));
 
 TEST(Signatures, TwoNamesOfOneMotionCorrelateFully) {
   const identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), {}, 1.0);

@@ -218,8 +218,7 @@ std::optional<Candidate> Validation::SlipInstead(size_t i, const Fit& fit, const
   // Set-ups that stand far off without the effect are no place to estimate from.
   constexpr double kShare = 0.1;
   if (std::abs(signatures.residual_squares() - gain - SquaresOf(joint)) > kShare * gain) return std::nullopt;
-  extension().MapSlip(joint.problem, &slip);
-  return slip;
+  return WithCarrierTold(signatures, slip, kAlike);
 }
 
 absl::Status Validation::PutSlip(size_t i, Fit* fit) {

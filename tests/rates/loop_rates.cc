@@ -1,7 +1,7 @@
 // Rates at which the loop names what went into simulated machines: `loop_rates KIND COUNT [FIRST_SEED] [-v]`, KIND one
-// of null one pair dirty dirty-null misstated bump slip; or how often the sessions that it proposes leave the true
-// effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`, COUNT machines with one effect. -v prints every
-// case, otherwise those that went wrong.
+// of null one pair dirty dirty-null misstated bump slip probe-slip; or how often the sessions that it proposes leave
+// the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`, COUNT machines with one effect. -v
+// prints every case, otherwise those that went wrong.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -49,11 +49,13 @@ int main(int argc, char** argv) {
                                              {"dirty-null", Kind::kDirtyNull},
                                              {"misstated", Kind::kMisstated},
                                              {"bump", Kind::kBump},
-                                             {"slip", Kind::kSlip}};
+                                             {"slip", Kind::kSlip},
+                                             {"probe-slip", Kind::kProbeSlip}};
   const bool is_next = argc >= 3 && std::strcmp(argv[1], "next") == 0;
   if (argc < 3 || (!is_next && !kinds.contains(argv[1]))) {
     std::fprintf(stderr,
-                 "usage: loop_rates null|one|pair|dirty|dirty-null|misstated|bump|slip|next COUNT [FIRST_SEED] [-v]\n");
+                 "usage: loop_rates null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|next COUNT "
+                 "[FIRST_SEED] [-v]\n");
     return 2;
   }
   const int count = std::atoi(argv[2]);
@@ -81,7 +83,7 @@ int main(int argc, char** argv) {
     sigma_ratio.push_back(std::max(score.sigma_ratio, 1.0 / score.sigma_ratio));
     seconds.push_back(score.seconds);
     const bool is_wrong = score.named < score.effects || score.spurious > 0 ||
-                          ((kind == Kind::kBump || kind == Kind::kSlip) && !score.is_structure_noticed);
+                          ((kind == Kind::kBump || IsSlip(kind)) && !score.is_structure_noticed);
     if (is_verbose || is_wrong)
       std::printf("%s %d: %s  check x%.3f sigma x%.2f %.2f s\n", argv[1], seed, score.text.c_str(), score.check_ratio,
                   score.sigma_ratio, score.seconds);

@@ -70,9 +70,10 @@ TEST(Rates, ChipsAreListedAndDirtyMachinesThatLackNothingAreLeftAlone) {
 }
 
 TEST(Rates, ALocalDefectAndASlipAreNoticed) {
-  const Total bumps = JudgeMany(Kind::kBump, 10), slips = JudgeMany(Kind::kSlip, 10);
-  EXPECT_GE(bumps.noticed, 9) << bumps.texts;
-  EXPECT_GE(slips.noticed, 9) << slips.texts;
+  for (const Kind kind : {Kind::kBump, Kind::kSlip, Kind::kProbeSlip}) {
+    const Total total = JudgeMany(kind, 10);
+    EXPECT_GE(total.noticed, 9) << total.texts;
+  }
 }
 
 // Nearly all of what it does is taken up by declared errors and set-ups: two periodic errors of another axis that moves

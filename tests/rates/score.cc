@@ -30,6 +30,14 @@ std::string Describe(const machine::Machine& machine, const ErrorTerm& term) {
       unit * std::hypot(term.amplitude[0], shapes::BasisCount(term.shape) == 2 ? term.amplitude[1] : 0.0));
 }
 
+std::string DescribeSlip(const loop::Slipped& slip) {
+  const bool is_table = slip.carrier == instruments::Carrier::kTable;
+  std::string text = absl::StrCat(is_table ? " table" : " tool", slip.may_be_other ? "?" : "");
+  for (const std::optional<double>& moved_mm : slip.moved_mm)
+    absl::StrAppend(&text, moved_mm ? absl::StrFormat(" %.3g", *moved_mm * 1e3) : " -");
+  return text;
+}
+
 }  // namespace
 
 bool IsSame(const ErrorTerm& a, const ErrorTerm& b) {
@@ -86,22 +94,24 @@ Score Judge(const SimulatedCase& simulated, Kind kind) {
       const auto& bump = std::get<shapes::Bump>(simulated.effects.terms[0].shape);
       is_right = part.variable == machine.axes[bump.axis].name && part.from < bump.at + bump.width &&
                  part.to > bump.at - bump.width;
-    } else if (kind == Kind::kSlip) {
+    } else if (IsSlip(kind)) {
       const double tolerance_s = 20.0;
       is_right = part.variable == "t" && part.session == simulated.slipped_session &&
-                 part.from < simulated.slip_s + tolerance_s && part.to > simulated.slip_s - tolerance_s;
+                 part.from < simulated.slip_s + tolerance_s && part.to > simulated.slip_s - tolerance_s && part.slip &&
+                 (part.slip->carrier == simulated.carrier || part.slip->may_be_other);
     }
     score.is_structure_noticed = score.is_structure_noticed || is_right;
     // A defect or a slip that is not modelled to the last micrometre may show in a check session, too.
-    const bool is_trace = part.kind == loop::Unexplained::kCheckSession && (kind == Kind::kBump || kind == Kind::kSlip);
+    const bool is_trace = part.kind == loop::Unexplained::kCheckSession && (kind == Kind::kBump || IsSlip(kind));
     score.spurious += !is_right && !is_trace;
     score.text += absl::StrFormat(" %sunexplained %s %.4g..%.4g %s", is_right ? "" : "WRONG ", part.variable, part.from,
                                   part.to, part.session);
+    if (part.slip) score.text += DescribeSlip(*part.slip);
   }
   score.is_check_fitted = report.is_check_fitted;
   if (report.is_check_fitted) score.text += " CHECK FITTED";
   for (const std::string& name : report.withdrawn) score.text += " withdrawn " + name;
-  if (kind == Kind::kSlip)
+  if (IsSlip(kind))
     score.text += absl::StrFormat(" (slip in %s at %.0f s)", simulated.slipped_session, simulated.slip_s);
   if (kind == Kind::kBump) {
     const auto& bump = std::get<shapes::Bump>(simulated.effects.terms[0].shape);
@@ -129,7 +139,7 @@ Score Judge(const SimulatedCase& simulated, Kind kind) {
   options.model = simulated.declared;
   for (const ErrorTerm& term : simulated.effects.terms) options.model->terms.push_back(term);
   const auto known = identify::FitRuns(machine, simulated.fit, options);
-  if (known.ok() && kind != Kind::kBump && kind != Kind::kSlip) {
+  if (known.ok() && kind != Kind::kBump && !IsSlip(kind)) {
     const auto check = identify::CheckRuns(machine, simulated.check, known->result.model, options);
     if (check.ok()) score.check_ratio = report.check_after.rms_mm / check->result.fit.rms_mm;
   }

@@ -12,7 +12,7 @@ struct Score {
   int effects = 0, named = 0;         // put in; found or in the class of a found one
   int first = 0;                      // of the named: reported under their own name
   int spurious = 0;                   // effects and unnamed structure that nothing put in explains
-  bool is_structure_noticed = false;  // kBump, kSlip: verdict unexplained with the right variable and range
+  bool is_structure_noticed = false;  // bumps, slips: verdict unexplained with the right variable and range
   int bad = 0, bad_listed = 0, good = 0, good_listed = 0;
   double sigma_ratio = 1.0;  // worst estimated over true sigma of all fit sessions
   double check_ratio = 1.0;  // check rms over that of a fit that knows what went in

@@ -223,8 +223,8 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
   std::vector<BadReading> bad_check;
   const std::vector<session::Session> check =
       Measure(out.machine, truth, plan.check, out.sigma_scale, is_dirty, &dice, &bad_check);
-  if (kind == Kind::kSlip) {
-    // The table ball slips in one session: what its readings change by is their sensitivity to the first three offsets.
+  if (IsSlip(kind)) {
+    // The table's ball slips in one session, or what the tool holder carries.
     int which = 0;
     do which = dice.Below(fit.size());
     while (fit[which].reading_count() < 60);
@@ -232,7 +232,9 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
     const auto first = static_cast<size_t>(dice.Uniform(0.2, 0.8) * static_cast<double>(readings));
     // As large as it takes to show in the session's own readings; a slip across the bar does not.
     const loop::Signatures signatures(problem, point, identify::ListParameters(point.model, true));
-    const loop::Projection seen = signatures.Project({{loop::Family::kStep, {}, which, static_cast<int>(first)}})[0];
+    out.carrier = kind == Kind::kSlip ? instruments::Carrier::kTable : instruments::Carrier::kTool;
+    const loop::Projection seen =
+        signatures.Project({{loop::Family::kStep, {}, which, static_cast<int>(first), 0, 0, out.carrier}})[0];
     Eigen::Vector3d slip_mm;
     double squares = 0.0;
     do {
@@ -242,9 +244,9 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
     const double numbers = static_cast<double>(problem.runs[which].measured_mm.size());
     slip_mm *= dice.Of({0.5, 0.7, 1.5, 3.0}) * std::sqrt(numbers / squares);
     machine::ErrorModel slipped = truth;
+    const int joint = kind == Kind::kSlip ? out.machine.work_joint() : out.machine.tool_joint();
     for (const Component component : {Component::kX, Component::kY, Component::kZ}) {
-      slipped.terms.push_back(
-          {out.machine.work_joint(), component, shapes::Constant{}, {slip_mm[static_cast<int>(component)], 0.0}});
+      slipped.terms.push_back({joint, component, shapes::Constant{}, {slip_mm[static_cast<int>(component)], 0.0}});
     }
     synthetic::NoiseOptions exact;
     exact.sigma_scale = 0.0;

@@ -14,7 +14,9 @@
 
 namespace axiscal::rates {
 
-enum class Kind { kNull, kOne, kPair, kDirty, kDirtyNull, kMisstated, kBump, kSlip };
+enum class Kind { kNull, kOne, kPair, kDirty, kDirtyNull, kMisstated, kBump, kSlip, kProbeSlip };
+
+inline bool IsSlip(Kind kind) { return kind == Kind::kSlip || kind == Kind::kProbeSlip; }
 
 struct BadReading {
   std::string session;
@@ -29,8 +31,9 @@ struct SimulatedCase {
   std::vector<double> signal_to_noise;    // per effect: rms of its unexplained signature over sigma
   std::vector<BadReading> bad;            // of the fit sessions
   double sigma_scale = 1.0;               // true sigma over the stated one
-  std::string slipped_session;            // kSlip
+  std::string slipped_session;            // of slips
   double slip_s = 0.0;
+  instruments::Carrier carrier = instruments::Carrier::kTable;
 };
 
 // The case number `seed` of a kind; the same each time.

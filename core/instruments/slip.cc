@@ -1,0 +1,16 @@
+#include "absl/strings/str_cat.h"
+#include "core/base/demand.h"
+#include "core/instruments/run.h"
+
+namespace axiscal::instruments {
+
+void AddSlip(const Slip& slip, MeasuringRun* run) {
+  DEMAND(run->slips.size() < kMaxSlips && run->path_readings == nullptr);
+  run->slips.push_back(slip);
+  run->setup_name = run->session;
+  const std::string number = run->slips.size() > 1 ? absl::StrCat(run->slips.size()) : "";
+  for (const char* direction : {"x", "y", "z"})
+    run->setup.push_back({absl::StrCat("slip", number, "_", direction), kSlipSigmaMm, true, false});
+}
+
+}  // namespace axiscal::instruments
