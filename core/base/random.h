@@ -30,19 +30,21 @@ inline uint64_t StreamSeed(uint64_t seed, uint64_t stream) {
   return mixed ^ (mixed >> 31);
 }
 
-// First-order autoregressive noise of variance 1: servo ripple remembers.
+// Noise of variance 1: a share of it is white, the rest first-order autoregressive (servo ripple remembers).
 class RippleNoise {
  public:
-  explicit RippleNoise(double ar1) : ar1_(ar1), fresh_(std::sqrt(1.0 - ar1 * ar1)) {}
+  explicit RippleNoise(double ar1, double white_share = 0.0)
+      : ar1_(ar1), fresh_(std::sqrt(1.0 - ar1 * ar1)), white_share_(white_share) {}
   double Next(Random& random) {
     const double fresh = random.Normal();
     value_ = is_first_ ? fresh : ar1_ * value_ + fresh_ * fresh;
     is_first_ = false;
-    return value_;
+    if (white_share_ == 0.0) return value_;
+    return std::sqrt(1.0 - white_share_) * value_ + std::sqrt(white_share_) * random.Normal();
   }
 
  private:
-  double ar1_, fresh_, value_ = 0.0;
+  double ar1_, fresh_, white_share_, value_ = 0.0;
   bool is_first_ = true;
 };
 

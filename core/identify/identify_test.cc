@@ -167,6 +167,22 @@ TEST(Identify, CorrelatedReadingsStateLargerUncertainties) {
   EXPECT_NEAR(judged->fit.chi2_per_dof, 1.0, 0.15);
 }
 
+// The same of noise that is half white: its slow half averages down as slowly as if it were alone, 5 times by variance.
+TEST(Identify, AWhiteShareDoesNotHideWhatTheNoiseRemembers) {
+  synthetic::NoiseOptions noise;
+  noise.ar1 = 0.8;
+  noise.white_share = 0.5;
+  const auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), noise);
+  const auto judged = Identify(kMachine, sessions);
+  Options as_independent;
+  as_independent.judge_correlation = false;
+  const auto independent = Identify(kMachine, sessions, as_independent);
+  ASSERT_TRUE(judged.ok() && independent.ok());
+  EXPECT_GT(Find(*judged, "EC0B").sigma, 1.8 * Find(*independent, "EC0B").sigma);
+  EXPECT_LT(Find(*judged, "EC0B").sigma, 2.6 * Find(*independent, "EC0B").sigma);
+  EXPECT_NEAR(judged->fit.chi2_per_dof, 1.0, 0.15);
+}
+
 TEST(Identify, AnInstrumentThatReadsOneValueIsRefused) {
   auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
   std::vector<double>& readings = sessions[1].columns.back().values;

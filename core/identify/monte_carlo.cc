@@ -117,7 +117,7 @@ class Simulator {
                    MeasuringRun* run) const {
     const Noise& noise = fit_.problem.noise[index];
     const double sigma_mm = budget_.with_reading_noise ? noise_scale_ * noise.sigma_mm : 0.0;
-    std::vector<base::RippleNoise> ripple(run->row_count, base::RippleNoise(noise.ar1));
+    std::vector<base::RippleNoise> ripple(run->row_count, base::RippleNoise(noise.ar1, noise.white_share));
     const double* const setup = truth.setup[fit_.problem.group_of_run[index]].data();
     ErrorsOfRun errors_of_run(problem, truth);
     for (int k = 0; k < run->reading_count(); ++k) {

@@ -1,5 +1,6 @@
 #include "core/identify/noise.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,6 +13,11 @@ namespace {
 using instruments::MeasuringRun;
 
 constexpr double kLargestCorrelation = 0.9;
+constexpr int kAr1Lags = 4;  // of the variogram: noise without a white share has forgotten what is further back
+// Of noise with a white share: less memory than that is no different from none; beyond kLargestCorrelation it is an
+// effect's, and the scan ends well beyond.
+constexpr double kLeastMemory = 0.3, kLargestMemory = 0.95;
+constexpr double kClearly = 4.0;  // misfit, counted as chi-square, by which a white share must be better
 
 // A reading follows its neighbour closely enough for differences where one step of the plan is a small part of the
 // whole motion.
@@ -65,18 +71,55 @@ void Variogram::Add(const Variogram& other) {
   }
 }
 
-double Variogram::SigmaAt(double ar1) const {
-  return count_[0] > 0 ? std::sqrt(squares_[0] / count_[0] / (1.0 - ar1)) : 0.0;
+double Variogram::SigmaAt(double neighbour_correlation) const {
+  return count_[0] > 0 ? std::sqrt(squares_[0] / count_[0] / (1.0 - neighbour_correlation)) : 0.0;
+}
+
+Variogram::Mixture Variogram::FitBesideEffects(bool has_white_share) const {
+  // Shares of the variogram by linear least squares at each phi of a scan; none may be negative.
+  Mixture best{{}, INFINITY};
+  for (double phi = has_white_share ? kLeastMemory : 0.0; phi <= kLargestMemory; phi += 0.01) {
+    Eigen::Matrix<double, kLags, 3> shapes;  // what remembers, effects, white; relative to the variogram
+    for (int i = 0; i < kLags; ++i) {
+      const double relative = count_[i] / squares_[i];
+      shapes.row(i) << (1.0 - std::pow(phi, kLag[i])) * relative, kLag[i] * kLag[i] * relative, relative;
+    }
+    for (const bool has_effects : {true, false}) {
+      Eigen::MatrixXd columns(kLags, 0);
+      const auto add = [&](int column) {
+        columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+        columns.rightCols(1) = shapes.col(column);
+      };
+      add(0);
+      if (has_white_share) add(2);
+      if (has_effects) add(1);
+      const Eigen::VectorXd ones = Eigen::VectorXd::Ones(kLags), parts = columns.householderQr().solve(ones);
+      const double misfit = (columns * parts - ones).squaredNorm();
+      if (!(parts.minCoeff() >= 0.0) || misfit >= best.misfit) continue;
+      const double white = has_white_share ? parts[1] : 0.0, variance = parts[0] + white;
+      best = {{std::sqrt(variance), phi, white / variance}, misfit};
+    }
+  }
+  return best;
 }
 
 Noise Variogram::Fit() const {
+  const Noise alone = FitAr1();
+  const int differences = count_[kLags - 1];
+  if (differences == 0) return alone;
+  const Mixture without = FitBesideEffects(false), with = FitBesideEffects(true);
+  const double gain = 0.5 * differences * (without.misfit - with.misfit);
+  return gain > kClearly && with.noise.ar1 < kLargestCorrelation ? with.noise : alone;
+}
+
+Noise Variogram::FitAr1() const {
   if (count_[0] == 0 || squares_[0] == 0.0) return {};
   // Relative misfit of all lags at the sigma that suits a correlation best; the correlation by a scan.
   const auto fit = [this](double phi, double* sigma) {
     double ratio_sum = 0.0;
-    double ratios[kLags];
+    double ratios[kAr1Lags];
     int lags = 0;
-    for (int i = 0; i < kLags; ++i) {
+    for (int i = 0; i < kAr1Lags; ++i) {
       if (count_[i] == 0) continue;
       ratios[lags] = squares_[i] / count_[i] / (1.0 - std::pow(phi, kLag[i]));
       ratio_sum += ratios[lags++];
@@ -100,12 +143,39 @@ Noise Variogram::Fit() const {
   return best;
 }
 
+double InnovationShare(const Noise& noise) {
+  if (noise.ar1 == 0.0) return 1.0;
+  // The steady state of whitening.h's F: root of P^2 + P (w - ar1^2 w - fresh) - fresh w, P = F - w.
+  const double square = noise.ar1 * noise.ar1, white = noise.white_share;
+  const double fresh = (1.0 - white) * (1.0 - square), half = 0.5 * (white * (1.0 - square) - fresh);
+  return white - half + std::sqrt(half * half + fresh * white);
+}
+
+double LongRunShare(const Noise& noise) {
+  return noise.white_share + (1.0 - noise.white_share) * (1.0 + noise.ar1) / (1.0 - noise.ar1);
+}
+
+Ar1Bound BoundingAr1(const Noise& noise) {
+  if (noise.white_share == 0.0 || noise.ar1 == 0.0) return {noise, 1.0};
+  // Spectral density at the cosine c of the frequency. Its inverse is concave in c, that of AR(1) noise linear: equal
+  // at both ends, it is larger between them.
+  const auto density = [](const Noise& one, double c) {
+    return one.white_share +
+           (1.0 - one.white_share) * (1.0 - one.ar1 * one.ar1) / (1.0 + one.ar1 * one.ar1 - 2.0 * one.ar1 * c);
+  };
+  const double lowest = density(noise, 1.0), highest = density(noise, -1.0), root = std::sqrt(lowest / highest);
+  Ar1Bound bound{{noise.sigma_mm * std::pow(lowest * highest, 0.25), (root - 1.0) / (root + 1.0)}, 1.0};
+  for (double c = -1.0; c <= 1.0; c += 0.01)
+    bound.excess = std::max(bound.excess, std::sqrt(lowest * highest) * density(bound.noise, c) / density(noise, c));
+  return bound;
+}
+
 std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
   constexpr int kFewest = 60;          // differences or readings that judge a scatter
   constexpr double kOwnScatter = 4.0;  // standard deviations by which a session's own scatter must differ
   const size_t count = problem.runs.size();
   std::vector<Noise> noise(count);
-  for (size_t i = 0; i < count; ++i) noise[i] = {problem.runs[i].sigma_mm, 0.0};
+  for (size_t i = 0; i < count; ++i) noise[i] = {problem.runs[i].sigma_mm};
 
   // Dense series: one correlation and one factor on the stated sigma for the instrument, its own where it must be.
   std::vector<Variogram> own(count);
@@ -120,11 +190,12 @@ std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen
   const Noise shared = all.Fit();
   for (size_t i = 0; i < count; ++i) {
     if (own[i].differences() < kFewest || shared.sigma_mm <= 0.0) continue;
-    const double mine = own[i].SigmaAt(shared.ar1);
+    const double mine = own[i].SigmaAt(shared.NeighbourCorrelation());
     // Relative uncertainty of a standard deviation from n correlated differences.
-    const double uncertainty = std::sqrt((1.0 + shared.ar1) / (1.0 - shared.ar1) / (2.0 * own[i].differences())) + 0.02;
+    const double uncertainty = std::sqrt(LongRunShare(shared) / (2.0 * own[i].differences())) + 0.02;
     const bool differs = std::abs(std::log(mine / shared.sigma_mm)) > kOwnScatter * uncertainty;
-    noise[i] = {Clamp(differs ? mine : shared.sigma_mm) * problem.runs[i].sigma_mm, shared.ar1};
+    noise[i] = shared;
+    noise[i].sigma_mm = Clamp(differs ? mine : shared.sigma_mm) * problem.runs[i].sigma_mm;
   }
 
   // The others: scatter of the residuals, pooled by instrument; what the setup offsets took is given back.

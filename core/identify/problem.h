@@ -15,11 +15,14 @@
 
 namespace axiscal::identify {
 
-// Noise of one run. `ar1` is the correlation of neighbouring readings of one row (servo ripple remembers): 0 for white
-// noise.
+// Noise of one run: of its variance a share is white, the rest first-order autoregressive (servo ripple and wander
+// remember). Readings of one row `lag` apart correlate by (1 - white_share) ar1^lag.
 struct Noise {
-  double sigma_mm = 0.0;  // standard deviation of one reading
-  double ar1 = 0.0;
+  double sigma_mm = 0.0;     // standard deviation of one reading
+  double ar1 = 0.0;          // 0: all of it is white
+  double white_share = 0.0;  // 0 to 1, beside what remembers; of no meaning where ar1 is 0
+
+  double NeighbourCorrelation() const { return (1.0 - white_share) * ar1; }
 };
 
 // What one column of the problem is: an amplitude of a term, or a term's non-linear parameter (decay length, time

@@ -66,15 +66,16 @@ absl::Status Check::Settle(const identify::Fit& best) {
     settled_.noise_readings += static_cast<double>(std::count(used.begin(), used.end(), true));
   for (size_t i = 0; i < problem.runs.size(); ++i) {
     const MeasuringRun& run = problem.runs[i];
-    double factor = 0.0, ar1 = 0.0;
+    double factor = 0.0, ar1 = 0.0, white_share = 0.0;
     int count = 0;
     for (size_t k = 0; k < best.problem.runs.size(); ++k) {
       if (best.problem.runs[k].kind != run.kind) continue;
       factor += best.problem.noise[k].sigma_mm / best.problem.runs[k].sigma_mm;
       ar1 += best.problem.noise[k].ar1;
+      white_share += best.problem.noise[k].white_share;
       ++count;
     }
-    if (count > 0) problem.noise[i] = {factor / count * run.sigma_mm, ar1 / count};
+    if (count > 0) problem.noise[i] = {factor / count * run.sigma_mm, ar1 / count, white_share / count};
   }
   return absl::OkStatus();
 }

@@ -140,7 +140,8 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
   }
   for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
     const identify::Noise& noise = fit.problem.noise[i];
-    report->noise.push_back({fit.problem.runs[i].session, fit.problem.runs[i].sigma_mm, noise.sigma_mm, noise.ar1});
+    report->noise.push_back(
+        {fit.problem.runs[i].session, fit.problem.runs[i].sigma_mm, noise.sigma_mm, noise.NeighbourCorrelation()});
   }
   report->fitted = fit.result;
   report->fit_after = fit.result.fit;

@@ -47,7 +47,7 @@ double ComparableSquaresOf(const Fit& fit) {
     const auto count = static_cast<double>(std::count(used.begin(), used.end(), true));
     const auto all = static_cast<double>(used.size());
     squares += 2.0 * all * std::log(noise.sigma_mm / fit.problem.runs[i].sigma_mm) +
-               count * std::log1p(-noise.ar1 * noise.ar1) + kSetAside * (all - count);
+               count * std::log(identify::InnovationShare(noise)) + kSetAside * (all - count);
   }
   return squares;
 }

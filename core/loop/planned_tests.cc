@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/identify/noise.h"
 #include "core/instruments/registry.h"
 #include "core/plan/passes.h"
 
@@ -21,10 +22,11 @@ identify::Noise NoiseOf(const identify::Problem& measured, const MeasuringRun& p
     if (measured.runs[i].kind != planned.kind) continue;
     noise.sigma_mm += measured.noise[i].sigma_mm;
     noise.ar1 += measured.noise[i].ar1;
+    noise.white_share += measured.noise[i].white_share;
     ++count;
   }
   if (count == 0) return {planned.sigma_mm, 0.0};
-  return {noise.sigma_mm / count, noise.ar1 / count};
+  return {noise.sigma_mm / count, noise.ar1 / count, noise.white_share / count};
 }
 
 // At most `most` readings at irregular distances (a regular stride would alias harmonics), each with the motion that
@@ -49,9 +51,7 @@ MeasuringRun Thinned(const MeasuringRun& run, int most, identify::Noise* noise) 
     out.temperature_celsius.push_back(run.temperature_celsius[k]);
   }
   out.measured_mm = run.measured_mm.leftCols(kept);
-  const double memory = std::clamp(noise->ar1, 0.0, 0.95);
-  noise->sigma_mm *= std::sqrt((1.0 + memory) / (1.0 - memory) / stride);
-  noise->ar1 = 0.0;
+  *noise = {noise->sigma_mm * std::sqrt(identify::LongRunShare(*noise) / stride)};
   return out;
 }
 

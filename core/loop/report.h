@@ -66,7 +66,7 @@ struct Verdict {
 struct SessionNoise {
   std::string session;
   double stated_mm = 0.0, sigma_mm = 0.0;
-  double ar1 = 0.0;  // correlation of neighbouring readings
+  double neighbour_correlation = 0.0;
 };
 
 // What each reading of a session deviates by (predicted - measured) under the declared model and under the extended

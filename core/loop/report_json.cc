@@ -153,7 +153,7 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
     noise.push_back({{"session", one.session},
                      {"stated_sigma_um", one.stated_mm * kUmPerMm},
                      {"sigma_um", one.sigma_mm * kUmPerMm},
-                     {"neighbour_correlation", one.ar1}});
+                     {"neighbour_correlation", one.neighbour_correlation}});
   }
   root["noise"] = std::move(noise);
   root["withdrawn"] = report.withdrawn;

@@ -1,6 +1,7 @@
 // The rows that signatures are made of: sensitivities, set-ups, errors and residuals of every used reading, once.
 #include <algorithm>
 
+#include "core/identify/noise.h"
 #include "core/identify/reduction.h"
 #include "core/identify/rows.h"
 #include "core/identify/whitening.h"
@@ -19,6 +20,9 @@ class RowSink {
       : run_(run),
         next_(std::move(next)),
         whiteners_(problem.runs[run].row_count, identify::SeriesWhitener(problem.noise[run], 0)),
+        has_echo_(problem.noise[run].white_share != 0.0),
+        bounding_(problem.runs[run].row_count,
+                  identify::SeriesWhitener(identify::BoundingAr1(problem.noise[run]).noise, 0)),
         row_(setup_count + errors + 1),
         columns_(columns),
         residual_(residual),
@@ -32,6 +36,10 @@ class RowSink {
     out_->reading_[at] = reading;
     out_->weight_[at] = factors.weight;
     out_->correlation_[at] = factors.correlation;
+    out_->echo_[at] = factors.echo;
+    const identify::SeriesWhitener::Factors bounding = has_echo_ ? bounding_[row].Next(reading) : factors;
+    out_->bounding_weight_[at] = bounding.weight;
+    out_->bounding_correlation_[at] = bounding.correlation;
     out_->sensitivity_.row(at) = evaluation.by_error.row(row);
     out_->setup_raw_.row(at) = stored.head<3>();
     columns_->row(at).tail(stored.size() - 1) = stored.head(stored.size() - 1);
@@ -42,6 +50,8 @@ class RowSink {
   const int run_;
   std::vector<int> next_;
   std::vector<identify::SeriesWhitener> whiteners_;
+  const bool has_echo_;
+  std::vector<identify::SeriesWhitener> bounding_;
   Eigen::RowVectorXd row_;
   Eigen::MatrixXd* columns_;
   Eigen::VectorXd* residual_;
@@ -68,6 +78,9 @@ Signatures::Signatures(const identify::Problem& problem, const identify::Point& 
   reading_.resize(count);
   weight_.resize(count);
   correlation_.resize(count);
+  echo_.resize(count);
+  bounding_weight_.resize(count);
+  bounding_correlation_.resize(count);
   sensitivity_.resize(count, machine::kComponents * problem.machine->joint_count());
   setup_raw_.resize(count, 3);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(setup_width) + p);
@@ -81,9 +94,13 @@ Signatures::Signatures(const identify::Problem& problem, const identify::Point& 
     identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
   }
   is_white_ = (correlation_ == 0.0).all();
+  has_echo_ = (echo_ != 0.0).any();
+  for (const identify::Noise& noise : problem.noise)
+    bounding_excess_ = std::max(bounding_excess_, identify::BoundingAr1(noise).excess);
   const auto whiten = [this](Eigen::Ref<Eigen::VectorXd> x) {
-    for (Eigen::Index at = x.size() - 1; at > 0; --at) x[at] = weight_[at] * (x[at] - correlation_[at] * x[at - 1]);
-    if (x.size() > 0) x[0] *= weight_[0];
+    for (Eigen::Index at = x.size() - 1; at > 0; --at) x[at] -= correlation_[at] * x[at - 1];
+    for (Eigen::Index at = 1; has_echo_ && at < x.size(); ++at) x[at] += echo_[at] * x[at - 1];
+    x.array() *= weight_;
   };
   for (Eigen::Index c = 0; c < columns.cols(); ++c) whiten(columns.col(c));
   whiten(residual);

@@ -22,16 +22,18 @@ struct Products {
 // One joint at a time: for all of them together, what it sums up would be most of the loop's memory.
 class Scanner {
  public:
-  Scanner(const Eigen::ArrayXd& weight, const Eigen::ArrayXd& correlation, const Eigen::VectorXd& residual,
-          const Eigen::MatrixXd& sensitivity, const std::function<shapes::State(int row)>& state_of)
-      : n_(weight.size()), is_white_((correlation == 0.0).all()), sensitivity_(sensitivity), state_of_(state_of) {
+  Scanner(const ScanNoise& noise, const Eigen::ArrayXd& by_raw_row, const Eigen::MatrixXd& sensitivity,
+          const std::function<shapes::State(int row)>& state_of)
+      : n_(by_raw_row.size()),
+        is_white_((noise.correlation == 0.0).all()),
+        excess_(noise.excess),
+        sensitivity_(sensitivity),
+        by_raw_row_(by_raw_row),
+        state_of_(state_of) {
     // |W x|^2 = sum_k d_k x_k^2 - 2 sum_k o_k x_k x_(k-1)
-    off_ = weight.square() * correlation;
-    // Raw column's product with this = whitened column's with the projected residual.
-    dual_ = weight * residual.array();
-    dual_.head(n_ - 1) -= correlation.tail(n_ - 1) * weight.tail(n_ - 1) * residual.tail(n_ - 1).array();
-    diagonal_ = weight.square();
-    diagonal_.head(n_ - 1) += off_.tail(n_ - 1) * correlation.tail(n_ - 1);
+    off_ = noise.weight.square() * noise.correlation;
+    diagonal_ = noise.weight.square();
+    diagonal_.head(n_ - 1) += off_.tail(n_ - 1) * noise.correlation.tail(n_ - 1);
   }
 
   // Members of one family of one axis' own errors, at evenly spaced frequencies.
@@ -112,7 +114,7 @@ class Scanner {
     if (joint == joint_) return;
     joint_ = joint;
     const auto columns = sensitivity_.middleCols(machine::kComponents * joint, machine::kComponents).array();
-    with_residual_ = columns.colwise() * dual_;
+    with_residual_ = columns.colwise() * by_raw_row_;
     own_ = columns.square().colwise() * diagonal_;
     // With a constant: the part that an axis at rest leaves in a signature, mostly a declared error's or the setup's.
     with_constant_ = own_;
@@ -133,14 +135,14 @@ class Scanner {
     return positions_;
   }
 
-  static ScanBounds BoundsOf(const Products& products, int width, double constant, double least_visible) {
+  ScanBounds BoundsOf(const Products& products, int width, double constant, double least_visible) const {
     Projection projection;
     projection.columns = width;
     projection.with_residual.head(2) = products.right;
     projection.own.topLeftCorner(2, 2) = products.gram;
     ScanBounds bounds;
     Eigen::Vector3d amplitude;
-    bounds.least = Gain(projection, &amplitude);
+    bounds.least = Gain(projection, &amplitude) / excess_;
     if (constant > 0.0) {
       const Eigen::Vector2d part = products.level / std::sqrt(constant);
       constexpr double kRegularised = 1e-7;  // a signature that is constant altogether is left for projection
@@ -152,9 +154,11 @@ class Scanner {
 
   const Eigen::Index n_;
   const bool is_white_;
+  const double excess_;
   const Eigen::MatrixXd& sensitivity_;
+  const Eigen::ArrayXd& by_raw_row_;
   const std::function<shapes::State(int row)>& state_of_;
-  Eigen::ArrayXd off_, dual_, diagonal_;
+  Eigen::ArrayXd off_, diagonal_;
   int joint_ = -1;                                                   // of what follows
   Eigen::MatrixXd with_residual_, own_, neighbour_, with_constant_;  // rows x 6
   Eigen::RowVectorXd constant_;
@@ -168,12 +172,11 @@ double FrequencyOf(const Candidate& candidate) { return std::get<shapes::Harmoni
 
 }  // namespace
 
-std::vector<ScanBounds> Scan(const std::vector<Candidate>& candidates, const Eigen::ArrayXd& weight,
-                             const Eigen::ArrayXd& correlation, const Eigen::VectorXd& residual,
-                             const Eigen::MatrixXd& sensitivity,
+std::vector<ScanBounds> Scan(const std::vector<Candidate>& candidates, const ScanNoise& noise,
+                             const Eigen::ArrayXd& by_raw_row, const Eigen::MatrixXd& sensitivity,
                              const std::function<shapes::State(int row)>& state_of) {
   std::vector<ScanBounds> bounds(candidates.size());
-  Scanner scanner(weight, correlation, residual, sensitivity, state_of);
+  Scanner scanner(noise, by_raw_row, sensitivity, state_of);
   // Members of one shape follow each other, and shapes of one scan by their frequency.
   const auto is_of_shape = [&](size_t i, size_t other) {
     return i < candidates.size() && candidates[i].family == candidates[other].family &&

@@ -22,11 +22,18 @@ struct ScanBounds {
   double least = 0.0, most = 0.0;
 };
 
-// Whitened: value_k = weight_k (x_k - correlation_k x_(k-1)); `residual` is whitened and projected, `sensitivity` raw
-// (rows x 6 joints), `state_of(row)` where the axes are.
-std::vector<ScanBounds> Scan(const std::vector<Candidate>& candidates, const Eigen::ArrayXd& weight,
-                             const Eigen::ArrayXd& correlation, const Eigen::VectorXd& residual,
-                             const Eigen::MatrixXd& sensitivity, const std::function<shapes::State(int row)>& state_of);
+// Noise by which signatures have squares that take few sums: whitened_k = weight_k (x_k - correlation_k x_(k-1)). They
+// are at most those by the readings' own noise, and times `excess` at least.
+struct ScanNoise {
+  const Eigen::ArrayXd &weight, &correlation;
+  double excess = 1.0;
+};
+
+// `by_raw_row`: a raw column's product with it is that of the whitened column with the whitened and projected residual;
+// `sensitivity` is raw (rows x 6 joints), `state_of(row)` where the axes are.
+std::vector<ScanBounds> Scan(const std::vector<Candidate>& candidates, const ScanNoise& noise,
+                             const Eigen::ArrayXd& by_raw_row, const Eigen::MatrixXd& sensitivity,
+                             const std::function<shapes::State(int row)>& state_of);
 
 }  // namespace axiscal::loop
 

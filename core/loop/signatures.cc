@@ -65,7 +65,9 @@ int Signatures::ColumnsOf(const Candidate& candidate) const {
 template <typename Visit>
 void Signatures::ForEachBlock(const std::vector<const Candidate*>& candidates, Eigen::Index width, Visit visit) const {
   Eigen::MatrixXd raw(kRowsAtOnce + 1, width), whitened(kRowsAtOnce, width);
+  Eigen::VectorXd innovation(width);  // of the row above
   for (const Series& rows : series_) {
+    innovation.setZero();
     for (int begin = rows.begin; begin < rows.end; begin += kRowsAtOnce) {
       const int count = std::min(kRowsAtOnce, rows.end - begin);
       // The row above, where the noise remembers it.
@@ -80,11 +82,24 @@ void Signatures::ForEachBlock(const std::vector<const Candidate*>& candidates, E
           out.tail(count - first) -=
               correlation_.segment(begin + first, count - first) * raw.col(c).head(count - first).array();
         }
+        for (int k = 0; has_echo_ && k < count; ++k) {
+          out[k] += echo_[begin + k] * innovation[c];
+          innovation[c] = out[k];
+        }
         out *= weight;
       }
       visit(rows, begin, whitened.topRows(count));
     }
   }
+}
+
+Eigen::ArrayXd Signatures::ByRawRow(const Eigen::VectorXd& whitened) const {
+  Eigen::ArrayXd dual = weight_ * whitened.array();
+  for (Eigen::Index k = dual.size() - 1; has_echo_ && k > 0; --k) dual[k - 1] += echo_[k] * dual[k];
+  const Eigen::Index n = dual.size();
+  const Eigen::ArrayXd below = correlation_.tail(n - 1) * dual.tail(n - 1);
+  dual.head(n - 1) -= below;
+  return dual;
 }
 
 std::vector<Projection> Signatures::Project(const std::vector<Candidate>& candidates) const {
@@ -98,7 +113,8 @@ std::vector<Projection> Signatures::ProjectWorthy(const std::vector<Candidate>& 
   std::vector<Projection> projections(candidates.size());
   if (row_count() == 0) return projections;
   const std::vector<ScanBounds> bounds =
-      Scan(candidates, weight_, correlation_, residual_, sensitivity_, [this](int row) { return StateAt(row); });
+      Scan(candidates, {bounding_weight_, bounding_correlation_, bounding_excess_}, ByRawRow(residual_), sensitivity_,
+           [this](int row) { return StateAt(row); });
   for (size_t i = 0; i < candidates.size(); ++i) projections[i].is_screened = IsScan(candidates[i].family);
   ProjectPending(candidates, &projections);
   double best = 0.0;

@@ -69,6 +69,8 @@ class Signatures {
   friend class RowSink;
 
   int ColumnsOf(const Candidate& candidate) const;
+  // A raw column's product with this is the whitened column's with `whitened`.
+  Eigen::ArrayXd ByRawRow(const Eigen::VectorXd& whitened) const;
   shapes::State StateAt(int row) const { return problem_.runs[run_[row]].StateOf(reading_[row]); }
   // Raw signatures side by side at the rows begin .. begin + columns.rows().
   void FillRaw(const std::vector<const Candidate*>& candidates, int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
@@ -90,10 +92,16 @@ class Signatures {
   const identify::Problem& problem_;
   std::vector<int> run_, reading_;
   std::vector<Series> series_;
-  Eigen::ArrayXd weight_, correlation_;  // whitened_k = weight_k (x_k - correlation_k x_(k-1))
-  bool is_white_ = true;                 // no correlation anywhere
-  Eigen::MatrixXd sensitivity_;          // rows x 6 joints, raw
-  Eigen::MatrixXd setup_raw_;            // rows x 3: the first three setup offsets, raw
+  // Per row (identify/whitening.h): innovation_k = x_k - correlation_k x_(k-1) + echo_k innovation_(k-1), whitened_k =
+  // weight_k innovation_k.
+  Eigen::ArrayXd weight_, correlation_, echo_;
+  bool is_white_ = true;   // no correlation anywhere
+  bool has_echo_ = false;  // noise that remembers has white noise beside it, somewhere
+  // The same of identify::BoundingAr1, and the most by which it exceeds.
+  Eigen::ArrayXd bounding_weight_, bounding_correlation_;
+  double bounding_excess_ = 1.0;
+  Eigen::MatrixXd sensitivity_;  // rows x 6 joints, raw
+  Eigen::MatrixXd setup_raw_;    // rows x 3: the first three setup offsets, raw
   Nuisance nuisance_;
   Eigen::VectorXd residual_;  // whitened, projected
   double residual_squares_ = 0.0;

@@ -18,6 +18,11 @@ using identify::testing::Measure;
 
 const machine::Machine kMachine = machine::testing::MultiTasking();
 
+// Of noise, as identify::Noise has it.
+struct Memory {
+  double ar1, white_share;
+};
+
 identify::Fit FitOf(const machine::ErrorModel& model, const machine::ErrorModel& truth, double sigma_scale) {
   synthetic::NoiseOptions noise;
   noise.sigma_scale = sigma_scale;
@@ -48,6 +53,30 @@ TEST(Signatures, ThePromisedGainIsThatOfTheRefit) {
   EXPECT_GT(gain, 50.0);
   EXPECT_NEAR(gain, chi2(before) - chi2(after), 1e-3 * gain);  // second order of errors of 1e-4
   EXPECT_NEAR(signatures.residual_squares(), chi2(before), 1e-6 * chi2(before));
+}
+
+// Rows that remember with a white share are whitened across the blocks that signatures come in.
+TEST(Signatures, ThePromisedGainIsThatOfTheRefitInNoiseThatWanders) {
+  const machine::ErrorModel declared = machine::DeclaredModel(kMachine);
+  const machine::ErrorModel truth =
+      Errors(kMachine, R"({"EX0C": 20, "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": 0.5}]})");
+  identify::Fit fit = FitOf(declared, truth, 1.0);
+  for (identify::Noise& noise : fit.problem.noise) noise = {noise.sigma_mm, 0.8, 0.5};
+  identify::Options options;
+  options.set_outliers_aside = false;
+  const identify::Fit before = identify::FitProblem(fit.problem, declared, options).value();
+  machine::ErrorModel extended = declared;
+  const int x = machine::FindAxis(kMachine, "X");
+  extended.terms.push_back({x, machine::Component::kX, shapes::Backlash{x}, {}});
+  const identify::Fit after = identify::FitProblem(fit.problem, extended, options).value();
+  const Signatures signatures(before.problem, before.point, identify::ListParameters(before.point.model, true));
+  const Projection projection = signatures.Project({{Family::kBacklash, extended.terms.back(), -1, 0}})[0];
+  const double gain = projection.with_residual[0] * projection.with_residual[0] / projection.own(0, 0);
+  EXPECT_GT(gain, 20.0);
+  EXPECT_NEAR(gain,
+              before.result.fit.chi2_per_dof * before.result.fit.degrees_of_freedom -
+                  after.result.fit.chi2_per_dof * after.result.fit.degrees_of_freedom,
+              1e-3 * gain);
 }
 
 // A session that does not see one direction of a slip, and one that sees two directions as one.
@@ -90,8 +119,8 @@ TEST_P(SlipSignatures, AreWhatAMovedBallLeaves) {
   const Eigen::Vector3d moved_mm(0.01, -0.02, 0.005);
   const std::vector<int> moments = {run.reading_count() / 2, 7, run.reading_count() - 9, 8};
   for (const int bad : {3, 7, 10}) fit.problem.is_used[kRun][bad] = false;
-  for (const double ar1 : {0.0, 0.6}) {
-    for (identify::Noise& noise : fit.problem.noise) noise.ar1 = ar1;
+  for (const Memory memory : {Memory{0.0, 0.0}, Memory{0.6, 0.0}, Memory{0.8, 0.5}}) {
+    for (identify::Noise& noise : fit.problem.noise) noise = {noise.sigma_mm, memory.ar1, memory.white_share};
     run.measured_mm = as_measured_mm;
     std::vector<Candidate> slips;
     for (const int moment : moments) slips.push_back({Family::kStep, {}, kRun, moment, 0, 0, GetParam()});
@@ -142,9 +171,9 @@ TEST(Signatures, NothingThatMattersIsScreenedOut) {
   const machine::ErrorModel truth = Errors(
       kMachine,
       R"({"EX0C": 20, "terms": [{"symbol": "EBB", "shape": "harmonic", "order": 45, "amplitude": 4, "phase_deg": 12}]})");
-  for (const double ar1 : {0.0, 0.6}) {
+  for (const Memory memory : {Memory{0.0, 0.0}, Memory{0.6, 0.0}, Memory{0.8, 0.5}}) {
     identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), truth, 1.0);
-    for (identify::Noise& noise : fit.problem.noise) noise.ar1 = ar1;
+    for (identify::Noise& noise : fit.problem.noise) noise = {noise.sigma_mm, memory.ar1, memory.white_share};
     const Signatures signatures(fit.problem, fit.point, identify::ListParameters(fit.point.model, true));
     const std::vector<Candidate> candidates = MakeDictionary(fit.problem, fit.point.model);
     constexpr double kWorth = 20.0;

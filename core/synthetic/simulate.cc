@@ -87,7 +87,7 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
     if (noise.draw_setup && std::isfinite(sigma)) setup[i] = sigma * random.Normal();
   }
   const double sigma_mm = noise.sigma_scale * run.sigma_mm;
-  std::vector<base::RippleNoise> ripple(run.row_count, base::RippleNoise(noise.ar1));
+  std::vector<base::RippleNoise> ripple(run.row_count, base::RippleNoise(noise.ar1, noise.white_share));
   for (size_t k = 0; k < static_cast<size_t>(run.reading_count()); ++k) {
     machine::JointErrors<double> errors;
     double predicted_mm[instruments::kMaxRows];

@@ -19,8 +19,8 @@ struct Coverage {
 using CoverageByKind = std::map<std::string, Coverage>;
 
 // The case identified with the terms that acted (declared errors and effects), their amplitudes unknown: what the data
-// determines, alone or as a combination, against what went in. The interval is estimate +- coverage_factor stated sigma.
-// `keep_every` > 1 thins the fit sessions. False when identification refuses the case.
+// determines, alone or as a combination, against what went in. The interval is estimate +- coverage_factor stated
+// sigma. `keep_every` > 1 thins the fit sessions. False when identification refuses the case.
 bool AddIdentified(const SimulatedCase& simulated, int keep_every, CoverageByKind* coverage);
 
 // The case closed by the loop: effects that it named in the very terms that acted ("effect"; the amplitude of a

@@ -1,7 +1,7 @@
 // Rates at which the loop names what went into simulated machines: `loop_rates KIND COUNT [FIRST_SEED] [-v]`, KIND one
-// of null one pair dirty dirty-null misstated bump slip probe-slip; or how often the sessions that it proposes leave
-// the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`, COUNT machines with one effect. -v
-// prints every case, otherwise those that went wrong.
+// of null one pair dirty dirty-null misstated bump slip probe-slip wander wander-null coarse coarse-null; or how often
+// the sessions that it proposes leave the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`,
+// COUNT machines with one effect. -v prints every case, otherwise those that went wrong.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -50,11 +50,17 @@ int main(int argc, char** argv) {
                                              {"misstated", Kind::kMisstated},
                                              {"bump", Kind::kBump},
                                              {"slip", Kind::kSlip},
-                                             {"probe-slip", Kind::kProbeSlip}};
+                                             {"probe-slip", Kind::kProbeSlip},
+                                             {"wander", Kind::kWander},
+                                             {"wander-null", Kind::kWanderNull},
+                                             {"coarse", Kind::kCoarse},
+                                             {"coarse-null", Kind::kCoarseNull}};
   const bool is_next = argc >= 3 && std::strcmp(argv[1], "next") == 0;
   if (argc < 3 || (!is_next && !kinds.contains(argv[1]))) {
     std::fprintf(stderr,
-                 "usage: loop_rates null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|next COUNT "
+                 "usage: loop_rates "
+                 "null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|wander|wander-null|coarse|coarse-null|"
+                 "next COUNT "
                  "[FIRST_SEED] [-v]\n");
     return 2;
   }

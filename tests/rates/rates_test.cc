@@ -69,6 +69,19 @@ TEST(Rates, ChipsAreListedAndDirtyMachinesThatLackNothingAreLeftAlone) {
   EXPECT_LE(total.good_listed, 2);
 }
 
+// What a servo or the temperature remembers beside white noise of the instrument: its slow part was taken for slips and
+// harmonics in every fourth machine.
+TEST(Rates, MachinesThatLackNothingAreLeftAloneInNoiseThatWanders) {
+  const Total total = JudgeMany(Kind::kWanderNull, 30);
+  EXPECT_LE(total.spurious_cases, 1) << total.texts;
+}
+
+TEST(Rates, AnEffectInNoiseThatWandersIsNamed) {
+  const Total total = JudgeMany(Kind::kWander, 8);
+  EXPECT_EQ(total.named, total.effects) << total.texts;
+  EXPECT_LE(total.spurious_cases, 1) << total.texts;
+}
+
 TEST(Rates, ALocalDefectAndASlipAreNoticed) {
   for (const Kind kind : {Kind::kBump, Kind::kSlip, Kind::kProbeSlip}) {
     const Total total = JudgeMany(kind, 10);

@@ -133,23 +133,33 @@ std::vector<instruments::MeasuringRun> Bind(const Machine& machine, const std::v
   return identify::BindSessions(machine, sessions).value();
 }
 
+// The same of all sessions.
+struct Measuring {
+  double sigma_scale = 1.0;
+  bool is_dirty = false, does_wander = false;
+  double resolution_sigmas = 0.0;  // readings are rounded to; 0: as finely as files are written
+};
+
 std::vector<session::Session> Measure(const Machine& machine, const machine::ErrorModel& truth,
-                                      const std::vector<session::Session>& planned, double sigma_scale, bool is_dirty,
-                                      Dice* dice, std::vector<BadReading>* bad) {
+                                      const std::vector<session::Session>& planned, const Measuring& how, Dice* dice,
+                                      std::vector<BadReading>* bad) {
   std::vector<session::Session> sessions;
   for (const session::Session& plan : planned) {
     const bool is_ballbar = session::FindHeader(plan, "instrument") == "ballbar";
     synthetic::NoiseOptions noise;
-    noise.sigma_scale = sigma_scale;
-    noise.ar1 = is_dirty && is_ballbar ? 0.6 : 0.0;
-    noise.resolution_mm = 1e-4;
+    noise.sigma_scale = how.sigma_scale;
+    noise.ar1 = !is_ballbar ? 0.0 : how.is_dirty ? 0.6 : how.does_wander ? 0.8 : 0.0;
+    noise.white_share = is_ballbar && how.does_wander ? 0.5 : 0.0;
+    const double stated_mm = Bind(machine, {plan})[0].sigma_mm;
+    noise.resolution_mm = how.resolution_sigmas > 0.0 ? how.resolution_sigmas * stated_mm : 1e-4;
     noise.seed = static_cast<uint64_t>(dice->Uniform(1.0, 1e15));
     session::Session session = synthetic::Simulate(machine, truth, plan, noise).value();
     const instruments::MeasuringRun run = Bind(machine, {session})[0];
-    for (int k = 0; is_dirty && k < run.reading_count(); ++k) {
+    for (int k = 0; how.is_dirty && k < run.reading_count(); ++k) {
       for (int row = 0; row < run.row_count; ++row) {
         if (!dice->Chance(0.01)) continue;
-        const double off = (dice->Chance(0.5) ? -1.0 : 1.0) * dice->Uniform(20.0, 100.0) * sigma_scale * run.sigma_mm;
+        const double off =
+            (dice->Chance(0.5) ? -1.0 : 1.0) * dice->Uniform(20.0, 100.0) * how.sigma_scale * run.sigma_mm;
         session.columns[session.columns.size() - run.row_count + row].values[k] += off;
         bad->push_back({run.session, k + 1, row});
       }
@@ -186,10 +196,9 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
   const identify::Point point = identify::StartingPoint(problem, out.declared);
   std::vector<double> finest_step;
   for (const loop::AxisSpan& span : loop::SpansOf(problem)) finest_step.push_back(span.finest_step);
-  const int count = kind == Kind::kOne || kind == Kind::kMisstated || kind == Kind::kBump ? 1
-                    : kind == Kind::kPair                                                 ? 2
-                    : kind == Kind::kDirty                                                ? 2 + dice.Below(3)
-                                                                                          : 0;
+  const bool has_one = kind == Kind::kOne || kind == Kind::kMisstated || kind == Kind::kBump || kind == Kind::kWander ||
+                       kind == Kind::kCoarse;
+  const int count = has_one ? 1 : kind == Kind::kPair ? 2 : kind == Kind::kDirty ? 2 + dice.Below(3) : 0;
   while (static_cast<int>(out.effects.terms.size()) < count) {
     ErrorTerm effect = DrawEffect(out.machine, problem.runs, finest_step, has_warming, &dice);
     if (kind == Kind::kBump) {
@@ -212,17 +221,21 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
     const bool is_twice = std::any_of(out.effects.terms.begin(), out.effects.terms.end(), [&](const ErrorTerm& other) {
       return other.joint == effect.joint && other.component == effect.component;
     });
-    const double ratio = is_dirty ? dice.Of({0.3, 0.7, 1.5, 3.0}) : dice.Of({0.5, 0.7, 1.5, 3.0, 6.0});
+    const double ratio = is_dirty                ? dice.Of({0.3, 0.7, 1.5, 3.0})
+                         : kind == Kind::kWander ? dice.Of({1.5, 3.0, 6.0})
+                         : kind == Kind::kCoarse ? dice.Of({6.0, 12.0})
+                                                 : dice.Of({0.5, 0.7, 1.5, 3.0, 6.0});
     if (is_twice || !Scale(problem, point, ratio, &effect)) continue;
     out.effects.terms.push_back(effect);
     out.signal_to_noise.push_back(ratio);
     truth.terms.push_back(effect);
   }
 
-  std::vector<session::Session> fit = Measure(out.machine, truth, plan.fit, out.sigma_scale, is_dirty, &dice, &out.bad);
+  Measuring how = {out.sigma_scale, is_dirty, kind == Kind::kWander || kind == Kind::kWanderNull};
+  if (kind == Kind::kCoarse || kind == Kind::kCoarseNull) how.resolution_sigmas = dice.Of({2.5, 3.3, 5.0, 10.0});
+  std::vector<session::Session> fit = Measure(out.machine, truth, plan.fit, how, &dice, &out.bad);
   std::vector<BadReading> bad_check;
-  const std::vector<session::Session> check =
-      Measure(out.machine, truth, plan.check, out.sigma_scale, is_dirty, &dice, &bad_check);
+  const std::vector<session::Session> check = Measure(out.machine, truth, plan.check, how, &dice, &bad_check);
   if (IsSlip(kind)) {
     // The table's ball slips in one session, or what the tool holder carries.
     int which = 0;

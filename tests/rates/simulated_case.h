@@ -14,7 +14,23 @@
 
 namespace axiscal::rates {
 
-enum class Kind { kNull, kOne, kPair, kDirty, kDirtyNull, kMisstated, kBump, kSlip, kProbeSlip };
+// kWander: ball bars' noise is half slow wander, half white. kCoarse: readings are rounded to several sigma. Both with
+// one effect, or none.
+enum class Kind {
+  kNull,
+  kOne,
+  kPair,
+  kDirty,
+  kDirtyNull,
+  kMisstated,
+  kBump,
+  kSlip,
+  kProbeSlip,
+  kWander,
+  kWanderNull,
+  kCoarse,
+  kCoarseNull
+};
 
 inline bool IsSlip(Kind kind) { return kind == Kind::kSlip || kind == Kind::kProbeSlip; }
 
