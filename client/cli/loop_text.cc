@@ -165,6 +165,8 @@ std::string LoopText(const Json& report) {
   for (const Json& name : List(report, "withdrawn")) {
     absl::StrAppend(&text, "withdrawn: ", name.get<std::string>(), " does not help on the check sessions\n");
   }
+  for (const Json& warning : List(report, "warnings"))
+    absl::StrAppend(&text, "warning: ", warning.value("text", ""), "\n");
   if (const size_t count = List(report, "outliers").size(); count > 0) {
     absl::StrAppend(&text, count, " readings stand out of their series and were set aside (listed in the report)\n");
   }

@@ -72,6 +72,12 @@ TEST(LoopText, ASessionThatScattersIsNoSlip) {
             "unexplained:\n  session CR: its readings scatter by 20 um rms, far more than it states\n");
 }
 
+TEST(LoopText, WarnsOfReadingsThatAreRounded) {
+  Json report = ReportOf(Effect("EB0B", "constant", "urad"));
+  report["warnings"] = Json::parse(R"([{"kind": "resolution", "text": "session 'CR': readings stand in steps"}])");
+  EXPECT_THAT(LoopText(report), HasSubstr("\nwarning: session 'CR': readings stand in steps\n"));
+}
+
 TEST(LoopText, TheLimitCountsPartsWithoutAName) {
   Json report = ReportOf(Effect("EB0B", "constant", "urad"));
   report["stopped_early"] = true;

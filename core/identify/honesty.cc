@@ -4,6 +4,8 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "core/base/units.h"
+#include "core/instruments/resolution.h"
 #include "core/machine/error_json.h"
 
 namespace axiscal::identify {
@@ -307,6 +309,22 @@ std::vector<Warning> WarningsOf(const Result& result, const std::vector<Paramete
     warnings.push_back({"no-number", names + ": the fit ended there because something had to take up what the readings "
                                              "show, but no reading supports such a size; do not compensate with this "
                                              "model away from the measured poses"});
+  }
+  return warnings;
+}
+
+std::vector<Warning> CoarseReadings(const Problem& problem) {
+  std::vector<Warning> warnings;
+  for (const instruments::MeasuringRun& run : problem.runs) {
+    const double resolution_mm = instruments::CoarseResolutionOf(run);
+    if (resolution_mm == 0.0) continue;
+    warnings.push_back(
+        {"resolution",
+         absl::StrFormat(
+             "session '%s': readings stand in steps of %.4g um, expected at most %g times the stated sigma of "
+             "%.4g um: what rounding hides is counted as noise of %.4g um",
+             run.session, resolution_mm * base::kUmPerMm, instruments::kCoarse, run.sigma_mm * base::kUmPerMm,
+             instruments::RoundingSigma(run) * base::kUmPerMm)});
   }
   return warnings;
 }

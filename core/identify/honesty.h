@@ -61,6 +61,9 @@ double CoverageFactor(bool is_estimated, int degrees_of_freedom);
 std::vector<Warning> WarningsOf(const Result& result, const std::vector<Parameter>& parameters,
                                 const std::vector<bool>& open, const std::vector<bool>& unsupported);
 
+// Of each session with a reading column that is rounded to a coarse step (instruments/resolution.h).
+std::vector<Warning> CoarseReadings(const Problem& problem);
+
 // The covariance of a fit takes what is held for independent of its readings. It is where the stages have no session in
 // common: a set-up that both fit freely carries nothing from one to the other. Not so where the same readings gave
 // both, or where errors rest on an offset that both know to a stated sigma: it is off by the same amount in both.

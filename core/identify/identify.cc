@@ -13,6 +13,7 @@
 #include "core/identify/row_weights.h"
 #include "core/identify/solver.h"
 #include "core/instruments/plausible.h"
+#include "core/instruments/resolution.h"
 
 namespace axiscal::identify {
 namespace {
@@ -37,7 +38,8 @@ bool UpdateUsed(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* probl
     std::vector<bool> is_used(problem->is_used[i].size());
     for (int row = 0; row < run.row_count; ++row) {
       const std::vector<bool> is_bad =
-          FindOutliers(residuals_mm[i].row(row).transpose(), kQuantisedSigmaShare * run.sigma_mm);
+          FindOutliers(residuals_mm[i].row(row).transpose(),
+                       std::max(kQuantisedSigmaShare * run.sigma_mm, instruments::RoundingSigma(run)));
       for (int k = 0; k < run.reading_count(); ++k) is_used[static_cast<size_t>(k) * run.row_count + row] = !is_bad[k];
     }
     if (problem->WeightOf(i, 0) != nullptr) UseWhole(run.row_count, &is_used);
@@ -199,6 +201,7 @@ absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model
   const std::vector<bool> unsupported =
       FindUnsupported(solution, parameters, owed, null_space, holding.fixed, covariance);
   fit.result.warnings = WarningsOf(fit.result, parameters, open, unsupported);
+  for (Warning& warning : CoarseReadings(problem)) fit.result.warnings.push_back(std::move(warning));
   for (Warning& warning : SharedWithHeld(problem, covariance, fit.result.held_from))
     fit.result.warnings.push_back(std::move(warning));
   fit.result.iterations = solution.iterations;

@@ -183,6 +183,24 @@ TEST(Identify, AWhiteShareDoesNotHideWhatTheNoiseRemembers) {
   EXPECT_NEAR(judged->fit.chi2_per_dof, 1.0, 0.15);
 }
 
+TEST(Identify, ReadingsOfACoarseDisplayAreWarnedOfAndScatterByTheirRounding) {
+  synthetic::NoiseOptions noise;
+  noise.resolution_mm = 2e-3;
+  const auto truth = testing::Errors(kMachine, kTruth);
+  const auto result = Identify(kMachine, testing::Measure(kMachine, truth, noise));
+  ASSERT_TRUE(result.ok()) << result.status();
+  ASSERT_FALSE(result->warnings.empty());
+  EXPECT_EQ(result->warnings[0].kind, "resolution");
+  EXPECT_THAT(result->warnings[0].text,
+              HasSubstr("readings stand in steps of 2 um, expected at most 2 times the stated "
+                        "sigma of 0.3 um"));
+  EXPECT_TRUE(result->outliers.empty());
+  for (const machine::ErrorTerm& term : truth.terms) {
+    const Estimate& estimate = Find(*result, machine::NameOf(kMachine, term));
+    EXPECT_NEAR(estimate.value, term.amplitude[0], 4.0 * estimate.sigma) << estimate.name;
+  }
+}
+
 TEST(Identify, AnInstrumentThatReadsOneValueIsRefused) {
   auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
   std::vector<double>& readings = sessions[1].columns.back().values;

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/identify/outliers.h"
+#include "core/instruments/resolution.h"
 
 namespace axiscal::identify {
 namespace {
@@ -20,10 +21,11 @@ constexpr double kLeastMemory = 0.3, kLargestMemory = 0.95;
 constexpr double kClearly = 4.0;  // misfit, counted as chi-square, by which a white share must be better
 
 // A reading follows its neighbour closely enough for differences where one step of the plan is a small part of the
-// whole motion.
+// whole motion. Neighbours on a coarse display share what rounding takes from them.
 bool IsDenselySampled(const MeasuringRun& run) {
   constexpr int kDense = 100;
-  return run.reading_count() >= kDense && run.kind == instruments::Kind::kBallbar;
+  return run.reading_count() >= kDense && run.kind == instruments::Kind::kBallbar &&
+         instruments::RoundingSigma(run) == 0.0;
 }
 
 std::vector<bool> UsedOf(const Problem& problem, size_t run, int row) {
@@ -49,7 +51,11 @@ double Scatter(const std::vector<double>& values, double lost_freedom) {
   return std::sqrt(squares / freedom / kShareOfVariance);
 }
 
-double Clamp(double ratio) { return std::clamp(ratio, 1.0 / kMostScatter, kMostScatter); }
+// `ratio` to what a run may scatter by at rest, in that unit: rounding is there whatever the residuals show, as
+// readings between two steps of a display all miss by the same.
+double Clamp(double ratio, const MeasuringRun& run, double unit_mm) {
+  return std::clamp(ratio, std::max(1.0 / kMostScatter, instruments::RoundingSigma(run) / unit_mm), kMostScatter);
+}
 
 }  // namespace
 
@@ -175,7 +181,8 @@ std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen
   constexpr double kOwnScatter = 4.0;  // standard deviations by which a session's own scatter must differ
   const size_t count = problem.runs.size();
   std::vector<Noise> noise(count);
-  for (size_t i = 0; i < count; ++i) noise[i] = {problem.runs[i].sigma_mm};
+  std::vector<double> unit_mm(count);
+  for (size_t i = 0; i < count; ++i) noise[i].sigma_mm = unit_mm[i] = instruments::SigmaWithRounding(problem.runs[i]);
 
   // Dense series: one correlation and one factor on the stated sigma for the instrument, its own where it must be.
   std::vector<Variogram> own(count);
@@ -184,7 +191,7 @@ std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen
     const MeasuringRun& run = problem.runs[i];
     if (!IsDenselySampled(run)) continue;
     for (int row = 0; row < run.row_count; ++row)
-      own[i].Add(residuals_mm[i].row(row).transpose(), UsedOf(problem, i, row), run.sigma_mm);
+      own[i].Add(residuals_mm[i].row(row).transpose(), UsedOf(problem, i, row), unit_mm[i]);
     if (own[i].differences() >= kFewest) all.Add(own[i]);
   }
   const Noise shared = all.Fit();
@@ -195,7 +202,7 @@ std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen
     const double uncertainty = std::sqrt(LongRunShare(shared) / (2.0 * own[i].differences())) + 0.02;
     const bool differs = std::abs(std::log(mine / shared.sigma_mm)) > kOwnScatter * uncertainty;
     noise[i] = shared;
-    noise[i].sigma_mm = Clamp(differs ? mine : shared.sigma_mm) * problem.runs[i].sigma_mm;
+    noise[i].sigma_mm = Clamp(differs ? mine : shared.sigma_mm, problem.runs[i], unit_mm[i]) * unit_mm[i];
   }
 
   // The others: scatter of the residuals, pooled by instrument; what the setup offsets took is given back.
@@ -208,7 +215,7 @@ std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen
     for (int row = 0; row < run.row_count; ++row) {
       const std::vector<bool> is_used = UsedOf(problem, i, row);
       for (int k = 0; k < run.reading_count(); ++k) {
-        if (is_used[k]) values[i].push_back(residuals_mm[i](row, k) / run.sigma_mm);
+        if (is_used[k]) values[i].push_back(residuals_mm[i](row, k) / unit_mm[i]);
       }
     }
     std::vector<double>& pool = pooled[run.kind];
@@ -226,7 +233,7 @@ std::vector<Noise> EstimateNoise(const Problem& problem, const std::vector<Eigen
       const double uncertainty = 1.0 / std::sqrt(2.0 * static_cast<double>(values[i].size()));
       if (std::abs(std::log(mine / together)) > kOwnScatter * uncertainty) factor = mine;
     }
-    noise[i].sigma_mm = Clamp(factor) * problem.runs[i].sigma_mm;
+    noise[i].sigma_mm = Clamp(factor, problem.runs[i], unit_mm[i]) * unit_mm[i];
   }
   return noise;
 }

@@ -6,6 +6,7 @@
 #include "core/base/demand.h"
 #include "core/identify/rows.h"
 #include "core/identify/whitening.h"
+#include "core/instruments/resolution.h"
 
 namespace axiscal::identify {
 namespace {
@@ -87,7 +88,7 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
     }
     group.runs.push_back(static_cast<int>(i));
     problem.group_of_run.push_back(at);
-    problem.noise.push_back({run.sigma_mm, 0.0});
+    problem.noise.push_back({instruments::SigmaWithRounding(run)});
     problem.is_used.emplace_back(static_cast<size_t>(run.reading_count()) * run.row_count, true);
     for (const touch::Rejection& rejection : run.touches.rejected) problem.is_used.back()[rejection.reading] = false;
   }

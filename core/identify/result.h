@@ -77,7 +77,7 @@ struct FitStatistics {
 struct Warning {
   // "scatter": about the fit, beyond the stated sigma; "set-aside": too many readings; "interval": errors without one;
   // "no-number": errors without a number that the model holds at implausible sizes; "held": the stages share what their
-  // sigmas take for independent.
+  // sigmas take for independent; "resolution": readings are rounded to more than they scatter by.
   std::string kind;
   std::string text;
 };

@@ -47,4 +47,14 @@ double ResolutionOf(const MeasuringRun& run, int row) {
   return StepOf(run, row, kOfNoInterest * run.sigma_mm);
 }
 
+double CoarseResolutionOf(const MeasuringRun& run) {
+  double coarsest = 0.0;
+  for (int row = 0; row < run.row_count; ++row) coarsest = std::max(coarsest, StepOf(run, row, kCoarse * run.sigma_mm));
+  return coarsest;
+}
+
+double RoundingSigma(const MeasuringRun& run) { return CoarseResolutionOf(run) / std::sqrt(12.0); }
+
+double SigmaWithRounding(const MeasuringRun& run) { return std::hypot(run.sigma_mm, RoundingSigma(run)); }
+
 }  // namespace axiscal::instruments

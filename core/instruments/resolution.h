@@ -10,6 +10,18 @@ namespace axiscal::instruments {
 // from chance. Unit mm.
 double ResolutionOf(const MeasuringRun& run, int row);
 
+// Above this many stated sigmas a resolution is coarse: neighbouring readings then share what rounding takes from them.
+inline constexpr double kCoarse = 2.0;
+
+// The coarsest of the run's columns where it is coarse, 0 where none is. Unit mm.
+double CoarseResolutionOf(const MeasuringRun& run);
+
+// What rounding a coarse run's readings scatters them by: resolution / sqrt(12), mm.
+double RoundingSigma(const MeasuringRun& run);
+
+// Sigma of one reading, mm: as stated, and that of rounding beside it.
+double SigmaWithRounding(const MeasuringRun& run);
+
 }  // namespace axiscal::instruments
 
 #endif  // AXISCAL_CORE_INSTRUMENTS_RESOLUTION_H_

@@ -42,5 +42,12 @@ TEST(Resolution, OfTwoValuesThatComeOftenIsTheirDifference) {
   EXPECT_NEAR(ResolutionOf(alike, 0), 0.01, 1e-12);
 }
 
+TEST(Resolution, OfMoreThanTwoSigmaIsCoarse) {
+  EXPECT_EQ(CoarseResolutionOf(Waving(5e-4)), 0.0);
+  EXPECT_EQ(SigmaWithRounding(Waving(5e-4)), 3e-4);
+  EXPECT_NEAR(CoarseResolutionOf(Waving(1e-3)), 1e-3, 1e-12);
+  EXPECT_NEAR(SigmaWithRounding(Waving(1e-3)), std::hypot(3e-4, 1e-3 / std::sqrt(12.0)), 1e-12);
+}
+
 }  // namespace
 }  // namespace axiscal::instruments

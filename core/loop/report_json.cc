@@ -133,6 +133,10 @@ std::string ToJson(const machine::Machine& machine, const Report& report) {
   root["coverage_factor"] = fitted["coverage_factor"];
   root["not_separable"] = fitted["not_separable"];
   root["determined"] = fitted["determined"];
+  json warnings = json::array();  // of the readings; what else an identification warns of, the loop judges itself
+  for (const json& warning : fitted["warnings"])
+    if (warning["kind"] == "resolution") warnings.push_back(warning);
+  root["warnings"] = std::move(warnings);
   root["fit"] = {{"before", StatisticsJson(report.fit_before)}, {"after", StatisticsJson(report.fit_after)}};
   if (report.has_check)
     root["check"] = {{"before", StatisticsJson(report.check_before)},

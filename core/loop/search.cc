@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/instruments/resolution.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/refine.h"
 #include "core/loop/resolution.h"
@@ -138,6 +139,18 @@ std::vector<machine::ErrorTerm> NotVisible(const std::vector<Candidate>& candida
   return terms;
 }
 
+// What one name may explain of readings that are rounded to a coarse step, although nothing is there: rounding a smooth
+// signal leaves a sawtooth, whose first harmonic has the amplitude resolution / pi.
+double RoundingSquares(const identify::Problem& problem) {
+  double squares = 0.0;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const double sawtooth = instruments::CoarseResolutionOf(problem.runs[i]) / (M_PI * problem.noise[i].sigma_mm);
+    const auto used = std::count(problem.is_used[i].begin(), problem.is_used[i].end(), true);
+    squares += 0.5 * sawtooth * sawtooth * static_cast<double>(used);
+  }
+  return squares;
+}
+
 }  // namespace
 
 bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const Eigen::Vector3d& amplitude) {
@@ -158,7 +171,9 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   std::map<Family, double> worth;
   for (const Candidate& candidate : candidates) worth[candidate.family] += 0.5;
   const double noise_square = signatures.residual_squares() / signatures.degrees_of_freedom();
-  for (auto& [family, value] : worth) value = noise_square * (options.evidence + 2.0 * std::log(std::max(1.0, value)));
+  const double rounding = RoundingSquares(signatures.problem());
+  for (auto& [family, value] : worth)
+    value = std::max(rounding, noise_square * (options.evidence + 2.0 * std::log(std::max(1.0, value))));
   constexpr double kClearlyLess = 0.8;
   const std::vector<Projection> projections = signatures.ProjectWorthy(candidates, worth, kClearlyLess);
   result.not_visible = NotVisible(candidates, projections);
@@ -175,6 +190,7 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
     Scored one;
     one.candidate = candidates[i];
     const double gain = Gain(projections[i], &one.amplitude);
+    if (gain < rounding) continue;
     one.likelihood_ratio = LikelihoodRatio(signatures.residual_squares(), gain, signatures.degrees_of_freedom());
     one.score = one.likelihood_ratio - 2.0 * std::log(std::max(1, members[kin_of(candidates[i])])) -
                 options.per_column * (projections[i].columns - 1);

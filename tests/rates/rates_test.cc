@@ -82,6 +82,18 @@ TEST(Rates, AnEffectInNoiseThatWandersIsNamed) {
   EXPECT_LE(total.spurious_cases, 1) << total.texts;
 }
 
+// Rounded to 2.5 to 10 sigma.
+TEST(Rates, MachinesThatLackNothingAreLeftAloneByCoarseReadings) {
+  const Total total = JudgeMany(Kind::kCoarseNull, 30);
+  EXPECT_LE(total.spurious_cases, 1) << total.texts;
+}
+
+TEST(Rates, AnEffectAboveTheResolutionIsNamed) {
+  const Total total = JudgeMany(Kind::kCoarse, 8);
+  EXPECT_EQ(total.named, total.effects) << total.texts;
+  EXPECT_LE(total.spurious_cases, 1) << total.texts;
+}
+
 TEST(Rates, ALocalDefectAndASlipAreNoticed) {
   for (const Kind kind : {Kind::kBump, Kind::kSlip, Kind::kProbeSlip}) {
     const Total total = JudgeMany(kind, 10);
