@@ -257,7 +257,28 @@ absl::StatusOr<bool> Validation::Replace(size_t i, const Fit& fit, const Fit& jo
   std::erase_if(effect.equivalent, is_it);
   std::erase_if(effect.rivals, is_it);
   effect.equivalent.push_back(before);
+  AddSiblings(i, joint);
   return true;
+}
+
+// The class of another effect was looked for: alike the new effect i is its own shape on other joints, too.
+void Validation::AddSiblings(size_t i, const Fit& joint) {
+  Added& effect = effects()[i];
+  identify::Point lacking = joint.point;
+  lacking.model.terms.erase(lacking.model.terms.begin() + extension().TermOf(i));
+  const Signatures signatures(joint.problem, lacking, identify::ListParameters(lacking.model, true));
+  std::vector<Candidate> members = {effect.candidate};
+  members.insert(members.end(), effect.equivalent.begin(), effect.equivalent.end());
+  const std::vector<Candidate> siblings = SiblingsOf(joint.problem, lacking.model, effect.candidate, members);
+  members.resize(1);
+  members.insert(members.end(), siblings.begin(), siblings.end());
+  const std::vector<Projection> projections = signatures.Project(members);
+  Eigen::Vector3d amplitude;
+  const double own = Gain(projections[0], &amplitude);
+  for (size_t m = 1; m < members.size(); ++m) {
+    if (projections[m].visible <= kVisible || Gain(projections[m], &amplitude) < own - kAlike) continue;
+    if (IsPlausible(signatures, members[m], amplitude)) effect.equivalent.push_back(members[m]);
+  }
 }
 
 }  // namespace axiscal::loop

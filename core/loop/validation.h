@@ -31,6 +31,7 @@ class Validation {
   std::optional<Candidate> SlipInstead(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
   absl::Status PutSlip(size_t effect, identify::Fit* fit);
   absl::StatusOr<bool> Replace(size_t effect, const identify::Fit& fit, const identify::Fit& joint);
+  void AddSiblings(size_t effect, const identify::Fit& joint);
   absl::StatusOr<bool> Change(const std::vector<Added>& before, identify::Fit* fit);
 
   const machine::Machine& machine_;
