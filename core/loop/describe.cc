@@ -58,7 +58,7 @@ std::string SessionWhereItShows(const Fit& fit, const shapes::Bump& bump) {
 
 Unexplained SlipOf(const MeasuringRun& run, const Candidate& candidate, size_t setup_at, const Fit& fit,
                    const Signatures& signatures) {
-  constexpr double kSeen = 0.5;  // of what is known of any slip before it is measured
+  constexpr double kSeen = 0.2;  // of what is known of any slip before it is measured
   Slipped slip{candidate.carrier, candidate.may_be_other, {}, {}};
   Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();
   for (size_t k = 0; k < 3; ++k) {
