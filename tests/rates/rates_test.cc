@@ -70,28 +70,20 @@ TEST(Rates, ChipsAreListedAndDirtyMachinesThatLackNothingAreLeftAlone) {
 }
 
 // What a servo or the temperature remembers beside white noise of the instrument: its slow part was taken for slips and
-// harmonics in every fourth machine.
-TEST(Rates, MachinesThatLackNothingAreLeftAloneInNoiseThatWanders) {
-  const Total total = JudgeMany(Kind::kWanderNull, 30);
-  EXPECT_LE(total.spurious_cases, 1) << total.texts;
+// harmonics in every fourth machine. And readings rounded to 2.5 to 10 sigma.
+TEST(Rates, MachinesThatLackNothingAreLeftAloneByNoiseThatWandersAndCoarseReadings) {
+  for (const Kind kind : {Kind::kWanderNull, Kind::kCoarseNull}) {
+    const Total total = JudgeMany(kind, 30);
+    EXPECT_LE(total.spurious_cases, 1) << total.texts;
+  }
 }
 
-TEST(Rates, AnEffectInNoiseThatWandersIsNamed) {
-  const Total total = JudgeMany(Kind::kWander, 8);
-  EXPECT_EQ(total.named, total.effects) << total.texts;
-  EXPECT_LE(total.spurious_cases, 1) << total.texts;
-}
-
-// Rounded to 2.5 to 10 sigma.
-TEST(Rates, MachinesThatLackNothingAreLeftAloneByCoarseReadings) {
-  const Total total = JudgeMany(Kind::kCoarseNull, 30);
-  EXPECT_LE(total.spurious_cases, 1) << total.texts;
-}
-
-TEST(Rates, AnEffectAboveTheResolutionIsNamed) {
-  const Total total = JudgeMany(Kind::kCoarse, 8);
-  EXPECT_EQ(total.named, total.effects) << total.texts;
-  EXPECT_LE(total.spurious_cases, 1) << total.texts;
+TEST(Rates, AnEffectInNoiseThatWandersOrAboveTheResolutionIsNamed) {
+  for (const Kind kind : {Kind::kWander, Kind::kCoarse}) {
+    const Total total = JudgeMany(kind, 8);
+    EXPECT_EQ(total.named, total.effects) << total.texts;
+    EXPECT_LE(total.spurious_cases, 1) << total.texts;
+  }
 }
 
 TEST(Rates, ALocalDefectAndASlipAreNoticed) {
