@@ -83,6 +83,8 @@ std::vector<Proposal> Proposer::Propose(const ErrorTerm& effect, const std::vect
     if (proposals.empty()) {
       proposals.emplace_back();
       proposals.back().remaining = chooser.Remaining();
+      // The sessions so far were expected to tell them, and do not.
+      if (proposals.back().remaining.empty()) proposals.back().remaining = equivalent;
       break;
     }
     if (round + 1 == kRounds) break;

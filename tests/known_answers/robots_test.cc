@@ -72,6 +72,8 @@ TEST_P(Robots, LackWhatTheirGearsAndCablesDo) {
   const double mean_mm = MeanDistanceMm(check.after_mm);
   RecordProperty("mean_mm", std::to_string(mean_mm));
   EXPECT_LE(mean_mm, GetParam().closed_mm);
+  for (const loop::Proposal& proposal : report->next_measurement)
+    EXPECT_TRUE(!proposal.test.empty() || !proposal.remaining.empty()) << "nothing is told from nothing";
 }
 
 INSTANTIATE_TEST_SUITE_P(Arms, Robots,
