@@ -125,8 +125,7 @@ Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations
 
 double LargestOf(const machine::ErrorModel& model, const Parameter& parameter) {
   if (parameter.is_nonlinear) return INFINITY;
-  constexpr double kLargestMm = 10.0, kLargestRad = 0.03;
-  return machine::IsAngle(model.terms[parameter.term].component) ? kLargestRad : kLargestMm;
+  return machine::IsAngle(model.terms[parameter.term].component) ? kLargestErrorRad : kLargestErrorMm;
 }
 
 Reduced ReduceVisible(const Problem& problem, const Point& point, const NormalEquations& normal) {

@@ -28,7 +28,10 @@ struct Reduced {
 Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations& normal, Priors priors,
                double damping = 0.0);
 
-// No machine's error is larger: 10 mm or 30 mrad; infinite for a non-linear parameter.
+// What varies along an axis of a machine that is to cut stays below this, mm and rad.
+inline constexpr double kLargestErrorMm = 10.0, kLargestErrorRad = 0.03;
+
+// As large as an error is taken to get where the readings hardly show it; infinite for a non-linear parameter.
 double LargestOf(const machine::ErrorModel& model, const Parameter& parameter);
 
 // What the readings themselves say (Priors::kInformative) of the amplitudes of `point`'s model, and nothing of those

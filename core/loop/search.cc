@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/identify/reduction.h"
 #include "core/instruments/resolution.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/refine.h"
@@ -158,7 +159,9 @@ bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const
   // A tool or a table may stand centimetres off, and an axis follow its command as far behind; what varies along an
   // axis is another matter.
   const bool is_large = candidate.family == Family::kConstant || candidate.family == Family::kLag;
-  const double most_mm = is_large ? 30.0 : 10.0, most_rad = is_large ? 0.1 : 0.03;
+  constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;
+  const double most_mm = is_large ? kFarOffMm : identify::kLargestErrorMm;
+  const double most_rad = is_large ? kFarOffRad : identify::kLargestErrorRad;
   const double most = machine::IsAngle(candidate.term.component) ? most_rad : most_mm;
   return signatures.LargestValue(candidate.term, amplitude) < most;
 }
