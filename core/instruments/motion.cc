@@ -38,6 +38,8 @@ void DeriveMotion(MeasuringRun* run) {
       }
       run->axis_states[static_cast<size_t>(k) * axes + axis] = state;
     }
+    // As with the sense: an axis that moves on is approached as fast.
+    if (readings > 1) run->axis_states[axis].speed = run->axis_states[static_cast<size_t>(axes) + axis].speed;
   }
 }
 

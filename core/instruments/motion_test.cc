@@ -35,8 +35,11 @@ TEST(Motion, TravelCountsFromTheLastReversalOrTheStart) {
   EXPECT_EQ(run.axis_states[6].travel_since_reversal, 1.0);
 }
 
-TEST(Motion, SpeedIsSignedAndZeroAtRest) {
+TEST(Motion, SpeedIsSignedZeroAtRestAndThatOfTheFirstMoveBeforeIt) {
   const MeasuringRun run = OneAxis({0, 2, 2, -1});
+  EXPECT_EQ(run.axis_states[0].speed, 4.0);
+  EXPECT_EQ(OneAxis({5, 5, 7}).axis_states[0].speed, 0.0);
+  EXPECT_EQ(OneAxis({5}).axis_states[0].speed, 0.0);
   EXPECT_EQ(run.axis_states[1].speed, 4.0);
   EXPECT_EQ(run.axis_states[2].speed, 0.0);
   EXPECT_EQ(run.axis_states[3].speed, -6.0);

@@ -90,8 +90,8 @@ absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const 
 void AddSlip(const Slip& slip, MeasuringRun* run);
 
 // Fills run->axis_states from positions and times: sense of motion is that of the last commanded change, before the
-// first one that of the first (an axis is approached in the sense in which it goes on); travel counts from the last
-// change of sense or the first motion.
+// first one that of the first (an axis is approached in the sense in which it goes on, and as fast); travel counts from
+// the last change of sense or the first motion.
 void DeriveMotion(MeasuringRun* run);
 
 }  // namespace axiscal::instruments

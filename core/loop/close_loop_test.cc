@@ -179,6 +179,22 @@ TEST(CloseLoop, AProbeThatMovedIsToldFromTheTablesBall) {
   EXPECT_THAT(ToJson(kMachine, report), ::testing::HasSubstr(R"("carrier": "tool")"));
 }
 
+// A servo's lag at one speed is a backlash.
+TEST(CloseLoop, SpeedsThatDifferByATenthTellALagFromABacklash) {
+  const machine::ErrorModel truth = Errors(
+      kMachine, "{" + std::string(kDeclared) + R"(, "terms": [{"symbol": "EYC", "shape": "lag", "amplitude": 100}]})");
+  std::vector<session::Session> sessions =
+      Measure(kMachine, truth, {}, {{"CR", Pattern::kCR, 356.4}, {"CT", Pattern::kCT, 356.4}});
+  ballbar::PatternOptions slower;
+  slower.seconds_per_reading *= 1.1;
+  slower.start_s = 3600.0;
+  for (session::Session& session : Measure(kMachine, truth, {}, {{"CR-slow", Pattern::kCR, 356.4}}, slower))
+    sessions.push_back(std::move(session));
+  const Report report = CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value();
+  ASSERT_EQ(report.effects.size(), 1u);
+  EXPECT_EQ(machine::NameOf(kMachine, report.effects[0].term), "EYC:lag");
+}
+
 TEST(CloseLoop, TheReportIsThatOfTheFormatPage) {
   const Report report = Close(R"({"symbol": "EXX", "shape": "backlash", "amplitude": -2.9})");
   const std::string json = ToJson(kMachine, report);

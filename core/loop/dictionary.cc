@@ -300,7 +300,8 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
       const double step = StepOf(machine, run, axis);
       if (step > 0.0) span.finest_step = span.finest_step == 0.0 ? step : std::min(span.finest_step, step);
     }
-    span.has_speeds = fastest > 1.2 * slowest;
+    constexpr double kOtherSpeed = 1.02;  // of one speed a lag is a backlash
+    span.has_speeds = fastest > kOtherSpeed * slowest;
   }
   return spans;
 }
