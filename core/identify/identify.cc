@@ -43,7 +43,7 @@ bool UpdateUsed(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* probl
       for (int k = 0; k < run.reading_count(); ++k) is_used[static_cast<size_t>(k) * run.row_count + row] = !is_bad[k];
     }
     if (problem->WeightOf(i, 0) != nullptr) UseWhole(run.row_count, &is_used);
-    for (const touch::Rejection& rejection : run.touches.rejected) is_used[rejection.reading] = false;
+    SetKnownAside(run, &is_used);
     has_changed |= is_used != problem->is_used[i];
     problem->is_used[i] = std::move(is_used);
   }

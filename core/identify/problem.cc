@@ -67,6 +67,11 @@ class GramSink {
 
 }  // namespace
 
+void SetKnownAside(const MeasuringRun& run, std::vector<bool>* is_used) {
+  for (const touch::Rejection& rejection : run.touches.rejected) (*is_used)[rejection.reading] = false;
+  for (const size_t row : run.bad_rows) (*is_used)[row] = false;
+}
+
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<MeasuringRun> runs) {
   Problem problem;
   problem.machine = &machine;
@@ -90,7 +95,7 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
     problem.group_of_run.push_back(at);
     problem.noise.push_back({instruments::SigmaWithRounding(run)});
     problem.is_used.emplace_back(static_cast<size_t>(run.reading_count()) * run.row_count, true);
-    for (const touch::Rejection& rejection : run.touches.rejected) problem.is_used.back()[rejection.reading] = false;
+    SetKnownAside(run, &problem.is_used.back());
   }
   problem.runs = std::move(runs);
   return problem;

@@ -70,6 +70,10 @@ struct Point {
 // INVALID_ARGUMENT when sessions that share a setup differ in instrument, or two sessions have one name.
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs);
 
+// Entries of Problem::is_used of one run that are bad whatever is fitted: touches that were rejected, rows that stand
+// in the run as bad.
+void SetKnownAside(const instruments::MeasuringRun& run, std::vector<bool>* is_used);
+
 Point StartingPoint(const Problem& problem, const machine::ErrorModel& model);
 
 // Columns in the order of the model's terms: amplitudes, then the non-linear parameter where `with_nonlinear`.

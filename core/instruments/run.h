@@ -58,6 +58,7 @@ struct MeasuringRun {
   // By how far (x, y, z; table or tool frame, mm) are three more setup offsets each, in this order behind the
   // instrument's own. Not of readings along a path.
   std::vector<Slip> slips;
+  std::vector<size_t> bad_rows;  // reading * row_count + row: known to be bad, set aside in every fit
 
   // Where this is a part of a session: readings before it, so that messages count from the session's first.
   int readings_before = 0;

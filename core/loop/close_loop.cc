@@ -6,7 +6,7 @@
 #include "core/identify/noise.h"
 #include "core/loop/describe.h"
 #include "core/loop/explorer.h"
-#include "core/loop/told_apart.h"
+#include "core/loop/settle_classes.h"
 
 namespace axiscal::loop {
 namespace {
@@ -120,7 +120,7 @@ class Loop {
 
   absl::StatusOr<Report> Finish(Outcome* outcome) const {
     Report& report = outcome->attempt.report;
-    RETURN_IF_ERROR(DropToldApart(outcome->fit, identify_options_, &outcome->attempt.extension));
+    RETURN_IF_ERROR(SettleClasses(outcome->fit, options_.search, identify_options_, &outcome->attempt.extension));
     Describe(machine_, explorer_.RunsOf(*outcome), outcome->attempt.extension, outcome->fit, options_.search, &report);
     explorer_.KeepFitResiduals(outcome->fit, &SessionResiduals::after_mm, &report);
     report.last_fit = std::make_shared<Fit>(outcome->fit);

@@ -136,6 +136,7 @@ TEST(CloseLoop, ASlippedBallIsReportedWithSessionAndMoment) {
   EXPECT_EQ(report.unexplained[0].session, "CR");
   const double moment_s = session::FindColumn(cr, "t_s")->values[300];
   EXPECT_NEAR(report.unexplained[0].to, moment_s, 5.0);
+  EXPECT_TRUE(report.fitted.outliers.empty());  // before the slip was known its neighbours stood out
   // By how far, along x; far across the bar, so loosely that 3 um may be, along z.
   const Slipped& slip = report.unexplained[0].slip.value();
   EXPECT_EQ(slip.carrier, instruments::Carrier::kTable);
@@ -169,6 +170,7 @@ TEST(CloseLoop, AProbeThatMovedIsToldFromTheTablesBall) {
   ASSERT_EQ(report.unexplained.size(), 1u);
   EXPECT_EQ(report.unexplained[0].session, "CR");
   EXPECT_NEAR(report.unexplained[0].to, session::FindColumn(sessions[kCr], "t_s")->values[kFirst], 5.0);
+  EXPECT_TRUE(report.fitted.outliers.empty());
   const Slipped& slip = report.unexplained[0].slip.value();
   EXPECT_EQ(slip.carrier, instruments::Carrier::kTool);
   EXPECT_FALSE(slip.may_be_other);

@@ -214,11 +214,10 @@ class Builder {
   }
 
   void AddSteps(int index, instruments::Carrier carrier) {
-    constexpr int kSmallest = 6;  // readings before and after
     const MeasuringRun& run = problem_.runs[index];
-    for (int k = kSmallest; k + kSmallest <= run.reading_count(); k += StepStride(run)) {
+    for (int k = kSlipReadings; k + kSlipReadings <= run.reading_count(); k += StepStride(run)) {
       const bool is_near = std::any_of(run.slips.begin(), run.slips.end(), [k](const instruments::Slip& slip) {
-        return std::abs(slip.first_reading - k) < kSmallest;
+        return std::abs(slip.first_reading - k) < kSlipReadings;
       });
       if (!is_near) candidates_.push_back({Family::kStep, {}, index, k, 0, 0, carrier});
     }

@@ -40,6 +40,9 @@ inline constexpr int kHighestOrder = 400;     // of harmonics of a rotary axis
 // Readings between the moments at which the dictionary looks for a slip in a run.
 int StepStride(const instruments::MeasuringRun& run);
 
+// Readings before and after a slip that is looked for, at least.
+inline constexpr int kSlipReadings = 6;
+
 // Candidates that `model` does not hold already.
 std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const machine::ErrorModel& model);
 

@@ -164,6 +164,7 @@ absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
   if (!other.unexplained_sessions.empty()) return false;
   Extension known(machine_, together_);
   known.effects = best->attempt.extension.effects;
+  known.bad_rows = best->attempt.extension.bad_rows;
   const absl::StatusOr<Fit> same = FitExtension(machine_, known, identify_options_);
   if (absl::IsCancelled(same.status())) return same.status();
   if (same.ok() && !(CostOf(other.attempt.extension, other.fit) < CostOf(known, *same))) return false;

@@ -26,12 +26,13 @@ std::vector<MeasuringRun> Extension::Runs() const {
     const Candidate& slip = one.candidate;
     if (slip.family == Family::kStep) instruments::AddSlip({slip.carrier, slip.first_reading}, &runs[slip.run]);
   }
+  for (const BadRow& bad : bad_rows) runs[bad.run].bad_rows.push_back(bad.row);
   return runs;
 }
 
 size_t Extension::SetupOf(size_t effect) const {
   const int run = effects[effect].candidate.run;
-  size_t at = (*runs_)[run].setup.size();
+  size_t at = FirstSlipOf(run);
   for (size_t i = 0; i < effect; ++i) {
     const bool is_before = effects[i].candidate.family == Family::kStep && effects[i].candidate.run == run;
     if (is_before) at += 3;

@@ -16,6 +16,12 @@ struct Added {
   std::vector<Candidate> equivalent, rivals;
 };
 
+// A row of a reading that is bad, whatever a running median of its series says.
+struct BadRow {
+  int run = 0;
+  size_t row = 0;  // MeasuringRun::bad_rows
+};
+
 class Extension {
  public:
   // `machine` and `runs` (the fit sessions) must outlive it.
@@ -23,13 +29,16 @@ class Extension {
       : machine_(&machine), runs_(&runs) {}
 
   std::vector<Added> effects;  // in the order in which they were added
+  std::vector<BadRow> bad_rows;
 
   // Declared errors, then the effects that are terms.
   machine::ErrorModel Model() const;
   // Which term of Model() an effect is.
   int TermOf(size_t effect) const;
-  // The fit sessions, with the slips found in them.
+  // The fit sessions, with the slips and the bad readings found in them.
   std::vector<instruments::MeasuringRun> Runs() const;
+  // Where those of a session's first slip stand in its setup.
+  size_t FirstSlipOf(int run) const { return (*runs_)[run].setup.size(); }
   // Where the three setup offsets of an effect that is a slip stand in its session's setup.
   size_t SetupOf(size_t effect) const;
   // As in error model and report; slips by their session.

@@ -26,12 +26,37 @@ absl::StatusOr<Fit> FitExtension(const machine::Machine& machine, const Extensio
   return fit;
 }
 
-absl::StatusOr<Fit> Refit(const Fit& fit, const machine::ErrorModel& model, const identify::Options& options) {
+namespace {
+
+// Of fits that are compared.
+identify::Options ToCompare(const identify::Options& options) {
   identify::Options own = options;
   own.set_outliers_aside = false;
   own.raise_noise = false;         // chi-squares compare at one sigma only
   own.converged_decrement = 1e-3;  // what decides is a thousand times as much
-  return identify::FitProblem(fit.problem, model, own, fit.point.setup);
+  return own;
+}
+
+}  // namespace
+
+absl::StatusOr<Fit> Refit(const Fit& fit, const machine::ErrorModel& model, const identify::Options& options) {
+  return identify::FitProblem(fit.problem, model, ToCompare(options), fit.point.setup);
+}
+
+absl::StatusOr<Fit> RefitRuns(const Fit& fit, std::vector<instruments::MeasuringRun> runs,
+                              const identify::Options& options) {
+  ASSIGN_OR_RETURN(identify::Problem problem, identify::MakeProblem(*fit.problem.machine, std::move(runs)));
+  problem.noise = fit.problem.noise;
+  problem.is_used = fit.problem.is_used;
+  return identify::FitProblem(std::move(problem), fit.result.model, ToCompare(options));
+}
+
+absl::StatusOr<Fit> RefitWithout(const Fit& fit, int run, int first, int last, const identify::Options& options) {
+  identify::Problem problem = fit.problem;
+  const int rows = problem.runs[run].row_count;
+  std::fill(problem.is_used[run].begin() + std::ptrdiff_t{first} * rows,
+            problem.is_used[run].begin() + std::ptrdiff_t{last} * rows, false);
+  return identify::FitProblem(std::move(problem), fit.result.model, ToCompare(options), fit.point.setup);
 }
 
 double SquaresOf(const Fit& fit) {

@@ -16,6 +16,14 @@ absl::StatusOr<identify::Fit> FitExtension(const machine::Machine& machine, cons
 absl::StatusOr<identify::Fit> Refit(const identify::Fit& fit, const machine::ErrorModel& model,
                                     const identify::Options& options);
 
+// The same model on the same readings with other slips: `runs` for those of `fit`.
+absl::StatusOr<identify::Fit> RefitRuns(const identify::Fit& fit, std::vector<instruments::MeasuringRun> runs,
+                                        const identify::Options& options);
+
+// The same model without the readings [first, last) of one run.
+absl::StatusOr<identify::Fit> RefitWithout(const identify::Fit& fit, int run, int first, int last,
+                                           const identify::Options& options);
+
 // Chi-square of a fit with what its priors add.
 double SquaresOf(const identify::Fit& fit);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/units.h"
 #include "core/loop/dictionary.h"
@@ -25,10 +26,14 @@ absl::Status Growth::Extend(Fit* fit) {
       // The last one stood while the others changed about it.
       ASSIGN_OR_RETURN(const bool is_straight, Straighten(fit));
       if (is_straight) continue;
+      ASSIGN_OR_RETURN(const bool has_taken_back, TakeBack(fit));
       const size_t before = effects().size();
       RETURN_IF_ERROR(Prune(fit));
-      ASSIGN_OR_RETURN(const bool is_simpler, Consolidate(fit));
-      if (effects().size() == before && !is_simpler) break;
+      ASSIGN_OR_RETURN(bool is_simpler, Consolidate(fit));
+      if (!is_simpler) {
+        ASSIGN_OR_RETURN(is_simpler, TakeOneForTwo(fit));
+      }
+      if (effects().size() == before && !is_simpler && !has_taken_back) break;
       continue;
     }
     RETURN_IF_ERROR(Swap(fit));
@@ -38,7 +43,10 @@ absl::Status Growth::Extend(Fit* fit) {
   return absl::OkStatus();
 }
 
-absl::Status Growth::Prune(Fit* fit) { return Backward(effects().size(), fit); }
+absl::Status Growth::Prune(Fit* fit) {
+  RETURN_IF_ERROR(Backward(effects().size(), fit));
+  return DropSlips(fit);
+}
 
 namespace {
 
@@ -103,8 +111,12 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   }
   if (!found.is_significant) return false;
   attempt_->has_close_name |= HasCloseName(found);
+  if (found.finding.effect.candidate.family == Family::kStep) {
+    ASSIGN_OR_RETURN(const bool is_end, SetEndAside(found.finding.effect, fit));
+    if (is_end) return true;
+  }
   ASSIGN_OR_RETURN(const Finding named, NamedInstead(*fit, signatures, candidates, found.finding));
-  ASSIGN_OR_RETURN(const Finding finding, Decide(*fit, named));
+  ASSIGN_OR_RETURN(const Finding finding, Decide(*fit, signatures, named));
   Added added;
   added.candidate = finding.effect.candidate;
   for (int b = 0; b < shapes::kMaxBasisCount; ++b) added.candidate.term.amplitude[b] = finding.effect.amplitude[b];
@@ -132,8 +144,12 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
     return true;
   }
   *fit = *std::move(extended);
-  if (!attempt_->first.has_value()) attempt_->first = added;
   attempt_->Note(Step::kAdded, extension().NameOf(effects().size() - 1), *fit);
+  if (is_slip) {
+    ASSIGN_OR_RETURN(const bool is_bad, SettleSlip(effects().size() - 1, fit));
+    if (is_bad) return true;
+  }
+  if (!attempt_->first.has_value()) attempt_->first = added;
   if (options_.progress) {
     options_.progress(
         {"closing the loop", static_cast<double>(effects().size()) / options_.max_effects,
@@ -188,32 +204,51 @@ absl::StatusOr<Finding> Growth::NamedInstead(const Fit& fit, const Signatures& s
   }
 }
 
-// Where members of the class are equally simple, the full refit says which fits best: large amplitudes along what
-// setups nearly explain leave the linear estimate behind.
-absl::StatusOr<Finding> Growth::Decide(const Fit& fit, Finding finding) const {
+// Large amplitudes along what setups nearly explain leave the linear estimate behind: the full refit says which fits
+// best of what is equally simple, and whether a close rival fits clearly better.
+absl::StatusOr<Finding> Growth::Decide(const Fit& fit, const Signatures& signatures, Finding finding) const {
   if (finding.effect.candidate.family == Family::kStep) return finding;
-  constexpr size_t kContenders = 5;
+  constexpr size_t kContenders = 5, kRivals = 3;
+  constexpr double kClose = 0.95;  // of the likelihood ratio: the estimate may be wrong by a share
+  const auto squares_with = [&](const Scored& one) -> absl::StatusOr<double> {
+    ErrorModel model = fit.result.model;
+    model.terms.push_back(one.candidate.term);
+    const absl::StatusOr<Fit> refit = Refit(fit, model, identify_options_);
+    if (absl::IsCancelled(refit.status())) return refit.status();
+    if (!refit.ok()) return INFINITY;
+    // What points across all bars fits by its square, once it is large enough.
+    const machine::ErrorTerm& fitted = refit->result.model.terms.back();
+    const Eigen::Vector3d amplitude(fitted.amplitude[0], fitted.amplitude[1], 0.0);
+    return IsPlausible(signatures, {one.candidate.family, fitted}, amplitude) ? SquaresOf(*refit) : INFINITY;
+  };
   const int complexity = Complexity(machine_, finding.effect.candidate);
   size_t contenders = 0;
   while (contenders < std::min(kContenders, finding.equivalent.size()) &&
          Complexity(machine_, finding.equivalent[contenders].candidate) == complexity)
     ++contenders;
-  if (contenders == 0) return finding;
+  std::vector<Scored> close;
+  for (const Scored& rival : finding.rivals) {
+    const bool is_close =
+        !IsUnnamed(rival.candidate.family) && rival.likelihood_ratio > kClose * finding.effect.likelihood_ratio;
+    if (is_close && close.size() < kRivals) close.push_back(rival);
+  }
+  if (contenders == 0 && close.empty()) return finding;
   double least = INFINITY;
   size_t best = 0;  // 0: the effect itself, k: equivalent[k - 1]
   for (size_t k = 0; k <= contenders; ++k) {
-    const Scored& one = k == 0 ? finding.effect : finding.equivalent[k - 1];
-    ErrorModel model = fit.result.model;
-    model.terms.push_back(one.candidate.term);
-    const absl::StatusOr<Fit> refit = Refit(fit, model, identify_options_);
-    if (absl::IsCancelled(refit.status())) return refit.status();
-    if (!refit.ok()) continue;
-    const double squares = SquaresOf(*refit);
+    ASSIGN_OR_RETURN(const double squares, squares_with(k == 0 ? finding.effect : finding.equivalent[k - 1]));
     if (squares >= least) continue;
     least = squares;
     best = k;
   }
   if (best > 0) std::swap(finding.effect, finding.equivalent[best - 1]);
+  for (const Scored& rival : close) {
+    ASSIGN_OR_RETURN(const double squares, squares_with(rival));
+    if (squares >= least - options_.search.indistinguishable) continue;
+    least = squares;
+    // Swap() looks for the class of the new one among what was close to the old one.
+    finding.rivals.push_back(std::exchange(finding.effect, rival));
+  }
   return finding;
 }
 

@@ -56,13 +56,20 @@ class Growth {
   Finding NamedOfWeak(const Signatures& signatures, const std::vector<Candidate>& named, Finding local) const;
   absl::StatusOr<Finding> NamedInstead(const identify::Fit& fit, const Signatures& signatures,
                                        std::vector<Candidate> candidates, Finding unnamed) const;
-  absl::StatusOr<Finding> Decide(const identify::Fit& fit, Finding finding) const;
+  absl::StatusOr<Finding> Decide(const identify::Fit& fit, const Signatures& signatures, Finding finding) const;
   absl::Status Swap(identify::Fit* fit);
   std::vector<Scored> ScoreOf(const Signatures& signatures, const std::vector<Candidate>& members) const;
   absl::StatusOr<bool> SwapOne(size_t effect, identify::Fit* fit);
   absl::StatusOr<bool> Consolidate(identify::Fit* fit);
+  absl::StatusOr<bool> TakeOneForTwo(identify::Fit* fit);
   absl::StatusOr<bool> Straighten(identify::Fit* fit);
   absl::Status Backward(size_t count, identify::Fit* fit);
+  absl::Status DropSlips(identify::Fit* fit);
+  absl::StatusOr<bool> SetEndAside(const Scored& found, identify::Fit* fit);
+  absl::StatusOr<bool> SetScatteredAside(size_t effect, identify::Fit* fit);
+  absl::StatusOr<bool> SettleSlip(size_t effect, identify::Fit* fit);
+  absl::Status SettleMoment(size_t effect, identify::Fit* fit);
+  absl::StatusOr<bool> TakeBack(identify::Fit* fit);
 
   const machine::Machine& machine_;
   const Options& options_;

@@ -159,6 +159,69 @@ absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
   return false;
 }
 
+// Of two effects that came for a single other one each takes a part up, and what the first was worth when it came has
+// gone over to the second: where one effect explains what the two do, it takes their place.
+absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
+  constexpr double kGone = 0.5;
+  constexpr int kMostPairs = 4;
+  std::vector<std::pair<double, size_t>> gone;  // what is left of its worth, effect
+  for (size_t i = 0; i < effects().size(); ++i) {
+    if (IsUnnamed(effects()[i].candidate.family)) continue;
+    const double left = EvidenceOf(*fit, extension().TermOf(i)) / effects()[i].score;
+    if (left < kGone) gone.push_back({left, i});
+  }
+  std::sort(gone.begin(), gone.end());
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (const auto& [left, i] : gone) {
+    for (size_t k = 0; k < effects().size(); ++k) {
+      const std::pair<size_t, size_t> pair = std::minmax(i, k);
+      if (k == i || IsUnnamed(effects()[k].candidate.family)) continue;
+      if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+    }
+  }
+  if (pairs.size() > kMostPairs) pairs.resize(kMostPairs);
+  for (const auto& [first, second] : pairs) {
+    ErrorModel lacking = fit->result.model;
+    lacking.terms.erase(lacking.terms.begin() + extension().TermOf(second));
+    lacking.terms.erase(lacking.terms.begin() + extension().TermOf(first));
+    const absl::StatusOr<Fit> reduced = Refit(*fit, lacking, identify_options_);
+    if (absl::IsCancelled(reduced.status())) return reduced.status();
+    if (!reduced.ok()) continue;
+    const Signatures signatures(reduced->problem, reduced->point, identify::ListParameters(reduced->point.model, true));
+    std::vector<Candidate> others = MakeDictionary(reduced->problem, reduced->point.model);
+    std::erase_if(others, [&](const Candidate& one) {
+      return IsUnnamed(one.family) || IsSameEffect(one.term, effects()[first].candidate.term) ||
+             IsSameEffect(one.term, effects()[second].candidate.term);
+    });
+    const SearchResult found = Search(machine_, signatures, others, options_.search);
+    if (!found.is_significant) continue;
+    ErrorModel model = lacking;
+    model.terms.push_back(found.finding.effect.candidate.term);
+    const absl::StatusOr<Fit> whole = Refit(*fit, model, identify_options_);
+    if (absl::IsCancelled(whole.status())) return whole.status();
+    if (!whole.ok() || SquaresOf(*whole) > SquaresOf(*fit) + options_.search.evidence) continue;
+    const std::vector<Added> before = effects();
+    Added merged;
+    merged.candidate = found.finding.effect.candidate;
+    for (int b = 0; b < shapes::kMaxBasisCount; ++b)
+      merged.candidate.term.amplitude[b] = found.finding.effect.amplitude[b];
+    merged.score = found.finding.effect.score;
+    SetClass(found.finding, &merged);
+    effects()[first] = std::move(merged);
+    effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(second));
+    absl::StatusOr<Fit> changed = FitExtension(machine_, extension(), identify_options_);
+    if (absl::IsCancelled(changed.status())) return changed.status();
+    if (!changed.ok()) {
+      effects() = before;
+      continue;
+    }
+    *fit = *std::move(changed);
+    attempt_->Note(Step::kReplaced, extension().NameOf(first), *fit);
+    return true;
+  }
+  return false;
+}
+
 namespace {
 
 bool GoesWithTime(Family family) { return family == Family::kDrift || family == Family::kThermal; }

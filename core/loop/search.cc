@@ -160,8 +160,11 @@ bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const
   // axis is another matter.
   const bool is_large = candidate.family == Family::kConstant || candidate.family == Family::kLag;
   constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;
-  const double most_mm = is_large ? kFarOffMm : identify::kLargestErrorMm;
-  const double most_rad = is_large ? kFarOffRad : identify::kLargestErrorRad;
+  // With more play than that a machine cuts nothing, nor does an arm reach anything.
+  const bool is_play = candidate.family == Family::kBacklash || candidate.family == Family::kReversal;
+  constexpr double kPlayMm = 2.0, kPlayRad = 0.02;
+  const double most_mm = is_large ? kFarOffMm : is_play ? kPlayMm : identify::kLargestErrorMm;
+  const double most_rad = is_large ? kFarOffRad : is_play ? kPlayRad : identify::kLargestErrorRad;
   const double most = machine::IsAngle(candidate.term.component) ? most_rad : most_mm;
   return signatures.LargestValue(candidate.term, amplitude) < most;
 }

@@ -51,6 +51,12 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
   }
   for (size_t i = effects().size(); i-- > 0 && joint.has_value();) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
+    RETURN_IF_ERROR(PutSlip(i, fit));
+    if (effects()[i].candidate.family == Family::kStep) {
+      attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+      ASSIGN_OR_RETURN(joint, Joint(*fit));
+      continue;
+    }
     ASSIGN_OR_RETURN(const bool speaks_against, SpeaksAgainst(i, *fit, *joint));
     if (!speaks_against) continue;
     const std::vector<Added> before = effects();

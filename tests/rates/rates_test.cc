@@ -108,6 +108,24 @@ TEST(Rates, AFaintSlipIsGivenARangeOfMoments) {
   EXPECT_EQ(score.spurious, 0) << score.text;
 }
 
+// Beside the quadratic straightness of Y that of X is a harmonic of the tilting axis: alike only while the first is
+// refitted with it.
+TEST(Rates, AClassHoldsWhatIsAlikeBesideTheOthers) {
+  const Score score = Judge(Draw(Kind::kDirty, 440012), Kind::kDirty);
+  EXPECT_EQ(score.named, score.effects) << score.text;
+}
+
+// A name explains nearly as much as the probe that moved, in the one session that both act in (422002, 422014), or is
+// withdrawn by the check sessions (421010).
+TEST(Rates, WhereTheCheckSessionsKnowNothingOfANameASlipTakesItsPlace) {
+  for (const auto& [kind, seed] : std::vector<std::pair<Kind, int>>{
+           {Kind::kProbeSlip, 422002}, {Kind::kProbeSlip, 422014}, {Kind::kSlip, 421010}}) {
+    const Score score = Judge(Draw(kind, seed), kind);
+    EXPECT_TRUE(score.is_structure_noticed) << score.text;
+    EXPECT_EQ(score.spurious, 0) << score.text;
+  }
+}
+
 // 81019: across what its session hardly sees; 81040: a profile of moments with many peaks; 81007, 81026: an error that
 // fades after the first session explains nearly as much, and the check sessions cannot tell; 93006: significant only at
 // its very moment; 95010, 95013: backlash, and a reversal beside it, explain nearly as much as the slip on the search's

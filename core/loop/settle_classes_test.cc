@@ -1,4 +1,4 @@
-#include "core/loop/told_apart.h"
+#include "core/loop/settle_classes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,13 +33,13 @@ std::vector<std::string> ClassFoundIn(const std::string& effect, double amplitud
 
 // A drift of the tool holder's place and of its tilt are 0.98 alike while two tools are 50 mm apart in length; ten
 // times as much of it and the second tool tells them.
-TEST(ToldApart, AStrongDriftIsNoTilt) {
+TEST(SettleClasses, AStrongDriftIsNoTilt) {
   const std::string drift = R"("symbol": "EXT", "shape": "drift")";
   EXPECT_THAT(ClassFoundIn(drift, 20.0), IsSupersetOf({"EXT:drift", "EBT:drift"}));
   EXPECT_THAT(ClassFoundIn(drift, 200.0), ::testing::ElementsAre("EXT:drift"));
 }
 
-TEST(ToldApart, AStrongStraightnessIsNoRoll) {
+TEST(SettleClasses, AStrongStraightnessIsNoRoll) {
   const std::string straightness = R"("symbol": "EYY", "shape": "quadratic")";
   EXPECT_THAT(ClassFoundIn(straightness, 20.0), IsSupersetOf({"EYY:quadratic", "EAT:quadratic(Y)"}));
   const std::vector<std::string> strong = ClassFoundIn(straightness, 200.0);
