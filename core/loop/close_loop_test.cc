@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/identify/testing/scenario.h"
+#include "core/plan/session_builder.h"
 
 namespace axiscal::loop {
 namespace {
@@ -120,6 +122,33 @@ TEST(CloseLoop, ALocalDefectIsReportedWithItsAxisAndRange) {
   EXPECT_EQ(report.unexplained[0].variable, "X");
   EXPECT_NEAR(report.unexplained[0].from, 7.0, 3.0);
   EXPECT_NEAR(report.unexplained[0].to, 23.0, 3.0);
+}
+
+// Poses of an R-test jump by a hundred millimetres from one to the next and lie a few apart.
+TEST(CloseLoop, ALocalDefectNarrowerThanTheStepsOfAnRTestIsReported) {
+  const int x = machine::FindAxis(kMachine, "X");
+  machine::ErrorModel truth = Errors(kMachine, "{" + std::string(kDeclared) + "}");
+  truth.terms.push_back({x, machine::Component::kX, shapes::Bump{x, 30.0, 12.0}, {0.012, 0}});
+  const plan::Situation situation = plan::SituationOf(kMachine, {});
+  std::vector<session::Session> sessions;
+  for (const double radius_mm : {70.0, 110.0}) {
+    plan::SessionBuilder builder(situation, absl::StrCat("nest-", radius_mm), {0, 0, -150}, {radius_mm, 20, -400});
+    for (int k = 0; k < 120; ++k) {
+      std::vector<double> positions(kMachine.axis_count(), 0.0);
+      positions[machine::FindAxis(kMachine, "B")] = (k % 5 - 2) * 0.2;
+      positions[machine::FindAxis(kMachine, "C")] = (k / 5) * 15.0 * std::numbers::pi / 180.0;
+      builder.Add(positions, Eigen::Vector3d::Zero());
+    }
+    synthetic::NoiseOptions noise;
+    noise.seed = static_cast<uint64_t>(radius_mm);
+    sessions.push_back(synthetic::Simulate(kMachine, truth, builder.Finish(), noise).value());
+  }
+  const Report report = CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value();
+  EXPECT_TRUE(report.effects.empty());
+  ASSERT_EQ(report.unexplained.size(), 1u);
+  EXPECT_EQ(report.unexplained[0].variable, "X");
+  EXPECT_NEAR(report.unexplained[0].from, 18.0, 4.0);
+  EXPECT_NEAR(report.unexplained[0].to, 42.0, 4.0);
 }
 
 TEST(CloseLoop, ASlippedBallIsReportedWithSessionAndMoment) {

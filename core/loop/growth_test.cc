@@ -112,6 +112,26 @@ session::Session Poses(const machine::Machine& machine, const machine::ErrorMode
   return synthetic::Simulate(machine, truth, builder.Finish(), noise).value();
 }
 
+TEST(Growth, ASlipInTheMiddleOfAShortSessionIsGivenItsMoment) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  constexpr int kCount = 30, kSlipped = 15;
+  std::vector<session::Session> sessions = {Poses(machine, {}, "R1", kCount, 3), Poses(machine, {}, "R2", kCount, 4)};
+  const double by_mm[] = {0.02, -0.015, 0.01};
+  for (int k = kSlipped; k < kCount; ++k)
+    for (size_t row = 0; row < 3; ++row) (sessions[1].columns.end() - 3 + row)->values[k] += by_mm[row];
+  const auto runs = identify::BindSessions(machine, sessions);
+  ASSERT_TRUE(runs.ok()) << runs.status();
+  const Report report = CloseLoop(machine, *runs, {}).value();
+  EXPECT_TRUE(report.effects.empty());
+  EXPECT_TRUE(report.fitted.outliers.empty());
+  ASSERT_EQ(report.unexplained.size(), 1u);
+  EXPECT_EQ(report.unexplained[0].kind, Unexplained::kSlip);
+  EXPECT_EQ(report.unexplained[0].session, "R2");
+  const std::vector<double>& times_s = session::FindColumn(sessions[1], "t_s")->values;
+  EXPECT_EQ(report.unexplained[0].from, times_s[kSlipped - 1]);
+  EXPECT_EQ(report.unexplained[0].to, times_s[kSlipped]);
+}
+
 class LastReadings : public testing::TestWithParam<int> {};
 
 // Among readings that an effect moves about a bad one at an end does not stand out of its neighbours, and what moved

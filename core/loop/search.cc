@@ -74,15 +74,17 @@ void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
   }
 }
 
-// The best slip of each session, of table and of tool, at its best moment: the search looked at every few.
+// The best slip of each session, of table and of tool, at its best moment: the search looked at every few. Its
+// neighbours leave the list.
 void RefineSlips(const Signatures& signatures, const SearchOptions& options, std::vector<Scored>* scored) {
   std::set<std::pair<int, instruments::Carrier>> seen;
-  for (Scored& one : *scored) {
-    if (one.candidate.family != Family::kStep || one.score < 0.5 * options.evidence) continue;
-    if (!seen.insert({one.candidate.run, one.candidate.carrier}).second) continue;
+  std::erase_if(*scored, [&](Scored& one) {
+    if (one.candidate.family != Family::kStep || one.score < 0.5 * options.evidence) return false;
+    if (!seen.insert({one.candidate.run, one.candidate.carrier}).second) return true;
     one.candidate = AtBestMoment(signatures, one.candidate, options.indistinguishable);
     Estimate(signatures, &one);
-  }
+    return false;
+  });
 }
 
 // Other pitches by which the best, a pitch, would pass as well where these readings were taken join the list.
