@@ -227,22 +227,6 @@ namespace {
 bool GoesWithTime(Family family) { return family == Family::kDrift || family == Family::kThermal; }
 bool GoesWithSense(Family family) { return family == Family::kBacklash || family == Family::kLag; }
 
-// The shape without a decay that a decay far longer than the sessions is. A warming that is far slower than they are
-// long is a drift, a spike that outlasts the travel a backlash: the amplitude that the one would have in the end, its
-// time constant and the other's length are made up.
-std::optional<Candidate> StraightFormOf(const identify::Problem& problem, const machine::ErrorTerm& term) {
-  constexpr double kFar = 5.0;
-  if (const auto* warming = std::get_if<shapes::DriftExp>(&term.shape)) {
-    if (warming->tau_s > kFar * LastReadingS(problem))
-      return Candidate{Family::kDrift, {term.joint, term.component, shapes::Drift{}, {}}};
-  } else if (const auto* spike = std::get_if<shapes::Reversal>(&term.shape)) {
-    const AxisSpan span = SpansOf(problem)[spike->axis];
-    if (spike->length > kFar * (span.highest - span.lowest))
-      return Candidate{Family::kBacklash, {term.joint, term.component, shapes::Backlash{spike->axis}, {}}};
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 absl::StatusOr<bool> Growth::Straighten(Fit* fit) {

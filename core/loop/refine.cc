@@ -155,6 +155,19 @@ Candidate Refined(const Signatures& signatures, const Candidate& candidate, doub
   }
 }
 
+std::optional<Candidate> StraightFormOf(const identify::Problem& problem, const machine::ErrorTerm& term) {
+  constexpr double kFar = 5.0;
+  if (const auto* warming = std::get_if<shapes::DriftExp>(&term.shape)) {
+    if (warming->tau_s > kFar * LastReadingS(problem))
+      return Candidate{Family::kDrift, {term.joint, term.component, shapes::Drift{}, {}}};
+  } else if (const auto* spike = std::get_if<shapes::Reversal>(&term.shape)) {
+    const AxisSpan span = SpansOf(problem)[spike->axis];
+    if (spike->length > kFar * (span.highest - span.lowest))
+      return Candidate{Family::kBacklash, {term.joint, term.component, shapes::Backlash{spike->axis}, {}}};
+  }
+  return std::nullopt;
+}
+
 Candidate AtPlaceOf(const Signatures& signatures, const Candidate& candidate, const std::vector<Candidate>& leaders) {
   std::vector<Candidate> places = {candidate};
   for (const Candidate& leader : leaders) {

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_LOOP_REFINE_H_
 #define AXISCAL_CORE_LOOP_REFINE_H_
 
+#include <optional>
 #include <vector>
 
 #include "core/loop/signatures.h"
@@ -30,6 +31,11 @@ bool IsGrid(Family family);
 // The candidate, or where it explains more, the candidate at the place (frequency, length, time constant) of one of the
 // leaders, of its family: what is one effect by other names, on other joints, is alike only there.
 Candidate AtPlaceOf(const Signatures& signatures, const Candidate& candidate, const std::vector<Candidate>& leaders);
+
+// The shape without a decay that a decay far longer than the sessions is. A warming that is far slower than they are
+// long is a drift, a spike that outlasts the travel a backlash: the amplitude that the one would have in the end, its
+// time constant and the other's length are made up.
+std::optional<Candidate> StraightFormOf(const identify::Problem& problem, const machine::ErrorTerm& term);
 
 }  // namespace axiscal::loop
 

@@ -74,7 +74,9 @@ absl::Status Settle(const Fit& fit, int term, const SearchOptions& search, const
     other.terms[term] = added->equivalent[i].term;
     const absl::StatusOr<Fit> swapped = Refit(fit, other, options);
     if (absl::IsCancelled(swapped.status())) return swapped.status();
-    is_told[i] = swapped.ok() && SquaresOf(*swapped) > least;
+    // A warming becomes any drift once it is slow enough, and a spike any backlash: as what they then are.
+    is_told[i] = swapped.ok() && (SquaresOf(*swapped) > least ||
+                                  StraightFormOf(swapped->problem, swapped->result.model.terms[term]).has_value());
   }
   std::vector<Candidate> kept;
   for (size_t i = 0; i < is_told.size(); ++i) (is_told[i] ? added->rivals : kept).push_back(added->equivalent[i]);

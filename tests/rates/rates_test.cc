@@ -185,6 +185,9 @@ TEST(Rates, AmplitudesThatOnlyAllSessionsTellAreThoseOfAll) {
   EXPECT_LE(score.check_ratio, 1.0) << score.text;
 }
 
+// A warming whose time constant may grow becomes the drift from which a session was to tell it.
+TEST(Rates, AWarmingThatIsADriftIsToldFromIt) { EXPECT_TRUE(JudgeNext(460041).is_alone); }
+
 TEST(Rates, TheProposedSessionsLeaveTheTrueEffectAlone) {
   int held = 0, alone = 0;
   std::string texts;
