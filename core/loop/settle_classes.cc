@@ -1,10 +1,13 @@
 #include "core/loop/settle_classes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "core/loop/dictionary.h"
 #include "core/loop/fitting.h"
 #include "core/loop/refine.h"
+#include "core/loop/same_always.h"
 #include "core/loop/signature_scan.h"
 #include "core/loop/signatures.h"
 
@@ -39,48 +42,78 @@ std::vector<Candidate> AsGoodAs(const Fit& reduced, const Signatures& signatures
   return related;
 }
 
-// Completes the class of an effect, the model's `term`, and returns which of it explain less by linear estimate, which
-// is quick and may be wrong.
-absl::StatusOr<std::vector<size_t>> Suspects(const Fit& fit, int term, const SearchOptions& search,
-                                             const identify::Options& options, Added* added) {
+// Chi-square with another effect in the place of the model's `term`, everything refitted. NAN where nothing fits,
+// infinite for a warming that becomes any drift once it is slow enough, or a spike any backlash: as what they then are.
+absl::StatusOr<double> SquaresWith(const Fit& fit, int term, const machine::ErrorTerm& other,
+                                   const identify::Options& options) {
+  machine::ErrorModel model = fit.result.model;
+  model.terms[term] = other;
+  const absl::StatusOr<Fit> swapped = Refit(fit, model, options);
+  if (absl::IsCancelled(swapped.status())) return swapped.status();
+  if (!swapped.ok()) return NAN;
+  if (StraightFormOf(swapped->problem, swapped->result.model.terms[term])) return INFINITY;
+  return SquaresOf(*swapped);
+}
+
+// What the linear estimate says of effects in the place of the model's `term`.
+struct Estimate {
+  std::vector<bool> is_alike;   // per member of the class
+  std::vector<Candidate> more;  // what is not in it
+};
+
+// None where it says nothing: without the effect set-ups stand far off, or nothing fits at all.
+absl::StatusOr<std::optional<Estimate>> EstimateOf(const Fit& fit, int term, const std::vector<Candidate>& members,
+                                                   const SearchOptions& search, const identify::Options& options) {
   machine::ErrorModel lacking = fit.result.model;
   lacking.terms.erase(lacking.terms.begin() + term);
-  ASSIGN_OR_RETURN(const Fit reduced, Refit(fit, lacking, options));
-  const Signatures signatures(reduced.problem, reduced.point, identify::ListParameters(reduced.point.model, true));
+  const absl::StatusOr<Fit> reduced = Refit(fit, lacking, options);
+  if (absl::IsCancelled(reduced.status())) return reduced.status();
+  if (!reduced.ok()) return std::nullopt;
+  const Signatures signatures(reduced->problem, reduced->point, identify::ListParameters(reduced->point.model, true));
+  const std::vector<Projection> projections = signatures.Project(members);
+  Eigen::Vector3d amplitude;
+  const double own = Gain(projections[0], &amplitude), explained = SquaresOf(*reduced) - SquaresOf(fit);
+  constexpr double kWrong = 0.05;
+  if (std::abs(own - explained) > kWrong * explained) return std::nullopt;
+  Estimate estimate;
+  for (const Projection& one : projections) estimate.is_alike.push_back(Gain(one, &amplitude) >= own - kToldApart);
+  estimate.more = AsGoodAs(*reduced, signatures, members, own, search.indistinguishable);
+  return estimate;
+}
+
+// Members that are alike by linear estimate stay unasked; of others, and of what is to come into the class, the full
+// refit says. One of those that are the same by another name speaks for all.
+absl::Status Settle(const Fit& fit, int term, const SearchOptions& search, const identify::Options& options,
+                    Added* added) {
   std::vector<Candidate> members = {added->candidate};
   members[0].term = fit.result.model.terms[term];
   members.insert(members.end(), added->equivalent.begin(), added->equivalent.end());
-  const std::vector<Projection> projections = signatures.Project(members);
-  Eigen::Vector3d amplitude;
-  const double own = Gain(projections[0], &amplitude);
-  std::vector<size_t> suspects;
+  ASSIGN_OR_RETURN(const std::optional<Estimate> estimate, EstimateOf(fit, term, members, search, options));
+  const size_t known = members.size();
+  if (estimate) members.insert(members.end(), estimate->more.begin(), estimate->more.end());
+  std::vector<machine::ErrorTerm> terms;
+  for (const Candidate& one : members) terms.push_back(one.term);
+  const std::vector<int> first = FirstOfTheSame(*fit.problem.machine, fit.problem.runs.front().tip_mm, terms);
+  const double squares = SquaresOf(fit);
+  std::vector<double> with(members.size(), squares);
+  constexpr int kMostNew = 12;
+  int asked_new = 0;
+  added->equivalent.clear();
   for (size_t i = 1; i < members.size(); ++i) {
-    if (Gain(projections[i], &amplitude) < own - kToldApart) suspects.push_back(i - 1);
+    const bool is_known = i < known;
+    if (first[i] < static_cast<int>(i)) {
+      with[i] = with[first[i]];
+    } else if (!is_known && ++asked_new > kMostNew) {
+      with[i] = INFINITY;
+    } else if (!is_known || !estimate || !estimate->is_alike[i]) {
+      ASSIGN_OR_RETURN(with[i], SquaresWith(fit, term, terms[i], options));
+    }
+    if (is_known && with[i] > squares + kToldApart) {
+      added->rivals.push_back(members[i]);
+    } else if (is_known || with[i] < squares + search.indistinguishable) {
+      added->equivalent.push_back(members[i]);
+    }
   }
-  for (Candidate& one : AsGoodAs(reduced, signatures, members, own, search.indistinguishable))
-    added->equivalent.push_back(std::move(one));
-  return suspects;
-}
-
-absl::Status Settle(const Fit& fit, int term, const SearchOptions& search, const identify::Options& options,
-                    Added* added) {
-  const absl::StatusOr<std::vector<size_t>> suspects = Suspects(fit, term, search, options, added);
-  if (absl::IsCancelled(suspects.status())) return suspects.status();
-  if (!suspects.ok()) return absl::OkStatus();  // without the effect nothing fits: nothing can be compared
-  const double least = SquaresOf(fit) + kToldApart;
-  std::vector<bool> is_told(added->equivalent.size(), false);
-  for (const size_t i : *suspects) {
-    machine::ErrorModel other = fit.result.model;
-    other.terms[term] = added->equivalent[i].term;
-    const absl::StatusOr<Fit> swapped = Refit(fit, other, options);
-    if (absl::IsCancelled(swapped.status())) return swapped.status();
-    // A warming becomes any drift once it is slow enough, and a spike any backlash: as what they then are.
-    is_told[i] = swapped.ok() && (SquaresOf(*swapped) > least ||
-                                  StraightFormOf(swapped->problem, swapped->result.model.terms[term]).has_value());
-  }
-  std::vector<Candidate> kept;
-  for (size_t i = 0; i < is_told.size(); ++i) (is_told[i] ? added->rivals : kept).push_back(added->equivalent[i]);
-  added->equivalent = std::move(kept);
   return absl::OkStatus();
 }
 
