@@ -23,6 +23,19 @@ double StandsStill(const Machine& machine, int axis) {
   return IsRotary(machine, axis) ? kStandsStillRad : kStandsStillMm;
 }
 
+// Median distance of positions that all sessions together take, next to each other.
+double GapOf(const identify::Problem& problem, int axis) {
+  std::vector<double> positions, gaps;
+  for (const MeasuringRun& run : problem.runs)
+    for (int k = 0; k < run.reading_count(); ++k) positions.push_back(run.PositionsOf(k)[axis]);
+  std::sort(positions.begin(), positions.end());
+  for (size_t k = 1; k < positions.size(); ++k) {
+    const double gap = positions[k] - positions[k - 1];
+    if (gap > StandsStill(*problem.machine, axis)) gaps.push_back(gap);
+  }
+  return identify::Median(&gaps);
+}
+
 class Builder {
  public:
   Builder(const identify::Problem& problem, const machine::ErrorModel& model)
@@ -192,11 +205,11 @@ class Builder {
 
   void AddBumps(int axis) {
     const AxisSpan& span = spans_[axis];
-    const double range = span.highest - span.lowest;
+    const double range = span.highest - span.lowest, gap = GapOf(problem_, axis);
     for (const double share : {0.16, 0.08, 0.04, 0.02}) {
       const double width = share * range;
       // Poses of an R-test jump about; together they lie as close as those of a sweep.
-      if (width < std::min(span.gap, span.finest_step)) break;
+      if (width < std::min(gap, span.finest_step)) break;
       if (width > WidestBump(machine_, axis)) continue;
       for (double at = span.lowest; at <= span.highest; at += width)
         Add(Family::kBump, axis, shapes::Bump{axis, at, width});
@@ -276,22 +289,6 @@ double StepOf(const Machine& machine, const MeasuringRun& run, int axis) {
   return steps.size() < 4 ? 0.0 : identify::Median(&steps);
 }
 
-namespace {
-
-double GapOf(const identify::Problem& problem, int axis) {
-  std::vector<double> positions, gaps;
-  for (const MeasuringRun& run : problem.runs)
-    for (int k = 0; k < run.reading_count(); ++k) positions.push_back(run.PositionsOf(k)[axis]);
-  std::sort(positions.begin(), positions.end());
-  for (size_t k = 1; k < positions.size(); ++k) {
-    const double gap = positions[k] - positions[k - 1];
-    if (gap > StandsStill(*problem.machine, axis)) gaps.push_back(gap);
-  }
-  return identify::Median(&gaps);
-}
-
-}  // namespace
-
 std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
   const Machine& machine = *problem.machine;
   std::vector<AxisSpan> spans(machine.axis_count());
@@ -317,7 +314,6 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
       if (step > 0.0) span.finest_step = span.finest_step == 0.0 ? step : std::min(span.finest_step, step);
     }
     constexpr double kOtherSpeed = 1.02;  // of one speed a lag is a backlash
-    span.gap = GapOf(problem, axis);
     span.has_speeds = fastest > kOtherSpeed * slowest;
   }
   return spans;

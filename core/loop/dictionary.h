@@ -16,7 +16,6 @@ inline constexpr double kStandsStillMm = 1e-3, kStandsStillRad = 1e-5;
 struct AxisSpan {
   double lowest = 0.0, highest = 0.0;  // mm or rad
   double finest_step = 0.0;  // median step of the session that samples it finest; 0 for an axis that stands still
-  double gap = 0.0;          // median distance of positions that all sessions together take, next to each other
   bool reverses = false;
   bool has_speeds = false;  // more than one speed: lag is not just backlash
 };

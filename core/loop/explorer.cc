@@ -97,6 +97,7 @@ absl::Status Explorer::Detour(Way way, Outcome* best) {
   for (size_t i = 0; i < found.size() && IsMisfit(best->fit) && !best->attempt.report.has_stopped_early; ++i) {
     if (IsUnnamed(found[i].candidate.family)) continue;
     way.prefix.assign(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(i));
+    way.bad_rows = best->attempt.extension.bad_rows;
     way.not_first = {found[i].candidate};
     way.not_first.insert(way.not_first.end(), found[i].equivalent.begin(), found[i].equivalent.end());
     ASSIGN_OR_RETURN(Outcome other, Try(way));
@@ -178,6 +179,7 @@ absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
 absl::Status Explorer::FitSameTogether(Outcome* best) {
   Way way = WayOfAll();
   way.prefix = best->attempt.extension.effects;
+  way.bad_rows = best->attempt.extension.bad_rows;
   ASSIGN_OR_RETURN(Outcome other, Try(way));
   if (other.unexplained_sessions.empty()) *best = std::move(other);
   return absl::OkStatus();
@@ -190,6 +192,9 @@ absl::StatusOr<bool> Explorer::FitAlone(const Outcome& named, Outcome* best) {
   const std::vector<Added>& effects = named.attempt.extension.effects;
   Outcome alone{best->attempt, {}, {}, {}};
   alone.attempt.extension.effects = effects;
+  alone.attempt.extension.bad_rows = named.attempt.extension.bad_rows;
+  std::erase_if(alone.attempt.extension.bad_rows,
+                [this](const BadRow& bad) { return bad.run >= static_cast<int>(runs_.size()); });
   for (const Added& one : effects) {
     if (one.candidate.run >= static_cast<int>(runs_.size())) return false;  // a slip in a check session
   }
@@ -236,10 +241,11 @@ absl::Status Explorer::BeginElsewhere(Way way, Outcome* best) {
 
 absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
   const std::vector<MeasuringRun>& runs = way.with_check ? together_ : runs_;
-  Outcome outcome{{Extension(machine_, runs), way, {}, {}, false, {}}, {}, {}, {}};
+  Outcome outcome{{Extension(machine_, runs), way, {}, {}, false, false, {}}, {}, {}, {}};
   Attempt* const attempt = &outcome.attempt;
   Report* const report = &attempt->report;
   std::vector<Added>& effects = attempt->extension.effects;
+  attempt->extension.bad_rows = way.bad_rows;
   report->has_check = !check_.is_empty();
   report->is_check_fitted = way.with_check;
   Check none(machine_, {}, identify_options_);

@@ -15,11 +15,12 @@ using identify::Fit;
 using machine::ErrorModel;
 
 absl::Status Growth::Extend(Fit* fit) {
-  // What is dropped may be found again: as many steps as twice the effects end that.
-  for (int step = 0; step < 2 * attempt_->way.most_effects; ++step) {
+  // What is dropped may be found again, and each session's ends may be bad: as many steps as twice both end that.
+  const int most_steps = 2 * (attempt_->way.most_effects + static_cast<int>(fit->problem.runs.size()));
+  for (int step = 0; step < most_steps; ++step) {
     if (static_cast<int>(effects().size()) >= attempt_->way.most_effects) {
       attempt_->report.has_stopped_early = attempt_->way.most_effects == options_.max_effects;
-      break;
+      return absl::OkStatus();
     }
     ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
     if (!has_found) {
@@ -33,14 +34,14 @@ absl::Status Growth::Extend(Fit* fit) {
       if (!is_simpler) {
         ASSIGN_OR_RETURN(is_simpler, TakeOneForTwo(fit));
       }
-      if (effects().size() == before && !is_simpler && !has_taken_back) break;
+      if (effects().size() == before && !is_simpler && !has_taken_back) return absl::OkStatus();
       continue;
     }
     RETURN_IF_ERROR(Swap(fit));
     // Nothing is there where the first effect was tried and refused.
     if (!effects().empty()) RETURN_IF_ERROR(Backward(effects().size() - 1, fit));
   }
-  return absl::OkStatus();
+  return Prune(fit);
 }
 
 absl::Status Growth::Prune(Fit* fit) {
@@ -247,6 +248,8 @@ absl::StatusOr<Finding> Growth::Decide(const Fit& fit, const Signatures& signatu
     if (squares >= least - options_.search.indistinguishable) continue;
     least = squares;
     // Swap() looks for the class of the new one among what was close to the old one.
+    finding.rivals.insert(finding.rivals.end(), finding.equivalent.begin(), finding.equivalent.end());
+    finding.equivalent.clear();
     finding.rivals.push_back(std::exchange(finding.effect, rival));
   }
   return finding;

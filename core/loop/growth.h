@@ -16,6 +16,7 @@ namespace axiscal::loop {
 // How to go about it.
 struct Way {
   std::vector<Added> prefix;         // effects to begin with
+  std::vector<BadRow> bad_rows;      // that were found beside them
   std::vector<Candidate> not_first;  // that led astray before when they came next
   bool names_first = false;          // local defects only once nothing with a name is significant
   bool with_check = false;           // the check sessions are fitted like the others
@@ -29,6 +30,7 @@ struct Attempt {
   std::vector<Candidate> refused;  // that promised much and did not fit
   std::optional<Added> first;      // what was added first
   bool has_close_name = false;     // a local defect was added for which a name would have explained nearly as much
+  bool has_taken_back = false;     // bad readings that agreed with what was found after them, once
   Report report;                   // steps and ranking, as they come
 
   void Note(Step::Change change, const std::string& name, const identify::Fit& fit) {

@@ -180,7 +180,8 @@ absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
     }
   }
   if (pairs.size() > kMostPairs) pairs.resize(kMostPairs);
-  for (const auto& [first, second] : pairs) {
+  for (const std::pair<size_t, size_t>& pair : pairs) {
+    const size_t first = pair.first, second = pair.second;
     ErrorModel lacking = fit->result.model;
     lacking.terms.erase(lacking.terms.begin() + extension().TermOf(second));
     lacking.terms.erase(lacking.terms.begin() + extension().TermOf(first));
@@ -200,6 +201,11 @@ absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
     const absl::StatusOr<Fit> whole = Refit(*fit, model, identify_options_);
     if (absl::IsCancelled(whole.status())) return whole.status();
     if (!whole.ok() || SquaresOf(*whole) > SquaresOf(*fit) + options_.search.evidence) continue;
+    const machine::ErrorTerm& fitted = whole->result.model.terms.back();
+    if (!IsPlausible(signatures, {found.finding.effect.candidate.family, fitted},
+                     {fitted.amplitude[0], fitted.amplitude[1], 0.0}))
+      continue;
+    const std::string dropped = extension().NameOf(second);
     const std::vector<Added> before = effects();
     Added merged;
     merged.candidate = found.finding.effect.candidate;
@@ -216,6 +222,7 @@ absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
       continue;
     }
     *fit = *std::move(changed);
+    attempt_->Note(Step::kDropped, dropped, *fit);
     attempt_->Note(Step::kReplaced, extension().NameOf(first), *fit);
     return true;
   }

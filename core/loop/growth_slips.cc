@@ -46,7 +46,8 @@ absl::StatusOr<bool> Growth::SetEndAside(const Scored& found, Fit* fit) {
   const absl::StatusOr<Fit> others = RefitWithout(*fit, slip.run, first, last, identify_options_);
   if (absl::IsCancelled(others.status())) return others.status();
   if (!others.ok()) return false;
-  const double explained = LikelihoodRatio(SquaresOf(*fit), SquaresOf(*fit) - SquaresOf(*others),
+  const double noise = run.row_count * (last - first);  // what is left out leaves with its noise
+  const double explained = LikelihoodRatio(SquaresOf(*fit), SquaresOf(*fit) - SquaresOf(*others) - noise,
                                            std::max(1, fit->result.fit.degrees_of_freedom));
   if (explained < found.likelihood_ratio - options_.search.indistinguishable) return false;
   for (int row = first * run.row_count; row < last * run.row_count; ++row)
@@ -92,7 +93,7 @@ absl::StatusOr<bool> Growth::SetScatteredAside(size_t effect, Fit* fit) {
 }
 
 // Before a slip is known the readings on either side of it stand out of both, and its moment was looked for without
-// them: told by all readings near it, those set aside too, what it moved them by known.
+// them. Where some are set aside it is told by all readings near it, what it moved them by known.
 absl::Status Growth::SettleMoment(size_t effect, Fit* fit) {
   constexpr int kBeyond = 2, kLongest = 48;  // readings
   constexpr double kAtMost = 36.0;           // chi-square that a bad reading counts
@@ -100,7 +101,10 @@ absl::Status Growth::SettleMoment(size_t effect, Fit* fit) {
   const MeasuringRun& run = fit->problem.runs[slip.run];
   const int first = std::max(1, slip.earliest - kBeyond);
   const int last = std::min(run.reading_count() - 1, slip.latest + kBeyond);
-  if (last - first > kLongest) return absl::OkStatus();
+  const auto used = fit->problem.is_used[slip.run].begin();
+  const bool is_whole = std::all_of(used + std::ptrdiff_t{first - 1} * run.row_count,
+                                    used + std::ptrdiff_t{last} * run.row_count, [](bool one) { return one; });
+  if (is_whole || last - first > kLongest) return absl::OkStatus();
   const int group = fit->problem.group_of_run[slip.run];
   identify::Problem alone;
   alone.machine = fit->problem.machine;
@@ -120,15 +124,15 @@ absl::Status Growth::SettleMoment(size_t effect, Fit* fit) {
   const auto best = std::min_element(squares.begin(), squares.end());
   const double least = *best;
   const auto is_likely = [&](double value) { return value < least + options_.search.indistinguishable; };
-  const int before = slip.first_reading;
+  const Candidate before = slip;
   slip.first_reading = first + static_cast<int>(best - squares.begin());
   slip.earliest = first + static_cast<int>(std::find_if(squares.begin(), squares.end(), is_likely) - squares.begin());
   slip.latest = last - static_cast<int>(std::find_if(squares.rbegin(), squares.rend(), is_likely) - squares.rbegin());
-  if (slip.first_reading == before) return absl::OkStatus();
+  if (slip.first_reading == before.first_reading) return absl::OkStatus();
   absl::StatusOr<Fit> settled = FitExtension(machine_, extension(), identify_options_);
   if (absl::IsCancelled(settled.status())) return settled.status();
   if (!settled.ok()) {
-    slip.first_reading = before;
+    slip = before;
     return absl::OkStatus();
   }
   *fit = *std::move(settled);
@@ -151,7 +155,11 @@ absl::StatusOr<bool> Growth::TakeBack(Fit* fit) {
   std::erase_if(bad_rows, [fit](const BadRow& one) {
     return std::abs(fit->residuals_mm[one.run].data()[one.row]) < kAgrees * fit->problem.noise[one.run].sigma_mm;
   });
-  if (bad_rows.size() == before.size()) return false;
+  if (bad_rows.size() == before.size() || attempt_->has_taken_back) {
+    bad_rows = before;
+    return false;
+  }
+  attempt_->has_taken_back = true;  // what stands out again stays aside
   absl::StatusOr<Fit> with = FitExtension(machine_, extension(), identify_options_);
   if (absl::IsCancelled(with.status())) return with.status();
   if (!with.ok()) {
@@ -162,7 +170,8 @@ absl::StatusOr<bool> Growth::TakeBack(Fit* fit) {
   return true;
 }
 
-// Drops slips that explain less than it took to find them, now that more is known, and those that were bad readings.
+// Drops slips that explain less than an effect of three amplitudes must, now that more is known, and those that were
+// bad readings.
 absl::Status Growth::DropSlips(Fit* fit) {
   constexpr int kOffsets = 3;
   const double needed = options_.search.evidence + options_.search.per_column * (kOffsets - 1);

@@ -32,7 +32,7 @@ TEST(Growth, ASpikeThatOutlastsTheTravelIsABacklash) {
 
   Way way;
   way.most_effects = 3;
-  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, {}};
+  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, false, {}};
   attempt.extension.effects.push_back({{Family::kReversal, spike}, 100.0, {}, {}});
   const Options options;
   const identify::Options identify_options;
@@ -52,7 +52,7 @@ TEST(Growth, ASlipThatExplainsNothingIsDropped) {
   ASSERT_TRUE(runs.ok()) << runs.status();
   Way way;
   way.most_effects = 3;
-  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, {}};
+  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, false, {}};
   constexpr int kRun = 2, kMoment = 120;
   attempt.extension.effects.push_back({{Family::kStep, {}, kRun, kMoment, kMoment, kMoment}, 30.0, {}, {}});
   const Options options;
@@ -80,7 +80,7 @@ TEST(Growth, OneEffectTakesThePlaceOfTwo) {
   ASSERT_TRUE(runs.ok()) << runs.status();
   Way way;
   way.most_effects = 3;
-  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, {}};
+  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, false, {}};
   for (const machine::Component component : {machine::Component::kY, machine::Component::kZ}) {
     machine::ErrorTerm part = truth.terms[0];
     part.component = component;

@@ -74,17 +74,37 @@ void RefineLeaders(const Signatures& signatures, std::vector<Scored>* scored) {
   }
 }
 
+// A local defect shows in several readings; fewer are bad ones that lie near each other.
+bool HasFewReadings(const identify::Problem& problem, const Candidate& candidate) {
+  const auto* bump = std::get_if<shapes::Bump>(&candidate.term.shape);
+  if (bump == nullptr) return false;
+  constexpr int kFewest = 4;
+  int count = 0;
+  for (size_t i = 0; i < problem.runs.size() && count < kFewest; ++i) {
+    const instruments::MeasuringRun& run = problem.runs[i];
+    for (int k = 0; k < run.reading_count(); ++k) {
+      const auto rows = problem.is_used[i].begin() + std::ptrdiff_t{k} * run.row_count;
+      count += std::abs(run.PositionsOf(k)[bump->axis] - bump->at) < bump->width &&
+               std::any_of(rows, rows + run.row_count, [](bool used) { return used; });
+    }
+  }
+  return count < kFewest;
+}
+
 // The best slip of each session, of table and of tool, at its best moment: the search looked at every few. Its
 // neighbours leave the list.
 void RefineSlips(const Signatures& signatures, const SearchOptions& options, std::vector<Scored>* scored) {
   std::set<std::pair<int, instruments::Carrier>> seen;
-  std::erase_if(*scored, [&](Scored& one) {
-    if (one.candidate.family != Family::kStep || one.score < 0.5 * options.evidence) return false;
-    if (!seen.insert({one.candidate.run, one.candidate.carrier}).second) return true;
-    one.candidate = AtBestMoment(signatures, one.candidate, options.indistinguishable);
-    Estimate(signatures, &one);
-    return false;
-  });
+  std::vector<Scored> kept;
+  for (Scored& one : *scored) {
+    if (one.candidate.family == Family::kStep && one.score >= 0.5 * options.evidence) {
+      if (!seen.insert({one.candidate.run, one.candidate.carrier}).second) continue;
+      one.candidate = AtBestMoment(signatures, one.candidate, options.indistinguishable);
+      Estimate(signatures, &one);
+    }
+    kept.push_back(std::move(one));
+  }
+  *scored = std::move(kept);
 }
 
 // Other pitches by which the best, a pitch, would pass as well where these readings were taken join the list.
@@ -164,7 +184,7 @@ bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const
   constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;
   // With more play than that a machine cuts nothing, nor does an arm reach anything.
   const bool is_play = candidate.family == Family::kBacklash || candidate.family == Family::kReversal;
-  constexpr double kPlayMm = 2.0, kPlayRad = 0.02;
+  constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // either way; of backlash, peak to peak, twice that
   const double most_mm = is_large ? kFarOffMm : is_play ? kPlayMm : identify::kLargestErrorMm;
   const double most_rad = is_large ? kFarOffRad : is_play ? kPlayRad : identify::kLargestErrorRad;
   const double most = machine::IsAngle(candidate.term.component) ? most_rad : most_mm;
@@ -212,6 +232,9 @@ SearchResult Search(const machine::Machine& machine, const Signatures& signature
   if (!scored.empty() && scored[0].score > 0.5 * options.evidence) {
     RefineLeaders(signatures, &scored);
     RefineSlips(signatures, options, &scored);
+    std::erase_if(scored, [&](const Scored& one) {
+      return one.score > 0.5 * options.evidence && HasFewReadings(signatures.problem(), one.candidate);
+    });
     std::sort(scored.begin(), scored.end(), better);
   }
   constexpr size_t kRanked = 20, kCompared = 400;

@@ -27,12 +27,16 @@ std::vector<Candidate> AsGoodAs(const Fit& reduced, const Signatures& signatures
            std::any_of(members.begin(), members.end(), is_it);
   });
   const std::vector<Projection> projections = signatures.Project(others);
-  std::vector<Candidate> alike;
+  std::vector<std::pair<double, size_t>> best_first;
   for (size_t i = 0; i < others.size(); ++i) {
     Eigen::Vector3d amplitude;
-    if (projections[i].visible <= kVisible || Gain(projections[i], &amplitude) < own - indistinguishable) continue;
-    if (IsPlausible(signatures, others[i], amplitude)) alike.push_back(others[i]);
+    const double gain = projections[i].visible > kVisible ? Gain(projections[i], &amplitude) : 0.0;
+    if (gain >= own - indistinguishable && IsPlausible(signatures, others[i], amplitude))
+      best_first.push_back({-gain, i});
   }
+  std::sort(best_first.begin(), best_first.end());
+  std::vector<Candidate> alike;
+  for (const auto& [gain, i] : best_first) alike.push_back(others[i]);
   constexpr double kRelated = 0.7;
   const std::vector<double> correlations = signatures.CorrelationsWith(members[0], alike);
   std::vector<Candidate> related;

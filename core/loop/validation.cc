@@ -18,7 +18,7 @@ using machine::ErrorModel;
 namespace {
 
 // Chi-square units.
-constexpr double kSpeaksAgainst = 9.0, kClearly = 4.0, kAlike = 6.0;
+constexpr double kSpeaksAgainst = 9.0, kClearly = 4.0, kMuchMore = 8.0, kAlike = 6.0;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
     if (!is_replaced) continue;
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    RETURN_IF_ERROR(PutSlip(i, fit));
+    RETURN_IF_ERROR(PutSlip(i, kClearly, fit));
     has_replaced |= effects()[i].candidate.family != Family::kStep;
     attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
     ASSIGN_OR_RETURN(joint, Joint(*fit));
@@ -51,7 +51,7 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
   }
   for (size_t i = effects().size(); i-- > 0 && joint.has_value();) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
-    RETURN_IF_ERROR(PutSlip(i, fit));
+    RETURN_IF_ERROR(PutSlip(i, kMuchMore, fit));  // for two more amplitudes
     if (effects()[i].candidate.family == Family::kStep) {
       attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
       ASSIGN_OR_RETURN(joint, Joint(*fit));
@@ -201,9 +201,10 @@ std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, Wanted
   return contenders;
 }
 
-// A slip in a fit session that explains clearly more than effect i does in `joint`. A name goes before a slip where it
-// explains as much; what the check sessions have sent from name to name is left with one that they hardly see.
-std::optional<Candidate> Validation::SlipInstead(size_t i, const Fit& fit, const Fit& joint) const {
+// A slip in a fit session that explains more than effect i does in `joint`, by more than `margin`. A name goes before a
+// slip where it explains as much of the fit sessions; one that is none acts in none of the check sessions, and what
+// they have sent from name to name is left with one that they hardly see.
+std::optional<Candidate> Validation::SlipInstead(size_t i, double margin, const Fit& fit, const Fit& joint) const {
   const int term = extension().TermOf(i);
   identify::Point lacking = joint.point;
   lacking.model.terms.erase(lacking.model.terms.begin() + term);
@@ -220,17 +221,17 @@ std::optional<Candidate> Validation::SlipInstead(size_t i, const Fit& fit, const
   const std::vector<Projection> projections = signatures.Project({own, slip});
   Eigen::Vector3d amplitude;
   const double gain = Gain(projections[0], &amplitude);
-  if (Gain(projections[1], &amplitude) < gain + kClearly) return std::nullopt;
+  if (Gain(projections[1], &amplitude) < gain + margin) return std::nullopt;
   // Set-ups that stand far off without the effect are no place to estimate from.
   constexpr double kShare = 0.1;
   if (std::abs(signatures.residual_squares() - gain - SquaresOf(joint)) > kShare * gain) return std::nullopt;
   return WithCarrierTold(signatures, slip, kAlike);
 }
 
-absl::Status Validation::PutSlip(size_t i, Fit* fit) {
+absl::Status Validation::PutSlip(size_t i, double margin, Fit* fit) {
   ASSIGN_OR_RETURN(const std::optional<Fit> joint, Joint(*fit));
   if (!joint.has_value()) return absl::OkStatus();
-  const std::optional<Candidate> slip = SlipInstead(i, *fit, *joint);
+  const std::optional<Candidate> slip = SlipInstead(i, margin, *fit, *joint);
   if (!slip.has_value()) return absl::OkStatus();
   const std::vector<Added> named = effects();
   effects()[i] = {*slip, named[i].score, {}, {}};

@@ -28,8 +28,9 @@ class Validation {
   enum class Wanted { kBetter, kNearlyAsGood, kAlike };
   std::vector<Candidate> Contenders(size_t effect, const identify::Fit& joint, Wanted wanted) const;
   absl::Status Foretell(size_t effect, const identify::Fit& joint, identify::Fit* fit);
-  std::optional<Candidate> SlipInstead(size_t effect, const identify::Fit& fit, const identify::Fit& joint) const;
-  absl::Status PutSlip(size_t effect, identify::Fit* fit);
+  std::optional<Candidate> SlipInstead(size_t effect, double margin, const identify::Fit& fit,
+                                       const identify::Fit& joint) const;
+  absl::Status PutSlip(size_t effect, double margin, identify::Fit* fit);
   absl::StatusOr<bool> Replace(size_t effect, const identify::Fit& fit, const identify::Fit& joint);
   void AddSiblings(size_t effect, const identify::Fit& joint);
   absl::StatusOr<bool> Change(const std::vector<Added>& before, identify::Fit* fit);
