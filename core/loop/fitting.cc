@@ -26,6 +26,18 @@ absl::StatusOr<Fit> FitExtension(const machine::Machine& machine, const Extensio
   return fit;
 }
 
+absl::StatusOr<bool> FitChanged(const machine::Machine& machine, const identify::Options& options,
+                                const Extension& before, Extension* extension, Fit* fit) {
+  absl::StatusOr<Fit> changed = FitExtension(machine, *extension, options);
+  if (absl::IsCancelled(changed.status())) return changed.status();
+  if (!changed.ok()) {
+    *extension = before;
+    return false;
+  }
+  *fit = *std::move(changed);
+  return true;
+}
+
 namespace {
 
 // Of fits that are compared.

@@ -12,6 +12,11 @@ namespace axiscal::loop {
 absl::StatusOr<identify::Fit> FitExtension(const machine::Machine& machine, const Extension& extension,
                                            const identify::Options& options);
 
+// Fits an extension that was changed: true, and its fit in `fit`; false, and the extension as it was `before`, where
+// that does not converge. CANCELLED.
+absl::StatusOr<bool> FitChanged(const machine::Machine& machine, const identify::Options& options,
+                                const Extension& before, Extension* extension, identify::Fit* fit);
+
 // Another model on the same readings, with the noise and the bad readings of `fit`: to compare the two.
 absl::StatusOr<identify::Fit> Refit(const identify::Fit& fit, const machine::ErrorModel& model,
                                     const identify::Options& options);

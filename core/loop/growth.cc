@@ -276,15 +276,10 @@ absl::Status Growth::Backward(size_t count, Fit* fit) {
     if (absl::IsCancelled(without.status())) return without.status();
     if (!without.ok() || SquaresOf(*without) - SquaresOf(*fit) > options_.search.evidence) return absl::OkStatus();
     const std::string name = extension().NameOf(weakest);
-    const std::vector<Added> before = effects();
+    const Extension before = extension();
     effects().erase(effects().begin() + weakest);
-    absl::StatusOr<Fit> reduced = FitExtension(machine_, extension(), identify_options_);
-    if (absl::IsCancelled(reduced.status())) return reduced.status();
-    if (!reduced.ok()) {
-      effects() = before;
-      return absl::OkStatus();
-    }
-    *fit = *std::move(reduced);
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) return absl::OkStatus();
     attempt_->Note(Step::kDropped, name, *fit);
   }
   return absl::OkStatus();

@@ -10,6 +10,7 @@
 #include "core/identify/identify.h"
 #include "core/loop/close_loop.h"
 #include "core/loop/extension.h"
+#include "core/loop/fitting.h"
 
 namespace axiscal::loop {
 
@@ -51,6 +52,10 @@ class Growth {
   absl::Status Prune(identify::Fit* fit);
 
  private:
+  // FitChanged of the attempt's extension.
+  absl::StatusOr<bool> Change(const Extension& before, identify::Fit* fit) {
+    return FitChanged(machine_, identify_options_, before, &attempt_->extension, fit);
+  }
   Extension& extension() const { return attempt_->extension; }
   std::vector<Added>& effects() const { return attempt_->extension.effects; }
   std::vector<Candidate> Candidates(const identify::Fit& fit) const;

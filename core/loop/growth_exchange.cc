@@ -16,16 +16,11 @@ absl::Status Growth::Swap(Fit* fit) {
   for (size_t i = 0; i < effects().size(); ++i) {
     const Added& added = effects()[i];
     if (added.candidate.family == Family::kStep || added.equivalent.size() + added.rivals.size() == 0) continue;
-    const Added before = added;
+    const Extension before = extension();
     ASSIGN_OR_RETURN(const bool is_swapped, SwapOne(i, fit));
     if (!is_swapped) continue;
-    absl::StatusOr<Fit> swapped = FitExtension(machine_, extension(), identify_options_);
-    if (absl::IsCancelled(swapped.status())) return swapped.status();
-    if (!swapped.ok()) {
-      effects()[i] = before;
-      continue;
-    }
-    *fit = *std::move(swapped);
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) continue;
     attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
   }
   return absl::OkStatus();
@@ -136,7 +131,7 @@ absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
     // Each part had to be worth as much as the evidence that an effect needs; so must all but one together.
     const double worth = options_.search.evidence * static_cast<double>(parts - 1);
     if (!whole.ok() || SquaresOf(*whole) > SquaresOf(*fit) + worth) continue;
-    const std::vector<Added> before = effects();
+    const Extension before = extension();
     Finding finding = ClassOf(machine_, signatures, ScoreOf(signatures, SiblingsOf(reduced->problem, lacking, one, {})),
                               options_.search);
     Added merged;
@@ -146,13 +141,8 @@ absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
     SetClass(finding, &merged);
     rest.insert(rest.begin() + static_cast<std::ptrdiff_t>(std::min(first, rest.size())), std::move(merged));
     effects() = std::move(rest);
-    absl::StatusOr<Fit> changed = FitExtension(machine_, extension(), identify_options_);
-    if (absl::IsCancelled(changed.status())) return changed.status();
-    if (!changed.ok()) {
-      effects() = before;
-      continue;
-    }
-    *fit = *std::move(changed);
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) continue;
     attempt_->Note(Step::kReplaced, extension().NameOf(std::min(first, effects().size() - 1)), *fit);
     return true;
   }
@@ -206,7 +196,7 @@ absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
                      {fitted.amplitude[0], fitted.amplitude[1], 0.0}))
       continue;
     const std::string dropped = extension().NameOf(second);
-    const std::vector<Added> before = effects();
+    const Extension before = extension();
     Added merged;
     merged.candidate = found.finding.effect.candidate;
     for (int b = 0; b < shapes::kMaxBasisCount; ++b)
@@ -215,13 +205,8 @@ absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
     SetClass(found.finding, &merged);
     effects()[first] = std::move(merged);
     effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(second));
-    absl::StatusOr<Fit> changed = FitExtension(machine_, extension(), identify_options_);
-    if (absl::IsCancelled(changed.status())) return changed.status();
-    if (!changed.ok()) {
-      effects() = before;
-      continue;
-    }
-    *fit = *std::move(changed);
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) continue;
     attempt_->Note(Step::kDropped, dropped, *fit);
     attempt_->Note(Step::kReplaced, extension().NameOf(first), *fit);
     return true;
@@ -242,25 +227,20 @@ absl::StatusOr<bool> Growth::Straighten(Fit* fit) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
     const std::optional<Candidate> form = StraightFormOf(fit->problem, term);
     if (!form) continue;
-    const std::vector<Added> before = effects();
+    const Extension before = extension();
     ErrorModel lacking = fit->result.model;
     lacking.terms.erase(lacking.terms.begin() + extension().TermOf(i));
     Added plain;
     plain.candidate = *form;
-    plain.score = before[i].score;
+    plain.score = before.effects[i].score;
     const auto is_alike = GoesWithTime(form->family) ? GoesWithTime : GoesWithSense;
     for (const Candidate& one : MakeDictionary(fit->problem, lacking)) {
       if (is_alike(one.family) && one.term.component == term.component && !IsSameEffect(one.term, form->term))
         plain.equivalent.push_back(one);
     }
     effects()[i] = std::move(plain);
-    absl::StatusOr<Fit> straight = FitExtension(machine_, extension(), identify_options_);
-    if (absl::IsCancelled(straight.status())) return straight.status();
-    if (!straight.ok()) {
-      effects() = before;
-      continue;
-    }
-    *fit = *std::move(straight);
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) continue;
     attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
     RETURN_IF_ERROR(Swap(fit));
     return true;

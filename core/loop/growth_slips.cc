@@ -42,7 +42,7 @@ absl::StatusOr<bool> Growth::SetEndAside(const Scored& found, Fit* fit) {
   }
   if (first == last) return false;
   std::vector<BadRow>& bad_rows = extension().bad_rows;
-  const std::vector<BadRow> before = bad_rows;
+  const Extension before = extension();
   const absl::StatusOr<Fit> others = RefitWithout(*fit, slip.run, first, last, identify_options_);
   if (absl::IsCancelled(others.status())) return others.status();
   if (!others.ok()) return false;
@@ -52,14 +52,7 @@ absl::StatusOr<bool> Growth::SetEndAside(const Scored& found, Fit* fit) {
   if (explained < found.likelihood_ratio - options_.search.indistinguishable) return false;
   for (int row = first * run.row_count; row < last * run.row_count; ++row)
     bad_rows.push_back({slip.run, static_cast<size_t>(row)});
-  absl::StatusOr<Fit> without = FitExtension(machine_, extension(), identify_options_);
-  if (absl::IsCancelled(without.status())) return without.status();
-  if (!without.ok()) {
-    bad_rows = before;
-    return false;
-  }
-  *fit = *std::move(without);
-  return true;
+  return Change(before, fit);
 }
 
 // A slip near an end that leaves most of the readings after it (or before it) standing out is no slip: they are bad,
@@ -74,19 +67,12 @@ absl::StatusOr<bool> Growth::SetScatteredAside(size_t effect, Fit* fit) {
     aside += !std::all_of(rows, rows + run.row_count, [](bool used) { return used; });
   }
   if (2 * aside * run.row_count <= last - first) return false;
-  const std::vector<Added> effects_before = effects();
-  const std::vector<BadRow> bad_before = extension().bad_rows;
+  const Extension before = extension();
   const std::string name = extension().NameOf(effect);
   effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(effect));
   for (int row = first; row < last; ++row) extension().bad_rows.push_back({slip.run, static_cast<size_t>(row)});
-  absl::StatusOr<Fit> without = FitExtension(machine_, extension(), identify_options_);
-  if (absl::IsCancelled(without.status())) return without.status();
-  if (!without.ok()) {
-    effects() = effects_before;
-    extension().bad_rows = bad_before;
-    return false;
-  }
-  *fit = *std::move(without);
+  ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+  if (!is_fitted) return false;
   attempt_->Note(Step::kDropped, name, *fit);
   attempt_->refused.push_back(slip);
   return true;
@@ -124,19 +110,13 @@ absl::Status Growth::SettleMoment(size_t effect, Fit* fit) {
   const auto best = std::min_element(squares.begin(), squares.end());
   const double least = *best;
   const auto is_likely = [&](double value) { return value < least + options_.search.indistinguishable; };
-  const Candidate before = slip;
+  const Extension before = extension();
+  const int moment = slip.first_reading;
   slip.first_reading = first + static_cast<int>(best - squares.begin());
   slip.earliest = first + static_cast<int>(std::find_if(squares.begin(), squares.end(), is_likely) - squares.begin());
   slip.latest = last - static_cast<int>(std::find_if(squares.rbegin(), squares.rend(), is_likely) - squares.rbegin());
-  if (slip.first_reading == before.first_reading) return absl::OkStatus();
-  absl::StatusOr<Fit> settled = FitExtension(machine_, extension(), identify_options_);
-  if (absl::IsCancelled(settled.status())) return settled.status();
-  if (!settled.ok()) {
-    slip = before;
-    return absl::OkStatus();
-  }
-  *fit = *std::move(settled);
-  return absl::OkStatus();
+  if (slip.first_reading == moment) return absl::OkStatus();
+  return Change(before, fit).status();
 }
 
 // True where what was added is no slip: its readings are bad.
@@ -151,23 +131,16 @@ absl::StatusOr<bool> Growth::SettleSlip(size_t effect, Fit* fit) {
 absl::StatusOr<bool> Growth::TakeBack(Fit* fit) {
   constexpr double kAgrees = 4.0;  // standard deviations
   std::vector<BadRow>& bad_rows = extension().bad_rows;
-  const std::vector<BadRow> before = bad_rows;
+  const Extension before = extension();
   std::erase_if(bad_rows, [fit](const BadRow& one) {
     return std::abs(fit->residuals_mm[one.run].data()[one.row]) < kAgrees * fit->problem.noise[one.run].sigma_mm;
   });
-  if (bad_rows.size() == before.size() || attempt_->has_taken_back) {
-    bad_rows = before;
+  if (bad_rows.size() == before.bad_rows.size() || attempt_->has_taken_back) {
+    bad_rows = before.bad_rows;
     return false;
   }
   attempt_->has_taken_back = true;  // what stands out again stays aside
-  absl::StatusOr<Fit> with = FitExtension(machine_, extension(), identify_options_);
-  if (absl::IsCancelled(with.status())) return with.status();
-  if (!with.ok()) {
-    bad_rows = before;
-    return false;
-  }
-  *fit = *std::move(with);
-  return true;
+  return Change(before, fit);
 }
 
 // Drops slips that explain less than an effect of three amplitudes must, now that more is known, and those that were
@@ -188,27 +161,21 @@ absl::Status Growth::DropSlips(Fit* fit) {
     }
     if (worth >= needed) continue;
     const std::string name = extension().NameOf(i);
-    const std::vector<Added> before = effects();
-    const std::vector<BadRow> bad_before = extension().bad_rows;
+    const Extension before = extension();
     effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(i));
     const absl::StatusOr<Fit> without = RefitRuns(*fit, extension().Runs(), identify_options_);
     if (absl::IsCancelled(without.status())) return without.status();
-    absl::StatusOr<Fit> reduced;
-    if (without.ok() && SquaresOf(*without) - SquaresOf(*fit) < needed) {
-      // What stood out of few readings beside it would without it be structure, and a slip again.
-      const auto [first, last] = ShortSideOf(slip, fit->problem.runs[slip.run]);
-      for (int row = first; row < last; ++row) {
-        if (!fit->problem.is_used[slip.run][row]) extension().bad_rows.push_back({slip.run, static_cast<size_t>(row)});
-      }
-      reduced = FitExtension(machine_, extension(), identify_options_);
-      if (absl::IsCancelled(reduced.status())) return reduced.status();
-    }
-    if (!reduced.ok()) {
-      effects() = before;
-      extension().bad_rows = bad_before;
+    if (!without.ok() || SquaresOf(*without) - SquaresOf(*fit) >= needed) {
+      extension() = before;
       continue;
     }
-    *fit = *std::move(reduced);
+    // What stood out of few readings beside it would without it be structure, and a slip again.
+    const auto [first, last] = ShortSideOf(slip, fit->problem.runs[slip.run]);
+    for (int row = first; row < last; ++row) {
+      if (!fit->problem.is_used[slip.run][row]) extension().bad_rows.push_back({slip.run, static_cast<size_t>(row)});
+    }
+    ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
+    if (!is_fitted) continue;
     attempt_->Note(Step::kDropped, name, *fit);
     attempt_->refused.push_back(slip);
   }

@@ -127,15 +127,11 @@ absl::StatusOr<bool> Validation::SpeaksAgainst(size_t effect, const Fit& fit, co
 
 // Fits the changed extension; false, and the effects as they were, where that does not converge.
 absl::StatusOr<bool> Validation::Change(const std::vector<Added>& before, Fit* fit) {
-  absl::StatusOr<Fit> changed = FitExtension(machine_, extension(), identify_options_);
-  if (absl::IsCancelled(changed.status())) return changed.status();
-  if (!changed.ok()) {
-    effects() = before;
-    return false;
-  }
-  *fit = *std::move(changed);
-  RETURN_IF_ERROR(check_.Settle(*fit));
-  return true;
+  Extension unchanged = extension();
+  unchanged.effects = before;
+  ASSIGN_OR_RETURN(const bool is_fitted, FitChanged(machine_, identify_options_, unchanged, &attempt_->extension, fit));
+  if (is_fitted) RETURN_IF_ERROR(check_.Settle(*fit));
+  return is_fitted;
 }
 
 // Members of effect i's class, simplest first, that by linear estimate explain all sessions better than it, or nearly
