@@ -13,6 +13,22 @@ namespace {
 
 using ballbar::Pattern;
 
+// What grows out of `effects`, which somebody put there.
+Attempt Grown(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
+              const std::vector<Added>& effects) {
+  Way way;
+  way.most_effects = 3;
+  Attempt attempt{Extension(machine, runs), way, {}, {}, false, false, {}};
+  attempt.extension.effects = effects;
+  const Options options;
+  const identify::Options identify_options;
+  absl::StatusOr<identify::Fit> fit = FitExtension(machine, attempt.extension, identify_options);
+  EXPECT_TRUE(fit.ok()) << fit.status();
+  if (!fit.ok()) return attempt;
+  EXPECT_TRUE(Growth(machine, options, identify_options, &attempt).Extend(&*fit).ok());
+  return attempt;
+}
+
 // Fitted beside effects that were dropped later, a spike may have become what its amplitude and length only make up.
 TEST(Growth, ASpikeThatOutlastsTheTravelIsABacklash) {
   const machine::Machine machine = machine::testing::MultiTasking();
@@ -30,15 +46,7 @@ TEST(Growth, ASpikeThatOutlastsTheTravelIsABacklash) {
   spike.shape = shapes::Reversal{*shapes::VariableAxis(backlash.shape), kLengthMm};
   spike.amplitude = {0.5 * backlash.amplitude[0], 0.0};
 
-  Way way;
-  way.most_effects = 3;
-  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, false, {}};
-  attempt.extension.effects.push_back({{Family::kReversal, spike}, 100.0, {}, {}});
-  const Options options;
-  const identify::Options identify_options;
-  auto fit = FitExtension(machine, attempt.extension, identify_options);
-  ASSERT_TRUE(fit.ok()) << fit.status();
-  ASSERT_TRUE(Growth(machine, options, identify_options, &attempt).Extend(&*fit).ok());
+  const Attempt attempt = Grown(machine, *runs, {{{Family::kReversal, spike}, 100.0, {}, {}}});
   ASSERT_EQ(attempt.extension.effects.size(), 1u);
   EXPECT_EQ(attempt.extension.NameOf(0), "EYY:backlash");
 }
@@ -50,16 +58,8 @@ TEST(Growth, ASlipThatExplainsNothingIsDropped) {
       identify::testing::Errors(machine, R"({"terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": 4}]})");
   const auto runs = identify::BindSessions(machine, identify::testing::Measure(machine, truth, {}));
   ASSERT_TRUE(runs.ok()) << runs.status();
-  Way way;
-  way.most_effects = 3;
-  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, false, {}};
   constexpr int kRun = 2, kMoment = 120;
-  attempt.extension.effects.push_back({{Family::kStep, {}, kRun, kMoment, kMoment, kMoment}, 30.0, {}, {}});
-  const Options options;
-  const identify::Options identify_options;
-  auto fit = FitExtension(machine, attempt.extension, identify_options);
-  ASSERT_TRUE(fit.ok()) << fit.status();
-  ASSERT_TRUE(Growth(machine, options, identify_options, &attempt).Extend(&*fit).ok());
+  const Attempt attempt = Grown(machine, *runs, {{{Family::kStep, {}, kRun, kMoment, kMoment, kMoment}, 30.0, {}, {}}});
   ASSERT_EQ(attempt.extension.effects.size(), 1u);
   EXPECT_EQ(attempt.extension.NameOf(0), "EXX:backlash");
   EXPECT_TRUE(std::any_of(attempt.report.steps.begin(), attempt.report.steps.end(), [](const Step& step) {
@@ -78,20 +78,14 @@ TEST(Growth, OneEffectTakesThePlaceOfTwo) {
       identify::testing::Measure(
           machine, truth, {}, {{"CR", Pattern::kCR, 356.4}, {"CA", Pattern::kCA, 356.4}, {"CT", Pattern::kCT, 356.4}}));
   ASSERT_TRUE(runs.ok()) << runs.status();
-  Way way;
-  way.most_effects = 3;
-  Attempt attempt{Extension(machine, *runs), way, {}, {}, false, false, {}};
+  std::vector<Added> parts;
   for (const machine::Component component : {machine::Component::kY, machine::Component::kZ}) {
     machine::ErrorTerm part = truth.terms[0];
     part.component = component;
     part.amplitude = {0.001, 0.0};
-    attempt.extension.effects.push_back({{Family::kBacklash, part}, 1e9, {}, {}});
+    parts.push_back({{Family::kBacklash, part}, 1e9, {}, {}});
   }
-  const Options options;
-  const identify::Options identify_options;
-  auto fit = FitExtension(machine, attempt.extension, identify_options);
-  ASSERT_TRUE(fit.ok()) << fit.status();
-  ASSERT_TRUE(Growth(machine, options, identify_options, &attempt).Extend(&*fit).ok());
+  const Attempt attempt = Grown(machine, *runs, parts);
   ASSERT_EQ(attempt.extension.effects.size(), 1u);
   EXPECT_EQ(attempt.extension.NameOf(0), "EAC:backlash");
 }
