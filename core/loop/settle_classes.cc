@@ -29,8 +29,9 @@ std::vector<Candidate> AsGoodAs(const Fit& reduced, const Signatures& signatures
   const std::vector<Projection> projections = signatures.Project(others);
   std::vector<std::pair<double, size_t>> best_first;
   for (size_t i = 0; i < others.size(); ++i) {
+    if (projections[i].visible <= kVisible) continue;
     Eigen::Vector3d amplitude;
-    const double gain = projections[i].visible > kVisible ? Gain(projections[i], &amplitude) : 0.0;
+    const double gain = Gain(projections[i], &amplitude);
     if (gain >= own - indistinguishable && IsPlausible(signatures, others[i], amplitude))
       best_first.push_back({-gain, i});
   }
