@@ -75,13 +75,11 @@ function(axiscal_library name)
 endfunction()
 
 # axiscal_test(name SOURCES a_test.cc ... [DEPS lib ...] [PCH header ...]): one test program per folder; ctest names are <name>/<Suite.Case>.
-# AXISCAL_SOURCE_DIR is the checkout, for test data. ../shared/ may be absent: tests that use it in place skip.
 function(axiscal_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;PCH" ${ARGN})
   string(REPLACE "/" "_" target ${name})
   add_executable(${target}_test ${ARG_SOURCES})
-  target_link_libraries(${target}_test PRIVATE axiscal_flags ${ARG_DEPS} GTest::gmock GTest::gtest GTest::gtest_main)
-  target_compile_definitions(${target}_test PRIVATE AXISCAL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  target_link_libraries(${target}_test PRIVATE axiscal_flags ${ARG_DEPS} axiscal_source_path GTest::gmock GTest::gtest GTest::gtest_main)
   target_precompile_headers(${target}_test PRIVATE <gtest/gtest.h> <gmock/gmock.h> ${ARG_PCH})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)

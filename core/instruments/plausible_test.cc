@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/testing/source_path.h"
 #include "core/session/case.h"
 #include "core/session/column_rules.h"
 
@@ -13,7 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 session::Case Load(const std::string& name) {
-  auto read = session::ReadCase(absl::StrCat(AXISCAL_SOURCE_DIR, "/tests/data/loop/", name));
+  auto read = session::ReadCase(absl::StrCat(base::SourcePath(""), "/tests/data/loop/", name));
   EXPECT_TRUE(read.ok()) << read.status();
   return *std::move(read);
 }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/testing/source_path.h"
 #include "core/instruments/run.h"
 #include "core/machine/testing/machines.h"
 #include "core/session/read_session.h"
@@ -24,7 +25,7 @@ constexpr char kHeader[] =
 
 std::string Fig513() {
   std::stringstream text;
-  text << std::ifstream(AXISCAL_SOURCE_DIR "/tests/data/yao/fig-5.13-touch-log.txt", std::ios::binary).rdbuf();
+  text << std::ifstream(base::SourcePath("/tests/data/yao/fig-5.13-touch-log.txt"), std::ios::binary).rdbuf();
   return text.str();
 }
 
@@ -116,7 +117,7 @@ TEST(Reduce, CentresOfATableBecomeACentresSession) {
       "# machine: mt\n# session: C\n# instrument: centres\n# sigma_um: 2\n# tool_tip_mm: 0 0 -382.95\n"
       "# table_ball_mm: -390 0 -472\nline: C,{*},{B_deg},{C_deg},1,{cx_mm},{cy_mm},{cz_mm}\n"
       "skip: setup,{*}\nskip: C,{*},{*},{*},2,{*}\nskip: B-{*}\n";
-  std::ifstream in(AXISCAL_SOURCE_DIR "/tests/data/yao/table-5.2-sphere-centres.csv");
+  std::ifstream in(base::SourcePath("/tests/data/yao/table-5.2-sphere-centres.csv"));
   std::stringstream log;
   log << in.rdbuf();
   const auto reduced = ReduceText(log.str(), rules);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 
 namespace axiscal::machine {
@@ -156,7 +157,7 @@ void ExpectEveryMachineLoads(const std::filesystem::path& folder, size_t at_leas
 }
 
 TEST(MachineJson, SharedMachinesAndArmsLoad) {
-  const std::filesystem::path shared = std::filesystem::path(AXISCAL_SOURCE_DIR) / ".." / "shared" / "data";
+  const std::filesystem::path shared = std::filesystem::path(base::SourcePath("")) / ".." / "shared" / "data";
   if (!std::filesystem::exists(shared)) GTEST_SKIP() << "../shared is absent";
   ExpectEveryMachineLoads(shared / "machines", 5);
   ExpectEveryMachineLoads(shared / "robots", 2);

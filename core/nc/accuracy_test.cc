@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/base/testing/source_path.h"
 #include "core/machine/machine_json.h"
 #include "core/nc/rewrite.h"
 #include "core/nc/testing/yao.h"
@@ -85,7 +86,7 @@ TEST(Accuracy, EveryWayToStateMovesOnTheThreeStructures) {
   std::vector<std::string> structures;
   for (const char* folder : {"case-000", "case-001", "case-002"}) {
     const auto read =
-        machine::ReadMachineFile(std::string(AXISCAL_SOURCE_DIR "/tests/data/loop/") + folder + "/machine.json");
+        machine::ReadMachineFile(base::SourcePath("/tests/data/loop/") + folder + "/machine.json");
     ASSERT_TRUE(read.ok()) << read.status();
     const machine::Machine& machine = *read;
     structures.push_back(machine.structure);

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/nc/testing/rewritten.h"
 #include "core/nc/verify.h"
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(AXISCAL_SOURCE_DIR) / "tests/data/nc";
+const fs::path kFolder = fs::path(base::SourcePath("")) / "tests/data/nc";
 
 std::string ReadAll(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);

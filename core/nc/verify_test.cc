@@ -9,6 +9,7 @@
 #include <random>
 #include <sstream>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/nc/rewrite.h"
 #include "core/nc/testing/yao.h"
@@ -31,7 +32,7 @@ std::string ReadFile(const std::string& path) {
 // mm.
 class RealProgram : public ::testing::Test {
  protected:
-  const std::string original_ = ReadFile(AXISCAL_SOURCE_DIR "/tests/data/yao/fig-4.30-original.nc");
+  const std::string original_ = ReadFile(base::SourcePath("/tests/data/yao/fig-4.30-original.nc"));
   const machine::Machine machine_ = machine::testing::MultiTasking();
   // Table 4.5: bXB = -24.11 arcsec; spindle-side angles there have the opposite sign of the model, so EB0B = +24.11.
   const machine::ErrorModel errors_ = testing::ConstantErrors(machine_, {{"EB0B", testing::kTiltRad}});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/testing/source_path.h"
 #include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
 #include "core/published/comparison.h"
@@ -17,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kFolder = AXISCAL_SOURCE_DIR "/deploy/examples/ibaraki-columns/";
+const std::string kFolder = base::SourcePath("/deploy/examples/ibaraki-columns/");
 
 machine::Machine TiltingTable() { return machine::ReadMachineFile(kFolder + "machine.json").value(); }
 session::Session Columns() { return session::ReadSessionFileOf(kFolder + "fit/columns.csv", TiltingTable()).value(); }
@@ -111,7 +112,7 @@ TEST(IbarakiMaps, RefusesWhatItIsNotAbout) {
   };
   EXPECT_THAT(message(TiltingTable(), {}), HasSubstr("expected one session of instrument touch"));
   EXPECT_THAT(message(TiltingTable(), {Columns(), Columns()}), HasSubstr("another mounting"));
-  const std::string integrex = AXISCAL_SOURCE_DIR "/deploy/examples/integrex/";
+  const std::string integrex = base::SourcePath("/deploy/examples/integrex/");
   const auto other = machine::ReadMachineFile(integrex + "machine.json").value();
   const auto centres = session::ReadSessionFileOf(integrex + "C-run1.csv", other).value();
   EXPECT_THAT(message(other, {centres}), HasSubstr("instrument touch"));

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/base/files.h"
+#include "core/base/testing/source_path.h"
 #include "core/machine/machine_json.h"
 #include "core/machine/testing/machines.h"
 #include "core/published/comparison.h"
@@ -17,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kFolder = AXISCAL_SOURCE_DIR "/deploy/examples/integrex/";
+const std::string kFolder = base::SourcePath("/deploy/examples/integrex/");
 constexpr char kTable45[] = R"({"EB0B": 116.8886})";  // 24.11 arcsec, the model's sign
 
 machine::Machine Integrex() { return machine::ReadMachineFile(kFolder + "machine.json").value(); }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/instruments/eccentricity/eccentricity_bind.h"
 #include "core/machine/error_json.h"
@@ -19,7 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kFolder = AXISCAL_SOURCE_DIR "/deploy/examples/integrex/";
+const std::string kFolder = base::SourcePath("/deploy/examples/integrex/");
 
 machine::Machine Integrex() { return machine::ReadMachineFile(kFolder + "machine.json").value(); }
 
@@ -115,7 +116,7 @@ TEST(YaoTable45, WhatIsMissingIsNamedAndNothingIsMadeUp) {
 TEST(YaoTable45, RefusesOtherMachinesAndSessions) {
   const auto compare = FindSource("yao-table-4.5").value()->compare;
   const auto grinder =
-      machine::ReadMachineFile(AXISCAL_SOURCE_DIR "/deploy/examples/fang-grinder/machine.json").value();
+      machine::ReadMachineFile(base::SourcePath("/deploy/examples/fang-grinder/machine.json")).value();
   EXPECT_THAT(std::string(compare(grinder, Measured()).status().message()), HasSubstr("a machine ZYXB|C"));
   const auto centres = session::ReadSessionFileOf(kFolder + "C-run1.csv", Integrex()).value();
   EXPECT_THAT(std::string(compare(Integrex(), {centres}).status().message()),

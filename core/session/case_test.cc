@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/base/testing/source_path.h"
 #include "core/session/read_session.h"
 #include "core/session/testing/example.h"
 #include "core/session/write_session.h"
@@ -16,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-const fs::path kSource(AXISCAL_SOURCE_DIR);
+const fs::path kSource(base::SourcePath(""));
 
 std::vector<fs::path> Folders(const fs::path& parent) {
   std::vector<fs::path> folders;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/session/read_session.h"
 
@@ -14,8 +15,8 @@ namespace {
 using ::testing::HasSubstr;
 
 RodSession Rods() {
-  return ReadRodSession(session::ReadSessionFile(AXISCAL_SOURCE_DIR
-                                                 "/deploy/examples/fang-tool-setter/tool-setter-misaligned-1.csv")
+  return ReadRodSession(session::ReadSessionFile(
+                            base::SourcePath("/deploy/examples/fang-tool-setter/tool-setter-misaligned-1.csv"))
                             .value())
       .value();
 }
@@ -50,7 +51,7 @@ TEST(PlanStarts, TwelveStartsTellLengthAndWear) {
   session.sigma_mm = 1e-3;
   session.start_sigma_rad = kUsualStartSigmaDeg * base::kRadPerDeg;
   const CutterDescription described =
-      ReadCutterFile(AXISCAL_SOURCE_DIR "/deploy/examples/fang-round-insert/cutter.json").value();
+      ReadCutterFile(base::SourcePath("/deploy/examples/fang-round-insert/cutter.json")).value();
   session.cutter = described.cutter;
   session.run = described.run;
   const auto planned = PlanStarts(session, 12);

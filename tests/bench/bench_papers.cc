@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/base/files.h"
+#include "core/base/testing/source_path.h"
 #include "core/identify/identify.h"
 #include "core/identify/monte_carlo.h"
 #include "core/machine/error_json.h"
@@ -13,7 +14,7 @@
 namespace axiscal::identify {
 namespace {
 
-std::string Example(const std::string& name) { return std::string(AXISCAL_SOURCE_DIR "/deploy/examples/") + name; }
+std::string Example(const std::string& name) { return base::SourcePath("/deploy/examples/") + name; }
 
 void Report(const absl::Status& status, benchmark::State& state) {
   if (!status.ok()) state.SkipWithError(std::string(status.message()).c_str());

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <string>
 
+#include "core/base/testing/source_path.h"
+
 namespace axiscal::testing {
 
 struct Outcome {
@@ -55,7 +57,7 @@ class CommandLine : public ::testing::Test {
 
 // `name` in the checkout.
 inline std::string Source(const std::string& name) {
-  return (std::filesystem::path(AXISCAL_SOURCE_DIR) / name).string();
+  return (std::filesystem::path(base::SourcePath("")) / name).string();
 }
 
 }  // namespace axiscal::testing

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/files.h"
+#include "core/base/testing/source_path.h"
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
 #include "tests/known_answers/chang_linked.h"
@@ -113,7 +114,7 @@ void Round(session::Session* session) {
 absl::StatusOr<std::vector<ExampleSession>> ExampleSessions() {
   std::vector<ExampleSession> sessions;
   for (const Planned& planned : PlannedSessions()) {
-    const std::string root = std::string(AXISCAL_SOURCE_DIR "/deploy/examples/") + planned.folder + "/";
+    const std::string root = base::SourcePath("/deploy/examples/") + planned.folder + "/";
     ASSIGN_OR_RETURN(const std::string text, base::ReadFile(root + planned.truth_file, 1 << 20));
     ASSIGN_OR_RETURN(const machine::ErrorModel truth, machine::ReadErrors(text, *planned.machine));
     synthetic::NoiseOptions noise;

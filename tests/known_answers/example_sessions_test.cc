@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/testing/source_path.h"
 #include "core/session/read_session.h"
 
 namespace axiscal::known_answers {
@@ -13,7 +14,7 @@ TEST(ExampleSessions, AreTheSimulators) {
   ASSERT_TRUE(made.ok()) << made.status();
   ASSERT_FALSE(made->empty());
   for (const auto& [file, session] : *made) {
-    const auto shipped = session::ReadSessionFile(AXISCAL_SOURCE_DIR "/deploy/examples/" + file);
+    const auto shipped = session::ReadSessionFile(base::SourcePath("/deploy/examples/") + file);
     ASSERT_TRUE(shipped.ok()) << shipped.status();
     EXPECT_EQ(shipped->header, session.header) << file;
     ASSERT_EQ(shipped->columns.size(), session.columns.size()) << file;

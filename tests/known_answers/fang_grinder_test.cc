@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/base/files.h"
+#include "core/base/testing/source_path.h"
 #include "core/identify/identify.h"
 #include "core/identify/monte_carlo.h"
 #include "core/instruments/evaluation.h"
@@ -441,7 +442,7 @@ Unknowns SigmaOf(const identify::MonteCarloResult& result) {
 // Table 4.6 as the error budget of the worked example, through the whole identification: its sources weigh the
 // readings.
 TEST(FangGrinder, MonteCarloOfTheBudgetGivesTheWeighedDeviations) {
-  const auto text = base::ReadFile(AXISCAL_SOURCE_DIR "/deploy/examples/fang-grinder/budget.json", 1 << 20);
+  const auto text = base::ReadFile(base::SourcePath("/deploy/examples/fang-grinder/budget.json"), 1 << 20);
   ASSERT_TRUE(text.ok()) << text.status();
   const auto budget = identify::ReadBudget(*text, Machine());
   ASSERT_TRUE(budget.ok()) << budget.status();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/session/read_session.h"
 #include "core/toolsetter/reference.h"
@@ -15,7 +16,7 @@ constexpr double kPrintedMm = 0.0005001;  // half of the last printed digit
 
 RodSession Read(const std::string& name) {
   const auto session =
-      session::ReadSessionFile(absl::StrCat(AXISCAL_SOURCE_DIR, "/deploy/examples/fang-tool-setter/", name, ".csv"));
+      session::ReadSessionFile(absl::StrCat(base::SourcePath(""), "/deploy/examples/fang-tool-setter/", name, ".csv"));
   EXPECT_TRUE(session.ok()) << session.status();
   const auto rods = ReadRodSession(*session);
   EXPECT_TRUE(rods.ok()) << rods.status();

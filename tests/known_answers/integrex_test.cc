@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/identify/identify.h"
 #include "core/machine/error_json.h"
@@ -16,7 +17,7 @@ namespace {
 using base::kUmPerMm;
 
 const std::string& Folder() {
-  static const auto& folder = *new std::string(AXISCAL_SOURCE_DIR "/deploy/examples/integrex/");
+  static const auto& folder = *new std::string(base::SourcePath("/deploy/examples/integrex/"));
   return folder;
 }
 

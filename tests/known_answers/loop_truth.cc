@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/base/testing/source_path.h"
+
 namespace axiscal::known_answers::loop_truth {
 
 namespace fs = std::filesystem;
@@ -11,7 +13,7 @@ using nlohmann::json;
 
 namespace {
 
-std::string Folder(const std::string& name) { return AXISCAL_SOURCE_DIR "/tests/data/loop/" + name; }
+std::string Folder(const std::string& name) { return base::SourcePath("/tests/data/loop/") + name; }
 
 std::optional<shapes::Shape> ShapeOf(const json& effect, const machine::Machine& machine) {
   const std::string shape = effect["shape"];

@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "core/base/demand.h"
+#include "core/base/testing/source_path.h"
 #include "core/machine/machine_json.h"
 
 namespace axiscal::known_answers {
 
 // `name` below deploy/examples; `declared` in place of the description's, where given.
 inline machine::Machine PublishedMachine(const std::string& name, const std::vector<std::string>& declared = {}) {
-  auto machine = machine::ReadMachineFile(std::string(AXISCAL_SOURCE_DIR "/deploy/examples/") + name);
+  auto machine = machine::ReadMachineFile(base::SourcePath("/deploy/examples/") + name);
   DEMAND(machine.ok());
   if (!declared.empty()) machine->declared.clear();
   for (const std::string& symbol : declared) machine->declared.push_back(machine::ParseErrorSymbol(symbol).value());

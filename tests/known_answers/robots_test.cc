@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/identify/identify.h"
 #include "core/loop/close_loop.h"
@@ -26,7 +27,7 @@ class Robots : public testing::TestWithParam<Robot> {};
 double MeanDistanceMm(const Eigen::MatrixXd& residuals_mm) { return residuals_mm.colwise().norm().mean(); }
 
 TEST_P(Robots, AreIdentifiedWithNoCodeOfTheirOwn) {
-  const std::string folder = std::string(AXISCAL_SOURCE_DIR "/../shared/data/robots/") + GetParam().name;
+  const std::string folder = base::SourcePath("/../shared/data/robots/") + GetParam().name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
   const auto c = session::ReadCase(folder);
   ASSERT_TRUE(c.ok()) << c.status();
@@ -54,7 +55,7 @@ TEST_P(Robots, AreIdentifiedWithNoCodeOfTheirOwn) {
 }
 
 TEST_P(Robots, LackWhatTheirGearsAndCablesDo) {
-  const std::string folder = std::string(AXISCAL_SOURCE_DIR "/../shared/data/robots/") + GetParam().name;
+  const std::string folder = base::SourcePath("/../shared/data/robots/") + GetParam().name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
   const auto c = session::ReadCase(folder);
   ASSERT_TRUE(c.ok()) << c.status();

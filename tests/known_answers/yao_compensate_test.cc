@@ -8,6 +8,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "core/base/testing/source_path.h"
 #include "core/compensate/compensator.h"
 #include "core/instruments/ballbar/ballbar_plan.h"
 #include "core/instruments/evaluation.h"
@@ -30,7 +31,7 @@ struct Block {
 };
 
 std::vector<Block> ReadProgram(const std::string& name) {
-  std::ifstream file(AXISCAL_SOURCE_DIR + name);
+  std::ifstream file(base::SourcePath("") + name);
   EXPECT_TRUE(file.is_open()) << name;
   std::vector<Block> blocks;
   for (std::string line; std::getline(file, line);) {

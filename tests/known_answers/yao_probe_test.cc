@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/testing/source_path.h"
 #include "core/identify/identify.h"
 #include "core/instruments/eccentricity/eccentricity_run.h"
 #include "core/instruments/evaluation.h"
@@ -102,7 +103,7 @@ TEST(YaoProbe, AFixedRadiusLeaksIntoBothComponents) {
 
 // Fig 5.13: the commanded directions meet at the nominal centre, 0.47 mm off the real one.
 TEST(YaoProbe, CommandedDirectionsAreUpToThreeDegreesOffTheNormal) {
-  std::ifstream file(AXISCAL_SOURCE_DIR "/deploy/examples/integrex/fig-5.13-touch-log.txt");
+  std::ifstream file(base::SourcePath("/deploy/examples/integrex/fig-5.13-touch-log.txt"));
   ASSERT_TRUE(file.is_open());
   std::vector<Eigen::Vector3d> points_mm;
   for (std::string line; std::getline(file, line);) {

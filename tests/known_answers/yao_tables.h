@@ -13,6 +13,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "core/base/testing/source_path.h"
 
 namespace axiscal::known_answers {
 
@@ -31,7 +32,7 @@ struct YaoTables {
 };
 
 inline std::vector<std::vector<std::string>> ReadTable(const std::string& name) {
-  std::ifstream file(std::string(AXISCAL_SOURCE_DIR "/tests/data/yao/") + name);
+  std::ifstream file(base::SourcePath("/tests/data/yao/") + name);
   EXPECT_TRUE(file.is_open()) << name;
   std::vector<std::vector<std::string>> rows;
   std::string line;

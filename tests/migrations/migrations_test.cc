@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/testing/source_path.h"
 #include "server/storage/connection.h"
 #include "server/storage/migrate.h"
 #include "server/storage/testing/temp_database.h"
@@ -14,7 +15,7 @@ namespace {
 
 std::string Dump(const std::string& name) {
   std::ostringstream text;
-  text << std::ifstream(AXISCAL_SOURCE_DIR "/tests/migrations/" + name).rdbuf();
+  text << std::ifstream(base::SourcePath("/tests/migrations/") + name).rdbuf();
   return text.str();
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/identify/identify.h"
 #include "core/loop/dictionary.h"
@@ -37,7 +38,7 @@ class Dice {
 };
 
 session::Case Plan(const char* name) {
-  return session::ReadCase(std::string(AXISCAL_SOURCE_DIR "/tests/data/loop/") + name).value();
+  return session::ReadCase(base::SourcePath("/tests/data/loop/") + name).value();
 }
 
 // Every plan with another sampling, speed and temperature.

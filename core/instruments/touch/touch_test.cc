@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/base/testing/source_path.h"
 #include "core/instruments/evaluation.h"
 #include "core/instruments/touch/sphere_fit.h"
 #include "core/instruments/touch/touch_bind.h"
@@ -191,7 +192,7 @@ TEST(TouchGates, TouchesOfAnotherFeatureAreRefused) {
 // A face 10 mm above the table's origin, a stylus of 3 mm: the gap is what the tip stands above 13 mm.
 // Three columns on a tilting table, deploy/examples/ibaraki-columns.
 absl::Status BindColumns(const std::function<void(session::Session*)>& change) {
-  const std::string folder = AXISCAL_SOURCE_DIR "/deploy/examples/ibaraki-columns/";
+  const std::string folder = base::SourcePath("/deploy/examples/ibaraki-columns/");
   const machine::Machine machine = machine::ReadMachineFile(folder + "machine.json").value();
   session::Session session = session::ReadSessionFile(folder + "fit/columns.csv").value();
   change(&session);
