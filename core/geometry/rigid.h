@@ -51,7 +51,7 @@ Matrix3<T> AxisRotation(const Vector3<double>& axis, const T& angle_rad) {
   return rotation;
 }
 
-// rotation = rotation * AxisRotation(axis, angle). About a coordinate axis, as nearly always, two columns mix.
+// rotation = rotation * AxisRotation(axis, angle). About a coordinate axis, the usual case, only two columns change.
 inline void TurnAbout(const Vector3<double>& axis, double angle_rad, Matrix3<double>* rotation) {
   if (angle_rad == 0.0) return;
   for (int k = 0; k < 3; ++k) {
@@ -84,7 +84,7 @@ void SineCosine(const T& angle_rad, T* sine, T* cosine) {
   *cosine = cos(angle_rad);
 }
 
-// Rot_x(a) * Rot_y(b) * Rot_z(c), exact; the rotation of an error transform (formats.md, machine.json).
+// Rot_x(a) * Rot_y(b) * Rot_z(c), exact; the rotation of an error transform (docs/formats.md, machine.json).
 template <typename T>
 Matrix3<T> RotationXyz(const T& a_rad, const T& b_rad, const T& c_rad) {
   T ca, sa, cb, sb, cc, sc;

@@ -1,5 +1,5 @@
-// Sine and cosine of two angles at once: what evaluating a five-axis pose costs most, at a quarter of the time of two
-// calls of sincos().
+// Sine and cosine of two angles at once, in a quarter of the time of two calls of sincos(): the most expensive part of
+// evaluating a five-axis pose.
 //
 // x = k pi/2 + r with |r| <= pi/4, pi/2 in three parts of 33 bits whose products with k are exact (Cody and Waite);
 // then the polynomials of fdlibm's kernels (k_sin.c, k_cos.c). Absolute errors up to 2e-16, as two calls have 1e-16.

@@ -1,5 +1,5 @@
-// The reading that an instrument would give: reading = h(state; machine errors, setup) (design.md, "One measurement
-// equation").
+// The reading that an instrument would give: reading = h(state; machine errors, setup). One function for all
+// instruments and all uses (docs/architecture.md).
 #ifndef AXISCAL_CORE_INSTRUMENTS_EVALUATION_H_
 #define AXISCAL_CORE_INSTRUMENTS_EVALUATION_H_
 
@@ -27,9 +27,9 @@ struct Evaluation {
 void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int reading,
               const machine::JointErrors<double>& errors, const double* setup, Evaluation* out);
 
-// A reading that is taken along a path (run.path_readings) is the sum of the ball bar's readings there, each with the
-// errors of its own state: `errors_at(state)`. `visit(state, evaluation, weight)` sees each of them. `out` holds the
-// sum; derivatives that cancel along the path to rounding are zero: what moves no reading must not look as if it did.
+// A reading that is taken along a path (run.path_readings) is a weighted sum of the ball bar's readings there, each
+// with the errors of its own state, `errors_at(state)`. `visit(state, evaluation, weight)` is called for each. `out`
+// is the sum. Derivatives that cancel along the path but for rounding are set to zero: the error moves no reading.
 template <typename ErrorsAt, typename Visit>
 void EvaluateAlongPath(const machine::Machine& machine, const MeasuringRun& run, int reading, ErrorsAt errors_at,
                        const double* setup, Evaluation* out, Visit visit) {

@@ -12,21 +12,21 @@
 
 namespace axiscal::instruments {
 
-// Far above any error or mounting offset, far below any mistaken unit.
+// Far larger than any error or mounting offset, far smaller than the effect of a wrong unit.
 inline constexpr double kMaxDisagreementMm = 50.0;
 
 // INVALID_ARGUMENT with line, number and session of the first reading that disagrees with the nominal machine by more
 // than kMaxDisagreementMm (not of instruments whose frame is not known beforehand: tracker), or of readings that
-// CheckAlive refuses. OK for what is no instrument of this library. The session must be valid and of this machine; a
-// part of a session begins after `readings_before`.
+// CheckAlive refuses. OK for instruments that this library does not know. The session must be valid and of this
+// machine; `readings_before` counts the readings before it where it is a part of a session.
 absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine,
                             size_t readings_before = 0);
 
-// INVALID_ARGUMENT with lines, numbers, session and value of the longest stretch of readings that are all the same
-// while the machine moves more than kDeadMoves times, where noise must have changed them: by what the session's other
-// readings scatter and by what it states, whichever is less, and its resolution, such a stretch comes once in 1e9
-// sessions. A coarse display or a signal without noise may stand still as long as it likes, but not for a whole
-// session. `run` is the session bound, or a part of it; what is all the same in a later part is left to the whole.
+// INVALID_ARGUMENT with lines, numbers, session and value of the longest stretch of equal readings while the machine
+// moves more than kDeadMoves times, if chance makes such a stretch in fewer than one of 1e9 sessions. Chance is judged
+// from the session's resolution and its noise: as stated or that of its other readings, whichever is less. Readings
+// on a coarse display or without noise may stay equal, but not through a whole session. `run` is the bound session or a
+// part of it; a later part that is equal throughout passes here and is judged with the whole session.
 inline constexpr int kDeadMoves = 20;
 absl::Status CheckAlive(const session::Session& session, const MeasuringRun& run);
 

@@ -12,7 +12,7 @@ namespace axiscal::instruments {
 struct Instrument {
   Kind kind;
   std::string name;                          // as in `# instrument: ballbar`
-  std::vector<std::string> reading_columns;  // mm; none: a condition measured as 0 (touch), or read by its own binder
+  std::vector<std::string> reading_columns;  // mm; none: a condition measured as 0 (touch), or a reader of its own
   bool has_table_ball = false;
   bool has_bar = false;
   // False: rotary columns only, or a path (eccentricity); linear commands follow from the condition.

@@ -6,20 +6,20 @@
 
 namespace axiscal::instruments {
 
-// Of one reading column; 0 where it is finer than a hundredth of the stated sigma, or where too few readings tell it
-// from chance. Unit mm.
+// The resolution of one reading column, mm; 0 where it is finer than a hundredth of the stated sigma, or where the
+// readings are too few to tell steps from chance.
 double ResolutionOf(const MeasuringRun& run, int row);
 
-// Above this many stated sigmas a resolution is coarse: neighbouring readings then share what rounding takes from them.
+// A resolution of more than this many stated sigmas is coarse: neighbouring readings then have like rounding errors.
 inline constexpr double kCoarse = 2.0;
 
-// The coarsest of the run's columns where it is coarse, 0 where none is. Unit mm.
+// The resolution of the run's coarsest column where that is coarse, mm; 0 where none is.
 double CoarseResolutionOf(const MeasuringRun& run);
 
-// What rounding a coarse run's readings scatters them by: resolution / sqrt(12), mm.
+// Standard deviation that rounding gives the readings of a coarse run: resolution / sqrt(12), mm.
 double RoundingSigma(const MeasuringRun& run);
 
-// Sigma of one reading, mm: as stated, and that of rounding beside it.
+// Sigma of one reading, mm: the stated one and that of rounding, combined.
 double SigmaWithRounding(const MeasuringRun& run);
 
 }  // namespace axiscal::instruments

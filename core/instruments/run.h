@@ -28,8 +28,8 @@ inline constexpr int kMaxSetupParameters = 9 + 3 * kMaxSlips;  // setup offsets 
 struct SetupParameter {
   std::string name;          // ball_x, run_out_x, bar_length, frame_a ...
   double prior_sigma = 0.0;  // mm or rad; infinite where nothing is known
-  // A weak prior only keeps the offset sane ("mounted by hand"); the others are knowledge that errors may be separated
-  // by.
+  // A weak prior only keeps the offset sane ("mounted by hand"); one that is not weak is knowledge (a certificate), by
+  // which errors may be separated.
   bool is_weak = true;
   bool is_angle = false;
 };
@@ -55,8 +55,8 @@ struct MeasuringRun {
   // Eccentricity only: a reading is taken along a path, not at a state; positions and states of this run are zero then.
   std::shared_ptr<const eccentricity::Eccentricities> path_readings;
   std::vector<SetupParameter> setup;
-  // By how far (x, y, z; table or tool frame, mm) are three more setup offsets each, in this order behind the
-  // instrument's own. Not of readings along a path.
+  // How far each slip moved (x, y, z; table or tool frame, mm) is three more setup offsets, in this order behind the
+  // instrument's own. None for readings along a path.
   std::vector<Slip> slips;
   std::vector<size_t> bad_rows;  // reading * row_count + row: known to be bad, set aside in every fit
 
@@ -87,12 +87,12 @@ struct MeasuringRun {
 absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine,
                                          size_t readings_before = 0);
 
-// Adds a slip with its offsets. What a session slipped in it shares with no other: its setup becomes its own.
+// Adds a slip with its offsets. A session with a slip no longer shares its setup: it gets a setup of its own.
 void AddSlip(const Slip& slip, MeasuringRun* run);
 
-// Fills run->axis_states from positions and times: sense of motion is that of the last commanded change, before the
-// first one that of the first (an axis is approached in the sense in which it goes on, and as fast); travel counts from
-// the last change of sense or the first motion.
+// Fills run->axis_states from positions and times. The sense of motion is that of the last commanded change; before the
+// first change it is that of the first change, at the same speed (the axis is taken to come from behind and go on).
+// Travel counts from the last change of sense, or from the first motion.
 void DeriveMotion(MeasuringRun* run);
 
 }  // namespace axiscal::instruments

@@ -23,7 +23,7 @@ struct CutLine {
   std::string text;
 };
 
-// "Number of Points 40" and what was there.
+// "Number of Points 40", and how many readings followed.
 struct Announcement {
   size_t line = 0;
   long announced = 0, found = 0;

@@ -23,8 +23,8 @@ struct ReduceOptions {
   std::optional<double> start_s = std::nullopt;  // t_s of the first reading where the log has no times
 };
 
-// A touch stops short of or beyond the planned contact by mounting and errors: far less than another feature stands
-// off.
+// Mounting and errors move the contact off the plan, by far less than the distance to another feature: a touch farther
+// off the plan than this is of something else.
 inline constexpr double kMaxOffPlanMm = 25.0, kMaxOffPlanDeg = 0.1;
 
 struct Reduced {

@@ -1,12 +1,12 @@
-// The one kinematic chain. Two branches from the bed, each joint i contributing E_i J_i(q_i): its error stands on the
-// parent side of its motion and acts about the axis' point (the machine origin for a linear axis, for T and for W):
-//   E = Trans(point) Trans(EX, EY, EZ) Rot_x(EA) Rot_y(EB) Rot_z(EC) Trans(-point)            formats.md, machine.json;
-//   Ibaraki; Yao 2022 (2.1-2.17) bed_from_tool = product over the tool branch of E_i J_i, then E_T       the nominal
-//   tool point at home, carried by the spindle bed_from_table = product over the work branch of E_i J_i, then E_W the
-//   nominal table ball at home, carried by the table
+// The one kinematic chain: two branches of joints that start at the bed.
+//   bed_from_tool  = product over the tool branch of E_i J_i(q_i), then E_T     carries the tool point (given at home)
+//   bed_from_table = product over the work branch of E_i J_i(q_i), then E_W     carries the table ball (given at home)
+//   J_i: motion of axis i by its command
+//   E_i = Trans(p) Trans(EX, EY, EZ) Rot_x(EA) Rot_y(EB) Rot_z(EC) Trans(-p): its error, actual - nominal
+// E_i stands before J_i, on the side of the bed; p is the axis' point (the machine's origin for linear axes, T and W).
 // At home every frame coincides with the machine frame, so nominal points at home are written in machine coordinates.
 // Lengths mm, angles rad. Templated on the scalar: simulation, identification, the loop, compensation and verification
-// all evaluate this.
+// all evaluate this. Sources: ISO 230-1; Yao 2022 (2.1-2.17); Ibaraki. Conventions: docs/formats.md, machine.json.
 #ifndef AXISCAL_CORE_MACHINE_CHAIN_H_
 #define AXISCAL_CORE_MACHINE_CHAIN_H_
 

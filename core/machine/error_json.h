@@ -1,11 +1,11 @@
-// Identified errors as JSON, the form in which users bring and get them (formats.md, "Loop report"):
-//   {"EA0B": -101.2, "EX0C": 53.1,                                                   constant errors, um and urad
+// Identified errors as JSON, the form in which users bring and get them (docs/formats.md, "Identified errors"):
+//   {"EA0B": -101.2, "EX0C": 53.1,          constant errors, um and urad; terms of other shapes:
 //    "terms": [{"symbol": "EBB", "shape": "harmonic", "variable": "B", "order": 45, "amplitude": 21.3,
 //    "phase_deg": 12.0}]}
 // Amplitudes in um or urad, per reference where the shape has one: linear per m or rad, quadratic at 250 mm or 1 rad,
 // drift per h, thermal per K, lag per mm/s or rad/s. backlash is peak to peak. harmonic is amplitude cos(order q -
-// phase), with period_mm instead of order on a linear axis. reversal has length_mm or length_deg, drift-exp tau_s. tabulated is a map, all its nodes in one entry:
-// error_map_json.h.
+// phase), with period_mm instead of order on a linear axis. reversal has length_mm or length_deg, drift-exp tau_s.
+// tabulated is a map with all its nodes in one entry: error_map_json.h.
 #ifndef AXISCAL_CORE_MACHINE_ERROR_JSON_H_
 #define AXISCAL_CORE_MACHINE_ERROR_JSON_H_
 

@@ -1,10 +1,10 @@
 // Error maps in errors.json: all nodes of a tabulated error in one entry.
-//   {"symbol": "EYC", "shape": "tabulated", "variable": "C", "nodes_deg": [0, 60, 120, 180, 240, 300], "zero_mean":
-//   true,
-//    "over": {"variable": "A", "nodes_deg": [-90, -60, -30, 0]}, "values": [[1.5, ...], ...], "unit": "um"}
+//   {"symbol": "EYC", "shape": "tabulated", "variable": "C", "nodes_deg": [0, 60, 120, 180, 240, 300],
+//    "zero_mean": true, "over": {"variable": "A", "nodes_deg": [-90, -60, -30, 0]},
+//    "values": [[1.5, ...], ...], "unit": "um"}
 // `values` has a row per node of `over` (without `over`: one list), a number per node of `variable`; `nodes_mm` for a
-// linear axis. Nodes of a rotary axis that leave no wider gap over 360 deg than 1.5 of their own go once around.
-// `zero_mean`: each row sums to zero. "amplitude": 0 in place of `values` asks for the map (identify).
+// linear axis. Nodes of a rotary axis go once around when the gap that they leave over 360 deg is at most 1.5 times
+// their widest. `zero_mean`: each row sums to zero. "amplitude": 0 in place of `values` asks for the map (identify).
 #ifndef AXISCAL_CORE_MACHINE_ERROR_MAP_JSON_H_
 #define AXISCAL_CORE_MACHINE_ERROR_MAP_JSON_H_
 

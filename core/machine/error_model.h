@@ -12,8 +12,8 @@
 
 namespace axiscal::machine {
 
-// Terms whose shape is along the approach of a touch (shapes/lobe.h) stand at tool_joint() with component kX, which
-// says nothing.
+// Terms whose shape is along the approach of a touch (shapes/lobe.h) have joint tool_joint() and component kX; for them
+// the component has no meaning.
 struct ErrorTerm {
   int joint = 0;  // an axis, or the machine's tool_joint() or work_joint()
   Component component = Component::kX;
@@ -42,14 +42,14 @@ std::string NameOf(const Machine& machine, const ErrorTerm& term);
 inline constexpr char kAlongApproachSymbol[] = "ERT";
 // A term of the tool along the approach of a touch, amplitudes zero.
 ErrorTerm AlongApproachTerm(const Machine& machine, const shapes::Shape& shape);
-// What a reading's derivatives by the tool's translations (x, y, z at `by_translation`, `stride` apart) are along such
-// a term's unit value.
+// Derivative of a reading by the unit value of such a term, made of its derivatives by the tool's translations (x, y, z
+// at `by_translation`, `stride` apart).
 inline double AlongApproach(const shapes::Approach& approach, const double* by_translation, long stride) {
   return -(by_translation[0] * approach.direction[0] + by_translation[stride] * approach.direction[1] +
            by_translation[2 * stride] * approach.direction[2]);
 }
 
-// What one term adds to the errors of its joint at a state, where its shape's `count` basis functions are `basis`.
+// Adds one term to the errors of its joint; `basis` holds the `count` basis functions of its shape at that state.
 inline void AddErrors(const ErrorTerm& term, int count, const double* basis, const shapes::State& state,
                       JointErrors<double>* errors) {
   if (shapes::IsAlongApproach(term.shape)) {

@@ -1,4 +1,4 @@
-// A machine tool (or any serial chain) as two branches of axes that start at the bed: formats.md, machine.json.
+// A machine tool (or any serial chain) as two branches of axes that start at the bed: docs/formats.md, machine.json.
 // Frame `machine`: right-handed, fixed to the bed, its origin and axes as the description's points and directions mean them, all axes at zero.
 #ifndef AXISCAL_CORE_MACHINE_MACHINE_H_
 #define AXISCAL_CORE_MACHINE_MACHINE_H_

@@ -8,7 +8,7 @@
 
 namespace axiscal::machine {
 
-// What depends on a joint's angle errors alone.
+// The part of a joint's derivatives that depends on its angle errors alone.
 struct ErrorTurn {
   Eigen::Vector3d angles_rad = Eigen::Vector3d::Zero();
   bool is_zero = true;
@@ -18,7 +18,7 @@ struct ErrorTurn {
 };
 ErrorTurn TurnOf(const ErrorVector<double>& error);
 
-// Where a joint's error acts, and how far from there the point stands that its branch carries; in the bed's axes.
+// Where a joint's error acts, and the lever from there to the point that its branch carries; in the bed's axes.
 struct JointPlace {
   double sign = 1.0;  // +1 on the tool's branch, -1 on the table's
   Eigen::Matrix3d bed_from_parent;

@@ -39,11 +39,11 @@ struct Bar {
   double value = 0.0;
 };
 
-// Longest bars first as given, with a dashed line at `threshold`.
+// Bars in the order given, with a dashed line at `threshold`.
 std::string BarChart(const std::string& title, const std::string& x_label, const std::vector<Bar>& bars,
                      double threshold, const std::string& threshold_name);
 
-// At most `columns` x 2 points with the extremes of every column; all of them where there are no more than that.
+// Two points, the extremes, per pixel column from `left` to `right`; all points where there are no more than `most`.
 std::vector<Pixel> Decimated(const std::vector<Pixel>& points, size_t most, double left, double right);
 
 // Tick marks at 1, 2 or 5 times a power of ten, about `count` of them within [low, high].

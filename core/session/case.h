@@ -1,4 +1,4 @@
-// A calibration case (formats.md): a folder with machine.json, fit/*.csv to identify from and check/*.csv that are
+// A calibration case (docs/formats.md): a folder with machine.json, fit/*.csv to identify from and check/*.csv that are
 // never used to fit errors. truth.json, which simulated cases carry, is never read.
 #ifndef AXISCAL_CORE_SESSION_CASE_H_
 #define AXISCAL_CORE_SESSION_CASE_H_

@@ -25,7 +25,7 @@ struct ColumnRule {
   double min = 0, max = 0;
   std::string expected;
   bool may_be_empty = false;
-  std::set<std::string> names;  // kName: what it may say, anything when empty
+  std::set<std::string> names;  // kName: the names it may have, any when empty
 
   bool Fits(double number) const { return number >= min && number <= max; }  // NaN fits nothing
 };

@@ -1,5 +1,5 @@
-// What a session file of each instrument holds (formats.md, "Measuring session"), as data: one row per instrument.
-// Readers, writers, uploads and checks all follow this table; adding an instrument's file is one row.
+// What a session file of each instrument holds (docs/formats.md, "Measuring session"), as data: one row per instrument.
+// Readers, writers, uploads and checks all follow this table; the file of a new instrument is one more row.
 #ifndef AXISCAL_CORE_SESSION_INSTRUMENT_FORMAT_H_
 #define AXISCAL_CORE_SESSION_INSTRUMENT_FORMAT_H_
 
@@ -17,7 +17,7 @@ struct HeaderRule {
   std::string expected;  // for messages: "three numbers in mm within +-100000"
 };
 
-// Keys of the form `PREFIX NAME`, at least one of all of an instrument's.
+// Keys of the form `PREFIX NAME`. Of all such keys of an instrument a session must have at least one.
 struct FeatureRule {
   std::string prefix;
   int count = 0;

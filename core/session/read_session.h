@@ -1,4 +1,4 @@
-// The strict reader of session files (formats.md). A file is read whole or refused: there is no partial session.
+// The strict reader of session files (docs/formats.md). A file is read whole or refused: there is no partial session.
 #ifndef AXISCAL_CORE_SESSION_READ_SESSION_H_
 #define AXISCAL_CORE_SESSION_READ_SESSION_H_
 
@@ -12,7 +12,7 @@ namespace axiscal::session {
 
 // `name` stands in front of every message: "fit/00-BX.csv: line 12, column 3 (Y_mm): '1,5', expected ...".
 // INVALID_ARGUMENT at anything that is not a session file: see instrument_format.h for the keys, columns and limits,
-// line_reader.h for sizes. Also a last line without line end is refused: a cut number cannot be told from a whole one.
+// line_reader.h for sizes. A last line without line end is refused too: a cut number cannot be told from a whole one.
 // A UTF-8 byte-order mark is passed over.
 absl::StatusOr<Session> ReadSession(std::istream& in, const std::string& name);
 absl::StatusOr<Session> ReadSessionText(const std::string& text, const std::string& name);

@@ -1,5 +1,5 @@
-// One measuring session as its file holds it (formats.md, "Measuring session"): header entries, then named columns of
-// equal length in time order. This is also the form in which sessions travel and are stored; instruments give the
+// One measuring session as its file holds it (docs/formats.md, "Measuring session"): header entries, then named columns
+// of equal length in time order. This is also the form in which sessions travel and are stored; instruments give the
 // columns their meaning.
 #ifndef AXISCAL_CORE_SESSION_SESSION_H_
 #define AXISCAL_CORE_SESSION_SESSION_H_

@@ -1,5 +1,5 @@
-// The rules of a session file (formats.md) applied to a session in memory: what comes over the wire or out of a program
-// is held to the same rules as a file, and its errors are placed where they would stand in the file.
+// The rules of a session file (docs/formats.md) applied to a session in memory: what comes over the wire or out of a
+// program is held to the same rules as a file, and messages name the place that it would have in the file.
 #ifndef AXISCAL_CORE_SESSION_VALIDATE_H_
 #define AXISCAL_CORE_SESSION_VALIDATE_H_
 

@@ -1,5 +1,5 @@
-// Session files (formats.md) written so that they read back bit-equal: numbers in the shortest form that names the same
-// double.
+// Session files (docs/formats.md) written so that they read back bit-equal: each number is the shortest decimal that
+// reads back as the same double.
 #ifndef AXISCAL_CORE_SESSION_WRITE_SESSION_H_
 #define AXISCAL_CORE_SESSION_WRITE_SESSION_H_
 
@@ -11,7 +11,7 @@
 namespace axiscal::session {
 
 // The text of the file, LF line ends. INVALID_ARGUMENT when the session breaks a rule of session files (see Validate):
-// what is written reads.
+// so what is written can be read back.
 absl::StatusOr<std::string> WriteSession(const Session& session);
 
 // The same into a file, whole or not at all; see base::WriteFileAtomically.

@@ -1,5 +1,5 @@
-// Backlash: error = a/2 times the sense of motion; the amplitude a is peak to peak (formats.md, "Loop report"). ISO
-// 230-1 reversal error.
+// Backlash: error = a/2 times the sense of motion; the amplitude a is peak to peak (docs/formats.md, "Loop report").
+// ISO 230-1: reversal error.
 #ifndef AXISCAL_CORE_SHAPES_BACKLASH_H_
 #define AXISCAL_CORE_SHAPES_BACKLASH_H_
 

@@ -1,6 +1,6 @@
-// Local defect: error = a exp(-((q - at) / width)^2). Not a physical effect but what remains when a guideway is worn or
-// chipped in one place; the loop reports it as unexplained structure with its range and marks the curve as empirical
-// (design.md, "Close the loop", 7).
+// Local defect: error = a exp(-((q - at) / width)^2). An empirical curve and no physical effect: it stands for a
+// guideway that is worn or chipped in one place. The loop reports it under `unexplained` with its axis and range
+// (docs/loop.md, "Steps", 6).
 #ifndef AXISCAL_CORE_SHAPES_BUMP_H_
 #define AXISCAL_CORE_SHAPES_BUMP_H_
 

@@ -1,9 +1,9 @@
-// Pre-travel of a touch probe: the way that it goes on after the stylus has met the surface, by the direction in which
-// the stylus went. It moves the stylus centre back along the approach, so that these shapes belong to no single
-// component: the tool point's error is - value * approach (spindle frame), and zero where nothing is touched.
+// Pre-travel of a touch probe: how far it moves on between contact and trigger, as a function of the direction of
+// approach. The error lies along the approach, so these shapes belong to no single component of a joint: the tool
+// point's error is - value * approach (spindle frame), and zero where nothing is touched.
 //   pre-travel   value = a                                  the same in every direction
 //   lobe         value = sin t (a cos(k f) + b sin(k f))    t: angle between approach and stylus, f: azimuth about it
-// Three contacts under the stylus make k = 3; k = 1 is a stylus that stands beside its place (EX0T, EY0T).
+// Three contacts under the stylus make k = 3; k = 1 looks like a stylus that is mounted off centre (EX0T, EY0T).
 #ifndef AXISCAL_CORE_SHAPES_LOBE_H_
 #define AXISCAL_CORE_SHAPES_LOBE_H_
 

@@ -1,6 +1,6 @@
-// The registry of shapes: an error term is axis x component x shape (design.md, "One measurement equation"). A new
-// shape is one header with the same four members and one entry in this variant; everything else reaches shapes through
-// the functions below.
+// The registry of shapes: an error term is joint x component x shape. A new shape is one header with the same members
+// and one entry in this variant; other rooms reach shapes through the functions below (docs/architecture.md, "A
+// shape", lists the few files that name one).
 #ifndef AXISCAL_CORE_SHAPES_SHAPE_H_
 #define AXISCAL_CORE_SHAPES_SHAPE_H_
 

@@ -12,8 +12,8 @@ namespace axiscal::synthetic {
 
 struct NoiseOptions {
   double sigma_scale = 1.0;    // real noise over the session's stated sigma; 0 for exact readings
-  double ar1 = 0.0;            // correlation of neighbouring readings, of the part that is not white
-  double white_share = 0.0;    // of the variance: white beside the part that remembers
+  double ar1 = 0.0;            // correlation of neighbouring readings, of the noise that is not white
+  double white_share = 0.0;    // share of the variance that is white
   double bad_share = 0.0;      // share of readings that are off by 20 to 100 sigma
   double resolution_mm = 0.0;  // readings are rounded to this; 0 leaves them
   bool draw_setup = true;      // setup offsets drawn from their priors; false leaves them zero

@@ -5,7 +5,7 @@
 namespace axiscal::ballbar {
 
 std::vector<instruments::SetupParameter> SetupParameters() {
-  constexpr double kBallMm = 0.060, kRunOutMm = 0.003, kBarMm = 0.002;  // formats.md, "Measuring session"
+  constexpr double kBallMm = 0.060, kRunOutMm = 0.003, kBarMm = 0.002;  // docs/formats.md
   return {{"ball_x", kBallMm, true, false},       {"ball_y", kBallMm, true, false},
           {"ball_z", kBallMm, true, false},       {"run_out_x", kRunOutMm, false, false},
           {"run_out_y", kRunOutMm, false, false}, {"bar_length", kBarMm, false, false}};

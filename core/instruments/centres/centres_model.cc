@@ -24,7 +24,7 @@ void AddBranch(const machine::Machine& machine, const std::vector<int>& branch, 
 }  // namespace
 
 std::vector<instruments::SetupParameter> SetupParameters() {
-  constexpr double kSphereMm = 5.0;  // formats.md, "Measuring session"
+  constexpr double kSphereMm = 5.0;  // docs/formats.md
   return {{"ball_x", kSphereMm, true, false}, {"ball_y", kSphereMm, true, false}, {"ball_z", kSphereMm, true, false}};
 }
 

@@ -1,8 +1,8 @@
 // Sphere centres from a touch probe's cycle: at each rotary position the controller reports the nominal tool point,
-// from axis positions and the coded tool, at which the real stylus centre meets the sphere's centre. Linear axes on the
-// work side count with their sign, so that the reading is (Fang 2022, ch. 4; Yao 2022, ch. 5):   c = tool point turned
-// by the rotary axes + linear motion of tool minus table. Setup: the sphere (x, y, z, table frame at home), mm. A
-// session holds rotary columns only; linear commands follow from the condition.
+// from axis positions and the coded tool, at which the real stylus centre meets the sphere's centre:
+//   c = tool point turned by the rotary axes + linear motion of the tool - linear motion of the table, mm
+// (Fang 2022, ch. 4; Yao 2022, ch. 5). Setup: the sphere (x, y, z, table frame at home), mm. A session holds rotary
+// columns only; the linear commands follow from the condition that the two centres meet.
 #ifndef AXISCAL_CORE_INSTRUMENTS_CENTRES_CENTRES_MODEL_H_
 #define AXISCAL_CORE_INSTRUMENTS_CENTRES_CENTRES_MODEL_H_
 
@@ -41,7 +41,7 @@ void Predict(const machine::Machine& machine, const instruments::MeasuringRun& r
   const Eigen::MatrixXd commands_from_gap = directions.transpose() * (directions * directions.transpose()).inverse();
   const std::vector<int> linear = LinearAxes(machine);
   const geometry::Vector3<T> ball(run.ball_mm.x() + setup[0], run.ball_mm.y() + setup[1], run.ball_mm.z() + setup[2]);
-  constexpr int kIterations = 6;  // each one reduces the gap by the size of the angle errors, 1e-3 at most
+  constexpr int kIterations = 6;  // each one multiplies the gap by the angle errors' size, 1e-3 at most
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const machine::ChainPose<T> pose = machine::EvaluateChain<T>(machine, positions.data(), errors);
     const geometry::Vector3<T> gap =

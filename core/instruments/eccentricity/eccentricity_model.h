@@ -1,9 +1,9 @@
 // Eccentricities of ball-bar runs, as a ball bar's own software reports them: the centre of the run's polar trace,
-//   dL(q) = r0 + e . p(q)     least squares over the run, the radius r0 free (fixed, 1 um of it leaks 0.78 um into both
-//                             components on a quarter turn; Yao 2022, ch. 2),
-// p(q) as eccentricity_path.h draws the trace. The reading is thus a sum of the ball bar's own readings along the path
-// with weights that depend on the path alone: prediction and derivatives are those of the ball bar, summed. Setup: the
-// ball bar's; the bar's length moves no centre.
+//   dL(q) = r0 + e . p(q)     least squares over the run. The radius r0 is free: if it were fixed, 1 um in it would put
+//                             0.78 um into both components of a quarter turn (Yao 2022, ch. 2);
+// p(q): PolarDirections of eccentricity_path.h. The reading is thus a sum of the ball bar's own readings along the path
+// with weights that depend on the path alone: prediction and derivatives are those of the ball bar, summed. Setup: that
+// of the ball bar; the bar's length moves no centre.
 #ifndef AXISCAL_CORE_INSTRUMENTS_ECCENTRICITY_ECCENTRICITY_MODEL_H_
 #define AXISCAL_CORE_INSTRUMENTS_ECCENTRICITY_ECCENTRICITY_MODEL_H_
 

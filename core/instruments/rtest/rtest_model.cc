@@ -5,7 +5,7 @@
 namespace axiscal::rtest {
 
 std::vector<instruments::SetupParameter> SetupParameters() {
-  constexpr double kBallMm = 0.060;  // formats.md, "Measuring session"
+  constexpr double kBallMm = 0.060;  // docs/formats.md
   return {{"ball_x", kBallMm, true, false}, {"ball_y", kBallMm, true, false}, {"ball_z", kBallMm, true, false}};
 }
 

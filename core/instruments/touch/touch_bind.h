@@ -24,7 +24,7 @@ absl::Status BindTouches(const machine::Machine& machine, const session::Session
 //   header's `radius_gate_um`: the stylus radius or the sphere is another one;
 // - more than a third of the touches of a feature at one rotary pose would be rejected.
 // Single touches are rejected (run->touches.rejected, for the fit to leave out and the report to list) that
-// - stand off the sphere of their fellows, at least five, by more than `radius_gate_um`;
+// - stand off the sphere of the other touches, at least five, by more than `radius_gate_um`;
 // - differ from the other repeats of one touch (same feature, commands and approach) by more than `repeat_gate_um`: the
 //   one that is off where there are three or more, both where there are two.
 // Both gates are 20 um where the header is silent.

@@ -5,7 +5,7 @@
 namespace axiscal::touch {
 
 std::vector<instruments::SetupParameter> SetupParameters() {
-  constexpr double kPlaceMm = 5.0;    // formats.md, "Measuring session"
+  constexpr double kPlaceMm = 5.0;    // docs/formats.md
   constexpr double kTurnRad = 0.020;  // the same, for an artefact of half a metre
   return {{"artefact_x", kPlaceMm, true, false}, {"artefact_y", kPlaceMm, true, false},
           {"artefact_z", kPlaceMm, true, false}, {"artefact_a", kTurnRad, true, true},

@@ -39,8 +39,8 @@ void Predict(const machine::Machine& machine, const instruments::MeasuringRun& r
 void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading,
               const machine::JointErrors<double>& errors, const double* setup, instruments::Evaluation* out);
 
-// The outward unit normal of a feature towards the stylus at these positions (mm or rad per axis), in the bed's axes,
-// on the nominal machine with the feature in its nominal place; that where a reading touches.
+// The feature's outward unit normal at the point that the stylus touches at these positions (mm or rad per axis), in
+// the bed's axes, on the nominal machine with the feature in its nominal place.
 Eigen::Vector3d NormalAt(const machine::Machine& machine, const Feature& feature, const Eigen::Vector3d& tip_mm,
                          const double* positions);
 Eigen::Vector3d NominalNormal(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading);

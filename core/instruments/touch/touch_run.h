@@ -1,4 +1,4 @@
-// What the touches of one session touched: plain data of a `touch` run (formats.md, "Measuring session").
+// What the touches of one session touched: plain data of a `touch` run (docs/formats.md).
 #ifndef AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_RUN_H_
 #define AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_RUN_H_
 
@@ -19,10 +19,10 @@ struct Feature {
   double radius_mm = 0.0;                              // sphere
 };
 
-// A hit that a gate took out: it is no reading of its feature, and not fitted.
+// A touch that a gate rejected: it is not taken for a reading of its feature and not fitted.
 struct Rejection {
   int reading = 0;
-  std::string gate;  // "sphere": off the sphere of its fellows; "repeat": off its repeats
+  std::string gate;  // "sphere": off the sphere of the other touches; "repeat": off its repeats
   double off_mm = 0.0, limit_mm = 0.0;
 };
 

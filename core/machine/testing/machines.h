@@ -1,4 +1,4 @@
-// Machines for tests: the three structures of the loop cases (data/loop, formats.md).
+// Machines for tests: the three structures of the loop cases (tests/data/loop).
 #ifndef AXISCAL_CORE_MACHINE_TESTING_MACHINES_H_
 #define AXISCAL_CORE_MACHINE_TESTING_MACHINES_H_
 
