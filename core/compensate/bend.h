@@ -16,7 +16,7 @@ struct Bend {
 // The least distance of a map's node to its neighbours along `axis`, mm or rad.
 double GapOf(const shapes::Tabulated& map, int axis);
 
-// Of a term that is not constant; all axes move linearly from `from` to `to`.
+// For a term that is not constant; all axes move linearly from `from` to `to`.
 Bend BendOf(const machine::ErrorTerm& term, const AxisValues& from, const AxisValues& to);
 
 }  // namespace axiscal::compensate

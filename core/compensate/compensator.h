@@ -36,8 +36,8 @@ inline constexpr double kToleranceMm = 1e-5;  // 0.01 um
 // In the order of machine.axes: mm, rad.
 using AxisValues = std::array<double, machine::kMaxAxes>;
 
-// Commands. `sense` is the direction of each axis' last motion, +1 or -1, 0
-// unknown.
+// Commands. `sense` is the direction of each axis' last motion: +1, -1, or 0 where it
+// is not known.
 struct Pose {
   AxisValues position{};
   AxisValues sense{};
@@ -63,7 +63,7 @@ class Compensator {
   Compensator& operator=(Compensator&&) noexcept;
   ~Compensator();
 
-  // The same errors with the tool point that much farther along the tool. Errors of Create.
+  // The same machine with a tool that is longer by `length_mm`. Errors of Create.
   absl::StatusOr<Compensator> WithLongerTool(double length_mm) const;
 
   // FAILED_PRECONDITION: the linear axes reach fewer than three directions, or no convergence (errors too large), with
@@ -71,8 +71,8 @@ class Compensator {
   absl::StatusOr<Correction> Correct(const Pose& pose) const;
   // The same without copying the result; `correction` is undefined after an error.
   absl::Status Correct(const Pose& pose, Correction* correction) const;
-  // The same, begun at a correction that is near (mm of each axis), as the last block's is: most often one step then.
-  // The result is the same to kToleranceMm / 100.
+  // The same, starting the iteration at a correction that is near (mm of each axis), such as the last block's: one step
+  // is then enough in most cases. The result is the same to kToleranceMm / 100.
   absl::Status Correct(const Pose& pose, const AxisValues& near_mm, Correction* correction) const;
 
   // The linear-axis commands with which the tool point is the programmed one while the rotary axes get the commands of
@@ -88,12 +88,12 @@ class Compensator {
   // How far the correction between two poses departs from its linear interpolation, at most (mm at the tool point, all
   // axes moving linearly). Cheap: for skipping moves that need no splitting.
   double DepartureBound(const AxisValues& from, const AxisValues& to) const;
-  // The same of corrections that turn the tool too (orientation.h), none of them at its bound: of the commands, weighed
-  // by what they do to the point; `direction_rad` by what they do to the direction. `least_turn` is the least turn of
-  // the tool per rad of a rotary change at either end of the move. Infinity where that may fall to zero on the way.
+  // The same for corrections that turn the tool too (orientation.h), none of them at its bound: the departure of the
+  // commands in terms of the point, and `direction_rad` in terms of the direction. `least_turn`: the least turn of the
+  // tool per rad of a rotary change at either end of the move. Infinity where that may fall to zero on the way.
   double TurnDepartureBound(const AxisValues& from, const AxisValues& to, double least_turn,
                             double* direction_rad) const;
-  // Travel of one axis (mm or rad) over which the correction bends so little that samples that far apart show it.
+  // Travel of one axis (mm or rad) over which the correction bends so little that samples at this distance show it.
   double smooth_travel(int axis) const;
 
   const machine::Machine& machine() const;

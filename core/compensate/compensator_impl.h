@@ -23,10 +23,10 @@ struct Compensator::Impl {
   bool is_constant = true;  // all carried terms are
   FoldedChain nominal, actual;
   std::optional<ErrorPolynomial> polynomial;  // of constant errors, where the machine has one
-  // For DepartureBound: sums of the constant terms' magnitudes, and the terms that are not constant.
+  // For DepartureBound: sums of the magnitudes of the constant terms, and the terms that are not constant.
   double fixed_lever_mm = 0, translation_errors_mm = 0, angle_errors_rad = 0;
   std::vector<machine::ErrorTerm> varying;
-  // The sum of the constant terms; the maps of joints with varying terms are not folded, they are made at every pose.
+  // The sum of the constant terms. The maps of joints with varying terms are not folded but made at every pose.
   machine::JointErrors<double> constant;
   std::vector<int> varying_joints;
   std::array<double, machine::kMaxAxes> smooth_travel{};
@@ -34,7 +34,7 @@ struct Compensator::Impl {
   // departure.cc
   // Sums of the errors and the travels over which they look straight, of `carried`.
   void MeasureErrors();
-  // How far a move turns, twice (the errors' turns and the inverse's), how far it goes, and its longest lever.
+  // Twice the angle that a move turns (once for the errors, once for the inverse), its length, and its longest lever.
   struct Extent {
     double turn_rad = 0, travel_mm = 0, lever_mm = 0;
   };
@@ -58,7 +58,7 @@ struct Compensator::Impl {
   // axes.
   absl::Status Solve(const Pose& pose, const Eigen::Vector3d* tip_per_mm, const Eigen::Vector3d& move_mm,
                      double* change_mm) const;
-  // One step at the errors of `commanded`: what the tool point lacks, and the step that would bring it there.
+  // One step with the errors at `commanded`: how far the tool point is off, and the step that would bring it there.
   absl::Status Step(const Pose& pose, const JointMaps& maps, const Turns& turns, const AffineTip& wanted,
                     Pose* commanded, Eigen::Vector3d* lacking_mm, double* change_mm, AffineTip* found) const;
   void Apply(const double* change_mm, AxisValues* positions) const {
@@ -70,8 +70,8 @@ struct Compensator::Impl {
   // The commands of the linear axes that bring the tool point to `wanted`, the rotary axes being at `pose`.
   absl::Status Reach(const Pose& pose, const Turns& turns, const AffineTip& wanted, const double* near_mm,
                      Correction* correction) const;
-  // Errors that vary with the position act at the command that the machine gets: the step is repeated until what the
-  // last change of the command may have changed of the errors is below the tolerance. Begins at `near_mm`.
+  // Errors that vary with the position act at the command that the machine gets. So the step is repeated until the last
+  // change of the command can have changed the errors by less than the tolerance. Starts at `near_mm`.
   absl::Status Iterate(const Pose& pose, const Turns& turns, const AffineTip& wanted, const double* near_mm,
                        Correction* correction) const;
 };

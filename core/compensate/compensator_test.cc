@@ -34,7 +34,7 @@ Compensator MustCreate(const Machine& machine, const ErrorModel& errors, const O
   return *std::move(compensator);
 }
 
-// The tool point by chain.h alone, nominal machine or with errors.
+// The tool point by core/machine/chain.h alone, nominal machine or with errors.
 Eigen::Vector3d Tip(const Machine& machine, const ErrorModel& errors, const Options& options, const Pose& at) {
   std::array<shapes::AxisState, machine::kMaxAxes> axes;
   for (int i = 0; i < machine.axis_count(); ++i) {

@@ -1,5 +1,5 @@
 // What a table of corrections should hold: the exact correction of every axis as a function of the axis positions,
-// less the correction at a reference pose (tables are zero there; what is the same everywhere is a work offset's).
+// less the correction at a reference pose (tables are zero there; a constant shift belongs into a work offset).
 //
 // Linear axes: compensator.h, the exact inverse of the chain. Rotary axes that are corrected: minus the joint's own
 // angle error about the axis (EAA, EBB, ECC of axes A, B, C), and the linear axes are corrected for what that leaves.
@@ -16,7 +16,7 @@ namespace axiscal::compensate {
 
 class CorrectionTarget {
  public:
-  // `corrected_rotary`: per axis, whether a table turns it. `reference`: senses are not looked at. Errors of
+  // `corrected_rotary`: per axis, whether a table turns it. The senses of `reference` are not used. Errors of
   // Compensator::Create and Correct.
   static absl::StatusOr<CorrectionTarget> Create(const machine::Machine& machine, const machine::ErrorModel& errors,
                                                  const Options& options, const Pose& reference,

@@ -2,8 +2,8 @@
 // angle a is 1 + sin(a) K + (1 - cos(a)) K^2 with K the cross product by k, so whatever the folded chain
 // (folded_chain.h) makes of the tool is, with two rotary axes at most, a sum of nine constant vectors times products of
 //   (1, sin(a1), 1 - cos(a1))  and  (1, sin(a2), 1 - cos(a2)),
-// and affine in the linear axes. Differences of two chains are taken of the constants: nothing of them is lost to the
-// size of the positions.
+// and affine in the linear axes. The difference of two chains is formed from these constants, before positions come in:
+// so no digits are lost to large positions.
 #ifndef AXISCAL_CORE_COMPENSATE_ERROR_POLYNOMIAL_H_
 #define AXISCAL_CORE_COMPENSATE_ERROR_POLYNOMIAL_H_
 

@@ -1,6 +1,6 @@
-// chain.h, folded: from the tool point through the bed to the table every run of joints between two rotary axes, or
-// joints whose errors vary, is one constant affine map of the point and of the linear axes' commands. Same numbers (a
-// test holds it against chain.h), a tenth of the time:
+// The chain of core/machine/chain.h, folded: from the tool point through the bed to the table all joints between two
+// rotary axes (or joints whose errors vary) are one constant affine map of the point and the linear axes'
+// commands. The same numbers (a test compares the two) in a tenth of the time:
 //   x -> rotation * x + translation + columns * q_linear, then the turn of a rotary axis, and so on.
 // A joint whose errors vary begins a stage with its map at the pose.
 #ifndef AXISCAL_CORE_COMPENSATE_FOLDED_CHAIN_H_
@@ -38,7 +38,7 @@ struct FoldedChain {
   absl::InlinedVector<Stage, 4> stages;  // from the tool point to the table
 };
 
-// Each joint's error as it stands in the way from the tool point to the table: E on the tool branch, its inverse on the
+// The map of each joint's error on the way from the tool point to the table: E on the tool branch, its inverse on the
 // work branch. Maps that are the identity are not filled.
 struct JointMaps {
   struct Map {
@@ -52,8 +52,8 @@ struct JointMaps {
 };
 void SetMap(const machine::Machine& machine, int joint, const machine::ErrorVector<double>& error, JointMaps* maps);
 
-// `linear_axes`: indices into machine.axes, the order of columns. The maps of `varying_joints` are not folded, they are
-// those that Evaluate gets.
+// `linear_axes`: indices into machine.axes, in the order of columns. The maps of `varying_joints` are not folded:
+// Evaluate gets them for each pose.
 void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes, const JointMaps& maps,
           const std::vector<int>& varying_joints, FoldedChain* chain);
 void Fold(const machine::Machine& machine, const std::vector<int>& linear_axes,

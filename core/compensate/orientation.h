@@ -2,14 +2,14 @@
 // about itself is free. Together with Compensator::CorrectTurned, which brings the tool point along, this is the
 // inverse of the chain in all axes.
 //
-// With J the tool direction's motion per rad of each rotary axis (table frame), e what the direction lacks plus J d,
+// With J the tool direction's motion per rad of each rotary axis (table frame), e the missing direction plus J d,
 // and s_k, u_k, v_k the singular values and vectors of J, the change of the commands is the fixed point of
 //   d = sum over k of v_k d_k,   d_k = (u_k e) / s_k              where that is at most the bound
 //                                d_k = s_k bound^2 / (u_k e)      where it is more: near a singular pose
 // so it is exact (to kToleranceRad) wherever the bound allows, never larger than the bound, goes to zero towards the
 // singular pose from both sides instead of swinging the axis round, and is continuous along moves. The commands stay on
 // the programmed branch, within the bound of what was programmed. Axes that would leave their travel stop at its end,
-// and the others do what they can. What is left is stated, and why.
+// and the others turn the tool as far as they can. The rest is stated, with its reason.
 #ifndef AXISCAL_CORE_COMPENSATE_ORIENTATION_H_
 #define AXISCAL_CORE_COMPENSATE_ORIENTATION_H_
 
@@ -32,7 +32,7 @@ enum class DirectionLimit {
 };
 
 struct Turned {
-  AxisValues position{};     // rotary commands, rad; linear axes as near the answer as is known
+  AxisValues position{};     // rotary commands, rad; linear axes near the answer, not exact
   double tilt_left_rad = 0;  // <= kDirectionToleranceRad unless there is a limit
   DirectionLimit limit = DirectionLimit::kNone;
   double least_turn = 0;  // the smallest s_k

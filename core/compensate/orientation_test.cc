@@ -36,7 +36,7 @@ Compensator MustCreate(const Machine& machine, const ErrorModel& errors) {
   return *std::move(compensator);
 }
 
-// By chain.h alone.
+// By core/machine/chain.h alone.
 struct Tool {
   Eigen::Vector3d tip_mm, direction;
 };

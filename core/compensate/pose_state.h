@@ -1,4 +1,4 @@
-// What error terms see of a pose.
+// A pose as the state on which error terms depend.
 #ifndef AXISCAL_CORE_COMPENSATE_POSE_STATE_H_
 #define AXISCAL_CORE_COMPENSATE_POSE_STATE_H_
 

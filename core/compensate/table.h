@@ -1,5 +1,5 @@
 // Compensation tables as data: functions that are linear between the nodes of a grid of axis positions, as controllers
-// interpolate them, and what a controller that holds one commands.
+// interpolate them, and the commands that a controller with such a table gives.
 //
 // Every table format is read into this form, so that one evaluation on the machine's chain judges all of them.
 // Lengths mm, angles rad. Beyond the ends of its grid a function keeps its last value, as controllers do.
@@ -31,7 +31,7 @@ struct TableArgument {
 };
 
 struct TableColumn {
-  // Of kCorrections the axis whose command is corrected; of kErrors joint * machine::kComponents + component.
+  // kCorrections: the axis whose command is corrected; kErrors: joint * machine::kComponents + component.
   int target = 0;
   // Per node, the first argument running fastest. `reverse` holds while the first argument's axis moves to lower
   // positions, `forward` otherwise; empty: both senses as `forward`.
@@ -46,7 +46,7 @@ struct TableBlock {
 struct Table {
   TableKind kind = TableKind::kCorrections;
   std::vector<TableBlock> blocks;
-  // Of kPoints: a point on each rotary axis (unused for others), machine frame at home, in the machine's
+  // kPoints: a point on each rotary axis (unused for others), machine frame at home, in the machine's
   // order.
   std::vector<Eigen::Vector3d> points_mm;
 };

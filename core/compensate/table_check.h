@@ -1,6 +1,6 @@
-// What a table leaves: the tool point's error on the machine's one kinematic chain, before and with the table, at poses
-// between the nodes. Errors are relative to the reference pose (mean of both senses): a shift that is the same
-// everywhere is taken into the work offset, with and without a table.
+// The error that a table leaves: that of the tool point on the machine's one chain, before and with the table, at poses
+// between the nodes. Errors are relative to the reference pose (mean of both senses): a constant shift is taken for
+// part of the work offset, with and without a table.
 #ifndef AXISCAL_CORE_COMPENSATE_TABLE_CHECK_H_
 #define AXISCAL_CORE_COMPENSATE_TABLE_CHECK_H_
 
@@ -41,7 +41,7 @@ std::vector<Pose> PosesWithin(const machine::Machine& machine, const Pose& refer
 
 struct PointError {
   Deviation before, after;  // mm
-  double tilt_rad = 0.0;    // of the tool's direction against the programmed one with the table, at most
+  double tilt_rad = 0.0;    // largest angle between the tool's direction with the table and the programmed one
 };
 
 // What is commanded where `pose` is programmed.

@@ -9,7 +9,7 @@
 
 namespace axiscal::loop {
 
-// Families share the penalty for looking: the more members a family has, the more each must show.
+// Each family has a penalty for looking: the more members it has, the more evidence each of them needs.
 enum class Family {
   kConstant,
   kLinear,
@@ -37,7 +37,7 @@ struct Candidate {
   int run = -1, first_reading = 0;  // kStep: from this reading on what `carrier` bears stands elsewhere
   int earliest = 0, latest = 0;     // kStep, once found: the first reading that may be the first_reading, the last one
   instruments::Carrier carrier = instruments::Carrier::kTable;  // kStep
-  bool may_be_other = false;                                    // kStep, once found: the other carrier explains as much
+  bool may_be_other = false;                                    // kStep, once found: the other carrier is as likely
 };
 
 // The same component, shape and variable; decay lengths and time constants may differ, pitches by a twentieth.

@@ -1,5 +1,5 @@
 // What sessions that were not used to fit errors say of an extended model: only their own setup offsets are refitted
-// (design.md, "Close the loop", 6).
+// (docs/loop.md, "Steps", 5).
 #ifndef AXISCAL_CORE_LOOP_CHECK_H_
 #define AXISCAL_CORE_LOOP_CHECK_H_
 
@@ -20,7 +20,7 @@ class Check {
 
   bool is_empty() const { return runs_.empty(); }
   const std::vector<instruments::MeasuringRun>& runs() const { return runs_; }
-  // `runs` and after them these sessions, to be fitted together: set-ups are their own, and so are names: "check CR".
+  // `runs`, then these sessions, to be fitted together; these keep set-ups and names of their own: "check CR".
   std::vector<instruments::MeasuringRun> After(std::vector<instruments::MeasuringRun> runs) const;
   // The sessions under a model. DEMANDs that there are some; CANCELLED or the fit's errors.
   absl::StatusOr<identify::Fit> Under(const machine::ErrorModel& model);

@@ -17,8 +17,8 @@ class Chooser {
   // Both must outlive the chooser. `last_s`: time of the last reading so far.
   Chooser(const Contest& contest, const std::vector<PlannedTest>& tests, double last_s);
 
-  // Two members count as told apart with a reserve at first: what is measured differs from what was foreseen (noise,
-  // refitted decay lengths). Relaxed: where the class' own bounds are just left behind.
+  // At first two members count as told apart only with a reserve, as a measurement differs from its forecast (noise,
+  // refitted decay lengths). Relaxed: as soon as the bounds of a class are exceeded, without reserve.
   void Relax() { is_relaxed_ = true; }
 
   // Every pair of the class is told.

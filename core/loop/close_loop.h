@@ -1,5 +1,5 @@
-// Closing the loop: fit the declared model, find what it lacks, add it, prove it on data that was not used (design.md,
-// "Close the loop").
+// Closing the loop: fit the declared model, find what it lacks, add it, prove it on data that was not used
+// (docs/loop.md).
 #ifndef AXISCAL_CORE_LOOP_CLOSE_LOOP_H_
 #define AXISCAL_CORE_LOOP_CLOSE_LOOP_H_
 

@@ -80,8 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
         Lacking{"EYY:reversal", R"({"symbol": "EYY", "shape": "reversal", "amplitude": 5, "length_mm": 5.5})"},
         Lacking{"EXX:quadratic", R"({"symbol": "EXX", "shape": "quadratic", "amplitude": 12})"}));
 
-// A drift that the declared tool length absorbs in part: found, and though its rate is poorly known it halves the error
-// two hours later.
+// What is unexplained, for messages.
 std::string Parts(const Report& report) {
   std::string text;
   for (const Unexplained& part : report.unexplained)
@@ -89,6 +88,8 @@ std::string Parts(const Report& report) {
   return text;
 }
 
+// The declared tool length absorbs a part of the drift, so its rate is poorly known; two hours later the extended model
+// still has less than half of the error.
 TEST(CloseLoop, ADriftIsFound) {
   const Report report = Close(R"({"symbol": "EZT", "shape": "drift", "amplitude": 60})");
   ASSERT_EQ(report.verdict, Verdict::kExtended) << Parts(report);

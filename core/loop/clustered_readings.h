@@ -1,5 +1,5 @@
-// Bad readings that cluster in a variable are structure and no chips: they were set aside one by one, but they say that
-// something is there.
+// Bad readings that cluster in a variable are structure, not chips: each was set aside alone, but together they show
+// that the model lacks something.
 #ifndef AXISCAL_CORE_LOOP_CLUSTERED_READINGS_H_
 #define AXISCAL_CORE_LOOP_CLUSTERED_READINGS_H_
 

@@ -12,8 +12,8 @@ namespace axiscal::loop {
 absl::StatusOr<identify::Fit> FitExtension(const machine::Machine& machine, const Extension& extension,
                                            const identify::Options& options);
 
-// Fits an extension that was changed: true, and its fit in `fit`; false, and the extension as it was `before`, where
-// that does not converge. CANCELLED.
+// Fits an extension that was changed: true with its fit in `fit`, or false and the extension set back to `before` where
+// the fit does not converge. CANCELLED.
 absl::StatusOr<bool> FitChanged(const machine::Machine& machine, const identify::Options& options,
                                 const Extension& before, Extension* extension, identify::Fit* fit);
 

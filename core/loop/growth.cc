@@ -217,7 +217,7 @@ absl::StatusOr<Finding> Growth::Decide(const Fit& fit, const Signatures& signatu
     const absl::StatusOr<Fit> refit = Refit(fit, model, identify_options_);
     if (absl::IsCancelled(refit.status())) return refit.status();
     if (!refit.ok()) return INFINITY;
-    // What points across all bars fits by its square, once it is large enough.
+    // An error across all bars changes their length only by its square: absurdly large, it would fit even so.
     const machine::ErrorTerm& fitted = refit->result.model.terms.back();
     const Eigen::Vector3d amplitude(fitted.amplitude[0], fitted.amplitude[1], 0.0);
     return IsPlausible(signatures, {one.candidate.family, fitted}, amplitude) ? SquaresOf(*refit) : INFINITY;

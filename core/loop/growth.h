@@ -1,5 +1,5 @@
 // Grows the declared model by what it lacks: one effect at a time, each followed by a full refit, exchange of effects
-// that were alike, and removal of what is no longer needed (design.md, "Close the loop", 3).
+// that were alike, and removal of what is no longer needed (docs/loop.md, "Steps", 3 and 4).
 #ifndef AXISCAL_CORE_LOOP_GROWTH_H_
 #define AXISCAL_CORE_LOOP_GROWTH_H_
 
@@ -14,7 +14,7 @@
 
 namespace axiscal::loop {
 
-// How to go about it.
+// Where an attempt starts, and what it must not do.
 struct Way {
   std::vector<Added> prefix;         // effects to begin with
   std::vector<BadRow> bad_rows;      // that were found beside them

@@ -1,5 +1,5 @@
-// Which session would tell apart the effects that this data cannot (design.md, "Close the loop", 4): the tests that the
-// product knows for the machine (core/plan) are judged beforehand, from the information that they would add.
+// Which session would tell apart the effects that this data cannot (docs/loop.md, "Steps", 7): the tests that the
+// product knows for the machine (core/plan) are judged beforehand, by the information that they would add.
 #ifndef AXISCAL_CORE_LOOP_NEXT_MEASUREMENT_H_
 #define AXISCAL_CORE_LOOP_NEXT_MEASUREMENT_H_
 

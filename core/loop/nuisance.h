@@ -1,6 +1,6 @@
 // What the declared errors and the setup offsets can explain of a column of readings: coefficients on an orthonormal
-// basis of their whitened columns, the priors counted as rows. Errors have one too, as wide as errors get: without it a
-// declared error that shows by nothing but the curvature of the bar explains, a radian large, what another does.
+// basis of their whitened columns, with priors as further rows. Errors have priors too, as wide as errors get: else a
+// declared error that hardly shows could explain another effect by growing to a radian.
 #ifndef AXISCAL_CORE_LOOP_NUISANCE_H_
 #define AXISCAL_CORE_LOOP_NUISANCE_H_
 

@@ -17,9 +17,9 @@ struct Picture {
 
 // `fit` and `check`: the runs that the report was made of, in the same order.
 //   residual-AXIS.svg, residual-time.svg, residual-temperature.svg   of variables that vary; um, mm, deg, s, deg C
-//   trace-SESSION.svg     ball-bar sessions: deviation of the bar from its base circle (measured - predicted), by sense
-//   of
-//                         motion; sessions over the same positions share a picture
+//   trace-SESSION.svg     ball-bar sessions: deviation of the bar from its base circle (measured - predicted),
+//                         by sense of motion;
+//                         sessions over the same positions share a picture
 //   ranking.svg           the first search's candidates by score
 std::vector<Picture> Pictures(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& fit,
                               const std::vector<instruments::MeasuringRun>& check, const Report& report,

@@ -1,5 +1,5 @@
-// The sessions that could be measured next, bound to the machine and thinned: enough readings to judge them by, with
-// the weight of all.
+// The sessions that could be measured next, bound to the machine and thinned: some of the readings, enough to judge the
+// session by, with the weight of all.
 #ifndef AXISCAL_CORE_LOOP_PLANNED_TESTS_H_
 #define AXISCAL_CORE_LOOP_PLANNED_TESTS_H_
 

@@ -28,13 +28,13 @@ Candidate WithCarrierTold(const Signatures& signatures, Candidate slip, double i
 // Families that the dictionary samples: their members compare only once they are refined.
 bool IsGrid(Family family);
 
-// The candidate, or where it explains more, the candidate at the place (frequency, length, time constant) of one of the
-// leaders, of its family: what is one effect by other names, on other joints, is alike only there.
+// The candidate, or where that explains more, the candidate at the place (frequency, length, time constant) of a
+// leader of its family: the same effect on another joint looks alike only at the same place.
 Candidate AtPlaceOf(const Signatures& signatures, const Candidate& candidate, const std::vector<Candidate>& leaders);
 
-// The shape without a decay that a decay far longer than the sessions is. A warming that is far slower than they are
-// long is a drift, a spike that outlasts the travel a backlash: the amplitude that the one would have in the end, its
-// time constant and the other's length are made up.
+// The shape without a decay that takes the term's place where its decay is far longer than the sessions: a drift for a
+// warming far slower than the sessions, a backlash for a spike longer than the travel. In such cases the data do not
+// determine the final amplitude, the time constant and the decay length.
 std::optional<Candidate> StraightFormOf(const identify::Problem& problem, const machine::ErrorTerm& term);
 
 }  // namespace axiscal::loop

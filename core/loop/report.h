@@ -1,4 +1,4 @@
-// What closing the loop found: report.json of formats.md.
+// What closing the loop found: report.json of docs/formats.md.
 #ifndef AXISCAL_CORE_LOOP_REPORT_H_
 #define AXISCAL_CORE_LOOP_REPORT_H_
 
@@ -104,7 +104,7 @@ struct Report {
   std::optional<identify::MonteCarloResult> monte_carlo;  // of the fit sessions under the extended model
 };
 
-// report.json of formats.md.
+// report.json of docs/formats.md.
 std::string ToJson(const machine::Machine& machine, const Report& report);
 
 }  // namespace axiscal::loop

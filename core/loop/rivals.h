@@ -33,10 +33,10 @@ class Rivals {
   Information information_;
 };
 
-// What would explain most of what the first of `known` does in the sessions (correlation above `near`): the plain
-// shapes of each axis, the harmonics of the effect's axis and the same shape elsewhere in the machine. A session that
-// does not tell the two would dilute what does. Without `known`; at most sixteen, no two of them the same effect
-// always.
+// Terms that would explain most of what the first of `known` does in the sessions (correlation above `near`): the plain
+// shapes of each axis, the harmonics of the effect's axis and the same shape elsewhere in the machine. A proposed
+// session should tell the effect from these too. Without `known` itself; at most sixteen, no two of which are
+// always the same effect.
 std::vector<machine::ErrorTerm> NeighboursOf(const identify::Problem& problem, const identify::Point& point,
                                              const std::vector<machine::ErrorTerm>& known, double near);
 

@@ -42,12 +42,12 @@ struct SearchResult {
 SearchResult Search(const machine::Machine& machine, const Signatures& signatures,
                     const std::vector<Candidate>& candidates, const SearchOptions& options);
 
-// The class of the first of `scored` (not empty): what correlates with it so closely that no data of this kind
-// separates them, and what is related and explains as much within chance.
+// The class of the first of `scored` (not empty): candidates that correlate with it so closely that data of this kind
+// cannot separate them, and related ones that explain as much within chance.
 Finding ClassOf(const machine::Machine& machine, const Signatures& signatures, const std::vector<Scored>& scored,
                 const SearchOptions& options);
 
-// What is all but explained already can be bent to anything by an amplitude that no machine has: false for such.
+// False for an amplitude that no machine has: with one, a signature that is nearly explained would fit anything.
 bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const Eigen::Vector3d& amplitude);
 
 // Likelihood ratio (chi-square units) of explaining `gain` of `squares` at `dof` degrees of freedom with the noise

@@ -7,10 +7,10 @@
 
 namespace axiscal::loop {
 
-// Adds to each effect's class what explains as much in its place: when it was added the others were not there, and what
-// is alike only once they change with it was none of its class then. Takes from it the members whose full refit in its
-// place is worse by more than kToldApart: strong effects leave thousands in chi-square, another that is 0.98 alike then
-// still fits far worse, and with it the model would be significantly inadequate. `fit`: of the extension. CANCELLED.
+// Adds to each effect's class what explains as much in its place: some members are alike only while the other effects
+// are refitted with them, and those were not known when the effect was added. Removes members whose full refit in its
+// place is worse by more than kToldApart: a strong effect is worth thousands in chi-square, so with a correlation of
+// 0.98 a member can still fit far worse. `fit`: of the extension. CANCELLED.
 absl::Status SettleClasses(const identify::Fit& fit, const SearchOptions& search, const identify::Options& options,
                            Extension* extension);
 

@@ -1,6 +1,6 @@
 // Signatures: what an effect would do to every reading. The sensitivity of each reading to the six error components of
 // every joint is computed once; a candidate's signature is a sensitivity times a shape, whitened, with what the
-// declared errors and the setup offsets can explain projected off (design.md, "Close the loop", 2 and 3).
+// declared errors and the setup offsets can explain projected off (docs/loop.md, "Steps", 2).
 #ifndef AXISCAL_CORE_LOOP_SIGNATURES_H_
 #define AXISCAL_CORE_LOOP_SIGNATURES_H_
 

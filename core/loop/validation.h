@@ -1,4 +1,4 @@
-// What sessions that were not used say of the extended model (design.md, "Close the loop", 6).
+// What sessions that were not used say of the extended model (docs/loop.md, "Steps", 5).
 #ifndef AXISCAL_CORE_LOOP_VALIDATION_H_
 #define AXISCAL_CORE_LOOP_VALIDATION_H_
 
@@ -16,8 +16,8 @@ class Validation {
   Validation(const machine::Machine& machine, const identify::Options& identify_options, Check* check, Attempt* attempt)
       : machine_(machine), identify_options_(identify_options), check_(*check), attempt_(attempt) {}
 
-  // Puts other members of a class in the place of those that the check sessions speak against, and withdraws what does
-  // not help there; true where one took the place of another.
+  // Replaces members of a class that the check sessions speak against by others, and withdraws effects that do not help
+  // there; true where one was replaced.
   absl::StatusOr<bool> Run(identify::Fit* fit);
 
  private:

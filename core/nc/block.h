@@ -49,7 +49,7 @@ enum class LexProblem : uint8_t {
 inline constexpr int kMaxWords = 64;
 
 // How a plain word (plain_words.h) of at most eight characters behind its sign was written: where its letter, its sign
-// and its point stand. The word at the same place in the next line is most often written alike.
+// and its point stand. The word at the same place in the next line usually has the same layout.
 struct WordLayout {
   uint32_t size = 0;                           // letter, sign and number
   uint16_t head = 1, head_mask = 0;            // letter, and the sign if there is one; these are no word's

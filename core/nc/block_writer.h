@@ -30,13 +30,13 @@ class BlockWriter {
   const Commanded& commanded() const { return commanded_; }
   // The block stays as it is: what the controller does with it.
   void Pass(const Block& block, const Step& step);
-  // In front of a move: an axis that counts from 0 to 360 deg is said to stand as many turns away as the move's start.
+  // Before a move: axes that count from 0 to 360 deg are shifted by the same whole turns as the move's start.
   void Wrap(const Step& step);
   void ForgetAll() {
     commanded_.known = 0;
     pole_.is_known = false;
   }
-  // The program's own CC block was copied. One that counts from where the tool stands means another place.
+  // The program's own CC block was copied. An incremental one means another place, since the tool stands elsewhere.
   void TakePole(const Pole& pole) {
     pole_ = pole;
     pole_.is_known &= pole.is_absolute;
@@ -45,8 +45,8 @@ class BlockWriter {
   // After a block that may be skipped: what it changed is unknown.
   void ForgetChanges(const Commanded& before);
 
-  // In G91 a word is a difference: the axis' commanded position must be known. Index of the first axis of which it is
-  // not, or -1.
+  // In G91 a word is a difference, so the axis' commanded position must be known. Index of the first axis whose
+  // position is not known, or -1.
   int FirstUnknown(const Block& block, const Step& step) const;
 
   // Appends `text` (line end included) so that every axis goes to `piece.targets`, rounded to the word's grain.
@@ -71,7 +71,7 @@ class BlockWriter {
     int decimals;
     Ticks grain;
   };
-  // Most blocks: a linear move whose words suffice and are absolute. False, and nothing written, for any other.
+  // The usual block: a linear move with all words that it needs, absolute. False, and nothing written, for any other.
   bool WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                    OutBuffer* out);
   int DecimalsOf(const Block& block, const Step& step, int axis) const;

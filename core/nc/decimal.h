@@ -105,7 +105,7 @@ inline char* WriteFixed(int64_t mantissa, int decimals, bool plus, bool point, c
   if (size < 100'000'000 && decimals < 8) return WriteShort(static_cast<uint32_t>(size), decimals, point, to);
   return WriteLong(size, decimals, point, to);
 }
-// To a string or an OutBuffer.
+// Writes to a string or an OutBuffer.
 template <typename Text>
 void AppendFixed(int64_t mantissa, int decimals, bool plus, bool point, Text* text) {
   char buffer[kMaxFixedBytes];

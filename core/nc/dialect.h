@@ -16,7 +16,7 @@ namespace axiscal::nc {
 enum class Meaning : uint8_t {
   kUnknown,   // not in the table: refused
   kHarmless,  // moves nothing and changes nothing that matters here
-  kLimits,    // the same; axis words of its block are its own (G22, G25)
+  kLimits,    // the same; axis words of its block are parameters of the code (G22, G25)
   kRapid,
   kLinear,
   kRapidBlock,    // rapid in this block only (FMAX)
@@ -50,7 +50,7 @@ enum class Meaning : uint8_t {
   kToolChange,  // axes may have moved
   kEndOfProgram,
   kCall,        // control leaves this text and comes back
-  kJump,        // blocks are not run in the order of the text
+  kJump,        // behind it blocks do not run in the order of the text
   kEndOfBlock,  // takes effect after the block's move (M00, M05 ...): such a move cannot be split; so may M codes that
                 // are in no table
   kHead,        // names the program (BEGIN PGM)

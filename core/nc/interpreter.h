@@ -130,7 +130,7 @@ class Interpreter {
   void SelectOffset(const Block& block, Request* request);
   void NeedAbsoluteZ();
   void SelectLength(Request* request);
-  // Whether a D number is of the tool that it was of when it was used first.
+  // Whether a D number belongs to the same tool as at its first use.
   bool IsOfOneTool(int number);
   void Act(const Block& block, const Request& request, Step* step);
   void DoDwell(const Request& request, Step* step);
@@ -149,7 +149,7 @@ class Interpreter {
   // The way to the position of a rotary axis that counts from 0 to 360 deg: moves step->start by whole turns, so that
   // the difference is what the axis travels.
   bool Wrap(const Word& word, int axis, Step* step);
-  // The value of one of them, of any number; false and Unsupported as above.
+  // The value of one axis word; false and Unsupported as above.
   bool ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step);
   bool ReadArc(const Block& block, const Request& request, Step* step);
   // The arc of a circular move that states its sense: about the pole, or CR's. INVALID_ARGUMENT says why there is none.

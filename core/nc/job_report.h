@@ -30,7 +30,7 @@ class JobReport {
   void Note(const BlockText& block, const std::string& text);
   // The block stays as it is: listed unless it follows from another one, counted always.
   void Passed(const BlockText& block, const std::string& reason, bool is_consequence);
-  // The block refuses the program.
+  // Because of this block the program is refused.
   void Refused(const BlockText& block, const std::string& reason, bool is_consequence);
 
   // One written piece that departs from the nominal path by at most `departure_mm` inside: its statistics, and limits,

@@ -48,7 +48,7 @@ class MoveCorrector {
   // The move's start must be known.
   absl::Status CorrectStart(const Step& step, const WordGrain& grain, Piece* piece) const;
   // How far the piece's end lies from what is commanded, mm: the largest difference in one linear axis; with
-  // orientation what the tool makes of it (Weight).
+  // orientation the effect of the difference on the tool (Weight).
   double Apart(const Piece& piece, const AxisTicks& commanded) const;
   bool uses_sense() const { return uses_sense_; }
 
@@ -80,7 +80,7 @@ class MoveCorrector {
   using Senses = std::array<int8_t, machine::kMaxAxes>;
 
   double ChordDeparture(const Samples& samples, int first, int last) const;
-  // What a difference of commands means, mm.
+  // The effect of a difference of commands on the tool, mm.
   double Weight(const Change& difference, const Effect& effect) const;
   Effect EffectAt(const Piece& piece) const;
   Change ChangeOf(const AxisTicks& to, const AxisTicks& from) const;
@@ -97,14 +97,14 @@ class MoveCorrector {
   Senses SensesOfArc(const Step& step, double fraction) const;
   absl::Status CorrectOnArc(const Step& step, double fraction, const Senses& senses, const WordGrain& grain,
                             Piece* piece) const;
-  // Whether the arc through the corrected points from `start`, of arcs that began at `at_begin`, to the fraction `last`
-  // keeps the tolerance; fills `piece`.
+  // Whether one arc through the corrected points, from `start` to the fraction `last`, keeps the tolerance; fills
+  // `piece`. `at_begin`: where the first arc of this move began.
   absl::StatusOr<bool> FitArc(const Step& step, const AxisTicks& at_begin, const AxisTicks& start, double first,
                               double last, const WordGrain& grain, Piece* piece) const;
   // Arcs from `commanded` between two fractions of the move; empty when no number of them keeps the tolerance.
   absl::StatusOr<std::vector<Piece>> ArcPieces(const Step& step, double first, double last, const AxisTicks& commanded,
                                                const WordGrain& grain) const;
-  // Appends what goes there between two reversals: a piece that takes up lost motion, then arcs, or else chords.
+  // Appends the pieces between two reversals: one that takes up lost motion, then arcs, or chords where arcs fail.
   absl::Status PiecesBetween(const Step& step, double first, double last, const AxisTicks& commanded,
                              const WordGrain& grain, std::vector<Piece>* pieces) const;
   // Fractions of an arc where an axis whose sense matters turns back, 0 and 1 included.

@@ -1,4 +1,4 @@
-// Where the moves of a short program end, as poses: for what is looked at pose by pose.
+// The ends of the moves of a short program as poses, for comparisons pose by pose.
 #ifndef AXISCAL_CORE_NC_POSES_H_
 #define AXISCAL_CORE_NC_POSES_H_
 

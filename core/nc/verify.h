@@ -1,6 +1,6 @@
 // Runs an original and a compensated program through the machine's chain and compares tool points, independent of how
-// the correction was computed: both texts are read, their moves paired, and chain.h evaluated with the errors at what
-// each program commands.
+// the correction was computed: both texts are read, their moves paired, and core/machine/chain.h evaluated with the
+// errors at what each program commands.
 //
 //   end error     tip(commanded; machine with errors) - tip(original's command; nominal machine), table frame, length
 //   path error    the same inside moves, perpendicular to the nominal path; feed moves (G01, arcs) only

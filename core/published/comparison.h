@@ -48,8 +48,8 @@ struct Source {
   std::string name;      // "yao-table-4.5"
   std::string citation;  // where it is printed
   std::string needs;     // which sessions or program, for people
-  // One of both; null otherwise. FAILED_PRECONDITION or INVALID_ARGUMENT where machine or sessions are not what the
-  // formulas are about, with what was expected; else whatever the fit says.
+  // One of the two is set, the other null. FAILED_PRECONDITION or INVALID_ARGUMENT, with what was expected, where the
+  // formulas are about another machine or other sessions; else the errors of the fit.
   absl::StatusOr<Comparison> (*compare)(const machine::Machine&, const std::vector<session::Session>&);
   absl::StatusOr<Comparison> (*compare_program)(const machine::Machine&, const Program&) = nullptr;
 };

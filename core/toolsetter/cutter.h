@@ -1,8 +1,8 @@
 // A mill with round inserts and how it runs when a tool setter measures it (Fang 2022, ch. 3). Tool frame: x radial, z
 // up, origin O_t at the lowest nominal point of the inserts on the axis.
-//   Cutting edge of an insert at spindle angle 0: P(x) = c + u cos x + w sin x, c = (r,0,0) + M (-R,0,R), u = M
-//   (R,0,0), w = M (0,0,-R);  M = [[cr, sr ca, sr sa], [-sr, cr ca, cr sa], [0, -sa, ca]], cr = cos theta_r, ca = cos
-//   theta_a ...
+//   cutting edge of an insert at spindle angle 0:  P(x) = c + u cos x + w sin x,
+//   c = (r, 0, 0) + M (-R, 0, R),  u = M (R, 0, 0),  w = M (0, 0, -R),
+//   M = [[cr, sr ca, sr sa], [-sr, cr ca, cr sa], [0, -sa, ca]],  cr = cos theta_r, sr = sin theta_r, ca = cos theta_a
 // Radial and axial angle enter signed: -8 and -5 deg of the published cutters. The edge is seen along X, the tool's
 // axis at y = -offset (3.18 with its sign put right).
 #ifndef AXISCAL_CORE_TOOLSETTER_CUTTER_H_

@@ -2,7 +2,7 @@
 // convex lower edge z = edge(y) + height; an Edge is a value with
 //   EdgePoint At(double y_mm) const   // at height 0
 // Disc: y = R sin t, z = -R cos t. Where the edge crosses it at t- in (-pi, 0) and t+ in (0, pi), y1 and y2:
-//   S = R^2 (u/2 + sin(2u)/4) from t+ to t- + 2 pi  -  integral of z over y1 .. y2,    dS/dheight = -(y2 - y1)
+//   S = R^2 (u/2 + sin(2u)/4) from t+ to t- + 2 pi  -  integral of z over y1 .. y2,  dS/dheight = -(y2 - y1)
 // S falls with the height, so that the wanted height is the one root of S = pi R^2 / 2 (seeds: Fang 2022, 2.6; exact).
 #ifndef AXISCAL_CORE_TOOLSETTER_HALF_SHADE_H_
 #define AXISCAL_CORE_TOOLSETTER_HALF_SHADE_H_

@@ -1,9 +1,9 @@
 // The shadow of one round insert at one spindle angle, and the height Zc of O_t at which it shades exactly half of the
-// beam. Projected along X the cutting edge is an ellipse,  y = c_y + u_y cos x + w_y sin x,  z = c_z + w_z sin x, whose
-// lower arc
-//   z(y) = c_z + w_z max(sin(x0 + q), sin(x0 - q)),  q = acos((y - c_y) / rho),  rho = hypot(u_y, w_y), x0 = atan2(w_y,
-//   u_y)
-// is the lower edge of the shadow.
+// beam. Projected along X the cutting edge is an ellipse:  y = c_y + u_y cos x + w_y sin x,  z = c_z + w_z sin x. Its
+// lower arc is the lower edge of the shadow:
+//   z(y) = c_z + w_z max(sin(x0 + q), sin(x0 - q)),
+//   q = acos((y - c_y) / rho),  rho = hypot(u_y, w_y),  x0 = atan2(w_y, u_y)
+// (z is taken at O_t's height 0).
 #ifndef AXISCAL_CORE_TOOLSETTER_INSERT_EDGE_H_
 #define AXISCAL_CORE_TOOLSETTER_INSERT_EDGE_H_
 

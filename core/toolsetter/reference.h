@@ -53,7 +53,7 @@ struct Reference {
   // Directions along which the rods say nothing: changes of (Z mm, yaw rad, pitch rad) that leave all readouts alike.
   std::vector<Eigen::Vector3d> unseen;
   double range_mm = 0.0;         // of the rods' own answers
-  double between_rods_mm = 0.0;  // 1 sigma of what each rod is off by itself
+  double between_rods_mm = 0.0;  // standard deviation of the rods' own errors, beyond what is stated
   double chi2 = 0.0;             // without that component
   int degrees_of_freedom = 0;    // 0: whether the rods agree cannot be judged
   std::optional<RodProposal> next;

@@ -40,7 +40,7 @@ struct InsertWear {
   double at_least_mm = 0.0;              // where not identifiable: 95 % bound
   int readings = 0;                      // at which it fired
   double share_rad = 0.0;                // of the start angles at which it fires, in the fitted curve
-  // Worn by this much more than the insert before it, it is not seen at this feed and speed: f, larger for wider
+  // From this much more wear than the insert before it, it never fires at this feed and speed: f, larger for wider
   // spacing.
   double unseen_from_mm = 0.0;
 };
@@ -52,7 +52,7 @@ struct WearReport {
   double rms_mm = 0.0, chi2 = 0.0;
   int degrees_of_freedom = 0;
   std::vector<double> residual_mm;  // measured - predicted per reading
-  double longest_reading_mm = 0.0;  // what is usually taken for the length; low by the curve
+  double longest_reading_mm = 0.0;  // usually taken for the length, but too small: it misses the curve's peak
   // Where inserts are not seen: a feed per minute, at the same speed, that shows wear up to twice the bound.
   std::optional<double> propose_feed_mm_min;
 };

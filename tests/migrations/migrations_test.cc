@@ -1,5 +1,5 @@
 // Every released schema, as a dump of a file that was in use, is opened by the present program: its schema is that of a
-// new file, its rows are all there. A new release adds its dump (v0002.sql ...); old dumps are never edited.
+// new file, its rows are all there. A new release adds its dump (0002, ...); old dumps are never edited.
 #include <gtest/gtest.h>
 
 #include <fstream>

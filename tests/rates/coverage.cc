@@ -75,7 +75,7 @@ bool AddIdentified(const SimulatedCase& simulated, int keep_every, CoverageByKin
                                               : "length"},
           coverage);
   }
-  // In the order of Result::determined: what a free error carries of the held ones (identify.cc).
+  // In the order of Result::determined: what a free error carries of the held ones (core/identify/identify.cc).
   const identify::NullSpace space = identify::AtNominal(fit->problem, *options.model).null_space;
   size_t next = 0;
   for (int j = 0; j < static_cast<int>(parameters.size()); ++j) {

@@ -21,15 +21,15 @@ struct Sampler {
   Evaluator evaluate;
   bool is_fitted = true;  // the table's values are fitted to the samples; false: they are those at the nodes
 
-  // How many samples show every period and bend.
+  // The number of samples that is enough to show every period and bend.
   size_t sample_count() const;
-  // Functions: the columns, forward; then, by sense, the columns, reverse. In units of the tolerance.
+  // Functions: the columns, forward; then, if by sense, the columns, reverse. In units of the tolerance.
   absl::StatusOr<compensate::Curve> Sample(const std::vector<double>& positions) const;
   // Positions of the controller's resolution between `from` and `to`, both included.
   std::vector<double> Even(double from, double to, size_t count, double step) const;
 };
 
-// Nodes as few as keep the tolerance, or as many as the format holds.
+// As few nodes as keep the tolerance, or as many as the format holds.
 absl::StatusOr<std::vector<double>> ChooseNodes(const Sampler& sampler);
 // The block with a column per target, not rounded yet.
 absl::StatusOr<compensate::TableBlock> SampleBlock(const Sampler& sampler, const std::vector<int>& targets);

@@ -24,7 +24,7 @@ struct FanucFile {
 
 // INVALID_ARGUMENT when a '%' is missing or text stands where none may.
 absl::StatusOr<FanucFile> ReadFanucFile(const std::string& text);
-// A number, or a whole one, of a note; INVALID_ARGUMENT with line and name.
+// A value of a note, as a number or a whole number; INVALID_ARGUMENT with line and name.
 absl::StatusOr<double> NumberIn(const FanucNote& note, const std::string& name);
 absl::StatusOr<int> IntegerIn(const FanucNote& note, const std::string& name);
 // "N10005P-3": letters with whole numbers in this order; INVALID_ARGUMENT with the line.

@@ -1,5 +1,5 @@
 // The registry of table formats: what a controller's table holds, how many points of which resolution, how it is
-// written and read. A new format is one file with a Format and one line in format.cc.
+// written and read. A new format: docs/architecture.md, "A table format".
 #ifndef AXISCAL_CORE_COMPENSATE_TABLES_FORMAT_H_
 #define AXISCAL_CORE_COMPENSATE_TABLES_FORMAT_H_
 
@@ -11,7 +11,7 @@
 
 namespace axiscal::tables {
 
-// What functions a format's tables are.
+// Which functions a format's tables hold.
 enum class Layout {
   kOwnAxis,     // the correction of an axis over its own position
   kAnyAxis,     // the correction of an axis over the position of any axis
@@ -25,9 +25,9 @@ struct Limits {
   int min_points = 2;
   bool equal_steps = false;         // nodes at equal distances
   bool from_reference = false;      // one of them at the reference position
-  int most_increments = 0;          // values are increments of at most so many steps; 0: they are not
+  int most_increments = 0;          // values are increments of at most this many steps; 0: they are no increments
   bool power_of_two_steps = false;  // of the position step
-  bool whole_axes = false;          // of kComponents: all six of an axis, over its own position only, and no T and W
+  bool whole_axes = false;          // kComponents: all six of an axis, over its own position only, and no T and W
   bool by_sense = false;            // values by sense of motion
   bool one_axis = false;            // a file holds one axis
   bool holds_rotary = true;         // corrections of rotary axes
@@ -59,12 +59,12 @@ struct Format {
   Limits limits;
   // What no table of this format can carry, whatever the machine.
   std::vector<std::string> cannot_carry;
-  // What was assumed, because no source was at hand, or what was not tried on a control; "": the control's own source
-  // was read. Stands in every file.
+  // What was assumed because no source was at hand, or not tried on a control; "" where the control's own source was
+  // read. Every file says so.
   std::string assumed;
   // Chooses value_steps where values must be coarser than the least step, or says what does not fit. May be null.
   absl::Status (*fit)(const machine::Machine& machine, Content* content) = nullptr;
-  // FAILED_PRECONDITION where the machine is none that the format can describe.
+  // FAILED_PRECONDITION where the format cannot describe this machine.
   absl::StatusOr<std::string> (*write)(const machine::Machine& machine, const Content& content) = nullptr;
   // INVALID_ARGUMENT with line, value and what was expected.
   absl::StatusOr<compensate::Table> (*read)(const machine::Machine& machine, const std::string& text) = nullptr;

@@ -5,7 +5,7 @@
 //   -200.0000,1,-2.0131,0.4012,11.1000                    sense 1: while the first argument's axis rises, -1: falls;
 //   -200.0000,-1,1.9869,0.4012,11.1000                    blocks without that column hold for both
 // An error is the sum over the blocks that name it: linear between the rows (over several arguments multilinear), the
-// end's value beyond them. `0` in a name (EX0C) marks a constant (formats.md).
+// end's value beyond them. `0` in a name (EX0C) marks a constant (docs/formats.md).
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// A request held against a machine and a format: which axes, where from, where to.
+// What is to be made of a request for a machine and a format: which axes, from where to where.
 #ifndef AXISCAL_CORE_COMPENSATE_TABLES_PLAN_H_
 #define AXISCAL_CORE_COMPENSATE_TABLES_PLAN_H_
 

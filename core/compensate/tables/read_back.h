@@ -8,7 +8,7 @@
 
 namespace axiscal::tables {
 
-// What the format's reader makes of `text`. INTERNAL when it is not `written`, to the rounding of units.
+// The table that the format's reader makes of `text`. INTERNAL when it differs from `written` by more than rounding.
 absl::StatusOr<compensate::Table> ReadBack(const Plan& plan, const compensate::Table& written, const std::string& text);
 
 }  // namespace axiscal::tables

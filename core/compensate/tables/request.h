@@ -31,10 +31,10 @@ struct TableRequest {
   // Travel for which the table is made and over which its error is stated; an axis that is not named has its travel
   // limits of machine.json, or stays at the reference.
   std::vector<AxisRange> ranges;
-  // Where corrections are zero and other axes stand while one is sampled; unnamed axes: 0, or the end of their range
-  // that is nearest.
+  // Where corrections are zero, and where the other axes stand while one is sampled. Axes that are not named: 0, or the
+  // nearest end of their range.
   std::vector<AxisPosition> reference;
-  // Interpolation may leave so much: mm, and rad times a metre.
+  // The error that interpolation may leave: mm, for angles mm at a lever of 1 m.
   double tolerance_mm = 1e-4;
   std::optional<int> max_points;     // fewer than the controller's limit
   std::optional<double> resolution;  // the controller's least step, mm or deg, where that is a setting

@@ -11,8 +11,8 @@ namespace axiscal::tables {
 // Notes are left empty. FAILED_PRECONDITION when a value is beyond the controller's largest.
 absl::StatusOr<Content> SampleTable(const Plan& plan);
 
-// The points that a kinematic transformation needs for what `errors` hold of constants, mm: where the rotary axes
-// really are as seen from the tool point.
+// The points that a kinematic transformation needs for the constant terms of `errors`, mm: where the rotary axes really
+// are as seen from the tool point.
 std::vector<Eigen::Vector3d> PointsOf(const Plan& plan, const machine::ErrorModel& errors);
 
 // The sum of the terms of one error component over the position of `argument` (-1: the constant terms), mm or rad.
