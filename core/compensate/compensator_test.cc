@@ -64,7 +64,7 @@ TEST(Compensator, APerfectMachineNeedsNoCorrection) {
   EXPECT_EQ(correction->tilt_left_rad, 0.0);
 }
 
-// Yao 2022, seeds: bXB = 24.11 arcsec in the model's sign, R_B = 356.3945.
+// Yao 2022, Table 4.5: bXB = 24.11 arcsec in the model's sign, R_B = 356.3945 mm.
 TEST(Compensator, KnownAnswerTiltOfTheHeadAboutB) {
   constexpr double kToleranceUm = 0.005;  // digits of the known answer, and second order: 0.0417^2 / 2 / 356 = 2e-6 mm
   const Machine machine = machine::testing::MultiTasking();

@@ -15,7 +15,7 @@ using testing::MultiTasking;
 using testing::TiltingTable;
 
 // Ibaraki, Iritani, Matsushita (eqs 2-4): E_A Rx(A) E_C Rz(C) with E_A = (10,-5,8,20,-15,10), E_C = (4,6,-3,-12,25,8)
-// um and urad; the table's pose error in machine axes, exact to the printed digits (seeds' test vectors). Rotations:
+// um and urad; the table's pose error in machine axes, exact to the printed digits (computed apart). Rotations:
 // half the antisymmetric part.
 struct PoseError {
   double a_deg, c_deg;

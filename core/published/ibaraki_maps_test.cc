@@ -37,7 +37,7 @@ std::map<std::string, Row> Rows(const std::string& errors) {
   return rows;
 }
 
-// Constant d = (0, 10, 15) um on A: what the paper makes of it (digest), and what it is.
+// Constant d = (0, 10, 15) um on A: what the paper's formulas make of it, and what it is.
 TEST(IbarakiMaps, ConstantOffsetsComeBackAsMaps) {
   auto rows = Rows(R"({"EY0A": 10, "EZ0A": 15, "EB0A": 20, "EX0C": 12})");
   constexpr double kUm = 0.05, kUrad = 0.05;
@@ -54,7 +54,7 @@ TEST(IbarakiMaps, ConstantOffsetsComeBackAsMaps) {
     EXPECT_NEAR(rows.at(absl::StrCat("dz of A at ", tilt)).corrected, 15.0, kUm);
   }
   EXPECT_EQ(rows.at("dy of A at -30").symbol, "EYA");
-  // dx: EX0C = 12 stands for 12 of the 20 that A has in the digest; dy of C then has 10 cos - 12 sin.
+  // dx: EX0C = 12 stands for 12 of the 20 um of A in `dy_of_c`; dy of C then has 10 cos - 12 sin.
   for (int j = 0; j < 6; ++j) {
     const double q = turns[j] * M_PI / 180.0;
     const Row& row = rows.at(absl::StrCat("dy of C at A 0 C ", turns[j]));

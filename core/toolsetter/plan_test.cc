@@ -21,7 +21,7 @@ RodSession Rods() {
       .value();
 }
 
-// Fang 2022, ch. 2 (digest): three rods do not tell yaw at all well (10 mrad per um), the inclined one turned does.
+// Fang 2022, ch. 2: three rods do not tell yaw at all well (10 mrad per um), the inclined one turned does.
 TEST(PlanRods, TurningTheInclinedRodTellsTheBeam) {
   const ReferenceOptions all{true, true};
   const auto as_they_are = PlanRods(Rods(), "", 12, 3), turned = PlanRods(Rods(), "rod-2", 12, 3);
@@ -44,7 +44,7 @@ TEST(PlanRods, RefusesWithWhatWasExpected) {
   EXPECT_THAT(std::string(PlanRods(Rods(), "", 12, 0).status().message()), HasSubstr("readouts = 0, expected 1"));
 }
 
-// Twelve starts at 1 um of noise: length and wear to about 0.8 um (digest).
+// Twelve starts at 1 um of noise: length and wear to about 0.8 um.
 TEST(PlanStarts, TwelveStartsTellLengthAndWear) {
   CurveSession session;
   session.session = "planned";
@@ -57,7 +57,7 @@ TEST(PlanStarts, TwelveStartsTellLengthAndWear) {
   const auto planned = PlanStarts(session, 12);
   ASSERT_TRUE(planned.ok()) << planned.status();
   ASSERT_EQ(planned->starts_rad.size(), 12u);
-  EXPECT_NEAR(planned->lengths_mm[0], -0.006371, 2e-6);  // Z_t at 0, digest
+  EXPECT_NEAR(planned->lengths_mm[0], -0.006371, 2e-6);  // Z_t at 0, computed apart
   const auto report = FitWear(*planned);
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_NEAR(report->length_sigma_mm, 0.8e-3, 0.4e-3);

@@ -22,8 +22,8 @@ struct TableParams {
 };
 
 v1::MakeTableRequest ToProto(const TableParams& params);
-// FIELD_INVALID: a missing or unreadable field, numbers that are not finite. What machine and format have to say comes
-// later.
+// FIELD_INVALID: a missing or unreadable field, numbers that are not finite. The rules of machine and format are
+// checked later.
 absl::StatusOr<TableParams> FromProto(const v1::MakeTableRequest& message);
 
 struct MadeTable {

@@ -19,9 +19,9 @@ absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const s
 // combination of errors. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY.
 absl::Status CheckUsable(storage::Database& database, const storage::CalibrationRecord& calibration);
 
-// A sum of errors that its sessions could not separate is in the model as one of its members. That is right at poses
-// like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of them. Whoever
-// uses the correction must know: one line each.
+// Where the sessions could not separate some errors, the model holds their sum as one of them. That is right at poses
+// like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of effects. Users
+// of the correction must know: one line for each.
 std::vector<std::string> NotesOnInseparableErrors(const storage::CalibrationRecord& calibration);
 
 }  // namespace axiscal::handlers

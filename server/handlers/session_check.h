@@ -21,7 +21,7 @@ absl::Status CheckSchema(Core& core, const MachineId& machine, const convert::Se
 // Readings in their order, across chunks.
 class ReadingCheck {
  public:
-  // Of a stored session from its chunk `first_seq` on, which is at most its next_seq.
+  // For a stored session, from its chunk `first_seq` on (at most its next_seq).
   static absl::StatusOr<ReadingCheck> Create(Core& core, const storage::SessionRecord& session, int64_t first_seq);
 
   // The next chunk's columns.

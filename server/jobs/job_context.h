@@ -24,7 +24,7 @@ class JobContext {
 
   // Cheap; ask in every solver iteration. Once true it stays true: return soon, with any error.
   bool cancelled();
-  // Which is it; kNone while cancelled() is false.
+  // The reason for stopping; kNone while cancelled() is false.
   StopReason stop_reason() const { return stop_reason_.load(); }
   // The hard limit of this job's kind, steady time.
   base::SteadyTime deadline() const { return deadline_; }

@@ -20,7 +20,7 @@ absl::StatusOr<MachineInput> LoadMachine(storage::Database& database, const Mach
 
 struct StoredSessions {
   std::vector<storage::SessionRecord> records;
-  std::vector<session::Session> sessions;  // in the same order; of those that share a name, it is "NAME#ID"
+  std::vector<session::Session> sessions;  // in the same order; sessions that share a name are called "NAME#ID"
   base::UtcTime measured_at;               // of the newest
 };
 

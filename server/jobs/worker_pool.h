@@ -25,8 +25,8 @@ class WorkerPool {
   // RESOURCE_EXHAUSTED QUEUE_FULL when `max_waiting` tasks wait, UNAVAILABLE DRAINING after Drain(): the task is then
   // not run.
   absl::Status Submit(std::function<void()> task);
-  // Runs `body(0)` .. `body(count - 1)` on the calling thread and on those that are idle, and returns when all have
-  // returned. Idle threads help only as long as nothing waits for them. May be called from a task.
+  // Runs `body(0)` .. `body(count - 1)` on the calling thread and on idle threads of the pool; returns when all have
+  // returned. Idle threads help only while no task waits. May be called from a task.
   void ForEach(int count, const std::function<void(int)>& body);
   // Accepts nothing more and returns when every accepted task has run.
   void Drain();

@@ -1,8 +1,8 @@
 // One column of readings as few bytes, without loss. Three codings, one byte in front says which:
 //   planes  byte-shuffled doubles, zstd;
-//   grid    most columns are decimals with few places: integers n with value = n / 10^decimals, their differences of
-//   order 0, 1 or 2 (whichever
-//           is smallest), zigzag, byte-shuffled, zstd. Only where every double comes back bit by bit;
+//   grid    for decimals with few places, as most columns are: integers n with value = n / 10^decimals, their
+//           differences of order 0, 1 or 2 (whichever is smallest), zigzag, byte-shuffled, zstd. Only where every
+//           double comes back bit by bit;
 //   texts   lengths and bytes, zstd.
 #ifndef AXISCAL_SERVER_STORAGE_COLUMN_CODEC_H_
 #define AXISCAL_SERVER_STORAGE_COLUMN_CODEC_H_

@@ -17,7 +17,7 @@ inline constexpr int64_t kWeekUs = 7LL * 24 * 3600 * 1'000'000;
 absl::Status CheckEstimates(const std::vector<Estimate>& estimates);
 absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at, CalibrationId id,
                              const std::vector<Estimate>& estimates);
-// Those of one calibration, in the order in which they were given.
+// The estimates of one calibration, in the order in which they were given.
 absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,
                                                     CalibrationId id);
 // In order.

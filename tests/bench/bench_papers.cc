@@ -1,5 +1,5 @@
 // Identification as published measurements ask for it: columns probed at 24 poses of a tilting table, twelve errors and
-// the columns' place (Ibaraki; the issue asks for 20 ms), and 1,000 runs of a grinder's error budget (Fang, ch. 4; 2
+// the columns' place (Ibaraki; goal: 20 ms), and 1,000 runs of a grinder's error budget (Fang, ch. 4; goal: 2
 // s).
 #include <benchmark/benchmark.h>
 

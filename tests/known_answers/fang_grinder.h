@@ -31,7 +31,7 @@ inline Unknowns Given() {
   return given;
 }
 
-// The design; that of the probe is printed, that of the axes stands in for what is not (the digest's reference design).
+// The design. That of the probe is printed; that of the axes is not, and these numbers stand in for it.
 struct Design {
   double rbx = 0, rbz = 500, rcx = 0, rcy = 250;
 };

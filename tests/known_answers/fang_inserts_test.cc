@@ -14,9 +14,9 @@ namespace {
 using base::kDegPerRad;
 using base::kRadPerDeg;
 
-constexpr double kExactMm = 2e-8;                                 // the digest's own rounding of Zc
-constexpr double kClosedFormMm = 4e-7, kClosedFormOfR4Mm = 5.5e-7;  // the digest's: what the closed form neglects
-constexpr double kCurveMm = 2e-6;                                 // the digest's curve
+constexpr double kExactMm = 2e-8;                                 // digits of Zc
+constexpr double kClosedFormMm = 4e-7, kClosedFormOfR4Mm = 5.5e-7;  // what the closed form neglects
+constexpr double kCurveMm = 2e-6;                                 // digits of the curve
 
 Cutter Table31() {
   Cutter cutter;

@@ -10,7 +10,7 @@ namespace {
 
 using base::kRadPerDeg;
 
-constexpr double kExactMm = 1e-9;         // the digests' own rounding
+constexpr double kExactMm = 1e-9;         // digits of Zd
 constexpr double kAreaMm2 = 1e-12;        // of pi 0.2^2 / 2
 constexpr double kPrintedMm = 0.5001e-4;  // half of the last printed digit
 

@@ -44,7 +44,7 @@ TEST(Ibaraki, TablePoseErrorsExactAndToFirstOrder) {
     Pose equation_11 = of_a;
     equation_11.head<3>() += tilt * of_c.head<3>();
     equation_11.tail<3>() += tilt * of_c.tail<3>();
-    constexpr double kTolerance = 1e-5, kPrinted = 1e-6, kRelative = 1e-4;  // digest
+    constexpr double kTolerance = 1e-5, kPrinted = 1e-6, kRelative = 1e-4;  // digits
     for (int i = 0; i < 6; ++i) {
       EXPECT_NEAR(ours[i], row.exact[i], kTolerance) << row.a_deg << ' ' << i;
       EXPECT_NEAR(equation_11[i], row.first_order[i], kPrinted) << row.a_deg << ' ' << i;

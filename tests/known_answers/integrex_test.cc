@@ -118,7 +118,7 @@ TEST_F(Integrex, DriftFromRunToRun) {
   EXPECT_NEAR(kUmPerMm * fit.result.fit.rms_mm, 0.25, 0.01);
 }
 
-// Differences between B = 0 and 90 that no datum moves (seeds: "datum-free differential formulas"), mean of all runs:
+// Differences between B = 0 and 90 that no datum moves, mean of all runs:
 //   lateral dxBT = [(X2-X1)+(Z2-Z1)]/2    length dzBT = [(Z2-Z1)-(X2-X1)]/2    Y1-Y2 = -R (aXB + gXB)
 TEST_F(Integrex, EstimatesFollowFromTheDifferences) {
   const auto runs = BRuns();

@@ -20,7 +20,7 @@ using ballbar::Pattern;
 using ballbar::PatternOptions;
 
 constexpr double kOffsetMm = 0.020, kAngleRad = 0.005 * base::kRadPerDeg;
-// Second order: 0.005 degrees squared at the machine's reach is 0.004 um; the issue allows 0.02.
+// Second order: 0.005 degrees squared at the machine's reach is 0.004 um; 0.02 is allowed.
 constexpr double kToleranceUm = 0.02;
 
 const machine::Machine kMachine = YaoMachine();

@@ -18,13 +18,13 @@ struct Coverage {
 // By kind of number: "length", "angle", "combination", "effect", "machine ..."; "all" counts each number once.
 using CoverageByKind = std::map<std::string, Coverage>;
 
-// The case identified with the terms that acted (declared errors and effects), their amplitudes unknown: what the data
-// determines, alone or as a combination, against what went in. The interval is estimate +- coverage_factor stated
-// sigma. `keep_every` > 1 thins the fit sessions. False when identification refuses the case.
+// Identifies the case with the terms that acted (declared errors and effects), their amplitudes unknown, and compares
+// all that the data determine, alone or as a combination, with the truth. The interval is estimate +- coverage_factor
+// times the stated sigma. `keep_every` > 1 thins the fit sessions. False when identification refuses the case.
 bool AddIdentified(const SimulatedCase& simulated, int keep_every, CoverageByKind* coverage);
 
-// The case closed by the loop: effects that it named in the very terms that acted ("effect"; the amplitude of a
-// harmonic, the slope of a line). A selected effect counts only where it was selected, so its interval is conditional.
+// Closes the loop on the case and compares the effects that it named in exactly the terms that acted ("effect": the
+// amplitude of a harmonic, the slope of a line). An effect counts only where it was found.
 void AddClosed(const SimulatedCase& simulated, CoverageByKind* coverage);
 
 std::string ToText(const CoverageByKind& coverage);

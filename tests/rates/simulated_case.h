@@ -1,6 +1,6 @@
 // Simulated machines with effects that their description does not declare: what the loop's rates are measured on. The
-// plans (axis commands, places of the balls) are those of data/loop, varied; machines' errors, effects, noise and bad
-// readings are drawn.
+// plans (axis commands, places of the balls) are those of tests/data/loop, varied; machines' errors, effects, noise and
+// bad readings are drawn.
 #ifndef AXISCAL_TESTS_RATES_SIMULATED_CASE_H_
 #define AXISCAL_TESTS_RATES_SIMULATED_CASE_H_
 

@@ -1,4 +1,4 @@
-// Where the checkout stands, for tests that read data from it. ../shared/ may be absent: tests that use it in place skip.
+// Where the checkout stands, for tests that read data from it. Tests whose data is not there skip.
 #ifndef AXISCAL_CORE_BASE_TESTING_SOURCE_PATH_H_
 #define AXISCAL_CORE_BASE_TESTING_SOURCE_PATH_H_
 

@@ -1,7 +1,7 @@
 // The machine of Yao 2022 with the one error of its published compensation, for tests: known answers by hand.
 // EB0B = b: the head leans by b about Y, so the tool point (R below the pivot at B = 0) is off by -b R (cos B, -sin B)
-// in (X, Z); the correction is +b R (cos B, -sin B). See seeds: 41.66 um at B = 0, (29.46, -29.46) at 45 degrees, (0,
-// -41.66) at 90.
+// in (X, Z); the correction is +b R (cos B, -sin B): 41.66 um at B = 0, (29.46, -29.46) at 45 degrees, (0, -41.66) at
+// 90.
 #ifndef AXISCAL_CORE_NC_TESTING_YAO_H_
 #define AXISCAL_CORE_NC_TESTING_YAO_H_
 
