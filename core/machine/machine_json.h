@@ -1,6 +1,6 @@
 // machine.json (docs/formats.md): a machine's description as its users write it. Lengths mm, travel of rotary axes deg.
 // Members: id, structure (optional), axes, tool_branch, work_branch, tool_direction, declared (optional); `note` and
-// `source` are texts that are read over and not kept. Of an axis: kind, direction, point_mm (rotary), and optional
+// `source` are texts that are ignored and not kept. Of an axis: kind, direction, point_mm (rotary), and optional
 // travel_mm (linear) or travel_deg (rotary) [min, max].
 #ifndef AXISCAL_CORE_MACHINE_MACHINE_JSON_H_
 #define AXISCAL_CORE_MACHINE_MACHINE_JSON_H_
