@@ -1,24 +1,20 @@
-// The height at which the shadow of a convex tool covers half of the beam's disc. The shadow is what lies above a
-// convex lower edge z = edge(y) + height; an Edge is a value with
-//   EdgePoint At(double y_mm) const   // at height 0
+// The height at which the shadow of a tool covers half of the beam's disc. The shadow is what lies above its lower edge
+// z = edge(y) + height, a convex arc (shadow_edge.h).
 // Disc: y = R sin t, z = -R cos t. Where the edge crosses it at t- in (-pi, 0) and t+ in (0, pi), y1 and y2:
 //   S = R^2 (u/2 + sin(2u)/4) from t+ to t- + 2 pi  -  integral of z over y1 .. y2,  dS/dheight = -(y2 - y1)
-// S falls with the height, so that the wanted height is the one root of S = pi R^2 / 2 (seeds: Fang 2022, 2.6; exact).
+// S falls with the height, so that the wanted height is the one root of S = pi R^2 / 2 (Fang 2022, 2.6; exact). All of
+// it is taken over the edge's feet, of which z and y are plain functions: none is looked for.
 #ifndef AXISCAL_CORE_TOOLSETTER_HALF_SHADE_H_
 #define AXISCAL_CORE_TOOLSETTER_HALF_SHADE_H_
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-namespace axiscal::toolsetter {
+#include "core/toolsetter/shadow_edge.h"
 
-struct EdgePoint {
-  double z_mm = 0.0;
-  double slope = 0.0;  // dz/dy
-};
+namespace axiscal::toolsetter {
 
 // 16-point Gauss-Legendre on (-1, 1): positive half, symmetric.
 inline constexpr std::array<double, 8> kGaussAt = {
@@ -46,82 +42,23 @@ double Integrate(double from, double to, const F& f) {
   return sum;
 }
 
-// The shadow at one height: the spans of y in which its edge runs inside the disc (one, but for tools that are narrower
-// than the beam), how much of the circle is shaded, and the area.
-struct Shade {
-  std::array<std::pair<double, double>, 3> spans_mm = {};
-  int span_count = 0;
-  double arc_rad = 0.0;
-  double area_mm2 = 0.0;
-
-  double WidthMm() const {
-    double width_mm = 0.0;
-    for (int i = 0; i < span_count; ++i) width_mm += spans_mm[i].second - spans_mm[i].first;
-    return width_mm;
-  }
-};
-
-// The crossing on one side (+1: t in (0, pi), -1: (-pi, 0)), Newton kept in its bracket; nothing when the edge passes
-// the disc's top or bottom.
-template <typename Edge>
-std::optional<double> Crossing(const Edge& edge, double radius_mm, double height_mm, double side) {
-  const double middle_mm = edge.At(0.0).z_mm + height_mm;
-  if (!(std::abs(middle_mm) < radius_mm)) return std::nullopt;
-  double low = 0.0, high = std::numbers::pi;  // of |t|: below the edge at 0, above it at pi
-  double t = std::acos(std::clamp(-middle_mm / radius_mm, -1.0, 1.0));
-  for (int i = 0; i < 60; ++i) {
-    const double sine = side * std::sin(t), cosine = std::cos(t);
-    const EdgePoint at = edge.At(radius_mm * sine);
-    const double miss = -radius_mm * cosine - at.z_mm - height_mm;
-    (miss < 0.0 ? low : high) = t;
-    const double slope = radius_mm * (side * sine - at.slope * side * cosine);
-    double next = t - miss / slope;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    const double step = std::abs(next - t);
-    t = next;
-    if (step < 1e-14) break;
-  }
-  return side * t;
-}
-
-// The shade of an edge that reaches across the whole disc; nothing when it passes above or below the disc's middle.
-template <typename Edge>
-std::optional<Shade> ShadeAt(const Edge& edge, double radius_mm, double height_mm) {
-  const std::optional<double> left = Crossing(edge, radius_mm, height_mm, -1.0);
-  const std::optional<double> right = Crossing(edge, radius_mm, height_mm, 1.0);
-  if (!left || !right) return std::nullopt;
-  const auto circle = [radius_mm](double t) { return radius_mm * radius_mm * (0.5 * t + 0.25 * std::sin(2.0 * t)); };
-  const double turn = 2.0 * std::numbers::pi, from_mm = radius_mm * std::sin(*left),
-               to_mm = radius_mm * std::sin(*right);
-  Shade shade;
-  shade.spans_mm[shade.span_count++] = {from_mm, to_mm};
-  shade.arc_rad = turn - (*right - *left);
-  shade.area_mm2 = circle(*left + turn) - circle(*right) -
-                   Integrate(from_mm, to_mm, [&](double y_mm) { return edge.At(y_mm).z_mm + height_mm; });
-  return shade;
-}
-
 inline double HalfDiscMm2(double radius_mm) { return 0.5 * std::numbers::pi * radius_mm * radius_mm; }
 
 struct HalfShade {
   double height_mm = 0.0;
-  Shade shade;
+  double area_mm2 = 0.0;                        // shaded there
+  double width_mm = 0.0;                        // y2 - y1
+  double arc_rad = 0.0;                         // of the circle, shaded
+  double foot_from_mm = 0.0, foot_to_mm = 0.0;  // of the edge's points at y1 and y2
 };
 
-// Newton from `start_mm` (the closed forms are within 1e-5: two steps); nothing when no height shades half.
-template <typename Edge>
-std::optional<HalfShade> HalfShadeHeight(const Edge& edge, double radius_mm, double start_mm) {
-  const double target_mm2 = HalfDiscMm2(radius_mm);
-  double height_mm = start_mm;
-  for (int i = 0; i < 30; ++i) {
-    const std::optional<Shade> shade = ShadeAt(edge, radius_mm, height_mm);
-    if (!shade) return std::nullopt;
-    const double step_mm = (shade->area_mm2 - target_mm2) / shade->WidthMm();
-    if (!(std::abs(step_mm) > 1e-13 * radius_mm)) return HalfShade{height_mm, *shade};
-    height_mm += step_mm;
-  }
-  return std::nullopt;
-}
+// Edge through the beam's centre plus its curvature:  height = -z - f2 R^2 / (6 (1 + f1^2)), f1, f2 = dz/dy, d2z/dy2
+// at y = 0, to which `foot_mm` belongs.
+double ClosedFormHeightMm(const ShadowEdge& edge, double foot_mm, double radius_mm);
+
+// Newton from the closed form. The edge must reach across the whole disc, |y| <= R; nothing where no height shades
+// half.
+std::optional<HalfShade> HalfShadeHeight(const ShadowEdge& edge, double radius_mm);
 
 }  // namespace axiscal::toolsetter
 

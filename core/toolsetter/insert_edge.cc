@@ -1,7 +1,7 @@
 #include "core/toolsetter/insert_edge.h"
 
+#include <Eigen/Core>
 #include <cmath>
-#include <limits>
 
 #include "core/toolsetter/narrow_shade.h"
 
@@ -16,42 +16,24 @@ InsertEdge::InsertEdge(const Cutter& cutter, double offset_mm, double psi_rad, d
   const Eigen::Vector3d c = Eigen::Vector3d(cutter.tool_radius_mm, 0, 0) + m * Eigen::Vector3d(-r, depth_mm, r);
   const Eigen::Vector3d u = m * Eigen::Vector3d(at_depth, 0, 0), w = m * Eigen::Vector3d(0, 0, -at_depth);
   const double s = std::sin(psi_rad), k = std::cos(psi_rad);
-  c_y_mm_ = s * c.x() + k * c.y() - offset_mm;
-  u_y_mm_ = s * u.x() + k * u.y();
-  w_y_mm_ = s * w.x() + k * w.y();
-  c_z_mm_ = c.z();
-  w_z_mm_ = w.z();  // u is horizontal
-  rho_mm_ = std::hypot(u_y_mm_, w_y_mm_);
-  x0_rad_ = std::atan2(w_y_mm_, u_y_mm_);
+  const double u_y = s * u.x() + k * u.y(), w_y = s * w.x() + k * w.y();
+  const double w_z = w.z(), rho2 = u_y * u_y + w_y * w_y;  // u is horizontal
+  shadow_.centre_mm = s * c.x() + k * c.y() - offset_mm;
+  shadow_.rho_mm = std::sqrt(rho2);
+  shadow_.level_mm = c.z();
+  shadow_.a = std::abs(w_z * u_y) / rho2;
+  shadow_.b = -w_z * w_y / rho2;
 }
-
-double InsertEdge::LowerArc(double y_mm) const {
-  const double q = std::acos((y_mm - c_y_mm_) / rho_mm_);
-  const double plus = x0_rad_ + q, minus = x0_rad_ - q;
-  return w_z_mm_ * std::sin(plus) < w_z_mm_ * std::sin(minus) ? plus : minus;
-}
-
-EdgePoint InsertEdge::At(double y_mm) const {
-  const double x = LowerArc(y_mm), sine = std::sin(x), cosine = std::cos(x);
-  return {c_z_mm_ + w_z_mm_ * sine, w_z_mm_ * cosine / (w_y_mm_ * cosine - u_y_mm_ * sine)};
-}
-
-bool InsertEdge::Spans(double radius_mm) const { return std::abs(c_y_mm_) + radius_mm < rho_mm_; }
 
 std::optional<double> InsertEdge::ClosedFormMm(double beam_radius_mm) const {
-  if (!(std::abs(c_y_mm_) < rho_mm_)) return std::nullopt;
-  const double x = LowerArc(0.0), sine = std::sin(x), cosine = std::cos(x);
-  const double y1 = -u_y_mm_ * sine + w_y_mm_ * cosine, z1 = w_z_mm_ * cosine;
-  const double y2 = -u_y_mm_ * cosine - w_y_mm_ * sine, z2 = -w_z_mm_ * sine;
-  const double f1 = z1 / y1, f2 = (z2 * y1 - z1 * y2) / (y1 * y1 * y1);
-  return -(c_z_mm_ + w_z_mm_ * sine) - f2 * beam_radius_mm * beam_radius_mm / (6.0 * (1.0 + f1 * f1));
+  if (!(std::abs(shadow_.centre_mm) < shadow_.rho_mm)) return std::nullopt;
+  return ClosedFormHeightMm(shadow_, shadow_.FootMm(0.0), beam_radius_mm);
 }
 
 std::optional<double> TriggerHeightMm(const Cutter& cutter, const CutterRun& run, double psi_rad) {
   const InsertEdge edge(cutter, run.offset_mm, psi_rad);
   if (!edge.Spans(run.beam_radius_mm)) return std::nullopt;
-  const std::optional<HalfShade> half =
-      HalfShadeHeight(edge, run.beam_radius_mm, *edge.ClosedFormMm(run.beam_radius_mm));
+  const std::optional<HalfShade> half = HalfShadeHeight(edge.shadow(), run.beam_radius_mm);
   if (!half) return std::nullopt;
   return half->height_mm;
 }

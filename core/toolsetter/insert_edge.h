@@ -1,13 +1,11 @@
 // The shadow of one round insert at one spindle angle, and the height Zc of O_t at which it shades exactly half of the
-// beam. Projected along X the cutting edge is an ellipse:  y = c_y + u_y cos x + w_y sin x,  z = c_z + w_z sin x. Its
-// lower arc is the lower edge of the shadow:
-//   z(y) = c_z + w_z max(sin(x0 + q), sin(x0 - q)),
-//   q = acos((y - c_y) / rho),  rho = hypot(u_y, w_y),  x0 = atan2(w_y, u_y)
-// (z is taken at O_t's height 0).
+// beam. Projected along X the cutting edge is an ellipse,  y = c_y + u_y cos x + w_y sin x,  z = c_z + w_z sin x, whose
+// lower arc is the lower edge of the shadow. Over Y = y - c_y, with rho = hypot(u_y, w_y):
+//   z(Y) = c_z - |w_z u_y| / rho^2 sqrt(rho^2 - Y^2) + w_z w_y / rho^2 Y      (O_t at height 0)
 #ifndef AXISCAL_CORE_TOOLSETTER_INSERT_EDGE_H_
 #define AXISCAL_CORE_TOOLSETTER_INSERT_EDGE_H_
 
-#include <Eigen/Core>
+#include <cmath>
 #include <optional>
 
 #include "core/toolsetter/cutter.h"
@@ -20,19 +18,19 @@ class InsertEdge {
   // `depth_mm` into the flank, 0: the cutting edge.
   InsertEdge(const Cutter& cutter, double offset_mm, double psi_rad, double depth_mm = 0.0);
 
-  // At O_t's height 0. NaN where the edge does not reach.
-  EdgePoint At(double y_mm) const;
+  // At O_t's height 0.
+  const ShadowEdge& shadow() const { return shadow_; }
+  // NaN where the edge does not reach.
+  EdgePoint At(double y_mm) const { return shadow_.At(y_mm); }
   // Whether it reaches across |y| <= radius.
-  bool Spans(double radius_mm) const;
+  bool Spans(double radius_mm) const { return std::abs(shadow_.centre_mm) + radius_mm < shadow_.rho_mm; }
 
-  // Edge through the beam's centre plus curvature:  Zc = -z - f2 R_l^2 / (6 (1 + f1^2)), f1, f2 = dz/dy, d2z/dy2;
-  // within 5e-7 mm where a trigger can happen. Nothing where the edge does not reach the beam's centre.
+  // Zc by the edge's height and curvature in the beam's centre (half_shade.h), within 5e-7 mm where a trigger can
+  // happen. Nothing where the edge does not reach the beam's centre.
   std::optional<double> ClosedFormMm(double beam_radius_mm) const;
 
  private:
-  double LowerArc(double y_mm) const;  // x
-
-  double c_y_mm_, c_z_mm_, u_y_mm_, w_y_mm_, w_z_mm_, rho_mm_, x0_rad_;
+  ShadowEdge shadow_;
 };
 
 // Exact to 1e-12 mm; nothing where the insert does not reach across the beam.

@@ -1,14 +1,36 @@
 // The shade of a tool that may be narrower than the beam, so that its shadow ends inside the disc and its edge can
 // cross the circle up to four times: crossings are looked for panel by panel. Slow (milliseconds); for wide tools it
-// agrees with half_shade.h and is its twin in tests.
+// agrees with half_shade.h and is its twin in tests. An Edge is a value with
+//   EdgePoint At(double y_mm) const   // at height 0
 #ifndef AXISCAL_CORE_TOOLSETTER_NARROW_SHADE_H_
 #define AXISCAL_CORE_TOOLSETTER_NARROW_SHADE_H_
 
-#include <vector>
+#include <algorithm>
+#include <utility>
 
 #include "core/toolsetter/half_shade.h"
 
 namespace axiscal::toolsetter {
+
+// The shadow at one height: the spans of y in which its edge runs inside the disc, how much of the circle is shaded,
+// and the area.
+struct Shade {
+  std::array<std::pair<double, double>, 3> spans_mm = {};
+  int span_count = 0;
+  double arc_rad = 0.0;
+  double area_mm2 = 0.0;
+
+  double WidthMm() const {
+    double width_mm = 0.0;
+    for (int i = 0; i < span_count; ++i) width_mm += spans_mm[i].second - spans_mm[i].first;
+    return width_mm;
+  }
+};
+
+struct NarrowHalfShade {
+  double height_mm = 0.0;
+  Shade shade;
+};
 
 // Area of the disc within |y| < half_width.
 inline double StripMm2(double radius_mm, double half_width_mm) {
@@ -76,7 +98,7 @@ Shade NarrowShadeAt(const Edge& edge, double radius_mm, double half_width_mm, do
 
 // Nothing when the strip that the tool covers is less than half of the disc.
 template <typename Edge>
-std::optional<HalfShade> NarrowHalfShadeHeight(const Edge& edge, double radius_mm, double half_width_mm) {
+std::optional<NarrowHalfShade> NarrowHalfShadeHeight(const Edge& edge, double radius_mm, double half_width_mm) {
   const double target_mm2 = HalfDiscMm2(radius_mm);
   if (!(StripMm2(radius_mm, half_width_mm) > target_mm2 * (1.0 + 1e-9))) return std::nullopt;
   // The root lies where the edge's lowest point passes the disc, or its highest one, at the shadow's ends, has.
@@ -89,7 +111,7 @@ std::optional<HalfShade> NarrowHalfShadeHeight(const Edge& edge, double radius_m
     (NarrowShadeAt(edge, radius_mm, half_width_mm, middle_mm).area_mm2 > target_mm2 ? low_mm : high_mm) = middle_mm;
   }
   const double height_mm = 0.5 * (low_mm + high_mm);
-  return HalfShade{height_mm, NarrowShadeAt(edge, radius_mm, half_width_mm, height_mm)};
+  return NarrowHalfShade{height_mm, NarrowShadeAt(edge, radius_mm, half_width_mm, height_mm)};
 }
 
 }  // namespace axiscal::toolsetter

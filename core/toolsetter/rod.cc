@@ -41,7 +41,7 @@ absl::Status Validate(const Rod& rod) {
   return absl::OkStatus();
 }
 
-RodEdge::RodEdge(const Rod& rod, const Beam& beam) : fillet_mm_(rod.fillet_mm), rho_mm_(rod.radius_mm - rod.fillet_mm) {
+RodEdge::RodEdge(const Rod& rod, const Beam& beam) {
   const double delta = rod.azimuth_rad + rod.holder_rad - beam.yaw_rad;
   cos_pitch_ = std::cos(beam.pitch_rad);
   sin_pitch_ = std::sin(beam.pitch_rad);
@@ -52,38 +52,18 @@ RodEdge::RodEdge(const Rod& rod, const Beam& beam) : fillet_mm_(rod.fillet_mm), 
   sin_delta_ = std::sin(delta);
   const double a = sin_pitch_ + cos_pitch_ * cot_face_ * cos_delta_;
   a_sign_ = a < 0.0 ? -1.0 : 1.0;
-  a_ = std::abs(a);
-  b_ = cos_pitch_ * cot_face_ * sin_delta_;
-  level_mm_ = cos_pitch_ * fillet_mm_ / sin_face_;
+  shadow_.rho_mm = rod.radius_mm - rod.fillet_mm;
+  shadow_.fillet_mm = rod.fillet_mm;
+  shadow_.a = std::abs(a);
+  shadow_.b = cos_pitch_ * cot_face_ * sin_delta_;
+  shadow_.level_mm = cos_pitch_ * rod.fillet_mm / sin_face_;
 }
 
-double RodEdge::FootMm(double y_mm) const {
-  if (fillet_mm_ == 0.0) return y_mm;
-  double foot_mm = y_mm * rho_mm_ / (rho_mm_ + fillet_mm_);
-  for (int i = 0; i < 60; ++i) {  // y grows with Y: Newton, kept inside
-    const double w2 = rho_mm_ * rho_mm_ - foot_mm * foot_mm, w = std::sqrt(w2);
-    const double g = a_ * foot_mm / w - b_, h2 = 1.0 + g * g, h = std::sqrt(h2);
-    const double miss = foot_mm + fillet_mm_ * g / h - y_mm;
-    double next = foot_mm - miss / (1.0 + fillet_mm_ * a_ * rho_mm_ * rho_mm_ / (w2 * w * h2 * h));
-    if (!(std::abs(next) < rho_mm_)) next = 0.5 * (foot_mm + std::copysign(rho_mm_, next));
-    const double step = std::abs(next - foot_mm);
-    foot_mm = next;
-    if (step < 1e-15 * rho_mm_) break;
-  }
-  return foot_mm;
-}
-
-EdgePoint RodEdge::At(double y_mm) const {
-  const double foot_mm = FootMm(y_mm), w = std::sqrt(std::max(0.0, rho_mm_ * rho_mm_ - foot_mm * foot_mm));
-  const double g = a_ * foot_mm / w - b_;
-  const double core_mm = level_mm_ - a_ * w - b_ * foot_mm;
-  return {core_mm - fillet_mm_ / std::sqrt(1.0 + g * g), g};
-}
-
-std::array<double, kTriggerInputs> RodEdge::ByInput(double y_mm) const {
+std::array<double, kTriggerInputs> RodEdge::ByInput(double foot_mm) const {
   // By the envelope theorem the edge moves, at y, as the core does at its foot.
-  const double foot_mm = FootMm(y_mm), w = std::sqrt(std::max(0.0, rho_mm_ * rho_mm_ - foot_mm * foot_mm));
-  const double g = a_ * foot_mm / w - b_;
+  const double rho_mm = shadow_.rho_mm, fillet_mm = shadow_.fillet_mm;
+  const double w = std::sqrt(std::max(0.0, rho_mm * rho_mm - foot_mm * foot_mm));
+  const double g = shadow_.a * foot_mm / w - shadow_.b;
   const double a_by_pitch = a_sign_ * (cos_pitch_ - sin_pitch_ * cot_face_ * cos_delta_);
   const double b_by_pitch = -sin_pitch_ * cot_face_ * sin_delta_;
   const double a_by_delta = -a_sign_ * cos_pitch_ * cot_face_ * sin_delta_;
@@ -94,10 +74,10 @@ std::array<double, kTriggerInputs> RodEdge::ByInput(double y_mm) const {
   const double by_delta = -a_by_delta * w - b_by_delta * foot_mm;
   by[kYaw] = -by_delta;
   by[kAzimuth] = by_delta;
-  by[kPitch] = -sin_pitch_ * fillet_mm_ / sin_face_ - a_by_pitch * w - b_by_pitch * foot_mm;
-  by[kRodRadius] = -a_ * rho_mm_ / w;
-  by[kFillet] = cos_pitch_ / sin_face_ + a_ * rho_mm_ / w - std::sqrt(1.0 + g * g);
-  by[kFace] = -cos_pitch_ * fillet_mm_ * cos_face / (sin_face_ * sin_face_) -
+  by[kPitch] = -sin_pitch_ * fillet_mm / sin_face_ - a_by_pitch * w - b_by_pitch * foot_mm;
+  by[kRodRadius] = -shadow_.a * rho_mm / w;
+  by[kFillet] = cos_pitch_ / sin_face_ + shadow_.a * rho_mm / w - std::sqrt(1.0 + g * g);
+  by[kFace] = -cos_pitch_ * fillet_mm * cos_face / (sin_face_ * sin_face_) -
               cot_by_face * cos_pitch_ * (a_sign_ * cos_delta_ * w + sin_delta_ * foot_mm);
   return by;
 }
@@ -118,34 +98,51 @@ absl::StatusOr<Trigger> TriggerOf(const Rod& rod, const Beam& beam) {
   RETURN_IF_ERROR(Validate(rod));
   const RodEdge edge(rod, beam);
   const double cos_pitch = std::cos(beam.pitch_rad);
+  Trigger trigger;
+  std::array<double, kTriggerInputs> edge_by_input = {};  // the mean over the shadow's width
+  const auto add = [&](double foot_mm, double share) {
+    const std::array<double, kTriggerInputs> by = edge.ByInput(foot_mm);
+    for (int input = kYaw; input < kTriggerInputs; ++input) edge_by_input[input] += by[input] * share;
+  };
   std::optional<HalfShade> half;
-  if (rod.radius_mm - rod.fillet_mm > kWide * beam.radius_mm)
-    half = HalfShadeHeight(edge, beam.radius_mm, ClosedFormHeightMm(rod, beam) * cos_pitch);
-  const int panels = half ? 1 : 200;  // the edge of a narrow rod is steep where its shadow ends
-  if (!half) half = NarrowHalfShadeHeight(edge, beam.radius_mm, rod.radius_mm);
-  if (!half) {
-    const double share = StripMm2(beam.radius_mm, rod.radius_mm) / (2.0 * HalfDiscMm2(beam.radius_mm));
-    return Refuse(
-        absl::StrFormat("R_r = %g mm shades at most %.1f %% of a beam of radius %g mm, the trigger fires at half: "
-                        "expected a thicker rod",
-                        rod.radius_mm, 100.0 * share, beam.radius_mm));
-  }
-  Trigger trigger{half->height_mm / cos_pitch, half->shade.area_mm2, {}};
-  const double width_mm = half->shade.WidthMm();
-  for (int i = 0; i < half->shade.span_count; ++i) {
-    const auto [from_mm, to_mm] = half->shade.spans_mm[i];
-    const double panel_mm = (to_mm - from_mm) / panels;
-    for (int k = 0; k < panels; ++k) {
-      ForGaussPoints(from_mm + k * panel_mm, from_mm + (k + 1) * panel_mm, [&](double y_mm, double weight_mm) {
-        const std::array<double, kTriggerInputs> by = edge.ByInput(y_mm);
-        for (int input = kYaw; input < kTriggerInputs; ++input)
-          trigger.by_input[input] -= by[input] * weight_mm / (width_mm * cos_pitch);
-      });
+  if (edge.shadow().rho_mm > kWide * beam.radius_mm) half = HalfShadeHeight(edge.shadow(), beam.radius_mm);
+  double width_mm = 0.0, arc_rad = 0.0;
+  if (half) {
+    trigger.height_mm = half->height_mm / cos_pitch;
+    trigger.area_mm2 = half->area_mm2;
+    width_mm = half->width_mm;
+    arc_rad = half->arc_rad;
+    ForGaussPoints(half->foot_from_mm, half->foot_to_mm, [&](double foot_mm, double weight_mm) {
+      add(foot_mm, edge.shadow().AtFoot(foot_mm).y_per_foot * weight_mm / width_mm);
+    });
+  } else {
+    const std::optional<NarrowHalfShade> narrow = NarrowHalfShadeHeight(edge, beam.radius_mm, rod.radius_mm);
+    if (!narrow) {
+      const double share = StripMm2(beam.radius_mm, rod.radius_mm) / (2.0 * HalfDiscMm2(beam.radius_mm));
+      return Refuse(
+          absl::StrFormat("R_r = %g mm shades at most %.1f %% of a beam of radius %g mm, the trigger fires at half: "
+                          "expected a thicker rod",
+                          rod.radius_mm, 100.0 * share, beam.radius_mm));
+    }
+    trigger.height_mm = narrow->height_mm / cos_pitch;
+    trigger.area_mm2 = narrow->shade.area_mm2;
+    width_mm = narrow->shade.WidthMm();
+    arc_rad = narrow->shade.arc_rad;
+    constexpr int kPanels = 200;  // the edge is steep where the shadow ends
+    for (int i = 0; i < narrow->shade.span_count; ++i) {
+      const auto [from_mm, to_mm] = narrow->shade.spans_mm[i];
+      const double panel_mm = (to_mm - from_mm) / kPanels;
+      for (int k = 0; k < kPanels; ++k) {
+        ForGaussPoints(from_mm + k * panel_mm, from_mm + (k + 1) * panel_mm, [&](double y_mm, double weight_mm) {
+          add(edge.shadow().FootMm(y_mm), weight_mm / width_mm);
+        });
+      }
     }
   }
+  for (int input = kYaw; input < kTriggerInputs; ++input) trigger.by_input[input] = -edge_by_input[input] / cos_pitch;
   // The edge is lifted by Zd cos b, which pitch changes too.
   trigger.by_input[kPitch] += trigger.height_mm * std::tan(beam.pitch_rad);
-  trigger.by_input[kBeamRadius] = beam.radius_mm * (half->shade.arc_rad - std::numbers::pi) / (width_mm * cos_pitch);
+  trigger.by_input[kBeamRadius] = beam.radius_mm * (arc_rad - std::numbers::pi) / (width_mm * cos_pitch);
   return trigger;
 }
 

@@ -58,14 +58,14 @@ double ClosedFormHeightMm(const Rod& rod, const Beam& beam);
 class RodEdge {
  public:
   RodEdge(const Rod& rod, const Beam& beam);
-  EdgePoint At(double y_mm) const;
-  double FootMm(double y_mm) const;  // Y: the point of the eroded rod's edge that the point at y belongs to
-  // d(z at y) per input, Zd held; the beam's radius has none.
-  std::array<double, kTriggerInputs> ByInput(double y_mm) const;
+  const ShadowEdge& shadow() const { return shadow_; }
+  EdgePoint At(double y_mm) const { return shadow_.At(y_mm); }
+  // d(z at the y to which the foot belongs) per input, Zd held; the beam's radius has none.
+  std::array<double, kTriggerInputs> ByInput(double foot_mm) const;
 
  private:
-  double fillet_mm_, rho_mm_, cos_pitch_, sin_pitch_, cot_face_, sin_face_, cos_delta_, sin_delta_;
-  double a_, a_sign_, b_, level_mm_;  // core(Y) = level - a sqrt(rho^2 - Y^2) - b Y
+  ShadowEdge shadow_;
+  double cos_pitch_, sin_pitch_, cot_face_, sin_face_, cos_delta_, sin_delta_, a_sign_;
 };
 
 }  // namespace axiscal::toolsetter
