@@ -44,14 +44,14 @@ Bend BendOf(const ErrorTerm& term, const AxisValues& from, const AxisValues& to)
     return {amplitude, 0.858 * amplitude * travel, 2.0 * amplitude * travel * travel};
   }
   if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) {
-    // Linear between nodes, with corners at them: what departs from a straight line is at most the whole change, which
-    // a curvature of eight times it stands for.
+    // Linear between nodes, with corners at them: the departure from a straight line is at most the whole change, and a
+    // curvature of eight times the change has that departure.
     double travel = along(map->axis, &largest) / GapOf(*map, map->axis);
     if (map->second_axis >= 0) travel += along(map->second_axis, &largest) / GapOf(*map, map->second_axis);
     const double size = (map->is_tied ? 2.0 : 1.0) * amplitude, change = std::min(size * travel, 2.0 * size);
     return {size, change, 8.0 * change};
   }
-  // Of the others only those are carried that stand still along a move: backlash, and time and temperature as stated.
+  // The other carried terms do not change along a move: backlash, and terms of a stated time or temperature.
   return {amplitude, 0, 0};
 }
 

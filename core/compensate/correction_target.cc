@@ -31,7 +31,7 @@ CorrectionTarget::CorrectionTarget(Compensator compensator, const Pose& referenc
 absl::StatusOr<CorrectionTarget> CorrectionTarget::Create(const Machine& machine, const ErrorModel& errors,
                                                           const Options& options, const Pose& reference,
                                                           const std::array<bool, machine::kMaxAxes>& corrected_rotary) {
-  // What can be carried at all is the compensator's to say.
+  // The compensator decides which terms can be carried at all.
   ASSIGN_OR_RETURN(const Compensator whole, Compensator::Create(machine, errors, options));
   ErrorModel linear, turns;
   for (const ErrorTerm& term : whole.carried().terms) {

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kProducts = 9;
 
-// A vector as factors of the products: 3 i + k is of the i-th of the first turn and the k-th of the second.
+// A vector as factors of the products: 3 i + k belongs to term i of the first turn and term k of the second.
 struct Expanded {
   Eigen::Vector3d factor[kProducts];
 

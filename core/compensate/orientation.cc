@@ -166,7 +166,7 @@ class Solver {
     }
   }
 
-  // The change that keeps the axis within its travel; a programmed position beyond it is not of this concern.
+  // The change that keeps the axis within its travel; a programmed position beyond it is reported elsewhere.
   double InTravel(int axis, double change) const {
     const machine::Axis& limits = compensator_.machine().axes[axis];
     const double programmed = pose_.position[axis];

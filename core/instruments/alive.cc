@@ -19,7 +19,7 @@ bool Moved(const MeasuringRun& run, int reading) {
   return !std::equal(run.PositionsOf(reading), run.PositionsOf(reading) + run.axis_count, run.PositionsOf(reading - 1));
 }
 
-// Those in which the machine moved as often as a dead instrument is told by.
+// The stretches in which the machine moved at least kDeadMoves times.
 std::vector<Stretch> LongStretches(const MeasuringRun& run, int row) {
   std::vector<Stretch> stretches;
   Stretch now;
@@ -35,8 +35,8 @@ std::vector<Stretch> LongStretches(const MeasuringRun& run, int row) {
   return stretches;
 }
 
-// What readings outside the stretches scatter by, judged from second differences, which a smooth signal hardly has; no
-// more than the session states. mm
+// Scatter of the readings outside the stretches, mm, judged from second differences, which a smooth signal hardly has;
+// at most the stated one.
 double NoiseBeside(const MeasuringRun& run, int row, const std::vector<Stretch>& stretches) {
   std::vector<double> bends;
   auto stretch = stretches.begin();
@@ -54,7 +54,7 @@ double NoiseBeside(const MeasuringRun& run, int row, const std::vector<Stretch>&
   return std::min(run.sigma_mm, sigma_per_median * *middle);
 }
 
-// Whether noise would have changed the reading at one of so many moves.
+// Whether noise would have changed the reading during that many moves.
 bool IsDead(const MeasuringRun& run, int row, const Stretch& stretch, const std::vector<Stretch>& stretches) {
   if (stretch.first == 0 && stretch.last + 1 == run.reading_count()) return run.readings_before == 0;
   const double noise_mm = NoiseBeside(run, row, stretches);

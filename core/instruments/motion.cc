@@ -38,7 +38,7 @@ void DeriveMotion(MeasuringRun* run) {
       }
       run->axis_states[static_cast<size_t>(k) * axes + axis] = state;
     }
-    // As with the sense: an axis that moves on is approached as fast.
+    // As with the sense: the first position is taken to be approached at the speed of the first change.
     if (readings > 1) run->axis_states[axis].speed = run->axis_states[static_cast<size_t>(axes) + axis].speed;
   }
 }

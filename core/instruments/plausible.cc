@@ -12,7 +12,7 @@ namespace axiscal::instruments {
 absl::Status CheckPlausible(const session::Session& session, const machine::Machine& machine, size_t readings_before) {
   const Instrument* instrument = FindInstrument(session::FindHeader(session, "instrument").value_or(""));
   if (instrument == nullptr) return absl::OkStatus();
-  // Eccentricities without paths are kept for whoever reads them; nothing is identified from them.
+  // Eccentricities without paths are stored, but nothing is identified from them.
   if (instrument->kind == Kind::kEccentricity && !eccentricity::HasPaths(session)) return absl::OkStatus();
   ASSIGN_OR_RETURN(const MeasuringRun run, BindSession(session, machine, readings_before));
   if (run.kind == Kind::kTouch || run.kind == Kind::kEccentricity) return absl::OkStatus();  // gated when bound

@@ -7,7 +7,7 @@
 namespace axiscal::instruments {
 namespace {
 
-// Euclid's algorithm with the nearest multiple; what is below `same` counts as nothing.
+// Euclid's algorithm with the nearest multiple; a rest below `same` counts as zero.
 double CommonStep(double a, double b, double same) {
   while (b > same) {
     const double rest = std::abs(std::remainder(a, b));
@@ -17,8 +17,8 @@ double CommonStep(double a, double b, double same) {
   return a;
 }
 
-// The largest step by whose multiples all readings of the column differ; 0 where it is below `finest_mm`, or not told
-// from chance: by fewer than five different values, unless each came five times.
+// The largest step of which all differences between readings of the column are multiples. 0 where it is below
+// `finest_mm`, or may be chance: with fewer than five different values, unless each of them came five times.
 double StepOf(const MeasuringRun& run, int row, double finest_mm) {
   constexpr int kFewest = 10, kMostLookedAt = 2000;       // readings
   constexpr double kOfFinest = 1e-3, kOfLargest = 1e-14;  // what decimals and differences of doubles are off by

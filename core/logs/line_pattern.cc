@@ -140,7 +140,7 @@ Match MatchInOrder(const LinePattern& pattern, std::string_view line) {
     }
     at = MatchNumber(line, at, &match.fields[i], &failed);
     if (at == std::string_view::npos) return Fail(failed, NumberOf(piece));
-    // A number that runs on into letters or a second point is none.
+    // Digits that letters or a second point follow are no number.
     if (at < line.size() && i + 1 < pattern.pieces.size() && pattern.pieces[i + 1].literal.empty() &&
         !IsBlank(line[at]))
       return Fail(at, "a blank behind the number for " + piece.field);

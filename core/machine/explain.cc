@@ -67,7 +67,7 @@ std::string Branch(const Machine& machine, const std::vector<int>& axes) {
   return text;
 }
 
-// What the axis itself does, in brackets behind the line: on the work branch the opposite of what the tool seems to do.
+// What the axis itself does, in brackets at the line's end: on the work branch the opposite of the tool's motion.
 std::string CarriedText(const AxisMotion& motion) {
   const std::string carried = motion.carries_workpiece ? "workpiece" : "tool";
   if (motion.kind == AxisKind::kLinear) {

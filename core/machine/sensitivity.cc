@@ -9,7 +9,7 @@ using geometry::Rigid;
 
 // Walks one branch outwards. With E = Trans(p + e) R Trans(-p) about the error's point p:
 //   E x = (p + e) + R (x - p),   dE x / de = 1,   dE x / d(angle k) = axis_k x R (x - p),
-// and R (x - p), the lever, is where the carried point stands from the error's centre p + e, whatever is between.
+// and R (x - p), the lever, leads from the error's centre p + e to the carried point, whatever is between.
 // Most errors are zero and most motions are shifts: both leave the rotation alone.
 void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joint, const double* positions,
                const JointErrors<double>& errors, double sign, const Eigen::Vector3d& point_at_home_mm,

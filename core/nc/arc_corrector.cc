@@ -13,7 +13,7 @@ constexpr int kSamplesPerArc = 8;  // inside a fitted arc
 constexpr double kShare =
     0.95;  // rounding of words and the samples' spacing must not carry a piece beyond the tolerance
 constexpr int kArcCounts[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
-// Where start and end lie so near that rounding could turn the arc into a full circle, or a full circle into nothing.
+// Start and end lie so near that rounding could turn the arc into a full circle, or a full circle into nothing.
 constexpr double kLeastGrains = 20.0;
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -140,7 +140,7 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   // The program's own centre, seen from the start, or its radius: words that need no change stay.
   absl::StatusOr<Arc> kept = fitted;
   if (grain.radius_mm > 0) {
-    // Near half a turn, and beyond it, the centre hangs on the last digit of the radius and of the ends.
+    // Near half a turn, and beyond it, the centre depends on the last digit of the radius and of the ends.
     const double height = (centre_mm - 0.5 * (start_mm + end_mm)).norm();
     if (!fitted.ok() || is_full || height < 0.2 * fitted->radius_mm()) return false;
     const double sign = std::abs(sweep) > kPi ? -1.0 : 1.0;

@@ -218,7 +218,7 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
                   GrainTicks(interpreter_->ticks_per_unit(axis), DecimalsOf(block, step, axis))))
       return false;
   }
-  // Kept here: what is written through `to` might be anything of this object, for all that the compiler knows.
+  // Local copies: the compiler must assume that a write through `to` can change any member of this object.
   const bool is_inch = interpreter_->modal().is_inch;
   const int decimals_mm = options_->decimals_mm, decimals_inch = options_->decimals_inch;
   const bool has_increments = options_->integer_words == IntegerWords::kLeastIncrement;
@@ -232,7 +232,7 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
     if (word.distance != Distance::kModal) return false;
     commanded_.known |= static_cast<uint16_t>(1u << axis);
     const Ticks target = piece.targets[axis], shift = preset_shift_[axis];
-    // The position that the word says already.
+    // The word says this position already.
     if (target == step.end.ticks[axis] && shift == 0) {
       commanded_.ticks[axis] = target;
       continue;
@@ -243,7 +243,7 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
     const int says = is_increments ? is_inch ? decimals_inch : decimals_mm : number.decimals;
     const int decimals =
         is_increments ? says : std::max<int>(unit == kTicksPerInch ? decimals_inch : decimals_mm, says);
-    // No axis of this block is wrapped (Round): such a word states its distance.
+    // No axis of this block is wrapped (Round), because a word of a wrapped axis states its distance.
     const Ticks grain = GrainTicks(unit, decimals);
     const int64_t mantissa = RoundToGrains(target - base, grain);
     commanded_.ticks[axis] = base + mantissa * grain;

@@ -227,7 +227,7 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) const {
         break;
       }
       case Role::kCode: {
-        // The motion code in force, once more, but once.
+        // The motion code in force, written again, is accepted once.
         const Code& code = Find(word);
         if (has_code || code.meaning != modal_.motion || code.text != modal_.motion_text) return false;
         if ((code.detail != 0) != modal_.is_clockwise) return false;

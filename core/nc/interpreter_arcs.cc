@@ -112,10 +112,10 @@ bool Interpreter::ReadArc(const Block& block, const Request& request, Step* step
   step->arc = *arc;
   step->arc.first = first;
   step->arc.second = second;
-  // The senses in which the axes come to the end.
+  // The senses of motion in which the axes reach the end.
   const double end_rad = arc->start_rad + arc->sweep_rad;
   const double along[2] = {-std::sin(end_rad) * arc->sweep_rad, std::cos(end_rad) * arc->sweep_rad};
-  // Where an axis turns back just there, it came outwards.
+  // An axis that turns back exactly at the end reaches it moving outwards.
   const double outwards[2] = {std::cos(end_rad), std::sin(end_rad)};
   for (const int index : {0, 1}) {
     const double last = std::abs(along[index]) > 1e-9 ? along[index] : outwards[index];

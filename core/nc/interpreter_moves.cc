@@ -280,7 +280,7 @@ bool Interpreter::Wrap(const Word& word, int axis, Step* step) {
   const Ticks value = step->end.ticks[axis] - offset(axis);
   if (is_linear_[axis]) return refuse("a way round is of rotary axes");
   if (value < 0 || value >= kTurn) return refuse("a position of an axis that counts from 0 to 360 deg is out of it");
-  // A correction of the position that it starts from could make a full turn of none.
+  // A correction of the start could turn a move of zero length into a full turn.
   if (options_->orientation && word.distance != Distance::kShortestWay)
     return refuse("a stated sense of rotation while rotary axes are corrected");
   step->wrapped |= static_cast<uint16_t>(1u << axis);

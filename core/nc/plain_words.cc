@@ -18,8 +18,8 @@ inline uint64_t NumberOf(uint64_t digits) {
   return (outer + inner) >> 32;
 }
 
-// ReadPlainWord of a word that is written as the one was of which `layout` and the rest of `word` tell: all its digits
-// are read at once. Returns where it ends; nullptr: it is written otherwise. Behind it a digit or a point may follow.
+// ReadPlainWord for a word with the same layout as an earlier one, which `layout` and the rest of `word` describe: all
+// digits are read at once. Returns its end, or nullptr where the layout differs. A digit or a point may follow.
 inline const char* ReadAlikeWord(const char* text, const char* at, const char* end, const WordLayout& layout,
                                  Word* word) {
   if (layout.size == 0 || end - at < static_cast<ptrdiff_t>(layout.size)) return nullptr;
@@ -45,7 +45,7 @@ inline const char* ReadAlikeWord(const char* text, const char* at, const char* e
   return last;
 }
 
-// Of a plain word; that of no word where it is too long.
+// The layout of a plain word; an empty one where the word is too long.
 WordLayout LayoutOf(const char* text, const Word& word) {
   WordLayout layout;
   const uint32_t size = word.end - word.number_at;
@@ -79,7 +79,7 @@ bool ReadPlainBlock(const char* text, const char* end, Block* block) {
     if (count < block->layout_count) {
       const char* const last = ReadAlikeWord(text, at, end, block->layouts[static_cast<size_t>(count)], &word);
       if (last != nullptr) {
-        // Most words are set apart by one blank. Behind blanks stands a letter, or the next word is found to be none.
+        // Most words are separated by one blank. If no letter follows the blanks, the next word fails to read.
         if (*last == ' ') {
           at = last + 1;
           while (*at == ' ') ++at;

@@ -104,8 +104,8 @@ class Verifier {
     return (Actual(PositionsOf(found.step.end), wanted.step).tip_mm - end.tip_mm).norm();
   }
 
-  // Whether the piece, near the move's end, is one before its last: pieces may be short. So it is where those behind it
-  // come nearer, and one of them to the end exactly.
+  // Whether the piece, though near the move's end, is not its last one (pieces may be short): that is so where the
+  // pieces behind it come nearer, and one of them reaches the end exactly.
   absl::StatusOr<bool> IsBeforeLast(const Event& wanted, const Event& found, MoveReader* compensated) {
     constexpr double kExactMm = 0.002;  // the words' rounding, and room
     constexpr size_t kMostPieces = 1000;
@@ -128,7 +128,7 @@ class Verifier {
     return false;
   }
 
-  // Whether the piece ends the arc: behind `fraction` of it there is room for no other.
+  // Whether the piece ends the arc: from `fraction` on there is no room for another piece.
   bool IsAtEnd(const Event& wanted, const Event& found, double fraction) const {
     if (std::abs(wanted.step.arc.sweep_rad) < 6.0) return true;  // its ends are far apart
     if (found.step.is_arc) {
@@ -184,8 +184,8 @@ class Verifier {
     return between;
   }
 
-  // Where on the nominal move a command between its pieces stands: by the angle of an arc, else by the axis that
-  // travels most. A correction may carry it `slack` beyond its place.
+  // The fraction of the nominal move at which a command inside it stands: by the angle of an arc, else by the axis that
+  // travels most. A correction may move it by up to `slack`.
   double FractionOf(const Step& step, const Values& from, const Values& to, const Values& at, double last,
                     double* slack) const {
     *slack = 1e-3;
@@ -196,7 +196,7 @@ class Verifier {
       double fraction = angle / step.arc.sweep_rad;
       *slack =
           std::max(1e-3, options_.reading.max_correction_mm / (step.arc.radius_mm() * std::abs(step.arc.sweep_rad)));
-      // A correction may stand a little before the place, also before the begin.
+      // A correction may move it back a little, even before the begin.
       const double least = last - std::min(*slack, 0.1);
       while (fraction < least) fraction += turn;
       while (fraction - turn >= least) fraction -= turn;
@@ -206,7 +206,7 @@ class Verifier {
     double travel = 0;
     for (int i = 0; i < machine_.axis_count(); ++i) {
       const bool is_rotary = machine_.axes[i].kind == machine::AxisKind::kRotary;
-      // A rotary axis is corrected least, or not at all.
+      // Rotary axes come first: their corrections are the smallest, or none.
       const double length = std::abs(to[i] - from[i]) * (is_rotary ? 1e6 : 1.0);
       if (length > travel) longest = i, travel = length;
     }
@@ -219,8 +219,8 @@ class Verifier {
     return (at[longest] - from[longest]) / (to[longest] - from[longest]);
   }
 
-  // The same where rotary commands are corrected too, and say less: the fraction where the nominal tool comes nearest,
-  // in point and direction, to the one of the machine with its errors. From a fraction that is near.
+  // The same where rotary commands are corrected too and tell the fraction less well: the fraction where the nominal
+  // tool is nearest, in point and direction, to that of the machine with its errors. Starts at a fraction that is near.
   double NearestFraction(const Step& step, const Values& from, const Values& to, const Values& at,
                          double fraction) const {
     constexpr double kStep = 1e-4;

@@ -25,7 +25,7 @@ void WritePositions(const machine::Machine& machine, const instruments::Measurin
   }
 }
 
-// A touch has no reading of its own: what is measured are the positions at which the probe triggers. Moves the linear
+// A touch has no reading of its own: the positions at which the probe triggers are measured. Moves the linear
 // axes along the approach until the gap is `gap_mm`. INVALID_ARGUMENT when the stylus passes the feature by.
 absl::Status MoveToContact(const machine::Machine& machine, const machine::JointErrors<double>& errors,
                            const double* setup, int reading, double gap_mm, instruments::MeasuringRun* run) {

@@ -16,7 +16,7 @@ namespace {
 // Below what clients take as one message.
 constexpr size_t kMaxAnswerBytes = 3'500'000;
 
-// Axes without a range get what the calibration's sessions covered: beyond it nothing is known.
+// Axes without a range get the range that the calibration's sessions covered: beyond it nothing is known.
 absl::Status AddMeasuredRanges(storage::Database& database, const storage::CalibrationRecord& calibration,
                                const machine::Machine& machine, const Call& call, tables::TableRequest* request) {
   std::vector<tables::AxisRange> wanted;

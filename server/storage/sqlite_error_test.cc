@@ -7,7 +7,7 @@
 namespace axiscal::storage {
 namespace {
 
-// A busy store may be asked again; one that may not be written is refused, so that nobody waits for it.
+// A busy store may be tried again; a read-only one is a refusal, so that nobody waits for it.
 TEST(SqliteErrors, AReadOnlyDatabaseIsRefused) {
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(":memory:", &db), SQLITE_OK);

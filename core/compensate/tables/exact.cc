@@ -51,7 +51,7 @@ std::vector<Eigen::Vector3d> PointsOf(const Plan& plan, const ErrorModel& errors
     machine::AppendError<double>(at_home[machine.tool_joint()], Eigen::Vector3d::Zero(), &bed);
     tip_shift = bed * plan.request.state.tool_tip_mm - plan.request.state.tool_tip_mm;
   }
-  // Axis positions say where the tool point is: what moves the tool point alone moves every axis the other way.
+  // Axis positions say where the tool point is: a shift of the tool point alone is the opposite shift of all axes.
   for (int i = 0; i < machine.axis_count(); ++i) {
     if (machine.axes[i].kind == machine::AxisKind::kRotary) points[i] -= tip_shift;
   }

@@ -21,7 +21,7 @@ using compensate::TableColumn;
 
 constexpr int kPosesWithin = 2000;
 constexpr int kPosesPerTerm = 300;
-// A term of whose effect less than this part stays is carried.
+// A term counts as carried where less than this part of its effect stays.
 constexpr double kCarriedPart = 0.1;
 
 std::vector<Pose> PosesAlongAll(const Plan& plan, const Table& table) {
@@ -45,16 +45,16 @@ std::vector<Pose> PosesAlongAll(const Plan& plan, const Table& table) {
   return poses;
 }
 
-// Tables of corrections are zero at the reference. What an axis is off there is its zero's: it is taken off with and
-// without the table, so that before and after tell what the table does.
+// Tables of corrections are zero at the reference. The error of an axis there belongs to its zero: it is subtracted
+// with and without the table, so that before and after show the effect of the table.
 absl::StatusOr<Positions> ZerosOf(const Plan& plan, const machine::ErrorModel& errors) {
   if (plan.format.layout == Layout::kComponents || plan.format.layout == Layout::kPoints) return Positions{};
   ASSIGN_OR_RETURN(const compensate::CorrectionTarget target, plan.Target(errors));
   return target.constant();
 }
 
-// What a table of corrections itself adds at the reference, mean of both senses (formats that are zero there in one
-// sense only, and rounding): a shift of the zero as well.
+// What a table of corrections itself adds at the reference, mean of both senses (because a format is zero there in one
+// sense only, or because of rounding): a shift of the zero as well.
 absl::StatusOr<Positions> ShiftOf(const Plan& plan, const Table& table) {
   Positions shift{};
   if (table.kind != compensate::TableKind::kCorrections) return shift;
@@ -169,7 +169,7 @@ absl::StatusOr<compensate::Commander> ExactCommander(const Plan& plan, const mac
   });
 }
 
-// Terms of whose effect on the tool point this layout leaves a part, whatever its points and steps.
+// Lists terms of which this layout leaves a part at the tool point, however many points and however fine steps it has.
 absl::Status ListLeft(const Plan& plan, std::vector<std::string>* not_carried) {
   if (plan.format.layout == Layout::kComponents) return absl::OkStatus();
   const std::vector<Pose> poses = PosesWithin(plan.machine, plan.reference, plan.ranges, kPosesPerTerm);
@@ -225,7 +225,7 @@ void ListZeros(const Plan& plan, const Positions& zeros, std::vector<std::string
   }
 }
 
-// "B, C": axes that move within the ranges and over which the table is not.
+// "B, C": axes that move within the ranges but are no argument of the table.
 std::string AxesBeside(const Plan& plan) {
   std::string names;
   for (int i = 0; i < plan.machine.axis_count(); ++i) {

@@ -176,7 +176,7 @@ absl::Status SetFunctions(const TableRequest& request, Plan* plan) {
   for (const Function& function : plan->functions) {
     if (std::find(plan->arguments.begin(), plan->arguments.end(), function.argument) == plan->arguments.end())
       plan->arguments.push_back(function.argument);
-    // Of a file with one axis the others are not turned.
+    // A file with one axis does not correct the other rotary axes.
     if (plan->format.limits.one_axis) plan->corrected_rotary.fill(false);
   }
   for (const Function& function : plan->functions) {

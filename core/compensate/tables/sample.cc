@@ -153,13 +153,13 @@ absl::Status SampleComponents(const Plan& plan, Content* content) {
   return absl::FailedPreconditionError("the machine has no error that a table of " + plan.format.name + " can carry");
 }
 
-// Values at the points of a grid of the linear axes, as few of equal steps as keep each axis' own function.
+// Values at the points of a grid of the linear axes, with as few equal steps as keep each axis' function in tolerance.
 absl::Status SampleGrid(const Plan& plan, Content* content) {
   ASSIGN_OR_RETURN(const compensate::CorrectionTarget target, plan.Target(plan.sampled));
   TableBlock block;
   size_t count = 1;
   for (const int argument : plan.arguments) {
-    // What the functions of all axes leave adds up.
+    // The departures of all axes' functions add up.
     const double share = plan.tolerance(false) / static_cast<double>(plan.arguments.size());
     Sampler sampler{plan, argument, std::vector<double>(plan.arguments.size(), share), false, {}};
     sampler.evaluate = [&](double position, double sense, std::vector<double>* values) {

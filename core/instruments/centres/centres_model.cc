@@ -65,8 +65,8 @@ void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& 
               const machine::JointErrors<double>& errors, const double* setup, instruments::Evaluation* out) {
   out->predicted_mm.resize(3);
   Predict<double>(machine, run, run.PositionsOf(reading), errors, setup, out->predicted_mm.data());
-  // The commands close the gap, so the reading moves against it: dc = -N M^-1 d(gap) with N M^-1 = 1 but for the angle
-  // errors.
+  // The linear commands close the gap that an error opens, so the reading moves the other way:
+  // dc = -N M^-1 d(gap), where N M^-1 is 1 but for the angle errors.
   const Eigen::Vector3d ball_mm = run.ball_mm + Eigen::Vector3d(setup[0], setup[1], setup[2]);
   machine::EvaluateRelativePoint(machine, run.PositionsOf(reading), errors, run.tip_mm, ball_mm, &out->point);
   out->by_error = -out->point.sensitivity;

@@ -40,7 +40,7 @@ absl::StatusOr<Path> ParsePath(const machine::Machine& machine, const std::strin
   if (!turned.ok()) return refuse(std::string(turned.status().message()));
   path.axis = *turned;
   path.is_turning = kind == "turning";
-  // A free radius is told from an eccentricity by a quarter turn well, by a few degrees not at all.
+  // A quarter turn separates a free radius from an eccentricity well, a few degrees not at all.
   if (!(to_deg - from_deg >= 30.0 && to_deg - from_deg <= kTurnDeg))
     return refuse("expected TO - FROM of 30 to 360 deg");
   path.from_rad = from_deg * base::kRadPerDeg;
@@ -81,7 +81,7 @@ absl::StatusOr<std::vector<double>> CommandsOf(const machine::Machine& machine, 
     const auto pose = machine::EvaluateChain<double>(machine, positions.data(), {});
     const Eigen::Vector3d target_mm = ball_mm + pose.bed_from_table.rotation.transpose() * (bar_length_mm * bar);
     RETURN_IF_ERROR(centres::SolveNominalCommands(machine, tip_mm, target_mm, positions.data()));
-    // An axis that stands still stands still to the last digit: what moves, and in which sense, is read off this.
+    // Rounded, so that an axis at rest keeps its position to the last digit: differences tell which axes move, and how.
     constexpr double kGridPerMm = 1e9;
     for (const int axis : centres::LinearAxes(machine))
       positions[axis] = std::round(positions[axis] * kGridPerMm) / kGridPerMm;

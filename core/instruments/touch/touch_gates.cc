@@ -56,8 +56,8 @@ double MedianOf(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-// Repeats of one touch stand at one place across the approach. Of two that differ nobody can say which is wrong; of
-// more it is the one that is off the others' median.
+// Repeats of one touch have one place across the approach. Of two that differ nobody can say which is wrong; of three
+// or more it is the one that is off the median of the others.
 void GateRepeats(const MeasuringRun& run, const Group& group, double gate_mm, std::vector<Rejection>* rejected) {
   constexpr double kSamePlaceMm = 0.010;  // across the approach: what a control's positioning leaves
   std::vector<bool> is_seen(group.readings.size(), false);
@@ -88,7 +88,7 @@ void GateRepeats(const MeasuringRun& run, const Group& group, double gate_mm, st
   }
 }
 
-// Leaves out, one after the other, the touches that stand off the sphere of their fellows. A sphere of another radius
+// Rejects, one after the other, the touches that stand off the sphere of the other touches. A sphere of another radius
 // is refused.
 absl::Status GateSphere(const MeasuringRun& run, const Feature& feature, Group group, double gate_mm,
                         std::vector<Rejection>* rejected) {
@@ -136,7 +136,7 @@ double AsideMm(const Feature& face, const Eigen::Vector3d& at_mm) {
   return (apart_mm - apart_mm.dot(face.normal) * face.normal).norm();
 }
 
-// A face has no borders: a touch of the next column's top lies in the plane of this one's too.
+// A face is stored without its borders: a touch on top of the next column lies in the plane of this column's top too.
 absl::Status GateNeighbours(const machine::Machine& machine, const MeasuringRun& run, int reading) {
   const Feature& face = run.touches.features[run.touches.feature_of[reading]];
   if (face.is_sphere) return absl::OkStatus();

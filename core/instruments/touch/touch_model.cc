@@ -25,12 +25,12 @@ void Evaluate(const machine::Machine& machine, const instruments::MeasuringRun& 
   Eigen::Vector3d normal = turn * feature.normal;
   double gap_mm = normal.dot(stylus_mm - contact_mm) - touches.stylus_radius_mm;
   if (feature.is_sphere) {
-    // About its centre a sphere may turn as it likes.
+    // A turn of a sphere about its centre changes nothing.
     const double distance_mm = (stylus_mm - contact_mm).norm();
     normal = (stylus_mm - contact_mm) / distance_mm;
     gap_mm = distance_mm - (feature.radius_mm + touches.stylus_radius_mm);
   } else {
-    // The foot of the stylus centre: there a turn of the plane's normal has no part in the gap.
+    // The point of the plane below the stylus centre: a turn of the normal about it does not change the gap.
     contact_mm = stylus_mm - (gap_mm + touches.stylus_radius_mm) * normal;
   }
   machine::EvaluateRelativePoint(machine, positions, errors, run.tip_mm, contact_mm, &out->point);
