@@ -7,8 +7,8 @@
 
 namespace axiscal::loop {
 
-// Of the orders above `order` up to `highest`, those whose cosine and sine at `positions` (rad, any order, repeats
-// welcome) are all but the order's own or its mirror image. Empty without positions.
+// The orders above `order` up to `highest` whose cosine and sine at `positions` (rad, unsorted, repeats allowed) equal
+// those of `order` or their mirror image, nearly enough. Empty without positions.
 std::vector<int> AliasOrders(std::vector<double> positions, int order, int highest);
 
 }  // namespace axiscal::loop

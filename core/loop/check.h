@@ -22,15 +22,15 @@ class Check {
   const std::vector<instruments::MeasuringRun>& runs() const { return runs_; }
   // `runs`, then these sessions, to be fitted together; these keep set-ups and names of their own: "check CR".
   std::vector<instruments::MeasuringRun> After(std::vector<instruments::MeasuringRun> runs) const;
-  // The sessions under a model. DEMANDs that there are some; CANCELLED or the fit's errors.
+  // Fits the set-ups of these sessions under a model. DEMANDs that there are sessions; CANCELLED or the fit's errors.
   absl::StatusOr<identify::Fit> Under(const machine::ErrorModel& model);
 
-  // Fits the setup offsets under the best model known and sets bad readings aside; noise is that of the fit sessions of
-  // the same instrument, so that no model is judged by a scatter of its own making.
+  // Fits the setup offsets under the best model known and sets bad readings aside. The noise is that of the fit
+  // sessions of the same instrument: a bad model must not be excused by the scatter that it causes itself.
   absl::Status Settle(const identify::Fit& best);
-  // All sessions, the fit's and these, fitted together with the fit's model from where it stands. What they leave
-  // beyond what the fit sessions leave alone is beyond chance and the uncertainty of the errors too: a drift whose rate
-  // is poorly known may be off two hours later. DEMANDs Settle before; CANCELLED or the fit's errors.
+  // All sessions, those of the fit and these, fitted together with the fit's model, starting from its values. Misfit
+  // that appears only together is more than chance and the uncertainty of the errors explain (a drift whose rate is
+  // poorly known may be off two hours later). DEMANDs Settle before; CANCELLED or the fit's errors.
   absl::StatusOr<std::shared_ptr<const identify::Fit>> Joint(const identify::Fit& best);
   // Chi-square of these sessions under the errors of the fit sessions (Settle before), and in `joint`, which holds them
   // after its first `fitted` runs.
@@ -38,12 +38,12 @@ class Check {
   double SquaresIn(const identify::Fit& joint, size_t fitted) const;
   // Whether what `joint` leaves beyond `best` is chance, given also how well the fit sessions know the noise.
   bool IsExplained(const identify::Fit& joint, const identify::Fit& best) const;
-  // The sessions that read more than that; empty where all is explained.
+  // The sessions whose misfit is larger than that; empty where all is explained.
   absl::StatusOr<std::vector<Unexplained>> UnexplainedSessions(const identify::Fit& best);
-  // The same where `best` was fitted to these sessions, too: those that read more than chance under its errors.
+  // The same where `best` was fitted to these sessions, too: those whose misfit under its errors is more than chance.
   std::vector<Unexplained> UnexplainedWhereFitted() const;
 
-  // What Settle left, and what was asked since.
+  // The result of Settle, and of later questions.
   struct Settled {
     // Of the fit that it was settled under.
     machine::ErrorModel model;

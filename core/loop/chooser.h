@@ -23,15 +23,15 @@ class Chooser {
 
   // Every pair of the class is told.
   bool IsDone() const;
-  // The session that leaves most members alone in the class if they are the true one, then tells most pairs apart which
-  // are not yet, or comes nearest; of equal ones that with the best worst pair, then the shortest. Nothing when none
-  // helps.
+  // The best session to measure next: the one with which most members, each taken for the true one, would stand alone;
+  // then the one that tells most pairs apart that are not yet, or comes nearest to it; of equal ones that with the best
+  // worst pair, then the shortest. Nothing when none helps.
   std::optional<Proposal> Next(bool any_instrument);
-  // Two sessions that only together tell something (a warm shop with a short and with a long tool), of those in which
-  // the effect shows most. Empty when no two do.
+  // Two sessions that only together tell members apart (a warm shop with a short tool and with a long one), of the
+  // sessions in which the effect shows most. Empty when no two do.
   std::vector<Proposal> NextTwo();
   std::vector<const PlannedTest*> Chosen() const;
-  // What the reported effect is not told from.
+  // The members from which the reported effect is not told apart.
   std::vector<machine::ErrorTerm> Remaining() const;
 
  private:

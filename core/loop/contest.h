@@ -1,4 +1,4 @@
-// A class of effects that the data cannot tell apart, and who must be told from whom before the true one stands alone.
+// A class of effects that the data cannot tell apart, and the pairs to tell apart before the true one is alone.
 #ifndef AXISCAL_CORE_LOOP_CONTEST_H_
 #define AXISCAL_CORE_LOOP_CONTEST_H_
 
@@ -19,9 +19,9 @@ struct Pair {
 
 class Contest {
  public:
-  // `effect` as Proposer::Propose. `ends_s`: when planned sessions end, ascending: what a slow warming looks like
-  // depends on how long one looks. `neighbours`: who else the effect shall stay apart from where it
-  // is; `confused`: who else it must be told from.
+  // `effect` as Proposer::Propose. `ends_s`: when planned sessions end, ascending (a slow warming looks different after
+  // a longer time). `neighbours`: effects from which it is told apart already and must stay so;
+  // `confused`: further effects that it must be told apart from.
   Contest(const identify::Problem& problem, const identify::Point& point, const machine::ErrorTerm& effect,
           const std::vector<machine::ErrorTerm>& equivalent, const std::vector<machine::ErrorTerm>& neighbours,
           const std::vector<machine::ErrorTerm>& confused, const std::vector<double>& ends_s);

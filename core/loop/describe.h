@@ -1,4 +1,4 @@
-// Says what an attempt has found.
+// Writes what an attempt has found into its report.
 #ifndef AXISCAL_CORE_LOOP_DESCRIBE_H_
 #define AXISCAL_CORE_LOOP_DESCRIBE_H_
 

@@ -1,5 +1,5 @@
 // The dictionary of effects, generated from the machine and the sessions: every component of every joint times every
-// shape that the readings can resolve. Nothing in it is listed by hand but the shapes.
+// shape that the readings can resolve. Only the shapes are listed by hand.
 #ifndef AXISCAL_CORE_LOOP_DICTIONARY_H_
 #define AXISCAL_CORE_LOOP_DICTIONARY_H_
 
@@ -46,8 +46,8 @@ inline constexpr int kSlipReadings = 6;
 // Candidates that `model` does not hold already.
 std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const machine::ErrorModel& model);
 
-// Half width beyond which structure along a rotary axis is no local defect but its form, which low orders describe.
-// Infinite on linear axes.
+// Half width beyond which structure along a rotary axis is not a local defect but the form of the axis, which harmonics
+// of low order describe. Infinite on linear axes.
 double WidestBump(const machine::Machine& machine, int axis);
 
 // The dictionary's effects of the same shape over the same variable on any joint, but for `known` ones.

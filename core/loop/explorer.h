@@ -1,5 +1,5 @@
-// Ways from the declared model to what explains the sessions: the plain one, those that leave out what may have led
-// astray, and that with all sessions fitted together; and which of them is taken (docs/loop.md).
+// Searches from the declared model to one that explains the sessions: the plain search, searches that avoid an effect
+// that may have misled it, and one with all sessions fitted together; and which result is taken (docs/loop.md).
 #ifndef AXISCAL_CORE_LOOP_EXPLORER_H_
 #define AXISCAL_CORE_LOOP_EXPLORER_H_
 
@@ -37,7 +37,7 @@ class Explorer {
 
   const std::vector<instruments::MeasuringRun>& fit_runs() const { return runs_; }
   const std::vector<instruments::MeasuringRun>& check_runs() const { return check_.runs(); }
-  // That an outcome was fitted to: the fit sessions, or all.
+  // The sessions that an outcome was fitted to: the fit sessions, or all.
   const std::vector<instruments::MeasuringRun>& RunsOf(const Outcome& outcome) const {
     return outcome.attempt.way.with_check ? together_ : runs_;
   }

@@ -16,7 +16,7 @@ struct Added {
   std::vector<Candidate> equivalent, rivals;
 };
 
-// A row of a reading that is bad, whatever a running median of its series says.
+// A row of a reading that counts as bad, whatever the running median of its series says.
 struct BadRow {
   int run = 0;
   size_t row = 0;  // MeasuringRun::bad_rows
@@ -37,9 +37,9 @@ class Extension {
   int TermOf(size_t effect) const;
   // The fit sessions, with the slips and the bad readings found in them.
   std::vector<instruments::MeasuringRun> Runs() const;
-  // Where those of a session's first slip stand in its setup.
+  // Index, in the session's setup, of the offsets of its first slip.
   size_t FirstSlipOf(int run) const { return (*runs_)[run].setup.size(); }
-  // Where the three setup offsets of an effect that is a slip stand in its session's setup.
+  // Index, in its session's setup, of the three offsets of an effect that is a slip.
   size_t SetupOf(size_t effect) const;
   // As in error model and report; slips by their session.
   std::string NameOf(size_t effect) const;
@@ -49,7 +49,7 @@ class Extension {
   const std::vector<instruments::MeasuringRun>* runs_;
 };
 
-// The class without the effect itself, each effect once, unnamed structure left out.
+// Sets the class of `added`: without the effect itself, each effect once, without unnamed structure.
 void SetClass(const Finding& finding, Added* added);
 
 }  // namespace axiscal::loop

@@ -29,11 +29,11 @@ absl::StatusOr<identify::Fit> RefitRuns(const identify::Fit& fit, std::vector<in
 absl::StatusOr<identify::Fit> RefitWithout(const identify::Fit& fit, int run, int first, int last,
                                            const identify::Options& options);
 
-// Chi-square of a fit with what its priors add.
+// Chi-square of a fit, its priors included.
 double SquaresOf(const identify::Fit& fit);
 
-// Chi-square that compares fits of the same readings with unequal noise and other readings set aside: minus twice the
-// logarithm of the likelihood, with what priors add.
+// Chi-square for comparing fits of the same readings with different noise and different readings set aside: minus twice
+// the logarithm of the likelihood, with the priors.
 double ComparableSquaresOf(const identify::Fit& fit);
 
 // Likelihood ratio of a term that is in the model: how much chi-square its removal would cost (Wald).

@@ -20,8 +20,8 @@ struct Series {
 class Nuisance {
  public:
   Nuisance() = default;
-  // Whitened columns, one row per used reading: the offsets of the row's own group end where the last `errors` columns
-  // begin. `precision`: of those errors' priors.
+  // `columns`: whitened, one row per used reading; first the set-up offsets of the row's own group, moved right up to
+  // the errors, then the `errors` columns of the errors. `precision`: of the priors of these errors.
   Nuisance(const identify::Problem& problem, const std::vector<Series>& series, Eigen::MatrixXd columns,
            const Eigen::VectorXd& precision);
 

@@ -24,7 +24,7 @@ struct PlannedTest {
   double end_s = 0.0;  // time of the last reading, or 0
 };
 
-// Everything in the registry that the machine can run from here, near the range of its linear axes so far: once, and in
+// All tests of the registry that the machine can run now, near the range of its linear axes so far: each once, and in
 // several passes. `fitted`: the errors that act.
 std::vector<PlannedTest> PlanTests(const identify::Problem& measured, const machine::ErrorModel& fitted);
 

@@ -1,5 +1,5 @@
-// Between the dictionary's places, widths, frequencies and moments: a grid around the best that shrinks, each point a
-// linear fit with everything else projected off.
+// Refines places, widths, frequencies and moments between those of the dictionary: a grid around the best one that
+// shrinks; each point is a linear fit with everything else projected off.
 #ifndef AXISCAL_CORE_LOOP_REFINE_H_
 #define AXISCAL_CORE_LOOP_REFINE_H_
 
@@ -25,7 +25,7 @@ Candidate AtBestMoment(const Signatures& signatures, Candidate slip, double indi
 // `indistinguishable` at its own best moment.
 Candidate WithCarrierTold(const Signatures& signatures, Candidate slip, double indistinguishable);
 
-// Families that the dictionary samples: their members compare only once they are refined.
+// True for families that the dictionary samples: their members can be compared only after refinement.
 bool IsGrid(Family family);
 
 // The candidate, or where that explains more, the candidate at the place (frequency, length, time constant) of a

@@ -1,5 +1,5 @@
-// Whether the sessions that see an effect also sample its variable finely enough for it: a ball-bar circle of X and Y
-// resolves the pitch of a screw, but not in Z, and an R-test that shows Z stands at too few places for it.
+// Whether the sessions that see an effect also sample its variable finely enough for it. A ball-bar circle of X and Y
+// resolves the pitch of a screw but shows nothing in Z; an R-test shows Z but has too few places for the pitch.
 #ifndef AXISCAL_CORE_LOOP_RESOLUTION_H_
 #define AXISCAL_CORE_LOOP_RESOLUTION_H_
 

@@ -1,6 +1,6 @@
-// How well sessions tell effects of a class apart. What sessions say of errors is their information matrix, setups
-// eliminated; sessions with setups of their own add up. From it, with everything else that is fitted projected off:
-// canonical correlations and the chi-square that fitting the wrong effect would leave.
+// How well sessions tell effects of a class apart, from their information matrix about errors with set-ups eliminated
+// (matrices of sessions with set-ups of their own add up). With everything else that is fitted projected off it gives
+// canonical correlations, and the chi-square that is left when the wrong effect is fitted.
 #ifndef AXISCAL_CORE_LOOP_SEPARATION_H_
 #define AXISCAL_CORE_LOOP_SEPARATION_H_
 

@@ -1,5 +1,5 @@
-// What the readings of a planned session would say of any error: their sensitivities at the fitted machine, evaluated
-// once for all classes of effects that the session is judged for.
+// The information of a planned session about any error: the sensitivities of its readings at the fitted machine,
+// evaluated once for all classes of effects for which the session is judged.
 #ifndef AXISCAL_CORE_LOOP_TEST_ROWS_H_
 #define AXISCAL_CORE_LOOP_TEST_ROWS_H_
 
@@ -16,7 +16,7 @@ class TestRows {
   // that act.
   TestRows(identify::Problem problem, const machine::ErrorModel& fitted);
 
-  // About ListParameters(model, true). `model` is the fitted one with others behind it, too small to move anything.
+  // About ListParameters(model, true). `model`: the fitted terms, then others whose amplitudes are too small to matter.
   Information InformationOf(const machine::ErrorModel& model) const;
 
  private:
