@@ -208,7 +208,7 @@ class Builder {
     const double range = span.highest - span.lowest, gap = GapOf(problem_, axis);
     for (const double share : {0.16, 0.08, 0.04, 0.02}) {
       const double width = share * range;
-      // Poses of an R-test jump about; together they lie as close as those of a sweep.
+      // An R-test visits its poses in jumps; sorted, they lie as close as those of a sweep.
       if (width < std::min(gap, span.finest_step)) break;
       if (width > WidestBump(machine_, axis)) continue;
       for (double at = span.lowest; at <= span.highest; at += width)
@@ -220,7 +220,7 @@ class Builder {
     for (size_t i = 0; i < problem_.runs.size(); ++i) {
       const MeasuringRun& run = problem_.runs[i];
       if (run.slips.size() == instruments::kMaxSlips) continue;
-      // Seen from a tracker the table has no part, and a tracker that slips turns too.
+      // A tracker does not see the table, and a tracker that slips may turn too.
       const bool has_table = run.kind != instruments::Kind::kTracker;
       if (has_table) AddSteps(static_cast<int>(i), instruments::Carrier::kTable);
       if (!has_table || TurnsAny(run)) AddSteps(static_cast<int>(i), instruments::Carrier::kTool);
@@ -237,7 +237,7 @@ class Builder {
     }
   }
 
-  // Where no rotary axis turns, table and tool slip alike.
+  // Where no rotary axis turns, a slip of the table and one of the tool look alike.
   bool TurnsAny(const MeasuringRun& run) const {
     for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       if (!IsRotary(machine_, axis)) continue;
@@ -363,12 +363,12 @@ bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
 int Complexity(const Machine& machine, const Candidate& candidate) {
   int complexity = 10 * static_cast<int>(candidate.family);
   if (candidate.family == Family::kStep) return complexity;
-  // A local defect is a guideway's before it is a bearing's.
+  // A local defect of a linear axis counts as simpler than one of a rotary axis.
   if (candidate.family == Family::kBump) {
     const int axis = *shapes::VariableAxis(candidate.term.shape);
     return complexity + (IsRotary(machine, axis) ? 2 : 0) + (candidate.term.joint == axis ? 0 : 1);
   }
-  // Of places for a drift, the tool is where heat goes first; then the table, then the axes.
+  // Among the joints that may drift the tool comes first (heat acts there first), then the table, then the axes.
   const bool is_time = candidate.family == Family::kDrift || candidate.family == Family::kDriftExp ||
                        candidate.family == Family::kThermal;
   if (is_time && candidate.term.joint != machine.tool_joint())

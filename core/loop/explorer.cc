@@ -16,8 +16,8 @@ using machine::ErrorModel;
 
 namespace {
 
-// The scatter between neighbouring readings, of which the noise of dense series is judged, knows nothing of what is
-// left; that of a few readings takes it up, and one session seems to scatter more than others of its instrument.
+// The noise of dense series is judged from the scatter between neighbours, which does not include misfit. The noise of
+// sessions with few readings does include it: such a session then seems to scatter more than others of its instrument.
 bool IsMisfit(const Fit& fit) {
   constexpr double kBeyondChance = 2.0, kUnlike = 1.5;  // standard deviations; sigma
   constexpr double kHopeless = 4.0;  // what is twice the noise is no choice between names: the dictionary lacks it
@@ -34,7 +34,7 @@ bool IsMisfit(const Fit& fit) {
   return false;
 }
 
-// Effects of `before` that `after` does without, then those that it has instead.
+// Effects of `before` that `after` does not have, then those that it has in their place.
 void NoteChanges(const Extension& before, const Fit& fit, Attempt* after) {
   const auto names_of = [](const Extension& extension) {
     std::vector<std::string> names;
@@ -74,9 +74,9 @@ absl::StatusOr<Outcome> Explorer::Grow(Way* way) {
   return best;
 }
 
-// What two effects leave where one of them alone was expected looks like a local defect, which has place and width to
-// bend to it. Where one was found that names come close to, names alone are tried, one more of them than effects so
-// far, and kept if they explain as much. Returns whether they were.
+// Two effects where only one is expected can look like a local defect, because its place and width are free. Where a
+// local defect was found that named effects nearly match, a search with names alone is tried, with one more effect than
+// so far, and kept if it explains as much. Returns whether it was kept.
 absl::StatusOr<bool> Explorer::PreferNames(Way way, Outcome* best) {
   const std::vector<Added>& found = best->attempt.extension.effects;
   const auto is_local = [](const Added& one) { return one.candidate.family == Family::kBump; };
@@ -90,8 +90,8 @@ absl::StatusOr<bool> Explorer::PreferNames(Way way, Outcome* best) {
   return true;
 }
 
-// One effect may have been added for two others which, found one after the other, would have explained more. Where
-// the noise does not account for what is left, each effect in turn is kept from coming where it came.
+// One effect may have been added in place of two others that would together have explained more. Where the noise does
+// not explain what is left, the search is repeated with each effect in turn excluded at the step where it was added.
 absl::Status Explorer::Detour(Way way, Outcome* best) {
   const std::vector<Added> found = best->attempt.extension.effects;
   for (size_t i = 0; i < found.size() && IsMisfit(best->fit) && !best->attempt.report.has_stopped_early; ++i) {
@@ -112,7 +112,7 @@ absl::Status Explorer::Detour(Way way, Outcome* best) {
   return absl::OkStatus();
 }
 
-// Explains more for what it takes, and no fewer of the check sessions.
+// True where it explains more for its number of parameters, and at least as many of the check sessions.
 bool Explorer::IsBetter(const Outcome& one, const Outcome& other) const {
   return CostOf(one.attempt.extension, one.fit) < CostOf(other.attempt.extension, other.fit) &&
          one.unexplained_sessions.size() <= other.unexplained_sessions.size();
@@ -130,8 +130,8 @@ double Explorer::CostOf(const Extension& extension, const Fit& fit) const {
   return cost;
 }
 
-// Whether the check sessions show that something is amiss, be it less than what leaves them unexplained; and whether
-// amplitudes of the fit sessions foretell them nearly as well as those of all sessions.
+// Whether the check sessions show that something is wrong, even if less than would leave them unexplained; and whether
+// amplitudes from the fit sessions predict them nearly as well as those from all sessions.
 absl::StatusOr<bool> Explorer::IsMoreInAll(const Outcome& best, bool* is_foretold) {
   if (check_.is_empty() || best.attempt.report.has_stopped_early) return false;
   if (!best.unexplained_sessions.empty()) return true;
@@ -157,8 +157,8 @@ Way Explorer::WayOfAll() {
   return way;
 }
 
-// Of two effects the fit sessions may see the sum alone, and one of them stands for both. Where all sessions fitted
-// together leave no check session unexplained, for less than what was found so far, that is the result: true.
+// The fit sessions may see only the sum of two effects, and one of them stands for both. Where a fit of all sessions
+// together leaves no check session unexplained, at a lower cost than the result so far, it becomes the result: true.
 absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
   Way way = WayOfAll();
   ASSIGN_OR_RETURN(Outcome other, Grow(&way));
@@ -174,8 +174,8 @@ absl::StatusOr<bool> Explorer::FitTogether(Outcome* best) {
   return true;
 }
 
-// The names stand, but of amplitudes the fit sessions tell little more than a sum: the same effects with all sessions
-// fitted.
+// The effects stay, but the fit sessions tell little more than the sum of their amplitudes: the same effects are fitted
+// to all sessions.
 absl::Status Explorer::FitSameTogether(Outcome* best) {
   Way way = WayOfAll();
   way.prefix = best->attempt.extension.effects;
@@ -185,8 +185,8 @@ absl::Status Explorer::FitSameTogether(Outcome* best) {
   return absl::OkStatus();
 }
 
-// The effects of `named`, which all sessions speak for, with amplitudes of the fit sessions alone: the check sessions
-// stay a proof. False, and `best` as it was, where the fit sessions do not tell these amplitudes.
+// The effects of `named`, which all sessions support, with amplitudes from the fit sessions alone, so that the check
+// sessions still prove something. False, with `best` unchanged, where the fit sessions do not tell these amplitudes.
 absl::StatusOr<bool> Explorer::FitAlone(const Outcome& named, Outcome* best) {
   constexpr double kNoWorse = 1.02;
   const std::vector<Added>& effects = named.attempt.extension.effects;
@@ -217,15 +217,15 @@ absl::StatusOr<bool> Explorer::FitAlone(const Outcome& named, Outcome* best) {
   return true;
 }
 
-// An effect that swallowed two others leads astray: where the check sessions stay unexplained, another beginning is
-// tried, and taken if it explains them better without explaining the fit sessions worse. Where more is left than may be
-// added, a beginning is not what is wrong.
+// A first effect that stands for two others misleads the search. Where check sessions stay unexplained, another first
+// effect is tried, and its result taken if it explains them better and the fit sessions no worse. Where the limit of
+// effects was reached, another first effect would not help.
 absl::Status Explorer::BeginElsewhere(Way way, Outcome* best) {
   constexpr int kBeginnings = 3;
   std::optional<Added> first = best->attempt.first;
   bool is_explained = best->unexplained_sessions.empty();
   for (int round = 1; round < kBeginnings && !is_explained && first.has_value(); ++round) {
-    // What was alike leads to the same end.
+    // A member of the same class would lead to the same result.
     way.not_first.push_back(first->candidate);
     way.not_first.insert(way.not_first.end(), first->equivalent.begin(), first->equivalent.end());
     ASSIGN_OR_RETURN(Outcome other, Try(way));
@@ -264,7 +264,7 @@ absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
   RETURN_IF_ERROR(growth.Extend(&fit));
   ASSIGN_OR_RETURN(const bool has_replaced, validation.Run(&fit));
   if (has_replaced) {
-    // What had no name beside the wrong effect may have one beside the right one, or not be there at all.
+    // Structure without a name beside the wrong effect may get a name beside the right one, or not be there at all.
     std::erase_if(effects, [](const Added& one) { return IsUnnamed(one.candidate.family); });
     ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
     RETURN_IF_ERROR(growth.Prune(&fit));

@@ -15,7 +15,7 @@ using identify::Fit;
 using machine::ErrorModel;
 
 absl::Status Growth::Extend(Fit* fit) {
-  // What is dropped may be found again, and each session's ends may be bad: as many steps as twice both end that.
+  // A dropped effect may be found again, and both ends of each session may be bad: twice their number limits the steps.
   const int most_steps = 2 * (attempt_->way.most_effects + static_cast<int>(fit->problem.runs.size()));
   for (int step = 0; step < most_steps; ++step) {
     if (static_cast<int>(effects().size()) >= attempt_->way.most_effects) {
@@ -24,7 +24,7 @@ absl::Status Growth::Extend(Fit* fit) {
     }
     ASSIGN_OR_RETURN(const bool has_found, Forward(fit));
     if (!has_found) {
-      // The last one stood while the others changed about it.
+      // The last effect was not refitted while the others changed.
       ASSIGN_OR_RETURN(const bool is_straight, Straighten(fit));
       if (is_straight) continue;
       ASSIGN_OR_RETURN(const bool has_taken_back, TakeBack(fit));
@@ -38,7 +38,7 @@ absl::Status Growth::Extend(Fit* fit) {
       continue;
     }
     RETURN_IF_ERROR(Swap(fit));
-    // Nothing is there where the first effect was tried and refused.
+    // There is no effect yet where the first one was tried and refused.
     if (!effects().empty()) RETURN_IF_ERROR(Backward(effects().size() - 1, fit));
   }
   return Prune(fit);
@@ -51,7 +51,7 @@ absl::Status Growth::Prune(Fit* fit) {
 
 namespace {
 
-// The same effect, structure or slip but for where the scan or its refinement put it.
+// The same effect, structure or slip, apart from the exact place that the scan or its refinement gave it.
 bool IsNear(const Candidate& a, const Candidate& b) {
   if (a.family != b.family) return false;
   constexpr int kNearReadings = 12;
@@ -66,7 +66,7 @@ bool IsNear(const Candidate& a, const Candidate& b) {
   return IsSameEffect(a.term, b.term);
 }
 
-// A real defect explains about twice as much as any name, or more.
+// True where a named effect explains nearly as much as the local defect: a real defect explains about twice as much.
 bool HasCloseName(const SearchResult& found) {
   constexpr double kClose = 0.6;
   const Scored& best = found.finding.effect;
@@ -78,7 +78,7 @@ bool HasCloseName(const SearchResult& found) {
 
 }  // namespace
 
-// The dictionary without what was tried and did not do.
+// The dictionary without candidates that were tried and refused.
 std::vector<Candidate> Growth::Candidates(const Fit& fit) const {
   std::vector<Candidate> candidates = MakeDictionary(fit.problem, fit.point.model);
   if (effects().size() == attempt_->way.prefix.size() && !attempt_->way.not_first.empty()) {
@@ -126,7 +126,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   const bool is_slip = added.candidate.family == Family::kStep;
   if (is_slip) added.candidate = WithCarrierTold(signatures, added.candidate, options_.search.indistinguishable);
   effects().push_back(added);
-  // What is all but explained already may promise much and fit nothing: its amplitude runs away.
+  // A candidate that is nearly explained already may promise much and fit nothing: its amplitude grows without limit.
   if (!is_slip) {
     const absl::StatusOr<Fit> refit = Refit(*fit, extension().Model(), identify_options_);
     if (absl::IsCancelled(refit.status())) return refit.status();
@@ -160,8 +160,8 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   return true;
 }
 
-// What is left of several weak effects bends a local defect to itself, which has place and width to choose. Of what is
-// faint a name takes at least half, or it is local. Beside a local defect that stands, what is faint is its own form.
+// A local defect can fit what several weak effects leave: its place and width are free. Faint structure gets a name
+// where one explains at least half as much. Beside a local defect that was added, it is the rest of that one's form.
 Finding Growth::NamedOfWeak(const Signatures& signatures, const std::vector<Candidate>& named, Finding local) const {
   constexpr double kFaint = 80.0, kHalf = 0.5, kEvidenceShare = 0.6;
   const bool has_local = std::any_of(effects().begin(), effects().end(),
@@ -175,8 +175,8 @@ Finding Growth::NamedOfWeak(const Signatures& signatures, const std::vector<Cand
   return is_named ? std::move(found.finding) : std::move(local);
 }
 
-// Two effects that reverse together look like a slipped artefact, which has three offsets to bend to both: a slip
-// stands only where up to two effects with names do not explain as much for what they take.
+// Two effects that reverse together look like a slipped artefact: its three offsets can fit both. A slip is taken only
+// where up to two named effects do not explain as much for their number of parameters.
 absl::StatusOr<Finding> Growth::NamedInstead(const Fit& fit, const Signatures& signatures,
                                              std::vector<Candidate> candidates, Finding unnamed) const {
   if (!IsUnnamed(unnamed.effect.candidate.family)) return unnamed;
@@ -205,8 +205,8 @@ absl::StatusOr<Finding> Growth::NamedInstead(const Fit& fit, const Signatures& s
   }
 }
 
-// Large amplitudes along what setups nearly explain leave the linear estimate behind: the full refit says which fits
-// best of what is equally simple, and whether a close rival fits clearly better.
+// The linear estimate fails for large amplitudes of signatures that set-ups nearly explain. A full refit decides which
+// of equally simple members fits best, and whether a close rival fits clearly better.
 absl::StatusOr<Finding> Growth::Decide(const Fit& fit, const Signatures& signatures, Finding finding) const {
   if (finding.effect.candidate.family == Family::kStep) return finding;
   constexpr size_t kContenders = 5, kRivals = 3;
@@ -269,7 +269,7 @@ absl::Status Growth::Backward(size_t count, Fit* fit) {
       }
     }
     if (weakest < 0) return absl::OkStatus();
-    // A length or time constant that goes with the amplitude makes it uncertain where the effect is not.
+    // A length or time constant that is fitted along makes the amplitude uncertain, though the effect is certain.
     ErrorModel lacking = fit->result.model;
     lacking.terms.erase(lacking.terms.begin() + extension().TermOf(weakest));
     const absl::StatusOr<Fit> without = Refit(*fit, lacking, identify_options_);

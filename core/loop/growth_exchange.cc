@@ -42,8 +42,8 @@ std::vector<Scored> Growth::ScoreOf(const Signatures& signatures, const std::vec
   return scored;
 }
 
-// Among effects that were alike when one of them was added, the others that have been found since may tell: the
-// member that fits clearly better takes the place, and the class is what is alike now.
+// Effects that were found since may decide between the members of an earlier class: the member that fits clearly better
+// takes the place, and its class is determined anew.
 absl::StatusOr<bool> Growth::SwapOne(size_t effect, Fit* fit) {
   Added changed = effects()[effect];
   ErrorModel lacking = fit->result.model;
@@ -104,7 +104,7 @@ bool ActsAlike(const Candidate& a, const Candidate& b) {
 
 }  // namespace
 
-// Several shapes of one component over one variable may be what the search made of a single other one.
+// The search may have put together one shape from several others of the same component and variable.
 absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
   for (size_t first = 0; first < effects().size(); ++first) {
     std::vector<Added> rest = effects();
@@ -149,8 +149,8 @@ absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
   return false;
 }
 
-// Of two effects that came for a single other one each takes a part up, and what the first was worth when it came has
-// gone over to the second: where one effect explains what the two do, it takes their place.
+// When two effects were added in place of a single other one, each explains a part, and a part of the first one's worth
+// has moved to the second. Where one effect explains what the two do, it takes their place.
 absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
   constexpr double kGone = 0.5;
   constexpr int kMostPairs = 4;

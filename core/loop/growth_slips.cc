@@ -25,9 +25,9 @@ std::pair<int, int> ShortSideOf(const Candidate& slip, const MeasuringRun& run) 
 
 }  // namespace
 
-// What moved for the first or last readings alone, as many as scattered bad readings may be neighbours, did not slip:
-// they are bad, where the others are explained as well without them. A running median sees them badly, which has
-// neighbours on one side only.
+// A slip that affects only the first or last few readings, no more than scattered bad readings side by side, is none:
+// these readings are bad where the others are explained as well without them. The running median does not find them,
+// because at the ends it has neighbours on one side only.
 absl::StatusOr<bool> Growth::SetEndAside(const Scored& found, Fit* fit) {
   const Candidate& slip = found.candidate;
   const int most = identify::OutlierOptions().max_cluster;
@@ -55,8 +55,8 @@ absl::StatusOr<bool> Growth::SetEndAside(const Scored& found, Fit* fit) {
   return Change(before, fit);
 }
 
-// A slip near an end that leaves most of the readings after it (or before it) standing out is no slip: they are bad,
-// each on its own.
+// A slip near an end with which most of the readings after it (or before it) still stand out is no slip: each of these
+// readings is bad by itself.
 absl::StatusOr<bool> Growth::SetScatteredAside(size_t effect, Fit* fit) {
   const Candidate slip = effects()[effect].candidate;
   const MeasuringRun& run = fit->problem.runs[slip.run];
@@ -78,8 +78,8 @@ absl::StatusOr<bool> Growth::SetScatteredAside(size_t effect, Fit* fit) {
   return true;
 }
 
-// Before a slip is known the readings on either side of it stand out of both, and its moment was looked for without
-// them. Where some are set aside it is told by all readings near it, what it moved them by known.
+// Before a slip is known, readings near it fit neither side, may be set aside, and its moment is then found without
+// them. Where some were set aside the moment is found again from all readings near it, with the known displacement.
 absl::Status Growth::SettleMoment(size_t effect, Fit* fit) {
   constexpr int kBeyond = 2, kLongest = 48;  // readings
   constexpr double kAtMost = 36.0;           // chi-square that a bad reading counts
@@ -119,7 +119,7 @@ absl::Status Growth::SettleMoment(size_t effect, Fit* fit) {
   return Change(before, fit).status();
 }
 
-// True where what was added is no slip: its readings are bad.
+// True where the added slip is none: its readings are bad.
 absl::StatusOr<bool> Growth::SettleSlip(size_t effect, Fit* fit) {
   ASSIGN_OR_RETURN(const bool is_bad, SetScatteredAside(effect, fit));
   if (is_bad) return true;
@@ -127,7 +127,7 @@ absl::StatusOr<bool> Growth::SettleSlip(size_t effect, Fit* fit) {
   return SetScatteredAside(effect, fit);
 }
 
-// What was set aside and agrees with what has been found since is no bad reading.
+// Readings that were set aside and agree with the effects found since are not bad.
 absl::StatusOr<bool> Growth::TakeBack(Fit* fit) {
   constexpr double kAgrees = 4.0;  // standard deviations
   std::vector<BadRow>& bad_rows = extension().bad_rows;
@@ -153,7 +153,7 @@ absl::Status Growth::DropSlips(Fit* fit) {
     if (slip.family != Family::kStep) continue;
     ASSIGN_OR_RETURN(const bool is_bad, SetScatteredAside(i, fit));
     if (is_bad) continue;
-    // All three together are worth no less than any of them alone.
+    // All three offsets together are worth at least as much as any one of them.
     double worth = 0.0;
     for (size_t k = 0; k < kOffsets; ++k) {
       const identify::SetupOffset& offset = fit->result.sessions[slip.run].setup[extension().SetupOf(i) + k];
@@ -169,7 +169,7 @@ absl::Status Growth::DropSlips(Fit* fit) {
       extension() = before;
       continue;
     }
-    // What stood out of few readings beside it would without it be structure, and a slip again.
+    // Without it, readings that stand out beside it would count as structure, and become a slip again.
     const auto [first, last] = ShortSideOf(slip, fit->problem.runs[slip.run]);
     for (int row = first; row < last; ++row) {
       if (!fit->problem.is_used[slip.run][row]) extension().bad_rows.push_back({slip.run, static_cast<size_t>(row)});

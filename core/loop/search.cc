@@ -162,8 +162,8 @@ std::vector<machine::ErrorTerm> NotVisible(const std::vector<Candidate>& candida
   return terms;
 }
 
-// What one name may explain of readings that are rounded to a coarse step, although nothing is there: rounding a smooth
-// signal leaves a sawtooth, whose first harmonic has the amplitude resolution / pi.
+// How much an effect may explain of readings with a coarse step although it is not there: rounding of a smooth signal
+// leaves a sawtooth, whose first harmonic has the amplitude resolution / pi.
 double RoundingSquares(const identify::Problem& problem) {
   double squares = 0.0;
   for (size_t i = 0; i < problem.runs.size(); ++i) {
@@ -178,11 +178,11 @@ double RoundingSquares(const identify::Problem& problem) {
 
 bool IsPlausible(const Signatures& signatures, const Candidate& candidate, const Eigen::Vector3d& amplitude) {
   if (candidate.family == Family::kStep) return true;
-  // A tool or a table may stand centimetres off, and an axis follow its command as far behind; what varies along an
-  // axis is another matter.
+  // A tool or a table may stand centimetres off, and an axis may lag its command by as much; errors that vary along an
+  // axis are much smaller.
   const bool is_large = candidate.family == Family::kConstant || candidate.family == Family::kLag;
   constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;
-  // With more play than that a machine cuts nothing, nor does an arm reach anything.
+  // No usable machine has more play than that.
   const bool is_play = candidate.family == Family::kBacklash || candidate.family == Family::kReversal;
   constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // either way; of backlash, peak to peak, twice that
   const double most_mm = is_large ? kFarOffMm : is_play ? kPlayMm : identify::kLargestErrorMm;

@@ -27,8 +27,8 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
   if (check_.is_empty() || effects().empty()) return has_replaced;
   RETURN_IF_ERROR(check_.Settle(*fit));
   ASSIGN_OR_RETURN(std::optional<Fit> joint, Joint(*fit));
-  // Of effects that the fit sessions could not tell apart another may be the one: the largest first, since what is
-  // wrong there bends all that was found beside it.
+  // Of effects that the fit sessions could not tell apart another may be the true one. The largest comes first, because
+  // a wrong one there falsifies all that was found beside it.
   for (size_t i = 0; i < effects().size() && joint.has_value(); ++i) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
     const std::vector<Added> before = effects();
@@ -108,7 +108,7 @@ absl::StatusOr<std::optional<Fit>> Validation::Joint(const Fit& fit) {
 // An effect that is there is worth as much with the check sessions as without them, or more.
 absl::StatusOr<bool> Validation::SpeaksAgainst(size_t effect, const Fit& fit, const Fit& joint) const {
   const int term = extension().TermOf(effect);
-  // What is plain in the fit sessions is not wrong because what stands beside it disturbs the check sessions a little.
+  // An effect that is clear in the fit sessions is not wrong because another one disturbs the check sessions a little.
   constexpr double kLittle = 0.1;
   const double estimated = EvidenceOf(fit, term), joint_estimated = EvidenceOf(joint, term);
   // Far from doubt the quadratic estimate says enough.
@@ -197,9 +197,9 @@ std::vector<Candidate> Validation::Contenders(size_t i, const Fit& joint, Wanted
   return contenders;
 }
 
-// A slip in a fit session that explains more than effect i does in `joint`, by more than `margin`. A name goes before a
-// slip where it explains as much of the fit sessions; one that is none acts in none of the check sessions, and what
-// they have sent from name to name is left with one that they hardly see.
+// A slip in a fit session that explains more than effect i does in `joint`, by more than `margin`. In the fit
+// sessions a name is preferred to a slip that explains as much. If the name is wrong, the check sessions reject one
+// member of its class after the other until one is left that they hardly see: then the slip is right.
 std::optional<Candidate> Validation::SlipInstead(size_t i, double margin, const Fit& fit, const Fit& joint) const {
   const int term = extension().TermOf(i);
   identify::Point lacking = joint.point;
