@@ -1,11 +1,10 @@
 #include "client/upload.h"
 
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
 #include "axiscal/v1/ingest_service.grpc.pb.h"
 #include "core/base/error_detail.h"
+#include "core/base/mutex.h"
 
 namespace axiscal::client {
 namespace {
@@ -32,44 +31,52 @@ class Acknowledgements {
   void ReadAll(Stream& stream) {
     v1::UploadResponse response;
     while (stream.Read(&response)) {
-      const std::lock_guard lock(mutex_);
+      const base::MutexLock lock(mutex_);
       next_seq_ = std::max(next_seq_, response.next_seq());
       duplicates_ = response.duplicate_chunks();
       if (response.has_completed_session()) completed_ = response.completed_session();
       if (response.refused()) is_over_ = true;
-      changed_.notify_all();
+      changed_.NotifyAll();
     }
-    const std::lock_guard lock(mutex_);
+    const base::MutexLock lock(mutex_);
     is_over_ = true;
-    changed_.notify_all();
+    changed_.NotifyAll();
   }
   // Until a chunk of that seq may be sent with `window` under way; false when the stream is over. The point that is
   // durable goes to *next_seq.
   bool WaitForRoom(int64_t seq, int window, int64_t* next_seq) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return is_over_ || seq < next_seq_ + window; });
+    const base::MutexLock lock(mutex_);
+    while (!is_over_ && seq >= next_seq_ + window) changed_.Wait(mutex_);
     *next_seq = next_seq_;
     return !is_over_;
   }
   // Until something new is durable or the stream is over; false then.
   bool WaitForMore(int64_t* next_seq) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return is_over_ || next_seq_ > *next_seq; });
+    const base::MutexLock lock(mutex_);
+    while (!is_over_ && next_seq_ <= *next_seq) changed_.Wait(mutex_);
     *next_seq = next_seq_;
     return !is_over_;
   }
-  // After ReadAll has returned.
-  int64_t next_seq() const { return next_seq_; }
-  int64_t duplicates() const { return duplicates_; }
-  const std::optional<v1::Session>& completed() const { return completed_; }
+  int64_t next_seq() {
+    const base::MutexLock lock(mutex_);
+    return next_seq_;
+  }
+  int64_t duplicates() {
+    const base::MutexLock lock(mutex_);
+    return duplicates_;
+  }
+  std::optional<v1::Session> completed() {
+    const base::MutexLock lock(mutex_);
+    return completed_;
+  }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int64_t next_seq_;  // guarded by mutex_, as are:
-  int64_t duplicates_ = 0;
-  std::optional<v1::Session> completed_;
-  bool is_over_ = false;
+  base::Mutex mutex_;
+  base::CondVar changed_;
+  int64_t next_seq_ AXISCAL_GUARDED_BY(mutex_);
+  int64_t duplicates_ AXISCAL_GUARDED_BY(mutex_) = 0;
+  std::optional<v1::Session> completed_ AXISCAL_GUARDED_BY(mutex_);
+  bool is_over_ AXISCAL_GUARDED_BY(mutex_) = false;
 };
 
 class Uploader {
@@ -148,8 +155,8 @@ class Uploader {
     const absl::Status status = connection_.FromGrpc(stream->Finish());
     next_seq_ = acknowledgements.next_seq();
     result_.duplicate_chunks += acknowledgements.duplicates();
-    if (acknowledgements.completed()) {
-      ASSIGN_OR_RETURN(result_.session, convert::FromProto(*acknowledgements.completed()));
+    if (const std::optional<v1::Session> completed = acknowledgements.completed()) {
+      ASSIGN_OR_RETURN(result_.session, convert::FromProto(*completed));
       Report(chunks_.chunk_count());
     }
     return status;

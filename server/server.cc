@@ -4,13 +4,12 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
 #include "core/base/clock.h"
 #include "core/base/demand.h"
 #include "core/base/error_detail.h"
+#include "core/base/mutex.h"
 #include "proto/convert/job_params.h"
 #include "server/handlers/get_server_info.h"
 #include "server/jobs/close_loop_job.h"
@@ -33,11 +32,12 @@ constexpr int kMinPingIntervalMs = 10'000;
 
 // Health and reflection are plugins of the process, to be chosen before the first server is built.
 void ChoosePlugins() {
-  static std::once_flag once;
-  std::call_once(once, [] {
+  static const bool chosen = [] {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  });
+    return true;
+  }();
+  static_cast<void>(chosen);
 }
 
 void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& builder) {
@@ -108,7 +108,7 @@ class Server::Impl {
   ~Impl() { Shutdown(); }
 
   void Shutdown() {
-    const std::lock_guard lock(shutdown_mutex_);
+    const base::MutexLock lock(shutdown_mutex_);
     if (server_ == nullptr) return;
     Log(LogLevel::kInfo, "drain", {});
     server_->GetHealthCheckService()->SetServingStatus(false);
@@ -132,12 +132,12 @@ class Server::Impl {
   handlers::Core core_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<grpc::Server> server_;
-  std::mutex shutdown_mutex_;
+  base::Mutex shutdown_mutex_;
 
  private:
   // Drops what uploaders have left, now and every hour.
   void KeepHouse() {
-    std::unique_lock lock(housekeeper_mutex_);
+    const base::MutexLock lock(housekeeper_mutex_);
     while (!stop_housekeeper_) {
       const base::UtcTime idle_since = base::SystemClock().UtcNow() - options_.session_expiry;
       const absl::StatusOr<int> expired = database_->ExpireSessions(idle_since);
@@ -146,22 +146,25 @@ class Server::Impl {
       } else if (*expired > 0) {
         Log(LogLevel::kInfo, "expire", {{"sessions", absl::StrCat(*expired)}});
       }
-      wake_housekeeper_.wait_for(lock, std::chrono::hours(1), [&] { return stop_housekeeper_; });
+      const base::SteadyTime next = base::SystemClock().SteadyNow() + std::chrono::hours(1);
+      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
+        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
+      }
     }
   }
 
   void StopHousekeeper() {
     {
-      const std::lock_guard lock(housekeeper_mutex_);
+      const base::MutexLock lock(housekeeper_mutex_);
       stop_housekeeper_ = true;
-      wake_housekeeper_.notify_all();
+      wake_housekeeper_.NotifyAll();
     }
     if (housekeeper_.joinable()) housekeeper_.join();
   }
 
-  std::mutex housekeeper_mutex_;
-  std::condition_variable wake_housekeeper_;
-  bool stop_housekeeper_ = false;  // guarded by housekeeper_mutex_
+  base::Mutex housekeeper_mutex_;
+  base::CondVar wake_housekeeper_;
+  bool stop_housekeeper_ AXISCAL_GUARDED_BY(housekeeper_mutex_) = false;
   std::thread housekeeper_;
 
   static jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {

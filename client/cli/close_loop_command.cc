@@ -5,7 +5,6 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -17,6 +16,7 @@
 #include "client/cli/record_output.h"
 #include "client/cli/session_choice.h"
 #include "core/base/files.h"
+#include "core/base/mutex.h"
 #include "core/base/strict_json.h"
 #include "core/instruments/plausible.h"
 #include "core/loop/close_loop.h"
@@ -126,9 +126,9 @@ absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
   options.max_effects = arguments.max_effects;
   RETURN_IF_ERROR(AddSimulation(arguments, measured.machine, &options));
   ProgressBar bar = context.Bar("closing the loop");
-  std::mutex mutex;  // a simulation reports from every core
+  base::Mutex mutex;  // a simulation reports from every core
   options.progress = [&bar, &mutex](const identify::Progress& progress) {
-    const std::lock_guard<std::mutex> lock(mutex);
+    const base::MutexLock lock(mutex);
     bar.Show(progress.fraction, progress.detail);
   };
   ASSIGN_OR_RETURN(const loop::Report report, loop::CloseLoop(measured.machine, fit, check, options));

@@ -9,8 +9,8 @@ class RealClock final : public Clock {
     return std::chrono::time_point_cast<std::chrono::microseconds>(std::chrono::system_clock::now());
   }
   SteadyTime SteadyNow() const override { return std::chrono::steady_clock::now(); }
-  void WaitUntil(std::condition_variable& changed, std::unique_lock<std::mutex>& lock, SteadyTime deadline) override {
-    changed.wait_until(lock, deadline);
+  void WaitUntil(CondVar& changed, Mutex& mutex, SteadyTime deadline) override AXISCAL_REQUIRES(mutex) {
+    changed.WaitUntil(mutex, deadline);
   }
 };
 

@@ -4,8 +4,8 @@
 #define AXISCAL_CORE_BASE_CLOCK_H_
 
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
+
+#include "core/base/mutex.h"
 
 namespace axiscal::base {
 
@@ -19,9 +19,9 @@ class Clock {
   virtual ~Clock() = default;
   virtual UtcTime UtcNow() const = 0;
   virtual SteadyTime SteadyNow() const = 0;
-  // Waits until `changed` is notified or the steady clock reaches `deadline`; may wake early, so the caller loops on
-  // its own condition.
-  virtual void WaitUntil(std::condition_variable& changed, std::unique_lock<std::mutex>& lock, SteadyTime deadline) = 0;
+  // Waits with `mutex` released until `changed` is notified or the steady clock reaches `deadline`; may wake early, so
+  // the caller loops on its own condition.
+  virtual void WaitUntil(CondVar& changed, Mutex& mutex, SteadyTime deadline) AXISCAL_REQUIRES(mutex) = 0;
 };
 
 // The machine's clocks; lives as long as the program.

@@ -23,7 +23,7 @@ UploadStream::~UploadStream() {
 
 absl::Status UploadStream::Receive(const v1::UploadRequest& request) {
   {
-    const std::lock_guard lock(mutex_);
+    const base::MutexLock lock(mutex_);
     ++messages_;
     if (!error_.ok()) return error_;
   }
@@ -60,7 +60,10 @@ absl::Status UploadStream::Begin(const v1::UploadHeader& header) {
   if (session.state == storage::SessionState::kOpen) {
     ASSIGN_OR_RETURN(check_, ReadingCheck::Create(core_, session, expected_seq_));
   }
-  next_seq_ = session.next_seq;
+  {
+    const base::MutexLock lock(mutex_);
+    next_seq_ = session.next_seq;
+  }
   session_ = std::move(session);
   if (send_) acknowledger_ = std::thread([this] { Acknowledge(); });
   return absl::OkStatus();
@@ -79,8 +82,8 @@ absl::Status UploadStream::Append(const v1::Chunk& message) {
     ++expected_seq_;
   }
   {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return under_way_ < core_.limits.window_chunks || !error_.ok(); });
+    const base::MutexLock lock(mutex_);
+    while (under_way_ >= core_.limits.window_chunks && error_.ok()) changed_.Wait(mutex_);
     if (!error_.ok()) return error_;
     ++under_way_;
   }
@@ -90,7 +93,7 @@ absl::Status UploadStream::Append(const v1::Chunk& message) {
 }
 
 void UploadStream::Stored(const absl::StatusOr<storage::AppendResult>& result) {
-  const std::lock_guard lock(mutex_);
+  const base::MutexLock lock(mutex_);
   --under_way_;
   if (result.ok()) {
     next_seq_ = std::max(next_seq_, result->next_seq);
@@ -99,7 +102,7 @@ void UploadStream::Stored(const absl::StatusOr<storage::AppendResult>& result) {
     error_ = result.status();
   }
   // Under the lock: after it is released this stream may be gone.
-  changed_.notify_all();
+  changed_.NotifyAll();
 }
 
 absl::Status UploadStream::Finish(const v1::UploadFinish& finish) {
@@ -124,13 +127,13 @@ absl::Status UploadStream::End() {
 }
 
 int64_t UploadStream::duplicate_chunks() {
-  const std::lock_guard lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return duplicates_;
 }
 
 absl::Status UploadStream::WaitForAll() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return under_way_ == 0; });
+  const base::MutexLock lock(mutex_);
+  while (under_way_ > 0) changed_.Wait(mutex_);
   return error_;
 }
 
@@ -138,36 +141,40 @@ absl::Status UploadStream::WaitForAll() {
 // reading thread, which waits for the caller, returns.
 void UploadStream::Acknowledge() {
   int64_t acknowledged_seq = -1, seen_messages = 0;
-  std::unique_lock lock(mutex_);
   while (true) {
-    const bool woke = changed_.wait_for(lock, core_.limits.upload_idle,
-                                        [&] { return is_stopping_ || !error_.ok() || next_seq_ != acknowledged_seq; });
-    // What became durable last is acknowledged before the stream ends.
-    if (is_stopping_ && next_seq_ == acknowledged_seq) return;
-    if (!woke && messages_ == seen_messages) {
-      error_ = base::Error(absl::StatusCode::kDeadlineExceeded, "the upload was silent for too long", {"DEADLINE", {}});
-      call_.cut_off();
-      return;
-    }
-    seen_messages = messages_;
-    if (!woke) continue;
     v1::UploadResponse response;
-    response.set_next_seq(next_seq_);
-    response.set_duplicate_chunks(duplicates_);
-    response.set_refused(!error_.ok());
-    acknowledged_seq = next_seq_;
-    lock.unlock();
-    const bool is_there = send_(response);
-    lock.lock();
-    if (!is_there || response.refused()) return;
+    {
+      const auto idle_at = std::chrono::steady_clock::now() + core_.limits.upload_idle;
+      const base::MutexLock lock(mutex_);
+      while (!is_stopping_ && error_.ok() && next_seq_ == acknowledged_seq &&
+             std::chrono::steady_clock::now() < idle_at) {
+        changed_.WaitUntil(mutex_, idle_at);
+      }
+      // What became durable last is acknowledged before the stream ends.
+      if (is_stopping_ && next_seq_ == acknowledged_seq) return;
+      const bool is_idle = error_.ok() && next_seq_ == acknowledged_seq;
+      if (is_idle && messages_ == seen_messages) {
+        error_ =
+            base::Error(absl::StatusCode::kDeadlineExceeded, "the upload was silent for too long", {"DEADLINE", {}});
+        call_.cut_off();
+        return;
+      }
+      seen_messages = messages_;
+      if (is_idle) continue;
+      response.set_next_seq(next_seq_);
+      response.set_duplicate_chunks(duplicates_);
+      response.set_refused(!error_.ok());
+      acknowledged_seq = next_seq_;
+    }
+    if (!send_(response) || response.refused()) return;
   }
 }
 
 void UploadStream::StopAcknowledging() {
   {
-    const std::lock_guard lock(mutex_);
+    const base::MutexLock lock(mutex_);
     is_stopping_ = true;
-    changed_.notify_all();
+    changed_.NotifyAll();
   }
   if (acknowledger_.joinable()) acknowledger_.join();
 }

@@ -3,13 +3,12 @@
 #ifndef AXISCAL_SERVER_HANDLERS_UPLOAD_H_
 #define AXISCAL_SERVER_HANDLERS_UPLOAD_H_
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 
 #include "axiscal/v1/ingest_service.pb.h"
+#include "core/base/mutex.h"
 #include "server/handlers/core.h"
 #include "server/handlers/session_check.h"
 
@@ -55,14 +54,14 @@ class UploadStream {
   int64_t expected_seq_ = 0;
   std::optional<storage::SessionRecord> completed_;
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int under_way_ = 0;  // guarded by mutex_, as are:
-  int64_t next_seq_ = 0;
-  int64_t duplicates_ = 0;
-  absl::Status error_;
-  bool is_stopping_ = false;
-  int64_t messages_ = 0;
+  base::Mutex mutex_;
+  base::CondVar changed_;
+  int under_way_ AXISCAL_GUARDED_BY(mutex_) = 0;
+  int64_t next_seq_ AXISCAL_GUARDED_BY(mutex_) = 0;
+  int64_t duplicates_ AXISCAL_GUARDED_BY(mutex_) = 0;
+  absl::Status error_ AXISCAL_GUARDED_BY(mutex_);
+  bool is_stopping_ AXISCAL_GUARDED_BY(mutex_) = false;
+  int64_t messages_ AXISCAL_GUARDED_BY(mutex_) = 0;
 
   std::thread acknowledger_;
 };

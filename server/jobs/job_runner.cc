@@ -1,14 +1,13 @@
 #include "server/jobs/job_runner.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <map>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "core/base/demand.h"
 #include "core/base/error_detail.h"
+#include "core/base/mutex.h"
 #include "server/jobs/job_outcome.h"
 #include "server/jobs/worker_pool.h"
 
@@ -75,16 +74,16 @@ class JobRunner::Impl {
   const JobRunnerOptions options_;
   std::map<std::string, JobKind> kinds_;  // not changed after Start()
   JobBoard board_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::map<JobId, Running> running_;  // guarded by mutex_, as are:
-  bool woken_ = false;                // the keeper has something to do
-  bool claiming_ = false;             // a job may be claimed and not in running_ yet
-  bool draining_ = false;             // nothing new
-  bool parking_ = false;              // what runs is told to stop
-  bool stopping_ = false;             // the keeper ends
-  base::SteadyTime next_beat_{};      // keeper's thread
-  std::mutex drain_mutex_;            // one Drain() at a time
+  base::Mutex mutex_;
+  base::CondVar changed_;
+  std::map<JobId, Running> running_ AXISCAL_GUARDED_BY(mutex_);
+  bool woken_ AXISCAL_GUARDED_BY(mutex_) = false;     // the keeper has something to do
+  bool claiming_ AXISCAL_GUARDED_BY(mutex_) = false;  // a job may be claimed and not in running_ yet
+  bool draining_ AXISCAL_GUARDED_BY(mutex_) = false;  // nothing new
+  bool parking_ AXISCAL_GUARDED_BY(mutex_) = false;   // what runs is told to stop
+  bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;  // the keeper ends
+  base::SteadyTime next_beat_{};                      // keeper's thread
+  base::Mutex drain_mutex_;                           // one Drain() at a time
   std::unique_ptr<WorkerPool> pool_;
   std::thread keeper_;
 };
@@ -101,27 +100,27 @@ void JobRunner::Impl::Keep() {
       Rescue();
     }
     wake_at = std::min(wake_at, next_beat_);
-    std::unique_lock<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     while (!woken_ && !stopping_ && options_.clock->SteadyNow() < wake_at)
-      options_.clock->WaitUntil(changed_, lock, wake_at);
+      options_.clock->WaitUntil(changed_, mutex_, wake_at);
     if (stopping_) return;
     woken_ = false;
   }
 }
 
-// An idle worker is there and nobody drains. Drain() waits for the claim that follows to end.
+// An idle worker is there and nobody drains. Drain() gives the claim that follows time to end, as it does what runs.
 bool JobRunner::Impl::BeginClaim() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   claiming_ = !draining_ && running_.size() < static_cast<size_t>(options_.workers);
   return claiming_;
 }
 
 void JobRunner::Impl::EndClaim() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     claiming_ = false;
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
 }
 
 // Fills the idle workers. When to try again: when the next job's backoff is over.
@@ -150,7 +149,7 @@ void JobRunner::Impl::Launch(const JobRecord& record) {
       [this, id](const storage::JobProgress& progress) { UpdateProgress(id, progress); },
       [this](int count, const auto& body) { pool_->ForEach(count, body); });
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     running_[id] = {record, context};
     // Drain() may have told the others to stop between the claim and now.
     if (parking_) context->Stop(StopReason::kDraining);
@@ -164,7 +163,7 @@ void JobRunner::Impl::Launch(const JobRecord& record) {
 void JobRunner::Impl::BeatAll() {
   std::vector<Running> all;
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     for (const auto& [id, running] : running_) all.push_back(running);
   }
   for (const Running& running : all) {
@@ -190,14 +189,14 @@ void JobRunner::Impl::Rescue() {
 void JobRunner::Impl::RunJob(const JobRecord& record, JobContext& context) {
   const absl::StatusOr<JobRecord> ended = StoreOutcome(record, context, CallFunction(record, context));
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     running_.erase(record.id);
     woken_ = true;
   }
   // An outcome that could not be stored leaves the job RUNNING until its lease is over; then it is rescued and runs
   // again.
   if (ended.ok()) Publish(*ended);
-  changed_.notify_all();
+  changed_.NotifyAll();
 }
 
 absl::StatusOr<storage::JobProduct> JobRunner::Impl::CallFunction(const JobRecord& record, JobContext& context) {
@@ -231,7 +230,7 @@ absl::StatusOr<JobRecord> JobRunner::Impl::StoreOutcome(const JobRecord& record,
 }
 
 void JobRunner::Impl::UpdateProgress(JobId id, const storage::JobProgress& progress) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   const auto found = running_.find(id);
   if (found == running_.end()) return;
   found->second.record.progress = progress;
@@ -241,21 +240,21 @@ void JobRunner::Impl::UpdateProgress(JobId id, const storage::JobProgress& progr
 // ---- callers
 
 absl::Status JobRunner::Impl::CheckNotDraining() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   if (!draining_) return absl::OkStatus();
   return base::Error(absl::StatusCode::kUnavailable, "the server is shutting down", {"DRAINING", {}});
 }
 
 void JobRunner::Impl::Wake() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     woken_ = true;
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
 }
 
 JobRecord JobRunner::Impl::Publish(JobRecord record) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   const auto found = running_.find(record.id);
   if (found != running_.end() && record.lease_token == found->second.record.lease_token) {
     record.progress = found->second.record.progress;
@@ -279,7 +278,7 @@ absl::StatusOr<JobRecord> JobRunner::Impl::Create(const storage::NewJob& job) {
 
 absl::StatusOr<JobRecord> JobRunner::Impl::Get(JobId id) {
   ASSIGN_OR_RETURN(JobRecord record, database_.GetJob(id));
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   const auto found = running_.find(id);
   if (found != running_.end() && record.lease_token == found->second.record.lease_token) {
     record.progress = found->second.record.progress;
@@ -290,7 +289,7 @@ absl::StatusOr<JobRecord> JobRunner::Impl::Get(JobId id) {
 absl::StatusOr<JobRecord> JobRunner::Impl::Cancel(JobId id, const storage::Caller& caller) {
   ASSIGN_OR_RETURN(const JobRecord record, database_.CancelJob(id, caller));
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     const auto found = running_.find(id);
     if (found != running_.end() && record.cancel_requested) found->second.context->Stop(StopReason::kCancelled);
   }
@@ -313,21 +312,22 @@ absl::StatusOr<std::shared_ptr<JobWatch>> JobRunner::Impl::Watch(JobId id) {
 }
 
 void JobRunner::Impl::Drain(std::chrono::milliseconds patience) {
-  const std::lock_guard<std::mutex> one_at_a_time(drain_mutex_);
+  const base::MutexLock one_at_a_time(drain_mutex_);
   {
-    std::unique_lock<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     draining_ = true;
     const base::SteadyTime give_up_at = options_.clock->SteadyNow() + patience;
-    while (!running_.empty() && options_.clock->SteadyNow() < give_up_at)
-      options_.clock->WaitUntil(changed_, lock, give_up_at);
+    while ((claiming_ || !running_.empty()) && options_.clock->SteadyNow() < give_up_at)
+      options_.clock->WaitUntil(changed_, mutex_, give_up_at);
+    parking_ = true;
     for (auto& [id, running] : running_) running.context->Stop(StopReason::kDraining);
   }
   // Running functions see it within an iteration; a claim just made is told in Launch().
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     stopping_ = true;
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
   if (keeper_.joinable()) keeper_.join();
   if (pool_ != nullptr) pool_->Drain();
   board_.Close();

@@ -5,20 +5,24 @@
 namespace axiscal::jobs {
 
 std::optional<storage::JobRecord> JobWatch::Next(std::chrono::milliseconds timeout) {
-  std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait_for(lock, timeout, [this] { return unseen_.has_value() || closed_; });
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  const base::MutexLock lock(mutex_);
+  while (!unseen_ && !closed_ && std::chrono::steady_clock::now() < deadline) changed_.WaitUntil(mutex_, deadline);
   return std::exchange(unseen_, std::nullopt);
 }
 
 bool JobWatch::done() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return closed_ && !unseen_.has_value();
 }
 
 std::shared_ptr<JobWatch> JobBoard::Watch(JobId job) {
   auto watch = std::make_shared<JobWatch>();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  watch->closed_ = closed_;
+  const base::MutexLock lock(mutex_);
+  {
+    const base::MutexLock watch_lock(watch->mutex_);
+    watch->closed_ = closed_;
+  }
   std::vector<std::weak_ptr<JobWatch>>& watches = watches_[job];
   std::erase_if(watches, [](const std::weak_ptr<JobWatch>& gone) { return gone.expired(); });
   watches.push_back(watch);
@@ -27,17 +31,17 @@ std::shared_ptr<JobWatch> JobBoard::Watch(JobId job) {
 
 void JobBoard::Deliver(JobWatch& watch, const storage::JobRecord& record) {
   {
-    const std::lock_guard<std::mutex> lock(watch.mutex_);
+    const base::MutexLock lock(watch.mutex_);
     if (record.version < watch.version_) return;
     watch.version_ = record.version;
     watch.unseen_ = record;
     watch.closed_ = watch.closed_ || IsTerminal(record.state);
   }
-  watch.changed_.notify_all();
+  watch.changed_.NotifyAll();
 }
 
 void JobBoard::Publish(const storage::JobRecord& record) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   const auto found = watches_.find(record.id);
   if (found == watches_.end()) return;
   for (const std::weak_ptr<JobWatch>& weak : found->second) {
@@ -47,17 +51,17 @@ void JobBoard::Publish(const storage::JobRecord& record) {
 }
 
 void JobBoard::Close() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   closed_ = true;
   for (const auto& [job, watches] : watches_) {
     for (const std::weak_ptr<JobWatch>& weak : watches) {
       const std::shared_ptr<JobWatch> watch = weak.lock();
       if (watch == nullptr) continue;
       {
-        const std::lock_guard<std::mutex> watch_lock(watch->mutex_);
+        const base::MutexLock watch_lock(watch->mutex_);
         watch->closed_ = true;
       }
-      watch->changed_.notify_all();
+      watch->changed_.NotifyAll();
     }
   }
   watches_.clear();

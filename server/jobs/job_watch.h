@@ -3,13 +3,12 @@
 #define AXISCAL_SERVER_JOBS_JOB_WATCH_H_
 
 #include <chrono>
-#include <condition_variable>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/storage/records.h"
 
 namespace axiscal::jobs {
@@ -26,11 +25,11 @@ class JobWatch {
 
  private:
   friend class JobBoard;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<storage::JobRecord> unseen_;  // guarded by mutex_, as are:
-  int64_t version_ = 0;                       // of the newest record delivered; older ones come too late
-  bool closed_ = false;                       // nothing comes after `unseen_`
+  base::Mutex mutex_;
+  base::CondVar changed_;
+  std::optional<storage::JobRecord> unseen_ AXISCAL_GUARDED_BY(mutex_);
+  int64_t version_ AXISCAL_GUARDED_BY(mutex_) = 0;  // of the newest record delivered; older ones come too late
+  bool closed_ AXISCAL_GUARDED_BY(mutex_) = false;  // nothing comes after `unseen_`
 };
 
 // Where changes of jobs are told to those who watch. Safe from any thread.
@@ -44,9 +43,9 @@ class JobBoard {
   void Close();
 
  private:
-  std::mutex mutex_;
-  std::map<JobId, std::vector<std::weak_ptr<JobWatch>>> watches_;  // guarded by mutex_, as is:
-  bool closed_ = false;
+  base::Mutex mutex_;
+  std::map<JobId, std::vector<std::weak_ptr<JobWatch>>> watches_ AXISCAL_GUARDED_BY(mutex_);
+  bool closed_ AXISCAL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace axiscal::jobs

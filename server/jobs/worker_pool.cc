@@ -20,7 +20,7 @@ WorkerPool::~WorkerPool() {
 
 absl::Status WorkerPool::Submit(std::function<void()> task) {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     if (draining_) return base::Error(absl::StatusCode::kUnavailable, "the server is shutting down", {"DRAINING", {}});
     if (waiting_.size() >= static_cast<size_t>(max_waiting_)) {
       return base::Error(absl::StatusCode::kResourceExhausted,
@@ -28,48 +28,49 @@ absl::Status WorkerPool::Submit(std::function<void()> task) {
     }
     waiting_.push_back(std::move(task));
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
   return absl::OkStatus();
 }
 
 bool WorkerPool::SubmitToIdle(std::function<void()> task) {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     if (draining_ || waiting_.size() + running_ >= threads_.size()) return false;
     waiting_.push_back(std::move(task));
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
   return true;
 }
 
 bool WorkerPool::HasWaiting() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   return !waiting_.empty();
 }
 
 void WorkerPool::ForEach(int count, const std::function<void(int)>& body) {
   // Helpers may begin after the caller has returned; what they look at then must still be there.
   struct Shared {
-    std::mutex mutex;
-    std::condition_variable changed;
-    int next = 0, helpers = 0;  // guarded by mutex
+    base::Mutex mutex;
+    base::CondVar changed;
+    int next AXISCAL_GUARDED_BY(mutex) = 0;
+    int helpers AXISCAL_GUARDED_BY(mutex) = 0;
   };
   const auto shared = std::make_shared<Shared>();
   const auto take = [shared, count] {
-    const std::lock_guard<std::mutex> lock(shared->mutex);
+    const base::MutexLock lock(shared->mutex);
     return shared->next < count ? shared->next++ : -1;
   };
   const auto help = [this, shared, take, &body] {
     {
-      const std::lock_guard<std::mutex> lock(shared->mutex);
+      const base::MutexLock lock(shared->mutex);
       ++shared->helpers;
     }
     for (int index = 0; !HasWaiting() && (index = take()) >= 0;) body(index);
     {
-      const std::lock_guard<std::mutex> lock(shared->mutex);
+      const base::MutexLock lock(shared->mutex);
       --shared->helpers;
     }
-    shared->changed.notify_all();
+    shared->changed.NotifyAll();
   };
   for (int index = 0; (index = take()) >= 0;) {
     // Threads that became idle meanwhile join.
@@ -78,31 +79,35 @@ void WorkerPool::ForEach(int count, const std::function<void(int)>& body) {
     }
     body(index);
   }
-  std::unique_lock<std::mutex> lock(shared->mutex);
-  shared->changed.wait(lock, [&shared] { return shared->helpers == 0; });
+  const base::MutexLock lock(shared->mutex);
+  while (shared->helpers > 0) shared->changed.Wait(shared->mutex);
 }
 
 void WorkerPool::Drain() {
-  std::unique_lock<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   draining_ = true;
-  changed_.notify_all();
-  changed_.wait(lock, [this] { return waiting_.empty() && running_ == 0; });
+  changed_.NotifyAll();
+  while (!waiting_.empty() || running_ > 0) changed_.Wait(mutex_);
 }
 
 void WorkerPool::Work() {
-  std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
-    changed_.wait(lock, [this] { return draining_ || !waiting_.empty(); });
-    if (waiting_.empty()) return;
-    std::function<void()> task = std::move(waiting_.front());
-    waiting_.pop_front();
-    ++running_;
-    lock.unlock();
+    std::function<void()> task;
+    {
+      const base::MutexLock lock(mutex_);
+      while (!draining_ && waiting_.empty()) changed_.Wait(mutex_);
+      if (waiting_.empty()) return;
+      task = std::move(waiting_.front());
+      waiting_.pop_front();
+      ++running_;
+    }
     task();
     task = nullptr;  // what it holds goes before it counts as done
-    lock.lock();
-    --running_;
-    changed_.notify_all();
+    {
+      const base::MutexLock lock(mutex_);
+      --running_;
+    }
+    changed_.NotifyAll();
   }
 }
 

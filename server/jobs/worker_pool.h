@@ -2,14 +2,13 @@
 #ifndef AXISCAL_SERVER_JOBS_WORKER_POOL_H_
 #define AXISCAL_SERVER_JOBS_WORKER_POOL_H_
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/mutex.h"
 
 namespace axiscal::jobs {
 
@@ -39,11 +38,11 @@ class WorkerPool {
   bool HasWaiting();
 
   const int max_waiting_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<std::function<void()>> waiting_;  // guarded by mutex_, as are:
-  int running_ = 0;
-  bool draining_ = false;
+  base::Mutex mutex_;
+  base::CondVar changed_;
+  std::deque<std::function<void()>> waiting_ AXISCAL_GUARDED_BY(mutex_);
+  int running_ AXISCAL_GUARDED_BY(mutex_) = 0;
+  bool draining_ AXISCAL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;
 };
 

@@ -10,7 +10,7 @@ constexpr size_t kMaxIdle = 16;
 
 absl::StatusOr<std::unique_ptr<Connection>> Readers::Borrow() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     if (!idle_.empty()) {
       std::unique_ptr<Connection> connection = std::move(idle_.back());
       idle_.pop_back();
@@ -21,7 +21,7 @@ absl::StatusOr<std::unique_ptr<Connection>> Readers::Borrow() {
 }
 
 void Readers::GiveBack(std::unique_ptr<Connection> connection) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const base::MutexLock lock(mutex_);
   if (idle_.size() < kMaxIdle) idle_.push_back(std::move(connection));
 }
 

@@ -3,11 +3,11 @@
 #define AXISCAL_SERVER_STORAGE_READERS_H_
 
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/storage/transaction.h"
 
 namespace axiscal::storage {
@@ -35,8 +35,8 @@ class Readers {
   void GiveBack(std::unique_ptr<Connection> connection);
 
   const std::string path_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Connection>> idle_;  // guarded by mutex_
+  base::Mutex mutex_;
+  std::vector<std::unique_ptr<Connection>> idle_ AXISCAL_GUARDED_BY(mutex_);
 };
 
 }  // namespace axiscal::storage

@@ -26,14 +26,14 @@ absl::Status SqliteStore::CheckDisk(Growth growth) const {
 absl::StatusOr<SqliteStore::SharedSpecs> SqliteStore::Specs(SessionId id) {
   constexpr size_t kMaxRemembered = 4096;
   {
-    const std::lock_guard<std::mutex> lock(specs_mutex_);
+    const base::MutexLock lock(specs_mutex_);
     const auto found = specs_.find(id);
     if (found != specs_.end()) return found->second;
   }
   ASSIGN_OR_RETURN(std::vector<ColumnSpec> columns,
                    readers_.Run([&](Connection& c) { return GetSessionColumns(c, id); }));
   const SharedSpecs specs = std::make_shared<const std::vector<ColumnSpec>>(std::move(columns));
-  const std::lock_guard<std::mutex> lock(specs_mutex_);
+  const base::MutexLock lock(specs_mutex_);
   if (specs_.size() >= kMaxRemembered) specs_.clear();
   specs_[id] = specs;
   return specs;

@@ -4,11 +4,11 @@
 #define AXISCAL_SERVER_STORAGE_SQLITE_STORE_H_
 
 #include <memory>
-#include <mutex>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/storage/audit.h"
 #include "server/storage/calibrations.h"
 #include "server/storage/chunks.h"
@@ -240,9 +240,10 @@ class SqliteStore final : public Database {
   const std::string owner_id_;
   const FileLock lock_;  // released last
   Readers readers_;
-  std::mutex specs_mutex_;
-  std::unordered_map<SessionId, SharedSpecs> specs_;  // guarded by specs_mutex_; of recent sessions, they never change
-  Writer writer_;                                     // closed first
+  base::Mutex specs_mutex_;
+  // Of recent sessions; they never change.
+  std::unordered_map<SessionId, SharedSpecs> specs_ AXISCAL_GUARDED_BY(specs_mutex_);
+  Writer writer_;  // closed first
 };
 
 }  // namespace axiscal::storage

@@ -38,10 +38,10 @@ Writer::Writer(std::unique_ptr<Connection> connection) : connection_(std::move(c
 
 Writer::~Writer() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const base::MutexLock lock(mutex_);
     closing_ = true;
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
   thread_.join();
 }
 
@@ -54,11 +54,11 @@ absl::Status Writer::Run(Work work) {
 
 void Writer::Start(Work work, Done done) {
   {
-    std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [this] { return waiting_.size() < kMaxWaiting; });
+    const base::MutexLock lock(mutex_);
+    while (waiting_.size() >= kMaxWaiting) changed_.Wait(mutex_);
     waiting_.push_back({std::move(work), std::move(done), absl::OkStatus()});
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
 }
 
 void Writer::Loop() {
@@ -74,14 +74,14 @@ void Writer::Loop() {
 std::vector<Writer::Task> Writer::TakeGroup() {
   std::vector<Task> group;
   {
-    std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [this] { return closing_ || !waiting_.empty(); });
+    const base::MutexLock lock(mutex_);
+    while (!closing_ && waiting_.empty()) changed_.Wait(mutex_);
     while (!waiting_.empty() && group.size() < kMaxGroup) {
       group.push_back(std::move(waiting_.front()));
       waiting_.pop_front();
     }
   }
-  changed_.notify_all();
+  changed_.NotifyAll();
   return group;
 }
 

@@ -3,14 +3,13 @@
 #ifndef AXISCAL_SERVER_STORAGE_WRITER_H_
 #define AXISCAL_SERVER_STORAGE_WRITER_H_
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "server/storage/connection.h"
 
 namespace axiscal::storage {
@@ -51,10 +50,10 @@ class Writer {
 
   const std::unique_ptr<Connection> connection_;  // used by thread_ alone
   int log_pages_ = 0;                             // in the WAL; thread_ alone
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Task> waiting_;  // guarded by mutex_, as is:
-  bool closing_ = false;
+  base::Mutex mutex_;
+  base::CondVar changed_;
+  std::deque<Task> waiting_ AXISCAL_GUARDED_BY(mutex_);
+  bool closing_ AXISCAL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

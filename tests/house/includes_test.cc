@@ -67,5 +67,16 @@ TEST(Walls, CoreKnowsNothingAboveIt) {
               IsEmpty());
 }
 
+// A std::mutex is unknown to the analysis that proves the locks (tests/locks).
+TEST(Walls, LocksAreThoseThatAreProved) {
+  EXPECT_THAT(Breaches(FilesBelow({"core", "proto", "server", "client"}),
+                       [](const SourceFile& file, const Include& include) {
+                         return (include.path == "mutex" || include.path == "shared_mutex" ||
+                                 include.path == "condition_variable") &&
+                                file.path != "core/base/mutex.h" && !file.path.ends_with("_test.cc");
+                       }),
+              IsEmpty());
+}
+
 }  // namespace
 }  // namespace axiscal::house

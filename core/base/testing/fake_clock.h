@@ -9,34 +9,34 @@ namespace axiscal::base {
 class FakeClock final : public Clock {
  public:
   UtcTime UtcNow() const override {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const MutexLock lock(mutex_);
     return utc_;
   }
   SteadyTime SteadyNow() const override {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const MutexLock lock(mutex_);
     return steady_;
   }
   // Wakes the caller every millisecond, so that it sees an Advance() without being known to this clock.
-  void WaitUntil(std::condition_variable& changed, std::unique_lock<std::mutex>& lock, SteadyTime deadline) override {
-    changed.wait_until(lock, std::chrono::system_clock::now() + std::chrono::milliseconds(1));
+  void WaitUntil(CondVar& changed, Mutex& mutex, SteadyTime deadline) override AXISCAL_REQUIRES(mutex) {
+    changed.WaitUntil(mutex, std::chrono::system_clock::now() + std::chrono::milliseconds(1));
   }
 
   // Both clocks go on by `duration`.
   void Advance(std::chrono::microseconds duration) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const MutexLock lock(mutex_);
     utc_ += duration;
     steady_ += duration;
   }
   // Somebody sets the wall clock; steady time does not notice.
   void SetUtc(UtcTime utc) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const MutexLock lock(mutex_);
     utc_ = utc;
   }
 
  private:
-  mutable std::mutex mutex_;
-  UtcTime utc_ = FromUtcUs(1'700'000'000'000'000);
-  SteadyTime steady_ = SteadyTime(std::chrono::seconds(1000));
+  mutable Mutex mutex_;
+  UtcTime utc_ AXISCAL_GUARDED_BY(mutex_) = FromUtcUs(1'700'000'000'000'000);
+  SteadyTime steady_ AXISCAL_GUARDED_BY(mutex_) = SteadyTime(std::chrono::seconds(1000));
 };
 
 }  // namespace axiscal::base
