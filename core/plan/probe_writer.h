@@ -10,8 +10,8 @@
 
 namespace axiscal::plan {
 
-// How a control touches: "G31" with a DPRNT line behind it (Fanuc, Mazak, Haas); "G38.2", which LinuxCNC writes down by
-// itself between PROBEOPEN and PROBECLOSE; or "MEAS=1 G01" with a WRITE of $AA_MM behind it (Sinumerik), which jumps to
+// How a control touches: "G31" with a DPRNT line behind it (Fanuc, Mazak, Haas); "G38.2", which LinuxCNC logs by itself
+// between PROBEOPEN and PROBECLOSE; or "MEAS=1 G01" with a WRITE of $AA_MM behind it (Sinumerik), which jumps to
 // the label NO_TOUCH where nothing was touched.
 enum class TouchLog { kDprnt, kOfTheControl, kSinumerik };
 struct ProbeDialect {

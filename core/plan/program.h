@@ -23,8 +23,8 @@ struct ProgramOptions {
   ProbingOptions probing;      // of sessions of `centres` and `touch`
 };
 
-// Ball-bar sessions run through at the session's own times (inverse-time feed G93; Klartext, which has none, at the
-// feed); R-tests stop at each pose; `centres` and `touch` sessions become touches (probing_program.h; not in
+// Ball-bar sessions run without a stop at the session's own times (inverse-time feed G93; Klartext, which has none, at
+// the feed); R-tests stop at each pose; `centres` and `touch` sessions become touches (probing_program.h; not in
 // Klartext). INVALID_ARGUMENT on an unknown dialect, a number out of range, or a session whose axis
 // columns are not the machine's; FAILED_PRECONDITION where the dialect has no word for an axis (J1) or no skip
 // function.

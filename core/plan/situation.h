@@ -1,5 +1,5 @@
 // What a machine's earlier sessions tell a planner: where its axes have been, which instruments, tools and balls are at
-// hand, and when the clock stands.
+// hand, and the time of the sessions' clock.
 #ifndef AXISCAL_CORE_PLAN_SITUATION_H_
 #define AXISCAL_CORE_PLAN_SITUATION_H_
 
@@ -15,7 +15,7 @@ struct Range {
   double lowest = 0.0, highest = 0.0;  // mm or rad
 };
 
-// One kind of instrument as the sessions used it; where they did not, what is common.
+// One kind of instrument as the sessions used it, or common values where they did not.
 struct InstrumentUse {
   bool is_used = false;
   double sigma_mm = 0.0;  // the best stated repeatability of one reading
@@ -38,13 +38,13 @@ struct Situation {
   bool Turns(int axis) const { return ranges[axis].highest - ranges[axis].lowest > 1e-3; }
 };
 
-// `runs` must outlive what is returned. Never fails: of what no session tells, what is common stands (a tool of 150 mm
-// below the pivot, a ball at the table's axis, a bar of 100 mm).
+// `runs` must outlive the result. Never fails: what no session tells gets a common value (a tool of 150 mm below the
+// pivot, a ball at the table's axis, a bar of 100 mm).
 Situation SituationOf(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs);
 
-// What is mounted where no session tells it.
+// What is mounted, for machines of which no session tells it.
 struct Mounted {
-  std::vector<Eigen::Vector3d> tips_mm, balls_mm;  // at home, machine frame; empty: what is common stands
+  std::vector<Eigen::Vector3d> tips_mm, balls_mm;  // at home, machine frame; empty: common values
   std::vector<double> bars_mm;
   double stylus_radius_mm = 3.0, sphere_radius_mm = 12.5;
 };

@@ -1,5 +1,5 @@
-// Writes a planned `touch` session hit by hit: which feature, where on it; the axis positions at contact follow from
-// the nominal chain. A touch that the stylus cannot begin and leave along the tool is left out.
+// Writes a planned `touch` session touch by touch: which feature, where on it. Axis positions at contact follow from the
+// nominal chain. A touch that the stylus cannot begin and leave along the tool is left out.
 #ifndef AXISCAL_CORE_PLAN_TOUCH_BUILDER_H_
 #define AXISCAL_CORE_PLAN_TOUCH_BUILDER_H_
 
@@ -19,7 +19,7 @@ class TouchBuilder {
   void AddSphere(const std::string& name, const Eigen::Vector3d& centre_mm, double radius_mm);
   void AddBox(const std::string& name, const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& half_mm);
 
-  // The artefact stands on a table whose surface faces `normal` (unit, table at home): no way goes through it.
+  // The artefact stands on a table whose surface faces `normal` (unit, table at home): no path goes through the table.
   void SetTable(const Eigen::Vector3d& normal) { table_normal_ = normal; }
 
   // The sphere from the side `outward` (unit, bed's axes), or the face of a box whose outward normal is `outward`
