@@ -1,4 +1,4 @@
-// Writes a planned `touch` session touch by touch: which feature, where on it. Axis positions at contact follow from the
+// Writes a planned `touch` session touch by touch: which feature, where on it. Axis positions follow from the
 // nominal chain. A touch that the stylus cannot begin and leave along the tool is left out.
 #ifndef AXISCAL_CORE_PLAN_TOUCH_BUILDER_H_
 #define AXISCAL_CORE_PLAN_TOUCH_BUILDER_H_
