@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "core/instruments/bind_readings.h"
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/eccentricity/eccentricity_bind.h"
 #include "core/instruments/registry.h"
@@ -23,17 +24,18 @@ class Binder {
     run_.readings_before = static_cast<int>(readings_before);
   }
 
-  absl::StatusOr<MeasuringRun> Bind() {
+  absl::StatusOr<MeasuringRun> Bind(bool for_fit) {
     RETURN_IF_ERROR(BindHeader());
     if (run_.kind == Kind::kEccentricity) return BindPaths();
     RETURN_IF_ERROR(BindReadings());
     RETURN_IF_ERROR(BindPositions());
     RETURN_IF_ERROR(BindTimes());
-    DeriveMotion(&run_);
     if (run_.kind == Kind::kTouch) {
       RETURN_IF_ERROR(touch::BindTouches(machine_, session_, &run_));
       RETURN_IF_ERROR(touch::GateTouches(machine_, session_, &run_));
     }
+    if (!for_fit) return std::move(run_);
+    DeriveMotion(&run_);
     if (run_.kind == Kind::kTracker) run_.tracker_from_machine = tracker::StartingPose(machine_, run_);
     return std::move(run_);
   }
@@ -125,7 +127,9 @@ class Binder {
       return Refuse(absl::StrCat("column '", name, "' has ", column->values.size(), " numbers, expected ",
                                  session_.reading_count()));
     }
-    for (size_t k = 0; k < column->values.size(); ++k) {
+    bool all_finite = true;
+    for (const double number : column->values) all_finite &= std::isfinite(number);
+    for (size_t k = 0; !all_finite && k < column->values.size(); ++k) {
       if (!std::isfinite(column->values[k])) {
         return Refuse(absl::StrCat("reading ", run_.readings_before + k + 1, ": ", name, " = ", column->values[k],
                                    ", expected a number"));
@@ -201,7 +205,12 @@ class Binder {
 
 absl::StatusOr<MeasuringRun> BindSession(const Session& session, const machine::Machine& machine,
                                          size_t readings_before) {
-  return Binder(session, machine, readings_before).Bind();
+  return Binder(session, machine, readings_before).Bind(/*for_fit=*/true);
+}
+
+absl::StatusOr<MeasuringRun> BindReadings(const Session& session, const machine::Machine& machine,
+                                          size_t readings_before) {
+  return Binder(session, machine, readings_before).Bind(/*for_fit=*/false);
 }
 
 }  // namespace axiscal::instruments

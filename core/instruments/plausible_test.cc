@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "core/base/testing/source_path.h"
+#include "core/instruments/evaluation.h"
 #include "core/session/case.h"
 #include "core/session/column_rules.h"
 
@@ -69,6 +72,45 @@ TEST(Plausible, AWrongSignOfAnAxisIsNot) {
   session::Case loaded = Load("case-001");
   loaded.machine.axes[machine::FindAxis(loaded.machine, "Y")].direction *= -1;
   EXPECT_EQ(CheckPlausible(loaded.fit[0], loaded.machine).code(), absl::StatusCode::kInvalidArgument);
+}
+
+// The first reading, from 1, that disagrees with the nominal machine, found by predicting every one; 0: none.
+int FirstDisagreeing(const session::Session& session, const machine::Machine& machine) {
+  const MeasuringRun run = BindSession(session, machine).value();
+  const double no_setup[kMaxSetupParameters] = {};
+  for (int k = 0; k < run.reading_count(); ++k) {
+    double predicted_mm[kMaxRows];
+    Predict(machine, run, k, {}, no_setup, predicted_mm);
+    for (int row = 0; row < run.row_count; ++row) {
+      if (std::abs(predicted_mm[row] - run.measured_mm(row, k)) > kMaxDisagreementMm) return k + 1;
+    }
+  }
+  return 0;
+}
+
+TEST(Plausible, ADenseSeriesIsRefusedAtTheReadingThatPredictingEveryOneFinds) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> slope(0.05, 2.0);
+  int refused = 0;
+  for (const char* name : {"case-000", "case-001", "case-012"}) {
+    const session::Case loaded = Load(name);
+    for (const session::Session& measured : loaded.fit) {
+      for (const char* moved : {"X_mm", "Z_mm", "B_deg", "C_deg"}) {
+        if (session::FindColumn(measured, moved) == nullptr) continue;
+        session::Session session = measured;
+        const double per_reading = slope(random);
+        double drift = 0.0;
+        for (double& value : Values(session, moved)) value += drift += per_reading;
+        const int first = FirstDisagreeing(session, loaded.machine);
+        const absl::Status status = CheckPlausible(session, loaded.machine);
+        EXPECT_EQ(status.ok(), first == 0) << name << " " << moved << ": " << status;
+        refused += first > 0;
+        const std::string place = first > 0 ? absl::StrCat(": reading ", first, " of session") : "";
+        EXPECT_THAT(std::string(status.message()), HasSubstr(place));
+      }
+    }
+  }
+  EXPECT_GT(refused, 10);
 }
 
 // Sticks at reading 101, for so many readings.
