@@ -1,7 +1,7 @@
 #include "server/storage/decimal_grid.h"
 
+#include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "server/storage/bytes.h"
 
@@ -12,46 +12,44 @@ namespace {
 // of it.
 constexpr double kPowers[kMaxDecimals + 1] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12};
 
-// Rounds |scaled| < 2^51 to the nearest integer, by letting the sum have no bits behind the point. Anything else gives
-// a wrong integer, which the comparison that always follows refuses.
-int64_t Round(double scaled) {
-  constexpr double kMagic = 6755399441055744.0;  // 1.5 * 2^52
-  return std::bit_cast<int64_t>(scaled + kMagic) - std::bit_cast<int64_t>(kMagic);
-}
+// Added to |number| < 2^51, the sum has no bits behind the point: it is rounded to an integer, whose bits are the
+// number's own.
+constexpr double kMagic = 6755399441055744.0;  // 1.5 * 2^52
 
-bool Returns(int64_t step, double power, double value) {
-  constexpr double kMaxStep = 2251799813685248.0;  // 2^51
-  return std::abs(value) * power < kMaxStep &&
-         std::bit_cast<uint64_t>(static_cast<double>(step) / power) == std::bit_cast<uint64_t>(value);
-}
-
-// A value on a grid is on every finer one too (while its steps fit), so the finest that any value needs serves all.
-int FindDecimals(const std::vector<double>& values) {
-  int decimals = 0;
-  for (const double value : values) {
-    while (!Returns(Round(value * kPowers[decimals]), kPowers[decimals], value)) {
-      if (++decimals > kMaxDecimals) return -1;
-    }
+// The values' steps of 1 / `power`; true when every value comes back from its step bit by bit. All are looked at, without
+// a branch: most columns are a grid, and processors take such a loop several values at a time.
+bool TakeSteps(const double* values, size_t count, double power, int64_t* steps) {
+  uint64_t differing_bits = 0, sum_bits = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const double sum = values[i] * power + kMagic;
+    steps[i] = std::bit_cast<int64_t>(sum) - std::bit_cast<int64_t>(kMagic);
+    differing_bits |= std::bit_cast<uint64_t>((sum - kMagic) / power) ^ std::bit_cast<uint64_t>(values[i]);
+    sum_bits |= std::bit_cast<uint64_t>(sum) ^ std::bit_cast<uint64_t>(kMagic);
   }
-  return decimals;
+  // The number was below 2^51 where the sum has the sign and the exponent of the magic number.
+  return differing_bits == 0 && sum_bits >> 52 == 0;
 }
 
 uint64_t Unsigned(int64_t number) { return static_cast<uint64_t>(number); }
 
 }  // namespace
 
+// A value on a grid is on every finer one too (while its steps fit), so the finest that any value needs serves all.
 std::optional<DecimalGrid> FindGrid(const std::vector<double>& values) {
+  constexpr size_t kBlock = 64;
   DecimalGrid grid;
-  grid.decimals = FindDecimals(values);
-  if (grid.decimals < 0) return std::nullopt;
-  const double power = kPowers[grid.decimals];
-  grid.steps.resize(values.size());
-  bool exact = true;
-  for (size_t i = 0; i < values.size(); ++i) {
-    grid.steps[i] = Round(values[i] * power);
-    exact &= Returns(grid.steps[i], power, values[i]);
+  // From one value to the next while grids grow finer; from the start again when one has.
+  for (size_t first = 0; first < values.size();) {
+    const size_t count = first == 0 ? 1 : std::min(kBlock, values.size() - first);
+    grid.steps.resize(std::max(grid.steps.size(), first == 0 ? 1 : values.size()));
+    if (TakeSteps(&values[first], count, kPowers[grid.decimals], &grid.steps[first])) {
+      first += count;
+    } else if (++grid.decimals <= kMaxDecimals) {
+      first = 0;
+    } else {
+      return std::nullopt;
+    }
   }
-  if (!exact) return std::nullopt;
   return grid;
 }
 
