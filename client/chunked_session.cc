@@ -10,9 +10,9 @@ ChunkedSession::ChunkedSession(const session::Session& session, int chunk_readin
       reading_count_(static_cast<int64_t>(session.reading_count())),
       chunk_count_((reading_count_ + chunk_readings - 1) / chunk_readings) {}
 
-convert::Chunk ChunkedSession::At(int64_t seq) const {
+records::Chunk ChunkedSession::At(int64_t seq) const {
   const int64_t begin = seq * chunk_readings_, end = ReadingsBelow(seq + 1);
-  convert::Chunk chunk;
+  records::Chunk chunk;
   chunk.seq = seq;
   for (const session::Column& column : session_.columns) {
     session::Column part{column.name, {}, {}};
@@ -27,7 +27,7 @@ convert::Chunk ChunkedSession::At(int64_t seq) const {
   return chunk;
 }
 
-storage::SessionTotals ChunkedSession::Totals() const {
+records::SessionTotals ChunkedSession::Totals() const {
   std::vector<uint32_t> crcs;
   for (int64_t seq = 0; seq < chunk_count_; ++seq) crcs.push_back(At(seq).crc32c);
   return {chunk_count_, reading_count_, session::SessionHash(crcs)};

@@ -12,6 +12,7 @@
 #ifndef AXISCAL_CLIENT_CLIENT_H_
 #define AXISCAL_CLIENT_CLIENT_H_
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,11 +22,16 @@
 #include "client/options.h"
 #include "core/base/ids.h"
 #include "core/base/status.h"
+#include "core/records/calibration.h"
+#include "core/records/history.h"
+#include "core/records/job.h"
+#include "core/records/job_params.h"
+#include "core/records/machine.h"
+#include "core/records/page.h"
+#include "core/records/program.h"
+#include "core/records/session.h"
+#include "core/records/table.h"
 #include "core/session/session.h"
-#include "proto/convert/calibration.h"
-#include "proto/convert/job_params.h"
-#include "proto/convert/table.h"
-#include "server/storage/records.h"
 
 namespace grpc {
 class Channel;
@@ -33,19 +39,19 @@ class Channel;
 
 namespace axiscal::client {
 
-// The records are those of the store, in core types; fields that do not travel are left empty.
-using storage::CalibrationFilter;
-using storage::CalibrationRecord;
-using storage::DriftQuery;
-using storage::DriftSeries;
-using storage::FleetRow;
-using storage::JobRecord;
-using storage::JobState;
-using storage::MachineRecord;
-using storage::Page;
-using storage::PageRequest;
-using storage::ProgramRecord;
-using storage::SessionRecord;
+// Of a record, fields that do not travel are left empty.
+using records::CalibrationFilter;
+using records::CalibrationRecord;
+using records::DriftQuery;
+using records::DriftSeries;
+using records::FleetRow;
+using records::JobRecord;
+using records::JobState;
+using records::MachineRecord;
+using records::Page;
+using records::PageRequest;
+using records::ProgramRecord;
+using records::SessionRecord;
 
 struct UploadResult {
   SessionRecord session;         // COMPLETE
@@ -56,7 +62,7 @@ struct UploadResult {
 
 struct SessionFilter {
   std::optional<MachineId> machine;
-  std::optional<storage::SessionState> state;
+  std::optional<records::SessionState> state;
 };
 
 struct JobFilter {
@@ -77,7 +83,7 @@ class Client {
   // `address` as gRPC takes it: "127.0.0.1:7410", "unix:/run/axiscal.sock". UNAVAILABLE (NO_CONNECTION) when the server
   // is not there in time.
   static absl::StatusOr<Client> Connect(const std::string& address, const Options& options = {});
-  // Over a channel to a server in this process (server/embedded.h).
+  // Over a channel to a server in this process.
   static absl::StatusOr<Client> InProcess(std::shared_ptr<grpc::Channel> channel, const Options& options = {});
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
@@ -109,7 +115,7 @@ class Client {
   absl::StatusOr<session::Session> DownloadSession(SessionId id);
 
   // ---- jobs
-  absl::StatusOr<JobRecord> CreateJob(const convert::JobParams& params, const std::string& request_id = "");
+  absl::StatusOr<JobRecord> CreateJob(const records::JobParams& params, const std::string& request_id = "");
   absl::StatusOr<JobRecord> GetJob(JobId id);
   // Newest first.
   absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter = {}, const PageRequest& page = {});
@@ -148,17 +154,17 @@ class Client {
   // bytes in order, its error ends the call and is returned; they must not be used unless this returns OK. The report,
   // JSON, as a COMPENSATE job's result. FAILED_PRECONDITION with the engine's words when a block cannot be corrected;
   // RESOURCE_EXHAUSTED QUEUE_FULL; DATA_LOSS when what came does not fit its checksum. Not tried again by itself.
-  absl::StatusOr<std::string> RewriteProgram(const convert::CompensateParams& params, const std::string& bytes,
+  absl::StatusOr<std::string> RewriteProgram(const records::CompensateParams& params, const std::string& bytes,
                                              const std::function<absl::Status(const std::string& bytes)>& take);
   // From a file, in constant memory. NOT_FOUND when it cannot be read.
-  absl::StatusOr<std::string> RewriteProgramFile(const convert::CompensateParams& params, const std::string& path,
+  absl::StatusOr<std::string> RewriteProgramFile(const records::CompensateParams& params, const std::string& path,
                                                  const std::function<absl::Status(const std::string& bytes)>& take);
   absl::StatusOr<Page<ProgramRecord>> ListPrograms(const PageRequest& page = {});
 
   // ---- compensation tables, made of the approved calibration or a named one (docs/tables.md)
-  absl::StatusOr<convert::MadeTable> MakeTable(const convert::TableParams& params);
+  absl::StatusOr<records::MadeTable> MakeTable(const records::TableParams& params);
   // The formats that the server knows.
-  absl::StatusOr<std::vector<convert::TableFormat>> ListTableFormats();
+  absl::StatusOr<std::vector<records::TableFormat>> ListTableFormats();
 
   // ---- history
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query);

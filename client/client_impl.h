@@ -15,11 +15,14 @@
 #include "client/client.h"
 #include "client/connection.h"
 #include "grpc/health/v1/health.grpc.pb.h"
+#include "proto/convert/calibration.h"
 #include "proto/convert/history.h"
 #include "proto/convert/job.h"
+#include "proto/convert/job_params.h"
 #include "proto/convert/machine.h"
 #include "proto/convert/program.h"
 #include "proto/convert/session.h"
+#include "proto/convert/table.h"
 
 namespace axiscal::client {
 

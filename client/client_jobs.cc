@@ -9,7 +9,7 @@ constexpr std::chrono::milliseconds kWaitMargin = std::chrono::seconds(5);
 
 }  // namespace
 
-absl::StatusOr<JobRecord> Client::CreateJob(const convert::JobParams& params, const std::string& request_id) {
+absl::StatusOr<JobRecord> Client::CreateJob(const records::JobParams& params, const std::string& request_id) {
   v1::CreateJobRequest request;
   request.set_request_id(request_id.empty() ? NewRequestId() : request_id);
   *request.mutable_params() = convert::ToProto(params);
@@ -51,20 +51,20 @@ absl::StatusOr<Page<JobRecord>> Client::ListJobs(const JobFilter& filter, const 
   return ReadPage<JobRecord>(response.jobs(), response.next_page_token());
 }
 
-absl::StatusOr<convert::MadeTable> Client::MakeTable(const convert::TableParams& params) {
+absl::StatusOr<records::MadeTable> Client::MakeTable(const records::TableParams& params) {
   const v1::MakeTableRequest request = convert::ToProto(params);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::MakeTableResponse>(*impl_->tables, &v1::Tables::Stub::MakeTable, request));
   return convert::FromProto(response);
 }
 
-absl::StatusOr<std::vector<convert::TableFormat>> Client::ListTableFormats() {
+absl::StatusOr<std::vector<records::TableFormat>> Client::ListTableFormats() {
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::ListTableFormatsResponse>(*impl_->tables, &v1::Tables::Stub::ListTableFormats,
                                                              v1::ListTableFormatsRequest()));
-  std::vector<convert::TableFormat> formats;
+  std::vector<records::TableFormat> formats;
   for (const v1::TableFormat& message : response.formats()) {
-    ASSIGN_OR_RETURN(convert::TableFormat format, convert::FromProto(message));
+    ASSIGN_OR_RETURN(records::TableFormat format, convert::FromProto(message));
     formats.push_back(std::move(format));
   }
   return formats;
@@ -101,7 +101,7 @@ absl::StatusOr<JobRecord> Client::WatchJob(JobId id, const std::function<bool(co
     }
     if (!goes_on) context->TryCancel();
     const absl::Status status = connection.FromGrpc(reader->Finish());
-    if (!goes_on || (job.ok() && storage::IsTerminal(job->state))) return job;
+    if (!goes_on || (job.ok() && records::IsTerminal(job->state))) return job;
     if (!status.ok() && !IsBroken(status)) return status;
     if (!backoff.Wait(give_up)) return status.ok() ? job.status() : status;
   }

@@ -26,7 +26,7 @@ absl::StatusOr<SessionRecord> Client::GetSession(SessionId id) {
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::GetSessionResponse>(*impl_->ingest, &v1::Ingest::Stub::GetSession, request));
   ASSIGN_OR_RETURN(SessionRecord record, convert::FromProto(response.session()));
-  ASSIGN_OR_RETURN(convert::SessionSchema schema, convert::FromProto(response.schema()));
+  ASSIGN_OR_RETURN(records::SessionSchema schema, convert::FromProto(response.schema()));
   record.header = std::move(schema.header);
   record.columns = std::move(schema.columns);
   return record;
@@ -59,13 +59,13 @@ absl::StatusOr<ProgramRecord> Client::PutProgram(const std::string& name, const 
   return client::PutProgram(impl_->connection, source, progress);
 }
 
-absl::StatusOr<std::string> Client::RewriteProgram(const convert::CompensateParams& params, const std::string& bytes,
+absl::StatusOr<std::string> Client::RewriteProgram(const records::CompensateParams& params, const std::string& bytes,
                                                    const TakeBytes& take) {
   const ProgramSource source{"the program", static_cast<int64_t>(bytes.size()), "", PartsOf(bytes)};
   return client::RewriteProgram(impl_->connection, params, source, take);
 }
 
-absl::StatusOr<std::string> Client::RewriteProgramFile(const convert::CompensateParams& params, const std::string& path,
+absl::StatusOr<std::string> Client::RewriteProgramFile(const records::CompensateParams& params, const std::string& path,
                                                        const TakeBytes& take) {
   ASSIGN_OR_RETURN(const ProgramSource source, FileSource(path));
   return client::RewriteProgram(impl_->connection, params, source, take);

@@ -1,4 +1,5 @@
 #include "axiscal/v1/ingest_service.grpc.pb.h"
+#include "client/connection.h"
 #include "client/transfer.h"
 #include "core/session/checksum.h"
 #include "proto/convert/session.h"
@@ -13,16 +14,16 @@ class Assembly {
     if (message.has_schema()) {
       ASSIGN_OR_RETURN(schema_, convert::FromProto(message.schema()));
       session_.header = schema_.header;
-      for (const storage::ColumnSpec& column : schema_.columns) session_.columns.push_back({column.name, {}, {}});
+      for (const records::ColumnSpec& column : schema_.columns) session_.columns.push_back({column.name, {}, {}});
       return absl::OkStatus();
     }
     if (message.has_totals()) {
-      ASSIGN_OR_RETURN(const storage::SessionTotals totals, convert::FromProto(message.totals()));
+      ASSIGN_OR_RETURN(const records::SessionTotals totals, convert::FromProto(message.totals()));
       is_complete_ = totals.hash == session::SessionHash(crcs_) &&
                      totals.reading_count == static_cast<int64_t>(session_.reading_count());
       return is_complete_ ? absl::OkStatus() : absl::DataLossError("the session's totals do not fit what came");
     }
-    ASSIGN_OR_RETURN(const convert::Chunk chunk, convert::FromProto(message.chunk(), schema_.columns));
+    ASSIGN_OR_RETURN(const records::Chunk chunk, convert::FromProto(message.chunk(), schema_.columns));
     crcs_.push_back(chunk.crc32c);
     for (size_t i = 0; i < chunk.columns.size(); ++i) {
       session::Column& to = session_.columns[i];
@@ -36,7 +37,7 @@ class Assembly {
   session::Session Finish() { return std::move(session_); }
 
  private:
-  convert::SessionSchema schema_;
+  records::SessionSchema schema_;
   session::Session session_;
   std::vector<uint32_t> crcs_;
   bool is_complete_ = false;

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "axiscal/v1/programs_service.grpc.pb.h"
+#include "client/connection.h"
 #include "client/transfer.h"
 #include "core/base/error_detail.h"
 #include "core/base/files.h"

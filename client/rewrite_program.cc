@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "axiscal/v1/programs_service.grpc.pb.h"
+#include "client/connection.h"
 #include "client/transfer.h"
 #include "core/base/crc32c.h"
 #include "proto/convert/job_params.h"
@@ -44,7 +45,7 @@ absl::Status Send(Stream& stream, const v1::RewriteProgramHeader& header, const 
 
 }  // namespace
 
-absl::StatusOr<std::string> RewriteProgram(const Connection& connection, const convert::CompensateParams& params,
+absl::StatusOr<std::string> RewriteProgram(const Connection& connection, const records::CompensateParams& params,
                                            const ProgramSource& source, const TakeBytes& take) {
   v1::RewriteProgramHeader header;
   *header.mutable_params() = convert::ToProto(params);

@@ -4,9 +4,10 @@
 #define AXISCAL_CLIENT_TRANSFER_H_
 
 #include "client/client.h"
-#include "client/connection.h"
 
 namespace axiscal::client {
+
+class Connection;
 
 absl::StatusOr<session::Session> DownloadSession(const Connection& connection, SessionId id);
 
@@ -26,7 +27,7 @@ absl::StatusOr<ProgramRecord> GetProgram(const Connection& connection, ProgramId
                                          const ProgressCallback& progress);
 
 // Writes on a thread of its own, reads and takes on this one.
-absl::StatusOr<std::string> RewriteProgram(const Connection& connection, const convert::CompensateParams& params,
+absl::StatusOr<std::string> RewriteProgram(const Connection& connection, const records::CompensateParams& params,
                                            const ProgramSource& source, const TakeBytes& take);
 
 // Size, checksum and bytes of a file, without holding it. NOT_FOUND when it cannot be read.

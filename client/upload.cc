@@ -3,8 +3,10 @@
 #include <thread>
 
 #include "axiscal/v1/ingest_service.grpc.pb.h"
+#include "client/connection.h"
 #include "core/base/error_detail.h"
 #include "core/base/mutex.h"
+#include "proto/convert/session.h"
 
 namespace axiscal::client {
 namespace {
@@ -93,7 +95,7 @@ class Uploader {
     RETURN_IF_ERROR(connection_.Call(
         [&](grpc::ClientContext* context) { return stub_->CreateSession(context, request, &created); }));
     ASSIGN_OR_RETURN(result_.session, convert::FromProto(created.session()));
-    if (result_.session.state == storage::SessionState::kComplete) {
+    if (result_.session.state == records::SessionState::kComplete) {
       result_.was_there = true;
       Report(chunks_.chunk_count());
       return result_;
@@ -110,7 +112,7 @@ class Uploader {
     while (true) {
       const int64_t before = next_seq_;
       const absl::Status status = RunStream();
-      if (result_.session.state == storage::SessionState::kComplete) return result_;
+      if (result_.session.state == records::SessionState::kComplete) return result_;
       if (!status.ok() && !IsBroken(status)) return status;
       ++result_.interruptions;
       if (next_seq_ > before) {
@@ -126,7 +128,7 @@ class Uploader {
         asked = AskWhere();
         if (!asked.ok() && !IsBroken(asked)) return asked;
       } while (!asked.ok());
-      if (result_.session.state == storage::SessionState::kComplete) return result_;
+      if (result_.session.state == records::SessionState::kComplete) return result_;
     }
   }
 
@@ -189,7 +191,7 @@ class Uploader {
   const Connection& connection_;
   const std::unique_ptr<v1::Ingest::Stub> stub_;
   const ChunkedSession chunks_;
-  const storage::SessionTotals totals_;
+  const records::SessionTotals totals_;
   const ProgressCallback& progress_;
   UploadResult result_;
   int window_ = 1;
@@ -205,7 +207,7 @@ absl::StatusOr<UploadResult> UploadSession(const Connection& connection, const M
   v1::CreateSessionRequest request;
   request.set_machine_id(machine.text());
   request.set_request_id(ContentId(machine, session, connection.options().chunk_readings));
-  *request.mutable_schema() = convert::ToProto(convert::SchemaOf(session));
+  *request.mutable_schema() = convert::ToProto(records::SchemaOf(session));
   return Uploader(connection, session, progress).Run(request);
 }
 

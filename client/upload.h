@@ -3,10 +3,11 @@
 #define AXISCAL_CLIENT_UPLOAD_H_
 
 #include "client/client.h"
-#include "client/connection.h"
-#include "proto/convert/session.h"
+#include "core/records/chunk.h"
 
 namespace axiscal::client {
+
+class Connection;
 
 // A session cut into chunks of equal length, made one by one when they are sent.
 class ChunkedSession {
@@ -17,8 +18,8 @@ class ChunkedSession {
   int64_t reading_count() const { return reading_count_; }
   // Readings in the chunks below `seq`.
   int64_t ReadingsBelow(int64_t seq) const { return std::min(seq * chunk_readings_, reading_count_); }
-  convert::Chunk At(int64_t seq) const;
-  storage::SessionTotals Totals() const;
+  records::Chunk At(int64_t seq) const;
+  records::SessionTotals Totals() const;
 
  private:
   const session::Session& session_;

@@ -78,11 +78,11 @@ class Server::Impl {
               .limits = {.max_uploads = options.max_uploads},
               .workers = options.workers} {
     // Monte Carlo of a hundred thousand runs.
-    runner_.Register(convert::kIdentify, {jobs::IdentifyJob(*database_), std::chrono::hours(1)});
-    runner_.Register(convert::kCompensate, {jobs::CompensateJob(*database_)});
-    runner_.Register(convert::kToolSetter, {jobs::ToolSetterJob(*database_), std::chrono::minutes(10)});
+    runner_.Register(records::kIdentify, {jobs::IdentifyJob(*database_), std::chrono::hours(1)});
+    runner_.Register(records::kCompensate, {jobs::CompensateJob(*database_)});
+    runner_.Register(records::kToolSetter, {jobs::ToolSetterJob(*database_), std::chrono::minutes(10)});
     // Thousands of candidates, and a full refit after each effect.
-    runner_.Register(convert::kCloseLoop, {jobs::CloseLoopJob(*database_), std::chrono::hours(1)});
+    runner_.Register(records::kCloseLoop, {jobs::CloseLoopJob(*database_), std::chrono::hours(1)});
   }
 
   absl::Status Start() {

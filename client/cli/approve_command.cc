@@ -18,10 +18,10 @@ absl::Status Approve(Context& context, const Arguments& arguments) {
   const CalibrationId id(arguments.calibration);
   int64_t etag = arguments.etag;
   if (etag == 0) {
-    ASSIGN_OR_RETURN(const storage::CalibrationRecord present, client->GetCalibration(id));
+    ASSIGN_OR_RETURN(const records::CalibrationRecord present, client->GetCalibration(id));
     etag = present.etag;
   }
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->ApproveCalibration(id, etag, context.user));
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->ApproveCalibration(id, etag, context.user));
   context.Print(ToJson(record),
                 absl::StrCat("calibration ", record.id.number(), " (version ", record.version, ") of machine ",
                              record.content.machine.text(), " is approved by ", record.approved_by,

@@ -17,12 +17,12 @@ struct Arguments {
 
 absl::Status List(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  storage::CalibrationFilter filter;
+  records::CalibrationFilter filter;
   if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
   ASSIGN_OR_RETURN(const auto page, client->ListCalibrations(filter, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"id", "machine", "version", "state", "rms before um", "rms after um", "made (UTC)", "approved by"}};
-  for (const storage::CalibrationRecord& record : page.rows) {
+  for (const records::CalibrationRecord& record : page.rows) {
     rows.push_back({absl::StrCat(record.id.number()), record.content.machine.text(), absl::StrCat(record.version),
                     StateName(record.state), NumberText(record.content.rms_before_um),
                     NumberText(record.content.rms_after_um), TimeText(record.created_at), record.approved_by});
@@ -36,7 +36,7 @@ absl::Status Show(Context& context, const Arguments& arguments) {
     return absl::InvalidArgumentError("calibration show: expected either a number or --approved MACHINE");
   }
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord record,
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record,
                    arguments.id != 0 ? client->GetCalibration(CalibrationId(arguments.id))
                                      : client->GetApprovedCalibration(MachineId(arguments.approved_of)));
   context.Print(ToJson(record), CalibrationText(record));

@@ -145,7 +145,7 @@ absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
   if (context.server.empty()) inputs.push_back({"the database", context.database});
   RETURN_IF_ERROR(CheckPaths(arguments, inputs));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  convert::CloseLoopParams params;
+  records::CloseLoopParams params;
   params.machine = MachineId(arguments.machine);
   params.max_effects = arguments.max_effects;
   params.monte_carlo_runs = arguments.monte_carlo;
@@ -153,15 +153,15 @@ absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(params.budget_json, BudgetText(arguments));
   ASSIGN_OR_RETURN(params.fit, NamedSessions(*client, params.machine, "--fit", arguments.fit));
   ASSIGN_OR_RETURN(params.check, NamedSessions(*client, params.machine, "--check", arguments.check));
-  ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params, arguments.request_id));
+  ASSIGN_OR_RETURN(const records::JobRecord job, client->CreateJob(params, arguments.request_id));
   if (arguments.no_wait) {
     context.Print(ToJson(job), absl::StrCat("job ", job.id.number(), " is queued; follow it with: axiscal jobs watch ",
                                             job.id.number(), "\n"));
     return absl::OkStatus();
   }
-  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, *client, job.id));
+  ASSIGN_OR_RETURN(const records::JobRecord done, FollowJob(context, *client, job.id));
   if (!done.calibration) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no calibration"));
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(*done.calibration));
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->GetCalibration(*done.calibration));
   RETURN_IF_ERROR(WriteOutputs(arguments, done.result, record.content.model_json));
   Json json = Embedded(done.result);
   const std::string text = LoopText(json) + MonteCarloText(json);
@@ -210,7 +210,7 @@ void AddCloseLoopCommand(CLI::App& app, Context& context) {
       "write pictures (SVG) into this folder: residuals against each variable and ball-bar traces, before "
       "and after, and the ranking of candidates; of a case folder only");
   command->add_option("--max-effects", arguments->max_effects, "stop after this many effects")
-      ->check(CLI::Range(1, convert::kMaxEffects))
+      ->check(CLI::Range(1, records::kMaxEffects))
       ->capture_default_str();
   command
       ->add_option(

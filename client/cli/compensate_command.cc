@@ -150,11 +150,11 @@ absl::Status FetchProgram(client::Client& client, ProgramId id, const std::strin
   return file.Commit();
 }
 
-absl::StatusOr<convert::CompensateParams> ParamsOf(const Arguments& arguments, client::Client& client) {
-  convert::CompensateParams params;
+absl::StatusOr<records::CompensateParams> ParamsOf(const Arguments& arguments, client::Client& client) {
+  records::CompensateParams params;
   ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
   params.machine = MachineId(arguments.machine);
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client.GetMachine(params.machine));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client.GetMachine(params.machine));
   ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
   ASSIGN_OR_RETURN(params.options, ToRewriteOptions(arguments.rewrite, machine));
   params.time_s = arguments.rewrite.time_s;
@@ -169,7 +169,7 @@ struct OnService {
 };
 
 // Up and down in one call; nothing stays on the service.
-absl::StatusOr<OnService> RewriteInStream(client::Client& client, const convert::CompensateParams& params,
+absl::StatusOr<OnService> RewriteInStream(client::Client& client, const records::CompensateParams& params,
                                           const Arguments& arguments) {
   base::AtomicFile file;
   RETURN_IF_ERROR(file.Open(arguments.output));
@@ -182,12 +182,12 @@ absl::StatusOr<OnService> RewriteInStream(client::Client& client, const convert:
 }
 
 // The program, the rewritten one and the report stay on the service.
-absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& client, convert::CompensateParams params,
+absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& client, records::CompensateParams params,
                                        const Arguments& arguments) {
-  ASSIGN_OR_RETURN(const storage::ProgramRecord program, client.PutProgramFile(arguments.input));
+  ASSIGN_OR_RETURN(const records::ProgramRecord program, client.PutProgramFile(arguments.input));
   params.program = program.id;
-  ASSIGN_OR_RETURN(const storage::JobRecord job, client.CreateJob(params));
-  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, client, job.id));
+  ASSIGN_OR_RETURN(const records::JobRecord job, client.CreateJob(params));
+  ASSIGN_OR_RETURN(const records::JobRecord done, FollowJob(context, client, job.id));
   if (done.programs.empty()) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no program"));
   RETURN_IF_ERROR(FetchProgram(client, done.programs[0], arguments.output));
   return OnService{done.result, {{"job", done.id.number()}, {"program", done.programs[0].number()}}};
@@ -198,7 +198,7 @@ absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
   base::AtomicFile report_file;
   RETURN_IF_ERROR(OpenReport(arguments, &report_file));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const convert::CompensateParams params, ParamsOf(arguments, *client));
+  ASSIGN_OR_RETURN(const records::CompensateParams params, ParamsOf(arguments, *client));
   ASSIGN_OR_RETURN(const OnService made, arguments.keep ? RewriteAsJob(context, *client, params, arguments)
                                                         : RewriteInStream(*client, params, arguments));
   RETURN_IF_ERROR(WriteReport(arguments, made.report, &report_file));

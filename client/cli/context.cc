@@ -6,8 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "server/embedded.h"
-
 namespace axiscal::cli {
 namespace {
 
@@ -19,33 +17,20 @@ std::string LoginName() {
 
 }  // namespace
 
-class Connection {
- public:
-  explicit Connection(client::Client client) : remote_(std::move(client)) {}
-  explicit Connection(server::Embedded embedded) : embedded_(std::move(embedded)) {}
-  client::Client* client() { return remote_ ? &*remote_ : &embedded_->client; }
-
- private:
-  std::optional<client::Client> remote_;
-  std::optional<server::Embedded> embedded_;
-};
-
-Context::Context() : user(LoginName()) {}
-Context::~Context() = default;
+Context::Context(StartService start_service) : user(LoginName()), start_service_(std::move(start_service)) {}
 
 absl::StatusOr<client::Client*> Context::Connect() {
-  if (connection_ == nullptr) {
+  if (!connection_) {
     client::Options options;
     options.user = user;
     if (server.empty()) {
-      ASSIGN_OR_RETURN(server::Embedded embedded, server::StartEmbedded(database, options));
-      connection_ = std::make_unique<Connection>(std::move(embedded));
+      ASSIGN_OR_RETURN(connection_, start_service_(database, options));
     } else {
       ASSIGN_OR_RETURN(client::Client client, client::Client::Connect(server, options));
-      connection_ = std::make_unique<Connection>(std::move(client));
+      connection_ = Connection{nullptr, std::move(client)};
     }
   }
-  return connection_->client();
+  return &connection_->client;
 }
 
 void Context::Print(const Json& json_result, const std::string& text) const {

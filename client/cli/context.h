@@ -16,11 +16,17 @@ class App;
 
 namespace axiscal::cli {
 
-class Connection;  // the client, and without --server the service in this process
+// The way to a service.
+struct Connection {
+  std::shared_ptr<void> service;  // that the client speaks to, when it runs in this process; outlives it
+  client::Client client;
+};
 
 struct Context {
-  Context();
-  ~Context();
+  // Starts the service in this process on a database file (embedded.h).
+  using StartService =
+      std::function<absl::StatusOr<Connection>(const std::string& database, const client::Options& options)>;
+  explicit Context(StartService start_service);
 
   std::string server;  // address; empty: the service runs in this process on `database`
   std::string database = "axiscal.db";
@@ -38,7 +44,8 @@ struct Context {
   ProgressBar Bar(const std::string& what) const { return ProgressBar(what, !json); }
 
  private:
-  std::unique_ptr<Connection> connection_;
+  const StartService start_service_;
+  std::optional<Connection> connection_;
 };
 
 // Makes `run` the action of a sub-command.

@@ -28,17 +28,17 @@ absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const 
   const MachineId id(machine);
   CalibrationId calibration_id(calibration);
   if (calibration == 0) {
-    ASSIGN_OR_RETURN(const storage::CalibrationRecord approved, client->GetApprovedCalibration(id));
+    ASSIGN_OR_RETURN(const records::CalibrationRecord approved, client->GetApprovedCalibration(id));
     calibration_id = approved.id;
   }
   MachineWithCalibration from;
   ASSIGN_OR_RETURN(from.calibration, client->GetCalibration(calibration_id));
-  const storage::CalibrationRecord& record = from.calibration;
+  const records::CalibrationRecord& record = from.calibration;
   if (record.content.machine != id) {
     return absl::InvalidArgumentError(absl::StrCat("--calibration: ", calibration_id.number(), " is of machine ",
                                                    record.content.machine.text(), ", expected one of ", machine));
   }
-  ASSIGN_OR_RETURN(const storage::MachineRecord described,
+  ASSIGN_OR_RETURN(const records::MachineRecord described,
                    client->GetMachineRevision(id, record.content.machine_revision));
   ASSIGN_OR_RETURN(from.machine, machine::MachineFromJson(described.description_json));
   return from;

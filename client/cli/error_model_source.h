@@ -20,7 +20,7 @@ absl::StatusOr<MachineWithErrors> ReadModelFiles(const std::string& machine_path
 // A stored machine as it was described when one of its calibrations, the approved one for 0, was identified.
 struct MachineWithCalibration {
   machine::Machine machine;
-  storage::CalibrationRecord calibration;
+  records::CalibrationRecord calibration;
 };
 absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const std::string& machine,
                                                         int64_t calibration);

@@ -17,7 +17,7 @@ struct Arguments {
 };
 
 absl::Status Drift(Context& context, client::Client& client, const Arguments& arguments) {
-  storage::DriftQuery query;
+  records::DriftQuery query;
   query.machine = MachineId(arguments.machine);
   query.symbols = arguments.symbols;
   query.max_points = arguments.points;
@@ -32,9 +32,9 @@ absl::Status Drift(Context& context, client::Client& client, const Arguments& ar
   ASSIGN_OR_RETURN(const auto series, client.QueryDrift(query));
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows = {{"error", "when (UTC)", "value", "sigma", "unit", "of", "calibration"}};
-  for (const storage::DriftSeries& one : series) {
+  for (const records::DriftSeries& one : series) {
     json.push_back(ToJson(one));
-    for (const storage::DriftPoint& point : one.points) {
+    for (const records::DriftPoint& point : one.points) {
       rows.push_back({one.symbol, TimeText(point.last_at), NumberText(point.mean), NumberText(point.sigma),
                       UnitName(one.unit), absl::StrCat(point.count), absl::StrCat(point.last_calibration.number())});
     }
@@ -51,8 +51,8 @@ absl::Status Fleet(Context& context, client::Client& client, const Arguments& ar
   ASSIGN_OR_RETURN(const auto page, client.LatestFleet(arguments.symbols, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"machine", "error", "value", "sigma", "unit", "when (UTC)", "calibration"}};
-  for (const storage::FleetRow& machine : page.rows) {
-    for (const storage::LatestEstimate& latest : machine.latest) {
+  for (const records::FleetRow& machine : page.rows) {
+    for (const records::LatestEstimate& latest : machine.latest) {
       rows.push_back({machine.machine.text(), latest.estimate.symbol, NumberText(latest.estimate.value),
                       NumberText(latest.estimate.sigma), UnitName(latest.estimate.unit), TimeText(latest.measured_at),
                       absl::StrCat(latest.calibration.number())});

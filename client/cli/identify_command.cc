@@ -27,7 +27,7 @@ struct Arguments {
   std::optional<uint64_t> seed;
 };
 
-absl::Status ReadSimulation(const Arguments& arguments, convert::IdentifyParams* params) {
+absl::Status ReadSimulation(const Arguments& arguments, records::IdentifyParams* params) {
   params->monte_carlo_runs = arguments.monte_carlo;
   if (arguments.seed) {
     if (!arguments.monte_carlo) return absl::InvalidArgumentError("--seed: expected --monte-carlo with it");
@@ -103,7 +103,7 @@ absl::StatusOr<std::string> Only(const std::vector<std::string>& only, Json docu
 }
 
 // A number is a calibration; all else a file.
-absl::Status ReadHeld(Context& context, const Arguments& arguments, convert::IdentifyParams* params) {
+absl::Status ReadHeld(Context& context, const Arguments& arguments, records::IdentifyParams* params) {
   const std::string& hold = arguments.hold;
   if (hold.empty() && !arguments.hold_only.empty()) {
     return absl::InvalidArgumentError("--hold-only: expected --hold with it");
@@ -116,7 +116,7 @@ absl::Status ReadHeld(Context& context, const Arguments& arguments, convert::Ide
       return absl::OkStatus();
     }
     ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-    ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(CalibrationId(id)));
+    ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->GetCalibration(CalibrationId(id)));
     ASSIGN_OR_RETURN(params->held_errors_json, Only(arguments.hold_only, ToJson(record)));
     return absl::OkStatus();
   }
@@ -134,18 +134,18 @@ absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, co
   }
   const MachineId machine(arguments.machine);
   if (!arguments.all) return NamedSessions(client, machine, "--sessions", arguments.sessions);
-  ASSIGN_OR_RETURN(const std::vector<storage::SessionRecord> stored, CompleteSessions(client, machine));
+  ASSIGN_OR_RETURN(const std::vector<records::SessionRecord> stored, CompleteSessions(client, machine));
   if (stored.empty()) {
     return absl::NotFoundError(absl::StrCat("--all: machine ", arguments.machine, " has no complete session"));
   }
   std::vector<SessionId> chosen;
-  for (const storage::SessionRecord& record : stored) chosen.push_back(record.id);
+  for (const records::SessionRecord& record : stored) chosen.push_back(record.id);
   return chosen;
 }
 
 absl::Status Identify(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  convert::IdentifyParams params;
+  records::IdentifyParams params;
   params.machine = MachineId(arguments.machine);
   params.declared = SplitErrors(arguments.declared);
   RETURN_IF_ERROR(ReadHeld(context, arguments, &params));
@@ -154,15 +154,15 @@ absl::Status Identify(Context& context, const Arguments& arguments) {
   }
   RETURN_IF_ERROR(ReadSimulation(arguments, &params));
   ASSIGN_OR_RETURN(params.sessions, ChooseSessions(*client, arguments));
-  ASSIGN_OR_RETURN(const storage::JobRecord job, client->CreateJob(params, arguments.request_id));
+  ASSIGN_OR_RETURN(const records::JobRecord job, client->CreateJob(params, arguments.request_id));
   if (arguments.no_wait) {
     context.Print(ToJson(job), absl::StrCat("job ", job.id.number(), " is queued; follow it with: axiscal jobs watch ",
                                             job.id.number(), "\n"));
     return absl::OkStatus();
   }
-  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, *client, job.id));
+  ASSIGN_OR_RETURN(const records::JobRecord done, FollowJob(context, *client, job.id));
   if (!done.calibration) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no calibration"));
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord record, client->GetCalibration(*done.calibration));
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->GetCalibration(*done.calibration));
   context.Print(ToJson(record), CalibrationText(record));
   context.Note(absl::StrCat("use it with: axiscal approve ", record.id.number()));
   return absl::OkStatus();

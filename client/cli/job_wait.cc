@@ -4,8 +4,8 @@
 
 namespace axiscal::cli {
 
-using storage::JobRecord;
-using storage::JobState;
+using records::JobRecord;
+using records::JobState;
 
 absl::Status OutcomeOf(const JobRecord& record) {
   const std::string job = absl::StrCat("job ", record.id.number(), ": ");

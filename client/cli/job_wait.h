@@ -9,10 +9,10 @@ namespace axiscal::cli {
 
 // Watches the job with a progress bar. The job as it succeeded; else its own error (code, message, "job 12: ..."),
 // CANCELLED when it was cancelled.
-absl::StatusOr<storage::JobRecord> FollowJob(const Context& context, client::Client& client, JobId id);
+absl::StatusOr<records::JobRecord> FollowJob(const Context& context, client::Client& client, JobId id);
 
 // What a job that ended says: OK when it succeeded.
-absl::Status OutcomeOf(const storage::JobRecord& record);
+absl::Status OutcomeOf(const records::JobRecord& record);
 
 }  // namespace axiscal::cli
 

@@ -16,14 +16,14 @@ struct Arguments {
   int64_t id = 0;
 };
 
-const std::vector<std::pair<std::string, storage::JobState>> kStates = {
-    {"queued", storage::JobState::kQueued},       {"running", storage::JobState::kRunning},
-    {"succeeded", storage::JobState::kSucceeded}, {"failed", storage::JobState::kFailed},
-    {"cancelled", storage::JobState::kCancelled}, {"dead", storage::JobState::kDead}};
+const std::vector<std::pair<std::string, records::JobState>> kStates = {
+    {"queued", records::JobState::kQueued},       {"running", records::JobState::kRunning},
+    {"succeeded", records::JobState::kSucceeded}, {"failed", records::JobState::kFailed},
+    {"cancelled", records::JobState::kCancelled}, {"dead", records::JobState::kDead}};
 
-std::string JobText(const storage::JobRecord& record) {
+std::string JobText(const records::JobRecord& record) {
   std::string text = absl::StrCat("job ", record.id.number(), ": ", record.kind, ", ", StateName(record.state));
-  if (!record.progress.stage.empty() && !storage::IsTerminal(record.state)) {
+  if (!record.progress.stage.empty() && !records::IsTerminal(record.state)) {
     absl::StrAppend(&text, absl::StrFormat(", %s %.0f %%", record.progress.stage, 100 * record.progress.fraction));
   }
   if (record.calibration) absl::StrAppend(&text, ", made calibration ", record.calibration->number());
@@ -47,7 +47,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const auto page, client->ListJobs(filter, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"id", "kind", "machine", "state", "done", "stage", "created (UTC)", "by"}};
-  for (const storage::JobRecord& record : page.rows) {
+  for (const records::JobRecord& record : page.rows) {
     rows.push_back({absl::StrCat(record.id.number()), record.kind, record.machine ? record.machine->text() : "-",
                     StateName(record.state), absl::StrFormat("%.0f %%", 100 * record.progress.fraction),
                     record.error ? Short(record.error->message) : record.progress.stage, TimeText(record.created_at),
@@ -60,8 +60,8 @@ absl::Status List(Context& context, const Arguments& arguments) {
 absl::Status Watch(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ProgressBar bar = context.Bar(absl::StrCat("job ", arguments.id));
-  ASSIGN_OR_RETURN(const storage::JobRecord record,
-                   client->WatchJob(JobId(arguments.id), [&bar](const storage::JobRecord& now) {
+  ASSIGN_OR_RETURN(const records::JobRecord record,
+                   client->WatchJob(JobId(arguments.id), [&bar](const records::JobRecord& now) {
                      bar.Show(now.progress.fraction, absl::StrCat(now.progress.stage, " ", now.progress.detail));
                      return true;
                    }));
@@ -71,8 +71,8 @@ absl::Status Watch(Context& context, const Arguments& arguments) {
 
 absl::Status Cancel(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::JobRecord record, client->CancelJob(JobId(arguments.id)));
-  const bool still_runs = !storage::IsTerminal(record.state);
+  ASSIGN_OR_RETURN(const records::JobRecord record, client->CancelJob(JobId(arguments.id)));
+  const bool still_runs = !records::IsTerminal(record.state);
   context.Print(ToJson(record),
                 still_runs ? absl::StrCat("job ", arguments.id, " stops at its next step\n") : JobText(record));
   return absl::OkStatus();
@@ -80,7 +80,7 @@ absl::Status Cancel(Context& context, const Arguments& arguments) {
 
 absl::Status Requeue(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::JobRecord record, client->RequeueJob(JobId(arguments.id)));
+  ASSIGN_OR_RETURN(const records::JobRecord record, client->RequeueJob(JobId(arguments.id)));
   context.Print(ToJson(record), JobText(record));
   return absl::OkStatus();
 }

@@ -30,7 +30,7 @@ absl::Status Add(Context& context, const Arguments& arguments) {
   MachineId id;
   ASSIGN_OR_RETURN(const std::string description, ReadDescription(arguments.file, &id));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->CreateMachine(description));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->CreateMachine(description));
   context.Print(ToJson(record),
                 absl::StrCat("machine ", record.id.text(), " is stored (revision ", record.revision,
                              "); check its signs with: axiscal machine explain ", record.id.text(), "\n"));
@@ -41,8 +41,8 @@ absl::Status Update(Context& context, const Arguments& arguments) {
   MachineId id;
   ASSIGN_OR_RETURN(const std::string description, ReadDescription(arguments.file, &id));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::MachineRecord present, client->GetMachine(id));
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->UpdateMachine(description, present.revision));
+  ASSIGN_OR_RETURN(const records::MachineRecord present, client->GetMachine(id));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->UpdateMachine(description, present.revision));
   context.Print(ToJson(record), absl::StrCat("machine ", record.id.text(), " is now revision ", record.revision, "\n"));
   return absl::OkStatus();
 }
@@ -51,7 +51,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const auto page, client->ListMachines({arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {{"machine", "revision", "updated (UTC)"}};
-  for (const storage::MachineRecord& record : page.rows) {
+  for (const records::MachineRecord& record : page.rows) {
     rows.push_back({record.id.text(), absl::StrCat(record.revision), TimeText(record.updated_at)});
   }
   context.Print(PageJson("machines", page), Table(rows) + PageText(page));
@@ -61,7 +61,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
 absl::Status Show(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   const MachineId id(arguments.id);
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, arguments.revision > 0
+  ASSIGN_OR_RETURN(const records::MachineRecord record, arguments.revision > 0
                                                             ? client->GetMachineRevision(id, arguments.revision)
                                                             : client->GetMachine(id));
   context.Print(ToJson(record), record.description_json + (record.description_json.ends_with('\n') ? "" : "\n"));
@@ -71,7 +71,7 @@ absl::Status Show(Context& context, const Arguments& arguments) {
 absl::StatusOr<machine::Machine> LoadMachine(Context& context, const Arguments& arguments) {
   if (!arguments.file.empty()) return machine::ReadMachineFile(arguments.file);
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(MachineId(arguments.id)));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(MachineId(arguments.id)));
   return machine::MachineFromJson(record.description_json);
 }
 

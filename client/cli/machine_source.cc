@@ -10,7 +10,7 @@ absl::StatusOr<machine::Machine> MachineFrom(Context& context, const std::string
   std::error_code error;
   if (std::filesystem::is_regular_file(file_or_id, error)) return machine::ReadMachineFile(file_or_id);
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(MachineId(file_or_id)));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(MachineId(file_or_id)));
   return machine::MachineFromJson(record.description_json);
 }
 

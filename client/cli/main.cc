@@ -7,6 +7,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/embedded.h"
 #include "client/cli/exit_code.h"
 #include "core/base/error_detail.h"
 
@@ -78,7 +79,7 @@ void PrintUsageError(const CLI::ParseError& error) {
 }
 
 int Main(int argc, char** argv) {
-  Context context;
+  Context context(StartServiceHere);
   CLI::App app(
       "Axiscal keeps machine tools true: upload what probes measured, identify the machine's errors, compensate NC "
       "programs.",

@@ -21,7 +21,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const auto page, client->ListPrograms({arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {{"id", "name", "bytes", "stored (UTC)", "by"}};
-  for (const storage::ProgramRecord& record : page.rows) {
+  for (const records::ProgramRecord& record : page.rows) {
     rows.push_back({absl::StrCat(record.id.number()), record.name, absl::StrCat(record.byte_count),
                     TimeText(record.created_at), record.created_by});
   }
@@ -36,7 +36,7 @@ absl::Status Get(Context& context, const Arguments& arguments) {
   base::AtomicFile file;
   RETURN_IF_ERROR(file.Open(arguments.output));
   ASSIGN_OR_RETURN(
-      const storage::ProgramRecord record,
+      const records::ProgramRecord record,
       client->GetProgram(ProgramId(arguments.id), [&file](const std::string& bytes) { return file.Write(bytes); }));
   RETURN_IF_ERROR(file.Commit());
   Json json = ToJson(record);

@@ -6,9 +6,9 @@
 
 namespace axiscal::cli {
 
-using storage::CalibrationState;
-using storage::JobState;
-using storage::SessionState;
+using records::CalibrationState;
+using records::JobState;
+using records::SessionState;
 
 const char* StateName(SessionState state) {
   switch (state) {
@@ -54,14 +54,14 @@ const char* StateName(CalibrationState state) {
   return "unknown";
 }
 
-const char* UnitName(storage::EstimateUnit unit) { return unit == storage::EstimateUnit::kUm ? "um" : "urad"; }
+const char* UnitName(records::EstimateUnit unit) { return unit == records::EstimateUnit::kUm ? "um" : "urad"; }
 
 Json Embedded(const std::string& json_text) {
   Json parsed = Json::parse(json_text, nullptr, false);
   return parsed.is_discarded() ? Json(json_text) : parsed;
 }
 
-Json ToJson(const storage::MachineRecord& record) {
+Json ToJson(const records::MachineRecord& record) {
   Json json = {{"id", record.id.text()},
                {"revision", record.revision},
                {"created", TimeJson(record.created_at)},
@@ -70,7 +70,7 @@ Json ToJson(const storage::MachineRecord& record) {
   return json;
 }
 
-Json ToJson(const storage::SessionRecord& record) {
+Json ToJson(const records::SessionRecord& record) {
   return {{"id", record.id.number()},
           {"machine", record.machine.text()},
           {"session", record.name},
@@ -83,7 +83,7 @@ Json ToJson(const storage::SessionRecord& record) {
           {"hash", record.hash}};
 }
 
-Json ToJson(const storage::JobRecord& record) {
+Json ToJson(const records::JobRecord& record) {
   Json programs = Json::array();
   for (const ProgramId& id : record.programs) programs.push_back(id.number());
   Json json = {{"id", record.id.number()},
@@ -108,7 +108,7 @@ Json ToJson(const storage::JobRecord& record) {
   return json;
 }
 
-Json ToJson(const storage::Estimate& estimate) {
+Json ToJson(const records::Estimate& estimate) {
   return {{"symbol", estimate.symbol},
           {"identifiable", estimate.identifiable},
           {"value", NumberJson(estimate.value)},
@@ -116,11 +116,11 @@ Json ToJson(const storage::Estimate& estimate) {
           {"unit", UnitName(estimate.unit)}};
 }
 
-Json ToJson(const storage::CalibrationRecord& record) {
-  const storage::NewCalibration& content = record.content;
+Json ToJson(const records::CalibrationRecord& record) {
+  const records::NewCalibration& content = record.content;
   Json sessions = Json::array(), estimates = Json::array();
   for (const SessionId& id : content.sessions) sessions.push_back(id.number());
-  for (const storage::Estimate& estimate : content.estimates) estimates.push_back(ToJson(estimate));
+  for (const records::Estimate& estimate : content.estimates) estimates.push_back(ToJson(estimate));
   Json json = {{"id", record.id.number()},
                {"machine", content.machine.text()},
                {"version", record.version},
@@ -147,15 +147,15 @@ Json ToJson(const storage::CalibrationRecord& record) {
   return json;
 }
 
-Json ToJson(const storage::ProgramRecord& record) {
+Json ToJson(const records::ProgramRecord& record) {
   return {{"id", record.id.number()},       {"kind", record.kind},     {"name", record.name},
           {"bytes", record.byte_count},     {"sha256", record.sha256}, {"created", TimeJson(record.created_at)},
           {"created_by", record.created_by}};
 }
 
-Json ToJson(const storage::DriftSeries& series) {
+Json ToJson(const records::DriftSeries& series) {
   Json points = Json::array();
-  for (const storage::DriftPoint& point : series.points) {
+  for (const records::DriftPoint& point : series.points) {
     points.push_back({{"from", TimeJson(point.first_at)},
                       {"to", TimeJson(point.last_at)},
                       {"count", point.count},
@@ -171,9 +171,9 @@ Json ToJson(const storage::DriftSeries& series) {
           {"points", points}};
 }
 
-Json ToJson(const storage::FleetRow& row) {
+Json ToJson(const records::FleetRow& row) {
   Json estimates = Json::array();
-  for (const storage::LatestEstimate& latest : row.latest) {
+  for (const records::LatestEstimate& latest : row.latest) {
     Json json = ToJson(latest.estimate);
     json["measured"] = TimeJson(latest.measured_at);
     json["calibration"] = latest.calibration.number();
@@ -239,7 +239,7 @@ std::string ReportText(const Json& report) {
   return text;
 }
 
-std::string PoorFitText(const storage::CalibrationRecord& record) {
+std::string PoorFitText(const records::CalibrationRecord& record) {
   constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
   const std::optional<double>& chi2_per_dof = record.content.chi2_per_dof;
   if (!chi2_per_dof || *chi2_per_dof <= kPoorFit) return "";
@@ -275,12 +275,12 @@ std::string MonteCarloText(const Json& report) {
   return text;
 }
 
-std::string CalibrationText(const storage::CalibrationRecord& record) {
-  const storage::NewCalibration& content = record.content;
+std::string CalibrationText(const records::CalibrationRecord& record) {
+  const records::NewCalibration& content = record.content;
   std::string text = absl::StrCat("calibration ", record.id.number(), ": machine ", content.machine.text(),
                                   ", version ", record.version, ", ", StateName(record.state), "\n");
   std::vector<std::vector<std::string>> rows = {{"error", "value", "sigma", "unit", ""}};
-  for (const storage::Estimate& estimate : content.estimates) {
+  for (const records::Estimate& estimate : content.estimates) {
     rows.push_back({estimate.symbol, NumberText(estimate.value), NumberText(estimate.sigma), UnitName(estimate.unit),
                     estimate.identifiable ? "" : "not identifiable from these sessions"});
   }
@@ -309,7 +309,7 @@ std::string CalibrationText(const storage::CalibrationRecord& record) {
   return text + MonteCarloText(report) + PoorFitText(record);
 }
 
-std::string CautionText(const storage::CalibrationRecord& record) {
+std::string CautionText(const records::CalibrationRecord& record) {
   return UnexplainedText(Embedded(record.content.report_json)) + PoorFitText(record);
 }
 

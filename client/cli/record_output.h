@@ -10,27 +10,27 @@
 
 namespace axiscal::cli {
 
-const char* StateName(storage::SessionState state);
-const char* StateName(storage::JobState state);
-const char* StateName(storage::CalibrationState state);
-const char* UnitName(storage::EstimateUnit unit);
+const char* StateName(records::SessionState state);
+const char* StateName(records::JobState state);
+const char* StateName(records::CalibrationState state);
+const char* UnitName(records::EstimateUnit unit);
 
-Json ToJson(const storage::MachineRecord& record);
-Json ToJson(const storage::SessionRecord& record);
-Json ToJson(const storage::JobRecord& record);
-Json ToJson(const storage::Estimate& estimate);
+Json ToJson(const records::MachineRecord& record);
+Json ToJson(const records::SessionRecord& record);
+Json ToJson(const records::JobRecord& record);
+Json ToJson(const records::Estimate& estimate);
 // With model and report where the record has them.
-Json ToJson(const storage::CalibrationRecord& record);
-Json ToJson(const storage::ProgramRecord& record);
-Json ToJson(const storage::DriftSeries& series);
-Json ToJson(const storage::FleetRow& row);
+Json ToJson(const records::CalibrationRecord& record);
+Json ToJson(const records::ProgramRecord& record);
+Json ToJson(const records::DriftSeries& series);
+Json ToJson(const records::FleetRow& row);
 
 // The text as the JSON that it is, or as a text when it is none.
 Json Embedded(const std::string& json_text);
 
 // {"NAME": [...], "next_page": "..."}.
 template <typename Row>
-Json PageJson(const std::string& name, const storage::Page<Row>& page) {
+Json PageJson(const std::string& name, const records::Page<Row>& page) {
   Json rows = Json::array();
   for (const Row& row : page.rows) rows.push_back(ToJson(row));
   return {{name, rows}, {"next_page", page.next_token}};
@@ -38,7 +38,7 @@ Json PageJson(const std::string& name, const storage::Page<Row>& page) {
 
 // "next page: --page TOKEN" under a table, nothing on the last page.
 template <typename Row>
-std::string PageText(const storage::Page<Row>& page) {
+std::string PageText(const records::Page<Row>& page) {
   return page.next_token.empty() ? "" : "more: --page " + page.next_token + "\n";
 }
 
@@ -47,10 +47,10 @@ std::string MonteCarloText(const Json& report);
 
 // The estimates of a calibration as a table, with the combinations that the data determine, and the rms before and
 // after; of a loop also its effects and verdict.
-std::string CalibrationText(const storage::CalibrationRecord& record);
+std::string CalibrationText(const records::CalibrationRecord& record);
 
 // What whoever approves it should know: structure without a name, a poor fit. Empty when there is nothing.
-std::string CautionText(const storage::CalibrationRecord& record);
+std::string CautionText(const records::CalibrationRecord& record);
 
 }  // namespace axiscal::cli
 

@@ -13,12 +13,12 @@ bool IsNumber(const std::string& text) {
 
 // A number is an id; anything else the name of exactly one stored session.
 absl::StatusOr<SessionId> Resolve(const std::string& option, const std::string& text, const MachineId& machine,
-                                  const std::vector<storage::SessionRecord>& stored) {
+                                  const std::vector<records::SessionRecord>& stored) {
   if (IsNumber(text)) return SessionId(std::stoll(text));
   std::string ids;
   SessionId found;
   int count = 0;
-  for (const storage::SessionRecord& record : stored) {
+  for (const records::SessionRecord& record : stored) {
     if (record.name != text) continue;
     found = record.id;
     absl::StrAppend(&ids, count++ == 0 ? "" : ", ", record.id.number());
@@ -34,10 +34,10 @@ absl::StatusOr<SessionId> Resolve(const std::string& option, const std::string& 
 
 }  // namespace
 
-absl::StatusOr<std::vector<storage::SessionRecord>> CompleteSessions(client::Client& client, const MachineId& machine) {
-  std::vector<storage::SessionRecord> sessions;
-  client::SessionFilter filter{machine, storage::SessionState::kComplete};
-  storage::PageRequest request{1000, ""};
+absl::StatusOr<std::vector<records::SessionRecord>> CompleteSessions(client::Client& client, const MachineId& machine) {
+  std::vector<records::SessionRecord> sessions;
+  client::SessionFilter filter{machine, records::SessionState::kComplete};
+  records::PageRequest request{1000, ""};
   do {
     ASSIGN_OR_RETURN(const auto page, client.ListSessions(filter, request));
     sessions.insert(sessions.end(), page.rows.begin(), page.rows.end());
@@ -49,7 +49,7 @@ absl::StatusOr<std::vector<storage::SessionRecord>> CompleteSessions(client::Cli
 
 absl::StatusOr<std::vector<SessionId>> NamedSessions(client::Client& client, const MachineId& machine,
                                                      const std::string& option, const std::vector<std::string>& texts) {
-  std::vector<storage::SessionRecord> stored;
+  std::vector<records::SessionRecord> stored;
   if (!std::all_of(texts.begin(), texts.end(), IsNumber)) {
     ASSIGN_OR_RETURN(stored, CompleteSessions(client, machine));
   }

@@ -10,7 +10,7 @@
 namespace axiscal::cli {
 
 // The machine's complete sessions in the order in which they were stored.
-absl::StatusOr<std::vector<storage::SessionRecord>> CompleteSessions(client::Client& client, const MachineId& machine);
+absl::StatusOr<std::vector<records::SessionRecord>> CompleteSessions(client::Client& client, const MachineId& machine);
 
 // In the order of `texts`, each a session's number or its name. NOT_FOUND naming `option` when the machine has no
 // complete session of that name, INVALID_ARGUMENT with their numbers when it has several.

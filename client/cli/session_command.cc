@@ -24,7 +24,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(const auto page, client->ListSessions(filter, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"id", "machine", "session", "instrument", "readings", "state", "measured (UTC)", "stored (UTC)"}};
-  for (const storage::SessionRecord& record : page.rows) {
+  for (const records::SessionRecord& record : page.rows) {
     rows.push_back({absl::StrCat(record.id.number()), record.machine.text(), record.name, record.instrument,
                     absl::StrCat(record.reading_count), StateName(record.state), TimeText(record.measured_at),
                     TimeText(record.created_at)});

@@ -25,9 +25,9 @@ struct Arguments {
   TableArguments table;
 };
 
-std::string ListText(const std::vector<convert::TableFormat>& formats) {
+std::string ListText(const std::vector<records::TableFormat>& formats) {
   std::string text;
-  for (const convert::TableFormat& format : formats) {
+  for (const records::TableFormat& format : formats) {
     absl::StrAppend(&text, format.name, "\n    ", format.title, "\n    ", format.limits, "\n    ", format.values, "\n");
     for (const std::string& what : format.cannot_carry) absl::StrAppend(&text, "    cannot carry ", what, "\n");
   }
@@ -37,15 +37,15 @@ std::string ListText(const std::vector<convert::TableFormat>& formats) {
 // What the server knows; without one the formats of this program, which need no database.
 absl::Status List(Context& context) {
   if (context.server.empty()) {
-    std::vector<convert::TableFormat> formats;
-    for (const tables::Format& format : tables::Formats()) formats.push_back(convert::Summary(format));
+    std::vector<records::TableFormat> formats;
+    for (const tables::Format& format : tables::Formats()) formats.push_back(records::Summary(format));
     context.Print({{"formats", Embedded(tables::FormatsJson())}}, ListText(formats));
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const std::vector<convert::TableFormat> formats, client->ListTableFormats());
+  ASSIGN_OR_RETURN(const std::vector<records::TableFormat> formats, client->ListTableFormats());
   Json list = Json::array();
-  for (const convert::TableFormat& format : formats) {
+  for (const records::TableFormat& format : formats) {
     list.push_back(
         {{"name", format.name},
          {"title", format.title},
@@ -120,13 +120,13 @@ absl::StatusOr<tables::MadeTable> MakeFromFiles(const Arguments& arguments) {
 
 absl::StatusOr<tables::MadeTable> MakeOnService(Context& context, const Arguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  convert::TableParams params;
+  records::TableParams params;
   params.machine = MachineId(arguments.machine);
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, client->GetMachine(params.machine));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(params.machine));
   ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
   ASSIGN_OR_RETURN(params.request, ToTableRequest(arguments.table, machine));
   if (arguments.calibration != 0) params.calibration = CalibrationId(arguments.calibration);
-  ASSIGN_OR_RETURN(convert::MadeTable made, client->MakeTable(params));
+  ASSIGN_OR_RETURN(records::MadeTable made, client->MakeTable(params));
   return std::move(made.table);
 }
 

@@ -125,9 +125,9 @@ absl::StatusOr<toolsetter::ReferenceOptions> OptionsOf(const Arguments& argument
 }
 
 absl::StatusOr<std::string> OnService(Context& context, const Arguments& arguments,
-                                      const toolsetter::ReferenceOptions& options, storage::JobRecord* queued) {
+                                      const toolsetter::ReferenceOptions& options, records::JobRecord* queued) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  convert::ToolSetterParams params;
+  records::ToolSetterParams params;
   params.machine = MachineId(arguments.machine);
   ASSIGN_OR_RETURN(const auto sessions, NamedSessions(*client, params.machine, "--session", {arguments.session}));
   params.session = sessions[0];
@@ -135,7 +135,7 @@ absl::StatusOr<std::string> OnService(Context& context, const Arguments& argumen
   params.fit_pitch = options.fit_pitch;
   ASSIGN_OR_RETURN(*queued, client->CreateJob(params, arguments.request_id));
   if (arguments.no_wait) return std::string();
-  ASSIGN_OR_RETURN(const storage::JobRecord done, FollowJob(context, *client, queued->id));
+  ASSIGN_OR_RETURN(const records::JobRecord done, FollowJob(context, *client, queued->id));
   return done.result;
 }
 
@@ -154,7 +154,7 @@ absl::Status Evaluate(Context& context, const Arguments& arguments, std::string 
     ASSIGN_OR_RETURN(const session::Session session, session::ReadSessionFile(arguments.file));
     ASSIGN_OR_RETURN(report, toolsetter::Evaluate(session, options));
   } else {
-    storage::JobRecord job;
+    records::JobRecord job;
     ASSIGN_OR_RETURN(report, OnService(context, arguments, options, &job));
     if (arguments.no_wait) {
       const std::string number = std::to_string(job.id.number());

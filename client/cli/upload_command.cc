@@ -71,7 +71,7 @@ class Machines {
 
   absl::StatusOr<const machine::Machine*> Get(const std::string& id) {
     if (machines_.count(id) == 0) {
-      ASSIGN_OR_RETURN(const storage::MachineRecord record, client_.GetMachine(MachineId(id)));
+      ASSIGN_OR_RETURN(const records::MachineRecord record, client_.GetMachine(MachineId(id)));
       ASSIGN_OR_RETURN(machines_[id], machine::MachineFromJson(record.description_json));
     }
     return &machines_[id];

@@ -6,7 +6,7 @@
 namespace axiscal::convert {
 namespace {
 
-v1::Provenance ProvenanceToProto(const storage::CalibrationRecord& record) {
+v1::Provenance ProvenanceToProto(const records::CalibrationRecord& record) {
   v1::Provenance message;
   if (record.job) message.set_job_id(record.job->number());
   for (const SessionId& id : record.content.sessions) message.add_session_ids(id.number());
@@ -18,7 +18,7 @@ v1::Provenance ProvenanceToProto(const storage::CalibrationRecord& record) {
   return message;
 }
 
-void ProvenanceFromProto(const v1::Provenance& message, storage::CalibrationRecord* record) {
+void ProvenanceFromProto(const v1::Provenance& message, records::CalibrationRecord* record) {
   if (message.job_id() != 0) record->job = JobId(message.job_id());
   for (const int64_t id : message.session_ids()) record->content.sessions.push_back(SessionId(id));
   record->content.machine_revision = message.machine_revision();
@@ -28,7 +28,7 @@ void ProvenanceFromProto(const v1::Provenance& message, storage::CalibrationReco
   record->content.measured_at = base::FromUtcUs(message.measured_utc_us());
 }
 
-v1::FitStatistics StatisticsToProto(const storage::NewCalibration& content) {
+v1::FitStatistics StatisticsToProto(const records::NewCalibration& content) {
   v1::FitStatistics message;
   message.set_rank(content.rank);
   if (content.condition) message.set_condition(*content.condition);
@@ -38,7 +38,7 @@ v1::FitStatistics StatisticsToProto(const storage::NewCalibration& content) {
   return message;
 }
 
-void StatisticsFromProto(const v1::FitStatistics& message, storage::NewCalibration* content) {
+void StatisticsFromProto(const v1::FitStatistics& message, records::NewCalibration* content) {
   content->rank = message.rank();
   if (message.has_condition()) content->condition = message.condition();
   if (message.has_chi2_per_dof()) content->chi2_per_dof = message.chi2_per_dof();
@@ -48,7 +48,7 @@ void StatisticsFromProto(const v1::FitStatistics& message, storage::NewCalibrati
 
 }  // namespace
 
-v1::Calibration ToProto(const storage::CalibrationRecord& record) {
+v1::Calibration ToProto(const records::CalibrationRecord& record) {
   v1::Calibration message;
   message.set_calibration_id(record.id.number());
   message.set_machine_id(record.content.machine.text());
@@ -60,7 +60,7 @@ v1::Calibration ToProto(const storage::CalibrationRecord& record) {
   message.set_approved_by(record.approved_by);
   SET_OPTIONAL_UTC(message, retired_utc_us, record.retired_at);
   *message.mutable_statistics() = StatisticsToProto(record.content);
-  for (const storage::Estimate& estimate : record.content.estimates) *message.add_estimates() = ToProto(estimate);
+  for (const records::Estimate& estimate : record.content.estimates) *message.add_estimates() = ToProto(estimate);
   for (const Combination& combination : CombinationsOf(record.content.report_json)) {
     v1::Combination* const out = message.add_combinations();
     out->set_name(combination.name);
@@ -75,12 +75,12 @@ v1::Calibration ToProto(const storage::CalibrationRecord& record) {
   return message;
 }
 
-absl::StatusOr<storage::CalibrationRecord> FromProto(const v1::Calibration& message) {
+absl::StatusOr<records::CalibrationRecord> FromProto(const v1::Calibration& message) {
   RETURN_IF_ERROR(RequirePositive("calibration_id", message.calibration_id()));
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequirePositive("version", message.version()));
   RETURN_IF_ERROR(RequirePositive("etag", message.etag()));
-  storage::CalibrationRecord record;
+  records::CalibrationRecord record;
   record.id = CalibrationId(message.calibration_id());
   record.version = message.version();
   ASSIGN_OR_RETURN(record.state, FromProto(message.state()));
@@ -91,7 +91,7 @@ absl::StatusOr<storage::CalibrationRecord> FromProto(const v1::Calibration& mess
   record.retired_at = OPTIONAL_UTC(message, retired_utc_us);
   record.content.machine = MachineId(message.machine_id());
   for (int i = 0; i < message.estimates_size(); ++i) {
-    absl::StatusOr<storage::Estimate> estimate = FromProto(message.estimates(i));
+    absl::StatusOr<records::Estimate> estimate = FromProto(message.estimates(i));
     if (!estimate.ok()) return InField(absl::StrCat("estimates[", i, "]"), estimate.status());
     record.content.estimates.push_back(*std::move(estimate));
   }

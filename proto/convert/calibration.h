@@ -4,18 +4,18 @@
 
 #include "axiscal/v1/calibration.pb.h"
 #include "core/base/status.h"
-#include "server/storage/records.h"
+#include "core/records/calibration.h"
 
 namespace axiscal::convert {
 
-v1::CalibrationState ToProto(storage::CalibrationState state);
-absl::StatusOr<storage::CalibrationState> FromProto(v1::CalibrationState state);
-v1::EstimateUnit ToProto(storage::EstimateUnit unit);
-absl::StatusOr<storage::EstimateUnit> FromProto(v1::EstimateUnit unit);
+v1::CalibrationState ToProto(records::CalibrationState state);
+absl::StatusOr<records::CalibrationState> FromProto(v1::CalibrationState state);
+v1::EstimateUnit ToProto(records::EstimateUnit unit);
+absl::StatusOr<records::EstimateUnit> FromProto(v1::EstimateUnit unit);
 
-v1::Estimate ToProto(const storage::Estimate& estimate);
+v1::Estimate ToProto(const records::Estimate& estimate);
 // FIELD_INVALID: no symbol, no unit, NaN, a negative sigma, an identifiable error without value.
-absl::StatusOr<storage::Estimate> FromProto(const v1::Estimate& message);
+absl::StatusOr<records::Estimate> FromProto(const v1::Estimate& message);
 
 // A combination that the data determine although they cannot tell its members: "EX0B + EX0C".
 struct Combination {
@@ -30,8 +30,8 @@ std::vector<Combination> CombinationsOf(const std::string& report_json);
 std::vector<std::string> NotSeparableOf(const std::string& report_json);
 
 // With combinations where the record has its report.
-v1::Calibration ToProto(const storage::CalibrationRecord& record);
-absl::StatusOr<storage::CalibrationRecord> FromProto(const v1::Calibration& message);
+v1::Calibration ToProto(const records::CalibrationRecord& record);
+absl::StatusOr<records::CalibrationRecord> FromProto(const v1::Calibration& message);
 
 }  // namespace axiscal::convert
 

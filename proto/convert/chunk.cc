@@ -23,7 +23,7 @@ std::string FindInfinity(const session::Column& column) {
 
 }  // namespace
 
-v1::Chunk ToProto(const Chunk& chunk) {
+v1::Chunk ToProto(const records::Chunk& chunk) {
   v1::Chunk message;
   message.set_seq(chunk.seq);
   message.set_crc32c(chunk.crc32c);
@@ -35,13 +35,13 @@ v1::Chunk ToProto(const Chunk& chunk) {
   return message;
 }
 
-absl::StatusOr<Chunk> FromProto(const v1::Chunk& message, const std::vector<storage::ColumnSpec>& columns) {
+absl::StatusOr<records::Chunk> FromProto(const v1::Chunk& message, const std::vector<records::ColumnSpec>& columns) {
   if (message.seq() < 0) return ChunkError(message, "CHUNK_INVALID", "seq must be >= 0");
   if (message.columns_size() != static_cast<int>(columns.size())) {
     return ChunkError(message, "CHUNK_INVALID",
                       absl::StrCat(message.columns_size(), " columns, the session has ", columns.size()));
   }
-  Chunk chunk{message.seq(), {}, message.crc32c()};
+  records::Chunk chunk{message.seq(), {}, message.crc32c()};
   chunk.columns.resize(columns.size());
   int readings = 0;
   for (int i = 0; i < message.columns_size(); ++i) {

@@ -24,10 +24,10 @@ std::string FieldOf(const absl::Status& status) {
   return detail && detail->facts.count("field") ? detail->facts.at("field") : "";
 }
 
-const std::vector<storage::ColumnSpec> kColumns = {{"t_s", false}, {"feature", true}};
+const std::vector<records::ColumnSpec> kColumns = {{"t_s", false}, {"feature", true}};
 
-Chunk GoodChunk() {
-  Chunk chunk{3, {{"t_s", {0.5, std::nan(""), -0.0}, {}}, {"feature", {}, {"top", "", "ball"}}}, 0};
+records::Chunk GoodChunk() {
+  records::Chunk chunk{3, {{"t_s", {0.5, std::nan(""), -0.0}, {}}, {"feature", {}, {"top", "", "ball"}}}, 0};
   chunk.crc32c = session::ChunkCrc32c(chunk.columns);
   return chunk;
 }
@@ -69,7 +69,7 @@ TEST(ChunkOnTheWire, RefusesWhatDoesNotFitItsSchema) {
 }
 
 TEST(SchemaOnTheWire, RefusesUnsetKindsAndRepeatedNames) {
-  const SessionSchema schema{{{"machine", "mt"}, {"note", ""}}, kColumns};
+  const records::SessionSchema schema{{{"machine", "mt"}, {"note", ""}}, kColumns};
   const auto back = FromProto(ToProto(schema));
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_TRUE(*back == schema);
@@ -85,18 +85,18 @@ TEST(SchemaOnTheWire, RefusesUnsetKindsAndRepeatedNames) {
 }
 
 TEST(SessionOnTheWire, ComesBack) {
-  storage::SessionRecord record;
+  records::SessionRecord record;
   record.id = SessionId(7);
   record.machine = MachineId("mt");
   record.name = "BX";
   record.instrument = "ballbar";
-  record.state = storage::SessionState::kComplete;
+  record.state = records::SessionState::kComplete;
   record.next_seq = 3;
   record.reading_count = 2500;
   record.closed_at = base::FromUtcUs(5);
   const auto back = FromProto(ToProto(record));
   ASSERT_TRUE(back.ok()) << back.status();
-  EXPECT_EQ(back->state, storage::SessionState::kComplete);
+  EXPECT_EQ(back->state, records::SessionState::kComplete);
   EXPECT_EQ(back->reading_count, 2500);
   EXPECT_EQ(back->closed_at, record.closed_at);
   EXPECT_FALSE(back->measured_at.has_value());
@@ -107,7 +107,7 @@ TEST(SessionOnTheWire, ComesBack) {
 }
 
 TEST(TotalsOnTheWire, RefuseAHashThatIsNone) {
-  const storage::SessionTotals totals{2, 10, std::string(64, 'a')};
+  const records::SessionTotals totals{2, 10, std::string(64, 'a')};
   EXPECT_TRUE(FromProto(ToProto(totals)).ok());
   v1::SessionTotals message = ToProto(totals);
   message.set_sha256("xyz");
@@ -118,7 +118,7 @@ TEST(TotalsOnTheWire, RefuseAHashThatIsNone) {
 }
 
 TEST(JobParamsOnTheWire, ComeBack) {
-  CompensateParams params;
+  records::CompensateParams params;
   params.machine = MachineId("mt");
   params.program = ProgramId(4);
   params.calibration = CalibrationId(9);
@@ -131,7 +131,7 @@ TEST(JobParamsOnTheWire, ComeBack) {
   params.options.work_offsets = {{"G54", {{"Z", -20}}}};
   const auto back = ParseJobParams(Serialize(params));
   ASSERT_TRUE(back.ok()) << back.status();
-  const auto& got = std::get<CompensateParams>(*back);
+  const auto& got = std::get<records::CompensateParams>(*back);
   EXPECT_EQ(got.machine, params.machine);
   EXPECT_EQ(got.program, params.program);
   EXPECT_EQ(got.calibration, params.calibration);
@@ -177,38 +177,38 @@ TEST(JobParamsOnTheWire, AreRefusedWithTheirField) {
 }
 
 TEST(JobParamsOnTheWire, HeldErrorsComeBackAsOneOfTwo) {
-  IdentifyParams params{MachineId("mt"), {SessionId(1)}, {"EA0B"}};
+  records::IdentifyParams params{MachineId("mt"), {SessionId(1)}, {"EA0B"}};
   params.held_calibration = CalibrationId(7);
   const auto by_id = ParseJobParams(Serialize(params));
   ASSERT_TRUE(by_id.ok()) << by_id.status();
-  EXPECT_EQ(std::get<IdentifyParams>(*by_id).held_calibration, CalibrationId(7));
-  EXPECT_EQ(std::get<IdentifyParams>(*by_id).held_errors_json, "");
+  EXPECT_EQ(std::get<records::IdentifyParams>(*by_id).held_calibration, CalibrationId(7));
+  EXPECT_EQ(std::get<records::IdentifyParams>(*by_id).held_errors_json, "");
   params.held_calibration.reset();
   params.held_errors_json = R"({"EX0C": 1})";
   const auto by_value = ParseJobParams(Serialize(params));
   ASSERT_TRUE(by_value.ok()) << by_value.status();
-  EXPECT_FALSE(std::get<IdentifyParams>(*by_value).held_calibration.has_value());
-  EXPECT_EQ(std::get<IdentifyParams>(*by_value).held_errors_json, params.held_errors_json);
+  EXPECT_FALSE(std::get<records::IdentifyParams>(*by_value).held_calibration.has_value());
+  EXPECT_EQ(std::get<records::IdentifyParams>(*by_value).held_errors_json, params.held_errors_json);
   params.held_calibration = CalibrationId(7);
   EXPECT_EQ(FieldOf(ParseJobParams(Serialize(params)).status()), "identify.held_errors_json");
 }
 
 TEST(JobOnTheWire, ComesBackWithItsErrorOrResult) {
-  storage::JobRecord record;
+  records::JobRecord record;
   record.id = JobId(5);
-  record.params = Serialize(IdentifyParams{MachineId("mt"), {SessionId(1)}, {"EA0B"}});
-  record.state = storage::JobState::kFailed;
+  record.params = Serialize(records::IdentifyParams{MachineId("mt"), {SessionId(1)}, {"EA0B"}});
+  record.state = records::JobState::kFailed;
   record.progress = {"fit", 0.25, "iteration 4"};
-  record.error = storage::JobError{absl::StatusCode::kFailedPrecondition, "RANK_DEFICIENT", "EX0B - EX0C"};
+  record.error = records::JobError{absl::StatusCode::kFailedPrecondition, "RANK_DEFICIENT", "EX0B - EX0C"};
   const auto failed = FromProto(ToProto(record));
   ASSERT_TRUE(failed.ok()) << failed.status();
-  EXPECT_EQ(failed->kind, kIdentify);
+  EXPECT_EQ(failed->kind, records::kIdentify);
   EXPECT_EQ(failed->machine, MachineId("mt"));
   EXPECT_EQ(failed->params, record.params);
   EXPECT_EQ(failed->progress, record.progress);
   EXPECT_EQ(failed->error->reason, "RANK_DEFICIENT");
 
-  record.state = storage::JobState::kSucceeded;
+  record.state = records::JobState::kSucceeded;
   record.error.reset();
   record.calibration = CalibrationId(3);
   record.programs = {ProgramId(4)};
@@ -221,16 +221,16 @@ TEST(JobOnTheWire, ComesBackWithItsErrorOrResult) {
 }
 
 TEST(CalibrationOnTheWire, KeepsAbsentValuesAbsent) {
-  storage::CalibrationRecord record;
+  records::CalibrationRecord record;
   record.id = CalibrationId(2);
   record.version = 3;
   record.etag = 4;
-  record.state = storage::CalibrationState::kApproved;
+  record.state = records::CalibrationState::kApproved;
   record.content.machine = MachineId("mt");
   record.content.rank = 8;
   record.content.rms_after_um = 2.97;
-  record.content.estimates = {{"EA0B", storage::EstimateUnit::kUrad, true, -101.2, 0.6},
-                              {"EX0B", storage::EstimateUnit::kUm, false, {}, {}}};
+  record.content.estimates = {{"EA0B", records::EstimateUnit::kUrad, true, -101.2, 0.6},
+                              {"EX0B", records::EstimateUnit::kUm, false, {}, {}}};
   record.content.report_json =
       R"({"not_separable": ["EX0B - EX0C"], "determined": [{"name": "EX0B + EX0C", "value": 1.5, "unit": "um"}]})";
   const v1::Calibration message = ToProto(record);
@@ -249,7 +249,7 @@ TEST(CalibrationOnTheWire, KeepsAbsentValuesAbsent) {
 }
 
 TEST(EstimateOnTheWire, RefusesNaNAndUnsetUnits) {
-  v1::Estimate message = ToProto(storage::Estimate{"EA0B", storage::EstimateUnit::kUrad, true, 1, 0.5});
+  v1::Estimate message = ToProto(records::Estimate{"EA0B", records::EstimateUnit::kUrad, true, 1, 0.5});
   EXPECT_TRUE(FromProto(message).ok());
   message.set_value(std::nan(""));
   EXPECT_EQ(FieldOf(FromProto(message).status()), "value");
@@ -299,8 +299,8 @@ TEST(StatusOnTheWire, CarriesReasonFactsFieldAndRetry) {
   EXPECT_EQ(base::GetErrorDetail(back), base::GetErrorDetail(status));
 }
 
-TableParams SomeTable() {
-  TableParams params{MachineId("mt"), CalibrationId(3), {}};
+records::TableParams SomeTable() {
+  records::TableParams params{MachineId("mt"), CalibrationId(3), {}};
   params.request.format = "siemens-cec";
   params.request.state = {{1.0, 2.0, -350.5}, 60.0, 23.5};
   params.request.axes = {"X", "Z(X)"};

@@ -28,42 +28,42 @@ nlohmann::json ListOf(const std::string& report_json, const char* key) {
 
 }  // namespace
 
-v1::CalibrationState ToProto(storage::CalibrationState state) {
+v1::CalibrationState ToProto(records::CalibrationState state) {
   switch (state) {
-    case storage::CalibrationState::kCandidate:
+    case records::CalibrationState::kCandidate:
       return v1::CALIBRATION_STATE_CANDIDATE;
-    case storage::CalibrationState::kApproved:
+    case records::CalibrationState::kApproved:
       return v1::CALIBRATION_STATE_APPROVED;
-    case storage::CalibrationState::kRetired:
+    case records::CalibrationState::kRetired:
       return v1::CALIBRATION_STATE_RETIRED;
   }
   return v1::CALIBRATION_STATE_UNSPECIFIED;
 }
 
-absl::StatusOr<storage::CalibrationState> FromProto(v1::CalibrationState state) {
+absl::StatusOr<records::CalibrationState> FromProto(v1::CalibrationState state) {
   switch (state) {
     case v1::CALIBRATION_STATE_CANDIDATE:
-      return storage::CalibrationState::kCandidate;
+      return records::CalibrationState::kCandidate;
     case v1::CALIBRATION_STATE_APPROVED:
-      return storage::CalibrationState::kApproved;
+      return records::CalibrationState::kApproved;
     case v1::CALIBRATION_STATE_RETIRED:
-      return storage::CalibrationState::kRetired;
+      return records::CalibrationState::kRetired;
     default:
       return FieldError("state", absl::StrCat(static_cast<int>(state), ", must be CANDIDATE, APPROVED or RETIRED"));
   }
 }
 
-v1::EstimateUnit ToProto(storage::EstimateUnit unit) {
-  return unit == storage::EstimateUnit::kUm ? v1::ESTIMATE_UNIT_UM : v1::ESTIMATE_UNIT_URAD;
+v1::EstimateUnit ToProto(records::EstimateUnit unit) {
+  return unit == records::EstimateUnit::kUm ? v1::ESTIMATE_UNIT_UM : v1::ESTIMATE_UNIT_URAD;
 }
 
-absl::StatusOr<storage::EstimateUnit> FromProto(v1::EstimateUnit unit) {
-  if (unit == v1::ESTIMATE_UNIT_UM) return storage::EstimateUnit::kUm;
-  if (unit == v1::ESTIMATE_UNIT_URAD) return storage::EstimateUnit::kUrad;
+absl::StatusOr<records::EstimateUnit> FromProto(v1::EstimateUnit unit) {
+  if (unit == v1::ESTIMATE_UNIT_UM) return records::EstimateUnit::kUm;
+  if (unit == v1::ESTIMATE_UNIT_URAD) return records::EstimateUnit::kUrad;
   return FieldError("unit", absl::StrCat(static_cast<int>(unit), ", must be UM or URAD"));
 }
 
-v1::Estimate ToProto(const storage::Estimate& estimate) {
+v1::Estimate ToProto(const records::Estimate& estimate) {
   v1::Estimate message;
   message.set_symbol(estimate.symbol);
   message.set_unit(ToProto(estimate.unit));
@@ -73,9 +73,9 @@ v1::Estimate ToProto(const storage::Estimate& estimate) {
   return message;
 }
 
-absl::StatusOr<storage::Estimate> FromProto(const v1::Estimate& message) {
+absl::StatusOr<records::Estimate> FromProto(const v1::Estimate& message) {
   RETURN_IF_ERROR(RequireText("symbol", message.symbol(), 1, 100));
-  storage::Estimate estimate;
+  records::Estimate estimate;
   estimate.symbol = message.symbol();
   ASSIGN_OR_RETURN(estimate.unit, FromProto(message.unit()));
   estimate.identifiable = message.identifiable();

@@ -6,12 +6,12 @@
 namespace axiscal::convert {
 namespace {
 
-absl::StatusOr<storage::DriftPoint> PointFromProto(const v1::DriftPoint& message) {
+absl::StatusOr<records::DriftPoint> PointFromProto(const v1::DriftPoint& message) {
   RETURN_IF_ERROR(RequirePositive("count", message.count()));
   RETURN_IF_ERROR(RequireFinite("min_value", message.min_value()));
   RETURN_IF_ERROR(RequireFinite("max_value", message.max_value()));
   RETURN_IF_ERROR(RequireFinite("mean_value", message.mean_value()));
-  storage::DriftPoint point;
+  records::DriftPoint point;
   point.first_at = base::FromUtcUs(message.first_utc_us());
   point.last_at = base::FromUtcUs(message.last_utc_us());
   point.count = message.count();
@@ -26,7 +26,7 @@ absl::StatusOr<storage::DriftPoint> PointFromProto(const v1::DriftPoint& message
   return point;
 }
 
-v1::DriftPoint PointToProto(const storage::DriftPoint& point) {
+v1::DriftPoint PointToProto(const records::DriftPoint& point) {
   v1::DriftPoint message;
   message.set_first_utc_us(base::ToUtcUs(point.first_at));
   message.set_last_utc_us(base::ToUtcUs(point.last_at));
@@ -41,7 +41,7 @@ v1::DriftPoint PointToProto(const storage::DriftPoint& point) {
 
 }  // namespace
 
-v1::QueryDriftRequest ToProto(const storage::DriftQuery& query) {
+v1::QueryDriftRequest ToProto(const records::DriftQuery& query) {
   v1::QueryDriftRequest message;
   message.set_machine_id(query.machine.text());
   for (const std::string& symbol : query.symbols) message.add_symbols(symbol);
@@ -51,9 +51,9 @@ v1::QueryDriftRequest ToProto(const storage::DriftQuery& query) {
   return message;
 }
 
-absl::StatusOr<storage::DriftQuery> FromProto(const v1::QueryDriftRequest& message) {
+absl::StatusOr<records::DriftQuery> FromProto(const v1::QueryDriftRequest& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
-  storage::DriftQuery query;
+  records::DriftQuery query;
   query.machine = MachineId(message.machine_id());
   query.symbols.assign(message.symbols().begin(), message.symbols().end());
   query.from = message.has_from_utc_us() ? base::FromUtcUs(message.from_utc_us()) : base::UtcTime::min();
@@ -66,22 +66,22 @@ absl::StatusOr<storage::DriftQuery> FromProto(const v1::QueryDriftRequest& messa
   return query;
 }
 
-v1::DriftSeries ToProto(const storage::DriftSeries& series) {
+v1::DriftSeries ToProto(const records::DriftSeries& series) {
   v1::DriftSeries message;
   message.set_symbol(series.symbol);
   message.set_unit(ToProto(series.unit));
-  for (const storage::DriftPoint& point : series.points) *message.add_points() = PointToProto(point);
+  for (const records::DriftPoint& point : series.points) *message.add_points() = PointToProto(point);
   message.set_not_identifiable_count(series.not_identifiable_count);
   return message;
 }
 
-absl::StatusOr<storage::DriftSeries> FromProto(const v1::DriftSeries& message) {
+absl::StatusOr<records::DriftSeries> FromProto(const v1::DriftSeries& message) {
   RETURN_IF_ERROR(RequireText("symbol", message.symbol(), 1, 100));
-  storage::DriftSeries series;
+  records::DriftSeries series;
   series.symbol = message.symbol();
   ASSIGN_OR_RETURN(series.unit, FromProto(message.unit()));
   for (int i = 0; i < message.points_size(); ++i) {
-    absl::StatusOr<storage::DriftPoint> point = PointFromProto(message.points(i));
+    absl::StatusOr<records::DriftPoint> point = PointFromProto(message.points(i));
     if (!point.ok()) return InField(absl::StrCat("points[", i, "]"), point.status());
     series.points.push_back(*point);
   }
@@ -89,10 +89,10 @@ absl::StatusOr<storage::DriftSeries> FromProto(const v1::DriftSeries& message) {
   return series;
 }
 
-v1::MachineLatest ToProto(const storage::FleetRow& row) {
+v1::MachineLatest ToProto(const records::FleetRow& row) {
   v1::MachineLatest message;
   message.set_machine_id(row.machine.text());
-  for (const storage::LatestEstimate& latest : row.latest) {
+  for (const records::LatestEstimate& latest : row.latest) {
     v1::LatestEstimate* const out = message.add_estimates();
     *out->mutable_estimate() = ToProto(latest.estimate);
     out->set_measured_utc_us(base::ToUtcUs(latest.measured_at));
@@ -101,12 +101,12 @@ v1::MachineLatest ToProto(const storage::FleetRow& row) {
   return message;
 }
 
-absl::StatusOr<storage::FleetRow> FromProto(const v1::MachineLatest& message) {
+absl::StatusOr<records::FleetRow> FromProto(const v1::MachineLatest& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
-  storage::FleetRow row;
+  records::FleetRow row;
   row.machine = MachineId(message.machine_id());
   for (const v1::LatestEstimate& latest : message.estimates()) {
-    ASSIGN_OR_RETURN(storage::Estimate estimate, FromProto(latest.estimate()));
+    ASSIGN_OR_RETURN(records::Estimate estimate, FromProto(latest.estimate()));
     row.latest.push_back(
         {std::move(estimate), base::FromUtcUs(latest.measured_utc_us()), CalibrationId(latest.calibration_id())});
   }

@@ -4,23 +4,23 @@
 
 #include "axiscal/v1/history_service.pb.h"
 #include "core/base/status.h"
-#include "server/storage/records.h"
+#include "core/records/history.h"
 
 namespace axiscal::convert {
 
 inline constexpr int kDefaultDriftPoints = 500;
 inline constexpr int kMaxDriftPoints = 100'000;
 
-v1::QueryDriftRequest ToProto(const storage::DriftQuery& query);
+v1::QueryDriftRequest ToProto(const records::DriftQuery& query);
 // Unset ends are the beginning and the end of time. FIELD_INVALID: no machine, from after to, max_points outside 0 to
 // kMaxDriftPoints.
-absl::StatusOr<storage::DriftQuery> FromProto(const v1::QueryDriftRequest& message);
+absl::StatusOr<records::DriftQuery> FromProto(const v1::QueryDriftRequest& message);
 
-v1::DriftSeries ToProto(const storage::DriftSeries& series);
-absl::StatusOr<storage::DriftSeries> FromProto(const v1::DriftSeries& message);
+v1::DriftSeries ToProto(const records::DriftSeries& series);
+absl::StatusOr<records::DriftSeries> FromProto(const v1::DriftSeries& message);
 
-v1::MachineLatest ToProto(const storage::FleetRow& row);
-absl::StatusOr<storage::FleetRow> FromProto(const v1::MachineLatest& message);
+v1::MachineLatest ToProto(const records::FleetRow& row);
+absl::StatusOr<records::FleetRow> FromProto(const v1::MachineLatest& message);
 
 }  // namespace axiscal::convert
 

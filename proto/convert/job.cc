@@ -6,7 +6,7 @@
 namespace axiscal::convert {
 namespace {
 
-v1::JobResult ResultToProto(const storage::JobRecord& record) {
+v1::JobResult ResultToProto(const records::JobRecord& record) {
   v1::JobResult message;
   if (record.calibration) message.set_calibration_id(record.calibration->number());
   for (const ProgramId& id : record.programs) message.add_program_ids(id.number());
@@ -15,10 +15,10 @@ v1::JobResult ResultToProto(const storage::JobRecord& record) {
 }
 
 std::string KindOf(const v1::JobParams& params) {
-  if (params.has_identify()) return kIdentify;
-  if (params.has_close_loop()) return kCloseLoop;
-  if (params.has_tool_setter()) return kToolSetter;
-  return params.has_compensate() ? kCompensate : "";
+  if (params.has_identify()) return records::kIdentify;
+  if (params.has_close_loop()) return records::kCloseLoop;
+  if (params.has_tool_setter()) return records::kToolSetter;
+  return params.has_compensate() ? records::kCompensate : "";
 }
 
 std::optional<MachineId> MachineOf(const v1::JobParams& params) {
@@ -31,44 +31,44 @@ std::optional<MachineId> MachineOf(const v1::JobParams& params) {
 
 }  // namespace
 
-v1::JobState ToProto(storage::JobState state) {
+v1::JobState ToProto(records::JobState state) {
   switch (state) {
-    case storage::JobState::kQueued:
+    case records::JobState::kQueued:
       return v1::JOB_STATE_QUEUED;
-    case storage::JobState::kRunning:
+    case records::JobState::kRunning:
       return v1::JOB_STATE_RUNNING;
-    case storage::JobState::kSucceeded:
+    case records::JobState::kSucceeded:
       return v1::JOB_STATE_SUCCEEDED;
-    case storage::JobState::kFailed:
+    case records::JobState::kFailed:
       return v1::JOB_STATE_FAILED;
-    case storage::JobState::kCancelled:
+    case records::JobState::kCancelled:
       return v1::JOB_STATE_CANCELLED;
-    case storage::JobState::kDead:
+    case records::JobState::kDead:
       return v1::JOB_STATE_DEAD;
   }
   return v1::JOB_STATE_UNSPECIFIED;
 }
 
-absl::StatusOr<storage::JobState> FromProto(v1::JobState state) {
+absl::StatusOr<records::JobState> FromProto(v1::JobState state) {
   switch (state) {
     case v1::JOB_STATE_QUEUED:
-      return storage::JobState::kQueued;
+      return records::JobState::kQueued;
     case v1::JOB_STATE_RUNNING:
-      return storage::JobState::kRunning;
+      return records::JobState::kRunning;
     case v1::JOB_STATE_SUCCEEDED:
-      return storage::JobState::kSucceeded;
+      return records::JobState::kSucceeded;
     case v1::JOB_STATE_FAILED:
-      return storage::JobState::kFailed;
+      return records::JobState::kFailed;
     case v1::JOB_STATE_CANCELLED:
-      return storage::JobState::kCancelled;
+      return records::JobState::kCancelled;
     case v1::JOB_STATE_DEAD:
-      return storage::JobState::kDead;
+      return records::JobState::kDead;
     default:
       return FieldError("state", absl::StrCat(static_cast<int>(state), ", must be a state of jobs"));
   }
 }
 
-v1::Job ToProto(const storage::JobRecord& record) {
+v1::Job ToProto(const records::JobRecord& record) {
   v1::Job message;
   message.set_job_id(record.id.number());
   // Params were checked when the job was created; a row that says otherwise shows no params.
@@ -80,7 +80,7 @@ v1::Job ToProto(const storage::JobRecord& record) {
   message.set_attempt(record.attempt);
   message.set_max_attempts(record.max_attempts);
   message.set_cancel_requested(record.cancel_requested);
-  if (record.state == storage::JobState::kSucceeded) *message.mutable_result() = ResultToProto(record);
+  if (record.state == records::JobState::kSucceeded) *message.mutable_result() = ResultToProto(record);
   if (record.error) {
     message.mutable_error()->set_code(static_cast<int>(record.error->code));
     message.mutable_error()->set_reason(record.error->reason);
@@ -94,13 +94,13 @@ v1::Job ToProto(const storage::JobRecord& record) {
   return message;
 }
 
-absl::StatusOr<storage::JobRecord> FromProto(const v1::Job& message) {
+absl::StatusOr<records::JobRecord> FromProto(const v1::Job& message) {
   RETURN_IF_ERROR(RequirePositive("job_id", message.job_id()));
   const v1::JobProgress& progress = message.progress();
   if (!(progress.fraction() >= 0 && progress.fraction() <= 1)) {
     return FieldError("progress.fraction", absl::StrCat(progress.fraction(), ", must be 0 to 1"));
   }
-  storage::JobRecord record;
+  records::JobRecord record;
   ASSIGN_OR_RETURN(record.state, FromProto(message.state()));
   record.id = JobId(message.job_id());
   record.kind = KindOf(message.params());

@@ -4,19 +4,19 @@
 
 #include "axiscal/v1/job.pb.h"
 #include "core/base/status.h"
+#include "core/records/job.h"
 #include "proto/convert/job_params.h"
-#include "server/storage/records.h"
 
 namespace axiscal::convert {
 
-v1::JobState ToProto(storage::JobState state);
-absl::StatusOr<storage::JobState> FromProto(v1::JobState state);
+v1::JobState ToProto(records::JobState state);
+absl::StatusOr<records::JobState> FromProto(v1::JobState state);
 
 // `record.params` must be the bytes of Serialize(), `record.result` the report's text.
-v1::Job ToProto(const storage::JobRecord& record);
+v1::Job ToProto(const records::JobRecord& record);
 // FIELD_INVALID: an id that is none, a state that is none, progress outside 0 to 1. Params that this side does not know
 // are kept as bytes.
-absl::StatusOr<storage::JobRecord> FromProto(const v1::Job& message);
+absl::StatusOr<records::JobRecord> FromProto(const v1::Job& message);
 
 }  // namespace axiscal::convert
 

@@ -37,7 +37,7 @@ absl::Status SimulationFromProto(const Message& message, Params* params) {
   return absl::OkStatus();
 }
 
-v1::IdentifyParams IdentifyToProto(const IdentifyParams& params) {
+v1::IdentifyParams IdentifyToProto(const records::IdentifyParams& params) {
   v1::IdentifyParams message;
   message.set_machine_id(params.machine.text());
   for (const SessionId& id : params.sessions) message.add_session_ids(id.number());
@@ -61,10 +61,10 @@ absl::Status ReadSessions(const std::string& name, const Ids& ids, std::set<int6
   return absl::OkStatus();
 }
 
-absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
+absl::StatusOr<records::JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequireMessage("session_ids", message.session_ids_size() > 0));
-  IdentifyParams params;
+  records::IdentifyParams params;
   params.machine = MachineId(message.machine_id());
   std::set<int64_t> seen;
   RETURN_IF_ERROR(ReadSessions("session_ids", message.session_ids(), seen, params.sessions));
@@ -85,7 +85,7 @@ absl::StatusOr<JobParams> IdentifyFromProto(const v1::IdentifyParams& message) {
   return params;
 }
 
-v1::CloseLoopParams CloseLoopToProto(const CloseLoopParams& params) {
+v1::CloseLoopParams CloseLoopToProto(const records::CloseLoopParams& params) {
   v1::CloseLoopParams message;
   message.set_machine_id(params.machine.text());
   for (const SessionId& id : params.fit) message.add_fit_session_ids(id.number());
@@ -95,10 +95,10 @@ v1::CloseLoopParams CloseLoopToProto(const CloseLoopParams& params) {
   return message;
 }
 
-absl::StatusOr<JobParams> CloseLoopFromProto(const v1::CloseLoopParams& message) {
+absl::StatusOr<records::JobParams> CloseLoopFromProto(const v1::CloseLoopParams& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequireMessage("fit_session_ids", message.fit_session_ids_size() > 0));
-  CloseLoopParams params;
+  records::CloseLoopParams params;
   params.machine = MachineId(message.machine_id());
   std::set<int64_t> seen;
   RETURN_IF_ERROR(ReadSessions("fit_session_ids", message.fit_session_ids(), seen, params.fit));
@@ -111,8 +111,8 @@ absl::StatusOr<JobParams> CloseLoopFromProto(const v1::CloseLoopParams& message)
   }
   RETURN_IF_ERROR(ReadSessions("check_session_ids", message.check_session_ids(), seen, params.check));
   if (message.has_max_effects()) {
-    if (message.max_effects() < 1 || message.max_effects() > kMaxEffects) {
-      return FieldError("max_effects", absl::StrCat(message.max_effects(), ", must be 1 to ", kMaxEffects));
+    if (message.max_effects() < 1 || message.max_effects() > records::kMaxEffects) {
+      return FieldError("max_effects", absl::StrCat(message.max_effects(), ", must be 1 to ", records::kMaxEffects));
     }
     params.max_effects = message.max_effects();
   }
@@ -122,7 +122,7 @@ absl::StatusOr<JobParams> CloseLoopFromProto(const v1::CloseLoopParams& message)
   return params;
 }
 
-v1::ToolSetterParams ToolSetterToProto(const ToolSetterParams& params) {
+v1::ToolSetterParams ToolSetterToProto(const records::ToolSetterParams& params) {
   v1::ToolSetterParams message;
   message.set_machine_id(params.machine.text());
   message.set_session_id(params.session.number());
@@ -131,26 +131,16 @@ v1::ToolSetterParams ToolSetterToProto(const ToolSetterParams& params) {
   return message;
 }
 
-absl::StatusOr<JobParams> ToolSetterFromProto(const v1::ToolSetterParams& message) {
+absl::StatusOr<records::JobParams> ToolSetterFromProto(const v1::ToolSetterParams& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequirePositive("session_id", message.session_id()));
-  return ToolSetterParams{MachineId(message.machine_id()), SessionId(message.session_id()), message.fit_yaw(),
-                          message.fit_pitch()};
+  return records::ToolSetterParams{MachineId(message.machine_id()), SessionId(message.session_id()), message.fit_yaw(),
+                                   message.fit_pitch()};
 }
 
 }  // namespace
 
-std::string KindOf(const JobParams& params) {
-  if (std::holds_alternative<IdentifyParams>(params)) return kIdentify;
-  if (std::holds_alternative<ToolSetterParams>(params)) return kToolSetter;
-  return std::holds_alternative<CloseLoopParams>(params) ? kCloseLoop : kCompensate;
-}
-
-const MachineId& MachineOf(const JobParams& params) {
-  return std::visit([](const auto& kind) -> const MachineId& { return kind.machine; }, params);
-}
-
-v1::CompensateParams ToProto(const CompensateParams& params) {
+v1::CompensateParams ToProto(const records::CompensateParams& params) {
   v1::CompensateParams message;
   message.set_machine_id(params.machine.text());
   if (params.program.number() > 0) message.set_program_id(params.program.number());
@@ -162,11 +152,11 @@ v1::CompensateParams ToProto(const CompensateParams& params) {
   return message;
 }
 
-absl::StatusOr<CompensateParams> FromProto(const v1::CompensateParams& message, bool needs_program) {
+absl::StatusOr<records::CompensateParams> FromProto(const v1::CompensateParams& message, bool needs_program) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   if (needs_program) RETURN_IF_ERROR(RequirePositive("program_id", message.program_id()));
   if (!needs_program && message.program_id() != 0) return FieldError("program_id", "the program comes with the call");
-  CompensateParams params;
+  records::CompensateParams params;
   params.machine = MachineId(message.machine_id());
   params.program = ProgramId(message.program_id());
   if (message.has_calibration_id()) {
@@ -194,37 +184,37 @@ absl::StatusOr<CompensateParams> FromProto(const v1::CompensateParams& message, 
   return params;
 }
 
-v1::JobParams ToProto(const JobParams& params) {
+v1::JobParams ToProto(const records::JobParams& params) {
   v1::JobParams message;
-  if (const auto* identify = std::get_if<IdentifyParams>(&params)) {
+  if (const auto* identify = std::get_if<records::IdentifyParams>(&params)) {
     *message.mutable_identify() = IdentifyToProto(*identify);
-  } else if (const auto* close_loop = std::get_if<CloseLoopParams>(&params)) {
+  } else if (const auto* close_loop = std::get_if<records::CloseLoopParams>(&params)) {
     *message.mutable_close_loop() = CloseLoopToProto(*close_loop);
-  } else if (const auto* tool_setter = std::get_if<ToolSetterParams>(&params)) {
+  } else if (const auto* tool_setter = std::get_if<records::ToolSetterParams>(&params)) {
     *message.mutable_tool_setter() = ToolSetterToProto(*tool_setter);
   } else {
-    *message.mutable_compensate() = ToProto(std::get<CompensateParams>(params));
+    *message.mutable_compensate() = ToProto(std::get<records::CompensateParams>(params));
   }
   return message;
 }
 
-absl::StatusOr<JobParams> FromProto(const v1::JobParams& message) {
+absl::StatusOr<records::JobParams> FromProto(const v1::JobParams& message) {
   switch (message.kind_case()) {
     case v1::JobParams::kIdentify: {
-      absl::StatusOr<JobParams> params = IdentifyFromProto(message.identify());
+      absl::StatusOr<records::JobParams> params = IdentifyFromProto(message.identify());
       return params.ok() ? params : InField("identify", params.status());
     }
     case v1::JobParams::kCompensate: {
-      absl::StatusOr<CompensateParams> params = FromProto(message.compensate(), true);
+      absl::StatusOr<records::CompensateParams> params = FromProto(message.compensate(), true);
       if (!params.ok()) return InField("compensate", params.status());
-      return JobParams(*std::move(params));
+      return records::JobParams(*std::move(params));
     }
     case v1::JobParams::kCloseLoop: {
-      absl::StatusOr<JobParams> params = CloseLoopFromProto(message.close_loop());
+      absl::StatusOr<records::JobParams> params = CloseLoopFromProto(message.close_loop());
       return params.ok() ? params : InField("close_loop", params.status());
     }
     case v1::JobParams::kToolSetter: {
-      absl::StatusOr<JobParams> params = ToolSetterFromProto(message.tool_setter());
+      absl::StatusOr<records::JobParams> params = ToolSetterFromProto(message.tool_setter());
       return params.ok() ? params : InField("tool_setter", params.status());
     }
     default:
@@ -232,9 +222,9 @@ absl::StatusOr<JobParams> FromProto(const v1::JobParams& message) {
   }
 }
 
-std::string Serialize(const JobParams& params) { return ToProto(params).SerializeAsString(); }
+std::string Serialize(const records::JobParams& params) { return ToProto(params).SerializeAsString(); }
 
-absl::StatusOr<JobParams> ParseJobParams(const std::string& bytes) {
+absl::StatusOr<records::JobParams> ParseJobParams(const std::string& bytes) {
   v1::JobParams message;
   if (!message.ParseFromString(bytes)) return absl::DataLossError("the job's params are no message");
   return FromProto(message);

@@ -5,7 +5,7 @@
 
 namespace axiscal::convert {
 
-v1::Machine ToProto(const storage::MachineRecord& record) {
+v1::Machine ToProto(const records::MachineRecord& record) {
   v1::Machine message;
   message.set_machine_id(record.id.text());
   message.set_description_json(record.description_json);
@@ -16,11 +16,11 @@ v1::Machine ToProto(const storage::MachineRecord& record) {
   return message;
 }
 
-absl::StatusOr<storage::MachineRecord> FromProto(const v1::Machine& message) {
+absl::StatusOr<records::MachineRecord> FromProto(const v1::Machine& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequireMessage("description_json", !message.description_json().empty()));
   RETURN_IF_ERROR(RequirePositive("etag", message.etag()));
-  storage::MachineRecord record;
+  records::MachineRecord record;
   record.id = MachineId(message.machine_id());
   record.revision = message.etag();
   record.description_json = message.description_json();

@@ -4,13 +4,13 @@
 
 #include "axiscal/v1/machine.pb.h"
 #include "core/base/status.h"
-#include "server/storage/records.h"
+#include "core/records/machine.h"
 
 namespace axiscal::convert {
 
-v1::Machine ToProto(const storage::MachineRecord& record);
+v1::Machine ToProto(const records::MachineRecord& record);
 // INVALID_ARGUMENT FIELD_INVALID: no id, no description, an etag that is none.
-absl::StatusOr<storage::MachineRecord> FromProto(const v1::Machine& message);
+absl::StatusOr<records::MachineRecord> FromProto(const v1::Machine& message);
 
 }  // namespace axiscal::convert
 

@@ -4,7 +4,7 @@
 
 namespace axiscal::convert {
 
-v1::Program ToProto(const storage::ProgramRecord& record) {
+v1::Program ToProto(const records::ProgramRecord& record) {
   v1::Program message;
   message.set_program_id(record.id.number());
   message.set_name(record.name);
@@ -16,15 +16,15 @@ v1::Program ToProto(const storage::ProgramRecord& record) {
   return message;
 }
 
-absl::StatusOr<storage::ProgramRecord> FromProto(const v1::Program& message) {
+absl::StatusOr<records::ProgramRecord> FromProto(const v1::Program& message) {
   RETURN_IF_ERROR(RequirePositive("program_id", message.program_id()));
   RETURN_IF_ERROR(RequireNotNegative("size_bytes", message.size_bytes()));
   RETURN_IF_ERROR(RequireSha256("sha256", message.sha256()));
-  storage::ProgramRecord record;
+  records::ProgramRecord record;
   record.id = ProgramId(message.program_id());
   record.kind = message.kind();
   record.name = message.name();
-  record.state = storage::ProgramState::kComplete;
+  record.state = records::ProgramState::kComplete;
   record.byte_count = message.size_bytes();
   record.sha256 = message.sha256();
   record.created_by = message.created_by();

@@ -4,15 +4,15 @@
 
 #include "axiscal/v1/program.pb.h"
 #include "core/base/status.h"
-#include "server/storage/records.h"
+#include "core/records/program.h"
 
 namespace axiscal::convert {
 
 inline constexpr int kMaxProgramPartBytes = 256 << 10;
 
-v1::Program ToProto(const storage::ProgramRecord& record);
+v1::Program ToProto(const records::ProgramRecord& record);
 // A complete program. FIELD_INVALID: no id, a negative size, a checksum that is none.
-absl::StatusOr<storage::ProgramRecord> FromProto(const v1::Program& message);
+absl::StatusOr<records::ProgramRecord> FromProto(const v1::Program& message);
 
 }  // namespace axiscal::convert
 

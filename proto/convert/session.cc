@@ -7,20 +7,14 @@
 
 namespace axiscal::convert {
 
-SessionSchema SchemaOf(const session::Session& session) {
-  SessionSchema schema{session.header, {}};
-  for (const session::Column& column : session.columns) schema.columns.push_back({column.name, !column.texts.empty()});
-  return schema;
-}
-
-v1::SessionSchema ToProto(const SessionSchema& schema) {
+v1::SessionSchema ToProto(const records::SessionSchema& schema) {
   v1::SessionSchema message;
   for (const session::HeaderEntry& entry : schema.header) {
     v1::HeaderEntry* const out = message.add_header();
     out->set_key(entry.key);
     out->set_value(entry.value);
   }
-  for (const storage::ColumnSpec& column : schema.columns) {
+  for (const records::ColumnSpec& column : schema.columns) {
     v1::ColumnSchema* const out = message.add_columns();
     out->set_name(column.name);
     out->set_kind(column.is_text ? v1::COLUMN_KIND_TEXT : v1::COLUMN_KIND_NUMBER);
@@ -28,8 +22,8 @@ v1::SessionSchema ToProto(const SessionSchema& schema) {
   return message;
 }
 
-absl::StatusOr<SessionSchema> FromProto(const v1::SessionSchema& message) {
-  SessionSchema schema;
+absl::StatusOr<records::SessionSchema> FromProto(const v1::SessionSchema& message) {
+  records::SessionSchema schema;
   for (int i = 0; i < message.header_size(); ++i) {
     const v1::HeaderEntry& entry = message.header(i);
     RETURN_IF_ERROR(RequireText(absl::StrCat("header[", i, "].key"), entry.key(), 1, 255));
@@ -52,36 +46,36 @@ absl::StatusOr<SessionSchema> FromProto(const v1::SessionSchema& message) {
   return schema;
 }
 
-v1::SessionState ToProto(storage::SessionState state) {
+v1::SessionState ToProto(records::SessionState state) {
   switch (state) {
-    case storage::SessionState::kOpen:
+    case records::SessionState::kOpen:
       return v1::SESSION_STATE_OPEN;
-    case storage::SessionState::kComplete:
+    case records::SessionState::kComplete:
       return v1::SESSION_STATE_COMPLETE;
-    case storage::SessionState::kAborted:
+    case records::SessionState::kAborted:
       return v1::SESSION_STATE_ABORTED;
-    case storage::SessionState::kExpired:
+    case records::SessionState::kExpired:
       return v1::SESSION_STATE_EXPIRED;
   }
   return v1::SESSION_STATE_UNSPECIFIED;
 }
 
-absl::StatusOr<storage::SessionState> FromProto(v1::SessionState state) {
+absl::StatusOr<records::SessionState> FromProto(v1::SessionState state) {
   switch (state) {
     case v1::SESSION_STATE_OPEN:
-      return storage::SessionState::kOpen;
+      return records::SessionState::kOpen;
     case v1::SESSION_STATE_COMPLETE:
-      return storage::SessionState::kComplete;
+      return records::SessionState::kComplete;
     case v1::SESSION_STATE_ABORTED:
-      return storage::SessionState::kAborted;
+      return records::SessionState::kAborted;
     case v1::SESSION_STATE_EXPIRED:
-      return storage::SessionState::kExpired;
+      return records::SessionState::kExpired;
     default:
       return FieldError("state", absl::StrCat(static_cast<int>(state), ", must be OPEN, COMPLETE, ABORTED or EXPIRED"));
   }
 }
 
-v1::Session ToProto(const storage::SessionRecord& record) {
+v1::Session ToProto(const records::SessionRecord& record) {
   v1::Session message;
   message.set_session_id(record.id.number());
   message.set_machine_id(record.machine.text());
@@ -99,12 +93,12 @@ v1::Session ToProto(const storage::SessionRecord& record) {
   return message;
 }
 
-absl::StatusOr<storage::SessionRecord> FromProto(const v1::Session& message) {
+absl::StatusOr<records::SessionRecord> FromProto(const v1::Session& message) {
   RETURN_IF_ERROR(RequirePositive("session_id", message.session_id()));
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequireNotNegative("next_seq", message.next_seq()));
   RETURN_IF_ERROR(RequireNotNegative("readings", message.readings()));
-  storage::SessionRecord record;
+  records::SessionRecord record;
   ASSIGN_OR_RETURN(record.state, FromProto(message.state()));
   record.id = SessionId(message.session_id());
   record.machine = MachineId(message.machine_id());
@@ -121,7 +115,7 @@ absl::StatusOr<storage::SessionRecord> FromProto(const v1::Session& message) {
   return record;
 }
 
-v1::SessionTotals ToProto(const storage::SessionTotals& totals) {
+v1::SessionTotals ToProto(const records::SessionTotals& totals) {
   v1::SessionTotals message;
   message.set_chunks(totals.chunk_count);
   message.set_readings(totals.reading_count);
@@ -129,11 +123,11 @@ v1::SessionTotals ToProto(const storage::SessionTotals& totals) {
   return message;
 }
 
-absl::StatusOr<storage::SessionTotals> FromProto(const v1::SessionTotals& message) {
+absl::StatusOr<records::SessionTotals> FromProto(const v1::SessionTotals& message) {
   RETURN_IF_ERROR(RequireNotNegative("chunks", message.chunks()));
   RETURN_IF_ERROR(RequireNotNegative("readings", message.readings()));
   RETURN_IF_ERROR(RequireSha256("sha256", message.sha256()));
-  return storage::SessionTotals{message.chunks(), message.readings(), message.sha256()};
+  return records::SessionTotals{message.chunks(), message.readings(), message.sha256()};
 }
 
 }  // namespace axiscal::convert

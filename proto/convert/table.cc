@@ -36,7 +36,7 @@ absl::Status ReadNumbers(const v1::MakeTableRequest& message, tables::TableReque
 
 }  // namespace
 
-v1::MakeTableRequest ToProto(const TableParams& params) {
+v1::MakeTableRequest ToProto(const records::TableParams& params) {
   const tables::TableRequest& request = params.request;
   v1::MakeTableRequest message;
   message.set_machine_id(params.machine.text());
@@ -63,10 +63,10 @@ v1::MakeTableRequest ToProto(const TableParams& params) {
   return message;
 }
 
-absl::StatusOr<TableParams> FromProto(const v1::MakeTableRequest& message) {
+absl::StatusOr<records::TableParams> FromProto(const v1::MakeTableRequest& message) {
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   RETURN_IF_ERROR(RequireText("format", message.format(), 1, 64));
-  TableParams params;
+  records::TableParams params;
   params.machine = MachineId(message.machine_id());
   if (message.has_calibration_id()) {
     RETURN_IF_ERROR(RequirePositive("calibration_id", message.calibration_id()));
@@ -99,14 +99,7 @@ absl::StatusOr<TableParams> FromProto(const v1::MakeTableRequest& message) {
   return params;
 }
 
-TableFormat Summary(const tables::Format& format) {
-  TableFormat summary{format.name, format.title, format.values, tables::LimitsText(format), {}, format.cannot_carry};
-  if (!format.assumed.empty()) absl::StrAppend(&summary.limits, "; assumed: ", format.assumed);
-  if (format.limits.max_points > 0) summary.max_points = format.limits.max_points;
-  return summary;
-}
-
-v1::TableFormat ToProto(const TableFormat& format) {
+v1::TableFormat ToProto(const records::TableFormat& format) {
   v1::TableFormat message;
   message.set_name(format.name);
   message.set_title(format.title);
@@ -117,9 +110,9 @@ v1::TableFormat ToProto(const TableFormat& format) {
   return message;
 }
 
-absl::StatusOr<TableFormat> FromProto(const v1::TableFormat& message) {
+absl::StatusOr<records::TableFormat> FromProto(const v1::TableFormat& message) {
   RETURN_IF_ERROR(RequireText("name", message.name(), 1, 64));
-  TableFormat format{message.name(), message.title(), message.values(), message.limits(), {}, {}};
+  records::TableFormat format{message.name(), message.title(), message.values(), message.limits(), {}, {}};
   if (message.has_max_points()) {
     RETURN_IF_ERROR(RequirePositive("max_points", message.max_points()));
     format.max_points = message.max_points();
@@ -128,7 +121,7 @@ absl::StatusOr<TableFormat> FromProto(const v1::TableFormat& message) {
   return format;
 }
 
-v1::MakeTableResponse ToProto(const MadeTable& made) {
+v1::MakeTableResponse ToProto(const records::MadeTable& made) {
   v1::MakeTableResponse message;
   message.set_content(made.table.text);
   message.set_report_json(made.table.report_json);
@@ -136,9 +129,9 @@ v1::MakeTableResponse ToProto(const MadeTable& made) {
   return message;
 }
 
-absl::StatusOr<MadeTable> FromProto(const v1::MakeTableResponse& message) {
+absl::StatusOr<records::MadeTable> FromProto(const v1::MakeTableResponse& message) {
   RETURN_IF_ERROR(RequirePositive("calibration_id", message.calibration_id()));
-  return MadeTable{{message.content(), message.report_json()}, CalibrationId(message.calibration_id())};
+  return records::MadeTable{{message.content(), message.report_json()}, CalibrationId(message.calibration_id())};
 }
 
 }  // namespace axiscal::convert

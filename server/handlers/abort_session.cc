@@ -6,7 +6,7 @@ namespace axiscal::handlers {
 
 absl::StatusOr<v1::AbortSessionResponse> AbortSession(Core& core, const Call& call,
                                                       const v1::AbortSessionRequest& request) {
-  ASSIGN_OR_RETURN(const storage::SessionRecord record, core.database.AbortSession(SessionId(request.session_id())));
+  ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.AbortSession(SessionId(request.session_id())));
   v1::AbortSessionResponse response;
   *response.mutable_session() = convert::ToProto(record);
   return response;

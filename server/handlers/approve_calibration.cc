@@ -10,10 +10,10 @@ absl::StatusOr<v1::ApproveCalibrationResponse> ApproveCalibration(Core& core, co
                                                                   const v1::ApproveCalibrationRequest& request) {
   RETURN_IF_ERROR(convert::RequirePositive("etag", request.etag()));
   RETURN_IF_ERROR(convert::RequireText("approved_by", request.approved_by(), 1, 200));
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord present,
+  ASSIGN_OR_RETURN(const records::CalibrationRecord present,
                    core.database.GetCalibration(CalibrationId(request.calibration_id())));
-  if (present.state != storage::CalibrationState::kApproved) RETURN_IF_ERROR(CheckUsable(core.database, present));
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord record,
+  if (present.state != records::CalibrationState::kApproved) RETURN_IF_ERROR(CheckUsable(core.database, present));
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record,
                    core.database.ApproveCalibration(CalibrationId(request.calibration_id()), request.etag(),
                                                     {request.approved_by(), ""}));
   v1::ApproveCalibrationResponse response;

@@ -30,9 +30,9 @@ bool DeterminesACombination(const std::string& report_json) {
 }  // namespace
 
 absl::StatusOr<machine::Machine> MachineFor(storage::Database& database,
-                                            const storage::CalibrationRecord& calibration) {
-  ASSIGN_OR_RETURN(const storage::MachineRecord now, database.GetMachine(calibration.content.machine));
-  ASSIGN_OR_RETURN(const storage::MachineRecord then,
+                                            const records::CalibrationRecord& calibration) {
+  ASSIGN_OR_RETURN(const records::MachineRecord now, database.GetMachine(calibration.content.machine));
+  ASSIGN_OR_RETURN(const records::MachineRecord then,
                    database.GetMachineRevision(now.id, calibration.content.machine_revision));
   ASSIGN_OR_RETURN(machine::Machine machine, machine::MachineFromJson(now.description_json));
   ASSIGN_OR_RETURN(const machine::Machine fitted, machine::MachineFromJson(then.description_json));
@@ -44,11 +44,11 @@ absl::StatusOr<machine::Machine> MachineFor(storage::Database& database,
       {"MACHINE_CHANGED", {}});
 }
 
-absl::Status CheckUsable(storage::Database& database, const storage::CalibrationRecord& calibration) {
+absl::Status CheckUsable(storage::Database& database, const records::CalibrationRecord& calibration) {
   RETURN_IF_ERROR(MachineFor(database, calibration).status());
-  const std::vector<storage::Estimate>& estimates = calibration.content.estimates;
+  const std::vector<records::Estimate>& estimates = calibration.content.estimates;
   const bool has_number = std::any_of(estimates.begin(), estimates.end(),
-                                      [](const storage::Estimate& estimate) { return estimate.identifiable; });
+                                      [](const records::Estimate& estimate) { return estimate.identifiable; });
   if (has_number || DeterminesACombination(calibration.content.report_json)) return absl::OkStatus();
   return base::Error(absl::StatusCode::kFailedPrecondition,
                      absl::StrCat("calibration ", calibration.id.number(),
@@ -58,7 +58,7 @@ absl::Status CheckUsable(storage::Database& database, const storage::Calibration
                      {"CALIBRATION_EMPTY", {}});
 }
 
-std::vector<std::string> NotesOnInseparableErrors(const storage::CalibrationRecord& calibration) {
+std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration) {
   std::vector<std::string> notes;
   const auto result = base::ParseStrictJson(calibration.content.report_json);
   if (!result.ok() || !result->is_object()) return notes;

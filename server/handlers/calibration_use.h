@@ -13,16 +13,16 @@ namespace axiscal::handlers {
 
 // The machine as it is described now, if the calibration was fitted with the same axes; what its description declares
 // may have changed. FAILED_PRECONDITION MACHINE_CHANGED naming both revisions.
-absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const storage::CalibrationRecord& calibration);
+absl::StatusOr<machine::Machine> MachineFor(storage::Database& database, const records::CalibrationRecord& calibration);
 
 // OK if compensation can use it: its machine as in MachineFor, and its sessions determine at least one error or
 // combination of errors. FAILED_PRECONDITION MACHINE_CHANGED, CALIBRATION_EMPTY.
-absl::Status CheckUsable(storage::Database& database, const storage::CalibrationRecord& calibration);
+absl::Status CheckUsable(storage::Database& database, const records::CalibrationRecord& calibration);
 
 // Where the sessions could not separate some errors, the model holds their sum as one of them. That is right at poses
 // like the measured ones and a guess elsewhere; so is an effect of the loop that stands for a class of effects. Users
 // of the correction must know: one line for each.
-std::vector<std::string> NotesOnInseparableErrors(const storage::CalibrationRecord& calibration);
+std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration);
 
 }  // namespace axiscal::handlers
 

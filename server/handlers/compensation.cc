@@ -6,9 +6,9 @@
 
 namespace axiscal::handlers {
 
-absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const convert::CompensateParams& params,
+absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const records::CompensateParams& params,
                                              const std::string& calibration_field) {
-  ASSIGN_OR_RETURN(storage::CalibrationRecord calibration,
+  ASSIGN_OR_RETURN(records::CalibrationRecord calibration,
                    CalibrationFor(database, params.machine, params.calibration, calibration_field));
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFor(database, calibration));
   ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));

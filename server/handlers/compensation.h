@@ -10,13 +10,13 @@
 namespace axiscal::handlers {
 
 struct Compensation {
-  storage::CalibrationRecord calibration;
+  records::CalibrationRecord calibration;
   compensate::Compensator compensator;
   nc::RewriteOptions options;  // with the calibration's name for the mark
 };
 
 // Errors of CalibrationFor, MachineFor and Compensator::Create.
-absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const convert::CompensateParams& params,
+absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const records::CompensateParams& params,
                                              const std::string& calibration_field);
 
 }  // namespace axiscal::handlers

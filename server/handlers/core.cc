@@ -10,12 +10,12 @@ absl::Status RequireAccepting(const Core& core) {
   return base::Error(absl::StatusCode::kUnavailable, "the server is stopping and takes no new work", {"DRAINING", {}});
 }
 
-absl::StatusOr<storage::PageRequest> PageFrom(int page_size, const std::string& page_token) {
+absl::StatusOr<records::PageRequest> PageFrom(int page_size, const std::string& page_token) {
   if (page_size < 0) {
     return base::Error(absl::StatusCode::kInvalidArgument, absl::StrCat("page_size: ", page_size, ", must be >= 0"),
                        {"PAGE_INVALID", {{"field", "page_size"}, {"rule", "must be >= 0"}}});
   }
-  return storage::PageRequest{page_size, page_token};
+  return records::PageRequest{page_size, page_token};
 }
 
 absl::Status RequireRequestId(const std::string& request_id) {

@@ -43,7 +43,7 @@ struct Call {
 absl::Status RequireAccepting(const Core& core);
 
 // Page sizes and tokens as the API has them. INVALID_ARGUMENT PAGE_INVALID when negative.
-absl::StatusOr<storage::PageRequest> PageFrom(int page_size, const std::string& page_token);
+absl::StatusOr<records::PageRequest> PageFrom(int page_size, const std::string& page_token);
 
 // 1 to 64 printable characters.
 absl::Status RequireRequestId(const std::string& request_id);

@@ -9,15 +9,15 @@ namespace axiscal::handlers {
 absl::StatusOr<v1::CreateJobResponse> CreateJob(Core& core, const Call& call, const v1::CreateJobRequest& request) {
   RETURN_IF_ERROR(RequireAccepting(core));
   RETURN_IF_ERROR(RequireRequestId(request.request_id()));
-  absl::StatusOr<convert::JobParams> params = convert::FromProto(request.params());
+  absl::StatusOr<records::JobParams> params = convert::FromProto(request.params());
   if (!params.ok()) return convert::InField("params", params.status());
   RETURN_IF_ERROR(CheckInputs(core.database, *params));
   storage::NewJob job;
-  job.kind = convert::KindOf(*params);
-  job.machine = convert::MachineOf(*params);
+  job.kind = records::KindOf(*params);
+  job.machine = records::MachineOf(*params);
   job.params = convert::Serialize(*params);
   job.caller = {call.user, request.request_id()};
-  ASSIGN_OR_RETURN(const storage::JobRecord record, core.jobs.Create(job));
+  ASSIGN_OR_RETURN(const records::JobRecord record, core.jobs.Create(job));
   v1::CreateJobResponse response;
   *response.mutable_job() = convert::ToProto(record);
   return response;

@@ -8,7 +8,7 @@ namespace axiscal::handlers {
 absl::StatusOr<v1::CreateMachineResponse> CreateMachine(Core& core, const Call& call,
                                                         const v1::CreateMachineRequest& request) {
   ASSIGN_OR_RETURN(const machine::Machine machine, ReadMachine(request.description_json()));
-  ASSIGN_OR_RETURN(const storage::MachineRecord record,
+  ASSIGN_OR_RETURN(const records::MachineRecord record,
                    core.database.CreateMachine(MachineId(machine.id), request.description_json(), {call.user, ""}));
   v1::CreateMachineResponse response;
   *response.mutable_machine() = convert::ToProto(record);

@@ -10,7 +10,7 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(Core& core, const Call& 
                                                         const v1::CreateSessionRequest& request) {
   RETURN_IF_ERROR(RequireAccepting(core));
   RETURN_IF_ERROR(RequireRequestId(request.request_id()));
-  absl::StatusOr<convert::SessionSchema> schema = convert::FromProto(request.schema());
+  absl::StatusOr<records::SessionSchema> schema = convert::FromProto(request.schema());
   if (!schema.ok()) return convert::InField("schema", schema.status());
   const MachineId machine_id(request.machine_id());
   RETURN_IF_ERROR(CheckSchema(core, machine_id, *schema));
@@ -23,7 +23,7 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(Core& core, const Call& 
   session.measured_at = StartedAt(head);
   session.columns = schema->columns;
   session.caller = {call.user, request.request_id()};
-  ASSIGN_OR_RETURN(const storage::SessionRecord record, core.database.CreateSession(session));
+  ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.CreateSession(session));
   v1::CreateSessionResponse response;
   *response.mutable_session() = convert::ToProto(record);
   response.set_max_chunk_readings(convert::kMaxChunkReadings);

@@ -8,7 +8,7 @@ namespace axiscal::handlers {
 absl::StatusOr<v1::DeleteMachineResponse> DeleteMachine(Core& core, const Call& call,
                                                         const v1::DeleteMachineRequest& request) {
   RETURN_IF_ERROR(convert::RequirePositive("etag", request.etag()));
-  ASSIGN_OR_RETURN(const storage::MachineRecord record,
+  ASSIGN_OR_RETURN(const records::MachineRecord record,
                    core.database.DeleteMachine(MachineId(request.machine_id()), request.etag(), {call.user, ""}));
   v1::DeleteMachineResponse response;
   *response.mutable_machine() = convert::ToProto(record);

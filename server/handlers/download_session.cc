@@ -8,18 +8,18 @@ namespace axiscal::handlers {
 
 absl::Status DownloadSession(Core& core, const Call& call, const v1::DownloadSessionRequest& request,
                              const std::function<bool(const v1::DownloadSessionResponse&)>& send) {
-  ASSIGN_OR_RETURN(const storage::SessionRecord record, core.database.GetSession(SessionId(request.session_id())));
+  ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.GetSession(SessionId(request.session_id())));
   v1::DownloadSessionResponse head;
-  *head.mutable_schema() = convert::ToProto(convert::SessionSchema{record.header, record.columns});
-  if (record.state != storage::SessionState::kComplete) {
+  *head.mutable_schema() = convert::ToProto(records::SessionSchema{record.header, record.columns});
+  if (record.state != records::SessionState::kComplete) {
     return base::Error(absl::StatusCode::kFailedPrecondition,
                        absl::StrCat("session ", record.id.number(), " is not complete"), {"SESSION_NOT_COMPLETE", {}});
   }
   if (!send(head)) return absl::CancelledError("the caller has left");
-  storage::SessionTotals totals;
+  records::SessionTotals totals;
   std::vector<uint32_t> crcs;
   RETURN_IF_ERROR(core.database.ReadChunks(record.id, 0, [&](int64_t seq, const std::vector<session::Column>& columns) {
-    convert::Chunk chunk{seq, columns, session::ChunkCrc32c(columns)};
+    records::Chunk chunk{seq, columns, session::ChunkCrc32c(columns)};
     totals.reading_count += session::Session{{}, columns}.reading_count();
     crcs.push_back(chunk.crc32c);
     v1::DownloadSessionResponse message;

@@ -8,9 +8,9 @@ namespace axiscal::handlers {
 
 absl::StatusOr<v1::FinishSessionResponse> FinishSession(Core& core, const Call& call,
                                                         const v1::FinishSessionRequest& request) {
-  absl::StatusOr<storage::SessionTotals> totals = convert::FromProto(request.totals());
+  absl::StatusOr<records::SessionTotals> totals = convert::FromProto(request.totals());
   if (!totals.ok()) return convert::InField("totals", totals.status());
-  ASSIGN_OR_RETURN(const storage::SessionRecord record, FinishChecked(core, SessionId(request.session_id()), *totals));
+  ASSIGN_OR_RETURN(const records::SessionRecord record, FinishChecked(core, SessionId(request.session_id()), *totals));
   v1::FinishSessionResponse response;
   *response.mutable_session() = convert::ToProto(record);
   return response;

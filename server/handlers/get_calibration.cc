@@ -11,7 +11,7 @@ absl::StatusOr<v1::GetCalibrationResponse> GetCalibration(Core& core, const Call
     return convert::FieldError("calibration_id",
                                "exactly one of calibration_id and approved_of_machine_id must be set");
   }
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord record,
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record,
                    request.has_calibration_id()
                        ? core.database.GetCalibration(CalibrationId(request.calibration_id()))
                        : core.database.GetApprovedCalibration(MachineId(request.approved_of_machine_id())));

@@ -6,7 +6,7 @@ namespace axiscal::handlers {
 
 absl::StatusOr<v1::GetMachineResponse> GetMachine(Core& core, const Call& call, const v1::GetMachineRequest& request) {
   const MachineId id(request.machine_id());
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, request.has_revision()
+  ASSIGN_OR_RETURN(const records::MachineRecord record, request.has_revision()
                                                             ? core.database.GetMachineRevision(id, request.revision())
                                                             : core.database.GetMachine(id));
   v1::GetMachineResponse response;

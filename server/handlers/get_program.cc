@@ -8,8 +8,8 @@ namespace axiscal::handlers {
 
 absl::Status GetProgram(Core& core, const Call& call, const v1::GetProgramRequest& request,
                         const std::function<bool(const v1::GetProgramResponse&)>& send) {
-  ASSIGN_OR_RETURN(const storage::ProgramRecord record, core.database.GetProgram(ProgramId(request.program_id())));
-  if (record.state != storage::ProgramState::kComplete) {
+  ASSIGN_OR_RETURN(const records::ProgramRecord record, core.database.GetProgram(ProgramId(request.program_id())));
+  if (record.state != records::ProgramState::kComplete) {
     return base::Error(absl::StatusCode::kFailedPrecondition,
                        absl::StrCat("program ", record.id.number(), " is not complete"), {"PROGRAM_NOT_COMPLETE", {}});
   }

@@ -19,14 +19,14 @@ absl::Status Unmet(const std::string& reason, const std::string& text) {
 absl::Status CheckSessions(storage::Database& database, const MachineId& machine,
                            const std::vector<SessionId>& sessions, const std::string& field) {
   for (size_t i = 0; i < sessions.size(); ++i) {
-    ASSIGN_OR_RETURN(const storage::SessionRecord session, database.GetSession(sessions[i]));
+    ASSIGN_OR_RETURN(const records::SessionRecord session, database.GetSession(sessions[i]));
     const std::string name = absl::StrCat("session ", session.id.number(), " (", session.name, ")");
     if (session.machine != machine) {
       return convert::FieldError(
           absl::StrCat(field, "[", i, "]"),
           absl::StrCat(name, " is of machine ", session.machine.text(), ", must be of ", machine.text()));
     }
-    if (session.state != storage::SessionState::kComplete) {
+    if (session.state != records::SessionState::kComplete) {
       return Unmet("SESSION_NOT_COMPLETE", name + " is not complete");
     }
   }
@@ -42,31 +42,31 @@ absl::StatusOr<std::optional<identify::Budget>> ReadBudget(const machine::Machin
 }
 
 absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
-                           const convert::IdentifyParams& params) {
+                           const records::IdentifyParams& params) {
   RETURN_IF_ERROR(ErrorsOf(database, machine, params).status());
   RETURN_IF_ERROR(BudgetOf(machine, params).status());
   return CheckSessions(database, params.machine, params.sessions, "params.identify.session_ids");
 }
 
 absl::Status CheckCloseLoop(storage::Database& database, const machine::Machine& machine,
-                            const convert::CloseLoopParams& params) {
+                            const records::CloseLoopParams& params) {
   RETURN_IF_ERROR(BudgetOf(machine, params).status());
   RETURN_IF_ERROR(CheckSessions(database, params.machine, params.fit, "params.close_loop.fit_session_ids"));
   return CheckSessions(database, params.machine, params.check, "params.close_loop.check_session_ids");
 }
 
-absl::Status CheckToolSetter(storage::Database& database, const convert::ToolSetterParams& params) {
+absl::Status CheckToolSetter(storage::Database& database, const records::ToolSetterParams& params) {
   RETURN_IF_ERROR(CheckSessions(database, params.machine, {params.session}, "params.tool_setter.session_id"));
-  ASSIGN_OR_RETURN(const storage::SessionRecord session, database.GetSession(params.session));
+  ASSIGN_OR_RETURN(const records::SessionRecord session, database.GetSession(params.session));
   if (toolsetter::IsToolSetter(session.instrument)) return absl::OkStatus();
   return convert::FieldError("params.tool_setter.session_id",
                              absl::StrCat("session ", session.id.number(), " is of instrument ", session.instrument,
                                           ", must be of tool-setter or tool-curve"));
 }
 
-absl::Status CheckCompensate(storage::Database& database, const convert::CompensateParams& params) {
-  ASSIGN_OR_RETURN(const storage::ProgramRecord program, database.GetProgram(params.program));
-  if (program.state != storage::ProgramState::kComplete) {
+absl::Status CheckCompensate(storage::Database& database, const records::CompensateParams& params) {
+  ASSIGN_OR_RETURN(const records::ProgramRecord program, database.GetProgram(params.program));
+  if (program.state != records::ProgramState::kComplete) {
     return Unmet("PROGRAM_NOT_COMPLETE", absl::StrCat("program ", program.id.number(), " is not complete"));
   }
   return CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id").status();
@@ -75,7 +75,7 @@ absl::Status CheckCompensate(storage::Database& database, const convert::Compens
 // A calibration as users get it printed: what ReadHeldErrors reads.
 absl::StatusOr<std::string> HeldCalibrationJson(storage::Database& database, const MachineId& machine,
                                                 const CalibrationId& id) {
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord calibration,
+  ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
                    CalibrationFor(database, machine, id, "params.identify.held_calibration_id"));
   RETURN_IF_ERROR(MachineFor(database, calibration).status());
   return absl::StrCat("{\"model\": ", calibration.content.model_json, ", \"report\": ", calibration.content.report_json,
@@ -84,38 +84,38 @@ absl::StatusOr<std::string> HeldCalibrationJson(storage::Database& database, con
 
 }  // namespace
 
-absl::Status CheckInputs(storage::Database& database, const convert::JobParams& params) {
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, database.GetMachine(convert::MachineOf(params)));
+absl::Status CheckInputs(storage::Database& database, const records::JobParams& params) {
+  ASSIGN_OR_RETURN(const records::MachineRecord record, database.GetMachine(records::MachineOf(params)));
   if (record.deleted_at) return Unmet("MACHINE_DELETED", "machine " + record.id.text() + " is deleted");
   ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
-  if (const auto* identify = std::get_if<convert::IdentifyParams>(&params)) {
+  if (const auto* identify = std::get_if<records::IdentifyParams>(&params)) {
     return CheckIdentify(database, machine, *identify);
   }
-  if (const auto* tool_setter = std::get_if<convert::ToolSetterParams>(&params)) {
+  if (const auto* tool_setter = std::get_if<records::ToolSetterParams>(&params)) {
     return CheckToolSetter(database, *tool_setter);
   }
-  if (const auto* close_loop = std::get_if<convert::CloseLoopParams>(&params)) {
+  if (const auto* close_loop = std::get_if<records::CloseLoopParams>(&params)) {
     return CheckCloseLoop(database, machine, *close_loop);
   }
-  return CheckCompensate(database, std::get<convert::CompensateParams>(params));
+  return CheckCompensate(database, std::get<records::CompensateParams>(params));
 }
 
-absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database, const MachineId& machine,
+absl::StatusOr<records::CalibrationRecord> CalibrationFor(storage::Database& database, const MachineId& machine,
                                                           const std::optional<CalibrationId>& calibration_id,
                                                           const std::string& field) {
   if (!calibration_id) {
-    absl::StatusOr<storage::CalibrationRecord> approved = database.GetApprovedCalibration(machine);
+    absl::StatusOr<records::CalibrationRecord> approved = database.GetApprovedCalibration(machine);
     if (approved.ok() || !absl::IsNotFound(approved.status())) return approved;
     return Unmet("CALIBRATION_NOT_APPROVED",
                  "machine " + machine.text() + " has no approved calibration: approve one, or name a candidate");
   }
-  ASSIGN_OR_RETURN(storage::CalibrationRecord calibration, database.GetCalibration(*calibration_id));
+  ASSIGN_OR_RETURN(records::CalibrationRecord calibration, database.GetCalibration(*calibration_id));
   if (calibration.content.machine != machine) {
     return convert::FieldError(
         field, absl::StrCat(calibration.id.number(), " is of machine ", calibration.content.machine.text(),
                             ", must be of ", machine.text()));
   }
-  if (calibration.state == storage::CalibrationState::kRetired) {
+  if (calibration.state == records::CalibrationState::kRetired) {
     return Unmet("CALIBRATION_RETIRED",
                  absl::StrCat("calibration ", calibration.id.number(), " is retired: approve it again to use it"));
   }
@@ -123,7 +123,7 @@ absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& dat
 }
 
 absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machine::Machine& machine,
-                                        const convert::IdentifyParams& params) {
+                                        const records::IdentifyParams& params) {
   IdentifyErrors errors;
   ASSIGN_OR_RETURN(errors.fitted, DeclaredModel(machine, params.declared));
   std::string field = "params.identify.held_errors_json", text = params.held_errors_json;
@@ -144,12 +144,12 @@ absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machi
 }
 
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
-                                                         const convert::IdentifyParams& params) {
+                                                         const records::IdentifyParams& params) {
   return ReadBudget(machine, params.budget_json, "params.identify.budget_json");
 }
 
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
-                                                         const convert::CloseLoopParams& params) {
+                                                         const records::CloseLoopParams& params) {
   return ReadBudget(machine, params.budget_json, "params.close_loop.budget_json");
 }
 

@@ -19,10 +19,10 @@ namespace axiscal::handlers {
 // calibration is of that machine and not retired, or, when none is named, one is approved. The store's NOT_FOUND,
 // FIELD_INVALID, FAILED_PRECONDITION MACHINE_DELETED, SESSION_NOT_COMPLETE, PROGRAM_NOT_COMPLETE, CALIBRATION_RETIRED,
 // CALIBRATION_NOT_APPROVED.
-absl::Status CheckInputs(storage::Database& database, const convert::JobParams& params);
+absl::Status CheckInputs(storage::Database& database, const records::JobParams& params);
 
 // The calibration that compensation and tables use, as above; `field` names it in errors.
-absl::StatusOr<storage::CalibrationRecord> CalibrationFor(storage::Database& database, const MachineId& machine,
+absl::StatusOr<records::CalibrationRecord> CalibrationFor(storage::Database& database, const MachineId& machine,
                                                           const std::optional<CalibrationId>& calibration,
                                                           const std::string& field);
 
@@ -39,13 +39,13 @@ struct IdentifyErrors {
 };
 // FIELD_INVALID; of a held calibration also what CalibrationFor refuses, and MACHINE_CHANGED.
 absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machine::Machine& machine,
-                                        const convert::IdentifyParams& params);
+                                        const records::IdentifyParams& params);
 
 // A job's error budget, if it has one. INVALID_ARGUMENT FIELD_INVALID.
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
-                                                         const convert::IdentifyParams& params);
+                                                         const records::IdentifyParams& params);
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
-                                                         const convert::CloseLoopParams& params);
+                                                         const records::CloseLoopParams& params);
 
 }  // namespace axiscal::handlers
 

@@ -6,11 +6,11 @@ namespace axiscal::handlers {
 
 absl::StatusOr<v1::LatestFleetResponse> LatestFleet(Core& core, const Call& call,
                                                     const v1::LatestFleetRequest& request) {
-  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
-  ASSIGN_OR_RETURN(const storage::Page<storage::FleetRow> rows,
+  ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const records::Page<records::FleetRow> rows,
                    core.database.LatestFleet({request.symbols().begin(), request.symbols().end()}, page));
   v1::LatestFleetResponse response;
-  for (const storage::FleetRow& row : rows.rows) *response.add_machines() = convert::ToProto(row);
+  for (const records::FleetRow& row : rows.rows) *response.add_machines() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);
   return response;
 }

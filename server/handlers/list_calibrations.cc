@@ -6,15 +6,15 @@ namespace axiscal::handlers {
 
 absl::StatusOr<v1::ListCalibrationsResponse> ListCalibrations(Core& core, const Call& call,
                                                               const v1::ListCalibrationsRequest& request) {
-  storage::CalibrationFilter filter;
+  records::CalibrationFilter filter;
   if (!request.machine_id().empty()) filter.machine = MachineId(request.machine_id());
   if (request.state() != v1::CALIBRATION_STATE_UNSPECIFIED) {
     ASSIGN_OR_RETURN(filter.state, convert::FromProto(request.state()));
   }
-  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
-  ASSIGN_OR_RETURN(const storage::Page<storage::CalibrationRecord> rows, core.database.ListCalibrations(filter, page));
+  ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const records::Page<records::CalibrationRecord> rows, core.database.ListCalibrations(filter, page));
   v1::ListCalibrationsResponse response;
-  for (const storage::CalibrationRecord& row : rows.rows) *response.add_calibrations() = convert::ToProto(row);
+  for (const records::CalibrationRecord& row : rows.rows) *response.add_calibrations() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);
   return response;
 }

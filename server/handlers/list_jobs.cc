@@ -10,10 +10,10 @@ absl::StatusOr<v1::ListJobsResponse> ListJobs(Core& core, const Call& call, cons
   if (request.state() != v1::JOB_STATE_UNSPECIFIED) {
     ASSIGN_OR_RETURN(filter.state, convert::FromProto(request.state()));
   }
-  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
-  ASSIGN_OR_RETURN(const storage::Page<storage::JobRecord> rows, core.database.ListJobs(filter, page));
+  ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const records::Page<records::JobRecord> rows, core.database.ListJobs(filter, page));
   v1::ListJobsResponse response;
-  for (const storage::JobRecord& row : rows.rows) *response.add_jobs() = convert::ToProto(row);
+  for (const records::JobRecord& row : rows.rows) *response.add_jobs() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);
   return response;
 }

@@ -6,12 +6,12 @@ namespace axiscal::handlers {
 
 absl::StatusOr<v1::ListProgramsResponse> ListPrograms(Core& core, const Call& call,
                                                       const v1::ListProgramsRequest& request) {
-  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
-  ASSIGN_OR_RETURN(const storage::Page<storage::ProgramRecord> rows,
+  ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const records::Page<records::ProgramRecord> rows,
                    core.database.ListPrograms({request.kind()}, page));
   v1::ListProgramsResponse response;
-  for (const storage::ProgramRecord& row : rows.rows) {
-    if (row.state == storage::ProgramState::kComplete) *response.add_programs() = convert::ToProto(row);
+  for (const records::ProgramRecord& row : rows.rows) {
+    if (row.state == records::ProgramState::kComplete) *response.add_programs() = convert::ToProto(row);
   }
   response.set_next_page_token(rows.next_token);
   return response;

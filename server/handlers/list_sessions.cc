@@ -11,10 +11,10 @@ absl::StatusOr<v1::ListSessionsResponse> ListSessions(Core& core, const Call& ca
   if (request.state() != v1::SESSION_STATE_UNSPECIFIED) {
     ASSIGN_OR_RETURN(filter.state, convert::FromProto(request.state()));
   }
-  ASSIGN_OR_RETURN(const storage::PageRequest page, PageFrom(request.page_size(), request.page_token()));
-  ASSIGN_OR_RETURN(const storage::Page<storage::SessionRecord> rows, core.database.ListSessions(filter, page));
+  ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const records::Page<records::SessionRecord> rows, core.database.ListSessions(filter, page));
   v1::ListSessionsResponse response;
-  for (const storage::SessionRecord& row : rows.rows) *response.add_sessions() = convert::ToProto(row);
+  for (const records::SessionRecord& row : rows.rows) *response.add_sessions() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);
   return response;
 }

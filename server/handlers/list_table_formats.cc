@@ -8,7 +8,7 @@ absl::StatusOr<v1::ListTableFormatsResponse> ListTableFormats(Core& core, const 
                                                               const v1::ListTableFormatsRequest& request) {
   v1::ListTableFormatsResponse response;
   for (const tables::Format& format : tables::Formats())
-    *response.add_formats() = convert::ToProto(convert::Summary(format));
+    *response.add_formats() = convert::ToProto(records::Summary(format));
   return response;
 }
 

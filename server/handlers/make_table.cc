@@ -17,7 +17,7 @@ namespace {
 constexpr size_t kMaxAnswerBytes = 3'500'000;
 
 // Axes without a range get the range that the calibration's sessions covered: beyond it nothing is known.
-absl::Status AddMeasuredRanges(storage::Database& database, const storage::CalibrationRecord& calibration,
+absl::Status AddMeasuredRanges(storage::Database& database, const records::CalibrationRecord& calibration,
                                const machine::Machine& machine, const Call& call, tables::TableRequest* request) {
   std::vector<tables::AxisRange> wanted;
   for (const machine::Axis& axis : machine.axes) {
@@ -66,12 +66,12 @@ absl::Status WithReason(const absl::Status& status) {
 
 absl::StatusOr<v1::MakeTableResponse> MakeTable(Core& core, const Call& call, const v1::MakeTableRequest& message) {
   RETURN_IF_ERROR(RequireAccepting(core));
-  ASSIGN_OR_RETURN(convert::TableParams params, convert::FromProto(message));
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, core.database.GetMachine(params.machine));
+  ASSIGN_OR_RETURN(records::TableParams params, convert::FromProto(message));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, core.database.GetMachine(params.machine));
   if (record.deleted_at)
     return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + record.id.text() + " is deleted",
                        {"MACHINE_DELETED", {}});
-  ASSIGN_OR_RETURN(const storage::CalibrationRecord calibration,
+  ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
                    CalibrationFor(core.database, params.machine, params.calibration, "calibration_id"));
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFor(core.database, calibration));
   ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));
@@ -85,7 +85,7 @@ absl::StatusOr<v1::MakeTableResponse> MakeTable(Core& core, const Call& call, co
         absl::StrCat("the table has ", made->text.size(), " bytes, at most ", kMaxAnswerBytes,
                      " can be handed out: allow a larger tolerance or fewer points")));
   }
-  return convert::ToProto(convert::MadeTable{*made, calibration.id});
+  return convert::ToProto(records::MadeTable{*made, calibration.id});
 }
 
 }  // namespace axiscal::handlers

@@ -57,7 +57,7 @@ absl::Status PutProgramStream::Store(const std::string& part) {
   const int64_t offset = stored_;
   stored_ += static_cast<int64_t>(part.size());
   // Sent again after it was stored: what is there need not be compared, the checksum is.
-  if (program_.state == storage::ProgramState::kComplete) return absl::OkStatus();
+  if (program_.state == records::ProgramState::kComplete) return absl::OkStatus();
   return core_.database.AppendProgram(program_.id, offset, part).status();
 }
 
@@ -69,7 +69,7 @@ absl::StatusOr<v1::PutProgramResponse> PutProgramStream::End() {
         {"STREAM_INCOMPLETE", {}});
   }
   if (!gathered_.empty()) RETURN_IF_ERROR(Store(gathered_));
-  ASSIGN_OR_RETURN(const storage::ProgramRecord record,
+  ASSIGN_OR_RETURN(const records::ProgramRecord record,
                    core_.database.FinishProgram(program_.id, header_->size_bytes(), header_->sha256()));
   v1::PutProgramResponse response;
   *response.mutable_program() = convert::ToProto(record);

@@ -28,7 +28,7 @@ class PutProgramStream {
   Core& core_;
   const Call call_;
   std::optional<v1::PutProgramHeader> header_;
-  storage::ProgramRecord program_;
+  records::ProgramRecord program_;
   int64_t received_ = 0;  // bytes
   // Each part that is stored is a transaction that waits for the disk: messages are gathered into parts of one size,
   // the same ones when the program is sent again.

@@ -9,7 +9,7 @@ absl::StatusOr<v1::RetireCalibrationResponse> RetireCalibration(Core& core, cons
                                                                 const v1::RetireCalibrationRequest& request) {
   RETURN_IF_ERROR(convert::RequirePositive("etag", request.etag()));
   ASSIGN_OR_RETURN(
-      const storage::CalibrationRecord record,
+      const records::CalibrationRecord record,
       core.database.RetireCalibration(CalibrationId(request.calibration_id()), request.etag(), {call.user, ""}));
   v1::RetireCalibrationResponse response;
   *response.mutable_calibration() = convert::ToProto(record);

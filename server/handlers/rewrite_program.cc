@@ -34,9 +34,9 @@ absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header)
                        {"QUEUE_FULL", {}});
   }
   RETURN_IF_ERROR(convert::RequireNotNegative("header.size_bytes", header.size_bytes()));
-  absl::StatusOr<convert::CompensateParams> params = convert::FromProto(header.params(), false);
+  absl::StatusOr<records::CompensateParams> params = convert::FromProto(header.params(), false);
   if (!params.ok()) return convert::InField("header.params", params.status());
-  ASSIGN_OR_RETURN(const storage::MachineRecord machine, core_.database.GetMachine(params->machine));
+  ASSIGN_OR_RETURN(const records::MachineRecord machine, core_.database.GetMachine(params->machine));
   if (machine.deleted_at) {
     return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + machine.id.text() + " is deleted",
                        {"MACHINE_DELETED", {}});

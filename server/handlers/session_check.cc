@@ -21,7 +21,7 @@ absl::Status Invalid(const absl::Status& status, const std::string& field) {
 }
 
 absl::StatusOr<machine::Machine> MachineOf(Core& core, const MachineId& id) {
-  ASSIGN_OR_RETURN(const storage::MachineRecord record, core.database.GetMachine(id));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, core.database.GetMachine(id));
   if (record.deleted_at) {
     return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + id.text() + " is deleted",
                        {"MACHINE_DELETED", {}});
@@ -29,21 +29,21 @@ absl::StatusOr<machine::Machine> MachineOf(Core& core, const MachineId& id) {
   return machine::MachineFromJson(record.description_json);
 }
 
-session::Session WithoutReadings(const convert::SessionSchema& schema) {
+session::Session WithoutReadings(const records::SessionSchema& schema) {
   session::Session session{schema.header, {}};
-  for (const storage::ColumnSpec& column : schema.columns) session.columns.push_back({column.name, {}, {}});
+  for (const records::ColumnSpec& column : schema.columns) session.columns.push_back({column.name, {}, {}});
   return session;
 }
 
-std::vector<std::string> NamesOf(const std::vector<storage::ColumnSpec>& columns) {
+std::vector<std::string> NamesOf(const std::vector<records::ColumnSpec>& columns) {
   std::vector<std::string> names;
-  for (const storage::ColumnSpec& column : columns) names.push_back(column.name);
+  for (const records::ColumnSpec& column : columns) names.push_back(column.name);
   return names;
 }
 
 }  // namespace
 
-absl::Status CheckSchema(Core& core, const MachineId& machine_id, const convert::SessionSchema& schema) {
+absl::Status CheckSchema(Core& core, const MachineId& machine_id, const records::SessionSchema& schema) {
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineOf(core, machine_id));
   RETURN_IF_ERROR(Invalid(session::ValidateHeader(schema.header), "schema.header"));
   const absl::StatusOr<std::vector<session::ColumnRule>> rules =
@@ -59,7 +59,7 @@ absl::Status CheckSchema(Core& core, const MachineId& machine_id, const convert:
   return Invalid(session::CheckAgainstMachine(WithoutReadings(schema), machine), "schema");
 }
 
-absl::StatusOr<ReadingCheck> ReadingCheck::Create(Core& core, const storage::SessionRecord& session,
+absl::StatusOr<ReadingCheck> ReadingCheck::Create(Core& core, const records::SessionRecord& session,
                                                   int64_t first_seq) {
   ReadingCheck check;
   check.header_ = session.header;
@@ -118,7 +118,7 @@ absl::Status ReadingCheck::CheckColumn(const session::Column& column, size_t ind
   return absl::OkStatus();
 }
 
-absl::StatusOr<storage::SessionRecord> FinishChecked(Core& core, SessionId id, const storage::SessionTotals& totals) {
+absl::StatusOr<records::SessionRecord> FinishChecked(Core& core, SessionId id, const records::SessionTotals& totals) {
   if (totals.reading_count == 0) {
     return Invalid(absl::InvalidArgumentError("no readings, expected at least one"), "totals.readings");
   }

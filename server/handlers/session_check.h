@@ -16,13 +16,13 @@ namespace axiscal::handlers {
 
 // Header and columns fit the instrument, the session names `machine`, and the machine has its axes. NOT_FOUND
 // MACHINE_NOT_FOUND, FAILED_PRECONDITION MACHINE_DELETED.
-absl::Status CheckSchema(Core& core, const MachineId& machine, const convert::SessionSchema& schema);
+absl::Status CheckSchema(Core& core, const MachineId& machine, const records::SessionSchema& schema);
 
 // Readings in their order, across chunks.
 class ReadingCheck {
  public:
   // For a stored session, from its chunk `first_seq` on (at most its next_seq).
-  static absl::StatusOr<ReadingCheck> Create(Core& core, const storage::SessionRecord& session, int64_t first_seq);
+  static absl::StatusOr<ReadingCheck> Create(Core& core, const records::SessionRecord& session, int64_t first_seq);
 
   // The next chunk's columns.
   absl::Status Check(const std::vector<session::Column>& columns);
@@ -38,7 +38,7 @@ class ReadingCheck {
 };
 
 // Database::FinishSession for a session that has readings.
-absl::StatusOr<storage::SessionRecord> FinishChecked(Core& core, SessionId id, const storage::SessionTotals& totals);
+absl::StatusOr<records::SessionRecord> FinishChecked(Core& core, SessionId id, const records::SessionTotals& totals);
 
 // When it was measured, by its header `started` (ISO 8601; without a zone it is UTC); nothing when it does not say.
 std::optional<base::UtcTime> StartedAt(const session::Session& session);

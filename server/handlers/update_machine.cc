@@ -11,7 +11,7 @@ absl::StatusOr<v1::UpdateMachineResponse> UpdateMachine(Core& core, const Call& 
   ASSIGN_OR_RETURN(const machine::Machine machine, ReadMachine(request.description_json()));
   RETURN_IF_ERROR(convert::RequirePositive("etag", request.etag()));
   ASSIGN_OR_RETURN(
-      const storage::MachineRecord record,
+      const records::MachineRecord record,
       core.database.UpdateMachine(MachineId(machine.id), request.etag(), request.description_json(), {call.user, ""}));
   v1::UpdateMachineResponse response;
   *response.mutable_machine() = convert::ToProto(record);

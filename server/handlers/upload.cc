@@ -48,7 +48,7 @@ absl::Status UploadStream::Begin(const v1::UploadHeader& header) {
     return base::Error(absl::StatusCode::kResourceExhausted,
                        absl::StrCat("more than ", core_.limits.max_uploads, " uploads at a time"), {"QUEUE_FULL", {}});
   }
-  ASSIGN_OR_RETURN(storage::SessionRecord session, core_.database.GetSession(SessionId(header.session_id())));
+  ASSIGN_OR_RETURN(records::SessionRecord session, core_.database.GetSession(SessionId(header.session_id())));
   if (header.resume_from_seq() < 0) return convert::FieldError("header.resume_from_seq", "must be >= 0");
   if (header.resume_from_seq() > session.next_seq) {
     return base::Error(
@@ -57,7 +57,7 @@ absl::Status UploadStream::Begin(const v1::UploadHeader& header) {
         {"SEQ_GAP", {{"next_seq", absl::StrCat(session.next_seq)}}});
   }
   expected_seq_ = header.resume_from_seq();
-  if (session.state == storage::SessionState::kOpen) {
+  if (session.state == records::SessionState::kOpen) {
     ASSIGN_OR_RETURN(check_, ReadingCheck::Create(core_, session, expected_seq_));
   }
   {
@@ -75,7 +75,7 @@ absl::Status UploadStream::Append(const v1::Chunk& message) {
                        absl::StrCat("chunk ", message.seq(), " came, chunk ", expected_seq_, " is missing"),
                        {"SEQ_GAP", {{"next_seq", absl::StrCat(expected_seq_)}}});
   }
-  ASSIGN_OR_RETURN(const convert::Chunk chunk, convert::FromProto(message, session_->columns));
+  ASSIGN_OR_RETURN(const records::Chunk chunk, convert::FromProto(message, session_->columns));
   if (chunk.seq == expected_seq_) {
     // A closed session only compares what comes again.
     if (check_) RETURN_IF_ERROR(check_->Check(chunk.columns));
@@ -107,7 +107,7 @@ void UploadStream::Stored(const absl::StatusOr<storage::AppendResult>& result) {
 
 absl::Status UploadStream::Finish(const v1::UploadFinish& finish) {
   RETURN_IF_ERROR(WaitForAll());
-  absl::StatusOr<storage::SessionTotals> totals = convert::FromProto(finish.totals());
+  absl::StatusOr<records::SessionTotals> totals = convert::FromProto(finish.totals());
   if (!totals.ok()) return convert::InField("finish.totals", totals.status());
   ASSIGN_OR_RETURN(completed_, FinishChecked(core_, session_->id, *totals));
   StopAcknowledging();

@@ -33,7 +33,7 @@ class UploadStream {
   absl::Status End();
 
   // Set when the session was finished.
-  const std::optional<storage::SessionRecord>& completed() const { return completed_; }
+  const std::optional<records::SessionRecord>& completed() const { return completed_; }
   int64_t duplicate_chunks();
 
  private:
@@ -49,10 +49,10 @@ class UploadStream {
   const Call call_;
   const std::function<bool(const v1::UploadResponse&)> send_;
   bool is_counted_ = false;
-  std::optional<storage::SessionRecord> session_;
+  std::optional<records::SessionRecord> session_;
   std::optional<ReadingCheck> check_;
   int64_t expected_seq_ = 0;
-  std::optional<storage::SessionRecord> completed_;
+  std::optional<records::SessionRecord> completed_;
 
   base::Mutex mutex_;
   base::CondVar changed_;

@@ -28,8 +28,8 @@ class UploadTest : public ::testing::Test, protected TestCore {
     request.mutable_header()->set_resume_from_seq(resume_from_seq);
     return request;
   }
-  static convert::Chunk MakeChunk(int64_t seq, double x_mm = 1) {
-    convert::Chunk chunk{seq, {}, 0};
+  static records::Chunk MakeChunk(int64_t seq, double x_mm = 1) {
+    records::Chunk chunk{seq, {}, 0};
     for (const char* name : {"t_s", "X_mm", "Y_mm", "Z_mm", "C_deg", "px_mm", "py_mm", "pz_mm"}) {
       chunk.columns.push_back({name, std::vector<double>(kReadings, x_mm), {}});
     }
@@ -37,7 +37,7 @@ class UploadTest : public ::testing::Test, protected TestCore {
     chunk.crc32c = session::ChunkCrc32c(chunk.columns);
     return chunk;
   }
-  static v1::UploadRequest ChunkMessage(const convert::Chunk& chunk) {
+  static v1::UploadRequest ChunkMessage(const records::Chunk& chunk) {
     v1::UploadRequest request;
     *request.mutable_chunk() = convert::ToProto(chunk);
     return request;
@@ -47,7 +47,7 @@ class UploadTest : public ::testing::Test, protected TestCore {
     for (int seq = 0; seq < chunks; ++seq) crcs.push_back(MakeChunk(seq).crc32c);
     v1::UploadRequest request;
     *request.mutable_finish()->mutable_totals() =
-        convert::ToProto(storage::SessionTotals{chunks, chunks * kReadings, session::SessionHash(crcs)});
+        convert::ToProto(records::SessionTotals{chunks, chunks * kReadings, session::SessionHash(crcs)});
     return request;
   }
   int64_t id_ = 0;
@@ -72,7 +72,7 @@ TEST_F(UploadTest, AcknowledgesWhatIsDurableAndCompletes) {
   ASSERT_FALSE(sent.empty());
   EXPECT_TRUE(sent.back().has_completed_session());
   for (size_t i = 1; i < sent.size(); ++i) EXPECT_GE(sent[i].next_seq(), sent[i - 1].next_seq());
-  EXPECT_EQ(database->GetSession(SessionId(id_))->state, storage::SessionState::kComplete);
+  EXPECT_EQ(database->GetSession(SessionId(id_))->state, records::SessionState::kComplete);
 }
 
 TEST_F(UploadTest, EndingAcknowledgesEveryChunkThatIsDurable) {
@@ -136,7 +136,7 @@ TEST_F(UploadTest, ReadingsAreHeldToTheFilesRules) {
   UploadStream upload(core, call, nullptr);
   ASSERT_TRUE(upload.Receive(Header()).ok());
   ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(0))).ok());
-  convert::Chunk late = MakeChunk(1);
+  records::Chunk late = MakeChunk(1);
   late.columns[0].values[0] = 0;
   late.crc32c = session::ChunkCrc32c(late.columns);
   const absl::Status back_in_time = upload.Receive(ChunkMessage(late));
@@ -147,7 +147,7 @@ TEST_F(UploadTest, ReadingsAreHeldToTheFilesRules) {
 
   UploadStream beyond(core, call, nullptr);
   ASSERT_TRUE(beyond.Receive(Header(1)).ok());
-  convert::Chunk far = MakeChunk(1);
+  records::Chunk far = MakeChunk(1);
   far.columns[3].values[2] = 401;
   far.crc32c = session::ChunkCrc32c(far.columns);
   const absl::Status travel = beyond.Receive(ChunkMessage(far));

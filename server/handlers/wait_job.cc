@@ -20,12 +20,12 @@ absl::StatusOr<v1::WaitJobResponse> WaitJob(Core& core, const Call& call, const 
   const base::SteadyTime start = base::SystemClock().SteadyNow();
   const std::chrono::milliseconds timeout =
       request.timeout_ms() == 0 ? kLongest : std::min(kLongest, std::chrono::milliseconds(request.timeout_ms()));
-  std::optional<storage::JobRecord> job;
+  std::optional<records::JobRecord> job;
   while (!call.is_cancelled()) {
-    std::optional<storage::JobRecord> next = watch->Next(kLookAgainAfter);
+    std::optional<records::JobRecord> next = watch->Next(kLookAgainAfter);
     if (next) job = std::move(next);
     const bool is_over = base::SystemClock().SteadyNow() - start >= timeout;
-    if (job && (storage::IsTerminal(job->state) || is_over)) {
+    if (job && (records::IsTerminal(job->state) || is_over)) {
       v1::WaitJobResponse response;
       *response.mutable_job() = convert::ToProto(*job);
       return response;

@@ -16,9 +16,9 @@ absl::Status WatchJob(Core& core, const Call& call, const v1::WatchJobRequest& r
   ASSIGN_OR_RETURN(const std::shared_ptr<jobs::JobWatch> watch, core.jobs.Watch(JobId(request.job_id())));
   bool has_ended = false;
   while (!call.is_cancelled()) {
-    const std::optional<storage::JobRecord> record = watch->Next(kLookAgainAfter);
+    const std::optional<records::JobRecord> record = watch->Next(kLookAgainAfter);
     if (record) {
-      has_ended = storage::IsTerminal(record->state);
+      has_ended = records::IsTerminal(record->state);
       v1::WatchJobResponse response;
       *response.mutable_job() = convert::ToProto(*record);
       if (!send(response)) return absl::CancelledError("the caller has left");

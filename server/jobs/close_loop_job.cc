@@ -16,7 +16,7 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
-absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, const convert::CloseLoopParams& params,
+absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, const records::CloseLoopParams& params,
                                             JobContext& context) {
   loop::Options options;
   options.max_effects = params.max_effects.value_or(options.max_effects);
@@ -44,7 +44,7 @@ absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, con
 // Names and checksums: what the result can be computed again from.
 json SessionsJson(const StoredSessions& stored) {
   json sessions = json::array();
-  for (const storage::SessionRecord& record : stored.records)
+  for (const records::SessionRecord& record : stored.records)
     sessions.push_back({{"id", record.id.number()}, {"session", record.name}, {"hash", record.hash}});
   return sessions;
 }
@@ -52,7 +52,7 @@ json SessionsJson(const StoredSessions& stored) {
 // All that the errors were fitted to.
 StoredSessions Both(StoredSessions fit, const StoredSessions& check) {
   for (size_t i = 0; i < check.records.size(); ++i) {
-    const auto is_it = [&](const storage::SessionRecord& record) { return record.id == check.records[i].id; };
+    const auto is_it = [&](const records::SessionRecord& record) { return record.id == check.records[i].id; };
     if (std::any_of(fit.records.begin(), fit.records.end(), is_it)) continue;
     fit.records.push_back(check.records[i]);
     fit.sessions.push_back(check.sessions[i]);
@@ -61,10 +61,10 @@ StoredSessions Both(StoredSessions fit, const StoredSessions& check) {
   return fit;
 }
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
+absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
                                         JobContext& context) {
-  ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
-  const auto& params = std::get<convert::CloseLoopParams>(any_params);
+  ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
+  const auto& params = std::get<records::CloseLoopParams>(any_params);
   context.ReportProgress("read sessions", 0.0, "");
   ASSIGN_OR_RETURN(const MachineInput input, LoadMachine(database, params.machine));
   ASSIGN_OR_RETURN(const StoredSessions fit, LoadSessions(database, params.fit, input.machine, context));
@@ -91,7 +91,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
 }  // namespace
 
 JobFunction CloseLoopJob(storage::Database& database) {
-  return [&database](const storage::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

@@ -15,7 +15,7 @@ constexpr size_t kPartBytes = 1 << 20;
 class ProgramWriter {
  public:
   static absl::StatusOr<ProgramWriter> Create(storage::Database& database, const storage::NewProgram& program) {
-    ASSIGN_OR_RETURN(const storage::ProgramRecord record, database.BeginProgram(program));
+    ASSIGN_OR_RETURN(const records::ProgramRecord record, database.BeginProgram(program));
     return ProgramWriter(database, record);
   }
 
@@ -29,37 +29,37 @@ class ProgramWriter {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<storage::ProgramRecord> Finish() {
+  absl::StatusOr<records::ProgramRecord> Finish() {
     if (!buffer_.empty()) RETURN_IF_ERROR(Store(buffer_));
     return database_.FinishProgram(record_.id, offset_, "");
   }
 
  private:
-  ProgramWriter(storage::Database& database, const storage::ProgramRecord& record)
+  ProgramWriter(storage::Database& database, const records::ProgramRecord& record)
       : database_(database), record_(record) {}
 
   absl::Status Store(const std::string& part) {
     const int64_t offset = offset_;
     offset_ += static_cast<int64_t>(part.size());
     // An attempt before this one may have finished it and died afterwards.
-    if (record_.state == storage::ProgramState::kComplete) return absl::OkStatus();
+    if (record_.state == records::ProgramState::kComplete) return absl::OkStatus();
     return database_.AppendProgram(record_.id, offset, part).status();
   }
 
   storage::Database& database_;
-  const storage::ProgramRecord record_;
+  const records::ProgramRecord record_;
   std::string buffer_;
   int64_t offset_ = 0;
 };
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
+absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
                                         JobContext& context) {
-  ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
-  const auto& params = std::get<convert::CompensateParams>(any_params);
+  ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
+  const auto& params = std::get<records::CompensateParams>(any_params);
   ASSIGN_OR_RETURN(const handlers::Compensation compensation,
                    handlers::CompensationFor(database, params, "params.compensate.calibration_id"));
-  const storage::CalibrationRecord& calibration = compensation.calibration;
-  ASSIGN_OR_RETURN(const storage::ProgramRecord source, database.GetProgram(params.program));
+  const records::CalibrationRecord& calibration = compensation.calibration;
+  ASSIGN_OR_RETURN(const records::ProgramRecord source, database.GetProgram(params.program));
 
   // Attempts of one job that use the same calibration write the same program.
   const std::string request_id = absl::StrCat("job-", job.id.number(), "-calibration-", calibration.id.number());
@@ -83,7 +83,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
       read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensation.compensator,
       compensation.options, &report));
   for (std::string& note : handlers::NotesOnInseparableErrors(calibration)) report.notes.push_back(std::move(note));
-  ASSIGN_OR_RETURN(const storage::ProgramRecord program, writer.Finish());
+  ASSIGN_OR_RETURN(const records::ProgramRecord program, writer.Finish());
   storage::JobProduct product;
   product.result = nc::ToJson(report);
   product.programs = {program.id};
@@ -93,7 +93,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
 }  // namespace
 
 JobFunction CompensateJob(storage::Database& database) {
-  return [&database](const storage::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

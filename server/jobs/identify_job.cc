@@ -31,7 +31,7 @@ identify::Options EngineOptions(JobContext& context, double from, double to) {
 constexpr double kMonteCarloShare = 0.7;
 
 // Nothing where no simulation was asked for.
-absl::StatusOr<std::optional<identify::MonteCarloResult>> Simulate(const convert::IdentifyParams& params,
+absl::StatusOr<std::optional<identify::MonteCarloResult>> Simulate(const records::IdentifyParams& params,
                                                                    const std::optional<identify::Budget>& budget,
                                                                    const identify::Fit& fit, JobContext& context) {
   if (!params.monte_carlo_runs) return std::nullopt;
@@ -61,10 +61,10 @@ std::string ReportJson(const identify::Result& before, const identify::Result& a
   return report.dump(1) + "\n";
 }
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
+absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
                                         JobContext& context) {
-  ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
-  const auto& params = std::get<convert::IdentifyParams>(any_params);
+  ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
+  const auto& params = std::get<records::IdentifyParams>(any_params);
   context.ReportProgress("read sessions", 0.0, "");
   ASSIGN_OR_RETURN(const MachineInput inputs, LoadMachine(database, params.machine));
   ASSIGN_OR_RETURN(const StoredSessions sessions, LoadSessions(database, params.sessions, inputs.machine, context));
@@ -107,7 +107,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
 }  // namespace
 
 JobFunction IdentifyJob(storage::Database& database) {
-  return [&database](const storage::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

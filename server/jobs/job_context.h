@@ -17,7 +17,7 @@ enum class StopReason { kNone, kCancelled, kDeadline, kDraining, kLeaseLost };
 
 class JobContext {
  public:
-  using Publish = std::function<void(const storage::JobProgress&)>;
+  using Publish = std::function<void(const records::JobProgress&)>;
   using ForEachFunction = std::function<void(int count, const std::function<void(int)>& body)>;
   JobContext(base::Clock& clock, base::SteadyTime deadline, Publish publish, ForEachFunction for_each)
       : clock_(clock), deadline_(deadline), publish_(std::move(publish)), for_each_(std::move(for_each)) {}
@@ -50,7 +50,7 @@ class JobContext {
 // never stores twice. An error of code UNAVAILABLE, ABORTED or RESOURCE_EXHAUSTED is tried again (with backoff, up to
 // max_attempts), any other ends the job as FAILED with that code, message and base::ErrorDetail reason. Runs on a
 // worker's thread; several jobs of a kind may run at once.
-using JobFunction = std::function<absl::StatusOr<storage::JobProduct>(const storage::JobRecord&, JobContext&)>;
+using JobFunction = std::function<absl::StatusOr<storage::JobProduct>(const records::JobRecord&, JobContext&)>;
 
 }  // namespace axiscal::jobs
 

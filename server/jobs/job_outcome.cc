@@ -23,7 +23,7 @@ JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int atte
     return {
         JobEnd::kFailed, {absl::StatusCode::kDeadlineExceeded, "DEADLINE", "ran longer than jobs of its kind may"}, {}};
   }
-  const storage::JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
+  const records::JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
   if (!IsWorthRetrying(status.code())) return {JobEnd::kFailed, error, {}};
   std::chrono::milliseconds wait = first_backoff;
   for (int i = 1; i < attempt; ++i) wait *= 4;

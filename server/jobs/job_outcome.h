@@ -10,7 +10,7 @@ namespace axiscal::jobs {
 
 struct JobOutcome {
   storage::JobEnd end = storage::JobEnd::kFailed;
-  storage::JobError error;
+  records::JobError error;
   std::chrono::milliseconds retry_after{0};
 };
 

@@ -13,8 +13,8 @@
 
 namespace axiscal::jobs {
 
+using records::JobRecord;
 using storage::JobClaim;
-using storage::JobRecord;
 
 // One keeper thread claims, keeps leases and rescues; the pool's threads run the functions. The database is never
 // called with mutex_ held.
@@ -63,7 +63,7 @@ class JobRunner::Impl {
   absl::StatusOr<storage::JobProduct> CallFunction(const JobRecord& record, JobContext& context);
   absl::StatusOr<JobRecord> StoreOutcome(const JobRecord& record, JobContext& context,
                                          absl::StatusOr<storage::JobProduct> product);
-  void UpdateProgress(JobId id, const storage::JobProgress& progress);
+  void UpdateProgress(JobId id, const records::JobProgress& progress);
 
   absl::Status CheckNotDraining();
   void Wake();
@@ -146,7 +146,7 @@ void JobRunner::Impl::Launch(const JobRecord& record) {
   const JobId id = record.id;
   auto context = std::make_shared<JobContext>(
       *options_.clock, options_.clock->SteadyNow() + time_limit,
-      [this, id](const storage::JobProgress& progress) { UpdateProgress(id, progress); },
+      [this, id](const records::JobProgress& progress) { UpdateProgress(id, progress); },
       [this](int count, const auto& body) { pool_->ForEach(count, body); });
   {
     const base::MutexLock lock(mutex_);
@@ -229,7 +229,7 @@ absl::StatusOr<JobRecord> JobRunner::Impl::StoreOutcome(const JobRecord& record,
   return database_.EndJob(claim, outcome.end, outcome.error, outcome.retry_after);
 }
 
-void JobRunner::Impl::UpdateProgress(JobId id, const storage::JobProgress& progress) {
+void JobRunner::Impl::UpdateProgress(JobId id, const records::JobProgress& progress) {
   const base::MutexLock lock(mutex_);
   const auto found = running_.find(id);
   if (found == running_.end()) return;

@@ -42,11 +42,11 @@ class JobRunner {
   void Start();
 
   // INVALID_ARGUMENT JOB_KIND_UNKNOWN, RESOURCE_EXHAUSTED QUEUE_FULL, UNAVAILABLE DRAINING, or as Database::CreateJob.
-  absl::StatusOr<storage::JobRecord> Create(const storage::NewJob& job);
+  absl::StatusOr<records::JobRecord> Create(const storage::NewJob& job);
   // With the progress of this moment.
-  absl::StatusOr<storage::JobRecord> Get(JobId id);
-  absl::StatusOr<storage::JobRecord> Cancel(JobId id, const storage::Caller& caller);
-  absl::StatusOr<storage::JobRecord> Requeue(JobId id, const storage::Caller& caller);
+  absl::StatusOr<records::JobRecord> Get(JobId id);
+  absl::StatusOr<records::JobRecord> Cancel(JobId id, const storage::Caller& caller);
+  absl::StatusOr<records::JobRecord> Requeue(JobId id, const storage::Caller& caller);
   // NOT_FOUND JOB_NOT_FOUND. The watch outlives the job and, closed, the runner.
   absl::StatusOr<std::shared_ptr<JobWatch>> Watch(JobId id);
 

@@ -12,10 +12,10 @@
 namespace axiscal::jobs {
 namespace {
 
+using records::JobRecord;
+using records::JobState;
 using storage::Cell;
 using storage::JobProduct;
-using storage::JobRecord;
-using storage::JobState;
 using storage::NewJob;
 
 // Functions under test run on real threads; the tests wait for what they do, never for time.

@@ -32,7 +32,7 @@ absl::StatusOr<StoredSessions> LoadSessions(storage::Database& database, const s
     ASSIGN_OR_RETURN(stored.records.emplace_back(), database.GetSession(id));
     ++uses[stored.records.back().name];
   }
-  for (const storage::SessionRecord& record : stored.records) {
+  for (const records::SessionRecord& record : stored.records) {
     if (context.cancelled()) return absl::CancelledError("stopped");
     ASSIGN_OR_RETURN(session::Session session, database.ReadSession(record.id));
     const std::string name = absl::StrCat(record.name, "#", record.id.number());

@@ -11,7 +11,7 @@
 namespace axiscal::jobs {
 
 struct MachineInput {
-  storage::MachineRecord record;
+  records::MachineRecord record;
   machine::Machine machine;
 };
 
@@ -19,7 +19,7 @@ struct MachineInput {
 absl::StatusOr<MachineInput> LoadMachine(storage::Database& database, const MachineId& id);
 
 struct StoredSessions {
-  std::vector<storage::SessionRecord> records;
+  std::vector<records::SessionRecord> records;
   std::vector<session::Session> sessions;  // in the same order; sessions that share a name are called "NAME#ID"
   base::UtcTime measured_at;               // of the newest
 };

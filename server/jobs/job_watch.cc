@@ -4,7 +4,7 @@
 
 namespace axiscal::jobs {
 
-std::optional<storage::JobRecord> JobWatch::Next(std::chrono::milliseconds timeout) {
+std::optional<records::JobRecord> JobWatch::Next(std::chrono::milliseconds timeout) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   const base::MutexLock lock(mutex_);
   while (!unseen_ && !closed_ && std::chrono::steady_clock::now() < deadline) changed_.WaitUntil(mutex_, deadline);
@@ -29,7 +29,7 @@ std::shared_ptr<JobWatch> JobBoard::Watch(JobId job) {
   return watch;
 }
 
-void JobBoard::Deliver(JobWatch& watch, const storage::JobRecord& record) {
+void JobBoard::Deliver(JobWatch& watch, const records::JobRecord& record) {
   {
     const base::MutexLock lock(watch.mutex_);
     if (record.version < watch.version_) return;
@@ -40,7 +40,7 @@ void JobBoard::Deliver(JobWatch& watch, const storage::JobRecord& record) {
   watch.changed_.NotifyAll();
 }
 
-void JobBoard::Publish(const storage::JobRecord& record) {
+void JobBoard::Publish(const records::JobRecord& record) {
   const base::MutexLock lock(mutex_);
   const auto found = watches_.find(record.id);
   if (found == watches_.end()) return;

@@ -19,7 +19,7 @@ class JobWatch {
  public:
   // The next state not seen yet: the first call gives the present one at once. Nothing after `timeout` without a change
   // (see whether the caller still listens, then call again), and nothing at once when done().
-  std::optional<storage::JobRecord> Next(std::chrono::milliseconds timeout);
+  std::optional<records::JobRecord> Next(std::chrono::milliseconds timeout);
   // A terminal state was given, or the runner is gone.
   bool done();
 
@@ -27,7 +27,7 @@ class JobWatch {
   friend class JobBoard;
   base::Mutex mutex_;
   base::CondVar changed_;
-  std::optional<storage::JobRecord> unseen_ AXISCAL_GUARDED_BY(mutex_);
+  std::optional<records::JobRecord> unseen_ AXISCAL_GUARDED_BY(mutex_);
   int64_t version_ AXISCAL_GUARDED_BY(mutex_) = 0;  // of the newest record delivered; older ones come too late
   bool closed_ AXISCAL_GUARDED_BY(mutex_) = false;  // nothing comes after `unseen_`
 };
@@ -37,8 +37,8 @@ class JobBoard {
  public:
   // Follows `job` from now on. To begin with its present state, read that afterwards and Deliver() it.
   std::shared_ptr<JobWatch> Watch(JobId job);
-  void Deliver(JobWatch& watch, const storage::JobRecord& record);
-  void Publish(const storage::JobRecord& record);
+  void Deliver(JobWatch& watch, const records::JobRecord& record);
+  void Publish(const records::JobRecord& record);
   // Ends every watch.
   void Close();
 

@@ -7,9 +7,9 @@
 namespace axiscal::jobs {
 namespace {
 
+using records::JobRecord;
+using records::JobState;
 using std::chrono::milliseconds;
-using storage::JobRecord;
-using storage::JobState;
 
 JobRecord Record(int64_t id, JobState state, int64_t version) {
   JobRecord record;

@@ -10,12 +10,12 @@ namespace axiscal::jobs {
 namespace {
 
 // The store knows um and urad; what is per a reference says so in its name: "EXX:linear/m".
-std::optional<storage::Estimate> ToRecord(const identify::Estimate& estimate) {
-  storage::Estimate record;
+std::optional<records::Estimate> ToRecord(const identify::Estimate& estimate) {
+  records::Estimate record;
   const bool is_angle = estimate.unit.rfind("urad", 0) == 0;
   if (!is_angle && estimate.unit.rfind("um", 0) != 0) return std::nullopt;  // a decay length, a time constant
   record.symbol = estimate.name + estimate.unit.substr(is_angle ? 4 : 2);
-  record.unit = is_angle ? storage::EstimateUnit::kUrad : storage::EstimateUnit::kUm;
+  record.unit = is_angle ? records::EstimateUnit::kUrad : records::EstimateUnit::kUm;
   record.identifiable = estimate.identifiable && std::isfinite(estimate.value);
   if (!record.identifiable) return record;
   record.value = estimate.value / estimate.factor;
@@ -27,13 +27,13 @@ std::optional<double> IfFinite(double value) { return std::isfinite(value) ? std
 
 }  // namespace
 
-storage::NewCalibration MakeCalibration(const MachineInput& input, const StoredSessions& fit,
+records::NewCalibration MakeCalibration(const MachineInput& input, const StoredSessions& fit,
                                         const identify::FitStatistics& before, const identify::Result& result,
-                                        const storage::JobRecord& job) {
-  storage::NewCalibration calibration;
+                                        const records::JobRecord& job) {
+  records::NewCalibration calibration;
   calibration.machine = input.record.id;
   calibration.machine_revision = input.record.revision;
-  for (const storage::SessionRecord& record : fit.records) calibration.sessions.push_back(record.id);
+  for (const records::SessionRecord& record : fit.records) calibration.sessions.push_back(record.id);
   calibration.measured_at = fit.measured_at;
   calibration.model_json = machine::WriteErrors(result.model, input.machine);
   calibration.engine_version = AXISCAL_VERSION;
@@ -44,7 +44,7 @@ storage::NewCalibration MakeCalibration(const MachineInput& input, const StoredS
   calibration.rms_after_um = IfFinite(result.fit.rms_mm * base::kUmPerMm);
   std::map<std::string, int> uses;
   for (const identify::Estimate& estimate : result.estimates) {
-    std::optional<storage::Estimate> record = ToRecord(estimate);
+    std::optional<records::Estimate> record = ToRecord(estimate);
     if (!record) continue;
     // Two decays of one component differ in their length only, which the name does not hold.
     if (const int use = ++uses[record->symbol]; use > 1) absl::StrAppend(&record->symbol, "#", use);

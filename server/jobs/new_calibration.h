@@ -9,9 +9,9 @@ namespace axiscal::jobs {
 
 // All but options_json and report_json, which say how it was asked and what came out. `fit` are the sessions that
 // `result` was fitted to, `before` how they fit without what it found.
-storage::NewCalibration MakeCalibration(const MachineInput& input, const StoredSessions& fit,
+records::NewCalibration MakeCalibration(const MachineInput& input, const StoredSessions& fit,
                                         const identify::FitStatistics& before, const identify::Result& result,
-                                        const storage::JobRecord& job);
+                                        const records::JobRecord& job);
 
 }  // namespace axiscal::jobs
 

@@ -7,10 +7,10 @@
 namespace axiscal::jobs {
 namespace {
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const storage::JobRecord& job,
+absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
                                         JobContext& context) {
-  ASSIGN_OR_RETURN(const convert::JobParams any_params, convert::ParseJobParams(job.params));
-  const auto& params = std::get<convert::ToolSetterParams>(any_params);
+  ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
+  const auto& params = std::get<records::ToolSetterParams>(any_params);
   context.ReportProgress("read session", 0.0, "");
   ASSIGN_OR_RETURN(const session::Session session, database.ReadSession(params.session));
   if (context.cancelled()) return absl::CancelledError("stopped");
@@ -23,7 +23,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const stora
 }  // namespace
 
 JobFunction ToolSetterJob(storage::Database& database) {
-  return [&database](const storage::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

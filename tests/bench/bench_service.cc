@@ -57,12 +57,12 @@ struct Service {
     ASSIGN_OR_RETURN(const auto upload,
                      client->Upload(MachineId(kMachine), testing::BallbarSession(kMachine, "BX", 360), nullptr));
     ASSIGN_OR_RETURN(const client::JobRecord job,
-                     Run(convert::IdentifyParams{MachineId(kMachine), {upload.session.id}, {}}));
+                     Run(records::IdentifyParams{MachineId(kMachine), {upload.session.id}, {}}));
     ASSIGN_OR_RETURN(calibration, client->GetCalibration(job.calibration.value_or(CalibrationId())));
     return client->ApproveCalibration(calibration.id, calibration.etag, "bench").status();
   }
 
-  absl::StatusOr<client::JobRecord> Run(const convert::JobParams& params) {
+  absl::StatusOr<client::JobRecord> Run(const records::JobParams& params) {
     ASSIGN_OR_RETURN(const client::JobRecord created, client->CreateJob(params));
     ASSIGN_OR_RETURN(client::JobRecord ended, client->WatchJob(created.id, nullptr));
     if (ended.error) return absl::InternalError(ended.error->message);
@@ -85,8 +85,8 @@ void Fail(const absl::Status& status, benchmark::State& state) {
   if (!status.ok()) state.SkipWithError(status.ToString().c_str());
 }
 
-convert::CompensateParams Params() {
-  convert::CompensateParams params;
+records::CompensateParams Params() {
+  records::CompensateParams params;
   params.machine = MachineId(kMachine);
   params.tool_tip_mm = {0, 0, -356.4};
   return params;
@@ -99,7 +99,7 @@ struct Round {
 
 absl::Status StoredRound(Service& service, const std::string& program, Round& round) {
   const auto start = std::chrono::steady_clock::now();
-  convert::CompensateParams params = Params();
+  records::CompensateParams params = Params();
   ASSIGN_OR_RETURN(const client::ProgramRecord put, service.client->PutProgram("part.nc", program));
   params.program = put.id;
   round.up += Seconds(start);

@@ -3,14 +3,15 @@
 
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "core/base/error_detail.h"
+#include "proto/convert/job_params.h"
 #include "tests/end_to_end/testing/job_fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
 namespace axiscal {
 namespace {
 
-using storage::CalibrationState;
-using storage::JobState;
+using records::CalibrationState;
+using records::JobState;
 using ::testing::HasSubstr;
 using testing::Job;
 using testing::MachineJson;
@@ -19,7 +20,7 @@ constexpr double kToleranceUm = 0.05;  // the readings are exact to 1e-4 um; pri
 
 TEST_F(Job, IdentifyMakesACandidateWithItsProvenance) {
   const SessionId session = UploadSession("BX");
-  const convert::IdentifyParams params{MachineId("mt"), {session}, {}};
+  const records::IdentifyParams params{MachineId("mt"), {session}, {}};
   const auto created = client().CreateJob(params, "identify-1");
   ASSERT_OK(created);
   std::vector<client::JobRecord> seen;
@@ -52,13 +53,13 @@ TEST_F(Job, IdentifyMakesACandidateWithItsProvenance) {
   const auto again = client().CreateJob(params, "identify-1");
   ASSERT_OK(again);
   EXPECT_EQ(again->id, created->id);
-  const auto other = client().CreateJob(convert::IdentifyParams{MachineId("mt"), {session}, {"EX0C"}}, "identify-1");
+  const auto other = client().CreateJob(records::IdentifyParams{MachineId("mt"), {session}, {"EX0C"}}, "identify-1");
   EXPECT_EQ(base::ErrorReason(other.status()), "REQUEST_ID_REUSED");
 }
 
 TEST_F(Job, ErrorsMayBeDeclaredForOneFit) {
   const SessionId session = UploadSession("BX");
-  const client::JobRecord job = RunJob(convert::IdentifyParams{
+  const client::JobRecord job = RunJob(records::IdentifyParams{
       MachineId("mt"), {session}, {"EX0C", "EY0C", R"({"symbol": "EXX", "shape": "backlash"})"}});
   ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
   const auto calibration = client().GetCalibration(*job.calibration);
@@ -66,7 +67,7 @@ TEST_F(Job, ErrorsMayBeDeclaredForOneFit) {
   ASSERT_EQ(calibration->content.estimates.size(), 3u);
   EXPECT_EQ(calibration->content.estimates[2].symbol, "EXX:backlash");
 
-  const auto bad = client().CreateJob(convert::IdentifyParams{MachineId("mt"), {session}, {"EX0C", "EX0Q"}});
+  const auto bad = client().CreateJob(records::IdentifyParams{MachineId("mt"), {session}, {"EX0C", "EX0Q"}});
   const auto detail = base::GetErrorDetail(bad.status());
   ASSERT_TRUE(detail.has_value()) << bad.status();
   EXPECT_EQ(detail->facts.at("field"), "params.identify.declared_errors[1]");
@@ -74,14 +75,14 @@ TEST_F(Job, ErrorsMayBeDeclaredForOneFit) {
 
 TEST_F(Job, WhatCannotWorkIsRefusedAtOnce) {
   const SessionId session = UploadSession("BX");
-  const auto reason = [&](const convert::JobParams& params) {
+  const auto reason = [&](const records::JobParams& params) {
     return base::ErrorReason(client().CreateJob(params).status());
   };
-  EXPECT_EQ(reason(convert::IdentifyParams{MachineId("none"), {session}, {}}), "MACHINE_NOT_FOUND");
-  EXPECT_EQ(reason(convert::IdentifyParams{MachineId("mt"), {SessionId(99)}, {}}), "SESSION_NOT_FOUND");
+  EXPECT_EQ(reason(records::IdentifyParams{MachineId("none"), {session}, {}}), "MACHINE_NOT_FOUND");
+  EXPECT_EQ(reason(records::IdentifyParams{MachineId("mt"), {SessionId(99)}, {}}), "SESSION_NOT_FOUND");
   ASSERT_OK(client().CreateMachine(MachineJson("other")));
-  EXPECT_EQ(reason(convert::IdentifyParams{MachineId("other"), {session}, {}}), "FIELD_INVALID");
-  convert::CompensateParams compensate;
+  EXPECT_EQ(reason(records::IdentifyParams{MachineId("other"), {session}, {}}), "FIELD_INVALID");
+  records::CompensateParams compensate;
   compensate.machine = MachineId("mt");
   compensate.program = ProgramId(99);
   EXPECT_EQ(reason(compensate), "PROGRAM_NOT_FOUND");
@@ -126,7 +127,7 @@ TEST_F(Job, CompensateRewritesForTheApprovedCalibration) {
   const auto program = client().PutProgram(
       "part.nc", "%\r\nG90 G21 (keep me)\r\nN10 G01 X100.0000 Y0.0000 Z421.9000 B0.0000 C0.0000 F1000\r\n%\r\n");
   ASSERT_OK(program);
-  convert::CompensateParams params;
+  records::CompensateParams params;
   params.machine = MachineId("mt");
   params.program = program->id;
   params.tool_tip_mm = {0, 0, -356.4};
@@ -163,7 +164,7 @@ TEST_F(Job, AProgramIsRewrittenWhileItIsSent) {
   for (int i = 0; i < 20000; ++i) {
     program += absl::StrCat("N", i, " G01 X", 100 + i % 977, ".5 Y0.0000 Z421.9000 B0.0000 C", i % 360, ". F1000\r\n");
   }
-  convert::CompensateParams params;
+  records::CompensateParams params;
   params.machine = MachineId("mt");
   params.tool_tip_mm = {0, 0, -356.4};
   const auto rewrite = [&](const std::string& bytes, std::string* rewritten) {
@@ -208,7 +209,7 @@ TEST_F(Job, AProgramIsRewrittenWhileItIsSent) {
 TEST_F(Job, ABrokenRewriteIsRefused) {
   Identify();
   v1::RewriteProgramRequest header, data;
-  convert::CompensateParams params;
+  records::CompensateParams params;
   params.machine = MachineId("mt");
   params.calibration = CalibrationId(1);
   *header.mutable_header()->mutable_params() = convert::ToProto(params);
@@ -231,7 +232,7 @@ TEST_F(Job, AProgramThatCannotBeCorrectedFailsWithItsLine) {
   const auto program =
       client().PutProgram("arc.nc", "G90 G01 X1.0 Y0.0 Z0.0 B0.0 C0.0 F100\nG81 X2.0 Y1.0 Z-5.0 R1.0\n");
   ASSERT_OK(program);
-  convert::CompensateParams params;
+  records::CompensateParams params;
   params.machine = MachineId("mt");
   params.program = program->id;
   params.calibration = calibration;
@@ -245,7 +246,7 @@ TEST_F(Job, AProgramThatCannotBeCorrectedFailsWithItsLine) {
 
 // The simulation would take hours: the job cannot end before it is told to.
 TEST_F(Job, ACancelledJobStoresNothing) {
-  convert::IdentifyParams params{MachineId("mt"), {UploadSession("a", 10'000)}, {}};
+  records::IdentifyParams params{MachineId("mt"), {UploadSession("a", 10'000)}, {}};
   params.monte_carlo_runs = 100'000;
   const auto job = client().CreateJob(params);
   ASSERT_OK(job);
@@ -273,7 +274,7 @@ TEST_F(Job, ACancelledJobStoresNothing) {
 // Long jobs hold every worker, so that the one behind them is cancelled before it begins.
 TEST_F(Job, AJobThatWasCancelledRunsToItsEndOnceItIsQueuedAgain) {
   const SessionId session = UploadSession("a", 10'000);
-  convert::IdentifyParams endless{MachineId("mt"), {session}, {}};
+  records::IdentifyParams endless{MachineId("mt"), {session}, {}};
   endless.monte_carlo_runs = 100'000;
   std::vector<JobId> busy;
   for (int i = 0; i < 8; ++i) {
@@ -281,7 +282,7 @@ TEST_F(Job, AJobThatWasCancelledRunsToItsEndOnceItIsQueuedAgain) {
     ASSERT_OK(job);
     busy.push_back(job->id);
   }
-  const auto job = client().CreateJob(convert::IdentifyParams{MachineId("mt"), {session}, {}});
+  const auto job = client().CreateJob(records::IdentifyParams{MachineId("mt"), {session}, {}});
   ASSERT_OK(job);
   ASSERT_OK(client().CancelJob(job->id));
   EXPECT_EQ(client().WaitJob(job->id, std::chrono::seconds(60))->state, JobState::kCancelled);
@@ -293,11 +294,11 @@ TEST_F(Job, AJobThatWasCancelledRunsToItsEndOnceItIsQueuedAgain) {
 
 TEST_F(Job, ListsAreNewestFirstAndStable) {
   const SessionId session = UploadSession("BX");
-  const convert::IdentifyParams params{MachineId("mt"), {session}, {}};
+  const records::IdentifyParams params{MachineId("mt"), {session}, {}};
   std::vector<JobId> created;
   for (int i = 0; i < 5; ++i) created.push_back(client().CreateJob(params)->id);
   std::vector<JobId> listed;
-  storage::PageRequest page{2, ""};
+  records::PageRequest page{2, ""};
   do {
     const auto rows = client().ListJobs({.machine = MachineId("mt"), .state = {}}, page);
     ASSERT_OK(rows);
@@ -315,7 +316,7 @@ TEST_F(Job, ListsAreNewestFirstAndStable) {
 TEST_F(Job, TheHistoryShowsWhatWasIdentified) {
   const CalibrationId first = Identify();
   Identify();
-  storage::DriftQuery query;
+  records::DriftQuery query;
   query.machine = MachineId("mt");
   query.from = base::FromUtcUs(0);
   query.to = base::UtcTime::max();

@@ -10,7 +10,7 @@ namespace {
 
 using ballbar::Pattern;
 using identify::testing::Measured;
-using storage::JobState;
+using records::JobState;
 
 class LoopJob : public testing::Job {
  protected:
@@ -27,7 +27,7 @@ class LoopJob : public testing::Job {
 };
 
 TEST_F(LoopJob, ACancelledLoopStoresNothing) {
-  const convert::CloseLoopParams params{MachineId("mt"), {UploadSession("a", 50'000)}, {UploadSession("b")}, {}};
+  const records::CloseLoopParams params{MachineId("mt"), {UploadSession("a", 50'000)}, {UploadSession("b")}, {}};
   const auto job = client().CreateJob(params);
   ASSERT_OK(job);
   bool has_run = false;
@@ -46,7 +46,7 @@ TEST_F(LoopJob, ACancelledLoopStoresNothing) {
 
 TEST_F(LoopJob, TheLoopReportsItsProgressAndRefusesWhatProvesNothing) {
   const SessionId fit = UploadSession("a"), check = UploadSession("b");
-  const auto job = client().CreateJob(convert::CloseLoopParams{MachineId("mt"), {fit}, {check}, 2});
+  const auto job = client().CreateJob(records::CloseLoopParams{MachineId("mt"), {fit}, {check}, 2});
   ASSERT_OK(job);
   double fraction = 0.0;
   std::string stages;
@@ -61,7 +61,7 @@ TEST_F(LoopJob, TheLoopReportsItsProgressAndRefusesWhatProvesNothing) {
   EXPECT_FALSE(stages.empty());
   EXPECT_EQ(ended->result, client().GetCalibration(*ended->calibration)->content.report_json);
 
-  const auto field = [&](const convert::CloseLoopParams& params) {
+  const auto field = [&](const records::CloseLoopParams& params) {
     const auto detail = base::GetErrorDetail(client().CreateJob(params).status());
     return detail.has_value() && detail->facts.count("field") > 0 ? detail->facts.at("field") : std::string("none");
   };
@@ -81,7 +81,7 @@ TEST_F(LoopJob, ACalibrationListsTheSessionsThatItWasFittedTo) {
                                        {"BY", Pattern::kBY, 356.4}});
   const SessionId cr = ids.at(0), ca = ids.at(1), ct = ids.at(2), bx = ids.at(3), by = ids.at(4);
   const auto expect_from = [&](const std::vector<SessionId>& fit, const std::vector<SessionId>& check, bool is_fitted) {
-    const client::JobRecord job = RunJob(convert::CloseLoopParams{MachineId("mt"), fit, check, {}});
+    const client::JobRecord job = RunJob(records::CloseLoopParams{MachineId("mt"), fit, check, {}});
     ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
     const auto calibration = client().GetCalibration(*job.calibration);
     ASSERT_OK(calibration);

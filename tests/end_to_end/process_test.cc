@@ -29,8 +29,8 @@ class Process : public ::testing::Test {
     return {std::istreambuf_iterator<char>(log), {}};
   }
   // A machine and sessions that a job needs some time for.
-  convert::IdentifyParams StoreMuchToIdentifyFrom(client::Client& client) {
-    convert::IdentifyParams params{MachineId("mt"), {}, {}};
+  records::IdentifyParams StoreMuchToIdentifyFrom(client::Client& client) {
+    records::IdentifyParams params{MachineId("mt"), {}, {}};
     EXPECT_TRUE(client.CreateMachine(MachineJson("mt")).ok());
     for (const char* name : {"a", "b", "c"}) {
       const auto upload = client.Upload(MachineId("mt"), BallbarSession("mt", name, 100'000));
@@ -56,7 +56,7 @@ class Process : public ::testing::Test {
     ASSERT_OK(job);
     // Leaves at the first sight of it running: a watcher would hold the drain.
     static_cast<void>(client->WatchJob(
-        job->id, [](const client::JobRecord& record) { return record.state != storage::JobState::kRunning; }));
+        job->id, [](const client::JobRecord& record) { return record.state != records::JobState::kRunning; }));
     server->Signal(SIGTERM);
     EXPECT_EQ(server->Wait(), 0);
     absl::StatusOr<ServerProcess> again = StartServer(server->address());
@@ -71,7 +71,7 @@ class Process : public ::testing::Test {
     ASSERT_OK(calibrations);
     EXPECT_EQ(calibrations->rows.size(), 1u);
   }
-  void KillDuringAJob(const std::function<convert::JobParams(client::Client&)>& store);
+  void KillDuringAJob(const std::function<records::JobParams(client::Client&)>& store);
 
   testing::TempDir dir_;
 };
@@ -143,19 +143,19 @@ TEST_F(Process, AnUploadSurvivesKillsOfTheServer) {
 }
 
 // Kills the server when the job is first seen running: on the one that follows it runs once more and stores once.
-void Process::KillDuringAJob(const std::function<convert::JobParams(client::Client&)>& store) {
+void Process::KillDuringAJob(const std::function<records::JobParams(client::Client&)>& store) {
   absl::StatusOr<ServerProcess> started = StartServer();
   ASSERT_OK(started);
   auto server = std::make_unique<ServerProcess>(*std::move(started));
   const std::string address = server->address();
   absl::StatusOr<client::Client> client = client::Client::Connect(address);
   ASSERT_OK(client);
-  const convert::JobParams params = store(*client);
+  const records::JobParams params = store(*client);
   const auto job = client->CreateJob(params, "once");
   ASSERT_OK(job);
   bool was_killed = false;
   const auto ended = client->WatchJob(job->id, [&](const client::JobRecord& record) {
-    if (was_killed || record.state != storage::JobState::kRunning) return true;
+    if (was_killed || record.state != records::JobState::kRunning) return true;
     was_killed = true;
     server->Signal(SIGKILL);
     server->Wait();
@@ -166,7 +166,7 @@ void Process::KillDuringAJob(const std::function<convert::JobParams(client::Clie
   });
   ASSERT_OK(ended);
   EXPECT_TRUE(was_killed);
-  EXPECT_EQ(ended->state, storage::JobState::kSucceeded);
+  EXPECT_EQ(ended->state, records::JobState::kSucceeded);
   EXPECT_EQ(ended->attempt, 2);
   const auto again = client->CreateJob(params, "once");
   ASSERT_OK(again);
@@ -182,7 +182,7 @@ TEST_F(Process, AJobSurvivesAKillOfTheServer) {
 
 TEST_F(Process, TheLoopSurvivesAKillOfTheServer) {
   KillDuringAJob([](client::Client& client) {
-    convert::CloseLoopParams params{MachineId("mt"), {}, {}, {}};
+    records::CloseLoopParams params{MachineId("mt"), {}, {}, {}};
     EXPECT_TRUE(client.CreateMachine(MachineJson("mt")).ok());
     for (std::vector<SessionId>* sessions : {&params.fit, &params.check}) {
       const std::string name = sessions == &params.fit ? "fit" : "check";
@@ -197,8 +197,8 @@ TEST_F(Process, TheLoopSurvivesAKillOfTheServer) {
 TEST_F(Process, AJobThatIsNotDoneWhenTheDrainTimeIsOverRunsAfterTheRestart) {
   const std::vector<client::JobRecord> seen = StopDuringAJob("0");
   ASSERT_FALSE(seen.empty());
-  EXPECT_NE(seen.front().state, storage::JobState::kSucceeded);
-  EXPECT_EQ(seen.back().state, storage::JobState::kSucceeded);
+  EXPECT_NE(seen.front().state, records::JobState::kSucceeded);
+  EXPECT_EQ(seen.back().state, records::JobState::kSucceeded);
   EXPECT_EQ(seen.back().attempt, 1) << "a parked job loses no attempt";
   EXPECT_NE(Log().find("event=stopped"), std::string::npos) << Log();
 }
@@ -206,7 +206,7 @@ TEST_F(Process, AJobThatIsNotDoneWhenTheDrainTimeIsOverRunsAfterTheRestart) {
 TEST_F(Process, AJobThatRunsIsFinishedWithinTheDrainTime) {
   const std::vector<client::JobRecord> seen = StopDuringAJob("600");
   ASSERT_FALSE(seen.empty());
-  EXPECT_EQ(seen.front().state, storage::JobState::kSucceeded);
+  EXPECT_EQ(seen.front().state, records::JobState::kSucceeded);
   EXPECT_EQ(seen.front().attempt, 1);
 }
 

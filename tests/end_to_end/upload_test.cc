@@ -2,6 +2,7 @@
 #include "client/upload.h"
 
 #include "core/base/error_detail.h"
+#include "proto/convert/session.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
@@ -59,7 +60,7 @@ TEST_F(Upload, ComesBackBitForBitAndReportsItsProgress) {
     done.push_back(progress.done);
   });
   ASSERT_OK(upload);
-  EXPECT_EQ(upload->session.state, storage::SessionState::kComplete);
+  EXPECT_EQ(upload->session.state, records::SessionState::kComplete);
   EXPECT_EQ(upload->session.reading_count, 10'500);
   EXPECT_EQ(upload->session.name, "BX");
   EXPECT_EQ(upload->session.instrument, "ballbar");
@@ -140,7 +141,7 @@ TEST_F(Upload, ABadReadingRefusesTheSessionWithItsLineAndColumn) {
   EXPECT_EQ(base::ErrorReason(upload.status()), "SESSION_INVALID");
   // 7 header lines, the column names, then readings from line 9 on.
   EXPECT_NE(upload.status().message().find("line 2354, column 2 (X_mm)"), std::string::npos) << upload.status();
-  const auto complete = client().ListSessions({.machine = {}, .state = storage::SessionState::kComplete});
+  const auto complete = client().ListSessions({.machine = {}, .state = records::SessionState::kComplete});
   ASSERT_OK(complete);
   EXPECT_TRUE(complete->rows.empty());
 }
@@ -165,7 +166,7 @@ TEST_F(Upload, ReadingsThatTheMachineCannotGiveAreRefusedFromAnyClient) {
       << late.status();
 
   // Both stay open and empty of what was refused: no way around makes them complete.
-  const auto open = client().ListSessions({.machine = {}, .state = storage::SessionState::kOpen});
+  const auto open = client().ListSessions({.machine = {}, .state = records::SessionState::kOpen});
   ASSERT_OK(open);
   ASSERT_EQ(open->rows.size(), 2u);
   stub_ = v1::Ingest::NewStub(channel());
@@ -187,7 +188,7 @@ TEST_F(Upload, PagesStayStableWhileSessionsAreAdded) {
     ASSERT_OK(client().Upload(MachineId("mt"), BallbarSession("mt", name, 10)));
   }
   std::vector<std::string> names;
-  storage::PageRequest page{2, ""};
+  records::PageRequest page{2, ""};
   do {
     const auto rows = client().ListSessions({.machine = MachineId("mt"), .state = {}}, page);
     ASSERT_OK(rows);

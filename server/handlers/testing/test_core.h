@@ -14,8 +14,8 @@ namespace axiscal::handlers {
 
 struct TestCore {
   TestCore() : jobs(*database, Options()), core{.database = *database, .jobs = jobs, .limits = {}, .workers = 1} {
-    jobs.Register("identify", {[](const storage::JobRecord&, jobs::JobContext&) { return storage::JobProduct(); }});
-    jobs.Register("compensate", {[](const storage::JobRecord&, jobs::JobContext&) { return storage::JobProduct(); }});
+    jobs.Register("identify", {[](const records::JobRecord&, jobs::JobContext&) { return storage::JobProduct(); }});
+    jobs.Register("compensate", {[](const records::JobRecord&, jobs::JobContext&) { return storage::JobProduct(); }});
   }
   static jobs::JobRunnerOptions Options() {
     jobs::JobRunnerOptions options;

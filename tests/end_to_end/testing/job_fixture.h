@@ -23,7 +23,7 @@ class Job : public EndToEnd {
   SessionId UploadSession(const std::string& name, int readings = 720) {
     return UploadSession(BallbarSession("mt", name, readings));
   }
-  client::JobRecord RunJob(const convert::JobParams& params) {
+  client::JobRecord RunJob(const records::JobParams& params) {
     const auto job = client().CreateJob(params);
     EXPECT_TRUE(job.ok()) << job.status();
     if (!job.ok()) return {};
@@ -32,8 +32,8 @@ class Job : public EndToEnd {
     return ended.ok() ? *ended : client::JobRecord{};
   }
   CalibrationId Identify() {
-    const client::JobRecord job = RunJob(convert::IdentifyParams{MachineId("mt"), {UploadSession("BX")}, {}});
-    EXPECT_EQ(job.state, storage::JobState::kSucceeded) << (job.error ? job.error->message : "");
+    const client::JobRecord job = RunJob(records::IdentifyParams{MachineId("mt"), {UploadSession("BX")}, {}});
+    EXPECT_EQ(job.state, records::JobState::kSucceeded) << (job.error ? job.error->message : "");
     return job.calibration.value_or(CalibrationId());
   }
 };

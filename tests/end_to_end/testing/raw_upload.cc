@@ -7,6 +7,7 @@
 #include "client/upload.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "proto/convert/session.h"
 
 namespace axiscal::testing {
 namespace {
@@ -28,7 +29,7 @@ v1::CreateSessionRequest CreateRequest(const std::string& machine, const std::st
   v1::CreateSessionRequest request;
   request.set_machine_id(machine);
   request.set_request_id(request_id);
-  *request.mutable_schema() = convert::ToProto(convert::SchemaOf(session));
+  *request.mutable_schema() = convert::ToProto(records::SchemaOf(session));
   return request;
 }
 

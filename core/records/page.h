@@ -1,0 +1,24 @@
+// Lists are handed out in pages.
+#ifndef AXISCAL_CORE_RECORDS_PAGE_H_
+#define AXISCAL_CORE_RECORDS_PAGE_H_
+
+#include <string>
+#include <vector>
+
+namespace axiscal::records {
+
+struct PageRequest {
+  int size = 0;       // 0: 50; at most 1000 are given
+  std::string token;  // from the page before; empty: the first
+};
+
+// Pages stay stable: rows made later never shift rows already listed. Newest first, machines by name.
+template <typename Row>
+struct Page {
+  std::vector<Row> rows;
+  std::string next_token;  // empty: this was the last page
+};
+
+}  // namespace axiscal::records
+
+#endif  // AXISCAL_CORE_RECORDS_PAGE_H_
