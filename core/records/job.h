@@ -42,7 +42,8 @@ struct JobRecord {
   JobState state = JobState::kQueued;
   int attempt = 0;  // counted when claimed
   int max_attempts = 3;
-  int64_t lease_token = 0;  // of the running attempt; 0 when not running
+  // Which attempt runs, counted over all that there ever were (`attempt` may start again); 0 when none does.
+  int64_t running_attempt = 0;
   bool cancel_requested = false;
   JobProgress progress;
   std::string result;                        // the report of a succeeded job

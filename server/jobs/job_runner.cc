@@ -167,7 +167,7 @@ void JobRunner::Impl::BeatAll() {
     for (const auto& [id, running] : running_) all.push_back(running);
   }
   for (const Running& running : all) {
-    const JobClaim claim = {running.record.id, running.record.lease_token};
+    const JobClaim claim = storage::ClaimOf(running.record);
     const absl::StatusOr<JobRecord> beaten = database_.HeartbeatJob(claim, options_.lease, running.record.progress);
     if (beaten.ok() && beaten->cancel_requested) running.context->Stop(StopReason::kCancelled);
     if (beaten.ok()) Publish(*beaten);
@@ -217,7 +217,7 @@ absl::StatusOr<storage::JobProduct> JobRunner::Impl::CallFunction(const JobRecor
 
 absl::StatusOr<JobRecord> JobRunner::Impl::StoreOutcome(const JobRecord& record, JobContext& context,
                                                         absl::StatusOr<storage::JobProduct> product) {
-  const JobClaim claim = {record.id, record.lease_token};
+  const JobClaim claim = storage::ClaimOf(record);
   absl::Status status = product.status();
   if (product.ok()) {
     absl::StatusOr<JobRecord> succeeded = database_.SucceedJob(claim, *product);
@@ -256,7 +256,7 @@ void JobRunner::Impl::Wake() {
 JobRecord JobRunner::Impl::Publish(JobRecord record) {
   const base::MutexLock lock(mutex_);
   const auto found = running_.find(record.id);
-  if (found != running_.end() && record.lease_token == found->second.record.lease_token) {
+  if (found != running_.end() && record.running_attempt == found->second.record.running_attempt) {
     record.progress = found->second.record.progress;
     if (record.version > found->second.record.version) found->second.record = record;
   }
@@ -280,7 +280,7 @@ absl::StatusOr<JobRecord> JobRunner::Impl::Get(JobId id) {
   ASSIGN_OR_RETURN(JobRecord record, database_.GetJob(id));
   const base::MutexLock lock(mutex_);
   const auto found = running_.find(id);
-  if (found != running_.end() && record.lease_token == found->second.record.lease_token) {
+  if (found != running_.end() && record.running_attempt == found->second.record.running_attempt) {
     record.progress = found->second.record.progress;
   }
   return record;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/mutex.h"
-#include "server/storage/records.h"
+#include "core/records/job.h"
 
 namespace axiscal::jobs {
 

@@ -92,7 +92,7 @@ class Database {
   virtual absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) = 0;
   virtual absl::StatusOr<JobRecord> GetJob(JobId id) = 0;
   virtual absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) = 0;
-  // The best waiting job whose time has come, now RUNNING under a new lease_token, or nothing.
+  // The best waiting job whose time has come, now RUNNING as a new attempt (ClaimOf), or nothing.
   virtual absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) = 0;
   // When the next waiting job may be claimed; nothing when none waits.
   virtual absl::StatusOr<std::optional<UtcTime>> NextJobTime() = 0;

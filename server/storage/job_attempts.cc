@@ -15,7 +15,8 @@ absl::StatusOr<JobRecord> CheckClaim(Connection& connection, const JobOwner& own
   ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, claim.id));
   ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT owner FROM job WHERE id = ?1", claim.id));
   RETURN_IF_ERROR(row.Step().status());
-  if (job.state == JobState::kRunning && job.lease_token == claim.lease_token && row.Text(0) == owner.id) return job;
+  if (job.state == JobState::kRunning && job.running_attempt == claim.lease_token && row.Text(0) == owner.id)
+    return job;
   return base::Error(
       absl::StatusCode::kAborted,
       absl::StrCat("job ", claim.id.number(), ": this attempt has lost its lease (token ", claim.lease_token, ")"),
@@ -61,7 +62,7 @@ absl::Status Leave(Connection& connection, UtcTime now, const JobRecord& job, Jo
       "error_reason = ?6, error_message = ?7, ended_at_utc_us = ?8, version = version + 1 WHERE id = ?1",
       job.id, static_cast<int>(next), attempt, next == JobState::kQueued ? now + retry_after : job.run_after,
       static_cast<int>(error.code), error.reason, error.message, now));
-  return EndAttempt(connection, now, job.id, job.lease_token, outcome, error.message);
+  return EndAttempt(connection, now, job.id, job.running_attempt, outcome, error.message);
 }
 
 absl::Status InsertPrograms(Connection& connection, JobId id, const std::vector<ProgramId>& programs) {
@@ -103,7 +104,7 @@ absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const 
   ASSIGN_OR_RETURN(JobRecord job, GetJob(connection, id));
   RETURN_IF_ERROR(connection.Run(
       "INSERT INTO job_attempt (job_id, lease_token, attempt, owner, started_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5)",
-      id, job.lease_token, job.attempt, owner.id, owner.utc_now));
+      id, job.running_attempt, job.attempt, owner.id, owner.utc_now));
   return job;
 }
 

@@ -30,7 +30,7 @@ JobRecord ReadRow(const Statement& row) {
   job.state = row.As<JobState>(6);
   job.attempt = static_cast<int>(row.Int(7));
   job.max_attempts = static_cast<int>(row.Int(8));
-  job.lease_token = job.state == JobState::kRunning ? row.Int(9) : 0;
+  job.running_attempt = job.state == JobState::kRunning ? row.Int(9) : 0;
   job.cancel_requested = row.Bool(10);
   job.progress = {row.Text(11), row.Real(12), row.Text(13)};
   job.result = row.Text(14);

@@ -25,7 +25,6 @@ class Jobs : public testing::Test {
     DEMAND(claimed.ok() && claimed->has_value());
     return **claimed;
   }
-  static JobClaim ClaimOf(const JobRecord& job) { return {job.id, job.lease_token}; }
   static JobError Error() { return {absl::StatusCode::kUnavailable, "WHY", "because"}; }
 
   TempDatabase database;

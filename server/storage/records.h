@@ -94,8 +94,9 @@ struct NewJob {
 // The right to write a running job: a stale token is refused with ABORTED, LEASE_LOST.
 struct JobClaim {
   JobId id;
-  int64_t lease_token = 0;
+  int64_t lease_token = 0;  // JobRecord::running_attempt of the attempt that holds the lease
 };
+inline JobClaim ClaimOf(const JobRecord& job) { return {job.id, job.running_attempt}; }
 
 struct JobFilter {
   std::optional<MachineId> machine;

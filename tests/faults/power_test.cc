@@ -109,7 +109,7 @@ void WorkOff(const std::string& path, const std::function<void(int64_t)>& tell) 
     tell(0);  // another point to be killed at: claimed, not stored
     const JobProduct product = {
         "done", TestCalibration(base::FromUtcUs(job.id.number()), static_cast<double>(job.id.number())), {}};
-    DEMAND(database->SucceedJob({job.id, job.lease_token}, product).ok());
+    DEMAND(database->SucceedJob(ClaimOf(job), product).ok());
     tell(job.id.number());
   }
 }

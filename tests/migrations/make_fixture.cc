@@ -29,7 +29,7 @@ void MakeFixture(const std::string& path) {
   const JobRecord claimed = **database->ClaimJob(std::chrono::seconds(30));
   JobProduct product = {"result", TestCalibration(clock.UtcNow(), -101.2), {program}};
   product.calibration->sessions = {session};
-  const JobRecord done = *database->SucceedJob({claimed.id, claimed.lease_token}, product);
+  const JobRecord done = *database->SucceedJob(ClaimOf(claimed), product);
   clock.Advance(std::chrono::hours(24));
   DEMAND(database->CreateCalibration(TestCalibration(clock.UtcNow(), -90.0)).ok());
   DEMAND(database->ApproveCalibration(*done.calibration, 0, Cell("")).ok());
