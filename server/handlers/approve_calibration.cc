@@ -2,7 +2,7 @@
 
 #include "proto/convert/calibration.h"
 #include "proto/convert/field.h"
-#include "server/handlers/calibration_use.h"
+#include "server/inputs/calibration_use.h"
 
 namespace axiscal::handlers {
 
@@ -12,7 +12,8 @@ absl::StatusOr<v1::ApproveCalibrationResponse> ApproveCalibration(Core& core, co
   RETURN_IF_ERROR(convert::RequireText("approved_by", request.approved_by(), 1, 200));
   ASSIGN_OR_RETURN(const records::CalibrationRecord present,
                    core.database.GetCalibration(CalibrationId(request.calibration_id())));
-  if (present.state != records::CalibrationState::kApproved) RETURN_IF_ERROR(CheckUsable(core.database, present));
+  if (present.state != records::CalibrationState::kApproved)
+    RETURN_IF_ERROR(inputs::CheckUsable(core.database, present));
   ASSIGN_OR_RETURN(const records::CalibrationRecord record,
                    core.database.ApproveCalibration(CalibrationId(request.calibration_id()), request.etag(),
                                                     {request.approved_by(), ""}));

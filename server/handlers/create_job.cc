@@ -2,7 +2,7 @@
 
 #include "proto/convert/field.h"
 #include "proto/convert/job.h"
-#include "server/handlers/job_inputs.h"
+#include "server/inputs/job_inputs.h"
 
 namespace axiscal::handlers {
 
@@ -11,7 +11,7 @@ absl::StatusOr<v1::CreateJobResponse> CreateJob(Core& core, const Call& call, co
   RETURN_IF_ERROR(RequireRequestId(request.request_id()));
   absl::StatusOr<records::JobParams> params = convert::FromProto(request.params());
   if (!params.ok()) return convert::InField("params", params.status());
-  RETURN_IF_ERROR(CheckInputs(core.database, *params));
+  RETURN_IF_ERROR(inputs::CheckInputs(core.database, *params));
   storage::NewJob job;
   job.kind = records::KindOf(*params);
   job.machine = records::MachineOf(*params);

@@ -1,5 +1,6 @@
 #include "server/handlers/list_table_formats.h"
 
+#include "core/compensate/tables/format.h"
 #include "proto/convert/table.h"
 
 namespace axiscal::handlers {

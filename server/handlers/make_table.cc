@@ -7,8 +7,8 @@
 #include "core/base/units.h"
 #include "core/machine/error_json.h"
 #include "proto/convert/table.h"
-#include "server/handlers/calibration_use.h"
-#include "server/handlers/job_inputs.h"
+#include "server/inputs/calibration_use.h"
+#include "server/inputs/job_inputs.h"
 
 namespace axiscal::handlers {
 namespace {
@@ -72,11 +72,11 @@ absl::StatusOr<v1::MakeTableResponse> MakeTable(Core& core, const Call& call, co
     return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + record.id.text() + " is deleted",
                        {"MACHINE_DELETED", {}});
   ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
-                   CalibrationFor(core.database, params.machine, params.calibration, "calibration_id"));
-  ASSIGN_OR_RETURN(const machine::Machine machine, MachineFor(core.database, calibration));
+                   inputs::CalibrationFor(core.database, params.machine, params.calibration, "calibration_id"));
+  ASSIGN_OR_RETURN(const machine::Machine machine, inputs::MachineFor(core.database, calibration));
   ASSIGN_OR_RETURN(const machine::ErrorModel errors, machine::ReadErrors(calibration.content.model_json, machine));
   params.request.calibration = absl::StrCat(params.machine.text(), " v", calibration.version);
-  params.request.notes = NotesOnInseparableErrors(calibration);
+  params.request.notes = inputs::NotesOnInseparableErrors(calibration);
   RETURN_IF_ERROR(AddMeasuredRanges(core.database, calibration, machine, call, &params.request));
   const absl::StatusOr<tables::MadeTable> made = tables::MakeTable(machine, errors, params.request);
   if (!made.ok()) return WithReason(made.status());

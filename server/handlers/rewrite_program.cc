@@ -4,7 +4,7 @@
 #include "core/base/error_detail.h"
 #include "proto/convert/field.h"
 #include "proto/convert/program.h"
-#include "server/handlers/calibration_use.h"
+#include "server/inputs/calibration_use.h"
 
 namespace axiscal::handlers {
 
@@ -41,7 +41,8 @@ absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header)
     return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + machine.id.text() + " is deleted",
                        {"MACHINE_DELETED", {}});
   }
-  ASSIGN_OR_RETURN(Compensation compensation, CompensationFor(core_.database, *params, "header.params.calibration_id"));
+  ASSIGN_OR_RETURN(inputs::Compensation compensation,
+                   inputs::CompensationFor(core_.database, *params, "header.params.calibration_id"));
   compensation_.emplace(std::move(compensation));
   compensation_->options.source_crc32c = header.crc32c();
   ASSIGN_OR_RETURN(nc::Rewriter rewriter,
@@ -105,7 +106,7 @@ absl::Status RewriteProgramStream::End() {
   RETURN_IF_ERROR(rewriter_->Finish());
   if (!response_.data().empty()) RETURN_IF_ERROR(SendData());
   nc::RewriteReport report = rewriter_->report();
-  for (std::string& note : NotesOnInseparableErrors(compensation_->calibration))
+  for (std::string& note : inputs::NotesOnInseparableErrors(compensation_->calibration))
     report.notes.push_back(std::move(note));
   v1::RewriteProgramResult& result = *response_.mutable_result();
   result.set_size_bytes(sent_);

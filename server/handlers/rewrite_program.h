@@ -7,8 +7,8 @@
 
 #include "axiscal/v1/programs_service.pb.h"
 #include "core/nc/rewrite.h"
-#include "server/handlers/compensation.h"
 #include "server/handlers/core.h"
+#include "server/inputs/compensation.h"
 
 namespace axiscal::handlers {
 
@@ -20,7 +20,7 @@ class RewriteProgramStream {
 
   // The next message. An error is the status of the call: STREAM_INVALID when messages come in another order,
   // RESOURCE_EXHAUSTED QUEUE_FULL when as many programs are rewritten as the server has workers, OUT_OF_RANGE
-  // SIZE_EXCEEDED, and those of CompensationFor and of the engine.
+  // SIZE_EXCEEDED, and those of inputs::CompensationFor and of the engine.
   absl::Status Receive(const v1::RewriteProgramRequest& request);
   // No more messages: sends what is left and the result. ABORTED STREAM_INCOMPLETE when bytes are missing (a malformed
   // message looks like a normal end), FAILED_PRECONDITION TOTALS_MISMATCH when the checksum differs, and the engine's
@@ -38,7 +38,7 @@ class RewriteProgramStream {
   const std::function<bool(const v1::RewriteProgramResponse&)> send_;
   bool is_counted_ = false;
   std::optional<v1::RewriteProgramHeader> header_;
-  std::optional<Compensation> compensation_;
+  std::optional<inputs::Compensation> compensation_;
   std::optional<nc::Rewriter> rewriter_;
   v1::RewriteProgramResponse response_;
   int64_t received_ = 0, sent_ = 0;  // bytes

@@ -7,7 +7,7 @@
 
 #include "core/loop/close_loop.h"
 #include "proto/convert/job_params.h"
-#include "server/handlers/job_inputs.h"
+#include "server/inputs/job_inputs.h"
 #include "server/jobs/job_sessions.h"
 #include "server/jobs/new_calibration.h"
 
@@ -31,7 +31,7 @@ absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, con
     context.ReportProgress(progress.stage, std::max(before, progress.fraction), progress.detail);
   };
   if (!params.monte_carlo_runs) return options;
-  ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, handlers::BudgetOf(machine, params));
+  ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, inputs::BudgetOf(machine, params));
   options.monte_carlo.emplace();
   options.monte_carlo->runs = *params.monte_carlo_runs;
   options.monte_carlo->seed = params.monte_carlo_seed;

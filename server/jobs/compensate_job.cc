@@ -2,8 +2,8 @@
 
 #include "core/nc/rewrite.h"
 #include "proto/convert/job_params.h"
-#include "server/handlers/calibration_use.h"
-#include "server/handlers/compensation.h"
+#include "server/inputs/calibration_use.h"
+#include "server/inputs/compensation.h"
 
 namespace axiscal::jobs {
 namespace {
@@ -56,8 +56,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
                                         JobContext& context) {
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<records::CompensateParams>(any_params);
-  ASSIGN_OR_RETURN(const handlers::Compensation compensation,
-                   handlers::CompensationFor(database, params, "params.compensate.calibration_id"));
+  ASSIGN_OR_RETURN(const inputs::Compensation compensation,
+                   inputs::CompensationFor(database, params, "params.compensate.calibration_id"));
   const records::CalibrationRecord& calibration = compensation.calibration;
   ASSIGN_OR_RETURN(const records::ProgramRecord source, database.GetProgram(params.program));
 
@@ -82,7 +82,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   RETURN_IF_ERROR(nc::RewriteProgram(
       read, [&](const char* bytes, size_t size) { return writer.Append(bytes, size); }, compensation.compensator,
       compensation.options, &report));
-  for (std::string& note : handlers::NotesOnInseparableErrors(calibration)) report.notes.push_back(std::move(note));
+  for (std::string& note : inputs::NotesOnInseparableErrors(calibration)) report.notes.push_back(std::move(note));
   ASSIGN_OR_RETURN(const records::ProgramRecord program, writer.Finish());
   storage::JobProduct product;
   product.result = nc::ToJson(report);

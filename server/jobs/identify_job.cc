@@ -6,7 +6,7 @@
 #include "core/identify/identify.h"
 #include "core/identify/monte_carlo.h"
 #include "proto/convert/job_params.h"
-#include "server/handlers/job_inputs.h"
+#include "server/inputs/job_inputs.h"
 #include "server/jobs/job_sessions.h"
 #include "server/jobs/new_calibration.h"
 
@@ -66,23 +66,23 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<records::IdentifyParams>(any_params);
   context.ReportProgress("read sessions", 0.0, "");
-  ASSIGN_OR_RETURN(const MachineInput inputs, LoadMachine(database, params.machine));
-  ASSIGN_OR_RETURN(const StoredSessions sessions, LoadSessions(database, params.sessions, inputs.machine, context));
+  ASSIGN_OR_RETURN(const MachineInput input, LoadMachine(database, params.machine));
+  ASSIGN_OR_RETURN(const StoredSessions sessions, LoadSessions(database, params.sessions, input.machine, context));
 
-  ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, handlers::BudgetOf(inputs.machine, params));
-  ASSIGN_OR_RETURN(const handlers::IdentifyErrors errors, handlers::ErrorsOf(database, inputs.machine, params));
+  ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, inputs::BudgetOf(input.machine, params));
+  ASSIGN_OR_RETURN(const inputs::IdentifyErrors errors, inputs::ErrorsOf(database, input.machine, params));
 
   const double fitted = params.monte_carlo_runs ? 1.0 - kMonteCarloShare : 1.0;
   identify::Options options = EngineOptions(context, 0.0, kBeforeShare * fitted);
   options.budget = budget;
   options.held_errors = errors.held;
   options.model = machine::ErrorModel{};
-  ASSIGN_OR_RETURN(const identify::Result before, identify::Identify(inputs.machine, sessions.sessions, options));
+  ASSIGN_OR_RETURN(const identify::Result before, identify::Identify(input.machine, sessions.sessions, options));
   options = EngineOptions(context, kBeforeShare * fitted, fitted);
   options.budget = budget;
   options.held_errors = errors.held;
   options.model = errors.fitted;
-  ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitSessions(inputs.machine, sessions.sessions, options));
+  ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitSessions(input.machine, sessions.sessions, options));
   identify::Result after = fit.result;
   if (errors.held) {  // the calibration is of the whole machine
     const std::vector<machine::ErrorTerm>& held = errors.held->model.terms;
@@ -92,7 +92,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
 
   storage::JobProduct product;
   product.result = ReportJson(before, after, params.budget_json, monte_carlo);
-  product.calibration = MakeCalibration(inputs, sessions, before.fit, after, job);
+  product.calibration = MakeCalibration(input, sessions, before.fit, after, job);
   product.calibration->report_json = product.result;
   json asked = {{"declared", params.declared}};
   if (!params.budget_json.empty()) asked["budget"] = json::parse(params.budget_json);

@@ -1,10 +1,10 @@
-#include "server/handlers/compensation.h"
+#include "server/inputs/compensation.h"
 
 #include "core/machine/error_json.h"
-#include "server/handlers/calibration_use.h"
-#include "server/handlers/job_inputs.h"
+#include "server/inputs/calibration_use.h"
+#include "server/inputs/job_inputs.h"
 
-namespace axiscal::handlers {
+namespace axiscal::inputs {
 
 absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const records::CompensateParams& params,
                                              const std::string& calibration_field) {
@@ -20,4 +20,4 @@ absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const 
   return Compensation{std::move(calibration), std::move(compensator), std::move(options)};
 }
 
-}  // namespace axiscal::handlers
+}  // namespace axiscal::inputs

@@ -1,6 +1,6 @@
 // The inputs of a job, checked when it is created so that what cannot work is refused at once.
-#ifndef AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_
-#define AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_
+#ifndef AXISCAL_SERVER_INPUTS_JOB_INPUTS_H_
+#define AXISCAL_SERVER_INPUTS_JOB_INPUTS_H_
 
 #include <optional>
 #include <string>
@@ -13,7 +13,7 @@
 #include "proto/convert/job_params.h"
 #include "server/storage/database.h"
 
-namespace axiscal::handlers {
+namespace axiscal::inputs {
 
 // The machine is there and not deleted; sessions are complete and of that machine; the program is complete; the
 // calibration is of that machine and not retired, or, when none is named, one is approved. The store's NOT_FOUND,
@@ -47,6 +47,6 @@ absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine&
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
                                                          const records::CloseLoopParams& params);
 
-}  // namespace axiscal::handlers
+}  // namespace axiscal::inputs
 
-#endif  // AXISCAL_SERVER_HANDLERS_JOB_INPUTS_H_
+#endif  // AXISCAL_SERVER_INPUTS_JOB_INPUTS_H_

@@ -1,6 +1,6 @@
 // Whether a calibration may be put in use, and with which machine.
-#ifndef AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_
-#define AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_
+#ifndef AXISCAL_SERVER_INPUTS_CALIBRATION_USE_H_
+#define AXISCAL_SERVER_INPUTS_CALIBRATION_USE_H_
 
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 #include "core/machine/machine.h"
 #include "server/storage/database.h"
 
-namespace axiscal::handlers {
+namespace axiscal::inputs {
 
 // The machine as it is described now, if the calibration was fitted with the same axes; what its description declares
 // may have changed. FAILED_PRECONDITION MACHINE_CHANGED naming both revisions.
@@ -24,6 +24,6 @@ absl::Status CheckUsable(storage::Database& database, const records::Calibration
 // of the correction must know: one line for each.
 std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration);
 
-}  // namespace axiscal::handlers
+}  // namespace axiscal::inputs
 
-#endif  // AXISCAL_SERVER_HANDLERS_CALIBRATION_USE_H_
+#endif  // AXISCAL_SERVER_INPUTS_CALIBRATION_USE_H_

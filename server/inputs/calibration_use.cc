@@ -1,4 +1,4 @@
-#include "server/handlers/calibration_use.h"
+#include "server/inputs/calibration_use.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -7,7 +7,7 @@
 #include "core/base/strict_json.h"
 #include "core/machine/machine_json.h"
 
-namespace axiscal::handlers {
+namespace axiscal::inputs {
 namespace {
 
 bool SameAxis(const machine::Axis& a, const machine::Axis& b) {
@@ -77,4 +77,4 @@ std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationReco
   return notes;
 }
 
-}  // namespace axiscal::handlers
+}  // namespace axiscal::inputs

@@ -1,13 +1,13 @@
 // What rewriting a program needs, from the store: for jobs and for calls that rewrite while the program comes.
-#ifndef AXISCAL_SERVER_HANDLERS_COMPENSATION_H_
-#define AXISCAL_SERVER_HANDLERS_COMPENSATION_H_
+#ifndef AXISCAL_SERVER_INPUTS_COMPENSATION_H_
+#define AXISCAL_SERVER_INPUTS_COMPENSATION_H_
 
 #include "core/compensate/compensator.h"
 #include "core/nc/options.h"
 #include "proto/convert/job_params.h"
 #include "server/storage/database.h"
 
-namespace axiscal::handlers {
+namespace axiscal::inputs {
 
 struct Compensation {
   records::CalibrationRecord calibration;
@@ -19,6 +19,6 @@ struct Compensation {
 absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const records::CompensateParams& params,
                                              const std::string& calibration_field);
 
-}  // namespace axiscal::handlers
+}  // namespace axiscal::inputs
 
-#endif  // AXISCAL_SERVER_HANDLERS_COMPENSATION_H_
+#endif  // AXISCAL_SERVER_INPUTS_COMPENSATION_H_

@@ -1,4 +1,4 @@
-#include "server/handlers/job_inputs.h"
+#include "server/inputs/job_inputs.h"
 
 #include <nlohmann/json.hpp>
 
@@ -7,9 +7,9 @@
 #include "core/machine/machine_json.h"
 #include "core/toolsetter/evaluate.h"
 #include "proto/convert/field.h"
-#include "server/handlers/calibration_use.h"
+#include "server/inputs/calibration_use.h"
 
-namespace axiscal::handlers {
+namespace axiscal::inputs {
 namespace {
 
 absl::Status Unmet(const std::string& reason, const std::string& text) {
@@ -176,4 +176,4 @@ absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machin
   return model;
 }
 
-}  // namespace axiscal::handlers
+}  // namespace axiscal::inputs
