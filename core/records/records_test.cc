@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/compensate/tables/format.h"
 #include "core/records/job.h"
 #include "core/records/job_params.h"
 #include "core/records/session.h"

@@ -1,6 +1,7 @@
 #include "core/records/table.h"
 
 #include "absl/strings/str_cat.h"
+#include "core/compensate/tables/format.h"
 
 namespace axiscal::records {
 

@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/compensate/tables/format.h"
 #include "core/compensate/tables/request.h"
+
+namespace axiscal::tables {
+struct Format;
+}
 
 namespace axiscal::records {
 

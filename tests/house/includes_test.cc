@@ -78,5 +78,49 @@ TEST(Walls, LocksAreThoseThatAreProved) {
               IsEmpty());
 }
 
+TEST(Walls, WireAndClientKnowNothingOfTheServer) {
+  EXPECT_THAT(Breaches(FilesBelow({"client", "proto"}),
+                       [](const SourceFile& file, const Include& include) {
+                         return IsBelow(include.path, "server") && file.path != "client/cli/embedded.cc";
+                       }),
+              IsEmpty());
+}
+
+TEST(Walls, ClientHeadersReachCoreAndStandardHeadersOnly) {
+  // The two that hold the channel and the stubs, for the client's own sources.
+  const std::vector<std::string> internal = {"client/client_impl.h", "client/connection.h"};
+  const auto is_fine = [](const Reached& reached) {
+    if (reached.is_quoted) return IsAnyOf(reached.path, {"absl", "client", "core"});
+    return reached.path.find_first_of("./") == std::string::npos || IsBelow(reached.path, "Eigen");
+  };
+  std::vector<std::string> ways;
+  int headers = 0;
+  for (const SourceFile& file : FilesBelow({"client"})) {
+    const bool is_header = file.path.size() > 2 && file.path.substr(file.path.size() - 2) == ".h";
+    if (!is_header || IsBelow(file.path, "client/cli")) continue;
+    if (std::find(internal.begin(), internal.end(), file.path) != internal.end()) continue;
+    ++headers;
+    for (const Reached& reached : ReachedFrom(file.path)) {
+      if (!is_fine(reached)) ways.push_back(WayTo(reached));
+    }
+  }
+  EXPECT_THAT(ways, IsEmpty());
+  EXPECT_GE(headers, 2);  // client.h and options.h
+}
+
+// service -> handlers -> jobs -> inputs -> storage.
+TEST(Walls, RoomsOfTheServerLookDownOnly) {
+  const auto breaches = [](const std::string& room, const std::vector<std::string>& above) {
+    return Breaches(FilesBelow({room}), [&](const SourceFile&, const Include& include) {
+      return IsAnyOf(include.path, above) || include.path == "server/service.h" || include.path == "server/server.h";
+    });
+  };
+  EXPECT_THAT(breaches("server/handlers", {}), IsEmpty());
+  EXPECT_THAT(breaches("server/jobs", {"server/handlers"}), IsEmpty());
+  EXPECT_THAT(breaches("server/inputs", {"server/handlers", "server/jobs"}), IsEmpty());
+  EXPECT_THAT(breaches("server/storage", {"server/handlers", "server/jobs", "server/inputs", "proto", "axiscal"}),
+              IsEmpty());
+}
+
 }  // namespace
 }  // namespace axiscal::house
