@@ -89,7 +89,7 @@ TEST(HeldErrors, TheirUncertaintyIsCarried) {
   const Result with = FitOrDie(sessions, kTable, *held).result, without = FitOrDie(sessions, kTable, *exact).result;
   const Estimate &carried = Find(with.estimates, "EX0C"), &bare = Find(without.estimates, "EX0C");
   EXPECT_NEAR(carried.value, bare.value, 1e-12);
-  // EX0C + 356.4 mm EB0B is what CR sees (yao.md): the slope by the held tilt is the tool's length.
+  // EX0C + 356.4 mm EB0B is what CR sees (Yao 2022): the slope by the held tilt is the tool's length.
   const double by_tilt = 356.4 * Find(head.estimates, "EB0B").sigma;
   EXPECT_NEAR(carried.sigma / std::hypot(bare.sigma, by_tilt), 1.0, 0.01);
   EXPECT_GT(by_tilt, 0.1 * bare.sigma);

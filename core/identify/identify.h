@@ -1,5 +1,5 @@
 // Identification: weighted least squares over declared error terms and each session's setup offsets, with standard
-// uncertainties, rank, and the combinations that the data cannot separate (design.md, "Identify").
+// uncertainties, rank, and the combinations that the data cannot separate.
 #ifndef AXISCAL_CORE_IDENTIFY_IDENTIFY_H_
 #define AXISCAL_CORE_IDENTIFY_IDENTIFY_H_
 

@@ -1,5 +1,5 @@
-// What the readings scatter by, judged from the readings themselves: the stated sigma is only where to start
-// (design.md, "Close the loop", 1).
+// By how much the readings scatter, and how neighbours correlate, estimated from the readings themselves: the stated
+// sigma is only where to start.
 #ifndef AXISCAL_CORE_IDENTIFY_NOISE_H_
 #define AXISCAL_CORE_IDENTIFY_NOISE_H_
 

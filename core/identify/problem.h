@@ -1,8 +1,8 @@
 // The least-squares problem of identification: runs, an error model, setup offsets, noise; and its normal equations.
-//   residual = (predicted - measured) / sigma                                 style.md, section 2
-// Setup offsets belong to one group of runs each (a session, or sessions that share a setup), so the normal matrix is
-// an arrow: one block per group beside the block of the errors. Rows are never stored: cost and memory grow linearly
-// with readings, and memory does not.
+//   residual = (predicted - measured) / sigma;   normal matrix [S1 0 C1; 0 S2 C2; C1' C2' E]
+// S: setup offsets of one group of runs (a session, or sessions that share a setup), E: errors, C: where both meet. No
+// reading links the offsets of two groups, so the matrix has the shape of an arrow ("block angular", Bjorck 1996, 6.3).
+// Only these blocks are kept and no rows: time grows with the number of readings, memory does not.
 #ifndef AXISCAL_CORE_IDENTIFY_PROBLEM_H_
 #define AXISCAL_CORE_IDENTIFY_PROBLEM_H_
 

@@ -52,7 +52,7 @@ struct SessionFit {
   std::vector<SetupOffset> setup;
 };
 
-// What a gate found before anything was fitted (touch/touch_bind.h).
+// What a gate found before anything was fitted (instruments/touch/touch_bind.h).
 struct Gate {
   std::string name;  // "sphere", "repeat"
   double off_mm = 0.0, limit_mm = 0.0;
