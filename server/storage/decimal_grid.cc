@@ -22,7 +22,7 @@ bool TakeSteps(const double* values, size_t count, double power, int64_t* steps)
   uint64_t differing_bits = 0, sum_bits = 0;
   for (size_t i = 0; i < count; ++i) {
     const double sum = values[i] * power + kMagic;
-    steps[i] = std::bit_cast<int64_t>(sum) - std::bit_cast<int64_t>(kMagic);
+    steps[i] = static_cast<int64_t>(std::bit_cast<uint64_t>(sum) - std::bit_cast<uint64_t>(kMagic));
     differing_bits |= std::bit_cast<uint64_t>((sum - kMagic) / power) ^ std::bit_cast<uint64_t>(values[i]);
     sum_bits |= std::bit_cast<uint64_t>(sum) ^ std::bit_cast<uint64_t>(kMagic);
   }
@@ -38,10 +38,11 @@ uint64_t Unsigned(int64_t number) { return static_cast<uint64_t>(number); }
 std::optional<DecimalGrid> FindGrid(const std::vector<double>& values) {
   constexpr size_t kBlock = 64;
   DecimalGrid grid;
-  // From one value to the next while grids grow finer; from the start again when one has.
+  // Block after block on the same grid; on a finer one from the start. The first value goes alone: where nothing is a
+  // grid, it mostly tells.
   for (size_t first = 0; first < values.size();) {
     const size_t count = first == 0 ? 1 : std::min(kBlock, values.size() - first);
-    grid.steps.resize(std::max(grid.steps.size(), first == 0 ? 1 : values.size()));
+    grid.steps.resize(std::max(grid.steps.size(), first + count));
     if (TakeSteps(&values[first], count, kPowers[grid.decimals], &grid.steps[first])) {
       first += count;
     } else if (++grid.decimals <= kMaxDecimals) {
