@@ -66,7 +66,7 @@ absl::Status MoveCorrector::CorrectOnArc(const Step& step, double fraction, cons
   // Rotary axes are written as nominal, so the nominal position is one that their words can hold.
   for (int i = 0; i < axis_count_ && fraction < 1.0; ++i) {
     if (compensator_->machine().axes[i].kind == machine::AxisKind::kRotary && fraction > 0.0)
-      nominal[i] = RoundToGrains(nominal[i], grain.of_axis[i]) * grain.of_axis[i];
+      nominal[i] = NearestHeld(nominal[i], 0, grain.of_axis[i]);
   }
   piece->end_fraction = fraction;
   piece->is_arc = false;
@@ -80,7 +80,7 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   RETURN_IF_ERROR(CorrectOnArc(step, last, senses, grain, piece));
   for (int i = 0; grain.is_flat && i < axis_count_; ++i) {
     const bool is_in_plane = i == nominal.first || i == nominal.second;
-    if (!is_in_plane && std::llabs(piece->targets[i] - at_begin[i]) > grain.of_axis[i] / 2) return false;
+    if (!is_in_plane && !IsHeld(piece->targets[i], at_begin[i], grain.of_axis[i])) return false;
   }
   const double grain_mm =
       static_cast<double>(std::max(grain.of_axis[nominal.first], grain.of_axis[nominal.second])) / kTicksPerUnit;
@@ -96,10 +96,8 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   } else {
     // As the words will say it: whole grains from the start.
     AxisTicks written = piece->targets;
-    for (const int axis : {nominal.first, nominal.second}) {
-      const Ticks one = grain.of_axis[axis];
-      written[axis] = start[axis] + RoundToGrains(piece->targets[axis] - start[axis], one) * one;
-    }
+    for (const int axis : {nominal.first, nominal.second})
+      written[axis] = NearestHeld(piece->targets[axis], start[axis], grain.of_axis[axis]);
     end_mm = PlanePoint(written, nominal);
   }
   if (!is_full && (end_mm - start_mm).norm() < kLeastGrains * grain_mm) {
@@ -139,15 +137,16 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   absl::StatusOr<Arc> fitted = ArcAboutCentre(start_mm, end_mm, centre_mm, sweep > 0);
   // The program's own centre, seen from the start, or its radius: words that need no change stay.
   absl::StatusOr<Arc> kept = fitted;
-  if (grain.radius_mm > 0) {
+  if (grain.radius > 0) {
     // Near half a turn, and beyond it, the centre depends on the last digit of the radius and of the ends.
     const double height = (centre_mm - 0.5 * (start_mm + end_mm)).norm();
     if (!fitted.ok() || is_full || height < 0.2 * fitted->radius_mm()) return false;
     const double sign = std::abs(sweep) > kPi ? -1.0 : 1.0;
-    const double radius = std::round(fitted->radius_mm() / grain.radius_mm) * grain.radius_mm;
-    fitted = ArcOfRadius(start_mm, end_mm, sign * radius, sweep > 0);
-    const double own = std::round(nominal.radius_mm() / grain.radius_mm) * grain.radius_mm;
-    kept = ArcOfRadius(start_mm, end_mm, sign * own, sweep > 0);
+    const auto held_mm = [&](double radius_mm) {
+      return static_cast<double>(NearestHeld(std::llround(radius_mm * kTicksPerUnit), 0, grain.radius)) / kTicksPerUnit;
+    };
+    fitted = ArcOfRadius(start_mm, end_mm, sign * held_mm(fitted->radius_mm()), sweep > 0);
+    kept = ArcOfRadius(start_mm, end_mm, sign * held_mm(nominal.radius_mm()), sweep > 0);
   } else if (first == 0.0) {
     kept = ArcAboutCentre(start_mm, end_mm, start_mm + nominal.centre_mm - PlanePoint(step.start.ticks, nominal),
                           sweep > 0);
@@ -166,10 +165,7 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
 absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, double first, double last,
                                                             const AxisTicks& commanded, const WordGrain& grain) const {
   AxisTicks at_begin = commanded;  // as words say it
-  for (int i = 0; grain.is_flat && i < axis_count_; ++i) {
-    const Ticks one = grain.of_axis[i];
-    at_begin[i] = grain.base[i] + RoundToGrains(commanded[i] - grain.base[i], one) * one;
-  }
+  for (int i = 0; grain.is_flat && i < axis_count_; ++i) at_begin[i] = grain.Held(i, commanded[i]);
   for (const int count : kArcCounts) {
     std::vector<Piece> pieces(static_cast<size_t>(count));
     bool fits = true;

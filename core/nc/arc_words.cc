@@ -24,17 +24,13 @@ char CentreLetter(int index, int plane_normal) {
 }  // namespace
 
 bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start,
-                          Rounded* rounded) const {
+                          CorrectedWord* corrected) const {
   const Modal& modal = interpreter_->modal();
   const Ticks unit = interpreter_->ticks_per_unit(piece.arc.first);
-  const bool is_inch = unit == kTicksPerInch;
-  rounded->decimals = word != nullptr ? DecimalsOf(*word, is_inch)
-                      : is_inch       ? options_->decimals_inch
-                                      : options_->decimals_mm;
-  rounded->grain = GrainTicks(unit, rounded->decimals);
+  const WordForm form = word == nullptr ? rule_.Inserted(unit) : rule_.Of(*word, unit, modal.is_inch);
   if (interpreter_->RoleOf(letter) == Role::kRadius) {
     const double sign = std::abs(piece.arc.sweep_rad) > kPi ? -1.0 : 1.0;
-    rounded->mantissa = RoundToGrains(std::llround(sign * piece.arc.radius_mm() * kTicksPerUnit), rounded->grain);
+    *corrected = WordFor(std::llround(sign * piece.arc.radius_mm() * kTicksPerUnit), 0, form);
     return true;
   }
   const int index = PlaneIndex(letter, modal.plane_normal);
@@ -45,7 +41,7 @@ bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, con
                                ? modal.are_centres_absolute
                                : word->distance == Distance::kAbsolute;
   const Ticks base = is_absolute ? interpreter_->offset(axis) + preset_shift_[axis] : start[axis];
-  rounded->mantissa = RoundToGrains(centre - base, rounded->grain);
+  *corrected = WordFor(centre, base, form);
   return true;
 }
 
@@ -79,12 +75,10 @@ void BlockWriter::WriteArcWord(const char* text, size_t size, const Word& word, 
   }
   if (role != Role::kCentre && role != Role::kRadius) return;
   if (!piece.is_arc) return drop();
-  Rounded rounded;
-  if (!ArcWord(word.letter, &word, piece, start, &rounded)) return;
-  const Decimal number = interpreter_->Meant(word.number);
-  if (rounded.mantissa == number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) return;
+  CorrectedWord corrected;
+  if (!ArcWord(word.letter, &word, piece, start, &corrected) || IsSaid(corrected, word)) return;
   copy_to(word.number_at);
-  AppendNumber(rounded, &word, out);
+  AppendCorrected(corrected, &word, out);
   *copied = word.end;
 }
 
@@ -101,32 +95,30 @@ void BlockWriter::InsertCentre(const char* text, const Block& block, const Piece
   for (const int index : {0, 1}) {
     if (found[index]) continue;
     const char letter = CentreLetter(index, interpreter_->modal().plane_normal);
-    Rounded rounded;
-    if (!ArcWord(letter, nullptr, piece, start, &rounded) || rounded.mantissa == 0) continue;
+    CorrectedWord corrected;
+    if (!ArcWord(letter, nullptr, piece, start, &corrected) || corrected.number == 0) continue;
     if (!IsPacked(text, block)) out->push_back(' ');
     out->push_back(letter);
-    AppendNumber(rounded, nullptr, out);
+    AppendCorrected(corrected, nullptr, out);
   }
 }
 
 void BlockWriter::AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
                                  OutBuffer* out) const {
   const auto append = [&](char letter, const Word* like) {
-    Rounded rounded;
+    CorrectedWord corrected;
     Word plain;  // a word without a distance of its own
     if (like != nullptr) plain = *like;
     plain.distance = Distance::kModal;
     const Word* const word = like == nullptr ? nullptr : &plain;
-    if (!ArcWord(letter, word, piece, start, &rounded)) return;
+    if (!ArcWord(letter, word, piece, start, &corrected)) return;
     if (!is_packed) out->push_back(' ');
     if (interpreter_->RoleOf(letter) == Role::kRadius) {
       out->append(interpreter_->dialect().radius_address);
     } else {
       out->push_back(letter);
     }
-    const bool is_increments = word != nullptr && IsIncrements(*word);
-    AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, interpreter_->dialect().writes_plus,
-                !is_increments, out);
+    AppendNumber(corrected, interpreter_->dialect().writes_plus, out);
   };
   if (interpreter_->dialect().has_poles) {
     if (const Word* const radius = RadiusOf(block); radius != nullptr) append(radius->letter, radius);
@@ -156,13 +148,12 @@ void BlockWriter::AppendPole(const Block& block, const Piece& piece, const std::
   std::string words = "CC";
   for (const int index : {0, 1}) {
     const int axis = index == 0 ? piece.arc.first : piece.arc.second;
-    const Ticks unit = interpreter_->ticks_per_unit(axis), base = interpreter_->offset(axis);
-    const int decimals = unit == kTicksPerInch ? options_->decimals_inch : options_->decimals_mm;
-    const int64_t mantissa =
-        RoundToGrains(std::llround(piece.arc.centre_mm[index] * kTicksPerUnit) - base, GrainTicks(unit, decimals));
-    wanted.ticks[static_cast<size_t>(index)] = base + mantissa * GrainTicks(unit, decimals);
+    const Ticks base = interpreter_->offset(axis);
+    const CorrectedWord corrected = WordFor(std::llround(piece.arc.centre_mm[index] * kTicksPerUnit), base,
+                                            rule_.Inserted(interpreter_->ticks_per_unit(axis)));
+    wanted.ticks[static_cast<size_t>(index)] = corrected.Position(base);
     absl::StrAppend(&words, " ", machine_->axes[axis].name);
-    AppendFixed(mantissa, decimals, true, true, &words);
+    AppendNumber(corrected, true, &words);
   }
   if (wanted == pole_) return;
   pole_ = wanted;

@@ -21,7 +21,7 @@ bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 }  // namespace
 
 BlockWriter::BlockWriter(const machine::Machine& machine, const RewriteOptions& options, const Interpreter& interpreter)
-    : machine_(&machine), options_(&options), interpreter_(&interpreter) {
+    : machine_(&machine), interpreter_(&interpreter), rule_(WordRule::Of(options)) {
   for (const char letter : interpreter.dialect().axis_letters) {
     const int axis = machine::FindAxis(machine, std::string(1, letter));
     if (axis >= 0) order_.push_back(axis);
@@ -101,33 +101,23 @@ int BlockWriter::FirstUnknown(const Block& block, const Step& step) const {
   return -1;
 }
 
-bool BlockWriter::IsIncrements(const Word& word) const {
-  return !word.number.has_point && options_->integer_words == IntegerWords::kLeastIncrement;
-}
-
-int BlockWriter::DecimalsOf(const Word& word, bool is_inch) const {
-  if (IsIncrements(word)) return interpreter_->Meant(word.number).decimals;
-  return std::max<int>(is_inch ? options_->decimals_inch : options_->decimals_mm, word.number.decimals);
-}
-
-int BlockWriter::DecimalsOf(const Block& block, const Step& step, int axis) const {
-  const bool is_inch = interpreter_->ticks_per_unit(axis) == kTicksPerInch;
-  if (step.word_of_axis[axis] < 0) return is_inch ? options_->decimals_inch : options_->decimals_mm;
-  return DecimalsOf(block.words[static_cast<size_t>(step.word_of_axis[axis])], is_inch);
+WordForm BlockWriter::FormOf(const Block& block, const Step& step, int axis) const {
+  const Ticks unit = interpreter_->ticks_per_unit(axis);
+  if (step.word_of_axis[axis] < 0) return rule_.Inserted(unit);
+  return rule_.Of(block.words[static_cast<size_t>(step.word_of_axis[axis])], unit, interpreter_->modal().is_inch);
 }
 
 WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
   WordGrain grain;
   for (int i = 0; i < machine_->axis_count(); ++i) {
-    grain.of_axis[i] = GrainTicks(interpreter_->ticks_per_unit(i), DecimalsOf(block, step, i));
+    grain.of_axis[i] = FormOf(block, step, i).grain;
     grain.base[i] = BaseOf(block, step, i);
   }
   if (!step.is_arc) return grain;
   grain.is_flat = interpreter_->dialect().has_poles;
   for (const Word& word : block) {
     if (interpreter_->RoleOf(word.letter) != Role::kRadius) continue;
-    const Ticks unit = interpreter_->ticks_per_unit(step.arc.first);
-    grain.radius_mm = static_cast<double>(GrainTicks(unit, DecimalsOf(word, unit == kTicksPerInch))) / kTicksPerUnit;
+    grain.radius = rule_.Of(word, interpreter_->ticks_per_unit(step.arc.first), interpreter_->modal().is_inch).grain;
   }
   return grain;
 }
@@ -139,14 +129,14 @@ Ticks BlockWriter::BaseOf(const Block& block, const Step& step, int axis) const 
   return is_incremental ? commanded_.ticks[axis] : interpreter_->offset(axis) + preset_shift_[axis];
 }
 
-BlockWriter::Rounded BlockWriter::Round(const Step& step, int axis, Ticks target, int decimals, Ticks base) const {
-  const Ticks grain = GrainTicks(interpreter_->ticks_per_unit(axis), decimals);
-  int64_t mantissa = RoundToGrains(target - base, grain);
+CorrectedWord BlockWriter::CorrectedOf(const Step& step, int axis, Ticks target, Ticks base,
+                                       const WordForm& form) const {
+  CorrectedWord corrected = WordFor(target, base, form);
   if (step.wrapped >> axis & 1) {
-    mantissa %= kTurn / grain;
-    if (mantissa < 0) mantissa += kTurn / grain;
+    corrected.number %= kTurn / form.grain;
+    if (corrected.number < 0) corrected.number += kTurn / form.grain;
   }
-  return {mantissa, decimals, grain};
+  return corrected;
 }
 
 uint32_t BlockWriter::EndOf(const char* text, size_t size, const Word& word) {
@@ -156,15 +146,15 @@ uint32_t BlockWriter::EndOf(const char* text, size_t size, const Word& word) {
   return at < size && text[at] == ')' ? static_cast<uint32_t>(at + 1) : word.end;
 }
 
-void BlockWriter::SetCommanded(int axis, const Rounded& rounded, Ticks base) {
-  commanded_.ticks[axis] = base + rounded.mantissa * rounded.grain;
+void BlockWriter::SetCommanded(int axis, const CorrectedWord& corrected, Ticks base) {
+  commanded_.ticks[axis] = corrected.Position(base);
   commanded_.known |= static_cast<uint16_t>(1u << axis);
 }
 
 bool BlockWriter::NeedsWord(int axis, Ticks target, Ticks grain) const {
   // Rotary targets of orientation are what words say, and the linear axes follow them exactly.
   if (is_followed_[axis]) return !commanded_.is_known(axis) || target != commanded_.ticks[axis];
-  return !commanded_.is_known(axis) || std::llabs(target - commanded_.ticks[axis]) > grain / 2;
+  return !commanded_.is_known(axis) || !IsHeld(target, commanded_.ticks[axis], grain);
 }
 
 bool BlockWriter::IsPacked(const char* text, const Block& block) {
@@ -174,11 +164,10 @@ bool BlockWriter::IsPacked(const char* text, const Block& block) {
   return false;
 }
 
-void BlockWriter::AppendNumber(const Rounded& rounded, const Word* word, OutBuffer* out) const {
-  const bool is_increments = word != nullptr && IsIncrements(*word);
+void BlockWriter::AppendCorrected(const CorrectedWord& corrected, const Word* word, OutBuffer* out) const {
   const bool plus =
       word == nullptr || word->number.mantissa < 0 ? interpreter_->dialect().writes_plus : word->number.has_plus;
-  AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, plus, !is_increments, out);
+  AppendNumber(corrected, plus, out);
 }
 
 void BlockWriter::AppendDistance(Distance distance, OutBuffer* out) const {
@@ -198,13 +187,13 @@ void BlockWriter::InsertWords(const char* text, const Block& block, const Step& 
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
     const Ticks base = BaseOf(block, step, axis);
-    const Rounded rounded = Round(step, axis, targets[axis], DecimalsOf(block, step, axis), base);
-    if (!NeedsWord(axis, targets[axis], rounded.grain)) continue;
+    const CorrectedWord corrected = CorrectedOf(step, axis, targets[axis], base, FormOf(block, step, axis));
+    if (!NeedsWord(axis, targets[axis], corrected.form.grain)) continue;
     if (!IsPacked(text, block)) out->push_back(' ');
     const char letter = machine_->axes[axis].name[0];
     out->push_back(is_lower ? static_cast<char>(letter - 'A' + 'a') : letter);
-    AppendNumber(rounded, nullptr, out);
-    SetCommanded(axis, rounded, base);
+    AppendCorrected(corrected, nullptr, out);
+    SetCommanded(axis, corrected, base);
   }
 }
 
@@ -214,14 +203,11 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
   if (step.is_arc || is_in_chords_ || size > kMaxBytes || interpreter_->modal().is_incremental) return false;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
-    if (NeedsWord(axis, piece.targets[axis],
-                  GrainTicks(interpreter_->ticks_per_unit(axis), DecimalsOf(block, step, axis))))
-      return false;
+    if (NeedsWord(axis, piece.targets[axis], FormOf(block, step, axis).grain)) return false;
   }
   // Local copies: the compiler must assume that a write through `to` can change any member of this object.
   const bool is_inch = interpreter_->modal().is_inch;
-  const int decimals_mm = options_->decimals_mm, decimals_inch = options_->decimals_inch;
-  const bool has_increments = options_->integer_words == IntegerWords::kLeastIncrement;
+  const WordRule rule = rule_;
   char* to = out->Room(kMaxBytes + machine::kMaxAxes * kMaxFixedBytes);
   uint32_t copied = 0;
   const int word_count = block.word_count;
@@ -238,25 +224,19 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
       continue;
     }
     const Ticks unit = interpreter_->ticks_per_unit(axis), base = interpreter_->offset(axis) + shift;
-    const Decimal& number = word.number;
-    const bool is_increments = has_increments && !number.has_point;
-    const int says = is_increments ? is_inch ? decimals_inch : decimals_mm : number.decimals;
-    const int decimals =
-        is_increments ? says : std::max<int>(unit == kTicksPerInch ? decimals_inch : decimals_mm, says);
-    // No axis of this block is wrapped (Round), because a word of a wrapped axis states its distance.
-    const Ticks grain = GrainTicks(unit, decimals);
-    const int64_t mantissa = RoundToGrains(target - base, grain);
-    commanded_.ticks[axis] = base + mantissa * grain;
-    if (mantissa == number.mantissa * kPowersOfTen[decimals - says]) continue;
+    // No axis of this block is wrapped (CorrectedOf), because a word of a wrapped axis states its distance.
+    const CorrectedWord corrected = WordFor(target, base, rule.Of(word, unit, is_inch));
+    commanded_.ticks[axis] = corrected.Position(base);
+    if (IsSaid(corrected, word)) continue;
     const uint32_t number_at = word.number_at, end = word.end;
-    const bool has_plus = number.has_plus;
+    const bool has_plus = word.number.has_plus;
     if (number_at - copied <= 16 && copied + 16 <= size) {
       __builtin_memcpy(to, text + copied, 16);  // more than is wanted, and written over
       to += number_at - copied;
     } else {
       to = CopyShort(text + copied, number_at - copied, to);
     }
-    to = WriteFixed(mantissa, is_increments ? 0 : decimals, has_plus, !is_increments, to);
+    to = WriteNumber(corrected, has_plus, to);
     copied = end;
   }
   out->Take(CopyShort(text + copied, size - copied, to));
@@ -292,12 +272,12 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
     const int axis = interpreter_->AxisOf(word.letter);
     if (axis >= 0) {
       const Ticks base = BaseOf(block, step, axis);
-      const Rounded rounded = Round(step, axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
-      const Decimal number = interpreter_->Meant(word.number);
-      SetCommanded(axis, rounded, base);
-      if (rounded.mantissa != number.mantissa * kPowersOfTen[rounded.decimals - number.decimals]) {
+      const CorrectedWord corrected =
+          CorrectedOf(step, axis, piece.targets[axis], base, FormOf(block, step, axis));
+      SetCommanded(axis, corrected, base);
+      if (!IsSaid(corrected, word)) {
         copy_to(word.number_at);
-        AppendNumber(rounded, &word, out);
+        AppendCorrected(corrected, &word, out);
         copied = word.end;
       }
     } else if (word.letter == 'F' && scales_feed) {
@@ -342,19 +322,17 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
     const bool is_of_arc = piece.is_arc && (axis == piece.arc.first || axis == piece.arc.second);
     const Ticks base = interpreter_->modal().is_incremental ? commanded_.ticks[axis]
                                                             : interpreter_->offset(axis) + preset_shift_[axis];
-    const Rounded rounded = Round(step, axis, piece.targets[axis], DecimalsOf(block, step, axis), base);
-    if (index < 0 && !is_of_arc && !NeedsWord(axis, piece.targets[axis], rounded.grain)) continue;
+    const CorrectedWord corrected = CorrectedOf(step, axis, piece.targets[axis], base, FormOf(block, step, axis));
+    if (index < 0 && !is_of_arc && !NeedsWord(axis, piece.targets[axis], corrected.form.grain)) continue;
     if (!is_first && !is_packed) out->push_back(' ');
     is_first = false;
     out->push_back(machine_->axes[axis].name[0]);
     const Word* const word = index < 0 ? nullptr : &block.words[static_cast<size_t>(index)];
-    const bool is_increments = word != nullptr && IsIncrements(*word);
     const bool is_wrapped = step.wrapped >> axis & 1;
     if (is_wrapped) AppendDistance(word->distance, out);
-    AppendFixed(rounded.mantissa, is_increments ? 0 : rounded.decimals, interpreter_->dialect().writes_plus,
-                !is_increments, out);
+    AppendNumber(corrected, interpreter_->dialect().writes_plus, out);
     if (is_wrapped) out->push_back(')');
-    SetCommanded(axis, rounded, base);
+    SetCommanded(axis, corrected, base);
   }
   if (piece.is_arc) AppendArcWords(block, piece, start, is_packed, out);
   if (piece.is_arc && has_poles) out->append(interpreter_->modal().is_clockwise ? " DR-" : " DR+");

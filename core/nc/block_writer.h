@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/nc/block.h"
+#include "core/nc/corrected_word.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/move_corrector.h"
 #include "core/nc/out_buffer.h"
@@ -66,31 +67,28 @@ class BlockWriter {
   static bool IsPacked(const char* text, const Block& block);
 
  private:
-  struct Rounded {
-    int64_t mantissa;
-    int decimals;
-    Ticks grain;
-  };
   // The usual block: a linear move with all words that it needs, absolute. False, and nothing written, for any other.
   bool WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                    OutBuffer* out);
-  int DecimalsOf(const Block& block, const Step& step, int axis) const;
-  int DecimalsOf(const Word& word, bool is_inch) const;
+  // Of the axis' word in the block, or of one that is inserted for it.
+  WordForm FormOf(const Block& block, const Step& step, int axis) const;
   // What a word of 0 means: the commanded position in G91, the coordinates' origin else.
   Ticks BaseOf(const Block& block, const Step& step, int axis) const;
-  Rounded Round(const Step& step, int axis, Ticks target, int decimals, Ticks base) const;
-  void SetCommanded(int axis, const Rounded& rounded, Ticks base);
+  // As WordFor; an axis that counts from 0 to 360 deg is told an angle of that range.
+  CorrectedWord CorrectedOf(const Step& step, int axis, Ticks target, Ticks base, const WordForm& form) const;
+  void SetCommanded(int axis, const CorrectedWord& corrected, Ticks base);
   bool NeedsWord(int axis, Ticks target, Ticks grain) const;
-  bool IsIncrements(const Word& word) const;
   // Where the word ends, the ')' of X=IC(5) included.
   static uint32_t EndOf(const char* text, size_t size, const Word& word);
-  void AppendNumber(const Rounded& rounded, const Word* word, OutBuffer* out) const;
+  // `word`: that it is written in place of, nullptr: it is inserted.
+  void AppendCorrected(const CorrectedWord& corrected, const Word* word, OutBuffer* out) const;
   void AppendDistance(Distance distance, OutBuffer* out) const;
   void AppendFeed(const Word& word, double fraction, OutBuffer* out) const;
   void InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets, bool is_lower,
                    OutBuffer* out);
   // I, J, K or R of a written arc that began at `start`. False: such a word is not of this arc.
-  bool ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start, Rounded* rounded) const;
+  bool ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start,
+               CorrectedWord* corrected) const;
   void WriteArcWord(const char* text, size_t size, const Word& word, const Piece& piece, const AxisTicks& start,
                     uint32_t* copied, OutBuffer* out) const;
   void AppendArcWords(const Block& block, const Piece& piece, const AxisTicks& start, bool is_packed,
@@ -104,8 +102,8 @@ class BlockWriter {
   bool HasMotionWord(const Block& block) const;
 
   const machine::Machine* machine_;
-  const RewriteOptions* options_;
   const Interpreter* interpreter_;
+  WordRule rule_;
   std::vector<int> order_;                             // axes in the order in which inserted words are written
   std::array<bool, machine::kMaxAxes> is_followed_{};  // rotary axes with orientation
   Commanded commanded_;

@@ -174,9 +174,9 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const 
     Piece& piece = pieces[k];
     piece.end_fraction = static_cast<double>(ends[k]) / intervals;
     AxisTicks nominal = Between(step, piece.end_fraction);
-    for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i) {
-      nominal[i] = RoundToGrains(nominal[i], grain.of_axis[i]) * grain.of_axis[i];
-    }
+    // Counted from the machine's zero, whatever the work offset: plain numbers, which need not be what words can say.
+    for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i)
+      nominal[i] = NearestHeld(nominal[i], 0, grain.of_axis[i]);
     RETURN_IF_ERROR(CorrectAt(nominal, step.end.sense, grain, &piece));
   }
   return pieces;

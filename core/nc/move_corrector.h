@@ -8,6 +8,7 @@
 #include "core/base/status.h"
 #include "core/compensate/compensator.h"
 #include "core/compensate/orientation.h"
+#include "core/nc/corrected_word.h"
 #include "core/nc/interpreter.h"
 
 namespace axiscal::nc {
@@ -28,8 +29,11 @@ struct Piece {
 struct WordGrain {
   AxisTicks of_axis{};     // of each axis' word, ticks; 0: any position
   AxisTicks base{};        // a position that the word can say
-  double radius_mm = 0.0;  // of the R word; 0: the arc has a centre
+  Ticks radius = 0;        // of the R word; 0: the arc has a centre
   bool is_flat = false;    // the arc's block holds no word of another axis than its plane's
+
+  // The position nearest to it that the axis' word can say.
+  Ticks Held(int axis, Ticks target) const { return NearestHeld(target, base[axis], of_axis[axis]); }
 };
 
 class MoveCorrector {

@@ -19,8 +19,7 @@ absl::Status MoveCorrector::TurnAt(const compensate::AxisValues& near, const Wor
   for (const int axis : corrected_) {
     if (compensator_->machine().axes[axis].kind == machine::AxisKind::kLinear) continue;
     targets[axis] += NearestTick((piece->turned.position[axis] - pose.position[axis]) / unit_per_tick_[axis]);
-    if (const Ticks one = grain.of_axis[axis]; one > 0)
-      targets[axis] = grain.base[axis] + RoundToGrains(targets[axis] - grain.base[axis], one) * one;
+    targets[axis] = grain.Held(axis, targets[axis]);
     turned[axis] += static_cast<double>(targets[axis] - nominal[axis]) * unit_per_tick_[axis];
   }
   RETURN_IF_ERROR(compensator_->CorrectTurned(pose, turned, near, &piece->correction));
