@@ -66,12 +66,21 @@ else()
   message(STATUS "Tests and benchmarks are left out: GoogleTest or benchmark is missing (deploy/install-deps --tests)")
 endif()
 
-# axiscal_library(name SOURCES a.cc ... [DEPS lib ...] [PCH header ...]): static library axiscal_<name>.
+# Half of the compiler's time went into the same headers (Eigen, Abseil, Protobuf) and the same instances of Eigen's templates, source after
+# source. A library with UNITY n compiles n of its sources in one go; n is chosen so that one go takes half a minute at most, which is what
+# a change of one line costs. Names of a library's sources must not clash therefore, those in anonymous namespaces included. Sources with
+# options of their own stay alone. With AXISCAL_UNITY=OFF every source is compiled alone, which shows what it forgot to include.
+option(AXISCAL_UNITY "Compile several sources of a library in one go" ON)
+
+# axiscal_library(name SOURCES a.cc ... [DEPS lib ...] [PCH header ...] [UNITY n]): static library axiscal_<name>.
 function(axiscal_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;PCH" ${ARGN})
+  cmake_parse_arguments(ARG "" "UNITY" "SOURCES;DEPS;PCH" ${ARGN})
   if(ARG_SOURCES)
     add_library(axiscal_${name} STATIC ${ARG_SOURCES})
     target_link_libraries(axiscal_${name} PUBLIC axiscal_flags ${ARG_DEPS})
+    if(ARG_UNITY AND AXISCAL_UNITY)
+      set_target_properties(axiscal_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_UNITY})
+    endif()
     if(ARG_PCH)
       target_precompile_headers(axiscal_${name} PRIVATE ${ARG_PCH})
     endif()

@@ -9,11 +9,11 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct ApproveArguments {
   int64_t calibration = 0, etag = 0;
 };
 
-absl::Status Approve(Context& context, const Arguments& arguments) {
+absl::Status Approve(Context& context, const ApproveArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   const CalibrationId id(arguments.calibration);
   int64_t etag = arguments.etag;
@@ -32,7 +32,7 @@ absl::Status Approve(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddApproveCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ApproveArguments>();
   CLI::App* approve = app.add_subcommand("approve", "Put a calibration in use; the machine's former one retires");
   approve->add_option("CALIBRATION", arguments->calibration, "its number")->required()->check(CLI::PositiveNumber);
   approve->add_option("--etag", arguments->etag, "refuse when it changed since this etag was read")

@@ -9,13 +9,13 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct CalibrationArguments {
   std::string machine, page, approved_of;
   int page_size = 0;
   int64_t id = 0;
 };
 
-absl::Status List(Context& context, const Arguments& arguments) {
+absl::Status List(Context& context, const CalibrationArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   records::CalibrationFilter filter;
   if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
@@ -31,7 +31,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Show(Context& context, const Arguments& arguments) {
+absl::Status Show(Context& context, const CalibrationArguments& arguments) {
   if (arguments.approved_of.empty() == (arguments.id == 0)) {
     return absl::InvalidArgumentError("calibration show: expected either a number or --approved MACHINE");
   }
@@ -46,7 +46,7 @@ absl::Status Show(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddCalibrationCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CalibrationArguments>();
   CLI::App* calibration = app.add_subcommand("calibration", "What was identified: list, show");
   calibration->require_subcommand(1);
 

@@ -27,7 +27,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct CloseLoopArguments {
   std::string folder, machine, report, errors, plot, request_id;
   std::vector<std::string> fit, check;
   int max_effects = loop::Options().max_effects;
@@ -37,7 +37,7 @@ struct Arguments {
   bool no_wait = false;
 };
 
-absl::Status WriteOutputs(const Arguments& arguments, const std::string& report, const std::string& errors) {
+absl::Status WriteOutputs(const CloseLoopArguments& arguments, const std::string& report, const std::string& errors) {
   if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report));
   if (!arguments.errors.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.errors, errors));
   return absl::OkStatus();
@@ -58,19 +58,19 @@ absl::Status MakeFolder(const std::string& folder) {
   return absl::OkStatus();
 }
 
-absl::Status CheckPaths(const Arguments& arguments, const std::vector<NamedPath>& inputs) {
+absl::Status CheckPaths(const CloseLoopArguments& arguments, const std::vector<NamedPath>& inputs) {
   return CheckOutputs(inputs, {{"--report", arguments.report}, {"--errors", arguments.errors}});
 }
 
 // The simulation that was asked for, and the text of its budget; both ways take the same.
-absl::Status CheckSimulation(const Arguments& arguments) {
+absl::Status CheckSimulation(const CloseLoopArguments& arguments) {
   if (arguments.monte_carlo) return absl::OkStatus();
   if (arguments.seed) return absl::InvalidArgumentError("--seed: expected --monte-carlo with it");
   if (!arguments.budget.empty()) return absl::InvalidArgumentError("--budget: expected --monte-carlo with it");
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> BudgetText(const Arguments& arguments) {
+absl::StatusOr<std::string> BudgetText(const CloseLoopArguments& arguments) {
   if (arguments.budget.empty()) return std::string();
   return base::ReadFile(arguments.budget, base::kMaxJsonBytes);
 }
@@ -88,7 +88,8 @@ void OnAllCores(int count, const std::function<void(int)>& body) {
   for (std::thread& thread : threads) thread.join();
 }
 
-absl::Status AddSimulation(const Arguments& arguments, const machine::Machine& machine, loop::Options* options) {
+absl::Status AddSimulation(const CloseLoopArguments& arguments, const machine::Machine& machine,
+                           loop::Options* options) {
   if (!arguments.monte_carlo) return absl::OkStatus();
   options->monte_carlo.emplace();
   options->monte_carlo->runs = *arguments.monte_carlo;
@@ -110,7 +111,7 @@ absl::Status CheckPlausible(const std::vector<std::string>& files, const std::ve
   return absl::OkStatus();
 }
 
-absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
+absl::Status CloseLoopOfFiles(Context& context, const CloseLoopArguments& arguments) {
   ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
   std::vector<NamedPath> inputs = {{"machine.json", arguments.folder + "/machine.json"}};
   for (const auto* files : {&measured.fit_files, &measured.check_files}) {
@@ -140,7 +141,7 @@ absl::Status CloseLoopOfFiles(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
+absl::Status CloseLoopOnService(Context& context, const CloseLoopArguments& arguments) {
   std::vector<NamedPath> inputs;
   if (context.server.empty()) inputs.push_back({"the database", context.database});
   RETURN_IF_ERROR(CheckPaths(arguments, inputs));
@@ -173,7 +174,7 @@ absl::Status CloseLoopOnService(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status CloseLoop(Context& context, const Arguments& arguments) {
+absl::Status CloseLoop(Context& context, const CloseLoopArguments& arguments) {
   RETURN_IF_ERROR(CheckSimulation(arguments));
   if (arguments.folder.empty() == arguments.machine.empty()) {
     return absl::InvalidArgumentError("close-loop: expected either a case folder or --machine");
@@ -195,7 +196,7 @@ absl::Status CloseLoop(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddCloseLoopCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CloseLoopArguments>();
   CLI::App* command = app.add_subcommand(
       "close-loop", "Find the effects that a machine's model lacks, in a case folder or in stored sessions");
   command->add_option("CASE", arguments->folder, "folder with machine.json, fit/*.csv and check/*.csv");

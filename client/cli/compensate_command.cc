@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct CompensateArguments {
   std::string machine, errors, input, output, report;
   int64_t calibration = 0;
   bool keep = false;
@@ -60,7 +60,7 @@ std::string OrientationText(const Json& report) {
 }
 
 // Of a report of nc::ToJson.
-std::string ReportText(const Json& report, const std::string& output) {
+std::string RewriteReportText(const Json& report, const std::string& output) {
   const auto number = [&report](const char* path) { return NumberText(report.value(Json::json_pointer(path), 0.0)); };
   const auto count = [&report](const char* path) { return report.value(Json::json_pointer(path), int64_t{0}); };
   std::string text = absl::StrFormat("%s: %d of %d blocks corrected, %d split, %d passed unchanged\n", output,
@@ -91,17 +91,17 @@ std::string RefusedText(const nc::RewriteReport& report) {
 }
 
 // Outputs are opened before the work, so that a report that cannot be written stops it.
-absl::Status OpenReport(const Arguments& arguments, base::AtomicFile* file) {
+absl::Status OpenReport(const CompensateArguments& arguments, base::AtomicFile* file) {
   return arguments.report.empty() ? absl::OkStatus() : file->Open(arguments.report);
 }
 
-absl::Status WriteReport(const Arguments& arguments, const std::string& json, base::AtomicFile* file) {
+absl::Status WriteReport(const CompensateArguments& arguments, const std::string& json, base::AtomicFile* file) {
   if (arguments.report.empty()) return absl::OkStatus();
   RETURN_IF_ERROR(file->Write(json));
   return file->Commit();
 }
 
-absl::Status CheckPaths(const Context& context, const Arguments& arguments) {
+absl::Status CheckPaths(const Context& context, const CompensateArguments& arguments) {
   std::vector<NamedPath> inputs = {{"the input", arguments.input}};
   if (context.server.empty()) inputs.push_back({"the database", context.database});
   if (!arguments.errors.empty()) {
@@ -120,7 +120,7 @@ std::string MarkName(const std::string& path) {
   return name;
 }
 
-absl::Status CompensateFiles(Context& context, const Arguments& arguments) {
+absl::Status CompensateFiles(Context& context, const CompensateArguments& arguments) {
   ASSIGN_OR_RETURN(const MachineWithErrors model, ReadModelFiles(arguments.machine, arguments.errors));
   ASSIGN_OR_RETURN(nc::RewriteOptions options, ToRewriteOptions(arguments.rewrite, model.machine));
   options.calibration = MarkName(arguments.errors);
@@ -139,7 +139,7 @@ absl::Status CompensateFiles(Context& context, const Arguments& arguments) {
   RETURN_IF_ERROR(WriteReport(arguments, report_json, &report_file));
   if (!status.ok())
     return absl::Status(status.code(), absl::StrCat(arguments.input, ": ", status.message(), RefusedText(report)));
-  context.Print(Embedded(report_json), ReportText(Embedded(report_json), arguments.output));
+  context.Print(Embedded(report_json), RewriteReportText(Embedded(report_json), arguments.output));
   return absl::OkStatus();
 }
 
@@ -150,7 +150,7 @@ absl::Status FetchProgram(client::Client& client, ProgramId id, const std::strin
   return file.Commit();
 }
 
-absl::StatusOr<records::CompensateParams> ParamsOf(const Arguments& arguments, client::Client& client) {
+absl::StatusOr<records::CompensateParams> ParamsOf(const CompensateArguments& arguments, client::Client& client) {
   records::CompensateParams params;
   ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
   params.machine = MachineId(arguments.machine);
@@ -170,7 +170,7 @@ struct OnService {
 
 // Up and down in one call; nothing stays on the service.
 absl::StatusOr<OnService> RewriteInStream(client::Client& client, const records::CompensateParams& params,
-                                          const Arguments& arguments) {
+                                          const CompensateArguments& arguments) {
   base::AtomicFile file;
   RETURN_IF_ERROR(file.Open(arguments.output));
   OnService made;
@@ -183,7 +183,7 @@ absl::StatusOr<OnService> RewriteInStream(client::Client& client, const records:
 
 // The program, the rewritten one and the report stay on the service.
 absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& client, records::CompensateParams params,
-                                       const Arguments& arguments) {
+                                       const CompensateArguments& arguments) {
   ASSIGN_OR_RETURN(const records::ProgramRecord program, client.PutProgramFile(arguments.input));
   params.program = program.id;
   ASSIGN_OR_RETURN(const records::JobRecord job, client.CreateJob(params));
@@ -193,7 +193,7 @@ absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& c
   return OnService{done.result, {{"job", done.id.number()}, {"program", done.programs[0].number()}}};
 }
 
-absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
+absl::Status CompensateOnService(Context& context, const CompensateArguments& arguments) {
   RETURN_IF_ERROR(ToolTip(arguments.rewrite).status());
   base::AtomicFile report_file;
   RETURN_IF_ERROR(OpenReport(arguments, &report_file));
@@ -203,13 +203,13 @@ absl::Status CompensateOnService(Context& context, const Arguments& arguments) {
                                                         : RewriteInStream(*client, params, arguments));
   RETURN_IF_ERROR(WriteReport(arguments, made.report, &report_file));
   Json json = Embedded(made.report);
-  const std::string text = ReportText(json, arguments.output);
+  const std::string text = RewriteReportText(json, arguments.output);
   json.update(made.kept);
   context.Print(json, text);
   return absl::OkStatus();
 }
 
-absl::Status Compensate(Context& context, const Arguments& arguments) {
+absl::Status Compensate(Context& context, const CompensateArguments& arguments) {
   RETURN_IF_ERROR(CheckPaths(context, arguments));
   if (arguments.keep && !arguments.errors.empty())
     return absl::InvalidArgumentError("--keep stores programs on the service, which --errors does without");
@@ -219,7 +219,7 @@ absl::Status Compensate(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddCompensateCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CompensateArguments>();
   CLI::App* compensate =
       app.add_subcommand("compensate", "Rewrite an NC program so that the tool goes where the program says");
   compensate->add_option("INPUT", arguments->input, "the program")->required();

@@ -9,14 +9,14 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct HistoryArguments {
   std::string machine, from, to, page;
   std::vector<std::string> symbols;
   int points = 500, page_size = 0;
   bool fleet = false;
 };
 
-absl::Status Drift(Context& context, client::Client& client, const Arguments& arguments) {
+absl::Status Drift(Context& context, client::Client& client, const HistoryArguments& arguments) {
   records::DriftQuery query;
   query.machine = MachineId(arguments.machine);
   query.symbols = arguments.symbols;
@@ -47,7 +47,7 @@ absl::Status Drift(Context& context, client::Client& client, const Arguments& ar
   return absl::OkStatus();
 }
 
-absl::Status Fleet(Context& context, client::Client& client, const Arguments& arguments) {
+absl::Status Fleet(Context& context, client::Client& client, const HistoryArguments& arguments) {
   ASSIGN_OR_RETURN(const auto page, client.LatestFleet(arguments.symbols, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"machine", "error", "value", "sigma", "unit", "when (UTC)", "calibration"}};
@@ -62,7 +62,7 @@ absl::Status Fleet(Context& context, client::Client& client, const Arguments& ar
   return absl::OkStatus();
 }
 
-absl::Status History(Context& context, const Arguments& arguments) {
+absl::Status History(Context& context, const HistoryArguments& arguments) {
   if (arguments.fleet == !arguments.machine.empty()) {
     return absl::InvalidArgumentError("history: expected either --machine or --fleet");
   }
@@ -73,7 +73,7 @@ absl::Status History(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddHistoryCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<HistoryArguments>();
   CLI::App* history = app.add_subcommand("history", "How a machine's errors changed over time");
   history->add_option("--machine", arguments->machine, "the machine");
   history->add_flag("--fleet", arguments->fleet, "the newest errors of every machine instead");

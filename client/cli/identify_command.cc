@@ -17,7 +17,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct IdentifyArguments {
   std::string machine, request_id;
   std::vector<std::string> sessions, declared;
   bool all = false, no_wait = false;
@@ -27,7 +27,7 @@ struct Arguments {
   std::optional<uint64_t> seed;
 };
 
-absl::Status ReadSimulation(const Arguments& arguments, records::IdentifyParams* params) {
+absl::Status ReadSimulation(const IdentifyArguments& arguments, records::IdentifyParams* params) {
   params->monte_carlo_runs = arguments.monte_carlo;
   if (arguments.seed) {
     if (!arguments.monte_carlo) return absl::InvalidArgumentError("--seed: expected --monte-carlo with it");
@@ -103,7 +103,7 @@ absl::StatusOr<std::string> Only(const std::vector<std::string>& only, Json docu
 }
 
 // A number is a calibration; all else a file.
-absl::Status ReadHeld(Context& context, const Arguments& arguments, records::IdentifyParams* params) {
+absl::Status ReadHeld(Context& context, const IdentifyArguments& arguments, records::IdentifyParams* params) {
   const std::string& hold = arguments.hold;
   if (hold.empty() && !arguments.hold_only.empty()) {
     return absl::InvalidArgumentError("--hold-only: expected --hold with it");
@@ -128,7 +128,7 @@ absl::Status ReadHeld(Context& context, const Arguments& arguments, records::Ide
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, const Arguments& arguments) {
+absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, const IdentifyArguments& arguments) {
   if (arguments.all == !arguments.sessions.empty()) {
     return absl::InvalidArgumentError("identify: expected either --sessions or --all");
   }
@@ -143,7 +143,7 @@ absl::StatusOr<std::vector<SessionId>> ChooseSessions(client::Client& client, co
   return chosen;
 }
 
-absl::Status Identify(Context& context, const Arguments& arguments) {
+absl::Status Identify(Context& context, const IdentifyArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   records::IdentifyParams params;
   params.machine = MachineId(arguments.machine);
@@ -171,7 +171,7 @@ absl::Status Identify(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddIdentifyCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<IdentifyArguments>();
   CLI::App* identify =
       app.add_subcommand("identify", "Find a machine's errors from its sessions; makes a candidate calibration");
   identify->add_option("--machine", arguments->machine, "the machine")->required();

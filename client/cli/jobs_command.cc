@@ -10,7 +10,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct JobsArguments {
   std::string machine, state, page;
   int page_size = 0;
   int64_t id = 0;
@@ -37,7 +37,7 @@ std::string Short(const std::string& text) {
   return text.size() <= kShown ? text : text.substr(0, kShown - 3) + "...";
 }
 
-absl::Status List(Context& context, const Arguments& arguments) {
+absl::Status List(Context& context, const JobsArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   client::JobFilter filter;
   if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
@@ -57,7 +57,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Watch(Context& context, const Arguments& arguments) {
+absl::Status Watch(Context& context, const JobsArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ProgressBar bar = context.Bar(absl::StrCat("job ", arguments.id));
   ASSIGN_OR_RETURN(const records::JobRecord record,
@@ -69,7 +69,7 @@ absl::Status Watch(Context& context, const Arguments& arguments) {
   return OutcomeOf(record);
 }
 
-absl::Status Cancel(Context& context, const Arguments& arguments) {
+absl::Status Cancel(Context& context, const JobsArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const records::JobRecord record, client->CancelJob(JobId(arguments.id)));
   const bool still_runs = !records::IsTerminal(record.state);
@@ -78,7 +78,7 @@ absl::Status Cancel(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Requeue(Context& context, const Arguments& arguments) {
+absl::Status Requeue(Context& context, const JobsArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const records::JobRecord record, client->RequeueJob(JobId(arguments.id)));
   context.Print(ToJson(record), JobText(record));
@@ -88,7 +88,7 @@ absl::Status Requeue(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddJobsCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<JobsArguments>();
   CLI::App* jobs = app.add_subcommand("jobs", "Long work: list, watch, cancel, requeue");
   jobs->require_subcommand(1);
 

@@ -13,7 +13,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct MachineArguments {
   std::string file, id, page;
   int page_size = 0;
   int64_t revision = 0;
@@ -26,7 +26,7 @@ absl::StatusOr<std::string> ReadDescription(const std::string& path, MachineId* 
   return base::ReadFile(path, base::kMaxJsonBytes);
 }
 
-absl::Status Add(Context& context, const Arguments& arguments) {
+absl::Status Add(Context& context, const MachineArguments& arguments) {
   MachineId id;
   ASSIGN_OR_RETURN(const std::string description, ReadDescription(arguments.file, &id));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
@@ -37,7 +37,7 @@ absl::Status Add(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Update(Context& context, const Arguments& arguments) {
+absl::Status Update(Context& context, const MachineArguments& arguments) {
   MachineId id;
   ASSIGN_OR_RETURN(const std::string description, ReadDescription(arguments.file, &id));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
@@ -47,7 +47,7 @@ absl::Status Update(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status List(Context& context, const Arguments& arguments) {
+absl::Status List(Context& context, const MachineArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const auto page, client->ListMachines({arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {{"machine", "revision", "updated (UTC)"}};
@@ -58,7 +58,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Show(Context& context, const Arguments& arguments) {
+absl::Status Show(Context& context, const MachineArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   const MachineId id(arguments.id);
   ASSIGN_OR_RETURN(const records::MachineRecord record, arguments.revision > 0
@@ -68,14 +68,14 @@ absl::Status Show(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<machine::Machine> LoadMachine(Context& context, const Arguments& arguments) {
+absl::StatusOr<machine::Machine> LoadMachine(Context& context, const MachineArguments& arguments) {
   if (!arguments.file.empty()) return machine::ReadMachineFile(arguments.file);
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(MachineId(arguments.id)));
   return machine::MachineFromJson(record.description_json);
 }
 
-absl::Status Explain(Context& context, const Arguments& arguments) {
+absl::Status Explain(Context& context, const MachineArguments& arguments) {
   if (arguments.file.empty() == arguments.id.empty()) {
     return absl::InvalidArgumentError("explain: expected either a machine's id or --file machine.json");
   }
@@ -98,7 +98,7 @@ absl::Status Explain(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddMachineCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<MachineArguments>();
   CLI::App* machine = app.add_subcommand("machine", "Describe machines: add, update, list, show, explain");
   machine->require_subcommand(1);
 

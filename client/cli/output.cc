@@ -10,7 +10,7 @@
 namespace axiscal::cli {
 namespace {
 
-bool IsNumber(const std::string& cell) {
+bool IsNumberCell(const std::string& cell) {
   return !cell.empty() && (std::isdigit(static_cast<unsigned char>(cell.back())) || cell == "-") &&
          cell.find_first_not_of("+-.0123456789e") == std::string::npos;
 }
@@ -45,7 +45,7 @@ std::string Table(const std::vector<std::vector<std::string>>& rows) {
         is_number.push_back(rows.size() > 1);
       }
       widths[c] = std::max(widths[c], Width(rows[r][c]));
-      if (r > 0 && !rows[r][c].empty() && !IsNumber(rows[r][c])) is_number[c] = false;
+      if (r > 0 && !rows[r][c].empty() && !IsNumberCell(rows[r][c])) is_number[c] = false;
     }
   }
   std::string text;

@@ -19,7 +19,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct PlanArguments {
   std::string machine, test, output, tool_tip, ball;
   std::vector<std::string> asked, declared, with;
   std::optional<double> bar_mm;
@@ -41,7 +41,7 @@ absl::StatusOr<std::vector<Eigen::Vector3d>> Point(const std::string& option, co
   return std::vector<Eigen::Vector3d>{{numbers[0], numbers[1], numbers[2]}};
 }
 
-absl::StatusOr<plan::Situation> SituationOf(const machine::Machine& machine, const Arguments& arguments) {
+absl::StatusOr<plan::Situation> SituationOf(const machine::Machine& machine, const PlanArguments& arguments) {
   plan::Mounted mounted;
   ASSIGN_OR_RETURN(mounted.tips_mm, Point("--tool-tip", arguments.tool_tip));
   ASSIGN_OR_RETURN(mounted.balls_mm, Point("--ball", arguments.ball));
@@ -64,7 +64,7 @@ std::string Joined(const std::vector<std::string>& texts, const std::string& bet
 
 std::string Minutes(double seconds) { return absl::StrFormat("%.0f min", std::ceil(seconds / 60.0)); }
 
-Json ToJson(const testplan::SurveyedTest& test, const testplan::Survey& survey) {
+Json TestJson(const testplan::SurveyedTest& test, const testplan::Survey& survey) {
   Json determined = Json::array();
   for (size_t i = 0; i < survey.errors.size(); ++i) {
     if (test.is_determined[i]) determined.push_back(survey.errors[i].name);
@@ -81,7 +81,7 @@ absl::Status List(Context& context, const testplan::Survey& survey, const std::v
   std::vector<std::vector<std::string>> rows = {{"session", "test", "readings", "takes", "rank"}};
   std::string text;
   for (const testplan::SurveyedTest& test : survey.tests) {
-    tests.push_back(ToJson(test, survey));
+    tests.push_back(TestJson(test, survey));
     rows.push_back({test.session, test.test, std::to_string(test.readings), Minutes(test.seconds),
                     absl::StrCat(test.rank, " of ", survey.errors.size())});
     absl::StrAppend(&text, test.session, ": ", test.planned.text, "\n",
@@ -115,7 +115,7 @@ absl::Status List(Context& context, const testplan::Survey& survey, const std::v
 }
 
 absl::Status Propose(Context& context, const machine::Machine& machine, const testplan::Survey& survey,
-                     const Arguments& arguments) {
+                     const PlanArguments& arguments) {
   std::vector<int> asked;
   for (const std::string& text : arguments.asked) {
     ASSIGN_OR_RETURN(const machine::ErrorSymbol symbol, machine::ParseErrorSymbol(text));
@@ -127,7 +127,7 @@ absl::Status Propose(Context& context, const machine::Machine& machine, const te
   Json tests = Json::array(), errors = Json::array();
   std::string text;
   for (const int test : proposal.tests) {
-    tests.push_back(ToJson(survey.tests[test], survey));
+    tests.push_back(TestJson(survey.tests[test], survey));
     absl::StrAppend(&text, survey.tests[test].session, ": ", survey.tests[test].planned.text, " (",
                     survey.tests[test].test, ")\n");
   }
@@ -152,7 +152,7 @@ absl::Status Propose(Context& context, const machine::Machine& machine, const te
 
 // A session's name, or a test's: then its first session.
 absl::Status WriteTest(Context& context, const machine::Machine& machine, const plan::Situation& situation,
-                       const Arguments& arguments) {
+                       const PlanArguments& arguments) {
   if (arguments.output.empty()) return absl::InvalidArgumentError("plan: expected -o FILE for " + arguments.test);
   std::vector<NamedPath> inputs = {{"--machine", arguments.machine}};
   if (context.server.empty()) inputs.push_back({"the database", context.database});
@@ -218,7 +218,7 @@ bool IsToolSetterTest(const std::string& name) {
                      [&](const ToolSetterTest& test) { return test.name == name; });
 }
 
-absl::Status Plan(Context& context, const Arguments& arguments) {
+absl::Status Plan(Context& context, const PlanArguments& arguments) {
   const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
   if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
   if (!arguments.with.empty() && !arguments.test.empty())
@@ -249,7 +249,7 @@ absl::Status Plan(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddPlanCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PlanArguments>();
   CLI::App* plan = app.add_subcommand(
       "plan", "Measuring tests: what each can see, which set tells the errors that are asked for, and their programs");
   plan->add_option("TEST", arguments->test, "a session of --list, or a test's name for its first session");

@@ -11,13 +11,13 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct ProgramArguments {
   std::string page, output;
   int page_size = 0;
   int64_t id = 0;
 };
 
-absl::Status List(Context& context, const Arguments& arguments) {
+absl::Status List(Context& context, const ProgramArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const auto page, client->ListPrograms({arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {{"id", "name", "bytes", "stored (UTC)", "by"}};
@@ -29,7 +29,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Get(Context& context, const Arguments& arguments) {
+absl::Status Get(Context& context, const ProgramArguments& arguments) {
   if (context.server.empty())
     RETURN_IF_ERROR(CheckOutputs({{"the database", context.database}}, {{"--output", arguments.output}}));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
@@ -49,7 +49,7 @@ absl::Status Get(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddProgramCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ProgramArguments>();
   CLI::App* program = app.add_subcommand("program", "Stored NC programs: list, get");
   program->require_subcommand(1);
 

@@ -18,7 +18,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct PublishedArguments {
   std::string source, machine, errors;
   std::vector<std::string> inputs;  // sessions, or one program
   int64_t calibration = 0;
@@ -26,7 +26,7 @@ struct Arguments {
   bool list = false;
 };
 
-absl::Status List(Context& context) {
+absl::Status ListPublished(Context& context) {
   Json sources = Json::array();
   std::string text;
   for (const published::Source& source : published::Sources()) {
@@ -57,7 +57,7 @@ std::string Cell(double number) {
 }
 
 absl::StatusOr<published::Comparison> OfSessions(Context& context, const published::Source& source,
-                                                 const Arguments& arguments) {
+                                                 const PublishedArguments& arguments) {
   if (!arguments.rewrite.tool_tip.empty() || !arguments.errors.empty() || arguments.calibration != 0) {
     return absl::InvalidArgumentError(absl::StrCat(
         "published: ", source.name, " is about sessions, expected no --tool-tip, --errors, --calibration"));
@@ -71,7 +71,7 @@ absl::StatusOr<published::Comparison> OfSessions(Context& context, const publish
 }
 
 absl::StatusOr<published::Comparison> OfProgram(Context& context, const published::Source& source,
-                                                const Arguments& arguments) {
+                                                const PublishedArguments& arguments) {
   if (arguments.inputs.size() != 1)
     return absl::InvalidArgumentError(absl::StrCat("published: expected one NC program for ", source.name));
   published::Program program;
@@ -100,8 +100,8 @@ absl::StatusOr<published::Comparison> OfProgram(Context& context, const publishe
   return comparison;
 }
 
-absl::Status Compare(Context& context, const Arguments& arguments) {
-  if (arguments.list) return List(context);
+absl::Status Compare(Context& context, const PublishedArguments& arguments) {
+  if (arguments.list) return ListPublished(context);
   if (arguments.source.empty() || arguments.machine.empty() || arguments.inputs.empty()) {
     return absl::InvalidArgumentError("published: expected --list, or SOURCE, --machine and what --list says it needs");
   }
@@ -138,7 +138,7 @@ absl::Status Compare(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddPublishedCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PublishedArguments>();
   CLI::App* published = app.add_subcommand(
       "published", "What a publication's own formulas make of sessions, beside the exact model, with its errata");
   published->add_option("SOURCE", arguments->source, "one of --list");

@@ -16,7 +16,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct ReduceArguments {
   std::string log, log_template, plan, machine, session, output;
   std::optional<double> start_s;
 };
@@ -34,7 +34,7 @@ absl::StatusOr<logs::LogTemplate> TemplateOf(const std::string& name) {
   return logs::ParseTemplate(*text, name);
 }
 
-absl::Status ReduceLog(Context& context, const Arguments& arguments) {
+absl::Status ReduceLog(Context& context, const ReduceArguments& arguments) {
   std::vector<NamedPath> inputs = {{"the log", arguments.log},
                                    {"--template", arguments.log_template},
                                    {"--plan", arguments.plan},
@@ -81,7 +81,7 @@ absl::Status ReduceLog(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddReduceCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ReduceArguments>();
   CLI::App* reduce = app.add_subcommand(
       "reduce", "Turn a controller's log (DPRNT, LinuxCNC probe log, any table) into a session file");
   reduce->add_option("LOG", arguments->log, "what the controller wrote")->required();

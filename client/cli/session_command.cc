@@ -11,13 +11,13 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct SessionArguments {
   std::string machine, page, output;
   int page_size = 0;
   int64_t id = 0;
 };
 
-absl::Status List(Context& context, const Arguments& arguments) {
+absl::Status List(Context& context, const SessionArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   client::SessionFilter filter;
   if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
@@ -33,7 +33,7 @@ absl::Status List(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status Get(Context& context, const Arguments& arguments) {
+absl::Status Get(Context& context, const SessionArguments& arguments) {
   if (context.server.empty())
     RETURN_IF_ERROR(CheckOutputs({{"the database", context.database}}, {{"--output", arguments.output}}));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
@@ -48,7 +48,7 @@ absl::Status Get(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddSessionCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SessionArguments>();
   CLI::App* session = app.add_subcommand("session", "Stored measuring sessions: list, get");
   session->require_subcommand(1);
 

@@ -18,7 +18,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct TableCommandArguments {
   std::string machine, errors, output, report;
   int64_t calibration = 0;
   bool list = false;
@@ -35,7 +35,7 @@ std::string ListText(const std::vector<records::TableFormat>& formats) {
 }
 
 // What the server knows; without one the formats of this program, which need no database.
-absl::Status List(Context& context) {
+absl::Status ListFormats(Context& context) {
   if (context.server.empty()) {
     std::vector<records::TableFormat> formats;
     for (const tables::Format& format : tables::Formats()) formats.push_back(records::Summary(format));
@@ -58,7 +58,7 @@ absl::Status List(Context& context) {
 }
 
 // Of a report of tables::MakeTable.
-std::string ReportText(const Json& report, const std::string& output) {
+std::string TableReportText(const Json& report, const std::string& output) {
   std::string text = absl::StrCat(output, ": ", report.value("format", ""), ", ", report.value("values", ""), "\n");
   std::vector<std::vector<std::string>> rows = {{"", "points", "largest", "left max", "left rms", "unit"}};
   for (const Json& table : report.value("tables", Json::array())) {
@@ -92,7 +92,7 @@ std::string ReportText(const Json& report, const std::string& output) {
   return text;
 }
 
-absl::Status CheckPaths(const Context& context, const Arguments& arguments) {
+absl::Status CheckPaths(const Context& context, const TableCommandArguments& arguments) {
   std::vector<NamedPath> inputs;
   if (context.server.empty() && arguments.errors.empty()) inputs.push_back({"the database", context.database});
   if (!arguments.errors.empty()) {
@@ -111,14 +111,14 @@ std::string SourceName(const std::string& path) {
   return name;
 }
 
-absl::StatusOr<tables::MadeTable> MakeFromFiles(const Arguments& arguments) {
+absl::StatusOr<tables::MadeTable> MakeFromFiles(const TableCommandArguments& arguments) {
   ASSIGN_OR_RETURN(const MachineWithErrors model, ReadModelFiles(arguments.machine, arguments.errors));
   ASSIGN_OR_RETURN(tables::TableRequest request, ToTableRequest(arguments.table, model.machine));
   request.calibration = SourceName(arguments.errors);
   return tables::MakeTable(model.machine, model.errors, request);
 }
 
-absl::StatusOr<tables::MadeTable> MakeOnService(Context& context, const Arguments& arguments) {
+absl::StatusOr<tables::MadeTable> MakeOnService(Context& context, const TableCommandArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   records::TableParams params;
   params.machine = MachineId(arguments.machine);
@@ -130,7 +130,7 @@ absl::StatusOr<tables::MadeTable> MakeOnService(Context& context, const Argument
   return std::move(made.table);
 }
 
-absl::Status MakeFile(Context& context, const Arguments& arguments) {
+absl::Status MakeFile(Context& context, const TableCommandArguments& arguments) {
   RETURN_IF_ERROR(CheckPaths(context, arguments));
   base::AtomicFile file, report_file;
   RETURN_IF_ERROR(file.Open(arguments.output));
@@ -143,14 +143,14 @@ absl::Status MakeFile(Context& context, const Arguments& arguments) {
     RETURN_IF_ERROR(report_file.Write(made.report_json));
     RETURN_IF_ERROR(report_file.Commit());
   }
-  context.Print(Embedded(made.report_json), ReportText(Embedded(made.report_json), arguments.output));
+  context.Print(Embedded(made.report_json), TableReportText(Embedded(made.report_json), arguments.output));
   return absl::OkStatus();
 }
 
 }  // namespace
 
 void AddTableCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TableCommandArguments>();
   CLI::App* table = app.add_subcommand("table", "Compensation tables for controllers, checked before they are written");
   CLI::Option* list = table->add_flag("--list", arguments->list, "list the formats with their limits");
   AddModelOptions(*table, arguments->machine, arguments->errors, arguments->calibration);
@@ -169,7 +169,7 @@ void AddTableCommand(CLI::App& app, Context& context) {
       "          axiscal table --machine machine.json --errors errors.json --format linuxcnc-comp --axis X --range "
       "X=-300:300 -o x.comp");
   SetAction(table, context, [&context, arguments, table, list, required]() -> absl::Status {
-    if (list->count() > 0) return List(context);
+    if (list->count() > 0) return ListFormats(context);
     for (const std::string& name : required) {
       // CLI11 reports usage errors this way.
       if (table->get_option(name)->count() == 0) throw CLI::RequiredError(name);

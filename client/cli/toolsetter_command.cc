@@ -22,7 +22,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct ToolsetterArguments {
   std::string file, machine, session, report, request_id;
   std::string beam, beam_sigma, rod, rod_sigma;  // numbers as typed
   std::string fit;                               // "yaw,pitch"
@@ -37,7 +37,7 @@ absl::StatusOr<std::vector<double>> Numbers(const std::string& option, const std
 }
 
 // The rods to compute: those of a session file, or the one on the command line; --beam stands in for the file's.
-absl::StatusOr<toolsetter::RodSession> RodsOf(const Arguments& arguments) {
+absl::StatusOr<toolsetter::RodSession> RodsOf(const ToolsetterArguments& arguments) {
   using base::kRadPerDeg;
   toolsetter::RodSession rods;
   if (!arguments.file.empty()) {
@@ -81,7 +81,7 @@ double HeightSigmaMm(const toolsetter::RodSession& session, const toolsetter::Me
   return std::sqrt(variance);
 }
 
-absl::Status PrintTriggers(Context& context, const Arguments& arguments) {
+absl::Status PrintTriggers(Context& context, const ToolsetterArguments& arguments) {
   ASSIGN_OR_RETURN(const toolsetter::RodSession session, RodsOf(arguments));
   Json rows = Json::array();
   std::vector<std::vector<std::string>> table = {
@@ -114,7 +114,7 @@ absl::Status PrintTriggers(Context& context, const Arguments& arguments) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<toolsetter::ReferenceOptions> OptionsOf(const Arguments& arguments) {
+absl::StatusOr<toolsetter::ReferenceOptions> OptionsOf(const ToolsetterArguments& arguments) {
   toolsetter::ReferenceOptions options;
   const std::string& fit = arguments.fit;
   if (fit != "" && fit != "yaw" && fit != "pitch" && fit != "yaw,pitch" && fit != "pitch,yaw")
@@ -124,8 +124,8 @@ absl::StatusOr<toolsetter::ReferenceOptions> OptionsOf(const Arguments& argument
   return options;
 }
 
-absl::StatusOr<std::string> OnService(Context& context, const Arguments& arguments,
-                                      const toolsetter::ReferenceOptions& options, records::JobRecord* queued) {
+absl::StatusOr<std::string> ComputeOnService(Context& context, const ToolsetterArguments& arguments,
+                                             const toolsetter::ReferenceOptions& options, records::JobRecord* queued) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   records::ToolSetterParams params;
   params.machine = MachineId(arguments.machine);
@@ -140,7 +140,7 @@ absl::StatusOr<std::string> OnService(Context& context, const Arguments& argumen
 }
 
 // reference and wear: one file, or one stored session of the kind that the sub-command is for.
-absl::Status Evaluate(Context& context, const Arguments& arguments, std::string (*to_text)(const Json&),
+absl::Status Evaluate(Context& context, const ToolsetterArguments& arguments, std::string (*to_text)(const Json&),
                       const std::string& mark) {
   if (arguments.file.empty() == arguments.session.empty() || arguments.session.empty() != arguments.machine.empty()) {
     return absl::InvalidArgumentError("toolsetter: expected either a session FILE, or --machine and --session");
@@ -155,7 +155,7 @@ absl::Status Evaluate(Context& context, const Arguments& arguments, std::string 
     ASSIGN_OR_RETURN(report, toolsetter::Evaluate(session, options));
   } else {
     records::JobRecord job;
-    ASSIGN_OR_RETURN(report, OnService(context, arguments, options, &job));
+    ASSIGN_OR_RETURN(report, ComputeOnService(context, arguments, options, &job));
     if (arguments.no_wait) {
       const std::string number = std::to_string(job.id.number());
       context.Print(ToJson(job), "job " + number + " is queued; follow it with: axiscal jobs watch " + number + "\n");
@@ -173,7 +173,7 @@ absl::Status Evaluate(Context& context, const Arguments& arguments, std::string 
   return absl::OkStatus();
 }
 
-void AddSources(CLI::App& command, Arguments& arguments) {
+void AddSources(CLI::App& command, ToolsetterArguments& arguments) {
   command.add_option("FILE", arguments.file, "a session file, without any database");
   command.add_option("--machine", arguments.machine, "the machine of a stored session");
   command.add_option("--session", arguments.session, "the stored session, by number or name");
@@ -185,7 +185,7 @@ void AddSources(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void AddToolSetterCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ToolsetterArguments>();
   CLI::App* toolsetter = app.add_subcommand("toolsetter",
                                             "Laser tool setter: trigger heights of measuring rods, the beam's "
                                             "reference, length and wear of round-insert mills");

@@ -19,13 +19,13 @@ using base::kDegPerRad;
 using base::kRadPerDeg;
 using base::kUmPerMm;
 
-struct Arguments {
+struct CurveArguments {
   std::string cutter, output, wear;
   std::optional<double> rpm, feed, height;
   double step_deg = 1.0;
 };
 
-absl::StatusOr<toolsetter::CutterDescription> Describe(const Arguments& arguments) {
+absl::StatusOr<toolsetter::CutterDescription> Describe(const CurveArguments& arguments) {
   ASSIGN_OR_RETURN(toolsetter::CutterDescription described, toolsetter::ReadCutterFile(arguments.cutter));
   described.run.spindle_rpm = arguments.rpm.value_or(described.run.spindle_rpm);
   described.run.feed_mm_min = arguments.feed.value_or(described.run.feed_mm_min);
@@ -44,7 +44,7 @@ std::string CurveCsv(const std::vector<toolsetter::CurvePoint>& curve) {
   return csv;
 }
 
-absl::Status Curve(Context& context, const Arguments& arguments) {
+absl::Status Curve(Context& context, const CurveArguments& arguments) {
   RETURN_IF_ERROR(CheckOutputs({{"the cutter", arguments.cutter}}, {{"--output", arguments.output}}));
   ASSIGN_OR_RETURN(const toolsetter::CutterDescription described, Describe(arguments));
   std::vector<double> starts;
@@ -105,7 +105,7 @@ absl::Status Curve(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddToolSetterCurve(CLI::App& toolsetter, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CurveArguments>();
   CLI::App* curve = toolsetter.add_subcommand(
       "curve",
       "The length characteristic curve of a round-insert mill: what each start angle of the spindle would read");

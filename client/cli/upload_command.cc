@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct UploadArguments {
   std::vector<std::string> paths;
   std::string machine;
 };
@@ -91,7 +91,7 @@ class Machines {
 };
 
 // Every file is read and checked before anything is sent.
-absl::StatusOr<std::vector<File>> ReadAll(const Inputs& inputs, const Arguments& arguments, Machines& machines) {
+absl::StatusOr<std::vector<File>> ReadAll(const Inputs& inputs, const UploadArguments& arguments, Machines& machines) {
   for (const std::string& path : inputs.machines) RETURN_IF_ERROR(machines.AddFile(path));
   std::vector<File> files;
   for (const std::string& path : inputs.sessions) {
@@ -110,7 +110,7 @@ absl::StatusOr<std::vector<File>> ReadAll(const Inputs& inputs, const Arguments&
   return files;
 }
 
-absl::Status Upload(Context& context, const Arguments& arguments) {
+absl::Status Upload(Context& context, const UploadArguments& arguments) {
   ASSIGN_OR_RETURN(const Inputs inputs, FindInputs(arguments.paths));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   Machines machines(*client);
@@ -147,7 +147,7 @@ absl::Status Upload(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddUploadCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<UploadArguments>();
   CLI::App* upload = app.add_subcommand("upload", "Store measuring sessions");
   upload
       ->add_option("PATH", arguments->paths,

@@ -15,7 +15,7 @@
 namespace axiscal::cli {
 namespace {
 
-struct Arguments {
+struct VerifyArguments {
   std::string original, compensated, machine, errors, report;
   int64_t calibration = 0;
   RewriteArguments rewrite;
@@ -52,7 +52,7 @@ std::string ReportText(const nc::VerifyReport& report, bool with_directions) {
   return text;
 }
 
-absl::Status Verify(Context& context, const Arguments& arguments) {
+absl::Status Verify(Context& context, const VerifyArguments& arguments) {
   std::vector<NamedPath> inputs = {{"the original", arguments.original},
                                    {"the compensated program", arguments.compensated}};
   if (context.server.empty()) inputs.push_back({"the database", context.database});
@@ -80,7 +80,7 @@ absl::Status Verify(Context& context, const Arguments& arguments) {
 }  // namespace
 
 void AddVerifyCommand(CLI::App& app, Context& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<VerifyArguments>();
   CLI::App* verify =
       app.add_subcommand("verify", "Run a program and its compensated form through the machine model and compare");
   verify->add_option("ORIGINAL", arguments->original, "the program as it was")->required();

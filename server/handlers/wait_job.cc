@@ -9,7 +9,7 @@ namespace axiscal::handlers {
 namespace {
 
 // How often a silent watch asks whether its caller is still there.
-constexpr std::chrono::milliseconds kLookAgainAfter(100);
+constexpr std::chrono::milliseconds kWaitLooksAgainAfter(100);
 constexpr std::chrono::milliseconds kLongest = std::chrono::hours(24);
 
 }  // namespace
@@ -22,7 +22,7 @@ absl::StatusOr<v1::WaitJobResponse> WaitJob(Core& core, const Call& call, const 
       request.timeout_ms() == 0 ? kLongest : std::min(kLongest, std::chrono::milliseconds(request.timeout_ms()));
   std::optional<records::JobRecord> job;
   while (!call.is_cancelled()) {
-    std::optional<records::JobRecord> next = watch->Next(kLookAgainAfter);
+    std::optional<records::JobRecord> next = watch->Next(kWaitLooksAgainAfter);
     if (next) job = std::move(next);
     const bool is_over = base::SystemClock().SteadyNow() - start >= timeout;
     if (job && (records::IsTerminal(job->state) || is_over)) {

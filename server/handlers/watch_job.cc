@@ -7,7 +7,7 @@ namespace axiscal::handlers {
 namespace {
 
 // How often a silent watch asks whether its caller is still there.
-constexpr std::chrono::milliseconds kLookAgainAfter(200);
+constexpr std::chrono::milliseconds kWatchLooksAgainAfter(200);
 
 }  // namespace
 
@@ -16,7 +16,7 @@ absl::Status WatchJob(Core& core, const Call& call, const v1::WatchJobRequest& r
   ASSIGN_OR_RETURN(const std::shared_ptr<jobs::JobWatch> watch, core.jobs.Watch(JobId(request.job_id())));
   bool has_ended = false;
   while (!call.is_cancelled()) {
-    const std::optional<records::JobRecord> record = watch->Next(kLookAgainAfter);
+    const std::optional<records::JobRecord> record = watch->Next(kWatchLooksAgainAfter);
     if (record) {
       has_ended = records::IsTerminal(record->state);
       v1::WatchJobResponse response;
