@@ -1,8 +1,6 @@
 #include "core/identify/reduction.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -78,25 +76,6 @@ std::vector<int> FreeErrors(int count, const std::vector<int>& held) {
   return free;
 }
 
-// Which errors to hold so that no null direction is left: those with the largest share in the null space first, each
-// time in what is left of it. Shares do not depend on how rounding turned the basis (orthonormal rows). Of equal
-// candidates the last declared is held, so that the first carries the combination.
-std::vector<int> HeldColumns(const Eigen::MatrixXd& basis) {
-  constexpr double kTie = 0.99;
-  Eigen::MatrixXd left = basis;
-  std::vector<int> held;
-  for (int step = 0; step < basis.rows(); ++step) {
-    int best = -1;
-    for (int column = static_cast<int>(left.cols()) - 1; column >= 0; --column) {
-      if (best < 0 || left.col(column).norm() * kTie > left.col(best).norm()) best = column;
-    }
-    const Eigen::VectorXd direction = left.col(best).normalized();
-    left -= direction * (direction.transpose() * left).eval();
-    held.push_back(best);
-  }
-  return held;
-}
-
 }  // namespace
 
 double PriorPrecision(const instruments::SetupParameter& parameter, Priors priors) {
@@ -155,43 +134,6 @@ Eigen::MatrixXd InverseBeside(const Reduced& reduced, const std::vector<int>& he
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(p, p);
   inverse(free, free) = ScaledFactor(reduced.information(free, free)).Solve(Eigen::MatrixXd::Identity(n, n));
   return inverse;
-}
-
-NullSpace FindNullSpace(const Reduced& reduced, double threshold) {
-  const int p = static_cast<int>(reduced.gradient.size());
-  NullSpace out;
-  out.involved.assign(p, false);
-  out.directions.resize(0, p);
-  if (p == 0) return out;
-  Eigen::VectorXd scale(p);
-  // An error whose whole effect is rounding (a turn about the line through the point) has none; scaled up it would look
-  // like one.
-  constexpr double kRounding = 1e-9;
-  const double floor = kRounding * reduced.column_norm.maxCoeff();
-  for (int i = 0; i < p; ++i)
-    scale[i] = reduced.column_norm[i] > floor ? 1.0 / reduced.column_norm[i] : floor > 0.0 ? kRounding / floor : 1.0;
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * reduced.information * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  int nullity = 0;
-  while (nullity < p && eigen.eigenvalues()[nullity] < threshold * threshold) ++nullity;
-  out.rank = p - nullity;
-  if (out.rank > 0) out.condition = std::sqrt(eigen.eigenvalues()[p - 1] / eigen.eigenvalues()[nullity]);
-
-  if (nullity == 0) return out;
-  const Eigen::MatrixXd basis = eigen.eigenvectors().leftCols(nullity).transpose();
-  out.fixed = HeldColumns(basis);
-  Eigen::MatrixXd rows = basis(Eigen::all, out.fixed).colPivHouseholderQr().solve(basis);
-  constexpr double kTakesPart = 1e-3;  // scaled share of a direction below which an error is only rounding in it
-  for (int row = 0; row < nullity; ++row) {
-    for (int column = 0; column < p; ++column) {
-      if (std::abs(rows(row, column)) < kTakesPart) rows(row, column) = 0.0;
-      if (rows(row, column) != 0.0) out.involved[column] = true;
-    }
-  }
-  out.directions = rows * scale.asDiagonal();
-  for (int row = 0; row < nullity; ++row)
-    out.directions.row(row) /= Eigen::RowVectorXd(out.directions.row(row))[out.fixed[row]];
-  return out;
 }
 
 Step SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal, const std::vector<int>& held,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/identify/problem.h"
+#include "core/information/null_space.h"
 
 namespace axiscal::identify {
 
@@ -45,21 +46,14 @@ Eigen::MatrixXd InformationBeside(const Reduced& reduced, const std::vector<int>
 // Inverse of the information while the errors in `held` do not move: p x p, zero rows and columns for those.
 Eigen::MatrixXd InverseBeside(const Reduced& reduced, const std::vector<int>& held);
 
-// Directions in the space of errors that the data does not see.
-struct NullSpace {
-  // One row per direction, in units of the errors (mm, rad); row k has 1 at column fixed[k], 0 at the others of
-  // `fixed`.
-  Eigen::MatrixXd directions;
-  std::vector<int> fixed;      // the errors that are held while the others are fitted (the gauge)
-  std::vector<bool> involved;  // per error: takes part in some direction, so it has no value of its own
-  int rank = 0;
-  double condition = 0.0;  // largest over smallest singular value of the scaled Jacobian, null directions left out
-};
+// What adds up over problems about the same errors and has a null space.
+inline information::Information InformationOf(const Reduced& reduced) {
+  return {reduced.information, reduced.column_norm.cwiseAbs2()};
+}
 
-// Singular values of the column-scaled reduced Jacobian below `threshold` (relative to a column's norm before
-// elimination) count as zero.
-inline constexpr double kRankThreshold = 1e-5;
-NullSpace FindNullSpace(const Reduced& reduced, double threshold = kRankThreshold);
+// Directions in the space of errors that the data does not see.
+using information::NullSpace;
+inline NullSpace FindNullSpace(const Reduced& reduced) { return information::FindNullSpace(InformationOf(reduced)); }
 
 struct Step {
   Eigen::VectorXd errors;              // p; zero for held ones
