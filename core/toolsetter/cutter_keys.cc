@@ -114,6 +114,19 @@ absl::StatusOr<CutterDescription> ReadCutterFile(const std::string& path) {
   return out;
 }
 
+absl::StatusOr<std::string> HeaderOfCutter(const std::string& cutter_json) {
+  ASSIGN_OR_RETURN(const nlohmann::ordered_json cutter, base::ParseStrictJson(cutter_json));
+  std::string text;
+  for (const auto& [key, value] : cutter.items()) {
+    if (value.is_number()) absl::StrAppend(&text, "# ", key, ": ", value.dump(), "\n");
+    if (!value.is_array() || key == "wear_mm") continue;
+    absl::StrAppend(&text, "# ", key, ":");
+    for (const auto& number : value) absl::StrAppend(&text, " ", number.dump());
+    text += "\n";
+  }
+  return text;
+}
+
 absl::StatusOr<CutterDescription> ReadCutterKeys(const session::Session& session) {
   Numbers numbers;
   for (const session::HeaderEntry& entry : session.header) {

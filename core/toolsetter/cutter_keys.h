@@ -26,6 +26,10 @@ absl::StatusOr<CutterDescription> ReadCutterJson(const std::string& text);
 // NOT_FOUND when there is no such file.
 absl::StatusOr<CutterDescription> ReadCutterFile(const std::string& path);
 
+// The header's lines of a cutter.json, numbers as the file writes them; `wear_mm` and texts have none. INVALID_ARGUMENT
+// as ParseStrictJson.
+absl::StatusOr<std::string> HeaderOfCutter(const std::string& cutter_json);
+
 // From a session's header.
 absl::StatusOr<CutterDescription> ReadCutterKeys(const session::Session& session);
 

@@ -1,9 +1,11 @@
 #include "core/toolsetter/plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "core/base/units.h"
+#include "core/toolsetter/cutter_keys.h"
 
 namespace axiscal::toolsetter {
 namespace {
@@ -13,7 +15,31 @@ absl::Status InRange(const char* name, int value, int least, int most) {
   return absl::InvalidArgumentError(absl::StrCat(name, " = ", value, ", expected ", least, " to ", most));
 }
 
+std::string Number(double number) { return absl::StrFormat("%.10g", number); }
+
 }  // namespace
+
+const std::vector<PlannableTest>& PlannableTests() {
+  static const auto& tests = *new std::vector<PlannableTest>{
+      {"tool-setter", "measuring rods in a laser tool setter: its reference point, yaw and pitch of its beam",
+       "a tool-setter session whose rods are meant (FILE.csv)"},
+      {"tool-curve", "a mill with round inserts in a laser tool setter: its length and each insert's wear",
+       "a cutter.json"}};
+  return tests;
+}
+
+const PlannableTest* FindPlannable(const std::string& name) {
+  for (const PlannableTest& test : PlannableTests()) {
+    if (test.name == name) return &test;
+  }
+  return nullptr;
+}
+
+bool FeedsAlongTool(const machine::Machine& machine) {
+  return std::any_of(machine.axes.begin(), machine.axes.end(), [&](const machine::Axis& axis) {
+    return axis.kind == machine::AxisKind::kLinear && std::abs(axis.direction.dot(machine.tool_direction)) > 1.0 - 1e-9;
+  });
+}
 
 absl::StatusOr<RodSession> PlanRods(RodSession session, const std::string& turned, int holders, int readouts) {
   RETURN_IF_ERROR(InRange("readouts", readouts, 1, 100));
@@ -48,6 +74,43 @@ absl::StatusOr<CurveSession> PlanStarts(CurveSession session, int starts) {
   session.lengths_mm.clear();
   for (const CurvePoint& point : curve) session.lengths_mm.push_back(point.height_mm);
   return session;
+}
+
+absl::StatusOr<Reference> ExpectedOf(const RodSession& planned) { return FitReference(planned, {true, true}); }
+
+absl::StatusOr<WearReport> ExpectedOf(const CurveSession& planned) { return FitWear(planned); }
+
+std::string ToTable(const session::Session& session, const RodSession& planned) {
+  std::string text;
+  for (const session::HeaderEntry& entry : session.header)
+    absl::StrAppend(&text, "# ", entry.key, ": ", entry.value, "\n");
+  for (const MeasuredRod& rod : planned.rods) {
+    if (rod.name == rod.body() || session::FindHeader(session, "rod " + rod.name)) continue;
+    const Rod& r = rod.rod;
+    absl::StrAppend(&text, "# rod ", rod.name, ":");
+    for (const double number :
+         {r.radius_mm, r.fillet_mm, r.face_rad * base::kDegPerRad, r.azimuth_rad * base::kDegPerRad, r.length_mm,
+          r.holder_rad * base::kDegPerRad})
+      absl::StrAppend(&text, " ", Number(number));
+    text += "\n";
+  }
+  text += "rod,readout,Z_mm\n";
+  for (const MeasuredRod& rod : planned.rods) {
+    for (size_t i = 1; i <= rod.readouts_mm.size(); ++i) absl::StrAppend(&text, rod.name, ",", i, ",\n");
+  }
+  return text;
+}
+
+absl::StatusOr<std::string> ToTable(const std::string& cutter_json, const std::string& machine,
+                                    const std::string& session, const CurveSession& planned) {
+  ASSIGN_OR_RETURN(const std::string cutter, HeaderOfCutter(cutter_json));
+  std::string text = absl::StrCat("# machine: ", machine, "\n# session: ", session,
+                                  "\n# instrument: tool-curve\n# sigma_um: ",
+                                  Number(planned.sigma_mm * base::kUmPerMm), "\n# tool_tip_mm: 0 0 0\n", cutter,
+                                  "start_deg,length_mm\n");
+  for (const double start_rad : planned.starts_rad)
+    absl::StrAppend(&text, Number(start_rad * base::kDegPerRad), ",\n");
+  return text;
 }
 
 }  // namespace axiscal::toolsetter

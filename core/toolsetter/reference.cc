@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "core/base/units.h"
+#include "core/information/choice.h"
 
 namespace axiscal::toolsetter {
 namespace {
@@ -42,6 +44,14 @@ class Fitter {
       free_.push_back(kReferenceYaw + i);
       if (!asked[i]) priors_.push_back({static_cast<int>(free_.size()) - 1, sigma[i]});
     }
+  }
+
+  // Of the free parameters, without a component between rods.
+  absl::StatusOr<information::Information> InformationAt(const Eigen::Vector3d& at) const {
+    Fit fit;
+    fit.at = at;
+    ASSIGN_OR_RETURN(fit.triggers, Triggers(at));
+    return information::OfRows(Whitened(fit, 0.0).first);
   }
 
   const std::vector<const MeasuredRod*>& rods() const { return rods_; }
@@ -221,37 +231,58 @@ absl::StatusOr<std::optional<double>> BetweenRods(const Fitter& fitter, const Fi
   return std::optional(high_mm);
 }
 
-// The most tilted rod at twelve angles of the spindle, one readout each.
-std::optional<RodProposal> Propose(const RodSession& session, const Fit& fit) {
-  const auto most = std::min_element(session.rods.begin(), session.rods.end(),
-                                     [](const auto& a, const auto& b) { return a.rod.face_rad < b.rod.face_rad; });
-  constexpr double kTiltedRad = 0.2 * base::kRadPerDeg;
-  if (most == session.rods.end() || 0.5 * std::numbers::pi - most->rod.face_rad < kTiltedRad) return std::nullopt;
+// A rod at twelve angles of the spindle, one readout each, in the fitted beam. Without the rod's own errors, which all
+// angles share. INVALID_ARGUMENT where it does not shade the beam.
+absl::StatusOr<RodSession> Turned(const RodSession& session, const MeasuredRod& rod, const Fit& fit) {
   RodSession turned = session;
   turned.rods.clear();
   turned.beam.yaw_rad = fit.at[kReferenceYaw];
   turned.beam.pitch_rad = fit.at[kReferencePitch];
-  RodProposal proposal;
-  proposal.rod = most->body();
   for (int i = 0; i < 12; ++i) {
-    MeasuredRod rod = *most;
-    rod.rod.holder_rad = 30.0 * i * base::kRadPerDeg;
-    rod.name = absl::StrCat(most->body(), i, "@");
-    rod.sigma = {};
-    rod.readouts_mm = {0.0};
-    turned.rods.push_back(rod);
-    proposal.holder_rad.push_back(rod.rod.holder_rad);
+    MeasuredRod position = rod;
+    position.rod.holder_rad = 30.0 * i * base::kRadPerDeg;
+    position.name = absl::StrCat(rod.body(), "@", 30 * i);
+    position.sigma = {};
+    ASSIGN_OR_RETURN(const Trigger trigger, TriggerOf(position.rod, turned.beam));
+    position.readouts_mm = {rod.rod.length_mm + trigger.height_mm - session.spindle_at_home_mm};
+    turned.rods.push_back(std::move(position));
   }
-  const Fitter fitter(turned, {true, true});
-  for (MeasuredRod& rod : turned.rods) {
-    const auto trigger = TriggerOf(rod.rod, turned.beam);
-    if (!trigger.ok()) return std::nullopt;
-    rod.readouts_mm = {rod.rod.length_mm + trigger->height_mm - session.spindle_at_home_mm};
+  return turned;
+}
+
+// Of the tilted rods the one that tells most when it is turned, as tests are chosen everywhere (information/choice.h).
+std::optional<RodProposal> Propose(const RodSession& session, const Fit& fit) {
+  constexpr double kTiltedRad = 0.2 * base::kRadPerDeg;
+  std::vector<RodSession> turned;
+  std::vector<information::TestInformation> tests;
+  std::set<std::string> bodies;
+  for (const MeasuredRod& rod : session.rods) {
+    if (0.5 * std::numbers::pi - rod.rod.face_rad < kTiltedRad || !bodies.insert(rod.body()).second) continue;
+    absl::StatusOr<RodSession> one = Turned(session, rod, fit);
+    if (!one.ok()) continue;
+    const auto tells = InformationOf(*one);
+    if (!tells.ok()) continue;
+    tests.push_back({*tells, *tells});
+    turned.push_back(*std::move(one));
   }
-  const auto expected = fitter.Solve({0.0, turned.beam.yaw_rad, turned.beam.pitch_rad}, 0.0);
+  const information::Choice choice =
+      information::ChooseTests(tests, {kReferenceZ, kReferenceYaw, kReferencePitch});
+  if (choice.tests.size() != 1 || choice.told.determined_count < kReferenceParameters) return std::nullopt;
+  const RodSession& chosen = turned[choice.tests[0]];
+  // Stated as the evaluation of those readouts will state it.
+  const auto expected =
+      Fitter(chosen, {true, true}).Solve({0.0, chosen.beam.yaw_rad, chosen.beam.pitch_rad}, 0.0);
   if (!expected.ok() || expected->rank < kReferenceParameters) return std::nullopt;
+  RodProposal proposal;
+  proposal.rod = chosen.rods[0].body();
+  for (const MeasuredRod& rod : chosen.rods) proposal.holder_rad.push_back(rod.rod.holder_rad);
   for (int i = 0; i < kReferenceParameters; ++i) proposal.sigma[i] = std::sqrt(expected->covariance(i, i));
   return proposal;
+}
+
+absl::Status CheckMeasured(const RodSession& session, const Fitter& fitter) {
+  if (!fitter.rods().empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError("session " + session.session + ": no rod has a readout, expected at least one");
 }
 
 // A chip moves a readout by micrometres; another rod's, or one in another unit, stands elsewhere.
@@ -300,12 +331,17 @@ const char* ParameterName(ReferenceParameter parameter) {
   return kNames[parameter];
 }
 
+absl::StatusOr<information::Information> InformationOf(const RodSession& session) {
+  RETURN_IF_ERROR(Validate(session.beam));
+  const Fitter fitter(session, {true, true});
+  RETURN_IF_ERROR(CheckMeasured(session, fitter));
+  return fitter.InformationAt({0.0, session.beam.yaw_rad, session.beam.pitch_rad});
+}
+
 absl::StatusOr<Reference> FitReference(const RodSession& session, const ReferenceOptions& options) {
   RETURN_IF_ERROR(Validate(session.beam));
   const Fitter fitter(session, options);
-  if (fitter.rods().empty()) {
-    return absl::InvalidArgumentError("session " + session.session + ": no rod has a readout, expected at least one");
-  }
+  RETURN_IF_ERROR(CheckMeasured(session, fitter));
   for (const MeasuredRod* const rod : fitter.rods()) RETURN_IF_ERROR(CheckReadouts(session.session, *rod));
   ASSIGN_OR_RETURN(Fit fit, BestFit(fitter, session, options));
   RETURN_IF_ERROR(CheckRods(session, fitter, fit));

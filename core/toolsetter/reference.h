@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/information/information.h"
 #include "core/toolsetter/rod_session.h"
 
 namespace axiscal::toolsetter {
@@ -39,7 +40,7 @@ struct Fitted {
   double estimate = 0.0, sigma = 0.0;  // mm or rad
 };
 
-// Turning the spindle with the most tilted rod tells yaw, pitch and Z apart.
+// Turning the spindle with a tilted rod tells yaw, pitch and Z apart; of several the one that tells most.
 struct RodProposal {
   std::string rod;
   std::vector<double> holder_rad;
@@ -58,6 +59,11 @@ struct Reference {
   int degrees_of_freedom = 0;    // 0: whether the rods agree cannot be judged
   std::optional<RodProposal> next;
 };
+
+// What the readouts tell of Z, yaw and pitch (all three free, in the order of ReferenceParameter, mm and rad) in the
+// beam as the session states it, by repeatability and what is stated of rods and beam radius; whatever the readouts
+// are. It adds up over sessions that share none of those. INVALID_ARGUMENT as FitReference.
+absl::StatusOr<information::Information> InformationOf(const RodSession& session);
 
 // INVALID_ARGUMENT when no rod was measured or a rod cannot shade the beam.
 absl::StatusOr<Reference> FitReference(const RodSession& session, const ReferenceOptions& options = {});
