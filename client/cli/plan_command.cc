@@ -13,8 +13,8 @@
 #include "core/base/files.h"
 #include "core/base/units.h"
 #include "core/plan/program.h"
+#include "core/plan/survey.h"
 #include "core/session/text.h"
-#include "core/testplan/survey.h"
 
 namespace axiscal::cli {
 namespace {
@@ -64,7 +64,7 @@ std::string Joined(const std::vector<std::string>& texts, const std::string& bet
 
 std::string Minutes(double seconds) { return absl::StrFormat("%.0f min", std::ceil(seconds / 60.0)); }
 
-Json TestJson(const testplan::SurveyedTest& test, const testplan::Survey& survey) {
+Json TestJson(const plan::SurveyedTest& test, const plan::Survey& survey) {
   Json determined = Json::array();
   for (size_t i = 0; i < survey.errors.size(); ++i) {
     if (test.is_determined[i]) determined.push_back(survey.errors[i].name);
@@ -76,11 +76,11 @@ Json TestJson(const testplan::SurveyedTest& test, const testplan::Survey& survey
 }
 
 // `with`: the tests that were asked about; empty: all.
-absl::Status List(Context& context, const testplan::Survey& survey, const std::vector<std::string>& with) {
+absl::Status List(Context& context, const plan::Survey& survey, const std::vector<std::string>& with) {
   Json tests = Json::array();
   std::vector<std::vector<std::string>> rows = {{"session", "test", "readings", "takes", "rank"}};
   std::string text;
-  for (const testplan::SurveyedTest& test : survey.tests) {
+  for (const plan::SurveyedTest& test : survey.tests) {
     tests.push_back(TestJson(test, survey));
     rows.push_back({test.session, test.test, std::to_string(test.readings), Minutes(test.seconds),
                     absl::StrCat(test.rank, " of ", survey.errors.size())});
@@ -91,19 +91,13 @@ absl::Status List(Context& context, const testplan::Survey& survey, const std::v
   for (const identify::Estimate& error : survey.errors) names.push_back(error.name);
   Json runnable = Json::array(), other = Json::array();
   std::string not_here;
-  for (const auto* known : {&plan::Tests(), &plan::FurtherTests()}) {
-    for (const plan::Test& test : *known) {
-      const bool is_here =
-          std::any_of(survey.tests.begin(), survey.tests.end(),
-                      [&](const testplan::SurveyedTest& surveyed) { return surveyed.test == test.name; });
-      const bool is_asked = with.empty() || std::find(with.begin(), with.end(), test.name) != with.end();
-      if (is_here || !is_asked) continue;
-      other.push_back({{"test", test.name}, {"summary", test.summary}});
-      absl::StrAppend(&not_here, "not on this machine as it stands: ", test.name, " (", test.summary, ")\n");
-    }
+  for (const plan::Test* test : plan::TestsWithoutSession(survey)) {
+    if (!with.empty() && std::find(with.begin(), with.end(), test->name) == with.end()) continue;
+    other.push_back({{"test", test->name}, {"summary", test->summary}});
+    absl::StrAppend(&not_here, "not on this machine as it stands: ", test->name, " (", test->summary, ")\n");
   }
   Json tool_setter = Json::array();
-  for (const ToolSetterTest& test : ToolSetterTests()) {
+  for (const toolsetter::PlannableTest& test : toolsetter::PlannableTests()) {
     if (!with.empty() && std::find(with.begin(), with.end(), test.name) == with.end()) continue;
     tool_setter.push_back({{"test", test.name}, {"summary", test.summary}, {"tools", test.file}});
     absl::StrAppend(&not_here, "of tools, not of the machine's errors: ", test.name, " --tools FILE (", test.summary,
@@ -114,16 +108,10 @@ absl::Status List(Context& context, const testplan::Survey& survey, const std::v
   return absl::OkStatus();
 }
 
-absl::Status Propose(Context& context, const machine::Machine& machine, const testplan::Survey& survey,
-                     const PlanArguments& arguments) {
-  std::vector<int> asked;
-  for (const std::string& text : arguments.asked) {
-    ASSIGN_OR_RETURN(const machine::ErrorSymbol symbol, machine::ParseErrorSymbol(text));
-    for (size_t i = 0; i < survey.errors.size(); ++i) {
-      if (survey.errors[i].name == machine::ToString(symbol)) asked.push_back(static_cast<int>(i));
-    }
-  }
-  const testplan::Proposal proposal = testplan::ProposeTests(survey, asked);
+absl::Status Propose(Context& context, const machine::Machine& machine, const plan::Survey& survey,
+                     const Arguments& arguments) {
+  ASSIGN_OR_RETURN(const std::vector<int> asked, plan::IndicesOf(survey, arguments.asked));
+  const plan::Proposal proposal = plan::ProposeTests(survey, asked);
   Json tests = Json::array(), errors = Json::array();
   std::string text;
   for (const int test : proposal.tests) {
@@ -150,6 +138,12 @@ absl::Status Propose(Context& context, const machine::Machine& machine, const te
   return absl::OkStatus();
 }
 
+std::vector<std::string> KnownTests() {
+  std::vector<std::string> known = plan::TestNames();
+  for (const toolsetter::PlannableTest& test : toolsetter::PlannableTests()) known.push_back(test.name);
+  return known;
+}
+
 // A session's name, or a test's: then its first session.
 absl::Status WriteTest(Context& context, const machine::Machine& machine, const plan::Situation& situation,
                        const PlanArguments& arguments) {
@@ -157,23 +151,11 @@ absl::Status WriteTest(Context& context, const machine::Machine& machine, const 
   std::vector<NamedPath> inputs = {{"--machine", arguments.machine}};
   if (context.server.empty()) inputs.push_back({"the database", context.database});
   RETURN_IF_ERROR(CheckOutputs(inputs, {{"--output", arguments.output}}));
-  std::optional<plan::PlannedSession> chosen;
-  std::vector<std::string> known;
-  for (const auto* tests : {&plan::Tests(), &plan::FurtherTests()}) {
-    for (const plan::Test& test : *tests) {
-      known.push_back(test.name);
-      for (plan::PlannedSession& planned : test.plan(situation)) {
-        const std::string name = session::FindHeader(planned.session, "session").value_or("");
-        if (chosen || (name != arguments.test && test.name != arguments.test)) continue;
-        if (!plan::ReachOf(situation, planned.session).is_reachable) continue;
-        chosen = std::move(planned);
-      }
-    }
-  }
-  for (const ToolSetterTest& test : ToolSetterTests()) known.push_back(test.name);
+  const std::optional<plan::PlannedSession> chosen = plan::FindPlanned(situation, arguments.test);
   if (!chosen) {
     return absl::NotFoundError(absl::StrCat("plan: '", arguments.test, "' is no test that machine ", machine.id,
-                                            " can run, expected a session of --list, or one of ", Joined(known, ", ")));
+                                            " can run, expected a session of --list, or one of ",
+                                            Joined(KnownTests(), ", ")));
   }
   const std::string extension = std::filesystem::path(arguments.output).extension().string();
   std::string content;
@@ -195,53 +177,38 @@ absl::Status WriteTest(Context& context, const machine::Machine& machine, const 
 }
 
 // Leaves only the tests that were named: the instruments at hand.
-absl::Status KeepOnly(const std::vector<std::string>& with, testplan::Survey* survey) {
+absl::Status KeepOnly(const std::vector<std::string>& with, plan::Survey* survey) {
   if (with.empty()) return absl::OkStatus();
-  std::vector<std::string> known;
-  for (const auto* tests : {&plan::Tests(), &plan::FurtherTests()}) {
-    for (const plan::Test& test : *tests) known.push_back(test.name);
-  }
-  for (const ToolSetterTest& test : ToolSetterTests()) known.push_back(test.name);
+  const std::vector<std::string> known = KnownTests();
   for (const std::string& name : with) {
     if (std::find(known.begin(), known.end(), name) == known.end())
       return absl::InvalidArgumentError(
           absl::StrCat("--with: '", name, "' is no test, expected some of ", Joined(known, ", ")));
   }
-  std::erase_if(survey->tests, [&](const testplan::SurveyedTest& test) {
+  std::erase_if(survey->tests, [&](const plan::SurveyedTest& test) {
     return std::find(with.begin(), with.end(), test.test) == with.end();
   });
   return absl::OkStatus();
 }
 
-bool IsToolSetterTest(const std::string& name) {
-  return std::any_of(ToolSetterTests().begin(), ToolSetterTests().end(),
-                     [&](const ToolSetterTest& test) { return test.name == name; });
-}
-
-absl::Status Plan(Context& context, const PlanArguments& arguments) {
+absl::Status Plan(Context& context, const Arguments& arguments) {
   const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
   if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
   if (!arguments.with.empty() && !arguments.test.empty())
     return absl::InvalidArgumentError("--with: expected --list or --for with it");
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
-  if (IsToolSetterTest(arguments.test)) {
+  if (const toolsetter::PlannableTest* const test = toolsetter::FindPlannable(arguments.test)) {
     ToolSetterPlan tools = arguments.tools;
     tools.output = arguments.output;
-    return PlanToolSetterTest(context, machine, arguments.test, tools);
+    return PlanToolSetterTest(context, machine, *test, tools);
   }
   if (!arguments.tools.file.empty())
     return absl::InvalidArgumentError("--tools: expected tool-setter or tool-curve with it");
   ASSIGN_OR_RETURN(const plan::Situation situation, SituationOf(machine, arguments));
   if (!arguments.test.empty()) return WriteTest(context, machine, situation, arguments);
-  // What is asked for counts beside what the machine declares, or beside what --declare names.
-  std::vector<std::string> symbols = arguments.declared;
-  if (symbols.empty()) {
-    ASSIGN_OR_RETURN(const machine::ErrorModel model, testplan::ErrorsToJudge(machine, {}));
-    for (const machine::ErrorTerm& term : model.terms) symbols.push_back(machine::SymbolOf(machine, term));
-  }
-  symbols.insert(symbols.end(), arguments.asked.begin(), arguments.asked.end());
-  ASSIGN_OR_RETURN(const machine::ErrorModel model, testplan::ErrorsToJudge(machine, symbols));
-  ASSIGN_OR_RETURN(testplan::Survey survey, testplan::SurveyTests(situation, model));
+  ASSIGN_OR_RETURN(const machine::ErrorModel model,
+                   plan::ErrorsToJudge(machine, arguments.declared, arguments.asked));
+  ASSIGN_OR_RETURN(plan::Survey survey, plan::SurveyTests(situation, model));
   RETURN_IF_ERROR(KeepOnly(arguments.with, &survey));
   return arguments.list ? List(context, survey, arguments.with) : Propose(context, machine, survey, arguments);
 }

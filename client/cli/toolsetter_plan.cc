@@ -10,7 +10,6 @@
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
 #include "core/session/read_session.h"
-#include "core/toolsetter/plan.h"
 
 namespace axiscal::cli {
 namespace {
@@ -18,37 +17,13 @@ namespace {
 using base::kDegPerRad;
 using base::kUmPerMm;
 
-std::string Number(double number) { return absl::StrFormat("%.10g", number); }
-
-// Rods: the session's header with a line per position of the spindle, and a row per readout to be filled in.
-absl::StatusOr<std::string> RodTable(const session::Session& session, const toolsetter::RodSession& planned) {
-  std::string text;
-  for (const session::HeaderEntry& entry : session.header)
-    absl::StrAppend(&text, "# ", entry.key, ": ", entry.value, "\n");
-  for (const toolsetter::MeasuredRod& rod : planned.rods) {
-    if (rod.name == rod.body() || session::FindHeader(session, "rod " + rod.name)) continue;
-    const toolsetter::Rod& r = rod.rod;
-    absl::StrAppend(&text, "# rod ", rod.name, ":");
-    for (const double number : {r.radius_mm, r.fillet_mm, r.face_rad * kDegPerRad, r.azimuth_rad * kDegPerRad,
-                                r.length_mm, r.holder_rad * kDegPerRad})
-      absl::StrAppend(&text, " ", Number(number));
-    text += "\n";
-  }
-  text += "rod,readout,Z_mm\n";
-  for (const toolsetter::MeasuredRod& rod : planned.rods) {
-    for (size_t i = 1; i <= rod.readouts_mm.size(); ++i) absl::StrAppend(&text, rod.name, ",", i, ",\n");
-  }
-  return text;
-}
-
 absl::Status PlanRods(Context& context, const ToolSetterPlan& arguments) {
   ASSIGN_OR_RETURN(const session::Session session, session::ReadSessionFile(arguments.file));
   ASSIGN_OR_RETURN(const toolsetter::RodSession rods, toolsetter::ReadRodSession(session));
   ASSIGN_OR_RETURN(const toolsetter::RodSession planned,
                    toolsetter::PlanRods(rods, arguments.turn, arguments.holders, arguments.readouts));
-  ASSIGN_OR_RETURN(const toolsetter::Reference expected, toolsetter::FitReference(planned, {true, true}));
-  ASSIGN_OR_RETURN(const std::string table, RodTable(session, planned));
-  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, table));
+  ASSIGN_OR_RETURN(const toolsetter::Reference expected, toolsetter::ExpectedOf(planned));
+  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, toolsetter::ToTable(session, planned)));
   Json json = {
       {"file", arguments.output}, {"kind", "tool-setter"}, {"readouts", planned.rods.size() * arguments.readouts}};
   std::vector<std::vector<std::string>> rows = {{"", "expected +-", ""}};
@@ -66,23 +41,6 @@ absl::Status PlanRods(Context& context, const ToolSetterPlan& arguments) {
                                    "(by repeatability and what the header states; a rod's own length error comes on "
                                    "top)\n"));
   return absl::OkStatus();
-}
-
-// A cutter.json has the keys of the session's header.
-std::string CurveTable(const Json& cutter, const ToolSetterPlan& arguments, const toolsetter::CurveSession& planned) {
-  std::string text =
-      absl::StrCat("# machine: ", arguments.machine, "\n# session: ", arguments.session,
-                   "\n# instrument: tool-curve\n# sigma_um: ", Number(arguments.sigma_um), "\n# tool_tip_mm: 0 0 0\n");
-  for (const auto& [key, value] : cutter.items()) {
-    if (value.is_number()) absl::StrAppend(&text, "# ", key, ": ", value.dump(), "\n");
-    if (!value.is_array() || key == "wear_mm") continue;
-    absl::StrAppend(&text, "# ", key, ":");
-    for (const Json& number : value) absl::StrAppend(&text, " ", number.dump());
-    text += "\n";
-  }
-  text += "start_deg,length_mm\n";
-  for (const double start_rad : planned.starts_rad) absl::StrAppend(&text, Number(start_rad * kDegPerRad), ",\n");
-  return text;
 }
 
 absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
@@ -105,9 +63,10 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
   session.cutter = described.cutter;
   session.run = described.run;
   ASSIGN_OR_RETURN(const toolsetter::CurveSession planned, toolsetter::PlanStarts(session, arguments.starts));
-  ASSIGN_OR_RETURN(const toolsetter::WearReport expected, toolsetter::FitWear(planned));
-  ASSIGN_OR_RETURN(const Json json_cutter, base::ParseStrictJson(cutter));
-  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, CurveTable(json_cutter, arguments, planned)));
+  ASSIGN_OR_RETURN(const toolsetter::WearReport expected, toolsetter::ExpectedOf(planned));
+  ASSIGN_OR_RETURN(const std::string table,
+                   toolsetter::ToTable(cutter, arguments.machine, arguments.session, planned));
+  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, table));
   const double unseen_um = described.run.feed_per_insert_mm(described.cutter) * kUmPerMm;
   Json inserts = Json::array();
   std::vector<std::vector<std::string>> rows = {{"insert", "wear expected +- um", "readings"}};
@@ -135,23 +94,7 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
 
 bool IsCutter(const std::string& file) { return file.ends_with(".json"); }
 
-// The tool setter is fed onto by the axis along the tool.
-bool FeedsAlongTool(const machine::Machine& machine) {
-  return std::any_of(machine.axes.begin(), machine.axes.end(), [&](const machine::Axis& axis) {
-    return axis.kind == machine::AxisKind::kLinear && std::abs(axis.direction.dot(machine.tool_direction)) > 1.0 - 1e-9;
-  });
-}
-
 }  // namespace
-
-const std::vector<ToolSetterTest>& ToolSetterTests() {
-  static const auto& tests = *new std::vector<ToolSetterTest>{
-      {"tool-setter", "measuring rods in a laser tool setter: its reference point, yaw and pitch of its beam",
-       "a tool-setter session whose rods are meant (FILE.csv)"},
-      {"tool-curve", "a mill with round inserts in a laser tool setter: its length and each insert's wear",
-       "a cutter.json"}};
-  return tests;
-}
 
 void AddToolSetterOptions(CLI::App& command, ToolSetterPlan& plan) {
   command.add_option("--starts", plan.starts, "of a cutter: start angles")->capture_default_str();
@@ -169,15 +112,13 @@ absl::Status PlanToolSetter(Context& context, const ToolSetterPlan& plan) {
   return IsCutter(plan.file) ? PlanStarts(context, plan) : PlanRods(context, plan);
 }
 
-absl::Status PlanToolSetterTest(Context& context, const machine::Machine& machine, const std::string& test,
-                                const ToolSetterPlan& plan) {
-  const auto known = std::find_if(ToolSetterTests().begin(), ToolSetterTests().end(),
-                                  [&](const ToolSetterTest& one) { return one.name == test; });
-  if (plan.file.empty() || IsCutter(plan.file) != (test == "tool-curve"))
+absl::Status PlanToolSetterTest(Context& context, const machine::Machine& machine,
+                                const toolsetter::PlannableTest& test, const ToolSetterPlan& plan) {
+  if (plan.file.empty() || IsCutter(plan.file) != (test.name == "tool-curve"))
     return absl::InvalidArgumentError(
-        absl::StrCat("plan: ", test, ": --tools '", plan.file, "', expected ", known->file));
-  if (!FeedsAlongTool(machine)) {
-    return absl::FailedPreconditionError(absl::StrCat("plan: ", test, ": machine ", machine.id,
+        absl::StrCat("plan: ", test.name, ": --tools '", plan.file, "', expected ", test.file));
+  if (!toolsetter::FeedsAlongTool(machine)) {
+    return absl::FailedPreconditionError(absl::StrCat("plan: ", test.name, ": machine ", machine.id,
                                                       " has no linear axis along its tool, which a tool setter is fed "
                                                       "onto with"));
   }

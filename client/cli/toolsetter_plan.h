@@ -3,10 +3,8 @@
 #define AXISCAL_CLIENT_CLI_TOOLSETTER_PLAN_H_
 
 #include <string>
-#include <vector>
 
-#include "core/base/status.h"
-#include "core/machine/machine.h"
+#include "core/toolsetter/plan.h"
 
 namespace CLI {
 class App;
@@ -24,13 +22,6 @@ struct ToolSetterPlan {
   double sigma_um = 1.0;
 };
 
-struct ToolSetterTest {
-  std::string name;     // "tool-setter", "tool-curve": the sessions' instrument
-  std::string summary;  // what it does, one line
-  std::string file;     // what --tools is then
-};
-const std::vector<ToolSetterTest>& ToolSetterTests();
-
 // All of the struct but file, machine and output.
 void AddToolSetterOptions(CLI::App& command, ToolSetterPlan& plan);
 
@@ -39,8 +30,8 @@ void AddToolSetterOptions(CLI::App& command, ToolSetterPlan& plan);
 absl::Status PlanToolSetter(Context& context, const ToolSetterPlan& plan);
 // The same as a test of this machine. Also FAILED_PRECONDITION where the machine cannot feed a tool along itself, and
 // INVALID_ARGUMENT where the file is another test's or another machine's.
-absl::Status PlanToolSetterTest(Context& context, const machine::Machine& machine, const std::string& test,
-                                const ToolSetterPlan& plan);
+absl::Status PlanToolSetterTest(Context& context, const machine::Machine& machine,
+                                const toolsetter::PlannableTest& test, const ToolSetterPlan& plan);
 
 void AddToolSetterPlan(CLI::App& toolsetter, Context& context);
 

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "core/identify/noise.h"
-#include "core/instruments/registry.h"
 #include "core/plan/passes.h"
+#include "core/plan/planned_run.h"
 
 namespace axiscal::loop {
 namespace {
@@ -64,12 +64,7 @@ std::vector<PlannedTest> PlanTests(const identify::Problem& measured, const mach
   for (const MeasuringRun& run : measured.runs) taken.insert(run.session);
   std::vector<PlannedTest> tests;
   const auto add = [&](const plan::Test& test, const plan::PlannedSession& planned, const std::string& beyond) {
-    session::Session empty = planned.session;
-    const instruments::Instrument* instrument =
-        instruments::FindInstrument(session::FindHeader(empty, "instrument").value_or(""));
-    for (const std::string& name : instrument->reading_columns)
-      empty.columns.push_back({name, std::vector<double>(empty.reading_count(), 0.0), {}});
-    absl::StatusOr<MeasuringRun> run = instruments::BindSession(empty, machine);
+    absl::StatusOr<MeasuringRun> run = plan::PlannedRun(machine, planned.session);
     if (!run.ok() || !taken.insert(run->session).second) return;
     const identify::Noise whole_noise = NoiseOf(measured, *run);
     identify::Noise noise = whole_noise;
@@ -77,7 +72,7 @@ std::vector<PlannedTest> PlanTests(const identify::Problem& measured, const mach
     absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, {Thinned(*run, most, &noise)});
     if (!problem.ok()) return;
     problem->noise[0] = noise;
-    const bool is_bar = instrument->kind == Kind::kBallbar;
+    const bool is_bar = run->kind == Kind::kBallbar;
     const double begins_s = run->time_s.front(), ends_s = run->time_s.back();
     const bool has_time = run->has_time;
     tests.push_back({.test = test.name,

@@ -31,7 +31,7 @@ Information InformationOf(const identify::Problem& problem, const identify::Poin
                           const std::vector<identify::Parameter>& parameters) {
   const identify::NormalEquations normal = identify::Assemble(problem, point, parameters);
   const identify::Reduced reduced = identify::Reduce(problem, point, normal, identify::Priors::kAll);
-  return {reduced.information, reduced.column_norm.cwiseAbs2()};
+  return identify::InformationOf(reduced);
 }
 
 Separation::Separation(const Information& information, const std::vector<Member>& members) : members_(members) {

@@ -8,19 +8,11 @@
 #include <vector>
 
 #include "core/identify/problem.h"
+#include "core/information/information.h"
 
 namespace axiscal::loop {
 
-struct Information {
-  Eigen::MatrixXd matrix;  // p x p, whitened squares per (mm or rad)^2
-  Eigen::VectorXd norm2;   // p: squares of each whitened column before setups were eliminated
-
-  Information& operator+=(const Information& other) {
-    matrix += other.matrix;
-    norm2 += other.norm2;
-    return *this;
-  }
-};
+using information::Information;
 
 // Of the problem's sessions about `parameters`; all priors count.
 Information InformationOf(const identify::Problem& problem, const identify::Point& point,

@@ -80,7 +80,7 @@ Information TestRows::InformationOf(const machine::ErrorModel& model) const {
   normal.groups.push_back(std::move(block));
   const identify::Reduced reduced =
       identify::Reduce(problem_, identify::StartingPoint(problem_, {}), normal, identify::Priors::kAll);
-  return {reduced.information, reduced.column_norm.cwiseAbs2()};
+  return identify::InformationOf(reduced);
 }
 
 }  // namespace axiscal::loop

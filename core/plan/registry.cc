@@ -48,6 +48,14 @@ const Test* FindTest(const std::string& name) {
   return nullptr;
 }
 
+std::vector<std::string> TestNames() {
+  std::vector<std::string> names;
+  for (const auto* tests : {&Tests(), &FurtherTests()}) {
+    for (const Test& test : *tests) names.push_back(test.name);
+  }
+  return names;
+}
+
 Reach ReachOf(const Situation& situation, const session::Session& session) {
   Reach reach;
   const machine::Machine& machine = *situation.machine;
@@ -76,6 +84,18 @@ Reach ReachOf(const Situation& situation, const session::Session& session) {
     if (!is_rotary) reach.beyond_mm = std::max({reach.beyond_mm, range.lowest - *low, *high - range.highest});
   }
   return reach;
+}
+
+std::optional<PlannedSession> FindPlanned(const Situation& situation, const std::string& name) {
+  for (const auto* tests : {&Tests(), &FurtherTests()}) {
+    for (const Test& test : *tests) {
+      for (PlannedSession& planned : test.plan(situation)) {
+        if (test.name != name && session::FindHeader(planned.session, "session").value_or("") != name) continue;
+        if (ReachOf(situation, planned.session).is_reachable) return std::move(planned);
+      }
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace axiscal::plan

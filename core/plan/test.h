@@ -4,6 +4,7 @@
 #ifndef AXISCAL_CORE_PLAN_TEST_H_
 #define AXISCAL_CORE_PLAN_TEST_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ const std::vector<Test>& Tests();
 const std::vector<Test>& FurtherTests();
 // The test of that name among both, or nullptr.
 const Test* FindTest(const std::string& name);
+// Of both.
+std::vector<std::string> TestNames();
 
 // Where a planned session takes the axes beyond what the sessions so far used, for the person who runs it: "Z up
 // to 521 mm (so far 490 mm)"; empty when it does not. machine.json may state travel limits: `is_reachable` is false
@@ -38,6 +41,9 @@ struct Reach {
   std::string text;
 };
 Reach ReachOf(const Situation& situation, const session::Session& session);
+
+// The reachable session of that name, or the first one of the test of that name; nothing where the machine runs none.
+std::optional<PlannedSession> FindPlanned(const Situation& situation, const std::string& name);
 
 }  // namespace axiscal::plan
 
