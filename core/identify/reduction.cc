@@ -194,8 +194,8 @@ NullSpace FindNullSpace(const Reduced& reduced, double threshold) {
   return out;
 }
 
-Step SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal, const std::vector<int>& held,
-               double damping) {
+Step SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal,
+                          const std::vector<int>& held, double damping) {
   const Reduced reduced = Reduce(problem, point, normal, Priors::kAll, damping);
   Step step;
   step.errors = Eigen::VectorXd::Zero(reduced.gradient.size());
