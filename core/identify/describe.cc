@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/identify/fit_warnings.h"
+#include "core/identify/held.h"
 #include "core/identify/naming.h"
 
 namespace axiscal::identify {
@@ -37,8 +39,7 @@ std::vector<Combination> DeterminedCombinations(const std::vector<Estimate>& est
   return combinations;
 }
 
-}  // namespace
-
+// Readings that were set aside, with the gate that rejected them if one did.
 std::vector<Outlier> ListOutliers(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm) {
   std::vector<Outlier> outliers;
   for (size_t i = 0; i < problem.runs.size(); ++i) {
@@ -83,16 +84,18 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
   return sessions;
 }
 
-void DescribeErrors(const Problem& problem, const Solution& solution, const NullSpace& null_space,
-                    const OwedToPriors& owed, const Covariance& covariance, const std::vector<Parameter>& parameters,
-                    Result* result) {
+void DescribeErrors(const SolvedProblem& solved, const Judgement& judgement, Result* result) {
+  const std::vector<Parameter>& parameters = solved.parameters;
+  const machine::ErrorModel& model = solved.solution.point.model;
+  const NullSpace& null_space = solved.null_space;
+  const Covariance& covariance = judgement.covariance;
   const int p = static_cast<int>(parameters.size());
   Eigen::VectorXd values(p), sigmas(p);
   for (int i = 0; i < p; ++i) {
-    values[i] = ValueOf(solution.point.model, parameters[i]);
+    values[i] = ValueOf(model, parameters[i]);
     sigmas[i] = std::sqrt(std::max(0.0, covariance.errors(i, i)));
-    Estimate estimate = NamedEstimate(*problem.machine, solution.point.model, parameters[i]);
-    estimate.identifiable = !null_space.involved[i] && !owed.involved[i];
+    Estimate estimate = NamedEstimate(*solved.problem.machine, model, parameters[i]);
+    estimate.identifiable = !null_space.involved[i] && !judgement.HasNoNumber(i);
     if (estimate.identifiable) {
       estimate.value = values[i];
       estimate.sigma = sigmas[i];
@@ -109,7 +112,7 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
   for (int k = 0; k < null_space.directions.rows(); ++k) {
     result->not_separable.push_back(CombinationName(result->estimates, null_space.directions.row(k).transpose()));
   }
-  for (const Eigen::VectorXd& direction : owed.directions)
+  for (const Eigen::VectorXd& direction : judgement.prior_dominated.directions)
     result->not_separable.push_back(CombinationName(result->estimates, direction));
   result->determined =
       DeterminedCombinations(result->estimates, null_space, values, covariance.errors.topLeftCorner(p, p));
@@ -117,6 +120,7 @@ void DescribeErrors(const Problem& problem, const Solution& solution, const Null
   result->condition = null_space.condition;
 }
 
+// After DescribeErrors. `covariance`: of the fitted errors and the held ones.
 void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Result* result) {
   result->held_errors = held.errors;
   result->held_from = held.from;
@@ -130,6 +134,37 @@ void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Re
       result->held_correlation(i, j) = covariance.errors(p + i, j) / (sigma[p + i] * sigma[j]);
     }
   }
+}
+
+std::vector<Warning> ListWarnings(const SolvedProblem& solved, const Judgement& judgement, const Result& result) {
+  std::vector<Warning> warnings =
+      WarningsOf(result, solved.parameters, judgement.without_interval, judgement.unsupported);
+  for (Warning& warning : CoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
+  for (Warning& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
+    warnings.push_back(std::move(warning));
+  return warnings;
+}
+
+}  // namespace
+
+Fit Describe(SolvedProblem solved, const Judgement& judgement, const Options& options) {
+  Fit fit;
+  Result& result = fit.result;
+  const Solution& solution = solved.solution;
+  result.model = solution.point.model;
+  DescribeErrors(solved, judgement, &result);
+  if (options.held_errors) DescribeHeldErrors(*options.held_errors, judgement.covariance, &result);
+  result.fit = judgement.statistics;
+  result.coverage_factor = judgement.coverage_factor;
+  result.sessions = ListSessions(solved.problem, solution.point, judgement.covariance, solution.residuals_mm);
+  result.outliers = ListOutliers(solved.problem, solution.residuals_mm);
+  result.iterations = solution.iterations;
+  result.noise_scale = solved.noise_scale;
+  result.warnings = ListWarnings(solved, judgement, result);
+  fit.problem = std::move(solved.problem);
+  fit.point = std::move(solved.solution.point);
+  fit.residuals_mm = std::move(solved.solution.residuals_mm);
+  return fit;
 }
 
 }  // namespace axiscal::identify

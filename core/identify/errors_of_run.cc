@@ -10,6 +10,7 @@ ErrorsOfRun::ErrorsOfRun(const Problem& problem, const Point& point, const std::
       joint_count_(problem.machine->joint_count()),
       is_constant_(fitted_.is_constant && fixed_.is_constant),
       has_fixed_(!problem.fixed_model.terms.empty()),
+      transforms_(*problem.machine),
       slopes_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(parameters.size()))) {}
 
 ErrorsOfRun::Sum ErrorsOfRun::SumOf(const machine::ErrorModel& model, const std::vector<Parameter>& parameters) {
@@ -62,6 +63,13 @@ const machine::JointErrors<double>& ErrorsOfRun::At(const shapes::State& state) 
   }
   is_evaluated_ = true;
   return errors_;
+}
+
+const machine::JointTransforms& ErrorsOfRun::TransformsAt(const shapes::State& state) {
+  if (is_constant_ && has_transforms_) return transforms_;
+  transforms_.Set(At(state));
+  has_transforms_ = true;
+  return transforms_;
 }
 
 }  // namespace axiscal::identify

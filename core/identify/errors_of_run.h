@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/identify/problem.h"
+#include "core/machine/joint_transforms.h"
 
 namespace axiscal::identify {
 
@@ -18,6 +19,8 @@ class ErrorsOfRun {
 
   bool is_constant() const { return is_constant_; }
   const machine::JointErrors<double>& At(const shapes::State& state);
+  // The same as transforms.
+  const machine::JointTransforms& TransformsAt(const shapes::State& state);
   // Per parameter, d(error component)/d(parameter) at the state of the last At().
   const Eigen::VectorXd& slopes() const { return slopes_; }
 
@@ -47,8 +50,9 @@ class ErrorsOfRun {
   const Sum fitted_, fixed_;
   const int joint_count_;
   const bool is_constant_, has_fixed_;
-  bool is_evaluated_ = false;
+  bool is_evaluated_ = false, has_transforms_ = false;
   machine::JointErrors<double> errors_, fixed_errors_;
+  machine::JointTransforms transforms_;
   Eigen::VectorXd slopes_;
 };
 

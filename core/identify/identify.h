@@ -34,8 +34,8 @@ struct Options {
   // independent readings would state uncertainties that are too small. The same where many readings scatter by clearly
   // less than stated. Of FitRuns and Identify.
   bool judge_correlation = true;
-  // Frees what is held where the fit misses for it; where touches bend the problem (solver.h), tries each interval by
-  // refitting at its ends.
+  // Fits errors that are held at zero where holding them biases others (gauge.h); where the problem is curved (touches),
+  // checks each interval by its profile likelihood (profile_likelihood.h).
   bool judge_bends = true;
   // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
   std::optional<Budget> budget;
@@ -77,7 +77,7 @@ absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vect
                                 const Options& options);
 
 // A prepared problem (noise judged, readings set aside) from `model` on, and from the setup offsets `setup` (per group,
-// mm and rad) where they are known; zero otherwise.
+// mm and rad) where they are known; zero otherwise. Three stages: solve.h, judge.h, describe.h.
 absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
                                const std::vector<Eigen::VectorXd>& setup = {});
 

@@ -15,8 +15,8 @@ using instruments::MeasuringRun;
 
 constexpr double kLargestCorrelation = 0.9;
 constexpr int kAr1Lags = 4;  // of the variogram: noise without a white share has forgotten what is further back
-// Of noise with a white share: less memory than that is no different from none; beyond kLargestCorrelation it is an
-// effect's, and the scan ends well beyond.
+// Range of ar1 that is tried for noise with a white share. Less cannot be told from white noise. What fits best above
+// kLargestCorrelation is an effect that the model lacks; the range goes beyond it so that this shows.
 constexpr double kLeastMemory = 0.3, kLargestMemory = 0.95;
 constexpr double kClearly = 4.0;  // misfit, counted as chi-square, by which a white share must be better
 
@@ -91,7 +91,7 @@ Variogram::Mixture Variogram::FitBesideEffects(bool has_white_share) const {
       shapes.row(i) << (1.0 - std::pow(phi, kLag[i])) * relative, kLag[i] * kLag[i] * relative, relative;
     }
     for (const bool has_effects : {true, false}) {
-      Eigen::MatrixXd columns(kLags, 0);
+      Eigen::Matrix<double, kLags, Eigen::Dynamic, Eigen::ColMajor, kLags, 3> columns(kLags, 0);
       const auto add = [&](int column) {
         columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
         columns.rightCols(1) = shapes.col(column);
@@ -99,7 +99,8 @@ Variogram::Mixture Variogram::FitBesideEffects(bool has_white_share) const {
       add(0);
       if (has_white_share) add(2);
       if (has_effects) add(1);
-      const Eigen::VectorXd ones = Eigen::VectorXd::Ones(kLags), parts = columns.householderQr().solve(ones);
+      const Eigen::Matrix<double, kLags, 1> ones = Eigen::Matrix<double, kLags, 1>::Ones();
+      const Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1> parts = columns.householderQr().solve(ones);
       const double misfit = (columns * parts - ones).squaredNorm();
       if (!(parts.minCoeff() >= 0.0) || misfit >= best.misfit) continue;
       const double white = has_white_share ? parts[1] : 0.0, variance = parts[0] + white;

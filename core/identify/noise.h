@@ -13,8 +13,8 @@ namespace axiscal::identify {
 // Mean squared differences of readings `lag` apart, halved (the variogram): sums over series, so that sessions pool.
 //   gamma(lag) = sigma^2 (1 - phi^lag)                               first-order autoregressive noise
 //   gamma(lag) = sigma^2 (w + (1 - w) (1 - phi^lag))                 the same with a white share w beside it
-// Slowly varying effects hardly touch it, which is why it is taken instead of the residuals' own scatter; what they add
-// grows with the square of the lag.
+// An effect that varies slowly from reading to reading adds little to it, in proportion to lag^2. That is why it is
+// taken and not the residuals' own scatter.
 class Variogram {
  public:
   static constexpr int kLags = 6;
@@ -45,7 +45,7 @@ class Variogram {
 };
 
 // First-order autoregressive noise without a white share whose spectral density is that of `noise` at zero and at the
-// highest frequency, nowhere smaller, and at most `excess` times as large: bounds what needs sums over neighbours only.
+// highest frequency, nowhere smaller, and at most `excess` times as large: a bound that needs one neighbour only.
 struct Ar1Bound {
   Noise noise;
   double excess = 1.0;

@@ -4,20 +4,66 @@
 #include <cmath>
 
 namespace axiscal::identify {
+namespace {
+
+// The values of a sliding window in ascending order.
+class SortedWindow {
+ public:
+  explicit SortedWindow(int capacity) { values_.reserve(static_cast<size_t>(capacity)); }
+
+  void Add(double value) { values_.insert(values_.begin() + RankOf(value), value); }
+  void Remove(double value) { values_.erase(values_.begin() + RankOf(value)); }
+  void Replace(double old_value, double new_value) {
+    const int count = static_cast<int>(values_.size());
+    int at = RankOf(old_value);
+    for (; at + 1 < count && values_[at + 1] < new_value; ++at) values_[at] = values_[at + 1];
+    for (; at > 0 && values_[at - 1] > new_value; --at) values_[at] = values_[at - 1];
+    values_[at] = new_value;
+  }
+
+  // Median of the values without one of those that equal `value`, which is among them. 0 for none.
+  double MedianWithout(double value) const {
+    const int left = static_cast<int>(values_.size()) - 1, rank = RankOf(value);
+    if (left == 0) return 0.0;
+    const auto at = [&](int i) { return values_[i < rank ? i : i + 1]; };
+    return left % 2 == 1 ? at(left / 2) : 0.5 * (at(left / 2 - 1) + at(left / 2));
+  }
+
+ private:
+  // How many are smaller: of a value that is there, its place.
+  int RankOf(double value) const {
+    int rank = 0;
+    for (const double one : values_) rank += one < value;
+    return rank;
+  }
+
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+Eigen::VectorXd OffRunningMedian(const Eigen::VectorXd& series, int half_window) {
+  const Eigen::Index count = series.size(), half = half_window;
+  Eigen::VectorXd off(count);
+  SortedWindow window(2 * half_window + 2);
+  for (Eigen::Index k = 0; k < std::min(half, count); ++k) window.Add(series[k]);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index leaves = k - half - 1, enters = k + half;
+    if (leaves >= 0 && enters < count) {
+      window.Replace(series[leaves], series[enters]);
+    } else if (enters < count) {
+      window.Add(series[enters]);
+    } else if (leaves >= 0) {
+      window.Remove(series[leaves]);
+    }
+    off[k] = series[k] - window.MedianWithout(series[k]);
+  }
+  return off;
+}
 
 double Median(std::vector<double>* values) {
   if (values->empty()) return 0.0;
   const size_t middle = values->size() / 2;
-  constexpr size_t kSmall = 16;  // a running median's window: insertion beats selection
-  if (values->size() <= kSmall) {
-    for (size_t i = 1; i < values->size(); ++i) {
-      const double value = (*values)[i];
-      size_t at = i;
-      for (; at > 0 && (*values)[at - 1] > value; --at) (*values)[at] = (*values)[at - 1];
-      (*values)[at] = value;
-    }
-    return values->size() % 2 == 1 ? (*values)[middle] : 0.5 * ((*values)[middle - 1] + (*values)[middle]);
-  }
   std::nth_element(values->begin(), values->begin() + middle, values->end());
   const double upper = (*values)[middle];
   if (values->size() % 2 == 1) return upper;
@@ -42,16 +88,7 @@ std::vector<bool> FindOutliers(const Eigen::VectorXd& series_mm, double sigma_fl
     for (int k = 0; k < count; ++k) stands_out[k] = std::abs(off[k]) > most;
     return stands_out;
   }
-  Eigen::VectorXd deviation(count);
-  std::vector<double> window;
-  for (int k = 0; k < count; ++k) {
-    window.clear();
-    // The neighbours without the reading itself; at the ends the window is one-sided.
-    for (int i = std::max(0, k - options.half_window); i <= std::min(count - 1, k + options.half_window); ++i) {
-      if (i != k) window.push_back(series_mm[i]);
-    }
-    deviation[k] = series_mm[k] - Median(&window);
-  }
+  const Eigen::VectorXd deviation = OffRunningMedian(series_mm, options.half_window);
   const double limit = options.threshold * std::max(RobustSigma(deviation), sigma_floor_mm);
   for (int k = 0; k < count; ++k) stands_out[k] = std::abs(deviation[k]) > limit;
   // Neighbours that stand out together on one side are structure; chips fall on either side and leave gaps.

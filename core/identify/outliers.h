@@ -1,6 +1,7 @@
-// Scattered bad readings (chips, mis-touches, spikes): readings that stand out of their own series. A reading is
-// compared with the running median of its neighbours, so that an effect which the model lacks is not taken for chips;
-// neighbours that stand out together on one side are structure and stay.
+// Scattered bad readings (chips, mis-touches, spikes): readings that stand out of their own series (Hampel identifier).
+// A reading is compared with the running median of its neighbours, in robust standard deviations of all such
+// differences, so that an effect which the model lacks is not taken for chips. Neighbours that stand out together on
+// one side are such an effect and stay.
 #ifndef AXISCAL_CORE_IDENTIFY_OUTLIERS_H_
 #define AXISCAL_CORE_IDENTIFY_OUTLIERS_H_
 
@@ -22,6 +23,10 @@ struct OutlierOptions {
 // (quantised series).
 std::vector<bool> FindOutliers(const Eigen::VectorXd& series_mm, double sigma_floor_mm,
                                const OutlierOptions& options = {});
+
+// Each value minus the median of its neighbours, `half_window` on either side, itself left out; at the ends the window
+// is one-sided.
+Eigen::VectorXd OffRunningMedian(const Eigen::VectorXd& series, int half_window);
 
 // 1.4826 times the median of absolute values: the standard deviation of Gaussian deviations.
 double RobustSigma(Eigen::VectorXd deviations);

@@ -63,6 +63,24 @@ TEST(Outliers, AHandfulOfReadingsCannotTell) {
   EXPECT_EQ(Count(FindOutliers(series, 0.0)), 0);
 }
 
+// The slow obvious twin sorts every window anew.
+TEST(Outliers, RunningMedian) {
+  for (const int count : {1, 2, 4, 9, 200}) {
+    Eigen::VectorXd series = Noise(count, 1.0);
+    for (int i = 0; i < count; i += 3) series[i] = 0.5;  // equal values
+    for (const int half_window : {1, 5}) {
+      const Eigen::VectorXd off = OffRunningMedian(series, half_window);
+      for (int k = 0; k < count; ++k) {
+        std::vector<double> neighbours;
+        for (int i = std::max(0, k - half_window); i <= std::min(count - 1, k + half_window); ++i) {
+          if (i != k) neighbours.push_back(series[i]);
+        }
+        EXPECT_EQ(off[k], series[k] - Median(&neighbours)) << count << ' ' << half_window << ' ' << k;
+      }
+    }
+  }
+}
+
 TEST(Outliers, MedianAndRobustSigma) {
   std::vector<double> even = {4, 1, 3, 2}, none;
   EXPECT_EQ(Median(&even), 2.5);

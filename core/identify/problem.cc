@@ -155,7 +155,9 @@ std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& po
     for (int k = 0; k < run.reading_count(); ++k) {
       instruments::PredictWith(
           machine, run, k,
-          [&](const shapes::State& state) -> const machine::JointErrors<double>& { return errors_of_run.At(state); },
+          [&](const shapes::State& state) -> const machine::JointTransforms& {
+            return errors_of_run.TransformsAt(state);
+          },
           setup, residual_mm.col(k).data());
     }
     residuals_mm.push_back(residual_mm - run.measured_mm);

@@ -15,12 +15,12 @@
 
 namespace axiscal::identify {
 
-// Noise of one run: of its variance a share is white, the rest first-order autoregressive (servo ripple and wander
-// remember). Readings of one row `lag` apart correlate by (1 - white_share) ar1^lag.
+// Noise of one run. A share of its variance is white, the rest is first-order autoregressive (servo ripple and slow
+// wander). Two readings of one row that are `lag` readings apart correlate by (1 - white_share) ar1^lag.
 struct Noise {
   double sigma_mm = 0.0;     // standard deviation of one reading
   double ar1 = 0.0;          // 0: all of it is white
-  double white_share = 0.0;  // 0 to 1, beside what remembers; of no meaning where ar1 is 0
+  double white_share = 0.0;  // of the variance, 0 to 1; without meaning where ar1 is 0
 
   double NeighbourCorrelation() const { return (1.0 - white_share) * ar1; }
 };
@@ -50,8 +50,8 @@ struct Problem {
   std::vector<instruments::MeasuringRun> runs;
   std::vector<Noise> noise;                // per run
   std::vector<std::vector<bool>> is_used;  // per run, reading * row_count + row; false for readings set aside
-  // Per run; empty, or per reading what its rows are multiplied with so that each scatters by the run's sigma and none
-  // with another (row_weights.h). A reading is then used or set aside as a whole.
+  // Per run: empty, or a matrix per reading. Its rows times the matrix scatter by the run's sigma each and are not
+  // correlated (row_weights.h). A reading is then used or set aside as a whole.
   std::vector<std::vector<RowWeight>> row_weights;
   std::vector<SetupGroup> groups;
   std::vector<int> group_of_run;

@@ -1,5 +1,5 @@
-// Linear algebra of the arrow: setup offsets are eliminated group by group, what is left speaks of the machine's errors
-// alone.
+// Linear algebra of the normal equations (problem.h): setup offsets are eliminated group by group (Schur complement),
+// which leaves equations of the machine's errors alone.
 #ifndef AXISCAL_CORE_IDENTIFY_REDUCTION_H_
 #define AXISCAL_CORE_IDENTIFY_REDUCTION_H_
 
@@ -35,9 +35,9 @@ inline constexpr double kLargestErrorMm = 10.0, kLargestErrorRad = 0.03;
 // As large as an error is taken to get where the readings hardly show it; infinite for a non-linear parameter.
 double LargestOf(const machine::ErrorModel& model, const Parameter& parameter);
 
-// What the readings themselves say (Priors::kInformative) of the amplitudes of `point`'s model, and nothing of those
-// that they would not show by one standard deviation, all taken together, were they as large as LargestOf. What a
-// bar sees of errors across it is the rounding of the positions in the file; fitted, they run away and bend the bar.
+// Reduce() without weak priors of the amplitudes of `point`'s model, made zero for an error that all readings together
+// would show by less than one standard deviation at its LargestOf size. A ball bar, for one, shows an error across
+// itself only through the rounding of positions in the file; fitted, such an error would run away.
 Reduced ReduceVisible(const Problem& problem, const Point& point, const NormalEquations& normal);
 
 // Information on the errors in `kept`, in their order, once the others are refitted beside them (Schur complement).

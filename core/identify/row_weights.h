@@ -1,6 +1,7 @@
-// What the sources of a budget that are drawn anew for every reading do to its rows: the positioning error of a rotary
-// axis scatters the three numbers of a reading along the arc, not equally. The weights make such rows equal and
-// uncorrelated again (Fang 2022, section 4.4.3: without them the noise along the arc leaks into the angles).
+// Weights of the rows of one reading. A source of error that is drawn anew for every reading (Budget) scatters the rows
+// unequally and together: the positioning error of a rotary axis moves the three numbers of a reading along the arc.
+// Rows times their weight scatter alike and are not correlated (Fang 2022, section 4.4.3: without weights the noise
+// along the arc gets into the angles).
 #ifndef AXISCAL_CORE_IDENTIFY_ROW_WEIGHTS_H_
 #define AXISCAL_CORE_IDENTIFY_ROW_WEIGHTS_H_
 

@@ -6,11 +6,11 @@
 namespace axiscal::identify {
 namespace {
 
-// A tenth of a standard deviation: a step that bends nothing.
+// A tenth of a standard deviation: over such a step everything is linear.
 constexpr double kSmallDecrement = 1e-2;
 
 // A model that misses by more sigmas than this, all readings taken together, is not fitted on but given a larger sigma
-// (identify.cc).
+// (solve.cc).
 constexpr double kFarOff = 10.0;
 
 Point Moved(const Point& from, const std::vector<Parameter>& parameters, const Step& step) {
@@ -61,24 +61,25 @@ bool IsSteady(const Problem& problem, const std::vector<Eigen::VectorXd>& before
   return true;
 }
 
-// Takes `step`, or a more damped one that does not raise the cost. Undamped steps are the rule. Where the problem is
-// bent (a bar pulled far across its length, a turn that shows only off the middle of a face) a long step leaves the
-// floor of its valley: a damped one from there leads back to it, and the two count as one where they keep half the
-// promise; otherwise the damping grows until the step is honest.
+// Takes `step`, or a more damped one that does not raise the cost. Undamped steps are the rule. Where readings are far
+// from linear in the unknowns (a bar pulled far across its length, a turn that shows only off the middle of a face) a
+// long step leaves the floor of its curved valley. A damped step from there leads back to the floor, and the two count
+// as one where they lower the cost by half of what `step` predicted; otherwise the damping grows until a step does what
+// it predicts.
 class Descent {
  public:
   Descent(const Problem& problem, const std::vector<Parameter>& parameters, const std::vector<int>& held)
       : problem_(problem), parameters_(parameters), held_(held) {}
 
   double damping() const { return damping_; }
-  bool is_bent() const { return is_bent_; }
+  bool is_curved() const { return is_curved_; }
 
   // Moves `solution` from `cost` on. Returns the new cost.
   absl::StatusOr<double> Take(Step step, double cost, Solution* solution) {
     while (true) {
       Trial trial = Try(solution->point, step);
       if (trial.cost <= cost * (1.0 + 1e-12)) {
-        // A step that keeps little of what it promised was too long: it zigzags across a bent valley.
+        // A step that lowers the cost by little of what it predicted was too long: it zigzags across a curved valley.
         constexpr double kKeepsLittle = 0.25;
         if (cost - trial.cost < kKeepsLittle * step.decrement) {
           Raise();
@@ -92,7 +93,7 @@ class Descent {
       Trial on_floor = Try(trial.point, back);
       constexpr double kKeepsHalf = 0.5;
       if (on_floor.cost < cost - kKeepsHalf * step.decrement) {
-        is_bent_ = true;
+        is_curved_ = true;
         return Accept(std::move(on_floor), solution);
       }
       Raise();
@@ -126,54 +127,17 @@ class Descent {
 
   void Raise() {
     damping_ = damping_ == 0.0 ? kFirstDamping : damping_ * kGrowth;
-    is_bent_ = true;
+    is_curved_ = true;
   }
 
   const Problem& problem_;
   const std::vector<Parameter>& parameters_;
   const std::vector<int>& held_;
   double damping_ = 0.0;
-  bool is_bent_ = false;
+  bool is_curved_ = false;
 };
 
 }  // namespace
-
-Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model) {
-  machine::ErrorModel zero = model;
-  for (machine::ErrorTerm& term : zero.terms) term.amplitude.fill(0.0);
-  Nominal nominal;
-  nominal.point = StartingPoint(problem, zero);
-  nominal.normal = Assemble(problem, nominal.point, ListParameters(zero, false));
-  if (problem.fixed_model.terms.empty() || model.terms.empty()) {
-    nominal.null_space = FindNullSpace(ReduceVisible(problem, nominal.point, nominal.normal));
-    return nominal;
-  }
-  Problem free_of_errors = problem;
-  free_of_errors.fixed_model = {};
-  const NormalEquations normal = Assemble(free_of_errors, nominal.point, ListParameters(zero, false));
-  nominal.null_space = FindNullSpace(ReduceVisible(free_of_errors, nominal.point, normal));
-  return nominal;
-}
-
-NullSpace WithNonlinearColumns(const NullSpace& space, const machine::ErrorModel& model) {
-  const std::vector<Parameter> all = ListParameters(model, true);
-  NullSpace out = space;
-  out.involved.assign(all.size(), false);
-  out.directions = Eigen::MatrixXd::Zero(space.directions.rows(), static_cast<Eigen::Index>(all.size()));
-  std::vector<int> at;
-  for (size_t i = 0; i < all.size(); ++i) {
-    if (all[i].is_nonlinear) {
-      ++out.rank;
-      continue;
-    }
-    const size_t amplitude = at.size();
-    out.involved[i] = space.involved[amplitude];
-    out.directions.col(i) = space.directions.col(amplitude);
-    at.push_back(static_cast<int>(i));
-  }
-  for (int& column : out.fixed) column = at[column];
-  return out;
-}
 
 absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const NullSpace& null_space,
                                const Options& options, const NormalEquations* at_start) {
@@ -195,8 +159,8 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
       options.progress({"fitting", static_cast<double>(iteration) / options.max_iterations,
                         absl::StrFormat("iteration %d, chi-square %.6g", iteration, cost)});
     }
-    // Convergence is quadratic: where this step and the one before promise that the next would not matter, this one is
-    // the last. Not after a long step that made show what hardly did before (a turn of a face that was touched in its
+    // Convergence is quadratic: where this step and the one before say that the next would not matter, this one is the
+    // last. Not after a long step that made show what hardly did before (a turn of a face that was touched in its
     // middle), which no earlier step tells.
     const bool is_last = step.decrement < options.converged_decrement ||
                          (iteration > 1 && (step.decrement < kSmallDecrement || is_steady) &&
@@ -233,7 +197,7 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
     }
   }
   solution.cost = cost;
-  solution.is_bent = descent.is_bent();
+  solution.is_curved = descent.is_curved();
   if (solution.residuals_mm.empty()) solution.residuals_mm = ResidualsOf(problem, solution.point);
   return solution;
 }

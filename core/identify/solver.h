@@ -1,4 +1,4 @@
-// Gauss-Newton with damped steps on the arrow of problem.h.
+// Gauss-Newton with damped steps (Levenberg-Marquardt) on the normal equations of problem.h.
 #ifndef AXISCAL_CORE_IDENTIFY_SOLVER_H_
 #define AXISCAL_CORE_IDENTIFY_SOLVER_H_
 
@@ -13,22 +13,11 @@ struct Solution {
   std::vector<Eigen::MatrixXd> residuals_mm;
   int iterations = 0;
   bool has_converged = false;
-  bool is_bent = false;  // some step had to be damped or led back: uncertainties by linear propagation may be too small
-  double cost = 0.0;     // whitened squares and priors at the last linearisation
+  // Some step had to be damped or led back: readings are far from linear in the unknowns, and uncertainties by linear
+  // propagation may be too small.
+  bool is_curved = false;
+  double cost = 0.0;  // chi-square: whitened squares and priors at the last linearisation
 };
-
-// The problem at the nominal machine, all amplitudes and offsets zero. What the data cannot see of the amplitudes is a
-// property of poses and error terms, judged there, where degeneracies are exact.
-struct Nominal {
-  Point point;
-  NormalEquations normal;  // of the amplitudes; errors that the problem holds act
-  NullSpace null_space;    // of the amplitudes; none act
-};
-Nominal AtNominal(const Problem& problem, const machine::ErrorModel& model);
-
-// The same directions in the columns of ListParameters(model, true). A non-linear parameter is judged by its own
-// uncertainty, not by rank.
-NullSpace WithNonlinearColumns(const NullSpace& space, const machine::ErrorModel& model);
 
 // Fits all terms of `start` and all setups from `start` on, the null directions held. FAILED_PRECONDITION when no step
 // descends, CANCELLED. Without convergence within options.max_iterations the last point comes back, has_converged

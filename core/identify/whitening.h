@@ -5,7 +5,7 @@
 //   innovation_k = row_k - ar1^g row_(k-g) + echo_k innovation_(k-g),   echo_k = ar1^g w / F_(k-g)
 //   whitened_k = innovation_k / (sigma sqrt(F_k)),                      the first row: row / sigma, F = 1
 //   F_k = w + (1 - w) (1 - ar1^(2g)) + ar1^g echo_k (F_(k-g) - w)
-// Without white noise nothing echoes, and F = 1 - ar1^(2g).
+// Without white noise echo_k = 0 and F_k = 1 - ar1^(2g).
 #ifndef AXISCAL_CORE_IDENTIFY_WHITENING_H_
 #define AXISCAL_CORE_IDENTIFY_WHITENING_H_
 

@@ -14,8 +14,9 @@ namespace {
 
 // What a reading of a session in which something slipped is read with: the artefact is where the first three setup
 // offsets put it, and a probe that slipped is an error of the tool joint.
+template <typename Errors>
 struct Slipped {
-  machine::JointErrors<double> errors;
+  Errors errors;
   double setup[kMaxSetupParameters];
 };
 
@@ -23,16 +24,33 @@ int OwnSetupCount(const MeasuringRun& run) {
   return static_cast<int>(run.setup.size()) - 3 * static_cast<int>(run.slips.size());
 }
 
-Slipped AfterSlips(const machine::Machine& machine, const MeasuringRun& run, int reading,
-                   const machine::JointErrors<double>& errors, const double* setup) {
-  Slipped out;
-  out.errors = errors;
+void Shift(int joint, const double* by_mm, machine::JointErrors<double>* errors) {
+  for (int k = 0; k < 3; ++k) (*errors)[joint][k] += by_mm[k];
+}
+
+void Shift(int joint, const double* by_mm, machine::JointTransforms* errors) {
+  machine::ErrorVector<double> error = errors->ErrorOf(joint);
+  for (int k = 0; k < 3; ++k) error[k] += by_mm[k];
+  errors->Set(joint, error);
+}
+
+template <typename Errors>
+Slipped<Errors> AfterSlips(const machine::Machine& machine, const MeasuringRun& run, int reading, const Errors& errors,
+                           const double* setup) {
+  Slipped<Errors> out{errors, {}};
   const int own = OwnSetupCount(run);
   std::copy(setup, setup + own, out.setup);
   const double* by_mm = setup + own;
   for (const Slip& slip : run.slips) {
-    for (int k = 0; reading >= slip.first_reading && k < 3; ++k)
-      (slip.carrier == Carrier::kTable ? out.setup[k] : out.errors[machine.tool_joint()][k]) += by_mm[k];
+    if (reading < slip.first_reading) {
+      by_mm += 3;
+      continue;
+    }
+    if (slip.carrier == Carrier::kTable) {
+      for (int k = 0; k < 3; ++k) out.setup[k] += by_mm[k];
+    } else {
+      Shift(machine.tool_joint(), by_mm, &out.errors);
+    }
     by_mm += 3;
   }
   return out;
@@ -56,8 +74,9 @@ void EvaluateInstrument(const machine::Machine& machine, const MeasuringRun& run
   }
 }
 
-void PredictInstrument(const machine::Machine& machine, const MeasuringRun& run, int reading,
-                       const machine::JointErrors<double>& errors, const double* setup, double* predicted_mm) {
+template <typename Errors>
+void PredictInstrument(const machine::Machine& machine, const MeasuringRun& run, int reading, const Errors& errors,
+                       const double* setup, double* predicted_mm) {
   const double* positions = run.PositionsOf(reading);
   switch (run.kind) {
     case Kind::kBallbar:
@@ -75,12 +94,20 @@ void PredictInstrument(const machine::Machine& machine, const MeasuringRun& run,
   }
 }
 
+template <typename Errors>
+void PredictAny(const machine::Machine& machine, const MeasuringRun& run, int reading, const Errors& errors,
+                const double* setup, double* predicted_mm) {
+  if (run.slips.empty()) return PredictInstrument(machine, run, reading, errors, setup, predicted_mm);
+  const auto slipped = AfterSlips(machine, run, reading, errors, setup);
+  PredictInstrument(machine, run, reading, slipped.errors, slipped.setup, predicted_mm);
+}
+
 }  // namespace
 
 void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int reading,
               const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
   if (run.slips.empty()) return EvaluateInstrument(machine, run, reading, errors, setup, out);
-  const Slipped slipped = AfterSlips(machine, run, reading, errors, setup);
+  const auto slipped = AfterSlips(machine, run, reading, errors, setup);
   EvaluateInstrument(machine, run, reading, slipped.errors, slipped.setup, out);
   int column = OwnSetupCount(run);
   out->by_setup.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(run.setup.size()));
@@ -99,9 +126,12 @@ void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int read
 
 void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,
              const machine::JointErrors<double>& errors, const double* setup, double* predicted_mm) {
-  if (run.slips.empty()) return PredictInstrument(machine, run, reading, errors, setup, predicted_mm);
-  const Slipped slipped = AfterSlips(machine, run, reading, errors, setup);
-  PredictInstrument(machine, run, reading, slipped.errors, slipped.setup, predicted_mm);
+  PredictAny(machine, run, reading, errors, setup, predicted_mm);
+}
+
+void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,
+             const machine::JointTransforms& errors, const double* setup, double* predicted_mm) {
+  PredictAny(machine, run, reading, errors, setup, predicted_mm);
 }
 
 }  // namespace axiscal::instruments

@@ -7,6 +7,7 @@
 
 #include "core/instruments/run.h"
 #include "core/machine/chain.h"
+#include "core/machine/joint_transforms.h"
 #include "core/machine/sensitivity.h"
 
 namespace axiscal::instruments {
@@ -65,8 +66,10 @@ void EvaluateAlongPath(const machine::Machine& machine, const MeasuringRun& run,
 // for double here).
 void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,
              const machine::JointErrors<double>& errors, const double* setup, double* predicted_mm);
+void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,
+             const machine::JointTransforms& errors, const double* setup, double* predicted_mm);
 
-// The prediction with the errors of the reading's own state, or along its path.
+// The prediction with the errors of the reading's own state, or along its path: `errors_at(state)` gives either form.
 template <typename ErrorsAt>
 void PredictWith(const machine::Machine& machine, const MeasuringRun& run, int reading, ErrorsAt errors_at,
                  const double* setup, double* predicted_mm) {

@@ -21,15 +21,22 @@ void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joi
   const auto add_error = [&](int joint) -> const Eigen::Vector3d& {
     const ErrorVector<double>& error = errors[joint];
     ErrorTurn& turn = out->turns[joint];
-    if (error.tail<3>() != turn.angles_rad) turn = TurnOf(error);
     JointPlace& place = out->places[joint];
+    bool has_moved = place.bed_from_parent != bed.rotation;
+    if (has_moved) place.bed_from_parent = bed.rotation;
+    if (error.tail<3>() != turn.angles_rad) {
+      turn = TurnOf(error);
+      has_moved = true;
+    }
     joints[count++] = joint;
     place.sign = sign;
-    place.bed_from_parent = bed.rotation;
     const Eigen::Vector3d& point_mm = ErrorPoint(machine, joint);
-    bed.translation_mm += bed.rotation * (point_mm + error.head<3>());
+    const Eigen::Vector3d centre_mm = point_mm + error.head<3>();
+    if (!centre_mm.isZero(0.0)) bed.translation_mm += bed.rotation * centre_mm;
     place.lever_mm = bed.translation_mm;  // the error's centre, until the point is known
-    if (!turn.is_zero) bed.rotation = Eigen::Matrix3d(place.bed_from_parent * turn.rotation);
+    if (turn.is_zero) return point_mm;
+    if (has_moved) place.bed_from_turned.noalias() = place.bed_from_parent * turn.rotation;
+    bed.rotation = place.bed_from_turned;
     return point_mm;
   };
   for (const int joint : axes) {
@@ -40,7 +47,7 @@ void AddBranch(const Machine& machine, const std::vector<int>& axes, int end_joi
       continue;
     }
     geometry::TurnAbout(axis.direction, positions[joint], &bed.rotation);
-    bed.translation_mm -= bed.rotation * point_mm;
+    if (!point_mm.isZero(0.0)) bed.translation_mm -= bed.rotation * point_mm;
   }
   add_error(end_joint);
   *point_in_bed_mm = bed * point_at_home_mm;

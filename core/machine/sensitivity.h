@@ -21,7 +21,10 @@ ErrorTurn TurnOf(const ErrorVector<double>& error);
 // Where a joint's error acts, and the lever from there to the point that its branch carries; in the bed's axes.
 struct JointPlace {
   double sign = 1.0;  // +1 on the tool's branch, -1 on the table's
-  Eigen::Matrix3d bed_from_parent;
+  Eigen::Matrix3d bed_from_parent = Eigen::Matrix3d::Zero();
+  // bed_from_parent * rotation of the joint's ErrorTurn, where that is not zero; kept between calls while both factors
+  // stay the same, as they do up to the first axis that turns.
+  Eigen::Matrix3d bed_from_turned;
   Eigen::Vector3d lever_mm;
 };
 

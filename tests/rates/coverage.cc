@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/identify/gauge.h"
 #include "core/identify/identify.h"
-#include "core/identify/solver.h"
 #include "core/loop/close_loop.h"
 #include "tests/rates/score.h"
 

@@ -14,9 +14,9 @@ std::vector<instruments::SetupParameter> SetupParameters();
 // Unit directions of the run-out, across the tool, machine frame at home: x and y for a tool along z. Columns.
 Eigen::Matrix<double, 3, 2> RunOutDirections(const machine::Machine& machine);
 
-template <typename T>
+template <typename T, typename Errors = machine::JointErrors<T>>
 void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, const T* positions,
-             const machine::JointErrors<T>& errors, const T* setup, T* predicted_mm) {
+             const Errors& errors, const T* setup, T* predicted_mm) {
   const machine::ChainPose<T> pose = machine::EvaluateChain<T>(machine, positions, errors);
   const Eigen::Matrix<double, 3, 2> across = RunOutDirections(machine);
   const geometry::Vector3<T> run_out = across.col(0).cast<T>() * setup[3] + across.col(1).cast<T>() * setup[4];

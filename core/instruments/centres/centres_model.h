@@ -25,9 +25,9 @@ std::vector<int> LinearAxes(const machine::Machine& machine);
 absl::Status SolveNominalCommands(const machine::Machine& machine, const Eigen::Vector3d& tip_mm,
                                   const Eigen::Vector3d& ball_mm, double* positions);
 
-template <typename T>
+template <typename T, typename Errors = machine::JointErrors<T>>
 void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, const T* nominal_positions,
-             const machine::JointErrors<T>& errors, const T* setup, T* predicted_mm) {
+             const Errors& errors, const T* setup, T* predicted_mm) {
   std::vector<T> positions(nominal_positions, nominal_positions + machine.axis_count());
   std::vector<double> at(machine.axis_count());
   for (int i = 0; i < machine.axis_count(); ++i) {

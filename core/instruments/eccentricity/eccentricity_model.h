@@ -12,9 +12,9 @@
 namespace axiscal::eccentricity {
 
 // With the same errors all along the path.
-template <typename T>
+template <typename T, typename Errors = machine::JointErrors<T>>
 void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading,
-             const machine::JointErrors<T>& errors, const T* setup, T* predicted_mm) {
+             const Errors& errors, const T* setup, T* predicted_mm) {
   const Reading& of = run.path_readings->readings[reading];
   const instruments::MeasuringRun& trace = run.path_readings->traces[of.trace];
   predicted_mm[0] = T(0.0);

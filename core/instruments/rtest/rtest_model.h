@@ -10,9 +10,9 @@ namespace axiscal::rtest {
 
 std::vector<instruments::SetupParameter> SetupParameters();
 
-template <typename T>
+template <typename T, typename Errors = machine::JointErrors<T>>
 void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, const T* positions,
-             const machine::JointErrors<T>& errors, const T* setup, T* predicted_mm) {
+             const Errors& errors, const T* setup, T* predicted_mm) {
   const machine::ChainPose<T> pose = machine::EvaluateChain<T>(machine, positions, errors);
   const geometry::Vector3<T> ball(run.ball_mm.x() + setup[0], run.ball_mm.y() + setup[1], run.ball_mm.z() + setup[2]);
   const geometry::Vector3<T> displacement = machine::TipInTable(pose, run.tip_mm) - ball;

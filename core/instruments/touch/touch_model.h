@@ -15,9 +15,9 @@ namespace axiscal::touch {
 
 std::vector<instruments::SetupParameter> SetupParameters();
 
-template <typename T>
+template <typename T, typename Errors = machine::JointErrors<T>>
 void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, int reading, const T* positions,
-             const machine::JointErrors<T>& errors, const T* setup, T* predicted_mm) {
+             const Errors& errors, const T* setup, T* predicted_mm) {
   using std::sqrt;
   const Feature& feature = run.touches.features[run.touches.feature_of[reading]];
   const machine::ChainPose<T> pose = machine::EvaluateChain<T>(machine, positions, errors);

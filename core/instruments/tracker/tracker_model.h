@@ -14,9 +14,9 @@ std::vector<instruments::SetupParameter> SetupParameters();
 // The rigid transform that brings the nominal tool points nearest to the measured ones (Horn/Kabsch, least squares).
 geometry::Rigid<double> StartingPose(const machine::Machine& machine, const instruments::MeasuringRun& run);
 
-template <typename T>
+template <typename T, typename Errors = machine::JointErrors<T>>
 void Predict(const machine::Machine& machine, const instruments::MeasuringRun& run, const T* positions,
-             const machine::JointErrors<T>& errors, const T* setup, T* predicted_mm) {
+             const Errors& errors, const T* setup, T* predicted_mm) {
   const machine::ChainPose<T> pose = machine::EvaluateChain<T>(machine, positions, errors);
   const geometry::Vector3<T> target(run.tip_mm.x() + setup[6], run.tip_mm.y() + setup[7], run.tip_mm.z() + setup[8]);
   const geometry::Vector3<T> in_start = run.tracker_from_machine.rotation.cast<T>() * (pose.bed_from_tool * target) +

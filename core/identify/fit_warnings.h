@@ -1,0 +1,31 @@
+// What a reader of a fit's numbers must know.
+#ifndef AXISCAL_CORE_IDENTIFY_FIT_WARNINGS_H_
+#define AXISCAL_CORE_IDENTIFY_FIT_WARNINGS_H_
+
+#include <vector>
+
+#include "core/identify/problem.h"
+#include "core/identify/reduction.h"
+#include "core/identify/result.h"
+
+namespace axiscal::identify {
+
+// Of a result with estimates and model: readings that scatter about the fit by more than twice their stated sigma, or
+// of which too many were set aside for chips; errors without an interval (`without_interval`, per estimate); and errors
+// that no reading supports (`unsupported`, per estimate) but that the model holds at sizes that are not plausible,
+// because something had to take up what the readings show.
+std::vector<Warning> WarningsOf(const Result& result, const std::vector<Parameter>& parameters,
+                                const std::vector<bool>& without_interval, const std::vector<bool>& unsupported);
+
+// Of each session with a reading column that is rounded to a coarse step (instruments/resolution.h).
+std::vector<Warning> CoarseReadings(const Problem& problem);
+
+// The covariance of a fit takes what is held for independent of its readings. It is where the stages have no session in
+// common: a set-up that both fit freely carries nothing from one to the other. Not so where the same readings gave
+// both, or where errors rest on an offset that both know to a stated sigma: it is off by the same amount in both.
+std::vector<Warning> SharedWithHeld(const Problem& problem, const Covariance& covariance,
+                                    const std::vector<MeasuredIn>& held_from);
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_FIT_WARNINGS_H_

@@ -1,0 +1,110 @@
+#include "core/identify/judge.h"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "core/identify/plausible_errors.h"
+#include "core/identify/profile_likelihood.h"
+
+namespace axiscal::identify {
+namespace {
+
+// Uncertainties of the fitted errors and set-ups; behind the fitted errors those that are held.
+Covariance UncertaintyOf(const SolvedProblem& solved, double sigma_scale) {
+  const Problem& problem = solved.problem;
+  const Solution& solution = solved.solution;
+  if (problem.fixed_covariance.size() == 0)
+    return CovarianceOf(problem, solution.point, solution.normal, solved.held, sigma_scale);
+  Problem all_free = problem;
+  all_free.fixed_model = {};
+  Point point = solution.point;
+  std::vector<Parameter> all = solved.parameters;
+  const int fitted = static_cast<int>(point.model.terms.size());
+  for (Parameter fixed : ListParameters(problem.fixed_model, true)) {
+    fixed.term += fitted;
+    all.push_back(fixed);
+  }
+  point.model.terms.insert(point.model.terms.end(), problem.fixed_model.terms.begin(), problem.fixed_model.terms.end());
+  return CovarianceOf(all_free, point, Assemble(all_free, point, all), solved.held, sigma_scale,
+                      problem.fixed_covariance);
+}
+
+// `linear`: covariance of the errors by the readings' noise as stated, with all priors.
+PriorDominated FindPriorDominated(const SolvedProblem& solved, const Eigen::MatrixXd& linear) {
+  const std::vector<Parameter>& parameters = solved.parameters;
+  const int p = static_cast<int>(parameters.size());
+  PriorDominated out;
+  out.involved.assign(p, false);
+  const Eigen::MatrixXd alone = InverseBeside(
+      Reduce(solved.problem, solved.solution.point, solved.solution.normal, Priors::kInformative), solved.held);
+  const Eigen::VectorXd sizes = PlausibleSizes(solved.solution.point.model, parameters);
+  for (int i = 0; i < p; ++i) {
+    if (solved.null_space.involved[i] || parameters[i].is_nonlinear || solved.IsHeld(i)) continue;
+    constexpr double kHalf = 0.5;
+    out.involved[i] =
+        std::sqrt(linear(i, i)) > kMeasuredWithin * sizes[i] && !(linear(i, i) >= kHalf * alone(i, i));
+  }
+  // Named together where readings alone would move them together.
+  constexpr double kTogether = 0.9;  // correlation
+  std::vector<bool> is_named(p, false);
+  for (int i = 0; i < p; ++i) {
+    if (!out.involved[i] || is_named[i]) continue;
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(p);
+    for (int j = 0; j < p; ++j) {
+      if (!out.involved[j] || !(std::abs(alone(i, j)) >= kTogether * std::sqrt(alone(i, i) * alone(j, j)))) continue;
+      direction[j] = alone(i, j) / alone(i, i);
+      is_named[j] = true;
+    }
+    direction[i] = 1.0;
+    out.directions.push_back(std::move(direction));
+  }
+  return out;
+}
+
+std::vector<bool> FindUnsupported(const SolvedProblem& solved, const Judgement& judgement) {
+  const NullSpace& null_space = solved.null_space;
+  const Eigen::VectorXd sizes = PlausibleSizes(solved.solution.point.model, solved.parameters);
+  std::vector<bool> unsupported(solved.parameters.size());
+  for (size_t i = 0; i < unsupported.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    unsupported[i] = judgement.HasNoNumber(i);
+    const double sigma = std::sqrt(judgement.covariance.errors(at, at));
+    if (null_space.involved[i] && sigma > kMeasuredWithin * sizes[at]) unsupported[i] = true;
+    for (size_t k = 0; k < null_space.fixed.size(); ++k) {
+      const bool is_freed = !solved.IsHeld(null_space.fixed[k]);
+      if (is_freed && null_space.directions(static_cast<Eigen::Index>(k), at) != 0.0) unsupported[i] = true;
+    }
+  }
+  return unsupported;
+}
+
+// Half-width of the 95 % interval in standard uncertainties: of Student's t where their scale was estimated from
+// `degrees_of_freedom` readings (JCGM 100:2008, G.3).
+double CoverageFactor(bool is_estimated, int degrees_of_freedom) {
+  constexpr double kNormal = 1.959964, kUpper = 0.975;
+  if (!is_estimated || degrees_of_freedom < 1) return kNormal;
+  return boost::math::quantile(boost::math::students_t(static_cast<double>(degrees_of_freedom)), kUpper);
+}
+
+}  // namespace
+
+absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& options) {
+  const Solution& solution = solved.solution;
+  Judgement judgement;
+  judgement.statistics = StatisticsOf(solved.problem, solution.point, solution.residuals_mm,
+                                      static_cast<int>(solved.parameters.size() - solved.held.size()));
+  if (options.scale_uncertainties)
+    judgement.sigma_scale = std::sqrt(std::max(1.0, judgement.statistics.chi2_per_dof));
+  judgement.coverage_factor =
+      CoverageFactor(judgement.sigma_scale > 1.0, judgement.statistics.degrees_of_freedom);
+  judgement.covariance = UncertaintyOf(solved, judgement.sigma_scale);
+  const Eigen::MatrixXd linear =
+      InverseBeside(Reduce(solved.problem, solution.point, solution.normal, Priors::kAll), solved.held);
+  judgement.prior_dominated = FindPriorDominated(solved, linear);
+  ASSIGN_OR_RETURN(judgement.without_interval, FindWithoutInterval(solved, linear, judgement.sigma_scale, options));
+  judgement.unsupported = FindUnsupported(solved, judgement);
+  return judgement;
+}
+
+}  // namespace axiscal::identify

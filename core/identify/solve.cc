@@ -1,0 +1,219 @@
+#include "core/identify/solve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/demand.h"
+#include "core/identify/outliers.h"
+#include "core/instruments/resolution.h"
+
+namespace axiscal::identify {
+namespace {
+
+using instruments::MeasuringRun;
+
+// Rows that are weighted together stay together: one bad number spoils its reading.
+void UseWhole(int row_count, std::vector<bool>* is_used) {
+  for (auto reading = is_used->begin(); reading != is_used->end(); reading += row_count) {
+    const bool is_whole = std::all_of(reading, reading + row_count, [](bool used) { return used; });
+    std::fill(reading, reading + row_count, is_whole);
+  }
+}
+
+// Sets scattered bad readings aside. Returns whether anything changed.
+bool SetOutliersAside(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* problem) {
+  constexpr double kQuantisedSigmaShare =
+      0.3;  // a series finer than this share of the stated sigma is quantised, not quiet
+  bool has_changed = false;
+  for (size_t i = 0; i < problem->runs.size(); ++i) {
+    const MeasuringRun& run = problem->runs[i];
+    std::vector<bool> is_used(problem->is_used[i].size());
+    for (int row = 0; row < run.row_count; ++row) {
+      const std::vector<bool> is_bad =
+          FindOutliers(residuals_mm[i].row(row).transpose(),
+                       std::max(kQuantisedSigmaShare * run.sigma_mm, instruments::RoundingSigma(run)));
+      for (int k = 0; k < run.reading_count(); ++k) is_used[static_cast<size_t>(k) * run.row_count + row] = !is_bad[k];
+    }
+    if (problem->WeightOf(i, 0) != nullptr) UseWhole(run.row_count, &is_used);
+    SetKnownAside(run, &is_used);
+    has_changed |= is_used != problem->is_used[i];
+    problem->is_used[i] = std::move(is_used);
+  }
+  return has_changed;
+}
+
+int ReadingCount(const Problem& problem) {
+  int readings = 0;
+  for (const MeasuringRun& run : problem.runs) readings += static_cast<int>(run.measured_mm.size());
+  return readings;
+}
+
+bool HasNonlinear(const machine::ErrorModel& model, const Options& options) {
+  return options.fit_nonlinear &&
+         std::any_of(model.terms.begin(), model.terms.end(),
+                     [](const machine::ErrorTerm& term) { return shapes::NonlinearParameter(term.shape) != nullptr; });
+}
+
+// At amplitude zero a decay length or time constant has no effect that could be fitted.
+bool NeedsAmplitudes(const machine::ErrorModel& model) {
+  return std::any_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
+    return shapes::NonlinearParameter(term.shape) != nullptr && term.amplitude[0] == 0.0 && term.amplitude[1] == 0.0;
+  });
+}
+
+// Amplitudes first where there are non-linear parameters, then all. Bad readings are set aside between the two: they
+// would send a time constant where it does not come back from.
+absl::StatusOr<Solution> SolveFrom(const machine::ErrorModel& model, const std::vector<Eigen::VectorXd>& setup,
+                                   const Nominal& nominal, const NullSpace& null_space, const Options& options,
+                                   Problem* problem) {
+  Point start = StartingPoint(*problem, model);
+  if (!setup.empty()) start.setup = setup;
+  const bool is_nominal = setup.empty() && start.model.terms == nominal.point.model.terms;
+  const NormalEquations* at_start = is_nominal ? &nominal.normal : nullptr;
+  if (!HasNonlinear(model, options)) return Solve(*problem, start, null_space, options, at_start);
+  if (!setup.empty() && !NeedsAmplitudes(model)) return Solve(*problem, start, null_space, options);
+  Options amplitudes_only = options;
+  amplitudes_only.fit_nonlinear = false;
+  constexpr double kNear = 1e-2;  // only where the second fit starts
+  amplitudes_only.converged_decrement = std::max(kNear, options.converged_decrement);
+  ASSIGN_OR_RETURN(const Solution first, Solve(*problem, start, nominal.null_space, amplitudes_only, at_start));
+  if (options.set_outliers_aside && first.has_converged) SetOutliersAside(first.residuals_mm, problem);
+  return Solve(*problem, first.point, null_space, options);
+}
+
+// Sets solved->null_space, `held` and `solution`; raises the noise where it takes that to converge.
+absl::Status FindMinimum(const machine::ErrorModel& model, const std::vector<Eigen::VectorXd>& setup,
+                         const Options& options, SolvedProblem* solved) {
+  Problem& problem = solved->problem;
+  Nominal nominal = AtNominal(problem, model);
+  solved->null_space =
+      HasNonlinear(model, options) ? WithNonlinearColumns(nominal.null_space, model) : nominal.null_space;
+  solved->held = solved->null_space.fixed;
+  ASSIGN_OR_RETURN(solved->solution, SolveFrom(model, setup, nominal, solved->null_space, options, &problem));
+  // A model that misses pulls setup offsets far from where anybody would mount a ball, along valleys without a floor.
+  // The stated sigma says little then: it is raised, by no more than it takes for the priors to hold again.
+  while (!solved->solution.has_converged) {
+    constexpr double kMostGrowth = 3.0, kMisses = 1.1;
+    const double growth = std::min(kMostGrowth, std::sqrt(solved->solution.cost / ReadingCount(problem)));
+    if (!options.raise_noise || growth < kMisses) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("identification has not converged after ", solved->solution.iterations, " iterations"));
+    }
+    for (Noise& noise : problem.noise) noise.sigma_mm *= growth;
+    solved->noise_scale *= growth;
+    nominal = AtNominal(problem, model);
+    ASSIGN_OR_RETURN(solved->solution, SolveFrom(model, setup, nominal, solved->null_space, options, &problem));
+  }
+  return absl::OkStatus();
+}
+
+// Solves again without holding what shows at the solution after all (gauge.h).
+absl::Status FreeHeldErrors(const Options& options, SolvedProblem* solved) {
+  const auto solve_holding = [&](const std::vector<int>& held) {
+    NullSpace holding = solved->null_space;
+    holding.fixed = held;
+    return Solve(solved->problem, solved->solution.point, holding, options);
+  };
+  std::vector<int> held = HeldAtSolution(solved->problem, solved->solution, solved->parameters, solved->null_space);
+  if (held != solved->held) {
+    ASSIGN_OR_RETURN(Solution freed, solve_holding(held));
+    solved->is_curved |= freed.is_curved;
+    if (freed.has_converged) {
+      solved->solution = std::move(freed);
+      solved->held = std::move(held);
+    }
+  }
+  while (options.judge_bends) {
+    const std::optional<int> worst =
+        BiasesMost(solved->problem, solved->solution, solved->parameters, solved->null_space, solved->held);
+    if (!worst) break;
+    held = solved->held;
+    std::erase(held, *worst);
+    ASSIGN_OR_RETURN(Solution freed, solve_holding(held));
+    if (!freed.has_converged) break;
+    solved->is_curved |= freed.is_curved;
+    solved->solution = std::move(freed);
+    solved->held = std::move(held);
+  }
+  return absl::OkStatus();
+}
+
+// Touches alone are far from linear in a set-up: the gap to a face that was touched near its middle changes with the
+// square of the artefact's turn, so that a turn and its opposite explain the readings alike.
+bool MayBeCurved(const Problem& problem) {
+  return std::any_of(problem.runs.begin(), problem.runs.end(),
+                     [](const MeasuringRun& run) { return run.kind == instruments::Kind::kTouch; });
+}
+
+// `from` with the turns of one set-up reversed, every combination of signs, for each set-up.
+std::vector<Point> ReversedTurns(const Problem& problem, const Point& from) {
+  std::vector<Point> starts;
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    std::vector<int> turns;
+    for (size_t k = 0; k < problem.groups[g].parameters.size(); ++k) {
+      if (problem.groups[g].parameters[k].is_angle) turns.push_back(static_cast<int>(k));
+    }
+    for (unsigned reversed = 1; reversed < 1u << turns.size(); ++reversed) {
+      Point start = from;
+      for (size_t k = 0; k < turns.size(); ++k) {
+        if (reversed >> k & 1u) start.setup[g][turns[k]] *= -1.0;
+      }
+      starts.push_back(std::move(start));
+    }
+  }
+  return starts;
+}
+
+// Solves a curved problem again from other starts (multi-start); sets `minima` and the best solution.
+absl::Status FindOtherMinima(const Options& options, SolvedProblem* solved) {
+  solved->minima = {solved->solution};
+  Options quiet = options;
+  quiet.progress = nullptr;
+  const NullSpace holding = solved->Holding();
+  for (const Point& start : ReversedTurns(solved->problem, solved->solution.point)) {
+    absl::StatusOr<Solution> other = Solve(solved->problem, start, holding, quiet);
+    if (absl::IsCancelled(other.status())) return other.status();
+    if (other.ok() && other->has_converged) solved->minima.push_back(*std::move(other));
+  }
+  std::stable_sort(solved->minima.begin(), solved->minima.end(),
+                   [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
+  solved->solution = solved->minima[0];
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+NullSpace SolvedProblem::Holding() const {
+  NullSpace holding = null_space;
+  holding.fixed = held;
+  return holding;
+}
+
+absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
+                                           const std::vector<Eigen::VectorXd>& setup) {
+  DEMAND(setup.empty() || setup.size() == problem.groups.size());
+  SolvedProblem solved;
+  solved.problem = std::move(problem);
+  solved.parameters = ListParameters(model, options.fit_nonlinear);
+  const int readings = ReadingCount(solved.problem);
+  // Setups bring a prior each; errors need readings.
+  if (readings < static_cast<int>(solved.parameters.size())) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(readings, " readings cannot determine ", solved.parameters.size(), " errors"));
+  }
+  RETURN_IF_ERROR(FindMinimum(model, setup, options, &solved));
+  solved.is_curved = solved.solution.is_curved;
+  RETURN_IF_ERROR(FreeHeldErrors(options, &solved));
+  solved.is_curved = solved.is_curved && options.judge_bends && MayBeCurved(solved.problem);
+  if (solved.is_curved) RETURN_IF_ERROR(FindOtherMinima(options, &solved));
+  const NullSpace holding = solved.Holding();
+  constexpr int kRounds = 5;
+  for (int round = 0; options.set_outliers_aside && round < kRounds; ++round) {
+    if (!SetOutliersAside(solved.solution.residuals_mm, &solved.problem)) break;
+    ASSIGN_OR_RETURN(solved.solution, Solve(solved.problem, solved.solution.point, holding, options));
+  }
+  return solved;
+}
+
+}  // namespace axiscal::identify

@@ -1,0 +1,38 @@
+// The first stage of a fit: the point of least chi-square.
+#ifndef AXISCAL_CORE_IDENTIFY_SOLVE_H_
+#define AXISCAL_CORE_IDENTIFY_SOLVE_H_
+
+#include <algorithm>
+#include <vector>
+
+#include "core/identify/gauge.h"
+#include "core/identify/identify.h"
+#include "core/identify/solver.h"
+
+namespace axiscal::identify {
+
+struct SolvedProblem {
+  Problem problem;  // with the noise that was fitted with; outliers are set aside
+  std::vector<Parameter> parameters;
+  NullSpace null_space;  // of the nominal machine, in the columns of `parameters`
+  std::vector<int> held;  // of null_space.fixed, the errors that are held at the solution (gauge.h)
+  Solution solution;
+  // Of a curved problem: the minima of chi-square that were found before outliers were set aside, the best first.
+  std::vector<Solution> minima;
+  // Readings are so far from linear in the unknowns that linear propagation may state uncertainties that are too small
+  // (Bates and Watts 1988, ch. 7, "curvature"). False where options.judge_bends asks for no judgement of it.
+  bool is_curved = false;
+  double noise_scale = 1.0;  // Result::noise_scale
+
+  // null_space with `held` as its gauge.
+  NullSpace Holding() const;
+  bool IsHeld(int error) const { return std::find(held.begin(), held.end(), error) != held.end(); }
+};
+
+// FitProblem()'s arguments and errors.
+absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
+                                           const std::vector<Eigen::VectorXd>& setup);
+
+}  // namespace axiscal::identify
+
+#endif  // AXISCAL_CORE_IDENTIFY_SOLVE_H_
