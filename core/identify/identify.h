@@ -36,7 +36,7 @@ struct Options {
   bool judge_correlation = true;
   // Fits errors that are held at zero where holding them biases others (gauge.h); where the problem is curved (touches),
   // checks each interval by its profile likelihood (profile_likelihood.h).
-  bool judge_bends = true;
+  bool profile_intervals = true;
   // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
   std::optional<Budget> budget;
   int max_iterations = 20;

@@ -151,7 +151,7 @@ Options RefitOptions(const MonteCarloOptions& options) {
   refit.set_outliers_aside = false;
   refit.scale_uncertainties = false;
   refit.judge_correlation = false;
-  refit.judge_bends = false;
+  refit.profile_intervals = false;
   refit.raise_noise = false;
   refit.cancelled = options.cancelled;
   return refit;

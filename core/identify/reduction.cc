@@ -136,10 +136,10 @@ Eigen::MatrixXd InverseBeside(const Reduced& reduced, const std::vector<int>& he
   return inverse;
 }
 
-Step SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal, const std::vector<int>& held,
-               double damping) {
+GaussNewtonStep SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal,
+                          const std::vector<int>& held, double damping) {
   const Reduced reduced = Reduce(problem, point, normal, Priors::kAll, damping);
-  Step step;
+  GaussNewtonStep step;
   step.errors = Eigen::VectorXd::Zero(reduced.gradient.size());
   const std::vector<int> free = FreeErrors(static_cast<int>(reduced.gradient.size()), held);
   const Eigen::VectorXd gradient = reduced.gradient(free);

@@ -55,7 +55,7 @@ inline information::Information InformationOf(const Reduced& reduced) {
 using information::NullSpace;
 inline NullSpace FindNullSpace(const Reduced& reduced) { return information::FindNullSpace(InformationOf(reduced)); }
 
-struct Step {
+struct GaussNewtonStep {
   Eigen::VectorXd errors;              // p; zero for held ones
   std::vector<Eigen::VectorXd> setup;  // per group
   double decrement = 0.0;              // predicted decrease of the sum of squares
@@ -63,8 +63,8 @@ struct Step {
 
 // Gauss-Newton step with all priors; the errors in `held` do not move. `damping` (Levenberg-Marquardt) adds to the unit
 // diagonal of the scaled blocks.
-Step SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal, const std::vector<int>& held,
-               double damping = 0.0);
+GaussNewtonStep SolveStep(const Problem& problem, const Point& point, const NormalEquations& normal,
+                          const std::vector<int>& held, double damping = 0.0);
 
 struct Covariance {
   Eigen::MatrixXd errors;                    // p x p; zero rows and columns for held errors

@@ -124,7 +124,7 @@ absl::Status FreeHeldErrors(const Options& options, SolvedProblem* solved) {
       solved->held = std::move(held);
     }
   }
-  while (options.judge_bends) {
+  while (options.profile_intervals) {
     const std::optional<int> worst =
         BiasesMost(solved->problem, solved->solution, solved->parameters, solved->null_space, solved->held);
     if (!worst) break;
@@ -205,7 +205,7 @@ absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::Error
   RETURN_IF_ERROR(FindMinimum(model, setup, options, &solved));
   solved.is_curved = solved.solution.is_curved;
   RETURN_IF_ERROR(FreeHeldErrors(options, &solved));
-  solved.is_curved = solved.is_curved && options.judge_bends && MayBeCurved(solved.problem);
+  solved.is_curved = solved.is_curved && options.profile_intervals && MayBeCurved(solved.problem);
   if (solved.is_curved) RETURN_IF_ERROR(FindOtherMinima(options, &solved));
   const NullSpace holding = solved.Holding();
   constexpr int kRounds = 5;

@@ -20,7 +20,7 @@ struct SolvedProblem {
   // Of a curved problem: the minima of chi-square that were found before outliers were set aside, the best first.
   std::vector<Solution> minima;
   // Readings are so far from linear in the unknowns that linear propagation may state uncertainties that are too small
-  // (Bates and Watts 1988, ch. 7, "curvature"). False where options.judge_bends asks for no judgement of it.
+  // (Bates and Watts 1988, ch. 7, "curvature"). False where options.profile_intervals asks for no judgement of it.
   bool is_curved = false;
   double noise_scale = 1.0;  // Result::noise_scale
 

@@ -13,7 +13,7 @@ constexpr double kSmallDecrement = 1e-2;
 // (solve.cc).
 constexpr double kFarOff = 10.0;
 
-Point Moved(const Point& from, const std::vector<Parameter>& parameters, const Step& step) {
+Point Moved(const Point& from, const std::vector<Parameter>& parameters, const GaussNewtonStep& step) {
   Point to = from;
   for (size_t i = 0; i < parameters.size(); ++i) {
     double value = ValueOf(from.model, parameters[i]) + step.errors[i];
@@ -75,7 +75,7 @@ class Descent {
   bool is_curved() const { return is_curved_; }
 
   // Moves `solution` from `cost` on. Returns the new cost.
-  absl::StatusOr<double> Take(Step step, double cost, Solution* solution) {
+  absl::StatusOr<double> Take(GaussNewtonStep step, double cost, Solution* solution) {
     while (true) {
       Trial trial = Try(solution->point, step);
       if (trial.cost <= cost * (1.0 + 1e-12)) {
@@ -88,7 +88,7 @@ class Descent {
         }
         return Accept(std::move(trial), solution);
       }
-      const Step back =
+      const GaussNewtonStep back =
           SolveStep(problem_, trial.point, trial.normal, held_, std::max(kFirstDamping, kGrowth * damping_));
       Trial on_floor = Try(trial.point, back);
       constexpr double kKeepsHalf = 0.5;
@@ -111,7 +111,7 @@ class Descent {
     double cost = 0.0;
   };
 
-  Trial Try(const Point& from, const Step& step) const {
+  Trial Try(const Point& from, const GaussNewtonStep& step) const {
     Trial trial;
     trial.point = Moved(from, parameters_, step);
     trial.normal = Assemble(problem_, trial.point, parameters_);
@@ -151,7 +151,8 @@ absl::StatusOr<Solution> Solve(const Problem& problem, const Point& start, const
   bool is_steady = false;
   for (int iteration = 1; iteration <= options.max_iterations; ++iteration) {
     if (options.cancelled && options.cancelled()) return absl::CancelledError("identification cancelled");
-    const Step step = SolveStep(problem, solution.point, solution.normal, null_space.fixed, descent.damping());
+    const GaussNewtonStep step =
+        SolveStep(problem, solution.point, solution.normal, null_space.fixed, descent.damping());
     if (!step.errors.allFinite())
       return absl::FailedPreconditionError("identification: the normal equations are singular");
     solution.iterations = iteration;

@@ -93,7 +93,7 @@ class Loop {
     identify::Options out;
     out.cancelled = options.cancelled;
     out.scale_uncertainties = true;
-    out.judge_bends = false;  // of fits on the way, which a model that misses bends
+    out.profile_intervals = false;  // of fits on the way, which a model that misses bends
     return out;
   }
 
