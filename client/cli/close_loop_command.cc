@@ -16,8 +16,8 @@
 #include "client/cli/record_output.h"
 #include "client/cli/session_choice.h"
 #include "core/base/files.h"
+#include "core/base/json_limits.h"
 #include "core/base/mutex.h"
-#include "core/base/strict_json.h"
 #include "core/instruments/plausible.h"
 #include "core/loop/close_loop.h"
 #include "core/loop/pictures.h"
@@ -133,11 +133,12 @@ absl::Status CloseLoopOfFiles(Context& context, const CloseLoopArguments& argume
     bar.Show(progress.fraction, progress.detail);
   };
   ASSIGN_OR_RETURN(const loop::Report report, loop::CloseLoop(measured.machine, fit, check, options));
-  const std::string json = loop::ToJson(measured.machine, report);
+  const reports::Loop said = loop::ReportOf(measured.machine, report);
+  const std::string json = reports::ToJson(said);
   RETURN_IF_ERROR(WriteOutputs(arguments, json, machine::WriteErrors(report.fitted.model, measured.machine)));
   if (!arguments.plot.empty())
     RETURN_IF_ERROR(WritePictures(arguments.plot, loop::Pictures(measured.machine, fit, check, report)));
-  context.Print(Embedded(json), LoopText(Embedded(json)) + MonteCarloText(Embedded(json)));
+  context.Print(Json::Document(json), LoopText(said) + MonteCarloText(said.fitted, false));
   return absl::OkStatus();
 }
 
@@ -164,8 +165,9 @@ absl::Status CloseLoopOnService(Context& context, const CloseLoopArguments& argu
   if (!done.calibration) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no calibration"));
   ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->GetCalibration(*done.calibration));
   RETURN_IF_ERROR(WriteOutputs(arguments, done.result, record.content.model_json));
-  Json json = Embedded(done.result);
-  const std::string text = LoopText(json) + MonteCarloText(json);
+  ASSIGN_OR_RETURN(const reports::Loop report, reports::ReadLoop(done.result));
+  const std::string text = LoopText(report) + MonteCarloText(report.fitted, false);
+  Json json = Json::Document(done.result);
   json["job"] = done.id.number();
   json["calibration"] = record.id.number();
   context.Print(json, text);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
@@ -28,57 +29,44 @@ struct CompensateArguments {
   RewriteArguments rewrite;
 };
 
-// The part of a report of nc::ToJson that --orientation adds: the first blocks whose direction was not reached by line.
-std::string OrientationText(const Json& report) {
+// The part of a report that --orientation adds: the first blocks whose direction was not reached by line.
+std::string OrientationText(const std::optional<reports::Orientation>& orientation) {
   constexpr size_t kShown = 5;
-  if (!report.contains("orientation")) return "";
-  const Json& orientation = report.at("orientation");
-  const auto row = [](const std::string& name, const Json& spread) {
-    return std::vector<std::string>{name, NumberText(spread.value("max_urad", 0.0)),
-                                    NumberText(spread.value("rms_urad", 0.0))};
+  if (!orientation) return "";
+  const auto row = [](const std::string& name, const reports::AngleSpread& spread) {
+    return std::vector<std::string>{name, NumberText(spread.max_urad), NumberText(spread.rms_urad)};
   };
   std::vector<std::vector<std::string>> rows = {{"", "max urad", "rms urad"}};
-  const Json corrections = orientation.value("correction", Json::object());
-  for (const auto& [axis, spread] : corrections.items()) rows.push_back(row("correction of " + axis, spread));
-  const Json error = orientation.value("error", Json::object());
-  rows.push_back(row("tool direction error before", error.value("before", Json::object())));
-  rows.push_back(row("tool direction error after", error.value("after", Json::object())));
+  for (const auto& [axis, spread] : orientation->correction) rows.push_back(row("correction of " + axis, spread));
+  rows.push_back(row("tool direction error before", orientation->error_before));
+  rows.push_back(row("tool direction error after", orientation->error_after));
   std::string text = Table(rows);
-  const auto count = orientation.value("blocks_not_reached", int64_t{0});
+  const int64_t count = orientation->blocks_not_reached;
   if (count == 0) return text;
   absl::StrAppend(&text, "direction not reached in ", count, count == 1 ? " block" : " blocks",
                   " (no rotary command changes by more than ",
-                  absl::StrFormat("%g", orientation.value("max_rotary_correction_deg", 0.0)), " deg):\n");
-  const Json findings = orientation.value("not_reached", Json::array());
+                  absl::StrFormat("%g", orientation->max_rotary_correction_deg), " deg):\n");
+  const std::vector<reports::Finding>& findings = orientation->not_reached;
   for (size_t i = 0; i < findings.size() && i < kShown; ++i) {
-    absl::StrAppend(&text, "  line ", findings[i].value("line", int64_t{0}), ": ",
-                    findings[i].value("block", std::string()), "  (", findings[i].value("reason", std::string()),
-                    ")\n");
+    absl::StrAppend(&text, "  line ", findings[i].line, ": ", findings[i].block, "  (", findings[i].reason, ")\n");
   }
   if (count > static_cast<int64_t>(kShown)) absl::StrAppend(&text, "  ... more in the report\n");
   return text;
 }
 
-// Of a report of nc::ToJson.
-std::string RewriteReportText(const Json& report, const std::string& output) {
-  const auto number = [&report](const char* path) { return NumberText(report.value(Json::json_pointer(path), 0.0)); };
-  const auto count = [&report](const char* path) { return report.value(Json::json_pointer(path), int64_t{0}); };
-  std::string text = absl::StrFormat("%s: %d of %d blocks corrected, %d split, %d passed unchanged\n", output,
-                                     count("/blocks/corrected"), count("/blocks/read"), count("/blocks/split"),
-                                     count("/blocks/passed"));
+std::string RewriteReportText(const reports::Rewrite& report, const std::string& output) {
+  std::string text =
+      absl::StrFormat("%s: %d of %d blocks corrected, %d split, %d passed unchanged\n", output,
+                      report.blocks.corrected, report.blocks.read, report.blocks.split, report.blocks.passed);
   std::vector<std::vector<std::string>> rows = {{"", "max um", "rms um"}};
-  const Json corrections = report.value("correction", Json::object());
-  for (const auto& [axis, spread] : corrections.items()) {
-    rows.push_back({absl::StrCat("correction of ", axis), NumberText(spread.value("max_um", 0.0)),
-                    NumberText(spread.value("rms_um", 0.0))});
-  }
-  rows.push_back({"tool-point error before", number("/tool_point_error/before/max_um"),
-                  number("/tool_point_error/before/rms_um")});
-  rows.push_back(
-      {"tool-point error after", number("/tool_point_error/after/max_um"), number("/tool_point_error/after/rms_um")});
-  absl::StrAppend(&text, Table(rows), OrientationText(report));
-  for (const Json& note : report.value("notes", Json::array()))
-    absl::StrAppend(&text, "note: ", note.get<std::string>(), "\n");
+  const auto row = [&rows](const std::string& name, const reports::Spread& spread) {
+    rows.push_back({name, NumberText(spread.max_um), NumberText(spread.rms_um)});
+  };
+  for (const auto& [axis, spread] : report.correction) row("correction of " + axis, spread);
+  row("tool-point error before", report.error_before);
+  row("tool-point error after", report.error_after);
+  absl::StrAppend(&text, Table(rows), OrientationText(report.orientation));
+  for (const std::string& note : report.notes) absl::StrAppend(&text, "note: ", note, "\n");
   return text;
 }
 
@@ -134,12 +122,13 @@ absl::Status CompensateFiles(Context& context, const CompensateArguments& argume
   RETURN_IF_ERROR(OpenReport(arguments, &report_file));
   nc::RewriteReport report;
   const absl::Status status = nc::RewriteFile(arguments.input, arguments.output, compensator, options, &report);
-  const std::string report_json = nc::ToJson(report);
+  const reports::Rewrite said = nc::ReportOf(report);
+  const std::string report_json = reports::ToJson(said);
   // The report tells also why a program was refused.
   RETURN_IF_ERROR(WriteReport(arguments, report_json, &report_file));
   if (!status.ok())
     return absl::Status(status.code(), absl::StrCat(arguments.input, ": ", status.message(), RefusedText(report)));
-  context.Print(Embedded(report_json), RewriteReportText(Embedded(report_json), arguments.output));
+  context.Print(Json::Document(report_json), RewriteReportText(said, arguments.output));
   return absl::OkStatus();
 }
 
@@ -165,7 +154,8 @@ absl::StatusOr<records::CompensateParams> ParamsOf(const CompensateArguments& ar
 
 struct OnService {
   std::string report;  // JSON
-  Json kept = Json::object();
+  std::optional<JobId> job;  // of what is kept there
+  ProgramId program;
 };
 
 // Up and down in one call; nothing stays on the service.
@@ -190,7 +180,7 @@ absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& c
   ASSIGN_OR_RETURN(const records::JobRecord done, FollowJob(context, client, job.id));
   if (done.programs.empty()) return absl::InternalError(absl::StrCat("job ", job.id.number(), " made no program"));
   RETURN_IF_ERROR(FetchProgram(client, done.programs[0], arguments.output));
-  return OnService{done.result, {{"job", done.id.number()}, {"program", done.programs[0].number()}}};
+  return OnService{done.result, done.id, done.programs[0]};
 }
 
 absl::Status CompensateOnService(Context& context, const CompensateArguments& arguments) {
@@ -202,10 +192,13 @@ absl::Status CompensateOnService(Context& context, const CompensateArguments& ar
   ASSIGN_OR_RETURN(const OnService made, arguments.keep ? RewriteAsJob(context, *client, params, arguments)
                                                         : RewriteInStream(*client, params, arguments));
   RETURN_IF_ERROR(WriteReport(arguments, made.report, &report_file));
-  Json json = Embedded(made.report);
-  const std::string text = RewriteReportText(json, arguments.output);
-  json.update(made.kept);
-  context.Print(json, text);
+  ASSIGN_OR_RETURN(const reports::Rewrite report, reports::ReadRewrite(made.report));
+  Json json = Json::Document(made.report);
+  if (made.job) {
+    json["job"] = made.job->number();
+    json["program"] = made.program.number();
+  }
+  context.Print(json, RewriteReportText(report, arguments.output));
   return absl::OkStatus();
 }
 

@@ -34,7 +34,7 @@ absl::StatusOr<client::Client*> Context::Connect() {
 }
 
 void Context::Print(const Json& json_result, const std::string& text) const {
-  const std::string out = json ? json_result.dump(1, ' ', false, Json::error_handler_t::replace) + "\n" : text;
+  const std::string out = json ? json_result.Dump() + "\n" : text;
   std::fwrite(out.data(), 1, out.size(), stdout);
 }
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "core/base/files.h"
-#include "core/base/strict_json.h"
+#include "core/base/json_limits.h"
 #include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
 

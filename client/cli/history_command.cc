@@ -30,7 +30,7 @@ absl::Status Drift(Context& context, client::Client& client, const HistoryArgume
     ASSIGN_OR_RETURN(query.to, ParseTime("--to", arguments.to));
   }
   ASSIGN_OR_RETURN(const auto series, client.QueryDrift(query));
-  Json json = Json::array();
+  Json json = Json::Array();
   std::vector<std::vector<std::string>> rows = {{"error", "when (UTC)", "value", "sigma", "unit", "of", "calibration"}};
   for (const records::DriftSeries& one : series) {
     json.push_back(ToJson(one));

@@ -1,7 +1,6 @@
 // axiscal identify
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "client/cli/commands.h"
@@ -10,9 +9,10 @@
 #include "client/cli/record_output.h"
 #include "client/cli/session_choice.h"
 #include "core/base/files.h"
-#include "core/base/strict_json.h"
+#include "core/base/json_limits.h"
+#include "core/identify/held.h"
 #include "core/identify/monte_carlo.h"
-#include "core/machine/error_symbol.h"
+#include "core/machine/error_json.h"
 
 namespace axiscal::cli {
 namespace {
@@ -41,24 +41,8 @@ absl::Status ReadSimulation(const IdentifyArguments& arguments, records::Identif
 // The errors of an errors.json as the job takes them: which, not how large.
 absl::StatusOr<std::vector<std::string>> ErrorsOf(const std::string& path) {
   ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, base::kMaxJsonBytes));
-  const auto root = base::ParseStrictJson(text);
-  if (!root.ok()) return base::Within(path, root.status());
-  if (!root->is_object()) return absl::InvalidArgumentError(path + ": expected an object, as errors.json");
-  std::vector<std::string> errors;
-  for (const auto& [key, value] : root->items()) {
-    if (key != "terms") {
-      errors.push_back(key);
-      continue;
-    }
-    if (!value.is_array()) return absl::InvalidArgumentError(path + ": terms: expected an array");
-    for (nlohmann::ordered_json term : value) {
-      if (!term.is_object()) return absl::InvalidArgumentError(path + ": terms: expected objects");
-      term.erase("amplitude");
-      term.erase("values");
-      errors.push_back(term.dump());
-    }
-  }
-  if (errors.empty()) return absl::InvalidArgumentError(path + ": no error in it");
+  auto errors = machine::ListErrors(text);
+  if (!errors.ok()) return base::Within(path, errors.status());
   return errors;
 }
 
@@ -80,28 +64,6 @@ std::vector<std::string> SplitErrors(const std::vector<std::string>& words) {
   return errors;
 }
 
-// The constant errors of an errors.json, or of a calibration's model, that `only` names; what else it holds is dropped.
-absl::StatusOr<std::string> Only(const std::vector<std::string>& only, Json document) {
-  if (!document.is_object()) return document.dump();  // refused where it is read
-  Json& errors = document.contains("model") && document["model"].is_object() ? document["model"] : document;
-  Json kept = Json::object();
-  for (const std::string& name : only) {
-    ASSIGN_OR_RETURN(const machine::ErrorSymbol symbol, machine::ParseErrorSymbol(name));
-    const std::string written = machine::ToString(symbol);
-    if (!errors.contains(written)) {
-      return absl::InvalidArgumentError(absl::StrCat("--hold-only: ", name, " is no constant error of what is held"));
-    }
-    kept[written] = errors[written];
-  }
-  if (&errors == &document) return kept.dump();
-  Json calibration = Json::object();
-  for (const char* const key : {"id", "machine", "report"}) {
-    if (document.contains(key)) calibration[key] = document[key];
-  }
-  calibration["model"] = std::move(kept);
-  return calibration.dump();
-}
-
 // A number is a calibration; all else a file.
 absl::Status ReadHeld(Context& context, const IdentifyArguments& arguments, records::IdentifyParams* params) {
   const std::string& hold = arguments.hold;
@@ -117,14 +79,15 @@ absl::Status ReadHeld(Context& context, const IdentifyArguments& arguments, reco
     }
     ASSIGN_OR_RETURN(client::Client * client, context.Connect());
     ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->GetCalibration(CalibrationId(id)));
-    ASSIGN_OR_RETURN(params->held_errors_json, Only(arguments.hold_only, ToJson(record)));
+    ASSIGN_OR_RETURN(params->held_errors_json,
+                     identify::OnlyConstants("--hold-only", arguments.hold_only, ToJson(record).Dump()));
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(params->held_errors_json, base::ReadFile(hold, base::kMaxJsonBytes));
-  const auto document = base::ParseStrictJson(params->held_errors_json);
-  if (!document.ok()) return base::Within(hold, document.status());
+  if (const absl::Status json = base::CheckJson(params->held_errors_json); !json.ok()) return base::Within(hold, json);
   if (arguments.hold_only.empty()) return absl::OkStatus();
-  ASSIGN_OR_RETURN(params->held_errors_json, Only(arguments.hold_only, *document));
+  ASSIGN_OR_RETURN(params->held_errors_json,
+                   identify::OnlyConstants("--hold-only", arguments.hold_only, params->held_errors_json));
   return absl::OkStatus();
 }
 

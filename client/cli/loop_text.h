@@ -4,16 +4,16 @@
 
 #include <string>
 
-#include "client/cli/output.h"
+#include "core/reports/loop.h"
 
 namespace axiscal::cli {
 
-// Of a report of loop::ToJson, from files or from a job: the verdict, one line per effect with what else it could be,
+// From files or from a job: the verdict, one line per effect with what else it could be,
 // what has no name, how the residual fell step by step, the rms before and after.
-std::string LoopText(const Json& report);
+std::string LoopText(const reports::Loop& report);
 
-// What was found and has no name, one line each; empty without, and for other reports.
-std::string UnexplainedText(const Json& report);
+// What was found and has no name, one line each; empty without.
+std::string UnexplainedText(const reports::Loop& report);
 
 }  // namespace axiscal::cli
 

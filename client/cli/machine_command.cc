@@ -6,7 +6,7 @@
 #include "client/cli/context.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
-#include "core/base/strict_json.h"
+#include "core/base/json_limits.h"
 #include "core/machine/explain.h"
 #include "core/machine/machine_json.h"
 
@@ -80,9 +80,9 @@ absl::Status Explain(Context& context, const MachineArguments& arguments) {
     return absl::InvalidArgumentError("explain: expected either a machine's id or --file machine.json");
   }
   ASSIGN_OR_RETURN(const machine::Machine machine, LoadMachine(context, arguments));
-  Json axes = Json::array();
+  Json axes = Json::Array();
   for (const machine::AxisMotion& motion : machine::ExplainMotions(machine)) {
-    const auto vector = [](const Eigen::Vector3d& v) { return Json{v.x(), v.y(), v.z()}; };
+    const auto vector = [](const Eigen::Vector3d& v) { return Json(std::vector<double>{v.x(), v.y(), v.z()}); };
     axes.push_back(
         {{"axis", motion.axis},
          {"kind", motion.kind == machine::AxisKind::kLinear ? "linear" : "rotary"},

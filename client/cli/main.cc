@@ -61,7 +61,7 @@ void PrintError(const absl::Status& status, bool json) {
                            {"reason", base::ErrorReason(status)},
                            {"message", message},
                            {"exit_code", ExitCodeOf(status)}}}};
-  std::fprintf(stderr, "%s\n", document.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+  std::fprintf(stderr, "%s\n", document.Dump().c_str());
 }
 
 // A command line that cannot be read leaves context.json as it was.
@@ -75,7 +75,7 @@ void PrintUsageError(const CLI::ParseError& error) {
                            {"reason", "USAGE"},
                            {"message", error.what()},
                            {"exit_code", static_cast<int>(kUsage)}}}};
-  std::fprintf(stderr, "%s\n", document.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
+  std::fprintf(stderr, "%s\n", document.Dump().c_str());
 }
 
 int Main(int argc, char** argv) {

@@ -87,13 +87,6 @@ absl::StatusOr<base::UtcTime> ParseTime(const std::string& option, const std::st
   return time;
 }
 
-std::string NumberText(const std::optional<double>& number) {
-  if (!number || !std::isfinite(*number)) return "-";
-  const double size = std::abs(*number);
-  const int decimals = size == 0 || size >= 1000 ? 1 : std::max(0, 3 - static_cast<int>(std::floor(std::log10(size))));
-  return absl::StrFormat("%.*f", std::min(decimals, 6), *number);
-}
-
 Json NumberJson(const std::optional<double>& number) {
   if (!number || !std::isfinite(*number)) return nullptr;
   return *number;

@@ -4,16 +4,16 @@
 #define AXISCAL_CLIENT_CLI_OUTPUT_H_
 
 #include <chrono>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "client/cli/json.h"
 #include "core/base/clock.h"
+#include "core/base/number_text.h"
 #include "core/base/status.h"
 
 namespace axiscal::cli {
-
-using Json = nlohmann::ordered_json;
 
 // Rows of cells, the first row being the heading; columns are as wide as they need. Numbers stand to the right.
 std::string Table(const std::vector<std::vector<std::string>>& rows);
@@ -26,8 +26,8 @@ Json TimeJson(const std::optional<base::UtcTime>& time);
 // "2026-05-31" or "2026-05-31T14:03:07[Z]" (UTC). INVALID_ARGUMENT naming `option` otherwise.
 absl::StatusOr<base::UtcTime> ParseTime(const std::string& option, const std::string& text);
 
-// Four significant digits, "-" without.
-std::string NumberText(const std::optional<double>& number);
+using base::NumberText;
+// Null without.
 Json NumberJson(const std::optional<double>& number);
 
 // A bar on standard error that is drawn at most ten times a second, only when standard error is a terminal, and wiped

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace axiscal::cli {
 namespace {
 
@@ -26,10 +28,35 @@ TEST(Output, TimesAreUtcBothWays) {
   const auto time = ParseTime("--from", "2026-05-31T14:03:07Z");
   ASSERT_TRUE(time.ok()) << time.status();
   EXPECT_EQ(TimeText(*time), "2026-05-31 14:03:07");
-  EXPECT_EQ(TimeJson(*time), "2026-05-31T14:03:07.000000Z");
+  EXPECT_EQ(TimeJson(*time).Dump(), "\"2026-05-31T14:03:07.000000Z\"");
   EXPECT_EQ(TimeText(*ParseTime("--from", "2026-05-31")), "2026-05-31 00:00:00");
-  EXPECT_TRUE(TimeJson(std::nullopt).is_null());
-  EXPECT_EQ(TimeJson(base::FromUtcUs(-1)), "1969-12-31T23:59:59.999999Z");
+  EXPECT_EQ(TimeJson(std::nullopt).Dump(), "null");
+  EXPECT_EQ(TimeJson(base::FromUtcUs(-1)).Dump(), "\"1969-12-31T23:59:59.999999Z\"");
+}
+
+TEST(Output, JsonIsWrittenInTheOrderInWhichItWasPutTogether) {
+  Json json = {{"id", int64_t{-7}},
+               {"seed", uint64_t{1} << 63},
+               {"rms", 2.0},
+               {"none", NAN},
+               {"on", true},
+               {"nothing", nullptr},
+               {"names", std::vector<std::string>{"b", "a"}},
+               {"inner", {{"z", "1"}, {"a", Json::Array()}}}};
+  json["file"] = "x";
+  json["inner"]["late"] = 1;
+  EXPECT_EQ(json.Dump(),
+            "{\n \"id\": -7,\n \"seed\": 9223372036854775808,\n \"rms\": 2.0,\n \"none\": null,\n \"on\": true,\n"
+            " \"nothing\": null,\n \"names\": [\n  \"b\",\n  \"a\"\n ],\n \"inner\": {\n  \"z\": \"1\",\n  \"a\": [],\n"
+            "  \"late\": 1\n },\n \"file\": \"x\"\n}");
+}
+
+TEST(Output, JsonHoldsDocumentsAsTheyAre) {
+  Json document = Json::Document(R"({"b": 1, "a": 2.50})");
+  document["job"] = 3;
+  EXPECT_EQ(document.Dump(), "{\n \"b\": 1,\n \"a\": 2.5,\n \"job\": 3\n}");
+  EXPECT_EQ(Json::Document("no JSON").Dump(), "\"no JSON\"");
+  EXPECT_EQ(Json::Object().Dump(), "{}");
 }
 
 TEST(Output, OtherTimesAreRefused) {

@@ -65,7 +65,7 @@ std::string Joined(const std::vector<std::string>& texts, const std::string& bet
 std::string Minutes(double seconds) { return absl::StrFormat("%.0f min", std::ceil(seconds / 60.0)); }
 
 Json TestJson(const plan::SurveyedTest& test, const plan::Survey& survey) {
-  Json determined = Json::array();
+  Json determined = Json::Array();
   for (size_t i = 0; i < survey.errors.size(); ++i) {
     if (test.is_determined[i]) determined.push_back(survey.errors[i].name);
   }
@@ -77,7 +77,7 @@ Json TestJson(const plan::SurveyedTest& test, const plan::Survey& survey) {
 
 // `with`: the tests that were asked about; empty: all.
 absl::Status List(Context& context, const plan::Survey& survey, const std::vector<std::string>& with) {
-  Json tests = Json::array();
+  Json tests = Json::Array();
   std::vector<std::vector<std::string>> rows = {{"session", "test", "readings", "takes", "rank"}};
   std::string text;
   for (const plan::SurveyedTest& test : survey.tests) {
@@ -89,14 +89,14 @@ absl::Status List(Context& context, const plan::Survey& survey, const std::vecto
   }
   std::vector<std::string> names;
   for (const identify::Estimate& error : survey.errors) names.push_back(error.name);
-  Json runnable = Json::array(), other = Json::array();
+  Json runnable = Json::Array(), other = Json::Array();
   std::string not_here;
   for (const plan::Test* test : plan::TestsWithoutSession(survey)) {
     if (!with.empty() && std::find(with.begin(), with.end(), test->name) == with.end()) continue;
     other.push_back({{"test", test->name}, {"summary", test->summary}});
     absl::StrAppend(&not_here, "not on this machine as it stands: ", test->name, " (", test->summary, ")\n");
   }
-  Json tool_setter = Json::array();
+  Json tool_setter = Json::Array();
   for (const toolsetter::PlannableTest& test : toolsetter::PlannableTests()) {
     if (!with.empty() && std::find(with.begin(), with.end(), test.name) == with.end()) continue;
     tool_setter.push_back({{"test", test.name}, {"summary", test.summary}, {"tools", test.file}});
@@ -112,7 +112,7 @@ absl::Status Propose(Context& context, const machine::Machine& machine, const pl
                      const Arguments& arguments) {
   ASSIGN_OR_RETURN(const std::vector<int> asked, plan::IndicesOf(survey, arguments.asked));
   const plan::Proposal proposal = plan::ProposeTests(survey, asked);
-  Json tests = Json::array(), errors = Json::array();
+  Json tests = Json::Array(), errors = Json::Array();
   std::string text;
   for (const int test : proposal.tests) {
     tests.push_back(TestJson(survey.tests[test], survey));

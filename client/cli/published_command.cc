@@ -11,7 +11,7 @@
 #include "client/cli/rewrite_arguments.h"
 #include "client/cli/session_choice.h"
 #include "core/base/files.h"
-#include "core/base/strict_json.h"
+#include "core/base/json_limits.h"
 #include "core/published/comparison.h"
 #include "core/session/case.h"
 
@@ -27,7 +27,7 @@ struct PublishedArguments {
 };
 
 absl::Status ListPublished(Context& context) {
-  Json sources = Json::array();
+  Json sources = Json::Array();
   std::string text;
   for (const published::Source& source : published::Sources()) {
     sources.push_back({{"source", source.name}, {"citation", source.citation}, {"needs", source.needs}});
@@ -81,7 +81,8 @@ absl::StatusOr<published::Comparison> OfProgram(Context& context, const publishe
     ASSIGN_OR_RETURN(const MachineWithCalibration from,
                      FetchCalibration(context, arguments.machine, arguments.calibration));
     machine = from.machine;
-    ASSIGN_OR_RETURN(program.errors, identify::ReadHeldErrors(ToJson(from.calibration).dump(), machine));
+    ASSIGN_OR_RETURN(program.errors, identify::ReadHeldErrors(from.calibration.content.model_json,
+                                                              from.calibration.content.report_json, machine));
   } else {
     ASSIGN_OR_RETURN(machine, MachineFrom(context, arguments.machine));
     ASSIGN_OR_RETURN(const std::string text, base::ReadFile(arguments.errors, base::kMaxJsonBytes));
@@ -109,7 +110,7 @@ absl::Status Compare(Context& context, const PublishedArguments& arguments) {
   ASSIGN_OR_RETURN(const published::Comparison comparison, source->compare_program == nullptr
                                                                ? OfSessions(context, *source, arguments)
                                                                : OfProgram(context, *source, arguments));
-  Json rows = Json::array();
+  Json rows = Json::Array();
   std::vector<std::vector<std::string>> table = {{"quantity", "published", "sigma", "corrected", "exact", "sigma",
                                                   "unit", "exact is", "erratum or what is missing"}};
   for (const published::Row& row : comparison.rows) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "client/cli/loop_text.h"
+#include "core/reports/calibration.h"
 
 namespace axiscal::cli {
 
@@ -56,17 +57,12 @@ const char* StateName(CalibrationState state) {
 
 const char* UnitName(records::EstimateUnit unit) { return unit == records::EstimateUnit::kUm ? "um" : "urad"; }
 
-Json Embedded(const std::string& json_text) {
-  Json parsed = Json::parse(json_text, nullptr, false);
-  return parsed.is_discarded() ? Json(json_text) : parsed;
-}
-
 Json ToJson(const records::MachineRecord& record) {
   Json json = {{"id", record.id.text()},
                {"revision", record.revision},
                {"created", TimeJson(record.created_at)},
                {"updated", TimeJson(record.updated_at)}};
-  if (!record.description_json.empty()) json["description"] = Embedded(record.description_json);
+  if (!record.description_json.empty()) json["description"] = Json::Document(record.description_json);
   return json;
 }
 
@@ -84,7 +80,7 @@ Json ToJson(const records::SessionRecord& record) {
 }
 
 Json ToJson(const records::JobRecord& record) {
-  Json programs = Json::array();
+  Json programs = Json::Array();
   for (const ProgramId& id : record.programs) programs.push_back(id.number());
   Json json = {{"id", record.id.number()},
                {"kind", record.kind},
@@ -118,7 +114,7 @@ Json ToJson(const records::Estimate& estimate) {
 
 Json ToJson(const records::CalibrationRecord& record) {
   const records::NewCalibration& content = record.content;
-  Json sessions = Json::array(), estimates = Json::array();
+  Json sessions = Json::Array(), estimates = Json::Array();
   for (const SessionId& id : content.sessions) sessions.push_back(id.number());
   for (const records::Estimate& estimate : content.estimates) estimates.push_back(ToJson(estimate));
   Json json = {{"id", record.id.number()},
@@ -141,9 +137,9 @@ Json ToJson(const records::CalibrationRecord& record) {
                {"machine_revision", content.machine_revision},
                {"engine_version", content.engine_version}};
   if (record.job) json["job"] = record.job->number();
-  if (!content.options_json.empty()) json["options"] = Embedded(content.options_json);
-  if (!content.model_json.empty()) json["model"] = Embedded(content.model_json);
-  if (!content.report_json.empty()) json["report"] = Embedded(content.report_json);
+  if (!content.options_json.empty()) json["options"] = Json::Document(content.options_json);
+  if (!content.model_json.empty()) json["model"] = Json::Document(content.model_json);
+  if (!content.report_json.empty()) json["report"] = Json::Document(content.report_json);
   return json;
 }
 
@@ -154,7 +150,7 @@ Json ToJson(const records::ProgramRecord& record) {
 }
 
 Json ToJson(const records::DriftSeries& series) {
-  Json points = Json::array();
+  Json points = Json::Array();
   for (const records::DriftPoint& point : series.points) {
     points.push_back({{"from", TimeJson(point.first_at)},
                       {"to", TimeJson(point.last_at)},
@@ -172,7 +168,7 @@ Json ToJson(const records::DriftSeries& series) {
 }
 
 Json ToJson(const records::FleetRow& row) {
-  Json estimates = Json::array();
+  Json estimates = Json::Array();
   for (const records::LatestEstimate& latest : row.latest) {
     Json json = ToJson(latest.estimate);
     json["measured"] = TimeJson(latest.measured_at);
@@ -185,16 +181,12 @@ Json ToJson(const records::FleetRow& row) {
 namespace {
 
 // Errors that were held, as rows of the errors' table, and whether their uncertainty is in what is stated.
-std::string HeldRows(const Json& report, std::vector<std::vector<std::string>>* rows) {
-  const Json held = report.is_object() ? report.value("held", Json::object()) : Json::object();
+std::string HeldRows(const reports::Held& held, std::vector<std::vector<std::string>>* rows) {
   std::string unknown, known;
-  for (const Json& error : held.value("errors", Json::array())) {
-    const std::string name = error.value("name", error.value("symbol", ""));
-    const Json sigma = error.value("sigma", Json());
-    rows->push_back({name, NumberText(error.value("value", NAN)), sigma.is_number() ? NumberText(sigma) : "-",
-                     error.value("unit", ""), "held"});
-    std::string& list = sigma.is_number() ? known : unknown;
-    absl::StrAppend(&list, list.empty() ? "" : ", ", name);
+  for (const reports::HeldError& error : held.errors) {
+    rows->push_back({error.name, NumberText(error.value), NumberText(error.sigma), error.unit, "held"});
+    std::string& list = std::isfinite(error.sigma) ? known : unknown;
+    absl::StrAppend(&list, list.empty() ? "" : ", ", error.name);
   }
   std::string text;
   if (!known.empty()) absl::StrAppend(&text, "the uncertainty of the held ", known, " is part of every sigma\n");
@@ -205,72 +197,59 @@ std::string HeldRows(const Json& report, std::vector<std::vector<std::string>>* 
   return text;
 }
 
-// What a report of identify::ToJson says beyond the single errors: lines for people.
-std::string ReportText(const Json& report) {
+std::string OutlierText(const reports::Outlier& outlier) {
+  if (outlier.gate) {
+    return absl::StrFormat("rejected touch: session %s, row %d is %s um off its %s, gate %s um\n", outlier.session,
+                           outlier.row, NumberText(outlier.gate->off_um),
+                           outlier.gate->gate == "sphere" ? "fellows' sphere" : "repeats",
+                           NumberText(outlier.gate->limit_um));
+  }
+  return absl::StrFormat("set aside as a bad reading: session %s, row %d (%s um off)\n", outlier.session, outlier.row,
+                         NumberText(outlier.residual_um));
+}
+
+// What a report says beyond the single errors: lines for people.
+std::string ReportText(const reports::Fitted& fitted) {
   std::string text;
-  for (const Json& name : report.value("not_separable", Json::array())) {
-    const std::string direction = name.get<std::string>();
+  for (const std::string& direction : fitted.not_separable) {
     const bool is_single = direction.find(' ') == std::string::npos;
     absl::StrAppend(&text, is_single ? "the sessions do not show: " : "the sessions cannot tell apart: ", direction,
                     "\n");
   }
-  for (const Json& warning : report.value("warnings", Json::array())) {
-    if (warning.value("kind", "") != "scatter")  // PoorFitText says it, also where there is no report
-      absl::StrAppend(&text, "warning: ", warning.value("text", ""), "\n");
+  for (const reports::Warning& warning : fitted.warnings) {
+    if (warning.kind != reports::WarningKind::kScatter)  // PoorFitText says it, also where there is no report
+      absl::StrAppend(&text, "warning: ", warning.text, "\n");
   }
-  for (const Json& combination : report.value("determined", Json::array())) {
-    absl::StrAppend(&text, "they determine: ", combination.value("name", ""), " = ",
-                    NumberText(combination.value("value", NAN)), " +- ", NumberText(combination.value("sigma", NAN)),
-                    " ", combination.value("unit", ""), "\n");
+  for (const reports::Combination& combination : fitted.determined) {
+    absl::StrAppend(&text, "they determine: ", combination.name, " = ", NumberText(combination.value), " +- ",
+                    NumberText(combination.sigma), " ", combination.unit, "\n");
   }
-  for (const Json& outlier : report.value("outliers", Json::array())) {
-    if (outlier.contains("gate")) {
-      absl::StrAppend(&text, absl::StrFormat("rejected touch: session %s, row %d is %s um off its %s, gate %s um\n",
-                                             outlier.value("session", ""), outlier.value("row", 0),
-                                             NumberText(outlier.value("off_um", NAN)),
-                                             outlier.value("gate", "") == "sphere" ? "fellows' sphere" : "repeats",
-                                             NumberText(outlier.value("limit_um", NAN))));
-      continue;
-    }
-    absl::StrAppend(&text, absl::StrFormat("set aside as a bad reading: session %s, row %d (%s um off)\n",
-                                           outlier.value("session", ""), outlier.value("row", 0),
-                                           NumberText(outlier.value("residual_um", NAN))));
-  }
+  for (const reports::Outlier& outlier : fitted.outliers) text += OutlierText(outlier);
   return text;
 }
 
-std::string PoorFitText(const records::CalibrationRecord& record) {
-  constexpr double kPoorFit = 4.0;  // chi-square per degree of freedom: twice the stated sigma
+std::string PoorFitText(const records::CalibrationRecord& record, bool is_of_loop) {
   const std::optional<double>& chi2_per_dof = record.content.chi2_per_dof;
-  if (!chi2_per_dof || *chi2_per_dof <= kPoorFit) return "";
-  const Json report = Embedded(record.content.report_json);
-  const bool is_of_loop = report.is_object() && report.contains("verdict");
-  return absl::StrCat("warning: the readings scatter by ", NumberText(std::sqrt(*chi2_per_dof)),
-                      " times their stated sigma about this model: it lacks something",
-                      is_of_loop ? " that has no name yet" : " (axiscal close-loop looks for it)",
-                      ", or a session is bad\n");
+  if (!chi2_per_dof || *chi2_per_dof <= reports::kPoorFitChi2PerDof) return "";
+  return absl::StrCat("warning: ", reports::PoorFitText(*chi2_per_dof, is_of_loop), "\n");
 }
 
 }  // namespace
 
-std::string MonteCarloText(const Json& report) {
-  const Json simulation = report.value("monte_carlo", Json());
-  if (!simulation.is_object()) return "";
-  std::string text = absl::StrFormat("Monte Carlo, %d runs, seed %d:\n", simulation.value("runs", 0),
-                                     simulation.value("seed", uint64_t{0}));
-  // Linear propagation: of the readings' noise, and of what is known of held errors.
-  const char* const linear = report.contains("held") ? "linear" : "noise alone";
+std::string MonteCarloText(const reports::Fitted& fitted, bool with_held) {
+  if (!fitted.monte_carlo) return "";
+  const reports::MonteCarlo& simulation = *fitted.monte_carlo;
+  std::string text = absl::StrFormat("Monte Carlo, %d runs, seed %d:\n", simulation.runs, simulation.seed);
+  const char* const linear = with_held ? "linear" : "noise alone";
   std::vector<std::vector<std::string>> rows = {{"error", "value", "sigma", "95 % from", "to", "bias", linear, "unit"}};
-  for (const Json& error : simulation.value("errors", Json::array())) {
-    const double value = error.value("value", NAN);
-    rows.push_back({error.value("name", ""), NumberText(value), NumberText(error.value("sigma", NAN)),
-                    NumberText(error.value("low", NAN)), NumberText(error.value("high", NAN)),
-                    NumberText(error.value("mean", NAN) - value), NumberText(error.value("linear_sigma", NAN)),
-                    error.value("unit", "")});
+  for (const reports::SimulatedError& error : simulation.errors) {
+    rows.push_back({error.name, NumberText(error.value), NumberText(error.sigma), NumberText(error.low),
+                    NumberText(error.high), NumberText(error.mean - error.value), NumberText(error.linear_sigma),
+                    error.unit});
   }
   absl::StrAppend(&text, Table(rows));
-  if (const int failed = simulation.value("failed", 0); failed > 0) {
-    absl::StrAppend(&text, "warning: ", failed, " of these fits did not converge and are left out\n");
+  if (simulation.failed > 0) {
+    absl::StrAppend(&text, "warning: ", simulation.failed, " of these fits did not converge and are left out\n");
   }
   return text;
 }
@@ -284,33 +263,38 @@ std::string CalibrationText(const records::CalibrationRecord& record) {
     rows.push_back({estimate.symbol, NumberText(estimate.value), NumberText(estimate.sigma), UnitName(estimate.unit),
                     estimate.identifiable ? "" : "not identifiable from these sessions"});
   }
-  const Json report = Embedded(content.report_json);
-  const std::string held = HeldRows(report, &rows);
+  const absl::StatusOr<reports::CalibrationReport> report = reports::ReadCalibrationReport(content.report_json);
+  const auto* const identification = report.ok() ? std::get_if<reports::Identification>(&*report) : nullptr;
+  const auto* const loop = report.ok() ? std::get_if<reports::Loop>(&*report) : nullptr;
+  const bool with_held = identification != nullptr && identification->held.has_value();
+  const std::string held = with_held ? HeldRows(*identification->held, &rows) : "";
   absl::StrAppend(&text, Table(rows), held);
   // Student's t: with few readings an interval is wider than the 1.96 sigma that everybody has in mind.
-  if (const double factor = report.is_object() ? report.value("coverage_factor", 0.0) : 0.0; factor > 2.0)
-    absl::StrAppend(&text, "sigma was estimated from few readings: 95 % intervals are value +- ", NumberText(factor),
-                    " sigma\n");
-  const bool is_of_loop = report.is_object() && report.contains("verdict");
-  if (is_of_loop) {
-    absl::StrAppend(&text, ReportText(report), LoopText(report), MonteCarloText(report));
-    return text + PoorFitText(record);
+  if (report.ok() && reports::FittedOf(*report).coverage_factor > 2.0)
+    absl::StrAppend(&text, "sigma was estimated from few readings: 95 % intervals are value +- ",
+                    NumberText(reports::FittedOf(*report).coverage_factor), " sigma\n");
+  if (loop != nullptr) {
+    absl::StrAppend(&text, ReportText(loop->fitted), LoopText(*loop), MonteCarloText(loop->fitted, false));
+    return text + PoorFitText(record, true);
   }
-  if (report.is_object()) {
-    absl::StrAppend(&text, ReportText(report));
-    const auto nominal = report.value(Json::json_pointer("/nominal/rms_um"), NAN);
-    absl::StrAppend(&text, "rms: nominal machine ", NumberText(nominal), " um, ");
+  if (identification != nullptr) {
+    absl::StrAppend(&text, ReportText(identification->fitted), "rms: nominal machine ",
+                    NumberText(identification->nominal.rms_um), " um, ");
   } else {
     absl::StrAppend(&text, "rms: ");
   }
   absl::StrAppend(&text, "with the set-ups fitted", held.empty() ? " " : " and the held errors ",
                   NumberText(content.rms_before_um), " um, with these errors too ", NumberText(content.rms_after_um),
                   " um\n");
-  return text + MonteCarloText(report) + PoorFitText(record);
+  if (identification != nullptr) absl::StrAppend(&text, MonteCarloText(identification->fitted, with_held));
+  return text + PoorFitText(record, false);
 }
 
 std::string CautionText(const records::CalibrationRecord& record) {
-  return UnexplainedText(Embedded(record.content.report_json)) + PoorFitText(record);
+  const absl::StatusOr<reports::CalibrationReport> report =
+      reports::ReadCalibrationReport(record.content.report_json);
+  const auto* const loop = report.ok() ? std::get_if<reports::Loop>(&*report) : nullptr;
+  return (loop != nullptr ? UnexplainedText(*loop) : "") + PoorFitText(record, loop != nullptr);
 }
 
 }  // namespace axiscal::cli

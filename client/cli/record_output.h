@@ -7,6 +7,7 @@
 
 #include "client/cli/output.h"
 #include "client/client.h"
+#include "core/reports/fitted.h"
 
 namespace axiscal::cli {
 
@@ -25,13 +26,10 @@ Json ToJson(const records::ProgramRecord& record);
 Json ToJson(const records::DriftSeries& series);
 Json ToJson(const records::FleetRow& row);
 
-// The text as the JSON that it is, or as a text when it is none.
-Json Embedded(const std::string& json_text);
-
 // {"NAME": [...], "next_page": "..."}.
 template <typename Row>
 Json PageJson(const std::string& name, const records::Page<Row>& page) {
-  Json rows = Json::array();
+  Json rows = Json::Array();
   for (const Row& row : page.rows) rows.push_back(ToJson(row));
   return {{name, rows}, {"next_page", page.next_token}};
 }
@@ -42,8 +40,9 @@ std::string PageText(const records::Page<Row>& page) {
   return page.next_token.empty() ? "" : "more: --page " + page.next_token + "\n";
 }
 
-// "monte_carlo" of a report, one line per error or effect; nothing where nothing was simulated.
-std::string MonteCarloText(const Json& report);
+// The simulation of a report, one line per error or effect; nothing where nothing was simulated. `with_held`: linear
+// propagation is of what is known of held errors too, else of the readings' noise alone.
+std::string MonteCarloText(const reports::Fitted& fitted, bool with_held);
 
 // The estimates of a calibration as a table, with the combinations that the data determine, and the rms before and
 // after; of a loop also its effects and verdict.

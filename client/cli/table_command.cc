@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "absl/strings/str_join.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/error_model_source.h"
@@ -14,6 +15,7 @@
 #include "core/base/files.h"
 #include "core/compensate/tables/format.h"
 #include "core/machine/machine_json.h"
+#include "core/reports/table.h"
 
 namespace axiscal::cli {
 namespace {
@@ -39,12 +41,12 @@ absl::Status ListFormats(Context& context) {
   if (context.server.empty()) {
     std::vector<records::TableFormat> formats;
     for (const tables::Format& format : tables::Formats()) formats.push_back(records::Summary(format));
-    context.Print({{"formats", Embedded(tables::FormatsJson())}}, ListText(formats));
+    context.Print({{"formats", Json::Document(tables::FormatsJson())}}, ListText(formats));
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const std::vector<records::TableFormat> formats, client->ListTableFormats());
-  Json list = Json::array();
+  Json list = Json::Array();
   for (const records::TableFormat& format : formats) {
     list.push_back(
         {{"name", format.name},
@@ -57,38 +59,34 @@ absl::Status ListFormats(Context& context) {
   return absl::OkStatus();
 }
 
-// Of a report of tables::MakeTable.
-std::string TableReportText(const Json& report, const std::string& output) {
-  std::string text = absl::StrCat(output, ": ", report.value("format", ""), ", ", report.value("values", ""), "\n");
+std::string JoinedWith(const std::vector<std::string>& words, const std::string& first) {
+  return words.empty() ? "" : first + absl::StrJoin(words, " x ");
+}
+
+std::string TableReportText(const reports::Table& report, const std::string& output) {
+  std::string text = absl::StrCat(output, ": ", report.format, ", ", report.values, "\n");
   std::vector<std::vector<std::string>> rows = {{"", "points", "largest", "left max", "left rms", "unit"}};
-  for (const Json& table : report.value("tables", Json::array())) {
-    std::string name = table.value("of", ""), points;
-    std::string arguments;
-    for (const Json& over : table.value("over", Json::array()))
-      absl::StrAppend(&arguments, arguments.empty() ? " over " : " x ", over.get<std::string>());
-    name += arguments;
-    for (const Json& count : table.value("points", Json::array()))
-      absl::StrAppend(&points, points.empty() ? "" : " x ", count.get<int64_t>());
-    rows.push_back({name, points, NumberText(table.value("largest", 0.0)), NumberText(table.value("left_max", 0.0)),
-                    NumberText(table.value("left_rms", 0.0)), table.value("unit", "")});
+  for (const reports::Column& column : report.tables) {
+    rows.push_back({column.of + JoinedWith(column.over, " over "), absl::StrJoin(column.points, " x "),
+                    NumberText(column.largest), NumberText(column.left_max), NumberText(column.left_rms),
+                    column.unit});
   }
   if (rows.size() > 1) absl::StrAppend(&text, Table(rows));
   rows = {{"tool point", "max um", "rms um"}};
-  const auto row = [&](const std::string& name, const std::string& path) {
-    const Json::json_pointer pointer("/tool_point_error/" + path);
-    if (!report.contains(pointer)) return;
-    const Json& spread = report[pointer];
-    rows.push_back({name, NumberText(spread.value("max_um", 0.0)), NumberText(spread.value("rms_um", 0.0))});
+  const auto row = [&rows](const std::string& name, const reports::PointSpread& spread) {
+    rows.push_back({name, NumberText(spread.max_um), NumberText(spread.rms_um)});
   };
-  row("along the axes, before", "along_axes/before");
-  row("along the axes, with the table", "along_axes/after");
-  row("within the ranges, before", "within_ranges/before");
-  row("within the ranges, with the table", "within_ranges/after");
+  if (report.along_axes) {
+    row("along the axes, before", report.along_axes->before);
+    row("along the axes, with the table", report.along_axes->after);
+  }
+  if (report.within_ranges) {
+    row("within the ranges, before", report.within_ranges->before);
+    row("within the ranges, with the table", report.within_ranges->after);
+  }
   absl::StrAppend(&text, Table(rows));
-  for (const Json& line : report.value("not_carried", Json::array()))
-    absl::StrAppend(&text, "not carried: ", line.get<std::string>(), "\n");
-  for (const Json& line : report.value("notes", Json::array()))
-    absl::StrAppend(&text, "note: ", line.get<std::string>(), "\n");
+  for (const std::string& line : report.not_carried) absl::StrAppend(&text, "not carried: ", line, "\n");
+  for (const std::string& line : report.notes) absl::StrAppend(&text, "note: ", line, "\n");
   return text;
 }
 
@@ -143,7 +141,8 @@ absl::Status MakeFile(Context& context, const TableCommandArguments& arguments) 
     RETURN_IF_ERROR(report_file.Write(made.report_json));
     RETURN_IF_ERROR(report_file.Commit());
   }
-  context.Print(Embedded(made.report_json), TableReportText(Embedded(made.report_json), arguments.output));
+  ASSIGN_OR_RETURN(const reports::Table report, reports::ReadTable(made.report_json));
+  context.Print(Json::Document(made.report_json), TableReportText(report, arguments.output));
   return absl::OkStatus();
 }
 

@@ -83,7 +83,7 @@ double HeightSigmaMm(const toolsetter::RodSession& session, const toolsetter::Me
 
 absl::Status PrintTriggers(Context& context, const ToolsetterArguments& arguments) {
   ASSIGN_OR_RETURN(const toolsetter::RodSession session, RodsOf(arguments));
-  Json rows = Json::array();
+  Json rows = Json::Array();
   std::vector<std::vector<std::string>> table = {
       {"rod", "Zd mm", "+- um", "um per 0.1 deg yaw", "um per 0.1 deg pitch"}};
   for (const toolsetter::MeasuredRod& rod : session.rods) {
@@ -140,8 +140,8 @@ absl::StatusOr<std::string> ComputeOnService(Context& context, const ToolsetterA
 }
 
 // reference and wear: one file, or one stored session of the kind that the sub-command is for.
-absl::Status Evaluate(Context& context, const ToolsetterArguments& arguments, std::string (*to_text)(const Json&),
-                      const std::string& mark) {
+template <typename Report>
+absl::Status Evaluate(Context& context, const ToolsetterArguments& arguments) {
   if (arguments.file.empty() == arguments.session.empty() || arguments.session.empty() != arguments.machine.empty()) {
     return absl::InvalidArgumentError("toolsetter: expected either a session FILE, or --machine and --session");
   }
@@ -149,27 +149,31 @@ absl::Status Evaluate(Context& context, const ToolsetterArguments& arguments, st
   std::vector<NamedPath> inputs = {{"the session", arguments.file}};
   if (!arguments.session.empty() && context.server.empty()) inputs.push_back({"the database", context.database});
   RETURN_IF_ERROR(CheckOutputs(inputs, {{"--report", arguments.report}}));
-  std::string report;
+  std::string json;
+  reports::ToolSetter report;
   if (!arguments.file.empty()) {
     ASSIGN_OR_RETURN(const session::Session session, session::ReadSessionFile(arguments.file));
     ASSIGN_OR_RETURN(report, toolsetter::Evaluate(session, options));
+    json = reports::ToJson(report);
   } else {
     records::JobRecord job;
-    ASSIGN_OR_RETURN(report, ComputeOnService(context, arguments, options, &job));
+    ASSIGN_OR_RETURN(json, ComputeOnService(context, arguments, options, &job));
     if (arguments.no_wait) {
       const std::string number = std::to_string(job.id.number());
       context.Print(ToJson(job), "job " + number + " is queued; follow it with: axiscal jobs watch " + number + "\n");
       return absl::OkStatus();
     }
+    ASSIGN_OR_RETURN(report, reports::ReadToolSetter(json));
   }
-  const Json json = Embedded(report);
-  if (!json.contains(mark)) {
+  const Report* const asked = std::get_if<Report>(&report);
+  if (asked == nullptr) {
     return absl::InvalidArgumentError(
-        mark == "rods" ? "reference: expected a tool-setter session, this one is a tool-curve: use wear"
-                       : "wear: expected a tool-curve session, this one is a tool-setter: use reference");
+        std::is_same_v<Report, reports::BeamReference>
+            ? "reference: expected a tool-setter session, this one is a tool-curve: use wear"
+            : "wear: expected a tool-curve session, this one is a tool-setter: use reference");
   }
-  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report));
-  context.Print(json, to_text(json));
+  if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, json));
+  context.Print(Json::Document(json), ToText(*asked));
   return absl::OkStatus();
 }
 
@@ -214,7 +218,7 @@ void AddToolSetterCommand(CLI::App& app, Context& context) {
       "tell gets no\nnumber.\n"
       "Examples: axiscal toolsetter reference rods.csv\n"
       "          axiscal toolsetter reference --machine cmx50u --session rods-tuesday --fit pitch");
-  SetAction(reference, context, [&context, arguments] { return Evaluate(context, *arguments, ReferenceText, "rods"); });
+  SetAction(reference, context, [&context, arguments] { return Evaluate<reports::BeamReference>(context, *arguments); });
 
   CLI::App* wear =
       toolsetter->add_subcommand("wear", "Tool length and each insert's wear from readings at several start angles");
@@ -225,7 +229,7 @@ void AddToolSetterCommand(CLI::App& app, Context& context) {
       "in which they\npass the beam. An insert that never fires gets a bound and a feed that would show it.\n"
       "Examples: axiscal toolsetter wear curve.csv\n"
       "          axiscal toolsetter wear --machine cmx50u --session mill-7");
-  SetAction(wear, context, [&context, arguments] { return Evaluate(context, *arguments, WearText, "inserts"); });
+  SetAction(wear, context, [&context, arguments] { return Evaluate<reports::Wear>(context, *arguments); });
 
   AddToolSetterCurve(*toolsetter, context);
   AddToolSetterPlan(*toolsetter, context);

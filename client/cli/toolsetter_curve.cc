@@ -54,7 +54,7 @@ absl::Status Curve(Context& context, const CurveArguments& arguments) {
                    toolsetter::ComputeCurve(described.cutter, described.run, described.wear_mm, starts));
   const auto lower = [](const auto& a, const auto& b) { return a.height_mm < b.height_mm; };
   const auto [lowest, highest] = std::minmax_element(curve.begin(), curve.end(), lower);
-  Json inserts = Json::array();
+  Json inserts = Json::Array();
   std::vector<std::vector<std::string>> rows = {{"insert", "wear um", "fires first deg", "peak um", "at deg"}};
   for (int k = 0; k < described.cutter.inserts; ++k) {
     const toolsetter::CurvePoint* peak = nullptr;
@@ -64,18 +64,18 @@ absl::Status Curve(Context& context, const CurveArguments& arguments) {
       share_deg += arguments.step_deg;
       if (peak == nullptr || point.height_mm > peak->height_mm) peak = &point;
     }
-    inserts.push_back(
-        {{"insert", k + 1}, {"wear_um", described.wear_mm[k] * kUmPerMm}, {"fires_first_deg", share_deg}});
+    Json insert = {{"insert", k + 1}, {"wear_um", described.wear_mm[k] * kUmPerMm}, {"fires_first_deg", share_deg}};
     if (peak != nullptr) {
-      inserts.back()["peak_mm"] = peak->height_mm;
-      inserts.back()["peak_start_deg"] = peak->start_rad * kDegPerRad;
+      insert["peak_mm"] = peak->height_mm;
+      insert["peak_start_deg"] = peak->start_rad * kDegPerRad;
     }
+    inserts.push_back(std::move(insert));
     rows.push_back({std::to_string(k + 1), NumberText(described.wear_mm[k] * kUmPerMm), NumberText(share_deg),
                     peak != nullptr ? NumberText(peak->height_mm * kUmPerMm) : "never",
                     peak != nullptr ? NumberText(peak->start_rad * kDegPerRad) : "-"});
   }
   const double unseen_um = described.run.feed_per_insert_mm(described.cutter) * kUmPerMm;
-  Json points = Json::array();
+  Json points = Json::Array();
   for (const toolsetter::CurvePoint& point : curve) {
     points.push_back({{"start_deg", point.start_rad * kDegPerRad},
                       {"Zt_mm", point.height_mm},

@@ -7,7 +7,7 @@
 #include "client/cli/context.h"
 #include "client/cli/output_paths.h"
 #include "core/base/files.h"
-#include "core/base/strict_json.h"
+#include "core/base/json_limits.h"
 #include "core/base/units.h"
 #include "core/session/read_session.h"
 
@@ -68,7 +68,7 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
                    toolsetter::ToTable(cutter, arguments.machine, arguments.session, planned));
   RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, table));
   const double unseen_um = described.run.feed_per_insert_mm(described.cutter) * kUmPerMm;
-  Json inserts = Json::array();
+  Json inserts = Json::Array();
   std::vector<std::vector<std::string>> rows = {{"insert", "wear expected +- um", "readings"}};
   for (size_t k = 0; k < expected.inserts.size(); ++k) {
     const toolsetter::InsertWear& insert = expected.inserts[k];

@@ -4,13 +4,12 @@
 
 #include <string>
 
-#include "client/cli/output.h"
+#include "core/reports/tool_setter.h"
 
 namespace axiscal::cli {
 
-// Of the JSON that core/toolsetter/evaluate.h gives.
-std::string ReferenceText(const Json& report);
-std::string WearText(const Json& report);
+std::string ToText(const reports::BeamReference& report);
+std::string ToText(const reports::Wear& report);
 
 }  // namespace axiscal::cli
 

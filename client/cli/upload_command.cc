@@ -8,7 +8,7 @@
 #include "client/cli/context.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
-#include "core/base/strict_json.h"
+#include "core/base/json_limits.h"
 #include "core/instruments/plausible.h"
 #include "core/machine/machine_json.h"
 #include "core/session/case.h"
@@ -116,7 +116,7 @@ absl::Status Upload(Context& context, const UploadArguments& arguments) {
   Machines machines(*client);
   ASSIGN_OR_RETURN(const std::vector<File> files, ReadAll(inputs, arguments, machines));
   RETURN_IF_ERROR(machines.StoreNew());
-  Json sessions = Json::array();
+  Json sessions = Json::Array();
   std::vector<std::vector<std::string>> rows = {{"id", "session", "instrument", "readings", "", "file"}};
   for (const File& file : files) {
     ProgressBar bar = context.Bar(file.path);

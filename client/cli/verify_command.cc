@@ -73,7 +73,7 @@ absl::Status Verify(Context& context, const VerifyArguments& arguments) {
                    nc::VerifyFiles(arguments.original, arguments.compensated, model.machine, model.errors, options));
   const std::string report_json = nc::ToJson(report);
   if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report_json));
-  context.Print(Embedded(report_json), ReportText(report, arguments.rewrite.orientation));
+  context.Print(Json::Document(report_json), ReportText(report, arguments.rewrite.orientation));
   return absl::OkStatus();
 }
 

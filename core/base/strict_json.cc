@@ -18,10 +18,10 @@ std::string PlainMessage(const std::string& what) {
 
 }  // namespace
 
-absl::StatusOr<Json> ParseStrictJson(const std::string& text) {
+absl::StatusOr<Json> ParseStrictJson(const std::string& text, size_t max_bytes) {
   if (text.empty()) return absl::InvalidArgumentError("is empty, expected a JSON object");
-  if (text.size() > kMaxJsonBytes) {
-    return absl::InvalidArgumentError(absl::StrCat(text.size(), " bytes, at most ", kMaxJsonBytes, " are read"));
+  if (text.size() > max_bytes) {
+    return absl::InvalidArgumentError(absl::StrCat(text.size(), " bytes, at most ", max_bytes, " are read"));
   }
   std::vector<std::set<std::string>> keys;  // of the objects that are open
   std::string problem;
@@ -45,6 +45,8 @@ absl::StatusOr<Json> ParseStrictJson(const std::string& text) {
   if (!problem.empty()) return absl::InvalidArgumentError(problem);
   return document;
 }
+
+absl::Status CheckJson(const std::string& text) { return ParseStrictJson(text).status(); }
 
 std::string ShortJson(const Json& value) {
   const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);

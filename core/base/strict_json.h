@@ -6,16 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/base/json_limits.h"
 #include "core/base/status.h"
 
 namespace axiscal::base {
 
-inline constexpr size_t kMaxJsonBytes = 4 << 20;
-inline constexpr int kMaxJsonDepth = 16;
-
 // The document, members in the order of the text. INVALID_ARGUMENT: "line 3, column 7: ..." at a syntax error, "'X' is
-// there twice" at a duplicate key, or the limit (kMaxJsonBytes, kMaxJsonDepth) that is exceeded. Throws nothing.
-absl::StatusOr<nlohmann::ordered_json> ParseStrictJson(const std::string& text);
+// there twice" at a duplicate key, or the limit (`max_bytes`, kMaxJsonDepth) that is exceeded. Throws nothing.
+absl::StatusOr<nlohmann::ordered_json> ParseStrictJson(const std::string& text, size_t max_bytes = kMaxJsonBytes);
 
 // The value as it would be written, cut after 60 characters: for messages.
 std::string ShortJson(const nlohmann::ordered_json& value);

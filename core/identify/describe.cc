@@ -136,11 +136,12 @@ void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Re
   }
 }
 
-std::vector<Warning> ListWarnings(const SolvedProblem& solved, const Judgement& judgement, const Result& result) {
-  std::vector<Warning> warnings =
+std::vector<reports::WarningFacts> ListWarnings(const SolvedProblem& solved, const Judgement& judgement,
+                                                const Result& result) {
+  std::vector<reports::WarningFacts> warnings =
       WarningsOf(result, solved.parameters, judgement.without_interval, judgement.unsupported);
-  for (Warning& warning : CoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
-  for (Warning& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
+  for (reports::WarningFacts& warning : FindCoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
+  for (reports::WarningFacts& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
     warnings.push_back(std::move(warning));
   return warnings;
 }

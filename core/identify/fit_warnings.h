@@ -10,21 +10,22 @@
 
 namespace axiscal::identify {
 
-// Of a result with estimates and model: readings that scatter about the fit by more than twice their stated sigma, or
+// Of a result with estimates and model: readings that scatter about the fit beyond reports::kPoorFitChi2PerDof, or
 // of which too many were set aside for chips; errors without an interval (`without_interval`, per estimate); and errors
 // that no reading supports (`unsupported`, per estimate) but that the model holds at sizes that are not plausible,
 // because something had to take up what the readings show.
-std::vector<Warning> WarningsOf(const Result& result, const std::vector<Parameter>& parameters,
-                                const std::vector<bool>& without_interval, const std::vector<bool>& unsupported);
+std::vector<reports::WarningFacts> WarningsOf(const Result& result, const std::vector<Parameter>& parameters,
+                                              const std::vector<bool>& without_interval,
+                                              const std::vector<bool>& unsupported);
 
 // Of each session with a reading column that is rounded to a coarse step (instruments/resolution.h).
-std::vector<Warning> CoarseReadings(const Problem& problem);
+std::vector<reports::WarningFacts> FindCoarseReadings(const Problem& problem);
 
 // The covariance of a fit takes what is held for independent of its readings. It is where the stages have no session in
 // common: a set-up that both fit freely carries nothing from one to the other. Not so where the same readings gave
 // both, or where errors rest on an offset that both know to a stated sigma: it is off by the same amount in both.
-std::vector<Warning> SharedWithHeld(const Problem& problem, const Covariance& covariance,
-                                    const std::vector<MeasuredIn>& held_from);
+std::vector<reports::WarningFacts> SharedWithHeld(const Problem& problem, const Covariance& covariance,
+                                                  const std::vector<MeasuredIn>& held_from);
 
 }  // namespace axiscal::identify
 

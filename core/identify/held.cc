@@ -4,14 +4,10 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/strict_json.h"
 #include "core/identify/naming.h"
-#include "core/machine/error_json.h"
 
 namespace axiscal::identify {
 namespace {
-
-using json = nlohmann::ordered_json;
 
 // What a report says about its errors' uncertainties, held ones of a stage before it included.
 struct Reported {
@@ -22,72 +18,40 @@ struct Reported {
   std::vector<MeasuredIn> from;
 };
 
-double NumberOr(const json& object, const char* key, double otherwise) {
-  const auto value = object.is_object() ? object.find(key) : object.end();
-  return value != object.end() && value->is_number() ? value->get<double>() : otherwise;
+void Add(const std::string& name, double sigma, Reported* out) {
+  out->index[name] = static_cast<int>(out->sigma.size());
+  out->sigma.push_back(sigma);
 }
 
-const json* ArrayIn(const json& object, const char* key) {
-  if (!object.is_object()) return nullptr;
-  const auto value = object.find(key);
-  return value != object.end() && value->is_array() ? &*value : nullptr;
-}
-
-std::string TextIn(const json& object, const char* key) {
-  if (!object.is_object()) return "";
-  const auto value = object.find(key);
-  return value != object.end() && value->is_string() ? value->get<std::string>() : "";
-}
-
-void ReadSigmas(const json& object, Reported* out) {
-  const json* const errors = ArrayIn(object, "errors");
-  if (errors == nullptr) return;
-  for (const json& error : *errors) {
-    const std::string own = TextIn(error, "name"), name = own.empty() ? TextIn(error, "symbol") : own;
-    out->index[name] = static_cast<int>(out->sigma.size());
-    out->sigma.push_back(NumberOr(error, "sigma", NAN));
-    const auto identifiable = error.is_object() ? error.find("identifiable") : error.end();
-    if (identifiable != error.end() && identifiable->is_boolean() && !identifiable->get<bool>())
-      out->unknown.push_back(name);
-  }
-}
-
-// Rows of `object`'s "correlation" from `first` on, both ways.
-void ReadCorrelation(const json& object, int first, Eigen::MatrixXd* correlation) {
-  const json* const rows = ArrayIn(object, "correlation");
-  if (rows == nullptr) return;
-  for (size_t i = 0; i < rows->size(); ++i) {
+// Rows from `first` on, both ways.
+void AddCorrelation(const reports::Correlation& rows, int first, Eigen::MatrixXd* correlation) {
+  for (size_t i = 0; i < rows.size(); ++i) {
     const Eigen::Index row = first + static_cast<Eigen::Index>(i);
-    const json& cells = (*rows)[i];
-    for (size_t j = 0; cells.is_array() && j < cells.size(); ++j) {
+    for (size_t j = 0; j < rows[i].size(); ++j) {
       const Eigen::Index column = static_cast<Eigen::Index>(j);
-      if (row >= correlation->rows() || column >= correlation->cols() || !cells[j].is_number()) continue;
-      (*correlation)(row, column) = (*correlation)(column, row) = cells[j].get<double>();
+      if (row >= correlation->rows() || column >= correlation->cols() || !std::isfinite(rows[i][j])) continue;
+      (*correlation)(row, column) = (*correlation)(column, row) = rows[i][j];
     }
   }
 }
 
-void ReadSessions(const json& object, std::vector<MeasuredIn>* out) {
-  const json* const sessions = ArrayIn(object, "sessions");
-  if (sessions == nullptr) return;
-  for (const json& session : *sessions) {
-    const std::string name = TextIn(session, "session"), shared = TextIn(session, "shared_setup");
-    if (!name.empty()) out->push_back({name, shared.empty() ? name : shared});
-  }
-}
-
-Reported ReadReport(const json& report) {
+Reported ReportedBy(const reports::CalibrationReport& report) {
   Reported out;
-  ReadSessions(report, &out.from);
-  ReadSigmas(report, &out);
-  const int fitted = static_cast<int>(out.sigma.size());
-  const json held = report.is_object() ? report.value("held", json()) : json();
-  ReadSigmas(held, &out);
-  ReadSessions(held, &out.from);
+  const reports::Fitted& fitted = reports::FittedOf(report);
+  for (const reports::SessionFit& session : fitted.sessions) out.from.push_back({session.in.session, session.in.setup});
+  for (const reports::Error& error : fitted.errors) {
+    Add(error.name, error.sigma, &out);
+    if (!error.identifiable) out.unknown.push_back(error.name);
+  }
+  const auto* const identification = std::get_if<reports::Identification>(&report);
+  const reports::Held held = identification != nullptr ? identification->held.value_or(reports::Held{}) : reports::Held{};
+  for (const reports::HeldError& error : held.errors) Add(error.name, error.sigma, &out);
+  for (const reports::MeasuredIn& in : held.sessions) out.from.push_back({in.session, in.setup});
   const Eigen::Index count = static_cast<Eigen::Index>(out.sigma.size());
   out.correlation = Eigen::MatrixXd::Constant(count, count, NAN);
-  ReadCorrelation(report, 0, &out.correlation);
-  ReadCorrelation(held, fitted, &out.correlation);
+  if (identification == nullptr) return out;
+  AddCorrelation(identification->correlation, 0, &out.correlation);
+  AddCorrelation(held.correlation, static_cast<int>(fitted.errors.size()), &out.correlation);
   return out;
 }
 
@@ -108,13 +72,7 @@ void TakeUncertainties(const Reported& reported, HeldErrors* held) {
   }
 }
 
-absl::Status CheckCalibration(const json& root, const Reported& reported, const HeldErrors& held,
-                              const machine::Machine& machine) {
-  const std::string of = TextIn(root, "machine");
-  if (!of.empty() && of != machine.id) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("held errors: they are of machine ", of, ", expected of ", machine.id));
-  }
+absl::Status CheckKnown(const Reported& reported, const HeldErrors& held) {
   for (const Estimate& error : held.errors) {
     if (std::find(reported.unknown.begin(), reported.unknown.end(), error.name) == reported.unknown.end()) continue;
     return absl::InvalidArgumentError(
@@ -133,32 +91,23 @@ std::vector<std::string> NamesOf(const machine::Machine& machine, const machine:
 
 }  // namespace
 
-absl::StatusOr<HeldErrors> ReadHeldErrors(const std::string& text, const machine::Machine& machine) {
-  const auto root = base::ParseStrictJson(text);
-  if (!root.ok()) return base::Within("held errors", root.status());
-  const bool is_calibration = root->is_object() && root->contains("model") && root->contains("report");
-  if (root->is_object() && !is_calibration && (root->contains("verdict") || root->contains("estimates"))) {
-    return absl::InvalidArgumentError(
-        "held errors: a report, expected an errors.json or a calibration (calibration show ID --json)");
-  }
-  Reported reported;
-  if (is_calibration) reported = ReadReport((*root)["report"]);
+absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model, const std::optional<reports::CalibrationReport>& report,
+                                      const machine::Machine& machine) {
   HeldErrors held;
-  absl::StatusOr<machine::ErrorModel> model =
-      machine::ReadErrors(is_calibration ? (*root)["model"].dump() : text, machine);
-  if (!model.ok()) return base::Within("held errors", model.status());
-  held.model = *std::move(model);
+  held.model = std::move(model);
   if (held.model.terms.empty()) return absl::InvalidArgumentError("held errors: there is none in it");
   for (const Parameter& parameter : ListParameters(held.model, true)) {
     Estimate error = NamedEstimate(machine, held.model, parameter);
     error.value = ValueOf(held.model, parameter);
     held.errors.push_back(std::move(error));
   }
-  if (is_calibration) RETURN_IF_ERROR(CheckCalibration(*root, reported, held, machine));
   const Eigen::Index count = static_cast<Eigen::Index>(held.errors.size());
   held.covariance = Eigen::MatrixXd::Zero(count, count);
+  if (!report) return held;
+  Reported reported = ReportedBy(*report);
+  RETURN_IF_ERROR(CheckKnown(reported, held));
   TakeUncertainties(reported, &held);
-  held.from = reported.from;
+  held.from = std::move(reported.from);
   return held;
 }
 

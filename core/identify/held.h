@@ -4,11 +4,13 @@
 #define AXISCAL_CORE_IDENTIFY_HELD_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/identify/result.h"
 #include "core/machine/machine.h"
+#include "core/reports/calibration.h"
 
 namespace axiscal::identify {
 
@@ -25,6 +27,19 @@ struct HeldErrors {
 // of another machine, one without errors, and one whose sessions could not tell an error that its model
 // holds: that would take a number for what nobody measured.
 absl::StatusOr<HeldErrors> ReadHeldErrors(const std::string& text, const machine::Machine& machine);
+// The same of a calibration's model and report as they are stored.
+absl::StatusOr<HeldErrors> ReadHeldErrors(const std::string& model_json, const std::string& report_json,
+                                          const machine::Machine& machine);
+
+// `model` with what the report of its identification says of its uncertainties. INVALID_ARGUMENT as above.
+absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model, const std::optional<reports::CalibrationReport>& report,
+                                      const machine::Machine& machine);
+
+// Of an errors.json or a calibration, as ReadHeldErrors reads them, the constant errors that `names` name; what else it
+// holds is dropped. INVALID_ARGUMENT for text that is no JSON and, beginning with `option`, for a name that it does not
+// hold.
+absl::StatusOr<std::string> OnlyConstants(const std::string& option, const std::vector<std::string>& names,
+                                          const std::string& text);
 
 // The errors to fit beside held ones: `model` without those that are held. Where they were asked for by name, none of
 // them may be held. INVALID_ARGUMENT naming the error, or where nothing is left to fit.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/identify/monte_carlo.h"
+#include "core/identify/report.h"
 #include "core/identify/testing/scenario.h"
 
 namespace axiscal::identify {
@@ -47,7 +48,7 @@ Fit FitOrDie(const std::vector<session::Session>& sessions, const char* model, s
 std::string Printed(const Result& result, const std::string& machine = "mt") {
   nlohmann::ordered_json calibration = {{"machine", machine}};
   calibration["model"] = nlohmann::ordered_json::parse(machine::WriteErrors(result.model, kMachine));
-  calibration["report"] = nlohmann::ordered_json::parse(ToJson(result));
+  calibration["report"] = nlohmann::ordered_json::parse(reports::ToJson(ReportOf(result)));
   return calibration.dump();
 }
 
@@ -111,11 +112,11 @@ TEST(HeldErrors, WhatBothStagesRestOnIsSaid) {
   const auto sessions = Sessions(kOfTable, 4);
   const Result offset = FitOrDie(OnOneSetup(sessions), R"({"EX0C": 0, "EA0C": 0, "EB0C": 0})", *head).result;
   ASSERT_EQ(offset.warnings.size(), 1u);
-  EXPECT_EQ(offset.warnings[0].kind, "held");
-  EXPECT_THAT(offset.warnings[0].text, HasSubstr("run_out_x of set-up mount"));
+  EXPECT_EQ(reports::InWords(offset.warnings[0]).kind, reports::WarningKind::kHeld);
+  EXPECT_THAT(reports::InWords(offset.warnings[0]).text, HasSubstr("run_out_x of set-up mount"));
   EXPECT_TRUE(FitOrDie(sessions, kTable, *head).result.warnings.empty());  // mounted anew: a set-up of its own
   const Result tilts = FitOrDie(OnOneSetup({sessions[1]}), R"({"EA0C": 0, "EB0C": 0})", *head).result;
-  EXPECT_TRUE(tilts.warnings.empty()) << tilts.warnings[0].text;
+  EXPECT_TRUE(tilts.warnings.empty()) << reports::InWords(tilts.warnings[0]).text;
   // A third stage knows what the first two came from.
   EXPECT_EQ(ReadHeldErrors(Printed(offset), kMachine)->from.size(), 4u);
 }
@@ -126,7 +127,7 @@ TEST(HeldErrors, ReadingsThatGaveBothStagesAreSaid) {
   ASSERT_TRUE(head.ok()) << head.status();
   const Result again = FitOrDie(sessions, R"({"EZ0T": 0})", *head).result;
   ASSERT_EQ(again.warnings.size(), 1u);
-  EXPECT_THAT(again.warnings[0].text, HasSubstr("come from sessions that are used again (BX, BY)"));
+  EXPECT_THAT(reports::InWords(again.warnings[0]).text, HasSubstr("come from sessions that are used again (BX, BY)"));
 }
 
 TEST(HeldErrors, MonteCarloDrawsThem) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/identify/report.h"
 #include "core/identify/testing/scenario.h"
 
 namespace axiscal::identify {
@@ -88,7 +89,7 @@ TEST(Identify, WhatTheDataCannotSeparateIsNamedAndGetsNoNumber) {
   // Determined up to the run-out of each session's tool ball, 3 um over the square root of a few sessions.
   EXPECT_NEAR(result->determined[0].value, -0.020, 4 * result->determined[0].sigma);
   EXPECT_TRUE(Find(*result, "EA0B").identifiable);
-  EXPECT_THAT(ToJson(*result), HasSubstr("\"value\": null"));
+  EXPECT_THAT(reports::ToJson(ReportOf(*result)), HasSubstr("\"value\": null"));
 }
 
 // A bar along X there and back while A turns the table, its ball `across_mm` from A; positions as controls write them.
@@ -190,8 +191,8 @@ TEST(Identify, ReadingsOfACoarseDisplayAreWarnedOfAndScatterByTheirRounding) {
   const auto result = Identify(kMachine, testing::Measure(kMachine, truth, noise));
   ASSERT_TRUE(result.ok()) << result.status();
   ASSERT_FALSE(result->warnings.empty());
-  EXPECT_EQ(result->warnings[0].kind, "resolution");
-  EXPECT_THAT(result->warnings[0].text,
+  EXPECT_EQ(reports::InWords(result->warnings[0]).kind, reports::WarningKind::kResolution);
+  EXPECT_THAT(reports::InWords(result->warnings[0]).text,
               HasSubstr("readings stand in steps of 2 um, expected at most 2 times the stated "
                         "sigma of 0.3 um"));
   EXPECT_TRUE(result->outliers.empty());
@@ -239,7 +240,7 @@ TEST(Identify, FewReadingsThatScatterMoreTakeStudentsT) {
   ASSERT_TRUE(freedom >= 20 && freedom <= 60) << freedom;  // t(20) = 2.086, t(60) = 2.000
   EXPECT_GT(result->coverage_factor, 2.000);
   EXPECT_LT(result->coverage_factor, 2.087);
-  EXPECT_THAT(ToJson(*result), HasSubstr("\"coverage_factor\": 2.0"));
+  EXPECT_THAT(reports::ToJson(ReportOf(*result)), HasSubstr("\"coverage_factor\": 2.0"));
 }
 
 // Many readings that scatter by half of what was stated say so.
@@ -262,8 +263,8 @@ TEST(Identify, TooManyBadReadingsAreSaidAloud) {
   const auto result = Identify(kMachine, sessions);
   ASSERT_TRUE(result.ok()) << result.status();
   ASSERT_FALSE(result->warnings.empty());
-  EXPECT_EQ(result->warnings[0].kind, "set-aside");
-  EXPECT_THAT(ToJson(*result), HasSubstr("too many for chips"));
+  EXPECT_EQ(reports::InWords(result->warnings[0]).kind, reports::WarningKind::kSetAside);
+  EXPECT_THAT(reports::ToJson(ReportOf(*result)), HasSubstr("too many for chips"));
 }
 
 TEST(Identify, CancellationReachesTheSolver) {

@@ -5,7 +5,6 @@
 #define AXISCAL_CORE_IDENTIFY_MONTE_CARLO_H_
 
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -49,9 +48,6 @@ struct MonteCarloResult {
 // FAILED_PRECONDITION when more than one fit in ten fails: what remains would be a choice. The same for the same seed,
 // whatever `for_each` does.
 absl::StatusOr<MonteCarloResult> MonteCarlo(const Fit& fit, const MonteCarloOptions& options);
-
-// "monte_carlo" of the report (docs/formats.md), without the budget.
-nlohmann::ordered_json ToJson(const MonteCarloResult& result);
 
 }  // namespace axiscal::identify
 

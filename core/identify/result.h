@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/machine/error_model.h"
+#include "core/reports/warning.h"
 
 namespace axiscal::identify {
 
@@ -73,15 +74,6 @@ struct FitStatistics {
   int readings = 0, used = 0, degrees_of_freedom = 0;
 };
 
-// What a reader of the numbers must know.
-struct Warning {
-  // "scatter": about the fit, beyond the stated sigma; "set-aside": too many readings; "interval": errors without one;
-  // "no-number": errors without a number that the model holds at implausible sizes; "held": the stages share what their
-  // sigmas take for independent; "resolution": readings are rounded to more than they scatter by.
-  std::string kind;
-  std::string text;
-};
-
 struct Result {
   machine::ErrorModel model;  // fitted; errors held as the gauge are zero
   std::vector<Estimate> estimates;
@@ -97,7 +89,7 @@ struct Result {
   FitStatistics fit;
   std::vector<SessionFit> sessions;
   std::vector<Outlier> outliers;
-  std::vector<Warning> warnings;
+  std::vector<reports::WarningFacts> warnings;
   // value +- this many sigma is the 95 % interval: 1.96, or Student's t for the degrees of freedom of the fit where the
   // readings scatter by more than stated, so that the scale of all sigmas was estimated from them.
   double coverage_factor = 1.959964;
@@ -105,9 +97,6 @@ struct Result {
   double noise_scale =
       1.0;  // factor on every stated sigma; not 1 only where the model misses by so much that the misfit took its place
 };
-
-// The report as JSON in the terms of formats.md ("errors", "fit", "outliers"), lengths um and angles urad.
-std::string ToJson(const Result& result);
 
 }  // namespace axiscal::identify
 

@@ -208,7 +208,7 @@ TEST(CloseLoop, AProbeThatMovedIsToldFromTheTablesBall) {
     ASSERT_TRUE(slip.moved_mm[k].has_value());
     EXPECT_NEAR(*slip.moved_mm[k], by_mm[static_cast<Eigen::Index>(k)], 4.0 * slip.sigma_mm[k]);
   }
-  EXPECT_THAT(ToJson(kMachine, report), ::testing::HasSubstr(R"("carrier": "tool")"));
+  EXPECT_THAT(reports::ToJson(ReportOf(kMachine, report)), ::testing::HasSubstr(R"("carrier": "tool")"));
 }
 
 // A servo's lag at one speed is a backlash.
@@ -229,7 +229,7 @@ TEST(CloseLoop, SpeedsThatDifferByATenthTellALagFromABacklash) {
 
 TEST(CloseLoop, TheReportIsThatOfTheFormatPage) {
   const Report report = Close(R"({"symbol": "EXX", "shape": "backlash", "amplitude": -2.9})");
-  const std::string json = ToJson(kMachine, report);
+  const std::string json = reports::ToJson(ReportOf(kMachine, report));
   for (const char* text :
        {"\"verdict\": \"extended\"", "\"symbol\": \"EXX\"", "\"shape\": \"backlash\"", "\"unit\": \"um\"", "\"check\"",
         "\"chi2_per_dof\"", "\"unexplained\": []", "\"identifiable\": true"}) {

@@ -1,4 +1,4 @@
-// What closing the loop found: report.json of docs/formats.md.
+// What closing the loop found.
 #ifndef AXISCAL_CORE_LOOP_REPORT_H_
 #define AXISCAL_CORE_LOOP_REPORT_H_
 
@@ -12,6 +12,7 @@
 #include "core/identify/monte_carlo.h"
 #include "core/loop/next_measurement.h"
 #include "core/loop/search.h"
+#include "core/reports/loop.h"
 
 namespace axiscal::loop {
 
@@ -104,8 +105,8 @@ struct Report {
   std::optional<identify::MonteCarloResult> monte_carlo;  // of the fit sessions under the extended model
 };
 
-// report.json of docs/formats.md.
-std::string ToJson(const machine::Machine& machine, const Report& report);
+// In the terms and units of the report that is stored, sent and printed.
+reports::Loop ReportOf(const machine::Machine& machine, const Report& found);
 
 }  // namespace axiscal::loop
 

@@ -82,7 +82,7 @@ TEST(TouchLoop, LobesOfTheProbeAreFoundAgain) {
   EXPECT_LT(effect.amplitude_sigma, 0.3e-3);
   EXPECT_NEAR(std::atan2(effect.term.amplitude[1], effect.term.amplitude[0]) * base::kDegPerRad, 40.0, 10.0);
   EXPECT_EQ(report.verdict, Verdict::kExtended);
-  EXPECT_THAT(ToJson(Declaring(), report), HasSubstr("\"variable\": \"approach\""));
+  EXPECT_THAT(reports::ToJson(ReportOf(Declaring(), report)), HasSubstr("\"variable\": \"approach\""));
 }
 
 // Pre-travel alike in all directions: a stylus that is smaller than stated.

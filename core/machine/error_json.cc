@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 
+#include "core/base/json_members.h"
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
 #include "core/machine/error_map_json.h"
@@ -198,38 +199,38 @@ std::string AmplitudeUnit(const ErrorTerm& term, const Machine& machine) {
   return unit;
 }
 
-nlohmann::ordered_json TermToJson(const ErrorTerm& term, const Machine& machine) {
-  json object;
-  object["symbol"] = SymbolOf(machine, term);
-  object["shape"] = shapes::Name(term.shape);
+WrittenTerm Written(const ErrorTerm& term, const Machine& machine) {
+  WrittenTerm written;
+  written.symbol = SymbolOf(machine, term);
+  written.shape = shapes::Name(term.shape);
   const std::optional<int> axis = shapes::VariableAxis(term.shape);
-  if (axis) object["variable"] = machine.axes[*axis].name;
+  if (axis) written.variable = machine.axes[*axis].name;
   if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) {
     const auto position = [&](int of, double at) { return IsRotary(machine, of) ? at * kDegPerRad : at; };
-    object["at"] = position(map->axis, map->node.at);
+    written.at = position(map->axis, map->node.at);
     if (map->second_axis >= 0) {
-      object["over"] = machine.axes[map->second_axis].name;
-      object["over_at"] = position(map->second_axis, map->second.at);
+      written.over = machine.axes[map->second_axis].name;
+      written.over_at = position(map->second_axis, map->second.at);
     }
   }
   if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
     if (IsRotary(machine, *axis)) {
-      object["order"] = harmonic->frequency;
+      written.order = harmonic->frequency;
     } else {
-      object["period_mm"] = 2.0 * std::numbers::pi / harmonic->frequency;
+      written.period_mm = 2.0 * std::numbers::pi / harmonic->frequency;
     }
   } else if (const auto* lobe = std::get_if<shapes::Lobe>(&term.shape)) {
-    object["variable"] = "approach";
-    object["order"] = lobe->order;
+    written.variable = "approach";
+    written.lobes = lobe->order;
   } else if (std::holds_alternative<shapes::PreTravel>(term.shape)) {
-    object["variable"] = "approach";
+    written.variable = "approach";
   } else if (const auto* reversal = std::get_if<shapes::Reversal>(&term.shape)) {
     const bool is_rotary = IsRotary(machine, *axis);
-    object[is_rotary ? "length_deg" : "length_mm"] = is_rotary ? reversal->length * kDegPerRad : reversal->length;
+    (is_rotary ? written.length_deg : written.length_mm) = is_rotary ? reversal->length * kDegPerRad : reversal->length;
   } else if (const auto* drift = std::get_if<shapes::DriftExp>(&term.shape)) {
-    object["tau_s"] = drift->tau_s;
+    written.tau_s = drift->tau_s;
   }
-  return object;
+  return written;
 }
 
 absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& machine) {
@@ -268,6 +269,39 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
   return model;
 }
 
+absl::StatusOr<ErrorModel> ReadAskedError(const std::string& text, const Machine& machine) {
+  json errors;
+  if (text.starts_with('{')) {
+    json term = json::parse(text, nullptr, /*allow_exceptions=*/false);
+    if (term.is_object()) term["amplitude"] = 0.0;
+    errors["terms"] = json::array({std::move(term)});
+  } else {
+    errors[text] = 0.0;
+  }
+  return ReadErrors(errors.dump(), machine);
+}
+
+absl::StatusOr<std::vector<std::string>> ListErrors(const std::string& text) {
+  ASSIGN_OR_RETURN(const json root, base::ParseStrictJson(text));
+  if (!root.is_object()) return absl::InvalidArgumentError("expected an object, as errors.json");
+  std::vector<std::string> errors;
+  for (const auto& [key, value] : root.items()) {
+    if (key != "terms") {
+      errors.push_back(key);
+      continue;
+    }
+    if (!value.is_array()) return absl::InvalidArgumentError("terms: expected an array");
+    for (json term : value) {
+      if (!term.is_object()) return absl::InvalidArgumentError("terms: expected objects");
+      term.erase("amplitude");
+      term.erase("values");
+      errors.push_back(term.dump());
+    }
+  }
+  if (errors.empty()) return absl::InvalidArgumentError("no error in it");
+  return errors;
+}
+
 std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
   json root = json::object();
   json terms = json::array();
@@ -285,7 +319,9 @@ std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
       root[SymbolOf(machine, term)] = term.amplitude[0] / factor;
       continue;
     }
-    json object = TermToJson(term, machine);
+    json object = json::object();
+    base::JsonWriter io(&object);
+    Members(io, Written(term, machine));
     object["amplitude"] = term.amplitude[0] / factor;
     if (shapes::BasisCount(term.shape) == 2) {
       object["amplitude"] = std::hypot(term.amplitude[0], term.amplitude[1]) / factor;

@@ -9,10 +9,11 @@
 #ifndef AXISCAL_CORE_MACHINE_ERROR_JSON_H_
 #define AXISCAL_CORE_MACHINE_ERROR_JSON_H_
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "core/machine/error_model.h"
+#include "core/machine/written_term.h"
 
 namespace axiscal::machine {
 
@@ -22,8 +23,14 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
 // Every digit is kept: ReadErrors gives the same model to rounding of the unit factors.
 std::string WriteErrors(const ErrorModel& model, const Machine& machine);
 
+// An error that is asked for, not how large it is: a constant's symbol ("EZ0T") or a term without its amplitude
+// ({"symbol": "EBB", "shape": "harmonic", "order": 45}); of amplitude 0. INVALID_ARGUMENT as ReadErrors.
+absl::StatusOr<ErrorModel> ReadAskedError(const std::string& text, const Machine& machine);
+// The errors of an errors.json as ReadAskedError takes them. INVALID_ARGUMENT where it has none or is no errors.json.
+absl::StatusOr<std::vector<std::string>> ListErrors(const std::string& text);
+
 // One term without its amplitude: symbol, shape, variable and the shape's own parameters.
-nlohmann::ordered_json TermToJson(const ErrorTerm& term, const Machine& machine);
+WrittenTerm Written(const ErrorTerm& term, const Machine& machine);
 // Unit of the amplitude in files: "um", "urad", "um/m", "urad/K" ...
 std::string AmplitudeUnit(const ErrorTerm& term, const Machine& machine);
 // mm or rad per file unit: 1e-3 or 1e-6.

@@ -143,7 +143,7 @@ TEST(Orientation, WhatIsNotReachedIsListedWithItsSizeAndLine) {
   EXPECT_EQ(outcome.report.tilted[1].line, 2);
   EXPECT_THAT(outcome.report.tilted[1].reason, HasSubstr("nearly singular"));
   EXPECT_THAT(outcome.report.tilted[1].reason, HasSubstr("the bound is 0.05 deg"));
-  EXPECT_THAT(ToJson(outcome.report), HasSubstr("\"blocks_not_reached\": 2"));
+  EXPECT_THAT(reports::ToJson(ReportOf(outcome.report)), HasSubstr("\"blocks_not_reached\": 2"));
   // The bound is the user's.
   RewriteOptions wide = Turning();
   wide.max_rotary_correction_rad = 0.02;

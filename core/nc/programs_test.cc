@@ -105,7 +105,7 @@ TEST(Programs, WhatCannotBeCorrectedRefusesWithItsLines) {
     EXPECT_FALSE(RewriteText(program.text, LeaningHead(), Stated(program.dialect), &report).ok()) << program.dialect;
     std::set<int> refused;
     for (const Finding& finding : report.refused) refused.insert(static_cast<int>(finding.line));
-    EXPECT_EQ(refused, program.refused) << program.dialect << ToJson(report);
+    EXPECT_EQ(refused, program.refused) << program.dialect << reports::ToJson(ReportOf(report));
   }
 }
 

@@ -1,8 +1,6 @@
 #include "core/nc/report.h"
 
-#include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "absl/strings/str_format.h"
 #include "core/base/units.h"
@@ -10,26 +8,30 @@
 namespace axiscal::nc {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json ToJsonValue(const Spread& spread) {
-  return {{"max_um", spread.max_mm * base::kUmPerMm},
-          {"rms_um", spread.rms_mm() * base::kUmPerMm},
-          {"count", spread.count}};
+reports::Spread SpreadOf(const Spread& spread) {
+  return {spread.max_mm * base::kUmPerMm, spread.rms_mm() * base::kUmPerMm, spread.count};
 }
 
-Json ToJsonValue(const AngleSpread& spread) {
-  return {{"max_urad", spread.max_rad * base::kUradPerRad},
-          {"rms_urad", spread.rms_rad() * base::kUradPerRad},
-          {"count", spread.count}};
+reports::AngleSpread SpreadOf(const AngleSpread& spread) {
+  return {spread.max_rad * base::kUradPerRad, spread.rms_rad() * base::kUradPerRad, spread.count};
 }
 
-Json ToJsonValue(const std::vector<Finding>& findings) {
-  Json list = Json::array();
-  for (const Finding& finding : findings) {
-    list.push_back({{"line", finding.line}, {"block", finding.block}, {"reason", finding.reason}});
-  }
+std::vector<reports::Finding> FindingsOf(const std::vector<Finding>& findings) {
+  std::vector<reports::Finding> list;
+  for (const Finding& finding : findings) list.push_back({finding.line, finding.block, finding.reason});
   return list;
+}
+
+reports::Orientation OrientationOf(const RewriteReport& report) {
+  reports::Orientation orientation;
+  orientation.max_rotary_correction_deg = report.max_rotary_correction_rad * base::kDegPerRad;
+  for (const RotaryAxisSpread& axis : report.rotary_axes)
+    orientation.correction.emplace_back(axis.axis, SpreadOf(axis.correction));
+  orientation.error_before = SpreadOf(report.tilt_before);
+  orientation.error_after = SpreadOf(report.tilt_after);
+  orientation.blocks_not_reached = report.blocks_tilted;
+  orientation.not_reached = FindingsOf(report.tilted);
+  return orientation;
 }
 
 }  // namespace
@@ -40,34 +42,25 @@ double AngleSpread::rms_rad() const {
   return count == 0 ? 0.0 : std::sqrt(sum_squares_rad2 / static_cast<double>(count));
 }
 
-std::string ToJson(const RewriteReport& report) {
-  Json json;
-  json["calibration"] = report.calibration;
-  json["null_correction"] = report.is_null_correction;
-  json["blocks"] = {{"read", report.blocks_read},     {"corrected", report.blocks_corrected},
-                    {"split", report.blocks_split},   {"inserted", report.blocks_inserted},
-                    {"passed", report.blocks_passed}, {"refused", report.blocks_refused}};
-  for (const AxisSpread& axis : report.axes) json["correction"][axis.axis] = ToJsonValue(axis.correction);
-  json["tool_point_error"] = {{"before", ToJsonValue(report.error_before)}, {"after", ToJsonValue(report.error_after)}};
-  json["tool_point_error_along_path"] = {{"before_at_most_um", report.path_before_max_mm * base::kUmPerMm},
-                                         {"after_at_most_um", report.path_after_max_mm * base::kUmPerMm}};
-  json["max_tilt_left_urad"] = report.max_tilt_left_rad * base::kUradPerRad;
-  if (report.has_orientation) {
-    Json& orientation = json["orientation"];
-    orientation["max_rotary_correction_deg"] = report.max_rotary_correction_rad * base::kDegPerRad;
-    for (const RotaryAxisSpread& axis : report.rotary_axes)
-      orientation["correction"][axis.axis] = ToJsonValue(axis.correction);
-    orientation["error"] = {{"before", ToJsonValue(report.tilt_before)}, {"after", ToJsonValue(report.tilt_after)}};
-    orientation["blocks_not_reached"] = report.blocks_tilted;
-    orientation["not_reached"] = ToJsonValue(report.tilted);
-  }
-  json["max_departure_um"] = report.max_departure_mm * base::kUmPerMm;
-  json["passed"] = ToJsonValue(report.passed);
-  json["refused"] = ToJsonValue(report.refused);
-  json["notes"] = report.notes;
-  if (report.has_source_crc32c) json["source_crc32c"] = absl::StrFormat("%08x", report.source_crc32c);
-  // Programs hold bytes of any encoding: what is no UTF-8 is replaced, in the report only.
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+reports::Rewrite ReportOf(const RewriteReport& found) {
+  reports::Rewrite report;
+  report.calibration = found.calibration;
+  report.null_correction = found.is_null_correction;
+  report.blocks = {found.blocks_read,     found.blocks_corrected, found.blocks_split,
+                   found.blocks_inserted, found.blocks_passed,    found.blocks_refused};
+  for (const AxisSpread& axis : found.axes) report.correction.emplace_back(axis.axis, SpreadOf(axis.correction));
+  report.error_before = SpreadOf(found.error_before);
+  report.error_after = SpreadOf(found.error_after);
+  report.path_before_at_most_um = found.path_before_max_mm * base::kUmPerMm;
+  report.path_after_at_most_um = found.path_after_max_mm * base::kUmPerMm;
+  report.max_tilt_left_urad = found.max_tilt_left_rad * base::kUradPerRad;
+  if (found.has_orientation) report.orientation = OrientationOf(found);
+  report.max_departure_um = found.max_departure_mm * base::kUmPerMm;
+  report.passed = FindingsOf(found.passed);
+  report.refused = FindingsOf(found.refused);
+  report.notes = found.notes;
+  if (found.has_source_crc32c) report.source_crc32c = absl::StrFormat("%08x", found.source_crc32c);
+  return report;
 }
 
 }  // namespace axiscal::nc

@@ -1,10 +1,12 @@
-// What a rewriting did to a program. Lengths in mm; the JSON text is in um.
+// What a rewriting did to a program, as it is counted while it runs. Lengths in mm.
 #ifndef AXISCAL_CORE_NC_REPORT_H_
 #define AXISCAL_CORE_NC_REPORT_H_
 
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "core/reports/rewrite.h"
 
 namespace axiscal::nc {
 
@@ -89,8 +91,9 @@ struct RewriteReport {
   bool has_source_crc32c = false;
 };
 
-// The report as JSON text, um and urad. Never fails.
-std::string ToJson(const RewriteReport& report);
+// In the terms and units of the report that is stored, sent and printed. The JSON replaces what is no UTF-8: programs
+// hold bytes of any encoding.
+reports::Rewrite ReportOf(const RewriteReport& found);
 
 }  // namespace axiscal::nc
 

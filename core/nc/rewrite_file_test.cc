@@ -52,7 +52,7 @@ TEST_F(RewriteFileTest, GivesTheBytesOfTheTextForm) {
   ASSERT_TRUE(expected.ok());
   ASSERT_TRUE(Rewrite("out.nc", &report).ok());
   EXPECT_TRUE(Bytes("out.nc") == *expected);
-  EXPECT_EQ(ToJson(report), ToJson(of_text));
+  EXPECT_EQ(reports::ToJson(ReportOf(report)), reports::ToJson(ReportOf(of_text)));
   EXPECT_TRUE(Bytes("in.nc") == program_);
   // In its own place too: the source is read to its end before it is replaced.
   ASSERT_TRUE(Rewrite("in.nc", &report).ok());

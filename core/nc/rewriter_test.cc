@@ -301,7 +301,7 @@ TEST(Rewriter, TheReportCountsAndPredicts) {
   EXPECT_GT(report.error_after.max_mm, 0.0);
   EXPECT_LT(report.error_after.max_mm, 0.0001);  // rounding of two words to 0.0001 mm
   EXPECT_NEAR(report.max_tilt_left_rad, testing::kTiltRad, 1e-9);
-  EXPECT_THAT(ToJson(report), HasSubstr("\"tool_point_error\""));
+  EXPECT_THAT(reports::ToJson(ReportOf(report)), HasSubstr("\"tool_point_error\""));
 }
 
 // The correction of X goes with cos B: over 90 degrees it departs from its chord by 41.66 (1 - cos 45) um = 12.2 um.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/base/units.h"
@@ -366,29 +365,6 @@ absl::StatusOr<VerifyReport> VerifyFiles(const std::string& original_path, const
   ASSIGN_OR_RETURN(const ByteReader original, FileReader(original_path));
   ASSIGN_OR_RETURN(const ByteReader compensated, FileReader(compensated_path));
   return Verify(original, compensated, machine, errors, options);
-}
-
-std::string ToJson(const VerifyReport& report) {
-  const auto spread = [](const Spread& value) {
-    return nlohmann::ordered_json{
-        {"max_um", value.max_mm * base::kUmPerMm}, {"rms_um", value.rms_mm() * base::kUmPerMm}, {"count", value.count}};
-  };
-  const auto angle = [](const AngleSpread& value) {
-    return nlohmann::ordered_json{{"max_urad", value.max_rad * base::kUradPerRad},
-                                  {"rms_urad", value.rms_rad() * base::kUradPerRad},
-                                  {"count", value.count}};
-  };
-  nlohmann::ordered_json json;
-  json["moves"] = report.moves;
-  json["pieces"] = report.pieces;
-  json["moves_unknown"] = report.moves_unknown;
-  json["blocks_unsupported"] = report.blocks_unsupported;
-  json["end"] = {{"before", spread(report.end_before)}, {"after", spread(report.end_after)}};
-  json["path"] = {{"before", spread(report.path_before)}, {"after", spread(report.path_after)}};
-  json["end_tilt"] = {{"before", angle(report.end_tilt_before)}, {"after", angle(report.end_tilt_after)}};
-  json["path_tilt"] = {{"before", angle(report.path_tilt_before)}, {"after", angle(report.path_tilt_after)}};
-  json["worst_line"] = report.worst_line;
-  return json.dump(1) + "\n";
 }
 
 }  // namespace axiscal::nc

@@ -37,7 +37,7 @@ struct NewCalibration {
   base::UtcTime measured_at;        // the time of its estimates in the history
   std::string model_json;           // the error model: what compensation uses
   std::string options_json;         // how it was asked
-  std::string report_json;          // what came out, as identify::ToJson
+  std::string report_json;          // what came out: reports::CalibrationReport
   std::string engine_version;
   int rank = 0;
   std::optional<double> condition;  // of the scaled Jacobian

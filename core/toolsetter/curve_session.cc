@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/base/units.h"
@@ -10,10 +9,7 @@
 namespace axiscal::toolsetter {
 namespace {
 
-using base::kDegPerRad;
 using base::kRadPerDeg;
-using base::kUmPerMm;
-using Json = nlohmann::ordered_json;
 
 absl::StatusOr<CurveSession> Read(const session::Session& session) {
   CurveSession out;
@@ -58,58 +54,12 @@ absl::StatusOr<CurveSession> Read(const session::Session& session) {
   return out;
 }
 
-Json Optional(bool is_there, double number) { return is_there ? Json(number) : Json(); }
-
 }  // namespace
 
 absl::StatusOr<CurveSession> ReadCurveSession(const session::Session& session) {
   auto out = Read(session);
   if (!out.ok()) return base::Within("session " + session::FindHeader(session, "session").value_or("?"), out.status());
   return out;
-}
-
-std::string ToJson(const CurveSession& session, const WearReport& report) {
-  Json json;
-  json["session"] = session.session;
-  json["length_mm"] = report.length_mm;
-  json["length_sigma_um"] = report.length_sigma_mm * kUmPerMm;
-  json["phase_deg"] = report.phase_rad * kDegPerRad;
-  json["phase_sigma_deg"] = report.phase_sigma_rad * kDegPerRad;
-  json["inserts"] = Json::array();
-  for (size_t k = 0; k < report.inserts.size(); ++k) {
-    const InsertWear& insert = report.inserts[k];
-    Json row = {{"insert", k + 1},
-                {"identifiable", insert.is_identifiable},
-                {"wear_um", Optional(insert.is_identifiable, insert.wear_mm * kUmPerMm)},
-                {"sigma_um", Optional(insert.is_identifiable, insert.sigma_mm * kUmPerMm)}};
-    if (!insert.is_identifiable) row["at_least_um"] = insert.at_least_mm * kUmPerMm;
-    row["readings"] = insert.readings;
-    row["fires_first_deg"] = insert.share_rad * kDegPerRad;
-    row["unseen_from_um"] = insert.unseen_from_mm * kUmPerMm;
-    json["inserts"].push_back(std::move(row));
-  }
-  json["fit"] = {
-      {"rms_um", report.rms_mm * kUmPerMm}, {"chi2", report.chi2}, {"degrees_of_freedom", report.degrees_of_freedom}};
-  json["warnings"] = Json::array();
-  constexpr double kPoorFit = 4.0;  // twice the stated sigma
-  if (report.degrees_of_freedom > 0 && report.chi2 > kPoorFit * report.degrees_of_freedom) {
-    json["warnings"].push_back(
-        {{"kind", "scatter"},
-         {"text",
-          absl::StrFormat("the readings scatter by %.1f times their stated sigma about the curves of this cutter: "
-                          "a number of it is another, or readings are bad",
-                          std::sqrt(report.chi2 / report.degrees_of_freedom))}});
-  }
-  json["longest_reading_mm"] = report.longest_reading_mm;
-  json["readings"] = Json::array();
-  for (size_t i = 0; i < report.residual_mm.size(); ++i) {
-    json["readings"].push_back({{"start_deg", session.starts_rad[i] * kDegPerRad},
-                                {"length_mm", session.lengths_mm[i]},
-                                {"residual_um", report.residual_mm[i] * kUmPerMm}});
-  }
-  if (report.propose_feed_mm_min)
-    json["next_measurement"] = {{"feed_mm_min", *report.propose_feed_mm_min}, {"spindle_rpm", session.run.spindle_rpm}};
-  return json.dump(1) + "\n";
 }
 
 }  // namespace axiscal::toolsetter

@@ -21,17 +21,17 @@ absl::Status CheckHeader(const session::Session& session) {
   return HeightsOf(description.cutter, description.run).status();
 }
 
-absl::StatusOr<std::string> Evaluate(const session::Session& session, const ReferenceOptions& options) {
+absl::StatusOr<reports::ToolSetter> Evaluate(const session::Session& session, const ReferenceOptions& options) {
   const std::string instrument = session::FindHeader(session, "instrument").value_or("");
   if (instrument == kRods) {
     ASSIGN_OR_RETURN(const RodSession rods, ReadRodSession(session));
     ASSIGN_OR_RETURN(const Reference reference, FitReference(rods, options));
-    return ToJson(rods, reference);
+    return ReportOf(rods, reference);
   }
   if (instrument == kCurve) {
     ASSIGN_OR_RETURN(const CurveSession curve, ReadCurveSession(session));
     ASSIGN_OR_RETURN(const WearReport report, FitWear(curve));
-    return ToJson(curve, report);
+    return ReportOf(curve, report);
   }
   return absl::InvalidArgumentError(absl::StrCat("session ", session::FindHeader(session, "session").value_or("?"),
                                                  ": instrument '", instrument, "', expected ", kRods, " or ", kCurve));

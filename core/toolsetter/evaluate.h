@@ -1,10 +1,11 @@
 // What a stored or brought session of the tool setter says: the beam's reference from a `tool-setter` session, length
-// and wear from a `tool-curve` session, as the JSON of docs/formats.md.
+// and wear from a `tool-curve` session.
 #ifndef AXISCAL_CORE_TOOLSETTER_EVALUATE_H_
 #define AXISCAL_CORE_TOOLSETTER_EVALUATE_H_
 
 #include <string>
 
+#include "core/reports/tool_setter.h"
 #include "core/session/session.h"
 #include "core/toolsetter/reference.h"
 
@@ -19,7 +20,7 @@ bool IsToolSetter(const std::string& instrument);
 absl::Status CheckHeader(const session::Session& session);
 
 // INVALID_ARGUMENT as ReadRodSession, FitReference, ReadCurveSession and FitWear; also for other instruments.
-absl::StatusOr<std::string> Evaluate(const session::Session& session, const ReferenceOptions& options);
+absl::StatusOr<reports::ToolSetter> Evaluate(const session::Session& session, const ReferenceOptions& options);
 
 }  // namespace axiscal::toolsetter
 

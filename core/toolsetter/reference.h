@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/information/information.h"
+#include "core/reports/tool_setter.h"
 #include "core/toolsetter/rod_session.h"
 
 namespace axiscal::toolsetter {
@@ -68,8 +69,8 @@ absl::StatusOr<information::Information> InformationOf(const RodSession& session
 // INVALID_ARGUMENT when no rod was measured or a rod cannot shade the beam.
 absl::StatusOr<Reference> FitReference(const RodSession& session, const ReferenceOptions& options = {});
 
-// JSON as docs/formats.md says; lengths mm, deviations um, angles deg.
-std::string ToJson(const RodSession& session, const Reference& reference);
+// In the terms and units of the report that is stored, sent and printed.
+reports::BeamReference ReportOf(const RodSession& session, const Reference& reference);
 
 }  // namespace axiscal::toolsetter
 

@@ -92,7 +92,7 @@ TEST(Reference, OneSquareRodCannotTellPitchFromZNorSeeYaw) {
     EXPECT_FALSE(parameter.is_identifiable);
     EXPECT_TRUE(std::isnan(parameter.estimate));
   }
-  const std::string json = ToJson(session, *reference);
+  const std::string json = reports::ToJson(ReportOf(session, *reference));
   EXPECT_NE(json.find("\"identifiable\": false"), std::string::npos);
   EXPECT_EQ(json.find("nan"), std::string::npos);
 }

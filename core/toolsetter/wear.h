@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/reports/tool_setter.h"
 #include "core/session/session.h"
 #include "core/toolsetter/cutter_keys.h"
 #include "core/toolsetter/length_curve.h"
@@ -60,8 +61,8 @@ struct WearReport {
 // Sigmas grow by the root of chi-square over its degrees of freedom where that is above 1.
 absl::StatusOr<WearReport> FitWear(const CurveSession& session);
 
-// JSON as docs/formats.md says.
-std::string ToJson(const CurveSession& session, const WearReport& report);
+// In the terms and units of the report that is stored, sent and printed.
+reports::Wear ReportOf(const CurveSession& session, const WearReport& found);
 
 }  // namespace axiscal::toolsetter
 

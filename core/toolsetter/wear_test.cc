@@ -168,7 +168,7 @@ TEST(Wear, AnInsertThatIsTooWornHasNoNumber) {
   EXPECT_GT(report->inserts[worn].at_least_mm, 0.009);
   EXPECT_LT(report->inserts[worn].at_least_mm, 0.018);
   EXPECT_NEAR(report->length_mm, kLengthMm, 4e-3);
-  const std::string json = ToJson(session, *report);
+  const std::string json = reports::ToJson(ReportOf(session, *report));
   EXPECT_NE(json.find("\"wear_um\": null"), std::string::npos);
   ASSERT_TRUE(report->propose_feed_mm_min.has_value());
   session.run.feed_mm_min = *report->propose_feed_mm_min;
@@ -198,11 +198,11 @@ TEST(Wear, ReadingsOfAnotherCutterAreSaid) {
   Measure(&session, {0.0, 0.003}, 0, nullptr);
   const auto right = FitWear(session);
   ASSERT_TRUE(right.ok()) << right.status();
-  EXPECT_THAT(ToJson(session, *right), ::testing::Not(HasSubstr("scatter")));
+  EXPECT_THAT(reports::ToJson(ReportOf(session, *right)), ::testing::Not(HasSubstr("scatter")));
   session.cutter.inserts = 3;
   const auto wrong = FitWear(session);
   ASSERT_TRUE(wrong.ok()) << wrong.status();
-  EXPECT_THAT(ToJson(session, *wrong), HasSubstr("times their stated sigma about the curves of this cutter"));
+  EXPECT_THAT(reports::ToJson(ReportOf(session, *wrong)), HasSubstr("times their stated sigma about the curves of this cutter"));
 }
 
 TEST(CurveSession, ReadsCutterAndRun) {

@@ -1,5 +1,8 @@
 #include "proto/convert/calibration.h"
 
+#include <cmath>
+
+#include "core/reports/calibration.h"
 #include "proto/convert/field.h"
 #include "proto/convert/time.h"
 
@@ -46,6 +49,20 @@ void StatisticsFromProto(const v1::FitStatistics& message, records::NewCalibrati
   if (message.has_rms_after_um()) content->rms_after_um = message.rms_after_um();
 }
 
+// What the report says beyond the single errors; nothing where there is no report.
+void AddReported(const std::string& report_json, v1::Calibration* message) {
+  const absl::StatusOr<reports::CalibrationReport> report = reports::ReadCalibrationReport(report_json);
+  if (!report.ok()) return;
+  for (const reports::Combination& combination : reports::FittedOf(*report).determined) {
+    v1::Combination* const out = message->add_combinations();
+    out->set_name(combination.name);
+    if (std::isfinite(combination.value)) out->set_value(combination.value);
+    if (std::isfinite(combination.sigma)) out->set_sigma(combination.sigma);
+    out->set_unit(combination.unit);
+  }
+  for (const std::string& name : reports::FittedOf(*report).not_separable) message->add_not_separable(name);
+}
+
 }  // namespace
 
 v1::Calibration ToProto(const records::CalibrationRecord& record) {
@@ -61,14 +78,7 @@ v1::Calibration ToProto(const records::CalibrationRecord& record) {
   SET_OPTIONAL_UTC(message, retired_utc_us, record.retired_at);
   *message.mutable_statistics() = StatisticsToProto(record.content);
   for (const records::Estimate& estimate : record.content.estimates) *message.add_estimates() = ToProto(estimate);
-  for (const Combination& combination : CombinationsOf(record.content.report_json)) {
-    v1::Combination* const out = message.add_combinations();
-    out->set_name(combination.name);
-    if (combination.value) out->set_value(*combination.value);
-    if (combination.sigma) out->set_sigma(*combination.sigma);
-    out->set_unit(combination.unit);
-  }
-  for (const std::string& name : NotSeparableOf(record.content.report_json)) message.add_not_separable(name);
+  AddReported(record.content.report_json, &message);
   *message.mutable_provenance() = ProvenanceToProto(record);
   message.set_model_json(record.content.model_json);
   message.set_report_json(record.content.report_json);

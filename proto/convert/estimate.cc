@@ -1,33 +1,8 @@
 // States, units, estimates and named combinations of calibrations.
-#include <cmath>
-#include <nlohmann/json.hpp>
-
 #include "proto/convert/calibration.h"
 #include "proto/convert/field.h"
 
 namespace axiscal::convert {
-namespace {
-
-std::optional<double> NumberOf(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_number()) return std::nullopt;
-  return found->get<double>();
-}
-
-std::string TextOf(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-// The array under `key`, or an empty one.
-nlohmann::json ListOf(const std::string& report_json, const char* key) {
-  const nlohmann::json report = nlohmann::json::parse(report_json, nullptr, /*allow_exceptions=*/false);
-  if (!report.is_object() || !report.contains(key) || !report[key].is_array()) return nlohmann::json::array();
-  return report[key];
-}
-
-}  // namespace
-
 v1::CalibrationState ToProto(records::CalibrationState state) {
   switch (state) {
     case records::CalibrationState::kCandidate:
@@ -90,24 +65,6 @@ absl::StatusOr<records::Estimate> FromProto(const v1::Estimate& message) {
     estimate.sigma = message.sigma();
   }
   return estimate;
-}
-
-std::vector<Combination> CombinationsOf(const std::string& report_json) {
-  std::vector<Combination> combinations;
-  for (const nlohmann::json& entry : ListOf(report_json, "determined")) {
-    if (!entry.is_object()) continue;
-    combinations.push_back(
-        {TextOf(entry, "name"), NumberOf(entry, "value"), NumberOf(entry, "sigma"), TextOf(entry, "unit")});
-  }
-  return combinations;
-}
-
-std::vector<std::string> NotSeparableOf(const std::string& report_json) {
-  std::vector<std::string> names;
-  for (const nlohmann::json& entry : ListOf(report_json, "not_separable")) {
-    if (entry.is_string()) names.push_back(entry.get<std::string>());
-  }
-  return names;
 }
 
 }  // namespace axiscal::convert

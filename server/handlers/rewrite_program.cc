@@ -112,7 +112,7 @@ absl::Status RewriteProgramStream::End() {
   result.set_size_bytes(sent_);
   result.set_crc32c(sent_crc32c_);
   result.set_calibration_id(compensation_->calibration.id.number());
-  result.set_report_json(nc::ToJson(report));
+  result.set_report_json(reports::ToJson(nc::ReportOf(report)));
   if (!send_(response_)) {
     return base::Error(absl::StatusCode::kCancelled, "the caller has left", {"CALLER_GONE", {}});
   }

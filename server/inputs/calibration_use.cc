@@ -1,11 +1,10 @@
 #include "server/inputs/calibration_use.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "core/base/error_detail.h"
-#include "core/base/strict_json.h"
 #include "core/machine/machine_json.h"
+#include "core/reports/calibration.h"
 
 namespace axiscal::inputs {
 namespace {
@@ -21,10 +20,8 @@ bool SameChain(const machine::Machine& a, const machine::Machine& b) {
 
 // Combinations stand in the engine's report only.
 bool DeterminesACombination(const std::string& report_json) {
-  const auto report = base::ParseStrictJson(report_json);
-  if (!report.ok() || !report->is_object()) return false;
-  const auto determined = report->find("determined");
-  return determined != report->end() && !determined->empty();
+  const absl::StatusOr<reports::CalibrationReport> report = reports::ReadCalibrationReport(report_json);
+  return report.ok() && !reports::FittedOf(*report).determined.empty();
 }
 
 }  // namespace
@@ -60,19 +57,20 @@ absl::Status CheckUsable(storage::Database& database, const records::Calibration
 
 std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration) {
   std::vector<std::string> notes;
-  const auto result = base::ParseStrictJson(calibration.content.report_json);
-  if (!result.ok() || !result->is_object()) return notes;
-  using json = nlohmann::ordered_json;
+  const auto report = reports::ReadCalibrationReport(calibration.content.report_json);
+  if (!report.ok()) return notes;
   const std::string name = absl::StrCat("calibration ", calibration.id.number());
   constexpr char kElsewhere[] = ": the correction holds at poses like the measured ones, elsewhere it is not known";
-  for (const json& direction : result->value("not_separable", json::array()))
-    notes.push_back(absl::StrCat(name, " cannot tell apart ", direction.get<std::string>(), kElsewhere));
-  for (const json& effect : result->value("effects", json::array())) {
+  for (const std::string& direction : reports::FittedOf(*report).not_separable)
+    notes.push_back(absl::StrCat(name, " cannot tell apart ", direction, kElsewhere));
+  const auto* const loop = std::get_if<reports::Loop>(&*report);
+  if (loop == nullptr) return notes;
+  for (const reports::Effect& effect : loop->effects) {
     std::string others;
-    for (const json& other : effect.value("equivalent", json::array()))
-      absl::StrAppend(&others, others.empty() ? "" : ", ", other.value("name", ""));
+    for (const reports::NamedTerm& other : effect.equivalent)
+      absl::StrAppend(&others, others.empty() ? "" : ", ", other.name);
     if (others.empty()) continue;
-    notes.push_back(absl::StrCat(name, " cannot tell ", effect.value("name", ""), " from ", others, kElsewhere));
+    notes.push_back(absl::StrCat(name, " cannot tell ", effect.is.name, " from ", others, kElsewhere));
   }
   return notes;
 }

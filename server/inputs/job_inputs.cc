@@ -1,7 +1,5 @@
 #include "server/inputs/job_inputs.h"
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/error_detail.h"
 #include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
@@ -72,14 +70,21 @@ absl::Status CheckCompensate(storage::Database& database, const records::Compens
   return CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id").status();
 }
 
-// A calibration as users get it printed: what ReadHeldErrors reads.
-absl::StatusOr<std::string> HeldCalibrationJson(storage::Database& database, const MachineId& machine,
-                                                const CalibrationId& id) {
+absl::StatusOr<identify::HeldErrors> HeldCalibration(storage::Database& database, const machine::Machine& machine,
+                                                     const MachineId& id, const CalibrationId& calibration_id) {
   ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
-                   CalibrationFor(database, machine, id, "params.identify.held_calibration_id"));
+                   CalibrationFor(database, id, calibration_id, "params.identify.held_calibration_id"));
   RETURN_IF_ERROR(MachineFor(database, calibration).status());
-  return absl::StrCat("{\"model\": ", calibration.content.model_json, ", \"report\": ", calibration.content.report_json,
-                      "}");
+  auto held = identify::ReadHeldErrors(calibration.content.model_json, calibration.content.report_json, machine);
+  if (!held.ok())
+    return convert::FieldError("params.identify.held_calibration_id", std::string(held.status().message()));
+  return held;
+}
+
+absl::StatusOr<identify::HeldErrors> HeldText(const std::string& text, const machine::Machine& machine) {
+  auto held = identify::ReadHeldErrors(text, machine);
+  if (!held.ok()) return convert::FieldError("params.identify.held_errors_json", std::string(held.status().message()));
+  return held;
 }
 
 }  // namespace
@@ -126,20 +131,16 @@ absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machi
                                         const records::IdentifyParams& params) {
   IdentifyErrors errors;
   ASSIGN_OR_RETURN(errors.fitted, DeclaredModel(machine, params.declared));
-  std::string field = "params.identify.held_errors_json", text = params.held_errors_json;
-  if (params.held_calibration) {
-    field = "params.identify.held_calibration_id";
-    ASSIGN_OR_RETURN(text, HeldCalibrationJson(database, params.machine, *params.held_calibration));
-  }
-  if (text.empty()) return errors;
-  absl::StatusOr<identify::HeldErrors> held = identify::ReadHeldErrors(text, machine);
-  if (!held.ok()) return convert::FieldError(field, std::string(held.status().message()));
+  if (!params.held_calibration && params.held_errors_json.empty()) return errors;
+  ASSIGN_OR_RETURN(identify::HeldErrors held,
+                   params.held_calibration ? HeldCalibration(database, machine, params.machine, *params.held_calibration)
+                                           : HeldText(params.held_errors_json, machine));
   absl::StatusOr<machine::ErrorModel> fitted =
-      identify::BesideHeld(machine, errors.fitted, !params.declared.empty(), *held);
+      identify::BesideHeld(machine, errors.fitted, !params.declared.empty(), held);
   if (!fitted.ok())
     return convert::FieldError("params.identify.declared_errors", std::string(fitted.status().message()));
   errors.fitted = *std::move(fitted);
-  errors.held = *std::move(held);
+  errors.held = std::move(held);
   return errors;
 }
 
@@ -158,15 +159,7 @@ absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machin
   if (declared.empty()) return machine::DeclaredModel(machine);
   machine::ErrorModel model;
   for (size_t i = 0; i < declared.size(); ++i) {
-    nlohmann::ordered_json errors;
-    if (declared[i].front() == '{') {
-      nlohmann::ordered_json term = nlohmann::ordered_json::parse(declared[i], nullptr, /*allow_exceptions=*/false);
-      if (term.is_object()) term["amplitude"] = 0.0;
-      errors["terms"] = nlohmann::ordered_json::array({std::move(term)});
-    } else {
-      errors[declared[i]] = 0.0;
-    }
-    const absl::StatusOr<machine::ErrorModel> read = machine::ReadErrors(errors.dump(), machine);
+    const absl::StatusOr<machine::ErrorModel> read = machine::ReadAskedError(declared[i], machine);
     if (!read.ok()) {
       return convert::FieldError(absl::StrCat("params.identify.declared_errors[", i, "]"),
                                  std::string(read.status().message()));

@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "core/loop/close_loop.h"
 #include "proto/convert/job_params.h"
 #include "server/inputs/job_inputs.h"
+#include "server/jobs/asked_json.h"
 #include "server/jobs/job_sessions.h"
 #include "server/jobs/new_calibration.h"
 
 namespace axiscal::jobs {
 namespace {
-
-using json = nlohmann::ordered_json;
 
 absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, const records::CloseLoopParams& params,
                                             JobContext& context) {
@@ -39,14 +37,6 @@ absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, con
   options.monte_carlo->for_each = [&context](int count, const auto& body) { context.ForEach(count, body); };
   options.budget_json = params.budget_json;
   return options;
-}
-
-// Names and checksums: what the result can be computed again from.
-json SessionsJson(const StoredSessions& stored) {
-  json sessions = json::array();
-  for (const records::SessionRecord& record : stored.records)
-    sessions.push_back({{"id", record.id.number()}, {"session", record.name}, {"hash", record.hash}});
-  return sessions;
 }
 
 // All that the errors were fitted to.
@@ -76,15 +66,11 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
                    loop::CloseLoop(input.machine, std::move(fit_runs), std::move(check_runs), options));
 
   storage::JobProduct product;
-  product.result = loop::ToJson(input.machine, report);
+  product.result = reports::ToJson(loop::ReportOf(input.machine, report));
   product.calibration =
       MakeCalibration(input, report.is_check_fitted ? Both(fit, check) : fit, report.fit_before, report.fitted, job);
   product.calibration->report_json = product.result;
-  json asked = {{"max_effects", options.max_effects}, {"fit", SessionsJson(fit)}, {"check", SessionsJson(check)}};
-  if (!params.budget_json.empty()) asked["budget"] = json::parse(params.budget_json);
-  if (params.monte_carlo_runs)
-    asked["monte_carlo"] = {{"runs", *params.monte_carlo_runs}, {"seed", params.monte_carlo_seed}};
-  product.calibration->options_json = asked.dump();
+  product.calibration->options_json = AskedJson(params, options.max_effects, fit.records, check.records);
   return product;
 }
 

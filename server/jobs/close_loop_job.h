@@ -6,7 +6,8 @@
 
 namespace axiscal::jobs {
 
-// The job's result and the calibration's report are loop::ToJson, byte for byte what the same sessions give from files.
+// The job's result and the calibration's report are of reports::Loop, byte for byte what the same sessions give from
+// files.
 // Fails with the engine's words when the sessions do not fit the machine. `database` must outlive the function.
 JobFunction CloseLoopJob(storage::Database& database);
 

@@ -85,7 +85,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   for (std::string& note : inputs::NotesOnInseparableErrors(calibration)) report.notes.push_back(std::move(note));
   ASSIGN_OR_RETURN(const records::ProgramRecord program, writer.Finish());
   storage::JobProduct product;
-  product.result = nc::ToJson(report);
+  product.result = reports::ToJson(nc::ReportOf(report));
   product.programs = {program.id};
   return product;
 }

@@ -1,19 +1,16 @@
 #include "server/jobs/identify_job.h"
 
-#include <nlohmann/json.hpp>
-
-#include "core/base/units.h"
 #include "core/identify/identify.h"
 #include "core/identify/monte_carlo.h"
+#include "core/identify/report.h"
 #include "proto/convert/job_params.h"
 #include "server/inputs/job_inputs.h"
+#include "server/jobs/asked_json.h"
 #include "server/jobs/job_sessions.h"
 #include "server/jobs/new_calibration.h"
 
 namespace axiscal::jobs {
 namespace {
-
-using json = nlohmann::ordered_json;
 
 // Share of the progress bar of the fit without machine errors, which comes first.
 constexpr double kBeforeShare = 0.2;
@@ -49,18 +46,6 @@ absl::StatusOr<std::optional<identify::MonteCarloResult>> Simulate(const records
   return result;
 }
 
-// The engine's report with the residual before: setups fitted, no machine error but the held ones.
-std::string ReportJson(const identify::Result& before, const identify::Result& after, const std::string& budget_json,
-                       const std::optional<identify::MonteCarloResult>& monte_carlo) {
-  json report = json::parse(identify::ToJson(after));
-  report["before"] = {{"rms_um", before.fit.rms_mm * base::kUmPerMm},
-                      {"max_um", before.fit.max_mm * base::kUmPerMm},
-                      {"chi2_per_dof", before.fit.chi2_per_dof}};
-  if (!budget_json.empty()) report["budget"] = json::parse(budget_json);
-  if (monte_carlo) report["monte_carlo"] = identify::ToJson(*monte_carlo);
-  return report.dump(1) + "\n";
-}
-
 absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
                                         JobContext& context) {
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
@@ -91,16 +76,14 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   ASSIGN_OR_RETURN(const auto monte_carlo, Simulate(params, budget, fit, context));
 
   storage::JobProduct product;
-  product.result = ReportJson(before, after, params.budget_json, monte_carlo);
+  reports::Identification report = identify::ReportOf(after);
+  report.before = identify::BeforeOf(before);
+  report.fitted.budget_json = params.budget_json;
+  if (monte_carlo) report.fitted.monte_carlo = identify::ReportOf(*monte_carlo);
+  product.result = reports::ToJson(report);
   product.calibration = MakeCalibration(input, sessions, before.fit, after, job);
   product.calibration->report_json = product.result;
-  json asked = {{"declared", params.declared}};
-  if (!params.budget_json.empty()) asked["budget"] = json::parse(params.budget_json);
-  if (params.monte_carlo_runs)
-    asked["monte_carlo"] = {{"runs", *params.monte_carlo_runs}, {"seed", params.monte_carlo_seed}};
-  if (params.held_calibration) asked["held"] = {{"calibration", params.held_calibration->number()}};
-  if (!params.held_errors_json.empty()) asked["held"] = json::parse(params.held_errors_json);
-  product.calibration->options_json = asked.dump();
+  product.calibration->options_json = AskedJson(params);
   return product;
 }
 

@@ -16,7 +16,9 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   if (context.cancelled()) return absl::CancelledError("stopped");
   context.ReportProgress("fit", 0.1, "");
   storage::JobProduct product;
-  ASSIGN_OR_RETURN(product.result, toolsetter::Evaluate(session, {params.fit_yaw, params.fit_pitch}));
+  ASSIGN_OR_RETURN(const reports::ToolSetter report,
+                   toolsetter::Evaluate(session, {params.fit_yaw, params.fit_pitch}));
+  product.result = reports::ToJson(report);
   return product;
 }
 

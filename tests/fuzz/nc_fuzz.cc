@@ -95,7 +95,7 @@ void RunOne(const std::string& program) {
   null_options.dialect = DialectOf(program, variant >> 8);
   const auto same = nc::RewriteText(program, *perfect, null_options, &report);
   MUST(same.ok() && *same == program);
-  MUST(!nc::ToJson(report).empty());
+  MUST(!reports::ToJson(nc::ReportOf(report)).empty());
 
   nc::RewriteOptions options;
   options.dialect = null_options.dialect;
@@ -110,7 +110,7 @@ void RunOne(const std::string& program) {
   options.tolerance_mm = 0.01;
   options.max_correction_mm = 1e3;
   const auto whole = nc::RewriteText(program, *leaning, options, &report);
-  MUST(!nc::ToJson(report).empty());
+  MUST(!reports::ToJson(nc::ReportOf(report)).empty());
   const auto pieces = InPieces(program, 1 + program.size() % 7, *leaning, options);
   MUST(whole.ok() == pieces.ok() && (!whole.ok() || *whole == *pieces));
   if (!whole.ok()) return;

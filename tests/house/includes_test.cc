@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <iterator>
 
 namespace axiscal::house {
 namespace {
@@ -120,6 +122,66 @@ TEST(Walls, RoomsOfTheServerLookDownOnly) {
   EXPECT_THAT(breaches("server/inputs", {"server/handlers", "server/jobs"}), IsEmpty());
   EXPECT_THAT(breaches("server/storage", {"server/handlers", "server/jobs", "server/inputs", "proto", "axiscal"}),
               IsEmpty());
+}
+
+// A file of the product, not of its tests.
+bool IsProduct(const std::string& path) {
+  return !path.ends_with("_test.cc") && path.find("/testing/") == std::string::npos;
+}
+
+// Files that include nlohmann/json, themselves or through a header of the checkout.
+std::vector<std::string> FilesWithJson(const std::vector<SourceFile>& files) {
+  std::set<std::string> with_json;
+  for (size_t before = std::string::npos; before != with_json.size();) {
+    before = with_json.size();
+    for (const SourceFile& file : files) {
+      const bool has_json = std::any_of(file.includes.begin(), file.includes.end(), [&](const Include& include) {
+        return IsBelow(include.path, "nlohmann") || with_json.contains(include.path);
+      });
+      if (has_json) with_json.insert(file.path);
+    }
+  }
+  std::vector<std::string> product;
+  std::copy_if(with_json.begin(), with_json.end(), std::back_inserter(product), IsProduct);
+  return product;
+}
+
+TEST(FilesWithJson, AreFoundThroughHeaders) {
+  const std::vector<SourceFile> files = {{"core/a.h", {{1, "core/b.h", true}}},
+                                         {"core/a_test.cc", {{1, "nlohmann/json.hpp", false}}},
+                                         {"core/b.h", {{1, "nlohmann/json_fwd.hpp", false}}},
+                                         {"core/c.cc", {{1, "core/a.h", true}}},
+                                         {"core/d.cc", {{1, "core/json.h", true}}}};
+  EXPECT_THAT(FilesWithJson(files), ElementsAre("core/a.h", "core/b.h", "core/c.cc"));
+}
+
+// JSON is read and written here and nowhere else; all others use the types that these files fill. A reader or writer of
+// a new format is added to the list, a search in a report is not.
+TEST(Walls, OnlyReadersAndWritersIncludeJson) {
+  EXPECT_THAT(FilesWithJson(FilesBelow({"client", "core", "proto", "server"})),
+              ElementsAre("client/cli/json.cc",                       //
+                          "core/base/json_members.h",                 // members of a struct, told once for both ways
+                          "core/base/strict_json.cc",                 //
+                          "core/base/strict_json.h",                  //
+                          "core/compensate/tables/formats_json.cc",   //
+                          "core/identify/budget_json.cc",             //
+                          "core/identify/held_json.cc",               //
+                          "core/machine/error_json.cc",               //
+                          "core/machine/error_map_json.cc",           //
+                          "core/machine/error_map_json.h",            //
+                          "core/machine/machine_json.cc",             //
+                          "core/nc/verify_json.cc",                   //
+                          "core/reports/calibration_json.cc",         //
+                          "core/reports/fitted_json.h",               //
+                          "core/reports/identification_json.cc",      //
+                          "core/reports/loop_json.cc",                //
+                          "core/reports/report_json.h",               //
+                          "core/reports/rewrite_json.cc",             //
+                          "core/reports/table_json.cc",               //
+                          "core/reports/tool_setter_json.cc",         //
+                          "core/toolsetter/cutter_keys.cc",           // cutter.json
+                          "server/jobs/asked_json.cc",                // how a calibration was asked for
+                          "server/log.cc"));
 }
 
 }  // namespace

@@ -20,8 +20,10 @@ struct Tally {
 constexpr double kAbsurd = 1000.0;
 
 bool IsNamed(const identify::Result& result, const std::string& name) {
-  return std::any_of(result.warnings.begin(), result.warnings.end(), [&](const identify::Warning& warning) {
-    return warning.kind == "no-number" && warning.text.find(name + " at") != std::string::npos;
+  return std::any_of(result.warnings.begin(), result.warnings.end(), [&](const reports::WarningFacts& facts) {
+    const auto* const warning = std::get_if<reports::NoNumber>(&facts);
+    return warning != nullptr && std::any_of(warning->errors.begin(), warning->errors.end(),
+                                             [&](const reports::NoNumber::Size& one) { return one.error == name; });
   });
 }
 

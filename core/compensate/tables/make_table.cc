@@ -286,7 +286,7 @@ absl::StatusOr<MadeTable> MakeTable(const machine::Machine& machine, const machi
   MadeTable made;
   ASSIGN_OR_RETURN(made.text, format->write(machine, content));
   RETURN_IF_ERROR(ReadBack(plan, content.table, made.text).status());
-  made.report_json = ToJson(plan, report);
+  made.report_json = reports::ToJson(ReportOf(plan, report));
   return made;
 }
 

@@ -1,7 +1,6 @@
 #include "core/compensate/tables/report.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/base/units.h"
 #include "core/compensate/tables/text.h"
@@ -10,7 +9,6 @@ namespace axiscal::tables {
 namespace {
 
 using compensate::Deviation;
-using json = nlohmann::ordered_json;
 
 constexpr double kShownTiltRad = 1e-6;
 
@@ -20,9 +18,8 @@ const char* Unit(bool is_angle) { return is_angle ? "urad" : "um"; }
 // To a nanometre: the last digits are rounding, which differs between machines.
 double Rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
-json ToJson(const Deviation& deviation) {
-  return {{"max_um", Rounded(deviation.largest * base::kUmPerMm)},
-          {"rms_um", Rounded(deviation.rms() * base::kUmPerMm)}};
+reports::PointSpread SpreadOf(const Deviation& deviation) {
+  return {Rounded(deviation.largest * base::kUmPerMm), Rounded(deviation.rms() * base::kUmPerMm)};
 }
 
 std::string Text(const Deviation& deviation) {
@@ -92,41 +89,42 @@ std::vector<std::string> NotesOf(const Plan& plan, const TableReport& report) {
   return notes;
 }
 
-std::string ToJson(const Plan& plan, const TableReport& report) {
-  json out = {{"format", plan.format.name},
-              {"machine", plan.machine.id},
-              {"calibration", plan.request.calibration},
-              {"values", plan.format.values}};
-  json reference = json::object(), ranges = json::object();
+reports::Table ReportOf(const Plan& plan, const TableReport& found) {
+  reports::Table report;
+  report.format = plan.format.name;
+  report.machine = plan.machine.id;
+  report.calibration = plan.request.calibration;
+  report.values = plan.format.values;
+  const Eigen::Vector3d& tip = plan.request.state.tool_tip_mm;
+  report.tool_tip_mm = {tip.x(), tip.y(), tip.z()};
   for (int i = 0; i < plan.machine.axis_count(); ++i) {
     const machine::Axis& axis = plan.machine.axes[i];
     const std::string key = axis.name + "_" + UnitName(axis);
-    reference[key] = Rounded(plan.reference.position[i] / FileUnit(axis));
-    if (plan.ranges[i].is_set)
-      ranges[key] = {Rounded(plan.ranges[i].min / FileUnit(axis)), Rounded(plan.ranges[i].max / FileUnit(axis))};
+    report.reference.emplace_back(key, Rounded(plan.reference.position[i] / FileUnit(axis)));
+    if (plan.ranges[i].is_set) {
+      report.ranges.push_back(
+          {key, {Rounded(plan.ranges[i].min / FileUnit(axis)), Rounded(plan.ranges[i].max / FileUnit(axis))}});
+    }
   }
-  const Eigen::Vector3d& tip = plan.request.state.tool_tip_mm;
-  out["tool_tip_mm"] = {tip.x(), tip.y(), tip.z()};
-  out["reference"] = reference;
-  out["ranges"] = ranges;
-  out["tables"] = json::array();
-  for (const ColumnReport& column : report.columns) {
+  for (const ColumnReport& column : found.columns) {
     const double factor = Factor(column.is_angle);
-    json entry = {
-        {"of", column.name}, {"over", column.arguments},    {"points", column.points},      {"from", column.from},
-        {"to", column.to},   {"by_sense", column.by_sense}, {"unit", Unit(column.is_angle)}};
-    entry["largest"] = Rounded(column.wanted.largest * factor);
-    entry["left_max"] = Rounded(column.left.largest * factor);
-    entry["left_rms"] = Rounded(column.left.rms() * factor);
-    out["tables"].push_back(std::move(entry));
+    report.tables.push_back({.of = column.name,
+                             .over = column.arguments,
+                             .points = {column.points.begin(), column.points.end()},
+                             .from = column.from,
+                             .to = column.to,
+                             .by_sense = column.by_sense,
+                             .unit = Unit(column.is_angle),
+                             .largest = Rounded(column.wanted.largest * factor),
+                             .left_max = Rounded(column.left.largest * factor),
+                             .left_rms = Rounded(column.left.rms() * factor)});
   }
-  out["tool_point_error"] = {
-      {"along_axes", {{"before", ToJson(report.along.before)}, {"after", ToJson(report.along.after)}}},
-      {"within_ranges", {{"before", ToJson(report.within.before)}, {"after", ToJson(report.within.after)}}}};
-  out["not_carried"] = report.not_carried;
-  out["cannot_carry"] = plan.format.cannot_carry;
-  out["notes"] = plan.request.notes;
-  return out.dump(1) + "\n";
+  report.along_axes = {SpreadOf(found.along.before), SpreadOf(found.along.after)};
+  report.within_ranges = {SpreadOf(found.within.before), SpreadOf(found.within.after)};
+  report.not_carried = found.not_carried;
+  report.cannot_carry = plan.format.cannot_carry;
+  report.notes = plan.request.notes;
+  return report;
 }
 
 }  // namespace axiscal::tables

@@ -1,4 +1,4 @@
-// What is said about a table: in the file, for people, and as JSON.
+// What is said about a table: in the file, for people, and in the report.
 #ifndef AXISCAL_CORE_COMPENSATE_TABLES_REPORT_H_
 #define AXISCAL_CORE_COMPENSATE_TABLES_REPORT_H_
 
@@ -7,6 +7,7 @@
 
 #include "core/compensate/table_check.h"
 #include "core/compensate/tables/plan.h"
+#include "core/reports/table.h"
 
 namespace axiscal::tables {
 
@@ -32,7 +33,8 @@ struct TableReport {
 void AddTilt(double tilt_rad, std::vector<std::string>* not_carried);
 // Lines for the file.
 std::vector<std::string> NotesOf(const Plan& plan, const TableReport& report);
-std::string ToJson(const Plan& plan, const TableReport& report);
+// In the terms and units of the report that is stored, sent and printed.
+reports::Table ReportOf(const Plan& plan, const TableReport& found);
 
 }  // namespace axiscal::tables
 

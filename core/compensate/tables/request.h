@@ -44,7 +44,7 @@ struct TableRequest {
 
 struct MadeTable {
   std::string text;
-  std::string report_json;
+  std::string report_json;  // reports::Table
 };
 
 // A table in the controller's format, written, read back, and evaluated on the machine's chain at poses between its

@@ -1,0 +1,66 @@
+// The report of a compensated NC program (docs/formats.md, "Compensation report"). Plain data in the terms and units of
+// the JSON.
+#ifndef AXISCAL_CORE_REPORTS_REWRITE_H_
+#define AXISCAL_CORE_REPORTS_REWRITE_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/json_like.h"
+#include "core/base/status.h"
+
+namespace axiscal::reports {
+
+// Over all corrected blocks.
+struct Spread {
+  double max_um = 0.0, rms_um = 0.0;
+  int64_t count = 0;
+};
+struct AngleSpread {
+  double max_urad = 0.0, rms_urad = 0.0;
+  int64_t count = 0;
+};
+
+// A block and why it was not corrected, or not fully.
+struct Finding {
+  int64_t line = 0;  // of the source, from 1
+  std::string block = {}, reason = {};
+};
+
+struct Blocks {
+  int64_t read = 0, corrected = 0, split = 0, inserted = 0, passed = 0, refused = 0;
+};
+
+// Where the tool's direction was corrected too.
+struct Orientation {
+  double max_rotary_correction_deg = 0.0;  // the bound
+  base::Named<AngleSpread> correction = {};  // of each rotary axis
+  AngleSpread error_before = {}, error_after = {};
+  int64_t blocks_not_reached = 0;
+  std::vector<Finding> not_reached = {};  // the first of them
+};
+
+struct Rewrite {
+  std::string calibration = {};
+  bool null_correction = false;  // the output is the input, byte for byte
+  Blocks blocks = {};
+  base::Named<Spread> correction = {};              // of each linear axis
+  Spread error_before = {}, error_after = {};       // of the tool point, at block ends
+  double path_before_at_most_um = 0.0, path_after_at_most_um = 0.0;
+  double max_tilt_left_urad = 0.0;
+  std::optional<Orientation> orientation = {};
+  double max_departure_um = 0.0;
+  std::vector<Finding> passed = {}, refused = {};  // the first of each
+  std::vector<std::string> notes = {};
+  std::optional<std::string> source_crc32c = {};  // eight hexadecimal digits
+};
+
+std::string ToJson(const Rewrite& report);
+// INVALID_ARGUMENT naming line and column, or the member that is wrong.
+absl::StatusOr<Rewrite> ReadRewrite(const std::string& text);
+
+}  // namespace axiscal::reports
+
+#endif  // AXISCAL_CORE_REPORTS_REWRITE_H_

@@ -1,0 +1,77 @@
+#include "core/reports/rewrite.h"
+
+#include "core/reports/report_json.h"
+
+namespace axiscal::reports {
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Spread> spread) {
+  io.Member("max_um", spread.max_um);
+  io.Member("rms_um", spread.rms_um);
+  io.Member("count", spread.count);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, AngleSpread> spread) {
+  io.Member("max_urad", spread.max_urad);
+  io.Member("rms_urad", spread.rms_urad);
+  io.Member("count", spread.count);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Finding> finding) {
+  io.Required("line", finding.line);
+  io.Member("block", finding.block);
+  io.Member("reason", finding.reason);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Blocks> blocks) {
+  io.Member("read", blocks.read);
+  io.Member("corrected", blocks.corrected);
+  io.Member("split", blocks.split);
+  io.Member("inserted", blocks.inserted);
+  io.Member("passed", blocks.passed);
+  io.Member("refused", blocks.refused);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Orientation> orientation) {
+  io.Member("max_rotary_correction_deg", orientation.max_rotary_correction_deg);
+  io.IfAny("correction", orientation.correction);
+  io.Group("error", [&](auto& error) {
+    error.Member("before", orientation.error_before);
+    error.Member("after", orientation.error_after);
+  });
+  io.Member("blocks_not_reached", orientation.blocks_not_reached);
+  io.Member("not_reached", orientation.not_reached);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Rewrite> report) {
+  io.Member("calibration", report.calibration);
+  io.Member("null_correction", report.null_correction);
+  io.Member("blocks", report.blocks);
+  io.IfAny("correction", report.correction);
+  io.Group("tool_point_error", [&](auto& error) {
+    error.Member("before", report.error_before);
+    error.Member("after", report.error_after);
+  });
+  io.Group("tool_point_error_along_path", [&](auto& path) {
+    path.Member("before_at_most_um", report.path_before_at_most_um);
+    path.Member("after_at_most_um", report.path_after_at_most_um);
+  });
+  io.Member("max_tilt_left_urad", report.max_tilt_left_urad);
+  io.Member("orientation", report.orientation);
+  io.Member("max_departure_um", report.max_departure_um);
+  io.Member("passed", report.passed);
+  io.Member("refused", report.refused);
+  io.Member("notes", report.notes);
+  io.Member("source_crc32c", report.source_crc32c);
+}
+
+std::string ToJson(const Rewrite& report) { return base::WriteMembers(report); }
+
+absl::StatusOr<Rewrite> ReadRewrite(const std::string& text) { return ReadReport<Rewrite>(text); }
+
+}  // namespace axiscal::reports

@@ -1,0 +1,80 @@
+#include "core/reports/warning.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "core/base/number_text.h"
+
+namespace axiscal::reports {
+namespace {
+
+Warning Of(const Scatter& facts) {
+  if (facts.about == Scatter::About::kCutter) {
+    return {WarningKind::kScatter,
+            absl::StrFormat("the readings scatter by %.1f times their stated sigma about the curves of this cutter: "
+                            "a number of it is another, or readings are bad",
+                            facts.times_sigma)};
+  }
+  return {WarningKind::kScatter, absl::StrFormat("the readings scatter by %.1f times their stated sigma about this "
+                                                 "model: it lacks something, or a session is bad",
+                                                 facts.times_sigma)};
+}
+
+Warning Of(const SetAside& facts) {
+  return {WarningKind::kSetAside, absl::StrFormat("%d of %d readings stand out and were set aside, too many for "
+                                                  "chips: the model lacks something that they show",
+                                                  facts.set_aside, facts.readings)};
+}
+
+Warning Of(const NoInterval& facts) {
+  return {WarningKind::kInterval, absl::StrJoin(facts.errors, ", ") +
+                                      ": the readings leave the set-up so open that no interval can be stated "
+                                      "(another set-up with other errors explains them as well)"};
+}
+
+Warning Of(const NoNumber& facts) {
+  std::string sizes;
+  for (const NoNumber::Size& error : facts.errors) {
+    absl::StrAppend(&sizes, sizes.empty() ? "" : ", ",
+                    absl::StrFormat("%s at %.0f %s", error.error, error.size, error.unit));
+  }
+  return {WarningKind::kNoNumber, sizes +
+                                      ": the fit ended there because something had to take up what the readings show, "
+                                      "but no reading supports such a size; do not compensate with this model away "
+                                      "from the measured poses"};
+}
+
+Warning Of(const SharedStages& facts) {
+  constexpr char kAdvice[] =
+      ": the stated sigmas take both stages for independent; identify from all sessions together";
+  return {WarningKind::kHeld,
+          !facts.sessions.empty()
+              ? absl::StrCat("the held errors come from sessions that are used again (",
+                             absl::StrJoin(facts.sessions, ", "), ")", kAdvice)
+              : absl::StrCat("the held errors rest on the same stated sigma as this fit (",
+                             absl::StrJoin(facts.offsets, ", "), ")", kAdvice)};
+}
+
+Warning Of(const CoarseReadings& facts) {
+  return {WarningKind::kResolution,
+          absl::StrFormat("session '%s': readings stand in steps of %.4g um, expected at most %g times the stated "
+                          "sigma of %.4g um: what rounding hides is counted as noise of %.4g um",
+                          facts.session, facts.step_um, facts.most_sigmas, facts.sigma_um, facts.rounding_sigma_um)};
+}
+
+}  // namespace
+
+Warning InWords(const WarningFacts& facts) {
+  return std::visit([](const auto& of_a_kind) { return Of(of_a_kind); }, facts);
+}
+
+std::string PoorFitText(double chi2_per_dof, bool is_of_loop) {
+  return absl::StrCat("the readings scatter by ", base::NumberText(std::sqrt(chi2_per_dof)),
+                      " times their stated sigma about this model: it lacks something",
+                      is_of_loop ? " that has no name yet" : " (axiscal close-loop looks for it)",
+                      ", or a session is bad");
+}
+
+}  // namespace axiscal::reports
