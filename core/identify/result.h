@@ -106,7 +106,7 @@ struct Result {
       1.0;  // factor on every stated sigma; not 1 only where the model misses by so much that the misfit took its place
 };
 
-// The report as JSON in the terms of formats.md ("errors", "fit", "outliers"), lengths um and angles urad.
+// The report as JSON in the terms of docs/formats.md ("errors", "fit", "outliers"), lengths um and angles urad.
 std::string ToJson(const Result& result);
 
 }  // namespace axiscal::identify
