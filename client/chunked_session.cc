@@ -8,12 +8,12 @@ ChunkedSession::ChunkedSession(const session::Session& session, int chunk_readin
     : session_(session),
       chunk_readings_(chunk_readings),
       reading_count_(static_cast<int64_t>(session.reading_count())),
-      chunk_count_((reading_count_ + chunk_readings - 1) / chunk_readings) {}
+      chunk_count_((reading_count_ + chunk_readings - 1) / chunk_readings),
+      crc32cs_(static_cast<size_t>(chunk_count_)) {}
 
-records::Chunk ChunkedSession::At(int64_t seq) const {
+records::Chunk ChunkedSession::At(int64_t seq) {
   const int64_t begin = seq * chunk_readings_, end = ReadingsBelow(seq + 1);
-  records::Chunk chunk;
-  chunk.seq = seq;
+  std::vector<session::Column> columns;
   for (const session::Column& column : session_.columns) {
     session::Column part{column.name, {}, {}};
     if (column.texts.empty()) {
@@ -21,15 +21,19 @@ records::Chunk ChunkedSession::At(int64_t seq) const {
     } else {
       part.texts.assign(column.texts.begin() + begin, column.texts.begin() + end);
     }
-    chunk.columns.push_back(std::move(part));
+    columns.push_back(std::move(part));
   }
-  chunk.crc32c = session::ChunkCrc32c(chunk.columns);
+  records::Chunk chunk = records::Chunk::Seal(seq, std::move(columns));
+  crc32cs_[static_cast<size_t>(seq)] = chunk.crc32c();
   return chunk;
 }
 
-records::SessionTotals ChunkedSession::Totals() const {
+records::SessionTotals ChunkedSession::Totals() {
   std::vector<uint32_t> crcs;
-  for (int64_t seq = 0; seq < chunk_count_; ++seq) crcs.push_back(At(seq).crc32c);
+  for (int64_t seq = 0; seq < chunk_count_; ++seq) {
+    const std::optional<uint32_t>& known = crc32cs_[static_cast<size_t>(seq)];
+    crcs.push_back(known ? *known : At(seq).crc32c());
+  }
   return {chunk_count_, reading_count_, session::SessionHash(crcs)};
 }
 

@@ -24,10 +24,10 @@ class Assembly {
       return is_complete_ ? absl::OkStatus() : absl::DataLossError("the session's totals do not fit what came");
     }
     ASSIGN_OR_RETURN(const records::Chunk chunk, convert::FromProto(message.chunk(), schema_.columns));
-    crcs_.push_back(chunk.crc32c);
-    for (size_t i = 0; i < chunk.columns.size(); ++i) {
+    crcs_.push_back(chunk.crc32c());
+    for (size_t i = 0; i < chunk.columns().size(); ++i) {
       session::Column& to = session_.columns[i];
-      const session::Column& from = chunk.columns[i];
+      const session::Column& from = chunk.columns()[i];
       to.values.insert(to.values.end(), from.values.begin(), from.values.end());
       to.texts.insert(to.texts.end(), from.texts.begin(), from.texts.end());
     }

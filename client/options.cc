@@ -1,6 +1,6 @@
 #include "client/options.h"
 
-#include "proto/convert/session.h"
+#include "core/records/chunk.h"
 
 namespace axiscal::client {
 
@@ -22,8 +22,8 @@ absl::Status Validate(const Options& options) {
   RETURN_IF_ERROR(positive("first_backoff", options.first_backoff));
   RETURN_IF_ERROR(require(options.max_backoff >= options.first_backoff, "max_backoff must be >= first_backoff"));
   RETURN_IF_ERROR(require(
-      options.chunk_readings >= 1 && options.chunk_readings <= convert::kMaxChunkReadings,
-      absl::StrCat("chunk_readings = ", options.chunk_readings, ", must be 1 to ", convert::kMaxChunkReadings)));
+      options.chunk_readings >= 1 && options.chunk_readings <= records::kMaxChunkReadings,
+      absl::StrCat("chunk_readings = ", options.chunk_readings, ", must be 1 to ", records::kMaxChunkReadings)));
   return require(options.window_chunks >= 1 && options.window_chunks <= 64,
                  absl::StrCat("window_chunks = ", options.window_chunks, ", must be 1 to 64"));
 }

@@ -87,7 +87,6 @@ class Uploader {
       : connection_(connection),
         stub_(v1::Ingest::NewStub(connection.channel())),
         chunks_(session, connection.options().chunk_readings),
-        totals_(chunks_.Totals()),
         progress_(progress) {}
 
   absl::StatusOr<UploadResult> Run(const v1::CreateSessionRequest& request) {
@@ -177,7 +176,7 @@ class Uploader {
       *request.mutable_chunk() = convert::ToProto(chunks_.At(seq));
       if (!stream.Write(request)) return;
     }
-    *request.mutable_finish()->mutable_totals() = convert::ToProto(totals_);
+    *request.mutable_finish()->mutable_totals() = convert::ToProto(chunks_.Totals());
     if (!stream.Write(request)) return;
     while (durable < chunks_.chunk_count() && acknowledgements.WaitForMore(&durable)) Report(durable);
   }
@@ -190,8 +189,7 @@ class Uploader {
 
   const Connection& connection_;
   const std::unique_ptr<v1::Ingest::Stub> stub_;
-  const ChunkedSession chunks_;
-  const records::SessionTotals totals_;
+  ChunkedSession chunks_;
   const ProgressCallback& progress_;
   UploadResult result_;
   int window_ = 1;

@@ -2,11 +2,35 @@
 #ifndef AXISCAL_CORE_SESSION_CHECK_MACHINE_H_
 #define AXISCAL_CORE_SESSION_CHECK_MACHINE_H_
 
+#include <string>
+#include <vector>
+
 #include "core/base/status.h"
 #include "core/machine/machine.h"
 #include "core/session/session.h"
 
 namespace axiscal::session {
+
+// The same for many parts of a session, prepared once for all of them.
+class MachineCheck {
+ public:
+  // The header must be valid. INVALID_ARGUMENT when `columns`, which all parts have, are not its instrument's.
+  static absl::StatusOr<MachineCheck> Create(const std::vector<HeaderEntry>& header,
+                                             const std::vector<std::string>& columns, const machine::Machine& machine);
+
+  // As CheckAgainstMachine of a session with this header and these readings.
+  absl::Status Check(const std::vector<Column>& columns) const;
+
+ private:
+  struct AxisColumn {
+    size_t index = 0;                    // of the column
+    absl::StatusOr<machine::Axis> axis;  // an error: the machine has no such axis, whatever the readings
+  };
+
+  size_t header_entries_ = 0;
+  absl::Status wrong_machine_, missing_axis_;  // told before and after what the axis columns tell
+  std::vector<AxisColumn> axis_columns_;
+};
 
 // The session must be valid (see Validate). INVALID_ARGUMENT with the place in the session's file when the header names
 // another machine, a column names an axis that the machine has not or has in the other unit, an axis that the

@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "core/base/error_detail.h"
-#include "core/session/checksum.h"
 #include "google/rpc/error_details.pb.h"
 #include "proto/convert/calibration.h"
 #include "proto/convert/history.h"
@@ -27,19 +26,17 @@ std::string FieldOf(const absl::Status& status) {
 const std::vector<records::ColumnSpec> kColumns = {{"t_s", false}, {"feature", true}};
 
 records::Chunk GoodChunk() {
-  records::Chunk chunk{3, {{"t_s", {0.5, std::nan(""), -0.0}, {}}, {"feature", {}, {"top", "", "ball"}}}, 0};
-  chunk.crc32c = session::ChunkCrc32c(chunk.columns);
-  return chunk;
+  return records::Chunk::Seal(3, {{"t_s", {0.5, std::nan(""), -0.0}, {}}, {"feature", {}, {"top", "", "ball"}}});
 }
 
 TEST(ChunkOnTheWire, ComesBackBitForBit) {
   const auto back = FromProto(ToProto(GoodChunk()), kColumns);
   ASSERT_TRUE(back.ok()) << back.status();
-  EXPECT_EQ(back->seq, 3);
-  EXPECT_EQ(back->crc32c, GoodChunk().crc32c);
-  EXPECT_TRUE(std::isnan(back->columns[0].values[1]));
-  EXPECT_TRUE(std::signbit(back->columns[0].values[2]));
-  EXPECT_EQ(back->columns[1].texts, GoodChunk().columns[1].texts);
+  EXPECT_EQ(back->seq(), 3);
+  EXPECT_EQ(back->crc32c(), GoodChunk().crc32c());
+  EXPECT_TRUE(std::isnan(back->columns()[0].values[1]));
+  EXPECT_TRUE(std::signbit(back->columns()[0].values[2]));
+  EXPECT_EQ(back->columns()[1].texts, GoodChunk().columns()[1].texts);
 }
 
 TEST(ChunkOnTheWire, RefusesWhatDoesNotFitItsSchema) {
@@ -57,8 +54,8 @@ TEST(ChunkOnTheWire, RefusesWhatDoesNotFitItsSchema) {
   EXPECT_EQ(reason([](v1::Chunk& c) { c.mutable_columns(1)->add_values(1); }), "CHUNK_INVALID");
   EXPECT_EQ(reason([](v1::Chunk& c) { c.mutable_columns(0)->set_values(0, INFINITY); }), "CHUNK_INVALID");
   EXPECT_EQ(reason([](v1::Chunk& c) {
-              c.mutable_columns(0)->mutable_values()->Resize(kMaxChunkReadings + 1, 0);
-              for (int i = 3; i <= kMaxChunkReadings; ++i) c.mutable_columns(1)->add_texts("x");
+              c.mutable_columns(0)->mutable_values()->Resize(records::kMaxChunkReadings + 1, 0);
+              for (int i = 3; i <= records::kMaxChunkReadings; ++i) c.mutable_columns(1)->add_texts("x");
             }),
             "CHUNK_INVALID");
   EXPECT_EQ(reason([](v1::Chunk& c) {

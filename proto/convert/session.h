@@ -11,7 +11,6 @@
 
 namespace axiscal::convert {
 
-inline constexpr int kMaxChunkReadings = 4096;
 inline constexpr int kMaxChunkBytes = 256 << 10;
 inline constexpr int kMaxColumns = 256;
 
@@ -29,9 +28,7 @@ v1::SessionTotals ToProto(const records::SessionTotals& totals);
 absl::StatusOr<records::SessionTotals> FromProto(const v1::SessionTotals& message);
 
 v1::Chunk ToProto(const records::Chunk& chunk);
-// CHUNK_INVALID when it does not fit `columns`: their number and kinds, equal lengths, 1 to kMaxChunkReadings,
-// infinities (NaN is an empty cell, which the session's reader judges). CHUNK_CORRUPT when the checksum does not fit.
-// Facts: seq.
+// As records::Chunk::Verify against `columns`.
 absl::StatusOr<records::Chunk> FromProto(const v1::Chunk& message, const std::vector<records::ColumnSpec>& columns);
 
 }  // namespace axiscal::convert

@@ -18,7 +18,7 @@ class CreateJobTest : public ::testing::Test, protected TestCore {
     ASSERT_TRUE(CreateMachine(core, call, machine).ok());
     storage::NewSession session = storage::TestSession("s");
     session_ = database->CreateSession(session)->id;
-    ASSERT_TRUE(database->AppendChunk(session_, 0, Columns(), session::ChunkCrc32c(Columns())).ok());
+    ASSERT_TRUE(storage::Append(*database, session_, 0, Columns()).ok());
     request_ = Parse<v1::CreateJobRequest>(R"(request_id: "j-1" params { identify { machine_id: "mt" } })");
     request_.mutable_params()->mutable_identify()->add_session_ids(session_.number());
   }

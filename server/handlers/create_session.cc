@@ -26,7 +26,7 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(Core& core, const Call& 
   ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.CreateSession(session));
   v1::CreateSessionResponse response;
   *response.mutable_session() = convert::ToProto(record);
-  response.set_max_chunk_readings(convert::kMaxChunkReadings);
+  response.set_max_chunk_readings(records::kMaxChunkReadings);
   response.set_max_chunk_bytes(convert::kMaxChunkBytes);
   response.set_window_chunks(core.limits.window_chunks);
   return response;

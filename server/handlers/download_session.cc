@@ -18,10 +18,9 @@ absl::Status DownloadSession(Core& core, const Call& call, const v1::DownloadSes
   if (!send(head)) return absl::CancelledError("the caller has left");
   records::SessionTotals totals;
   std::vector<uint32_t> crcs;
-  RETURN_IF_ERROR(core.database.ReadChunks(record.id, 0, [&](int64_t seq, const std::vector<session::Column>& columns) {
-    records::Chunk chunk{seq, columns, session::ChunkCrc32c(columns)};
-    totals.reading_count += session::Session{{}, columns}.reading_count();
-    crcs.push_back(chunk.crc32c);
+  RETURN_IF_ERROR(core.database.ReadChunks(record.id, 0, [&](const records::Chunk& chunk) {
+    totals.reading_count += chunk.reading_count();
+    crcs.push_back(chunk.crc32c());
     v1::DownloadSessionResponse message;
     *message.mutable_chunk() = convert::ToProto(chunk);
     return send(message) ? absl::OkStatus() : absl::CancelledError("the caller has left");

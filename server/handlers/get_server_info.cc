@@ -9,7 +9,7 @@ absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo(Core& core, const Call& 
   v1::GetServerInfoResponse response;
   response.set_software_version(AXISCAL_VERSION);
   response.set_schema_version(core.database.schema_version());
-  response.set_max_chunk_readings(convert::kMaxChunkReadings);
+  response.set_max_chunk_readings(records::kMaxChunkReadings);
   response.set_max_message_bytes(kMaxMessageBytes);
   response.set_window_chunks(core.limits.window_chunks);
   response.set_open_uploads(core.open_uploads);

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "core/machine/machine.h"
+#include "core/records/chunk.h"
+#include "core/session/check_machine.h"
 #include "core/session/column_rules.h"
 #include "proto/convert/session.h"
 #include "server/handlers/core.h"
@@ -24,15 +26,24 @@ class ReadingCheck {
   // For a stored session, from its chunk `first_seq` on (at most its next_seq).
   static absl::StatusOr<ReadingCheck> Create(Core& core, const records::SessionRecord& session, int64_t first_seq);
 
-  // The next chunk's columns.
-  absl::Status Check(const std::vector<session::Column>& columns);
+  // The next chunk.
+  absl::Status Check(const records::Chunk& chunk);
 
  private:
-  absl::Status CheckColumn(const session::Column& column, size_t index);
+  ReadingCheck(std::vector<session::HeaderEntry> header, std::vector<session::ColumnRule> rules,
+               machine::Machine machine, session::MachineCheck machine_check)
+      : part_{std::move(header), {}},
+        rules_(std::move(rules)),
+        machine_(std::move(machine)),
+        machine_check_(std::move(machine_check)) {}
 
-  std::vector<session::HeaderEntry> header_;
+  absl::Status CheckColumn(const session::Column& column, size_t index);
+  void SeeTime(const std::vector<session::Column>& columns);
+
+  session::Session part_;  // the chunk that is looked at
   std::vector<session::ColumnRule> rules_;
   machine::Machine machine_;
+  session::MachineCheck machine_check_;
   size_t first_reading_ = 0;  // of the next chunk
   std::optional<double> last_time_s_;
 };

@@ -76,9 +76,9 @@ absl::Status UploadStream::Append(const v1::Chunk& message) {
                        {"SEQ_GAP", {{"next_seq", absl::StrCat(expected_seq_)}}});
   }
   ASSIGN_OR_RETURN(const records::Chunk chunk, convert::FromProto(message, session_->columns));
-  if (chunk.seq == expected_seq_) {
+  if (chunk.seq() == expected_seq_) {
     // A closed session only compares what comes again.
-    if (check_) RETURN_IF_ERROR(check_->Check(chunk.columns));
+    if (check_) RETURN_IF_ERROR(check_->Check(chunk));
     ++expected_seq_;
   }
   {
@@ -87,7 +87,7 @@ absl::Status UploadStream::Append(const v1::Chunk& message) {
     if (!error_.ok()) return error_;
     ++under_way_;
   }
-  core_.database.AppendChunkAsync(session_->id, chunk.seq, chunk.columns, chunk.crc32c,
+  core_.database.AppendChunkAsync(session_->id, chunk,
                                   [this](absl::StatusOr<storage::AppendResult> result) { Stored(result); });
   return absl::OkStatus();
 }

@@ -28,14 +28,16 @@ class UploadTest : public ::testing::Test, protected TestCore {
     request.mutable_header()->set_resume_from_seq(resume_from_seq);
     return request;
   }
-  static records::Chunk MakeChunk(int64_t seq, double x_mm = 1) {
-    records::Chunk chunk{seq, {}, 0};
+  static std::vector<session::Column> ColumnsOf(int64_t seq, double x_mm = 1) {
+    std::vector<session::Column> columns;
     for (const char* name : {"t_s", "X_mm", "Y_mm", "Z_mm", "C_deg", "px_mm", "py_mm", "pz_mm"}) {
-      chunk.columns.push_back({name, std::vector<double>(kReadings, x_mm), {}});
+      columns.push_back({name, std::vector<double>(kReadings, x_mm), {}});
     }
-    for (int i = 0; i < kReadings; ++i) chunk.columns[0].values[i] = static_cast<double>(seq * kReadings + i);
-    chunk.crc32c = session::ChunkCrc32c(chunk.columns);
-    return chunk;
+    for (int i = 0; i < kReadings; ++i) columns[0].values[i] = static_cast<double>(seq * kReadings + i);
+    return columns;
+  }
+  static records::Chunk MakeChunk(int64_t seq, double x_mm = 1) {
+    return records::Chunk::Seal(seq, ColumnsOf(seq, x_mm));
   }
   static v1::UploadRequest ChunkMessage(const records::Chunk& chunk) {
     v1::UploadRequest request;
@@ -44,7 +46,7 @@ class UploadTest : public ::testing::Test, protected TestCore {
   }
   static v1::UploadRequest FinishMessage(int chunks) {
     std::vector<uint32_t> crcs;
-    for (int seq = 0; seq < chunks; ++seq) crcs.push_back(MakeChunk(seq).crc32c);
+    for (int seq = 0; seq < chunks; ++seq) crcs.push_back(MakeChunk(seq).crc32c());
     v1::UploadRequest request;
     *request.mutable_finish()->mutable_totals() =
         convert::ToProto(records::SessionTotals{chunks, chunks * kReadings, session::SessionHash(crcs)});
@@ -136,10 +138,9 @@ TEST_F(UploadTest, ReadingsAreHeldToTheFilesRules) {
   UploadStream upload(core, call, nullptr);
   ASSERT_TRUE(upload.Receive(Header()).ok());
   ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(0))).ok());
-  records::Chunk late = MakeChunk(1);
-  late.columns[0].values[0] = 0;
-  late.crc32c = session::ChunkCrc32c(late.columns);
-  const absl::Status back_in_time = upload.Receive(ChunkMessage(late));
+  std::vector<session::Column> late = ColumnsOf(1);
+  late[0].values[0] = 0;
+  const absl::Status back_in_time = upload.Receive(ChunkMessage(records::Chunk::Seal(1, late)));
   EXPECT_EQ(base::ErrorReason(back_in_time), "SESSION_INVALID");
   // 6 header lines, the names, 5 readings before it.
   EXPECT_NE(back_in_time.message().find("line 13, column 1 (t_s)"), std::string::npos) << back_in_time;
@@ -147,10 +148,9 @@ TEST_F(UploadTest, ReadingsAreHeldToTheFilesRules) {
 
   UploadStream beyond(core, call, nullptr);
   ASSERT_TRUE(beyond.Receive(Header(1)).ok());
-  records::Chunk far = MakeChunk(1);
-  far.columns[3].values[2] = 401;
-  far.crc32c = session::ChunkCrc32c(far.columns);
-  const absl::Status travel = beyond.Receive(ChunkMessage(far));
+  std::vector<session::Column> far = ColumnsOf(1);
+  far[3].values[2] = 401;
+  const absl::Status travel = beyond.Receive(ChunkMessage(records::Chunk::Seal(1, far)));
   EXPECT_EQ(base::ErrorReason(travel), "SESSION_INVALID");
   EXPECT_NE(travel.message().find("beyond the travel of Z"), std::string::npos) << travel;
 }

@@ -1,6 +1,7 @@
 #include "server/storage/chunk_codec.h"
 
-#include "core/base/error_detail.h"
+#include "core/base/status.h"
+#include "core/records/chunk.h"
 #include "server/storage/bytes.h"
 #include "server/storage/column_codec.h"
 
@@ -9,41 +10,7 @@ namespace {
 
 constexpr char kVersion = 1;
 
-absl::Status Invalid(const std::string& message) {
-  return base::Error(absl::StatusCode::kInvalidArgument, message, {"CHUNK_INVALID", {}});
-}
-
-absl::Status CheckColumn(const session::Column& column, const ColumnSpec& spec, size_t count) {
-  if (column.name != spec.name) return Invalid("column " + column.name + ", expected " + spec.name);
-  const std::string kind = spec.is_text ? "texts" : "numbers";
-  const size_t got = spec.is_text ? column.texts.size() : column.values.size();
-  const size_t other = spec.is_text ? column.values.size() : column.texts.size();
-  if (got != count || other != 0) {
-    return Invalid(
-        absl::StrCat("column ", column.name, " has ", got, " ", kind, ", expected ", count, " and nothing else"));
-  }
-  size_t text_bytes = 0;
-  for (const std::string& text : column.texts) text_bytes += text.size();
-  if (text_bytes > kMaxTextBytes) {
-    return Invalid(
-        absl::StrCat("column ", column.name, " has ", text_bytes, " bytes of text, at most ", kMaxTextBytes));
-  }
-  return absl::OkStatus();
-}
-
 }  // namespace
-
-absl::Status CheckColumns(const std::vector<session::Column>& columns, const std::vector<ColumnSpec>& specs) {
-  if (columns.size() != specs.size()) {
-    return Invalid(absl::StrCat(columns.size(), " columns, the session has ", specs.size()));
-  }
-  const size_t count = columns.empty() ? 0 : specs[0].is_text ? columns[0].texts.size() : columns[0].values.size();
-  if (count < 1 || count > kMaxChunkReadings) {
-    return Invalid(absl::StrCat(count, " readings in a chunk, must be 1 .. ", kMaxChunkReadings));
-  }
-  for (size_t i = 0; i < columns.size(); ++i) RETURN_IF_ERROR(CheckColumn(columns[i], specs[i], count));
-  return absl::OkStatus();
-}
 
 std::string EncodeChunk(const std::vector<session::Column>& columns) {
   std::string bytes = {kVersion};
@@ -62,7 +29,7 @@ absl::StatusOr<std::vector<session::Column>> DecodeChunk(const std::string& byte
   ByteReader reader(bytes);
   if (reader.Byte() != kVersion) return absl::DataLossError("unknown version of chunk");
   const uint64_t count = reader.Varint();
-  if (count < 1 || count > kMaxChunkReadings) return absl::DataLossError("impossible number of readings");
+  if (count < 1 || count > records::kMaxChunkReadings) return absl::DataLossError("impossible number of readings");
   if (reader.Varint() != specs.size() || !reader.ok()) return absl::DataLossError("wrong number of columns");
   std::vector<session::Column> columns(specs.size());
   for (size_t i = 0; i < specs.size(); ++i) {

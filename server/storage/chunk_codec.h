@@ -7,19 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/storage/records.h"
 
 namespace axiscal::storage {
 
-inline constexpr size_t kMaxChunkReadings = 65536;
-
-// INVALID_ARGUMENT CHUNK_INVALID unless `columns` are those of `specs`, in order, all equally long, 1 ..
-// kMaxChunkReadings readings.
-absl::Status CheckColumns(const std::vector<session::Column>& columns, const std::vector<ColumnSpec>& specs);
-
-// `columns` have passed CheckColumns.
+// `columns` are those of a records::Chunk.
 std::string EncodeChunk(const std::vector<session::Column>& columns);
 // DATA_LOSS when `bytes` is not a chunk of such columns. A chunk with flipped bits may also decode to other numbers:
 // the caller compares the CRC.

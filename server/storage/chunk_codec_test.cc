@@ -7,7 +7,6 @@
 #include <limits>
 #include <random>
 
-#include "core/base/error_detail.h"
 #include "core/session/checksum.h"
 
 namespace axiscal::storage {
@@ -79,21 +78,6 @@ TEST(ChunkCodec, StoresDecimalsInFewBytes) {
   }
   EXPECT_LT(BytesPerValue(smooth), 1.5);
   EXPECT_LT(BytesPerValue(full), 8.1);
-}
-
-TEST(ChunkCodec, RefusesColumnsThatAreNotTheSessions) {
-  const std::vector<ColumnSpec> specs = {{"X_mm", false}, {"rod", true}};
-  const std::vector<std::vector<Column>> wrong = {{},
-                                                  {{"X_mm", {1.0}, {}}},
-                                                  {{"Y_mm", {1.0}, {}}, {"rod", {}, {"a"}}},
-                                                  {{"X_mm", {1.0, 2.0}, {}}, {"rod", {}, {"a"}}},
-                                                  {{"X_mm", {}, {}}, {"rod", {}, {}}},
-                                                  {{"X_mm", {1.0}, {"b"}}, {"rod", {}, {"a"}}},
-                                                  {{"X_mm", std::vector<double>(kMaxChunkReadings + 1), {}},
-                                                   {"rod", {}, std::vector<std::string>(kMaxChunkReadings + 1)}}};
-  for (const std::vector<Column>& columns : wrong)
-    EXPECT_EQ(base::ErrorReason(CheckColumns(columns, specs)), "CHUNK_INVALID");
-  EXPECT_TRUE(CheckColumns({{"X_mm", {1.0}, {}}, {"rod", {}, {"a"}}}, specs).ok());
 }
 
 // Whatever the bytes: an error or other readings (which the checksum notices), never a crash.

@@ -1,6 +1,5 @@
 #include "server/storage/chunks.h"
 
-#include "core/session/checksum.h"
 #include "server/storage/chunk_codec.h"
 #include "server/storage/refusal.h"
 
@@ -31,17 +30,11 @@ absl::StatusOr<AppendResult> CheckRepeat(Connection& connection, SessionId id, c
 
 }  // namespace
 
-absl::StatusOr<EncodedChunk> PrepareChunk(int64_t seq, const std::vector<session::Column>& columns, uint32_t crc32c,
-                                          const std::vector<ColumnSpec>& specs) {
-  if (seq < 0) return InvalidArgument(absl::StrCat("seq = ", seq, ", must be >= 0"), "CHUNK_INVALID");
-  RETURN_IF_ERROR(CheckColumns(columns, specs));
-  const uint32_t computed = session::ChunkCrc32c(columns);
-  if (computed != crc32c) {
-    return InvalidArgument(absl::StrFormat("chunk %d: crc32c = %08x, its content has %08x", seq, crc32c, computed),
-                           "CHUNK_CORRUPT");
+absl::StatusOr<EncodedChunk> PrepareChunk(const records::Chunk& chunk, const std::vector<ColumnSpec>& specs) {
+  if (!chunk.HasColumns(specs)) {
+    return InvalidArgument(absl::StrCat("chunk ", chunk.seq(), ": its columns are not the session's"), "CHUNK_INVALID");
   }
-  const size_t count = specs[0].is_text ? columns[0].texts.size() : columns[0].values.size();
-  return EncodedChunk{seq, static_cast<int64_t>(count), crc32c, EncodeChunk(columns)};
+  return EncodedChunk{chunk.seq(), chunk.reading_count(), chunk.crc32c(), EncodeChunk(chunk.columns())};
 }
 
 absl::StatusOr<AppendResult> AppendChunk(Connection& connection, UtcTime now, SessionId id, const EncodedChunk& chunk) {
@@ -71,8 +64,8 @@ absl::StatusOr<AppendResult> AppendChunk(Connection& connection, UtcTime now, Se
   return AppendResult{next_seq + 1, false};
 }
 
-absl::StatusOr<std::optional<std::vector<session::Column>>> ReadChunk(Connection& connection,
-                                                                      const SessionRecord& session, int64_t seq) {
+absl::StatusOr<std::optional<records::Chunk>> ReadChunk(Connection& connection, const SessionRecord& session,
+                                                        int64_t seq) {
   if (seq >= session.next_seq) return std::nullopt;
   ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT crc32c, content FROM chunk WHERE session_id = ?1 AND seq = ?2",
                                                  session.id, seq));
@@ -80,8 +73,9 @@ absl::StatusOr<std::optional<std::vector<session::Column>>> ReadChunk(Connection
   if (!found) return Damaged(session.id, seq, "missing");
   absl::StatusOr<std::vector<session::Column>> columns = DecodeChunk(row.Text(1), session.columns);
   if (!columns.ok()) return Damaged(session.id, seq, std::string(columns.status().message()));
-  if (session::ChunkCrc32c(*columns) != row.Int(0)) return Damaged(session.id, seq, "checksum differs");
-  return *std::move(columns);
+  records::Chunk chunk = records::Chunk::Seal(seq, *std::move(columns));
+  if (chunk.crc32c() != row.Int(0)) return Damaged(session.id, seq, "checksum differs");
+  return chunk;
 }
 
 }  // namespace axiscal::storage

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/records/chunk.h"
 #include "server/storage/connection.h"
 #include "server/storage/records.h"
 
@@ -18,14 +19,13 @@ struct EncodedChunk {
   std::string content;  // EncodeChunk
 };
 
-// Checks columns and checksum and encodes: what can be done before the writer's turn.
-absl::StatusOr<EncodedChunk> PrepareChunk(int64_t seq, const std::vector<session::Column>& columns, uint32_t crc32c,
-                                          const std::vector<ColumnSpec>& specs);
+// What can be done before the writer's turn. CHUNK_INVALID when the chunk has not the columns `specs`.
+absl::StatusOr<EncodedChunk> PrepareChunk(const records::Chunk& chunk, const std::vector<ColumnSpec>& specs);
 absl::StatusOr<AppendResult> AppendChunk(Connection& connection, UtcTime now, SessionId id, const EncodedChunk& chunk);
 
 // Chunk `seq` or nothing after the last one; DATA_LOSS CHUNK_DAMAGED unless it is exactly what was appended.
-absl::StatusOr<std::optional<std::vector<session::Column>>> ReadChunk(Connection& connection,
-                                                                      const SessionRecord& session, int64_t seq);
+absl::StatusOr<std::optional<records::Chunk>> ReadChunk(Connection& connection, const SessionRecord& session,
+                                                        int64_t seq);
 
 }  // namespace axiscal::storage
 

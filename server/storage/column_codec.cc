@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/base/status.h"
+#include "core/records/chunk.h"
 #include "server/storage/byte_shuffle.h"
 #include "server/storage/decimal_grid.h"
 #include "server/storage/zstd_bytes.h"
@@ -105,7 +106,7 @@ absl::StatusOr<std::vector<double>> DecodeNumbers(ByteReader bytes, size_t count
 absl::StatusOr<std::vector<std::string>> DecodeTexts(ByteReader bytes, size_t count) {
   if (static_cast<Coding>(bytes.Byte()) != Coding::kTexts) return Damaged("unknown coding of texts");
   const uint64_t raw_size = bytes.Varint();
-  if (!bytes.ok() || raw_size > 2 * kMaxTextBytes) return Damaged("impossible size of texts");
+  if (!bytes.ok() || raw_size > 2 * records::kMaxChunkTextBytes) return Damaged("impossible size of texts");
   const size_t size = bytes.left();
   ASSIGN_OR_RETURN(const std::string raw, Decompress(bytes.Take(size), size, raw_size));
   ByteReader reader(raw);

@@ -15,9 +15,6 @@
 
 namespace axiscal::storage {
 
-// Every text column of a chunk together is smaller than this.
-inline constexpr size_t kMaxTextBytes = 8 << 20;
-
 std::string EncodeNumbers(const std::vector<double>& values);
 std::string EncodeTexts(const std::vector<std::string>& texts);
 

@@ -18,6 +18,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/records/chunk.h"
 #include "server/storage/records.h"
 
 namespace axiscal::storage {
@@ -55,20 +56,17 @@ class Database {
   virtual absl::StatusOr<SessionRecord> GetSession(SessionId id) = 0;
   virtual absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) = 0;
 
-  // Appends chunk `seq` (from 0, contiguous) with the session's columns, in its order, all equally long, 1 .. 65536
-  // readings. `crc32c` is session::ChunkCrc32c of `columns`. Returns when the chunk is durable; concurrent calls share
-  // a commit.
-  //   wrong crc32c or columns: INVALID_ARGUMENT CHUNK_CORRUPT or CHUNK_INVALID; seq too large: OUT_OF_RANGE SEQ_GAP
-  //   (fact next_seq); seq there with other content: ALREADY_EXISTS CHUNK_CONFLICT; session not open:
-  //   FAILED_PRECONDITION SESSION_CLOSED.
+  // Appends a chunk with the session's columns, in its order; seq runs from 0 without gaps. Returns when the chunk is
+  // durable; concurrent calls share a commit.
+  //   other columns: INVALID_ARGUMENT CHUNK_INVALID; seq too large: OUT_OF_RANGE SEQ_GAP (fact next_seq); seq there with
+  //   other content: ALREADY_EXISTS CHUNK_CONFLICT; session not open: FAILED_PRECONDITION SESSION_CLOSED.
   // A repeat with equal content is OK, also after the session is complete.
-  virtual absl::StatusOr<AppendResult> AppendChunk(SessionId id, int64_t seq,
-                                                   const std::vector<session::Column>& columns, uint32_t crc32c) = 0;
+  virtual absl::StatusOr<AppendResult> AppendChunk(SessionId id, const records::Chunk& chunk) = 0;
   // The same without waiting, so that one stream can keep several chunks under way: encodes at once, then `done` is
   // called exactly once, with what AppendChunk would return, in order of the calls, on the writer's thread (or on the
   // caller's when it fails at once). `done` must be quick and must not call the database. Blocks only while too many
   // writes wait already.
-  virtual void AppendChunkAsync(SessionId id, int64_t seq, const std::vector<session::Column>& columns, uint32_t crc32c,
+  virtual void AppendChunkAsync(SessionId id, const records::Chunk& chunk,
                                 std::function<void(absl::StatusOr<AppendResult>)> done) = 0;
   // Checks the totals (else FAILED_PRECONDITION TOTALS_MISMATCH) and makes the session COMPLETE and immutable.
   // Repeating with the same totals is OK.
@@ -83,9 +81,8 @@ class Database {
   virtual absl::StatusOr<session::Session> ReadSession(SessionId id) = 0;
   // The same chunk by chunk from `first_seq`; an error from `visit` ends it and is returned. Holds no lock while
   // `visit` runs. Also of an open session, as far as it is durable: a resumed upload is checked against what stands.
-  virtual absl::Status ReadChunks(
-      SessionId id, int64_t first_seq,
-      const std::function<absl::Status(int64_t seq, const std::vector<session::Column>&)>& visit) = 0;
+  virtual absl::Status ReadChunks(SessionId id, int64_t first_seq,
+                                  const std::function<absl::Status(const records::Chunk&)>& visit) = 0;
 
   // ---- jobs (use jobs::JobRunner: it tells watchers; these calls do not)
   // RESOURCE_EXHAUSTED QUEUE_FULL when `max_queued` jobs wait.

@@ -39,29 +39,27 @@ absl::StatusOr<SqliteStore::SharedSpecs> SqliteStore::Specs(SessionId id) {
   return specs;
 }
 
-absl::StatusOr<EncodedChunk> SqliteStore::Encode(SessionId id, int64_t seq, const std::vector<session::Column>& columns,
-                                                 uint32_t crc32c) {
+absl::StatusOr<EncodedChunk> SqliteStore::Encode(SessionId id, const records::Chunk& chunk) {
   RETURN_IF_ERROR(CheckDisk(Growth::kGrows));
   ASSIGN_OR_RETURN(const SharedSpecs specs, Specs(id));
-  return PrepareChunk(seq, columns, crc32c, *specs);
+  return PrepareChunk(chunk, *specs);
 }
 
-absl::StatusOr<AppendResult> SqliteStore::AppendChunk(SessionId id, int64_t seq,
-                                                      const std::vector<session::Column>& columns, uint32_t crc32c) {
-  ASSIGN_OR_RETURN(const EncodedChunk chunk, Encode(id, seq, columns, crc32c));
-  return Write<AppendResult>(Growth::kStays, [&](Connection& c) { return storage::AppendChunk(c, Now(), id, chunk); });
+absl::StatusOr<AppendResult> SqliteStore::AppendChunk(SessionId id, const records::Chunk& chunk) {
+  ASSIGN_OR_RETURN(const EncodedChunk encoded, Encode(id, chunk));
+  return Write<AppendResult>(Growth::kStays,
+                             [&](Connection& c) { return storage::AppendChunk(c, Now(), id, encoded); });
 }
 
-void SqliteStore::AppendChunkAsync(SessionId id, int64_t seq, const std::vector<session::Column>& columns,
-                                   uint32_t crc32c, std::function<void(absl::StatusOr<AppendResult>)> done) {
-  absl::StatusOr<EncodedChunk> encoded = Encode(id, seq, columns, crc32c);
+void SqliteStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
+                                   std::function<void(absl::StatusOr<AppendResult>)> done) {
   // A refusal goes through the writer too, so that answers keep the order of the calls.
-  auto chunk = std::make_shared<absl::StatusOr<EncodedChunk>>(std::move(encoded));
+  auto encoded = std::make_shared<absl::StatusOr<EncodedChunk>>(Encode(id, chunk));
   auto result = std::make_shared<AppendResult>();
   writer_.Start(
-      [this, id, chunk, result](Connection& connection) {
-        if (!chunk->ok()) return std::move(*chunk).status();
-        absl::StatusOr<AppendResult> appended = storage::AppendChunk(connection, Now(), id, **chunk);
+      [this, id, encoded, result](Connection& connection) {
+        if (!encoded->ok()) return std::move(*encoded).status();
+        absl::StatusOr<AppendResult> appended = storage::AppendChunk(connection, Now(), id, **encoded);
         if (!appended.ok()) return std::move(appended).status();
         *result = *appended;
         return absl::OkStatus();
@@ -72,21 +70,25 @@ void SqliteStore::AppendChunkAsync(SessionId id, int64_t seq, const std::vector<
       });
 }
 
-absl::Status SqliteStore::ReadChunks(
-    SessionId id, int64_t first_seq,
-    const std::function<absl::Status(int64_t seq, const std::vector<session::Column>&)>& visit) {
+absl::Status SqliteStore::VisitChunks(const SessionRecord& session, int64_t first_seq,
+                                      const std::function<absl::Status(const records::Chunk&)>& visit) {
+  // One short read per chunk: what is durable cannot change, and a slow visitor must not keep the log from being
+  // merged.
+  for (int64_t seq = std::max<int64_t>(first_seq, 0);; ++seq) {
+    ASSIGN_OR_RETURN(const std::optional<records::Chunk> chunk,
+                     readers_.Run([&](Connection& c) { return ReadChunk(c, session, seq); }));
+    if (!chunk.has_value()) return absl::OkStatus();
+    RETURN_IF_ERROR(visit(*chunk));
+  }
+}
+
+absl::Status SqliteStore::ReadChunks(SessionId id, int64_t first_seq,
+                                     const std::function<absl::Status(const records::Chunk&)>& visit) {
   ASSIGN_OR_RETURN(const SessionRecord session, GetSession(id));
   if (session.state != SessionState::kComplete && session.state != SessionState::kOpen) {
     return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
   }
-  // One short read per chunk: what is durable cannot change, and a slow visitor must not keep the log from being
-  // merged.
-  for (int64_t seq = std::max<int64_t>(first_seq, 0);; ++seq) {
-    ASSIGN_OR_RETURN(const std::optional<std::vector<session::Column>> columns,
-                     readers_.Run([&](Connection& c) { return ReadChunk(c, session, seq); }));
-    if (!columns.has_value()) return absl::OkStatus();
-    RETURN_IF_ERROR(visit(seq, *columns));
-  }
+  return VisitChunks(session, first_seq, visit);
 }
 
 absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
@@ -97,11 +99,12 @@ absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
   session::Session session;
   session.header = record.header;
   for (const ColumnSpec& spec : record.columns) session.columns.push_back({spec.name, {}, {}});
-  RETURN_IF_ERROR(ReadChunks(id, 0, [&](int64_t seq, const std::vector<session::Column>& columns) {
-    for (size_t i = 0; i < columns.size(); ++i) {
+  RETURN_IF_ERROR(VisitChunks(record, 0, [&](const records::Chunk& chunk) {
+    for (size_t i = 0; i < session.columns.size(); ++i) {
       session::Column& whole = session.columns[i];
-      whole.values.insert(whole.values.end(), columns[i].values.begin(), columns[i].values.end());
-      whole.texts.insert(whole.texts.end(), columns[i].texts.begin(), columns[i].texts.end());
+      const session::Column& part = chunk.columns()[i];
+      whole.values.insert(whole.values.end(), part.values.begin(), part.values.end());
+      whole.texts.insert(whole.texts.end(), part.texts.begin(), part.texts.end());
     }
     return absl::OkStatus();
   }));

@@ -75,9 +75,8 @@ class SqliteStore final : public Database {
   absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) override {
     return readers_.Run([&](Connection& c) { return storage::ListSessions(c, filter, page); });
   }
-  absl::StatusOr<AppendResult> AppendChunk(SessionId id, int64_t seq, const std::vector<session::Column>& columns,
-                                           uint32_t crc32c) override;
-  void AppendChunkAsync(SessionId id, int64_t seq, const std::vector<session::Column>& columns, uint32_t crc32c,
+  absl::StatusOr<AppendResult> AppendChunk(SessionId id, const records::Chunk& chunk) override;
+  void AppendChunkAsync(SessionId id, const records::Chunk& chunk,
                         std::function<void(absl::StatusOr<AppendResult>)> done) override;
   absl::StatusOr<SessionRecord> FinishSession(SessionId id, const SessionTotals& totals) override {
     return Write<SessionRecord>(Growth::kStays,
@@ -90,9 +89,8 @@ class SqliteStore final : public Database {
     return Write<int>(Growth::kStays, [&](Connection& c) { return storage::ExpireSessions(c, Now(), idle_since); });
   }
   absl::StatusOr<session::Session> ReadSession(SessionId id) override;
-  absl::Status ReadChunks(
-      SessionId id, int64_t first_seq,
-      const std::function<absl::Status(int64_t seq, const std::vector<session::Column>&)>& visit) override;
+  absl::Status ReadChunks(SessionId id, int64_t first_seq,
+                          const std::function<absl::Status(const records::Chunk&)>& visit) override;
 
   // ---- jobs
   absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) override {
@@ -231,8 +229,9 @@ class SqliteStore final : public Database {
     return *std::move(result);
   }
   absl::StatusOr<SharedSpecs> Specs(SessionId id);
-  absl::StatusOr<EncodedChunk> Encode(SessionId id, int64_t seq, const std::vector<session::Column>& columns,
-                                      uint32_t crc32c);
+  absl::StatusOr<EncodedChunk> Encode(SessionId id, const records::Chunk& chunk);
+  absl::Status VisitChunks(const SessionRecord& session, int64_t first_seq,
+                           const std::function<absl::Status(const records::Chunk&)>& visit);
   absl::Status VisitParts(const ProgramRecord& program, int64_t offset,
                           const std::function<absl::Status(const std::string&)>& visit);
 

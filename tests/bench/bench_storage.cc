@@ -58,7 +58,8 @@ void BM_DurableIngest(benchmark::State& state) {
   const int streams = static_cast<int>(state.range(0)), readings = static_cast<int>(state.range(1));
   constexpr int kChunks = 64, kWindow = 8;
   const std::vector<Column> columns = BallbarColumns(0, readings);
-  const uint32_t crc = session::ChunkCrc32c(columns);
+  std::vector<records::Chunk> chunks;
+  for (int seq = 0; seq < kChunks; ++seq) chunks.push_back(records::Chunk::Seal(seq, columns));
   TempDirectory directory;
   SqliteOptions options;
   options.path = directory.File("ingest.db");
@@ -73,7 +74,7 @@ void BM_DurableIngest(benchmark::State& state) {
         for (int seq = 0; seq < kChunks; ++seq) {
           for (int now = under_way.load(); now >= kWindow; now = under_way.load()) under_way.wait(now);
           ++under_way;
-          database->AppendChunkAsync(id, seq, columns, crc, [&under_way](absl::StatusOr<AppendResult> result) {
+          database->AppendChunkAsync(id, chunks[seq], [&under_way](absl::StatusOr<AppendResult> result) {
             DEMAND(result.ok());
             --under_way;
             under_way.notify_one();

@@ -173,7 +173,7 @@ TEST_F(Upload, ReadingsThatTheMachineCannotGiveAreRefusedFromAnyClient) {
   for (const auto& row : open->rows) {
     const bool is_sign = row.name == "sign";
     EXPECT_LT(row.reading_count, is_sign ? 9'501 : 1);
-    const client::ChunkedSession chunks(is_sign ? sign : metres, client::Options().chunk_readings);
+    client::ChunkedSession chunks(is_sign ? sign : metres, client::Options().chunk_readings);
     grpc::ClientContext context;
     v1::FinishSessionRequest request;
     request.set_session_id(row.id.number());

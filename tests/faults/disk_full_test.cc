@@ -73,8 +73,7 @@ TEST(DiskFull, ConcurrentWritersAllGetAnAnswer) {
   {
     const FileSizeLimit limit(1 << 20);
     for (int seq = 0; seq < 200; ++seq) {
-      const std::vector<session::Column> columns = Incompressible(random);
-      database->AppendChunkAsync(id, seq, columns, session::ChunkCrc32c(columns),
+      database->AppendChunkAsync(id, records::Chunk::Seal(seq, Incompressible(random)),
                                  [&](absl::StatusOr<AppendResult> result) { ++(result.ok() ? acknowledged : failed); });
     }
     EXPECT_FALSE(database->AbortSession(SessionId(99)).ok());  // waits for all before it

@@ -50,8 +50,7 @@ void Upload(const std::string& path, int first_chunks, int64_t last_seq, const s
   const SessionRecord session = *database->CreateSession(TestSession("upload"));
   // As a client does that has not seen the last answers: some chunks are sent again.
   for (int64_t seq = std::max<int64_t>(session.next_seq - first_chunks, 0); seq < last_seq; ++seq) {
-    const std::vector<session::Column> columns = TestColumns(seq, 20);
-    database->AppendChunkAsync(session.id, seq, columns, session::ChunkCrc32c(columns),
+    database->AppendChunkAsync(session.id, records::Chunk::Seal(seq, TestColumns(seq, 20)),
                                [seq, &tell](absl::StatusOr<AppendResult> result) {
                                  DEMAND(result.ok());
                                  tell(seq);
@@ -89,9 +88,9 @@ TEST(PowerTest, NoAcknowledgedChunkIsLostOrStoredTwice) {
   int64_t next_seq = 0;
   ASSERT_TRUE(database
                   ->ReadChunks(id, 0,
-                               [&](int64_t seq, const std::vector<session::Column>& columns) {
-                                 EXPECT_EQ(seq, next_seq++);
-                                 EXPECT_EQ(columns, TestColumns(seq, 20));
+                               [&](const records::Chunk& chunk) {
+                                 EXPECT_EQ(chunk.seq(), next_seq++);
+                                 EXPECT_EQ(chunk.columns(), TestColumns(chunk.seq(), 20));
                                  return absl::OkStatus();
                                })
                   .ok());

@@ -107,7 +107,8 @@ std::vector<std::string> NotUpwards(const std::vector<Room>& rooms) {
 
 constexpr char kPage[] =
     "## The map\n\n| room | what | includes |\n|---|---|---|\n"
-    "| `core/base` | b | |\n| `core/nc` | n | `base` |\n| `proto/axiscal/v1` | w | |\n| `server` | s | `nc`, `proto/axiscal/v1` |\n\n"
+    "| `core/base` | b | |\n| `core/nc` | n | `base` |\n| `proto/axiscal/v1` | w | |\n"
+    "| `server` | s | `nc`, `proto/axiscal/v1` |\n\n"
     "## Another\n\n| `not` | a | `room` |\n";
 
 TEST(Map, AnIncludeWithoutArrowIsFound) {

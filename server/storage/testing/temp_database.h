@@ -81,7 +81,7 @@ inline NewSession TestSession(const std::string& request_id) {
 
 inline absl::StatusOr<AppendResult> Append(Database& database, SessionId id, int64_t seq,
                                            const std::vector<session::Column>& columns) {
-  return database.AppendChunk(id, seq, columns, session::ChunkCrc32c(columns));
+  return database.AppendChunk(id, records::Chunk::Seal(seq, columns));
 }
 
 // A complete session of `chunks` chunks of 10 readings of machine "mt", which is made when it is missing.
