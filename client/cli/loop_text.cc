@@ -128,7 +128,7 @@ const char* VerdictText(reports::Verdict verdict) {
   return "";
 }
 
-std::string StepText(const reports::Step& step) {
+std::string StepText(const reports::SelectionStep& step) {
   switch (step.change) {
     case reports::Change::kAdded:
       return "+ " + step.name;
@@ -148,7 +148,7 @@ using Rows = std::vector<std::vector<std::string>>;
 
 Rows StepRows(const reports::Loop& report) {
   Rows rows = {{"step", "rms um"}, {"the declared model", NumberText(report.fit.before.rms_um)}};
-  for (const reports::Step& step : report.steps) rows.push_back({StepText(step), NumberText(step.rms_um)});
+  for (const reports::SelectionStep& step : report.steps) rows.push_back({StepText(step), NumberText(step.rms_um)});
   return rows;
 }
 

@@ -60,7 +60,7 @@ void PrintError(const absl::Status& status, bool json) {
                           {{"code", absl::StatusCodeToString(status.code())},
                            {"reason", base::ErrorReason(status)},
                            {"message", message},
-                           {"exit_code", ExitCodeOf(status)}}}};
+                           {"exit_code", static_cast<int>(ExitCodeOf(status))}}}};
   std::fprintf(stderr, "%s\n", document.Dump().c_str());
 }
 

@@ -109,7 +109,7 @@ absl::Status List(Context& context, const plan::Survey& survey, const std::vecto
 }
 
 absl::Status Propose(Context& context, const machine::Machine& machine, const plan::Survey& survey,
-                     const Arguments& arguments) {
+                     const PlanArguments& arguments) {
   ASSIGN_OR_RETURN(const std::vector<int> asked, plan::IndicesOf(survey, arguments.asked));
   const plan::Proposal proposal = plan::ProposeTests(survey, asked);
   Json tests = Json::Array(), errors = Json::Array();
@@ -191,7 +191,7 @@ absl::Status KeepOnly(const std::vector<std::string>& with, plan::Survey* survey
   return absl::OkStatus();
 }
 
-absl::Status Plan(Context& context, const Arguments& arguments) {
+absl::Status Plan(Context& context, const PlanArguments& arguments) {
   const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
   if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
   if (!arguments.with.empty() && !arguments.test.empty())

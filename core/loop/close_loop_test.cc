@@ -64,7 +64,7 @@ TEST_P(CloseLoopTest, TheLackingEffectIsFoundAndHelpsOnReadingsThatWereNotUsed) 
   EXPECT_NEAR(report.check_after.rms_mm, kSigmaMm, 0.07 * kSigmaMm);
   EXPECT_GT(report.fit_before.rms_mm, 1.1 * kSigmaMm);
   ASSERT_FALSE(report.steps.empty());
-  EXPECT_EQ(report.steps.front().change, Step::kAdded);
+  EXPECT_EQ(report.steps.front().change, SelectionStep::kAdded);
   EXPECT_LT(report.steps.front().rms_mm, report.fit_before.rms_mm);
   EXPECT_EQ(report.steps.back().rms_mm, report.fit_after.rms_mm);
 }

@@ -46,9 +46,9 @@ void NoteChanges(const Extension& before, const Fit& fit, Attempt* after) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   for (const std::string& name : old_names)
-    if (!has(new_names, name)) after->Note(Step::kDropped, name, fit);
+    if (!has(new_names, name)) after->Note(SelectionStep::kDropped, name, fit);
   for (const std::string& name : new_names)
-    if (!has(old_names, name)) after->Note(Step::kAdded, name, fit);
+    if (!has(old_names, name)) after->Note(SelectionStep::kAdded, name, fit);
 }
 
 }  // namespace
@@ -257,7 +257,7 @@ absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
   for (const Added& one : way.prefix) {
     effects.push_back(one);
     ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
-    attempt->Note(Step::kAdded, attempt->extension.NameOf(effects.size() - 1), fit);
+    attempt->Note(SelectionStep::kAdded, attempt->extension.NameOf(effects.size() - 1), fit);
   }
   Growth growth(machine_, options_, identify_options_, attempt);
   Validation validation(machine_, identify_options_, way.with_check ? &none : &check_, attempt);

@@ -131,7 +131,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
     const absl::StatusOr<Fit> refit = Refit(*fit, extension().Model(), identify_options_);
     if (absl::IsCancelled(refit.status())) return refit.status();
     if (!refit.ok() || !(SquaresOf(*refit) < SquaresOf(*fit) - options_.search.indistinguishable)) {
-      if (refit.ok()) attempt_->Note(Step::kRefused, extension().NameOf(effects().size() - 1), *refit);
+      if (refit.ok()) attempt_->Note(SelectionStep::kRefused, extension().NameOf(effects().size() - 1), *refit);
       effects().pop_back();
       attempt_->refused.push_back(finding.effect.candidate);
       return true;
@@ -145,7 +145,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
     return true;
   }
   *fit = *std::move(extended);
-  attempt_->Note(Step::kAdded, extension().NameOf(effects().size() - 1), *fit);
+  attempt_->Note(SelectionStep::kAdded, extension().NameOf(effects().size() - 1), *fit);
   if (is_slip) {
     ASSIGN_OR_RETURN(const bool is_bad, SettleSlip(effects().size() - 1, fit));
     if (is_bad) return true;
@@ -280,7 +280,7 @@ absl::Status Growth::Backward(size_t count, Fit* fit) {
     effects().erase(effects().begin() + weakest);
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) return absl::OkStatus();
-    attempt_->Note(Step::kDropped, name, *fit);
+    attempt_->Note(SelectionStep::kDropped, name, *fit);
   }
   return absl::OkStatus();
 }

@@ -34,7 +34,7 @@ struct Attempt {
   bool has_taken_back = false;     // bad readings that agreed with what was found after them, once
   Report report;                   // steps and ranking, as they come
 
-  void Note(Step::Change change, const std::string& name, const identify::Fit& fit) {
+  void Note(SelectionStep::Change change, const std::string& name, const identify::Fit& fit) {
     report.steps.push_back({change, name, fit.result.fit.rms_mm});
   }
 };

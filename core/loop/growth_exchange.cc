@@ -21,7 +21,7 @@ absl::Status Growth::Swap(Fit* fit) {
     if (!is_swapped) continue;
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+    attempt_->Note(SelectionStep::kReplaced, extension().NameOf(i), *fit);
   }
   return absl::OkStatus();
 }
@@ -143,7 +143,7 @@ absl::StatusOr<bool> Growth::Consolidate(Fit* fit) {
     effects() = std::move(rest);
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    attempt_->Note(Step::kReplaced, extension().NameOf(std::min(first, effects().size() - 1)), *fit);
+    attempt_->Note(SelectionStep::kReplaced, extension().NameOf(std::min(first, effects().size() - 1)), *fit);
     return true;
   }
   return false;
@@ -207,8 +207,8 @@ absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
     effects().erase(effects().begin() + static_cast<std::ptrdiff_t>(second));
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    attempt_->Note(Step::kDropped, dropped, *fit);
-    attempt_->Note(Step::kReplaced, extension().NameOf(first), *fit);
+    attempt_->Note(SelectionStep::kDropped, dropped, *fit);
+    attempt_->Note(SelectionStep::kReplaced, extension().NameOf(first), *fit);
     return true;
   }
   return false;
@@ -241,7 +241,7 @@ absl::StatusOr<bool> Growth::Straighten(Fit* fit) {
     effects()[i] = std::move(plain);
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+    attempt_->Note(SelectionStep::kReplaced, extension().NameOf(i), *fit);
     RETURN_IF_ERROR(Swap(fit));
     return true;
   }

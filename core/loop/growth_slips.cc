@@ -73,7 +73,7 @@ absl::StatusOr<bool> Growth::SetScatteredAside(size_t effect, Fit* fit) {
   for (int row = first; row < last; ++row) extension().bad_rows.push_back({slip.run, static_cast<size_t>(row)});
   ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
   if (!is_fitted) return false;
-  attempt_->Note(Step::kDropped, name, *fit);
+  attempt_->Note(SelectionStep::kDropped, name, *fit);
   attempt_->refused.push_back(slip);
   return true;
 }
@@ -176,7 +176,7 @@ absl::Status Growth::DropSlips(Fit* fit) {
     }
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
-    attempt_->Note(Step::kDropped, name, *fit);
+    attempt_->Note(SelectionStep::kDropped, name, *fit);
     attempt_->refused.push_back(slip);
   }
   return absl::OkStatus();

@@ -62,8 +62,8 @@ TEST(Growth, ASlipThatExplainsNothingIsDropped) {
   const Attempt attempt = Grown(machine, *runs, {{{Family::kStep, {}, kRun, kMoment, kMoment, kMoment}, 30.0, {}, {}}});
   ASSERT_EQ(attempt.extension.effects.size(), 1u);
   EXPECT_EQ(attempt.extension.NameOf(0), "EXX:backlash");
-  EXPECT_TRUE(std::any_of(attempt.report.steps.begin(), attempt.report.steps.end(), [](const Step& step) {
-    return step.change == Step::kDropped && step.name == "a slip in session CR";
+  EXPECT_TRUE(std::any_of(attempt.report.steps.begin(), attempt.report.steps.end(), [](const SelectionStep& step) {
+    return step.change == SelectionStep::kDropped && step.name == "a slip in session CR";
   }));
 }
 

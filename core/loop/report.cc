@@ -91,17 +91,17 @@ reports::Unexplained UnexplainedOf(const machine::Machine& machine, const Unexpl
   return part;
 }
 
-reports::Change ChangeOf(Step::Change change) {
+reports::Change ChangeOf(SelectionStep::Change change) {
   switch (change) {
-    case Step::kAdded:
+    case SelectionStep::kAdded:
       return reports::Change::kAdded;
-    case Step::kDropped:
+    case SelectionStep::kDropped:
       return reports::Change::kDropped;
-    case Step::kReplaced:
+    case SelectionStep::kReplaced:
       return reports::Change::kReplaced;
-    case Step::kWithdrawn:
+    case SelectionStep::kWithdrawn:
       return reports::Change::kWithdrawn;
-    case Step::kRefused:
+    case SelectionStep::kRefused:
       return reports::Change::kRefused;
   }
   return reports::Change::kAdded;
@@ -162,7 +162,7 @@ reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
                     .after = StatisticsOf(found.check_after),
                     .fitted = found.is_check_fitted};
   }
-  for (const Step& step : found.steps)
+  for (const SelectionStep& step : found.steps)
     report.steps.push_back({ChangeOf(step.change), step.name, step.rms_mm * kUmPerMm});
   for (const Unexplained& part : found.unexplained) report.unexplained.push_back(UnexplainedOf(machine, part));
   for (const Proposal& proposal : found.next_measurement)

@@ -50,7 +50,7 @@ struct Unexplained {
 };
 
 // One change of the model, in the order in which they were made, and what was left of the residuals after the refit.
-struct Step {
+struct SelectionStep {
   // dropped: no longer needed; replaced: another of its class fits better by now, or better suits the check sessions;
   // withdrawn: the check sessions speak against it; refused: it promised much and the fit with it is worse
   enum Change { kAdded, kDropped, kReplaced, kWithdrawn, kRefused };
@@ -83,7 +83,7 @@ struct Report {
   std::vector<Effect> effects;
   std::vector<Unexplained> unexplained;
   std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
-  std::vector<Step> steps;             // from fit_before to fit_after
+  std::vector<SelectionStep> steps;             // from fit_before to fit_after
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;

@@ -38,7 +38,7 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
     if (!is_fitted) continue;
     RETURN_IF_ERROR(PutSlip(i, kClearly, fit));
     has_replaced |= effects()[i].candidate.family != Family::kStep;
-    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+    attempt_->Note(SelectionStep::kReplaced, extension().NameOf(i), *fit);
     ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
   for (size_t i = 0; i < effects().size() && joint.has_value(); ++i) {
@@ -46,14 +46,14 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
     const Candidate before = effects()[i].candidate;
     RETURN_IF_ERROR(Foretell(i, *joint, fit));
     if (IsSameEffect(before.term, effects()[i].candidate.term)) continue;
-    attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+    attempt_->Note(SelectionStep::kReplaced, extension().NameOf(i), *fit);
     ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
   for (size_t i = effects().size(); i-- > 0 && joint.has_value();) {
     if (IsUnnamed(effects()[i].candidate.family)) continue;
     RETURN_IF_ERROR(PutSlip(i, kMuchMore, fit));  // for two more amplitudes
     if (effects()[i].candidate.family == Family::kStep) {
-      attempt_->Note(Step::kReplaced, extension().NameOf(i), *fit);
+      attempt_->Note(SelectionStep::kReplaced, extension().NameOf(i), *fit);
       ASSIGN_OR_RETURN(joint, Joint(*fit));
       continue;
     }
@@ -65,7 +65,7 @@ absl::StatusOr<bool> Validation::Run(Fit* fit) {
     ASSIGN_OR_RETURN(const bool is_fitted, Change(before, fit));
     if (!is_fitted) continue;
     attempt_->report.withdrawn.push_back(name);
-    attempt_->Note(Step::kWithdrawn, name, *fit);
+    attempt_->Note(SelectionStep::kWithdrawn, name, *fit);
     ASSIGN_OR_RETURN(joint, Joint(*fit));
   }
   return has_replaced;

@@ -94,7 +94,7 @@ TEST(YaoCompensation, Equation313CorrectsTwice) {
 TEST(YaoCompensation, UncertaintyOfTheErrorsReachesTheCorrection) {
   const std::string calibration =
       R"({"machine": "integrex-i200", "model": {"EB0B": 116.8886},
-          "report": {"errors": [{"name": "EB0B", "sigma": 2.0, "identifiable": true}], "correlation": [[1]]}})";
+          "report": {"errors": [{"symbol": "EB0B", "sigma": 2.0, "identifiable": true}], "correlation": [[1]]}})";
   const auto rows = Rows("yao-compensation", ProgramOf(calibration, "G01 X-390. Y0. Z-112. B0. C0. F100\nB90.\n"));
   constexpr double kUm = 2e-3 * 356.3945;
   for (const char* what : {"change of", "left in"}) {

@@ -53,7 +53,7 @@ struct Unexplained {
 };
 
 // One change of the model, and the rms of the fit sessions after it.
-struct Step {
+struct SelectionStep {
   Change change = Change::kAdded;
   std::string name = {};
   double rms_um = kNoNumber;
@@ -92,7 +92,7 @@ struct Loop {
   Fitted fitted = {};
   BeforeAfter fit = {};
   std::optional<Check> check = {};
-  std::vector<Step> steps = {};
+  std::vector<SelectionStep> steps = {};
   std::vector<Unexplained> unexplained = {};
   std::vector<Proposal> next_measurement = {};
   std::vector<SessionNoise> noise = {};

@@ -64,7 +64,7 @@ void Members(Io& io, base::Like<Io, Unexplained> part) {
 }
 
 template <typename Io>
-void Members(Io& io, base::Like<Io, Step> step) {
+void Members(Io& io, base::Like<Io, SelectionStep> step) {
   io.Required("change", step.change);
   io.Required("name", step.name);
   io.Member("rms_um", step.rms_um);
