@@ -228,6 +228,12 @@ std::string ReportText(const reports::Fitted& fitted) {
   return text;
 }
 
+// A report that another version wrote, or a damaged one: what it warns of is missing here.
+std::string UnreadText(const records::CalibrationRecord& record, const absl::Status& status) {
+  if (status.ok() || record.content.report_json.empty()) return "";
+  return absl::StrCat("warning: what its report says is not shown (", status.message(), ")\n");
+}
+
 std::string PoorFitText(const records::CalibrationRecord& record, bool is_of_loop) {
   const std::optional<double>& chi2_per_dof = record.content.chi2_per_dof;
   if (!chi2_per_dof || *chi2_per_dof <= reports::kPoorFitChi2PerDof) return "";
@@ -287,14 +293,15 @@ std::string CalibrationText(const records::CalibrationRecord& record) {
                   NumberText(content.rms_before_um), " um, with these errors too ", NumberText(content.rms_after_um),
                   " um\n");
   if (identification != nullptr) absl::StrAppend(&text, MonteCarloText(identification->fitted, with_held));
-  return text + PoorFitText(record, false);
+  return text + UnreadText(record, report.status()) + PoorFitText(record, false);
 }
 
 std::string CautionText(const records::CalibrationRecord& record) {
   const absl::StatusOr<reports::CalibrationReport> report =
       reports::ReadCalibrationReport(record.content.report_json);
   const auto* const loop = report.ok() ? std::get_if<reports::Loop>(&*report) : nullptr;
-  return (loop != nullptr ? UnexplainedText(*loop) : "") + PoorFitText(record, loop != nullptr);
+  return (loop != nullptr ? UnexplainedText(*loop) : UnreadText(record, report.status())) +
+         PoorFitText(record, loop != nullptr);
 }
 
 }  // namespace axiscal::cli

@@ -62,9 +62,9 @@ std::optional<HalfShade> HalfShadeHeight(const ShadowEdge& edge, double radius_m
     right = CrossingFrom(edge, radius_mm, height_mm, foot_mm, edge.rho_mm, right.foot_mm);
     const double arc_rad = 2.0 * std::numbers::pi + std::atan2(left.y_mm, -left.z_mm) -
                            std::atan2(right.y_mm, -right.z_mm);
-    const double under_mm2 = Integrate(left.foot_mm, right.foot_mm, [&](double at_mm) {
-      const FootPoint at = edge.AtFoot(at_mm);
-      return (at.z_mm + height_mm) * at.y_per_foot;
+    double under_mm2 = 0.0;
+    ForEdgePoints(edge, left.foot_mm, right.foot_mm, [&](double, const FootPoint& at, double weight_mm) {
+      under_mm2 += (at.z_mm + height_mm) * weight_mm;
     });
     const double area_mm2 =
         0.5 * (radius_mm2 * arc_rad - left.y_mm * left.z_mm + right.y_mm * right.z_mm) - under_mm2;

@@ -48,6 +48,24 @@ TEST(HalfShade, AgreesWithTheSlowTwinOnRandomRods) {
   }
 }
 
+// A flat face that turns into its fillet within the beam: nearly all of the fillet belongs to feet beside the end of the
+// face, so that y goes far where the foot hardly moves.
+TEST(HalfShade, AgreesWithTheSlowTwinWhereTheFaceEndsInTheBeam) {
+  for (const double pitch_deg : {-2.0, -0.5, 0.02, 0.1, 0.5, 1.0, 2.0}) {
+    const Beam beam{0.5, 0.0, pitch_deg * kRadPerDeg};
+    Rod rod;
+    rod.radius_mm = 3.0;
+    rod.fillet_mm = 2.0;
+    rod.face_rad = 70.0 * kRadPerDeg;
+    rod.azimuth_rad = 90.0 * kRadPerDeg;
+    SCOPED_TRACE(testing::Message() << "pitch " << pitch_deg);
+    const auto trigger = TriggerOf(rod, beam);
+    ASSERT_TRUE(trigger.ok()) << trigger.status();
+    const double slow_mm = SlowHalfShadeHeight(SlowRodEdge(rod, beam), beam.radius_mm, 40) / std::cos(beam.pitch_rad);
+    EXPECT_NEAR(trigger->height_mm, slow_mm, 1e-8);  // what the product claims
+  }
+}
+
 TEST(HalfShade, AgreesWithTheSlowTwinOnRandomInserts) {
   Draws draws;
   int compared = 0;

@@ -112,9 +112,8 @@ absl::StatusOr<Trigger> TriggerOf(const Rod& rod, const Beam& beam) {
     trigger.area_mm2 = half->area_mm2;
     width_mm = half->width_mm;
     arc_rad = half->arc_rad;
-    ForGaussPoints(half->foot_from_mm, half->foot_to_mm, [&](double foot_mm, double weight_mm) {
-      add(foot_mm, edge.shadow().AtFoot(foot_mm).y_per_foot * weight_mm / width_mm);
-    });
+    ForEdgePoints(edge.shadow(), half->foot_from_mm, half->foot_to_mm,
+                  [&](double foot_mm, const FootPoint&, double weight_mm) { add(foot_mm, weight_mm / width_mm); });
   } else {
     const std::optional<NarrowHalfShade> narrow = NarrowHalfShadeHeight(edge, beam.radius_mm, rod.radius_mm);
     if (!narrow) {

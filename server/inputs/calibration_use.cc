@@ -58,8 +58,12 @@ absl::Status CheckUsable(storage::Database& database, const records::Calibration
 std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration) {
   std::vector<std::string> notes;
   const auto report = reports::ReadCalibrationReport(calibration.content.report_json);
-  if (!report.ok()) return notes;
   const std::string name = absl::StrCat("calibration ", calibration.id.number());
+  if (!report.ok()) {
+    if (!calibration.content.report_json.empty())
+      notes.push_back(absl::StrCat(name, ": what it cannot tell apart is not known (", report.status().message(), ")"));
+    return notes;
+  }
   constexpr char kElsewhere[] = ": the correction holds at poses like the measured ones, elsewhere it is not known";
   for (const std::string& direction : reports::FittedOf(*report).not_separable)
     notes.push_back(absl::StrCat(name, " cannot tell apart ", direction, kElsewhere));
