@@ -41,8 +41,12 @@ absl::Status Update(Context& context, const MachineArguments& arguments) {
   MachineId id;
   ASSIGN_OR_RETURN(const std::string description, ReadDescription(arguments.file, &id));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const records::MachineRecord present, client->GetMachine(id));
-  ASSIGN_OR_RETURN(const records::MachineRecord record, client->UpdateMachine(description, present.revision));
+  const absl::StatusOr<records::MachineRecord> present = client->GetMachine(id);
+  // A damaged description is mended by being replaced.
+  constexpr int64_t kAnyRevision = 0;
+  if (!present.ok() && !absl::IsDataLoss(present.status())) return present.status();
+  ASSIGN_OR_RETURN(const records::MachineRecord record,
+                   client->UpdateMachine(description, present.ok() ? present->revision : kAnyRevision));
   context.Print(ToJson(record), absl::StrCat("machine ", record.id.text(), " is now revision ", record.revision, "\n"));
   return absl::OkStatus();
 }

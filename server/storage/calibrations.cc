@@ -1,6 +1,7 @@
 #include "server/storage/calibrations.h"
 
 #include "server/storage/audit.h"
+#include "server/storage/calibration_checksum.h"
 #include "server/storage/estimates.h"
 #include "server/storage/machines.h"
 #include "server/storage/page_token.h"
@@ -9,7 +10,7 @@
 namespace axiscal::storage {
 namespace {
 
-// The three long texts come last: lists leave them out.
+// The three long texts come after these, with what else only a whole calibration needs: lists leave them out.
 constexpr char kColumns[] =
     "SELECT c.id, c.version, c.state, c.etag, c.job_id, m.name, c.machine_revision, c.measured_at_utc_us, "
     "c.engine_version, c.rank, "
@@ -60,17 +61,75 @@ absl::Status ReadLists(Connection& connection, int64_t machine_key, CalibrationR
   return absl::OkStatus();
 }
 
-absl::StatusOr<CalibrationRecord> ReadOne(Connection& connection, Statement row) {
-  CalibrationRecord record = ReadRow(row);
+// A whole calibration, with what tells whether it is the one that was stored.
+struct Sealed {
+  CalibrationRecord record;
+  std::string stored_checksum, checksum;
+
+  bool is_intact() const { return stored_checksum == checksum; }
+};
+
+absl::StatusOr<Sealed> ReadOne(Connection& connection, Statement row) {
+  Sealed sealed;
+  CalibrationRecord& record = sealed.record;
+  record = ReadRow(row);
   record.content.model_json = row.Text(20);
   record.content.options_json = row.Text(21);
   record.content.report_json = row.Text(22);
+  sealed.stored_checksum = row.Text(23);
   RETURN_IF_ERROR(ReadLists(connection, row.Int(19), record));
-  return record;
+  sealed.checksum = CalibrationChecksum(record, row.Text(24));
+  return sealed;
 }
 
 std::string SelectOne(const std::string& where) {
-  return std::string(kColumns) + ", c.model_json, c.options_json, c.report_json" + kFrom + where;
+  return std::string(kColumns) + ", c.model_json, c.options_json, c.report_json, c.checksum, r.description_json" +
+         kFrom + "LEFT JOIN machine_revision AS r ON r.machine_id = c.machine_id AND r.revision = c.machine_revision " +
+         where;
+}
+
+absl::StatusOr<Sealed> Find(Connection& connection, CalibrationId id) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(SelectOne("WHERE c.id = ?1"), id));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NotFound("calibration", "CALIBRATION", std::to_string(id.number()));
+  return ReadOne(connection, std::move(row));
+}
+
+absl::StatusOr<CalibrationRecord> RequireIntact(absl::StatusOr<Sealed> read) {
+  if (!read.ok()) return read.status();
+  if (read->is_intact()) return std::move(read->record);
+  const CalibrationRecord& record = read->record;
+  const std::string id = std::to_string(record.id.number());
+  return base::Error(
+      absl::StatusCode::kDataLoss,
+      absl::StrCat(Place(record.id), " of machine ", record.content.machine.text(), " (version ", record.version,
+                   ") is damaged: it, its estimates or the machine's description of revision ",
+                   record.content.machine_revision,
+                   " are not what was stored; restore a backup, or identify again from its sessions"),
+      {"CALIBRATION_DAMAGED", {{"calibration", id}, {"machine", record.content.machine.text()}}});
+}
+
+// Runs `change`, which changes the row's state. What was intact is sealed again; what was not stays damaged.
+template <typename Change>
+absl::Status ChangeState(Connection& connection, CalibrationId id, const Change& change) {
+  ASSIGN_OR_RETURN(const Sealed before, Find(connection, id));
+  RETURN_IF_ERROR(change());
+  return before.is_intact() ? SealCalibration(connection, id) : absl::OkStatus();
+}
+
+absl::Status Retire(Connection& connection, UtcTime now, CalibrationId id) {
+  return ChangeState(connection, id, [&] {
+    return connection.Run("UPDATE calibration SET state = 3, etag = etag + 1, retired_at_utc_us = ?2 WHERE id = ?1", id,
+                          now);
+  });
+}
+
+absl::StatusOr<std::optional<CalibrationId>> FindApproved(Connection& connection, int64_t machine_key) {
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT id FROM calibration WHERE machine_id = ?1 AND state = 2", machine_key));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return std::nullopt;
+  return CalibrationId(row.Int(0));
 }
 
 absl::Status InsertSessions(Connection& connection, int64_t machine_key, CalibrationId id,
@@ -103,6 +162,11 @@ absl::StatusOr<int64_t> NextVersion(Connection& connection, int64_t machine_key)
 
 }  // namespace
 
+absl::Status SealCalibration(Connection& connection, CalibrationId id) {
+  ASSIGN_OR_RETURN(const Sealed sealed, Find(connection, id));
+  return connection.Run("UPDATE calibration SET checksum = ?2 WHERE id = ?1", id, sealed.checksum);
+}
+
 absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcTime now,
                                                     const NewCalibration& calibration, std::optional<JobId> job) {
   RETURN_IF_ERROR(CheckEstimates(calibration.estimates));
@@ -124,6 +188,7 @@ absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcT
   const CalibrationId id(connection.last_insert_id());
   RETURN_IF_ERROR(InsertSessions(connection, machine_key, id, calibration.sessions));
   RETURN_IF_ERROR(InsertEstimates(connection, machine_key, calibration.measured_at, id, calibration.estimates));
+  RETURN_IF_ERROR(SealCalibration(connection, id));
   const Caller caller = {calibration.created_by, ""};
   RETURN_IF_ERROR(
       AuditChange(connection, now, caller, "calibration.create", absl::StrCat("calibrations/", id.number())));
@@ -131,10 +196,7 @@ absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcT
 }
 
 absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id) {
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(SelectOne("WHERE c.id = ?1"), id));
-  ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return NotFound("calibration", "CALIBRATION", std::to_string(id.number()));
-  return ReadOne(connection, std::move(row));
+  return RequireIntact(Find(connection, id));
 }
 
 absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection, const MachineId& machine) {
@@ -142,7 +204,7 @@ absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection,
   ASSIGN_OR_RETURN(Statement row, connection.Ask(SelectOne("WHERE c.machine_id = ?1 AND c.state = 2"), machine_key));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NotFound("calibration", "CALIBRATION", "approved for machine " + machine.text());
-  return ReadOne(connection, std::move(row));
+  return RequireIntact(ReadOne(connection, std::move(row)));
 }
 
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
@@ -177,13 +239,14 @@ absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, Utc
   if (present.state == CalibrationState::kApproved) return present;
   RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.etag));
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, present.content.machine));
-  RETURN_IF_ERROR(connection.Run(
-      "UPDATE calibration SET state = 3, etag = etag + 1, retired_at_utc_us = ?2 WHERE machine_id = ?1 AND state = 2",
-      machine_key, now));
-  RETURN_IF_ERROR(
-      connection.Run("UPDATE calibration SET state = 2, etag = etag + 1, approved_by = ?2, approved_at_utc_us = ?3, "
-                     "retired_at_utc_us = NULL WHERE id = ?1",
-                     id, caller.principal, now));
+  ASSIGN_OR_RETURN(const std::optional<CalibrationId> former, FindApproved(connection, machine_key));
+  if (former.has_value()) RETURN_IF_ERROR(Retire(connection, now, *former));
+  RETURN_IF_ERROR(ChangeState(connection, id, [&] {
+    return connection.Run(
+        "UPDATE calibration SET state = 2, etag = etag + 1, approved_by = ?2, approved_at_utc_us = ?3, "
+        "retired_at_utc_us = NULL WHERE id = ?1",
+        id, caller.principal, now);
+  }));
   RETURN_IF_ERROR(
       AuditChange(connection, now, caller, "calibration.approve", absl::StrCat("calibrations/", id.number())));
   return GetCalibration(connection, id);
@@ -191,14 +254,15 @@ absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, Utc
 
 absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcTime now, CalibrationId id,
                                                     int64_t expected_etag, const Caller& caller) {
-  ASSIGN_OR_RETURN(const CalibrationRecord present, GetCalibration(connection, id));
-  if (present.state == CalibrationState::kRetired) return present;
-  RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.etag));
-  RETURN_IF_ERROR(connection.Run(
-      "UPDATE calibration SET state = 3, etag = etag + 1, retired_at_utc_us = ?2 WHERE id = ?1", id, now));
+  // A damaged one can be retired too.
+  ASSIGN_OR_RETURN(const Sealed present, Find(connection, id));
+  if (present.record.state == CalibrationState::kRetired) return present.record;
+  RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.record.etag));
+  RETURN_IF_ERROR(Retire(connection, now, id));
   RETURN_IF_ERROR(
       AuditChange(connection, now, caller, "calibration.retire", absl::StrCat("calibrations/", id.number())));
-  return GetCalibration(connection, id);
+  ASSIGN_OR_RETURN(Sealed retired, Find(connection, id));
+  return std::move(retired.record);
 }
 
 }  // namespace axiscal::storage

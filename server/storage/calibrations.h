@@ -9,6 +9,8 @@
 
 namespace axiscal::storage {
 
+// Writes the checksum of the row as it stands.
+absl::Status SealCalibration(Connection& connection, CalibrationId id);
 absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcTime now,
                                                     const NewCalibration& calibration, std::optional<JobId> job);
 absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id);

@@ -3,7 +3,8 @@
 //
 // Failures carry base::ErrorDetail; apart from those named below any call may return
 //   RESOURCE_EXHAUSTED DISK_LOW (refused before the disk is full) or DISK_FULL, UNAVAILABLE STORE_BUSY / STORE_DOWN
-//   (try again), FAILED_PRECONDITION STORE_READ_ONLY, DATA_LOSS STORE_DAMAGED / CHUNK_DAMAGED. A failed write changed
+//   (try again), FAILED_PRECONDITION STORE_READ_ONLY, DATA_LOSS STORE_DAMAGED / CHUNK_DAMAGED.
+//   MACHINE_, SESSION_, CALIBRATION_DAMAGED: the row read is not the one that was stored. A failed write changed
 //   nothing. NOT_FOUND comes with MACHINE_, SESSION_, JOB_, CALIBRATION_, PROGRAM_NOT_FOUND; a bad page with
 //   INVALID_ARGUMENT PAGE_INVALID. A request_id seen before with another body: INVALID_ARGUMENT REQUEST_ID_REUSED; with
 //   the same body: the row made then.
@@ -40,7 +41,8 @@ class Database {
   // MACHINE_EXISTS.
   virtual absl::StatusOr<MachineRecord> CreateMachine(const MachineId& id, const std::string& description_json,
                                                       const Caller& caller) = 0;
-  // The current revision; also of a deleted machine, whose history stays readable.
+  // The current revision, its checksum compared (DATA_LOSS MACHINE_DAMAGED; not in lists); also of a deleted machine,
+  // whose history stays readable.
   virtual absl::StatusOr<MachineRecord> GetMachine(const MachineId& id) = 0;
   virtual absl::StatusOr<MachineRecord> GetMachineRevision(const MachineId& id, int64_t revision) = 0;
   // `expected_revision` 0: whatever it is; otherwise ABORTED ETAG_MISMATCH when it is another.
@@ -58,8 +60,8 @@ class Database {
 
   // Appends a chunk with the session's columns, in its order; seq runs from 0 without gaps. Returns when the chunk is
   // durable; concurrent calls share a commit.
-  //   other columns: INVALID_ARGUMENT CHUNK_INVALID; seq too large: OUT_OF_RANGE SEQ_GAP (fact next_seq); seq there with
-  //   other content: ALREADY_EXISTS CHUNK_CONFLICT; session not open: FAILED_PRECONDITION SESSION_CLOSED.
+  //   other columns: INVALID_ARGUMENT CHUNK_INVALID; seq too large: OUT_OF_RANGE SEQ_GAP (fact next_seq); seq there
+  //   with other content: ALREADY_EXISTS CHUNK_CONFLICT; session not open: FAILED_PRECONDITION SESSION_CLOSED.
   // A repeat with equal content is OK, also after the session is complete.
   virtual absl::StatusOr<AppendResult> AppendChunk(SessionId id, const records::Chunk& chunk) = 0;
   // The same without waiting, so that one stream can keep several chunks under way: encodes at once, then `done` is
@@ -89,7 +91,8 @@ class Database {
   virtual absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) = 0;
   virtual absl::StatusOr<JobRecord> GetJob(JobId id) = 0;
   virtual absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) = 0;
-  // The best waiting job whose time has come, now RUNNING as a new attempt (ClaimOf), or nothing.
+  // The best waiting job whose time has come and whose params are those that were stored (others FAIL with
+  // JOB_DAMAGED), now RUNNING as a new attempt (ClaimOf), or nothing.
   virtual absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) = 0;
   // When the next waiting job may be claimed; nothing when none waits.
   virtual absl::StatusOr<std::optional<UtcTime>> NextJobTime() = 0;
@@ -113,6 +116,8 @@ class Database {
   virtual absl::StatusOr<CalibrationRecord> GetCalibration(CalibrationId id) = 0;
   // The approved one; NOT_FOUND CALIBRATION_NOT_FOUND when the machine has none.
   virtual absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine) = 0;
+  // Both compare the checksum of all that was stored and of the machine's description that was fitted: DATA_LOSS
+  // CALIBRATION_DAMAGED (facts calibration, machine). Lists and history, which move no machine, do not.
   // In lists `content` comes without model_json, options_json, report_json.
   virtual absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter,
                                                                    const PageRequest& page) = 0;

@@ -1,4 +1,5 @@
 // The half of jobs.h that workers use: an attempt at a job from its claim to its end.
+#include "core/base/error_detail.h"
 #include "server/storage/calibrations.h"
 #include "server/storage/jobs.h"
 #include "server/storage/refusal.h"
@@ -83,8 +84,11 @@ absl::Status InsertPrograms(Connection& connection, JobId id, const std::vector<
 
 }  // namespace
 
-absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const JobOwner& owner,
-                                                  std::chrono::microseconds lease) {
+namespace {
+
+// The next waiting job, now RUNNING.
+absl::StatusOr<std::optional<JobRecord>> ClaimNext(Connection& connection, const JobOwner& owner,
+                                                   std::chrono::microseconds lease) {
   JobId id;
   {
     ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id FROM job WHERE state = 1 AND run_after_utc_us <= ?1 "
@@ -106,6 +110,22 @@ absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const 
       "INSERT INTO job_attempt (job_id, lease_token, attempt, owner, started_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5)",
       id, job.running_attempt, job.attempt, owner.id, owner.utc_now));
   return job;
+}
+
+}  // namespace
+
+absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const JobOwner& owner,
+                                                  std::chrono::microseconds lease) {
+  while (true) {
+    ASSIGN_OR_RETURN(std::optional<JobRecord> job, ClaimNext(connection, owner, lease));
+    if (!job.has_value()) return std::nullopt;
+    const absl::Status body = CheckJobBody(connection, *job);
+    if (body.ok()) return job;
+    if (!absl::IsDataLoss(body)) return body;
+    const JobError error = {body.code(), base::ErrorReason(body), std::string(body.message())};
+    RETURN_IF_ERROR(Leave(connection, owner.utc_now, *job, JobEnd::kFailed, Name(JobEnd::kFailed), error,
+                          std::chrono::microseconds(0)));
+  }
 }
 
 absl::StatusOr<std::optional<UtcTime>> NextJobTime(Connection& connection) {

@@ -55,7 +55,9 @@ absl::Status ReadPrograms(Connection& connection, JobRecord& job) {
   }
 }
 
-std::string HashBody(const NewJob& job) {
+// Of a NewJob or of the record made of it.
+template <typename Job>
+std::string HashBody(const Job& job) {
   BodyHash hash;
   hash.Add(job.kind).Add(job.machine.has_value() ? job.machine->text() : "").Add(job.params).Add(job.input_hash);
   return hash.Add(job.priority).Add(job.max_attempts).Hex();
@@ -106,6 +108,16 @@ absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id) {
   JobRecord job = ReadRow(row);
   RETURN_IF_ERROR(ReadPrograms(connection, job));
   return job;
+}
+
+absl::Status CheckJobBody(Connection& connection, const JobRecord& job) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT body_sha256 FROM job WHERE id = ?1", job.id));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (found && row.Text(0) == HashBody(job)) return absl::OkStatus();
+  const std::string id = std::to_string(job.id.number());
+  return base::Error(absl::StatusCode::kDataLoss,
+                     "job " + id + " is damaged: what it is to do is not what was stored; create it again",
+                     {"JOB_DAMAGED", {{"job", id}}});
 }
 
 absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request) {

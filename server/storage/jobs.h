@@ -20,6 +20,8 @@ struct JobOwner {
 };
 
 absl::StatusOr<JobRecord> CreateJob(Connection& connection, UtcTime now, const NewJob& job, int max_queued);
+// DATA_LOSS JOB_DAMAGED unless it asks for what it was created with.
+absl::Status CheckJobBody(Connection& connection, const JobRecord& job);
 absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id);
 absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request);
 absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller);

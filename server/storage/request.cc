@@ -1,5 +1,7 @@
 #include "server/storage/request.h"
 
+#include <bit>
+
 #include "core/base/error_detail.h"
 
 namespace axiscal::storage {
@@ -9,6 +11,10 @@ BodyHash& BodyHash::Add(const std::string& field) {
   sha_.Add(&size, sizeof(size));
   sha_.Add(field);
   return *this;
+}
+
+BodyHash& BodyHash::AddReal(const std::optional<double>& number) {
+  return number.has_value() ? Add(absl::StrFormat("%016x", std::bit_cast<uint64_t>(*number))) : Add("absent");
 }
 
 absl::StatusOr<std::optional<int64_t>> FindRequest(Connection& connection, const std::string& table,

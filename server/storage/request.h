@@ -11,11 +11,13 @@
 
 namespace axiscal::storage {
 
-// SHA-256 of a request's fields, each with its length, so that moving text from one field to the next changes it.
+// SHA-256 of fields, each with its length, so that moving text from one field to the next changes it.
 class BodyHash {
  public:
   BodyHash& Add(const std::string& field);
   BodyHash& Add(int64_t number) { return Add(std::to_string(number)); }
+  // Its 64 bits, or that it is absent.
+  BodyHash& AddReal(const std::optional<double>& number);
   std::string Hex() { return sha_.HexDigest(); }
 
  private:

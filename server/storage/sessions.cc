@@ -49,7 +49,9 @@ absl::Status ReadLists(Connection& connection, SessionRecord& session) {
   }
 }
 
-std::string HashBody(const NewSession& session) {
+// Of a NewSession or of the record made of it.
+template <typename Session>
+std::string HashBody(const Session& session) {
   BodyHash hash;
   hash.Add(session.machine.text()).Add(session.name).Add(session.instrument);
   hash.Add(session.measured_at.has_value() ? base::ToUtcUs(*session.measured_at) : -1).Add(session.header.size());
@@ -137,6 +139,17 @@ absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id) {
   SessionRecord session = ReadRow(row);
   RETURN_IF_ERROR(ReadLists(connection, session));
   return session;
+}
+
+absl::Status CheckSessionBody(Connection& connection, const SessionRecord& session) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT body_sha256 FROM session WHERE id = ?1", session.id));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (found && row.Text(0) == HashBody(session)) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kDataLoss,
+                     Place(session.id) +
+                         " is damaged: its header or columns are not what was stored; restore a "
+                         "backup, or send the session again under another request id",
+                     {"SESSION_DAMAGED", {{"session", std::to_string(session.id.number())}}});
 }
 
 absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection, SessionId id) {

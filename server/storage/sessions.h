@@ -10,6 +10,8 @@
 namespace axiscal::storage {
 
 absl::StatusOr<SessionRecord> CreateSession(Connection& connection, UtcTime now, const NewSession& session);
+// DATA_LOSS SESSION_DAMAGED unless machine, header and columns are those that the session was created with.
+absl::Status CheckSessionBody(Connection& connection, const SessionRecord& session);
 absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id);
 absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection, SessionId id);
 absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const SessionFilter& filter,

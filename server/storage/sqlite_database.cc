@@ -5,6 +5,7 @@
 #include <csignal>
 #include <limits>
 
+#include "server/storage/seal.h"
 #include "server/storage/sqlite_store.h"
 
 namespace axiscal::storage {
@@ -32,6 +33,7 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& given)
   RETURN_IF_ERROR(CheckFile(options.path, EmbeddedMigrations()));
   ASSIGN_OR_RETURN(std::unique_ptr<Connection> connection, Connection::Open(options.path, Access::kWrite));
   RETURN_IF_ERROR(base::Within(options.path, Migrate(*connection, EmbeddedMigrations(), options.clock->UtcNow())));
+  RETURN_IF_ERROR(base::Within(options.path, SealOldRows(*connection)));
   auto database = std::make_unique<SqliteStore>(options, std::move(lock), std::move(connection));
   RETURN_IF_ERROR(database->RescueJobs().status());
   return database;

@@ -88,6 +88,7 @@ absl::Status SqliteStore::ReadChunks(SessionId id, int64_t first_seq,
   if (session.state != SessionState::kComplete && session.state != SessionState::kOpen) {
     return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
   }
+  RETURN_IF_ERROR(readers_.Run([&](Connection& c) { return CheckSessionBody(c, session); }));
   return VisitChunks(session, first_seq, visit);
 }
 
@@ -96,6 +97,7 @@ absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
   if (record.state != SessionState::kComplete) {
     return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
   }
+  RETURN_IF_ERROR(readers_.Run([&](Connection& c) { return CheckSessionBody(c, record); }));
   session::Session session;
   session.header = record.header;
   for (const ColumnSpec& spec : record.columns) session.columns.push_back({spec.name, {}, {}});

@@ -74,6 +74,110 @@ TEST_F(Damage, TheStoreItselfCannotChangeRawReadings) {
   EXPECT_FALSE((*connection)->Execute("DELETE FROM audit").ok());
 }
 
+// One digit of what a calibration says, of whose description it was fitted to or of who may use it.
+TEST_F(Damage, OfACalibrationIsNoticedAndNamed) {
+  const SessionId session = StoreSession(*database, 1);
+  NewCalibration content = TestCalibration(database.clock.UtcNow(), -101.2);
+  content.sessions = {session};
+  const CalibrationRecord made = *database->CreateCalibration(content);
+  ASSERT_TRUE(database->ApproveCalibration(made.id, 0, Cell("")).ok());
+  const auto expect_intact = [&](const std::string& after) {
+    const auto read = database->GetApprovedCalibration(MachineId("mt"));
+    ASSERT_TRUE(read.ok()) << after << ": " << read.status();
+    EXPECT_EQ(read->content.estimates, content.estimates);
+  };
+  expect_intact("nothing");
+  const std::pair<std::string, std::string> damages[] = {
+      {"UPDATE estimate SET estimated_um_urad = 93.1 WHERE symbol = 'EX0C'", "SET estimated_um_urad = 53.1"},
+      {"UPDATE estimate SET sigma_um_urad = 0.6 WHERE symbol = 'EX0C'", "SET sigma_um_urad = 0.5"},
+      {"UPDATE estimate SET unit = 2 WHERE symbol = 'EX0C'", "SET unit = 1"},
+      {"UPDATE estimate SET position = 7 WHERE symbol = 'EX0C'", "SET position = 0"},
+      {"UPDATE calibration SET model_json = '{\"EA0B\":9}'", "SET model_json = '{\"EA0B\":1}'"},
+      {"UPDATE calibration SET report_json = '{\"rank\":3}'", "SET report_json = '{\"rank\":2}'"},
+      {"UPDATE calibration SET rank = 1", "SET rank = 2"},
+      {"UPDATE calibration SET version = 2", "SET version = 1"},
+      {"PRAGMA foreign_keys = OFF; UPDATE calibration SET machine_revision = 2", "SET machine_revision = 1"},
+      {"UPDATE calibration SET rms_after_um = NULL", "SET rms_after_um = 2.97"},
+      {"UPDATE machine_revision SET description_json = '{ }'", "SET description_json = '{}'"},
+  };
+  for (const auto& [damage, repair] : damages) {
+    Execute(damage);
+    const absl::Status approved = database->GetApprovedCalibration(MachineId("mt")).status();
+    EXPECT_TRUE(absl::IsDataLoss(approved)) << damage << ": " << approved;
+    EXPECT_EQ(base::ErrorReason(approved), "CALIBRATION_DAMAGED") << damage;
+    EXPECT_NE(approved.message().find("calibration 1"), std::string::npos) << approved;
+    EXPECT_TRUE(absl::IsDataLoss(database->GetCalibration(made.id).status())) << damage;
+    EXPECT_TRUE(database->ListCalibrations({}, {}).ok()) << damage;  // one must not hide the others
+    const size_t set = damage.find(" SET "), where = damage.find(" WHERE ");
+    Execute(damage.substr(0, set) + " " + repair + (where == std::string::npos ? "" : damage.substr(where)));
+    expect_intact(damage);
+  }
+}
+
+TEST_F(Damage, DoesNotApproveACalibration) {
+  StoreSession(*database, 1);
+  const CalibrationRecord made = *database->CreateCalibration(TestCalibration(database.clock.UtcNow(), -101.2));
+  Execute("UPDATE calibration SET state = 2");
+  EXPECT_EQ(base::ErrorReason(database->GetApprovedCalibration(MachineId("mt")).status()), "CALIBRATION_DAMAGED");
+  EXPECT_TRUE(database->RetireCalibration(made.id, 0, Cell("")).ok());
+  EXPECT_TRUE(absl::IsNotFound(database->GetApprovedCalibration(MachineId("mt")).status()));
+}
+
+// The way out is another calibration; a damaged one is never approved, and what retires it does not make it good.
+TEST_F(Damage, OfACalibrationDoesNotKeepAnotherFromBeingApproved) {
+  StoreSession(*database, 1);
+  const CalibrationRecord bad = *database->CreateCalibration(TestCalibration(database.clock.UtcNow(), -101.2));
+  ASSERT_TRUE(database->ApproveCalibration(bad.id, 0, Cell("")).ok());
+  const CalibrationRecord good = *database->CreateCalibration(TestCalibration(database.clock.UtcNow(), -90.0));
+  Execute("UPDATE calibration SET model_json = 'x' WHERE id = 1");
+  const auto approved = database->ApproveCalibration(good.id, 0, Cell(""));
+  ASSERT_TRUE(approved.ok()) << approved.status();
+  EXPECT_EQ(database->GetApprovedCalibration(MachineId("mt"))->id, good.id);
+  EXPECT_EQ(base::ErrorReason(database->ApproveCalibration(bad.id, 0, Cell("")).status()), "CALIBRATION_DAMAGED");
+  EXPECT_EQ(base::ErrorReason(database->GetCalibration(bad.id).status()), "CALIBRATION_DAMAGED");
+  EXPECT_TRUE(database->GetApprovedCalibration(MachineId("mt")).ok());
+}
+
+TEST_F(Damage, OfAMachineIsNoticedAndMendedByAnotherDescription) {
+  ASSERT_TRUE(database->CreateMachine(MachineId("mt"), "{\"pivot_mm\":120}", Cell("")).ok());
+  Execute("UPDATE machine_revision SET description_json = '{\"pivot_mm\":920}'");
+  for (const absl::Status& read :
+       {database->GetMachine(MachineId("mt")).status(), database->GetMachineRevision(MachineId("mt"), 1).status()}) {
+    EXPECT_TRUE(absl::IsDataLoss(read)) << read;
+    EXPECT_EQ(base::ErrorReason(read), "MACHINE_DAMAGED");
+  }
+  EXPECT_TRUE(database->ListMachines({}).ok());
+  const auto mended = database->UpdateMachine(MachineId("mt"), 1, "{\"pivot_mm\":120}", Cell(""));
+  ASSERT_TRUE(mended.ok()) << mended.status();
+  EXPECT_EQ(mended->revision, 2);
+  EXPECT_TRUE(database->GetMachine(MachineId("mt")).ok());
+}
+
+TEST_F(Damage, OfASessionsHeaderIsNoticed) {
+  const SessionId id = StoreSession(*database, 1);
+  for (const std::string damage : {"UPDATE session_header SET text = '3.0' WHERE key = 'sigma_um'",
+                                   "UPDATE session_header SET key = 'sigma' WHERE text = '3.0'"}) {
+    Execute(damage);
+    const absl::Status read = database->ReadSession(id).status();
+    EXPECT_TRUE(absl::IsDataLoss(read)) << damage << ": " << read;
+    EXPECT_EQ(base::ErrorReason(read), "SESSION_DAMAGED");
+  }
+}
+
+TEST_F(Damage, OfAJobsParamsIsNoticedBeforeItRuns) {
+  NewJob job;
+  job.kind = "compensate";
+  job.params = "tool 120";
+  job.caller = Cell("");
+  const JobId id = database->CreateJob(job, 10)->id;
+  Execute("UPDATE job SET params = CAST('tool 920' AS BLOB)");
+  EXPECT_FALSE(database->ClaimJob(std::chrono::seconds(30))->has_value());
+  const JobRecord failed = *database->GetJob(id);
+  EXPECT_EQ(failed.state, JobState::kFailed);
+  EXPECT_EQ(failed.error->code, absl::StatusCode::kDataLoss);
+  EXPECT_EQ(failed.error->reason, "JOB_DAMAGED");
+}
+
 TEST_F(Damage, OfAProgramIsNoticed) {
   const ProgramId id = database->BeginProgram({"nc", "O1", Cell("")})->id;
   ASSERT_TRUE(database->AppendProgram(id, 0, "G01 X1.0000 Y2.0000 Z3.0000\n").ok());

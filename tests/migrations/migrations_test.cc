@@ -80,6 +80,23 @@ TEST_P(Upgrade, KeepsEveryRow) {
   EXPECT_FALSE(database->ListAudit({})->rows.empty());
 }
 
+TEST_P(Upgrade, GivesCalibrationsAndDescriptionsTheirChecksums) {
+  std::unique_ptr<Database> database = *OpenSqlite(options);
+  ASSERT_TRUE(database->GetApprovedCalibration(MachineId("mt")).ok());
+  database.reset();
+  DEMAND((*Connection::Open(options.path, Access::kWrite))
+             ->Execute("UPDATE estimate SET estimated_um_urad = 7.0 WHERE identifiable = 1")
+             .ok());
+  database = *OpenSqlite(options);
+  EXPECT_TRUE(absl::IsDataLoss(database->GetApprovedCalibration(MachineId("mt")).status()));
+  database.reset();
+  DEMAND((*Connection::Open(options.path, Access::kWrite))
+             ->Execute("UPDATE machine_revision SET description_json = '9'")
+             .ok());
+  database = *OpenSqlite(options);
+  EXPECT_TRUE(absl::IsDataLoss(database->GetMachine(MachineId("mt")).status()));
+}
+
 INSTANTIATE_TEST_SUITE_P(Released, Upgrade, testing::Values("v0001.sql"));
 
 }  // namespace
