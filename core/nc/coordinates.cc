@@ -111,6 +111,10 @@ bool Coordinates::has_shift() const {
   return std::any_of(shift_.begin(), shift_.end(), [](Ticks ticks) { return ticks != 0; });
 }
 
+bool Coordinates::has_preset() const {
+  return std::any_of(suspended_.begin(), suspended_.end(), [](Ticks ticks) { return ticks != 0; });
+}
+
 void Coordinates::SuspendPreset() {
   preset_ = {};
   Sum();
@@ -122,10 +126,9 @@ void Coordinates::RestorePreset() {
 }
 
 bool Coordinates::Shift(int axis, Ticks value) {
-  const bool has_preset = std::any_of(suspended_.begin(), suspended_.end(), [](Ticks ticks) { return ticks != 0; });
   shift_[axis] = value;
   Sum();
-  return !has_preset;
+  return !has_preset();
 }
 
 void Coordinates::ForgetStated() {

@@ -44,11 +44,12 @@ class Coordinates {
   void RestorePreset();
   // A local shift is in force.
   bool has_shift() const;
+  // Preset coordinates are in force or suspended.
+  bool has_preset() const;
   // G52. False: a preset is in force, controllers differ.
   bool Shift(int axis, Ticks value);
   // G10: what was stated holds no longer.
   void ForgetStated();
-  bool is_any_selected() const { return selected_ >= 0; }
 
  private:
   struct Stated {

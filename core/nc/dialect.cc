@@ -116,21 +116,33 @@ const Dialect* FindDialect(const std::string& name) {
   return nullptr;
 }
 
-const char* BlockerText(uint16_t blockers) {
+const char* BlockerText(uint32_t blockers) {
+  static constexpr struct {
+    uint32_t blockers;
+    const char* text;
+  } kTexts[] = {
+      {kCutterCompensation, "cutter compensation is active"},
+      {kToolControl | kToolControlFunction, "tool centre point control is active"},
+      {kTiltCorrection | kTiltedKinematics, "a correction for tilting axes is active"},
+      {kUnstatedLength, "a tool length is active that is not stated"},
+      {kTiltedPlane | kRotation | kWorkpieceRotation, "a rotated or tilted plane is active"},
+      {kShift | kDynamicOffset, "a shift of coordinates of unknown size is active"},
+      {kScaling, "scaling is active"},
+      {kMirror, "mirroring is active"},
+      {kPolar | kPolarInterpolation, "polar coordinates are active"},
+      {kModalMacro, "a modal macro call is active"},
+      {kCylinder, "cylindrical interpolation is active"},
+      {kDiameter, "words are diameters"},
+      {kNormalDirection, "normal direction control is active"},
+      {kKinematics, "another kinematic transformation may be active"},
+      {kUnfollowedMode, "a function is active that is not followed"},
+      {kUnstatedOffset, "a work offset is active whose values are not stated"},
+  };
   DEMAND(blockers != 0);
-  if (blockers & kCutterCompensation) return "cutter compensation is active";
-  if (blockers & kToolControl) return "tool centre point control is active";
-  if (blockers & kUnstatedLength) return "a tool length is active that is not stated";
-  if (blockers & kTiltedPlane) return "a rotated or tilted plane is active";
-  if (blockers & kShift) return "a shift of coordinates of unknown size is active";
-  if (blockers & kScaling) return "scaling is active";
-  if (blockers & kMirror) return "mirroring is active";
-  if (blockers & kPolar) return "polar coordinates are active";
-  if (blockers & kModalMacro) return "a modal macro call is active";
-  if (blockers & kCylinder) return "cylindrical interpolation is active";
-  if (blockers & kDiameter) return "words are diameters";
-  if (blockers & kUnfollowedMode) return "a function is active that is not followed";
-  return "a work offset is active whose values are not stated";
+  for (const auto& known : kTexts) {
+    if (blockers & known.blockers) return known.text;
+  }
+  return "a mode is active that is not followed";
 }
 
 }  // namespace axiscal::nc

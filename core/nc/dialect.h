@@ -43,13 +43,14 @@ enum class Meaning : uint8_t {
   kNoWorkOffset,  // G500: none
   kToolLength,    // detail: 1 added (G43), 2 subtracted (G44)
   kNoToolLength,
-  kPreset,      // G92; detail: 0 set, 1 cleared, 2 suspended, 3 restored
+  kPreset,      // G92; detail: 0 set, 1 cleared, 2 suspended, 3 restored, kPresetOrThread
+  kScalingOffOrPreset,  // G50: with axis words it sets coordinates, of lathes
   kLocalShift,  // G52
   kBlockerOn,   // a mode in which axis words are not axis positions; detail: a Blocker
   kBlockerOff,  // of mirroring: axis words of its block say which axes
   kToolChange,  // axes may have moved
   kEndOfProgram,
-  kCall,        // control leaves this text and comes back
+  kCall,        // control leaves this text and comes back; detail 1: it restores a state that was stored (M72)
   kJump,        // behind it blocks do not run in the order of the text
   kEndOfBlock,  // takes effect after the block's move (M00, M05 ...): such a move cannot be split; so may M codes that
                 // are in no table
@@ -63,9 +64,10 @@ enum class Meaning : uint8_t {
 };
 
 // Modes that keep moves from being corrected. Bits of Modal::blockers.
-enum Blocker : uint16_t {
+// Each has its own codes that end it: two modes share a bit only where the same code ends both.
+enum Blocker : uint32_t {
   kCutterCompensation = 1,
-  kToolControl = 2,  // tool centre point control
+  kToolControl = 2,  // tool centre point control; of Klartext M128
   kTiltedPlane = 4,
   kShift = 8,
   kScaling = 16,
@@ -77,22 +79,32 @@ enum Blocker : uint16_t {
   kDiameter = 1024,
   kUnstatedLength = 2048,
   kUnfollowedMode = 4096,
+  kRotation = 1 << 13,             // Haas G68, which G69 ends, not G269; CYCL DEF 10, which PLANE RESET does not end
+  kKinematics = 1 << 14,           // M428, TCARR: no code that is read here ends it
+  kPolarInterpolation = 1 << 15,   // G12.1, TRANSMIT
+  kNormalDirection = 1 << 16,      // G41.1 of Fanuc
+  kDynamicOffset = 1 << 17,        // G254 of Haas
+  kToolControlFunction = 1 << 18,  // FUNCTION TCPM
+  kTiltCorrection = 1 << 19,       // M114
+  kTiltedKinematics = 1 << 20,     // M144
+  kWorkpieceRotation = 1 << 21,    // G68.5, G68.6, which G69.1 ends
 };
 
-inline constexpr uint16_t kArcWithRadius = 2;  // Klartext's CR, whose R is a radius
+inline constexpr uint32_t kArcWithRadius = 2;   // Klartext's CR, whose R is a radius
+inline constexpr uint32_t kPresetOrThread = 4;  // G92 with an F word is a thread on lathes of the same family
 
 struct CodeEntry {
   char letter;  // G or M
   int tenths;   // G54.1 is 541
   Meaning meaning;
-  uint16_t detail;
+  uint32_t detail;
   const char* text;  // what the code does, for refusals
 };
 
 struct Keyword {
   const char* name;  // capitals
   Meaning meaning;
-  uint16_t detail;
+  uint32_t detail;
   bool takes_rest;  // the rest of the block is its argument, not words
   const char* text;
 };
@@ -101,7 +113,7 @@ inline constexpr int kCodes = 10000;  // up to G999.9
 
 struct CodeMeaning {
   Meaning meaning;
-  uint16_t detail;
+  uint32_t detail;
   const char* text;
 };
 
@@ -162,7 +174,7 @@ const std::vector<Dialect>& Dialects();
 // nullptr when there is none of that name. "mazak" and "haas" are names of the table "fanuc" with their own codes.
 const Dialect* FindDialect(const std::string& name);
 // "cutter compensation is active", of the lowest bit set. `blockers` != 0.
-const char* BlockerText(uint16_t blockers);
+const char* BlockerText(uint32_t blockers);
 
 }  // namespace axiscal::nc
 

@@ -63,6 +63,24 @@ bool MayHoldCodes(const Dialect& dialect, const Block& block, const char* begin,
   return false;
 }
 
+// Whether a block that is no plain assignment may write variables of the control that hold work offsets or tool
+// lengths: "#5221=10.", "#[#1]=0", "$P_UIFR[1,X,TR]=10". Numbers of the program's own variables are below 1000; from
+// 3000 to 4999 stand alarms, clocks and the modal state.
+bool MayWriteOffsets(const Dialect& dialect, const char* begin, const char* end) {
+  if (dialect.variable == 'Q' || std::find(begin, end, '=') == end) return false;  // Klartext writes them by FN 17
+  if (dialect.variable == 'R') return std::find(begin, end, '$') != end;
+  for (const char* at = std::find(begin, end, '#'); at != end; at = std::find(at + 1, end, '#')) {
+    int64_t number = 0;
+    const char* digit = at + 1;
+    if (digit != end && *digit == '[' && std::find(digit, end, '=') != end) return true;
+    for (; digit != end && *digit >= '0' && *digit <= '9' && number < 100000; ++digit)
+      number = 10 * number + (*digit - '0');
+    while (digit != end && (*digit == ' ' || *digit == '\t')) ++digit;
+    if (digit != end && *digit == '=' && number >= 2000 && (number < 3000 || number >= 5000)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Interpreter::Interpreter(const machine::Machine& machine, const RewriteOptions& options, const Dialect& dialect,
@@ -121,15 +139,21 @@ void Interpreter::Unsupported(std::string reason, bool is_consequence, Step* ste
   step->kind = StepKind::kUnsupported;
   step->reason = std::move(reason);
   step->is_consequence = is_consequence;
+  step->preset = PresetChange::kNone;
   pole_.is_known = takes_plain_moves_ = false;
   ForgetPositions(true);
 }
 
 void Interpreter::StartProgram() {
+  const bool is_first = !has_moved_ && !at_program_end_;
   at_program_end_ = takes_plain_moves_ = false;
-  if (!has_moved_) return;
+  if (is_first) return;
+  // Controls differ on whether the end of a program ends them.
+  const bool has_shift = coordinates_.has_shift() || coordinates_.has_preset();
   modal_ = Modal();
-  if (has_called_) modal_.uncertain = kCalledGroups;
+  if (has_called_) modal_.uncertain = kCalledGroups, modal_.blockers = blockers_at_calls_;
+  if (modal_.blockers & kMirror) modal_.mirrored_axes = kAllAxes;
+  if (has_shift) modal_.blockers |= kShift;
   coordinates_.Reset();
   needs_absolute_ = 0;
   last_length_number_ = -1;
@@ -205,10 +229,12 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   takes_plain_moves_ = false;
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
-  if (block->problem != LexProblem::kNone && MayHoldCodes(*dialect_, *block, begin + block->problem_at, text + size)) {
-    modal_.uncertain = kAllGroups;
-    has_called_ = true;
+  if (block->problem == LexProblem::kNone) return;
+  if (MayHoldCodes(*dialect_, *block, begin + block->problem_at, text + size)) {
+    NoteCall();
+    modal_.uncertain |= kAllGroups;
   }
+  if (MayWriteOffsets(*dialect_, begin + block->problem_at, text + size)) ForgetStated();
 }
 
 bool Interpreter::IsPlainMove(const Block& block, Step* step) const {
@@ -251,13 +277,20 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
   Modal modal = modal_;
   const Positions positions = positions_;
   const AxisTicks offsets = coordinates_.offsets();
+  const bool rounded_corners = rounds_corners_, was_behind_corner = is_behind_corner_;
   Apply(text, block, step);
-  if (step->kind == StepKind::kUnsupported) return;
+  rounds_corners_ |= rounded_corners;
+  is_behind_corner_ |= was_behind_corner;
+  if (at_program_end_ && has_called_) MayHaveChanged(kCalledGroups);
+  at_program_end_ = false;  // where it is skipped the program goes on, and where it is not nothing behind it follows
   if (dialect_->has_poles)
     modal.motion = modal_.motion, modal.is_clockwise = modal_.is_clockwise;  // every block states it
-  if (!SameButRapid(modal, modal_) || offsets != coordinates_.offsets())
-    return Unsupported("a modal code in a block that may be skipped", false, step);
-  if (step->is_tool_change || at_program_end_) return;
+  if (!SameButRapid(modal, modal_) || offsets != coordinates_.offsets()) {
+    if (step->kind != StepKind::kUnsupported)
+      Unsupported("a modal code in a block that may be skipped", false, step);
+    return KeepBoth(modal, offsets);
+  }
+  if (step->kind == StepKind::kUnsupported || step->is_tool_change) return;
   step->may_be_skipped = true;
   for (int i = 0; i < axis_count_; ++i) {
     const bool was_known = positions.is_known(i), is_known = positions_.is_known(i);
@@ -265,6 +298,24 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
     ForgetPosition(i, false);
   }
   if (step->sets_pole) pole_.is_known = false;
+}
+
+void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before) {
+  const auto changed = [this](bool differs, uint8_t groups) {
+    if (differs) MayHaveChanged(groups);
+  };
+  changed(before.motion != modal_.motion || before.is_clockwise != modal_.is_clockwise, kMotionGroup);
+  changed(before.is_incremental != modal_.is_incremental, kDistanceGroup);
+  changed(before.is_inch != modal_.is_inch, kUnitGroup);
+  changed(before.plane_normal != modal_.plane_normal, kPlaneGroup);
+  changed(before.feed_mode != modal_.feed_mode, kFeedGroup);
+  changed(before.are_centres_absolute != modal_.are_centres_absolute, kCentreGroup);
+  modal_.blockers |= before.blockers;
+  modal_.mirrored_axes |= before.mirrored_axes;
+  modal_.macro_depth = std::max(modal_.macro_depth, before.macro_depth);
+  if (offsets_before == coordinates_.offsets()) return;
+  MayHaveChanged(kOffsetGroup | kLengthGroup);
+  modal_.blockers |= kShift;
 }
 
 void Interpreter::Apply(const char* text, const Block& block, Step* step) {
@@ -289,6 +340,15 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     request.Refuse("the sense of an arc without one");
   }
   modal_.uncertain &= static_cast<uint8_t>(~request.stated);
+  if (request.scaling_off != nullptr) {
+    if (request.has_axis || request.foreign_axis != 0) {
+      request.preset = request.scaling_off;
+    } else {
+      EndMode(kScaling);
+    }
+  }
+  SelectMirror(request, block.problem == LexProblem::kNone, *step);
+  blockers_seen_ |= modal_.blockers;
   if (request.speed_mode != nullptr) SelectSpeedMode(&request);
   if (request.offset != nullptr) SelectOffset(block, &request);
   if (request.length != nullptr || request.length_number != nullptr) SelectLength(&request);

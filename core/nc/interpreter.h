@@ -48,7 +48,7 @@ struct Step {
   bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
   uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
   PresetChange preset = PresetChange::kNone;
-  uint16_t preset_axes = 0;  // of kSet, where `end` is where they stand, and of kCleared
+  uint16_t preset_axes = 0;   // of kSet, where `end` is where they stand, and of kCleared
   int tool_length = -1;      // number of the length in force, -1: none
   std::string reason;
   std::string note;  // for the report: text after the end of the program
@@ -129,6 +129,17 @@ class Interpreter {
   void SelectSpeedMode(Request* request);
   void SelectOffset(const Block& block, Request* request);
   void NeedAbsoluteZ();
+  void EndMode(uint32_t blockers) { modal_.blockers &= ~blockers; }
+  void MayHaveChanged(uint8_t groups) { modal_.uncertain |= groups; }
+  // A program is called: the modes in force are its too, and it may change modal groups.
+  void NoteCall();
+  // Work offsets and tool lengths are no longer those that were stated.
+  void ForgetStated();
+  // G51.1 and G50.1 act on the axes that their block names; a mirror is off when none is left. `is_whole`: the block
+  // was read to its end.
+  void SelectMirror(const Request& request, bool is_whole, const Step& step);
+  // Behind a block that may be skipped: what it changed is not known.
+  void KeepBoth(const Modal& before, const AxisTicks& offsets_before);
   void SelectLength(Request* request);
   // Whether a D number belongs to the same tool as at its first use.
   bool IsOfOneTool(int number);
@@ -191,6 +202,8 @@ class Interpreter {
   bool has_moved_ = false;
   bool takes_plain_moves_ = false;  // the last block was a linear move that left nothing behind but its positions
   bool has_called_ = false;         // a program further on may be a subprogram, called in any modal state
+  uint32_t blockers_at_calls_ = 0;  // that were in force at any call: its program has them too
+  uint32_t blockers_seen_ = 0;      // that were ever in force
   bool is_continued_ = false;       // Klartext: the next line belongs to this block ("~")
   bool at_program_end_ = false;     // M30: what follows is another program
 };

@@ -73,7 +73,8 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
         }
         break;
       case Role::kProgramNumber:
-        StartProgram();
+        // "o100 while ..." of LinuxCNC names no program.
+        if (i + 1 == block.word_count || block.words[static_cast<size_t>(i) + 1].letter != 0) StartProgram();
         break;
       case Role::kToolLength:
       case Role::kActiveToolLength:
@@ -87,11 +88,13 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
         break;
       case Role::kRadiusCompensation:
         if (word.number.mantissa != 0) request->Refuse("word R other than R0");
-        modal_.blockers &= static_cast<uint16_t>(~kCutterCompensation);
+        EndMode(kCutterCompensation);
         break;
       case Role::kLineNumber:
       case Role::kPassive:
+        break;
       case Role::kFeed:
+        request->has_feed = true;
         break;
       case Role::kToolNumber:
         called_tool_ = word.number.mantissa;
@@ -127,7 +130,7 @@ void Interpreter::CallTool(const Block& block, const Word& word, Request* reques
   if (word.number.has_point || !difference || std::abs(*difference) > kTicksPerMm * 1000) {
     problem = "TOOL CALL with an index, a tool axis other than Z or a difference DL that is no length: not followed";
   } else if (names_tool) {
-    modal_.blockers &= static_cast<uint16_t>(~kUnstatedLength);
+    EndMode(kUnstatedLength);
     if (!coordinates_.SelectLength(number, 1)) {
       problem = number < 0 ? "tool call by name: the tool's length is not stated"
                            : absl::StrCat("TOOL CALL ", number, ": the tool's length is not stated");
@@ -166,6 +169,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
   };
   switch (code.meaning) {
     case Meaning::kUnknown:
+      modal_.blockers |= kUnfollowedMode;  // it may be modal, and nothing is known that ends it
       return request->Refuse(named() + ": it might move axes");
     case Meaning::kHarmless:
       // An M code of the machine's builder: it may clamp the axis behind its move.
@@ -210,15 +214,14 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kOneShot:
       return request->Refuse(named());
     case Meaning::kCall:
-      modal_.uncertain |= kCalledGroups;
-      has_called_ = true;
+      NoteCall();
+      if (code.detail == 1) modal_.uncertain = kAllGroups | kCentreGroup, modal_.blockers |= blockers_seen_;
       return request->Refuse(named());
     case Meaning::kJump:
       request->is_jump = true;
       return request->Refuse(named());
     case Meaning::kDataInput:
-      if (coordinates_.is_any_selected()) modal_.blockers |= kUnstatedOffset;
-      coordinates_.ForgetStated();
+      ForgetStated();
       return request->Refuse(named());
     case Meaning::kMachineMove:
       request->machine_move = &code;
@@ -239,10 +242,9 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kIncremental:
       return distance(true);
     case Meaning::kCentreAbsolute:
-      modal_.are_centres_absolute = true;
-      return;
     case Meaning::kCentreIncremental:
-      modal_.are_centres_absolute = false;
+      request->stated |= kCentreGroup;
+      modal_.are_centres_absolute = code.meaning == Meaning::kCentreAbsolute;
       return;
     case Meaning::kPlane:
       if (request->plane != nullptr && request->plane->detail != code.detail)
@@ -271,7 +273,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kNoToolLength:
       coordinates_.DropLength();
       NeedAbsoluteZ();
-      modal_.blockers &= static_cast<uint16_t>(~(kToolControl | kUnstatedLength));
+      EndMode(kToolControl | kUnstatedLength);
       request->stated |= kLengthGroup;
       return;
     case Meaning::kPreset:
@@ -282,10 +284,27 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return;
     case Meaning::kBlockerOn:
       modal_.blockers |= code.detail;
+      if (code.detail == kMirror) request->mirror_on = &code;
+      if (code.detail == kModalMacro && modal_.macro_depth < 255) ++modal_.macro_depth;
+      if (code.detail == kModalMacro) NoteCall();
       return request->Refuse(named());
     case Meaning::kBlockerOff:
-      if (code.detail == kMirror) request->owner = &code;
-      modal_.blockers &= static_cast<uint16_t>(~code.detail);
+      if (code.detail == kMirror) {
+        request->owner = request->mirror_off = &code;
+        return;
+      }
+      if (code.detail & kModalMacro) {
+        MayHaveChanged(kCalledGroups);  // by the macro
+        if (modal_.macro_depth > 1) {
+          --modal_.macro_depth;
+          return;
+        }
+        modal_.macro_depth = 0;
+      }
+      EndMode(code.detail);
+      return;
+    case Meaning::kScalingOffOrPreset:
+      request->scaling_off = &code;
       return;
     case Meaning::kToolChange:
       step->is_tool_change = true;
@@ -343,11 +362,38 @@ void Interpreter::SelectOffset(const Block& block, Request* request) {
     if (coordinates_.Offset(i) != before[i]) needs_absolute_ |= static_cast<uint16_t>(1u << i);
   }
   if (is_stated) {
-    modal_.blockers &= static_cast<uint16_t>(~kUnstatedOffset);
+    EndMode(kUnstatedOffset);
     return;
   }
   modal_.blockers |= kUnstatedOffset;
   request->Refuse(absl::StrCat(name, " (", request->offset_code->text, "): its values are not stated"));
+}
+
+void Interpreter::NoteCall() {
+  MayHaveChanged(kCalledGroups);
+  has_called_ = true;
+  blockers_at_calls_ |= modal_.blockers;
+  if (coordinates_.has_shift() || coordinates_.has_preset()) blockers_at_calls_ |= kShift;
+}
+
+void Interpreter::ForgetStated() {
+  modal_.blockers |= kUnstatedOffset;
+  if (coordinates_.active_length() >= 0) modal_.blockers |= kUnstatedLength;
+  coordinates_.ForgetStated();
+}
+
+void Interpreter::SelectMirror(const Request& request, bool is_whole, const Step& step) {
+  if (request.mirror_on == nullptr && request.mirror_off == nullptr) return;
+  uint16_t axes = 0;
+  for (int i = 0; i < axis_count_; ++i) {
+    if (step.word_of_axis[i] >= 0) axes |= static_cast<uint16_t>(1u << i);
+  }
+  const bool names_all = axes != 0 && is_whole && request.foreign_axis == 0;
+  if (request.mirror_on != nullptr) modal_.mirrored_axes |= names_all ? axes : kAllAxes;
+  if (request.mirror_off == nullptr) return;
+  if (axes == 0 && is_whole && request.foreign_axis == 0) axes = kAllAxes;
+  modal_.mirrored_axes &= static_cast<uint16_t>(~axes);
+  if (modal_.mirrored_axes == 0) EndMode(kMirror);
 }
 
 void Interpreter::NeedAbsoluteZ() {
@@ -384,7 +430,7 @@ void Interpreter::SelectLength(Request* request) {
         absl::StrCat("D", last_length_number_, " of another tool than before: one length is stated for it"));
   }
   if (last_length_number_ >= 0 && coordinates_.SelectLength(last_length_number_, sign)) {
-    modal_.blockers &= static_cast<uint16_t>(~(kToolControl | kUnstatedLength));
+    EndMode(kUnstatedLength);  // tool centre point control goes on with another length
     if (modal_.plane_normal != 2 && last_length_number_ != 0)
       request->Refuse("a tool length in another plane than XY: controllers differ on its axis");
     return;

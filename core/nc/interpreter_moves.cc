@@ -26,6 +26,8 @@ const char* NameOf(ModalGroup group) {
       return "the work offset";
     case kLengthGroup:
       return "the tool length";
+    case kCentreGroup:
+      return "how centres count (G90.1, G91.1)";
   }
   return "the modal state";
 }
@@ -55,9 +57,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
     char stray = request.parameter != 0 ? request.parameter : request.radius != nullptr ? 'R' : char{0};
     if (stray == 0 && request.has_centre) stray = 'I';
     if (stray != 0) {
-      // L100 of Sinumerik calls a subprogram.
-      modal_.uncertain |= kCalledGroups;
-      has_called_ = true;
+      NoteCall();  // L100 of Sinumerik calls a subprogram
       Unsupported(absl::StrCat("word ", std::string(1, stray), " without a code that it belongs to"), false, step);
     }
     return;
@@ -89,7 +89,7 @@ void Interpreter::DoMachineMove(const Request& request, Step* step) {
 }
 
 void Interpreter::DoPreset(const Block& block, const Request& request, Step* step) {
-  const std::string name = request.preset->text;
+  const std::string name = request.scaling_off != nullptr ? "G50" : "G92", what = request.preset->text;
   std::string problem;
   switch (request.preset->detail) {
     case 1:
@@ -119,10 +119,16 @@ void Interpreter::DoPreset(const Block& block, const Request& request, Step* ste
     default:
       break;
   }
+  const bool is_alone = !request.has_axis && request.foreign_axis == 0 && request.parameter == 0;
+  if (is_alone && problem.empty()) return;  // G92 S2000 limits the spindle
+  if (request.preset->detail == kPresetOrThread && request.has_feed) {
+    modal_.motion = Meaning::kOtherMotion;
+    modal_.motion_text = "G92 with an F word: a thread of lathes";
+    problem = "with an F word it is a thread of lathes";
+  }
   if (modal_.blockers != 0) problem = BlockerText(modal_.blockers);
   if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
   if (modal_.uncertain & (kUnitGroup | kOffsetGroup | kLengthGroup)) problem = "the modal state is not known";
-  if (!request.has_axis && problem.empty() && request.parameter == 0) return;  // G92 S2000 limits the spindle
   step->preset_axes = 0;
   for (int i = 0; i < axis_count_ && problem.empty(); ++i) {
     if (step->word_of_axis[i] < 0) continue;
@@ -139,7 +145,7 @@ void Interpreter::DoPreset(const Block& block, const Request& request, Step* ste
   }
   if (!problem.empty()) {
     modal_.blockers |= kShift;
-    return Unsupported(absl::StrCat("G92 (", name, "): ", problem), false, step);
+    return Unsupported(absl::StrCat(name, " (", what, "): ", problem), false, step);
   }
   step->preset = PresetChange::kSet;
   step->end = positions_;
@@ -175,7 +181,8 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
   if (modal_.motion == Meaning::kCancelMotion) return "axis words while no motion code is in force (G80)";
   const bool is_arc = modal_.motion == Meaning::kArc;
   // While the tool length is unknown, so is where Z words lead.
-  const uint8_t needed = static_cast<uint8_t>(kAllGroups & ~(is_arc ? kLengthGroup : kPlaneGroup | kLengthGroup));
+  const uint8_t needed = static_cast<uint8_t>((kAllGroups & ~(is_arc ? kLengthGroup : kPlaneGroup | kLengthGroup)) |
+                                              (is_arc && request.has_centre ? kCentreGroup : 0));
   if (const uint8_t missing = modal_.uncertain & needed; missing != 0) {
     *is_consequence = (missing & request.uncertain_before) != 0;
     return absl::StrCat(NameOf(static_cast<ModalGroup>(missing & -missing)),

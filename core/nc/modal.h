@@ -22,9 +22,11 @@ enum ModalGroup : uint8_t {
   kFeedGroup = 16,
   kOffsetGroup = 32,
   kLengthGroup = 64,
+  kCentreGroup = 128,  // G90.1 or G91.1; known behind calls, since no program is known that leaves it changed
 };
 inline constexpr uint8_t kCalledGroups = 127 & ~kUnitGroup;  // what a subprogram may leave changed
 inline constexpr uint8_t kAllGroups = 127;
+inline constexpr uint16_t kAllAxes = 0xFFFF;
 
 struct Modal {
   Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kArc, kCancelMotion or kOtherMotion. Power-on is linear.
@@ -35,8 +37,10 @@ struct Modal {
   bool are_centres_absolute = false;
   int8_t plane_normal = 2;  // 0 YZ, 1 ZX, 2 XY
   FeedMode feed_mode = FeedMode::kPerMinute;
-  uint16_t blockers = 0;
-  uint8_t uncertain = 0;  // ModalGroups
+  uint32_t blockers = 0;
+  uint16_t mirrored_axes = 0;  // of kMirror; bits of axes that are none of the machine's are set where it is not known
+  uint8_t macro_depth = 0;     // of kModalMacro: how many calls are in force
+  uint8_t uncertain = 0;       // ModalGroups
 
   bool operator==(const Modal&) const = default;
 };

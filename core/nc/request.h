@@ -19,6 +19,9 @@ struct Interpreter::Request {
   const Code* sense = nullptr;  // DR+, DR-
   const Code* machine_move = nullptr;
   const Code* preset = nullptr;  // G92
+  const Code* scaling_off = nullptr;  // G50
+  const Code* mirror_on = nullptr;
+  const Code* mirror_off = nullptr;
   const Code* shift = nullptr;   // G52
   const Code* owner = nullptr;   // whose words axis words are (G22, G50.1)
   const Code* length = nullptr;  // G43, G44
@@ -27,12 +30,13 @@ struct Interpreter::Request {
   const Code* offset_code = nullptr;
   const Word* speed_mode = nullptr;  // G5
   std::string problem;               // first reason to refuse
-  uint16_t blockers_before = 0;
+  uint32_t blockers_before = 0;
   uint8_t uncertain_before = 0;
   uint8_t stated = 0;  // modal groups that this block states
   bool has_axis = false;
   bool has_code = false;
   bool has_centre = false;
+  bool has_feed = false;
   const Word* radius = nullptr;
   bool is_dwell = false;
   bool is_end = false;

@@ -1,0 +1,168 @@
+// Blocks that are passed: which modes stay in force behind them, dialect by dialect.
+#include <gmock/gmock.h>
+
+#include "core/base/units.h"
+#include "core/nc/testing/rewritten.h"
+
+namespace axiscal::nc {
+namespace {
+
+using testing::kAtZero;
+using testing::Outcome;
+using testing::Rewritten;
+
+RewriteOptions PassingIn(const std::string& dialect) {
+  RewriteOptions options = kAtZero;
+  options.dialect = dialect;
+  options.on_unsupported = OnUnsupported::kPass;
+  options.tool_lengths = {{1, 0.0}, {2, 10.0}};
+  options.work_offsets = {{"G54", {}}};
+  return options;
+}
+
+// Whether a move that states everything is corrected behind `blocks`.
+bool IsCorrectedBehind(const std::string& dialect, const std::string& blocks) {
+  const bool is_klartext = dialect == "heidenhain";
+  const std::string move = is_klartext ? "L X+5. Y+0 Z+0 B+0 C+0 R0 F500" : "G1 X5. Y0. Z0. B0. C0.";
+  Outcome outcome;
+  const auto text =
+      RewriteText((is_klartext ? "" : "G90 G94 G17\n") + blocks + "\n" + move + "\n", testing::LeaningHead(),
+                  PassingIn(dialect), &outcome.report);
+  EXPECT_TRUE(text.ok()) << text.status() << blocks;
+  return text.ok() && text->find("5.0417") != std::string::npos;
+}
+
+struct Case {
+  const char* dialect;
+  const char* blocks;
+};
+
+// What begins a mode, and codes that end others.
+TEST(Passed, AModeStaysUntilItsOwnCodeEndsIt) {
+  const Case kStay[] = {
+      {"fanuc", "G43.4 H1"},
+      {"fanuc", "G43.4 H1\nH1"},
+      {"fanuc", "G43.5 H1\nG43 H1"},
+      {"fanuc", "G43.4 H1\nG44 H1"},
+      {"fanuc", "G43.4\nH0"},
+      {"haas", "G234 H1"},
+      {"haas", "G234\nG43 H1"},
+      {"haas", "G143 H1"},
+      {"linuxcnc", "M428\nG49"},
+      {"linuxcnc", "M428\nG43 H1"},
+      {"linuxcnc", "M430\nG49"},
+      {"linuxcnc", "G43.1 Z5\nG43 H1"},
+      {"sinumerik", "TRAORI\nD1"},
+      {"sinumerik", "TCARR=1\nTRAFOOF"},
+      {"heidenhain", "TOOL CALL 1 Z\nM128\nTOOL CALL 1 Z"},
+      {"heidenhain", "L Z+5 M128\nL Z+6 M145"},
+      {"heidenhain", "L Z+5 M144\nL Z+6 M129"},
+      {"heidenhain", "L Z+5 M114\nL Z+6 M129"},
+      {"heidenhain", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\nL Z+5 M129"},
+      {"heidenhain", "CYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+30\nPLANE RESET STAY"},
+      {"haas", "G268 X0 Y0 Z0 I30\nG69"},
+      {"haas", "G68 X0 Y0 R30.\nG269"},
+      {"haas", "G254\nG92 A5.\nG255"},
+      {"fanuc", "G68.5\nG69"},
+      {"fanuc", "G68 X0 Y0 R30.\nG69.1"},
+      {"fanuc", "G12.1\nG15"},
+      {"fanuc", "G16\nG13.1"},
+      {"fanuc", "G41.1 D1\nG40"},
+      {"fanuc", "G51.1 X0 Y0\nG50.1 X0"},
+      {"fanuc", "G51.1 X#1\nG50.1 X0"},
+      {"haas", "G101 X0 Y0\nG100 Y0"},
+      {"fanuc", "G66 P1 A1.\nG66 P2 A1.\nG67\nG90 G94 G17 G54 G49"},
+      {"fanuc", "G66 P1 A1.\nG67"},
+      {"fanuc", "G51 X0 Y0 P2000\nG50 X5."},
+      {"fanuc", "G999\nG90 G54 G49 G94 G17"},
+  };
+  for (const Case& known : kStay)
+    EXPECT_FALSE(IsCorrectedBehind(known.dialect, known.blocks)) << known.dialect << ": " << known.blocks;
+  const Case kEnd[] = {
+      {"fanuc", "G43.4 H1\nG49"},
+      {"haas", "G234 H1\nG49"},
+      {"linuxcnc", "G43.1 Z5\nG49"},
+      {"sinumerik", "TRAORI\nTRAFOOF"},
+      {"sinumerik", "TRANSMIT\nTRAFOOF"},
+      {"sinumerik", "G111 X5 Y5"},
+      {"heidenhain", "L Z+5 M128\nL Z+6 M129"},
+      {"heidenhain", "L Z+5 M144\nL Z+6 M145"},
+      {"heidenhain", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\nFUNCTION RESET TCPM"},
+      {"heidenhain", "PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY\nPLANE RESET STAY"},
+      {"heidenhain", "CYCL DEF 19.0 WORKING PLANE\nPLANE RESET STAY"},
+      {"haas", "G268 X0 Y0 Z0 I30\nG269"},
+      {"haas", "G68 X0 Y0 R30.\nG69"},
+      {"haas", "G254\nG255"},
+      {"fanuc", "G68 X0 Y0 R30.\nG69"},
+      {"fanuc", "G12.1\nG13.1"},
+      {"fanuc", "G16\nG15"},
+      {"fanuc", "G41.1 D1\nG40.1"},
+      {"fanuc", "G51.1 X0 Y0\nG50.1 X0\nG50.1 Y0"},
+      {"fanuc", "G51.1 X0 Y0\nG50.1"},
+      {"fanuc", "G66 P1 A1.\nG67\nG90 G94 G17 G54 G49"},
+      {"fanuc", "G51 X0 Y0 P2000\nG50"},
+  };
+  for (const Case& known : kEnd)
+    EXPECT_TRUE(IsCorrectedBehind(known.dialect, known.blocks)) << known.dialect << ": " << known.blocks;
+}
+
+TEST(Passed, WhatWritesOffsetsOrLengthsForgetsThoseStated) {
+  for (const Case& known : {Case{"fanuc", "G10 L2 P1 X100."}, {"fanuc", "G10 L2 P1 X100.\nG54"},
+                            {"fanuc", "#5221=100."}, {"fanuc", "#5221 = #1\nG54 G49"},
+                            {"haas", "#[5221]=100.\nG54 G49"},
+                            {"fanuc", "G43 H1 Z5.\nG10 L11 P1 R5."}, {"linuxcnc", "G10 L2 P1 X100\nG54 G49"},
+                            {"sinumerik", "$P_UIFR[1,X,TR]=100\nG54 D1 G71 G17 G90 G94"}})
+    EXPECT_FALSE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
+  for (const Case& known : {Case{"fanuc", "#1=#5221"}, {"fanuc", "#1=#[#2]"}, {"fanuc", "#3006=1"}})
+    EXPECT_TRUE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
+}
+
+// Skipped or not, what such a block changes is not known.
+TEST(Passed, CodesOfBlocksThatMayBeSkippedLeaveBothStates) {
+  for (const Case& known : {Case{"fanuc", "/G91"}, {"fanuc", "G91\n/G90"}, {"fanuc", "/G20"}, {"fanuc", "/G92 X5."},
+                            {"fanuc", "G41 D1\n/G40"}, {"fanuc", "G68 X0 Y0 R5.\n/G69 X#1"}, {"fanuc", "/G43 H2"},
+                            {"fanuc", "G16\n/M30"}, {"fanuc", "G16\n/M99"}, {"fanuc", "/G51.1 X0\nG50.1 Y0"}})
+    EXPECT_FALSE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
+  EXPECT_TRUE(IsCorrectedBehind("fanuc", "/M8"));
+  EXPECT_TRUE(IsCorrectedBehind("fanuc", "/G91\nG90 G54 G49 G94 G17 G21"));
+  EXPECT_TRUE(IsCorrectedBehind("fanuc", "G1 X1.\n/M99"));
+}
+
+TEST(Passed, CalledProgramsHaveTheModesOfTheirCaller) {
+  const std::string restated = "\nG90 G54 G49 G94 G17 G21";
+  EXPECT_TRUE(IsCorrectedBehind("fanuc", "G1 X1.\nM98 P2\nM30\nO2" + restated));
+  for (const std::string mode : {"G68 X0 Y0 R30.", "G43.4 H1", "G92 X5.", "G52 X5.", "G51.1 X0"}) {
+    const std::string called = "G1 X1.\n" + mode + "\nM98 P2\nG69 G49 G52 X0 Y0\nM30\nO2\nG90 G54 G94 G17 G21";
+    EXPECT_FALSE(IsCorrectedBehind("fanuc", called)) << mode;
+  }
+  // Controls differ on whether M30 ends preset coordinates.
+  EXPECT_FALSE(IsCorrectedBehind("fanuc", "G1 X1.\nG92 X0\nM30\nO2"));
+  EXPECT_FALSE(IsCorrectedBehind("linuxcnc", "G1 X1.\nG41 D1\no100 call" + restated));
+  EXPECT_FALSE(IsCorrectedBehind("linuxcnc", "G41 D1\nM70\nG40\nM72" + restated));
+  EXPECT_TRUE(IsCorrectedBehind("linuxcnc", "M70\nM72" + restated));
+}
+
+// G50 with axis words sets coordinates on lathes, as G92 does; alone it ends scaling, with S it limits the spindle.
+TEST(Passed, PresetsOfAllKindsAreNoMoves) {
+  EXPECT_REWRITTEN(kAtZero, "G1 X1.\nG50 X0\nX5.\nG50 S2000\nX6.\n", "G1 X1.0417\nG50 X0\nX5.\nG50 S2000\nX6.\n");
+  // B90 stands at 0 from then on.
+  EXPECT_REWRITTEN(kAtZero, "G1 X1. Z0.\nG50 B90.\nX2. B90.\n", "G1 X1.0417 Z0.\nG50 B90.\nX2.0417 B90.\n");
+  EXPECT_REFUSED(RewriteOptions(), "G50 X0\n", "line 1: 'G50 X0': G50 (");
+  EXPECT_REFUSED(kAtZero, "G50 X200. A0\n", "word A");
+  EXPECT_REFUSED(kAtZero, "G1 X1.\nG92 X20. Z-30. F1.5\nX19.\n", "a thread of lathes");
+  RewriteOptions options = kAtZero;
+  for (const char* const dialect : {"mazak", "haas"}) {
+    options.dialect = dialect;
+    EXPECT_REWRITTEN(options, "G1 X1.\nG50 X0\nX5.\n", "G1 X1.0417\nG50 X0\nX5.\n");
+    EXPECT_REWRITTEN(options, "G1 X1.\nG92 X0\nX5.\n", "G1 X1.0417\nG92 X0\nX5.\n");
+    EXPECT_REWRITTEN(options, "G1 X1.\nG92 S2000\nX5.\n", "G1 X1.0417\nG92 S2000\nX5.0417\n");
+  }
+  options.dialect = "linuxcnc";
+  EXPECT_REWRITTEN(options, "G1 X1.\nG92 X0 F100\nX5.\n", "G1 X1.0417\nG92 X0 F100\nX5.\n");
+  // It limits the spindle, whatever is in force.
+  EXPECT_FALSE(IsCorrectedBehind("fanuc", "G43.4 H1\nG92 S2000"));
+  EXPECT_TRUE(IsCorrectedBehind("fanuc", "G43.4 H1\nG92 S2000\nG49"));
+}
+
+}  // namespace
+}  // namespace axiscal::nc
