@@ -225,6 +225,10 @@ absl::StatusOr<Machine> MachineFromJson(const std::string& text) {
   if (!axes->is_object() || axes->empty()) {
     return Refuse("axes", *axes, "expected an object with a member for each axis");
   }
+  // Before they are placed, which compares each with each.
+  if (axes->size() > kMaxAxes) {
+    return absl::InvalidArgumentError(absl::StrCat("axes: ", axes->size(), " axes, expected 1 to ", kMaxAxes));
+  }
   std::vector<Axis> unplaced;
   for (const auto& [name, object] : axes->items()) {
     ASSIGN_OR_RETURN(Axis axis, ReadAxis(name, object));

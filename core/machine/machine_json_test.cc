@@ -163,5 +163,17 @@ TEST(MachineJson, SharedMachinesAndArmsLoad) {
   ExpectEveryMachineLoads(shared / "robots", 2);
 }
 
+// Placing the axes compares each with each: too many are refused before that.
+TEST(MachineJson, TooManyAxesAreRefusedBeforeTheyAreRead) {
+  std::string axes, names;
+  for (int i = 1; i <= kMaxAxes + 1; ++i) {
+    absl::StrAppend(&axes, i == 1 ? "" : ",", "\"A", i, "\": 0");  // no axis at all
+    absl::StrAppend(&names, i == 1 ? "" : ",", "\"A", i, "\"");
+  }
+  const auto machine = MachineFromJson(absl::StrCat(R"({"id": "mt", "axes": {)", axes, R"(}, "tool_branch": [)", names,
+                                                    R"(], "work_branch": [], "tool_direction": [0, 0, -1]})"));
+  EXPECT_EQ(machine.status().message(), "axes: 15 axes, expected 1 to 14");
+}
+
 }  // namespace
 }  // namespace axiscal::machine

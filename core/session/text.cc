@@ -5,38 +5,14 @@
 
 #include "absl/time/time.h"
 #include "core/base/status.h"
+#include "core/base/utf8.h"
 
 namespace axiscal::session {
-namespace {
-
-// Bytes of the well-formed UTF-8 character at `at`, or 0 (RFC 3629: no overlong forms, no surrogates, at most
-// U+10FFFF).
-size_t CharacterBytes(const std::string& text, size_t at) {
-  const auto byte = [&text](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const auto follows = [&byte](size_t i) { return (byte(i) & 0xC0u) == 0x80u; };
-  const unsigned first = byte(at);
-  if (first < 0x80) return 1;
-  if (first >= 0xC2 && first <= 0xDF) return follows(at + 1) ? 2 : 0;
-  if (first >= 0xE0 && first <= 0xEF) {
-    const unsigned second = byte(at + 1);
-    const bool bad = (first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F);
-    return !bad && follows(at + 1) && follows(at + 2) ? 3 : 0;
-  }
-  if (first >= 0xF0 && first <= 0xF4) {
-    const unsigned second = byte(at + 1);
-    const bool bad = (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F);
-    return !bad && follows(at + 1) && follows(at + 2) && follows(at + 3) ? 4 : 0;
-  }
-  return 0;
-}
-
-}  // namespace
-
 bool IsPlainText(const std::string& text) {
   for (size_t at = 0; at < text.size();) {
     const unsigned char byte = static_cast<unsigned char>(text[at]);
     if ((byte < 0x20 && byte != '\t') || byte == 0x7F) return false;
-    const size_t bytes = CharacterBytes(text, at);
+    const size_t bytes = base::Utf8Bytes(text, at);
     if (bytes == 0) return false;
     at += bytes;
   }
