@@ -4,6 +4,7 @@
 
 #include "core/base/clock.h"
 #include "core/base/error_detail.h"
+#include "proto/convert/field.h"
 #include "proto/convert/status.h"
 #include "server/log.h"
 
@@ -19,11 +20,14 @@ handlers::Call CallOf(grpc::ServerContext* context) {
   const auto found = context->client_metadata().find(kUserKey);
   call.user =
       found == context->client_metadata().end() ? "anonymous" : std::string(found->second.data(), found->second.size());
-  call.user.resize(std::min(call.user.size(), kMaxUserBytes));
   call.is_cancelled = [context] { return context->IsCancelled(); };
   call.cut_off = [context] { context->TryCancel(); };
   return call;
 }
+
+// What a caller says in the metadata is stored and sent to others: it is held to the rules of a text field, which
+// Protobuf checks in messages only.
+absl::Status CheckUser(const std::string& user) { return convert::RequireText(kUserKey, user, 1, kMaxUserBytes); }
 
 // Our bug: the caller gets the id, the log the rest.
 absl::Status InternalError(const std::string& what) {
@@ -61,12 +65,13 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
   const base::SteadyTime start = base::SystemClock().SteadyNow();
   const handlers::Call call = CallOf(context);
   ++core.open_calls;
-  const absl::Status status = Run(handler, call);
+  const absl::Status known = CheckUser(call.user);
+  const absl::Status status = known.ok() ? Run(handler, call) : known;
   --core.open_calls;
   const std::chrono::duration<double, std::milli> took = base::SystemClock().SteadyNow() - start;
   LogFields fields = {{"method", method},
                       {"peer", context->peer()},
-                      {"user", call.user},
+                      {"user", call.user.substr(0, kMaxUserBytes)},
                       {"code", absl::StatusCodeToString(status.code())},
                       {"ms", absl::StrFormat("%.3f", took.count())}};
   if (!status.ok()) {

@@ -173,6 +173,29 @@ TEST(JobParamsOnTheWire, AreRefusedWithTheirField) {
   EXPECT_EQ(FieldOf(FromProto(compensate).status()), "compensate.options.tolerance_rad");
 }
 
+// Each entry costs a look-up before the call is answered, and a message could hold a million.
+TEST(JobParamsOnTheWire, ListsHaveALimit) {
+  v1::JobParams identify;
+  identify.mutable_identify()->set_machine_id("mt");
+  for (int id = 1; id <= 10'000; ++id) identify.mutable_identify()->add_session_ids(id);
+  for (int i = 0; i < 1000; ++i) identify.mutable_identify()->add_declared_errors("EX0C");
+  EXPECT_TRUE(FromProto(identify).ok());
+  identify.mutable_identify()->add_declared_errors("EX0C");
+  EXPECT_EQ(FieldOf(FromProto(identify).status()), "identify.declared_errors");
+  identify.mutable_identify()->add_session_ids(10'001);
+  EXPECT_EQ(FieldOf(FromProto(identify).status()), "identify.session_ids");
+
+  v1::JobParams loop;
+  loop.mutable_close_loop()->set_machine_id("mt");
+  loop.mutable_close_loop()->add_fit_session_ids(1);
+  for (int id = 1; id <= 10'000; ++id) loop.mutable_close_loop()->add_check_session_ids(id + 1);
+  EXPECT_TRUE(FromProto(loop).ok());
+  loop.mutable_close_loop()->add_check_session_ids(1);
+  EXPECT_EQ(FieldOf(FromProto(loop).status()), "close_loop.check_session_ids[10000]");
+  loop.mutable_close_loop()->set_check_session_ids(10'000, 20'000);
+  EXPECT_EQ(FieldOf(FromProto(loop).status()), "close_loop.check_session_ids");
+}
+
 TEST(JobParamsOnTheWire, HeldErrorsComeBackAsOneOfTwo) {
   records::IdentifyParams params{MachineId("mt"), {SessionId(1)}, {"EA0B"}};
   params.held_calibration = CalibrationId(7);
@@ -273,6 +296,9 @@ TEST(DriftQueryOnTheWire, HasItsDefaultsAndLimits) {
   message.set_from_utc_us(2);
   message.set_to_utc_us(1);
   EXPECT_EQ(FieldOf(FromProto(message).status()), "from_utc_us");
+  message.set_to_utc_us(3);
+  for (int i = 0; i <= kMaxSymbols; ++i) message.add_symbols(absl::StrCat("E", i));
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "symbols");
 }
 
 TEST(MachineAndProgramOnTheWire, AreRefusedWithoutTheirIds) {
@@ -334,6 +360,19 @@ TEST(TableOnTheWire, WhatMustNotComeInIsRefusedWithItsField) {
   EXPECT_EQ(field_of([](auto& m) { m.mutable_reference(0)->clear_axis(); }), "reference[0].axis");
   EXPECT_EQ(field_of([](auto& m) { m.set_axes(1, "X\n"); }), "axes[1]");
   EXPECT_EQ(field_of([](auto& m) { m.set_tolerance_mm(std::nan("")); }), "tolerance_mm");
+}
+
+// A message or fact with other bytes would make the whole of the details unreadable.
+TEST(StatusOnTheWire, HoldsUtf8WhateverTheStatusShows) {
+  const absl::Status status = base::Error(absl::StatusCode::kInvalidArgument, "line 3: caf\xE9",
+                                          {"FIELD_INVALID", {{"field", "data"}, {"rule", "no \xE9"}}});
+  const google::rpc::Status message = ToProto(status);
+  google::rpc::Status read;
+  ASSERT_TRUE(read.ParseFromString(message.SerializeAsString()));
+  EXPECT_EQ(read.message(), "line 3: caf\xEF\xBF\xBD");
+  const auto detail = base::GetErrorDetail(FromProto(read));
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_EQ(detail->facts.at("rule"), "no \xEF\xBF\xBD");
 }
 
 TEST(StatusOnTheWire, AlwaysHasAReason) {

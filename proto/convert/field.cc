@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/error_detail.h"
+#include "core/base/utf8.h"
 
 namespace axiscal::convert {
 
@@ -30,6 +31,7 @@ absl::Status RequireText(const std::string& field, const std::string& text, size
   if (text.size() < min || text.size() > max) {
     return FieldError(field, absl::StrCat(text.size(), " bytes, must have ", min, " to ", max));
   }
+  if (!base::IsUtf8(text)) return FieldError(field, "must be UTF-8");
   for (const char c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return FieldError(field, "must not hold control characters");
   }
@@ -39,6 +41,11 @@ absl::Status RequireText(const std::string& field, const std::string& text, size
 absl::Status RequireSha256(const std::string& field, const std::string& text) {
   if (text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos) return absl::OkStatus();
   return FieldError(field, "must be 64 lower-case hexadecimal digits");
+}
+
+absl::Status RequireAtMost(const std::string& field, int count, int max) {
+  if (count <= max) return absl::OkStatus();
+  return FieldError(field, absl::StrCat(count, " entries, must be at most ", max));
 }
 
 absl::Status RequireMessage(const std::string& field, bool present) {

@@ -16,10 +16,12 @@ absl::Status FieldError(const std::string& field, const std::string& rule);
 absl::Status RequireFinite(const std::string& field, double value);
 absl::Status RequirePositive(const std::string& field, int64_t value);
 absl::Status RequireNotNegative(const std::string& field, int64_t value);
-// `min` to `max` bytes, no control characters.
+// `min` to `max` bytes of UTF-8, no control characters.
 absl::Status RequireText(const std::string& field, const std::string& text, size_t min, size_t max);
 // 64 lower-case hexadecimal digits.
 absl::Status RequireSha256(const std::string& field, const std::string& text);
+// Of a repeated field: at most `max` entries.
+absl::Status RequireAtMost(const std::string& field, int count, int max);
 // OK when present.
 absl::Status RequireMessage(const std::string& field, bool present);
 

@@ -55,6 +55,7 @@ absl::StatusOr<records::DriftQuery> FromProto(const v1::QueryDriftRequest& messa
   RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
   records::DriftQuery query;
   query.machine = MachineId(message.machine_id());
+  RETURN_IF_ERROR(RequireAtMost("symbols", message.symbols_size(), kMaxSymbols));
   query.symbols.assign(message.symbols().begin(), message.symbols().end());
   query.from = message.has_from_utc_us() ? base::FromUtcUs(message.from_utc_us()) : base::UtcTime::min();
   query.to = message.has_to_utc_us() ? base::FromUtcUs(message.to_utc_us()) : base::UtcTime::max();

@@ -10,10 +10,12 @@ namespace axiscal::convert {
 
 inline constexpr int kDefaultDriftPoints = 500;
 inline constexpr int kMaxDriftPoints = 100'000;
+// Names in one question, each looked up for each machine: far more than a machine has errors.
+inline constexpr int kMaxSymbols = 1000;
 
 v1::QueryDriftRequest ToProto(const records::DriftQuery& query);
 // Unset ends are the beginning and the end of time. FIELD_INVALID: no machine, from after to, max_points outside 0 to
-// kMaxDriftPoints.
+// kMaxDriftPoints, more than kMaxSymbols symbols.
 absl::StatusOr<records::DriftQuery> FromProto(const v1::QueryDriftRequest& message);
 
 v1::DriftSeries ToProto(const records::DriftSeries& series);

@@ -1,6 +1,5 @@
 #include "proto/convert/job_params.h"
 
-#include <algorithm>
 #include <set>
 
 #include "core/identify/monte_carlo.h"
@@ -10,6 +9,9 @@ namespace axiscal::convert {
 namespace {
 
 constexpr size_t kMostErrorBytes = 10'000;  // of one declared error: a map has many nodes
+// Each is looked up before the call is answered: more than a machine gathers in years, and a second's work.
+constexpr int kMostSessions = 10'000;
+constexpr int kMostDeclaredErrors = 1000;  // each is parsed; a machine has some tens
 
 // What both kinds that simulate say of it.
 template <typename Params, typename Message>
@@ -52,6 +54,7 @@ v1::IdentifyParams IdentifyToProto(const records::IdentifyParams& params) {
 template <typename Ids>
 absl::Status ReadSessions(const std::string& name, const Ids& ids, std::set<int64_t>& seen,
                           std::vector<SessionId>& sessions) {
+  RETURN_IF_ERROR(RequireAtMost(name, ids.size(), kMostSessions));
   for (int i = 0; i < ids.size(); ++i) {
     const std::string field = absl::StrCat(name, "[", i, "]");
     RETURN_IF_ERROR(RequirePositive(field, ids[i]));
@@ -68,6 +71,7 @@ absl::StatusOr<records::JobParams> IdentifyFromProto(const v1::IdentifyParams& m
   params.machine = MachineId(message.machine_id());
   std::set<int64_t> seen;
   RETURN_IF_ERROR(ReadSessions("session_ids", message.session_ids(), seen, params.sessions));
+  RETURN_IF_ERROR(RequireAtMost("declared_errors", message.declared_errors_size(), kMostDeclaredErrors));
   for (int i = 0; i < message.declared_errors_size(); ++i) {
     RETURN_IF_ERROR(
         RequireText(absl::StrCat("declared_errors[", i, "]"), message.declared_errors(i), 1, kMostErrorBytes));
@@ -103,11 +107,10 @@ absl::StatusOr<records::JobParams> CloseLoopFromProto(const v1::CloseLoopParams&
   std::set<int64_t> seen;
   RETURN_IF_ERROR(ReadSessions("fit_session_ids", message.fit_session_ids(), seen, params.fit));
   for (int i = 0; i < message.check_session_ids_size(); ++i) {
-    const SessionId id(message.check_session_ids(i));
-    if (std::find(params.fit.begin(), params.fit.end(), id) == params.fit.end()) continue;
-    return FieldError(
-        absl::StrCat("check_session_ids[", i, "]"),
-        absl::StrCat(id.number(), " stands in fit_session_ids: a session that was fitted proves nothing"));
+    const int64_t id = message.check_session_ids(i);
+    if (!seen.contains(id)) continue;
+    return FieldError(absl::StrCat("check_session_ids[", i, "]"),
+                      absl::StrCat(id, " stands in fit_session_ids: a session that was fitted proves nothing"));
   }
   RETURN_IF_ERROR(ReadSessions("check_session_ids", message.check_session_ids(), seen, params.check));
   if (message.has_max_effects()) {

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 
+#include "core/base/utf8.h"
 #include "server/storage/sqlite_error.h"
 
 namespace axiscal::storage {
@@ -24,7 +25,9 @@ absl::StatusOr<bool> Statement::Step() {
 std::string Statement::Text(int column) const {
   const void* bytes = sqlite3_column_blob(statement_, column);
   const int size = sqlite3_column_bytes(statement_, column);
-  return size > 0 ? std::string(static_cast<const char*>(bytes), size) : std::string();
+  std::string text = size > 0 ? std::string(static_cast<const char*>(bytes), size) : std::string();
+  // Earlier versions let callers store what is no UTF-8; one such text in an answer would spoil all of it.
+  return sqlite3_column_type(statement_, column) == SQLITE_TEXT ? base::ToUtf8(std::move(text)) : text;
 }
 
 std::optional<double> Statement::OptionalReal(int column) const {

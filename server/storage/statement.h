@@ -38,7 +38,7 @@ class Statement {
   int64_t Int(int column) const { return sqlite3_column_int64(statement_, column); }
   bool Bool(int column) const { return Int(column) != 0; }
   double Real(int column) const { return sqlite3_column_double(statement_, column); }
-  std::string Text(int column) const;  // or blob; NULL is ""
+  std::string Text(int column) const;  // as UTF-8; or a blob as it is; NULL is ""
   base::UtcTime Time(int column) const { return base::FromUtcUs(Int(column)); }
   template <typename Enum>
   Enum As(int column) const {

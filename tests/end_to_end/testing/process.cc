@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <fstream>
 #include <utility>
 
 namespace axiscal::testing {
@@ -66,6 +67,14 @@ ServerProcess::~ServerProcess() {
   if (pid_ == 0) return;
   Signal(SIGKILL);
   Wait();
+}
+
+int64_t ServerProcess::PeakMemoryBytes() const {
+  std::ifstream status(absl::StrCat("/proc/", pid_, "/status"));
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind("VmHWM:", 0) == 0) return std::stoll(line.substr(6)) * 1024;
+  }
+  return -1;
 }
 
 void ServerProcess::Signal(int signal) { kill(pid_, signal); }

@@ -23,6 +23,8 @@ class ServerProcess {
 
   const std::string& address() const { return address_; }
   void Signal(int signal);
+  // The most that it ever had in memory.
+  int64_t PeakMemoryBytes() const;
   // Waits for its end: the exit status, or 128 + the signal that ended it.
   int Wait();
 
