@@ -1,7 +1,9 @@
 #include "server/storage/migrate.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -111,6 +113,53 @@ TEST(SqliteDatabase, IsHeldByOneOnly) {
   EXPECT_EQ(base::ErrorReason(second), "STORE_LOCKED");
   database.Close();
   EXPECT_TRUE(OpenSqlite(options).ok());
+}
+
+// A file is the same under every name.
+TEST(SqliteDatabase, IsHeldByOneOnlyThroughLinksToo) {
+  TempDatabase database;
+  const TempDirectory elsewhere;
+  SqliteOptions symbolic, hard;
+  symbolic.path = elsewhere.File("symbolic.db");
+  hard.path = elsewhere.File("hard.db");
+  std::filesystem::create_symlink(database.path(), symbolic.path);
+  std::filesystem::create_hard_link(database.path(), hard.path);
+  for (const SqliteOptions& options : {symbolic, hard}) {
+    const absl::Status second = OpenSqlite(options).status();
+    EXPECT_EQ(base::ErrorReason(second), "STORE_LOCKED") << options.path << ": " << second;
+  }
+  database.Close();
+  // The log would stand beside one name only.
+  EXPECT_EQ(base::ErrorReason(OpenSqlite(symbolic).status()), "STORE_LINKED");
+  EXPECT_EQ(base::ErrorReason(OpenSqlite(hard).status()), "STORE_LINKED");
+  std::filesystem::remove(hard.path);
+  const auto opened = OpenSqlite(symbolic);
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  EXPECT_FALSE(std::filesystem::exists(symbolic.path + "-wal"));
+  EXPECT_TRUE(std::filesystem::exists(database.path() + "-wal"));
+}
+
+// A refused opening leaves alone what SQLite has locked: a POSIX lock goes with any descriptor of its file that the
+// process closes.
+TEST(SqliteDatabase, KeepsItsLocksWhenAnotherOpeningIsRefused) {
+  const auto locks = [] {
+    std::ostringstream text;
+    text << std::ifstream("/proc/locks").rdbuf();
+    std::istringstream lines(text.str());
+    const std::string process = " " + std::to_string(getpid()) + " ";
+    int count = 0;
+    for (std::string line; std::getline(lines, line);)
+      count += line.find("POSIX") != std::string::npos && line.find(process) != std::string::npos ? 1 : 0;
+    return count;
+  };
+  TempDatabase database;
+  SqliteOptions options;
+  options.path = database.path();
+  ASSERT_TRUE(database->ListMachines({}).ok());
+  const int before = locks();
+  if (before == 0) GTEST_SKIP() << "/proc/locks does not show this process";
+  EXPECT_EQ(base::ErrorReason(OpenSqlite(options).status()), "STORE_LOCKED");
+  EXPECT_EQ(locks(), before);
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& given)
   SqliteOptions options = given;
   if (!options.free_bytes) options.free_bytes = [path = given.path] { return FreeBytes(path); };
   IgnoreFileSizeSignal();
-  ASSIGN_OR_RETURN(FileLock lock, FileLock::Take(options.path + ".lock"));
+  ASSIGN_OR_RETURN(FileLock lock, FileLock::Take(options.path));
+  options.path = lock.path();
   RETURN_IF_ERROR(CheckFile(options.path, EmbeddedMigrations()));
   ASSIGN_OR_RETURN(std::unique_ptr<Connection> connection, Connection::Open(options.path, Access::kWrite));
   RETURN_IF_ERROR(base::Within(options.path, Migrate(*connection, EmbeddedMigrations(), options.clock->UtcNow())));

@@ -13,7 +13,8 @@
 namespace axiscal::storage {
 
 struct SqliteOptions {
-  // The database file; made when it is not there. "FILE-wal", "FILE-shm" and "FILE.lock" stand beside it.
+  // The database file; made when it is not there. "FILE-wal", "FILE-shm" and "FILE.lock" stand beside it; through a
+  // symbolic link, beside the file that it leads to.
   std::string path;
   // Refuse growing writes below this much free disk, so that ending, aborting and cleaning up still work.
   int64_t min_free_bytes = 64 << 20;
@@ -23,7 +24,8 @@ struct SqliteOptions {
 };
 
 // Opens, locks and migrates the file, and returns RUNNING jobs of a process that died to the queue.
-//   held by another process or Database: UNAVAILABLE STORE_LOCKED; written by a newer version, or not ours:
+//   held by another process or Database, under whichever name: UNAVAILABLE STORE_LOCKED; a file with several names (hard
+//   links): FAILED_PRECONDITION STORE_LINKED; written by a newer version, or not ours:
 //   FAILED_PRECONDITION SCHEMA_NEWER, NOT_A_DATABASE, SCHEMA_CHANGED; the file is left as it was.
 // Ignores SIGXFSZ in this process: a file-size limit is then an error of the write instead of death.
 // The database is closed, with the log merged, when it is destroyed; no call may be under way then.

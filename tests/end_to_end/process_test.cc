@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <thread>
@@ -223,6 +224,23 @@ TEST_F(Process, TheExampleOfTheReadmeWorks) {
   EXPECT_NE(output.find("1500 of 1500 readings are on disk"), std::string::npos) << output;
   EXPECT_EQ(testing::RunProgram({EXAMPLE_UPLOAD_PATH, server->address(), "mt", path}, &output), 0);
   EXPECT_NE(output.find("was there already"), std::string::npos) << output;
+}
+
+TEST_F(Process, ALinkToTheDatabaseOpensNoSecondServer) {
+  absl::StatusOr<ServerProcess> server = StartServer();
+  ASSERT_OK(server);
+  for (const std::string link : {"symbolic.db", "hard.db"}) {
+    const std::string path = dir_.File(link);
+    if (link == "hard.db") {
+      std::filesystem::create_hard_link(dir_.File("axiscal.db"), path);
+    } else {
+      std::filesystem::create_symlink(dir_.File("axiscal.db"), path);
+    }
+    EXPECT_FALSE(ServerProcess::Start(path, "127.0.0.1:0", dir_.File("second log")).ok()) << link;
+    std::ifstream log(dir_.File("second log"));
+    const std::string text{std::istreambuf_iterator<char>(log), {}};
+    EXPECT_NE(text.find("the database is in use"), std::string::npos) << link << ": " << text;
+  }
 }
 
 }  // namespace
