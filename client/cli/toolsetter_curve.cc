@@ -19,6 +19,8 @@ using base::kDegPerRad;
 using base::kRadPerDeg;
 using base::kUmPerMm;
 
+constexpr double kUsualSigmaUm = 1.0;  // of a tool setter's reading, for which a cutter.json has no field
+
 struct CurveArguments {
   std::string cutter, output, wear;
   std::optional<double> rpm, feed, height;
@@ -74,7 +76,13 @@ absl::Status Curve(Context& context, const CurveArguments& arguments) {
                     peak != nullptr ? NumberText(peak->height_mm * kUmPerMm) : "never",
                     peak != nullptr ? NumberText(peak->start_rad * kDegPerRad) : "-"});
   }
-  const double unseen_um = described.run.feed_per_insert_mm(described.cutter) * kUmPerMm;
+  ASSIGN_OR_RETURN(const toolsetter::InsertHeights heights, toolsetter::HeightsOf(described.cutter, described.run));
+  const std::vector<double> unseen_mm = toolsetter::UnseenFromMm(heights, described.cutter, described.run);
+  const double unseen_um = *std::min_element(unseen_mm.begin(), unseen_mm.end()) * kUmPerMm;
+  const absl::Status apart =
+      toolsetter::CheckInsertsApart(heights, described.cutter, described.run, kUsualSigmaUm * base::kMmPerUm);
+  Json warnings = Json::Array();
+  if (!apart.ok()) warnings.push_back(std::string(apart.message()));
   Json points = Json::Array();
   for (const toolsetter::CurvePoint& point : curve) {
     points.push_back({{"start_deg", point.start_rad * kDegPerRad},
@@ -92,13 +100,15 @@ absl::Status Curve(Context& context, const CurveArguments& arguments) {
        {"lowest_mm", lowest->height_mm},
        {"lowest_start_deg", lowest->start_rad * kDegPerRad},
        {"unseen_from_um", unseen_um},
+       {"warnings", warnings},
        {"inserts", inserts},
        {"curve", points}},
       absl::StrFormat("Z_t from %.3f um (start at %g deg) to %.3f um (%g deg); a length that ignores it reads so "
-                      "much too low\n%swear from %.4g um more than the insert before is not seen at this feed and "
-                      "speed\n",
+                      "much too low\n%swear from %.4g um more than the others is not seen at this feed, speed and "
+                      "offset\n%s",
                       highest->height_mm * kUmPerMm, highest->start_rad * kDegPerRad, lowest->height_mm * kUmPerMm,
-                      lowest->start_rad * kDegPerRad, Table(rows), unseen_um));
+                      lowest->start_rad * kDegPerRad, Table(rows), unseen_um,
+                      apart.ok() ? "" : absl::StrCat("warning: ", apart.message(), "\n")));
   return absl::OkStatus();
 }
 

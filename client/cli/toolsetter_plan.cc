@@ -67,7 +67,9 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
   ASSIGN_OR_RETURN(const std::string table,
                    toolsetter::ToTable(cutter, arguments.machine, arguments.session, planned));
   RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, table));
-  const double unseen_um = described.run.feed_per_insert_mm(described.cutter) * kUmPerMm;
+  const auto by_unseen = [](const auto& a, const auto& b) { return a.unseen_from_mm < b.unseen_from_mm; };
+  const double unseen_um =
+      std::min_element(expected.inserts.begin(), expected.inserts.end(), by_unseen)->unseen_from_mm * kUmPerMm;
   Json inserts = Json::Array();
   std::vector<std::vector<std::string>> rows = {{"insert", "wear expected +- um", "readings"}};
   for (size_t k = 0; k < expected.inserts.size(); ++k) {
@@ -88,7 +90,7 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
       absl::StrCat(arguments.output, ": ", arguments.starts, " start angles\nlength expected +- ",
                    NumberText(expected.length_sigma_mm * kUmPerMm), " um\n", Table(rows),
                    "(of unworn inserts; the longest one is what the others are worn against)\nwear from ",
-                   NumberText(unseen_um), " um more than the insert before is not seen at this feed and speed\n"));
+                   NumberText(unseen_um), " um more than the others is not seen at this feed, speed and offset\n"));
   return absl::OkStatus();
 }
 

@@ -18,10 +18,7 @@ absl::StatusOr<CurveSession> Read(const session::Session& session) {
   if (instrument != "tool-curve") {
     return absl::InvalidArgumentError("instrument: '" + instrument + "', expected 'tool-curve'");
   }
-  ASSIGN_OR_RETURN(const std::vector<double> sigma_um, HeaderNumbers(session, "sigma_um", 1, "one number in um"));
-  if (sigma_um.empty() || !(sigma_um[0] > 0.0))
-    return absl::InvalidArgumentError("sigma_um: expected a number above 0");
-  out.sigma_mm = sigma_um[0] * base::kMmPerUm;
+  ASSIGN_OR_RETURN(out.sigma_mm, CurveSigmaMm(session));
   ASSIGN_OR_RETURN(const std::vector<double> start_sigma_deg,
                    HeaderNumbers(session, "start_sigma_deg", 1, "one standard deviation in deg"));
   const double sigma_deg = start_sigma_deg.empty() ? kUsualStartSigmaDeg : start_sigma_deg[0];
@@ -55,6 +52,13 @@ absl::StatusOr<CurveSession> Read(const session::Session& session) {
 }
 
 }  // namespace
+
+absl::StatusOr<double> CurveSigmaMm(const session::Session& session) {
+  ASSIGN_OR_RETURN(const std::vector<double> sigma_um, HeaderNumbers(session, "sigma_um", 1, "one number in um"));
+  if (sigma_um.empty() || !(sigma_um[0] > 0.0))
+    return absl::InvalidArgumentError("sigma_um: expected a number above 0");
+  return sigma_um[0] * base::kMmPerUm;
+}
 
 absl::StatusOr<CurveSession> ReadCurveSession(const session::Session& session) {
   auto out = Read(session);

@@ -18,7 +18,9 @@ absl::Status CheckHeader(const session::Session& session) {
   if (instrument == kRods) return ReadRodSession(session).status();
   if (instrument != kCurve) return absl::OkStatus();
   ASSIGN_OR_RETURN(const CutterDescription description, ReadCutterKeys(session));
-  return HeightsOf(description.cutter, description.run).status();
+  ASSIGN_OR_RETURN(const InsertHeights heights, HeightsOf(description.cutter, description.run));
+  ASSIGN_OR_RETURN(const double sigma_mm, CurveSigmaMm(session));
+  return CheckInsertsApart(heights, description.cutter, description.run, sigma_mm);
 }
 
 absl::StatusOr<reports::ToolSetter> Evaluate(const session::Session& session, const ReferenceOptions& options) {

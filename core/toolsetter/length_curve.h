@@ -28,25 +28,17 @@ class LengthCurve {
   // checks it).
   LengthCurve(const InsertHeights& heights, const Cutter& cutter, const CutterRun& run, std::vector<double> wear_mm);
 
-  // In the order of `starts_rad`; ascending starts within one turn cost least.
+  // In the order of `starts_rad`.
   std::vector<CurvePoint> At(const std::vector<double>& starts_rad) const;
 
-  // How deep below the peak a trigger can happen: what the tool sinks in a turn.
+  // How deep below the peak a trigger can happen: what the tool sinks in a turn, and some more.
   static double DepthMm(const CutterRun& run);
 
  private:
-  struct Node {
-    double psi_rad, rise_mm;  // of insert 1; rise = envelope + p psi / 2 pi
-  };
-  double Envelope(double psi_rad, int* insert) const;
-  // The first trigger of a line that stands at `level_mm` - p psi / 2 pi, from `first_rad` on; it lies before `node`.
-  CurvePoint Hit(double first_rad, double level_mm, size_t node) const;
-
   const InsertHeights& heights_;
   const Cutter& cutter_;
   const std::vector<double> wear_mm_;
   const double start_mm_, per_rad_mm_;  // h, p / 2 pi
-  std::vector<Node> nodes_;             // over two turns from 0
 };
 
 // The curve of a cutter at `starts_rad`. INVALID_ARGUMENT as Validate, or when the tool already shades the beam where
@@ -57,6 +49,18 @@ absl::StatusOr<std::vector<CurvePoint>> ComputeCurve(const Cutter& cutter, const
 
 // The heights that a run needs, checked.
 absl::StatusOr<InsertHeights> HeightsOf(const Cutter& cutter, const CutterRun& run);
+
+// Per insert, mm: worn by this much more than all others it never fires first, at no start angle. Far out in the beam
+// that is f times the gap to the insert before it; where the offset is well below the inserts' reach it is less, for
+// another insert's second crossing comes before it. 0: its wear does not show at all, as at offset 0 with an insert
+// right opposite. A single insert has what the tool sinks in a turn.
+std::vector<double> UnseenFromMm(const InsertHeights& heights, const Cutter& cutter, const CutterRun& run);
+
+// INVALID_ARGUMENT naming offset, insert and rule where the readings of a run cannot tell which insert is worn: an
+// insert never fires once it is worn by a tenth of `sigma_mm` (of one reading) more than the others, which no number of
+// readings shows.
+absl::Status CheckInsertsApart(const InsertHeights& heights, const Cutter& cutter, const CutterRun& run,
+                               double sigma_mm);
 
 }  // namespace axiscal::toolsetter
 

@@ -68,11 +68,11 @@ absl::StatusOr<CurveSession> PlanStarts(CurveSession session, int starts) {
   RETURN_IF_ERROR(InRange("starts", starts, session.cutter.inserts + 2, 360));
   session.starts_rad.clear();
   for (int i = 0; i < starts; ++i) session.starts_rad.push_back(2.0 * std::numbers::pi * i / starts);
-  ASSIGN_OR_RETURN(
-      const auto curve,
-      ComputeCurve(session.cutter, session.run, std::vector<double>(session.cutter.inserts, 0.0), session.starts_rad));
+  ASSIGN_OR_RETURN(const InsertHeights heights, HeightsOf(session.cutter, session.run));
+  RETURN_IF_ERROR(CheckInsertsApart(heights, session.cutter, session.run, session.sigma_mm));
+  const LengthCurve curve(heights, session.cutter, session.run, std::vector<double>(session.cutter.inserts, 0.0));
   session.lengths_mm.clear();
-  for (const CurvePoint& point : curve) session.lengths_mm.push_back(point.height_mm);
+  for (const CurvePoint& point : curve.At(session.starts_rad)) session.lengths_mm.push_back(point.height_mm);
   return session;
 }
 

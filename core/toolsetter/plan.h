@@ -30,7 +30,8 @@ bool FeedsAlongTool(const machine::Machine& machine);
 // number, or the rod that is not there.
 absl::StatusOr<RodSession> PlanRods(RodSession session, const std::string& turned, int holders, int readouts);
 
-// `starts` (inserts + 2 to 360) evenly spaced start angles of the unworn cutter. INVALID_ARGUMENT as Validate.
+// `starts` (inserts + 2 to 360) evenly spaced start angles of the unworn cutter. INVALID_ARGUMENT as HeightsOf and
+// CheckInsertsApart.
 absl::StatusOr<CurveSession> PlanStarts(CurveSession session, int starts);
 
 // What the planned readings will tell: standard uncertainties by repeatability and what is stated beforehand. Of rods

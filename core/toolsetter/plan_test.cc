@@ -146,6 +146,8 @@ TEST(PlanStarts, TwelveStartsTellLengthAndWear) {
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_NEAR(report->length_sigma_mm, 0.8e-3, 0.4e-3);
   EXPECT_THAT(std::string(PlanStarts(session, 3).status().message()), HasSubstr("starts = 3, expected 4 to 360"));
+  session.run.offset_mm = 0.0;
+  EXPECT_THAT(std::string(PlanStarts(session, 12).status().message()), HasSubstr("inserts cannot be told apart"));
 }
 
 // What is written is a session that lacks its readings alone.

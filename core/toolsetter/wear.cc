@@ -252,6 +252,8 @@ double BoundMm(const Fitter& fitter, const Unknowns& best, int k, double chi2, d
 
 absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
   ASSIGN_OR_RETURN(const InsertHeights heights, HeightsOf(session.cutter, session.run));
+  RETURN_IF_ERROR(CheckInsertsApart(heights, session.cutter, session.run, session.sigma_mm));
+  const std::vector<double> unseen_from_mm = UnseenFromMm(heights, session.cutter, session.run);
   Fitter fitter(session, heights);
   const int inserts = fitter.inserts();
   const std::vector<Unknowns> found = fitter.Search();
@@ -299,17 +301,10 @@ absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
   report.phase_rad = std::remainder(best[0], kTurn);
   report.phase_sigma_rad = std::sqrt(covariance(0, 0));
   const double f_mm = session.run.feed_per_insert_mm(session.cutter);
-  double unseen_mm = 0.0;
+  double times_feed = 0.0;
   for (int k = 0; k < inserts; ++k) {
     InsertWear& insert = report.inserts[k];
-    // The insert that passes the beam before this one.
-    double gap = kTurn;
-    for (int other = 0; other < inserts; ++other) {
-      const double behind = session.cutter.InsertAngle(other) - session.cutter.InsertAngle(k);
-      const double turned = behind - kTurn * std::floor(behind / kTurn);
-      if (other != k && turned > 1e-9) gap = std::min(gap, turned);
-    }
-    insert.unseen_from_mm = session.run.feed_per_turn_mm() * gap / kTurn;
+    insert.unseen_from_mm = unseen_from_mm[k];
     insert.is_identifiable = is_seen[1 + k];
     if (insert.is_identifiable) {
       insert.wear_mm = report.length_mm - best[1 + k];
@@ -319,9 +314,9 @@ absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
       continue;
     }
     insert.at_least_mm = BoundMm(fitter, best, k, chi2, grown, f_mm);
-    unseen_mm = std::max(unseen_mm, std::max(insert.at_least_mm, insert.unseen_from_mm));
+    times_feed = std::max(times_feed, 2.0 * std::max(1.0, insert.at_least_mm / insert.unseen_from_mm));
   }
-  if (unseen_mm > 0.0) report.propose_feed_mm_min = 2.0 * unseen_mm * session.run.spindle_rpm * inserts;
+  if (times_feed > 0.0) report.propose_feed_mm_min = times_feed * session.run.feed_mm_min;
 
   std::vector<double> starts;
   for (int i = 0; i < 2 * kSearchSteps; ++i) starts.push_back(0.5 * i * kSearchStep);

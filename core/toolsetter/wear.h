@@ -34,6 +34,8 @@ inline constexpr double kUsualStartSigmaDeg = 0.1;
 // INVALID_ARGUMENT naming session, key and rule; also when there are too few readings: inserts + 2 at different angles
 // are the least.
 absl::StatusOr<CurveSession> ReadCurveSession(const session::Session& session);
+// Its `sigma_um` alone.
+absl::StatusOr<double> CurveSigmaMm(const session::Session& session);
 
 struct InsertWear {
   bool is_identifiable = false;
@@ -41,8 +43,7 @@ struct InsertWear {
   double at_least_mm = 0.0;              // where not identifiable: 95 % bound
   int readings = 0;                      // at which it fired
   double share_rad = 0.0;                // of the start angles at which it fires, in the fitted curve
-  // From this much more wear than the insert before it, it never fires at this feed and speed: f, larger for wider
-  // spacing.
+  // From this much more wear than the others it never fires at this feed, speed and offset (UnseenFromMm).
   double unseen_from_mm = 0.0;
 };
 
@@ -58,6 +59,7 @@ struct WearReport {
   std::optional<double> propose_feed_mm_min;
 };
 
+// INVALID_ARGUMENT as HeightsOf and CheckInsertsApart, and where the readings leave length and phase together.
 // Sigmas grow by the root of chi-square over its degrees of freedom where that is above 1.
 absl::StatusOr<WearReport> FitWear(const CurveSession& session);
 

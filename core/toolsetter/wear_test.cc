@@ -72,6 +72,26 @@ TEST(Wear, TwelveExactReadingsGiveLengthAndWear) {
   }
 }
 
+// An offset well below the inserts' reach: each insert crosses the beam at two angles far apart.
+TEST(Wear, AnOffsetWellBelowTheReach) {
+  CurveSession session = MakeSession(3, 24);
+  session.run.offset_mm = 3;
+  session.run.feed_mm_min = 60;
+  Measure(&session, {0.0, 0.006, 0.010}, 15, nullptr);
+  const auto report = FitWear(session);
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_NEAR(report->length_mm, kLengthMm, 1e-5);
+  const double wear_mm[] = {0.0, 0.006, 0.010};
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(report->inserts[k].wear_mm, wear_mm[k], 2e-5) << k;
+}
+
+TEST(Wear, RefusesAnOffsetThatCannotTellInsertsApart) {
+  CurveSession session = MakeSession(2, 12);
+  session.run.offset_mm = 0;
+  Measure(&session, {0.0, 0.005}, 0, nullptr);
+  EXPECT_THAT(std::string(FitWear(session).status().message()), HasSubstr("inserts cannot be told apart"));
+}
+
 TEST(Wear, ThreeInsertsAndUnevenSpacing) {
   CurveSession session = MakeSession(3, 18);
   Measure(&session, {0.003, 0.0, 0.0055}, 20, nullptr);
