@@ -58,9 +58,9 @@ std::string Cell(double number) {
 
 absl::StatusOr<published::Comparison> OfSessions(Context& context, const published::Source& source,
                                                  const PublishedArguments& arguments) {
-  if (!arguments.rewrite.tool_tip.empty() || !arguments.errors.empty() || arguments.calibration != 0) {
+  if (!arguments.rewrite.tool_tip.empty() || !arguments.rewrite.unit.empty() || !arguments.errors.empty() || arguments.calibration != 0) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "published: ", source.name, " is about sessions, expected no --tool-tip, --errors, --calibration"));
+        "published: ", source.name, " is about sessions, expected no --tool-tip, --unit, --errors, --calibration"));
   }
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
   std::vector<session::Session> sessions;
@@ -148,6 +148,7 @@ void AddPublishedCommand(CLI::App& app, Context& context) {
   published->add_option("--machine", arguments->machine, "the machine, or its machine.json without any database");
   published->add_option("--tool-tip", arguments->rewrite.tool_tip,
                         "of a compensation: the nominal tool point with all axes at zero, \"X Y Z\" in mm");
+  AddUnitOption(*published, arguments->rewrite);
   CLI::Option* calibration = published->add_option("--calibration", arguments->calibration,
                                                    "of a compensation: this one instead of the approved one");
   calibration->check(CLI::PositiveNumber);

@@ -19,6 +19,9 @@ const std::map<std::string, nc::BlockDelete> kBlockDelete = {{"either", nc::Bloc
 const std::map<std::string, nc::IntegerWords> kIntegerWords = {{"units", nc::IntegerWords::kWholeUnits},
                                                                {"increments", nc::IntegerWords::kLeastIncrement}};
 
+const std::map<std::string, nc::ProgramUnit> kUnits = {{"mm", nc::ProgramUnit::kMillimetre},
+                                                       {"inch", nc::ProgramUnit::kInch}};
+
 template <typename Value>
 std::vector<std::string> NamesOf(const std::map<std::string, Value>& choices) {
   std::vector<std::string> names;
@@ -112,6 +115,13 @@ void AddModelOptions(CLI::App& command, std::string& machine, std::string& error
   command.add_option("--errors", errors, "errors.json in um and urad: needs no database")->excludes(chosen);
 }
 
+void AddUnitOption(CLI::App& command, RewriteArguments& arguments) {
+  command
+      .add_option("--unit", arguments.unit,
+                  "of a program that does not state it by G20, G21, G70, G71, MM or INCH: mm or inch")
+      ->check(CLI::IsMember(NamesOf(kUnits)));
+}
+
 void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
   command
       .add_option("--tool-tip", arguments.tool_tip,
@@ -160,6 +170,7 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
                   "X10 means 10 mm (units) or 10 least increments, of --decimals: with 3 it is 0.010 mm")
       ->check(CLI::IsMember(NamesOf(kIntegerWords)))
       ->capture_default_str();
+  AddUnitOption(command, arguments);
   command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
   // One value each time: the program's name may follow.
   command
@@ -199,6 +210,7 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
     return absl::InvalidArgumentError(
         "--integer-words increments: needs --decimals, the least increment: with 3 X10 is 0.010 mm, with 4 0.0010 mm");
   }
+  if (!arguments.unit.empty()) options.unit = kUnits.at(arguments.unit);
   if (arguments.decimals) {
     options.decimals_mm = *arguments.decimals;
     options.decimals_inch = std::min(*arguments.decimals + 1, 6);

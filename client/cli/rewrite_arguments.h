@@ -22,6 +22,7 @@ struct RewriteArguments {
   std::string on_unsupported = "refuse";
   std::string block_delete = "either";
   std::string integer_words = "units";
+  std::string unit;  // "mm", "inch"; "": the program states it
   std::optional<int> decimals;
   double max_correction_um = 500;
   double tolerance_um = 1;
@@ -36,6 +37,8 @@ struct RewriteArguments {
 
 // --machine, and --errors or --calibration.
 void AddModelOptions(CLI::App& command, std::string& machine, std::string& errors, int64_t& calibration);
+// --unit alone, for commands that only read programs.
+void AddUnitOption(CLI::App& command, RewriteArguments& arguments);
 void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments);
 
 // INVALID_ARGUMENT naming the option, its value and what was expected.

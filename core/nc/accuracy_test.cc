@@ -93,6 +93,7 @@ TEST(Accuracy, EveryWayToStateMovesOnTheThreeStructures) {
     const machine::ErrorModel errors = ErrorsOf(machine);
     const std::string tilt = machine::FindAxis(machine, "B") >= 0 ? "B" : "A";
     VerifyOptions verify;
+    verify.reading.unit = ProgramUnit::kMillimetre;
     verify.tool_tip_mm = {0, 0, -150};
     verify.reading.tolerance_mm = kToleranceMm;
     const auto compensator = testing::MustCreate(machine, errors, verify.tool_tip_mm);

@@ -58,7 +58,7 @@ TEST(ArcRewriter, WhatIsNoArcIsRefused) {
   EXPECT_REFUSED(kAtZero, "G2 X10. I5. R5.\n", "a centre and a radius");
   EXPECT_REFUSED(kAtZero, "G2 X10. K5.\n", "word K is not of its plane");
   EXPECT_REFUSED(kAtZero, "G2 X10. I5. P2\n", "word P in a circular move");
-  EXPECT_REFUSED(RewriteOptions(), "G2 X10. I5.\n", "starts at an unknown position of X");
+  EXPECT_REFUSED(testing::InMm(), "G2 X10. I5.\n", "starts at an unknown position of X");
 }
 
 // Arcs smaller than words can resolve become lines; the program's modal code is restored where it is relied on.
@@ -104,12 +104,13 @@ TEST(ArcRewriter, ArcsStayWithinTheToleranceOnAllStructures) {
       const machine::ErrorModel errors = AllErrors(structure.machine, 1e-4);
       const Eigen::Vector3d tip_mm(0, 0, -150);
       const std::string program = std::string(structure.head) + kArcs;
-      RewriteOptions options;
+      RewriteOptions options = testing::InMm();
       options.tolerance_mm = tolerance_mm;
       RewriteReport report;
       const auto text = RewriteText(program, testing::MustCreate(structure.machine, errors, tip_mm), options, &report);
       ASSERT_TRUE(text.ok()) << text.status();
       VerifyOptions verify;
+      verify.reading.unit = ProgramUnit::kMillimetre;
       verify.tool_tip_mm = tip_mm;
       const auto verified = VerifyText(program, *text, structure.machine, errors, verify);
       ASSERT_TRUE(verified.ok()) << verified.status() << "\n" << *text;
@@ -139,9 +140,10 @@ TEST(ArcRewriter, LostMotionIsTakenUpWhereAnAxisTurnsBack) {
       "Y50.\n"
       "G91 X3.\nX-3.\nG90 X0. Y0.\n";
   RewriteReport report;
-  const auto text = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), {}, &report);
+  const auto text = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), testing::InMm(), &report);
   ASSERT_TRUE(text.ok()) << text.status();
   VerifyOptions verify;
+  verify.reading.unit = ProgramUnit::kMillimetre;
   verify.tool_tip_mm = tip_mm;
   const auto verified = VerifyText(program, *text, machine, errors, verify);
   ASSERT_TRUE(verified.ok()) << verified.status() << *text;

@@ -24,7 +24,7 @@ struct Word {
   char letter = 0;  // capital; 0: a keyword
   bool is_lower = false;
   Distance distance = Distance::kModal;
-  bool says_inch = false;  // of a keyword that takes the rest: BEGIN PGM PART INCH
+  bool says_inch = false, says_mm = false;  // of a keyword that takes the rest: BEGIN PGM PART INCH
   int16_t keyword = 0;     // index into Dialect::keywords
   uint32_t letter_at = 0;
   uint32_t number_at = 0;  // sign included

@@ -41,10 +41,12 @@ std::vector<fs::path> Programs() {
 // The first line of NAME.txt: "fanuc split offsets".
 RewriteOptions OptionsOf(const std::string& line) {
   std::istringstream words(line);
-  RewriteOptions options;
+  RewriteOptions options = testing::InMm();
   words >> options.dialect;
   options.tolerance_mm = std::numeric_limits<double>::infinity();
   for (std::string word; words >> word;) {
+    if (word == "unstated") options.unit = ProgramUnit::kUnstated;
+    if (word == "inch") options.unit = ProgramUnit::kInch;
     if (word == "split") options.tolerance_mm = 0.005;
     if (word == "fine") options.tolerance_mm = 0.001;
     if (word == "increments") options.integer_words = IntegerWords::kLeastIncrement;
@@ -104,7 +106,7 @@ TEST(Hostile, ANullCorrectionReturnsTheBytesInEveryDialect) {
     const std::string program = ReadAll(path);
     for (const Dialect& dialect : Dialects()) {
       for (const auto mode : {OnUnsupported::kRefuse, OnUnsupported::kPass, OnUnsupported::kStop}) {
-        RewriteOptions options;
+        RewriteOptions options = testing::InMm();
         options.dialect = dialect.name;
         options.on_unsupported = mode;
         RewriteReport report;
@@ -133,6 +135,7 @@ TEST(Hostile, WhatIsWrittenIsRightInEveryDialect) {
         const auto text = RewriteText(program, testing::LeaningHead(), options, &report);
         if (!text.ok()) continue;
         VerifyOptions verify;
+        verify.reading.unit = ProgramUnit::kMillimetre;
         verify.tool_tip_mm = {0, 0, -testing::kToolMm};
         verify.reading = options;
         const machine::Machine machine = machine::testing::MultiTasking();

@@ -108,6 +108,7 @@ absl::StatusOr<Interpreter> Interpreter::Create(const machine::Machine& machine,
   ASSIGN_OR_RETURN(Coordinates coordinates, Coordinates::Create(machine, options, *dialect));
   Interpreter interpreter(machine, options, *dialect, std::move(coordinates));
   RETURN_IF_ERROR(interpreter.TakeOptions());
+  interpreter.BeginModal();
   return interpreter;
 }
 
@@ -150,8 +151,7 @@ void Interpreter::StartProgram() {
   if (is_first) return;
   // Controls differ on whether the end of a program ends them.
   const bool has_shift = coordinates_.has_shift() || coordinates_.has_preset();
-  modal_ = Modal();
-  if (has_called_) modal_.uncertain = kCalledGroups, modal_.blockers = blockers_at_calls_;
+  BeginModal();
   if (modal_.blockers & kMirror) modal_.mirrored_axes = kAllAxes;
   if (has_shift) modal_.blockers |= kShift;
   coordinates_.Reset();
@@ -162,12 +162,24 @@ void Interpreter::StartProgram() {
   ForgetPositions(false);
 }
 
+void Interpreter::BeginModal() {
+  modal_ = Modal();
+  const bool is_inch = options_->unit == ProgramUnit::kInch;
+  modal_.is_inch = is_inch;
+  // A code of an earlier program of this text may still be in force.
+  const bool is_contradicted = is_inch ? says_mm_ : says_inch_;
+  const bool is_unit_known = options_->unit != ProgramUnit::kUnstated && !is_contradicted;
+  if (has_called_) modal_.uncertain = kCalledGroups & ~kUnitGroup, modal_.blockers = blockers_at_calls_;
+  if (!is_unit_known) modal_.uncertain |= kUnitGroup;
+  is_unit_asked_ = false;
+}
+
 void Interpreter::ReadOverlong(Step* step) {
   ++line_;
   *step = Step();
   step->has_words = step->has_other_words = true;
   if (frame_.has_ended()) return;
-  modal_.uncertain = kAllGroups;
+  MayHaveChanged(kAllGroups);
   Unsupported("the block is too long to be one", false, step);
 }
 
@@ -232,7 +244,6 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   if (block->problem == LexProblem::kNone) return;
   if (MayHoldCodes(*dialect_, *block, begin + block->problem_at, text + size)) {
     NoteCall();
-    modal_.uncertain |= kAllGroups;
   }
   if (MayWriteOffsets(*dialect_, begin + block->problem_at, text + size)) ForgetStated();
 }

@@ -130,7 +130,10 @@ class Interpreter {
   void SelectOffset(const Block& block, Request* request);
   void NeedAbsoluteZ();
   void EndMode(uint32_t blockers) { modal_.blockers &= ~blockers; }
-  void MayHaveChanged(uint8_t groups) { modal_.uncertain |= groups; }
+  void MayHaveChanged(uint8_t groups) {
+    modal_.uncertain |= groups;
+    is_unit_asked_ |= (groups & kUnitGroup) != 0;  // its block is reported
+  }
   // A program is called: the modes in force are its too, and it may change modal groups.
   void NoteCall();
   // Work offsets and tool lengths are no longer those that were stated.
@@ -150,7 +153,9 @@ class Interpreter {
   void SetPole(const Block& block, const Request& request, Step* step);
   void DoShift(const Block& block, const Request& request, Step* step);
   // Why axis words of this block cannot be followed, or "".
-  std::string WhyNoMove(const Request& request, bool* is_consequence) const;
+  std::string WhyNoMove(const Request& request, bool* is_consequence);
+  // Why lengths cannot be read: the unit is not known. "" when it is.
+  std::string UnitProblem() const;
   void Move(const Block& block, const Request& request, Step* step);
   void GoTo(Step* step);
   // Whether a word may be a difference (G91) of the axis' position; Unsupported when not.
@@ -170,6 +175,8 @@ class Interpreter {
   void ForgetPositions(bool is_reported);
   void ForgetPosition(int axis, bool is_reported);
   void StartProgram();
+  // The modal state at the begin of a program.
+  void BeginModal();
   const Code& Find(const Word& word) const;
   bool TakesRest(const Word& word) const {
     return word.letter == 0 && dialect_->keywords[static_cast<size_t>(word.keyword)].takes_rest;
@@ -194,6 +201,8 @@ class Interpreter {
   bool has_changer_ = false;                             // T words choose a tool for M6
   std::vector<std::pair<int, int64_t>> tool_of_length_;  // D numbers of Sinumerik that were used, with their tools
   bool has_noted_integers_ = false, has_noted_cut_ = false;
+  bool says_mm_ = false, says_inch_ = false;  // some program of this text does
+  bool is_unit_asked_ = false;                // the block was reported since which it is not known
   int64_t line_ = 0;
   int64_t jump_line_ = 0;  // behind it the order of blocks is not known
   Pole pole_;

@@ -108,7 +108,11 @@ void Interpreter::ScanKeyword(const Block& block, const Word& word, Request* req
   step->has_other_words |= keyword.meaning != Meaning::kHead;
   if (keyword.meaning == Meaning::kHead) {
     StartProgram();
-    modal_.is_inch = word.says_inch;
+    if (word.says_inch || word.says_mm) {
+      modal_.is_inch = word.says_inch;
+      modal_.uncertain &= static_cast<uint8_t>(~kUnitGroup);
+      (word.says_inch ? says_inch_ : says_mm_) = true;
+    }
     return;
   }
   if (keyword.meaning == Meaning::kToolChange && dialect_->tool_call_sets_length)
@@ -136,6 +140,7 @@ void Interpreter::CallTool(const Block& block, const Word& word, Request* reques
                            : absl::StrCat("TOOL CALL ", number, ": the tool's length is not stated");
     }
   }
+  if (problem.empty() && has_difference) problem = UnitProblem();
   if (problem.empty()) {
     if (has_difference) coordinates_.SetLengthDifference(*difference);
     return;
@@ -166,6 +171,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     request->Choose(&request->unit, code, "unit");
     request->stated |= kUnitGroup;
     modal_.is_inch = is_inch;
+    (is_inch ? says_inch_ : says_mm_) = true;
   };
   switch (code.meaning) {
     case Meaning::kUnknown:

@@ -128,7 +128,8 @@ void Interpreter::DoPreset(const Block& block, const Request& request, Step* ste
   }
   if (modal_.blockers != 0) problem = BlockerText(modal_.blockers);
   if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
-  if (modal_.uncertain & (kUnitGroup | kOffsetGroup | kLengthGroup)) problem = "the modal state is not known";
+  if (modal_.uncertain & (kOffsetGroup | kLengthGroup)) problem = "the modal state is not known";
+  if (request.has_axis && problem.empty()) problem = UnitProblem();
   step->preset_axes = 0;
   for (int i = 0; i < axis_count_ && problem.empty(); ++i) {
     if (step->word_of_axis[i] < 0) continue;
@@ -154,8 +155,9 @@ void Interpreter::DoPreset(const Block& block, const Request& request, Step* ste
 void Interpreter::DoShift(const Block& block, const Request& request, Step* step) {
   std::string problem;
   if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
-  if (modal_.is_incremental || (modal_.uncertain & (kDistanceGroup | kUnitGroup)) != 0)
+  if (modal_.is_incremental || (modal_.uncertain & kDistanceGroup) != 0)
     problem = "in G91 controllers differ on what it means";
+  if (request.has_axis && problem.empty()) problem = UnitProblem();
   for (int i = 0; i < axis_count_ && problem.empty(); ++i) {
     if (step->word_of_axis[i] < 0) continue;
     const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
@@ -168,7 +170,16 @@ void Interpreter::DoShift(const Block& block, const Request& request, Step* step
   Unsupported(absl::StrCat("G52 (", request.shift->text, "): ", problem), false, step);
 }
 
-std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence) const {
+std::string Interpreter::UnitProblem() const {
+  if ((modal_.uncertain & kUnitGroup) == 0) return "";
+  if (options_->unit == ProgramUnit::kUnstated && !says_mm_ && !says_inch_) {
+    return "the unit is not known: nothing in front of this block says inch or mm, state it with --unit mm or --unit "
+           "inch";
+  }
+  return "the unit (G20, G21) is not known behind a block that was not followed, or a program that says another one";
+}
+
+std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence) {
   *is_consequence = false;
   if (modal_.blockers != 0) {
     *is_consequence = (modal_.blockers & request.blockers_before) != 0;
@@ -185,6 +196,11 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
                                               (is_arc && request.has_centre ? kCentreGroup : 0));
   if (const uint8_t missing = modal_.uncertain & needed; missing != 0) {
     *is_consequence = (missing & request.uncertain_before) != 0;
+    if (missing & kUnitGroup) {
+      *is_consequence = is_unit_asked_;
+      is_unit_asked_ = true;
+      return UnitProblem();
+    }
     return absl::StrCat(NameOf(static_cast<ModalGroup>(missing & -missing)),
                         " is not known behind a block that was not followed");
   }

@@ -91,10 +91,11 @@ struct Path {
 Path Compensated(const std::string& program, const std::vector<std::pair<std::string, double>>& values) {
   const machine::Machine machine = machine::testing::MultiTasking();
   const auto errors = testing::ConstantErrors(machine, values);
-  RewriteOptions options;
+  RewriteOptions options = testing::InMm();
   options.dialect = "heidenhain";
   options.tolerance_mm = 0.001;
   VerifyOptions verify;
+  verify.reading.unit = ProgramUnit::kMillimetre;
   verify.tool_tip_mm = {0, 0, -testing::kToolMm};
   verify.reading = options;
   Path path;

@@ -181,13 +181,22 @@ class BlockLexer {
   void ReadArgument(Word* word) {
     SkipBlanks();
     const std::string_view rest(at_, static_cast<size_t>(end_ - at_));
-    word->says_inch = rest.find("INCH") != std::string_view::npos || rest.find("inch") != std::string_view::npos;
+    word->says_inch = EndsWith(rest, "INCH");
+    word->says_mm = EndsWith(rest, "MM");
     word->number.has_plus = at_ != end_ && (*at_ == '"' || *at_ == 'Q' || *at_ == 'q');
     for (; at_ != end_ && Class(*at_) == kDigit && word->number.digits < 9; ++at_) {
       word->number.mantissa = word->number.mantissa * 10 + (*at_ - '0');
       ++word->number.digits;
     }
     word->number.has_point = IsOtherLength();
+  }
+
+  // Whether the last word is `name`, in capitals or not: names of programs may hold it too.
+  static bool EndsWith(std::string_view text, std::string_view name) {
+    while (!text.empty() && Class(text.back()) == kBlank) text.remove_suffix(1);
+    if (text.size() <= name.size() || Class(text[text.size() - name.size() - 1]) != kBlank) return false;
+    text.remove_prefix(text.size() - name.size());
+    return std::equal(text.begin(), text.end(), name.begin(), [](char a, char b) { return Capital(a) == b; });
   }
 
   // Behind the number of TOOL CALL: an index, a tool axis other than Z, a difference of the length in parameters. One

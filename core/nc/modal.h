@@ -24,8 +24,8 @@ enum ModalGroup : uint8_t {
   kLengthGroup = 64,
   kCentreGroup = 128,  // G90.1 or G91.1; known behind calls, since no program is known that leaves it changed
 };
-inline constexpr uint8_t kCalledGroups = 127 & ~kUnitGroup;  // what a subprogram may leave changed
 inline constexpr uint8_t kAllGroups = 127;
+inline constexpr uint8_t kCalledGroups = kAllGroups;  // what a subprogram may leave changed
 inline constexpr uint16_t kAllAxes = 0xFFFF;
 
 struct Modal {

@@ -62,7 +62,7 @@ TEST(Modal, PresetCoordinatesAreTakenFromWhereTheControllerStands) {
   // At B = 90 the correction of X is 0 and that of Z -0.0417.
   EXPECT_REWRITTEN(kAtZero, "G1 X1. Z0.\nG92 X0 Z10.\nX0. Z10. B90.\n",
                    "G1 X1.0417 Z0.\nG92 X0 Z10.\nX-0.0417 Z9.9583 B90.\n");
-  EXPECT_REFUSED(RewriteOptions(), "G92 X0\n", "the position of X is unknown");
+  EXPECT_REFUSED(testing::InMm(), "G92 X0\n", "the position of X is unknown");
   EXPECT_REWRITTEN(kAtZero, "G92 S2000\nG1 X1.\n", "G92 S2000\nG1 X1.0417\n");
 }
 
@@ -138,8 +138,8 @@ TEST(Modal, BehindACallTheModalStateIsUnknown) {
   EXPECT_EQ(outcome.report.blocks_passed, 3);
   RewriteOptions options = Passing();
   options.work_offsets = {{"G54", {}}};
-  EXPECT_REWRITTEN(options, "G90 G1 X1.\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G54 G49 G94 G1 X5. Y0. Z0. B0. C0.\n",
-                   "G90 G1 X1.0417\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G54 G49 G94 G1 X5.0417 Y0. Z0. B0. C0.\n");
+  EXPECT_REWRITTEN(options, "G90 G1 X1.\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G21 G54 G49 G94 G1 X5. Y0. Z0. B0. C0.\n",
+                   "G90 G1 X1.0417\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G21 G54 G49 G94 G1 X5.0417 Y0. Z0. B0. C0.\n");
 }
 
 TEST(Modal, BehindAJumpNothingIsCorrected) {

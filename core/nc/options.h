@@ -35,6 +35,14 @@ enum class IntegerWords {
                     // such a word
 };
 
+// The unit of a program that does not state it (G20 and G21, G70 and G71, MM and INCH of BEGIN PGM). Controls begin in
+// either, as a parameter says, or in that of the program before: a program's words mean nothing without it.
+enum class ProgramUnit {
+  kUnstated,  // axis words in front of the first such code cannot be corrected
+  kMillimetre,
+  kInch,
+};
+
 struct AxisValue {
   std::string axis;  // name in machine.json
   double value = 0;  // mm or rad
@@ -62,6 +70,7 @@ struct RewriteOptions {
   OnUnsupported on_unsupported = OnUnsupported::kRefuse;
   BlockDelete block_delete = BlockDelete::kEither;
   IntegerWords integer_words = IntegerWords::kWholeUnits;
+  ProgramUnit unit = ProgramUnit::kUnstated;
   // The machine's resolution: corrected words get at least so many decimals. 0 to 6.
   int decimals_mm = 4;
   int decimals_inch = 5;

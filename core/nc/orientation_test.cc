@@ -45,6 +45,7 @@ Case Of(machine::Machine machine, const std::vector<std::pair<std::string, doubl
 VerifyReport Verified(const Case& machine_case, const std::string& program, const std::string& text,
                       const RewriteOptions& reading) {
   VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
   options.tool_tip_mm = machine_case.tip_mm;
   options.reading = reading;
   const auto report = VerifyText(program, text, machine_case.machine, machine_case.errors, options);
@@ -113,7 +114,7 @@ TEST(Orientation, TheChainFindsPointAndDirectionOnAllThreeStructures) {
                                  -50 + 0.5 * i, tilt, tilt_deg, 9.0 * i);
     }
     program += "X100. Y20.\nG3 X60. Y60. I-40. J0.\nG2 X100. Y20. R40. C1100.\n";
-    RewriteOptions options = Turning(RewriteOptions());
+    RewriteOptions options = Turning(testing::InMm());
     options.max_correction_mm = 2.0;
     options.max_rotary_correction_rad = 0.2 * kRadPerDeg;
     options.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {tilt, 0}, {"C", 0}};
@@ -188,13 +189,13 @@ TEST(Orientation, HalfTurnsAreNoted) {
 TEST(Orientation, AMachineWithoutARotaryAxisRefusesTheOption) {
   using namespace machine::testing;  // NOLINT
   const machine::Machine machine = Make("three", {Linear("X", kX), Linear("Y", kY), Linear("Z", kZ)}, {}, {});
-  const Outcome outcome = Rewritten("G1 X1.\n", Turning(RewriteOptions()), testing::MustCreate(machine, {}, {0, 0, 0}));
+  const Outcome outcome = Rewritten("G1 X1.\n", Turning(testing::InMm()), testing::MustCreate(machine, {}, {0, 0, 0}));
   EXPECT_EQ(outcome.status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(outcome.status.message()), HasSubstr("machine 'three' has no rotary axis"));
 }
 
 TEST(Orientation, OptionsAreChecked) {
-  RewriteOptions options;
+  RewriteOptions options = testing::InMm();
   options.max_rotary_correction_rad = 0.2;
   EXPECT_THAT(std::string(Validate(options).message()), HasSubstr("max_rotary_correction_rad = 0.2, must be > 0"));
   options = {};

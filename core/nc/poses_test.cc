@@ -12,7 +12,9 @@ using ::testing::HasSubstr;
 
 absl::StatusOr<std::vector<ProgramPose>> Read(const std::string& text, size_t most = 10) {
   const machine::Machine machine = machine::testing::MultiTasking();
-  return ReadPoses(TextReader(text), machine, {}, most);
+  RewriteOptions options;
+  options.unit = ProgramUnit::kMillimetre;
+  return ReadPoses(TextReader(text), machine, options, most);
 }
 
 TEST(ReadPoses, EndsOfMovesInMmAndRad) {

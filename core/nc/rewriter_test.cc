@@ -26,10 +26,10 @@ using testing::Outcome;
 using testing::Rewritten;
 
 TEST(Rewriter, OnlyCorrectedWordsChange) {
-  EXPECT_REWRITTEN(RewriteOptions(), "G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\n",
+  EXPECT_REWRITTEN(testing::InMm(), "G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\n",
                    "G01 X-389.9583 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\n");
   // 45 degrees: (+29.46, -29.46) um. The order of words, blanks and cases stay.
-  EXPECT_REWRITTEN(RewriteOptions(), "n10 g0 f2000 c0 b45.  z-112.2605   x-390.0 y0 (to the start) m3 s200\n",
+  EXPECT_REWRITTEN(testing::InMm(), "n10 g0 f2000 c0 b45.  z-112.2605   x-390.0 y0 (to the start) m3 s200\n",
                    "n10 g0 f2000 c0 b45.  z-112.2900   x-389.9705 y0 (to the start) m3 s200\n");
 }
 
@@ -207,13 +207,13 @@ TEST(Rewriter, NothingReachesTheSinkBehindARefusal) {
     RETURN_IF_ERROR(take("G2 X1. R5.\n", 11));
     return take(program.data(), program.size());
   };
-  EXPECT_FALSE(RewriteProgram(source, sink, LeaningHead(), {}, &report).ok());
+  EXPECT_FALSE(RewriteProgram(source, sink, LeaningHead(), testing::InMm(), &report).ok());
   EXPECT_EQ(written, 0u);
 }
 
 TEST(Rewriter, UnknownPositionsAreRefusedUntilTheyAreProgrammed) {
-  EXPECT_REFUSED(RewriteOptions(), "G1 X1. Y1. Z1. B0.\n", "the position of C is unknown: never programmed");
-  EXPECT_REFUSED(RewriteOptions(), "G91 G1 X1.\n", "G91 from an unknown position of X");
+  EXPECT_REFUSED(testing::InMm(), "G1 X1. Y1. Z1. B0.\n", "the position of C is unknown: never programmed");
+  EXPECT_REFUSED(testing::InMm(), "G91 G1 X1.\n", "G91 from an unknown position of X");
   EXPECT_REFUSED(kAtZero, "G1 X1.\nT2 M6\nX2. Y1.\n", "not programmed since line 2");
   EXPECT_REWRITTEN(kAtZero, "G1 X1.\nT2 M6\nX2. Y1. Z1. B0. C0.\n", "G1 X1.0417\nT2 M6\nX2.0417 Y1. Z1. B0. C0.\n");
   // Behind M30 another program begins.
@@ -349,7 +349,7 @@ TEST(Rewriter, PiecesOfAnySizeGiveTheSameOutput) {
   std::string program = "%\r\nO1\r\nG1 X0. Y0. Z0. B0. C0.\r\n";
   for (int i = 0; i < 50; ++i) program += absl::StrFormat("N%d X%d.5 B%d. (c)\r\n", i, i, i);
   RewriteReport report;
-  const auto whole = RewriteText(program, LeaningHead(), {}, &report);
+  const auto whole = RewriteText(program, LeaningHead(), testing::InMm(), &report);
   ASSERT_TRUE(whole.ok()) << whole.status();
   for (const size_t piece : {1u, 2u, 7u, 64u}) {
     std::string text;
@@ -363,7 +363,7 @@ TEST(Rewriter, PiecesOfAnySizeGiveTheSameOutput) {
       text.append(bytes, size);
       return absl::OkStatus();
     };
-    ASSERT_TRUE(RewriteProgram(source, sink, LeaningHead(), {}, &report).ok());
+    ASSERT_TRUE(RewriteProgram(source, sink, LeaningHead(), testing::InMm(), &report).ok());
     EXPECT_EQ(text, *whole) << piece;
   }
 }
@@ -378,7 +378,7 @@ TEST(Rewriter, AnOverlongBlockIsRefusedAndPassedByANullCorrection) {
 }
 
 TEST(Rewriter, OptionsAreChecked) {
-  RewriteOptions options;
+  RewriteOptions options = testing::InMm();
   options.decimals_mm = 9;
   EXPECT_THAT(std::string(Validate(options).message()), HasSubstr("decimals_mm = 9, must be 0 to 6"));
   options = {};

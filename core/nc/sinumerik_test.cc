@@ -57,12 +57,13 @@ Path Compensated(const std::string& program, bool orientation = false) {
   auto errors =
       testing::ConstantErrors(machine, {{"EX0C", 0.02}, {"EX0C", 0.05}, {"EA0C", 4e-5}, {"EB0B", testing::kTiltRad}});
   errors.terms[0].shape = shapes::Harmonic{machine::FindAxis(machine, "C"), 3.0};
-  RewriteOptions options;
+  RewriteOptions options = testing::InMm();
   options.dialect = "sinumerik";
   options.tolerance_mm = 0.001;
   options.orientation = orientation;
   options.max_rotary_correction_rad = 1e-3;
   VerifyOptions verify;
+  verify.reading.unit = ProgramUnit::kMillimetre;
   verify.tool_tip_mm = {0, 0, -testing::kToolMm};
   verify.reading = options;
   Path path;

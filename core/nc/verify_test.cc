@@ -41,7 +41,7 @@ class RealProgram : public ::testing::Test {
 // Each block by hand: X + b R cos B, Z - b R sin B, rounded to four decimals; second order below 1e-6 mm.
 TEST_F(RealProgram, EveryBlockIsTheHandComputedOne) {
   RewriteReport report;
-  const auto text = RewriteText(original_, testing::LeaningHead(), {}, &report);
+  const auto text = RewriteText(original_, testing::LeaningHead(), testing::InMm(), &report);
   ASSERT_TRUE(text.ok()) << text.status();
   std::istringstream lines(original_), rewritten(*text);
   std::string line, found;
@@ -68,9 +68,10 @@ TEST_F(RealProgram, EveryBlockIsTheHandComputedOne) {
 
 TEST_F(RealProgram, VerificationAgreesWithTheRewritersPrediction) {
   RewriteReport report;
-  const auto text = RewriteText(original_, testing::LeaningHead(), {}, &report);
+  const auto text = RewriteText(original_, testing::LeaningHead(), testing::InMm(), &report);
   ASSERT_TRUE(text.ok());
   VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
   options.tool_tip_mm = {0, 0, -testing::kToolMm};
   const auto verified = VerifyText(original_, *text, machine_, errors_, options);
   ASSERT_TRUE(verified.ok()) << verified.status();
@@ -92,6 +93,7 @@ TEST_F(RealProgram, ThePublishedRuleIsFoundOut) {
     published += absl::StrFormat("G01 X%.4f Y%.4f Z%.4f B%.4f C%.4f F2000\n", x - tilt * z, y, z + tilt * x, b, c);
   }
   VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
   options.tool_tip_mm = {0, 0, -testing::kToolMm};
   const auto verified = VerifyText(original_, published, machine_, errors_, options);
   ASSERT_TRUE(verified.ok()) << verified.status();
@@ -125,12 +127,13 @@ TEST(Verify, AllThreeStructuresStayWithinToleranceAlongTheWholePath) {
       program += i % 3 == 0 ? " F500 (move)\n" : "\n";
     }
     const Eigen::Vector3d tip_mm(0, 0, -150);
-    RewriteOptions options;
+    RewriteOptions options = testing::InMm();
     options.tolerance_mm = kToleranceMm;
     RewriteReport report;
     const auto text = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), options, &report);
     ASSERT_TRUE(text.ok()) << text.status();
     VerifyOptions verify;
+    verify.reading.unit = ProgramUnit::kMillimetre;
     verify.tool_tip_mm = tip_mm;
     const auto verified = VerifyText(program, *text, machine, errors, verify);
     ASSERT_TRUE(verified.ok()) << verified.status();
@@ -178,12 +181,13 @@ TEST(Verify, FullTurnsAndLongMovesWithErrorsOfEveryShape) {
         "X-250. Y-250. %1$s90. C180.\nZ-100.\nZ100. %1$s0.\nG91 C-720. X100.\nG93 X50. Y50. Z-50. %1$s45. F0.5\n",
         tilt);
     const Eigen::Vector3d tip_mm(0, 0, -150);
-    RewriteOptions options;
+    RewriteOptions options = testing::InMm();
     options.tolerance_mm = kToleranceMm;
     RewriteReport report;
     const auto text = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), options, &report);
     ASSERT_TRUE(text.ok()) << text.status();
     VerifyOptions verify;
+    verify.reading.unit = ProgramUnit::kMillimetre;
     verify.tool_tip_mm = tip_mm;
     const auto verified = VerifyText(program, *text, machine, errors, verify);
     ASSERT_TRUE(verified.ok()) << verified.status();
@@ -200,6 +204,7 @@ TEST(Verify, FullTurnsAndLongMovesWithErrorsOfEveryShape) {
 
 TEST(Verify, AnUncompensatedProgramShowsItsError) {
   VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
   options.tool_tip_mm = {0, 0, -testing::kToolMm};
   const machine::Machine machine = machine::testing::MultiTasking();
   const auto errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
@@ -214,6 +219,7 @@ TEST(Verify, AnUncompensatedProgramShowsItsError) {
 TEST(Verify, PiecesShorterThanTheLargestCorrectionPairToo) {
   const machine::Machine machine = machine::testing::MultiTasking();
   VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
   options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
   std::string chords = "G1 F100\n";
   constexpr int kCount = 100;
@@ -240,6 +246,7 @@ TEST(Verify, ArcsWithLostMotionStayArcs) {
     errors.terms.push_back(backlash);
   }
   VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
   options.tool_tip_mm = {0, 0, -testing::kToolMm};
   options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
   const auto compensator = compensate::Compensator::Create(machine, errors, {options.tool_tip_mm, {}, {}});
@@ -263,6 +270,7 @@ TEST(Verify, ArcsWithLostMotionStayArcs) {
 
 TEST(Verify, ProgramsThatDoNotPairAreErrors) {
   VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
   options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
   const machine::Machine machine = machine::testing::MultiTasking();
   const auto message = [&](const std::string& original, const std::string& other) {

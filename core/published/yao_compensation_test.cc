@@ -27,7 +27,9 @@ Program ProgramOf(const std::string& errors, const std::string& nc) {
   Program program;
   program.errors = identify::ReadHeldErrors(errors, Integrex()).value();
   program.tool_tip_mm = {0, 0, -356.3945};
-  program.poses = nc::ReadPoses(nc::TextReader(nc), Integrex(), {}, kMostPoses).value();
+  nc::RewriteOptions options;
+  options.unit = nc::ProgramUnit::kMillimetre;
+  program.poses = nc::ReadPoses(nc::TextReader(nc), Integrex(), options, kMostPoses).value();
   return program;
 }
 

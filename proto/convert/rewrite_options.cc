@@ -19,6 +19,11 @@ v1::IntegerWords ToProto(nc::IntegerWords value) {
   return value == nc::IntegerWords::kWholeUnits ? v1::INTEGER_WORDS_WHOLE_UNITS : v1::INTEGER_WORDS_LEAST_INCREMENT;
 }
 
+v1::ProgramUnit ToProto(nc::ProgramUnit value) {
+  if (value == nc::ProgramUnit::kUnstated) return v1::PROGRAM_UNIT_UNSPECIFIED;
+  return value == nc::ProgramUnit::kMillimetre ? v1::PROGRAM_UNIT_MILLIMETRE : v1::PROGRAM_UNIT_INCH;
+}
+
 absl::Status ReadChoices(const v1::RewriteOptions& message, nc::RewriteOptions* options) {
   if (message.on_unsupported() == v1::ON_UNSUPPORTED_PASS) {
     options->on_unsupported = nc::OnUnsupported::kPass;
@@ -38,6 +43,13 @@ absl::Status ReadChoices(const v1::RewriteOptions& message, nc::RewriteOptions* 
     options->integer_words = nc::IntegerWords::kLeastIncrement;
   } else if (message.integer_words() > v1::INTEGER_WORDS_LEAST_INCREMENT) {
     return FieldError("integer_words", "must be WHOLE_UNITS or LEAST_INCREMENT");
+  }
+  if (message.unit() == v1::PROGRAM_UNIT_MILLIMETRE) {
+    options->unit = nc::ProgramUnit::kMillimetre;
+  } else if (message.unit() == v1::PROGRAM_UNIT_INCH) {
+    options->unit = nc::ProgramUnit::kInch;
+  } else if (message.unit() != v1::PROGRAM_UNIT_UNSPECIFIED) {
+    return FieldError("unit", "must be MILLIMETRE or INCH");
   }
   return absl::OkStatus();
 }
@@ -71,6 +83,7 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
   message.set_on_unsupported(ToProto(options.on_unsupported));
   message.set_block_delete(ToProto(options.block_delete));
   message.set_integer_words(ToProto(options.integer_words));
+  message.set_unit(ToProto(options.unit));
   message.set_decimals_mm(options.decimals_mm);
   message.set_decimals_inch(options.decimals_inch);
   message.set_max_correction_mm(options.max_correction_mm);

@@ -109,6 +109,7 @@ BENCHMARK(FromCharsToChars)->Unit(benchmark::kMillisecond);
 void Rewrite(benchmark::State& state, bool with_scale, double tolerance_mm, bool orientation = false) {
   const compensate::Compensator compensator = MakeCompensator(with_scale);
   nc::RewriteOptions options;
+  options.unit = nc::ProgramUnit::kMillimetre;
   options.tolerance_mm = tolerance_mm;
   options.orientation = orientation;
   options.max_correction_mm = 5.0;
@@ -176,6 +177,7 @@ BENCHMARK(RewriteFileToFile)->Args({1, 0})->Args({1, 1})->Args({3, 1})->Unit(ben
 void Verify(benchmark::State& state) {
   const std::string program = Program().substr(0, Program().find('\n', Program().size() / 10) + 1);
   nc::VerifyOptions options;
+  options.reading.unit = nc::ProgramUnit::kMillimetre;
   options.tool_tip_mm = {0, 0, -356.3945};
   for (auto _ : state) {
     const auto report = nc::VerifyText(program, program, Machine(), Errors(false), options);

@@ -16,7 +16,7 @@ class FilesOnly : public testing::CommandLine {
     std::filesystem::copy(Source("deploy/examples/integrex/machine.json"), folder_);
     Write("errors.json", R"({"EA0B": -101.2, "EX0C": 53.1})");
     Write("in.nc",
-          "%\nO1 (PART)\nN1 G90 G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\nN2 X-380. (X ONLY)\nM30\n%\n");
+          "%\nO1 (PART)\nN1 G90 G21 G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\nN2 X-380. (X ONLY)\nM30\n%\n");
   }
   Outcome Compensate(const std::string& more) const {
     return Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' " + more);
@@ -74,7 +74,7 @@ TEST_F(FilesOnly, AProgramIsRewrittenAndReported) {
   EXPECT_THAT(outcome.out, HasSubstr("2 of "));
   const std::string program = Read("out.nc");
   // The table stands 53.1 um to +X; a tool of 350 mm tilted by -101.2 urad about X stands 35.4 um to -Y.
-  EXPECT_THAT(program, HasSubstr("\nN1 G90 G01 X-389.9469 Y0.0354 Z-112.2605 B0.0000 C0.0000 F2000\n"));
+  EXPECT_THAT(program, HasSubstr("\nN1 G90 G21 G01 X-389.9469 Y0.0354 Z-112.2605 B0.0000 C0.0000 F2000\n"));
   EXPECT_THAT(program, HasSubstr("(X ONLY)"));
   EXPECT_NE(program, Read("in.nc"));
   const auto report = nlohmann::json::parse(Read("report.json"), nullptr, false);
@@ -131,6 +131,20 @@ TEST_F(FilesOnly, OrientationIsCorrectedReportedAndVerified) {
   EXPECT_EQ(Compensate("in.nc -o out.nc --orientation --max-rotary-correction-deg 9").exit_code, 2);
 }
 
+TEST_F(FilesOnly, AProgramWithoutAUnitAsksForIt) {
+  Write("in.nc", "G90 G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\n");
+  const Outcome asked = Compensate("in.nc -o out.nc");
+  EXPECT_EQ(asked.exit_code, 5);
+  EXPECT_THAT(asked.err, HasSubstr("line 1"));
+  EXPECT_THAT(asked.err, HasSubstr("--unit mm or --unit inch"));
+  EXPECT_FALSE(Exists("out.nc"));
+  ASSERT_EQ(Compensate("in.nc -o out.nc --unit mm").exit_code, 0);
+  EXPECT_THAT(Read("out.nc"), HasSubstr("X-389.9469 Y0.0354 Z-112.2605"));
+  const std::string verify = "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc out.nc ";
+  EXPECT_EQ(Run(verify + "--unit mm").exit_code, 0);
+  EXPECT_EQ(Compensate("in.nc -o out.nc --unit cm").exit_code, 2);
+}
+
 TEST_F(FilesOnly, NoErrorsGiveTheSameBytes) {
   Write("errors.json", "{}");
   ASSERT_EQ(Compensate("in.nc -o out.nc").exit_code, 0);
@@ -138,7 +152,7 @@ TEST_F(FilesOnly, NoErrorsGiveTheSameBytes) {
 }
 
 TEST_F(FilesOnly, WhatIsRefusedWritesNothing) {
-  Write("cycle.nc", "G90 G01 X0 Y0 Z0 B0 C0 F100\nG81 X10. Y0. Z-5. R2.\nG80\nM98 P7\n");
+  Write("cycle.nc", "G90 G21 G01 X0 Y0 Z0 B0 C0 F100\nG81 X10. Y0. Z-5. R2.\nG80\nM98 P7\n");
   Write("out.nc", "what was there");
   const Outcome cycle = Compensate("cycle.nc -o out.nc --report report.json");
   EXPECT_EQ(cycle.exit_code, 5);
@@ -158,12 +172,12 @@ TEST_F(FilesOnly, WhatIsRefusedWritesNothing) {
 }
 
 TEST_F(FilesOnly, OffsetsAndToolLengthsAreStated) {
-  Write("offset.nc", "G90 G55 G43 H2 G01 X0. Y0. Z0. B0. C0. F100\nG54.1 P3 X1. Y0. Z0. B0. C0.\n");
+  Write("offset.nc", "G90 G21 G55 G43 H2 G01 X0. Y0. Z0. B0. C0. F100\nG54.1 P3 X1. Y0. Z0. B0. C0.\n");
   EXPECT_EQ(Compensate("offset.nc -o out.nc").exit_code, 5);
   const std::string stated = " --offset 'G55=-390 0 -112 0 0' --offset 'G54.1 P3 X=-390 C=10' --tool-length H2=0";
   ASSERT_EQ(Compensate("offset.nc -o out.nc" + stated).exit_code, 0);
   // As in AProgramIsRewrittenAndReported: 53.1 um and 35.4 um.
-  EXPECT_THAT(Read("out.nc"), HasSubstr("G90 G55 G43 H2 G01 X0.0531 Y0.0354 Z0. B0. C0. F100\n"));
+  EXPECT_THAT(Read("out.nc"), HasSubstr("G90 G21 G55 G43 H2 G01 X0.0531 Y0.0354 Z0. B0. C0. F100\n"));
   // The program's name may follow an option that may be given again.
   ASSERT_EQ(Compensate("-o behind.nc" + stated + " offset.nc").exit_code, 0);
   EXPECT_EQ(Read("behind.nc"), Read("out.nc"));

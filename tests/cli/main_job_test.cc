@@ -112,7 +112,7 @@ TEST_F(MainJob, FromUploadToTheRewrittenProgram) {
   EXPECT_EQ(Run("session list --json").Json()["sessions"].size(), 9u);
 
   const std::string compensate =
-      "compensate --machine integrex-i200 --tool-tip '0 0 -356.3945' fig-4.30-original.nc -o out.nc ";
+      "compensate --machine integrex-i200 --unit mm --tool-tip '0 0 -356.3945' fig-4.30-original.nc -o out.nc ";
   EXPECT_EQ(Run(compensate).exit_code, 5);  // nothing approved yet
   const std::string id = Identify("EZ0T,EX0T,EA0B,EC0B")["id"].dump();
   EXPECT_EQ(Run("approve " + id + " --etag 99").exit_code, 5);  // it changed meanwhile

@@ -27,7 +27,7 @@ class Published : public testing::CommandLine {
 };
 
 TEST_F(Published, CompensationFromFilesAndWithSigmaFromACalibration) {
-  const std::string rest = "--tool-tip '0 0 -356.3945' " + Example("integrex/fig-4.30-original.nc");
+  const std::string rest = "--unit mm --tool-tip '0 0 -356.3945' " + Example("integrex/fig-4.30-original.nc");
   const auto files = Rows("yao-compensation --machine " + Example("integrex/machine.json") + " --errors " +
                           Example("integrex/errors-table-4.5.json") + " " + rest);
   ASSERT_EQ(files.size(), 60u);
@@ -63,8 +63,8 @@ TEST_F(Published, BadInputIsRefusedWithWhatWasExpected) {
   EXPECT_THAT(message("yao-compensation --tool-tip '0 0 -1'" + files + program + " " + program),
               HasSubstr("expected one NC program"));
   EXPECT_THAT(message("yao-table-4.5" + files + Example("integrex/eccentricity-B.csv")),
-              HasSubstr("expected no --tool-tip, --errors, --calibration"));
-  Write("arc.nc", "G01 X0. Y0. Z0. B0. C0. F100\nG02 X1. Z1. I1. K0.\n");
+              HasSubstr("expected no --tool-tip, --unit, --errors, --calibration"));
+  Write("arc.nc", "G21 G01 X0. Y0. Z0. B0. C0. F100\nG02 X1. Z1. I1. K0.\n");
   EXPECT_THAT(message("yao-compensation --tool-tip '0 0 -1'" + files + "arc.nc"),
               HasSubstr("arc.nc: line 2: expected linear moves"));
   Write("empty.json", "{}");

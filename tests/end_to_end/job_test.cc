@@ -199,7 +199,24 @@ TEST_F(Job, AProgramIsRewrittenWhileItIsSent) {
   const auto refused = rewrite(program + "G41 D1 X1.\r\n", &rewritten);
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(refused.status().message()), HasSubstr("line 20003"));
-  EXPECT_TRUE(rewrite("G01 X1.0 Y0. Z0. B0. C0.\n", &rewritten).ok());
+  EXPECT_TRUE(rewrite("G21 G01 X1.0 Y0. Z0. B0. C0.\n", &rewritten).ok());
+  // The unit travels with the options, in a stream and in a job.
+  const std::string unstated = "G01 X1.0 Y0. Z0. B0. C0.\n";
+  EXPECT_THAT(std::string(rewrite(unstated, &rewritten).status().message()), HasSubstr("the unit is not known"));
+  params.options.unit = nc::ProgramUnit::kMillimetre;
+  EXPECT_TRUE(rewrite(unstated, &rewritten).ok());
+  params.options.unit = nc::ProgramUnit::kInch;
+  std::string in_inch;
+  EXPECT_TRUE(rewrite(unstated, &in_inch).ok());
+  EXPECT_NE(in_inch, rewritten);
+  const auto put_unstated = client().PutProgram("unstated.nc", unstated);
+  ASSERT_OK(put_unstated);
+  params.program = put_unstated->id;
+  const client::JobRecord inch_job = RunJob(params);
+  ASSERT_EQ(inch_job.state, JobState::kSucceeded) << (inch_job.error ? inch_job.error->message : "");
+  EXPECT_EQ(*client().GetProgram(inch_job.programs.at(0)), in_inch);
+  params.program = ProgramId();
+  params.options.unit = nc::ProgramUnit::kUnstated;
   const absl::Status full =
       client().RewriteProgram(params, program, [](const std::string&) { return absl::DataLossError("disk"); }).status();
   EXPECT_EQ(full.code(), absl::StatusCode::kDataLoss);
@@ -230,7 +247,7 @@ TEST_F(Job, ABrokenRewriteIsRefused) {
 TEST_F(Job, AProgramThatCannotBeCorrectedFailsWithItsLine) {
   const CalibrationId calibration = Identify();
   const auto program =
-      client().PutProgram("arc.nc", "G90 G01 X1.0 Y0.0 Z0.0 B0.0 C0.0 F100\nG81 X2.0 Y1.0 Z-5.0 R1.0\n");
+      client().PutProgram("arc.nc", "G90 G21 G01 X1.0 Y0.0 Z0.0 B0.0 C0.0 F100\nG81 X2.0 Y1.0 Z-5.0 R1.0\n");
   ASSERT_OK(program);
   records::CompensateParams params;
   params.machine = MachineId("mt");

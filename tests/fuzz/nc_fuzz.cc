@@ -98,6 +98,7 @@ void RunOne(const std::string& program) {
   MUST(!reports::ToJson(nc::ReportOf(report)).empty());
 
   nc::RewriteOptions options;
+  options.unit = variant & 8 ? nc::ProgramUnit::kInch : nc::ProgramUnit::kMillimetre;
   options.dialect = null_options.dialect;
   options.work_offsets = {{"G55", {{"X", 12.5}, {"C", 0.5}}}, {"G54.1 P1", {{"Z", -3.0}}}};
   options.tool_lengths = {{1, 25.0}};

@@ -27,7 +27,7 @@ inline std::string MarkLine(const std::string& program, const std::string& line_
                          base::Crc32c(0, program.data(), program.size()), line_end);
 }
 
-inline Outcome Rewritten(const std::string& program, const RewriteOptions& options = {},
+inline Outcome Rewritten(const std::string& program, const RewriteOptions& options = InMm(),
                          const compensate::Compensator& compensator = LeaningHead()) {
   Outcome outcome;
   auto text = RewriteText(program, compensator, options, &outcome.report);
@@ -48,7 +48,7 @@ inline Outcome Rewritten(const std::string& program, const RewriteOptions& optio
 
 // Moves are not split, so that one line gives one line.
 inline RewriteOptions From(const std::vector<AxisValue>& position) {
-  RewriteOptions options;
+  RewriteOptions options = InMm();
   options.tolerance_mm = std::numeric_limits<double>::infinity();
   options.initial_position = position;
   return options;

@@ -12,11 +12,19 @@
 #include "core/base/units.h"
 #include "core/compensate/compensator.h"
 #include "core/machine/testing/machines.h"
+#include "core/nc/options.h"
 
 namespace axiscal::nc::testing {
 
 inline constexpr double kTiltRad = 24.11 * base::kRadPerArcsec;
 inline constexpr double kToolMm = 356.3945;
+
+// Programs of tests are in mm where they do not say so.
+inline RewriteOptions InMm() {
+  RewriteOptions options;
+  options.unit = ProgramUnit::kMillimetre;
+  return options;
+}
 
 inline machine::ErrorModel ConstantErrors(const machine::Machine& machine,
                                           const std::vector<std::pair<std::string, double>>& values) {
