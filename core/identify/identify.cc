@@ -78,13 +78,17 @@ absl::Status Validate(const Options& options) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<MeasuringRun> BindMeasured(const session::Session& session, const machine::Machine& machine) {
+  ASSIGN_OR_RETURN(MeasuringRun run, instruments::BindSession(session, machine));
+  RETURN_IF_ERROR(instruments::CheckAlive(session, run));
+  return run;
+}
+
 absl::StatusOr<std::vector<MeasuringRun>> BindSessions(const machine::Machine& machine,
                                                        const std::vector<session::Session>& sessions) {
   std::vector<MeasuringRun> runs;
   for (const session::Session& session : sessions) {
-    ASSIGN_OR_RETURN(MeasuringRun run, instruments::BindSession(session, machine));
-    RETURN_IF_ERROR(instruments::CheckAlive(session, run));
-    runs.push_back(std::move(run));
+    ASSIGN_OR_RETURN(runs.emplace_back(), BindMeasured(session, machine));
   }
   return runs;
 }
@@ -145,16 +149,21 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
   return FitProblem(std::move(problem), {}, options);
 }
 
-absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vector<session::Session>& sessions,
+absl::StatusOr<Fit> FitMeasured(const machine::Machine& machine, std::vector<MeasuringRun> runs,
                                 const Options& options) {
-  if (options.progress) options.progress({"reading sessions", 0.0, ""});
-  ASSIGN_OR_RETURN(std::vector<MeasuringRun> runs, BindSessions(machine, sessions));
   ASSIGN_OR_RETURN(Fit fit, FitRuns(machine, std::move(runs), options));
   const Point nominal = StartingPoint(fit.problem, {});
   const machine::ErrorModel held = std::exchange(fit.problem.fixed_model, {});
   fit.result.nominal = StatisticsOf(fit.problem, nominal, ResidualsOf(fit.problem, nominal), 0);
   fit.problem.fixed_model = held;
   return fit;
+}
+
+absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vector<session::Session>& sessions,
+                                const Options& options) {
+  if (options.progress) options.progress({"reading sessions", 0.0, ""});
+  ASSIGN_OR_RETURN(std::vector<MeasuringRun> runs, BindSessions(machine, sessions));
+  return FitMeasured(machine, std::move(runs), options);
 }
 
 absl::StatusOr<Result> Identify(const machine::Machine& machine, const std::vector<session::Session>& sessions,

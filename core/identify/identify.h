@@ -72,7 +72,11 @@ struct Fit {
 absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                             const Options& options);
 
-// Identify() with what it went through.
+// FitRuns, and the nominal machine's fit to the same runs (Result::nominal): what an identification reports.
+absl::StatusOr<Fit> FitMeasured(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
+                                const Options& options);
+
+// Identify() with what it went through: BindSessions, then FitMeasured.
 absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vector<session::Session>& sessions,
                                 const Options& options);
 
@@ -81,8 +85,11 @@ absl::StatusOr<Fit> FitSessions(const machine::Machine& machine, const std::vect
 absl::StatusOr<Fit> FitProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
                                const std::vector<Eigen::VectorXd>& setup = {});
 
-// Measured sessions. INVALID_ARGUMENT for those that do not fit the machine, or of an instrument that reads one value
+// A measured session. INVALID_ARGUMENT where it does not fit the machine, or is of an instrument that reads one value
 // all the time (instruments/plausible.h).
+absl::StatusOr<instruments::MeasuringRun> BindMeasured(const session::Session& session,
+                                                       const machine::Machine& machine);
+// Each of them.
 absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machine::Machine& machine,
                                                                     const std::vector<session::Session>& sessions);
 

@@ -40,13 +40,8 @@ absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, con
 }
 
 // All that the errors were fitted to.
-StoredSessions Both(StoredSessions fit, const StoredSessions& check) {
-  for (size_t i = 0; i < check.records.size(); ++i) {
-    const auto is_it = [&](const records::SessionRecord& record) { return record.id == check.records[i].id; };
-    if (std::any_of(fit.records.begin(), fit.records.end(), is_it)) continue;
-    fit.records.push_back(check.records[i]);
-    fit.sessions.push_back(check.sessions[i]);
-  }
+MeasuredSessions Both(MeasuredSessions fit, const MeasuredSessions& check) {
+  fit.records.insert(fit.records.end(), check.records.begin(), check.records.end());
   fit.measured_at = std::max(fit.measured_at, check.measured_at);
   return fit;
 }
@@ -57,13 +52,11 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   const auto& params = std::get<records::CloseLoopParams>(any_params);
   context.ReportProgress("read sessions", 0.0, "");
   ASSIGN_OR_RETURN(const MachineInput input, LoadMachine(database, params.machine));
-  ASSIGN_OR_RETURN(const StoredSessions fit, LoadSessions(database, params.fit, input.machine, context));
-  ASSIGN_OR_RETURN(const StoredSessions check, LoadSessions(database, params.check, input.machine, context));
-  ASSIGN_OR_RETURN(auto fit_runs, identify::BindSessions(input.machine, fit.sessions));
-  ASSIGN_OR_RETURN(auto check_runs, identify::BindSessions(input.machine, check.sessions));
+  ASSIGN_OR_RETURN(MeasuredSessions fit, LoadSessions(database, params.fit, input.machine, context));
+  ASSIGN_OR_RETURN(MeasuredSessions check, LoadSessions(database, params.check, input.machine, context));
   ASSIGN_OR_RETURN(const loop::Options options, EngineOptions(input.machine, params, context));
   ASSIGN_OR_RETURN(const loop::Report report,
-                   loop::CloseLoop(input.machine, std::move(fit_runs), std::move(check_runs), options));
+                   loop::CloseLoop(input.machine, std::move(fit.runs), std::move(check.runs), options));
 
   storage::JobProduct product;
   product.result = reports::ToJson(loop::ReportOf(input.machine, report));

@@ -52,7 +52,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   const auto& params = std::get<records::IdentifyParams>(any_params);
   context.ReportProgress("read sessions", 0.0, "");
   ASSIGN_OR_RETURN(const MachineInput input, LoadMachine(database, params.machine));
-  ASSIGN_OR_RETURN(const StoredSessions sessions, LoadSessions(database, params.sessions, input.machine, context));
+  ASSIGN_OR_RETURN(MeasuredSessions sessions, LoadSessions(database, params.sessions, input.machine, context));
 
   ASSIGN_OR_RETURN(const std::optional<identify::Budget> budget, inputs::BudgetOf(input.machine, params));
   ASSIGN_OR_RETURN(const inputs::IdentifyErrors errors, inputs::ErrorsOf(database, input.machine, params));
@@ -62,12 +62,12 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   options.budget = budget;
   options.held_errors = errors.held;
   options.model = machine::ErrorModel{};
-  ASSIGN_OR_RETURN(const identify::Result before, identify::Identify(input.machine, sessions.sessions, options));
+  ASSIGN_OR_RETURN(const identify::Fit before, identify::FitMeasured(input.machine, sessions.runs, options));
   options = EngineOptions(context, kBeforeShare * fitted, fitted);
   options.budget = budget;
   options.held_errors = errors.held;
   options.model = errors.fitted;
-  ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitSessions(input.machine, sessions.sessions, options));
+  ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitMeasured(input.machine, std::move(sessions.runs), options));
   identify::Result after = fit.result;
   if (errors.held) {  // the calibration is of the whole machine
     const std::vector<machine::ErrorTerm>& held = errors.held->model.terms;
@@ -77,11 +77,11 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
 
   storage::JobProduct product;
   reports::Identification report = identify::ReportOf(after);
-  report.before = identify::BeforeOf(before);
+  report.before = identify::BeforeOf(before.result);
   report.fitted.budget_json = params.budget_json;
   if (monte_carlo) report.fitted.monte_carlo = identify::ReportOf(*monte_carlo);
   product.result = reports::ToJson(report);
-  product.calibration = MakeCalibration(input, sessions, before.fit, after, job);
+  product.calibration = MakeCalibration(input, sessions, before.result.fit, after, job);
   product.calibration->report_json = product.result;
   product.calibration->options_json = AskedJson(params);
   return product;

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "core/identify/identify.h"
 #include "core/machine/machine_json.h"
 #include "core/session/check_machine.h"
 
@@ -23,9 +24,9 @@ absl::StatusOr<MachineInput> LoadMachine(storage::Database& database, const Mach
   return input;
 }
 
-absl::StatusOr<StoredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
-                                            const machine::Machine& machine, JobContext& context) {
-  StoredSessions stored;
+absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
+                                              const machine::Machine& machine, JobContext& context) {
+  MeasuredSessions stored;
   stored.measured_at = base::UtcTime::min();
   std::map<std::string, int> uses;
   for (const SessionId& id : ids) {
@@ -40,7 +41,7 @@ absl::StatusOr<StoredSessions> LoadSessions(storage::Database& database, const s
     RETURN_IF_ERROR(base::Within("session " + name, session::CheckAgainstMachine(session, machine)));
     // A machine is measured again under the same names: each measurement is a session, and a set-up, of its own.
     if (uses[record.name] > 1) Rename(name, &session);
-    stored.sessions.push_back(std::move(session));
+    ASSIGN_OR_RETURN(stored.runs.emplace_back(), identify::BindMeasured(session, machine));
     stored.measured_at = std::max(stored.measured_at, record.measured_at.value_or(record.created_at));
   }
   return stored;

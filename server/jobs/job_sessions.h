@@ -1,11 +1,12 @@
-// What a job that fits reads from the store: the machine as it is described now, and sessions ready for the engine.
+// What a job that fits reads from the store: the machine as it is described now, and sessions bound to it. A job binds
+// and gates each session once, however many fits it makes.
 #ifndef AXISCAL_SERVER_JOBS_JOB_SESSIONS_H_
 #define AXISCAL_SERVER_JOBS_JOB_SESSIONS_H_
 
 #include <vector>
 
+#include "core/instruments/run.h"
 #include "core/machine/machine.h"
-#include "core/session/session.h"
 #include "server/jobs/job_context.h"
 
 namespace axiscal::jobs {
@@ -18,16 +19,16 @@ struct MachineInput {
 // MACHINE_NOT_FOUND, or as MachineFromJson.
 absl::StatusOr<MachineInput> LoadMachine(storage::Database& database, const MachineId& id);
 
-struct StoredSessions {
+struct MeasuredSessions {
   std::vector<records::SessionRecord> records;
-  std::vector<session::Session> sessions;  // in the same order; sessions that share a name are called "NAME#ID"
-  base::UtcTime measured_at;               // of the newest
+  std::vector<instruments::MeasuringRun> runs;  // in the same order; sessions that share a name are called "NAME#ID"
+  base::UtcTime measured_at;                    // of the newest
 };
 
 // In the order of `ids`. SESSION_NOT_FOUND; INVALID_ARGUMENT naming the session when the machine, described anew since
-// the upload, does not fit it; CANCELLED.
-absl::StatusOr<StoredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
-                                            const machine::Machine& machine, JobContext& context);
+// the upload, does not fit it; as identify::BindMeasured; CANCELLED.
+absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
+                                              const machine::Machine& machine, JobContext& context);
 
 }  // namespace axiscal::jobs
 

@@ -27,7 +27,7 @@ std::optional<double> IfFinite(double value) { return std::isfinite(value) ? std
 
 }  // namespace
 
-records::NewCalibration MakeCalibration(const MachineInput& input, const StoredSessions& fit,
+records::NewCalibration MakeCalibration(const MachineInput& input, const MeasuredSessions& fit,
                                         const identify::FitStatistics& before, const identify::Result& result,
                                         const records::JobRecord& job) {
   records::NewCalibration calibration;

@@ -9,7 +9,7 @@ namespace axiscal::jobs {
 
 // All but options_json and report_json, which say how it was asked and what came out. `fit` are the sessions that
 // `result` was fitted to, `before` how they fit without what it found.
-records::NewCalibration MakeCalibration(const MachineInput& input, const StoredSessions& fit,
+records::NewCalibration MakeCalibration(const MachineInput& input, const MeasuredSessions& fit,
                                         const identify::FitStatistics& before, const identify::Result& result,
                                         const records::JobRecord& job);
 
