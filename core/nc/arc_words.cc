@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/nc/block_writer.h"
+#include "core/nc/char_class.h"
 
 namespace axiscal::nc {
 namespace {
@@ -9,6 +10,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
+
+bool IsLetter(char c) { return Capital(c) >= 'A' && Capital(c) <= 'Z'; }
 
 // Index in the plane (0, 1) of I, J or K, or -1.
 int PlaneIndex(char letter, int plane_normal) {
@@ -175,23 +178,35 @@ std::string BlockWriter::MotionFor(const Block& block, bool wants_arc) const {
   return interpreter_->modal().is_clockwise ? "G02 " : "G03 ";
 }
 
+bool BlockWriter::MovesByCode(const char* text, size_t size, const Block& block) const {
+  for (const Word& word : block) {
+    if (interpreter_->AxisOf(word.letter) >= 0) return true;
+    const Role role = interpreter_->RoleOf(word.letter);
+    if (role == Role::kAxis || role == Role::kCentre) return true;
+  }
+  // "X#1": a word that moves, whose number is none.
+  if (block.problem == LexProblem::kNone || block.problem_at >= size) return false;
+  const char letter = text[block.problem_at];
+  const Role role = interpreter_->RoleOf(IsLetter(letter) ? Capital(letter) : char{0});
+  const bool is_word = block.problem_at + 1 >= size || !IsLetter(text[block.problem_at + 1]);
+  return is_word && (role == Role::kAxis || role == Role::kCentre || role == Role::kRadius);
+}
+
 void BlockWriter::CopyBlock(const char* text, size_t size, const Block& block, const Step& step, OutBuffer* out) {
-  if (!is_in_chords_ || step.kind == StepKind::kUntouched || step.kind == StepKind::kNone) {
-    if (is_in_chords_ && HasMotionWord(block)) is_in_chords_ = false;
+  const bool has_motion = HasMotionWord(block);
+  const bool passes = step.kind == StepKind::kMove || step.kind == StepKind::kUnsupported;
+  if (!is_in_chords_ || !passes || has_motion || !MovesByCode(text, size, block)) {
+    if (has_motion && (!passes || !step.may_be_skipped)) is_in_chords_ = false;
     out->append(text, size);
     return;
   }
-  if (!HasMotionWord(block)) {
-    // Behind the line number, in front of whatever moves.
-    uint32_t at = block.word_count > 0 ? block.words[0].letter_at : block.problem_at;
-    if (block.word_count > 0 && block.words[0].letter == 'N')
-      at = block.word_count > 1 ? block.words[1].letter_at : block.words[0].end;
-    out->append(text, at);
-    out->append(interpreter_->modal().is_clockwise ? " G02 " : " G03 ");
-    out->append(text + at, size - at);
-  } else {
-    out->append(text, size);
-  }
+  // Behind the line number, in front of whatever moves.
+  uint32_t at = block.word_count > 0 ? block.words[0].letter_at : block.problem_at;
+  if (block.word_count > 0 && block.words[0].letter == 'N')
+    at = block.word_count > 1 ? block.words[1].letter_at : block.words[0].end;
+  out->append(text, at);
+  out->append(interpreter_->modal().is_clockwise ? " G02 " : " G03 ");
+  out->append(text + at, size - at);
   if (!step.may_be_skipped) is_in_chords_ = false;
 }
 

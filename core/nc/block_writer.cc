@@ -26,9 +26,11 @@ BlockWriter::BlockWriter(const machine::Machine& machine, const RewriteOptions& 
     const int axis = machine::FindAxis(machine, std::string(1, letter));
     if (axis >= 0) order_.push_back(axis);
   }
-  for (const int axis : order_)
-    is_followed_[axis] = options.orientation && machine.axes[axis].kind == machine::AxisKind::kRotary;
-  commanded_.ticks = interpreter.positions().ticks;
+  for (const int axis : order_) {
+    is_linear_[axis] = machine.axes[axis].kind == machine::AxisKind::kLinear;
+    is_followed_[axis] = options.orientation && !is_linear_[axis];
+  }
+  commanded_.ticks = programmed_ = interpreter.positions().ticks;
   commanded_.known = interpreter.positions().known;
 }
 
@@ -55,11 +57,21 @@ void BlockWriter::Pass(const Block& block, const Step& step) {
       preset_shift_ = suspended_shift_;
       return;
   }
-  if (step.kind == StepKind::kUnsupported) return ForgetAll();
+  if (step.kind == StepKind::kUnsupported) ForgetAll();
   if (step.kind == StepKind::kUntouched) commanded_.known &= interpreter_->positions().known;
+  const bool is_straight =
+      interpreter_->modal().motion == Meaning::kRapid || interpreter_->modal().motion == Meaning::kLinear;
+  // Axes that are told where to go are there again.
+  for (const int axis : order_) {
+    if (step.word_of_axis[axis] < 0 || block.problem != LexProblem::kNone || !is_straight) continue;
+    if (step.kind == StepKind::kUntouched ||
+        !interpreter_->IsIncremental(block.words[static_cast<size_t>(step.word_of_axis[axis])]))
+      adrift_ &= static_cast<uint16_t>(~(1u << axis));
+  }
   if (step.kind != StepKind::kMove) return;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] < 0) continue;
+    programmed_[axis] = step.end.ticks[axis];
     if (interpreter_->IsIncremental(block.words[static_cast<size_t>(step.word_of_axis[axis])])) {
       commanded_.ticks[axis] += step.end.ticks[axis] - step.start.ticks[axis];
     } else {
@@ -72,7 +84,9 @@ void BlockWriter::Pass(const Block& block, const Step& step) {
 void BlockWriter::Wrap(const Step& step) {
   for (const int axis : order_) {
     if ((step.wrapped >> axis & 1) == 0 || !step.start.is_known(axis)) continue;
-    commanded_.ticks[axis] -= RoundToGrains(commanded_.ticks[axis] - step.start.ticks[axis], kTurn) * kTurn;
+    const Ticks turns = RoundToGrains(commanded_.ticks[axis] - step.start.ticks[axis], kTurn) * kTurn;
+    commanded_.ticks[axis] -= turns;
+    programmed_[axis] -= turns;
   }
 }
 
@@ -80,6 +94,7 @@ void BlockWriter::ForgetChanges(const Commanded& before) {
   for (const int axis : order_) {
     if (before.is_known(axis) && before.ticks[axis] == commanded_.ticks[axis]) continue;
     commanded_.known &= static_cast<uint16_t>(~(1u << axis));
+    adrift_ |= static_cast<uint16_t>(1u << axis);
   }
 }
 

@@ -33,9 +33,26 @@ class BlockWriter {
   void Pass(const Block& block, const Step& step);
   // Before a move: axes that count from 0 to 360 deg are shifted by the same whole turns as the move's start.
   void Wrap(const Step& step);
-  void ForgetAll() {
-    commanded_.known = 0;
-    pole_.is_known = false;
+  // Behind a tool change and blocks that are not followed.
+  void ForgetAll();
+  // A program begins, `is_behind_end`: behind the end of another one, which does not run into it.
+  void BeginProgram(bool is_behind_end);
+
+  // Of what follows, for programs in which blocks are passed: they must begin where the program says, since an arc from
+  // a corrected point would be another one.
+  // A corrected move was written.
+  void Arrive(const Step& step);
+  // Brings the control back to the programmed position by a block of its own, in the state in which it stands in front
+  // of the block that is read; the same of the pole. Returns why that cannot be, or "". Nothing is written where the
+  // control stands there.
+  std::string Return(const StateBefore& before, const std::string& line_end, OutBuffer* out);
+  // In front of a move that follows the direction of the one in front of it: a short one between them would turn it.
+  void LeaveAdrift(const char* text, size_t size);
+  // Axes that may stand at a corrected position which is not known: of a block that may have been skipped.
+  uint16_t adrift() const { return adrift_; }
+  // The control is in G01 where the program is in G02 or G03, and this block would leave the text with that.
+  bool LeavesInChords(const Block& block, const Step& step) const {
+    return is_in_chords_ && (step.leaves_text || step.ends_subprogram) && !HasMotionWord(block);
   }
   // The program's own CC block was copied. An incremental one means another place, since the tool stands elsewhere.
   void TakePole(const Pole& pole) {
@@ -99,16 +116,30 @@ class BlockWriter {
   // "G02 ": the code that the controller must be told before a block, "" when it is in force.
   std::string MotionFor(const Block& block, bool wants_arc) const;
   const Word* RadiusOf(const Block& block) const;  // nullptr: none
+  // How far the control is from where the program thinks it is; 0 where that is not known.
+  Ticks Departure(int axis) const {
+    return commanded_.is_known(axis) ? commanded_.ticks[axis] - programmed_[axis] - preset_shift_[axis] : 0;
+  }
+  uint16_t Departed() const;
+  // " X1.5", with the decimals that it needs to be exact.
+  void AppendExact(int axis, Ticks target, Ticks base, bool is_inch, OutBuffer* out) const;
+  void ReturnPole(const StateBefore& before, const std::string& line_end, OutBuffer* out);
+  // Whether the block has words that move by the motion code in force.
+  bool MovesByCode(const char* text, size_t size, const Block& block) const;
   bool HasMotionWord(const Block& block) const;
 
   const machine::Machine* machine_;
   const Interpreter* interpreter_;
   WordRule rule_;
   std::vector<int> order_;                             // axes in the order in which inserted words are written
-  std::array<bool, machine::kMaxAxes> is_followed_{};  // rotary axes with orientation
+  std::array<bool, machine::kMaxAxes> is_followed_{}, is_linear_{};  // rotary axes with orientation
   Commanded commanded_;
   Pole pole_;                                     // of the controller
   AxisTicks preset_shift_{}, suspended_shift_{};  // controller's preset (G92) - nominal one
+  AxisTicks programmed_{};                        // where the program thinks the axes are
+  uint16_t adrift_ = 0;
+  uint16_t wrapped_ = 0;        // axes that were last told the way to an angle from 0 to 360 deg
+  bool is_last_rapid_ = false;  // of the corrected moves
   bool is_in_chords_ = false;                     // the controller is in G01 where the program is in G02 or G03
 };
 

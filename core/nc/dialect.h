@@ -22,8 +22,9 @@ enum class Meaning : uint8_t {
   kRapidBlock,    // rapid in this block only (FMAX)
   kArc,           // detail: 1 clockwise, 0 counterclockwise, seen against the plane's normal; with poles kArcWithRadius
   kCancelMotion,  // G80: axis words after it have no meaning
-  kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code
-  kOneShot,       // moves axes or changes positions in this block only
+  kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code;
+                  // detail: kCurve, kTangential
+  kOneShot,       // moves axes or changes positions in this block only; detail likewise
   kMachineMove,  // moves to machine positions (G53, G28, SUPA, M91): never touched, also not refused; detail 1: without
                  // axis words
   kDataInput,    // G10: stated offsets and lengths hold no longer
@@ -49,7 +50,7 @@ enum class Meaning : uint8_t {
   kBlockerOn,   // a mode in which axis words are not axis positions; detail: a Blocker
   kBlockerOff,  // of mirroring: axis words of its block say which axes
   kToolChange,  // axes may have moved
-  kEndOfProgram,
+  kEndOfProgram,  // detail 1: of one that may have been called (M99)
   kCall,        // control leaves this text and comes back; detail 1: it restores a state that was stored (M72)
   kJump,        // behind it blocks do not run in the order of the text
   kEndOfBlock,  // takes effect after the block's move (M00, M05 ...): such a move cannot be split; so may M codes that
@@ -91,6 +92,9 @@ enum Blocker : uint32_t {
 };
 
 inline constexpr uint32_t kArcWithRadius = 2;   // Klartext's CR, whose R is a radius
+// Of kOneShot and kOtherMotion.
+inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on where it begins
+inline constexpr uint32_t kTangential = 2;  // its shape follows the direction of the move in front of it
 inline constexpr uint32_t kPresetOrThread = 4;  // G92 with an F word is a thread on lathes of the same family
 
 struct CodeEntry {

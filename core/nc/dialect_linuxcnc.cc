@@ -56,7 +56,7 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'M', 600, M::kEndOfBlock, 0, "pallet change stop"},
       {'M', 720, M::kCall, 1, "restores the modal state"},
       {'M', 980, M::kCall, 0, "subprogram call"},
-      {'M', 990, M::kEndOfProgram, 0, "end of subprogram"},
+      {'M', 990, M::kEndOfProgram, 1, "end of subprogram"},
       {'M', 4280, M::kBlockerOn, kKinematics, "switches the kinematics"},
       {'M', 4290, M::kBlockerOn, kKinematics, "switches the kinematics"},
       {'M', 4300, M::kBlockerOn, kKinematics, "switches the kinematics"},

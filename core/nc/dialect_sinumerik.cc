@@ -37,13 +37,13 @@ std::vector<CodeEntry> SinumerikCodes() {
       {'G', 5000, M::kNoWorkOffset, 0, "no work offset"},
       {'G', 9610, M::kHarmless, 0, "constant surface speed"},
       {'G', 9620, M::kHarmless, 0, "constant surface speed"},
-      {'M', 170, M::kEndOfProgram, 0, "end of subprogram"},
+      {'M', 170, M::kEndOfProgram, 1, "end of subprogram"},
   };
   for (const int mode : {601, 602, 603, 641, 642, 643, 644, 645}) {
     codes.push_back({'G', 10 * mode, M::kHarmless, 0, "path mode"});
   }
   for (const int approach : {147, 148, 247, 248, 347, 348}) {
-    codes.push_back({'G', 10 * approach, M::kOneShot, 0, "soft approach or retraction"});
+    codes.push_back({'G', 10 * approach, M::kOneShot, kTangential, "soft approach or retraction"});
   }
   for (int number = 505; number <= 599; ++number) {
     codes.push_back({'G', 10 * number, M::kWorkOffset, 0, "work offset"});
@@ -78,8 +78,8 @@ std::vector<Keyword> SinumerikKeywords() {
       {"AP", M::kOneShot, 0, true, "polar coordinates: no word of an axis could be corrected"},
       {"RP", M::kOneShot, 0, true, "polar coordinates: no word of an axis could be corrected"},
       {"ANG", M::kOneShot, 0, true, "a line by its angle: no word of an axis could be corrected"},
-      {"AR", M::kOneShot, 0, true, "an arc by its opening angle"},
-      {"TURN", M::kOneShot, 0, true, "a helix of several turns"},
+      {"AR", M::kOneShot, kCurve, true, "an arc by its opening angle"},
+      {"TURN", M::kOneShot, kCurve, true, "a helix of several turns"},
       {"SUPA", M::kMachineMove, 0, false, "move in machine coordinates"},
       {"TRAORI", M::kBlockerOn, kToolControl, true, "tool centre point control"},
       {"TRAFOOF", M::kBlockerOff, kToolControl | kPolarInterpolation | kCylinder, false, "transformation off"},
@@ -108,14 +108,14 @@ std::vector<Keyword> SinumerikKeywords() {
       {"DIAMON", M::kBlockerOn, kDiameter, false, "diameter programming"},
       {"DIAM90", M::kBlockerOn, kDiameter, false, "diameter programming"},
       {"DIAMOF", M::kBlockerOff, kDiameter, false, "diameter programming off"},
-      {"CIP", M::kOtherMotion, 0, true, "circular move"},
-      {"CT", M::kOtherMotion, 0, true, "circular move"},
-      {"ASPLINE", M::kOtherMotion, 0, true, "spline"},
-      {"BSPLINE", M::kOtherMotion, 0, true, "spline"},
-      {"CSPLINE", M::kOtherMotion, 0, true, "spline"},
-      {"POLY", M::kOtherMotion, 0, true, "polynomial"},
-      {"INVCW", M::kOtherMotion, 0, true, "involute move"},
-      {"INVCCW", M::kOtherMotion, 0, true, "involute move"},
+      {"CIP", M::kOtherMotion, kCurve, true, "circular move"},
+      {"CT", M::kOtherMotion, kTangential, true, "circular move"},
+      {"ASPLINE", M::kOtherMotion, kTangential, true, "spline"},
+      {"BSPLINE", M::kOtherMotion, kTangential, true, "spline"},
+      {"CSPLINE", M::kOtherMotion, kTangential, true, "spline"},
+      {"POLY", M::kOtherMotion, kTangential, true, "polynomial"},
+      {"INVCW", M::kOtherMotion, kCurve, true, "involute move"},
+      {"INVCCW", M::kOtherMotion, kCurve, true, "involute move"},
       {"MEAS", M::kOneShot, 0, true, "probing move"},
       {"MEAW", M::kOneShot, 0, true, "probing move"},
       {"IF", M::kJump, 0, true, "condition"},

@@ -42,6 +42,12 @@ bool MayChangeState(const Dialect& dialect, const char* at, const char* end) {
   return 10 * number >= kCodes || dialect.m_codes[10 * number].meaning != Meaning::kHarmless;
 }
 
+// Whether a word that moves stands there, whose number is none: "X#1", "I[#2/2]".
+bool BeginsWithMove(const char* at, const char* end) {
+  return at != end && std::strchr("XYZABCUVWIJKR", Capital(*at)) != nullptr &&
+         (at + 1 == end || Capital(at[1]) < 'A' || Capital(at[1]) > 'Z');
+}
+
 // L, C, CR and CC: words, M codes, RL and RR.
 bool IsPlainMove(Meaning meaning) {
   return meaning == Meaning::kLinear || meaning == Meaning::kArc || meaning == Meaning::kPole;
@@ -114,6 +120,8 @@ absl::StatusOr<Interpreter> Interpreter::Create(const machine::Machine& machine,
 
 absl::Status Interpreter::TakeOptions() {
   std::vector<int> axes;
+  constexpr size_t kNumbers = 100'000;  // N words have five digits on most controls
+  if (options_->on_unsupported == OnUnsupported::kPass) numbers_seen_.resize(kNumbers);
   ASSIGN_OR_RETURN(positions_.ticks, ToAxisTicks(*machine_, options_->initial_position, "initial_position", &axes));
   for (const int axis : axes) positions_.known |= static_cast<uint16_t>(1u << axis);
   return absl::OkStatus();
@@ -149,11 +157,12 @@ void Interpreter::StartProgram() {
   const bool is_first = !has_moved_ && !at_program_end_;
   at_program_end_ = takes_plain_moves_ = false;
   if (is_first) return;
+  ++programs_begun_;
   // Controls differ on whether the end of a program ends them.
-  const bool has_shift = coordinates_.has_shift() || coordinates_.has_preset();
+  may_carry_shift_ |= coordinates_.has_shift() || coordinates_.has_preset();
   BeginModal();
   if (modal_.blockers & kMirror) modal_.mirrored_axes = kAllAxes;
-  if (has_shift) modal_.blockers |= kShift;
+  if (may_carry_shift_) modal_.blockers |= kShift;
   coordinates_.Reset();
   needs_absolute_ = 0;
   last_length_number_ = -1;
@@ -179,7 +188,10 @@ void Interpreter::ReadOverlong(Step* step) {
   *step = Step();
   step->has_words = step->has_other_words = true;
   if (frame_.has_ended()) return;
+  is_before_now_ = false;
+  before_ = {modal_, coordinates_.offsets(), pole_, rounds_corners_ || is_behind_corner_};
   MayHaveChanged(kAllGroups);
+  step->leaves_text = true;
   Unsupported("the block is too long to be one", false, step);
 }
 
@@ -188,7 +200,9 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->kind = StepKind::kNone;
   step->has_words = step->has_other_words = step->is_rapid = step->is_arc = step->may_be_skipped = false;
   step->is_consequence = step->is_tool_change = step->ends_block = step->is_at_corner = false;
-  step->sets_pole = step->is_corner = false;
+  step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
+  step->jumps_back = step->is_curve = step->is_tangential = false;
+  end_of_text_ = text + size;
   step->wrapped = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
@@ -232,23 +246,25 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   is_continued_ = dialect_->has_bare_keywords && block->word_count > 0 && IsContinued(text, size) &&
                   TakesRest(block->words[static_cast<size_t>(block->word_count) - 1]);
   if (takes_plain_moves_ && IsPlainMove(*block, step)) {
-    step->has_words = step->has_other_words = true;
+    step->has_words = step->has_other_words = is_before_now_ = true;
     step->is_rapid = modal_.motion == Meaning::kRapid;
     if (ReadTargets(*block, step)) GoTo(step);
     takes_plain_moves_ = step->kind == StepKind::kMove;
     return;
   }
-  takes_plain_moves_ = false;
+  takes_plain_moves_ = is_before_now_ = false;
+  before_ = {modal_, coordinates_.offsets(), pole_, rounds_corners_ || is_behind_corner_};
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
   if (block->problem == LexProblem::kNone) return;
   if (MayHoldCodes(*dialect_, *block, begin + block->problem_at, text + size)) {
     NoteCall();
+    step->leaves_text |= !BeginsWithMove(begin + block->problem_at, text + size);
   }
   if (MayWriteOffsets(*dialect_, begin + block->problem_at, text + size)) ForgetStated();
 }
 
-bool Interpreter::IsPlainMove(const Block& block, Step* step) const {
+bool Interpreter::IsPlainMove(const Block& block, Step* step) {
   if (block.problem != LexProblem::kNone || block.is_deletable || block.has_assignment) return false;
   step->word_of_axis.fill(-1);
   bool has_axis = false, has_code = false;
@@ -272,6 +288,8 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) const {
         break;
       }
       case Role::kLineNumber:
+        if (!numbers_seen_.empty()) NoteNumber(word);
+        break;
       case Role::kPassive:
       case Role::kFeed:
         break;
@@ -293,7 +311,8 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
   rounds_corners_ |= rounded_corners;
   is_behind_corner_ |= was_behind_corner;
   if (at_program_end_ && has_called_) MayHaveChanged(kCalledGroups);
-  at_program_end_ = false;  // where it is skipped the program goes on, and where it is not nothing behind it follows
+  // Where it is skipped the program goes on, and where it is not nothing behind it follows.
+  at_program_end_ = step->ends_program = false;
   if (dialect_->has_poles)
     modal.motion = modal_.motion, modal.is_clockwise = modal_.is_clockwise;  // every block states it
   if (!SameButRapid(modal, modal_) || offsets != coordinates_.offsets()) {
@@ -381,7 +400,10 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   if (request.is_jump) jump_line_ = line_;
   if (step->is_tool_change && step->kind != StepKind::kUnsupported) ForgetPositions(false);
-  at_program_end_ = request.is_end;
+  at_program_end_ = step->ends_program = request.is_end;
+  step->ends_subprogram = request.is_subprogram_end;
+  step->leaves_text |= request.is_call || request.is_jump;
+  if (request.is_call || request.is_jump) step->jumps_back = MayJumpBack(text, block, request);
   const bool is_corner_pending = rounds_corners_ || is_behind_corner_;
   takes_plain_moves_ = step->kind == StepKind::kMove && !step->is_arc && step->wrapped == 0 && !is_corner_pending &&
                        !step->is_tool_change && !request.is_jump && !request.is_end && !request.is_rapid_block &&

@@ -44,6 +44,12 @@ struct Step {
   bool is_tool_change = false;
   bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
   bool sets_pole = false;
+  bool leaves_text = false;      // calls or jumps, or may
+  bool jumps_back = false;       // or may
+  bool is_curve = false;         // a circle or curve that is not read
+  bool is_tangential = false;    // likewise, and it follows the direction of the move in front of it
+  bool ends_program = false;     // what follows is another one
+  bool ends_subprogram = false;  // likewise, and the control goes on where this one may have been called
   bool is_corner = false;     // the control rounds or chamfers the corner between the moves before and behind
   bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
   uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
@@ -67,6 +73,14 @@ struct Pole {
   bool operator==(const Pole&) const = default;
 };
 
+// In which the control reads a block, before any word of it acts.
+struct StateBefore {
+  Modal modal;
+  AxisTicks offsets{};
+  Pole pole;
+  bool is_at_corner = false;  // the end of the last move is rounded or chamfered
+};
+
 class Interpreter {
  public:
   // INVALID_ARGUMENT on an unknown dialect, an axis that the machine lacks, or a value out of range. `machine` and
@@ -85,6 +99,13 @@ class Interpreter {
   Ticks ticks_per_unit(int axis) const { return modal_.is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm; }
   Ticks offset(int axis) const { return coordinates_.Offset(axis); }
   const Pole& pole() const { return pole_; }
+  // Of the last Read. It lasts until the next one.
+  StateBefore Before() const {
+    if (is_before_now_) return {modal_, coordinates_.offsets(), pole_, rounds_corners_ || is_behind_corner_};
+    return before_;
+  }
+  // Programs that began behind another one; what was known of positions holds no longer.
+  int64_t programs_begun() const { return programs_begun_; }
   const Positions& positions() const { return positions_; }
   // Of an axis whose position is unknown: since which line (0: never programmed), and whether that block was reported.
   int64_t unknown_since(int axis) const { return unknown_since_[axis]; }
@@ -118,7 +139,7 @@ class Interpreter {
   absl::Status TakeOptions();
   // Whether the block is nothing but axis words, and words that change nothing, where such a block is a linear move;
   // fills step->word_of_axis then. Any other block takes the way through ReadBlock, which most do not need.
-  bool IsPlainMove(const Block& block, Step* step) const;
+  bool IsPlainMove(const Block& block, Step* step);
   void ReadBlock(const char* text, const Block& block, Step* step);
   void Apply(const char* text, const Block& block, Step* step);
   void ScanWords(const Block& block, Request* request, Step* step);
@@ -134,6 +155,18 @@ class Interpreter {
     modal_.uncertain |= groups;
     is_unit_asked_ |= (groups & kUnitGroup) != 0;  // its block is reported
   }
+  // An N word, to know later where jumps lead.
+  void NoteNumber(const Word& word) {
+    const int64_t number = word.number.mantissa;
+    if (number >= 0 && number < static_cast<int64_t>(numbers_seen_.size()))
+      numbers_seen_[static_cast<size_t>(number)] = true;
+  }
+  bool MayBeSeen(int64_t number) const {
+    return number < 0 || number >= static_cast<int64_t>(numbers_seen_.size()) ||
+           numbers_seen_[static_cast<size_t>(number)];
+  }
+  // Whether a block that jumps, or calls a part of this text, may lead to what stands in front of it.
+  bool MayJumpBack(const char* text, const Block& block, const Request& request) const;
   // A program is called: the modes in force are its too, and it may change modal groups.
   void NoteCall();
   // Work offsets and tool lengths are no longer those that were stated.
@@ -206,10 +239,16 @@ class Interpreter {
   int64_t line_ = 0;
   int64_t jump_line_ = 0;  // behind it the order of blocks is not known
   Pole pole_;
+  StateBefore before_;
+  const char* end_of_text_ = nullptr;  // of the line that is read
+  std::vector<bool> numbers_seen_;     // N words, where blocks may be passed
+  bool is_before_now_ = false;  // a plain move changes nothing of it
+  int64_t programs_begun_ = 0;
   bool rounds_corners_ = false;    // until it ends (RNDM=)
   bool is_behind_corner_ = false;  // the corner at the end of the last move is rounded or chamfered
   bool has_moved_ = false;
   bool takes_plain_moves_ = false;  // the last block was a linear move that left nothing behind but its positions
+  bool may_carry_shift_ = false;  // G92 or G52 of a program that ended
   bool has_called_ = false;         // a program further on may be a subprogram, called in any modal state
   uint32_t blockers_at_calls_ = 0;  // that were in force at any call: its program has them too
   uint32_t blockers_seen_ = 0;      // that were ever in force

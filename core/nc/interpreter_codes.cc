@@ -1,9 +1,16 @@
 // What the words of a block ask for: codes change the modal state at once, what acts on axis words waits for `Act`.
+#include <algorithm>
 #include <cstring>
 
+#include "core/nc/char_class.h"
 #include "core/nc/request.h"
 
 namespace axiscal::nc {
+namespace {
+
+bool IsCapitalOrDigit(char c) { return (Capital(c) >= 'A' && Capital(c) <= 'Z') || (c >= '0' && c <= '9'); }
+
+}  // namespace
 
 std::string WordText(const Word& word) {
   std::string text(1, word.letter);
@@ -91,6 +98,8 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
         EndMode(kCutterCompensation);
         break;
       case Role::kLineNumber:
+        NoteNumber(word);
+        break;
       case Role::kPassive:
         break;
       case Role::kFeed:
@@ -212,15 +221,21 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
         request->Refuse("two motion codes in one block");
       request->motion = &code;
       request->stated |= kMotionGroup;
-      if (code.meaning == Meaning::kOtherMotion) request->Refuse(named());
-      return;
+      if (code.meaning != Meaning::kOtherMotion) return;
+      step->is_curve = code.detail == kCurve;
+      step->is_tangential = code.detail == kTangential;
+      return request->Refuse(named());
     case Meaning::kRapidBlock:
       request->is_rapid_block = true;
       return;
     case Meaning::kOneShot:
+      step->is_curve |= code.detail == kCurve;
+      step->is_tangential |= code.detail == kTangential;
       return request->Refuse(named());
     case Meaning::kCall:
       NoteCall();
+      request->is_call = true;
+      request->is_local_call |= word.letter == 'M' && word.number.mantissa == 97;
       if (code.detail == 1) modal_.uncertain = kAllGroups | kCentreGroup, modal_.blockers |= blockers_seen_;
       return request->Refuse(named());
     case Meaning::kJump:
@@ -292,14 +307,14 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       modal_.blockers |= code.detail;
       if (code.detail == kMirror) request->mirror_on = &code;
       if (code.detail == kModalMacro && modal_.macro_depth < 255) ++modal_.macro_depth;
-      if (code.detail == kModalMacro) NoteCall();
+      if (code.detail == kModalMacro) NoteCall(), request->is_call = true;
       return request->Refuse(named());
     case Meaning::kBlockerOff:
       if (code.detail == kMirror) {
         request->owner = request->mirror_off = &code;
         return;
       }
-      if (code.detail & kModalMacro) {
+      if (code.detail & modal_.blockers & kModalMacro) {
         MayHaveChanged(kCalledGroups);  // by the macro
         if (modal_.macro_depth > 1) {
           --modal_.macro_depth;
@@ -319,6 +334,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return;
     case Meaning::kEndOfProgram:
       request->is_end = step->ends_block = true;
+      request->is_subprogram_end |= code.detail == 1;
       return;
     case Meaning::kEndOfBlock:
       step->ends_block = true;
@@ -373,6 +389,38 @@ void Interpreter::SelectOffset(const Block& block, Request* request) {
   }
   modal_.blockers |= kUnstatedOffset;
   request->Refuse(absl::StrCat(name, " (", request->offset_code->text, "): its values are not stated"));
+}
+
+bool Interpreter::MayJumpBack(const char* text, const Block& block, const Request& request) const {
+  if (numbers_seen_.empty()) return false;
+  // M99 P10, M97 P10 of Haas.
+  if (request.number_of_parameter != nullptr && (request.is_end || request.is_local_call)) {
+    const Decimal& number = request.number_of_parameter->number;
+    if (number.decimals > 0 || MayBeSeen(number.mantissa)) return true;
+  }
+  for (const Word& word : block) {
+    if (word.letter != 0) continue;
+    // "REPEAT LABEL P=3" of Sinumerik runs what stands in front of it again.
+    const bool has_label = word.end < end_of_text_ - text && text[word.end] == ' ' &&
+                           std::find_if(text + word.end, end_of_text_, [](char c) {
+                             return IsCapitalOrDigit(c) || c == ';';
+                           }) != end_of_text_;
+    const char* const name = dialect_->keywords[static_cast<size_t>(word.keyword)].name;
+    if (dialect_->has_equals && has_label && std::strcmp(name, "REPEAT") == 0) return true;
+  }
+  static constexpr char kGoto[] = {'G', 'O', 'T', 'O'};
+  const auto same = [](char a, char b) { return Capital(a) == b; };
+  for (const char* at = text; (at = std::search(at, end_of_text_, kGoto, kGoto + 4, same)) != end_of_text_;) {
+    at += 4;
+    if (dialect_->has_equals && at != end_of_text_ && Capital(*at) == 'F') continue;  // forwards
+    while (at != end_of_text_ && *at == ' ') ++at;
+    int64_t number = 0;
+    const char* digit = at;
+    for (; digit != end_of_text_ && *digit >= '0' && *digit <= '9' && number < 1'000'000; ++digit)
+      number = 10 * number + (*digit - '0');
+    if (digit == at || MayBeSeen(number)) return true;
+  }
+  return false;
 }
 
 void Interpreter::NoteCall() {

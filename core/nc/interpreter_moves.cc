@@ -58,6 +58,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
     if (stray == 0 && request.has_centre) stray = 'I';
     if (stray != 0) {
       NoteCall();  // L100 of Sinumerik calls a subprogram
+      step->leaves_text = true;
       Unsupported(absl::StrCat("word ", std::string(1, stray), " without a code that it belongs to"), false, step);
     }
     return;

@@ -139,12 +139,13 @@ TEST(Modal, BehindACallTheModalStateIsUnknown) {
   RewriteOptions options = Passing();
   options.work_offsets = {{"G54", {}}};
   EXPECT_REWRITTEN(options, "G90 G1 X1.\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G21 G54 G49 G94 G1 X5. Y0. Z0. B0. C0.\n",
-                   "G90 G1 X1.0417\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G21 G54 G49 G94 G1 X5.0417 Y0. Z0. B0. C0.\n");
+                   "G90 G1 X1.0417\nG01 X1.0000\nM98 P1000\nX5. Y0. Z0. B0. C0.\n"
+                   "G90 G21 G54 G49 G94 G1 X5.0417 Y0. Z0. B0. C0.\n");
 }
 
 TEST(Modal, BehindAJumpNothingIsCorrected) {
   EXPECT_REWRITTEN(Passing(), "G90 G1 X1.\nIF [#1 EQ 0] GOTO 10\nG91\nN10 G90 G1 X5. Y0. Z0. B0. C0.\n",
-                   "G90 G1 X1.0417\nIF [#1 EQ 0] GOTO 10\nG91\nN10 G90 G1 X5. Y0. Z0. B0. C0.\n");
+                   "G90 G1 X1.0417\nG01 X1.0000\nIF [#1 EQ 0] GOTO 10\nG91\nN10 G90 G1 X5. Y0. Z0. B0. C0.\n");
 }
 
 TEST(Modal, NumbersForVariablesStayAndForgetNothing) {
@@ -153,9 +154,10 @@ TEST(Modal, NumbersForVariablesStayAndForgetNothing) {
 }
 
 TEST(Modal, ABlockThatIsNotReadToItsEndLeavesTheModalStateUnknown) {
-  EXPECT_REWRITTEN(Passing(), "G1 X1.\nY#5 G91\nX5. Y0. Z0. B0. C0.\n", "G1 X1.0417\nY#5 G91\nX5. Y0. Z0. B0. C0.\n");
+  EXPECT_REWRITTEN(Passing(), "G1 X1.\nY#5 G91\nX5. Y0. Z0. B0. C0.\n",
+                   "G1 X1.0417\nG01 X1.0000\nY#5 G91\nX5. Y0. Z0. B0. C0.\n");
   EXPECT_REWRITTEN(Passing(), "G1 X1.\nY#5 F200\nX5. Y0. Z0. B0. C0.\n",
-                   "G1 X1.0417\nY#5 F200\nX5.0417 Y0. Z0. B0. C0.\n");
+                   "G1 X1.0417\nG01 X1.0000\nY#5 F200\nX5.0417 Y0. Z0. B0. C0.\n");
 }
 
 TEST(Modal, StopEndsAtTheFirstBlock) {

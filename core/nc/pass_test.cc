@@ -166,5 +166,99 @@ TEST(Passed, PresetsOfAllKindsAreNoMoves) {
   EXPECT_TRUE(IsCorrectedBehind("fanuc", "G43.4 H1\nG92 S2000\nG49"));
 }
 
+RewriteOptions Passing(const std::string& dialect = "fanuc") {
+  RewriteOptions options = kAtZero;
+  options.dialect = dialect;
+  options.on_unsupported = OnUnsupported::kPass;
+  return options;
+}
+
+// A full circle of 314 mm from a point that was corrected by 42 um would be an arc of 42 um.
+TEST(Passed, BlocksBeginWhereTheProgramSays) {
+  const std::string to = "G1 X50. Y0. F100\n", corrected = "G1 X50.0417 Y0. F100\n", back = "G01 X50.0000\n";
+  for (const std::string block :
+       {"G2 X50. Y0. I-50. P2", "G2 X50. Y0. I-#1", "G2 X#1 Y0. I-50.", "M98 P1000", "G65 P1000", "#1=#2+1", "G43.4 H1",
+        "G68 X0 Y0 R5.", "G41 D1", "T2 M6", "M99", "G28", "G81 Z-5. R2. F50", "IF [#1 EQ 0] GOTO 10"})
+    EXPECT_REWRITTEN(Passing(), to + block + "\n", corrected + back + block + "\n");
+  // Once, and not where every axis is told where to go.
+  EXPECT_REWRITTEN(Passing(), to + "G41 D1\nG2 X50. I-50.\nG40\n", corrected + back + "G41 D1\nG2 X50. I-50.\nG40\n");
+  for (const std::string block : {"G28 Z0", "G53 G0 Z0", "G4 P1", "G91 G28 X0", "M3", "M30"})
+    EXPECT_REWRITTEN(Passing(), to + block + "\n", corrected + block + "\n");
+  // In front of feed moves whose axes are not all known, too.
+  EXPECT_REWRITTEN(Passing(), to + "G28 Z0\nG2 X50. I-50.\n", corrected + "G28 Z0\n" + back + "G2 X50. I-50.\n");
+  // In the state in which the control is then.
+  EXPECT_REWRITTEN(Passing(), "G0 X50. Y0.\nG91 G2 X#1 I-50.\n", "G0 X50.0417 Y0.\nG00 X50.0000\nG91 G2 X#1 I-50.\n");
+  EXPECT_REWRITTEN(Passing(), to + "G91\nM98 P1\n", corrected + "G91\nG01 X-0.0417\nM98 P1\n");
+  EXPECT_REWRITTEN(Passing(), "G20 G1 X2.123456 F10\nG21 M98 P1\n",
+                   "G20 G1 X2.125096 F10\nG01 X2.123456\nG21 M98 P1\n");
+  EXPECT_REWRITTEN(Passing(), "G93 G1 X50. F10.\nM98 P1\n", "G93 G1 X50.0417 F10.\nG01 X50.0000 F1000.\nM98 P1\n");
+  EXPECT_REWRITTEN(Passing(), to + "G80\nG68 X0 Y0 R5.\n", corrected + "G80\nG01 X50.0000\nG80\nG68 X0 Y0 R5.\n");
+  EXPECT_REWRITTEN(Passing(), to + "G92 X0\nX5. B90.\nM98 P1\n",
+                   corrected + "G92 X0\nX4.9583 B90. Z-0.0417\nG01 X5.0000 Z0.0000\nM98 P1\n");
+  EXPECT_REWRITTEN(Passing(), "G1 X50. Y0. F100\r\nM98 P1",
+                   "G1 X50.0417 Y0. F100\r\nG01 X50.0000\n"
+                   "M98 P1");
+  // Behind the end nothing is known of where the control is.
+  EXPECT_REWRITTEN(Passing(), to + "M30\nO2\nM98 P1\n", corrected + "M30\nO2\nM98 P1\n");
+  EXPECT_REWRITTEN(Passing(), to + "X60. M99\n", corrected + back + "X60. M99\n");
+}
+
+TEST(Passed, TheMotionCodeOfAnArcComesBackInFrontOfWhatMovesByIt) {
+  const std::string arc = "G1 X0 Y0 F100\nG2 X20. Y0 I10. J0\n",
+                    written = "G1 X0.0417 Y0 F100\nG2 X20.0417 Y0 I10. J0\n";
+  EXPECT_REWRITTEN(Passing(), arc + "X#1 I5.\n", written + "G01 X20.0000\n G02 X#1 I5.\n");
+  EXPECT_REWRITTEN(Passing(), arc + "T1 M6\nX30. Y0 I5.\n", written + "G01 X20.0000\nT1 M6\n G02 X30. Y0 I5.\n");
+  EXPECT_REWRITTEN(Passing(), arc + "G68 X0 Y0 R5.\n", written + "G01 X20.0000\n G02 G68 X0 Y0 R5.\n");
+  EXPECT_REWRITTEN(Passing(), arc + "G1\nM98 P1\n", written + "G1\nG01 X20.0000\nM98 P1\n");
+  for (const std::string block : {"M98 P1", "M99", "G65 P1", "WHILE [#1 LT 3] DO1"})
+    EXPECT_REFUSED(Passing(), arc + block + "\n", "state G00 or G01 in front of it");
+  for (const std::string block : {"o100 call", "O<sub> call [1]", "o100 while [#1 lt 3]"})
+    EXPECT_REFUSED(Passing("linuxcnc"), arc + block + "\n", "state G00 or G01 in front of it");
+  EXPECT_REWRITTEN(Passing("linuxcnc"), arc + "G1\no100 call\n", written + "G1\nG01 X20.0000\no100 call\n");
+}
+
+TEST(Passed, KlartextReturnsToItsPoleToo) {
+  const std::string begin = "CC X+0 Y+0\nL X+50 Y+0 F500\nC X-50 Y+0 DR-\n";
+  EXPECT_REWRITTEN(Passing("heidenhain"), begin + "CP IPA+180 DR-\n",
+                   "CC X+0 Y+0\nL X+50.0417 Y+0 F500\nCC X+0.0417 Y+0.0000\nC X-49.9583 Y+0 DR-\n"
+                   "L X-50.0000\nCC X+0.0000 Y+0.0000\nCP IPA+180 DR-\n");
+  EXPECT_REWRITTEN(Passing("heidenhain"), "L X+50 Y+0 FMAX\nCALL LBL 1\n",
+                   "L X+50.0417 Y+0 FMAX\nL X+50.0000 FMAX\nCALL LBL 1\n");
+  EXPECT_REFUSED(Passing("heidenhain"), "L X+50 Y+0 F500\nRND R5\nCP IPA+90 DR+\n", "the corner in front of it");
+}
+
+TEST(Passed, ArcsFromWhereABlockThatMayBeSkippedLedAreRefused) {
+  EXPECT_REFUSED(Passing(), "G1 X0 F100\n/X50.\nG2 X50. I-50.\n", "state --block-delete");
+  EXPECT_REFUSED(Passing(), "G1 X0 F100\n/X50.\nM98 P1\n", "state --block-delete");
+  EXPECT_REWRITTEN(Passing(), "G1 X0 F100\n/X50.\nG41 X60.\nG2 X60. I-60.\n",
+                   "G1 X0.0417 F100\n/X50.0417\nG41 X60.\nG2 X60. I-60.\n");
+}
+
+// What follows the direction of the move in front of it gets no short move there.
+TEST(Passed, TangentialMovesFollowTheMoveInFrontOfThem) {
+  EXPECT_REWRITTEN(Passing("heidenhain"), "L X+50 Y+0 F500\nCT X+60 Y+10\nCP IPA+90 DR+\n",
+                   "L X+50.0417 Y+0 F500\nCT X+60 Y+10\nCP IPA+90 DR+\n");
+  EXPECT_REFUSED(Passing("heidenhain"), "L X+50 Y+0 F500\nCT Y+10\nCP IPA+90 DR+\n",
+                 "an arc from a corrected position of X");
+  EXPECT_REWRITTEN(Passing("sinumerik"), "G1 X50 Y0 F500\nCT X60 Y10\n", "G1 X50.0417 Y0 F500\nCT X60 Y10\n");
+}
+
+// Corrected blocks have inserted words and differences that hold for what stands in front of them only.
+TEST(Passed, AJumpBackToCorrectedBlocksIsRefused) {
+  const std::string moves = "G1 X0 F100\nN10 G2 X50. Y0. R50.\n",
+                    reason = "may lead back to blocks that were corrected";
+  for (const std::string jump : {"IF [#1 LT 5] GOTO 10", "GOTO 10", "GOTO #1", "GOTO 123456", "M99 P10"})
+    EXPECT_REFUSED(Passing(), moves + "G1\n" + jump + "\n", reason);
+  EXPECT_REFUSED(Passing("haas"), moves + "G1\nM97 P10\n", reason);
+  EXPECT_REFUSED(Passing("sinumerik"), "G1 X5\nGOTOB START\n", reason);
+  EXPECT_REFUSED(Passing("sinumerik"), "G1 X5\nREPEAT START P=3\n", reason);
+  for (const std::string jump : {"IF [#1 LT 5] GOTO 20", "GOTO 20", "M99 P20", "WHILE [#1 LT 5] DO1", "M98 P10"})
+    EXPECT_TRUE(Rewritten("G1 X1.\nN10 X2.\n" + jump + "\n", Passing()).status.ok()) << jump;
+  for (const std::string jump : {"IF R1==0 GOTOF ENDE", "REPEAT", "WHILE R1>0"})
+    EXPECT_TRUE(Rewritten("G1 X1\nN10 X2\n" + jump + "\n", Passing("sinumerik")).status.ok()) << jump;
+  RewriteReport report;
+  EXPECT_TRUE(RewriteText("N10 #1=#1+1\nGOTO 10\n", testing::LeaningHead(), Passing(), &report).ok());
+}
+
 }  // namespace
 }  // namespace axiscal::nc

@@ -40,6 +40,9 @@ struct Interpreter::Request {
   const Word* radius = nullptr;
   bool is_dwell = false;
   bool is_end = false;
+  bool is_subprogram_end = false;
+  bool is_call = false;
+  bool is_local_call = false;  // M97
   bool is_jump = false;
   bool is_rapid_block = false;
   bool is_pole = false;     // CC

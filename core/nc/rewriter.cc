@@ -57,6 +57,16 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     job.Note(now, "this program was compensated before");
   }
   if (is_null()) return Observe();
+  if (step.jumps_back && job.report().blocks_corrected > 0) {
+    job.Refused(now,
+                "it may lead back to blocks that were corrected, and these hold for their order in the text only",
+                false);
+  }
+  if (programs_begun != interpreter.programs_begun()) {
+    writer.BeginProgram(has_ended);
+    programs_begun = interpreter.programs_begun();
+  }
+  has_ended = step.ends_program || (has_ended && !step.has_other_words);
   if (step.has_other_words && !has_mark_place) KeepMarkPlace();
   if (step.is_tool_change && job.report().blocks_corrected > 0 && tools.empty())
     job.Note(now, "tool change; all moves are corrected for the one tool point stated");
@@ -68,6 +78,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   } else {
     if (step.kind == StepKind::kUnsupported) NotCorrected(step.reason, step.is_consequence);
     if (step.kind == StepKind::kUntouched) job.Passed(now, step.reason + ": never touched", false);
+    if (MustReturn()) Return();
     Copy();
   }
   if (step.is_tool_change) writer.ForgetAll();
@@ -97,6 +108,43 @@ void Rewriter::Impl::Observe() {
 void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence) {
   if (options.on_unsupported == OnUnsupported::kPass) return job.Passed(now, reason, is_consequence);
   job.Refused(now, reason, is_consequence);
+}
+
+bool Rewriter::Impl::MustReturn() const {
+  if (!passes()) return false;
+  if (step.kind == StepKind::kUnsupported || step.is_tool_change || step.ends_subprogram) return true;
+  if (step.kind == StepKind::kUntouched) return interpreter.positions().known == 0;
+  return step.is_arc || (step.sets_pole && !interpreter.pole().is_known);
+}
+
+void Rewriter::Impl::Return() {
+  const size_t begin = out.size();
+  const std::string problem =
+      step.is_tangential ? "" : writer.Return(interpreter.Before(), LineEnd(), &out);
+  if (step.is_tangential) writer.LeaveAdrift(now.text, now.text_size);
+  if (!problem.empty()) {
+    return job.Refused(now, absl::StrCat("it must begin where the program says, and cannot: ", problem), false);
+  }
+  if (out.size() != begin) {
+    ++job.report().blocks_inserted;
+    job.BreakPath();
+  }
+  const machine::Machine& machine = compensator.machine();
+  const Modal& modal = interpreter.modal();
+  const bool may_be_arc = step.is_curve || modal.motion == Meaning::kArc || step.leaves_text ||
+                          (modal.uncertain & kMotionGroup) != 0;
+  for (int i = 0; may_be_arc && i < machine.axis_count(); ++i) {
+    if ((writer.adrift() >> i & 1) == 0) continue;
+    return job.Refused(now,
+                       absl::StrCat("it is, or may lead to, an arc from a corrected position of ", machine.axes[i].name,
+                                    " that is not known: a block that may be skipped moves it; state --block-delete"),
+                       false);
+  }
+  if (!writer.LeavesInChords(block, step)) return;
+  job.Refused(now,
+              "the program leaves this text in G02 or G03 and the control in G01, by a straight block that was "
+              "inserted: state G00 or G01 in front of it",
+              false);
 }
 
 void Rewriter::Impl::Copy() {
@@ -152,11 +200,17 @@ void Rewriter::Impl::MoveFromUnknown(const std::string& unknown, bool is_consequ
     job.Passed(now, "rapid move left as it is, " + unknown, is_consequence);
   } else {
     NotCorrected(unknown, is_consequence);
+    if (MustReturn()) Return();
   }
   Copy();
 }
 
 void Rewriter::Impl::Move() {
+  if (passes() && step.ends_subprogram) {
+    job.Passed(now, "the move ends a subprogram: left as it is, what called it goes on from there", false);
+    Return();
+    return Copy();
+  }
   if (step.wrapped != 0) writer.Wrap(step);
   if (step.end.known != all_axes || writer.commanded().known != all_axes) [[unlikely]] {
     bool is_consequence = false;
@@ -184,6 +238,7 @@ void Rewriter::Impl::Move() {
     job.Account(now, piece, writer.commanded(), departure_mm);
     if (piece.turned.limit != compensate::DirectionLimit::kNone) job.Tilted(now, piece.turned);
   }
+  if (passes()) writer.Arrive(step);
   if (before) writer.ForgetChanges(*before);
   if (before) writer.ForgetPole();
 }

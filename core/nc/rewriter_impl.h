@@ -74,6 +74,8 @@ struct Rewriter::Impl {
   std::string mark_line_end;
   bool is_last_split = false;  // the last move was written in pieces
   bool is_finished = false;
+  int64_t programs_begun = 0;   // as the writer knows
+  bool has_ended = false;       // the program that is read now
 
   bool is_null() const { return job.report().is_null_correction; }
 
@@ -93,6 +95,15 @@ struct Rewriter::Impl {
   void NotCorrected(const std::string& reason, bool is_consequence);
   // The block stays as it is.
   void Copy();
+  bool passes() const { return options.on_unsupported == OnUnsupported::kPass; }
+  // Whether what follows the block that is read must find the control where the program says: it is passed, or leads to
+  // what is not followed.
+  bool MustReturn() const;
+  // In front of such a block. Refused where that cannot be.
+  void Return();
+  std::string LineEnd() const {
+    return now.text_size == now.size ? "\n" : std::string(now.text + now.text_size, now.size - now.text_size);
+  }
   void KeepMarkPlace();
   // Whether what was written from `begin` on is the block's own bytes.
   bool IsWrittenAsItWas(size_t begin) const;

@@ -37,8 +37,7 @@ void Rewriter::Impl::WriteSplit(double departure_mm) {
   is_last_split = pieces->size() > 1;
   job.report().blocks_split += is_last_split;
   job.report().blocks_inserted += static_cast<int64_t>(pieces->size()) - 1;
-  const std::string line_end =
-      now.text_size == now.size ? "\n" : std::string(now.text + now.text_size, now.size - now.text_size);
+  const std::string line_end = LineEnd();
   const bool is_packed = BlockWriter::IsPacked(now.text, block);
   double from = 0.0;
   compensate::Turned worst;

@@ -67,9 +67,9 @@ TEST(Unit, ASubprogramMayLeaveAnother) {
   passing.on_unsupported = OnUnsupported::kPass;
   const std::string behind = "G90 G94 G17 G54 G49\nG0 X1. Y0. Z0. B0. C0.\n";
   passing.work_offsets = {{"G54", {}}};
-  EXPECT_REWRITTEN(passing, "G1 X1.\nM98 P7\n" + behind, "G1 X1.0417\nM98 P7\n" + behind);
+  EXPECT_REWRITTEN(passing, "G1 X1.\nM98 P7\n" + behind, "G1 X1.0417\nG01 X1.0000\nM98 P7\n" + behind);
   EXPECT_REWRITTEN(passing, "G1 X1.\nM98 P7\nG21\n" + behind,
-                   "G1 X1.0417\nM98 P7\nG21\nG90 G94 G17 G54 G49\nG0 X1.0417 Y0. Z0. B0. C0.\n");
+                   "G1 X1.0417\nG01 X1.0000\nM98 P7\nG21\nG90 G94 G17 G54 G49\nG0 X1.0417 Y0. Z0. B0. C0.\n");
 }
 
 TEST(Unit, ANullCorrectionAsksForNothing) {

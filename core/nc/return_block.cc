@@ -1,0 +1,116 @@
+// The way back to where the program thinks the control is, in front of blocks that are passed.
+#include <algorithm>
+
+#include "core/nc/block_writer.h"
+#include "core/nc/char_class.h"
+
+namespace axiscal::nc {
+namespace {
+
+// Of the block in G93: it takes 1/1000 min, as long as micrometres take at any feed.
+constexpr const char* kInverseTimeFeed = " F1000.";
+
+}  // namespace
+
+uint16_t BlockWriter::Departed() const {
+  uint16_t departed = 0;
+  for (const int axis : order_) {
+    if (Departure(axis) != 0) departed |= static_cast<uint16_t>(1u << axis);
+  }
+  return departed;
+}
+
+void BlockWriter::ForgetAll() {
+  adrift_ |= Departed();
+  commanded_.known = 0;
+  pole_.is_known = false;
+}
+
+void BlockWriter::BeginProgram(bool is_behind_end) {
+  ForgetAll();
+  if (is_behind_end) adrift_ = 0;
+  preset_shift_ = suspended_shift_ = {};
+  wrapped_ = 0;
+  is_in_chords_ = false;
+}
+
+void BlockWriter::Arrive(const Step& step) {
+  for (const int axis : order_) programmed_[axis] = step.end.ticks[axis];
+  adrift_ &= static_cast<uint16_t>(~commanded_.known);
+  is_last_rapid_ = step.is_rapid;
+  for (const int axis : order_) {
+    if (step.word_of_axis[axis] >= 0) wrapped_ &= static_cast<uint16_t>(~(1u << axis));
+  }
+  wrapped_ |= step.wrapped;
+}
+
+void BlockWriter::LeaveAdrift(const char* text, size_t size) {
+  for (const int axis : order_) {
+    const char letter = machine_->axes[axis].name[0];
+    const bool is_named = std::any_of(text, text + size, [letter](char c) { return Capital(c) == letter; });
+    if (is_named) commanded_.known &= static_cast<uint16_t>(~(1u << axis));
+  }
+  ForgetAll();
+}
+
+void BlockWriter::AppendExact(int axis, Ticks target, Ticks base, bool is_inch, OutBuffer* out) const {
+  const Ticks unit = is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm;
+  WordForm form = rule_.Inserted(unit);
+  while (form.decimals < kMaxDecimals && (target - base) % form.grain != 0)
+    form.grain = GrainTicks(unit, ++form.decimals);
+  out->push_back(' ');
+  out->push_back(machine_->axes[axis].name[0]);
+  CorrectedWord word = WordFor(target, base, form);
+  const bool is_wrapped = wrapped_ >> axis & 1;
+  if (is_wrapped) {
+    word.number %= kTurn / form.grain;
+    if (word.number < 0) word.number += kTurn / form.grain;
+    AppendDistance(Distance::kShortestWay, out);
+  }
+  AppendNumber(word, interpreter_->dialect().writes_plus, out);
+  if (is_wrapped && !interpreter_->dialect().distance_names.empty()) out->push_back(')');
+}
+
+void BlockWriter::ReturnPole(const StateBefore& before, const std::string& line_end, OutBuffer* out) {
+  if (!before.pole.is_known || (pole_.is_known && pole_.ticks == before.pole.ticks)) return;
+  pole_ = before.pole;
+  pole_.is_absolute = true;
+  out->append(std::string("CC"));
+  static constexpr const char* kAxes[] = {"X", "Y"};  // Klartext's poles stand in XY
+  for (const size_t index : {size_t{0}, size_t{1}}) {
+    const int axis = machine::FindAxis(*machine_, kAxes[index]);
+    AppendExact(axis, pole_.ticks[index], before.offsets[axis], before.modal.is_inch, out);
+  }
+  out->append(line_end);
+}
+
+std::string BlockWriter::Return(const StateBefore& before, const std::string& line_end, OutBuffer* out) {
+  const bool has_poles = interpreter_->dialect().has_poles;
+  const uint16_t departed = Departed();
+  if (departed != 0) {
+    const Modal& modal = before.modal;
+    const bool is_rapid = has_poles ? is_last_rapid_ : modal.motion == Meaning::kRapid;
+    if (before.is_at_corner) return "the control rounds or chamfers the corner in front of it";
+    constexpr uint8_t kNeeded = kMotionGroup | kDistanceGroup | kUnitGroup | kFeedGroup | kOffsetGroup | kLengthGroup;
+    if (modal.blockers != 0 || (modal.uncertain & kNeeded) != 0 || modal.motion == Meaning::kOtherMotion)
+      return "the control stands at a corrected position, and its modal state is not known";
+    out->append(std::string(has_poles ? "L" : is_rapid ? "G00" : "G01"));
+    for (const int axis : order_) {
+      if ((departed >> axis & 1) == 0) continue;
+      const bool is_incremental = modal.is_incremental && (wrapped_ >> axis & 1) == 0;
+      const Ticks target = programmed_[axis] + preset_shift_[axis];
+      const Ticks base = is_incremental ? commanded_.ticks[axis] : before.offsets[axis] + preset_shift_[axis];
+      AppendExact(axis, target, base, modal.is_inch, out);
+      commanded_.ticks[axis] = target;
+    }
+    if (has_poles && is_rapid) out->append(std::string(" FMAX"));
+    if (!is_rapid && modal.feed_mode == FeedMode::kInverseTime) out->append(std::string(kInverseTimeFeed));
+    out->append(line_end);
+    if (modal.motion == Meaning::kCancelMotion) out->append("G80" + line_end);
+    is_in_chords_ |= modal.motion == Meaning::kArc && !has_poles;
+  }
+  if (has_poles) ReturnPole(before, line_end, out);
+  return "";
+}
+
+}  // namespace axiscal::nc
