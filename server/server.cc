@@ -27,6 +27,8 @@ namespace {
 constexpr int kKeepaliveMs = 20'000, kKeepaliveTimeoutMs = 10'000;
 // How often the end of the last call is looked for, and how long connections may take to hear of the end.
 constexpr std::chrono::milliseconds kLookAgain(5), kGoodbye(100);
+// How often uploads that were left are looked for. A crash loses so much of the time that counts for them.
+constexpr std::chrono::minutes kHousekeeping(10);
 // Clients may ask so often whether we are there; more often they are sent away.
 constexpr int kMinPingIntervalMs = 10'000;
 
@@ -139,21 +141,24 @@ class Server::Impl {
   base::Mutex shutdown_mutex_;
 
  private:
-  // Drops what uploaders have left, now and every hour.
+  // Drops what uploaders have left, now and every kHousekeeping.
   void KeepHouse() {
     const base::MutexLock lock(housekeeper_mutex_);
     while (!stop_housekeeper_) {
-      const base::UtcTime idle_since = base::SystemClock().UtcNow() - options_.session_expiry;
-      const absl::StatusOr<int> expired = database_->ExpireSessions(idle_since);
-      if (!expired.ok()) {
-        Log(LogLevel::kWarning, "expire", {{"text", std::string(expired.status().message())}});
-      } else if (*expired > 0) {
-        Log(LogLevel::kInfo, "expire", {{"sessions", absl::StrCat(*expired)}});
-      }
-      const base::SteadyTime next = base::SystemClock().SteadyNow() + std::chrono::hours(1);
+      LogExpired("sessions", database_->ExpireSessions(options_.session_expiry));
+      LogExpired("programs", database_->ExpirePrograms(options_.session_expiry));
+      const base::SteadyTime next = base::SystemClock().SteadyNow() + kHousekeeping;
       while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
         wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
       }
+    }
+  }
+
+  static void LogExpired(const std::string& what, const absl::StatusOr<int>& count) {
+    if (!count.ok()) {
+      Log(LogLevel::kWarning, "expire", {{"text", std::string(count.status().message())}});
+    } else if (*count > 0) {
+      Log(LogLevel::kInfo, "expire", {{what, absl::StrCat(*count)}});
     }
   }
 

@@ -27,7 +27,8 @@ struct ServerOptions {
   // How far one stream may run ahead of what the server has read, bytes: rate <= window / round trip. 64 KB to 16 MB;
   // more costs memory per stream.
   int window_bytes = 1 << 20;
-  // An upload that was left for so long is given up and its readings are dropped. > 0.
+  // A session or program whose upload was left for so long is given up and what came of it is dropped. Only time that a
+  // server was up counts. > 0.
   std::chrono::hours session_expiry = std::chrono::hours(24 * 7);
   // How long Shutdown() lets calls and jobs go on before it cuts them off. >= 0.
   std::chrono::milliseconds drain = std::chrono::seconds(20);

@@ -52,7 +52,6 @@ struct JobRecord {
   std::optional<JobError> error;             // of the last attempt that failed
   std::string created_by;
   base::UtcTime created_at;
-  base::UtcTime run_after;                            // not claimed before (backoff)
   std::optional<base::UtcTime> started_at, ended_at;  // of the last attempt
   int64_t version = 0;                                // grows with every change of the row
 };

@@ -132,9 +132,9 @@ base::SteadyTime JobRunner::Impl::ClaimAll() {
     EndClaim();
     if (!claimed.ok()) return later;
     if (claimed->has_value()) continue;
-    const absl::StatusOr<std::optional<base::UtcTime>> next = database_.NextJobTime();
+    const absl::StatusOr<std::optional<std::chrono::microseconds>> next = database_.NextJobWait();
     if (!next.ok() || !next->has_value()) return later;
-    const auto wait = std::max(**next - options_.clock->UtcNow(), std::chrono::microseconds(1000));
+    const auto wait = std::max(**next, std::chrono::microseconds(1000));
     return std::min(later, options_.clock->SteadyNow() + wait);
   }
   return later;  // a worker that becomes idle wakes the keeper

@@ -37,7 +37,8 @@ absl::StatusOr<EncodedChunk> PrepareChunk(const records::Chunk& chunk, const std
   return EncodedChunk{chunk.seq(), chunk.reading_count(), chunk.crc32c(), EncodeChunk(chunk.columns())};
 }
 
-absl::StatusOr<AppendResult> AppendChunk(Connection& connection, UtcTime now, SessionId id, const EncodedChunk& chunk) {
+absl::StatusOr<AppendResult> AppendChunk(Connection& connection, const Moment& now, SessionId id,
+                                         const EncodedChunk& chunk) {
   SessionState state;
   int64_t next_seq;
   {
@@ -59,8 +60,8 @@ absl::StatusOr<AppendResult> AppendChunk(Connection& connection, UtcTime now, Se
                      id, chunk.seq, chunk.reading_count, static_cast<int64_t>(chunk.crc32c), Blob{chunk.content}));
   RETURN_IF_ERROR(
       connection.Run("UPDATE session SET next_seq = next_seq + 1, reading_count = reading_count + ?2, "
-                     "last_seen_at_utc_us = ?3 WHERE id = ?1",
-                     id, chunk.reading_count, now));
+                     "last_seen_at_utc_us = ?3, last_seen_up_us = ?4 WHERE id = ?1",
+                     id, chunk.reading_count, now.utc, now.up_us));
   return AppendResult{next_seq + 1, false};
 }
 

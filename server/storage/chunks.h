@@ -21,7 +21,8 @@ struct EncodedChunk {
 
 // What can be done before the writer's turn. CHUNK_INVALID when the chunk has not the columns `specs`.
 absl::StatusOr<EncodedChunk> PrepareChunk(const records::Chunk& chunk, const std::vector<ColumnSpec>& specs);
-absl::StatusOr<AppendResult> AppendChunk(Connection& connection, UtcTime now, SessionId id, const EncodedChunk& chunk);
+absl::StatusOr<AppendResult> AppendChunk(Connection& connection, const Moment& now, SessionId id,
+                                         const EncodedChunk& chunk);
 
 // Chunk `seq` or nothing after the last one; DATA_LOSS CHUNK_DAMAGED unless it is exactly what was appended.
 absl::StatusOr<std::optional<records::Chunk>> ReadChunk(Connection& connection, const SessionRecord& session,

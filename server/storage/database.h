@@ -54,6 +54,8 @@ class Database {
   virtual absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page) = 0;
 
   // ---- sessions
+  // A session is its machine and content: the same request id and body give the same session, whoever asks, unless it
+  // was given up (ABORTED, EXPIRED) or its header damaged; then they make a new one.
   virtual absl::StatusOr<SessionRecord> CreateSession(const NewSession& session) = 0;
   virtual absl::StatusOr<SessionRecord> GetSession(SessionId id) = 0;
   virtual absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) = 0;
@@ -75,8 +77,10 @@ class Database {
   virtual absl::StatusOr<SessionRecord> FinishSession(SessionId id, const SessionTotals& totals) = 0;
   // Drops the chunks; the row stays as ABORTED. A complete session is refused (SESSION_CLOSED); repeating is OK.
   virtual absl::StatusOr<SessionRecord> AbortSession(SessionId id) = 0;
-  // Open sessions without a chunk since `idle_since` become EXPIRED, their chunks dropped. How many.
-  virtual absl::StatusOr<int> ExpireSessions(UtcTime idle_since) = 0;
+  // Open sessions that were left for longer than `idle` become EXPIRED, their chunks dropped. How many. Only time that
+  // the file was open counts: neither a night without power nor a clock that was set. Saves how much that is: a crash
+  // loses what went by since this or ExpirePrograms() was called last.
+  virtual absl::StatusOr<int> ExpireSessions(std::chrono::microseconds idle) = 0;
 
   // Only complete sessions have data: else FAILED_PRECONDITION SESSION_NOT_COMPLETE. Every chunk's checksum is
   // verified; a damaged one is DATA_LOSS CHUNK_DAMAGED (facts session, seq).
@@ -94,8 +98,8 @@ class Database {
   // The best waiting job whose time has come and whose params are those that were stored (others FAIL with
   // JOB_DAMAGED), now RUNNING as a new attempt (ClaimOf), or nothing.
   virtual absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) = 0;
-  // When the next waiting job may be claimed; nothing when none waits.
-  virtual absl::StatusOr<std::optional<UtcTime>> NextJobTime() = 0;
+  // How long from now until a waiting job may be claimed; nothing when none waits.
+  virtual absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() = 0;
   // Prolongs the lease and stores the progress. The record tells whether to cancel.
   virtual absl::StatusOr<JobRecord> HeartbeatJob(const JobClaim& claim, std::chrono::microseconds lease,
                                                  const JobProgress& progress) = 0;
@@ -153,8 +157,9 @@ class Database {
   virtual absl::Status ReadProgram(ProgramId id, int64_t offset,
                                    const std::function<absl::Status(const std::string& bytes)>& visit) = 0;
 
-  // Open programs without a part since `idle_since` are given up, their parts dropped. How many.
-  virtual absl::StatusOr<int> ExpirePrograms(UtcTime idle_since) = 0;
+  // Open programs that were left for longer than `idle` are given up, their parts dropped. How many; what counts is as
+  // for sessions.
+  virtual absl::StatusOr<int> ExpirePrograms(std::chrono::microseconds idle) = 0;
 
   // ---- audit: append only. Changes of machines, calibrations and jobs by callers are entered by the store itself.
   virtual absl::Status AppendAudit(const AuditEntry& entry) = 0;

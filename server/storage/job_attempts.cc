@@ -1,4 +1,6 @@
 // The half of jobs.h that workers use: an attempt at a job from its claim to its end.
+#include <algorithm>
+
 #include "core/base/error_detail.h"
 #include "server/storage/calibrations.h"
 #include "server/storage/jobs.h"
@@ -53,17 +55,17 @@ std::string Name(JobEnd end) {
   return "";
 }
 
-absl::Status Leave(Connection& connection, UtcTime now, const JobRecord& job, JobEnd end, const std::string& outcome,
-                   const JobError& error, std::chrono::microseconds retry_after) {
+absl::Status Leave(Connection& connection, const Moment& now, const JobRecord& job, JobEnd end,
+                   const std::string& outcome, const JobError& error, std::chrono::microseconds retry_after) {
   const JobState next = NextState(job, end);
   const int attempt = end == JobEnd::kParked ? job.attempt - 1 : job.attempt;
   RETURN_IF_ERROR(connection.Run(
-      "UPDATE job SET state = ?2, attempt = ?3, owner = NULL, lease_until_steady_us = NULL, run_after_utc_us = ?4, "
-      "error_code = ?5, "
-      "error_reason = ?6, error_message = ?7, ended_at_utc_us = ?8, version = version + 1 WHERE id = ?1",
-      job.id, static_cast<int>(next), attempt, next == JobState::kQueued ? now + retry_after : job.run_after,
-      static_cast<int>(error.code), error.reason, error.message, now));
-  return EndAttempt(connection, now, job.id, job.running_attempt, outcome, error.message);
+      "UPDATE job SET state = ?2, attempt = ?3, owner = NULL, lease_until_steady_us = NULL, waits_from_up_us = ?4, "
+      "wait_us = ?5, error_code = ?6, error_reason = ?7, error_message = ?8, ended_at_utc_us = ?9, "
+      "version = version + 1 WHERE id = ?1",
+      job.id, static_cast<int>(next), attempt, now.up_us, static_cast<int64_t>(retry_after.count()),
+      static_cast<int>(error.code), error.reason, error.message, now.utc));
+  return EndAttempt(connection, now.utc, job.id, job.running_attempt, outcome, error.message);
 }
 
 absl::Status InsertPrograms(Connection& connection, JobId id, const std::vector<ProgramId>& programs) {
@@ -91,9 +93,10 @@ absl::StatusOr<std::optional<JobRecord>> ClaimNext(Connection& connection, const
                                                    std::chrono::microseconds lease) {
   JobId id;
   {
-    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id FROM job WHERE state = 1 AND run_after_utc_us <= ?1 "
-                                                   "ORDER BY priority DESC, id LIMIT 1",
-                                                   owner.utc_now));
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT id FROM job WHERE state = 1 AND waits_from_up_us + wait_us <= ?1 "
+                                    "ORDER BY priority DESC, id LIMIT 1",
+                                    owner.now.up_us));
     ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return std::nullopt;
     id = JobId(row.Int(0));
@@ -104,11 +107,11 @@ absl::StatusOr<std::optional<JobRecord>> ClaimNext(Connection& connection, const
                      "started_at_utc_us = ?4, ended_at_utc_us = NULL, progress_stage = '', progress_fraction = 0.0, "
                      "progress_detail = '', "
                      "version = version + 1 WHERE id = ?1",
-                     id, owner.id, LeaseEndUs(owner, lease), owner.utc_now));
+                     id, owner.id, LeaseEndUs(owner, lease), owner.now.utc));
   ASSIGN_OR_RETURN(JobRecord job, GetJob(connection, id));
   RETURN_IF_ERROR(connection.Run(
       "INSERT INTO job_attempt (job_id, lease_token, attempt, owner, started_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5)",
-      id, job.running_attempt, job.attempt, owner.id, owner.utc_now));
+      id, job.running_attempt, job.attempt, owner.id, owner.now.utc));
   return job;
 }
 
@@ -123,15 +126,16 @@ absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const 
     if (body.ok()) return job;
     if (!absl::IsDataLoss(body)) return body;
     const JobError error = {body.code(), base::ErrorReason(body), std::string(body.message())};
-    RETURN_IF_ERROR(Leave(connection, owner.utc_now, *job, JobEnd::kFailed, Name(JobEnd::kFailed), error,
+    RETURN_IF_ERROR(Leave(connection, owner.now, *job, JobEnd::kFailed, Name(JobEnd::kFailed), error,
                           std::chrono::microseconds(0)));
   }
 }
 
-absl::StatusOr<std::optional<UtcTime>> NextJobTime(Connection& connection) {
-  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT min(run_after_utc_us) FROM job WHERE state = 1"));
+absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait(Connection& connection, const Moment& now) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT min(waits_from_up_us + wait_us) FROM job WHERE state = 1"));
   RETURN_IF_ERROR(row.Step().status());
-  return row.OptionalTime(0);
+  if (row.IsNull(0)) return std::nullopt;
+  return std::chrono::microseconds(std::max<int64_t>(row.Int(0) - now.up_us, 0));
 }
 
 absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
@@ -149,22 +153,22 @@ absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& own
                                      const JobProduct& product) {
   RETURN_IF_ERROR(CheckClaim(connection, owner, claim).status());
   if (product.calibration.has_value()) {
-    RETURN_IF_ERROR(CreateCalibration(connection, owner.utc_now, *product.calibration, claim.id).status());
+    RETURN_IF_ERROR(CreateCalibration(connection, owner.now.utc, *product.calibration, claim.id).status());
   }
   RETURN_IF_ERROR(InsertPrograms(connection, claim.id, product.programs));
   RETURN_IF_ERROR(connection.Run(
       "UPDATE job SET state = 3, owner = NULL, lease_until_steady_us = NULL, result = ?2, progress_fraction = 1.0, "
       "error_code = NULL, "
       "error_reason = NULL, error_message = NULL, ended_at_utc_us = ?3, version = version + 1 WHERE id = ?1",
-      claim.id, Blob{product.result}, owner.utc_now));
-  RETURN_IF_ERROR(EndAttempt(connection, owner.utc_now, claim.id, claim.lease_token, "SUCCEEDED", ""));
+      claim.id, Blob{product.result}, owner.now.utc));
+  RETURN_IF_ERROR(EndAttempt(connection, owner.now.utc, claim.id, claim.lease_token, "SUCCEEDED", ""));
   return GetJob(connection, claim.id);
 }
 
 absl::StatusOr<JobRecord> EndJob(Connection& connection, const JobOwner& owner, const JobClaim& claim, JobEnd end,
                                  const JobError& error, std::chrono::microseconds retry_after) {
   ASSIGN_OR_RETURN(const JobRecord job, CheckClaim(connection, owner, claim));
-  RETURN_IF_ERROR(Leave(connection, owner.utc_now, job, end, Name(end), error, retry_after));
+  RETURN_IF_ERROR(Leave(connection, owner.now, job, end, Name(end), error, retry_after));
   return GetJob(connection, claim.id);
 }
 
@@ -187,7 +191,7 @@ absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const 
     ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
     const JobError error = {absl::StatusCode::kUnavailable, "OWNER_LOST",
                             absl::StrCat("attempt ", job.attempt, " was not finished")};
-    RETURN_IF_ERROR(Leave(connection, owner.utc_now, job, JobEnd::kRetry, "LOST", error, std::chrono::microseconds(0)));
+    RETURN_IF_ERROR(Leave(connection, owner.now, job, JobEnd::kRetry, "LOST", error, std::chrono::microseconds(0)));
     ASSIGN_OR_RETURN(rescued.emplace_back(), GetJob(connection, id));
   }
   return rescued;

@@ -14,7 +14,7 @@ constexpr char kSelect[] =
     "j.lease_token, "
     "j.cancel_requested, j.progress_stage, j.progress_fraction, j.progress_detail, j.result, j.error_code, "
     "j.error_reason, "
-    "j.error_message, j.created_by, j.created_at_utc_us, j.run_after_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
+    "j.error_message, j.created_by, j.created_at_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
     "j.version, "
     "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id) FROM job AS j LEFT JOIN machine AS m ON m.id = "
     "j.machine_id ";
@@ -37,11 +37,10 @@ JobRecord ReadRow(const Statement& row) {
   if (!row.IsNull(15)) job.error = JobError{row.As<absl::StatusCode>(15), row.Text(16), row.Text(17)};
   job.created_by = row.Text(18);
   job.created_at = row.Time(19);
-  job.run_after = row.Time(20);
-  job.started_at = row.OptionalTime(21);
-  job.ended_at = row.OptionalTime(22);
-  job.version = row.Int(23);
-  if (!row.IsNull(24)) job.calibration = CalibrationId(row.Int(24));
+  job.started_at = row.OptionalTime(20);
+  job.ended_at = row.OptionalTime(21);
+  job.version = row.Int(22);
+  if (!row.IsNull(23)) job.calibration = CalibrationId(row.Int(23));
   return job;
 }
 
@@ -81,7 +80,7 @@ absl::StatusOr<std::optional<int64_t>> OptionalMachineKey(Connection& connection
 
 }  // namespace
 
-absl::StatusOr<JobRecord> CreateJob(Connection& connection, UtcTime now, const NewJob& job, int max_queued) {
+absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, int max_queued) {
   if (job.max_attempts < 1) {
     return InvalidArgument(absl::StrCat("max_attempts = ", job.max_attempts, ", must be > 0"), "JOB_INVALID");
   }
@@ -94,10 +93,10 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, UtcTime now, const N
       connection.Run("INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, "
                      "lease_token, cancel_requested, "
                      "progress_stage, progress_fraction, progress_detail, created_by, request_id, body_sha256, "
-                     "created_at_utc_us, run_after_utc_us, "
-                     "version) VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?10, 1)",
+                     "created_at_utc_us, waits_from_up_us, wait_us, "
+                     "version) VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1)",
                      job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts,
-                     job.caller.principal, RequestId(job.caller), body_sha256, now));
+                     job.caller.principal, RequestId(job.caller), body_sha256, now.utc, now.up_us));
   return GetJob(connection, JobId(connection.last_insert_id()));
 }
 
@@ -159,7 +158,7 @@ absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId i
   return GetJob(connection, id);
 }
 
-absl::StatusOr<JobRecord> RequeueJob(Connection& connection, UtcTime now, JobId id, int max_queued,
+absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, int max_queued,
                                      const Caller& caller) {
   ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
   if (!IsTerminal(job.state) || job.state == JobState::kSucceeded) {
@@ -167,10 +166,10 @@ absl::StatusOr<JobRecord> RequeueJob(Connection& connection, UtcTime now, JobId 
   }
   RETURN_IF_ERROR(CheckRoom(connection, max_queued));
   RETURN_IF_ERROR(connection.Run(
-      "UPDATE job SET state = 1, attempt = 0, cancel_requested = 0, run_after_utc_us = ?2, "
+      "UPDATE job SET state = 1, attempt = 0, cancel_requested = 0, waits_from_up_us = ?2, wait_us = 0, "
       "progress_stage = '', progress_fraction = 0.0, progress_detail = '', version = version + 1 WHERE id = ?1",
-      id, now));
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "job.requeue", absl::StrCat("jobs/", id.number())));
+      id, now.up_us));
+  RETURN_IF_ERROR(AuditChange(connection, now.utc, caller, "job.requeue", absl::StrCat("jobs/", id.number())));
   return GetJob(connection, id);
 }
 

@@ -1,5 +1,6 @@
 // Rows of `job`, `job_attempt`, `job_program`. What each function returns: database.h.
-// A lease runs on the steady clock of the process that owns the database, so a wall clock that jumps takes no job away.
+// A lease runs on the steady clock of the process that owns the database, and a wait on the time that a server is up
+// (up_time.h): a wall clock that jumps takes no job away and holds none back.
 #ifndef AXISCAL_SERVER_STORAGE_JOBS_H_
 #define AXISCAL_SERVER_STORAGE_JOBS_H_
 
@@ -15,22 +16,22 @@ namespace axiscal::storage {
 // Who runs jobs, and when it is.
 struct JobOwner {
   std::string id;  // new for every opening of the file: jobs of another owner belong to a dead process
-  UtcTime utc_now;
+  Moment now;
   int64_t steady_now_us = 0;
 };
 
-absl::StatusOr<JobRecord> CreateJob(Connection& connection, UtcTime now, const NewJob& job, int max_queued);
+absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, int max_queued);
 // DATA_LOSS JOB_DAMAGED unless it asks for what it was created with.
 absl::Status CheckJobBody(Connection& connection, const JobRecord& job);
 absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id);
 absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request);
 absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller);
-absl::StatusOr<JobRecord> RequeueJob(Connection& connection, UtcTime now, JobId id, int max_queued,
+absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, int max_queued,
                                      const Caller& caller);
 
 absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const JobOwner& owner,
                                                   std::chrono::microseconds lease);
-absl::StatusOr<std::optional<UtcTime>> NextJobTime(Connection& connection);
+absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait(Connection& connection, const Moment& now);
 absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
                                        std::chrono::microseconds lease, const JobProgress& progress);
 absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,

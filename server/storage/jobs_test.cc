@@ -53,7 +53,7 @@ TEST_F(Jobs, AreClaimedByPriorityThenAge) {
   EXPECT_EQ(Claim().id, old);
   EXPECT_EQ(Claim().id, young);
   EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
-  EXPECT_FALSE(database->NextJobTime()->has_value());
+  EXPECT_FALSE(database->NextJobWait()->has_value());
 }
 
 TEST_F(Jobs, SuccessStoresTheCalibrationWithIt) {
@@ -136,7 +136,7 @@ TEST_F(Jobs, RetriesWaitAndParkedAttemptsDoNotCount) {
   const JobId id = database->CreateJob(Job("a"), 10)->id;
   ASSERT_TRUE(database->EndJob(ClaimOf(Claim()), JobEnd::kRetry, Error(), seconds(5)).ok());
   EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
-  EXPECT_EQ(**database->NextJobTime(), database.clock.UtcNow() + seconds(5));
+  EXPECT_EQ(**database->NextJobWait(), seconds(5));
   database.clock.Advance(seconds(5));
   const JobRecord second = Claim();
   EXPECT_EQ(second.attempt, 2);
@@ -144,6 +144,19 @@ TEST_F(Jobs, RetriesWaitAndParkedAttemptsDoNotCount) {
   ASSERT_TRUE(database->EndJob(ClaimOf(second), JobEnd::kParked, Error(), seconds(0)).ok());
   EXPECT_EQ(Claim().attempt, 2);
   EXPECT_EQ(database->GetJob(id)->state, JobState::kRunning);
+}
+
+TEST_F(Jobs, AWallClockSetBackMakesNoJobWait) {
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  database.clock.SetUtc(database.clock.UtcNow() - std::chrono::hours(48));
+  const JobRecord first = Claim();
+  ASSERT_TRUE(database->EndJob(ClaimOf(first), JobEnd::kRetry, Error(), seconds(5)).ok());
+  database.Close();
+  database.clock.SetUtc(database.clock.UtcNow() - std::chrono::hours(48));
+  database.Open();
+  EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
+  database.clock.Advance(seconds(5));
+  EXPECT_EQ(Claim().attempt, 2);
 }
 
 TEST_F(Jobs, CancelEndsWaitingOnesAndAsksRunningOnes) {

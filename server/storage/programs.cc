@@ -65,20 +65,25 @@ absl::StatusOr<EncodedPart> PreparePart(int64_t offset, const std::string& bytes
                      Compress(bytes)};
 }
 
-absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, UtcTime now, const NewProgram& program) {
+absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment& now, const NewProgram& program) {
   BodyHash hash;
   const std::string body_sha256 = hash.Add(program.kind).Add(program.name).Hex();
   ASSIGN_OR_RETURN(const std::optional<int64_t> same, FindRequest(connection, "program", program.caller, body_sha256));
-  if (same.has_value()) return GetProgram(connection, ProgramId(*same));
+  if (same.has_value()) {
+    ASSIGN_OR_RETURN(ProgramRecord present, GetProgram(connection, ProgramId(*same)));
+    // What was given up can be sent again.
+    if (present.state != ProgramState::kExpired) return present;
+  }
   RETURN_IF_ERROR(connection.Run(
       "INSERT INTO program (kind, name, state, byte_count, created_by, request_id, body_sha256, created_at_utc_us, "
-      "last_seen_at_utc_us) "
-      "VALUES (?1, ?2, 1, 0, ?3, ?4, ?5, ?6, ?6)",
-      program.kind, program.name, program.caller.principal, RequestId(program.caller), body_sha256, now));
+      "last_seen_at_utc_us, last_seen_up_us) "
+      "VALUES (?1, ?2, 1, 0, ?3, ?4, ?5, ?6, ?6, ?7)",
+      program.kind, program.name, program.caller.principal, RequestId(program.caller), body_sha256, now.utc,
+      now.up_us));
   return GetProgram(connection, ProgramId(connection.last_insert_id()));
 }
 
-absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, UtcTime now, ProgramId id,
+absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, const Moment& now, ProgramId id,
                                             const EncodedPart& part) {
   ASSIGN_OR_RETURN(const ProgramRecord program, GetProgram(connection, id));
   if (program.state == ProgramState::kExpired) return FailedPrecondition(Place(id) + " was given up", "PROGRAM_CLOSED");
@@ -96,8 +101,9 @@ absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, UtcTime now,
       "INSERT INTO program_part (program_id, first_byte, byte_count, crc32c, content) VALUES (?1, ?2, ?3, ?4, ?5)", id,
       part.first_byte, part.byte_count, static_cast<int64_t>(part.crc32c), Blob{part.content}));
   RETURN_IF_ERROR(
-      connection.Run("UPDATE program SET byte_count = byte_count + ?2, last_seen_at_utc_us = ?3 WHERE id = ?1", id,
-                     part.byte_count, now));
+      connection.Run("UPDATE program SET byte_count = byte_count + ?2, last_seen_at_utc_us = ?3, "
+                     "last_seen_up_us = ?4 WHERE id = ?1",
+                     id, part.byte_count, now.utc, now.up_us));
   return GetProgram(connection, id);
 }
 
@@ -150,23 +156,23 @@ absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const P
   return page;
 }
 
-absl::StatusOr<int> ExpirePrograms(Connection& connection, UtcTime idle_since) {
-  std::vector<ProgramId> idle;
+absl::StatusOr<int> ExpirePrograms(Connection& connection, const Moment& now, std::chrono::microseconds idle) {
+  std::vector<ProgramId> left;
   {
-    ASSIGN_OR_RETURN(
-        Statement row,
-        connection.Ask("SELECT id FROM program WHERE state = 1 AND last_seen_at_utc_us < ?1 ORDER BY id", idle_since));
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT id FROM program WHERE state = 1 AND last_seen_up_us < ?1 ORDER BY id",
+                                    now.up_us - static_cast<int64_t>(idle.count())));
     while (true) {
       ASSIGN_OR_RETURN(const bool more, row.Step());
       if (!more) break;
-      idle.push_back(ProgramId(row.Int(0)));
+      left.push_back(ProgramId(row.Int(0)));
     }
   }
-  for (const ProgramId id : idle) {
+  for (const ProgramId id : left) {
     RETURN_IF_ERROR(DropParts(connection, id));
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 4, byte_count = 0 WHERE id = ?1", id));
   }
-  return static_cast<int>(idle.size());
+  return static_cast<int>(left.size());
 }
 
 absl::StatusOr<std::optional<std::string>> ReadPart(Connection& connection, const ProgramRecord& program,

@@ -23,15 +23,16 @@ struct EncodedPart {
 // What can be done before the writer's turn.
 absl::StatusOr<EncodedPart> PreparePart(int64_t offset, const std::string& bytes);
 
-absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, UtcTime now, const NewProgram& program);
-absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, UtcTime now, ProgramId id, const EncodedPart& part);
+absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment& now, const NewProgram& program);
+absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, const Moment& now, ProgramId id,
+                                            const EncodedPart& part);
 // `sha256`: of the first `byte_count` bytes, as the caller has computed it from the parts.
 absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id, int64_t byte_count,
                                             const std::string& sha256);
 absl::StatusOr<ProgramRecord> GetProgram(Connection& connection, ProgramId id);
 absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const ProgramFilter& filter,
                                                  const PageRequest& request);
-absl::StatusOr<int> ExpirePrograms(Connection& connection, UtcTime idle_since);
+absl::StatusOr<int> ExpirePrograms(Connection& connection, const Moment& now, std::chrono::microseconds idle);
 
 // The part that holds byte `offset`, from that byte on; nothing at the end.
 absl::StatusOr<std::optional<std::string>> ReadPart(Connection& connection, const ProgramRecord& program,

@@ -86,8 +86,16 @@ TEST_F(Programs, AbandonedOnesExpire) {
   const ProgramId id = Begin("a");
   ASSERT_TRUE(database->AppendProgram(id, 0, "G00").ok());
   database.clock.Advance(std::chrono::hours(1));
-  EXPECT_EQ(*database->ExpirePrograms(database.clock.UtcNow() - std::chrono::minutes(1)), 1);
+  database.clock.SetUtc(database.clock.UtcNow() + std::chrono::hours(10));
+  EXPECT_EQ(*database->ExpirePrograms(std::chrono::hours(2)), 0);
+  EXPECT_EQ(*database->ExpirePrograms(std::chrono::minutes(1)), 1);
   EXPECT_EQ(Reason(database->AppendProgram(id, 3, "G01").status()), "PROGRAM_CLOSED");
+  // It can be sent again.
+  const ProgramId again = Begin("a");
+  EXPECT_NE(again, id);
+  EXPECT_EQ(Begin("a"), again);
+  ASSERT_TRUE(database->AppendProgram(again, 0, "G00").ok());
+  EXPECT_EQ(database->FinishProgram(again, 3, "")->id, again);
 }
 
 }  // namespace

@@ -49,8 +49,16 @@ using records::SessionRecord;
 using records::SessionState;
 using records::SessionTotals;
 
-// Who asks: `principal` scopes request ids and is written to the audit; `request_id` (any text, best a UUID) makes a
-// call repeatable. An empty request_id means that every call is a new one.
+// When something happens: for people, by a clock that may be set; and for how long, as microseconds that a server has
+// had the file open (up_time.h).
+struct Moment {
+  UtcTime utc;
+  int64_t up_us = 0;
+};
+
+// Who asks: `principal` scopes request ids (of jobs and programs; a session is the same for all) and is written to the
+// audit; `request_id` (any text, best a UUID) makes a call repeatable. An empty request_id means that every call is a new
+// one.
 struct Caller {
   std::string principal;
   std::string request_id;

@@ -24,8 +24,11 @@ class BodyHash {
   base::Sha256 sha_;
 };
 
-// The id of the row of `table` made by the same request, or nothing. INVALID_ARGUMENT REQUEST_ID_REUSED when its body
-// was another.
+// INVALID_ARGUMENT REQUEST_ID_REUSED; `what` is "session", "job" or "program".
+absl::Status RequestIdReused(const Caller& caller, const std::string& what);
+
+// The id of the newest row of `table` made by the same request, or nothing. INVALID_ARGUMENT REQUEST_ID_REUSED when its
+// body was another.
 absl::StatusOr<std::optional<int64_t>> FindRequest(Connection& connection, const std::string& table,
                                                    const Caller& caller, const std::string& body_sha256);
 

@@ -113,20 +113,51 @@ absl::Status GiveUp(Connection& connection, UtcTime now, SessionId id, SessionSt
       static_cast<int>(state), now);
 }
 
+// The session that the same request has made, by whomever it was sent: a session is its machine and content. One that
+// was given up, or whose header the disk has changed, can be sent again.
+absl::StatusOr<std::optional<SessionRecord>> FindSame(Connection& connection, const Caller& caller,
+                                                      const std::string& body_sha256) {
+  if (caller.request_id.empty()) return std::nullopt;
+  std::vector<SessionId> same;
+  {
+    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id, body_sha256, created_by, state FROM session "
+                                                   "WHERE request_id = ?1 ORDER BY state DESC, id",
+                                                   caller.request_id));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      const auto state = row.As<SessionState>(3);
+      if (row.Text(1) != body_sha256) {
+        if (row.Text(2) == caller.principal) return RequestIdReused(caller, "session");
+      } else if (state == SessionState::kOpen || state == SessionState::kComplete) {
+        same.push_back(SessionId(row.Int(0)));  // complete ones first
+      }
+    }
+  }
+  for (const SessionId id : same) {
+    ASSIGN_OR_RETURN(SessionRecord session, GetSession(connection, id));
+    const absl::Status body = CheckSessionBody(connection, session);
+    if (body.ok()) return session;
+    if (!absl::IsDataLoss(body)) return body;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-absl::StatusOr<SessionRecord> CreateSession(Connection& connection, UtcTime now, const NewSession& session) {
+absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment& now, const NewSession& session) {
   RETURN_IF_ERROR(CheckNew(session));
   const std::string body_sha256 = HashBody(session);
-  ASSIGN_OR_RETURN(const std::optional<int64_t> same, FindRequest(connection, "session", session.caller, body_sha256));
-  if (same.has_value()) return GetSession(connection, SessionId(*same));
+  ASSIGN_OR_RETURN(std::optional<SessionRecord> same, FindSame(connection, session.caller, body_sha256));
+  if (same.has_value()) return *std::move(same);
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, session.machine));
   RETURN_IF_ERROR(connection.Run(
       "INSERT INTO session (machine_id, name, instrument, measured_at_utc_us, state, next_seq, reading_count, "
       "created_by, request_id, "
-      "body_sha256, created_at_utc_us, last_seen_at_utc_us) VALUES (?1, ?2, ?3, ?4, 1, 0, 0, ?5, ?6, ?7, ?8, ?8)",
+      "body_sha256, created_at_utc_us, last_seen_at_utc_us, last_seen_up_us) "
+      "VALUES (?1, ?2, ?3, ?4, 1, 0, 0, ?5, ?6, ?7, ?8, ?8, ?9)",
       machine_key, session.name, session.instrument, session.measured_at, session.caller.principal,
-      RequestId(session.caller), body_sha256, now));
+      RequestId(session.caller), body_sha256, now.utc, now.up_us));
   const SessionId id(connection.last_insert_id());
   RETURN_IF_ERROR(InsertLists(connection, id, session));
   return GetSession(connection, id);
@@ -148,7 +179,7 @@ absl::Status CheckSessionBody(Connection& connection, const SessionRecord& sessi
   return base::Error(absl::StatusCode::kDataLoss,
                      Place(session.id) +
                          " is damaged: its header or columns are not what was stored; restore a "
-                         "backup, or send the session again under another request id",
+                         "backup, or send the session again",
                      {"SESSION_DAMAGED", {{"session", std::to_string(session.id.number())}}});
 }
 
@@ -218,20 +249,20 @@ absl::StatusOr<SessionRecord> AbortSession(Connection& connection, UtcTime now, 
   return GetSession(connection, id);
 }
 
-absl::StatusOr<int> ExpireSessions(Connection& connection, UtcTime now, UtcTime idle_since) {
-  std::vector<SessionId> idle;
+absl::StatusOr<int> ExpireSessions(Connection& connection, const Moment& now, std::chrono::microseconds idle) {
+  std::vector<SessionId> left;
   {
-    ASSIGN_OR_RETURN(
-        Statement row,
-        connection.Ask("SELECT id FROM session WHERE state = 1 AND last_seen_at_utc_us < ?1 ORDER BY id", idle_since));
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT id FROM session WHERE state = 1 AND last_seen_up_us < ?1 ORDER BY id",
+                                    now.up_us - static_cast<int64_t>(idle.count())));
     while (true) {
       ASSIGN_OR_RETURN(const bool more, row.Step());
       if (!more) break;
-      idle.push_back(SessionId(row.Int(0)));
+      left.push_back(SessionId(row.Int(0)));
     }
   }
-  for (const SessionId id : idle) RETURN_IF_ERROR(GiveUp(connection, now, id, SessionState::kExpired));
-  return static_cast<int>(idle.size());
+  for (const SessionId id : left) RETURN_IF_ERROR(GiveUp(connection, now.utc, id, SessionState::kExpired));
+  return static_cast<int>(left.size());
 }
 
 }  // namespace axiscal::storage

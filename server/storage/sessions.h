@@ -9,7 +9,7 @@
 
 namespace axiscal::storage {
 
-absl::StatusOr<SessionRecord> CreateSession(Connection& connection, UtcTime now, const NewSession& session);
+absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment& now, const NewSession& session);
 // DATA_LOSS SESSION_DAMAGED unless machine, header and columns are those that the session was created with.
 absl::Status CheckSessionBody(Connection& connection, const SessionRecord& session);
 absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id);
@@ -19,7 +19,7 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
 absl::StatusOr<SessionRecord> FinishSession(Connection& connection, UtcTime now, SessionId id,
                                             const SessionTotals& totals);
 absl::StatusOr<SessionRecord> AbortSession(Connection& connection, UtcTime now, SessionId id);
-absl::StatusOr<int> ExpireSessions(Connection& connection, UtcTime now, UtcTime idle_since);
+absl::StatusOr<int> ExpireSessions(Connection& connection, const Moment& now, std::chrono::microseconds idle);
 
 }  // namespace axiscal::storage
 

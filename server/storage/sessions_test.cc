@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error_detail.h"
+#include "server/storage/connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -35,7 +36,9 @@ TEST_F(Sessions, CreateIsIdempotentByRequestId) {
   EXPECT_EQ(base::ErrorReason(reused), "REQUEST_ID_REUSED");
   NewSession of_another = TestSession("r1");
   of_another.caller.principal = "other cell";
-  EXPECT_NE(database->CreateSession(of_another)->id, id);
+  EXPECT_EQ(database->CreateSession(of_another)->id, id);  // a session is its machine and content
+  of_another.name = "CQ";
+  EXPECT_NE(database->CreateSession(of_another)->id, id);  // ids of others are no obstacle
 }
 
 TEST_F(Sessions, ReadBackWhatWasAppended) {
@@ -127,9 +130,64 @@ TEST_F(Sessions, AbortedAndExpiredOnesLoseTheirChunks) {
   const SessionId idle = database->CreateSession(TestSession("idle"))->id;
   database.clock.Advance(std::chrono::hours(1));
   const SessionId busy = database->CreateSession(TestSession("busy"))->id;
-  EXPECT_EQ(*database->ExpireSessions(database.clock.UtcNow() - std::chrono::minutes(1)), 1);
+  EXPECT_EQ(*database->ExpireSessions(std::chrono::minutes(1)), 1);
   EXPECT_EQ(database->GetSession(idle)->state, SessionState::kExpired);
   EXPECT_EQ(database->GetSession(busy)->state, SessionState::kOpen);
+}
+
+// Only time in which a server had the file open counts.
+TEST_F(Sessions, ExpireNeitherByAClockThatIsSetNorByANightWithoutPower) {
+  using std::chrono::hours;
+  const hours week(7 * 24);
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  database.Close();
+  database.clock.SetUtc(database.clock.UtcNow() + hours(8 * 24));
+  database.Open();
+  EXPECT_EQ(*database->ExpireSessions(week), 0);
+  database.Close();
+  database.clock.Advance(hours(30 * 24));
+  database.Open();
+  EXPECT_EQ(*database->ExpireSessions(week), 0);
+  // Six days up, restarts between them, and one day more; a clock set back holds nothing up.
+  for (int day = 0; day < 6; ++day) {
+    database.clock.Advance(hours(24));
+    EXPECT_EQ(*database->ExpireSessions(week), 0);
+    database.Close();
+    database.clock.SetUtc(database.clock.UtcNow() - hours(72));
+    database.Open();
+  }
+  database.clock.Advance(hours(25));
+  EXPECT_EQ(*database->ExpireSessions(week), 1);
+  EXPECT_EQ(database->GetSession(id)->state, SessionState::kExpired);
+}
+
+// A crash loses what was counted since it was saved last; what it has stamped lies not in the future.
+TEST_F(Sessions, ExpireAfterTheirTimeAlsoBehindACrash) {
+  using std::chrono::hours;
+  database.clock.Advance(hours(100));
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  database.Close();
+  ASSERT_TRUE((*Connection::Open(database.path(), Access::kWrite))->Execute("UPDATE up_time SET up_us = 0").ok());
+  database.Open();
+  EXPECT_EQ(*database->ExpireSessions(hours(1)), 0);
+  database.clock.Advance(hours(1) + std::chrono::minutes(1));
+  EXPECT_EQ(*database->ExpireSessions(hours(1)), 1);
+}
+
+TEST_F(Sessions, WhatWasGivenUpCanBeSentAgain) {
+  ASSERT_TRUE(AppendTest(0, 0).ok());
+  ASSERT_TRUE(database->AbortSession(id).ok());
+  const SessionRecord again = *database->CreateSession(TestSession("r1"));
+  EXPECT_NE(again.id, id);
+  EXPECT_EQ(again.state, SessionState::kOpen);
+  EXPECT_EQ(database->CreateSession(TestSession("r1"))->id, again.id);
+  EXPECT_EQ(database->GetSession(id)->state, SessionState::kAborted);
+  ASSERT_TRUE(Append(*database, again.id, 0, TestColumns(0, 10)).ok());
+  ASSERT_TRUE(database->FinishSession(again.id, Totals(1)).ok());
+  EXPECT_EQ(database->CreateSession(TestSession("r1"))->id, again.id);
+  NewSession other = TestSession("r1");
+  other.name = "CQ";
+  EXPECT_EQ(base::ErrorReason(database->CreateSession(other).status()), "REQUEST_ID_REUSED");
 }
 
 TEST_F(Sessions, ListsFilterAndPage) {

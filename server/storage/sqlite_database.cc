@@ -35,7 +35,8 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& given)
   ASSIGN_OR_RETURN(std::unique_ptr<Connection> connection, Connection::Open(options.path, Access::kWrite));
   RETURN_IF_ERROR(base::Within(options.path, Migrate(*connection, EmbeddedMigrations(), options.clock->UtcNow())));
   RETURN_IF_ERROR(base::Within(options.path, SealOldRows(*connection)));
-  auto database = std::make_unique<SqliteStore>(options, std::move(lock), std::move(connection));
+  ASSIGN_OR_RETURN(const std::chrono::microseconds up, ReadUpTime(*connection));
+  auto database = std::make_unique<SqliteStore>(options, up, std::move(lock), std::move(connection));
   RETURN_IF_ERROR(database->RescueJobs().status());
   return database;
 }

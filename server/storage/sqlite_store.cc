@@ -48,7 +48,7 @@ absl::StatusOr<EncodedChunk> SqliteStore::Encode(SessionId id, const records::Ch
 absl::StatusOr<AppendResult> SqliteStore::AppendChunk(SessionId id, const records::Chunk& chunk) {
   ASSIGN_OR_RETURN(const EncodedChunk encoded, Encode(id, chunk));
   return Write<AppendResult>(Growth::kStays,
-                             [&](Connection& c) { return storage::AppendChunk(c, Now(), id, encoded); });
+                             [&](Connection& c) { return storage::AppendChunk(c, Present(), id, encoded); });
 }
 
 void SqliteStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
@@ -59,7 +59,7 @@ void SqliteStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
   writer_.Start(
       [this, id, encoded, result](Connection& connection) {
         if (!encoded->ok()) return std::move(*encoded).status();
-        absl::StatusOr<AppendResult> appended = storage::AppendChunk(connection, Now(), id, **encoded);
+        absl::StatusOr<AppendResult> appended = storage::AppendChunk(connection, Present(), id, **encoded);
         if (!appended.ok()) return std::move(appended).status();
         *result = *appended;
         return absl::OkStatus();

@@ -21,6 +21,7 @@
 #include "server/storage/readers.h"
 #include "server/storage/sessions.h"
 #include "server/storage/sqlite_database.h"
+#include "server/storage/up_time.h"
 #include "server/storage/writer.h"
 
 namespace axiscal::storage {
@@ -30,12 +31,20 @@ enum class Growth { kGrows, kStays };
 
 class SqliteStore final : public Database {
  public:
-  SqliteStore(const SqliteOptions& options, FileLock lock, std::unique_ptr<Connection> connection)
+  // `up`: ReadUpTime() of the file.
+  SqliteStore(const SqliteOptions& options, std::chrono::microseconds up, FileLock lock,
+              std::unique_ptr<Connection> connection)
       : options_(options),
+        up_at_open_(up),
+        opened_at_(options.clock->SteadyNow()),
         owner_id_(MakeOwnerId()),
         lock_(std::move(lock)),
         readers_(options.path),
         writer_(std::move(connection)) {}
+  ~SqliteStore() override {
+    // What fails here is lost as after a crash: a little of the time that is counted.
+    static_cast<void>(writer_.Run([&](Connection& c) { return SaveUpTime(c, UpTime()); }));
+  }
 
   // ---- machines
   absl::StatusOr<MachineRecord> CreateMachine(const MachineId& id, const std::string& description_json,
@@ -67,7 +76,7 @@ class SqliteStore final : public Database {
   // ---- sessions
   absl::StatusOr<SessionRecord> CreateSession(const NewSession& session) override {
     return Write<SessionRecord>(Growth::kGrows,
-                                [&](Connection& c) { return storage::CreateSession(c, Now(), session); });
+                                [&](Connection& c) { return storage::CreateSession(c, Present(), session); });
   }
   absl::StatusOr<SessionRecord> GetSession(SessionId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetSession(c, id); });
@@ -85,8 +94,8 @@ class SqliteStore final : public Database {
   absl::StatusOr<SessionRecord> AbortSession(SessionId id) override {
     return Write<SessionRecord>(Growth::kStays, [&](Connection& c) { return storage::AbortSession(c, Now(), id); });
   }
-  absl::StatusOr<int> ExpireSessions(UtcTime idle_since) override {
-    return Write<int>(Growth::kStays, [&](Connection& c) { return storage::ExpireSessions(c, Now(), idle_since); });
+  absl::StatusOr<int> ExpireSessions(std::chrono::microseconds idle) override {
+    return Expire([&](Connection& c) { return storage::ExpireSessions(c, Present(), idle); });
   }
   absl::StatusOr<session::Session> ReadSession(SessionId id) override;
   absl::Status ReadChunks(SessionId id, int64_t first_seq,
@@ -95,7 +104,7 @@ class SqliteStore final : public Database {
   // ---- jobs
   absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) override {
     return Write<JobRecord>(Growth::kGrows,
-                            [&](Connection& c) { return storage::CreateJob(c, Now(), job, max_queued); });
+                            [&](Connection& c) { return storage::CreateJob(c, Present(), job, max_queued); });
   }
   absl::StatusOr<JobRecord> GetJob(JobId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetJob(c, id); });
@@ -107,8 +116,8 @@ class SqliteStore final : public Database {
     return Write<std::optional<JobRecord>>(Growth::kStays,
                                            [&](Connection& c) { return storage::ClaimJob(c, Owner(), lease); });
   }
-  absl::StatusOr<std::optional<UtcTime>> NextJobTime() override {
-    return readers_.Run([&](Connection& c) { return storage::NextJobTime(c); });
+  absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() override {
+    return readers_.Run([&](Connection& c) { return storage::NextJobWait(c, Present()); });
   }
   absl::StatusOr<JobRecord> HeartbeatJob(const JobClaim& claim, std::chrono::microseconds lease,
                                          const JobProgress& progress) override {
@@ -129,7 +138,7 @@ class SqliteStore final : public Database {
   }
   absl::StatusOr<JobRecord> RequeueJob(JobId id, int max_queued, const Caller& caller) override {
     return Write<JobRecord>(Growth::kStays,
-                            [&](Connection& c) { return storage::RequeueJob(c, Now(), id, max_queued, caller); });
+                            [&](Connection& c) { return storage::RequeueJob(c, Present(), id, max_queued, caller); });
   }
   absl::StatusOr<std::vector<JobRecord>> RescueJobs() override {
     return Write<std::vector<JobRecord>>(Growth::kStays,
@@ -175,12 +184,12 @@ class SqliteStore final : public Database {
   // ---- programs
   absl::StatusOr<ProgramRecord> BeginProgram(const NewProgram& program) override {
     return Write<ProgramRecord>(Growth::kGrows,
-                                [&](Connection& c) { return storage::BeginProgram(c, Now(), program); });
+                                [&](Connection& c) { return storage::BeginProgram(c, Present(), program); });
   }
   absl::StatusOr<ProgramRecord> AppendProgram(ProgramId id, int64_t offset, const std::string& bytes) override {
     ASSIGN_OR_RETURN(const EncodedPart part, PreparePart(offset, bytes));
     return Write<ProgramRecord>(Growth::kGrows,
-                                [&](Connection& c) { return storage::AppendProgram(c, Now(), id, part); });
+                                [&](Connection& c) { return storage::AppendProgram(c, Present(), id, part); });
   }
   absl::StatusOr<ProgramRecord> FinishProgram(ProgramId id, int64_t byte_count, const std::string& sha256) override;
   absl::StatusOr<ProgramRecord> GetProgram(ProgramId id) override {
@@ -191,8 +200,8 @@ class SqliteStore final : public Database {
   }
   absl::Status ReadProgram(ProgramId id, int64_t offset,
                            const std::function<absl::Status(const std::string& bytes)>& visit) override;
-  absl::StatusOr<int> ExpirePrograms(UtcTime idle_since) override {
-    return Write<int>(Growth::kStays, [&](Connection& c) { return storage::ExpirePrograms(c, idle_since); });
+  absl::StatusOr<int> ExpirePrograms(std::chrono::microseconds idle) override {
+    return Expire([&](Connection& c) { return storage::ExpirePrograms(c, Present(), idle); });
   }
 
   // ---- audit
@@ -210,9 +219,14 @@ class SqliteStore final : public Database {
 
   static std::string MakeOwnerId();
   UtcTime Now() const { return options_.clock->UtcNow(); }
+  std::chrono::microseconds UpTime() const {
+    const auto here = options_.clock->SteadyNow() - opened_at_;
+    return up_at_open_ + std::chrono::duration_cast<std::chrono::microseconds>(here);
+  }
+  Moment Present() const { return {Now(), UpTime().count()}; }
   JobOwner Owner() const {
     const auto steady = options_.clock->SteadyNow().time_since_epoch();
-    return {owner_id_, Now(), std::chrono::duration_cast<std::chrono::microseconds>(steady).count()};
+    return {owner_id_, Present(), std::chrono::duration_cast<std::chrono::microseconds>(steady).count()};
   }
 
   absl::Status CheckDisk(Growth growth) const;
@@ -228,6 +242,14 @@ class SqliteStore final : public Database {
     }));
     return *std::move(result);
   }
+  // Whoever keeps house calls these now and then: a crash then loses little of the time that is counted.
+  template <typename Work>
+  absl::StatusOr<int> Expire(const Work& work) {
+    return Write<int>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<int> {
+      RETURN_IF_ERROR(SaveUpTime(c, UpTime()));
+      return work(c);
+    });
+  }
   absl::StatusOr<SharedSpecs> Specs(SessionId id);
   absl::StatusOr<EncodedChunk> Encode(SessionId id, const records::Chunk& chunk);
   absl::Status VisitChunks(const SessionRecord& session, int64_t first_seq,
@@ -236,6 +258,8 @@ class SqliteStore final : public Database {
                           const std::function<absl::Status(const std::string&)>& visit);
 
   const SqliteOptions options_;
+  const std::chrono::microseconds up_at_open_;
+  const base::SteadyTime opened_at_;
   const std::string owner_id_;
   const FileLock lock_;  // released last
   Readers readers_;

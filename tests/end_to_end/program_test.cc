@@ -1,7 +1,13 @@
 // NC programs up and down, byte for byte.
+#include <thread>
+
 #include "axiscal/v1/programs_service.grpc.pb.h"
+#include "core/base/demand.h"
 #include "core/base/error_detail.h"
 #include "core/base/sha256.h"
+#include "core/base/testing/fake_clock.h"
+#include "server/storage/connection.h"
+#include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
@@ -35,6 +41,33 @@ TEST_F(Program, TwentyMegabytesComeBackByteForByte) {
   EXPECT_TRUE(*back == program);
   EXPECT_EQ(up, 20 << 20);
   EXPECT_EQ(down, 20 << 20);
+}
+
+TEST_F(Program, AHalfSentOneIsDroppedByTheServer) {
+  embedded_.reset();
+  ProgramId half;
+  {
+    base::FakeClock clock;
+    storage::SqliteOptions options;
+    options.path = dir_.File("axiscal.db");
+    options.clock = &clock;
+    const auto database = storage::OpenSqlite(options);
+    ASSERT_OK(database);
+    half = (*database)->BeginProgram({"nc", "O1.nc", {"test", "half"}})->id;
+    ASSERT_OK((*database)->AppendProgram(half, 0, "G01 X1\n"));
+    clock.Advance(std::chrono::hours(24 * 8));  // the server is up
+  }
+  Restart();
+  const auto connection = storage::Connection::Open(dir_.File("axiscal.db"), storage::Access::kReadOnly);
+  ASSERT_OK(connection);
+  const auto is_dropped = [&] {
+    auto row = (*connection)->Ask("SELECT count(*) FROM program_part WHERE program_id = ?1", half);
+    DEMAND(row.ok() && row->Step().ok());
+    return row->Int(0) == 0;
+  };
+  // The server looks when it starts, on a thread of its own; half a minute means that it does not.
+  for (int i = 0; i < 3000 && !is_dropped(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(is_dropped());
 }
 
 TEST_F(Program, AnEmptyProgramIsAProgram) {

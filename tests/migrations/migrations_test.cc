@@ -58,6 +58,7 @@ TEST_P(Upgrade, KeepsEveryRow) {
   ASSERT_EQ(session->reading_count(), 30u);
   EXPECT_EQ(session->columns[1].values[12], TestColumns(1, 10)[1].values[2]);
   EXPECT_EQ(database->GetSession(SessionId(2))->state, SessionState::kOpen);
+  EXPECT_EQ(*database->ExpireSessions(std::chrono::hours(1)), 0);  // begins to be left now
   const auto calibration = database->GetApprovedCalibration(MachineId("mt"));
   ASSERT_TRUE(calibration.ok()) << calibration.status();
   EXPECT_EQ(calibration->content.estimates, TestCalibration({}, -101.2).estimates);
@@ -68,6 +69,7 @@ TEST_P(Upgrade, KeepsEveryRow) {
   EXPECT_EQ(drift->at(0).points[0].count, 2);
   EXPECT_EQ(database->GetJob(JobId(1))->result, "result");
   EXPECT_EQ(database->GetJob(JobId(2))->state, JobState::kQueued);  // ran when the file was left
+  EXPECT_EQ((*database->ClaimJob(std::chrono::seconds(30)))->id, JobId(2));
   std::string program;
   ASSERT_TRUE(database
                   ->ReadProgram(ProgramId(1), 0,

@@ -1,0 +1,19 @@
+// How long a server has had this file open, over all the times that one had: what expiry and waits are counted in. A
+// wall clock may be set; a steady clock begins anew with the machine.
+#ifndef AXISCAL_SERVER_STORAGE_UP_TIME_H_
+#define AXISCAL_SERVER_STORAGE_UP_TIME_H_
+
+#include <chrono>
+
+#include "server/storage/connection.h"
+
+namespace axiscal::storage {
+
+// Where counting goes on after the file is opened: what was saved, but behind no stamp of a row that is open or waits,
+// so that after a crash, which saves nothing, none of them lies in the future.
+absl::StatusOr<std::chrono::microseconds> ReadUpTime(Connection& connection);
+absl::Status SaveUpTime(Connection& connection, std::chrono::microseconds up);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_UP_TIME_H_
