@@ -29,7 +29,8 @@
 namespace axiscal::base {
 
 // An enumeration has `const char* const* WordsOf(Enum)` in its namespace: its words in the order of its values from 0,
-// ended by nullptr.
+// ended by nullptr. Where the last one is "other", a reader takes every word that it does not know for it: what a newer
+// version wrote stays readable.
 template <typename E>
 concept Worded = std::is_enum_v<E> && requires(E value) { WordsOf(value); };
 
@@ -236,6 +237,8 @@ class JsonReader {
     std::string known;
     for (int i = 0; words[i] != nullptr; ++i) {
       if (json.is_string() && json.get_ref<const std::string&>() == words[i]) return void(value = static_cast<E>(i));
+      if (json.is_string() && words[i + 1] == nullptr && std::string_view(words[i]) == "other")
+        return void(value = static_cast<E>(i));
       absl::StrAppend(&known, i == 0 ? "" : ", ", words[i]);
     }
     Expect(json, place, ("one of " + known).c_str());

@@ -145,6 +145,16 @@ TEST(CalibrationReport, OfAnEarlierVersionLacksMembersAndIsReadAllTheSame) {
   EXPECT_TRUE(FittedOf(*report).errors.empty());
 }
 
+TEST(CalibrationReport, OfALaterVersionWarnsInItsOwnWords) {
+  const absl::StatusOr<CalibrationReport> report =
+      ReadCalibrationReport(R"({"warnings": [{"kind": "sunspots", "text": "the sun shone"}]})");
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_EQ(FittedOf(*report).warnings.size(), 1u);
+  EXPECT_EQ(FittedOf(*report).warnings[0].kind, WarningKind::kOther);
+  EXPECT_EQ(FittedOf(*report).warnings[0].text, "the sun shone");
+  EXPECT_FALSE(ReadCalibrationReport(R"({"warnings": [{"kind": 1, "text": "the sun shone"}]})").ok());
+}
+
 TEST(CalibrationReport, DamagedTextIsRefusedWithItsPlace) {
   const auto refusal = [](const std::string& text) {
     return std::string(ReadCalibrationReport(text).status().message());

@@ -9,7 +9,7 @@ namespace axiscal::reports {
 
 inline const char* const* WordsOf(WarningKind) {
   static constexpr const char* kWords[] = {"scatter", "set-aside", "interval", "no-number",
-                                           "held",    "resolution", nullptr};
+                                           "held",    "resolution", "other", nullptr};
   return kWords;
 }
 

@@ -19,6 +19,7 @@ enum class WarningKind {
   kNoNumber,    // errors without a number that the model holds at implausible sizes
   kHeld,        // two stages share what their sigmas take for independent
   kResolution,  // readings are rounded to more than they scatter by
+  kOther,       // of a newer version; its text says what
 };
 
 // As it stands in a report.

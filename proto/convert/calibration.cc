@@ -49,10 +49,13 @@ void StatisticsFromProto(const v1::FitStatistics& message, records::NewCalibrati
   if (message.has_rms_after_um()) content->rms_after_um = message.rms_after_um();
 }
 
-// What the report says beyond the single errors; nothing where there is no report.
+// What the report says beyond the single errors, or why that is not known; nothing where there is no report.
 void AddReported(const std::string& report_json, v1::Calibration* message) {
   const absl::StatusOr<reports::CalibrationReport> report = reports::ReadCalibrationReport(report_json);
-  if (!report.ok()) return;
+  if (!report.ok()) {
+    if (!report_json.empty()) message->set_report_problem(std::string(report.status().message()));
+    return;
+  }
   for (const reports::Combination& combination : reports::FittedOf(*report).determined) {
     v1::Combination* const out = message->add_combinations();
     out->set_name(combination.name);

@@ -268,6 +268,19 @@ TEST(CalibrationOnTheWire, KeepsAbsentValuesAbsent) {
   EXPECT_EQ(back->version, 3);
 }
 
+// An empty list would say that everything can be told apart.
+TEST(CalibrationOnTheWire, SaysWhyItsReportIsNotRead) {
+  records::CalibrationRecord record;
+  record.id = CalibrationId(2);
+  record.version = record.etag = 1;
+  record.content.machine = MachineId("mt");
+  EXPECT_EQ(ToProto(record).report_problem(), "");
+  record.content.report_json = R"({"not_separable": "EX0B - EX0C"})";
+  const v1::Calibration message = ToProto(record);
+  EXPECT_EQ(message.not_separable_size(), 0);
+  EXPECT_EQ(message.report_problem(), "report: not_separable = \"EX0B - EX0C\", expected a list");
+}
+
 TEST(EstimateOnTheWire, RefusesNaNAndUnsetUnits) {
   v1::Estimate message = ToProto(records::Estimate{"EA0B", records::EstimateUnit::kUrad, true, 1, 0.5});
   EXPECT_TRUE(FromProto(message).ok());
