@@ -12,6 +12,7 @@
 #include "client/cli/toolsetter_plan.h"
 #include "core/base/files.h"
 #include "core/base/units.h"
+#include "core/machine/redundant_facts.h"
 #include "core/plan/program.h"
 #include "core/plan/survey.h"
 #include "core/session/text.h"
@@ -44,6 +45,10 @@ absl::StatusOr<std::vector<Eigen::Vector3d>> Point(const std::string& option, co
 absl::StatusOr<plan::Situation> SituationOf(const machine::Machine& machine, const PlanArguments& arguments) {
   plan::Mounted mounted;
   ASSIGN_OR_RETURN(mounted.tips_mm, Point("--tool-tip", arguments.tool_tip));
+  for (const Eigen::Vector3d& tip_mm : mounted.tips_mm) {
+    const absl::Status side = machine::CheckToolTip(machine, tip_mm);
+    if (!side.ok()) return base::Within("--tool-tip", side);
+  }
   ASSIGN_OR_RETURN(mounted.balls_mm, Point("--ball", arguments.ball));
   if (arguments.bar_mm) mounted.bars_mm = {*arguments.bar_mm};
   mounted.stylus_radius_mm = arguments.program.probing.stylus_radius_mm;

@@ -4,6 +4,7 @@
 
 #include "core/compensate/carried.h"
 #include "core/compensate/compensator_impl.h"
+#include "core/machine/redundant_facts.h"
 
 namespace axiscal::compensate {
 
@@ -22,6 +23,7 @@ absl::StatusOr<Compensator> Compensator::Create(const Machine& machine, const Er
   if (!options.tool_tip_mm.allFinite() || options.tool_tip_mm.cwiseAbs().maxCoeff() > 1e6) {
     return absl::InvalidArgumentError("tool tip: every component must be finite, at most 1e6 mm");
   }
+  RETURN_IF_ERROR(machine::CheckToolTip(machine, options.tool_tip_mm));
   auto impl = std::make_unique<Impl>();
   impl->machine = machine;
   impl->options = options;

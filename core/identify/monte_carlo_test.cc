@@ -123,6 +123,38 @@ TEST(MonteCarlo, ReadingsAreWeighedByTheSourcesThatScatterThem) {
   EXPECT_LT(best, 0.8);
 }
 
+// Without the readings' own noise the sources alone weigh: what the session states as its repeatability, which they
+// explain, counts no second time.
+TEST(MonteCarlo, WithoutReadingNoiseTheStatedSigmaDoesNotWeigh) {
+  const auto truth = testing::Errors(kMachine, R"({"EA0B": 82.1, "EC0B": -61.0, "EX0C": -22.2, "EY0C": 15.3})");
+  ballbar::PatternOptions plan;
+  plan.step_deg = 5.0;
+  const std::vector<session::Session> stated =
+      testing::Measure(kMachine, truth, {}, testing::FivePatterns(), plan);
+  std::vector<session::Session> loose = stated;
+  for (session::Session& session : loose) {
+    for (session::HeaderEntry& entry : session.header) {
+      if (entry.key == "sigma_um") entry.value = "9";
+    }
+  }
+  Options options;
+  options.model = testing::Errors(kMachine, R"({"EA0B": 0, "EC0B": 0, "EX0C": 0, "EY0C": 0})");
+  for (const bool reading_noise : {false, true}) {
+    options.budget =
+        ReadOrDie(R"({"name": "ball", "reading": true, "sigma": 0.3, "drawn": "reading"},
+                     {"name": "C angle", "symbol": "EC0C", "half_width": 7, "drawn": "reading"})", reading_noise);
+    const Result one = Identify(kMachine, stated, options).value(), other = Identify(kMachine, loose, options).value();
+    double apart = 0.0;
+    for (size_t i = 0; i < one.estimates.size(); ++i)
+      apart = std::max(apart, std::abs(one.estimates[i].sigma / other.estimates[i].sigma - 1.0));
+    if (reading_noise) {
+      EXPECT_GT(apart, 0.05);
+    } else {
+      EXPECT_LT(apart, 1e-6);
+    }
+  }
+}
+
 TEST(MonteCarlo, RefusesWhatItCannotDo) {
   const Fit fit = Measured();
   MonteCarloOptions options;

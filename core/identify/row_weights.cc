@@ -1,6 +1,7 @@
 #include "core/identify/row_weights.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include "core/instruments/evaluation.h"
 
@@ -65,12 +66,23 @@ void WeighRows(const Budget& budget, const machine::ErrorModel& model, Problem* 
     if (sources.empty()) continue;
     const double* const setup = point.setup[problem->group_of_run[i]].data();
     const double sigma_mm = problem->noise[i].sigma_mm;
+    const double own = budget.with_reading_noise ? 1.0 : 0.0;
+    std::vector<RowWeight> covariances;
+    double largest = 0.0;
     for (int k = 0; k < run.reading_count(); ++k) {
-      RowWeight covariance = RowWeight::Identity(run.row_count, run.row_count);
+      RowWeight& covariance = covariances.emplace_back(RowWeight::Identity(run.row_count, run.row_count));
+      covariance *= own;
       for (const Source* const source : sources) {
         const Eigen::MatrixXd deviations = DeviationsOf(*problem, run, k, *source, model, setup) / sigma_mm;
         covariance += deviations * deviations.transpose();
       }
+      largest = std::max(largest, covariance.diagonal().maxCoeff());
+    }
+    if (largest == 0.0) continue;
+    // Along a direction that no source moves, readings without scatter of their own would weigh without limit.
+    constexpr double kLeastShare = 1e-6;  // of the largest variance: a thousandth of the scatter
+    for (RowWeight& covariance : covariances) {
+      if (!budget.with_reading_noise) covariance.diagonal().array() += kLeastShare * largest;
       problem->row_weights[i].push_back(Eigen::SelfAdjointEigenSolver<RowWeight>(covariance).operatorInverseSqrt());
     }
   }

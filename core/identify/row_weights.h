@@ -11,8 +11,10 @@
 namespace axiscal::identify {
 
 // Sets problem->row_weights from the sensitivities at `model`:
-//   W = (I + sum_s (sigma_s / sigma)^2 t_s t_s')^(-1/2),   t_s = d(rows)/d(source s), sigma = noise[run].sigma_mm.
-// Runs in which no such source acts get none.
+//   W = (e I + sum_s (sigma_s / sigma)^2 t_s t_s')^(-1/2),   t_s = d(rows)/d(source s), sigma = noise[run].sigma_mm
+// e = 1; in a budget without the readings' own noise (with_reading_noise) a millionth of the largest variance that the
+// sources give a row, for directions that none of them moves. Runs in which no such source acts get none: they weigh by
+// sigma.
 void WeighRows(const Budget& budget, const machine::ErrorModel& model, Problem* problem);
 
 }  // namespace axiscal::identify

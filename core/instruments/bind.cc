@@ -9,6 +9,7 @@
 #include "core/instruments/run.h"
 #include "core/instruments/touch/touch_bind.h"
 #include "core/instruments/tracker/tracker_model.h"
+#include "core/machine/redundant_facts.h"
 
 namespace axiscal::instruments {
 namespace {
@@ -111,6 +112,8 @@ class Binder {
     ASSIGN_OR_RETURN(const double sigma_um, PositiveNumber("sigma_um"));
     run_.sigma_mm = sigma_um * kMmPerUm;
     ASSIGN_OR_RETURN(run_.tip_mm, Point("tool_tip_mm"));
+    const absl::Status tip = machine::CheckToolTip(machine_, run_.tip_mm);
+    if (!tip.ok()) return Refuse(std::string(tip.message()));
     if (instrument_->has_table_ball) {
       ASSIGN_OR_RETURN(run_.ball_mm, Point("table_ball_mm"));
     }

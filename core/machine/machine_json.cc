@@ -7,6 +7,7 @@
 #include "core/base/files.h"
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
+#include "core/machine/redundant_facts.h"
 
 namespace axiscal::machine {
 namespace {
@@ -244,6 +245,7 @@ absl::StatusOr<Machine> MachineFromJson(const std::string& text) {
   ASSIGN_OR_RETURN(machine.tool_direction, ReadDirection(*tool_direction, "tool_direction"));
   RETURN_IF_ERROR(ReadDeclared(root, machine));
   RETURN_IF_ERROR(Validate(machine));
+  RETURN_IF_ERROR(CheckStructure(machine));
   return machine;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/base/units.h"
+#include "core/machine/redundant_facts.h"
 #include "core/nc/move_reader.h"
 #include "core/nc/poses.h"
 
@@ -345,6 +346,7 @@ absl::StatusOr<VerifyReport> Verify(const ByteReader& original, const ByteReader
                                     const machine::Machine& machine, const machine::ErrorModel& errors,
                                     const VerifyOptions& options) {
   RETURN_IF_ERROR(machine::Validate(machine));
+  RETURN_IF_ERROR(machine::CheckToolTip(machine, options.tool_tip_mm));
   RETURN_IF_ERROR(Validate(options.reading));
   ASSIGN_OR_RETURN(Interpreter of_original, Interpreter::Create(machine, options.reading));
   ASSIGN_OR_RETURN(Interpreter of_compensated, Interpreter::Create(machine, options.reading));

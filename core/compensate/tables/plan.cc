@@ -6,6 +6,7 @@
 
 #include "core/base/units.h"
 #include "core/compensate/tables/text.h"
+#include "core/machine/redundant_facts.h"
 
 namespace axiscal::tables {
 namespace {
@@ -33,6 +34,7 @@ std::string Shown(const machine::Axis& axis, double position) {
 
 absl::Status SetRanges(const TableRequest& request, Plan* plan) {
   const Machine& machine = plan->machine;
+  RETURN_IF_ERROR(machine::CheckToolTip(machine, request.state.tool_tip_mm));
   for (int i = 0; i < machine.axis_count(); ++i) {
     const machine::Axis& axis = machine.axes[i];
     if (axis.min_position && axis.max_position && *axis.min_position < *axis.max_position)
