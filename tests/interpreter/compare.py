@@ -1,0 +1,238 @@
+"""Two traces side by side: does the machine with errors, commanded by the output, do what the nominal machine does
+when commanded by the source? See README.md for the rules."""
+import math
+
+from kinematics import Machine  # noqa: F401  (the type of `machine` below)
+
+
+class Limits:
+    def __init__(self, end_mm, path_mm, gross_mm=0.5, gross_deg=1e-6, rounding_deg=0.6e-4):
+        self.end_mm, self.path_mm, self.gross_mm, self.gross_deg = end_mm, path_mm, gross_mm, gross_deg
+        self.rounding_deg = rounding_deg
+
+
+class Difference(Exception):
+    def __init__(self, text, source=None, output=()):
+        super().__init__(text)
+        self.text, self.source, self.output = text, source, list(output)
+
+
+def gross(a, b, machine):
+    """The largest difference of axis positions, rotary axes in mm of 1000 mm radius per 57 deg (deg x 17)."""
+    worst = 0.0
+    for axis, value in a.items():
+        d = abs(value - b[axis]) * (1.0 if axis in machine.linear else 17.0)
+        worst = max(worst, d)
+    return worst
+
+
+def group(moves, others, machine):
+    """For each source move the pieces that it became: the cheapest way to cut `others` into len(moves) runs."""
+    n, m = len(moves), len(others)
+    if m < n:
+        raise Difference("%d moves became %d" % (n, m), moves[0] if moves else None, others[:1])
+    if n == 0:
+        if m:
+            raise Difference("a move where the source has none", None, others)
+        return []
+    if n == m:
+        return [[o] for o in others]
+    end = [[min(gross(s.end, o.end, machine), 50.0) for o in others] for s in moves]
+    first = [[0.0 if s.number == o.number and set(s.words[0] and [w[0] for w in s.words[0]] or ()) <= o.named else 20.0
+              for o in others] for s in moves]
+    later = [0.0 if o.number is None else 20.0 for o in others]
+    inf = float("inf")
+    cost = [0.0] + [inf] * m
+    back = []
+    for i in range(n):
+        new, origin = [inf] * (m + 1), [0] * (m + 1)
+        for j in range(i, m):
+            if cost[j] == inf:
+                continue
+            run = cost[j] + first[i][j]
+            for k in range(j + 1, m - (n - i - 1) + 1):
+                if k > j + 1:
+                    run += later[k - 1] + 0.001
+                c = run + end[i][k - 1]
+                if c < new[k]:
+                    new[k], origin[k] = c, j
+        back.append(origin)
+        cost = new
+    cuts, k = [], m
+    for i in range(n - 1, -1, -1):
+        cuts.append((back[i][k], k))
+        k = back[i][k]
+    return [others[a:b] for a, b in reversed(cuts)]
+
+
+def sub(a, b):
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def angle(a, b):
+    c = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return math.atan2(math.sqrt(dot(c, c)), dot(a, b))
+
+
+class Comparison:
+    """`passed`: lines that the report lists as not corrected. `strict`: such a line must be listed."""
+
+    def __init__(self, machine, limits, passed, strict):
+        self.machine, self.limits, self.passed, self.strict = machine, limits, passed, strict
+        self.corrected = self.unchanged = 0
+        self.worst_end = self.worst_path = 0.0
+        self.is_corrected = False  # the position before the present move
+        self.allows_tilt = False
+
+    def run(self, source, output):
+        i = j = 0
+        while True:
+            a, b = [], []
+            while i < len(source) and source[i].kind == "move":
+                a.append(source[i])
+                i += 1
+            while j < len(output) and output[j].kind == "move":
+                b.append(output[j])
+                j += 1
+            s = source[i] if i < len(source) else None
+            o = output[j] if j < len(output) else None
+            if len(a) > len(b) or (not a and b):
+                raise Difference("%d moves became %d" % (len(a), len(b)), a[0] if a else s, b or ([o] if o else []))
+            for move, pieces in zip(a, group(a, b, self.machine)):
+                self.check(move, pieces)
+            if s is None and o is None:
+                return
+            if s is None or o is None or s.kind != o.kind or not same(s.key, o.key):
+                raise Difference("other words than moves differ: %s, now %s" % (s and s.key, o and o.key), s,
+                                 [o] if o else [])
+            i += 1
+            j += 1
+
+    def check(self, s, pieces):
+        machine, limits = self.machine, self.limits
+        last = pieces[-1]
+        for at, a, b in (("start", s.start, pieces[0].start), ("end", s.end, last.end)):
+            for axis in a:
+                limit = limits.gross_mm if axis in machine.linear else limits.gross_deg
+                if abs(a[axis] - b[axis]) > limit:
+                    raise Difference("%s of the move: %s stands at %.4f, commanded by the source at %.4f" %
+                                     (at, axis, b[axis], a[axis]), s, pieces)
+        if s.minutes is not None:
+            if any(p.minutes is None for p in pieces):
+                raise Difference("another feed mode", s, pieces)
+            now = sum(p.minutes for p in pieces)
+            if abs(now - s.minutes) > 0.001 + 0.05 * s.minutes:
+                raise Difference("the move takes %.5f min, in the source %.5f" % (now, s.minutes), s, pieces)
+        if any(p.rapid != s.rapid for p in pieces):
+            raise Difference("rapid or feed differs", s, pieces)
+        was_corrected = self.is_corrected
+        problem = None
+        if s.opaque:
+            problem = "an axis stands where nobody knows (%s)" % " ".join(sorted(s.opaque))
+        else:
+            problem = self.problem(s, pieces, was_corrected)
+        self.is_corrected = problem is None or (self.is_right_at_end(s, last) and not s.opaque)
+        if problem is None:
+            self.corrected += 1
+            return
+        same_words = len(pieces) == 1 and same(s.words, pieces[0].words)
+        if same_words and s.arc:
+            same_words = (abs(s.arc[4] - pieces[0].arc[4]) < 0.05 + 0.5 / s.arc[5] if pieces[0].arc else False)
+            problem = problem if same_words else "the arc sweeps %.4f rad, in the source %.4f" % (
+                pieces[0].arc[4] if pieces[0].arc else 0.0, s.arc[4])
+        if not same_words:
+            raise Difference(problem, s, pieces)
+        if self.strict and s.line not in self.passed and not (s.unsure and self.passed and min(self.passed) < s.line):
+            raise Difference("not corrected, and the report does not list it: " + problem, s, pieces)
+        self.unchanged += 1
+
+    def is_right_at_end(self, s, last):
+        want, _ = self.machine.tip(s.end, s.length)
+        have, _ = self.machine.tip(last.end, last.length, True)
+        return math.dist(want, have) <= self.limits.end_mm
+
+    def problem(self, s, pieces, start_is_corrected):
+        machine, limits = self.machine, self.limits
+        if abs(s.length - pieces[-1].length) > 1e-6:
+            return "another tool length"
+        want, aim = machine.tip(s.end, s.length)
+        have, direction = machine.tip(pieces[-1].end, pieces[-1].length, True)
+        off = math.dist(want, have)
+        # A full circle ends where it began, wherever else its correction leads.
+        is_full = s.arc is not None and abs(abs(s.arc[4]) - 2 * math.pi) < 1e-3
+        if off > (limits.path_mm if is_full else limits.end_mm):
+            return "the tool is %.5f mm off at the end" % off
+        self.worst_end = max(self.worst_end, off)
+        if s.rapid or s.opaque_before or not start_is_corrected:
+            return None
+        t = 0.0
+        mismatch = abs(s.arc[5] - s.arc[6]) if s.arc else 0.0
+        if len(pieces) > 1 and self.turns_by_axis(s):  # the rotary words of pieces are rounded, at 300 mm from the axis
+            mismatch += math.radians(limits.rounding_deg) * 300.0
+        for piece in pieces:
+            count = 4
+            if s.arc:
+                count = max(3, math.ceil(abs(piece.arc[4]) / 0.5)) if piece.arc else 3
+            for k in range(1, count + 1):
+                c = piece.at(k / count)
+                t_new = self.fraction(s, c, t)
+                have, direction = machine.tip(c, s.length, True)
+                want, aim = machine.tip(s.at(t_new), s.length)
+                slack = self.slack(s)
+                t_low, t_high = max(0.0, t_new - slack), min(1.0, t_new + slack)
+                if math.dist(want, have) > 0.3 * limits.path_mm:
+                    for _ in range(2):
+                        h = 1e-5 if t_new < 0.5 else -1e-5
+                        ahead, _ = machine.tip(s.at(t_new + h), s.length)
+                        slope = [v / h for v in sub(ahead, want)]
+                        square = dot(slope, slope)
+                        if square < 1e-18:
+                            break
+                        t_new = min(t_high, max(t_low, t_new + dot(sub(have, want), slope) / square))
+                        want, aim = machine.tip(s.at(t_new), s.length)
+                off = math.dist(want, have)
+                if off > limits.path_mm + mismatch:
+                    return "the tool is %.5f mm off on the way (at %.3f of the move)" % (off, t_new)
+                self.worst_path = max(self.worst_path, off)
+                if t_new < t - 0.02:
+                    return "the tool goes back on the way (from %.4f to %.4f of the move)" % (t, t_new)
+                t = t_new
+        if s.arc and abs(t - 1.0) > 0.02:
+            return "the arc ends at %.4f of its sweep" % t
+        return None
+
+    def slack(self, s):
+        """How far the fraction of the move may be off its first guess: where a rotary axis tells it, by its rounding."""
+        travel = max((abs(s.end[a] - s.start[a]) for a in self.machine.rotary), default=0.0)
+        return self.limits.rounding_deg / travel if self.turns_by_axis(s) else 1.0
+
+    def turns_by_axis(self, s):
+        return max((abs(s.end[a] - s.start[a]) for a in self.machine.rotary), default=0.0) > 0.01
+
+    def fraction(self, s, c, before):
+        if self.turns_by_axis(s):
+            axis = max(self.machine.rotary, key=lambda a: abs(s.end[a] - s.start[a]))
+            return min(1.0, max(0.0, (c[axis] - s.start[axis]) / (s.end[axis] - s.start[axis])))
+        if s.arc:
+            first, second, centre, start, sweep, _, _ = s.arc
+            turn = math.atan2(c[second] - centre[1], c[first] - centre[0]) - start
+            t = turn / sweep
+            step = 2 * math.pi / abs(sweep)
+            return t + step * round((before + 0.04 - t) / step) if step < 1e6 else t
+        d = {a: s.end[a] - s.start[a] for a in self.machine.linear}
+        square = sum(v * v for v in d.values())
+        if square < 1e-12:
+            return 1.0
+        return min(1.0, max(0.0, sum((c[a] - s.start[a]) * d[a] for a in d) / square))
+
+
+def same(a, b):
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b))
+    if isinstance(a, float) or isinstance(b, float):
+        return isinstance(a, (int, float)) and isinstance(b, (int, float)) and abs(a - b) < 1e-9
+    return a == b

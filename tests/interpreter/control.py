@@ -1,0 +1,210 @@
+"""What every control has: positions, offsets, modes, and the trace of what it does. The dialects stand in iso.py and
+klartext.py. Nothing here knows of the product: the rules are those of the controls' manuals.
+
+A trace is a list of events:
+  move   axes go from `start` to `end` (axis positions, mm and deg), straight or on a circle
+  raw    words that something else than a plain move takes (a cycle, a rotated frame, TCP): they must not change
+  code   what else the block says (M, S, T, dwell ...)
+"""
+import math
+
+
+class Alarm(Exception):
+    """The control stops with an alarm."""
+
+
+class Event:
+    __slots__ = ("kind", "line", "number", "key", "start", "end", "arc", "rapid", "words", "minutes", "opaque",
+                 "opaque_before", "unsure", "length", "named", "corner")
+
+    def __init__(self, kind, line, number, key=None):
+        self.kind, self.line, self.number, self.key = kind, line, number, key
+        self.arc = self.minutes = None
+        self.rapid = self.corner = False
+        self.words = ()
+        self.length = 0.0
+
+    def at(self, t):
+        """Axis positions at the fraction t of the move."""
+        s, e = self.start, self.end
+        p = {a: s[a] + t * (e[a] - s[a]) for a in s}
+        if self.arc:
+            first, second, centre, angle, sweep, r0, r1 = self.arc
+            r = r0 + t * (r1 - r0)
+            p[first] = centre[0] + r * math.cos(angle + t * sweep)
+            p[second] = centre[1] + r * math.sin(angle + t * sweep)
+        return p
+
+
+class Control:
+    """`setup`: what only the shop floor knows.
+      start     axis positions when the program starts
+      offsets   work offset -> axis -> value, by the name that programs use
+      lengths   number -> tool length, mm
+      rollover  axis -> "shortest": an absolute position is reached by the shorter way, of a turn of 360 deg
+      unit      "mm" or "inch" when the program does not say
+      skip      the block-delete switch is on
+      increment None, or mm per count of a word without a point
+      harmless  M codes that the machine's builder says move nothing
+    """
+    arc_tolerance_mm = 0.02
+    max_line = None
+
+    def __init__(self, axes, linear, setup):
+        self.axes, self.linear, self.setup = axes, linear, setup
+        self.pos = dict(setup["start"])
+        self.opaque = set()      # stands where somebody else moved it
+        self.unsure = set(axes)  # stands where no word in work coordinates sent it
+        self.lost = 0
+        self.inch = setup.get("unit") == "inch"
+        self.incremental = False
+        self.wcs = None
+        self.preset = {a: 0.0 for a in axes}
+        self.shift = {a: 0.0 for a in axes}
+        self.length = 0.0
+        self.length_number = None
+        self.feed = 0.0
+        self.feed_mode = 94
+        self.foreign = set()
+        self.rollover = dict(setup.get("rollover", {}))
+        self.trace = []
+        self.line = 0
+        self.number = None
+        self.steps = 0
+
+    # -- coordinates
+    def unit(self, axis):
+        return 25.4 if self.inch and axis in self.linear else 1.0
+
+    def length_unit(self):
+        return 25.4 if self.inch else 1.0
+
+    def offset(self, axis):
+        value = self.setup["offsets"].get(self.wcs, {}).get(axis, 0.0) if self.wcs else 0.0
+        value += self.preset[axis] + self.shift[axis]
+        if axis == "Z":
+            value += self.length
+        return value
+
+    def target(self, axis, value, incremental):
+        """Where a word of the axis leads from where it stands."""
+        value *= self.unit(axis)
+        if incremental:
+            return self.pos[axis] + value
+        goal = value + self.offset(axis)
+        if self.rollover.get(axis) == "shortest":
+            travel = math.fmod(goal - self.pos[axis], 360.0)
+            if travel > 180.0:
+                travel -= 360.0
+            elif travel < -180.0:
+                travel += 360.0
+            return self.pos[axis] + travel
+        return goal
+
+    def lose(self, axes):
+        """Somebody else moves these axes: where to, only the builder knows."""
+        self.lost += 1
+        if self.setup.get("still"):  # a control without a machine: nobody moves
+            return
+        for axis in axes:
+            self.pos[axis] = 3000.0 + 100.0 * "XYZABCUVW".index(axis) + 7.0 * self.lost
+            self.opaque.add(axis)
+
+    def enter(self, mode):
+        self.foreign.add(mode)
+
+    def leave(self, mode):
+        """Axis positions behind a mode that turns or bends coordinates are not followed here."""
+        if mode in self.foreign:
+            self.foreign.discard(mode)
+            self.lose(self.linear)
+
+    # -- events
+    def emit(self, kind, key=None):
+        event = Event(kind, self.line, self.number, key)
+        self.trace.append(event)
+        return event
+
+    def code(self, *key):
+        self.emit("code", key)
+
+    def move(self, words, rapid=False, arc=None, raw=()):
+        """`words`: axis -> (value, incremental)."""
+        event = self.emit("move")
+        event.start = dict(self.pos)
+        event.opaque_before = set(self.opaque)
+        for axis, (value, incremental) in words.items():
+            self.pos[axis] = self.target(axis, value, incremental)
+            if not incremental:
+                self.opaque.discard(axis)
+                self.unsure.discard(axis)
+        event.end = dict(self.pos)
+        event.opaque = set(self.opaque)
+        event.unsure = self.opaque | self.unsure
+        event.rapid = rapid
+        event.words = (tuple(sorted((a, round(v, 9), i) for a, (v, i) in words.items())),) + raw
+        event.named = set(words)
+        event.length = self.length
+        if arc:
+            event.arc = self.circle(event, *arc)
+        event.minutes = None if rapid else self.minutes(event)
+        return event
+
+    def minutes(self, event):
+        if self.feed_mode == 93:
+            if self.feed <= 0:
+                raise Alarm("inverse time without F")
+            return 1.0 / self.feed
+        return None
+
+    def path_length(self, event):
+        d2 = sum((event.end[a] - event.start[a]) ** 2 for a in self.linear)
+        if event.arc:
+            first, second, _, _, sweep, r0, _ = event.arc
+            d2 -= (event.end[first] - event.start[first]) ** 2 + (event.end[second] - event.start[second]) ** 2
+            d2 += (r0 * sweep) ** 2
+        return math.sqrt(max(d2, 0.0))
+
+    def circle(self, event, first, second, centre, clockwise, turns=1):
+        """`centre` in axis positions, or a radius (signed: negative is more than half a turn)."""
+        s = (event.start[first], event.start[second])
+        e = (event.end[first], event.end[second])
+        if not isinstance(centre, tuple):
+            radius = centre
+            dx, dy = e[0] - s[0], e[1] - s[1]
+            d = math.hypot(dx, dy)
+            if d < 1e-9:
+                raise Alarm("radius with the end at the start")
+            if d / 2 > abs(radius) + self.arc_tolerance_mm:
+                raise Alarm("radius too small")
+            h = math.sqrt(max(radius * radius - d * d / 4, 0.0))
+            left = 1.0 if (radius > 0) != clockwise else -1.0
+            centre = ((s[0] + e[0]) / 2 - left * h * dy / d, (s[1] + e[1]) / 2 + left * h * dx / d)
+        r0, r1 = math.dist(s, centre), math.dist(e, centre)
+        if r0 < 1e-6:
+            raise Alarm("circle without radius")
+        self.check_radii(r0, r1)
+        a0 = math.atan2(s[1] - centre[1], s[0] - centre[0])
+        a1 = math.atan2(e[1] - centre[1], e[0] - centre[0])
+        sweep = a1 - a0
+        full = self.full_circle_mm
+        if clockwise:
+            while sweep >= -1e-12:
+                sweep -= 2 * math.pi
+        else:
+            while sweep <= 1e-12:
+                sweep += 2 * math.pi
+        if math.dist(s, e) <= full and abs(sweep) < 0.1:
+            sweep = math.copysign(2 * math.pi, sweep)
+        return (first, second, centre, a0, sweep, r0, r1)
+
+    full_circle_mm = 1e-7
+
+    def check_radii(self, r0, r1):
+        if abs(r0 - r1) > self.arc_tolerance_mm:
+            raise Alarm("radius %.4f at the start, %.4f at the end" % (r0, r1))
+
+    def tick(self):
+        self.steps += 1
+        if self.steps > 20000:
+            raise Alarm("does not end")

@@ -1,0 +1,1263 @@
+"""Random programs of six dialects, with the shop floor that they run on. A program is a list of lines; everything that a
+run needs beside them stands in a dictionary (see `draw`), so that a failure can be written down and tried again."""
+import math
+import random
+
+MACHINES = {
+    "mill": {
+        "id": "mill", "axes": {
+            "X": {"kind": "linear", "direction": [-1, 0, 0]}, "Y": {"kind": "linear", "direction": [0, 1, 0]},
+            "Z": {"kind": "linear", "direction": [0, 0, 1]}},
+        "tool_branch": ["Y", "Z"], "work_branch": ["X"], "tool_direction": [0, 0, -1]},
+    "head-table": {
+        "id": "head-table", "axes": {
+            "X": {"kind": "linear", "direction": [1, 0, 0]}, "Y": {"kind": "linear", "direction": [0, 1, 0]},
+            "Z": {"kind": "linear", "direction": [0, 0, 1]},
+            "B": {"kind": "rotary", "direction": [0, 1, 0], "point_mm": [0, 0, 0]},
+            "C": {"kind": "rotary", "direction": [0, 0, 1], "point_mm": [-120, 0, 0]}},
+        "tool_branch": ["Z", "Y", "X", "B"], "work_branch": ["C"], "tool_direction": [0, 0, -1]},
+    "trunnion": {
+        "id": "trunnion", "axes": {
+            "X": {"kind": "linear", "direction": [1, 0, 0]}, "Y": {"kind": "linear", "direction": [0, -1, 0]},
+            "Z": {"kind": "linear", "direction": [0, 0, 1]},
+            "A": {"kind": "rotary", "direction": [1, 0, 0], "point_mm": [0, 0, -30]},
+            "C": {"kind": "rotary", "direction": [0, 0, 1], "point_mm": [0, 0, 0]}},
+        "tool_branch": ["X", "Z"], "work_branch": ["Y", "A", "C"], "tool_direction": [0, 0, -1]},
+}
+DIALECTS = ["fanuc", "mazak", "haas", "linuxcnc", "sinumerik", "heidenhain"]
+RANGE = {"X": (-150, 150), "Y": (-120, 120), "Z": (-60, 90), "A": (-60, 60), "B": (-60, 60), "C": (0, 350)}
+
+
+def draw_errors(rng, description):
+    """Errors of the size that machines have; a third of the machines have constant ones alone."""
+    axes, errors, terms = description["axes"], {}, []
+    linear = [a for a in axes if axes[a]["kind"] == "linear"]
+    rotary = [a for a in axes if axes[a]["kind"] == "rotary"]
+
+    def um(size):
+        return round(rng.uniform(-size, size), 2)
+    for axis in rotary:
+        across = [c for c in "XYZ" if abs(axes[axis]["direction"]["XYZ".index(c)]) < 0.5]
+        for c in across:
+            if rng.random() < 0.7:
+                errors["E%s0%s" % (c, axis)] = um(60)
+            if rng.random() < 0.7:
+                errors["E%s0%s" % ("ABC"["XYZ".index(c)], axis)] = um(80)
+    for symbol in ("EC0Y", "EA0Z", "EB0Z"):
+        if rng.random() < 0.6 and symbol[3] in axes:
+            errors[symbol] = um(80)
+    if rng.random() < 0.3:
+        errors["EX0T"] = um(20)
+    if rng.random() < 0.65:
+        for axis in linear:
+            if rng.random() < 0.6:
+                terms.append({"symbol": "E%s%s" % (rng.choice("XYZ"), axis), "shape": "linear", "variable": axis,
+                              "amplitude": um(80)})
+            if rng.random() < 0.3:
+                terms.append({"symbol": "E%s%s" % (rng.choice("ABC"), axis), "shape": "linear", "variable": axis,
+                              "amplitude": um(120)})
+            if rng.random() < 0.3:
+                terms.append({"symbol": "E%s%s" % (rng.choice("XYZ"), axis), "shape": "harmonic", "variable": axis,
+                              "period_mm": rng.choice([40, 100, 250]), "amplitude": abs(um(6)) + 0.1,
+                              "phase_deg": um(180)})
+            if rng.random() < 0.2:
+                terms.append({"symbol": "E%s%s" % (rng.choice("XYZ"), axis), "shape": "quadratic", "variable": axis,
+                              "amplitude": um(15)})
+        for axis in rotary:
+            if rng.random() < 0.6:
+                terms.append({"symbol": "E%s%s" % (rng.choice("XYZ"), axis), "shape": "harmonic", "variable": axis,
+                              "order": rng.choice([1, 2, 3]), "amplitude": abs(um(15)) + 0.1, "phase_deg": um(180)})
+            if rng.random() < 0.4:
+                terms.append({"symbol": "E%s%s" % (rng.choice("ABC"), axis), "shape": "harmonic", "variable": axis,
+                              "order": rng.choice([1, 2]), "amplitude": abs(um(40)) + 0.1, "phase_deg": um(180)})
+    seen, unique = set(), []
+    for term in terms:
+        if (term["symbol"], term["shape"]) not in seen:
+            seen.add((term["symbol"], term["shape"]))
+            unique.append(term)
+    if not errors and not unique:
+        errors["EC0Y"] = 50.0
+    if unique:
+        errors["terms"] = unique
+    return errors
+
+
+class Writer:
+    """Writes blocks and knows where the nominal axes then stand (`m`: axis positions; None: not known)."""
+
+    def __init__(self, rng, case):
+        self.rng, self.case = rng, case
+        self.dialect = case["dialect"]
+        self.axes = list(MACHINES[case["machine"]]["axes"])
+        self.axes.sort(key="XYZABC".index)
+        self.linear = [a for a in self.axes if a in "XYZ"]
+        self.rotary = [a for a in self.axes if a in "ABC"]
+        self.lines = []
+        self.features = case["features"]
+        self.inch = False
+        self.incremental = False
+        self.m = {a: None for a in self.axes}
+        self.wcs = "" if self.dialect == "sinumerik" else "PRESET" if self.dialect == "heidenhain" else "G54"
+        self.preset = {a: 0.0 for a in self.axes}
+        self.length = 0.0
+        self.motion = None
+        self.feed = None
+        self.plane = 17
+        self.g93 = False
+        self.centre_absolute = False
+        self.n = 0
+        self.numbering = rng.choice(["none", "all", "all", "some"])
+        self.packed = rng.random() < 0.15
+        self.habit = rng.choice(["fixed", "fixed", "trim", "trim", "lead", "plus", "whole"])
+        self.decimals = rng.choice([3, 3, 4])
+        self.case_lower = rng.random() < 0.05
+        self.sub_number = 100 * rng.randrange(10, 80)
+        self.tail = []  # subprograms behind the end
+        self.pole = None
+
+    # -- numbers and lines
+    def scale(self, axis):
+        return 25.4 if self.inch and axis in self.linear else 1.0
+
+    def places(self):
+        return self.decimals + 1 if self.inch else self.decimals
+
+    def offset(self, axis):
+        value = self.case["offsets"].get(self.wcs, {}).get(axis, 0.0) + self.preset[axis]
+        return value + (self.length if axis == "Z" else 0.0)
+
+    def number(self, value, places=None):
+        places = self.places() if places is None else places
+        text = "%.*f" % (places, value)
+        if float(text) == 0:
+            text = text.lstrip("-")
+        if self.habit in ("trim", "lead", "plus", "whole"):
+            text = text.rstrip("0")
+            if self.habit == "lead" and text.lstrip("-").startswith("0.") and len(text.lstrip("-")) > 2:
+                text = text.replace("0.", ".", 1)
+            if self.habit in ("whole",) and text.endswith(".") and len(text) < 5:
+                text = text[:-1]
+        if self.habit == "plus" and not text.startswith("-"):
+            text = "+" + text
+        return text
+
+    def block(self, words, comment=None):
+        words = [w for w in words if w]
+        if self.numbering == "all" or (self.numbering == "some" and self.rng.random() < 0.4):
+            self.n += 10
+            words = ["N%d" % self.n] + words
+        text = ("" if self.packed else " ").join(words)
+        if comment:
+            text += (" " if text else "") + self.comment(comment)
+        self.lines.append(text.lower() if self.case_lower and "(" not in text else text)
+
+    def comment(self, text):
+        return "; " + text if self.dialect == "sinumerik" else "(" + text + ")"
+
+    def plain(self, text):
+        """A block of codes: numbered like the others."""
+        self.block(text.split(" "))
+
+    # -- words
+    def go(self, targets, absolute_only=False):
+        """Axis words to the wanted axis positions (rounded to the words); moves `m`."""
+        words = []
+        for axis, want in targets.items():
+            scale = self.scale(axis)
+            if self.incremental:
+                value = round((want - self.m[axis]) / scale, self.places())
+                self.m[axis] += value * scale
+                words.append(self.axis_word(axis, value))
+            elif self.dialect == "sinumerik" and not absolute_only and self.m[axis] is not None and self.rng.random() < 0.06:
+                value = round((want - self.m[axis]) / scale, self.places())
+                self.m[axis] += value * scale
+                words.append("%s=IC(%s)" % (axis, self.number(value)))
+            else:
+                value = round((want - self.offset(axis)) / scale, self.places())
+                self.m[axis] = value * scale + self.offset(axis)
+                words.append(self.axis_word(axis, value))
+        return words
+
+    def axis_word(self, axis, value):
+        if self.dialect == "sinumerik":
+            r = self.rng.random()
+            if r < 0.06:
+                return "%s=%s" % (axis, self.number(value))
+            if r < 0.1 and not self.incremental:
+                return "%s=AC(%s)" % (axis, self.number(value))
+        return axis + self.number(value)
+
+    def g(self, code):
+        return ("G%02d" if self.g_two else "G%d") % code
+
+    g_two = False
+
+    def motion_word(self, code, always=False):
+        if self.motion == code and not always and self.rng.random() < 0.75:
+            return ""
+        self.motion = code
+        return self.g(code)
+
+    def feed_word(self, minutes=None):
+        if self.g93:
+            return "F%s" % self.number(1.0 / max(minutes, 1e-3), 3)
+        if self.feed is None or self.rng.random() < 0.2:
+            self.feed = self.rng.choice([200, 400, 800, 1500.5, 3000])
+            if self.inch:
+                self.feed = self.rng.choice([10, 20.5, 60])
+            return "F%s" % self.number(self.feed, 1) if self.feed % 1 else "F%d" % self.feed
+        return ""
+
+    # -- parts that every control has; Klartext overrides them
+    def rapid(self, targets):
+        words = self.go(targets)
+        self.block([self.motion_word(0)] + words)
+
+    def feed_move(self, targets, minutes=None, code=""):
+        before = dict(self.m)
+        words = self.go(targets)
+        if minutes is None and self.g93:
+            minutes = max(0.01, sum(abs(self.m[a] - before[a]) for a in targets if before[a] is not None) / 500)
+        self.block([self.motion_word(1)] + words + [self.feed_word(minutes), code])
+
+    def arc(self, clockwise, centre, end, more=None, form="centre"):
+        """`centre`, `end`: in the plane, axis positions; `more`: further axes."""
+        first, second, i, j = {17: ("X", "Y", "I", "J"), 18: ("Z", "X", "K", "I"), 19: ("Y", "Z", "J", "K")}[self.plane]
+        start = (self.m[first], self.m[second])
+        radius = math.dist(start, centre)
+        a0 = math.atan2(start[1] - centre[1], start[0] - centre[0])
+        a1 = math.atan2(end[1] - centre[1], end[0] - centre[0])
+        sweep = (a1 - a0) % (2 * math.pi)
+        if clockwise:
+            sweep = 2 * math.pi - sweep
+        targets = {first: end[0], second: end[1]}
+        is_full = math.dist(start, end) < 1e-9
+        if is_full and self.rng.random() < 0.5:
+            targets = {}
+        targets.update(more or {})
+        words = self.go(targets, absolute_only=True)
+        scale = self.length_scale()
+        if form == "radius" and not is_full:
+            value = radius / scale * (-1 if sweep > math.pi else 1)
+            words.append(("CR=" if self.dialect == "sinumerik" else "R") + self.number(value))
+        else:
+            for axis, letter, c, s in ((first, i, centre[0], start[0]), (second, j, centre[1], start[1])):
+                if self.centre_absolute:
+                    words.append(letter + self.number((c - self.offset(axis)) / scale))
+                elif self.dialect == "sinumerik" and self.rng.random() < 0.1:
+                    words.append("%s=AC(%s)" % (letter, self.number((c - self.offset(axis)) / scale)))
+                elif abs(c - s) > 1e-9 or self.rng.random() < 0.3:
+                    words.append(letter + self.number((c - s) / scale))
+        minutes = max(0.02, radius * abs(sweep) / 500) if self.g93 else None
+        self.block([self.motion_word(2 if clockwise else 3)] + words + [self.feed_word(minutes)])
+
+    def length_scale(self):
+        return 25.4 if self.inch else 1.0
+
+
+def near(rng, value, low, high, most):
+    return min(high, max(low, value + rng.uniform(-most, most)))
+
+
+class Program(Writer):
+    def targets(self, axes):
+        out = {}
+        for a in axes:
+            low, high = RANGE[a]
+            for _ in range(20):
+                value = rng_value(self.rng, low, high)
+                if a not in self.rotary or self.m[a] is None or abs(abs(value - self.m[a]) - 180) > 1:
+                    break
+            out[a] = value
+        return out
+
+    def some_axes(self):
+        rng = self.rng
+        axes = rng.sample(self.linear, rng.choice([1, 1, 2, 2, 3]))
+        if self.rotary and rng.random() < 0.3:
+            axes += rng.sample(self.rotary, rng.choice([1, 1, 2]))
+            if self.dialect == "linuxcnc" and not self.g93 and "rotary-feed" not in self.features and \
+                    not any(a in self.linear for a in axes):
+                axes.append("X")
+        rng.shuffle(axes)
+        return axes
+
+    # -- features that a plain program may have
+    def f_lines(self):
+        for _ in range(self.rng.randrange(1, 5)):
+            if self.rng.random() < 0.25 and not self.g93:
+                self.rapid(self.targets(self.some_axes()))
+            else:
+                self.feed_move(self.targets(self.some_axes()))
+
+    def f_short_lines(self):
+        for _ in range(self.rng.randrange(2, 6)):
+            axes = self.rng.sample(self.linear, self.rng.choice([1, 2, 3]))
+            self.feed_move({a: self.m[a] + round(self.rng.uniform(-4, 4), 3) for a in axes})
+
+    def f_rotary_feed(self):
+        if self.rotary:
+            axes = self.rng.sample(self.rotary, self.rng.choice([1, len(self.rotary)]))
+            self.feed_move(self.targets(axes))
+
+    def f_arc(self):
+        rng = self.rng
+        if self.plane_codes() and rng.random() < 0.35:
+            self.plane = rng.choice([17, 18, 19])
+            self.plain("G%d" % self.plane)
+        first, second, normal = {17: "XYZ", 18: "ZXY", 19: "YZX"}[self.plane]
+        for _ in range(rng.randrange(1, 3)):
+            radius = rng.choice([0.02, 0.8, 3.0, 10.0, 25.0, 50.0, 80.0])
+            a0 = rng.uniform(0, 2 * math.pi)
+            if rng.random() < 0.3:
+                a0 = rng.randrange(4) * math.pi / 2
+            places = 4 if not self.inch else 5
+            scale = self.length_scale()
+            i = round(-radius * math.cos(a0) / scale, places - 1) * scale
+            j = round(-radius * math.sin(a0) / scale, places - 1) * scale
+            start = (self.m[first], self.m[second])
+            centre = (start[0] + i, start[1] + j)
+            radius = math.hypot(i, j)
+            a0 = math.atan2(-j, -i)
+            clockwise = rng.random() < 0.5
+            form = rng.choice(["centre", "centre", "radius"])
+            sweep = rng.uniform(0.3, 2.8) if rng.random() < 0.7 else rng.uniform(3.5, 5.9)
+            saved, self.decimals = self.decimals, 4
+            more = None
+            if form == "centre" and rng.random() < 0.25:
+                end = start  # a full circle
+            else:
+                a1 = a0 + (-sweep if clockwise else sweep)
+                end = (centre[0] + radius * math.cos(a1), centre[1] + radius * math.sin(a1))
+            if rng.random() < 0.2 and self.dialect != "heidenhain":
+                more = {normal: near(rng, self.m[normal], -60, 90, 8)}
+                if self.rotary and rng.random() < 0.1:
+                    more.update(self.targets([rng.choice(self.rotary)]))
+            self.arc(clockwise, centre, end, more, form)
+            self.decimals = saved
+
+    def f_circle_modal(self):
+        """Two arcs, the second without its G code."""
+        rng = self.rng
+        first, second, _ = {17: "XYZ", 18: "ZXY", 19: "YZX"}[self.plane]
+        r = rng.choice([5.0, 12.5, 30.0])
+        clockwise = rng.random() < 0.5
+        sign = rng.choice([-1, 1])
+        for _ in range(2):
+            start = (self.m[first], self.m[second])
+            self.arc(clockwise, (start[0] + sign * r, start[1]), (start[0] + 2 * sign * r, start[1]))
+            sign = -sign
+
+    def f_incremental(self):
+        self.plain("G91")
+        self.incremental = True
+        for _ in range(self.rng.randrange(1, 4)):
+            axes = self.rng.sample(self.linear, self.rng.choice([1, 2, 3]))
+            self.feed_move({a: self.m[a] + rng_value(self.rng, -15, 15) for a in axes})
+        if self.rng.random() < 0.4:
+            self.f_arc()
+        self.plain("G90")
+        self.incremental = False
+
+    def f_codes(self):
+        rng = self.rng
+        kind = rng.randrange(9)
+        if kind == 0:
+            self.plain(rng.choice(["M3 S1000", "S2500 M3", "M4 S500", "M03 S800"]))
+        elif kind == 1:
+            self.plain(rng.choice(["M8", "M9", "M5", "M08", "M1", "M0"]))
+        elif kind == 2:
+            self.plain(self.dwell())
+        elif kind == 3:
+            self.lines.append(self.comment("ROUGHING %d X10 Y20" % rng.randrange(100)))
+        elif kind == 4:
+            self.lines.append("")
+        elif kind == 5:
+            self.plain(rng.choice(["G61", "G64"]))
+        elif kind == 6:
+            self.feed_move(self.targets(self.some_axes()), code=rng.choice(["M8", "M3", "M13"] if self.dialect != "linuxcnc" else ["M8", "M3 S500"]))
+        elif kind == 7:
+            self.feed_move({a: self.m[a] + 3.0 for a in self.rng.sample(self.linear, 1)}, code=rng.choice(["M9", "M5"]))
+        else:
+            self.plain("M7" if self.dialect != "haas" else "M8")
+
+    def dwell(self):
+        rng = self.rng
+        if self.dialect == "linuxcnc":
+            return "G4 P%s" % rng.choice(["0.5", "1.25"])
+        if self.dialect == "sinumerik":
+            return "G4 F%s" % rng.choice(["0.5", "2"])
+        return "G4 %s" % rng.choice(["P500", "X1.5", "P1.0"])
+
+    def restate(self):
+        """Every axis again, in work coordinates."""
+        axes = self.targets(self.axes)
+        if self.rng.random() < 0.5:
+            z = axes.pop("Z")
+            self.rapid(axes)
+            self.rapid({"Z": z})
+        else:
+            self.rapid(axes)
+
+    def f_offset(self):
+        names = [n for n in self.case["offsets"] if n and n not in ("PRESET",)]
+        name = self.rng.choice(names)
+        self.wcs = name
+        self.plain(name)
+        if self.dialect == "sinumerik" or self.rng.random() < 0.6:
+            self.restate()
+        else:
+            self.feed_move(self.targets(self.axes))
+
+    def f_length(self):
+        if not self.case["lengths"]:
+            return
+        number = self.rng.choice(sorted(self.case["lengths"]))
+        tool = int(number)
+        self.plane_xy()
+        if self.dialect == "sinumerik":
+            self.plain("T%d D%d" % (tool, tool) if False else "D%d" % tool)
+            self.length = self.case["lengths"][number]
+            self.restate()
+            return
+        if self.rng.random() < 0.7:
+            self.length = self.case["lengths"][number]
+            z = self.targets(["Z"])
+            self.block([self.g(43), "H%d" % tool, self.motion_word(0, True)] + self.go(z))
+        else:
+            self.length = 0.0
+            self.plain("G49")
+            self.rapid(self.targets(["Z"]))
+
+    def plane_xy(self):
+        """A tool length acts along Z in G17 alone."""
+        if self.plane != 17:
+            self.plane = 17
+            self.plain("G17")
+
+    def f_tool_change(self):
+        tool = self.rng.choice(sorted(self.case["lengths"]))
+        self.plane_xy()
+        if self.dialect == "sinumerik":
+            self.plain("T%d M6" % int(tool))
+            self.plain("D%d" % int(tool))
+            self.length = self.case["lengths"][tool]
+            self.restate()
+            return
+        if self.rng.random() < 0.5 and self.dialect != "linuxcnc":
+            self.plain("T%d" % int(tool))
+            self.plain("M6")
+        else:
+            self.plain("T%d M6" % int(tool))
+        self.motion = None
+        if self.length and self.rng.random() < 0.5:
+            self.length = 0.0
+            self.plain("G49")
+        axes = self.targets(self.axes)
+        z = axes.pop("Z")
+        self.rapid(axes)
+        self.length = self.case["lengths"][tool]
+        self.block([self.g(0), self.g(43), "H%d" % int(tool)] + self.go({"Z": z}))
+        self.motion = 0
+
+    def f_g28(self):
+        if self.dialect == "sinumerik":
+            self.plain("G74 Z1=0" if False else "SUPA G0 Z80")
+            self.motion = 0
+            self.m["Z"] = None
+        elif self.rng.random() < 0.5:
+            self.plain("G91 G28 Z0.")
+            self.plain("G90")
+        else:
+            self.plain(self.rng.choice(["G53 G0 Z50.", "G0 G53 Z20."]) if not self.inch else "G53 G0 Z2.")
+            self.motion = 0
+        self.motion = None
+        self.rapid(self.targets(self.rng.sample(self.linear[:2], self.rng.choice([1, 2]))))
+        self.restate()
+
+    def f_preset(self):
+        rng = self.rng
+        if self.dialect == "sinumerik":
+            return
+        axes = rng.sample(self.linear, rng.choice([1, 2]))
+        words = []
+        for a in axes:
+            value = round(rng_value(rng, -30, 30) / self.scale(a), self.places())
+            words.append(a + self.number(value))
+            self.preset[a] = 0.0
+            self.preset[a] = self.m[a] - value * self.scale(a) - self.offset(a)
+        self.block(["G92"] + words)
+        self.f_lines()
+        if rng.random() < 0.7:
+            for a in self.axes:
+                self.preset[a] = 0.0
+            self.plain("G92.1" if self.dialect == "linuxcnc" else "G92.1 X0. Y0. Z0.")
+            if self.dialect != "linuxcnc":
+                pass
+            self.restate()
+
+    def f_local(self):
+        if self.dialect in ("sinumerik", "linuxcnc") or any(self.preset.values()):
+            return
+        axis = self.rng.choice(self.linear)
+        value = round(rng_value(self.rng, -20, 20) / self.scale(axis), self.places())
+        self.block(["G52", axis + self.number(value)])
+        self.preset[axis] = value * self.scale(axis)
+        self.f_lines()
+        self.plain("G52 X0. Y0. Z0." if self.rng.random() < 0.5 else "G52 %s0." % axis)
+        self.preset[axis] = 0.0
+        self.restate()
+
+    def f_skip(self):
+        line = len(self.lines)
+        axes = self.rng.sample(self.linear, 2)
+        saved, motion, feed = dict(self.m), self.motion, self.feed
+        if self.motion not in (0, 1):
+            self.feed_move(self.targets(axes))
+            motion, feed, saved, line = self.motion, self.feed, dict(self.m), len(self.lines)
+        self.block([self.g(self.motion)] + self.go(self.targets(axes)))
+        for i in range(line, len(self.lines)):
+            self.lines[i] = "/" + self.lines[i]
+        self.m, self.motion, self.feed = saved, motion, feed
+        self.rapid(self.targets(self.axes))
+
+    def f_inverse_time(self):
+        if self.dialect == "sinumerik" and self.rng.random() < 0.5:
+            return
+        self.plain("G93")
+        self.g93 = True
+        self.motion = None
+        for _ in range(self.rng.randrange(1, 4)):
+            self.feed_move(self.targets(self.some_axes()))
+        if self.rng.random() < 0.3:
+            self.f_arc()
+        self.plain("G94")
+        self.g93, self.feed, self.motion = False, None, None
+
+    def f_unit(self):
+        if self.dialect == "sinumerik":
+            on, off = ("G70", "G71")
+        else:
+            on, off = ("G20", "G21")
+        self.plain(on)
+        self.inch, self.feed = True, None
+        self.f_lines()
+        if self.rng.random() < 0.5:
+            self.f_arc()
+        self.plain(off)
+        self.inch, self.feed = False, None
+        self.restate()
+
+    def f_absolute_centres(self):
+        if self.dialect not in ("linuxcnc", "fanuc", "mazak", "haas"):
+            return
+        self.plain("G90.1")
+        self.centre_absolute = True
+        saved = self.decimals
+        self.f_arc()
+        self.decimals = saved
+        self.plain("G91.1")
+        self.centre_absolute = False
+
+    def f_corner(self):
+        rng = self.rng
+        if self.dialect == "linuxcnc":
+            return
+        word = {"sinumerik": rng.choice(["RND=2", "CHF=1", "CHR=1.5"])}.get(self.dialect, rng.choice([",R2.", ",C1."]))
+        x, y = self.m["X"], self.m["Y"]
+        if self.plane != 17:
+            self.plane = 17
+            self.plain("G17")
+        self.feed_move({"X": near(rng, x, -150, 150, 1) + 20, "Y": y}, code=word)
+        self.feed_move({"Y": y + 25})
+        self.feed_move({"X": x})
+
+    def f_wrap(self):
+        """Sinumerik's stated ways round of a modulo axis."""
+        if self.dialect != "sinumerik" or "C" not in self.rotary:
+            return
+        how = self.rng.choice(["DC", "ACP", "ACN"])
+        value = round(self.rng.uniform(0, 359), 3)
+        self.block([self.motion_word(1)] + self.go(self.targets(["X"])) + ["C=%s(%s)" % (how, self.number(value)), self.feed_word()])
+        self.m["C"] = value
+        self.feed_move(self.targets(self.axes))
+
+    def f_long_line(self):
+        """Close to what the control reads in one block."""
+        room = {"linuxcnc": 255}.get(self.dialect, 240)
+        words = [self.motion_word(1, True)] + self.go(self.targets([self.rng.choice("XY")])) + [self.feed_word()]
+        text = " ".join(w for w in words if w)
+        fill = room - len(text) - 4 - self.rng.randrange(0, 25)
+        self.lines.append(text + " " + self.comment("L" * fill))
+
+    def f_over(self):
+        """A rotary axis over the end of its circle."""
+        if "C" not in self.rotary:
+            return
+        rng = self.rng
+        a, b = rng.choice([(350, 10), (330, 40), (10, 350), (20, 200), (200, 20), (100, 300)])
+        self.feed_move(dict(self.targets(["X"]), C=a))
+        self.feed_move(dict(self.targets(["Y"]), C=b))
+
+    # -- features that the product refuses, or passes
+    def recover(self):
+        """States the modes again that a passed block may have left unknown."""
+        rng = self.rng
+        if rng.random() < 0.9:
+            if self.dialect == "sinumerik":
+                self.plain("G90 G17 G94 %s G1 G71" % (self.wcs or "G500"))
+            else:
+                self.plain("G90 G17 G94 %s %s G21" % ("G0" if self.dialect == "linuxcnc" else "G1", self.wcs))
+            self.plane, self.motion, self.incremental, self.inch = 17, 0 if self.dialect == "linuxcnc" else 1, False, False
+            self.feed = None
+        self.length_known()
+        self.restate()
+        self.f_lines()
+
+    def length_known(self):
+        if self.dialect == "sinumerik":
+            number = self.rng.choice(sorted(self.case["lengths"]))
+            self.length = self.case["lengths"][number]
+            self.plain("D%d" % int(number))
+        elif self.rng.random() < 0.8:
+            self.length = 0.0
+            self.plain("G49")
+
+    def r_tcp(self):
+        rng = self.rng
+        if not self.rotary:
+            return
+        d = self.dialect
+        if d == "sinumerik":
+            self.plain("TRAORI")
+        elif d == "haas":
+            self.plain("G234 H1")
+        elif d == "linuxcnc":
+            self.plain("M428")
+            self.plain(rng.choice(["G49", "G43 H1", "M3 S300"]))
+        else:
+            self.plain(rng.choice(["G43.4 H1", "G43.4 H1 Z50.", "G43.5 H1"]))
+        saved = dict(self.m)
+        self.motion = None
+        for _ in range(rng.randrange(1, 4)):
+            axes = self.targets(self.axes if rng.random() < 0.6 else self.some_axes())
+            self.feed_move(axes)
+        if d == "sinumerik":
+            self.plain("TRAFOOF")
+        elif d == "linuxcnc":
+            self.plain("M429")
+        elif rng.random() < 0.9:
+            self.plain("G49")
+            self.length = 0.0
+        self.m = saved
+        self.feed_move(self.targets(rng.sample(self.linear, 2)))
+        if d != "linuxcnc":
+            self.recover()
+        else:
+            self.feed_move(self.targets(self.axes))
+
+    def r_tilt(self):
+        d = self.dialect
+        on, off = {"sinumerik": ("CYCLE800(1,\"TC\",0,57,0,0,0,0,30,0,0,0,0,1)", "CYCLE800()"), "haas": ("G268 X0. Y0. Z0. I0. J30. K0.", "G269"),
+                   "linuxcnc": (None, None)}.get(d, ("G68.2 X0. Y0. Z0. I0. J30. K0.", "G69"))
+        if not on or not self.rotary:
+            return
+        self.lines.append(on)
+        if d in ("fanuc", "mazak") and self.rng.random() < 0.6:
+            self.plain("G53.1")
+        self.motion = None
+        for _ in range(2):
+            self.feed_move(self.targets(self.rng.sample(self.linear, 2)))
+        self.plain(off)
+        self.recover()
+
+    def r_rotation(self):
+        d = self.dialect
+        on, off = {"sinumerik": ("ROT Z30", "ROT"), "linuxcnc": (None, None)}.get(d, ("G68 X0. Y0. R30.", "G69"))
+        if not on:
+            return
+        self.plain(on)
+        self.motion = None
+        for _ in range(2):
+            self.feed_move(self.targets(self.rng.sample(self.linear, 2)))
+        if self.rng.random() < 0.85:
+            self.plain(off)
+        self.recover()
+
+    def r_mode(self):
+        rng, d = self.rng, self.dialect
+        modes = {"sinumerik": [("TRANS X10", "TRANS"), ("SCALE X2", "SCALE"), ("MIRROR X0", "MIRROR"), ("G41 D1", "G40"),
+                               ("ATRANS Y5", "TRANS"), ("TRANSMIT", "TRAFOOF")],
+                 "linuxcnc": [("G41 D1", "G40"), ("G41.1 D4.", "G40"), ("G43.1 Z5.", "G49"), ("G7", "G8")]}.get(
+            d, [("G51 X0. Y0. P2.", "G50"), ("G51.1 X0.", "G50.1 X0."), ("G41 D1", "G40"), ("G16", "G15"),
+                ("G66 P9010 Q1.", "G67")])
+        on, off = rng.choice(modes)
+        self.plain(on)
+        self.motion = None
+        for _ in range(rng.randrange(1, 3)):
+            self.feed_move(self.targets(rng.sample(self.linear[:2], 2)))
+        self.plain(off)
+        self.feed_move(self.targets(rng.sample(self.linear[:2], 1)))
+        self.recover()
+
+    def r_cycle(self):
+        rng, d = self.rng, self.dialect
+        if d == "sinumerik":
+            self.lines.append(rng.choice(["CYCLE81(10,0,2,-20)", "POCKET3(10,0,1,-5,20,10,3,0,0,0)", "HOLES2(0,0,20,0,60,6)"]))
+        else:
+            self.plain(rng.choice(["G98 G81 X10. Y20. Z-10. R5. F100", "G99 G83 X5. Y5. Z-20. R2. Q3. F150",
+                                   "G81 X-20. Y0. Z-5. R1. F80"]))
+            if rng.random() < 0.5:
+                self.plain("X30. Y%d." % rng.randrange(40))
+            if rng.random() < 0.8:
+                self.plain("G80")
+        self.motion = None
+        self.feed_move(self.targets([rng.choice("XY")])) if rng.random() < 0.5 else None
+        self.recover()
+
+    def r_call(self):
+        """A subprogram: elsewhere, or behind the end of this text."""
+        rng, d = self.rng, self.dialect
+        if d == "sinumerik":
+            self.plain(rng.choice(["L100", "SUB_A", "EXTCALL(\"PART\")" if False else "L7"]))
+        elif rng.random() < 0.3:
+            self.plain("M98 P%d" % (9000 + rng.randrange(100)) if d != "linuxcnc" else "O%d call" % (9000 + rng.randrange(100)))
+        else:
+            self.sub_number += 1
+            number = self.sub_number
+            lines, self.lines, saved = self.lines, [], (dict(self.m), self.motion, self.feed, self.numbering, self.n)
+            self.motion, self.feed = None, None
+            self.numbering = "none"
+            kind = rng.randrange(3)
+            if kind == 0:
+                self.f_lines()
+            elif kind == 1:
+                self.plain("G91")
+                self.incremental = True
+                self.feed_move({"X": self.m["X"] + 5, "Y": self.m["Y"] - 3})
+                self.f_circle_modal()
+                self.plain("G90")
+                self.incremental = False
+            else:
+                self.f_arc()
+                self.f_circle_modal()
+            body, self.lines = self.lines, lines
+            self.m, self.motion, self.feed, self.numbering, self.n = saved[0], None, None, saved[3], saved[4]
+            if d == "linuxcnc":
+                head = ["O%d sub" % number] + body + ["O%d endsub" % number]
+                if rng.random() < 0.5:
+                    self.tail += head
+                else:
+                    self.lines += head
+                self.plain("O%d call" % number) if self.numbering == "none" else self.lines.append("O%d call" % number)
+            else:
+                self.tail += ["O%d" % number] + body + ["M99"]
+                self.plain("M98 P%d%s" % (number, rng.choice(["", "", " L2"])))
+        self.recover()
+
+    def r_macro(self):
+        rng = self.rng
+        d = self.dialect
+        if d == "sinumerik":
+            self.plain("R1=%d" % rng.randrange(1, 30))
+            self.block([self.g(1), "X=R1", "F500"])
+        else:
+            self.plain("#100=%d." % rng.randrange(1, 30))
+            self.block([self.g(1), "X#100", "F500"])
+        self.motion = 1
+        if rng.random() < 0.4 and d not in ("sinumerik", "linuxcnc"):
+            self.plain("G65 P9100 Q1. S2.")
+            self.motion = None
+        self.feed_move(self.targets([rng.choice("XY")]))
+        self.recover()
+
+    def r_probe(self):
+        d = self.dialect
+        if d == "sinumerik":
+            self.plain("MEAS=1 G1 X10 F100") if False else self.plain("G74 X1=0" if False else "G75 X0")
+        else:
+            self.plain("G31 Z-5. F50" if d != "linuxcnc" else "G38.2 Z-5. F50")
+        self.motion = None
+        self.feed_move(self.targets([self.rng.choice("XY")])) if self.rng.random() < 0.5 else None
+        self.recover()
+
+    def r_unknown_m(self):
+        """M codes of the machine's builder, which may call a macro."""
+        rng = self.rng
+        code = rng.choice([71, 81, 123, 150, 428 if self.dialect != "linuxcnc" else 123, 60, 50 if self.dialect == "haas" else 60])
+        self.plain("M%d" % code)
+        if rng.random() < 0.5:
+            self.rapid(self.targets([rng.choice("XY")]))
+        else:
+            self.feed_move(self.targets([rng.choice("XY")]))
+        self.recover()
+
+    def r_builder_block(self):
+        """Such an M code in the block of a move."""
+        code = self.rng.choice([71, 123, 60])
+        self.feed_move(self.targets([self.rng.choice("XY")]), code="M%d" % code)
+        self.recover()
+
+    def r_lathe(self):
+        if self.dialect not in ("fanuc", "mazak"):
+            return
+        self.plain("G50 X200. Z100.")
+        self.feed_move(self.targets(["X"]))
+        self.recover()
+
+    def r_data_input(self):
+        if self.dialect in ("sinumerik",):
+            return
+        self.plain("G10 L2 P1 X5. Y-3.")
+        self.motion = None
+        self.feed_move(self.targets(["X"]))
+        self.recover()
+
+    def r_passed_arc(self):
+        """An arc that is passed, from a position that was corrected."""
+        rng = self.rng
+        r = rng.choice([10, 50])
+        self.feed_move(self.targets(["X", "Y"]))
+        if self.plane_codes() and self.plane != 17:
+            self.plane = 17
+            self.plain("G17")
+        form = rng.randrange(3)
+        d = self.dialect
+        radius = "CR=" if d == "sinumerik" else "R"
+        x, y = self.m["X"] - self.offset("X"), self.m["Y"] - self.offset("Y")
+        scale = self.scale("X")
+        if form == 0:    # a parameter that the product does not follow
+            words = [self.g(2), "X" + self.number(x / scale), "Y" + self.number(y / scale), "I" + self.number(r / scale)]
+            if d == "sinumerik":
+                self.plain("R2=%d" % r)
+                words[-1] = "I=R2"
+            else:
+                self.plain("#101=%d." % r)
+                words[-1] = "I#101"
+            self.block(words + ["F400"])
+        elif form == 1:  # a mode that is passed begins in front of it
+            self.plain({"sinumerik": "TRANS X0", "linuxcnc": "G10 L2 P1 X0."}.get(d, "G10 L2 P1 X0."))
+            self.block([self.g(3), "I" + self.number(r / scale), "F400"])
+        else:
+            self.plain(self.call_elsewhere())
+            self.block([self.g(2), "X" + self.number((x + 2 * r) / scale), "Y" + self.number(y / scale), radius + self.number(r / scale + 1), "F300"])
+        self.motion = None
+        self.recover()
+
+    def call_elsewhere(self):
+        return {"sinumerik": "L100", "linuxcnc": "O9000 call"}.get(self.dialect, "M98 P9000")
+
+    def r_spline(self):
+        if self.dialect == "sinumerik":
+            self.plain("BSPLINE")
+        elif self.dialect in ("fanuc", "mazak"):
+            self.plain("G6.2 X5. Y5. K1.")
+        else:
+            return
+        self.recover()
+
+    def plane_codes(self):
+        return True
+
+    PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
+             ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
+             ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
+             ("rotary_feed", 0.5)]
+    REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
+               ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4)]
+
+    def begin(self):
+        rng = self.rng
+        d = self.dialect
+        if d == "sinumerik":
+            if rng.random() < 0.5:
+                self.lines.append("%_N_PART_MPF")
+        else:
+            if rng.random() < 0.5:
+                self.lines.append("%")
+            if d != "linuxcnc":
+                self.lines.append("O%04d" % rng.randrange(1, 900) + rng.choice(["", " (PART)"]))
+        if rng.random() < 0.5:
+            self.lines.append(self.comment("PART %d" % rng.randrange(1000)))
+        unit = {"sinumerik": ("G70", "G71")}.get(d, ("G20", "G21"))
+        if self.case.get("states_unit", True):
+            codes = [unit[1]]
+        else:
+            codes = []
+        first = [n for n in self.case["offsets"] if n not in ("PRESET",)]
+        self.wcs = rng.choice(first)
+        codes += ["G90", "G17", "G94", "G40", self.wcs]
+        if d not in ("sinumerik",):
+            codes += ["G49", "G80"]
+        rng.shuffle(codes)
+        if d == "haas" and "P" in self.wcs or "P" in self.wcs:
+            codes = [c for c in codes if c != self.wcs]
+            self.block(codes)
+            self.plain(self.wcs)
+        else:
+            self.block(codes)
+        if d == "sinumerik":
+            self.length_known()
+        if self.case["unit"] == "inch" and not self.case.get("states_unit", True):
+            self.inch = True
+        self.restate()
+        self.feed = None
+
+    def end(self):
+        rng = self.rng
+        if self.dialect == "linuxcnc":
+            self.lines.append(rng.choice(["M2", "M30"]))
+        else:
+            self.lines.append("M30" if self.dialect != "sinumerik" else rng.choice(["M30", "M2"]))
+        self.lines += self.tail
+        if self.lines[0] == "%":
+            self.lines.append("%")
+
+    def make(self):
+        rng = self.rng
+        self.begin()
+        count = rng.randrange(2, 9)
+        refused = set()
+        if self.case["mixed"]:
+            refused = set(rng.sample(range(count), min(count, rng.choice([1, 1, 2]))))
+        for i in range(count):
+            table = self.REFUSED if i in refused else self.PLAIN
+            names = [n for n, _ in table if n not in self.case["without"]]
+            name = rng.choices(names, [w for n, w in table if n in names])[0]
+            self.features.append(name)
+            getattr(self, ("r_" if i in refused else "f_") + name)()
+        self.end()
+        return self.lines
+
+
+def rng_value(rng, low, high):
+    kind = rng.random()
+    if kind < 0.25:
+        return float(round(rng.uniform(low, high)))
+    if kind < 0.4:
+        return round(rng.uniform(low, high) / 10) * 10.0
+    return round(rng.uniform(low, high), 4)
+
+
+class KlartextProgram(Program):
+    PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7)]
+    REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
+               ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1)]
+
+    def block(self, words, comment=None):
+        words = [w for w in words if w]
+        self.lines.append("%d %s" % (self.n, " ".join(words)))
+        self.n += 1
+
+    def plain(self, text):
+        self.block([text])
+
+    def number(self, value, places=None):
+        text = "%.*f" % (self.places() if places is None else places, value)
+        if float(text) == 0:
+            text = text.lstrip("-")
+        if self.habit != "fixed":
+            text = text.rstrip("0").rstrip(".")
+        return text if text.startswith("-") else "+" + text
+
+    def axis_word(self, axis, value):
+        return ("I" if self.incremental else "") + axis + self.number(value)
+
+    def comment(self, text):
+        return "; " + text
+
+    def compensation(self):
+        return "R0" if self.rng.random() < 0.3 else ""
+
+    def rapid(self, targets):
+        self.block(["L"] + self.go(targets, True) + [self.compensation(), "FMAX"])
+
+    def feed_word(self, minutes=None):
+        if self.feed is None or self.rng.random() < 0.2:
+            self.feed = self.rng.choice([200, 500, 1500])
+            return "F%d" % self.feed
+        return ""
+
+    def feed_move(self, targets, minutes=None, code=""):
+        self.block(["L"] + self.go(targets, True) + [self.compensation(), self.feed_word(), code])
+
+    def plane_codes(self):
+        return False
+
+    def arc(self, clockwise, centre, end, more=None, form="centre"):
+        start = (self.m["X"], self.m["Y"])
+        scale = self.length_scale()
+        sense = "DR-" if clockwise else "DR+"
+        if form == "radius" and math.dist(start, end) > 1e-6:
+            a0 = math.atan2(start[1] - centre[1], start[0] - centre[0])
+            a1 = math.atan2(end[1] - centre[1], end[0] - centre[0])
+            sweep = (a1 - a0) % (2 * math.pi)
+            if clockwise:
+                sweep = 2 * math.pi - sweep
+            radius = math.dist(start, centre) / scale * (-1 if sweep > math.pi else 1)
+            self.block(["CR"] + self.go({"X": end[0], "Y": end[1]}, True) + ["R" + self.number(radius), sense, self.feed_word()])
+            return
+        if self.incremental or self.rng.random() < 0.15:
+            self.block(["CC", "IX" + self.number((centre[0] - start[0]) / scale), "IY" + self.number((centre[1] - start[1]) / scale)])
+        else:
+            self.block(["CC", "X" + self.number((centre[0] - self.offset("X")) / scale), "Y" + self.number((centre[1] - self.offset("Y")) / scale)])
+        self.block(["C"] + self.go({"X": end[0], "Y": end[1]}, True) + [sense, self.feed_word()])
+
+    def f_incremental(self):
+        self.incremental = True
+        for _ in range(self.rng.randrange(1, 4)):
+            axes = self.rng.sample(self.linear, self.rng.choice([1, 2, 3]))
+            self.feed_move({a: self.m[a] + rng_value(self.rng, -15, 15) for a in axes})
+        if self.rng.random() < 0.4:
+            self.f_arc()
+        self.incremental = False
+
+    def f_codes(self):
+        rng = self.rng
+        kind = rng.randrange(7)
+        if kind == 0:
+            self.plain("L M3")
+        elif kind == 1:
+            self.plain(rng.choice(["M8", "M9", "STOP", "M5", "L M13"]))
+        elif kind == 2:
+            self.plain("CYCL DEF 9.0 DWELL")
+            self.plain("CYCL DEF 9.1 DWELL 0.5")
+        elif kind == 3:
+            self.plain("; ROUGHING X+10")
+        elif kind == 4:
+            self.plain("CYCL DEF 32.0 TOLERANCE")
+            self.plain("CYCL DEF 32.1 T0.01")
+        elif kind == 5:
+            self.feed_move(self.targets(self.some_axes()), code=rng.choice(["M8", "M3"]))
+        else:
+            self.feed_move({a: self.m[a] + 3.0 for a in rng.sample(self.linear, 1)}, code=rng.choice(["M9", "M5"]))
+
+    def f_tool_change(self):
+        tool = self.rng.choice(sorted(self.case["lengths"]))
+        difference = self.rng.choice(["", "", " DL+0.1"])
+        self.plain("TOOL CALL %d Z S2000%s" % (int(tool), difference))
+        self.length = self.case["lengths"][tool] + (0.1 * self.length_scale() if difference else 0.0)
+        self.restate()
+
+    def f_g28(self):
+        self.plain("L Z+%d R0 FMAX M91" % self.rng.randrange(0, 60))
+        self.rapid(self.targets(self.rng.sample(["X", "Y"], self.rng.choice([1, 2]))))
+        self.restate()
+
+    def f_skip(self):
+        saved, feed = dict(self.m), self.feed
+        self.block(["L"] + self.go(self.targets(self.rng.sample(self.linear, 2)), True) + ["F500"])
+        self.lines[-1] = "/" + self.lines[-1]
+        self.m, self.feed = saved, None
+        self.rapid(self.targets(self.axes))
+
+    def f_corner(self):
+        x, y = self.m["X"], self.m["Y"]
+        self.feed_move({"X": x + 20, "Y": y})
+        self.plain(self.rng.choice(["RND R2", "CHF 1", "RND R1.5 F100"]))
+        self.feed_move({"Y": y + 25})
+        self.feed_move({"X": x})
+
+    def f_long_line(self):
+        self.lines.append("%d L X%s ; %s" % (self.n, self.number(5.0 / self.length_scale()), "L" * 200))
+        self.n += 1
+        self.m["X"] = round(5.0 / self.length_scale(), self.places()) * self.length_scale() + self.offset("X")
+
+    def f_roll(self):
+        """M126: rotary axes take the shorter way."""
+        if "C" not in self.rotary:
+            return
+        self.feed_move({"C": self.rng.choice([300, 340, 10, 40])})
+        self.plain("M126")
+        for c in self.rng.sample([350, 10, 40, 300, 200], 3):
+            self.feed_move(dict(self.targets(["X"]), C=c))
+        self.plain("M127")
+        self.feed_move(self.targets(self.axes))
+
+    def recover(self):
+        self.restate()
+        self.f_lines()
+
+    def r_tcp(self):
+        if not self.rotary:
+            return
+        self.plain(self.rng.choice(["M128 F1000", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS"]))
+        tcpm = "FUNCTION" in self.lines[-1]
+        for _ in range(2):
+            self.feed_move(self.targets(self.axes))
+        self.plain("FUNCTION RESET TCPM" if tcpm else "M129")
+        self.feed_move(self.targets(["X"]))
+        self.recover()
+
+    def r_tilt(self):
+        if not self.rotary:
+            return
+        self.plain("PLANE SPATIAL SPA+0 SPB+30 SPC+0 " + self.rng.choice(["STAY", "TURN FMAX"]))
+        for _ in range(2):
+            self.feed_move(self.targets(self.rng.sample(self.linear, 2)))
+        self.plain("PLANE RESET STAY")
+        self.recover()
+
+    def r_rotation(self):
+        rng = self.rng
+        self.plain("CYCL DEF 10.0 ROTATION")
+        self.plain("CYCL DEF 10.1 ROT+30")
+        for _ in range(2):
+            self.feed_move(self.targets(rng.sample(self.linear, 2)))
+        if rng.random() < 0.6:
+            self.plain("PLANE RESET STAY")
+        else:
+            self.plain("CYCL DEF 10.0 ROTATION")
+            self.plain("CYCL DEF 10.1 ROT+0")
+        self.recover()
+
+    def r_mode(self):
+        on, off = self.rng.choice([(["CYCL DEF 7.0 DATUM SHIFT", "CYCL DEF 7.1 X+10"], ["CYCL DEF 7.0 DATUM SHIFT", "CYCL DEF 7.1 X+0"]),
+                                   (["CYCL DEF 8.0 MIRROR IMAGE", "CYCL DEF 8.1 X"], ["CYCL DEF 8.0 MIRROR IMAGE", "CYCL DEF 8.1"]),
+                                   (["CYCL DEF 11.0 SCALING", "CYCL DEF 11.1 SCL 0.99"], ["CYCL DEF 11.0 SCALING", "CYCL DEF 11.1 SCL 1"]),
+                                   (["TRANS DATUM AXIS X+10"], ["TRANS DATUM RESET"]),
+                                   (["M114"], ["M115"])])
+        for line in on:
+            self.plain(line)
+        self.feed_move(self.targets(["X", "Y"]))
+        for line in off:
+            self.plain(line)
+        self.recover()
+
+    def r_cycle(self):
+        self.lines += ["%d CYCL DEF 200 DRILLING ~" % self.n, " Q200=2 ;SET-UP CLEARANCE ~", " Q201=-20 ;DEPTH"]
+        self.n += 1
+        call = self.rng.choice(["CYCL CALL M3", "M99", "CYCL CALL POS X+10 Y+10 Z+0 FMAX"])
+        if call == "M99":
+            self.block(["L"] + self.go(self.targets(["X", "Y"]), True) + ["R0 FMAX M99"])
+        else:
+            self.plain(call)
+        self.feed_move(self.targets([self.rng.choice("XY")]))
+        self.recover()
+
+    def r_pattern(self):
+        """Cycles that run where they are defined."""
+        self.lines += ["%d CYCL DEF 200 DRILLING ~" % self.n, " Q200=2 ~", " Q201=-20"]
+        self.lines.append("%d CYCL DEF 221 CARTESIAN PATTERN ~" % (self.n + 1))
+        self.lines += [" Q225=+10 ~", " Q226=+15 ~", " Q237=+10"]
+        self.n += 2
+        self.rapid(self.targets([self.rng.choice("XYZ")]))
+        self.recover()
+
+    def r_call(self):
+        rng = self.rng
+        self.sub_number += 1
+        label = self.sub_number % 90 + 1
+        lines, self.lines, m = self.lines, [], dict(self.m)
+        if rng.random() < 0.5:
+            self.f_lines()
+        else:
+            self.incremental = True
+            self.feed_move({"X": self.m["X"] + 5})
+            self.f_arc()
+            self.incremental = False
+        self.tail += ["LBL %d" % label] + self.lines + ["LBL 0"]
+        self.lines, self.m = lines, m
+        self.plain("CALL LBL %d" % label)
+        self.recover()
+
+    def r_macro(self):
+        self.plain("Q1 = +%d" % self.rng.randrange(1, 40))
+        self.plain("L X+Q1 F500")
+        self.feed_move(self.targets(["Y"]))
+        self.recover()
+
+    def r_unknown_m(self):
+        self.plain("L M%d" % self.rng.choice([60, 123, 71, 94]))
+        (self.rapid if self.rng.random() < 0.5 else self.feed_move)(self.targets([self.rng.choice("XY")]))
+        self.recover()
+
+    def r_passed_arc(self):
+        rng = self.rng
+        self.feed_move(self.targets(["X", "Y"]))
+        x, y = self.m["X"] - self.offset("X"), self.m["Y"] - self.offset("Y")
+        s = self.length_scale()
+        kind = rng.randrange(3)
+        if kind == 0:
+            self.plain("CC X%s Y%s" % (self.number((x + 50) / s), self.number(y / s)))
+            self.plain("FN 9: IF +1 EQU +2 GOTO LBL 5" if False else "CALL LBL 99")
+            self.tail += ["LBL 99", "L M8", "LBL 0"]
+            self.plain("C X%s Y%s DR- F400" % (self.number(x / s), self.number(y / s)))
+        elif kind == 1:
+            self.plain("CC X%s Y%s" % (self.number((x + 50) / s), self.number(y / s)))
+            self.plain("CP IPA+360 DR+")
+        else:
+            self.plain("CYCL DEF 10.0 ROTATION")
+            self.plain("CYCL DEF 10.1 ROT+15")
+            self.plain("CR X%s Y%s R%s DR+ F300" % (self.number((x + 100) / s), self.number(y / s), self.number(50.01 / s)))
+            self.plain("CYCL DEF 10.0 ROTATION")
+            self.plain("CYCL DEF 10.1 ROT+0")
+        self.recover()
+
+    def r_polar(self):
+        x, y = self.m["X"] - self.offset("X"), self.m["Y"] - self.offset("Y")
+        s = self.length_scale()
+        self.plain("CC X%s Y%s" % (self.number(x / s), self.number(y / s)))
+        self.plain("LP PR+10 PA+30 F500")
+        self.recover()
+
+    def begin(self):
+        self.n = 0
+        self.inch = self.case["unit"] == "inch"
+        self.name = "PART%d" % self.rng.randrange(100)
+        self.plain("BEGIN PGM %s %s" % (self.name, "INCH" if self.inch else "MM"))
+        if self.rng.random() < 0.4:
+            self.plain("BLK FORM 0.1 Z X+0 Y+0 Z-20")
+            self.plain("BLK FORM 0.2 X+100 Y+100 Z+0")
+        if self.rng.random() < 0.5:
+            self.f_tool_change()
+        else:
+            self.restate()
+
+    def end(self):
+        self.plain(self.rng.choice(["M30", "L M30", "M2"]))
+        for line in self.tail:
+            if line.startswith("LBL"):
+                self.plain(line)
+            else:
+                self.lines.append("%d %s" % (self.n, line.split(" ", 1)[1] if line[0].isdigit() else line))
+                self.n += 1
+        self.plain("END PGM %s %s" % (self.name, "INCH" if self.inch else "MM"))
+
+
+def draw(seed, dialects=DIALECTS, without=()):
+    """A case: all that one run needs, as plain data."""
+    rng = random.Random(seed)
+    dialect = rng.choice(list(dialects))
+    name = rng.choice(list(MACHINES))
+    description = MACHINES[name]
+    axes = list(description["axes"])
+    linear = [a for a in axes if a in "XYZ"]
+
+    def offsets():
+        return {a: round(rng.uniform(-80, 80), 3) if a in linear else rng.choice([0.0, 0.0, round(rng.uniform(-20, 20), 3)]) for a in axes}
+    names = {"fanuc": ["G54", "G55", "G59", "G54.1 P5"], "mazak": ["G54", "G56", "G54.1 P12"],
+             "haas": ["G54", "G57", "G110", "G154 P3"], "linuxcnc": ["G54", "G58", "G59.2"],
+             "sinumerik": ["G500", "G54", "G57", "G505"], "heidenhain": ["PRESET"]}[dialect]
+    case = {
+        "seed": seed, "dialect": dialect, "machine": name, "features": [], "mixed": rng.random() < 0.4,
+        "without": list(without),
+        "errors": draw_errors(rng, description), "tip": [0.0, 0.0, round(-rng.uniform(100, 300), 2)],
+        "offsets": {n: offsets() if n != "G500" else {} for n in names},
+        "lengths": {str(n): round(rng.uniform(20, 120), 3) for n in (1, 2, 7)},
+        "start": {a: round(rng.uniform(*RANGE[a]), 3) for a in axes},
+        "unit": rng.choice(["mm", "mm", "mm", "inch"]), "states_unit": rng.random() < 0.93,
+        "block_delete": rng.choice(["either", "either", "executed", "skipped"]),
+        "tolerance_um": rng.choice([1.0, 1.0, 3.0, 10.0]),
+        "decimals": rng.choice([None, None, 3, 5]),
+    }
+    if "unstated-unit" in without:
+        case["states_unit"] = True
+    if "roll-over" in without:
+        case["rollovers"] = [{}]
+    maker = KlartextProgram if dialect == "heidenhain" else Program
+    writer = maker(rng, case)
+    case["lines"] = writer.make()
+    case["lathe"] = "lathe" in case["features"]
+    return case

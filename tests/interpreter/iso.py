@@ -1,0 +1,776 @@
+"""Fanuc 30i, Mazak EIA, Haas, LinuxCNC 2.9 and Sinumerik 840D as their programming manuals describe them."""
+import math
+import re
+
+from control import Alarm, Control
+
+PLANES = {17: ("X", "Y", "I", "J"), 18: ("Z", "X", "K", "I"), 19: ("Y", "Z", "J", "K")}
+NUMBER = r"[+-]?\s*(?:\d[\d ]*\.?[\d ]*|\.[\d ]+)"
+
+# M codes that move nothing, by manual. Whatever is not here belongs to the machine's builder and may call a macro.
+M_BEFORE = {3, 4, 7, 8, 13, 14}
+M_AFTER = {0, 1, 2, 5, 9, 30}
+M_MORE = {
+    "fanuc": {19, 29, 48, 49}, "mazak": {19, 29, 48, 49},
+    "haas": {10, 11, 12, 13, 19, 29, 31, 33, 34, 35, 41, 42, 48, 49, 59, 63, 69, 73, 74, 83, 84, 88, 89},
+    "linuxcnc": {19, 48, 49, 50, 51, 52, 53, 61, 62, 63, 64, 65, 66, 67, 68, 70, 71, 73},
+    "sinumerik": {19, 40, 41, 42, 43, 44, 45, 70},
+}
+CYCLES = {73, 74, 76, 81, 82, 83, 84, 85, 86, 87, 88, 89}
+
+
+class Word:
+    __slots__ = ("address", "value", "how", "has_point")
+
+    def __init__(self, address, value, how=None, has_point=True):
+        self.address, self.value, self.how, self.has_point = address, value, how, has_point
+
+
+class Iso(Control):
+    def __init__(self, dialect, axes, linear, setup):
+        super().__init__(axes, linear, setup)
+        self.dialect = dialect
+        self.motion = 1
+        self.plane = 17
+        self.centre_absolute = False
+        self.variables = {}
+        self.cycle = None
+        self.return_level = 98
+        self.saved_preset = None
+        self.wcs = "" if dialect == "sinumerik" else "G54"
+        self.is_sinumerik = dialect == "sinumerik"
+        self.max_line = 255 if dialect == "linuxcnc" else None
+        self.arc_tolerance_mm = {"sinumerik": 0.011, "haas": 0.02, "linuxcnc": 0.127}.get(dialect, 0.02)
+        self.corner_all = False
+
+    def check_radii(self, r0, r1):
+        super().check_radii(r0, r1)
+        # interp_arc.cc of LinuxCNC: 0.1 % and 0.00127 mm (0.00005 inch).
+        if self.dialect == "linuxcnc" and abs(r0 - r1) > 0.00127 and abs(r0 - r1) > 0.001 * max(r0, r1):
+            raise Alarm("radius %.5f at the start, %.5f at the end" % (r0, r1))
+
+    # -- text
+    def run(self, text):
+        self.lines = text.replace("\r", "").split("\n")
+        self.programs, self.labels, self.subs = {}, {}, {}
+        body = []
+        for i, line in enumerate(self.lines):
+            if self.max_line and len(line) > self.max_line:
+                raise Alarm("line %d: %d characters, the control reads %d" % (i + 1, len(line), self.max_line))
+            clean, skipped = self.clean(line)
+            body.append((clean, skipped))
+            match = re.match(r"\s*[O:]\s*(\d+)\s*(SUB)?", clean, re.I)
+            if match:
+                (self.subs if match.group(2) else self.programs).setdefault(int(match.group(1)), i)
+            match = re.match(r"\s*N\s*(\d+)", clean, re.I)
+            if match:
+                self.labels.setdefault(int(match.group(1)), i)
+        self.body = body
+        # Behind a first %, the second one ends the file.
+        percents = [i for i, (clean, _) in enumerate(body) if clean.strip() == "%"]
+        begin = percents[0] + 1 if percents else 0
+        end = percents[1] if len(percents) > 1 else len(body)
+        pc, stack = begin, []
+        while pc < end:
+            self.tick()
+            clean, skipped = body[pc]
+            self.line = pc + 1
+            pc += 1
+            if (skipped and self.setup.get("skip")) or not clean.strip() or clean.startswith("%"):
+                continue
+            jump = self.block(clean)
+            if jump is None:
+                continue
+            what, where, times = jump
+            if what == "end":
+                return self.trace
+            if what == "goto":
+                pc = where
+            elif what == "call":
+                stack.append([pc, where, times])
+                pc = where + 1
+            elif what == "return":
+                if not stack:
+                    return self.trace
+                stack[-1][2] -= 1
+                if stack[-1][2] > 0:
+                    pc = stack[-1][1] + 1
+                else:
+                    pc = stack.pop()[0]
+            elif what == "over":  # a LinuxCNC subprogram's text is read over
+                while pc < end and not re.match(r"\s*O\s*%d\s*ENDSUB" % where, body[pc][0], re.I):
+                    pc += 1
+                pc += 1
+        return self.trace
+
+    def clean(self, line):
+        """The block without comments, and whether a '/' leads it."""
+        out, depth = [], 0
+        for i, c in enumerate(line):
+            if not self.is_sinumerik and c == "(":
+                if depth:
+                    raise Alarm("nested comment")
+                depth = 1
+            elif not self.is_sinumerik and c == ")" and depth:
+                depth = 0
+            elif depth:
+                continue
+            elif c == ";":
+                break
+            else:
+                out.append(c)
+        if depth:
+            raise Alarm("unclosed comment")
+        text = "".join(out).strip()
+        match = re.match(r"(N\s*\d+\s*)?/\d?\s*", text)
+        if match:
+            return (match.group(1) or "") + text[match.end():], True
+        return text, False
+
+    def words(self, text):
+        """Words in order; what is no word is a whole: ("CYCLE800", text)."""
+        text = text.upper()
+        out, at = [], 0
+        while at < len(text):
+            if text[at] in " \t":
+                at += 1
+                continue
+            match = re.compile(r"#\s*(\d+)\s*=\s*(" + NUMBER + ")").match(text, at)
+            if match and not self.is_sinumerik:
+                out.append(Word("#", (int(match.group(1)), float(match.group(2).replace(" ", "")))))
+                at = match.end()
+                continue
+            if self.is_sinumerik:
+                match = re.compile(r"R(\d+)\s*=\s*(" + NUMBER + ")").match(text, at)
+                if match:
+                    out.append(Word("#", (int(match.group(1)), float(match.group(2).replace(" ", "")))))
+                    at = match.end()
+                    continue
+                match = re.compile(r"([A-Z]+\d*)\s*=\s*(?:(AC|IC|DC|ACP|ACN)\s*\(\s*)?(R\d+|\"[^\"]*\"|" + NUMBER + r")\s*(\))?").match(text, at)
+                if match and (match.group(2) is None) == (match.group(4) is None):
+                    raw = match.group(3)
+                    value = (self.variables[int(raw[1:])] if raw[0] == "R" else raw if raw[0] == '"' else
+                             float(raw.replace(" ", "")))
+                    out.append(Word(match.group(1), value, match.group(2)))
+                    at = match.end()
+                    continue
+                match = re.compile(r"([A-Z_]{2,}\d*)(\s*\([^)]*\))?").match(text, at)
+                if match:
+                    rest = match.group(0)
+                    if match.group(1) in FRAMES:  # takes the rest of the block
+                        rest = text[at:]
+                    out.append(Word(match.group(1), rest.strip()))
+                    at += len(rest)
+                    continue
+            match = re.compile(r"(IF|GOTO|WHILE|DO|END|DPRNT|POPEN|PCLOS)").match(text, at)
+            if match:
+                out.append(Word(match.group(1), text[match.end():].strip()))
+                break
+            match = re.compile(r"(,?[A-Z])\s*(?:([+-]?)#\s*(\d+)|(" + NUMBER + "))").match(text, at)
+            if not match:
+                raise Alarm("cannot read %r" % text[at:])
+            if match.group(3):
+                if int(match.group(3)) not in self.variables:
+                    raise Alarm("variable #%s is empty" % match.group(3))
+                value = self.variables[int(match.group(3))] * (-1 if match.group(2) == "-" else 1)
+                out.append(Word(match.group(1), value))
+            else:
+                raw = match.group(4).replace(" ", "")
+                out.append(Word(match.group(1), float(raw), None, "." in raw))
+            at = match.end()
+        return out
+
+    # -- one block
+    def block(self, text):
+        self.number = None
+        match = re.match(r"\s*[O:]\s*(\d+)\s*(.*)$", text, re.I)
+        if match:
+            return self.o_word(int(match.group(1)), match.group(2).strip().upper())
+        g, m, axis_words, other, after = [], [], {}, [], []
+        for word in self.words(text):
+            a = word.address
+            if a == "#":
+                self.variables[word.value[0]] = word.value[1]
+                self.code("#", word.value)
+            elif a == "N":
+                self.number = word.value
+            elif a == "G":
+                g.append(round(word.value, 1))
+            elif a == "M":
+                m.append(int(word.value))
+            elif a in self.axes:
+                if a in axis_words:
+                    raise Alarm("two words " + a)
+                value = word.value
+                if not word.has_point and self.setup.get("increment"):
+                    value *= self.setup["increment"]
+                axis_words[a] = (value, word.how)
+            elif len(a) == 1 and a in "XYZABCUVW":
+                raise Alarm("no axis " + a)
+            else:
+                if a in "IJKR" and not word.has_point and self.setup.get("increment"):
+                    word.value *= self.setup["increment"]
+                other.append(word)
+        return self.execute(g, m, axis_words, other)
+
+    def o_word(self, number, rest):
+        if self.dialect == "linuxcnc":
+            if rest.startswith("SUB"):
+                return ("over", number, 0)
+            if rest.startswith("ENDSUB") or rest.startswith("RETURN"):
+                return ("return", 0, 0)
+            if rest.startswith("CALL"):
+                if number not in self.subs:
+                    self.code("call", number)
+                    self.lose(self.axes)
+                    return None
+                return ("call", self.subs[number], 1)
+            if rest:
+                raise Alarm("words behind O%d: %s" % (number, rest))
+            return None
+        if rest:
+            raise Alarm("words behind O%d: %s" % (number, rest))
+        return None
+
+    def parameters(self, other):
+        return {w.address: w.value for w in other}
+
+    def take(self, other, *names):
+        out = {}
+        for w in list(other):
+            if w.address in names:
+                out[w.address] = w
+                other.remove(w)
+        return out
+
+    def execute(self, g, m, axis_words, other):
+        g = list(g)
+        done = []
+
+        def has(*codes):
+            found = [c for c in g if c in codes]
+            for c in found:
+                g.remove(c)
+                done.append(c)
+            return found[-1] if found else None
+
+        sin = self.is_sinumerik
+        # Modes first, as every one of these manuals orders them: feed mode, units, plane, distance.
+        code = has(93, 94, 95, 931, 194)
+        if code:
+            self.feed_mode = int(code)
+        feed = self.take(other, "F").get("F")
+        if feed:
+            self.feed = feed.value * (self.length_unit() if self.feed_mode != 93 else 1.0)
+        elif self.feed_mode == 93 and code == 93:
+            self.feed = 0.0
+        if sin:
+            code = has(70, 700)
+            if code:
+                self.inch = True
+            code = has(71, 710)
+            if code:
+                self.inch = False
+        else:
+            code = has(20, 21)
+            if code:
+                self.inch = code == 20
+        if feed and self.feed_mode != 93:
+            self.feed = feed.value * self.length_unit()
+        code = has(17, 18, 19)
+        if code:
+            self.plane = int(code)
+        code = has(90, 91)
+        if code:
+            self.incremental = code == 91
+        if not sin:
+            code = has(90.1, 91.1)
+            if code:
+                self.centre_absolute = code == 90.1
+
+        self.keywords(other, axis_words)
+        if "raw" in self.block_flags:
+            self.machine_codes(m, before=True)
+            self.raw("keyword", g + done, axis_words, other)
+            self.machine_codes(m, before=False)
+            return self.flow(m, other)
+
+        # Everything that does not move axes but tells the control something.
+        passive = [w for w in other if w.address in ("S", "T", "D", "Q", "P", "E", "L") and w.address in ("S", "T")]
+        for w in passive:
+            other.remove(w)
+            self.code(w.address, w.value)
+        self.machine_codes(m, before=True)
+
+        if 4 in g:
+            times = tuple((a, v[0]) for a, v in axis_words.items()) + tuple((w.address, w.value) for w in other)
+            self.code("dwell", times)
+            self.machine_codes(m, before=False)
+            return self.flow(m, [])
+        if has(65):
+            self.raw("G65", [], axis_words, other)
+            self.lose(self.axes)
+            return None
+
+        # Modes that turn, bend or compensate.
+        self.tool_length(has, axis_words, other)
+        self.modes(has, axis_words, other)
+        self.work_offset(has, other)
+        if self.is_sinumerik and has(53, 153):
+            self.block_flags.add("machine")
+
+        code = has(10) if not sin else None
+        if code:
+            self.data_input(axis_words, other)
+            return self.flow(m, [])
+        code = has(52) if not sin else None
+        if code:
+            for a, (v, _) in axis_words.items():
+                if self.dialect == "linuxcnc":
+                    self.preset[a] = 0.0  # G52 and G92 share their place
+                self.shift[a] = v * self.unit(a)
+            self.code("G52")
+            axis_words = {}
+        if not sin:
+            code = has(92)
+            if code or self.is_lathe_preset(g):
+                if not code:
+                    has(50)
+                for a, (v, _) in axis_words.items():
+                    self.preset[a] = 0.0
+                    if self.dialect == "linuxcnc":
+                        self.shift[a] = 0.0
+                    self.preset[a] = self.pos[a] - v * self.unit(a) - self.offset(a)
+                self.raw("G92", [], axis_words, other, moves=False)
+                axis_words, other = {}, []
+            elif has(92.1):
+                named = list(axis_words) or list(self.axes)
+                if self.dialect == "linuxcnc":
+                    named = list(self.axes)
+                for a in named:
+                    self.preset[a] = 0.0
+                    if self.dialect in ("linuxcnc", "fanuc", "mazak"):
+                        self.shift[a] = 0.0
+                axis_words = {}
+                self.code("G92.1")
+            elif self.dialect == "linuxcnc" and has(92.2):
+                self.saved_preset = dict(self.preset)
+                self.preset = {a: 0.0 for a in self.axes}
+                self.code("G92.2")
+            elif self.dialect == "linuxcnc" and has(92.3):
+                if self.saved_preset:
+                    self.preset = dict(self.saved_preset)
+                self.code("G92.3")
+
+        # Moves to places of the machine.
+        reference = has(28, 30, 27) if not sin else has(74, 75)
+        if reference:
+            self.raw("G%d" % reference, [], axis_words, other)
+            self.lose(list(axis_words) or list(self.axes))
+            self.machine_codes(m, before=False)
+            return self.flow(m, [])
+        if not sin and has(53):
+            if has(0, 1) is not None:
+                self.motion = done[-1]
+            self.raw("G53", [], axis_words, other)
+            if self.setup.get("still"):
+                event = self.move({}, self.motion == 0)
+                event.end = dict(self.pos, **{a: v * self.unit(a) for a, (v, _) in axis_words.items()})
+                event.unsure = set()
+            for a, (v, _) in axis_words.items():
+                self.pos[a] = v * self.unit(a)
+                self.opaque.discard(a)
+                self.unsure.add(a)
+            self.machine_codes(m, before=False)
+            return self.flow(m, [])
+
+        motion = has(0, 1, 2, 3)
+        if motion is not None:
+            self.motion, self.cycle = int(motion), None
+        if not sin:
+            code = has(*CYCLES)
+            if code:
+                self.cycle = self.motion = int(code)
+            if has(80):
+                self.cycle, self.motion = None, 80
+            code = has(98, 99)
+            if code:
+                self.return_level = int(code)
+        one_shot = [c for c in g if c in (31, 33, 33.1, 38.2, 38.3, 38.4, 38.5, 12, 13, 47, 70, 71, 72, 5.2, 5.3, 63, 331,
+                                          332, 147, 148, 247, 248, 347, 348, 60, 150, 53.1, 29, 34, 35, 36, 37)]
+        if one_shot:
+            self.raw("G%g" % one_shot[0], [], axis_words, other)
+            self.lose(list(axis_words) or (list(self.axes) if one_shot[0] == 53.1 else []))
+            self.machine_codes(m, before=False)
+            return self.flow(m, [])
+
+        if g:  # exact stop, path modes, look-ahead: nothing that moves
+            more = tuple((w.address, w.value) for w in other if w.address in "PQRE") if not axis_words else ()
+            self.code("G", tuple(sorted(g)), more)
+            if not axis_words:
+                other = [w for w in other if w.address not in "PQRE"]
+        self.act(axis_words, other)
+        self.machine_codes(m, before=False)
+        return self.flow(m, other)
+
+    def is_lathe_preset(self, g):
+        return self.dialect in ("fanuc", "mazak") and self.setup.get("lathe") and 50 in g
+
+    # -- pieces of a block
+    def machine_codes(self, m, before):
+        for code in list(m):
+            if code in (98, 99, 97, 96) or (code in (2, 30, 17) and before):
+                continue
+            is_before = code in M_BEFORE or code == 6
+            if is_before != before:
+                continue
+            m.remove(code)
+            if code in (2, 30) or (code == 17 and self.is_sinumerik):
+                m.append(code)
+                continue
+            self.code("M", code)
+            if code == 6:
+                self.lose(self.axes)
+            elif code in M_AFTER or code in M_BEFORE or code in M_MORE[self.dialect]:
+                pass
+            elif self.dialect == "linuxcnc" and code in (428, 429, 430):
+                self.leave("kinematics")
+                if code != 428 or True:
+                    self.enter("kinematics")
+            elif code in self.setup.get("harmless", ()):
+                pass
+            else:
+                self.lose(self.axes)  # a macro of the builder
+
+    def flow(self, m, other):
+        p = self.parameters(other)
+        if 98 in m and not self.is_sinumerik:
+            number, times = int(p.get("P", 0)), int(p.get("L", 1))
+            if number in self.programs:
+                return ("call", self.programs[number], times)
+            self.code("call", number)
+            self.lose(self.axes)
+        if 97 in m and self.dialect == "haas":
+            return ("call", self.labels[int(p["P"])] - 1, int(p.get("L", 1)))
+        if 99 in m:
+            return ("return", 0, 0)
+        if 17 in m and self.is_sinumerik:
+            return ("return", 0, 0)
+        if 2 in m or 30 in m:
+            self.code("M", 30)
+            return ("end", 0, 0)
+        return None
+
+    def tool_length(self, has, axis_words, other):
+        lengths = self.setup["lengths"]
+        if self.is_sinumerik:
+            d = self.take(other, "D").get("D")
+            if d:
+                self.length = lengths.get(int(d.value), 0.0)
+                self.code("D", d.value)
+            return
+        h = self.take(other, "H").get("H")
+        code = has(43, 44, 49, 43.1, 43.2, 43.4, 43.5, 234)
+        if code is None:
+            if h and self.length_number is not None and self.dialect != "linuxcnc" and "tcp" not in self.foreign:
+                self.length = lengths.get(int(h.value), 0.0)
+            if h:
+                self.code("H", h.value)
+            return
+        self.code("length", code, h.value if h else None)
+        if code == 49:
+            self.length, self.length_number = 0.0, None
+            self.leave("tcp")
+        elif code in (43, 44):
+            self.leave("tcp")
+            self.length_number = int(h.value) if h else 0
+            self.length = lengths.get(self.length_number, 0.0) * (-1 if code == 44 else 1)
+        elif code in (43.1, 43.2) and self.dialect == "linuxcnc":
+            self.enter("tcp")  # a length that only the program's words or a table say
+            self.raw("G43.x", [], axis_words, other, moves=False)
+            axis_words.clear()
+        else:
+            self.enter("tcp")
+            self.length_number = int(h.value) if h else 0
+
+    def modes(self, has, axis_words, other):
+        """Modes in which axis words are no axis positions."""
+        d = self.dialect
+        if self.is_sinumerik:
+            if has(41, 42):
+                self.enter("comp")
+            if has(40):
+                self.leave("comp")
+            if has(110, 111, 112):
+                self.enter("polar")
+            return
+        code = has(41, 42, 41.1, 42.1, 41.2, 42.2)
+        if code:
+            self.enter("comp")
+            self.code("comp", code, tuple((w.address, w.value) for w in self.take(other, "D").values()))
+        if has(40):
+            self.leave("comp")
+
+        def mode(name, on, off, takes):
+            code = has(*on)
+            if code:
+                self.enter(name)
+                self.raw("G%g" % code, [], dict(axis_words), list(other), moves=False)
+                axis_words.clear()
+                del other[:]
+            code = has(*off)
+            if code:
+                self.code("G%g" % code, tuple(sorted((a, v) for a, v in axis_words.items())) if takes else ())
+                self.leave(name)
+                if takes:
+                    axis_words.clear()
+
+        if d != "linuxcnc":
+            mode("tilt", (68, 68.2, 68.3, 68.4, 254, 268) if d == "haas" else (68, 68.2, 68.3, 68.4),
+                 (69, 255, 269) if d == "haas" else (69, 69.1), False)
+            if not self.setup.get("lathe"):
+                mode("scale", (51,), (50,), False)
+            mode("mirror", (51.1,), (50.1,), True)
+            mode("modal call", (66, 66.1), (67,), False)
+            if d != "haas":
+                mode("polar", (16,), (15,), False)
+                mode("polar interpolation", (12.1,), (13.1,), False)
+                if has(7.1):
+                    value = next(iter(axis_words.values()), (0,))[0]
+                    (self.enter if value else self.leave)("cylinder")
+                    self.raw("G7.1", [], dict(axis_words), list(other), moves=False)
+                    axis_words.clear()
+        else:
+            if has(7):
+                self.enter("diameter")
+            if has(8):
+                self.leave("diameter")
+
+    def work_offset(self, has, other):
+        if self.is_sinumerik:
+            code = has(*([500, 54, 55, 56, 57] + list(range(505, 600))))
+            if code:
+                self.wcs = "" if code == 500 else "G%d" % code
+            return
+        code = has(54, 55, 56, 57, 58, 59, 59.1, 59.2, 59.3)
+        if code:
+            self.wcs = "G%g" % code
+        if self.dialect in ("fanuc", "mazak"):
+            code = has(54.1)
+        elif self.dialect == "haas":
+            more = has(*range(110, 130))
+            if more:
+                self.wcs = "G%d" % more
+            code = has(154)
+        else:
+            code = None
+        if code:
+            p = self.take(other, "P")
+            self.wcs = "G%g P%d" % (code, int(p["P"].value))
+
+    def data_input(self, axis_words, other):
+        """G10 L2 P1 X..: the offset itself changes."""
+        p = self.parameters(other)
+        if p.get("L") == 2:
+            name = {1: "G54", 2: "G55", 3: "G56", 4: "G57", 5: "G58", 6: "G59"}.get(int(p.get("P", 0)))
+            if name is None:
+                name = self.wcs
+            table = self.setup["offsets"].setdefault(name, {})
+            for a, (v, _) in axis_words.items():
+                if self.incremental and self.dialect != "linuxcnc":
+                    table[a] = table.get(a, 0.0) + v * self.unit(a)
+                else:
+                    table[a] = v * self.unit(a)
+        self.raw("G10", [], axis_words, other, moves=False)
+
+    block_flags = frozenset()
+
+    def keywords(self, other, axis_words):
+        """Words of more than one letter."""
+        self.block_flags = set()
+        for w in list(other):
+            a = w.address
+            if len(a) < 2 or a[0] == ",":
+                continue
+            if a in ("IF", "GOTO", "WHILE", "DO", "END"):
+                raise Alarm("not read here: " + a)
+            if a in ("DPRNT", "POPEN", "PCLOS", "MSG", "STOPRE", "FFWON", "SOFT", "BRISK", "CFTCP", "CYCLE832", "FGROUP", "G_"):
+                self.code(a, w.value)
+                other.remove(w)
+            elif a in ("SUPA",):
+                self.block_flags.add("machine")
+                other.remove(w)
+            elif a in ("TRAORI",):
+                self.enter("tcp")
+                self.code(a, w.value)
+                other.remove(w)
+            elif a == "TRAFOOF":
+                self.code(a)
+                self.leave("tcp")
+                self.leave("transmit")
+                other.remove(w)
+            elif a in ("TRANSMIT", "TRACYL"):
+                self.enter("transmit")
+                self.code(a, w.value)
+                other.remove(w)
+            elif a in FRAMES:
+                self.enter("frame")
+                self.code(a, w.value, tuple(sorted(axis_words.items())))
+                axis_words.clear()
+                if w.value.strip() == a:  # ROT alone: frames off
+                    self.leave("frame")
+                other.remove(w)
+            elif a == "CYCLE800":
+                self.code(a, w.value)
+                if w.value.replace(" ", "") == "CYCLE800()":
+                    self.leave("tilt")
+                else:
+                    self.enter("tilt")
+                    self.lose(self.axes)
+                other.remove(w)
+            elif a.startswith(("CYCLE", "POCKET", "HOLES", "SLOT")):
+                self.code(a, w.value)
+                self.lose(self.axes)
+                other.remove(w)
+            elif a == "MCALL":
+                rest = w.value.replace(" ", "")
+                self.code(a, rest)
+                (self.leave if rest == "MCALL" else self.enter)("modal call")
+                other.remove(w)
+            elif re.fullmatch(r"L\d+|[A-Z_]\w*", a) and a not in ("CR", "RND", "CHF", "CHR", "RNDM", "ADIS", "SPOS",
+                                                                 "AP", "RP", "ANG", "AR", "TURN", "CT", "CIP"):
+                self.code("call", a)
+                self.lose(self.axes)
+                other.remove(w)
+
+    # -- moves
+    def raw(self, name, g, axis_words, other, moves=True):
+        event = self.emit("raw")
+        event.key = (name, tuple(sorted(g)), tuple(sorted(self.foreign)),
+                     tuple(sorted((a, round(v, 9), how or "") for a, (v, how) in axis_words.items())),
+                     tuple(sorted((w.address, w.value, w.how or "") for w in other)), self.incremental, self.inch)
+        return event
+
+    def act(self, axis_words, other):
+        corner = self.take(other, ",R", ",C", "RND", "CHF", "CHR", "ADIS")
+        rndm = self.take(other, "RNDM").get("RNDM")
+        if rndm:
+            self.corner_all = rndm.value != 0
+            self.code("RNDM", rndm.value)
+        for address, w in self.take(other, "SPOS").items():
+            self.code(address, w.value)
+        has_centre = any(w.address in ("I", "J", "K", "R", "CR") for w in other)
+        if not axis_words and not (self.motion in (2, 3) and has_centre):
+            for address, w in corner.items():
+                self.code(address, w.value)
+            return
+        sin = self.is_sinumerik
+        words = {}
+        self.how = {a: how for a, (_, how) in axis_words.items()}
+        for a, (value, how) in axis_words.items():
+            incremental = self.incremental if how is None else how == "IC"
+            words[a] = (value, incremental)
+        special = [w for w in other if w.address in ("AP", "RP", "ANG", "AR", "TURN", "I1", "J1", "K1")]
+        if "machine" in self.block_flags:
+            self.raw("machine", [self.motion], axis_words, other)
+            for a, (v, how) in axis_words.items():
+                self.pos[a] = v * self.unit(a) if how != "IC" else self.pos[a] + v * self.unit(a)
+                self.opaque.discard(a)
+                self.unsure.add(a)
+            return
+        if self.cycle or special or self.motion in (33,):
+            self.raw("cycle %s" % self.cycle, [self.motion], axis_words, other)
+            for a, (v, inc) in words.items():
+                if a not in ("Z",):
+                    self.pos[a] = self.target(a, v, inc)
+            self.lose(["Z"] if not special else self.linear)
+            return
+        if self.foreign:
+            self.raw("mode", [self.motion], axis_words, other)
+            for a, (v, inc) in words.items():
+                self.pos[a] = self.target(a, v, inc)
+            return
+        if self.motion == 80:
+            raise Alarm("axis words while G80 is in force")
+        if self.motion in (0, 1):
+            if other and any(w.address in ("I", "J", "K", "R", "CR") for w in other):
+                raise Alarm("I, J, K or R in a straight move")
+            event = self.straight(words)
+        else:
+            event = self.arc(words, other)
+        for w in other:
+            if w.address not in ("I", "J", "K", "R", "CR", "P", "L"):
+                self.code(w.address, w.value)
+        if corner or self.corner_all:
+            event.corner = True
+            event.words += tuple(sorted((a, w.value) for a, w in corner.items()))
+
+    def straight(self, words):
+        raw = ("straight",)
+        rapid = self.motion == 0
+        return self.move_(words, rapid, None, raw)
+
+    def move_(self, words, rapid, arc, raw):
+        event = self.move(words, rapid, arc, raw)
+        for a in words:  # a modulo axis counts from 0 to 360 deg again
+            if self.how.get(a) in ("DC", "ACP", "ACN"):
+                self.pos[a] = words[a][0] + self.offset(a)
+        return event
+
+    def arc(self, words, other):
+        first, second, i, j = PLANES[self.plane]
+        unit = self.length_unit()
+        p = {}
+        for w in other:
+            if w.address in ("I", "J", "K", "R", "CR"):
+                p[w.address] = (w.value * unit, w.how)
+        radius = p.pop("CR" if self.is_sinumerik else "R", None)
+        raw = ("arc", self.motion, self.plane,
+               tuple(sorted((w.address, w.value, w.how or "") for w in other if w.address in ("I", "J", "K", "R", "CR"))))
+        if radius is not None:
+            if p:
+                raise Alarm("centre and radius")
+            return self.move_(words, False, (first, second, radius[0], self.motion == 2), raw)
+        if not p:
+            raise Alarm("arc without centre")
+        centre = []
+        for axis, letter in ((first, i), (second, j)):
+            value, how = p.pop(letter, (None, None))
+            if how == "AC" or (self.centre_absolute and how is None):
+                if value is None:
+                    raise Alarm("absolute centre without " + letter)
+                centre.append(value + self.offset(axis))
+            else:
+                centre.append(self.pos[axis] + (value or 0.0))
+        if p and not self.is_sinumerik:
+            raise Alarm("centre word of another plane")
+        return self.move_(words, False, (first, second, tuple(centre), self.motion == 2), raw)
+
+    def target(self, axis, value, incremental):
+        how = self.how.get(axis) if self.is_sinumerik else None
+        if how in ("DC", "ACP", "ACN"):
+            goal = value + self.offset(axis)
+            travel = math.fmod(goal - self.pos[axis], 360.0)
+            if travel < 0:
+                travel += 360.0
+            if (how == "ACN" and travel) or (how == "DC" and travel > 180.0):
+                travel -= 360.0
+            return self.pos[axis] + travel
+        return super().target(axis, value, incremental)
+
+    how = {}
+
+    def minutes(self, event):
+        if self.feed_mode == 93:
+            return super().minutes(event)
+        if self.dialect != "linuxcnc" or self.feed_mode != 94 or self.feed <= 0:
+            return None
+        # LinuxCNC, "Feed Rate": of XYZ where one of them moves, else of UVW, else of the rotary axes in degrees.
+        xyz = self.path_length(event)
+        if xyz > 0:
+            return xyz / self.feed
+        turn = math.sqrt(sum((event.end[a] - event.start[a]) ** 2 for a in self.axes if a not in self.linear))
+        return turn / (self.feed / self.length_unit())
+
+
+FRAMES = ("TRANS", "ATRANS", "ROT", "AROT", "ROTS", "AROTS", "SCALE", "ASCALE", "MIRROR", "AMIRROR")

@@ -1,0 +1,252 @@
+"""One case: axiscal rewrites the program, the interpreter runs both texts, the paths are compared."""
+import collections
+import copy
+import json
+import os
+import re
+import subprocess
+
+from compare import Comparison, Difference, Limits
+import linuxcnc
+from control import Alarm
+from generate import MACHINES
+from iso import Iso
+from kinematics import Machine
+from klartext import Klartext
+
+
+class Failure:
+    def __init__(self, mode, scenario, text, source=(), output=(), written=""):
+        self.mode, self.scenario, self.text = mode, scenario, text
+        self.source, self.output, self.written = source, output, written
+
+    def short(self):
+        return self.mode + ": " + re.sub(r"[-+]?\d+\.?\d*", "#", self.text)[:100]
+
+
+class Outcome:
+    def __init__(self):
+        self.counts = collections.Counter()
+        self.failures = []
+
+
+def interpret(case, text, scenario, still=False):
+    description = MACHINES[case["machine"]]
+    axes = [a for a in "XYZABC" if a in description["axes"]]
+    linear = [a for a in axes if description["axes"][a]["kind"] == "linear"]
+    setup = {"start": case["start"], "offsets": copy.deepcopy(case["offsets"]),
+             "lengths": {int(n): v for n, v in case["lengths"].items()}, "lathe": case.get("lathe", False),
+             "unit": scenario["unit"], "skip": scenario["skip"], "rollover": scenario["rollover"],
+             "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still}
+    if still:
+        setup["start"] = {a: 0.0 for a in axes}
+    if case["dialect"] == "heidenhain":
+        return Klartext(axes, linear, setup).run(text)
+    return Iso(case["dialect"], axes, linear, setup).run(text)
+
+
+def states_unit(case):
+    """Whether the unit stands in front of the first axis word."""
+    code = r"(?i)G70(?!\d)|G71(?!\d)" if case["dialect"] == "sinumerik" else r"(?i)G20(?!\d)|G21(?!\d)"
+    if case["dialect"] == "heidenhain":
+        return True
+    for line in case["lines"]:
+        line = re.sub(r"\(.*?\)|;.*", "", line)
+        if re.search(code, line):
+            return True
+        if re.search(r"(?i)[XYZABC]\s*[-+=.\d]", line) and not re.match(r"\s*[O%]", line):
+            return False
+    return False
+
+
+def scenarios(case):
+    """What the program and its options leave open: each must be right."""
+    units = [case["unit"]]
+    if not states_unit(case) and not case.get("unit_option"):
+        units = ["mm", "inch"]
+    skips = {"either": [False, True], "executed": [False], "skipped": [True]}[case["block_delete"]]
+    if not any(line.lstrip("0123456789 ").startswith("/") for line in case["lines"]):
+        skips = skips[:1]
+    rotary = [a for a, v in MACHINES[case["machine"]]["axes"].items() if v["kind"] == "rotary"]
+    rollovers = case.get("rollovers")
+    if rollovers is None:
+        rollovers = [{}]
+        if rotary and case["dialect"] != "heidenhain":
+            rollovers.append({a: "shortest" for a in rotary})
+    return [{"unit": u, "skip": s, "rollover": r} for u in units for s in skips for r in rollovers]
+
+
+def command(case, axiscal, folder, mode):
+    out = [axiscal, "compensate", "--machine", os.path.join(folder, "machine.json"), "--errors", os.path.join(folder, "errors.json"),
+           "--tool-tip", " ".join("%.6f" % v for v in case["tip"]), "--dialect", case["dialect"],
+           "--block-delete", case["block_delete"], "--tolerance-um", str(case["tolerance_um"]), "--on-unsupported", mode,
+           "--report", os.path.join(folder, "report.json")]
+    for name, values in case["offsets"].items():
+        if name != "G500" and name not in case.get("unstated", ()):
+            out += ["--offset", " ".join([name] + ["%s=%.6f" % item for item in values.items()])]
+    for number, value in case["lengths"].items():
+        out += ["--tool-length", "%s=%.6f" % (number, value)]
+    if case.get("decimals"):
+        out += ["--decimals", str(case["decimals"])]
+    return out + [os.path.join(folder, "in.nc"), "-o", os.path.join(folder, "out.nc")]
+
+
+def try_case(case, axiscal, folder, modes=("refuse", "pass")):
+    outcome = Outcome()
+    counts = outcome.counts
+    counts["programs"] += 1
+    text = "\n".join(case["lines"]) + "\n"
+    machine = Machine(MACHINES[case["machine"]], case["errors"], case["tip"])
+    with open(os.path.join(folder, "machine.json"), "w") as file:
+        json.dump(dict(MACHINES[case["machine"]], structure="test"), file)
+    with open(os.path.join(folder, "errors.json"), "w") as file:
+        json.dump(case["errors"], file)
+    with open(os.path.join(folder, "in.nc"), "w") as file:
+        file.write(text)
+    traces = []
+    for scenario in scenarios(case):
+        try:
+            traces.append((scenario, interpret(case, text, scenario)))
+        except Alarm as alarm:
+            counts["sources that the control refuses: " + re.sub(r"[-+]?\d+\.?\d*", "#", str(alarm))] += 1
+    if not traces:
+        return outcome
+    for mode in modes:
+        out = os.path.join(folder, "out.nc")
+        if os.path.exists(out):
+            os.remove(out)
+        done = subprocess.run(command(case, axiscal, folder, mode), capture_output=True, text=True)
+        if done.returncode != 0:
+            counts[mode + ": refused"] += 1
+            reason = done.stderr.strip().split("\n")
+            if done.returncode < 0 or not reason or "internal" in done.stderr.lower():
+                outcome.failures.append(Failure(mode, None, "axiscal ended with %d: %s" % (done.returncode, done.stderr)))
+            line = reason[1] if len(reason) > 1 else reason[0]
+            line = re.sub(r"^.*\(([^()]*(?:\([^()]*\))?[^()]*)\)\s*$", r"\1", line) if len(reason) > 1 else line
+            counts["%s: refused for: %s" % (mode, re.sub(r"[-+]?\d*\.?\d+|\b[XYZABCUVW]\b", "#", line)[-70:])] += 1
+            continue
+        counts[mode + ": written"] += 1
+        with open(out) as file:
+            written = file.read()
+        with open(os.path.join(folder, "report.json")) as file:
+            report = json.load(file)
+        passed = {finding["line"] for finding in report["passed"]}
+        resolution = 10.0 ** -min(case.get("decimals") or 4, 4)
+        inch = "G20" in text or "G70" in text or case["unit"] == "inch"
+        if inch:
+            resolution *= 2.54
+        end = 1.2 * resolution + 2e-5
+        limits = Limits(end, case["tolerance_um"] * 1e-3 + end,
+                        rounding_deg=0.6 * 10.0 ** -min(case.get("decimals") or 4, 4))
+        for scenario, source in traces:
+            try:
+                output = interpret(case, written, scenario)
+            except Alarm as alarm:
+                outcome.failures.append(Failure(mode, scenario, "the control stops: %s" % alarm, written=written))
+                break
+            comparison = Comparison(machine, limits, passed, strict=mode == "refuse")
+            try:
+                comparison.run(source, output)
+            except Difference as difference:
+                outcome.failures.append(Failure(mode, scenario, difference.text, difference.source, difference.output, written))
+                break
+            finally:
+                counts[mode + ": moves found corrected"] += comparison.corrected
+                counts[mode + ": moves found unchanged"] += comparison.unchanged
+        if case["dialect"] == "linuxcnc" and linuxcnc.is_there() and not outcome.failures:
+            ask_linuxcnc(case, text, written, mode, folder, outcome)
+    return outcome
+
+
+def ask_linuxcnc(case, text, written, mode, folder, outcome):
+    """Does LinuxCNC read both texts as we do? What it refuses in the source is not asked of the output."""
+    description = MACHINES[case["machine"]]
+    tolerance = 4e-3 if "G20" in text or case["unit"] == "inch" else 4e-4
+    for scenario in scenarios(case):
+        if scenario["rollover"] or scenario["unit"] == "inch" and not states_unit(case):
+            continue
+        for name, program in (("source", text), ("output", written)):
+            try:
+                calls = linuxcnc.places(case, program, folder, scenario["skip"])
+            except linuxcnc.NotRead as problem:
+                if name == "source":
+                    outcome.counts["LinuxCNC does not read the source: " + re.sub(r"[-+]?\d+\.?\d*", "#", str(problem))[:60]] += 1
+                    break
+                outcome.failures.append(Failure(mode, scenario, "LinuxCNC stops: %s" % problem, written=written))
+                return
+            try:
+                trace = interpret(case, program, scenario, still=True)
+            except Alarm:
+                break
+            if any(e.kind == "raw" and e.key[0] not in ("G92", "G53") for e in trace):
+                outcome.counts["LinuxCNC reads it (cycles, modes or reference moves: paths not compared)"] += 1
+                continue
+            found = linuxcnc.differences(trace, calls, list(description["axes"]), tolerance)
+            if found:
+                outcome.failures.append(Failure(mode, scenario, "%s: %s" % (name, found[0]), found[1], (), written))
+                return
+            outcome.counts["LinuxCNC reads the %s and goes where we go" % name] += 1
+
+
+def shorten(case, outcome, axiscal, folder):
+    """Drops lines while the same kind of failure stays."""
+    kind = outcome.failures[0].short()
+    mode = outcome.failures[0].mode
+
+    def still(lines):
+        tried = dict(case, lines=lines)
+        if states_unit(tried) != states_unit(case):
+            return None
+        result = try_case(tried, axiscal, folder, (mode,))
+        same = [f for f in result.failures if f.short()[:40] == kind[:40]]
+        result.failures = same or result.failures
+        return (tried, result) if same else None
+    best = (case, outcome)
+    step = max(1, len(case["lines"]) // 2)
+    while True:
+        i = 0
+        while i < len(best[0]["lines"]):
+            lines = best[0]["lines"]
+            found = still(lines[:i] + lines[i + step:])
+            if found:
+                best = found
+            else:
+                i += step
+        if step == 1:
+            break
+        step //= 2
+    for key, value in (("decimals", None), ("tolerance_um", 10.0)):
+        tried = dict(best[0])
+        tried[key] = value
+        result = try_case(tried, axiscal, folder, (mode,))
+        if [f for f in result.failures if f.short()[:40] == kind[:40]]:
+            best = (tried, result)
+    return best
+
+
+def place(position):
+    return " ".join("%s%.4f" % item for item in position.items())
+
+
+def explain(case, outcome, out):
+    for failure in outcome.failures[:1]:
+        print("\n== seed %s, %s on %s, --on-unsupported %s, %s" %
+              (case["seed"], case["dialect"], case["machine"], failure.mode, failure.scenario), file=out)
+        print("features: %s" % " ".join(case["features"]), file=out)
+        print("errors: %s" % json.dumps(case["errors"]), file=out)
+        print(" ".join(repr(a) if " " in a else a for a in command(case, "axiscal", ".", failure.mode)), file=out)
+        print("source:\n  " + "\n  ".join(case["lines"]), file=out)
+        print("written:\n  " + "\n  ".join(failure.written.rstrip().split("\n")), file=out)
+        print("FAILS: " + failure.text, file=out)
+        s = failure.source
+        if s:
+            print("source line %d: %s" % (s.line, case["lines"][s.line - 1]), file=out)
+            if s.kind == "move":
+                print("  from %s\n    to %s" % (place(s.start), place(s.end)), file=out)
+        written = failure.written.split("\n")
+        for o in list(failure.output)[:8]:
+            print("written line %d: %s" % (o.line, written[o.line - 1] if o.line <= len(written) else ""), file=out)
+            if o.kind == "move":
+                print("  from %s\n    to %s" % (place(o.start), place(o.end)), file=out)
+    if not outcome.failures:
+        print("no failure: " + ", ".join("%s %d" % item for item in sorted(outcome.counts.items())), file=out)

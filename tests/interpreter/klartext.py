@@ -1,0 +1,318 @@
+"""Heidenhain Klartext (TNC 640, iTNC 530) as the user's manual describes it."""
+import re
+
+from control import Alarm, Control
+
+# M functions that move nothing by themselves; the second set acts at the end of its block.
+M_BEFORE = {3, 4, 7, 8, 13, 14, 97, 98, 101, 102, 103, 107, 108, 109, 110, 111, 116, 117, 118, 120, 124, 126, 127, 136,
+            137, 138, 141, 148, 149}
+M_AFTER = {0, 1, 2, 5, 6, 9, 30}
+VALUE = r"([+-]?(?:\d+\.?\d*|\.\d+))"
+
+
+class Klartext(Control):
+    arc_tolerance_mm = 0.017
+
+    def __init__(self, axes, linear, setup):
+        super().__init__(axes, linear, setup)
+        self.wcs = "PRESET"
+        self.pole = None
+        self.shortest = False
+        self.q = {}
+        self.modal_cycle = False
+        self.difference = 0.0
+
+    def run(self, text):
+        blocks, labels = [], {}
+        lines = text.replace("\r", "").split("\n")
+        i = 0
+        while i < len(lines):
+            first, line = i + 1, self.clean(lines[i])
+            while line.endswith("~") and i + 1 < len(lines):
+                i += 1
+                line = line[:-1] + " " + self.clean(lines[i])
+            i += 1
+            match = re.match(r"(/?)\s*(\d+)?\s*(/?)(.*)$", line)
+            if match.group(4).strip():
+                blocks.append((first, match.group(2), match.group(4).strip().upper(),
+                               bool(match.group(1) or match.group(3))))
+        for n, (_, _, body, _) in enumerate(blocks):
+            match = re.match(r"LBL\s+(\d+)$", body)
+            if match and match.group(1) != "0":
+                labels[int(match.group(1))] = n
+        pc, stack = 0, []
+        while pc < len(blocks):
+            self.tick()
+            self.line, number, body, skipped = blocks[pc]
+            self.number = int(number) if number else None
+            pc += 1
+            if skipped and self.setup.get("skip"):
+                continue
+            match = re.match(r"CALL LBL\s+(\d+)(?:\s+REP\s*(\d+))?", body)
+            if match:
+                label, times = int(match.group(1)), match.group(2)
+                if times is None:
+                    stack.append(pc)
+                    pc = labels[label] + 1
+                else:  # repeats the part above
+                    key = (pc, "rep")
+                    self.q.setdefault(key, int(times))
+                    if self.q[key] > 0:
+                        self.q[key] -= 1
+                        pc = labels[label] + 1
+                    else:
+                        del self.q[key]
+                continue
+            if body == "LBL 0":
+                if stack:
+                    pc = stack.pop()
+                continue
+            if body.startswith("LBL "):
+                continue
+            if self.block(body) == "end":
+                break
+        return self.trace
+
+    def clean(self, line):
+        return re.split(r"[;*]", line, maxsplit=1)[0].strip()
+
+    def block(self, body):
+        match = re.match(r"BEGIN PGM \S+ (MM|INCH)", body)
+        if match:
+            self.inch = match.group(1) == "INCH"
+            return None
+        if body.startswith("END PGM"):
+            return "end"
+        match = re.match(r"TOOL CALL\s*(\d+)?(?:\s+([XYZ]))?(.*)$", body)
+        if match:
+            self.code("TOOL CALL", body)
+            difference = re.search(r"DL\s*=?\s*" + VALUE, match.group(3))
+            if match.group(1):
+                self.length_number = int(match.group(1))
+                self.tool_mm = self.setup["lengths"].get(self.length_number, 0.0)
+                self.difference = 0.0
+                self.lose(self.axes)
+            if difference:
+                self.difference = float(difference.group(1)) * self.length_unit()
+            self.length = getattr(self, "tool_mm", 0.0) + self.difference
+            return None
+        match = re.match(r"CYCL DEF\s+(\d+)(?:\.(\d+))?(.*)$", body)
+        if match:
+            return self.cycle(int(match.group(1)), match.group(2), match.group(3), body)
+        if body.startswith("CYCL CALL"):
+            self.code("CYCL CALL", body)
+            self.lose(self.axes if "POS" in body or "PAT" in body else ["Z"])
+            return None
+        match = re.match(r"Q(\d+)\s*=\s*" + VALUE + "$", body)
+        if match:
+            self.q[int(match.group(1))] = float(match.group(2))
+            self.code("Q", body)
+            return None
+        if body.startswith("PLANE"):
+            self.code("PLANE", body)
+            if body.startswith("PLANE RESET"):
+                self.leave("tilt")
+            else:
+                self.enter("tilt")
+            if "STAY" not in body:
+                self.lose(self.axes)
+            return None
+        if body.startswith("FUNCTION"):
+            self.code("FUNCTION", body)
+            if body.startswith("FUNCTION TCPM"):
+                self.enter("tcp")
+            elif body.startswith("FUNCTION RESET TCPM"):
+                self.leave("tcp")
+            return None
+        if body.startswith("TRANS DATUM"):
+            self.code("TRANS DATUM", body)
+            self.enter("shift")
+            return None
+        match = re.match(r"(RND|CHF)\b(.*)$", body)
+        if match:
+            self.code(match.group(1), match.group(2))
+            return None
+        if re.match(r"(BLK FORM|TOOL DEF|STOP|FN \d|QL|QR|QS|M\d|CYCL|PRESET)", body):
+            if body.startswith("PRESET"):
+                self.enter("shift")
+            if not body.startswith("M"):
+                self.code("block", body)
+                return None
+        return self.motion_block(body)
+
+    def cycle(self, number, part, rest, body):
+        self.code("CYCL DEF", body)
+        values = [float(v) for v in re.findall(r"[A-Z]" + VALUE, rest)]
+        if number == 7:
+            if part not in (None, "0"):
+                (self.enter if any(values) else self.leave)("shift")
+        elif number == 8:
+            if part not in (None, "0"):
+                (self.enter if rest.strip() else self.leave)("mirror")
+        elif number == 10:
+            if part not in (None, "0"):
+                (self.enter if any(values) else self.leave)("rotation")
+        elif number in (11, 26):
+            if part not in (None, "0"):
+                (self.leave if values and all(v == 1 for v in values) else self.enter)("scale")
+        elif number == 19:
+            if part not in (None, "0"):
+                (self.enter if any(values) else self.leave)("tilt19")
+        elif number == 247:
+            self.enter("datum")
+        elif number in (220, 221, 12, 14) or 400 <= number < 500:
+            # Pattern cycles run where they are defined (so says their page: "DEF active"); 12 and 14 only name contours.
+            if number not in (12, 14):
+                self.lose(self.axes)
+        return None
+
+    def motion_block(self, body):
+        words, other, m, kind = {}, {}, [], None
+        text = body
+        match = re.match(r"(LP|LN|L|CR|CC|CTP|CT|CP|C)(?=\s|[XYZABCUVWI+-]|$)", text)
+        if match:
+            kind, text = match.group(1), text[match.end():]
+        at = 0
+        token = re.compile(
+            r"\s*(?:(FMAX|F MAX|FAUTO)|(R0|RL|RR)(?![\d.+-])|(DR[+-])|M(\d+)|(I?)([XYZABCUVW])\s*" + VALUE + r"|(IPA|PA|IPR|PR|[IFSRP])\s*" + VALUE +
+            r"|(I?[XYZABCUVW])\s*([+-]?)Q(\d+)|(MB MAX|MB)\s*" + VALUE + "?|(.))")
+        while at < len(text):
+            match = token.match(text, at)
+            if not match:
+                break
+            at = match.end()
+            if match.group(1):
+                other["F"] = match.group(1)
+            elif match.group(2):
+                other["comp"] = match.group(2)
+            elif match.group(3):
+                other["DR"] = match.group(3)
+            elif match.group(4):
+                m.append(int(match.group(4)))
+            elif match.group(6):
+                axis = match.group(6)
+                if axis not in self.axes:
+                    raise Alarm("no axis " + axis)
+                if axis in words:
+                    raise Alarm("two words " + axis)
+                words[axis] = (float(match.group(7)), bool(match.group(5)))
+            elif match.group(8):
+                other[match.group(8)] = float(match.group(9))
+            elif match.group(10):
+                address = match.group(10)
+                value = self.q.get(int(match.group(12)), 0.0) * (-1 if match.group(11) == "-" else 1)
+                words[address[-1]] = (value, address[0] == "I")
+            elif match.group(13):
+                other[match.group(13)] = match.group(14)
+            elif match.group(15):
+                raise Alarm("cannot read %r" % body)
+        if kind is None and words:
+            raise Alarm("axis words without L or C: " + body)
+        return self.act(kind, words, other, m)
+
+    def act(self, kind, words, other, m):
+        if kind == "CC":
+            if "comp" in other or m:
+                raise Alarm("CC with other words")
+            unit = self.length_unit()
+            pole = []
+            for axis in ("X", "Y"):
+                if not words:
+                    pole.append(self.pos[axis])
+                elif axis in words:
+                    value, inc = words[axis]
+                    pole.append(value * unit + (self.pos[axis] if inc else self.offset(axis)))
+                else:
+                    pole.append(self.pole[("X", "Y").index(axis)] if self.pole else 0.0)
+            self.pole = tuple(pole)
+            return None
+        rapid = other.pop("F", None) if isinstance(other.get("F"), str) else None
+        if isinstance(other.get("F"), float):
+            self.feed = other.pop("F") * self.length_unit()
+        comp = other.pop("comp", None)
+        if comp in ("RL", "RR"):
+            self.enter("comp")
+        elif comp == "R0":
+            self.leave("comp")
+        machine = [c for c in m if c in (91, 92)]
+        for code in m:
+            if code in (128, 114, 144):
+                self.enter("tcp")
+            if code in (129, 115, 145):
+                self.leave("tcp")
+            if code == 126:
+                self.shortest = True
+            elif code == 127:
+                self.shortest = False
+        for code in m:
+            if code not in M_AFTER and code not in (99, 89, 91, 92, 140, 94):
+                self.code("M", code)
+        if 94 in m:
+            self.code("M", 94)
+            self.lose([a for a in self.axes if a not in self.linear])
+        if 140 in m:
+            self.code("M140", tuple(sorted((k, str(v)) for k, v in other.items())))
+            self.lose(self.axes)
+            other = {}
+        if words:
+            raw = (kind, tuple(sorted((k, str(v)) for k, v in other.items())))
+            if machine or 130 in m:
+                event = self.emit("raw")
+                event.key = ("machine", tuple(sorted(m)), tuple(sorted(words.items())))
+                for a, (v, inc) in words.items():
+                    self.pos[a] = v * self.unit(a) + (self.pos[a] if inc else 0.0)
+                    self.opaque.discard(a)
+                    self.unsure.add(a)
+            elif self.foreign or kind in ("CT", "CP", "CTP", "LP", "LN"):
+                event = self.emit("raw")
+                event.key = ("mode", kind, tuple(sorted(self.foreign)), tuple(sorted(words.items())), raw, self.pole_key(kind))
+                for a, (v, inc) in words.items():
+                    self.pos[a] = self.target(a, v, inc)
+                if kind != "L" and not self.foreign:
+                    self.lose(self.linear)
+            elif kind == "L":
+                self.move(words, bool(rapid), None, ("straight",) + raw)
+            elif kind in ("C", "CR"):
+                clockwise = other.get("DR") == "DR-"
+                if "DR" not in other:
+                    raise Alarm("arc without DR")
+                if kind == "C":
+                    if self.pole is None:
+                        raise Alarm("arc without CC")
+                    centre = self.pole
+                else:
+                    centre = other["R"] * self.length_unit()
+                self.move(words, False, ("X", "Y", centre, clockwise), ("arc",) + raw)
+            else:
+                raise Alarm("not read: " + kind)
+        elif other:
+            if kind in ("CP", "LP", "CT"):
+                event = self.emit("raw")
+                event.key = (kind, tuple(sorted((k, str(v)) for k, v in other.items())), self.pole_key(kind))
+                self.lose(self.linear)
+            elif other:
+                self.code("words", tuple(sorted((k, str(v)) for k, v in other.items())))
+        for code in m:
+            if code in M_AFTER:
+                self.code("M", code)
+                if code in (2, 30):
+                    return "end"
+            elif code in (89, 99):
+                self.code("cycle call", code)
+                self.lose(["Z"])
+            elif code not in M_BEFORE and code not in (91, 92, 94, 114, 115, 128, 129, 130, 140, 144, 145) and \
+                    code not in self.setup.get("harmless", ()):
+                self.lose(self.axes)
+        return None
+
+    def pole_key(self, kind):
+        return tuple(round(v, 1) for v in self.pole) if self.pole and kind in ("CP", "LP", "C", "CTP") else None
+
+    def target(self, axis, value, incremental):
+        if self.shortest and axis not in self.linear and not incremental:
+            saved, self.rollover = self.rollover, {axis: "shortest"}
+            try:
+                return super().target(axis, value, incremental)
+            finally:
+                self.rollover = saved
+        return super().target(axis, value, incremental)
