@@ -9,6 +9,7 @@ class Limits:
     def __init__(self, end_mm, path_mm, gross_mm=0.5, gross_deg=1e-6, rounding_deg=0.6e-4):
         self.end_mm, self.path_mm, self.gross_mm, self.gross_deg = end_mm, path_mm, gross_mm, gross_deg
         self.rounding_deg = rounding_deg
+        self.tilt_rad = None  # where rotary axes are corrected too: how far the tool's direction may be off
 
 
 class Difference(Exception):
@@ -81,12 +82,12 @@ def angle(a, b):
 class Comparison:
     """`passed`: lines that the report lists as not corrected. `strict`: such a line must be listed."""
 
-    def __init__(self, machine, limits, passed, strict):
+    def __init__(self, machine, limits, passed, strict, not_turned=()):
         self.machine, self.limits, self.passed, self.strict = machine, limits, passed, strict
         self.corrected = self.unchanged = 0
         self.worst_end = self.worst_path = 0.0
         self.is_corrected = False  # the position before the present move
-        self.allows_tilt = False
+        self.not_turned = not_turned
 
     def run(self, source, output):
         i = j = 0
@@ -167,9 +168,14 @@ class Comparison:
         if off > (limits.path_mm if is_full else limits.end_mm):
             return "the tool is %.5f mm off at the end" % off
         self.worst_end = max(self.worst_end, off)
+        if limits.tilt_rad is not None and angle(aim, direction) > limits.tilt_rad and s.line not in self.not_turned:
+            return "the tool leans by %.1f urad at the end" % (1e6 * angle(aim, direction))
         if s.rapid or s.opaque_before or not start_is_corrected:
             return None
         t = 0.0
+        length = abs(s.arc[4]) * s.arc[5] if s.arc else math.dist(*[[p[a] for a in machine.linear] for p in (s.start, s.end)])
+        # The correction at both ends: what it shifts a point on the way, to first order.
+        shift = {a: (pieces[0].start[a] - s.start[a], pieces[-1].end[a] - s.end[a]) for a in machine.linear}
         mismatch = abs(s.arc[5] - s.arc[6]) if s.arc else 0.0
         if len(pieces) > 1 and self.turns_by_axis(s):  # the rotary words of pieces are rounded, at 300 mm from the axis
             mismatch += math.radians(limits.rounding_deg) * 300.0
@@ -179,7 +185,8 @@ class Comparison:
                 count = max(3, math.ceil(abs(piece.arc[4]) / 0.5)) if piece.arc else 3
             for k in range(1, count + 1):
                 c = piece.at(k / count)
-                t_new = self.fraction(s, c, t)
+                t_new = self.fraction(s, {a: v - (shift[a][0] + t * (shift[a][1] - shift[a][0]) if a in shift else 0.0)
+                                          for a, v in c.items()}, t)
                 have, direction = machine.tip(c, s.length, True)
                 want, aim = machine.tip(s.at(t_new), s.length)
                 slack = self.slack(s)
@@ -198,7 +205,7 @@ class Comparison:
                 if off > limits.path_mm + mismatch:
                     return "the tool is %.5f mm off on the way (at %.3f of the move)" % (off, t_new)
                 self.worst_path = max(self.worst_path, off)
-                if t_new < t - 0.02:
+                if (t - t_new) * length > max(2 * limits.path_mm, 0.02 * length):
                     return "the tool goes back on the way (from %.4f to %.4f of the move)" % (t, t_new)
                 t = t_new
         if s.arc and abs(t - 1.0) > 0.02:
@@ -208,6 +215,8 @@ class Comparison:
     def slack(self, s):
         """How far the fraction of the move may be off its first guess: where a rotary axis tells it, by its rounding."""
         travel = max((abs(s.end[a] - s.start[a]) for a in self.machine.rotary), default=0.0)
+        if self.limits.tilt_rad is not None:
+            return 0.3 / max(travel, 0.3)
         return self.limits.rounding_deg / travel if self.turns_by_axis(s) else 1.0
 
     def turns_by_axis(self, s):

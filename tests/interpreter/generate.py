@@ -108,8 +108,12 @@ class Writer:
         self.n = 0
         self.numbering = rng.choice(["none", "all", "all", "some"])
         self.packed = rng.random() < 0.15
+        self.gap = not self.packed and rng.random() < 0.05  # "X 10."
+        self.g_two = rng.random() < 0.3                      # G01
         self.habit = rng.choice(["fixed", "fixed", "trim", "trim", "lead", "plus", "whole"])
-        self.decimals = rng.choice([3, 3, 4])
+        if case.get("increment"):
+            self.habit = "increments"
+        self.decimals = rng.choice([3, 3, 4]) if self.habit != "increments" else 3
         self.case_lower = rng.random() < 0.05
         self.sub_number = 100 * rng.randrange(10, 80)
         self.tail = []  # subprograms behind the end
@@ -119,18 +123,23 @@ class Writer:
     def scale(self, axis):
         return 25.4 if self.inch and axis in self.linear else 1.0
 
-    def places(self):
+    def places(self, axis="X"):
+        if self.habit == "increments" and axis in self.rotary:
+            return 3
         return self.decimals + 1 if self.inch else self.decimals
 
     def offset(self, axis):
         value = self.case["offsets"].get(self.wcs, {}).get(axis, 0.0) + self.preset[axis]
         return value + (self.length if axis == "Z" else 0.0)
 
-    def number(self, value, places=None):
+    def number(self, value, places=None, is_axis=False):
+        is_axis |= places is None
         places = self.places() if places is None else places
         text = "%.*f" % (places, value)
         if float(text) == 0:
             text = text.lstrip("-")
+        if self.habit == "increments" and is_axis and self.rng.random() < 0.7:
+            return "%d" % round(value * 10 ** places)
         if self.habit in ("trim", "lead", "plus", "whole"):
             text = text.rstrip("0")
             if self.habit == "lead" and text.lstrip("-").startswith("0.") and len(text.lstrip("-")) > 2:
@@ -165,7 +174,7 @@ class Writer:
         for axis, want in targets.items():
             scale = self.scale(axis)
             if self.incremental:
-                value = round((want - self.m[axis]) / scale, self.places())
+                value = round((want - self.m[axis]) / scale, self.places(axis))
                 self.m[axis] += value * scale
                 words.append(self.axis_word(axis, value))
             elif self.dialect == "sinumerik" and not absolute_only and self.m[axis] is not None and self.rng.random() < 0.06:
@@ -173,7 +182,7 @@ class Writer:
                 self.m[axis] += value * scale
                 words.append("%s=IC(%s)" % (axis, self.number(value)))
             else:
-                value = round((want - self.offset(axis)) / scale, self.places())
+                value = round((want - self.offset(axis)) / scale, self.places(axis))
                 self.m[axis] = value * scale + self.offset(axis)
                 words.append(self.axis_word(axis, value))
         return words
@@ -185,12 +194,10 @@ class Writer:
                 return "%s=%s" % (axis, self.number(value))
             if r < 0.1 and not self.incremental:
                 return "%s=AC(%s)" % (axis, self.number(value))
-        return axis + self.number(value)
+        return axis + (" " if self.gap else "") + self.number(value, self.places(axis), True)
 
     def g(self, code):
         return ("G%02d" if self.g_two else "G%d") % code
-
-    g_two = False
 
     def motion_word(self, code, always=False):
         if self.motion == code and not always and self.rng.random() < 0.75:
@@ -311,7 +318,7 @@ class Program(Writer):
             a0 = rng.uniform(0, 2 * math.pi)
             if rng.random() < 0.3:
                 a0 = rng.randrange(4) * math.pi / 2
-            places = 4 if not self.inch else 5
+            places = (4 if not self.inch else 5) if self.habit != "increments" else self.places() + 1
             scale = self.length_scale()
             i = round(-radius * math.cos(a0) / scale, places - 1) * scale
             j = round(-radius * math.sin(a0) / scale, places - 1) * scale
@@ -322,7 +329,9 @@ class Program(Writer):
             clockwise = rng.random() < 0.5
             form = rng.choice(["centre", "centre", "radius"])
             sweep = rng.uniform(0.3, 2.8) if rng.random() < 0.7 else rng.uniform(3.5, 5.9)
-            saved, self.decimals = self.decimals, 4
+            saved = self.decimals
+            if self.habit != "increments":
+                self.decimals = 4
             more = None
             if form == "centre" and rng.random() < 0.25:
                 end = start  # a full circle
@@ -373,7 +382,12 @@ class Program(Writer):
         elif kind == 4:
             self.lines.append("")
         elif kind == 5:
-            self.plain(rng.choice(["G61", "G64"]))
+            more = {"fanuc": ["G5 P10000", "G05 P0", "G8 P1", "G5.1 Q1", "G5.1 Q0"], "mazak": ["G61.1", "G5 P2", "G5 P0"],
+                    "haas": ["G187 P1", "G103 P1", "G103 P0"], "linuxcnc": ["G64 P0.01", "G61.1", "M62 P1", "M63 P1", "(MSG, X10)", "#<depth>=5."],
+                    "sinumerik": ["G642", "G601", "MSG(\"X10 Y20\")", "STOPRE", "FFWON", "SOFT", "CYCLE832(0.01,1,1)", "DYNFINISH", "FNORM", "G450", "R5=3"],
+                    }[self.dialect]
+            text = rng.choice(["G61", "G64"] + more + more)
+            self.lines.append(text) if text[0] == "(" or "=" in text and text[0] == "M" else self.plain(text) if "(" not in text else self.lines.append(text)
         elif kind == 6:
             self.feed_move(self.targets(self.some_axes()), code=rng.choice(["M8", "M3", "M13"] if self.dialect != "linuxcnc" else ["M8", "M3 S500"]))
         elif kind == 7:
@@ -400,7 +414,7 @@ class Program(Writer):
             self.rapid(axes)
 
     def f_offset(self):
-        names = [n for n in self.case["offsets"] if n and n not in ("PRESET",)]
+        names = [n for n in self.case["offsets"] if n and n not in self.case["unstated"]]
         name = self.rng.choice(names)
         self.wcs = name
         self.plain(name)
@@ -462,12 +476,18 @@ class Program(Writer):
 
     def f_g28(self):
         if self.dialect == "sinumerik":
-            self.plain("G74 Z1=0" if False else "SUPA G0 Z80")
+            self.plain(self.rng.choice(["SUPA G0 Z80", "G53 G0 Z60", "G0 G153 Z70", "SUPA G0 X0 Y0 D0"]))
+            if "D0" in self.lines[-1]:
+                self.length = 0.0
             self.motion = 0
             self.m["Z"] = None
-        elif self.rng.random() < 0.5:
-            self.plain("G91 G28 Z0.")
-            self.plain("G90")
+        elif self.rng.random() < 0.6:
+            z = self.rng.choice(["Z0.", "Z0.", "X0. Y0. Z0.", "Y0. Z0."])
+            if self.rng.random() < 0.7:
+                self.plain("G91 G28 " + z)
+                self.plain("G90")
+            else:
+                self.block(["G28"] + self.go(self.targets(["Z"])))
         else:
             self.plain(self.rng.choice(["G53 G0 Z50.", "G0 G53 Z20."]) if not self.inch else "G53 G0 Z2.")
             self.motion = 0
@@ -847,6 +867,27 @@ class Program(Writer):
     def call_elsewhere(self):
         return {"sinumerik": "L100", "linuxcnc": "O9000 call"}.get(self.dialect, "M98 P9000")
 
+    def r_unstated_offset(self):
+        """A work offset whose values axiscal is not told."""
+        self.plain(self.case["unstated"][0])
+        self.motion = None
+        self.feed_move(self.targets(self.rng.sample(self.linear, 2)))
+        self.recover()
+
+    def r_local_call(self):
+        if self.dialect != "haas":
+            return
+        label = 5000 + len(self.lines)
+        self.plain("M97 P%d%s" % (label, self.rng.choice(["", " L2"])))
+        lines, self.lines, saved, numbering = self.lines, [], dict(self.m), self.numbering
+        self.numbering = "none"
+        self.motion, self.feed = None, None
+        self.f_short_lines()
+        self.f_arc()
+        self.tail += ["N%d" % label] + self.lines + ["M99"]
+        self.lines, self.m, self.numbering, self.motion, self.feed = lines, saved, numbering, None, None
+        self.recover()
+
     def r_spline(self):
         if self.dialect == "sinumerik":
             self.plain("BSPLINE")
@@ -864,7 +905,8 @@ class Program(Writer):
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
              ("rotary_feed", 0.5)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
-               ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4)]
+               ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
+               ("unstated_offset", 0.7), ("local_call", 0.5)]
 
     def begin(self):
         rng = self.rng
@@ -884,7 +926,7 @@ class Program(Writer):
             codes = [unit[1]]
         else:
             codes = []
-        first = [n for n in self.case["offsets"] if n not in ("PRESET",)]
+        first = [n for n in self.case["offsets"] if n not in self.case["unstated"]]
         self.wcs = rng.choice(first)
         codes += ["G90", "G17", "G94", "G40", self.wcs]
         if d not in ("sinumerik",):
@@ -900,6 +942,9 @@ class Program(Writer):
             self.length_known()
         if self.case["unit"] == "inch" and not self.case.get("states_unit", True):
             self.inch = True
+        if self.case["start_option"] and self.dialect != "sinumerik":
+            self.m = dict(self.case["start"])
+            self.f_lines()
         self.restate()
         self.feed = None
 
@@ -943,7 +988,8 @@ class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
              ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
-               ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1)]
+               ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
+               ("program_call", 0.7)]
 
     def block(self, words, comment=None):
         words = [w for w in words if w]
@@ -953,7 +999,7 @@ class KlartextProgram(Program):
     def plain(self, text):
         self.block([text])
 
-    def number(self, value, places=None):
+    def number(self, value, places=None, is_axis=False):
         text = "%.*f" % (self.places() if places is None else places, value)
         if float(text) == 0:
             text = text.lstrip("-")
@@ -1019,7 +1065,7 @@ class KlartextProgram(Program):
         if kind == 0:
             self.plain("L M3")
         elif kind == 1:
-            self.plain(rng.choice(["M8", "M9", "STOP", "M5", "L M13"]))
+            self.plain(rng.choice(["M8", "M9", "STOP", "M5", "L M13", "TOOL CALL S3000", "FN 0: Q5 = +3", "Q7 = +12.5", "TOOL DEF 7", "M136", "M137"]))
         elif kind == 2:
             self.plain("CYCL DEF 9.0 DWELL")
             self.plain("CYCL DEF 9.1 DWELL 0.5")
@@ -1041,7 +1087,7 @@ class KlartextProgram(Program):
         self.restate()
 
     def f_g28(self):
-        self.plain("L Z+%d R0 FMAX M91" % self.rng.randrange(0, 60))
+        self.plain(self.rng.choice(["L Z+%d R0 FMAX M91" % self.rng.randrange(0, 60), "L Z+10 R0 FMAX M92", "M140 MB MAX", "L M140 MB 50 F MAX"]))
         self.rapid(self.targets(self.rng.sample(["X", "Y"], self.rng.choice([1, 2]))))
         self.restate()
 
@@ -1215,6 +1261,14 @@ class KlartextProgram(Program):
         else:
             self.restate()
 
+    def r_program_call(self):
+        self.plain(self.rng.choice(["CALL PGM SUB1", "CYCL DEF 12.0 PGM CALL"]))
+        if "12.0" in self.lines[-1]:
+            self.plain("CYCL DEF 12.1 PGM SUB1")
+            self.plain("CYCL CALL")
+        self.feed_move(self.targets([self.rng.choice("XY")]))
+        self.recover()
+
     def end(self):
         self.plain(self.rng.choice(["M30", "L M30", "M2"]))
         for line in self.tail:
@@ -1240,6 +1294,8 @@ def draw(seed, dialects=DIALECTS, without=()):
     names = {"fanuc": ["G54", "G55", "G59", "G54.1 P5"], "mazak": ["G54", "G56", "G54.1 P12"],
              "haas": ["G54", "G57", "G110", "G154 P3"], "linuxcnc": ["G54", "G58", "G59.2"],
              "sinumerik": ["G500", "G54", "G57", "G505"], "heidenhain": ["PRESET"]}[dialect]
+    unstated = {"fanuc": "G58", "mazak": "G58", "haas": "G59", "linuxcnc": "G59.1", "sinumerik": "G56"}.get(dialect)
+    names = names + ([unstated] if unstated else [])
     case = {
         "seed": seed, "dialect": dialect, "machine": name, "features": [], "mixed": rng.random() < 0.4,
         "without": list(without),
@@ -1249,9 +1305,16 @@ def draw(seed, dialects=DIALECTS, without=()):
         "start": {a: round(rng.uniform(*RANGE[a]), 3) for a in axes},
         "unit": rng.choice(["mm", "mm", "mm", "inch"]), "states_unit": rng.random() < 0.93,
         "block_delete": rng.choice(["either", "either", "executed", "skipped"]),
+        "unstated": [unstated] if unstated else [],
         "tolerance_um": rng.choice([1.0, 1.0, 3.0, 10.0]),
         "decimals": rng.choice([None, None, 3, 5]),
+        "start_option": rng.random() < 0.15,
+        "orientation": len(axes) > 3 and rng.random() < 0.15,
     }
+    if dialect in ("fanuc", "mazak", "haas") and rng.random() < 0.1:
+        case.update(decimals=3, increment=0.001, unit="mm")
+    if "orientation" in without:
+        case["orientation"] = False
     if "unstated-unit" in without:
         case["states_unit"] = True
     if "roll-over" in without:

@@ -186,7 +186,7 @@ class Iso(Control):
         match = re.match(r"\s*[O:]\s*(\d+)\s*(.*)$", text, re.I)
         if match:
             return self.o_word(int(match.group(1)), match.group(2).strip().upper())
-        g, m, axis_words, other, after = [], [], {}, [], []
+        g, m, axis_words, other, counted = [], [], {}, [], []
         for word in self.words(text):
             a = word.address
             if a == "#":
@@ -203,14 +203,21 @@ class Iso(Control):
                     raise Alarm("two words " + a)
                 value = word.value
                 if not word.has_point and self.setup.get("increment"):
-                    value *= self.setup["increment"]
+                    counted.append(a)
                 axis_words[a] = (value, word.how)
             elif len(a) == 1 and a in "XYZABCUVW":
                 raise Alarm("no axis " + a)
             else:
                 if a in "IJKR" and not word.has_point and self.setup.get("increment"):
-                    word.value *= self.setup["increment"]
+                    counted.append(word)
                 other.append(word)
+        inch = 20 in g or (self.inch and 21 not in g)
+        for word in counted:  # 0.001 mm, 0.0001 inch, 0.001 deg
+            if isinstance(word, Word):
+                word.value *= self.setup["increment"] * (0.1 if inch else 1.0)
+            else:
+                value, how = axis_words[word]
+                axis_words[word] = (value * self.setup["increment"] * (0.1 if inch and word in self.linear else 1.0), how)
         return self.execute(g, m, axis_words, other)
 
     def o_word(self, number, rest):

@@ -2,6 +2,7 @@
 import collections
 import copy
 import json
+import math
 import os
 import re
 import subprocess
@@ -86,6 +87,12 @@ def command(case, axiscal, folder, mode):
             out += ["--offset", " ".join([name] + ["%s=%.6f" % item for item in values.items()])]
     for number, value in case["lengths"].items():
         out += ["--tool-length", "%s=%.6f" % (number, value)]
+    if case.get("start_option"):
+        out += ["--start", " ".join("%s=%.6f" % item for item in case["start"].items())]
+    if case.get("increment"):
+        out += ["--integer-words", "increments"]
+    if case.get("orientation"):
+        out += ["--orientation"]
     if case.get("decimals"):
         out += ["--decimals", str(case["decimals"])]
     return out + [os.path.join(folder, "in.nc"), "-o", os.path.join(folder, "out.nc")]
@@ -132,19 +139,24 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
             report = json.load(file)
         passed = {finding["line"] for finding in report["passed"]}
         resolution = 10.0 ** -min(case.get("decimals") or 4, 4)
-        inch = "G20" in text or "G70" in text or case["unit"] == "inch"
+        inch = "G20" in text.upper() or "G70" in text.upper() or case["unit"] == "inch"
         if inch:
             resolution *= 2.54
         end = 1.2 * resolution + 2e-5
         limits = Limits(end, case["tolerance_um"] * 1e-3 + end,
                         rounding_deg=0.6 * 10.0 ** -min(case.get("decimals") or 4, 4))
+        if case.get("orientation"):
+            limits.gross_deg = 0.0501
+            limits.gross_mm = 1.0
+            limits.tilt_rad = 1.5e-5 + math.radians(limits.rounding_deg) * 2
+        not_turned = {finding["line"] for finding in report.get("orientation", {}).get("not_reached", ())}
         for scenario, source in traces:
             try:
                 output = interpret(case, written, scenario)
             except Alarm as alarm:
                 outcome.failures.append(Failure(mode, scenario, "the control stops: %s" % alarm, written=written))
                 break
-            comparison = Comparison(machine, limits, passed, strict=mode == "refuse")
+            comparison = Comparison(machine, limits, passed, strict=mode == "refuse", not_turned=not_turned)
             try:
                 comparison.run(source, output)
             except Difference as difference:
@@ -161,7 +173,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
 def ask_linuxcnc(case, text, written, mode, folder, outcome):
     """Does LinuxCNC read both texts as we do? What it refuses in the source is not asked of the output."""
     description = MACHINES[case["machine"]]
-    tolerance = 4e-3 if "G20" in text or case["unit"] == "inch" else 4e-4
+    tolerance = 4e-3 if "G20" in text.upper() or case["unit"] == "inch" else 4e-4
     for scenario in scenarios(case):
         if scenario["rollover"] or scenario["unit"] == "inch" and not states_unit(case):
             continue

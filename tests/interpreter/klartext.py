@@ -305,6 +305,11 @@ class Klartext(Control):
                 self.lose(self.axes)
         return None
 
+    def move(self, words, rapid=False, arc=None, raw=()):
+        event = super().move(words, rapid, arc, raw)
+        event.length -= self.difference  # DL lifts Z; the tool is as long as it is
+        return event
+
     def pole_key(self, kind):
         return tuple(round(v, 1) for v in self.pole) if self.pole and kind in ("CP", "LP", "C", "CTP") else None
 
