@@ -9,7 +9,9 @@
 namespace axiscal::nc {
 namespace {
 
-constexpr int kSamplesPerArc = 8;  // inside a fitted arc
+constexpr int kLeastSamples = 8;           // inside a fitted arc
+constexpr int kMostSamples = 4096;         // an arc that waves so often is no arc
+constexpr double kSamplesPerTravel = 4.0;  // of the travel within which errors are smooth, as of straight moves
 constexpr double kShare =
     0.95;  // rounding of words and the samples' spacing must not carry a piece beyond the tolerance
 constexpr int kArcCounts[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
@@ -73,6 +75,18 @@ absl::Status MoveCorrector::CorrectOnArc(const Step& step, double fraction, cons
   return CorrectAt(nominal, senses, grain, piece);
 }
 
+int MoveCorrector::ArcSamples(const Step& step, double share) const {
+  double samples = kLeastSamples;
+  for (int i = 0; i < axis_count_; ++i) {
+    const bool is_in_plane = i == step.arc.first || i == step.arc.second;
+    const double travel =
+        is_in_plane ? std::abs(step.arc.sweep_rad) * step.arc.radius_mm()
+                    : std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) * unit_per_tick_[i];
+    samples = std::max(samples, std::ceil(kSamplesPerTravel * share * travel / compensator_->smooth_travel(i)));
+  }
+  return static_cast<int>(std::min<double>(samples, kMostSamples));
+}
+
 absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at_begin, const AxisTicks& start,
                                            double first, double last, const WordGrain& grain, Piece* piece) const {
   const Arc& nominal = step.arc;
@@ -106,12 +120,13 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   if (std::abs(sweep) * nominal.radius_mm() < kLeastGrains * grain_mm) return false;
 
   // Corrected points between the ends.
-  std::array<AxisTicks, kSamplesPerArc> points;
-  std::array<Effect, kSamplesPerArc> effects;
-  Eigen::Matrix2Xd in_plane(2, kSamplesPerArc);
+  const int count = ArcSamples(step, last - first);
+  std::vector<AxisTicks> points(static_cast<size_t>(count));
+  std::vector<Effect> effects(static_cast<size_t>(orientation_ ? count : 1));
+  Eigen::Matrix2Xd in_plane(2, count);
   Piece sample;
-  for (int k = 0; k < kSamplesPerArc; ++k) {
-    const double t = (k + 1.0) / (kSamplesPerArc + 1);
+  for (int k = 0; k < count; ++k) {
+    const double t = (k + 1.0) / (count + 1);
     RETURN_IF_ERROR(CorrectAt(Between(step, first + t * (last - first)), senses, WordGrain(), &sample));
     points[static_cast<size_t>(k)] = sample.targets;
     if (orientation_) effects[static_cast<size_t>(k)] = EffectAt(sample);
@@ -121,14 +136,14 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   const auto departure = [&](const absl::StatusOr<Arc>& arc) {
     if (!arc.ok() || !(std::abs(arc->sweep_rad - sweep) <= 0.1 * std::abs(sweep))) return kInfinity;
     double largest = 0;
-    for (int k = 0; k < kSamplesPerArc; ++k) {
-      const double t = (k + 1.0) / (kSamplesPerArc + 1);
+    for (int k = 0; k < count; ++k) {
+      const double t = (k + 1.0) / (count + 1);
       const Eigen::Vector2d at_mm = arc->At(t);
       AxisTicks written = Mean(start, piece->targets, t);
       written[nominal.first] = NearestTick(at_mm.x() * kTicksPerUnit);
       written[nominal.second] = NearestTick(at_mm.y() * kTicksPerUnit);
       const auto at = static_cast<size_t>(k);
-      largest = std::max(largest, Weight(ChangeOf(written, points[at]), effects[at]));
+      largest = std::max(largest, Weight(ChangeOf(written, points[at]), effects[orientation_ ? at : 0]));
     }
     return largest;
   };

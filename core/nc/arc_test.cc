@@ -125,6 +125,31 @@ TEST(ArcRewriter, ArcsStayWithinTheToleranceOnAllStructures) {
   }
 }
 
+// The pitch of a ball screw waves several times within a long arc: eight points of it do not show how far it departs.
+TEST(ArcRewriter, ErrorsThatWaveWithinAnArcAreSeen) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  machine::ErrorModel errors = testing::ConstantErrors(machine, {{"EX0C", 0.03}});
+  machine::ErrorTerm pitch = machine::ConstantTerm(machine, *machine::ParseErrorSymbol("EY0X"), 0.008);
+  pitch.shape = shapes::Harmonic{machine::FindAxis(machine, "X"), 2.0 * kPi / 20.0};
+  pitch.amplitude = {0.0, 0.008};
+  errors.terms.push_back(pitch);
+  const Eigen::Vector3d tip_mm(0, 0, -150);
+  // Of some of the radii all of the eight points stand where the wave is small.
+  std::string program = "G0 X0. Y0. Z0. B0. C0. F500\n";
+  for (int radius = 60; radius <= 85; ++radius) absl::StrAppend(&program, "G1 X", radius, ".\nG3 I-", radius, ".\n");
+  RewriteOptions options = testing::InMm();
+  options.tolerance_mm = 0.0065;
+  RewriteReport report;
+  const auto text = RewriteText(program, testing::MustCreate(machine, errors, tip_mm), options, &report);
+  ASSERT_TRUE(text.ok()) << text.status();
+  VerifyOptions verify;
+  verify.reading.unit = ProgramUnit::kMillimetre;
+  verify.tool_tip_mm = tip_mm;
+  const auto verified = VerifyText(program, *text, machine, errors, verify);
+  ASSERT_TRUE(verified.ok()) << verified.status() << *text;
+  EXPECT_LT(verified->path_after.max_mm, options.tolerance_mm + 0.00015);
+}
+
 // Lost motion: an arc turns back in each axis at its quadrants. Chords take it up where it turns.
 TEST(ArcRewriter, LostMotionIsTakenUpWhereAnAxisTurnsBack) {
   const machine::Machine machine = machine::testing::MultiTasking();

@@ -27,10 +27,10 @@ struct Piece {
 
 // What the written words can hold.
 struct WordGrain {
-  AxisTicks of_axis{};     // of each axis' word, ticks; 0: any position
-  AxisTicks base{};        // a position that the word can say
-  Ticks radius = 0;        // of the R word; 0: the arc has a centre
-  bool is_flat = false;    // the arc's block holds no word of another axis than its plane's
+  AxisTicks of_axis{};   // of each axis' word, ticks; 0: any position
+  AxisTicks base{};      // a position that the word can say
+  Ticks radius = 0;      // of the R word; 0: the arc has a centre
+  bool is_flat = false;  // the arc's block holds no word of another axis than its plane's
 
   // The position nearest to it that the axis' word can say.
   Ticks Held(int axis, Ticks target) const { return NearestHeld(target, base[axis], of_axis[axis]); }
@@ -101,6 +101,8 @@ class MoveCorrector {
   Senses SensesOfArc(const Step& step, double fraction) const;
   absl::Status CorrectOnArc(const Step& step, double fraction, const Senses& senses, const WordGrain& grain,
                             Piece* piece) const;
+  // How many points inside an arc show its corrections, of one that is `share` of the move.
+  int ArcSamples(const Step& step, double share) const;
   // Whether one arc through the corrected points, from `start` to the fraction `last`, keeps the tolerance; fills
   // `piece`. `at_begin`: where the first arc of this move began.
   absl::StatusOr<bool> FitArc(const Step& step, const AxisTicks& at_begin, const AxisTicks& start, double first,

@@ -15,8 +15,12 @@ namespace axiscal::nc {
 namespace {
 
 constexpr int kMaxPiecesPerMove = 20000;
-constexpr double kRotaryMatchDeg = 0.0005;       // words of four decimals, and room for three
-constexpr double kInside[] = {0.25, 0.5, 0.75};  // where a piece is looked at between its ends
+constexpr double kRotaryMatchDeg = 0.0005;  // words of four decimals, and room for three
+// Where a piece is looked at between its ends: evenly, so often at least, and so that waves of an error show.
+constexpr int kLeastLooks = 3;
+constexpr int kMostLooks = 255;
+constexpr double kLookMm = 5.0;
+constexpr double kLookRad = 5.0 * base::kRadPerDeg;
 
 using Values = std::array<double, machine::kMaxAxes>;  // mm, rad
 
@@ -248,10 +252,22 @@ class Verifier {
     report_.worst_line = line;
   }
 
+  int LooksInside(const Step& step, const Values& from, const Values& to) const {
+    double looks = kLeastLooks;
+    for (int i = 0; i < machine_.axis_count(); ++i) {
+      const bool is_rotary = machine_.axes[i].kind == machine::AxisKind::kRotary;
+      looks = std::max(looks, std::abs(to[i] - from[i]) / (is_rotary ? kLookRad : kLookMm));
+    }
+    if (step.is_arc) looks = std::max(looks, std::abs(step.arc.sweep_rad) * step.arc.radius_mm() / kLookMm);
+    return static_cast<int>(std::ceil(std::min<double>(looks, kMostLooks)));
+  }
+
   // Inside one piece, from command `from` to `to`, nominal fractions `first` to `last`.
   void LookInside(const Event& wanted, const Values& nominal_from, const Values& nominal_to, const Event& found,
                   const Values& from, const Values& to, double first, double last) {
-    for (const double t : kInside) {
+    const int looks = LooksInside(found.step, from, to);
+    for (int look = 1; look <= looks; ++look) {
+      const double t = look / (looks + 1.0);
       const double fraction = first + t * (last - first);
       const Values nominal = AlongMove(wanted.step, nominal_from, nominal_to, fraction);
       const Tool path = Nominal(nominal);

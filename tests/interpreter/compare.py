@@ -88,6 +88,8 @@ class Comparison:
         self.worst_end = self.worst_path = 0.0
         self.is_corrected = False  # the position before the present move
         self.not_turned = not_turned
+        self.place = None  # where the nominal machine stands
+        self.brought_back = 0
 
     def run(self, source, output):
         i = j = 0
@@ -101,6 +103,8 @@ class Comparison:
                 j += 1
             s = source[i] if i < len(source) else None
             o = output[j] if j < len(output) else None
+            if a == [] and self.is_back(b):
+                b = []
             if len(a) > len(b) or (not a and b):
                 raise Difference("%d moves became %d" % (len(a), len(b)), a[0] if a else s, b or ([o] if o else []))
             for move, pieces in zip(a, group(a, b, self.machine)):
@@ -113,8 +117,23 @@ class Comparison:
             i += 1
             j += 1
 
+    def is_back(self, moves, position=None):
+        """Blocks that bring the axes from a corrected position back to the programmed one, in front of a passed block."""
+        position = position or self.place
+        if not moves or position is None:
+            return False
+        start, end = moves[0].start, moves[-1].end
+        ends = all(abs(end[a] - position[a]) <= 1.3 * self.limits.end_mm for a in end)
+        return ends and all(abs(start[a] - end[a]) <= self.limits.gross_mm for a in end) and moves[0].number is None
+
     def check(self, s, pieces):
         machine, limits = self.machine, self.limits
+        self.place = s.end
+        if len(pieces) > 1 and self.is_back(pieces[-1:], s.end) and not self.is_right_at_end(s, pieces[-1]):
+            self.brought_back += 1
+            self.check(s, pieces[:-1])
+            self.is_corrected = False
+            return
         last = pieces[-1]
         for at, a, b in (("start", s.start, pieces[0].start), ("end", s.end, last.end)):
             for axis in a:

@@ -41,7 +41,8 @@ class Control:
       start     axis positions when the program starts
       offsets   work offset -> axis -> value, by the name that programs use
       lengths   number -> tool length, mm
-      rollover  axis -> "shortest": an absolute position is reached by the shorter way, of a turn of 360 deg
+      rollover  axis -> how an axis that counts from 0 to 360 deg reaches an absolute position: "shortest" way, by the
+                word's "sign", or by the "difference" of both positions, never across 0
       unit      "mm" or "inch" when the program does not say
       skip      the block-delete switch is on
       increment None, or mm per count of a word without a point
@@ -99,6 +100,13 @@ class Control:
             elif travel < -180.0:
                 travel += 360.0
             return self.pos[axis] + travel
+        if self.rollover.get(axis) == "difference":
+            return self.pos[axis] + goal % 360.0 - self.pos[axis] % 360.0
+        if self.rollover.get(axis) == "sign":  # of the word; its size is the position
+            goal = abs(value) + self.offset(axis)
+            if math.copysign(1.0, value) > 0:
+                return self.pos[axis] + (goal - self.pos[axis]) % 360.0
+            return self.pos[axis] - (self.pos[axis] - goal) % 360.0
         return goal
 
     def lose(self, axes):

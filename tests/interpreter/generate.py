@@ -604,7 +604,7 @@ class Program(Writer):
 
     def f_long_line(self):
         """Close to what the control reads in one block."""
-        room = {"linuxcnc": 255}.get(self.dialect, 240)
+        room = {"linuxcnc": 252}.get(self.dialect, 240)
         words = [self.motion_word(1, True)] + self.go(self.targets([self.rng.choice("XY")])) + [self.feed_word()]
         text = " ".join(w for w in words if w)
         fill = room - len(text) - 4 - self.rng.randrange(0, 25)
@@ -1308,6 +1308,7 @@ def draw(seed, dialects=DIALECTS, without=()):
         "unstated": [unstated] if unstated else [],
         "tolerance_um": rng.choice([1.0, 1.0, 3.0, 10.0]),
         "decimals": rng.choice([None, None, 3, 5]),
+        "unit_option": rng.random() < 0.6,
         "start_option": rng.random() < 0.15,
         "orientation": len(axes) > 3 and rng.random() < 0.15,
     }
@@ -1315,10 +1316,15 @@ def draw(seed, dialects=DIALECTS, without=()):
         case.update(decimals=3, increment=0.001, unit="mm")
     if "orientation" in without:
         case["orientation"] = False
+    if "C" in axes:
+        case["roll_over"] = rng.choice([None, "none", "none", "shortest", "shortest", "difference", "sign"])
+        if case["roll_over"] == "sign":
+            for table in case["offsets"].values():
+                table["C"] = 0.0
     if "unstated-unit" in without:
         case["states_unit"] = True
     if "roll-over" in without:
-        case["rollovers"] = [{}]
+        case["roll_over"] = "none"
     maker = KlartextProgram if dialect == "heidenhain" else Program
     writer = maker(rng, case)
     case["lines"] = writer.make()

@@ -39,7 +39,7 @@ class Iso(Control):
         self.saved_preset = None
         self.wcs = "" if dialect == "sinumerik" else "G54"
         self.is_sinumerik = dialect == "sinumerik"
-        self.max_line = 255 if dialect == "linuxcnc" else None
+        self.max_line = 252 if dialect == "linuxcnc" else None
         self.arc_tolerance_mm = {"sinumerik": 0.011, "haas": 0.02, "linuxcnc": 0.127}.get(dialect, 0.02)
         self.corner_all = False
 

@@ -69,12 +69,25 @@ def scenarios(case):
     if not any(line.lstrip("0123456789 ").startswith("/") for line in case["lines"]):
         skips = skips[:1]
     rotary = [a for a, v in MACHINES[case["machine"]]["axes"].items() if v["kind"] == "rotary"]
-    rollovers = case.get("rollovers")
-    if rollovers is None:
+    # machine.json says how an axis counts; where it does not, both usual ways must be right.
+    stated = case.get("roll_over")
+    if not rotary or stated == "none":
         rollovers = [{}]
-        if rotary and case["dialect"] != "heidenhain":
-            rollovers.append({a: "shortest" for a in rotary})
+    elif stated is None:
+        rollovers = [{}, {"C": "shortest"}] if "C" in rotary and case["dialect"] != "heidenhain" else [{}]
+    else:
+        rollovers = [{"C": stated}]
     return [{"unit": u, "skip": s, "rollover": r} for u in units for s in skips for r in rollovers]
+
+
+def described(case):
+    description = copy.deepcopy(dict(MACHINES[case["machine"]], structure="test"))
+    for axis, values in description["axes"].items():
+        if values["kind"] == "rotary":
+            stated = case.get("roll_over") if axis == "C" else "none"
+            if stated and "roll_over" not in case["without"]:
+                values["roll_over"] = stated
+    return description
 
 
 def command(case, axiscal, folder, mode):
@@ -87,6 +100,8 @@ def command(case, axiscal, folder, mode):
             out += ["--offset", " ".join([name] + ["%s=%.6f" % item for item in values.items()])]
     for number, value in case["lengths"].items():
         out += ["--tool-length", "%s=%.6f" % (number, value)]
+    if case.get("unit_option") and not states_unit(case):
+        out += ["--unit", case["unit"]]
     if case.get("start_option"):
         out += ["--start", " ".join("%s=%.6f" % item for item in case["start"].items())]
     if case.get("increment"):
@@ -105,7 +120,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
     text = "\n".join(case["lines"]) + "\n"
     machine = Machine(MACHINES[case["machine"]], case["errors"], case["tip"])
     with open(os.path.join(folder, "machine.json"), "w") as file:
-        json.dump(dict(MACHINES[case["machine"]], structure="test"), file)
+        json.dump(described(case), file)
     with open(os.path.join(folder, "errors.json"), "w") as file:
         json.dump(case["errors"], file)
     with open(os.path.join(folder, "in.nc"), "w") as file:
@@ -165,6 +180,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
             finally:
                 counts[mode + ": moves found corrected"] += comparison.corrected
                 counts[mode + ": moves found unchanged"] += comparison.unchanged
+                counts[mode + ": ways back in front of passed blocks"] += comparison.brought_back
         if case["dialect"] == "linuxcnc" and linuxcnc.is_there() and not outcome.failures:
             ask_linuxcnc(case, text, written, mode, folder, outcome)
     return outcome

@@ -21,6 +21,7 @@ class Klartext(Control):
         self.q = {}
         self.modal_cycle = False
         self.difference = 0.0
+        self.calls_program = False
 
     def run(self, text):
         blocks, labels = [], {}
@@ -99,9 +100,13 @@ class Klartext(Control):
         match = re.match(r"CYCL DEF\s+(\d+)(?:\.(\d+))?(.*)$", body)
         if match:
             return self.cycle(int(match.group(1)), match.group(2), match.group(3), body)
+        if body.startswith("CALL PGM"):
+            self.code("CALL PGM", body)
+            self.lose(self.axes)
+            return None
         if body.startswith("CYCL CALL"):
             self.code("CYCL CALL", body)
-            self.lose(self.axes if "POS" in body or "PAT" in body else ["Z"])
+            self.lose(self.axes if "POS" in body or "PAT" in body or self.calls_program else ["Z"])
             return None
         match = re.match(r"Q(\d+)\s*=\s*" + VALUE + "$", body)
         if match:
@@ -142,6 +147,8 @@ class Klartext(Control):
 
     def cycle(self, number, part, rest, body):
         self.code("CYCL DEF", body)
+        if number not in (7, 8, 10, 11, 9, 26, 19, 32, 247):
+            self.calls_program = number == 12
         values = [float(v) for v in re.findall(r"[A-Z]" + VALUE, rest)]
         if number == 7:
             if part not in (None, "0"):
