@@ -103,8 +103,9 @@ class Comparison:
                 j += 1
             s = source[i] if i < len(source) else None
             o = output[j] if j < len(output) else None
-            if a == [] and self.is_back(b):
-                b = []
+            if not a and self.is_back(b):
+                self.brought_back += 1
+                self.is_corrected, b = False, []
             if len(a) > len(b) or (not a and b):
                 raise Difference("%d moves became %d" % (len(a), len(b)), a[0] if a else s, b or ([o] if o else []))
             for move, pieces in zip(a, group(a, b, self.machine)):
@@ -134,6 +135,10 @@ class Comparison:
             self.check(s, pieces[:-1])
             self.is_corrected = False
             return
+        if len(pieces) > 1 and self.is_back(pieces[:1], s.start) and self.is_corrected:
+            self.brought_back += 1
+            self.is_corrected = False
+            pieces = pieces[1:]
         last = pieces[-1]
         for at, a, b in (("start", s.start, pieces[0].start), ("end", s.end, last.end)):
             for axis in a:
@@ -189,7 +194,7 @@ class Comparison:
         self.worst_end = max(self.worst_end, off)
         if limits.tilt_rad is not None and angle(aim, direction) > limits.tilt_rad and s.line not in self.not_turned:
             return "the tool leans by %.1f urad at the end" % (1e6 * angle(aim, direction))
-        if s.rapid or s.opaque_before or not start_is_corrected:
+        if s.rapid or s.unsure_before or not start_is_corrected:
             return None
         t = 0.0
         length = abs(s.arc[4]) * s.arc[5] if s.arc else math.dist(*[[p[a] for a in machine.linear] for p in (s.start, s.end)])
@@ -227,7 +232,7 @@ class Comparison:
                 if (t - t_new) * length > max(2 * limits.path_mm, 0.02 * length):
                     return "the tool goes back on the way (from %.4f to %.4f of the move)" % (t, t_new)
                 t = t_new
-        if s.arc and abs(t - 1.0) > 0.02:
+        if s.arc and abs(t - 1.0) > 0.02 and length > 0.002:
             return "the arc ends at %.4f of its sweep" % t
         return None
 

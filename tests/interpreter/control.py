@@ -15,7 +15,7 @@ class Alarm(Exception):
 
 class Event:
     __slots__ = ("kind", "line", "number", "key", "start", "end", "arc", "rapid", "words", "minutes", "opaque",
-                 "opaque_before", "unsure", "length", "named", "corner")
+                 "unsure_before", "unsure", "length", "named", "corner")
 
     def __init__(self, kind, line, number, key=None):
         self.kind, self.line, self.number, self.key = kind, line, number, key
@@ -140,7 +140,7 @@ class Control:
         """`words`: axis -> (value, incremental)."""
         event = self.emit("move")
         event.start = dict(self.pos)
-        event.opaque_before = set(self.opaque)
+        event.unsure_before = self.opaque | self.unsure
         for axis, (value, incremental) in words.items():
             self.pos[axis] = self.target(axis, value, incremental)
             if not incremental:

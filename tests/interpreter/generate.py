@@ -1,6 +1,7 @@
 """Random programs of six dialects, with the shop floor that they run on. A program is a list of lines; everything that a
 run needs beside them stands in a dictionary (see `draw`), so that a failure can be written down and tried again."""
 import math
+import os
 import random
 
 MACHINES = {
@@ -1330,3 +1331,26 @@ def draw(seed, dialects=DIALECTS, without=()):
     case["lines"] = writer.make()
     case["lathe"] = "lathe" in case["features"]
     return case
+
+
+def samples(folder, dialects):
+    """The checkout's programs (NAME.nc with its dialect in NAME.txt) on a machine that they know."""
+    out = []
+    for name in sorted(os.listdir(folder)):
+        if not name.endswith(".txt"):
+            continue
+        with open(os.path.join(folder, name), encoding="utf-8", errors="replace") as file:
+            words = file.readline().split()
+        with open(os.path.join(folder, name[:-3] + "nc"), "rb") as file:
+            program = file.read()
+        if words[0] not in dialects or "increments" in words or not program.isascii() or b"\0" in program:
+            continue
+        text = program.decode().replace("\r\n", "\n")
+        out.append({
+            "seed": name[:-4], "dialect": words[0], "machine": "head-table", "features": ["sample"], "mixed": True, "without": [],
+            "errors": {"EB0B": 116.9, "EX0C": 30.0}, "tip": [0.0, 0.0, -356.3945],
+            "offsets": {"PRESET": {}} if words[0] == "heidenhain" else {"G54": {}, "G55": {"X": 100.0, "B": 10.0}},
+            "lengths": {"1": 10.0, "5": 10.0}, "start": {"X": 11.0, "Y": -7.0, "Z": 40.0, "B": 5.0, "C": 30.0}, "unit": "mm",
+            "unit_option": True, "start_option": False, "orientation": False, "block_delete": "either", "tolerance_um": 5.0,
+            "decimals": None, "unstated": [], "roll_over": "none", "lathe": False, "lines": text.rstrip("\n").split("\n")})
+    return out

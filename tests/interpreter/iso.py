@@ -42,6 +42,7 @@ class Iso(Control):
         self.max_line = 252 if dialect == "linuxcnc" else None
         self.arc_tolerance_mm = {"sinumerik": 0.011, "haas": 0.02, "linuxcnc": 0.127}.get(dialect, 0.02)
         self.corner_all = False
+        self.unsure_later = set()
 
     def check_radii(self, r0, r1):
         super().check_radii(r0, r1)
@@ -76,9 +77,15 @@ class Iso(Control):
             clean, skipped = body[pc]
             self.line = pc + 1
             pc += 1
+            if skipped and self.setup.get("either"):  # who does not know the switch does not know where these axes stand
+                self.unsure_later = {a for a in self.axes if re.search(a + r"\s*[-+=.\d]", clean, re.I)}
             if (skipped and self.setup.get("skip")) or not clean.strip() or clean.startswith("%"):
+                self.unsure |= self.unsure_later
+                self.unsure_later = set()
                 continue
             jump = self.block(clean)
+            self.unsure |= self.unsure_later
+            self.unsure_later = set()
             if jump is None:
                 continue
             what, where, times = jump
@@ -134,6 +141,11 @@ class Iso(Control):
         while at < len(text):
             if text[at] in " \t":
                 at += 1
+                continue
+            match = re.compile(r"#\s*<(\w+)>\s*=\s*(" + NUMBER + ")").match(text, at)
+            if match and self.dialect == "linuxcnc":
+                out.append(Word("#", (match.group(1), float(match.group(2).replace(" ", "")))))
+                at = match.end()
                 continue
             match = re.compile(r"#\s*(\d+)\s*=\s*(" + NUMBER + ")").match(text, at)
             if match and not self.is_sinumerik:
@@ -670,6 +682,8 @@ class Iso(Control):
         if not axis_words and not (self.motion in (2, 3) and has_centre):
             for address, w in corner.items():
                 self.code(address, w.value)
+            for w in other:
+                self.code(w.address, w.value)
             return
         sin = self.is_sinumerik
         words = {}

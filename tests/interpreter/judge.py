@@ -37,13 +37,15 @@ def interpret(case, text, scenario, still=False):
     linear = [a for a in axes if description["axes"][a]["kind"] == "linear"]
     setup = {"start": case["start"], "offsets": copy.deepcopy(case["offsets"]),
              "lengths": {int(n): v for n, v in case["lengths"].items()}, "lathe": case.get("lathe", False),
-             "unit": scenario["unit"], "skip": scenario["skip"], "rollover": scenario["rollover"],
+             "unit": scenario["unit"], "skip": scenario["skip"], "either": case["block_delete"] == "either", "rollover": scenario["rollover"],
              "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still}
     if still:
         setup["start"] = {a: 0.0 for a in axes}
-    if case["dialect"] == "heidenhain":
-        return Klartext(axes, linear, setup).run(text)
-    return Iso(case["dialect"], axes, linear, setup).run(text)
+    control = Klartext(axes, linear, setup) if case["dialect"] == "heidenhain" else Iso(case["dialect"], axes, linear, setup)
+    try:
+        return control.run(text)
+    except (KeyError, ValueError, TypeError, IndexError) as error:  # words that no control reads
+        raise Alarm("line %d cannot be read: %r" % (control.line, error)) from error
 
 
 def states_unit(case):

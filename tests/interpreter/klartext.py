@@ -47,7 +47,9 @@ class Klartext(Control):
             self.line, number, body, skipped = blocks[pc]
             self.number = int(number) if number else None
             pc += 1
+            moved = {a for a in self.axes if re.search(a + r"[-+\d]", body)} if skipped and self.setup.get("either") else set()
             if skipped and self.setup.get("skip"):
+                self.unsure |= moved
                 continue
             match = re.match(r"CALL LBL\s+(\d+)(?:\s+REP\s*(\d+))?", body)
             if match:
@@ -72,6 +74,7 @@ class Klartext(Control):
                 continue
             if self.block(body) == "end":
                 break
+            self.unsure |= moved
         return self.trace
 
     def clean(self, line):
@@ -318,7 +321,7 @@ class Klartext(Control):
         return event
 
     def pole_key(self, kind):
-        return tuple(round(v, 1) for v in self.pole) if self.pole and kind in ("CP", "LP", "C", "CTP") else None
+        return tuple(round(v, 2) for v in self.pole) if self.pole and kind in ("CP", "LP", "C", "CTP") else None
 
     def target(self, axis, value, incremental):
         if self.shortest and axis not in self.linear and not incremental:
