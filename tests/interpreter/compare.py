@@ -90,6 +90,7 @@ class Comparison:
         self.not_turned = not_turned
         self.place = None  # where the nominal machine stands
         self.brought_back = 0
+        self.has_preset = False
 
     def run(self, source, output):
         i = j = 0
@@ -108,15 +109,33 @@ class Comparison:
                 self.is_corrected, b = False, []
             if len(a) > len(b) or (not a and b):
                 raise Difference("%d moves became %d" % (len(a), len(b)), a[0] if a else s, b or ([o] if o else []))
-            for move, pieces in zip(a, group(a, b, self.machine)):
+            self.unwrap(a)
+            self.unwrap(b)
+            for move, pieces in zip(a, self.group(a, b)):
                 self.check(move, pieces)
             if s is None and o is None:
                 return
             if s is None or o is None or s.kind != o.kind or not same(s.key, o.key):
                 raise Difference("other words than moves differ: %s, now %s" % (s and s.key, o and o.key), s,
                                  [o] if o else [])
+            self.has_preset |= s.kind == "raw" and s.key[0] == "G92"
             i += 1
             j += 1
+
+    def group(self, moves, others):
+        if len(others) > len(moves) > 0 and self.is_back(others[-1:], moves[-1].end):
+            runs = group(moves, others[:-1], self.machine)
+            return runs[:-1] + [runs[-1] + others[-1:]]
+        return group(moves, others, self.machine)
+
+    def unwrap(self, moves):
+        """An axis that counts from 0 again behind each block goes on where the block before ended."""
+        for axis in self.machine.rotary:
+            for before, move in zip(moves, moves[1:]):
+                turns = 360.0 * round((before.end[axis] - move.start[axis]) / 360.0)
+                if turns and before.end[axis] != move.start[axis]:
+                    move.start = dict(move.start, **{axis: move.start[axis] + turns})
+                    move.end = dict(move.end, **{axis: move.end[axis] + turns})
 
     def is_back(self, moves, position=None):
         """Blocks that bring the axes from a corrected position back to the programmed one, in front of a passed block."""
@@ -124,8 +143,10 @@ class Comparison:
         if not moves or position is None:
             return False
         start, end = moves[0].start, moves[-1].end
-        ends = all(abs(end[a] - position[a]) <= 1.3 * self.limits.end_mm for a in end)
-        return ends and all(abs(start[a] - end[a]) <= self.limits.gross_mm for a in end) and moves[0].number is None
+        # G92 took its coordinates from where the control stood, which was the corrected position.
+        near = self.limits.gross_mm if self.has_preset else 1.3 * self.limits.end_mm
+        return (all(abs(end[a] - position[a]) <= near and abs(start[a] - end[a]) <= self.limits.gross_mm for a in end) and
+                all(m.number is None and m.arc is None for m in moves))
 
     def check(self, s, pieces):
         machine, limits = self.machine, self.limits
@@ -232,7 +253,7 @@ class Comparison:
                 if (t - t_new) * length > max(2 * limits.path_mm, 0.02 * length):
                     return "the tool goes back on the way (from %.4f to %.4f of the move)" % (t, t_new)
                 t = t_new
-        if s.arc and abs(t - 1.0) > 0.02 and length > 0.002:
+        if s.arc and abs(t - 1.0) > 0.02 and abs(t - 1.0) * length > 0.002:
             return "the arc ends at %.4f of its sweep" % t
         return None
 
