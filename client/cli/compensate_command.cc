@@ -9,6 +9,7 @@
 #include "client/cli/context.h"
 #include "client/cli/error_model_source.h"
 #include "client/cli/job_wait.h"
+#include "client/cli/line_ranges.h"
 #include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
@@ -66,6 +67,7 @@ std::string RewriteReportText(const reports::Rewrite& report, const std::string&
   row("tool-point error before", report.error_before);
   row("tool-point error after", report.error_after);
   absl::StrAppend(&text, Table(rows), OrientationText(report.orientation));
+  absl::StrAppend(&text, LineRangesText("not corrected", report.not_corrected, report.ranges_not_corrected));
   for (const std::string& note : report.notes) absl::StrAppend(&text, "note: ", note, "\n");
   return text;
 }

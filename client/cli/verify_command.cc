@@ -5,6 +5,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/error_model_source.h"
+#include "client/cli/line_ranges.h"
 #include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
@@ -34,7 +35,7 @@ std::string ReportText(const nc::VerifyReport& report, bool with_directions) {
   if (report.moves_unknown > 0)
     absl::StrAppend(&text, ", ", report.moves_unknown, " not evaluated: an axis position is unknown");
   if (report.blocks_unsupported > 0)
-    absl::StrAppend(&text, ", ", report.blocks_unsupported, " blocks not evaluated: no linear moves");
+    absl::StrAppend(&text, ", ", report.blocks_unsupported, " blocks not evaluated: no moves to positions");
   absl::StrAppend(&text, "\n",
                   Table({{"tool-point error", "max um", "rms um"},
                          Row("at ends of moves, original", report.end_before),
@@ -48,6 +49,7 @@ std::string ReportText(const nc::VerifyReport& report, bool with_directions) {
                                   AngleRow("inside moves, original", report.path_tilt_before),
                                   AngleRow("inside moves, compensated", report.path_tilt_after)}));
   }
+  absl::StrAppend(&text, LineRangesText("not judged", report.not_judged.listed, report.not_judged.count));
   if (report.worst_line > 0) absl::StrAppend(&text, "largest after compensation: line ", report.worst_line, "\n");
   return text;
 }
@@ -74,7 +76,10 @@ absl::Status Verify(Context& context, const VerifyArguments& arguments) {
   const std::string report_json = nc::ToJson(report);
   if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report_json));
   context.Print(Json::Document(report_json), ReportText(report, arguments.rewrite.orientation));
-  return absl::OkStatus();
+  if (report.blocks_passed == 0) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("not all is judged: ", report.blocks_passed, report.blocks_passed == 1 ? " block is" : " blocks are",
+                   " passed as they are, see the lines above; the rest is as reported"));
 }
 
 }  // namespace
@@ -91,7 +96,9 @@ void AddVerifyCommand(CLI::App& app, Context& context) {
   verify->footer(
       "Independent of how the correction was computed: both programs are read and every move is evaluated on the chain "
       "with the\n"
-      "machine's errors. Give the options that compensate was given.\n"
+      "machine's errors. Give the options that compensate was given. What was passed as it is (--on-unsupported pass) is "
+      "not judged:\n"
+      "its lines are listed, and the exit code is 5.\n"
       "Example: axiscal verify --machine mt --tool-tip \"0 0 -350\" in.nc out.nc");
   SetAction(verify, context, [&context, arguments] { return Verify(context, *arguments); });
 }

@@ -79,6 +79,7 @@ void JobReport::AddFinding(const BlockText& block, const std::string& reason, st
 void JobReport::Passed(const BlockText& block, const std::string& reason, bool is_consequence) {
   ++report_.blocks_passed;
   if (!is_consequence) AddFinding(block, reason, &report_.passed);
+  if (!report_.is_null_correction) report_.not_corrected.Add(block.line, reason);
 }
 
 void JobReport::Refused(const BlockText& block, const std::string& reason, bool is_consequence) {
@@ -87,6 +88,7 @@ void JobReport::Refused(const BlockText& block, const std::string& reason, bool 
 }
 
 void JobReport::Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm) {
+  report_.not_corrected.End();
   const machine::Machine& machine = compensator_.machine();
   const std::vector<int>& axes = compensator_.linear_axes();
   Eigen::Vector3d after = Eigen::Vector3d::Zero();

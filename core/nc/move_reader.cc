@@ -33,7 +33,8 @@ void MoveReader::Line(const char* text, size_t size, bool is_overlong) {
   } else {
     interpreter_.Read(text, TextSize(text, size), &block_, &step_);
   }
-  if (step_.kind != StepKind::kNone) events_.push_back({interpreter_.line(), step_});
+  const bool is_event = step_.kind != StepKind::kNone || step_.is_tool_change || step_.ends_program;
+  if (is_event) events_.push_back({interpreter_.line(), step_});
 }
 
 ByteReader TextReader(const std::string& text) {

@@ -23,7 +23,7 @@ ByteReader TextReader(const std::string& text);
 // NOT_FOUND or UNAVAILABLE with the path.
 absl::StatusOr<ByteReader> FileReader(const std::string& path);
 
-// One move or unsupported block.
+// One move or unsupported block; or, of kind kNone, a block behind which positions are not known (M06, M30).
 struct Event {
   int64_t line = 0;
   Step step;

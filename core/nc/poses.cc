@@ -23,6 +23,7 @@ absl::StatusOr<std::vector<ProgramPose>> ReadPoses(const ByteReader& reader, con
   for (Event event;;) {
     ASSIGN_OR_RETURN(const bool has_event, moves.Next(&event));
     if (!has_event) break;
+    if (event.step.kind == StepKind::kNone) continue;
     const std::string line = absl::StrCat("line ", event.line, ": ");
     if (event.step.kind != StepKind::kMove || event.step.is_arc) {
       return absl::InvalidArgumentError(absl::StrCat(line, "expected linear moves in axis positions only",

@@ -58,6 +58,8 @@ reports::Rewrite ReportOf(const RewriteReport& found) {
   report.max_departure_um = found.max_departure_mm * base::kUmPerMm;
   report.passed = FindingsOf(found.passed);
   report.refused = FindingsOf(found.refused);
+  report.ranges_not_corrected = found.not_corrected.count;
+  report.not_corrected = found.not_corrected.listed;
   report.notes = found.notes;
   if (found.has_source_crc32c) report.source_crc32c = absl::StrFormat("%08x", found.source_crc32c);
   return report;

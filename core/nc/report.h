@@ -57,7 +57,26 @@ struct RotaryAxisSpread {
   AngleSpread correction;
 };
 
+inline constexpr size_t kMaxRanges = 1000;  // listed; the count goes on
 inline constexpr int kMaxFindings = 100;  // listed per kind; the counts go on
+
+// Blocks in ranges of lines: a range ends with the last of them in front of a block that is none of them.
+struct LineRanges {
+  std::vector<reports::LineRange> listed;  // the first kMaxRanges
+  int64_t count = 0;
+  bool is_open = false;
+
+  void Add(int64_t line, const std::string& reason) {
+    if (!is_open) {
+      ++count;
+      is_open = true;
+      if (listed.size() < kMaxRanges) listed.push_back({line, line, reason});
+    } else if (static_cast<int64_t>(listed.size()) == count) {
+      listed.back().last = line;
+    }
+  }
+  void End() { is_open = false; }
+};
 
 struct RewriteReport {
   std::string calibration;
@@ -69,6 +88,7 @@ struct RewriteReport {
   int64_t blocks_passed = 0;    // moves left uncorrected (kPass, null correction, skipped blocks)
   int64_t blocks_refused = 0;
   std::vector<Finding> passed, refused;  // the first kMaxFindings of each
+  LineRanges not_corrected;              // of a null correction: empty
   std::vector<std::string>
       notes;  // what the reader must know: tool changes, text after the program's end, effects not carried
   std::vector<AxisSpread> axes;

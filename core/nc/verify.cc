@@ -46,12 +46,19 @@ class Verifier {
       ASSIGN_OR_RETURN(const bool has_wanted, original->Next(&wanted));
       if (!has_wanted) break;
       if (wanted.step.kind != StepKind::kMove) {
-        ++report_.blocks_unsupported;
-        RETURN_IF_ERROR(NextOf(compensated, wanted, &found));
+        do {
+          RETURN_IF_ERROR(NextOf(compensated, wanted, &found));
+        } while (IsReturn(last_end_, found.step));
         if (found.step.kind != wanted.step.kind) return Mismatch(wanted, found, "is not the same block");
+        if (wanted.step.kind == StepKind::kNone) continue;
+        ++report_.blocks_unsupported;
+        report_.blocks_passed += wanted.step.kind == StepKind::kUnsupported;
+        report_.not_judged.Add(wanted.line, wanted.step.reason);
+        if (wanted.step.kind == StepKind::kUnsupported) last_end_.known = 0;
         continue;
       }
       RETURN_IF_ERROR(Pair(wanted, compensated, &found));
+      last_end_ = wanted.step.end;
     }
     ASSIGN_OR_RETURN(const bool has_more, Take(compensated, &found));
     if (has_more)
@@ -93,9 +100,20 @@ class Verifier {
     }
   }
 
+  // Whether the move only brings the control back to where the program is: within a correction of it.
+  bool IsReturn(const nc::Positions& at, const Step& found) const {
+    if (found.kind != StepKind::kMove || found.is_arc || (at.known & found.end.known) == 0) return false;
+    return IsNear(at, found.end, static_cast<uint16_t>(at.known & found.end.known));
+  }
+
   bool Reaches(const Step& wanted, const Step& found) const {
+    return IsNear(wanted.end, found.end, static_cast<uint16_t>((1u << machine_.axis_count()) - 1));
+  }
+
+  bool IsNear(const nc::Positions& wanted, const nc::Positions& found, uint16_t axes) const {
     for (int i = 0; i < machine_.axis_count(); ++i) {
-      const double apart = std::abs(static_cast<double>(found.end.ticks[i] - wanted.end.ticks[i])) / kTicksPerUnit;
+      if ((axes >> i & 1) == 0) continue;
+      const double apart = std::abs(static_cast<double>(found.ticks[i] - wanted.ticks[i])) / kTicksPerUnit;
       const bool is_linear = machine_.axes[i].kind == machine::AxisKind::kLinear;
       if (apart > (is_linear ? options_.reading.max_correction_mm : rotary_match_deg_)) return false;
     }
@@ -305,10 +323,18 @@ class Verifier {
     const bool is_known = IsKnown(wanted.step.end);
     const bool has_path = is_known && !wanted.step.is_rapid && IsKnown(wanted.step.start);
     report_.moves_unknown += !is_known;
+    if (is_known) {
+      report_.not_judged.End();
+    } else {
+      report_.not_judged.Add(wanted.line, "an axis position is unknown");
+    }
     const Values nominal_from = PositionsOf(wanted.step.start), nominal_to = PositionsOf(wanted.step.end);
     double fraction = 0.0;
     for (int piece = 0;; ++piece) {
       RETURN_IF_ERROR(NextOf(compensated, wanted, found));
+      // In front of an arc that is passed, or of a pole.
+      const bool may_return = is_known ? !has_path && !Reaches(wanted.step, found->step) : wanted.step.is_arc;
+      if (piece == 0 && may_return && IsReturn(wanted.step.start, found->step)) continue;
       if (found->step.kind != StepKind::kMove) return Mismatch(wanted, *found, "is not such a move");
       ++report_.pieces;
       if (found->step.wrapped == wanted.step.wrapped) Unwrap(wanted.step, &found->step);
@@ -354,6 +380,7 @@ class Verifier {
   double rotary_match_deg_ = kRotaryMatchDeg;
   double worst_mm_ = -1.0;
   std::deque<Event> ahead_;  // of the compensated program
+  nc::Positions last_end_;   // of the original's last move
 };
 
 }  // namespace

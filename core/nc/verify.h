@@ -5,6 +5,8 @@
 //   end error     tip(commanded; machine with errors) - tip(original's command; nominal machine), table frame, length
 //   path error    the same inside moves, perpendicular to the nominal path; feed moves (G01, arcs) only
 //   tilt          the angle between the tool directions of the same two, at the ends of moves and inside them
+// What is passed (docs/nc.md), and moves behind it until every axis is programmed again, is not judged: its ranges of
+// lines are listed. The compensated program may have blocks of its own in front of it, back to where the original is.
 // A move may have become several; the next move of the compensated program that reaches the original's end ends the
 // pair.
 #ifndef AXISCAL_CORE_NC_VERIFY_H_
@@ -43,6 +45,8 @@ struct VerifyReport {
   Spread path_before, path_after;  // inside them
   AngleSpread end_tilt_before, end_tilt_after;
   AngleSpread path_tilt_before, path_tilt_after;
+  int64_t blocks_passed = 0;  // of blocks_unsupported: not followed at all; the others go to machine positions
+  LineRanges not_judged;      // of the original: what is not evaluated
   int64_t worst_line = 0;  // of the original, where end_after or path_after is largest
 };
 

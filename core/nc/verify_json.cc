@@ -35,6 +35,11 @@ std::string ToJson(const VerifyReport& report) {
   json["path"] = both(report.path_before, report.path_after);
   json["end_tilt"] = both(report.end_tilt_before, report.end_tilt_after);
   json["path_tilt"] = both(report.path_tilt_before, report.path_tilt_after);
+  json["blocks_passed"] = report.blocks_passed;
+  json["ranges_not_judged"] = report.not_judged.count;
+  json["not_judged"] = Json::array();
+  for (const reports::LineRange& range : report.not_judged.listed)
+    json["not_judged"].push_back({{"first", range.first}, {"last", range.last}, {"reason", range.reason}});
   json["worst_line"] = report.worst_line;
   return json.dump(1) + "\n";
 }

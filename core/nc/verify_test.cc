@@ -287,6 +287,53 @@ TEST(Verify, ProgramsThatDoNotPairAreErrors) {
   EXPECT_THAT(message("G28 X0\n", "G1 X0\n"), HasSubstr("is not the same block"));
 }
 
+// What is passed is paired and listed by its lines; the blocks that bring the control back in front of it are none of
+// the original's.
+TEST(Verify, WhatIsPassedIsNotJudged) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const auto errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
+  VerifyOptions options;
+  options.tool_tip_mm = {0, 0, -testing::kToolMm};
+  options.reading = testing::InMm();
+  options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
+  options.reading.on_unsupported = OnUnsupported::kPass;
+  const std::string program =
+      "G90 G1 X50. Y0. F100\n"  // 1
+      "G2 X50. I-#1\n"          // 2: passed
+      "G2 X50. I-50.\n"         // 3: from an unknown position
+      "G1 X1. Y0. Z0. B0. C0.\n"
+      "X2.\n"
+      "T2 M6\n"  // 6
+      "G0 X1. Y0. Z0.\n"
+      "B0. C0.\n"
+      "G28 Z0\n"  // 9
+      "G2 X1. I-1.\n"
+      "G0 Z0.\n"
+      "G1 X3. M99\n";
+  RewriteReport report;
+  const auto text = RewriteText(program, testing::LeaningHead(), options.reading, &report);
+  ASSERT_TRUE(text.ok()) << text.status();
+  const auto verified = VerifyText(program, *text, machine, errors, options);
+  ASSERT_TRUE(verified.ok()) << verified.status() << *text;
+  EXPECT_EQ(verified->blocks_passed, 2);
+  EXPECT_EQ(verified->blocks_unsupported, 3);
+  const auto lines = [](const LineRanges& ranges) {
+    std::string all;
+    for (const reports::LineRange& range : ranges.listed) absl::StrAppend(&all, range.first, "-", range.last, " ");
+    return all;
+  };
+  EXPECT_EQ(lines(verified->not_judged), "2-3 7-7 9-10 ");
+  EXPECT_THAT(verified->not_judged.listed[0].reason, HasSubstr("expression"));
+  EXPECT_EQ(lines(report.not_corrected), "2-3 7-7 9-10 12-12 ");
+  EXPECT_THAT(ToJson(*verified), HasSubstr("\"ranges_not_judged\": 3"));
+  // Under tool centre point control nothing is judged, whatever the words say.
+  const std::string tcp = "G90 G1 X1. Y0. Z0. B0. C0. F100\nG43.4 H1\nH1\nX2. Y0. Z0. B0. C0.\n";
+  options.reading.tool_lengths = {{1, 0.0}};
+  const auto ranges = VerifyText(tcp, tcp, machine, errors, options);
+  ASSERT_TRUE(ranges.ok()) << ranges.status();
+  EXPECT_EQ(lines(ranges->not_judged), "2-4 ");
+}
+
 TEST(Verify, MissingFilesAreNamed) {
   const auto status =
       VerifyFiles("/no/such/original.nc", "/no/such/other.nc", machine::testing::MultiTasking(), {}, {}).status();

@@ -26,6 +26,8 @@ Rewrite ARewrite() {
                                    .blocks_not_reached = 1,
                                    .not_reached = {{7, "N70 X1", "the axes cannot"}}};
   report.passed = {{3, "N30 G0 X\"\t", "G91"}};
+  report.ranges_not_corrected = 1;
+  report.not_corrected = {{3, 5, "G91"}};
   report.notes = {"line 4: tool change", "not UTF-8: \xff"};
   report.source_crc32c = "00ab12ef";
   return report;

@@ -29,6 +29,12 @@ struct Finding {
   std::string block = {}, reason = {};
 };
 
+// Lines of the source from the first to the last block that was not corrected; no block between them was.
+struct LineRange {
+  int64_t first = 0, last = 0;  // from 1
+  std::string reason = {};      // of the first block
+};
+
 struct Blocks {
   int64_t read = 0, corrected = 0, split = 0, inserted = 0, passed = 0, refused = 0;
 };
@@ -53,6 +59,8 @@ struct Rewrite {
   std::optional<Orientation> orientation = {};
   double max_departure_um = 0.0;
   std::vector<Finding> passed = {}, refused = {};  // the first of each
+  int64_t ranges_not_corrected = 0;
+  std::vector<LineRange> not_corrected = {};  // the first of them; none of a null correction, which corrects nothing
   std::vector<std::string> notes = {};
   std::optional<std::string> source_crc32c = {};  // eight hexadecimal digits
 };

@@ -26,6 +26,13 @@ void Members(Io& io, base::Like<Io, Finding> finding) {
 }
 
 template <typename Io>
+void Members(Io& io, base::Like<Io, LineRange> range) {
+  io.Required("first", range.first);
+  io.Required("last", range.last);
+  io.Member("reason", range.reason);
+}
+
+template <typename Io>
 void Members(Io& io, base::Like<Io, Blocks> blocks) {
   io.Member("read", blocks.read);
   io.Member("corrected", blocks.corrected);
@@ -66,6 +73,8 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("max_departure_um", report.max_departure_um);
   io.Member("passed", report.passed);
   io.Member("refused", report.refused);
+  io.Member("ranges_not_corrected", report.ranges_not_corrected);
+  io.Member("not_corrected", report.not_corrected);
   io.Member("notes", report.notes);
   io.Member("source_crc32c", report.source_crc32c);
 }
