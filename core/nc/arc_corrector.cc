@@ -68,7 +68,7 @@ absl::Status MoveCorrector::CorrectOnArc(const Step& step, double fraction, cons
   // Rotary axes are written as nominal, so the nominal position is one that their words can hold.
   for (int i = 0; i < axis_count_ && fraction < 1.0; ++i) {
     if (compensator_->machine().axes[i].kind == machine::AxisKind::kRotary && fraction > 0.0)
-      nominal[i] = NearestHeld(nominal[i], 0, grain.of_axis[i]);
+      nominal[i] = grain.Held(i, nominal[i]);
   }
   piece->end_fraction = fraction;
   piece->is_arc = false;
@@ -108,10 +108,10 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
     end_mm = start_mm;
     for (const int axis : {nominal.first, nominal.second}) piece->targets[axis] = start[axis];
   } else {
-    // As the words will say it: whole grains from the start.
+    // As the words will say it.
     AxisTicks written = piece->targets;
     for (const int axis : {nominal.first, nominal.second})
-      written[axis] = NearestHeld(piece->targets[axis], start[axis], grain.of_axis[axis]);
+      written[axis] = grain.Held(axis, piece->targets[axis]);
     end_mm = PlanePoint(written, nominal);
   }
   if (!is_full && (end_mm - start_mm).norm() < kLeastGrains * grain_mm) {
@@ -185,7 +185,10 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, do
     std::vector<Piece> pieces(static_cast<size_t>(count));
     bool fits = true;
     for (int k = 0; k < count && fits; ++k) {
-      const AxisTicks& start = k == 0 ? commanded : pieces[static_cast<size_t>(k) - 1].targets;
+      AxisTicks start = k == 0 ? commanded : pieces[static_cast<size_t>(k) - 1].targets;
+      for (const int axis : {step.arc.first, step.arc.second}) {
+        if (k > 0) start[axis] = grain.Held(axis, start[axis]);
+      }
       const double from = first + (last - first) * k / count;
       const double to = k + 1 == count ? last : first + (last - first) * (k + 1) / count;
       ASSIGN_OR_RETURN(fits, FitArc(step, at_begin, start, from, to, grain, &pieces[static_cast<size_t>(k)]));

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/nc/move_corrector.h"
+#include "core/nc/testing/yao.h"
+
 namespace axiscal::nc {
 namespace {
 
@@ -77,6 +80,46 @@ TEST(CorrectedWord, NoWordIsNeededWithinHalfAGrain) {
   EXPECT_TRUE(IsHeld(-kGrain / 2, 0, kGrain));
   EXPECT_FALSE(IsHeld(kGrain / 2 + 1, 0, kGrain));
   EXPECT_FALSE(IsHeld(-kGrain / 2 - 1, 0, kGrain));
+}
+
+// Where a move is split its rotary axes stand where their words can say: counted from what a word of 0 means, as all
+// words are. With an offset of a third of the last decimal a piece was 0.00003 deg off otherwise, 0.3 um at 500 mm.
+TEST(CorrectedWord, PositionsBetweenPiecesAreCountedFromTheBaseToo) {
+  const compensate::Compensator compensator = testing::LeaningHead();
+  const machine::Machine& machine = compensator.machine();
+  RewriteOptions options;
+  options.tolerance_mm = 0.002;
+  const MoveCorrector corrector(compensator, options);
+  const int x = machine::FindAxis(machine, "X"), y = machine::FindAxis(machine, "Y");
+  const int b = machine::FindAxis(machine, "B");
+  constexpr Ticks kBase = kGrain / 3;
+  WordGrain grain;
+  grain.of_axis.fill(kGrain);
+  grain.base.fill(kBase);
+  Step step;
+  step.kind = StepKind::kMove;
+  step.start.known = step.end.known = 31;
+  step.start.ticks[b] = step.start.ticks[x] = kBase;
+  step.end.ticks[b] = 90 * kTicksPerMm + kBase;
+  step.end.ticks[x] = 100 * kTicksPerMm + kBase;
+  const auto expect_held = [&](const std::vector<Piece>& pieces, int axis) {
+    ASSERT_GT(pieces.size(), 2u);
+    for (size_t k = 0; k + 1 < pieces.size(); ++k) EXPECT_EQ((pieces[k].nominal[axis] - kBase) % kGrain, 0) << k;
+  };
+  const auto pieces = corrector.Split(step, grain);
+  ASSERT_TRUE(pieces.ok()) << pieces.status();
+  expect_held(*pieces, b);
+  expect_held(*pieces, x);
+  // An arc on which B turns along.
+  step.is_arc = true;
+  const auto arc = ArcAboutCentre({0, 0}, {100, 0}, {50, 0}, false);
+  ASSERT_TRUE(arc.ok());
+  step.arc = *arc;
+  step.arc.first = x;
+  step.arc.second = y;
+  const auto arcs = corrector.SplitArc(step, step.start.ticks, grain);
+  ASSERT_TRUE(arcs.ok()) << arcs.status();
+  expect_held(*arcs, b);
 }
 
 }  // namespace

@@ -42,10 +42,21 @@ bool MayChangeState(const Dialect& dialect, const char* at, const char* end) {
   return 10 * number >= kCodes || dialect.m_codes[10 * number].meaning != Meaning::kHarmless;
 }
 
+// Programs of machines' and probes' makers, which set work offsets and tool lengths.
+bool IsMakersMacro(const Word* number) {
+  return number != nullptr && number->number.mantissa >= 9000 && number->number.mantissa <= 9999;
+}
+
 // Whether a word that moves stands there, whose number is none: "X#1", "I[#2/2]".
 bool BeginsWithMove(const char* at, const char* end) {
   return at != end && std::strchr("XYZABCUVWIJKR", Capital(*at)) != nullptr &&
          (at + 1 == end || Capital(at[1]) < 'A' || Capital(at[1]) > 'Z');
+}
+
+// Whether capitals stand there, in any case.
+bool Holds(const char* begin, const char* end, const std::string& capitals) {
+  const auto same = [](char a, char b) { return Capital(a) == b; };
+  return std::search(begin, end, capitals.begin(), capitals.end(), same) != end;
 }
 
 // L, C, CR and CC: words, M codes, RL and RR.
@@ -261,7 +272,14 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
     NoteCall();
     step->leaves_text |= !BeginsWithMove(begin + block->problem_at, text + size);
   }
-  if (MayWriteOffsets(*dialect_, begin + block->problem_at, text + size)) ForgetStated();
+  const char *const rest = begin + block->problem_at, *const end = text + size;
+  if (MayWriteOffsets(*dialect_, rest, end)) ForgetStated();
+  rounds_corners_ |= dialect_->has_equals && Holds(rest, end, "RNDM");
+  // "X#1 H2": the length in force, or that of the next G43, may be another.
+  if (roles_['H' - 'A'] == Role::kToolLength && Holds(rest, end, "H")) {
+    last_length_number_ = -1;
+    if (coordinates_.active_length() >= 0) modal_.blockers |= kUnstatedLength;
+  }
 }
 
 bool Interpreter::IsPlainMove(const Block& block, Step* step) {
@@ -357,6 +375,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   step->has_other_words |= block.has_assignment;
   Request request;
+  request.is_whole = block.problem == LexProblem::kNone;
   request.blockers_before = modal_.blockers;
   request.uncertain_before = modal_.uncertain;
   ScanWords(block, &request, step);
@@ -371,7 +390,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   modal_.uncertain &= static_cast<uint8_t>(~request.stated);
   if (request.scaling_off != nullptr) {
-    if (request.has_axis || request.foreign_axis != 0) {
+    if (request.has_axis || request.foreign_axis != 0 || !request.is_whole) {
       request.preset = request.scaling_off;
     } else {
       EndMode(kScaling);
@@ -394,6 +413,8 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     request.Refuse("return to another block (M99 P)");
   }
   if (!request.problem.empty()) {
+    // "G52 X#1": it shifts, by what is not known.
+    if (request.preset != nullptr || request.shift != nullptr) modal_.blockers |= kShift;
     Unsupported(request.problem, false, step);
   } else {
     Act(block, request, step);
@@ -404,6 +425,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   step->ends_subprogram = request.is_subprogram_end;
   step->leaves_text |= request.is_call || request.is_jump;
   if (request.is_call || request.is_jump) step->jumps_back = MayJumpBack(text, block, request);
+  if (request.is_call && IsMakersMacro(request.number_of_parameter)) ForgetStated();
   const bool is_corner_pending = rounds_corners_ || is_behind_corner_;
   takes_plain_moves_ = step->kind == StepKind::kMove && !step->is_arc && step->wrapped == 0 && !is_corner_pending &&
                        !step->is_tool_change && !request.is_jump && !request.is_end && !request.is_rapid_block &&

@@ -282,7 +282,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return feed(FeedMode::kPerTurn);
     case Meaning::kWorkOffset:
     case Meaning::kNoWorkOffset:
-      if (request->offset != nullptr) request->Refuse("two work offsets in one block");
+      if (request->offset != nullptr) {
+        request->Refuse("two work offsets in one block");
+        request->has_two_offsets = true;
+      }
       request->offset = &word;
       request->offset_code = &code;
       request->stated |= kOffsetGroup;
@@ -372,8 +375,10 @@ void Interpreter::SelectOffset(const Block& block, Request* request) {
   if (request->offset_code->meaning == Meaning::kWorkOffset) {
     name = WordText(*request->offset);
     if (request->offset_code->detail == 1) {
-      if (request->parameter != 'P' || request->number_of_parameter == nullptr)
+      if (request->parameter != 'P' || request->number_of_parameter == nullptr) {
+        modal_.blockers |= kUnstatedOffset;  // it selects one, which is not known
         return request->Refuse(name + " without a P word");
+      }
       absl::StrAppend(&name, " ", WordText(*request->number_of_parameter));
       request->parameter = 0;
     }
@@ -383,11 +388,12 @@ void Interpreter::SelectOffset(const Block& block, Request* request) {
   for (int i = 0; i < axis_count_ && dialect_->g91_takes_new_offsets; ++i) {
     if (coordinates_.Offset(i) != before[i]) needs_absolute_ |= static_cast<uint16_t>(1u << i);
   }
-  if (is_stated) {
+  if (is_stated && !request->has_two_offsets) {
     EndMode(kUnstatedOffset);
     return;
   }
   modal_.blockers |= kUnstatedOffset;
+  if (request->has_two_offsets) return;
   request->Refuse(absl::StrCat(name, " (", request->offset_code->text, "): its values are not stated"));
 }
 
@@ -468,13 +474,15 @@ void Interpreter::SelectLength(Request* request) {
   const bool acts_alone = roles_['D' - 'A'] == Role::kActiveToolLength;
   if (request->length_number != nullptr) {
     const Decimal& number = request->length_number->number;
-    const bool is_whole = number.decimals == 0 && number.mantissa >= 0 && number.mantissa <= 9999;
-    last_length_number_ = is_whole ? static_cast<int>(number.mantissa) : -1;
+    const bool is_number = number.decimals == 0 && number.mantissa >= 0 && number.mantissa <= 9999;
+    last_length_number_ = is_number ? static_cast<int>(number.mantissa) : -1;
     if (acts_alone) modal_.uncertain &= static_cast<uint8_t>(~kLengthGroup);
   }
   const bool is_active = coordinates_.active_length() >= 0 || (modal_.blockers & (kToolControl | kUnstatedLength)) != 0;
   if (request->length == nullptr && !acts_alone && !is_active) return;
-  if (request->length_number == nullptr && dialect_->takes_loaded_tool) last_length_number_ = -1;
+  // "G43 H#1": its number was not read.
+  if (request->length_number == nullptr && (dialect_->takes_loaded_tool || !request->is_whole))
+    last_length_number_ = -1;
   const int sign = request->length != nullptr && request->length->detail == 2 ? -1 : 1;
   NeedAbsoluteZ();
   if (acts_alone && last_length_number_ > 0 && !IsOfOneTool(last_length_number_)) {
@@ -485,8 +493,10 @@ void Interpreter::SelectLength(Request* request) {
   }
   if (last_length_number_ >= 0 && coordinates_.SelectLength(last_length_number_, sign)) {
     EndMode(kUnstatedLength);  // tool centre point control goes on with another length
-    if (modal_.plane_normal != 2 && last_length_number_ != 0)
+    if (modal_.plane_normal != 2 && last_length_number_ != 0) {
+      modal_.blockers |= kUnstatedLength;
       request->Refuse("a tool length in another plane than XY: controllers differ on its axis");
+    }
     return;
   }
   modal_.blockers |= kUnstatedLength;

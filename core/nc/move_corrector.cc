@@ -174,9 +174,8 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const 
     Piece& piece = pieces[k];
     piece.end_fraction = static_cast<double>(ends[k]) / intervals;
     AxisTicks nominal = Between(step, piece.end_fraction);
-    // Counted from the machine's zero, whatever the work offset: plain numbers, which need not be what words can say.
-    for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i)
-      nominal[i] = NearestHeld(nominal[i], 0, grain.of_axis[i]);
+    // Rotary axes are written as nominal, and linear ones at such numbers are short where no correction changes them.
+    for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i) nominal[i] = grain.Held(i, nominal[i]);
     RETURN_IF_ERROR(CorrectAt(nominal, step.end.sense, grain, &piece));
   }
   return pieces;

@@ -119,6 +119,21 @@ TEST(Passed, WhatWritesOffsetsOrLengthsForgetsThoseStated) {
     EXPECT_TRUE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
 }
 
+// Numbers that are not read select, shift and set all the same.
+TEST(Passed, WhatABlockDoesWhoseNumbersAreNotReadIsNotKnown) {
+  for (const Case& known :
+       {Case{"fanuc", "G54\nG54.1 P#1\nG90"}, {"fanuc", "G54.1"}, {"fanuc", "G43 H1 Z5.\nG43 H#2"},
+        {"fanuc", "G43 H1 Z5.\nH#2"}, {"fanuc", "G43 H1 Z5.\nX#1 H2"}, {"fanuc", "G52 X#1"}, {"fanuc", "G92 X#1"},
+        {"fanuc", "G50 X#1"}, {"linuxcnc", "G92 X[1+1]"}, {"fanuc", "G18 G43 H2 Z5.\nG17"}, {"fanuc", "G54 G55"},
+        {"fanuc", "G53.5"}, {"haas", "G37 H1 Z5."}, {"fanuc", "G65 P9811 X5.\nG54 G49 G94"},
+        {"sinumerik", "CYCLE978(1,2)\nG54 D1"}, {"sinumerik", "GEOAX(1,U)\nG54 D1"}, {"sinumerik", "TOFRAME"},
+        {"heidenhain", "TCH PROBE 411 DATUM OUTS. RECTAN."}})
+    EXPECT_FALSE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
+  for (const Case& known : {Case{"fanuc", "G54.1 P#1\nG54"}, {"fanuc", "G43 H1 Z5.\nG43 H#2\nG49"},
+                            {"fanuc", "G43 H#2\nG43 H1"}, {"heidenhain", "TCH PROBE 0.0 REF. PLANE Q5 X-"}})
+    EXPECT_TRUE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
+}
+
 // Skipped or not, what such a block changes is not known.
 TEST(Passed, CodesOfBlocksThatMayBeSkippedLeaveBothStates) {
   for (const Case& known : {Case{"fanuc", "/G91"}, {"fanuc", "G91\n/G90"}, {"fanuc", "/G20"}, {"fanuc", "/G92 X5."},

@@ -37,6 +37,8 @@ struct Interpreter::Request {
   bool has_code = false;
   bool has_centre = false;
   bool has_feed = false;
+  bool has_two_offsets = false;
+  bool is_whole = true;  // read to its end
   const Word* radius = nullptr;
   bool is_dwell = false;
   bool is_end = false;
