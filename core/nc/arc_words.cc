@@ -11,6 +11,35 @@ constexpr double kPi = 3.14159265358979323846;
 
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 
+// Whether the axis words of a block with this code are the code's own, and no move: G68 X0 Y0 R5., G52 X#1, G65 X1.
+bool OwnsWords(const Dialect& dialect, const Word& word) {
+  if (word.letter != 'G') return false;
+  int64_t tenths = word.number.mantissa;
+  if (word.number.decimals == 0) tenths *= 10;
+  if (word.number.decimals > 1 || tenths < 0 || tenths >= kCodes) return true;  // no code that is known
+  const CodeMeaning& code = dialect.g_codes[static_cast<size_t>(tenths)];
+  constexpr uint32_t kMovesOn = kCutterCompensation | kToolControl | kNormalDirection;  // G41 X5. moves
+  switch (code.meaning) {
+    case Meaning::kBlockerOn:
+      return (code.detail & ~kMovesOn) != 0;
+    case Meaning::kBlockerOff:
+      return code.detail == kMirror;
+    case Meaning::kPreset:
+    case Meaning::kScalingOffOrPreset:
+    case Meaning::kLocalShift:
+    case Meaning::kLimits:
+    case Meaning::kDwell:
+    case Meaning::kDataInput:
+    case Meaning::kMachineMove:
+    case Meaning::kOneShot:
+    case Meaning::kCall:
+    case Meaning::kUnknown:
+      return true;
+    default:
+      return false;
+  }
+}
+
 bool IsLetter(char c) { return Capital(c) >= 'A' && Capital(c) <= 'Z'; }
 
 // Index in the plane (0, 1) of I, J or K, or -1.
@@ -179,6 +208,9 @@ std::string BlockWriter::MotionFor(const Block& block, bool wants_arc) const {
 }
 
 bool BlockWriter::MovesByCode(const char* text, size_t size, const Block& block) const {
+  for (const Word& word : block) {
+    if (OwnsWords(interpreter_->dialect(), word)) return false;
+  }
   for (const Word& word : block) {
     if (interpreter_->AxisOf(word.letter) >= 0) return true;
     const Role role = interpreter_->RoleOf(word.letter);

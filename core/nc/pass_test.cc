@@ -223,7 +223,7 @@ TEST(Passed, TheMotionCodeOfAnArcComesBackInFrontOfWhatMovesByIt) {
                     written = "G1 X0.0417 Y0 F100\nG2 X20.0417 Y0 I10. J0\n";
   EXPECT_REWRITTEN(Passing(), arc + "X#1 I5.\n", written + "G01 X20.0000\n G02 X#1 I5.\n");
   EXPECT_REWRITTEN(Passing(), arc + "T1 M6\nX30. Y0 I5.\n", written + "G01 X20.0000\nT1 M6\n G02 X30. Y0 I5.\n");
-  EXPECT_REWRITTEN(Passing(), arc + "G68 X0 Y0 R5.\n", written + "G01 X20.0000\n G02 G68 X0 Y0 R5.\n");
+  EXPECT_REWRITTEN(Passing(), arc + "G68 X0 Y0 R5.\n", written + "G01 X20.0000\nG68 X0 Y0 R5.\n");
   EXPECT_REWRITTEN(Passing(), arc + "G1\nM98 P1\n", written + "G1\nG01 X20.0000\nM98 P1\n");
   for (const std::string block : {"M98 P1", "M99", "G65 P1", "WHILE [#1 LT 3] DO1"})
     EXPECT_REFUSED(Passing(), arc + block + "\n", "state G00 or G01 in front of it");
