@@ -118,6 +118,7 @@ class Client {
   absl::StatusOr<JobRecord> CreateJob(const records::JobParams& params, const std::string& request_id = "");
   absl::StatusOr<JobRecord> GetJob(JobId id);
   // Newest first.
+  // Newest first, without reports (GetJob has them).
   absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter = {}, const PageRequest& page = {});
   absl::StatusOr<JobRecord> CancelJob(JobId id);
   absl::StatusOr<JobRecord> RequeueJob(JobId id);

@@ -50,12 +50,12 @@ absl::Status Drift(Context& context, client::Client& client, const HistoryArgume
 absl::Status Fleet(Context& context, client::Client& client, const HistoryArguments& arguments) {
   ASSIGN_OR_RETURN(const auto page, client.LatestFleet(arguments.symbols, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
-      {"machine", "error", "value", "sigma", "unit", "when (UTC)", "calibration"}};
+      {"machine", "error", "value", "sigma", "unit", "when (UTC)", "calibration", "state"}};
   for (const records::FleetRow& machine : page.rows) {
     for (const records::LatestEstimate& latest : machine.latest) {
       rows.push_back({machine.machine.text(), latest.estimate.symbol, NumberText(latest.estimate.value),
                       NumberText(latest.estimate.sigma), UnitName(latest.estimate.unit), TimeText(latest.measured_at),
-                      absl::StrCat(latest.calibration.number())});
+                      absl::StrCat(latest.calibration.number()), StateName(latest.state)});
     }
   }
   context.Print(PageJson("machines", page), Table(rows) + PageText(page));

@@ -173,6 +173,7 @@ Json ToJson(const records::FleetRow& row) {
     Json json = ToJson(latest.estimate);
     json["measured"] = TimeJson(latest.measured_at);
     json["calibration"] = latest.calibration.number();
+    json["state"] = StateName(latest.state);
     estimates.push_back(std::move(json));
   }
   return {{"machine", row.machine.text()}, {"estimates", estimates}};
@@ -297,8 +298,7 @@ std::string CalibrationText(const records::CalibrationRecord& record) {
 }
 
 std::string CautionText(const records::CalibrationRecord& record) {
-  const absl::StatusOr<reports::CalibrationReport> report =
-      reports::ReadCalibrationReport(record.content.report_json);
+  const absl::StatusOr<reports::CalibrationReport> report = reports::ReadCalibrationReport(record.content.report_json);
   const auto* const loop = report.ok() ? std::get_if<reports::Loop>(&*report) : nullptr;
   return (loop != nullptr ? UnexplainedText(*loop) : UnreadText(record, report.status())) +
          PoorFitText(record, loop != nullptr);

@@ -42,11 +42,12 @@ struct LatestEstimate {
   Estimate estimate;
   base::UtcTime measured_at;
   CalibrationId calibration;
+  CalibrationState state = CalibrationState::kCandidate;  // of that calibration: approved or a candidate
 };
 
 struct FleetRow {
   MachineId machine;
-  std::vector<LatestEstimate> latest;  // one per symbol that the machine has, in order of symbol
+  std::vector<LatestEstimate> latest;  // one per symbol that a calibration not retired has, in order of symbol
 };
 
 }  // namespace axiscal::records

@@ -28,7 +28,7 @@ struct JobProgress {
 
 struct JobError {
   absl::StatusCode code = absl::StatusCode::kUnknown;
-  std::string reason;  // "RANK_DEFICIENT", "DEADLINE", "OWNER_LOST" ...; may be empty
+  std::string reason;  // "DEADLINE", "OWNER_LOST" ...; may be empty
   std::string message;
 };
 
@@ -46,7 +46,7 @@ struct JobRecord {
   int64_t running_attempt = 0;
   bool cancel_requested = false;
   JobProgress progress;
-  std::string result;                        // the report of a succeeded job
+  std::string result;                        // the report of a succeeded job; empty in lists
   std::optional<CalibrationId> calibration;  // that it made
   std::vector<ProgramId> programs;           // that it made
   std::optional<JobError> error;             // of the last attempt that failed

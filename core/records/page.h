@@ -8,7 +8,7 @@
 namespace axiscal::records {
 
 struct PageRequest {
-  int size = 0;       // 0: 50; at most 1000 are given
+  int size = 0;       // 0: 50; at most 1000 are given, fewer where the rows are large
   std::string token;  // from the page before; empty: the first
 };
 

@@ -98,6 +98,7 @@ v1::MachineLatest ToProto(const records::FleetRow& row) {
     *out->mutable_estimate() = ToProto(latest.estimate);
     out->set_measured_utc_us(base::ToUtcUs(latest.measured_at));
     out->set_calibration_id(latest.calibration.number());
+    out->set_state(ToProto(latest.state));
   }
   return message;
 }
@@ -108,8 +109,13 @@ absl::StatusOr<records::FleetRow> FromProto(const v1::MachineLatest& message) {
   row.machine = MachineId(message.machine_id());
   for (const v1::LatestEstimate& latest : message.estimates()) {
     ASSIGN_OR_RETURN(records::Estimate estimate, FromProto(latest.estimate()));
-    row.latest.push_back(
-        {std::move(estimate), base::FromUtcUs(latest.measured_utc_us()), CalibrationId(latest.calibration_id())});
+    records::LatestEstimate& one = row.latest.emplace_back();
+    one.estimate = std::move(estimate);
+    one.measured_at = base::FromUtcUs(latest.measured_utc_us());
+    one.calibration = CalibrationId(latest.calibration_id());
+    // Servers before this field say nothing of it.
+    if (latest.state() == v1::CALIBRATION_STATE_UNSPECIFIED) continue;
+    ASSIGN_OR_RETURN(one.state, FromProto(latest.state()));
   }
   return row;
 }

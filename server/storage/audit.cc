@@ -17,11 +17,11 @@ absl::Status AuditChange(Connection& connection, UtcTime now, const Caller& call
 }
 
 absl::StatusOr<Page<AuditEntry>> ListAudit(Connection& connection, const PageRequest& request) {
-  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "audit"));
+  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, "audit"));
   ASSIGN_OR_RETURN(Statement row,
                    connection.Ask("SELECT id, at_utc_us, principal, action, resource, outcome, detail FROM audit "
                                   "WHERE id < ?1 ORDER BY id DESC LIMIT ?2",
-                                  start.before_id(), start.row_limit()));
+                                  start.before_id, start.row_limit()));
   Page<AuditEntry> page;
   int64_t last_id = 0;
   while (true) {

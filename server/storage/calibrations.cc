@@ -211,7 +211,7 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
                                                          const PageRequest& request) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
-  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, absl::StrCat("calibrations|", machine, "|", state)));
+  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, absl::StrCat("calibrations|", machine, "|", state)));
   int64_t machine_key = 0;
   std::string sql = std::string(kColumns) + kFrom + "WHERE c.id < ?1";
   if (filter.machine.has_value()) {
@@ -219,7 +219,7 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
     sql += " AND c.machine_id = ?2";
   }
   if (filter.state.has_value()) sql += " AND c.state = ?3";
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY c.id DESC LIMIT ?4", start.before_id(), machine_key,
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY c.id DESC LIMIT ?4", start.before_id, machine_key,
                                                  state, start.row_limit()));
   Page<CalibrationRecord> page;
   while (true) {
@@ -229,7 +229,13 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
     RETURN_IF_ERROR(ReadLists(connection, row.Int(19), page.rows.back()));
   }
   EndPage(
-      start, [](const CalibrationRecord& record) { return std::to_string(record.id.number()); }, page);
+      start, [](const CalibrationRecord& record) { return std::to_string(record.id.number()); },
+      [](const CalibrationRecord& record) {
+        size_t bytes = record.content.sessions.size() * 8;
+        for (const Estimate& estimate : record.content.estimates) bytes += estimate.symbol.size() + 40;
+        return bytes;
+      },
+      page);
   return page;
 }
 

@@ -94,6 +94,7 @@ class Database {
   // RESOURCE_EXHAUSTED QUEUE_FULL when `max_queued` jobs wait.
   virtual absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) = 0;
   virtual absl::StatusOr<JobRecord> GetJob(JobId id) = 0;
+  // Without `result`.
   virtual absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) = 0;
   // The best waiting job whose time has come and whose params are those that were stored (others FAIL with
   // JOB_DAMAGED), now RUNNING as a new attempt (ClaimOf), or nothing.
@@ -136,7 +137,8 @@ class Database {
   // At most max_points points per symbol, in order of symbol; an unknown symbol has no series. Unknown machine:
   // NOT_FOUND.
   virtual absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) = 0;
-  // The newest estimate of each symbol (empty: all) of each machine, a page of machines at a time.
+  // The newest estimate of each symbol (empty: all) of each machine, a page of machines at a time; of calibrations that
+  // are approved or candidates, never of retired ones.
   virtual absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols,
                                                      const PageRequest& page) = 0;
 

@@ -150,10 +150,13 @@ absl::StatusOr<Span> Narrow(Connection& connection, int64_t machine_key, const s
 }
 
 absl::Status CheckQuery(const DriftQuery& query) {
-  if (query.from >= query.to) return InvalidArgument("range of time: from must lie before to", "RANGE_INVALID");
+  const auto refuse = [](const std::string& field, const std::string& rule) {
+    return base::Error(absl::StatusCode::kInvalidArgument, field + ": " + rule,
+                       {"RANGE_INVALID", {{"field", field}, {"rule", rule}}});
+  };
+  if (query.from >= query.to) return refuse("from_utc_us", "must be before to_utc_us");
   if (query.max_points < 1 || query.max_points > kMaxPoints) {
-    return InvalidArgument(absl::StrCat("max_points = ", query.max_points, ", must be 1 .. ", kMaxPoints),
-                           "RANGE_INVALID");
+    return refuse("max_points", absl::StrCat(query.max_points, ", must be 1 to ", kMaxPoints));
   }
   return absl::OkStatus();
 }
@@ -164,16 +167,31 @@ absl::StatusOr<std::vector<LatestEstimate>> Latest(Connection& connection, int64
     ASSIGN_OR_RETURN(symbols, MachineSymbols(connection, machine_key));
   }
   std::vector<LatestEstimate> latest;
+  // Nothing older than the oldest calibration that is not retired counts: errors that no model has had for years need
+  // not be looked for in all of them.
+  int64_t oldest_us;
+  {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT min(measured_at_utc_us) FROM calibration WHERE machine_id = ?1 AND state <> 3",
+                       machine_key));
+    RETURN_IF_ERROR(row.Step().status());
+    if (row.IsNull(0)) return latest;
+    oldest_us = row.Int(0);
+  }
   for (const std::string& symbol : symbols) {
-    ASSIGN_OR_RETURN(Statement row,
-                     connection.Ask("SELECT unit, identifiable, estimated_um_urad, sigma_um_urad, measured_at_utc_us, "
-                                    "calibration_id FROM estimate WHERE machine_id = ?1 AND symbol = ?2 "
-                                    "ORDER BY measured_at_utc_us DESC, calibration_id DESC LIMIT 1",
-                                    machine_key, symbol));
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT e.unit, e.identifiable, e.estimated_um_urad, e.sigma_um_urad, e.measured_at_utc_us, "
+                       "e.calibration_id, c.state FROM estimate AS e CROSS JOIN calibration AS c "
+                       "ON c.id = e.calibration_id WHERE e.machine_id = ?1 AND e.symbol = ?2 "
+                       "AND e.measured_at_utc_us >= ?3 AND c.state <> 3 "
+                       "ORDER BY e.measured_at_utc_us DESC, e.calibration_id DESC LIMIT 1",
+                       machine_key, symbol, oldest_us));
     ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) continue;
     const Estimate estimate = {symbol, row.As<EstimateUnit>(0), row.Bool(1), row.OptionalReal(2), row.OptionalReal(3)};
-    latest.push_back({estimate, row.Time(4), CalibrationId(row.Int(5))});
+    latest.push_back({estimate, row.Time(4), CalibrationId(row.Int(5)), row.As<CalibrationState>(6)});
   }
   return latest;
 }
@@ -220,7 +238,13 @@ absl::StatusOr<Page<FleetRow>> LatestFleet(Connection& connection, const std::ve
     ASSIGN_OR_RETURN(page.rows.back().latest, Latest(connection, row.Int(0), ordered));
   }
   EndPage(
-      start, [](const FleetRow& fleet) { return fleet.machine.text(); }, page);
+      start, [](const FleetRow& fleet) { return fleet.machine.text(); },
+      [](const FleetRow& fleet) {
+        size_t bytes = 0;
+        for (const LatestEstimate& latest : fleet.latest) bytes += latest.estimate.symbol.size() + 60;
+        return bytes;
+      },
+      page);
   return page;
 }
 

@@ -126,5 +126,28 @@ TEST_F(History, TheFleetShowsTheNewestOfEach) {
   EXPECT_EQ(database->LatestFleet({"EX0C"}, {})->rows[0].latest.size(), 1u);
 }
 
+TEST_F(History, TheFleetShowsNothingThatWasRetired) {
+  const auto shown = [&] { return database->LatestFleet({"EA0B"}, {})->rows.at(0).latest; };
+  const auto calibrate = [&](int day, double ea0b_urad) {
+    return database->CreateCalibration(TestCalibration(start + day * kDay, ea0b_urad))->id;
+  };
+  const CalibrationId first = calibrate(0, 1.0);
+  ASSERT_TRUE(database->ApproveCalibration(first, 0, Cell("")).ok());
+  const CalibrationId rejected = calibrate(1, 900.0);
+  ASSERT_TRUE(database->RetireCalibration(rejected, 0, Cell("")).ok());
+  ASSERT_EQ(shown().size(), 1u);
+  EXPECT_EQ(shown()[0].calibration, first);
+  EXPECT_EQ(shown()[0].state, CalibrationState::kApproved);
+  const CalibrationId second = calibrate(2, 3.0);
+  EXPECT_EQ(shown()[0].calibration, second);  // a candidate is the newest that is known
+  EXPECT_EQ(shown()[0].state, CalibrationState::kCandidate);
+  ASSERT_TRUE(database->ApproveCalibration(second, 0, Cell("")).ok());
+  EXPECT_EQ(shown()[0].calibration, second);
+  ASSERT_TRUE(database->ApproveCalibration(first, 0, Cell("")).ok());  // the way back
+  EXPECT_EQ(shown()[0].calibration, first);
+  ASSERT_TRUE(database->RetireCalibration(first, 0, Cell("")).ok());
+  EXPECT_TRUE(shown().empty());
+}
+
 }  // namespace
 }  // namespace axiscal::storage

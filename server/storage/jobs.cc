@@ -9,15 +9,22 @@
 namespace axiscal::storage {
 namespace {
 
-constexpr char kSelect[] =
-    "SELECT j.id, j.kind, m.name, j.params, j.input_hash, j.priority, j.state, j.attempt, j.max_attempts, "
-    "j.lease_token, "
-    "j.cancel_requested, j.progress_stage, j.progress_fraction, j.progress_detail, j.result, j.error_code, "
-    "j.error_reason, "
-    "j.error_message, j.created_by, j.created_at_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
-    "j.version, "
-    "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id) FROM job AS j LEFT JOIN machine AS m ON m.id = "
-    "j.machine_id ";
+// Without the report, which may be large: NULL stands in its place.
+constexpr char kReport[] = "j.result", kNoReport[] = "NULL";
+
+std::string Select(const char* report) {
+  return absl::StrCat(
+      "SELECT j.id, j.kind, m.name, j.params, j.input_hash, j.priority, j.state, j.attempt, j.max_attempts, "
+      "j.lease_token, "
+      "j.cancel_requested, j.progress_stage, j.progress_fraction, j.progress_detail, ",
+      report,
+      ", j.error_code, "
+      "j.error_reason, "
+      "j.error_message, j.created_by, j.created_at_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
+      "j.version, "
+      "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id) FROM job AS j LEFT JOIN machine AS m ON m.id = "
+      "j.machine_id ");
+}
 
 JobRecord ReadRow(const Statement& row) {
   JobRecord job;
@@ -101,7 +108,7 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, c
 }
 
 absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id) {
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelect) + "WHERE j.id = ?1", id));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(Select(kReport) + "WHERE j.id = ?1", id));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NotFound("job", "JOB", std::to_string(id.number()));
   JobRecord job = ReadRow(row);
@@ -122,16 +129,15 @@ absl::Status CheckJobBody(Connection& connection, const JobRecord& job) {
 absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
-  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, absl::StrCat("jobs|", machine, "|", state, "|",
-                                                                          filter.kind, "|", filter.input_hash)));
+  ASSIGN_OR_RETURN(const PageStart start,
+                   StartPageById(request, absl::StrCat("jobs|", machine, "|", state, "|", filter.input_hash)));
   ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, filter.machine));
-  std::string sql = std::string(kSelect) + "WHERE j.id < ?1";
+  std::string sql = Select(kNoReport) + "WHERE j.id < ?1";
   if (filter.machine.has_value()) sql += " AND j.machine_id = ?2";
   if (filter.state.has_value()) sql += " AND j.state = ?3";
-  if (!filter.kind.empty()) sql += " AND j.kind = ?4";
-  if (!filter.input_hash.empty()) sql += " AND j.input_hash = ?5 AND j.input_hash <> ''";
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY j.id DESC LIMIT ?6", start.before_id(), machine_key,
-                                                 state, filter.kind, filter.input_hash, start.row_limit()));
+  if (!filter.input_hash.empty()) sql += " AND j.input_hash = ?4 AND j.input_hash <> ''";
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY j.id DESC LIMIT ?5", start.before_id, machine_key,
+                                                 state, filter.input_hash, start.row_limit()));
   Page<JobRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -139,7 +145,12 @@ absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter
     page.rows.push_back(ReadRow(row));
   }
   EndPage(
-      start, [](const JobRecord& job) { return std::to_string(job.id.number()); }, page);
+      start, [](const JobRecord& job) { return std::to_string(job.id.number()); },
+      [](const JobRecord& job) {
+        return job.params.size() + job.progress.stage.size() + job.progress.detail.size() +
+               (job.error.has_value() ? job.error->reason.size() + job.error->message.size() : 0);
+      },
+      page);
   for (JobRecord& job : page.rows) RETURN_IF_ERROR(ReadPrograms(connection, job));
   return page;
 }

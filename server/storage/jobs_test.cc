@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error_detail.h"
+#include "server/storage/page_token.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -173,14 +174,47 @@ TEST_F(Jobs, CancelEndsWaitingOnesAndAsksRunningOnes) {
   EXPECT_EQ(base::ErrorReason(database->CancelJob(JobId(99), Cell("")).status()), "JOB_NOT_FOUND");
 }
 
+// A thousand reports of megabytes would fit into no answer.
+TEST_F(Jobs, ListsHoldNoReports) {
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  const JobId id = database->SucceedJob(ClaimOf(Claim()), {"report", {}, {}})->id;
+  EXPECT_EQ(database->ListJobs({}, {})->rows.at(0).state, JobState::kSucceeded);
+  EXPECT_EQ(database->ListJobs({}, {})->rows.at(0).result, "");
+  EXPECT_EQ(database->GetJob(id)->result, "report");
+}
+
+TEST_F(Jobs, ListsOfLargeOnesComeInSmallerPages) {
+  NewJob job = Job("");
+  job.params = std::string(kMaxPageBytes / 3, 'p');
+  for (int i = 0; i < 7; ++i) ASSERT_TRUE(database->CreateJob(job, 10).ok());
+  std::vector<int64_t> ids;
+  PageRequest request = {1000, ""};
+  int pages = 0;
+  do {
+    const auto page = database->ListJobs({}, request);
+    ASSERT_TRUE(page.ok()) << page.status();
+    size_t bytes = 0;
+    for (const JobRecord& row : page->rows) {
+      ids.push_back(row.id.number());
+      bytes += row.params.size();
+    }
+    EXPECT_LE(bytes, kMaxPageBytes);
+    request.token = page->next_token;
+    ++pages;
+  } while (!request.token.empty());
+  EXPECT_EQ(ids, (std::vector<int64_t>{7, 6, 5, 4, 3, 2, 1}));
+  EXPECT_EQ(pages, 4);
+}
+
 TEST_F(Jobs, ListsFilterAndPage) {
   NewJob other = Job("x");
   other.kind = "compensate";
   other.input_hash = "h";
   ASSERT_TRUE(database->CreateJob(other, 10).ok());
   for (const char* id : {"a", "b", "c"}) ASSERT_TRUE(database->CreateJob(Job(id), 10).ok());
+  ASSERT_TRUE(database->CancelJob(JobId(1), Cell("")).ok());
   JobFilter filter;
-  filter.kind = "identify";
+  filter.state = JobState::kQueued;
   const auto first = database->ListJobs(filter, {2, ""});
   ASSERT_EQ(first->rows.size(), 2u);
   const auto second = database->ListJobs(filter, {2, first->next_token});

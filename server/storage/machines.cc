@@ -126,7 +126,8 @@ absl::StatusOr<Page<MachineRecord>> ListMachines(Connection& connection, const P
     page.rows.push_back(ReadRow(row));
   }
   EndPage(
-      start, [](const MachineRecord& machine) { return machine.id.text(); }, page);
+      start, [](const MachineRecord& machine) { return machine.id.text(); },
+      [](const MachineRecord& machine) { return machine.description_json.size(); }, page);
   return page;
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error_detail.h"
+#include "server/storage/page_token.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -73,6 +74,13 @@ TEST(Machines, BadPagesAreRefused) {
   EXPECT_EQ(base::ErrorReason(database->ListMachines({1, token + "x"}).status()), "PAGE_INVALID");
   EXPECT_EQ(base::ErrorReason(database->ListMachines({1, "%"}).status()), "PAGE_INVALID");
   EXPECT_EQ(base::ErrorReason(database->LatestFleet({}, {1, token}).status()), "PAGE_INVALID");
+  // With a right checksum too, a key must be one that a list gives.
+  for (const std::string key : {"", "x", "12x", " 1", "-1", "99999999999999999999"}) {
+    const PageStart start = {"sessions||0", 1, {}};
+    const absl::Status forged = database->ListSessions({}, {1, MakePageToken(start, key)}).status();
+    EXPECT_EQ(base::ErrorReason(forged), "PAGE_INVALID") << key << ": " << forged;
+    EXPECT_EQ(base::GetErrorDetail(forged)->facts["field"], "page_token");
+  }
 }
 
 TEST(Machines, ChangesAreAudited) {

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_SERVER_STORAGE_PAGE_TOKEN_H_
 #define AXISCAL_SERVER_STORAGE_PAGE_TOKEN_H_
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -17,22 +18,35 @@ struct PageStart {
   int size = 0;
   std::optional<std::string> after;  // the last key given
 
-  // The same for lists by falling number.
-  int64_t before_id() const { return after.has_value() ? std::stoll(*after) : std::numeric_limits<int64_t>::max(); }
+  int64_t before_id = std::numeric_limits<int64_t>::max();  // the same for lists by falling number
   // Rows to ask for: one more than the page has, to see whether another page follows.
   int64_t row_limit() const { return size + 1; }
 };
 
-// INVALID_ARGUMENT PAGE_INVALID for a negative size or a token of another list.
+// A page holds no more than this, so that it fits into one message of the API (4 MB); its first row always.
+inline constexpr size_t kMaxPageBytes = size_t{2} << 20;
+
+// Of a list by rising text. INVALID_ARGUMENT PAGE_INVALID, with the field, for a negative size or a token of another
+// list.
 absl::StatusOr<PageStart> StartPage(const PageRequest& request, const std::string& list);
+// Of a list by falling number; a token without a number is as invalid.
+absl::StatusOr<PageStart> StartPageById(const PageRequest& request, const std::string& list);
 
 std::string MakePageToken(const PageStart& start, const std::string& last_key);
 
-// Cuts the extra row off and names the page that follows. `key` gives a row's key as text.
-template <typename Row, typename Key>
-void EndPage(const PageStart& start, const Key& key, Page<Row>& page) {
-  if (page.rows.size() <= static_cast<size_t>(start.size)) return;
-  page.rows.resize(start.size);
+// Cuts off the extra row and what does not fit, and names the page that follows. `key` gives a row's key as text,
+// `bytes` about how long its texts are.
+template <typename Row, typename Key, typename Bytes>
+void EndPage(const PageStart& start, const Key& key, const Bytes& bytes, Page<Row>& page) {
+  constexpr size_t kRowBytes = 250;  // what a row takes beside its texts
+  size_t kept = 0, total = 0;
+  while (kept < page.rows.size() && kept < static_cast<size_t>(start.size)) {
+    total += kRowBytes + bytes(page.rows[kept]);
+    if (kept > 0 && total > kMaxPageBytes) break;
+    ++kept;
+  }
+  if (kept == page.rows.size()) return;
+  page.rows.resize(kept);
   page.next_token = MakePageToken(start, key(page.rows.back()));
 }
 

@@ -140,10 +140,10 @@ absl::StatusOr<ProgramRecord> GetProgram(Connection& connection, ProgramId id) {
 
 absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const ProgramFilter& filter,
                                                  const PageRequest& request) {
-  ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "programs|" + filter.kind));
+  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, "programs|" + filter.kind));
   std::string sql = std::string(kSelect) + "WHERE p.id < ?1 AND p.state = 2";
   if (!filter.kind.empty()) sql += " AND p.kind = ?2";
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY p.id DESC LIMIT ?3", start.before_id(), filter.kind,
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY p.id DESC LIMIT ?3", start.before_id, filter.kind,
                                                  start.row_limit()));
   Page<ProgramRecord> page;
   while (true) {
@@ -152,7 +152,8 @@ absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const P
     page.rows.push_back(ReadRow(row));
   }
   EndPage(
-      start, [](const ProgramRecord& program) { return std::to_string(program.id.number()); }, page);
+      start, [](const ProgramRecord& program) { return std::to_string(program.id.number()); },
+      [](const ProgramRecord& program) { return program.name.size(); }, page);
   return page;
 }
 

@@ -57,8 +57,8 @@ struct Moment {
 };
 
 // Who asks: `principal` scopes request ids (of jobs and programs; a session is the same for all) and is written to the
-// audit; `request_id` (any text, best a UUID) makes a call repeatable. An empty request_id means that every call is a new
-// one.
+// audit; `request_id` (any text, best a UUID) makes a call repeatable. An empty request_id means that every call is a
+// new one.
 struct Caller {
   std::string principal;
   std::string request_id;
@@ -84,7 +84,6 @@ struct AppendResult {
 struct SessionFilter {
   std::optional<MachineId> machine;
   std::optional<SessionState> state;
-  std::string instrument;  // empty: any
 };
 
 // ---- jobs
@@ -109,7 +108,6 @@ inline JobClaim ClaimOf(const JobRecord& job) { return {job.id, job.running_atte
 struct JobFilter {
   std::optional<MachineId> machine;
   std::optional<JobState> state;
-  std::string kind;        // empty: any
   std::string input_hash;  // empty: any
 };
 

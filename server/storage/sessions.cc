@@ -118,10 +118,10 @@ absl::Status GiveUp(Connection& connection, UtcTime now, SessionId id, SessionSt
 absl::StatusOr<std::optional<SessionRecord>> FindSame(Connection& connection, const Caller& caller,
                                                       const std::string& body_sha256) {
   if (caller.request_id.empty()) return std::nullopt;
-  std::vector<SessionId> same;
+  std::vector<SessionId> same;  // complete ones before open ones
   {
     ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id, body_sha256, created_by, state FROM session "
-                                                   "WHERE request_id = ?1 ORDER BY state DESC, id",
+                                                   "WHERE request_id = ?1 ORDER BY id",
                                                    caller.request_id));
     while (true) {
       ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -129,8 +129,10 @@ absl::StatusOr<std::optional<SessionRecord>> FindSame(Connection& connection, co
       const auto state = row.As<SessionState>(3);
       if (row.Text(1) != body_sha256) {
         if (row.Text(2) == caller.principal) return RequestIdReused(caller, "session");
-      } else if (state == SessionState::kOpen || state == SessionState::kComplete) {
-        same.push_back(SessionId(row.Int(0)));  // complete ones first
+      } else if (state == SessionState::kComplete) {
+        same.insert(same.begin(), SessionId(row.Int(0)));
+      } else if (state == SessionState::kOpen) {
+        same.push_back(SessionId(row.Int(0)));
       }
     }
   }
@@ -201,8 +203,7 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
                                                  const PageRequest& request) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
-  ASSIGN_OR_RETURN(const PageStart start,
-                   StartPage(request, absl::StrCat("sessions|", machine, "|", state, "|", filter.instrument)));
+  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, absl::StrCat("sessions|", machine, "|", state)));
   int64_t machine_key = 0;
   std::string sql = std::string(kSelect) + "WHERE s.id < ?1";
   if (filter.machine.has_value()) {
@@ -210,18 +211,24 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
     sql += " AND s.machine_id = ?2";
   }
   if (filter.state.has_value()) sql += " AND s.state = ?3";
-  if (!filter.instrument.empty()) sql += " AND s.instrument = ?4";
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY s.id DESC LIMIT ?5", start.before_id(), machine_key,
-                                                 state, filter.instrument, start.row_limit()));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY s.id DESC LIMIT ?4", start.before_id, machine_key,
+                                                 state, start.row_limit()));
   Page<SessionRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) break;
     page.rows.push_back(ReadRow(row));
   }
-  EndPage(
-      start, [](const SessionRecord& session) { return std::to_string(session.id.number()); }, page);
   for (SessionRecord& session : page.rows) RETURN_IF_ERROR(ReadLists(connection, session));
+  EndPage(
+      start, [](const SessionRecord& session) { return std::to_string(session.id.number()); },
+      [](const SessionRecord& session) {
+        size_t bytes = 0;
+        for (const session::HeaderEntry& entry : session.header) bytes += entry.key.size() + entry.value.size() + 8;
+        for (const ColumnSpec& column : session.columns) bytes += column.name.size() + 8;
+        return bytes;
+      },
+      page);
   return page;
 }
 

@@ -208,7 +208,7 @@ TEST_F(Sessions, ListsFilterAndPage) {
   EXPECT_EQ(ids, (std::vector<int64_t>{6, 5, 4, 3, 2, 1}));
   filter.state = SessionState::kComplete;
   EXPECT_EQ(database->ListSessions(filter, {})->rows.at(0).id, complete);
-  filter.instrument = "ballbar";
+  filter.state = SessionState::kAborted;
   EXPECT_TRUE(database->ListSessions(filter, {})->rows.empty());
 }
 
