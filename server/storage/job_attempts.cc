@@ -93,10 +93,11 @@ absl::StatusOr<std::optional<JobRecord>> ClaimNext(Connection& connection, const
                                                    std::chrono::microseconds lease) {
   JobId id;
   {
-    ASSIGN_OR_RETURN(Statement row,
-                     connection.Ask("SELECT id FROM job WHERE state = 1 AND waits_from_up_us + wait_us <= ?1 "
-                                    "ORDER BY priority DESC, id LIMIT 1",
-                                    owner.now.up_us));
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT id FROM job INDEXED BY job_waiting WHERE state = 1 AND waits_from_up_us + wait_us <= ?1 "
+                       "ORDER BY priority DESC, id LIMIT 1",
+                       owner.now.up_us));
     ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return std::nullopt;
     id = JobId(row.Int(0));

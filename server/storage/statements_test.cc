@@ -1,0 +1,217 @@
+// What the store asks SQLite costs the same however many rows there are: every statement that its calls make is caught
+// as it is run, on tables whose rows fit no filter, and its plan and its steps are looked at.
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <map>
+#include <regex>
+
+#include "core/base/mutex.h"
+#include "server/storage/connection.h"
+#include "server/storage/testing/temp_database.h"
+
+namespace axiscal::storage {
+namespace {
+
+constexpr int kRows = 5000;
+// A list's page of 50 rows, with what belongs to them, stays far below; a scan takes some steps for each row.
+constexpr int kMaxSteps = 2 * kRows;
+
+// The statements of all connections that are opened while it lives, with the most steps (of SQLite's virtual machine)
+// that one run of each took.
+class Caught {
+ public:
+  Caught() {
+    present = this;
+    sqlite3_auto_extension(reinterpret_cast<void (*)()>(&Watch));
+  }
+  ~Caught() { sqlite3_cancel_auto_extension(reinterpret_cast<void (*)()>(&Watch)); }
+
+  std::map<std::string, int> steps() {
+    const base::MutexLock lock(mutex_);
+    return steps_;
+  }
+
+ private:
+  static int Watch(sqlite3* db, char**, const sqlite3_api_routines*) {
+    return sqlite3_trace_v2(db, SQLITE_TRACE_PROFILE, &Ended, nullptr);
+  }
+  static int Ended(unsigned, void*, void* statement, void*) {
+    auto* const ended = static_cast<sqlite3_stmt*>(statement);
+    const int steps = sqlite3_stmt_status(ended, SQLITE_STMTSTATUS_VM_STEP, 1);
+    const base::MutexLock lock(present->mutex_);
+    int& most = present->steps_[sqlite3_sql(ended)];
+    most = std::max(most, steps);
+    return 0;
+  }
+
+  static inline Caught* present = nullptr;
+  base::Mutex mutex_;
+  std::map<std::string, int> steps_ AXISCAL_GUARDED_BY(mutex_);
+};
+
+// Machine "mt" (key 1) and rows of it that no filter of CallAll() fits: complete sessions, succeeded jobs, retired
+// calibrations, programs merged into one.
+void Fill(const std::string& path) {
+  const std::unique_ptr<Connection> connection = *Connection::Open(path, Access::kWrite);
+  const std::string rows =
+      absl::StrCat("WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ", kRows, ") ");
+  const char* const fills[] = {
+      "INSERT INTO session (machine_id, name, instrument, state, next_seq, reading_count, hash, created_by, "
+      "request_id, "
+      "body_sha256, created_at_utc_us, last_seen_at_utc_us, closed_at_utc_us) "
+      "SELECT 1, 's', 'touch', 2, 0, 0, 'h', 'u', 'r' || i, 'b', i, i, i FROM n",
+      "INSERT INTO session_column (session_id, position, name, is_text) SELECT id, 0, 'X_mm', 0 FROM session WHERE "
+      "name = 's'",
+      "INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, lease_token, "
+      "cancel_requested, progress_stage, progress_fraction, progress_detail, result, created_by, request_id, "
+      "body_sha256, created_at_utc_us, version) "
+      "SELECT 'identify', 1, x'00', 'h' || i, 0, 3, 1, 3, 1, 0, '', 1.0, '', x'00', 'u', 'r' || i, 'b', i, 1 FROM n",
+      "INSERT INTO calibration (machine_id, version, machine_revision, state, etag, measured_at_utc_us, model_json, "
+      "options_json, report_json, engine_version, rank, created_by, created_at_utc_us, checksum) "
+      "SELECT 1, i, 1, 3, 1, i, '', '', '', 'e', 1, 'u', i, 'c' FROM n",
+      "INSERT INTO estimate (machine_id, symbol, measured_at_utc_us, calibration_id, position, unit, identifiable, "
+      "estimated_um_urad) SELECT 1, 'EX0C', i, id, 0, 1, 1, 1.0 FROM n JOIN calibration AS c ON c.version = i",
+      "INSERT INTO estimate_week (machine_id, symbol, week, unit, estimate_count, not_identifiable_count, min_um_urad, "
+      "max_um_urad, sum_um_urad) SELECT 1, 'EX0C', i, 1, 1, 0, 1.0, 1.0, 1.0 FROM n",
+      "INSERT INTO program (kind, name, state, byte_count, sha256, created_by, body_sha256, created_at_utc_us, "
+      "last_seen_at_utc_us) VALUES ('nc', 'O1', 2, 0, 'h', 'u', 'b', 0, 0)",
+      "INSERT INTO program (kind, name, state, byte_count, same_as, created_by, request_id, body_sha256, "
+      "created_at_utc_us, last_seen_at_utc_us) SELECT 'nc', 'O1', 3, 0, 1, 'u', 'r' || i, 'b', i, i FROM n",
+      "INSERT INTO audit (at_utc_us, principal, action, resource, outcome, detail) SELECT i, 'u', 'a', 'r', 'OK', '' "
+      "FROM n",
+  };
+  for (const char* const fill : fills) {
+    const bool is_of_rows = std::string(fill).find("FROM n") != std::string::npos;
+    const std::string sql = fill;
+    const size_t select = sql.find("SELECT");
+    // WITH stands before the SELECT of an INSERT.
+    const absl::Status filled =
+        connection->Execute(is_of_rows ? sql.substr(0, select) + rows + sql.substr(select) : sql);
+    ASSERT_TRUE(filled.ok()) << filled;
+  }
+}
+
+// Every call of Database, every filter of every list.
+void CallAll(TempDatabase& database, SessionId stored) {
+  const MachineId mt("mt");
+  for (const std::optional<MachineId>& machine : {std::optional<MachineId>(), std::optional<MachineId>(mt)}) {
+    for (const PageRequest& page : {PageRequest{}, PageRequest{1, ""}}) {
+      ASSERT_TRUE(database->ListSessions({machine, {}}, page).ok());
+      ASSERT_TRUE(database->ListJobs({machine, {}, ""}, page).ok());
+      ASSERT_TRUE(database->ListJobs({machine, {}, "none"}, page).ok());
+      ASSERT_TRUE(database->ListCalibrations({machine, {}}, page).ok());
+    }
+    for (const int state : {1, 2, 3, 4}) {
+      ASSERT_TRUE(database->ListSessions({machine, static_cast<SessionState>(state)}, {}).ok());
+      ASSERT_TRUE(database->ListCalibrations({machine, static_cast<CalibrationState>(std::min(state, 3))}, {}).ok());
+    }
+    for (const int state : {1, 2, 3, 4, 5, 6})
+      ASSERT_TRUE(database->ListJobs({machine, static_cast<JobState>(state), ""}, {}).ok());
+  }
+  for (const std::string kind : {"", "nc", "none"}) ASSERT_TRUE(database->ListPrograms({kind}, {}).ok());
+  ASSERT_TRUE(database->ListMachines({}).ok());
+  ASSERT_TRUE(database->ListAudit({}).ok());
+  ASSERT_TRUE(database->LatestFleet({}, {}).ok());
+  ASSERT_TRUE(database->LatestFleet({"EX0C"}, {}).ok());
+  ASSERT_TRUE(database->QueryDrift({mt, {"EX0C"}, UtcTime(), base::FromUtcUs(10), 5}).ok());
+  ASSERT_TRUE(database->QueryDrift({mt, {"EX0C"}, UtcTime(), base::FromUtcUs(1'000'000'000), 50}).ok());
+
+  ASSERT_TRUE(database->UpdateMachine(mt, 0, "{ }", Cell("")).ok());
+  ASSERT_TRUE(database->GetMachineRevision(mt, 1).ok());
+  ASSERT_TRUE(database->ReadSession(stored).ok());
+  const SessionId open = database->CreateSession(TestSession("open"))->id;
+  ASSERT_TRUE(database->CreateSession(TestSession("open")).ok());
+  ASSERT_TRUE(Append(*database, open, 0, TestColumns(0, 10)).ok());
+  ASSERT_TRUE(Append(*database, open, 0, TestColumns(0, 10)).ok());
+  ASSERT_TRUE(database->AbortSession(open).ok());
+  ASSERT_TRUE(database->CreateSession(TestSession("left")).ok());
+  ASSERT_TRUE(database->BeginProgram({"nc", "O2", Cell("left")}).ok());
+  database.clock.Advance(std::chrono::hours(2));
+  ASSERT_EQ(*database->ExpireSessions(std::chrono::hours(1)), 1);
+  ASSERT_EQ(*database->ExpirePrograms(std::chrono::hours(1)), 1);
+
+  const ProgramId program = database->BeginProgram({"nc", "O1", Cell("p")})->id;
+  ASSERT_TRUE(database->AppendProgram(program, 0, "G01").ok());
+  ASSERT_TRUE(database->AppendProgram(program, 0, "G01").ok());
+  ASSERT_TRUE(database->FinishProgram(program, 3, "").ok());
+  ASSERT_TRUE(database->ReadProgram(program, 0, [](const std::string&) { return absl::OkStatus(); }).ok());
+
+  NewJob job;
+  job.kind = "identify";
+  job.machine = mt;
+  for (const char* id : {"a", "b", "c", "d"}) {
+    job.caller = Cell(id);
+    ASSERT_TRUE(database->CreateJob(job, 10).ok());
+  }
+  const std::chrono::seconds lease(30);
+  JobRecord running = **database->ClaimJob(lease);
+  ASSERT_TRUE(database->HeartbeatJob(ClaimOf(running), lease, {"fit", 0.5, ""}).ok());
+  NewCalibration calibration = TestCalibration(database.clock.UtcNow(), 1.0);
+  calibration.sessions = {stored};
+  const auto done = database->SucceedJob(ClaimOf(running), {"report", calibration, {program}});
+  ASSERT_TRUE(done.ok()) << done.status();
+  ASSERT_TRUE(database->GetJob(done->id).ok());
+  running = **database->ClaimJob(lease);
+  const JobError error = {absl::StatusCode::kInternal, "WHY", "because"};
+  ASSERT_TRUE(database->EndJob(ClaimOf(running), JobEnd::kFailed, error, {}).ok());
+  ASSERT_TRUE(database->RequeueJob(running.id, 10, Cell("")).ok());
+  ASSERT_TRUE(database->CancelJob(running.id, Cell("")).ok());
+  ASSERT_TRUE((*database->ClaimJob(lease)).has_value());
+  ASSERT_TRUE(database->CancelJob(JobId(done->id.number() + 2), Cell("")).ok());
+  database.clock.Advance(std::chrono::minutes(1));
+  ASSERT_TRUE(database->RescueJobs().ok());
+  ASSERT_TRUE(database->NextJobWait().ok());
+
+  const CalibrationId second = database->CreateCalibration(calibration)->id;
+  ASSERT_TRUE(database->ApproveCalibration(*done->calibration, 0, Cell("")).ok());
+  ASSERT_TRUE(database->ApproveCalibration(second, 0, Cell("")).ok());
+  ASSERT_TRUE(database->GetApprovedCalibration(mt).ok());
+  ASSERT_TRUE(database->RetireCalibration(second, 0, Cell("")).ok());
+  ASSERT_TRUE(database->DeleteMachine(mt, 0, Cell("")).ok());
+}
+
+class Statements : public testing::Test {
+ protected:
+  void SetUp() override {
+    stored = StoreSession(*database, 1);
+    database.Close();
+    ASSERT_NO_FATAL_FAILURE(Fill(database.path()));
+    Caught caught;
+    database.Open();
+    ASSERT_NO_FATAL_FAILURE(CallAll(database, stored));
+    database.Close();
+    steps = caught.steps();
+    ASSERT_GT(steps.size(), 60u);
+  }
+
+  TempDatabase database;
+  SessionId stored;
+  std::map<std::string, int> steps;  // by statement
+};
+
+TEST_F(Statements, TakeFewStepsWhateverFitsTheirFilter) {
+  for (const auto& [sql, count] : steps) EXPECT_LT(count, kMaxSteps) << sql;
+}
+
+TEST_F(Statements, ScanNoTableThatGrows) {
+  // What may be read whole: one row; the schema; what is open, waits or runs (few, and they leave); what has no
+  // checksum yet.
+  const std::regex allowed(
+      "SCAN (up_time|sqlite_master|CONSTANT ROW|\\(subquery.*|.* USING (COVERING )?INDEX "
+      "(session_open|program_open|job_waiting|job_running|calibration_unsealed|machine_revision_unsealed).*)");
+  const std::unique_ptr<Connection> connection = *Connection::Open(database.path(), Access::kWrite);
+  for (const auto& [sql, count] : steps) {
+    if (std::regex_search(sql, std::regex("^(PRAGMA|BEGIN|COMMIT|ROLLBACK|SAVEPOINT|RELEASE|--)"))) continue;
+    auto plan = connection->Ask("EXPLAIN QUERY PLAN " + sql);
+    ASSERT_TRUE(plan.ok()) << sql << ": " << plan.status();
+    while (*plan->Step()) {
+      const std::string detail = plan->Text(3);
+      EXPECT_TRUE(!detail.starts_with("SCAN") || std::regex_match(detail, allowed)) << detail << "\n  of " << sql;
+      EXPECT_EQ(detail.find("USE TEMP B-TREE"), std::string::npos) << detail << "\n  of " << sql;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace axiscal::storage
