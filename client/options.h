@@ -11,7 +11,7 @@
 namespace axiscal::client {
 
 struct Options {
-  // Who asks, as written into created_by and the audit. Request ids are this user's own.
+  // Who asks, as written into created_by and the audit. Request ids of jobs and programs are this user's own.
   std::string user = "anonymous";
   // How long Connect() waits for the server; 0 connects when the first call needs it.
   std::chrono::milliseconds connect_deadline = std::chrono::seconds(5);

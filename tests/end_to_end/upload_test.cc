@@ -89,6 +89,33 @@ TEST_F(Upload, TheSameSessionAgainIsStoredOnce) {
   EXPECT_EQ(all->rows.size(), 1u);
 }
 
+TEST_F(Upload, TheSameFileOfAnotherUserIsTheSameSession) {
+  const session::Session session = BallbarSession("mt", "BX", 2'000);
+  const auto first = client().Upload(MachineId("mt"), session);
+  ASSERT_OK(first);
+  auto other = client::Client::InProcess(channel(), {.user = "another"});
+  ASSERT_OK(other);
+  const auto second = other->Upload(MachineId("mt"), session);
+  ASSERT_OK(second);
+  EXPECT_TRUE(second->was_there);
+  EXPECT_EQ(second->session.id, first->session.id);
+  EXPECT_EQ(client().ListSessions()->rows.size(), 1u);
+}
+
+TEST_F(Upload, AnAbortedOneCanBeSentAgain) {
+  const session::Session session = BallbarSession("mt", "BX", 2'000);
+  Open(session);
+  ASSERT_OK(client().AbortSession(SessionId(id_)));
+  const auto again = client().Upload(MachineId("mt"), session);
+  ASSERT_OK(again);
+  EXPECT_FALSE(again->was_there);
+  EXPECT_NE(again->session.id.number(), id_);
+  EXPECT_EQ(again->session.state, records::SessionState::kComplete);
+  const auto back = client().DownloadSession(again->session.id);
+  ASSERT_OK(back);
+  EXPECT_TRUE(*back == session);
+}
+
 TEST_F(Upload, ResumesWhereABrokenStreamLeftIt) {
   const session::Session session = BallbarSession("mt", "BX", 10'000);
   std::vector<v1::UploadRequest> messages = Open(session);
