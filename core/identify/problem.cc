@@ -91,6 +91,12 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
                                                      "' share the setup '", run.setup_name,
                                                      "' but not the instrument"));
     }
+    if (!group.runs.empty() && runs[group.runs[0]].free_datum != run.free_datum) {
+      return absl::InvalidArgumentError(absl::StrCat("sessions '", runs[group.runs[0]].session, "' and '", run.session,
+                                                     "' share the setup '", run.setup_name,
+                                                     "' but not the datum, expected the same '# datum: free ...' in "
+                                                     "both"));
+    }
     group.runs.push_back(static_cast<int>(i));
     problem.group_of_run.push_back(at);
     problem.noise.push_back({instruments::SigmaWithRounding(run)});

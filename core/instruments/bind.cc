@@ -10,6 +10,7 @@
 #include "core/instruments/touch/touch_bind.h"
 #include "core/instruments/tracker/tracker_model.h"
 #include "core/machine/redundant_facts.h"
+#include "core/session/header_rules.h"
 
 namespace axiscal::instruments {
 namespace {
@@ -96,6 +97,23 @@ class Binder {
     return absl::OkStatus();
   }
 
+  absl::Status BindDatum() {
+    const std::optional<std::string> text = session::FindHeader(session_, "datum");
+    if (!text) return absl::OkStatus();
+    if (run_.kind == Kind::kEccentricity) return Refuse("datum: eccentricities have no commanded positions");
+    const auto names = session::ParseDatum(*text);
+    if (!names.ok()) return base::Within("session '" + run_.session + "': datum", names.status());
+    for (const std::string& name : *names) {
+      const int axis = machine::FindAxis(machine_, name);
+      if (axis < 0 || machine_.axes[axis].kind != machine::AxisKind::kLinear)
+        return Refuse(absl::StrCat("datum: '", *text, "': ", name, " is no linear axis of machine ", machine_.id));
+      if (run_.free_datum.size() == kMaxDatumAxes)
+        return Refuse(absl::StrCat("datum: '", *text, "', expected at most ", kMaxDatumAxes, " axes"));
+      AddDatum(machine_, axis, &run_);
+    }
+    return absl::OkStatus();
+  }
+
   absl::Status BindHeader() {
     run_.session = session::FindHeader(session_, "session").value_or("");
     ASSIGN_OR_RETURN(run_.session, Text("session"));
@@ -120,6 +138,7 @@ class Binder {
     if (instrument_->has_bar) {
       ASSIGN_OR_RETURN(run_.bar_length_mm, PositiveNumber("bar_length_mm"));
     }
+    RETURN_IF_ERROR(BindDatum());
     return ReadPriors();
   }
 

@@ -168,6 +168,75 @@ TEST(Evaluation, APerfectMachineReadsZero) {
   }
 }
 
+// An axis whose datum was set anew stands a constant from its commanded position: as if it had been commanded there. The
+// derivatives are those of differences, by the constant and by the axis' own errors, whose turns turn it along.
+TEST(Evaluation, AFreeDatumMovesItsAxes) {
+  const auto machine = machine::testing::MultiTasking();
+  std::mt19937 random(7);
+  for (const Instrument& instrument : Instruments()) {
+    if (instrument.kind == Kind::kEccentricity) continue;
+    const MeasuringRun run = OneReading(machine, instrument, &random);
+    const int rows = run.row_count;
+    const size_t own = run.setup.size();
+    MeasuringRun free = run;
+    const int x = machine::FindAxis(machine, "X"), z = machine::FindAxis(machine, "Z");
+    AddDatum(machine, x, &free);
+    AddDatum(machine, z, &free);
+    EXPECT_EQ(free.setup.back().name, "datum_Z");
+    machine::JointErrors<double> errors;
+    for (int joint = 0; joint < machine.joint_count(); ++joint) errors[joint] << 0.01, -0.02, 0.03, 1e-3, -2e-3, 3e-3;
+    double setup[kMaxSetupParameters] = {};
+    setup[own] = 0.7;
+    setup[own + 1] = -0.4;
+    MeasuringRun moved = run;
+    moved.positions[x] += 0.7;
+    moved.positions[z] -= 0.4;
+    double expected_mm[kMaxRows], predicted_mm[kMaxRows];
+    Predict(machine, moved, 0, errors, setup, expected_mm);
+    // Where the machine moves until a condition holds, it stops as much before as the axes stand ahead.
+    if (instrument.kind == Kind::kCentres) {
+      Predict(machine, run, 0, errors, setup, expected_mm);
+      expected_mm[0] -= 0.7;
+      expected_mm[2] += 0.4;
+    }
+    Predict(machine, free, 0, errors, setup, predicted_mm);
+    for (int row = 0; row < rows; ++row) EXPECT_NEAR(predicted_mm[row], expected_mm[row], 1e-10) << instrument.name;
+    machine::JointTransforms transforms(machine);
+    transforms.Set(errors);
+    Predict(machine, free, 0, transforms, setup, predicted_mm);
+    for (int row = 0; row < rows; ++row) EXPECT_NEAR(predicted_mm[row], expected_mm[row], 1e-10) << instrument.name;
+    Evaluation evaluation;
+    Evaluate(machine, free, 0, errors, setup, &evaluation);
+    ASSERT_EQ(evaluation.by_setup.cols(), static_cast<Eigen::Index>(own + 2));
+    constexpr double kStep = 1e-5, kNear = 1e-6;  // central differences: second order
+    const auto differ = [&](double* at, int row) {
+      const double was = *at;
+      double low[kMaxRows], high[kMaxRows];
+      *at = was - kStep;
+      Predict(machine, free, 0, errors, setup, low);
+      *at = was + kStep;
+      Predict(machine, free, 0, errors, setup, high);
+      *at = was;
+      return (high[row] - low[row]) / (2.0 * kStep);
+    };
+    for (int row = 0; row < rows; ++row) {
+      EXPECT_NEAR(evaluation.predicted_mm[row], expected_mm[row], 1e-10);
+      // The slopes of sphere centres are those of a machine without errors (centres_model.cc): 3 mrad of 500 mm.
+      const double near = instrument.kind == Kind::kCentres ? 0.02 : kNear;
+      for (size_t k = 0; k < own + 2; ++k)
+        EXPECT_NEAR(evaluation.by_setup(row, static_cast<Eigen::Index>(k)), differ(setup + k, row), near) << k;
+      for (const int axis : {x, z}) {
+        for (int c = 0; c < machine::kComponents; ++c) {
+          const double slope = differ(&errors[axis][c], row);
+          EXPECT_NEAR(evaluation.by_error(row, machine::kComponents * axis + c), slope,
+                      instrument.kind != Kind::kCentres ? 1e-4 : c < 3 ? 0.02 : 3.0)
+              << instrument.name << ' ' << axis << ' ' << c;
+        }
+      }
+    }
+  }
+}
+
 // What slipped on the table is as if the artefact had stood there, what slipped in the holder as if the tool joint had
 // erred, from the slip's reading on.
 TEST(Evaluation, ASlipMovesWhatItsCarrierBearsFromItsReadingOn) {

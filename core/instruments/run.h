@@ -22,7 +22,10 @@ enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch, kEccentricity };
 inline constexpr int kMaxRows = 3;                             // readings that one line of a session holds
 inline constexpr int kMaxSlips = 3;                            // of one session
 inline constexpr double kSlipSigmaMm = 0.1;                    // weak prior of how far something slips
-inline constexpr int kMaxSetupParameters = 9 + 3 * kMaxSlips;  // setup offsets of one session
+inline constexpr int kMaxDatumAxes = 6;                        // of one session
+// Weak prior of where a work offset that is set anew goes: far more than probing or touching off leaves.
+inline constexpr double kDatumSigmaMm = 1.0;
+inline constexpr int kMaxSetupParameters = 9 + kMaxDatumAxes + 3 * kMaxSlips;  // setup offsets of one session
 
 // One setup offset: refitted with its session, never taken for a machine error.
 struct SetupParameter {
@@ -55,8 +58,11 @@ struct MeasuringRun {
   // Eccentricity only: a reading is taken along a path, not at a state; positions and states of this run are zero then.
   std::shared_ptr<const eccentricity::Eccentricities> path_readings;
   std::vector<SetupParameter> setup;
+  // Linear axes whose work offset was set anew for this session (`# datum: free X Z`): the true position is the
+  // commanded one plus a constant, mm, a setup offset each (datum_X ...) behind the instrument's own.
+  std::vector<int> free_datum;
   // How far each slip moved (x, y, z; table or tool frame, mm) is three more setup offsets, in this order behind the
-  // instrument's own. None for readings along a path.
+  // instrument's own and the datum's. None for readings along a path.
   std::vector<Slip> slips;
   std::vector<size_t> bad_rows;  // reading * row_count + row: known to be bad, set aside in every fit
 
@@ -86,6 +92,9 @@ struct MeasuringRun {
 // instrument. A part of a session begins after `readings_before`.
 absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine,
                                          size_t readings_before = 0);
+
+// Frees the datum of a linear axis; before any slip is added.
+void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run);
 
 // Adds a slip with its offsets. A session with a slip no longer shares its setup: it gets a setup of its own.
 void AddSlip(const Slip& slip, MeasuringRun* run);

@@ -237,6 +237,31 @@ TEST(CloseLoop, TheReportIsThatOfTheFormatPage) {
   }
 }
 
+// A work offset that was set anew is a set-up to the loop too: its constant is no effect, and the effect is found.
+TEST(CloseLoop, AFreeDatumIsSetUp) {
+  const machine::ErrorModel truth =
+      Errors(kMachine, "{" + std::string(kDeclared) +
+                           R"(, "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": -2.9}]})");
+  ballbar::PatternOptions options;
+  options.step_deg = 2.0;
+  auto patterns = identify::testing::FivePatterns();
+  patterns.push_back({"CR-again", Pattern::kCR, 356.4});
+  auto sessions = Measure(kMachine, truth, {}, patterns, options);
+  constexpr double kOffMm = 0.3;
+  for (session::Column& column : sessions.back().columns) {
+    if (column.name != "X_mm") continue;
+    for (double& position : column.values) position -= kOffMm;
+  }
+  sessions.back().header.push_back({"datum", "free X"});
+  const Report report = CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value();
+  ASSERT_EQ(report.effects.size(), 1u);
+  EXPECT_TRUE(Names(report.effects[0], "EXX:backlash"));
+  const identify::SetupOffset& datum = report.fitted.sessions.back().setup.back();
+  EXPECT_EQ(datum.name, "datum_X");
+  EXPECT_NEAR(datum.value, kOffMm, 5.0 * datum.sigma);
+  EXPECT_LT(datum.sigma, 0.1 * kOffMm);
+}
+
 TEST(CloseLoop, CancellationEndsIt) {
   Options options;
   options.cancelled = [] { return true; };

@@ -31,6 +31,23 @@ absl::Status CheckMachineName(const std::vector<HeaderEntry>& header, const mach
   return absl::OkStatus();
 }
 
+// `# datum: free X Z` names linear axes of this machine.
+absl::Status CheckDatum(const std::vector<HeaderEntry>& header, const machine::Machine& machine) {
+  for (size_t i = 0; i < header.size(); ++i) {
+    if (header[i].key != "datum") continue;
+    ASSIGN_OR_RETURN(const std::vector<std::string> axes, ParseDatum(header[i].value));
+    for (const std::string& name : axes) {
+      const int axis = machine::FindAxis(machine, name);
+      if (axis >= 0 && machine.axes[axis].kind == AxisKind::kLinear) continue;
+      return Refuse(absl::StrCat("line ", HeaderLine(i), ": datum: ", Quoted(header[i].value), ": ", name,
+                                 axis < 0 ? absl::StrCat(" is no axis of machine ", machine.id)
+                                          : std::string(" is a rotary axis"),
+                                 ", expected linear axes"));
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckTravel(const Column& column, const Axis& axis, size_t header_entries, size_t index) {
   if (!axis.min_position || !axis.max_position) return absl::OkStatus();
   const bool linear = axis.kind == AxisKind::kLinear;
@@ -90,6 +107,7 @@ absl::StatusOr<MachineCheck> MachineCheck::Create(const std::vector<HeaderEntry>
   for (size_t i = 0; i < rules.size(); ++i) {
     if (!rules[i].axis.empty()) check.axis_columns_.push_back({i, AxisOf(rules[i], machine, header.size(), i)});
   }
+  RETURN_IF_ERROR(CheckDatum(header, machine));
   check.missing_axis_ = CheckAxesAreThere(header, columns, machine);
   return check;
 }

@@ -14,7 +14,8 @@ namespace axiscal::session {
 // The same for many parts of a session, prepared once for all of them.
 class MachineCheck {
  public:
-  // The header must be valid. INVALID_ARGUMENT when `columns`, which all parts have, are not its instrument's.
+  // The header must be valid. INVALID_ARGUMENT when `columns`, which all parts have, are not its instrument's, or the
+  // datum line does not fit the machine.
   static absl::StatusOr<MachineCheck> Create(const std::vector<HeaderEntry>& header,
                                              const std::vector<std::string>& columns, const machine::Machine& machine);
 
@@ -34,7 +35,7 @@ class MachineCheck {
 
 // The session must be valid (see Validate). INVALID_ARGUMENT with the place in the session's file when the header names
 // another machine, a column names an axis that the machine has not or has in the other unit, an axis that the
-// instrument needs has no column, or a position lies beyond the travel that the description states.
+// instrument needs has no column, its datum line names what is no linear axis of the machine, or a position lies beyond the travel that the description states.
 absl::Status CheckAgainstMachine(const Session& session, const machine::Machine& machine);
 
 }  // namespace axiscal::session

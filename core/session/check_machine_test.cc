@@ -44,6 +44,16 @@ TEST(CheckAgainstMachine, AxesAndUnitsAreTheMachines) {
   EXPECT_EQ(Problem(text, machine), "line 9: axis C of machine mt has no column, instrument ballbar needs C_deg");
 }
 
+TEST(CheckAgainstMachine, TheDatumIsOfLinearAxes) {
+  const auto machine = machine::testing::MultiTasking();
+  const auto with = [](const std::string& axes) {
+    return Replaced(kBallbar, "# sigma_um: 0.3\n", "# sigma_um: 0.3\n# datum: free " + axes + "\n");
+  };
+  EXPECT_TRUE(CheckAgainstMachine(*ReadSessionText(with("X Z"), "a"), machine).ok());
+  EXPECT_EQ(Problem(with("X C"), machine), "line 5: datum: 'free X C': C is a rotary axis, expected linear axes");
+  EXPECT_EQ(Problem(with("W"), machine), "line 5: datum: 'free W': W is no axis of machine mt, expected linear axes");
+}
+
 TEST(CheckAgainstMachine, PositionsBeyondTheTravelAreRefused) {
   auto machine = machine::testing::MultiTasking();
   machine.axes[2].min_position = -10;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/str_split.h"
 #include "core/session/text.h"
 
 namespace axiscal::session {
@@ -69,7 +70,21 @@ absl::Status ValidateFeatures(const std::vector<HeaderEntry>& header, const Inst
                              " NAME: ...', instrument ", format.name, " needs at least one"));
 }
 
-absl::Status ValidateOptional(const std::vector<HeaderEntry>& header) {
+// Readings that no column of an axis belongs to have no commanded position either.
+absl::Status ValidateDatum(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
+  ASSIGN_OR_RETURN(const size_t datum, FindOnce(header, "datum"));
+  if (datum == std::string::npos) return absl::OkStatus();
+  const std::string place = EntryPlace(datum, header[datum]);
+  if (format.axes == AxisColumns::kNone) {
+    return Refuse(absl::StrCat(place, "instrument ", format.name,
+                               " has no commanded positions, expected no datum line"));
+  }
+  const auto axes = ParseDatum(header[datum].value);
+  return axes.ok() ? absl::OkStatus() : Refuse(absl::StrCat(place, axes.status().message()));
+}
+
+absl::Status ValidateOptional(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
+  RETURN_IF_ERROR(ValidateDatum(header, format));
   ASSIGN_OR_RETURN(const size_t setup, FindOnce(header, "setup"));
   if (setup != std::string::npos) RETURN_IF_ERROR(ValidateEntry(setup, header[setup], {"setup", 0, 0, 0, "a text"}));
   ASSIGN_OR_RETURN(const size_t started, FindOnce(header, "started"));
@@ -81,6 +96,26 @@ absl::Status ValidateOptional(const std::vector<HeaderEntry>& header) {
 }
 
 }  // namespace
+
+absl::StatusOr<std::vector<std::string>> ParseDatum(const std::string& value) {
+  std::vector<std::string> words = absl::StrSplit(value, ' ', absl::SkipEmpty());
+  const auto is_axis = [](const std::string& word) {
+    return word[0] >= 'A' && word[0] <= 'Z' &&
+           std::all_of(word.begin() + 1, word.end(), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  const bool is_free = words.size() > 1 && words[0] == "free";
+  if (!is_free || !std::all_of(words.begin() + 1, words.end(), is_axis)) {
+    return Refuse(absl::StrCat(Quoted(value), ", expected 'free' and the linear axes whose work offset was set anew: "
+                                              "free X Z"));
+  }
+  words.erase(words.begin());
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (std::find(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i), words[i]) !=
+        words.begin() + static_cast<std::ptrdiff_t>(i))
+      return Refuse(absl::StrCat(Quoted(value), ": axis ", words[i], " is there twice, expected once"));
+  }
+  return words;
+}
 
 const FeatureRule* FindFeatureRule(const InstrumentFormat& format, const std::string& key) {
   for (const FeatureRule& rule : format.features) {
@@ -113,7 +148,7 @@ absl::Status ValidateHeader(const std::vector<HeaderEntry>& header) {
   }
   RETURN_IF_ERROR(ValidateKeys(header, format->header, "instrument " + format->name));
   RETURN_IF_ERROR(ValidateFeatures(header, *format));
-  return ValidateOptional(header);
+  return ValidateOptional(header, *format);
 }
 
 }  // namespace axiscal::session

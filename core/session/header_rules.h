@@ -21,6 +21,10 @@ inline size_t HeaderLine(size_t index) { return index + 1; }
 // their form. Unknown keys pass. INVALID_ARGUMENT: "line 4: sigma_um: '0', expected ...".
 absl::Status ValidateHeader(const std::vector<HeaderEntry>& header);
 
+// The axes of `# datum: free X Z`. INVALID_ARGUMENT when `value` is anything else than "free" and names of axes, each
+// once.
+absl::StatusOr<std::vector<std::string>> ParseDatum(const std::string& value);
+
 // The rule whose prefix `key` has ("plane top": plane), or nullptr.
 const FeatureRule* FindFeatureRule(const InstrumentFormat& format, const std::string& key);
 
