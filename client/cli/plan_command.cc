@@ -22,7 +22,7 @@ namespace {
 
 struct PlanArguments {
   std::string machine, test, output, tool_tip, ball;
-  std::vector<std::string> asked, declared, with;
+  std::vector<std::string> asked, declared, with, travels;
   std::optional<double> bar_mm;
   bool list = false;
   plan::ProgramOptions program;
@@ -59,6 +59,28 @@ absl::StatusOr<plan::Situation> SituationOf(const machine::Machine& machine, con
       return absl::InvalidArgumentError(absl::StrFormat("%s %g: expected 0.01 to 100 mm", option, radius_mm));
   }
   return plan::SituationOfMachine(machine, mounted);
+}
+
+// "A -90 0" for an axis of which machine.json states no travel.
+absl::Status AddTravel(const std::string& text, machine::Machine* machine) {
+  const size_t blank = text.find(' ');
+  std::vector<double> limits;
+  const bool are_limits = blank != std::string::npos && session::ParseNumbers(text.substr(blank + 1), &limits) &&
+                          limits.size() == 2 && limits[0] < limits[1];
+  const int at = machine::FindAxis(*machine, text.substr(0, blank));
+  if (!are_limits || at < 0 || machine->axes[at].kind != machine::AxisKind::kRotary) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--travel '", text, "': expected \"AXIS MIN MAX\", a rotary axis of machine ", machine->id,
+                     " and its limits in deg"));
+  }
+  machine::Axis& axis = machine->axes[at];
+  if (axis.min_position && axis.max_position) {
+    return absl::InvalidArgumentError(absl::StrCat("--travel '", text, "': machine ", machine->id,
+                                                   " states the travel of ", axis.name, " itself, expected none"));
+  }
+  axis.min_position = limits[0] * base::kRadPerDeg;
+  axis.max_position = limits[1] * base::kRadPerDeg;
+  return absl::OkStatus();
 }
 
 std::string Joined(const std::vector<std::string>& texts, const std::string& between) {
@@ -201,7 +223,7 @@ absl::Status Plan(Context& context, const PlanArguments& arguments) {
   if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
   if (!arguments.with.empty() && !arguments.test.empty())
     return absl::InvalidArgumentError("--with: expected --list or --for with it");
-  ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
+  ASSIGN_OR_RETURN(machine::Machine machine, MachineFrom(context, arguments.machine));
   if (const toolsetter::PlannableTest* const test = toolsetter::FindPlannable(arguments.test)) {
     ToolSetterPlan tools = arguments.tools;
     tools.output = arguments.output;
@@ -209,7 +231,14 @@ absl::Status Plan(Context& context, const PlanArguments& arguments) {
   }
   if (!arguments.tools.file.empty())
     return absl::InvalidArgumentError("--tools: expected tool-setter or tool-curve with it");
+  for (const std::string& travel : arguments.travels) RETURN_IF_ERROR(AddTravel(travel, &machine));
   ASSIGN_OR_RETURN(const plan::Situation situation, SituationOf(machine, arguments));
+  if (const std::vector<std::string> unknown = plan::TiltingWithoutTravel(machine); !unknown.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "machine ", machine.id, ": the travel of ", Joined(unknown, ", "),
+        " is not stated, and an axis that tilts does not go round: expected travel_deg in machine.json, or --travel \"",
+        unknown.front(), " MIN MAX\" (deg)"));
+  }
   if (!arguments.test.empty()) return WriteTest(context, machine, situation, arguments);
   ASSIGN_OR_RETURN(const machine::ErrorModel model,
                    plan::ErrorsToJudge(machine, arguments.declared, arguments.asked));
@@ -229,7 +258,7 @@ void AddPlanCommand(CLI::App& app, Context& context) {
       ->required();
   plan->add_flag("--list", arguments->list,
                  "the tests that this machine can run, with rank, time and what they cannot tell");
-  plan->add_option("--for", arguments->asked, "propose the smallest set of tests that determines these errors")
+  plan->add_option("--for", arguments->asked, "propose the tests that determine these errors in the least time")
       ->delimiter(',');
   plan->add_option("--with", arguments->with,
                    "of --list and --for: only these tests, those whose instrument is at hand")
@@ -250,13 +279,17 @@ void AddPlanCommand(CLI::App& app, Context& context) {
       ->capture_default_str();
   plan->add_option("--tool-tip", arguments->tool_tip, "\"x y z\": the tool point at home, machine frame, mm");
   plan->add_option("--ball", arguments->ball, "\"x y z\": the table ball at home, machine frame, mm");
+  plan->add_option("--travel", arguments->travels,
+                   "\"AXIS MIN MAX\" in deg, of a rotary axis whose travel machine.json does not state; repeatable")
+      ->take_all();
   plan->add_option("--bar", arguments->bar_mm, "length of the ball bar, mm")->check(CLI::Range(10.0, 5000.0));
   plan->add_option("--tools", arguments->tools.file,
                    "of tool-setter a session whose rods are meant, of tool-curve a cutter.json");
   AddToolSetterOptions(*plan, arguments->tools);
   plan->footer(
       "A machine that declares no errors is judged by all location errors of its axes.\n"
-      "Examples: axiscal plan --machine machine.json --list --tool-tip \"0 0 -350\" --ball \"50 0 65\"\n"
+      "An axis that tilts (a head, a table that is tipped) needs its travel_deg in machine.json, or --travel.\n"
+      "Examples: axiscal plan --machine machine.json --list --tool-tip \"0 0 -350\" --travel \"B -30 120\"\n"
       "          axiscal plan --machine mt --for EX0C,EB0C --tool-tip \"0 0 -350\"\n"
       "          axiscal plan --machine mt --for EX0C,EB0C --with touch-columns,touch-sphere --ball \"0 0 60\"\n"
       "          axiscal plan --machine mt touch-columns --ball \"0 0 60\" --stylus-radius 3 --dialect fanuc -o "

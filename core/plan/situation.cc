@@ -35,7 +35,53 @@ Eigen::Vector3d OnOutermostAxis(const machine::Machine& machine, const std::vect
   return Eigen::Vector3d::Zero();
 }
 
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+bool HasTravel(const machine::Axis& axis) { return axis.min_position && axis.max_position; }
+
+bool IsOfTable(const machine::Machine& machine, int axis) {
+  return std::find(machine.work_branch.begin(), machine.work_branch.end(), axis) != machine.work_branch.end();
+}
+
+// `range` cut by whatever limit is stated.
+Range Within(const machine::Axis& axis, Range range) {
+  if (axis.min_position) range.lowest = std::max(range.lowest, *axis.min_position);
+  if (axis.max_position) range.highest = std::min(range.highest, *axis.max_position);
+  return range.lowest < range.highest ? range : Range{};
+}
+
+Range RangeOf(const machine::Machine& machine, int axis) {
+  const machine::Axis& a = machine.axes[axis];
+  if (TurningOf(machine, axis) == Turning::kRound) {
+    if (!HasTravel(a)) return Within(a, {0.0, kTurn});
+    // One turn from zero where the travel has it, else from its lower end.
+    const double lowest = *a.min_position <= 0.0 && *a.max_position >= kTurn ? 0.0 : *a.min_position;
+    return {lowest, std::min(lowest + kTurn, *a.max_position)};
+  }
+  const Range upright = Within(a, {-0.25 * kTurn, 0.25 * kTurn});
+  const bool is_elsewhere = upright.lowest == upright.highest && HasTravel(a);
+  return is_elsewhere ? Range{*a.min_position, *a.max_position} : upright;
+}
+
 }  // namespace
+
+Turning TurningOf(const machine::Machine& machine, int axis) {
+  const machine::Axis& a = machine.axes[axis];
+  if (!IsOfTable(machine, axis)) return Turning::kTilts;
+  constexpr double kWholeTurn = 359.0 * base::kRadPerDeg, kAlong = 0.9;
+  if (HasTravel(a) && *a.max_position - *a.min_position > kWholeTurn) return Turning::kRound;
+  return std::abs(a.direction.dot(machine.tool_direction)) > kAlong ? Turning::kRound : Turning::kTilts;
+}
+
+std::vector<std::string> TiltingWithoutTravel(const machine::Machine& machine) {
+  std::vector<std::string> names;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    const machine::Axis& a = machine.axes[axis];
+    if (a.kind == machine::AxisKind::kRotary && !HasTravel(a) && TurningOf(machine, axis) == Turning::kTilts)
+      names.push_back(a.name);
+  }
+  return names;
+}
 
 Situation SituationOf(const machine::Machine& machine, const std::vector<MeasuringRun>& runs) {
   Situation situation;
@@ -88,15 +134,8 @@ Situation SituationOf(const machine::Machine& machine, const std::vector<Measuri
 
 Situation SituationOfMachine(const machine::Machine& machine, const Mounted& mounted) {
   Situation situation = SituationOf(machine, {});
-  constexpr double kTurn = 2.0 * std::numbers::pi;
   for (int axis = 0; axis < machine.axis_count(); ++axis) {
-    if (machine.axes[axis].kind != machine::AxisKind::kRotary) continue;
-    const bool is_table =
-        std::find(machine.work_branch.begin(), machine.work_branch.end(), axis) != machine.work_branch.end();
-    Range range = is_table ? Range{0.0, kTurn} : Range{-0.25 * kTurn, 0.25 * kTurn};
-    if (machine.axes[axis].min_position) range.lowest = std::max(range.lowest, *machine.axes[axis].min_position);
-    if (machine.axes[axis].max_position) range.highest = std::min(range.highest, *machine.axes[axis].max_position);
-    situation.ranges[axis] = range.lowest < range.highest ? range : Range{};
+    if (machine.axes[axis].kind == machine::AxisKind::kRotary) situation.ranges[axis] = RangeOf(machine, axis);
   }
   situation.stylus_radius_mm = mounted.stylus_radius_mm;
   situation.sphere_radius_mm = mounted.sphere_radius_mm;

@@ -5,8 +5,10 @@
 #include <set>
 
 #include "core/identify/naming.h"
+#include "core/identify/plausible_errors.h"
 #include "core/identify/reduction.h"
 #include "core/plan/planned_run.h"
+#include "core/session/column_rules.h"
 
 namespace axiscal::plan {
 namespace {
@@ -61,6 +63,152 @@ absl::StatusOr<machine::ErrorModel> ConstantErrors(const machine::Machine& machi
   }
   return model;
 }
+
+// Whether two sessions command the same positions, in the same order or backwards, with one instrument.
+bool IsSameMotion(const session::Session& one, const session::Session& other) {
+  if (session::FindHeader(one, "instrument") != session::FindHeader(other, "instrument")) return false;
+  if (one.reading_count() != other.reading_count()) return false;
+  bool is_same = true, is_reversed = true;
+  for (const session::Column& column : one.columns) {
+    std::string axis;
+    session::ColumnKind kind;
+    const session::Column* const twin = session::FindColumn(other, column.name);
+    if (!session::ParseAxisColumn(column.name, &axis, &kind)) continue;
+    if (twin == nullptr) return false;
+    constexpr double kSame = 2e-3;  // mm or deg
+    const auto is_near = [](double a, double b) { return std::abs(a - b) < kSame; };
+    is_same &= std::equal(column.values.begin(), column.values.end(), twin->values.begin(), is_near);
+    is_reversed &= std::equal(column.values.begin(), column.values.end(), twin->values.rbegin(), is_near);
+  }
+  // Of sphere centres the rotary columns alone are there: the tool and the sphere make the motion.
+  for (const char* key : {"tool_tip_mm", "table_ball_mm"}) {
+    if (session::FindHeader(one, "instrument") == "centres" &&
+        session::FindHeader(one, key) != session::FindHeader(other, key))
+      return false;
+  }
+  return is_same || is_reversed;
+}
+
+// The search of ProposeTests.
+class LeastTime {
+ public:
+  struct Verdict {
+    information::Told told;
+    int minutes = 0;
+    bool tells_all = false;  // that all tests together tell
+  };
+
+  LeastTime(const Survey& survey, const std::vector<int>& asked) : survey_(survey), asked_(asked) {
+    std::vector<int> all;
+    for (int i = 0; i < static_cast<int>(survey.tests.size()); ++i) {
+      const auto is_same = [&](int other) {
+        return IsSameMotion(survey.tests[i].planned.session, survey.tests[other].planned.session);
+      };
+      if (std::none_of(all.begin(), all.end(), is_same)) all.push_back(i);
+    }
+    candidates_ = std::move(all);
+    told_by_all_ = TellOf(candidates_).told;
+  }
+
+  // None: nothing that was asked is told.
+  std::vector<int> Find() {
+    if (told_by_all_.determined_count == 0) return {};
+    const int count = static_cast<int>(candidates_.size());
+    for (int i = 0; i < count; ++i) Consider({candidates_[i]});
+    for (int i = 0; i < count; ++i) {
+      for (int j = i + 1; j < count; ++j) Consider({candidates_[i], candidates_[j]});
+    }
+    // Larger sets: all tests but those that can be left out, the longest first and, of equal length, the last.
+    std::vector<int> longest_first = candidates_;
+    std::stable_sort(longest_first.begin(), longest_first.end(),
+                     [&](int a, int b) { return survey_.tests[a].seconds > survey_.tests[b].seconds; });
+    std::vector<int> kept = longest_first;
+    for (const int test : longest_first) TryWithout(test, &kept);
+    Exchange(kept);
+    if (!best_.empty()) Exchange(best_);
+    std::sort(best_.begin(), best_.end());
+    return best_;
+  }
+
+  Verdict TellOf(const std::vector<int>& set) const {
+    Verdict verdict;
+    verdict.told = {std::vector<bool>(asked_.size(), false), std::vector<double>(asked_.size(), NAN)};
+    if (set.empty()) return verdict;
+    information::TestInformation together = survey_.tests[set[0]].tells;
+    for (size_t i = 1; i < set.size(); ++i) together += survey_.tests[set[i]].tells;
+    verdict.told = information::Tell(together, asked_);
+    for (size_t i = 0; i < asked_.size(); ++i) {
+      const double widest = identify::kMeasuredWithin * identify::kPlausible * survey_.errors[asked_[i]].factor;
+      if (!verdict.told.is_determined[i] || verdict.told.sigma[i] <= widest) continue;
+      verdict.told.is_determined[i] = false;
+      verdict.told.sigma[i] = NAN;
+      --verdict.told.determined_count;
+    }
+    double seconds = 0.0;
+    for (const int test : set) seconds += survey_.tests[test].seconds + kMountingSeconds;
+    verdict.minutes = static_cast<int>(std::ceil(seconds / 60.0));
+    verdict.tells_all = true;
+    for (size_t i = 0; i < told_by_all_.is_determined.size(); ++i)
+      verdict.tells_all &= verdict.told.is_determined[i] || !told_by_all_.is_determined[i];
+    return verdict;
+  }
+
+ private:
+  // Whether it is the best so far.
+  bool Consider(const std::vector<int>& set) {
+    Verdict verdict = TellOf(set);
+    if (!verdict.tells_all) return false;
+    constexpr double kRounding = 1e-9;
+    const bool is_better =
+        best_.empty() || verdict.minutes < of_best_.minutes ||
+        (verdict.minutes == of_best_.minutes &&
+         verdict.told.log_determinant < of_best_.told.log_determinant - kRounding);
+    if (!is_better) return false;
+    best_ = set;
+    of_best_ = std::move(verdict);
+    return true;
+  }
+
+  // Leaves `test` out of `set` where the others tell as much.
+  bool TryWithout(int test, std::vector<int>* set) const {
+    std::vector<int> fewer = *set;
+    std::erase(fewer, test);
+    if (fewer.empty() || !TellOf(fewer).tells_all) return false;
+    *set = std::move(fewer);
+    return true;
+  }
+
+  // One test for another, then without those that are no longer needed, as long as it pays.
+  void Exchange(std::vector<int> set) {
+    Consider(set);
+    for (bool improves = true; improves;) {
+      improves = false;
+      for (size_t place = 0; place < set.size() && !improves; ++place) {
+        for (const int test : candidates_) {
+          if (std::find(set.begin(), set.end(), test) != set.end()) continue;
+          std::vector<int> other = set;
+          other[place] = test;
+          if (!TellOf(other).tells_all) continue;
+          const std::vector<int> whole = other;
+          for (const int one : whole) {
+            if (one != test) TryWithout(one, &other);
+          }
+          if (!Consider(other)) continue;
+          set = other;
+          improves = true;
+          break;
+        }
+      }
+    }
+  }
+
+  const Survey& survey_;
+  const std::vector<int> asked_;
+  std::vector<int> candidates_;  // no two the same motion
+  information::Told told_by_all_;
+  std::vector<int> best_;
+  Verdict of_best_;
+};
 
 }  // namespace
 
@@ -131,13 +279,12 @@ absl::StatusOr<std::vector<int>> IndicesOf(const Survey& survey, const std::vect
 }
 
 Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked) {
-  std::vector<information::TestInformation> tests;
-  for (const SurveyedTest& test : survey.tests) tests.push_back(test.tells);
-  information::Choice choice = information::ChooseTests(tests, asked);
+  LeastTime search(survey, asked);
   Proposal proposal;
-  proposal.undetermined = choice.told.Undetermined();
-  proposal.tests = std::move(choice.tests);
-  proposal.sigma = std::move(choice.told.sigma);
+  proposal.tests = search.Find();
+  const information::Told told = search.TellOf(proposal.tests).told;
+  proposal.undetermined = told.Undetermined();
+  proposal.sigma = told.sigma;
   for (const int test : proposal.tests) proposal.seconds += survey.tests[test].seconds + kMountingSeconds;
   return proposal;
 }

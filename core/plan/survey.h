@@ -64,8 +64,11 @@ struct Proposal {
   std::vector<int> undetermined;  // asked errors that no set of the known tests determines, as indices into `asked`
 };
 
-// The smallest set that determines every error of `asked` (indices into Survey::errors) beside all others of the
-// survey, as information::ChooseTests. Where some cannot be determined by all tests together, the rest is; none where
+// The set that takes the least time, mounting and all, and determines every error of `asked` (indices into
+// Survey::errors) beside all others of the survey, to a third of what an error may be (identify/plausible_errors.h). Of
+// sets that take as many minutes the one with the least determinant of the covariance (information/choice.h). No two of
+// it are the same motion of the same instrument. Sets of up to two tests are all compared, larger ones are as good as
+// leaving out and exchange find. Where some errors cannot be determined by all tests together, the rest is; none where
 // none can.
 Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked);
 

@@ -121,6 +121,7 @@ bool TouchBuilder::Add(const std::vector<double>& rotary, const std::string& fea
   const Eigen::Vector3d approach = -(pose.bed_from_table.rotation * outward);
   for (int i = 0; i < 3; ++i) columns[column++].values.push_back(std::round(approach[i] * kPerUnit) / kPerUnit + 0.0);
   columns[column].texts.push_back(feature);
+  poses_.insert(rotary);
   return true;
 }
 

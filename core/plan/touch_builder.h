@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_PLAN_TOUCH_BUILDER_H_
 #define AXISCAL_CORE_PLAN_TOUCH_BUILDER_H_
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ class TouchBuilder {
   // Towards the spindle at this pose, bed's axes.
   Eigen::Vector3d Up(const std::vector<double>& rotary) const;
   int touch_count() const { return static_cast<int>(session_.columns[0].values.size()); }
+  // Positions of the rotary axes at which something is touched.
+  int pose_count() const { return static_cast<int>(poses_.size()); }
   // Only the features that were touched.
   PlannedSession Finish(const std::string& text);
 
@@ -56,6 +59,7 @@ class TouchBuilder {
   std::vector<session::HeaderEntry> features_;
   std::vector<Sphere> spheres_;
   std::vector<Box> boxes_;
+  std::set<std::vector<double>> poses_;
   Eigen::Vector3d table_normal_ = Eigen::Vector3d::Zero();
 };
 

@@ -102,7 +102,7 @@ std::vector<PlannedSession> TouchSpheres(const Situation& situation) {
       }
       AddIfSeen(builder,
                 absl::StrFormat("a sphere of radius %g mm at %d positions of %s, stylus %.0f mm from home",
-                                situation.sphere_radius_mm, positions.size(), name,
+                                situation.sphere_radius_mm, builder.pose_count(), name,
                                 tip_mm.dot(situation.machine->tool_direction)),
                 &planned);
     }
@@ -173,7 +173,7 @@ std::vector<PlannedSession> TouchColumns(const Situation& situation) {
     }
   }
   AddIfSeen(builder,
-            absl::StrCat("three square columns of 50 x 50 x 120 mm, 300 mm apart, at ", poses.size(),
+            absl::StrCat("three square columns of 50 x 50 x 120 mm, 300 mm apart, at ", builder.pose_count(),
                          " poses of the rotary axes"),
             &planned);
   return planned;
@@ -208,7 +208,8 @@ std::vector<PlannedSession> TouchBlockPairs(const Situation& situation) {
       builder.TouchFace(pose, name_of(side), frame.up, middles_mm[side] + kHalfMm * frame.up);
     }
   }
-  AddIfSeen(builder, absl::StrCat("four cubes of 10 mm in pairs 60 mm apart, at ", poses.size(), " poses"), &planned);
+  AddIfSeen(builder,
+            absl::StrCat("four cubes of 10 mm in pairs 60 mm apart, at ", builder.pose_count(), " poses"), &planned);
   return planned;
 }
 

@@ -1,6 +1,9 @@
 // axiscal plan: on a machine.json without a database, and on a stored machine.
 #include <gmock/gmock.h>
 
+#include <set>
+
+#include "absl/strings/str_cat.h"
 #include "tests/cli/command_line.h"
 
 namespace axiscal {
@@ -13,7 +16,7 @@ class Plan : public testing::CommandLine {
  protected:
   static std::string Machine() {
     return " --machine '" + Source("tests/data/loop/case-000/machine.json") +
-           "' --tool-tip '0 0 -350' --ball '50 0 65' ";
+           "' --tool-tip '0 0 -350' --ball '50 0 65' --travel 'B -90 90' ";
   }
 };
 
@@ -77,10 +80,71 @@ TEST_F(Plan, WritesTablesAndPrograms) {
   ASSERT_EQ(Run("plan ballbar-linked -o xc.nc" + Machine()).exit_code, 0);
 }
 
+constexpr char kTrunnion[] = R"({"id": "tt", "axes": {
+  "X": {"kind": "linear", "direction": [1, 0, 0]}, "Y": {"kind": "linear", "direction": [0, -1, 0]},
+  "Z": {"kind": "linear", "direction": [0, 0, 1]},
+  "A": {"kind": "rotary", "direction": [1, 0, 0], "point_mm": [0, 0, 0]TRAVEL},
+  "C": {"kind": "rotary", "direction": [0, 0, 1], "point_mm": [0, 0, 0]}},
+  "tool_branch": ["X", "Z"], "work_branch": ["Y", "A", "C"], "tool_direction": [0, 0, -1]})";
+
+// Different positions of the columns `names` of a plan.
+std::set<std::vector<double>> Positions(const std::string& csv, const std::vector<std::string>& names) {
+  std::istringstream in(csv);
+  std::set<std::vector<double>> positions;
+  std::vector<std::string> columns;
+  for (std::string line; std::getline(in, line);) {
+    if (line[0] == '#') continue;
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (columns.empty()) {
+      columns = cells;
+      continue;
+    }
+    std::vector<double> position;
+    for (const std::string& name : names)
+      position.push_back(std::stod(cells.at(static_cast<size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin()))));
+    positions.insert(position);
+  }
+  return positions;
+}
+
+// A table that is tipped goes as far as its travel, one that is not stated is asked for, and what the text says of the
+// poses is what the file has.
+TEST_F(Plan, ATiltingTableKeepsToItsTravel) {
+  std::string unknown = kTrunnion, stated = kTrunnion;
+  unknown.replace(unknown.find("TRAVEL"), 6, "");
+  stated.replace(stated.find("TRAVEL"), 6, R"(, "travel_deg": [-90, 0])");
+  Write("unknown.json", unknown);
+  Write("stated.json", stated);
+  const std::string columns = "plan touch-columns -o columns.csv --ball '0 0 60' ";
+  const auto asked = Run(columns + "--machine unknown.json");
+  EXPECT_EQ(asked.exit_code, 3);
+  EXPECT_THAT(asked.err, HasSubstr("the travel of A is not stated"));
+  EXPECT_THAT(asked.err, HasSubstr("--travel \"A MIN MAX\""));
+  EXPECT_FALSE(Exists("columns.csv"));
+  const auto written = Run(columns + "--machine stated.json --json");
+  ASSERT_EQ(written.exit_code, 0) << written.err;
+  using Values = std::set<std::vector<double>>;
+  EXPECT_EQ(Positions(Read("columns.csv"), {"A_deg"}), (Values{{-90}, {-60}, {-30}, {0}}));
+  EXPECT_EQ(Positions(Read("columns.csv"), {"C_deg"}), (Values{{0}, {60}, {120}, {180}, {240}, {300}}));
+  EXPECT_THAT(written.out, HasSubstr("at 24 poses of the rotary axes"));
+  ASSERT_EQ(Run(columns + "--machine unknown.json --travel 'A -90 0' --json").out, written.out);
+  // Tipped farther than upright, nobody reaches the table's face: such poses are neither in the file nor in the text.
+  const auto tipped = Run(columns + "--machine unknown.json --travel 'A 60 170' --json");
+  ASSERT_EQ(tipped.exit_code, 0) << tipped.err;
+  const size_t poses = Positions(Read("columns.csv"), {"A_deg", "C_deg"}).size();
+  EXPECT_THAT(tipped.out, HasSubstr(absl::StrCat("at ", poses, " poses of the rotary axes")));
+  EXPECT_EQ(Run(columns + "--machine stated.json --travel 'A -90 0'").exit_code, 3);
+  EXPECT_EQ(Run(columns + "--machine unknown.json --travel 'A 0 -90'").exit_code, 3);
+  EXPECT_EQ(Run(columns + "--machine unknown.json --travel 'X 0 90'").exit_code, 3);
+}
+
 // Yao's machine has its table 490 mm from the pivot: all twelve patterns, in every dialect.
 TEST_F(Plan, TheTwelvePatternsOfTheIntegrex) {
   const std::string options = " --machine '" + Source("deploy/examples/integrex/machine.json") +
-                              "' --tool-tip '0 0 -356.4' --ball '-440 0 65.5' --bar 120 -o p.nc --dialect ";
+                              "' --tool-tip '0 0 -356.4' --ball '-440 0 65.5' --bar 120 --travel 'B -90 90' -o p.nc "
+                              "--dialect ";
   for (const char* pattern :
        {"BX", "BY", "BZ", "B-axial", "B-radial", "B-tangential", "CR", "CT", "CA", "CX", "CY", "CZ"}) {
     const auto outcome = Run(std::string("plan ") + pattern + "-356" + options + "mazak");
@@ -92,7 +156,8 @@ TEST_F(Plan, TheTwelvePatternsOfTheIntegrex) {
 TEST_F(Plan, StoredMachines) {
   ASSERT_EQ(Run("machine add '" + Source("tests/data/loop/case-000/machine.json") + "'").exit_code, 0);
   const std::string id = Run("machine list --json").Json()["machines"][0]["id"].get<std::string>();
-  const auto outcome = Run("plan --for EX0C --json --tool-tip '0 0 -350' --ball '50 0 65' --machine " + id);
+  const auto outcome = Run("plan --for EX0C --json --tool-tip '0 0 -350' --ball '50 0 65' --travel 'B -90 90' "
+                           "--machine " + id);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, Run("plan --for EX0C --json" + Machine()).out);
 }

@@ -19,6 +19,9 @@ class Touch : public testing::CommandLine {
     ASSERT_NE(at, std::string::npos);
     const size_t end = machine.find(']', at);
     machine.replace(at, end + 1 - at, R"("declared": ["EX0C", "EY0C", "EA0C", "EB0C"])");
+    const std::string b = "\"B\": {";
+    ASSERT_NE(machine.find(b), std::string::npos);
+    machine.replace(machine.find(b), b.size(), b + "\"travel_deg\": [-90, 90], ");
     Write("machine.json", machine);
   }
   static std::string ReadSource(const std::string& name) {
