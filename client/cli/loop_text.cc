@@ -179,14 +179,19 @@ std::string UnexplainedText(const reports::Loop& report) {
 }
 
 std::string LoopText(const reports::Loop& report) {
-  std::string text = absl::StrCat("verdict: ", VerdictText(report.verdict), "\n");
+  std::string text;
+  for (const reports::Warning& warning : report.fitted.warnings) {
+    if (reports::ComesFirst(warning.kind)) absl::StrAppend(&text, "warning: ", warning.text, "\n");
+  }
+  absl::StrAppend(&text, "verdict: ", VerdictText(report.verdict), "\n");
   if (!report.effects.empty()) absl::StrAppend(&text, "effects that the declared model lacked:\n");
   for (const reports::Effect& effect : report.effects) text += EffectText(effect);
   text += UnexplainedText(report);
   for (const std::string& name : report.withdrawn)
     absl::StrAppend(&text, "withdrawn: ", name, " does not help on the check sessions\n");
-  for (const reports::Warning& warning : report.fitted.warnings)
-    absl::StrAppend(&text, "warning: ", warning.text, "\n");
+  for (const reports::Warning& warning : report.fitted.warnings) {
+    if (!reports::ComesFirst(warning.kind)) absl::StrAppend(&text, "warning: ", warning.text, "\n");
+  }
   if (const size_t count = report.fitted.outliers.size(); count > 0) {
     absl::StrAppend(&text, count, " readings stand out of their series and were set aside (listed in the report)\n");
   }

@@ -69,9 +69,9 @@ absl::Status AddTravel(const std::string& text, machine::Machine* machine) {
                           limits.size() == 2 && limits[0] < limits[1];
   const int at = machine::FindAxis(*machine, text.substr(0, blank));
   if (!are_limits || at < 0 || machine->axes[at].kind != machine::AxisKind::kRotary) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--travel '", text, "': expected \"AXIS MIN MAX\", a rotary axis of machine ", machine->id,
-                     " and its limits in deg"));
+    return absl::InvalidArgumentError(absl::StrCat("--travel '", text,
+                                                   "': expected \"AXIS MIN MAX\", a rotary axis of machine ",
+                                                   machine->id, " and its limits in deg"));
   }
   machine::Axis& axis = machine->axes[at];
   if (axis.min_position && axis.max_position) {

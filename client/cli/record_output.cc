@@ -209,6 +209,35 @@ std::string OutlierText(const reports::Outlier& outlier) {
                          NumberText(outlier.residual_um));
 }
 
+// What must be settled before the numbers are read.
+std::string FirstText(const reports::Fitted& fitted) {
+  std::string text;
+  for (const reports::Warning& warning : fitted.warnings) {
+    if (reports::ComesFirst(warning.kind)) absl::StrAppend(&text, "warning: ", warning.text, "\n");
+  }
+  return text;
+}
+
+// Constants of work offsets that were set anew, each set-up once.
+std::string DatumText(const reports::Fitted& fitted) {
+  std::string text, last;
+  for (const reports::SessionFit& session : fitted.sessions) {
+    const std::string& name = session.in.setup.empty() ? session.in.session : session.in.setup;
+    std::string constants;
+    for (const auto& [offset, value] : session.setup) {
+      if (offset.rfind("datum_", 0) != 0) continue;
+      absl::StrAppend(&constants, constants.empty() ? "" : ", ", offset.substr(6), " ",
+                      std::isfinite(value.value)
+                          ? absl::StrCat(NumberText(value.value), " +- ", NumberText(value.sigma), " ", value.unit)
+                          : std::string("not determined"));
+    }
+    if (constants.empty() || name == last) continue;
+    last = name;
+    absl::StrAppend(&text, "datum of set-up ", name, " against the commanded positions (no error): ", constants, "\n");
+  }
+  return text;
+}
+
 // What a report says beyond the single errors: lines for people.
 std::string ReportText(const reports::Fitted& fitted) {
   std::string text;
@@ -218,6 +247,7 @@ std::string ReportText(const reports::Fitted& fitted) {
                     "\n");
   }
   for (const reports::Warning& warning : fitted.warnings) {
+    if (reports::ComesFirst(warning.kind)) continue;
     if (warning.kind != reports::WarningKind::kScatter)  // PoorFitText says it, also where there is no report
       absl::StrAppend(&text, "warning: ", warning.text, "\n");
   }
@@ -225,6 +255,7 @@ std::string ReportText(const reports::Fitted& fitted) {
     absl::StrAppend(&text, "they determine: ", combination.name, " = ", NumberText(combination.value), " +- ",
                     NumberText(combination.sigma), " ", combination.unit, "\n");
   }
+  text += DatumText(fitted);
   for (const reports::Outlier& outlier : fitted.outliers) text += OutlierText(outlier);
   return text;
 }
@@ -275,6 +306,7 @@ std::string CalibrationText(const records::CalibrationRecord& record) {
   const auto* const loop = report.ok() ? std::get_if<reports::Loop>(&*report) : nullptr;
   const bool with_held = identification != nullptr && identification->held.has_value();
   const std::string held = with_held ? HeldRows(*identification->held, &rows) : "";
+  if (report.ok() && loop == nullptr) text += FirstText(reports::FittedOf(*report));  // LoopText says it
   absl::StrAppend(&text, Table(rows), held);
   // Student's t: with few readings an interval is wider than the 1.96 sigma that everybody has in mind.
   if (report.ok() && reports::FittedOf(*report).coverage_factor > 2.0)

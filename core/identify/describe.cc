@@ -95,7 +95,9 @@ void DescribeErrors(const SolvedProblem& solved, const Judgement& judgement, Res
     values[i] = ValueOf(model, parameters[i]);
     sigmas[i] = std::sqrt(std::max(0.0, covariance.errors(i, i)));
     Estimate estimate = NamedEstimate(*solved.problem.machine, model, parameters[i]);
-    estimate.identifiable = !null_space.involved[i] && !judgement.HasNoNumber(i);
+    // With what held errors add, too.
+    const bool is_too_wide = sigmas[i] > LargestOf(model, parameters[i]);
+    estimate.identifiable = !null_space.involved[i] && !judgement.HasNoNumber(i) && !is_too_wide;
     if (estimate.identifiable) {
       estimate.value = values[i];
       estimate.sigma = sigmas[i];
@@ -138,8 +140,11 @@ void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Re
 
 std::vector<reports::WarningFacts> ListWarnings(const SolvedProblem& solved, const Judgement& judgement,
                                                 const Result& result) {
-  std::vector<reports::WarningFacts> warnings =
-      WarningsOf(result, solved.parameters, judgement.without_interval, judgement.unsupported);
+  std::vector<reports::WarningFacts> warnings = FindBeyondSize(solved.problem, result);
+  for (const std::vector<reports::WarningFacts>& further :
+       {FindQuiet(solved.problem, result, solved.solution.residuals_mm),
+        WarningsOf(result, solved.parameters, judgement.without_interval, judgement.unsupported)})
+    warnings.insert(warnings.end(), further.begin(), further.end());
   for (reports::WarningFacts& warning : FindCoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
     warnings.push_back(std::move(warning));
@@ -162,6 +167,7 @@ Fit Describe(SolvedProblem solved, const Judgement& judgement, const Options& op
   result.iterations = solution.iterations;
   result.noise_scale = solved.noise_scale;
   result.warnings = ListWarnings(solved, judgement, result);
+  fit.standing_out = std::move(solved.standing_out);
   fit.problem = std::move(solved.problem);
   fit.point = std::move(solved.solution.point);
   fit.residuals_mm = std::move(solved.solution.residuals_mm);

@@ -51,6 +51,148 @@ std::vector<reports::WarningFacts> FindCoarseReadings(const Problem& problem) {
   return warnings;
 }
 
+namespace {
+
+// What is about as far apart as the machine is large: points on its rotary axes, tool points and artefacts, and the
+// paths of its linear axes, as stated or as measured.
+double SizeMm(const Problem& problem) {
+  const machine::Machine& machine = *problem.machine;
+  std::vector<Eigen::Vector3d> points_mm;
+  for (const machine::Axis& axis : machine.axes) {
+    if (axis.kind == machine::AxisKind::kRotary) points_mm.push_back(axis.point_mm);
+  }
+  for (const instruments::MeasuringRun& run : problem.runs) {
+    points_mm.push_back(run.tip_mm);
+    points_mm.push_back(run.ball_mm);
+  }
+  double apart_mm = 0.0, path2_mm2 = 0.0;
+  for (const Eigen::Vector3d& one : points_mm) {
+    for (const Eigen::Vector3d& other : points_mm) apart_mm = std::max(apart_mm, (one - other).norm());
+  }
+  for (size_t axis = 0; axis < machine.axes.size(); ++axis) {
+    const machine::Axis& a = machine.axes[axis];
+    if (a.kind != machine::AxisKind::kLinear) continue;
+    double low = INFINITY, high = -INFINITY;
+    for (const instruments::MeasuringRun& run : problem.runs) {
+      for (int k = 0; k < run.reading_count(); ++k) {
+        low = std::min(low, run.PositionsOf(k)[axis]);
+        high = std::max(high, run.PositionsOf(k)[axis]);
+      }
+    }
+    const double path_mm = a.min_position && a.max_position ? *a.max_position - *a.min_position
+                           : high > low                     ? high - low
+                                                            : 0.0;
+    path2_mm2 += path_mm * path_mm;
+  }
+  return std::max(apart_mm, std::sqrt(path2_mm2));
+}
+
+// Lengths that the files state and that somebody may have forgotten or counted twice, where they are within a tenth of
+// `length_mm`.
+void AddNear(const Problem& problem, double length_mm, std::vector<std::string>* near) {
+  constexpr double kAbout = 0.1;
+  const auto add = [&](const std::string& what, double mm) {
+    if (!(std::abs(std::abs(length_mm) - mm) < kAbout * mm)) return;
+    std::string text = absl::StrFormat("%s of %g mm", what, mm);
+    if (std::find(near->begin(), near->end(), text) == near->end()) near->push_back(std::move(text));
+  };
+  for (const instruments::MeasuringRun& run : problem.runs) {
+    if (run.kind != instruments::Kind::kTouch) continue;
+    add("the stylus radius", run.touches.stylus_radius_mm);
+    for (const touch::Feature& feature : run.touches.features) {
+      if (feature.is_sphere) add("the radius of sphere " + feature.name, feature.radius_mm);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const Result& result) {
+  // Castings and assembly are good to a tenth of this; what is beyond makes a machine that could not be handed over. A
+  // small machine is not better than some 500 mm.
+  constexpr double kShare = 2e-3, kSmallMm = 500.0;
+  constexpr double kSurely = 2.0;  // standard uncertainties
+  // A set-up is off its stated place by a few sigmas of mounting by hand, never by so many.
+  constexpr double kMountings = 10.0;
+  std::vector<Parameter> parameters = ListParameters(result.model, true);
+  if (parameters.size() != result.estimates.size()) parameters = ListParameters(result.model, false);
+  const auto is_angle = [&](size_t i) {
+    return machine::IsAngle(result.model.terms[static_cast<size_t>(parameters[i].term)].component);
+  };
+  const auto is_beyond = [&](size_t i, double limit_mm) {
+    const Estimate& estimate = result.estimates[i];
+    if (!estimate.identifiable || parameters[i].is_nonlinear) return false;
+    return std::abs(estimate.value) - kSurely * estimate.sigma > (is_angle(i) ? kShare : limit_mm);
+  };
+  std::vector<size_t> candidates;
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    if (is_beyond(i, kShare * kSmallMm)) candidates.push_back(i);
+  }
+  reports::BeyondSize beyond;
+  if (!candidates.empty()) beyond.size_mm = SizeMm(problem);
+  const double limit_mm = kShare * std::max(beyond.size_mm, kSmallMm);
+  beyond.limit_um = limit_mm * base::kUmPerMm;
+  beyond.limit_urad = kShare * base::kUradPerRad;
+  for (const size_t i : candidates) {
+    if (!is_beyond(i, limit_mm)) continue;
+    const Estimate& estimate = result.estimates[i];
+    beyond.errors.push_back({estimate.name, estimate.value / estimate.factor, estimate.unit});
+    if (!is_angle(i)) AddNear(problem, estimate.value, &beyond.near);
+  }
+  for (size_t i = 0; i < result.sessions.size() && i < problem.runs.size(); ++i) {
+    const SetupGroup& group = problem.groups[static_cast<size_t>(problem.group_of_run[i])];
+    if (group.runs[0] != static_cast<int>(i)) continue;  // a shared set-up once
+    const size_t without_slips = group.parameters.size() - 3 * problem.runs[i].slips.size();
+    for (size_t k = 0; k < without_slips && k < result.sessions[i].setup.size(); ++k) {
+      const SetupOffset& offset = result.sessions[i].setup[k];
+      const double at_least = std::abs(offset.value) - kSurely * offset.sigma;
+      if (!std::isfinite(group.parameters[k].prior_sigma) || !(at_least > kMountings * group.parameters[k].prior_sigma))
+        continue;
+      const double per_unit = offset.is_angle ? base::kUradPerRad : base::kUmPerMm;
+      beyond.offsets.push_back({absl::StrCat(offset.name, " of set-up ", group.name), offset.value * per_unit,
+                                offset.is_angle ? "urad" : "um"});
+      if (!offset.is_angle) AddNear(problem, offset.value, &beyond.near);
+    }
+  }
+  if (beyond.errors.empty() && beyond.offsets.empty()) return {};
+  return {std::move(beyond)};
+}
+
+std::vector<reports::WarningFacts> FindQuiet(const Problem& problem, const Result& result,
+                                             const std::vector<Eigen::MatrixXd>& residuals_mm) {
+  // An inch in place of a mm leaves 0.04 of the scatter, a metre 0.001; who states a sigma on the safe side states
+  // twice or three times as much.
+  constexpr double kFarBelow = 0.1;
+  constexpr double kFewest = 10.0;  // degrees of freedom: chance leaves a tenth of sigma in one of 1e9 such sessions
+  reports::Quiet quiet;
+  double all_squares = 0.0, all_used = 0.0, unknowns = static_cast<double>(result.estimates.size());
+  for (const SetupGroup& group : problem.groups) unknowns += static_cast<double>(group.parameters.size());
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const instruments::MeasuringRun& run = problem.runs[i];
+    const double sigma_mm = instruments::SigmaWithRounding(run);
+    double squares = 0.0, used = 0.0;
+    for (Eigen::Index k = 0; k < residuals_mm[i].size(); ++k) {
+      if (!problem.is_used[i][static_cast<size_t>(k)]) continue;
+      squares += std::pow(residuals_mm[i].data()[k] / sigma_mm, 2);
+      ++used;
+    }
+    all_squares += squares;
+    all_used += used;
+    // A session that has hardly more readings than there are unknowns may be fitted exactly.
+    const double freedom = used - unknowns;
+    if (freedom < kFewest || squares > kFarBelow * kFarBelow * freedom) continue;
+    quiet.sessions.push_back(run.session);
+    quiet.share = std::max(quiet.share, std::sqrt(squares / freedom));
+  }
+  const double freedom = all_used - unknowns;
+  if (quiet.sessions.empty() && freedom >= kFewest && all_squares <= kFarBelow * kFarBelow * freedom) {
+    for (const instruments::MeasuringRun& run : problem.runs) quiet.sessions.push_back(run.session);
+    quiet.share = std::sqrt(all_squares / freedom);
+  }
+  if (quiet.sessions.empty()) return {};
+  return {std::move(quiet)};
+}
+
 std::vector<reports::WarningFacts> SharedWithHeld(const Problem& problem, const Covariance& covariance,
                                                   const std::vector<MeasuredIn>& held_from) {
   reports::SharedStages shared;

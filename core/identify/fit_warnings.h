@@ -21,6 +21,14 @@ std::vector<reports::WarningFacts> WarningsOf(const Result& result, const std::v
 // Of each session with a reading column that is rounded to a coarse step (instruments/resolution.h).
 std::vector<reports::WarningFacts> FindCoarseReadings(const Problem& problem);
 
+// Errors and set-up offsets that are surely larger than a machine of this size can have, after its fit.
+std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const Result& result);
+
+// Sessions whose used readings scatter about the fit by far less than stated; all of them where that shows only in the
+// sum.
+std::vector<reports::WarningFacts> FindQuiet(const Problem& problem, const Result& result,
+                                             const std::vector<Eigen::MatrixXd>& residuals_mm);
+
 // The covariance of a fit takes what is held for independent of its readings. It is where the stages have no session in
 // common: a set-up that both fit freely carries nothing from one to the other. Not so where the same readings gave
 // both, or where errors rest on an offset that both know to a stated sigma: it is off by the same amount in both.

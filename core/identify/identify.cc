@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/identify/datum.h"
 #include "core/identify/describe.h"
 #include "core/identify/judge.h"
 #include "core/identify/noise.h"
@@ -56,6 +57,20 @@ bool TakeShownNoise(Fit* fit) {
   if (count > 0.0 && squares <= kLackOfFit * count) return true;
   problem.noise = as_stated;
   return false;
+}
+
+// Set-ups alone leave what the errors do to all touches of a feature.
+absl::Status CheckStandingOut(const Fit& fit) {
+  if (fit.standing_out.empty() || fit.result.model.terms.empty()) return absl::OkStatus();
+  const StandingOut& out = fit.standing_out[0];
+  const MeasuringRun& run = fit.problem.runs[static_cast<size_t>(out.run)];
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "session '%s': %d of the %d touches of '%s' stand out of the session's others or fail a gate, expected at most a "
+      "third: is stylus_radius_mm = %g right, and the feature's header line? If they are, the machine has an error "
+      "that "
+      "is not declared (axiscal close-loop looks for it)",
+      run.session, out.touches, out.of, run.touches.features[static_cast<size_t>(out.feature)].name,
+      run.touches.stylus_radius_mm));
 }
 
 }  // namespace
@@ -152,6 +167,8 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
 absl::StatusOr<Fit> FitMeasured(const machine::Machine& machine, std::vector<MeasuringRun> runs,
                                 const Options& options) {
   ASSIGN_OR_RETURN(Fit fit, FitRuns(machine, std::move(runs), options));
+  RETURN_IF_ERROR(CheckStandingOut(fit));
+  for (reports::WarningFacts& warning : FindMovedDatum(fit)) fit.result.warnings.push_back(std::move(warning));
   const Point nominal = StartingPoint(fit.problem, {});
   const machine::ErrorModel held = std::exchange(fit.problem.fixed_model, {});
   fit.result.nominal = StatisticsOf(fit.problem, nominal, ResidualsOf(fit.problem, nominal), 0);

@@ -56,10 +56,16 @@ struct Options {
 // INVALID_ARGUMENT naming field, value and rule.
 absl::Status Validate(const Options& options);
 
-// INVALID_ARGUMENT for sessions that do not fit the machine, FAILED_PRECONDITION when the fit does not converge or has
-// fewer readings than unknowns, CANCELLED.
+// INVALID_ARGUMENT for sessions that do not fit the machine or the model (FitMeasured), FAILED_PRECONDITION when the
+// fit does not converge or has fewer readings than unknowns, CANCELLED.
 absl::StatusOr<Result> Identify(const machine::Machine& machine, const std::vector<session::Session>& sessions,
                                 const Options& options = {});
+
+// More than a third of a feature's touches, and more than two, that would be set aside: no chips. They stay in the fit.
+struct StandingOut {
+  int run = 0, feature = 0;  // touch::Touches::features
+  int touches = 0, of = 0;   // that stand out of the series or failed a gate; of the session
+};
 
 // The same on bound runs, for callers that need residuals too.
 struct Fit {
@@ -67,12 +73,14 @@ struct Fit {
   Point point;
   std::vector<Eigen::MatrixXd> residuals_mm;  // per run, predicted - measured
   Result result;
+  std::vector<StandingOut> standing_out;
 };
 // INVALID_ARGUMENT also for a budget that names a session which is not there.
 absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                             const Options& options);
 
 // FitRuns, and the nominal machine's fit to the same runs (Result::nominal): what an identification reports.
+// INVALID_ARGUMENT where errors are fitted and a session has a feature of which too many touches stand out.
 absl::StatusOr<Fit> FitMeasured(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                                 const Options& options);
 

@@ -267,6 +267,134 @@ TEST(Identify, TooManyBadReadingsAreSaidAloud) {
   EXPECT_THAT(reports::ToJson(ReportOf(*result)), HasSubstr("too many for chips"));
 }
 
+// A number that is wider than 10 mm or 30 mrad is none, and the model does not act by it.
+TEST(Identify, ANumberWiderThanAnyErrorIsNone) {
+  auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
+  for (session::Session& session : sessions) {
+    for (session::HeaderEntry& entry : session.header) {
+      if (entry.key == "sigma_um") entry.value = "90000";
+    }
+  }
+  Options options;
+  options.judge_correlation = false;  // sigma as stated
+  const auto result = Identify(kMachine, sessions, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  int without = 0;
+  for (size_t i = 0; i < result->estimates.size(); ++i) {
+    const Estimate& estimate = result->estimates[i];
+    const double largest = estimate.unit == "um" ? 10.0 : 0.03;
+    EXPECT_FALSE(estimate.sigma > largest) << estimate.name << ' ' << estimate.sigma;
+    if (!std::isnan(estimate.value)) continue;
+    ++without;
+    EXPECT_FALSE(estimate.identifiable) << estimate.name;
+  }
+  EXPECT_GT(without, 0);
+  EXPECT_FALSE(result->not_separable.empty());
+  for (const Combination& combination : result->determined)
+    EXPECT_LE(combination.sigma, combination.unit == "um" ? 10.0 : 0.03) << combination.name;
+  const std::string json = reports::ToJson(ReportOf(*result));
+  EXPECT_THAT(json, HasSubstr("\"value\": null"));
+}
+
+// The X that the control shows is `off_mm` short of where the axis stands: the work offset was set anew.
+void SetAnew(double off_mm, session::Session* session) {
+  for (session::Column& column : session->columns) {
+    if (column.name != "X_mm") continue;
+    for (double& position : column.values) position -= off_mm;
+  }
+}
+
+// A constant of one session is set-up where its header says so, and proposed where nobody does.
+TEST(Identify, AWorkOffsetThatWasSetAnewIsSetUpAndNoError) {
+  const auto truth = testing::Errors(kMachine, kTruth);
+  std::vector<testing::Measured> patterns = testing::FivePatterns();
+  patterns.push_back({"CR-again", ballbar::Pattern::kCR, 356.4});
+  std::vector<session::Session> sessions = testing::Measure(kMachine, truth, {}, patterns);
+  constexpr double kOffMm = 0.040;
+  SetAnew(kOffMm, &sessions[5]);
+  const auto silent = Identify(kMachine, sessions);
+  ASSERT_TRUE(silent.ok()) << silent.status();
+  EXPECT_GT(std::abs(Find(*silent, "EX0C").value + 22.2e-3), 4.0 * Find(*silent, "EX0C").sigma);
+  std::string warned;
+  for (const reports::WarningFacts& facts : silent->warnings) {
+    const auto* const moved = std::get_if<reports::DatumMoved>(&facts);
+    if (moved == nullptr) continue;
+    warned = reports::InWords(facts).text;
+    for (const reports::DatumMoved::Axis& axis : moved->groups[0].axes) {
+      if (axis.name != "X") continue;
+      EXPECT_NEAR(std::abs(axis.moved_um), 1e3 * kOffMm, 4.0 * axis.sigma_um);
+      EXPECT_GT(std::abs(axis.moved_um), 5.0 * axis.sigma_um);
+    }
+  }
+  EXPECT_THAT(warned, HasSubstr("by a constant of the commanded position (X by "));
+  EXPECT_THAT(warned, HasSubstr("Then '# datum: free X"));
+  sessions[5].header.push_back({"datum", "free X"});
+  const auto stated = Identify(kMachine, sessions);
+  ASSERT_TRUE(stated.ok()) << stated.status();
+  for (const machine::ErrorTerm& term : truth.terms) {
+    const Estimate& estimate = Find(*stated, machine::NameOf(kMachine, term));
+    EXPECT_LT(std::abs(estimate.value - term.amplitude[0]), 4.0 * estimate.sigma) << estimate.name;
+  }
+  EXPECT_TRUE(stated->warnings.empty());
+  const SetupOffset& datum = stated->sessions[5].setup.back();
+  EXPECT_EQ(datum.name, "datum_X");
+  EXPECT_NEAR(datum.value, kOffMm, 4.0 * datum.sigma);
+  EXPECT_LT(datum.sigma, 0.2 * kOffMm);
+  // Free in every session that sees where C stands, nothing tells it.
+  for (session::Session& session : sessions) {
+    if (!session::FindHeader(session, "datum")) session.header.push_back({"datum", "free X"});
+  }
+  const auto all_free = Identify(kMachine, sessions);
+  ASSERT_TRUE(all_free.ok()) << all_free.status();
+  EXPECT_FALSE(Find(*all_free, "EX0C").identifiable);
+}
+
+TEST(Identify, SessionsOfOneSetUpHaveOneDatum) {
+  std::vector<session::Session> sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
+  for (session::Session& session : sessions) session.header.push_back({"setup", "one"});
+  sessions[1].header.push_back({"datum", "free X"});
+  const auto refused = Identify(kMachine, sessions);
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("share the setup 'one' but not the datum"));
+}
+
+const reports::WarningFacts* FirstWarning(const Result& result) {
+  return result.warnings.empty() ? nullptr : &result.warnings.front();
+}
+
+// A tool 5 mm shorter than stated; readings in m or inch in place of mm.
+TEST(Identify, SizesThatNoMachineHasAndReadingsThatAreTooQuietAreSaidFirst) {
+  const auto truth = testing::Errors(kMachine, R"({"EA0B": 20, "EX0C": 20, "EZ0T": 5000})");
+  Options options;
+  options.model = truth;
+  const auto shorter = Identify(kMachine, testing::Measure(kMachine, truth, {}), options);
+  ASSERT_TRUE(shorter.ok()) << shorter.status();
+  ASSERT_NE(FirstWarning(*shorter), nullptr);
+  const auto* const beyond = std::get_if<reports::BeyondSize>(FirstWarning(*shorter));
+  ASSERT_NE(beyond, nullptr);
+  ASSERT_EQ(beyond->errors.size(), 1u);
+  EXPECT_EQ(beyond->errors[0].name, "EZ0T");
+  EXPECT_THAT(reports::InWords(*beyond).text, HasSubstr("tool_tip_mm"));
+  for (const double unit_mm : {25.4, 1000.0}) {
+    auto sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
+    for (session::Session& session : sessions) {
+      for (session::Column& column : session.columns) {
+        if (column.name != "dL_mm") continue;
+        for (double& reading : column.values) reading /= unit_mm;
+      }
+    }
+    const auto small = Identify(kMachine, sessions);
+    ASSERT_TRUE(small.ok()) << small.status();
+    ASSERT_NE(FirstWarning(*small), nullptr) << unit_mm;
+    const auto* const quiet = std::get_if<reports::Quiet>(FirstWarning(*small));
+    ASSERT_NE(quiet, nullptr) << unit_mm;
+    EXPECT_EQ(quiet->sessions.size(), sessions.size());
+    EXPECT_THAT(reports::InWords(*quiet).text, HasSubstr("in m or inch in place of mm"));
+  }
+  const auto right = Identify(kMachine, testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {}));
+  ASSERT_TRUE(right.ok());
+  EXPECT_TRUE(right->warnings.empty());
+}
+
 TEST(Identify, CancellationReachesTheSolver) {
   Options options;
   int polls = 0;

@@ -67,7 +67,8 @@ struct Point {
   std::vector<Eigen::VectorXd> setup;  // per group, mm and rad
 };
 
-// INVALID_ARGUMENT when sessions that share a setup differ in instrument or in the axes of their datum, or two sessions have one name.
+// INVALID_ARGUMENT when sessions that share a setup differ in instrument or in the axes of their datum, or two sessions
+// have one name.
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs);
 
 // Entries of Problem::is_used of one run that are bad whatever is fitted: touches that were rejected, rows that stand

@@ -1,6 +1,9 @@
 #include "core/identify/report.h"
 
+#include <utility>
+
 #include "core/base/units.h"
+#include "core/identify/reduction.h"
 
 namespace axiscal::identify {
 namespace {
@@ -23,9 +26,14 @@ reports::SessionFit SessionOf(const SessionFit& fit) {
   session.rms_um = fit.rms_mm * kUmPerMm;
   session.max_um = fit.max_mm * kUmPerMm;
   for (const SetupOffset& offset : fit.setup) {
-    const double per_unit = offset.is_angle ? kUradPerRad : kUmPerMm;
-    session.setup.push_back(
-        {offset.name, {offset.value * per_unit, offset.sigma * per_unit, offset.is_angle ? "urad" : "um"}});
+    reports::SetupOffset written{.unit = offset.is_angle ? "urad" : "um"};
+    // Wider than an error may be it is no number: nothing that is measured shows this offset.
+    if (offset.sigma <= (offset.is_angle ? kLargestErrorRad : kLargestErrorMm)) {
+      const double per_unit = offset.is_angle ? kUradPerRad : kUmPerMm;
+      written.value = offset.value * per_unit;
+      written.sigma = offset.sigma * per_unit;
+    }
+    session.setup.push_back({offset.name, std::move(written)});
   }
   return session;
 }

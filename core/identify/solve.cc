@@ -6,7 +6,9 @@
 
 #include "core/base/demand.h"
 #include "core/identify/outliers.h"
+#include "core/identify/reduction.h"
 #include "core/instruments/resolution.h"
+#include "core/instruments/touch/touch_bind.h"
 
 namespace axiscal::identify {
 namespace {
@@ -21,11 +23,37 @@ void UseWhole(int row_count, std::vector<bool>* is_used) {
   }
 }
 
+// Touches of one feature that stand out of the series together are what the others lack, or what all of them have: they
+// are used again and told.
+void KeepFeatures(const Problem& problem, size_t run_index, std::vector<bool>* is_used,
+                  std::vector<StandingOut>* standing_out) {
+  const touch::Touches& touches = problem.runs[run_index].touches;
+  for (size_t feature = 0; feature < touches.features.size(); ++feature) {
+    StandingOut out{static_cast<int>(run_index), static_cast<int>(feature), 0, 0};
+    std::vector<size_t> flagged;
+    for (size_t k = 0; k < touches.feature_of.size(); ++k) {
+      if (touches.feature_of[k] != out.feature) continue;
+      ++out.of;
+      if (!(*is_used)[k]) flagged.push_back(k);
+    }
+    out.touches = static_cast<int>(flagged.size());
+    const bool all_gated = std::all_of(flagged.begin(), flagged.end(), [&](size_t k) {
+      const auto is_it = [&](const touch::Rejection& one) { return one.reading == static_cast<int>(k); };
+      return std::any_of(touches.rejected.begin(), touches.rejected.end(), is_it);
+    });
+    if (all_gated || !touch::AreTooMany(flagged.size(), static_cast<size_t>(out.of))) continue;
+    standing_out->push_back(out);
+    for (const size_t k : flagged) (*is_used)[k] = true;
+  }
+}
+
 // Sets scattered bad readings aside. Returns whether anything changed.
-bool SetOutliersAside(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* problem) {
+bool SetOutliersAside(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem* problem,
+                      std::vector<StandingOut>* standing_out) {
   constexpr double kQuantisedSigmaShare =
       0.3;  // a series finer than this share of the stated sigma is quantised, not quiet
   bool has_changed = false;
+  standing_out->clear();
   for (size_t i = 0; i < problem->runs.size(); ++i) {
     const MeasuringRun& run = problem->runs[i];
     std::vector<bool> is_used(problem->is_used[i].size());
@@ -37,6 +65,10 @@ bool SetOutliersAside(const std::vector<Eigen::MatrixXd>& residuals_mm, Problem*
     }
     if (problem->WeightOf(i, 0) != nullptr) UseWhole(run.row_count, &is_used);
     SetKnownAside(run, &is_used);
+    if (run.kind == instruments::Kind::kTouch) {
+      KeepFeatures(*problem, i, &is_used, standing_out);
+      SetKnownAside(run, &is_used);
+    }
     has_changed |= is_used != problem->is_used[i];
     problem->is_used[i] = std::move(is_used);
   }
@@ -78,7 +110,8 @@ absl::StatusOr<Solution> SolveFrom(const machine::ErrorModel& model, const std::
   constexpr double kNear = 1e-2;  // only where the second fit starts
   amplitudes_only.converged_decrement = std::max(kNear, options.converged_decrement);
   ASSIGN_OR_RETURN(const Solution first, Solve(*problem, start, nominal.null_space, amplitudes_only, at_start));
-  if (options.set_outliers_aside && first.has_converged) SetOutliersAside(first.residuals_mm, problem);
+  std::vector<StandingOut> of_amplitudes;
+  if (options.set_outliers_aside && first.has_converged) SetOutliersAside(first.residuals_mm, problem, &of_amplitudes);
   return Solve(*problem, first.point, null_space, options);
 }
 
@@ -182,6 +215,66 @@ absl::Status FindOtherMinima(const Options& options, SolvedProblem* solved) {
   return absl::OkStatus();
 }
 
+// Puts error `i` into the gauge. With C the covariance of the free errors, another one moves with it by
+// C_ji / C_ii; where an error i of the largest size would move it by more than its own uncertainty beside i, it has no
+// value of its own either.
+void AddToGauge(int i, const Eigen::MatrixXd& covariance, double scale, SolvedProblem* solved) {
+  NullSpace& space = solved->null_space;
+  const machine::ErrorModel& model = solved->solution.point.model;
+  const double largest = LargestOf(model, solved->parameters[i]);
+  Eigen::RowVectorXd direction = covariance.col(i).transpose() / covariance(i, i);
+  for (Eigen::Index j = 0; j < direction.size(); ++j) {
+    const double beside = covariance(j, j) - direction[j] * covariance(i, j);
+    if (std::abs(direction[j]) * largest <= scale * std::sqrt(std::max(0.0, beside)) ||
+        solved->parameters[static_cast<size_t>(j)].is_nonlinear)
+      direction[j] = 0.0;
+  }
+  for (const int fixed : space.fixed) direction[fixed] = 0.0;
+  direction[i] = 1.0;
+  for (Eigen::Index row = 0; row < space.directions.rows(); ++row)
+    space.directions.row(row) -= (space.directions(row, i) * direction).eval();
+  space.directions.conservativeResize(space.directions.rows() + 1, direction.size());
+  space.directions.bottomRows(1) = direction;
+  for (Eigen::Index j = 0; j < direction.size(); ++j) {
+    if (direction[j] != 0.0) space.involved[static_cast<size_t>(j)] = true;
+  }
+  space.fixed.push_back(i);
+  --space.rank;
+  solved->held.push_back(i);
+}
+
+// Holds what the readings that are used leave open to more than LargestOf: a number of that width is none, and the
+// model must not act by it. The gauge was found from the poses of all readings; those that were set aside may have been
+// the ones that told.
+absl::Status HoldTooWide(const Options& options, SolvedProblem* solved) {
+  const std::vector<Parameter>& parameters = solved->parameters;
+  while (true) {
+    const Solution& solution = solved->solution;
+    const auto freedom = static_cast<double>(solution.normal.row_count) - static_cast<double>(parameters.size()) +
+                         static_cast<double>(solved->held.size());
+    const double scale =
+        options.scale_uncertainties && freedom > 0.0 ? std::sqrt(std::max(1.0, solution.cost / freedom)) : 1.0;
+    const Eigen::MatrixXd covariance =
+        InverseBeside(Reduce(solved->problem, solution.point, solution.normal, Priors::kAll), solved->held);
+    const std::vector<int>& fixed = solved->null_space.fixed;
+    int widest = -1;
+    double most = 1.0;
+    for (int i = 0; i < static_cast<int>(parameters.size()); ++i) {
+      // One of the gauge that was freed (gauge.h) has no number anyway and would bias the others.
+      if (std::find(fixed.begin(), fixed.end(), i) != fixed.end()) continue;
+      const double share = scale * std::sqrt(covariance(i, i)) / LargestOf(solution.point.model, parameters[i]);
+      if (share <= most) continue;
+      most = share;
+      widest = i;
+    }
+    if (widest < 0) return absl::OkStatus();
+    AddToGauge(widest, covariance, scale, solved);
+    Point start = solution.point;
+    SetValue(parameters[static_cast<size_t>(widest)], 0.0, &start.model);
+    ASSIGN_OR_RETURN(solved->solution, Solve(solved->problem, start, solved->Holding(), options));
+  }
+}
+
 }  // namespace
 
 NullSpace SolvedProblem::Holding() const {
@@ -210,9 +303,10 @@ absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::Error
   const NullSpace holding = solved.Holding();
   constexpr int kRounds = 5;
   for (int round = 0; options.set_outliers_aside && round < kRounds; ++round) {
-    if (!SetOutliersAside(solved.solution.residuals_mm, &solved.problem)) break;
+    if (!SetOutliersAside(solved.solution.residuals_mm, &solved.problem, &solved.standing_out)) break;
     ASSIGN_OR_RETURN(solved.solution, Solve(solved.problem, solved.solution.point, holding, options));
   }
+  RETURN_IF_ERROR(HoldTooWide(options, &solved));
   return solved;
 }
 

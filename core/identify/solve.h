@@ -13,6 +13,7 @@ namespace axiscal::identify {
 
 struct SolvedProblem {
   Problem problem;  // with the noise that was fitted with; outliers are set aside
+  std::vector<StandingOut> standing_out;  // of the solution
   std::vector<Parameter> parameters;
   NullSpace null_space;  // of the nominal machine, in the columns of `parameters`
   std::vector<int> held;  // of null_space.fixed, the errors that are held at the solution (gauge.h)

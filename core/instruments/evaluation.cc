@@ -13,8 +13,8 @@
 namespace axiscal::instruments {
 namespace {
 
-// What a reading of a session in which something slipped or whose work offset was set anew is read with: the artefact is
-// where the first three setup offsets put it, a probe that slipped is an error of the tool joint, and an axis that
+// What a reading of a session in which something slipped or whose work offset was set anew is read with: the artefact
+// is where the first three setup offsets put it, a probe that slipped is an error of the tool joint, and an axis that
 // stands elsewhere than commanded has that error along itself.
 template <typename Errors>
 struct Moved {
@@ -89,8 +89,7 @@ void DifferentiateDatum(const machine::Machine& machine, const MeasuringRun& run
     const double a = errors[axis][3], b = errors[axis][4];
     const Eigen::Matrix3d turned = geometry::RotationXyz(a, 0.0, 0.0), twice = geometry::RotationXyz(a, b, 0.0);
     const Eigen::Vector3d turns[3] = {Eigen::Vector3d::UnitX(), turned.col(1), twice.col(2)};
-    for (int k = 0; k < 3; ++k)
-      out->by_error.col(first + 3 + k) += by_shift * (setup[column] * turns[k].cross(along));
+    for (int k = 0; k < 3; ++k) out->by_error.col(first + 3 + k) += by_shift * (setup[column] * turns[k].cross(along));
     ++column;
   }
 }

@@ -168,8 +168,8 @@ TEST(Evaluation, APerfectMachineReadsZero) {
   }
 }
 
-// An axis whose datum was set anew stands a constant from its commanded position: as if it had been commanded there. The
-// derivatives are those of differences, by the constant and by the axis' own errors, whose turns turn it along.
+// An axis whose datum was set anew stands a constant from its commanded position: as if it had been commanded there.
+// The derivatives are those of differences, by the constant and by the axis' own errors, whose turns turn it along.
 TEST(Evaluation, AFreeDatumMovesItsAxes) {
   const auto machine = machine::testing::MultiTasking();
   std::mt19937 random(7);
@@ -229,7 +229,9 @@ TEST(Evaluation, AFreeDatumMovesItsAxes) {
         for (int c = 0; c < machine::kComponents; ++c) {
           const double slope = differ(&errors[axis][c], row);
           EXPECT_NEAR(evaluation.by_error(row, machine::kComponents * axis + c), slope,
-                      instrument.kind != Kind::kCentres ? 1e-4 : c < 3 ? 0.02 : 3.0)
+                      instrument.kind != Kind::kCentres ? 1e-4
+                      : c < 3                           ? 0.02
+                                                        : 3.0)
               << instrument.name << ' ' << axis << ' ' << c;
         }
       }

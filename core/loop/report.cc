@@ -140,9 +140,9 @@ reports::Verdict VerdictOf(Verdict::Kind verdict) {
 
 reports::Fitted FittedOf(const Report& found) {
   reports::Fitted fitted = identify::FittedOf(found.fitted);
-  // Of the readings; what else an identification warns of, the loop judges itself.
+  // Of the readings and of sizes that no machine has; what else an identification warns of, the loop judges itself.
   std::erase_if(fitted.warnings, [](const reports::Warning& warning) {
-    return warning.kind != reports::WarningKind::kResolution;
+    return warning.kind != reports::WarningKind::kResolution && !reports::ComesFirst(warning.kind);
   });
   fitted.budget_json = found.budget_json;
   if (found.monte_carlo) fitted.monte_carlo = identify::ReportOf(*found.monte_carlo);

@@ -49,17 +49,18 @@ struct Mounted {
   double stylus_radius_mm = 3.0, sphere_radius_mm = 12.5;
 };
 
-// How far a rotary axis may be taken on a machine that was never measured. A table that spins about the tool's direction,
-// or whose stated travel is a whole turn, turns round; all others tilt: heads, and tables that carry or lie across.
+// How far a rotary axis may be taken on a machine that was never measured. A table that spins about the tool's
+// direction, or whose stated travel is a whole turn, turns round; all others tilt: heads, and tables that carry or lie
+// across.
 enum class Turning { kRound, kTilts };
 Turning TurningOf(const machine::Machine& machine, int axis);
 
 // The tilting axes whose travel machine.json does not state: nobody should command them anywhere before it does.
 std::vector<std::string> TiltingWithoutTravel(const machine::Machine& machine);
 
-// A machine that was never measured: an axis that turns round makes one turn, within its travel where it states one; one
-// that tilts goes as far as its travel allows within 90 degrees to either side (where none of it is there, all of it).
-// Without a stated travel it is taken to reach both 90 degrees: whoever commands a machine asks first
+// A machine that was never measured: an axis that turns round makes one turn, within its travel where it states one;
+// one that tilts goes as far as its travel allows within 90 degrees to either side (where none of it is there, all of
+// it). Without a stated travel it is taken to reach both 90 degrees: whoever commands a machine asks first
 // (TiltingWithoutTravel).
 Situation SituationOfMachine(const machine::Machine& machine, const Mounted& mounted);
 

@@ -159,10 +159,9 @@ class LeastTime {
     Verdict verdict = TellOf(set);
     if (!verdict.tells_all) return false;
     constexpr double kRounding = 1e-9;
-    const bool is_better =
-        best_.empty() || verdict.minutes < of_best_.minutes ||
-        (verdict.minutes == of_best_.minutes &&
-         verdict.told.log_determinant < of_best_.told.log_determinant - kRounding);
+    const bool is_better = best_.empty() || verdict.minutes < of_best_.minutes ||
+                           (verdict.minutes == of_best_.minutes &&
+                            verdict.told.log_determinant < of_best_.told.log_determinant - kRounding);
     if (!is_better) return false;
     best_ = set;
     of_best_ = std::move(verdict);

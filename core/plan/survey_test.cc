@@ -165,8 +165,8 @@ TEST(Survey, SessionsAddUp) {
   EXPECT_LT((together.norm2 - sum.informing.norm2).norm(), 1e-12 * together.norm2.norm());
 }
 
-// What is proposed determines what was asked, nothing of it can be left out, and the uncertainty is the one that identify
-// then has.
+// What is proposed determines what was asked, nothing of it can be left out, and the uncertainty is the one that
+// identify then has.
 TEST(Survey, ProposedSetDeterminesWhatWasAsked) {
   const machine::Machine machine = machine::testing::MultiTasking();
   const auto model = ErrorsToJudge(machine, {"EX0C", "EY0C", "EA0C", "EB0C", "EB0B", "EC0B", "EB0Y", "EC0X"});

@@ -208,8 +208,8 @@ std::vector<PlannedSession> TouchBlockPairs(const Situation& situation) {
       builder.TouchFace(pose, name_of(side), frame.up, middles_mm[side] + kHalfMm * frame.up);
     }
   }
-  AddIfSeen(builder,
-            absl::StrCat("four cubes of 10 mm in pairs 60 mm apart, at ", builder.pose_count(), " poses"), &planned);
+  AddIfSeen(builder, absl::StrCat("four cubes of 10 mm in pairs 60 mm apart, at ", builder.pose_count(), " poses"),
+            &planned);
   return planned;
 }
 

@@ -64,6 +64,57 @@ Warning Of(const CoarseReadings& facts) {
                           facts.session, facts.step_um, facts.most_sigmas, facts.sigma_um, facts.rounding_sigma_um)};
 }
 
+std::string ValueText(const BeyondSize::Value& value) {
+  return absl::StrFormat("%s at %.0f %s", value.name, value.value, value.unit);
+}
+
+Warning Of(const BeyondSize& facts) {
+  std::vector<std::string> parts;
+  for (const auto* values : {&facts.errors, &facts.offsets}) {
+    for (const BeyondSize::Value& value : *values) parts.push_back(ValueText(value));
+  }
+  std::string text = absl::StrJoin(parts, ", ");
+  if (!facts.errors.empty()) {
+    absl::StrAppend(&text,
+                    absl::StrFormat(": a machine about %.1f m across has errors of at most %.0f um and %.0f urad",
+                                    1e-3 * facts.size_mm, facts.limit_um, facts.limit_urad));
+  }
+  if (!facts.offsets.empty()) absl::StrAppend(&text, ": mounting leaves less by far");
+  absl::StrAppend(&text,
+                  "; is a tool length (tool_tip_mm), a radius of sphere or stylus (forgotten or counted twice), "
+                  "a point_mm of machine.json or the unit of a file (m or inch in place of mm) wrong?");
+  if (!facts.near.empty()) absl::StrAppend(&text, " About as large: ", absl::StrJoin(facts.near, ", "));
+  return {WarningKind::kSize, std::move(text)};
+}
+
+Warning Of(const Quiet& facts) {
+  return {WarningKind::kQuiet,
+          absl::StrFormat("session%s %s: the readings scatter about the fit by %.2g of their stated sigma, expected at "
+                          "least a tenth: are they in m or inch in place of mm (all errors are then too small by the "
+                          "same factor), or is sigma_um too large?",
+                          facts.sessions.size() == 1 ? "" : "s", absl::StrJoin(facts.sessions, ", "), facts.share)};
+}
+
+Warning Of(const DatumMoved& facts) {
+  std::string text;
+  for (const DatumMoved::Group& group : facts.groups) {
+    std::string axes, names;
+    for (const DatumMoved::Axis& axis : group.axes) {
+      absl::StrAppend(&axes, axes.empty() ? "" : ", ",
+                      absl::StrFormat("%s by %.4g +- %.2g um", axis.name, axis.moved_um, axis.sigma_um));
+      absl::StrAppend(&names, " ", axis.name);
+    }
+    const bool is_one = group.sessions.size() == 1;
+    absl::StrAppend(&text, text.empty() ? "" : "; ",
+                    absl::StrFormat("session%s %s disagree%s with the others by a constant of the commanded position "
+                                    "(%s): was the work offset set anew before? Then '# datum: free%s' belongs into "
+                                    "%s header%s",
+                                    is_one ? "" : "s", absl::StrJoin(group.sessions, ", "), is_one ? "s" : "", axes,
+                                    names, is_one ? "its" : "their", is_one ? "" : "s"));
+  }
+  return {WarningKind::kDatum, std::move(text)};
+}
+
 }  // namespace
 
 Warning InWords(const WarningFacts& facts) {

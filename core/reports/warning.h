@@ -19,6 +19,9 @@ enum class WarningKind {
   kNoNumber,    // errors without a number that the model holds at implausible sizes
   kHeld,        // two stages share what their sigmas take for independent
   kResolution,  // readings are rounded to more than they scatter by
+  kSize,        // errors or set-ups beyond what a machine of this size can have
+  kQuiet,       // readings scatter by far less than stated
+  kDatum,       // sessions disagree by a constant of the commanded positions
   kOther,       // of a newer version; its text says what
 };
 
@@ -57,7 +60,37 @@ struct CoarseReadings {
   double step_um = 0.0, sigma_um = 0.0, rounding_sigma_um = 0.0;
   double most_sigmas = 0.0;  // a step of at most so many stated sigmas hides nothing
 };
-using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings>;
+// Of a machine about `size_mm` across: errors beyond limit_um or limit_urad, offsets of a set-up beyond any mounting.
+struct BeyondSize {
+  struct Value {
+    std::string name;  // EZ0T, "ball_z of set-up BX"
+    double value = 0.0;
+    std::string unit;
+  };
+  std::vector<Value> errors, offsets;
+  double size_mm = 0.0, limit_um = 0.0, limit_urad = 0.0;
+  std::vector<std::string> near;  // lengths of the files that are about as large: "the stylus radius of 3 mm"
+};
+struct Quiet {
+  std::vector<std::string> sessions;
+  double share = 0.0;  // of the stated sigma
+};
+struct DatumMoved {
+  struct Axis {
+    std::string name;
+    double moved_um = 0.0, sigma_um = 0.0;  // true - commanded position
+  };
+  struct Group {
+    std::vector<std::string> sessions;
+    std::vector<Axis> axes;
+  };
+  std::vector<Group> groups;
+};
+using WarningFacts =
+    std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize, Quiet, DatumMoved>;
+
+// Whether nothing else of the report is worth reading before it is settled: such warnings stand first.
+inline bool ComesFirst(WarningKind kind) { return kind == WarningKind::kSize || kind == WarningKind::kQuiet; }
 
 Warning InWords(const WarningFacts& facts);
 

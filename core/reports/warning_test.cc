@@ -34,6 +34,20 @@ TEST(Warning, EachKindIsWorded) {
   Says(CoarseReadings{"CR", 2.0, 0.3, 0.57735, 2.0}, WarningKind::kResolution,
        "session 'CR': readings stand in steps of 2 um, expected at most 2 times the stated sigma of 0.3 um: what "
        "rounding hides is counted as noise of 0.5774 um");
+  Says(BeyondSize{{{"EZ0T", 5012.3, "um"}}, {}, 900.0, 1800.0, 2000.0, {"the stylus radius of 5 mm"}},
+       WarningKind::kSize,
+       "EZ0T at 5012 um: a machine about 0.9 m across has errors of at most 1800 um and 2000 urad; is a tool length "
+       "(tool_tip_mm), a radius of sphere or stylus (forgotten or counted twice), a point_mm of machine.json or the "
+       "unit "
+       "of a file (m or inch in place of mm) wrong? About as large: the stylus radius of 5 mm");
+  Says(Quiet{{"BX", "BY"}, 0.0394}, WarningKind::kQuiet,
+       "sessions BX, BY: the readings scatter about the fit by 0.039 of their stated sigma, expected at least a tenth: "
+       "are they in m or inch in place of mm (all errors are then too small by the same factor), or is sigma_um too "
+       "large?");
+  Says(
+      DatumMoved{{{{"C-1", "C-2"}, {{"X", -37.21, 1.5}, {"Z", 12.0, 0.4}}}}}, WarningKind::kDatum,
+      "sessions C-1, C-2 disagree with the others by a constant of the commanded position (X by -37.21 +- 1.5 um, Z by "
+      "12 +- 0.4 um): was the work offset set anew before? Then '# datum: free X Z' belongs into their headers");
 }
 
 TEST(Warning, OfAStoredCalibrationSaysWhatToDo) {

@@ -39,10 +39,10 @@ absl::Status CheckDatum(const std::vector<HeaderEntry>& header, const machine::M
     for (const std::string& name : axes) {
       const int axis = machine::FindAxis(machine, name);
       if (axis >= 0 && machine.axes[axis].kind == AxisKind::kLinear) continue;
-      return Refuse(absl::StrCat("line ", HeaderLine(i), ": datum: ", Quoted(header[i].value), ": ", name,
-                                 axis < 0 ? absl::StrCat(" is no axis of machine ", machine.id)
-                                          : std::string(" is a rotary axis"),
-                                 ", expected linear axes"));
+      return Refuse(absl::StrCat(
+          "line ", HeaderLine(i), ": datum: ", Quoted(header[i].value), ": ", name,
+          axis < 0 ? absl::StrCat(" is no axis of machine ", machine.id) : std::string(" is a rotary axis"),
+          ", expected linear axes"));
     }
   }
   return absl::OkStatus();

@@ -35,7 +35,8 @@ class MachineCheck {
 
 // The session must be valid (see Validate). INVALID_ARGUMENT with the place in the session's file when the header names
 // another machine, a column names an axis that the machine has not or has in the other unit, an axis that the
-// instrument needs has no column, its datum line names what is no linear axis of the machine, or a position lies beyond the travel that the description states.
+// instrument needs has no column, its datum line names what is no linear axis of the machine, or a position lies beyond
+// the travel that the description states.
 absl::Status CheckAgainstMachine(const Session& session, const machine::Machine& machine);
 
 }  // namespace axiscal::session

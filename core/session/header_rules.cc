@@ -76,8 +76,8 @@ absl::Status ValidateDatum(const std::vector<HeaderEntry>& header, const Instrum
   if (datum == std::string::npos) return absl::OkStatus();
   const std::string place = EntryPlace(datum, header[datum]);
   if (format.axes == AxisColumns::kNone) {
-    return Refuse(absl::StrCat(place, "instrument ", format.name,
-                               " has no commanded positions, expected no datum line"));
+    return Refuse(
+        absl::StrCat(place, "instrument ", format.name, " has no commanded positions, expected no datum line"));
   }
   const auto axes = ParseDatum(header[datum].value);
   return axes.ok() ? absl::OkStatus() : Refuse(absl::StrCat(place, axes.status().message()));
@@ -105,8 +105,9 @@ absl::StatusOr<std::vector<std::string>> ParseDatum(const std::string& value) {
   };
   const bool is_free = words.size() > 1 && words[0] == "free";
   if (!is_free || !std::all_of(words.begin() + 1, words.end(), is_axis)) {
-    return Refuse(absl::StrCat(Quoted(value), ", expected 'free' and the linear axes whose work offset was set anew: "
-                                              "free X Z"));
+    return Refuse(absl::StrCat(Quoted(value),
+                               ", expected 'free' and the linear axes whose work offset was set anew: "
+                               "free X Z"));
   }
   words.erase(words.begin());
   for (size_t i = 0; i < words.size(); ++i) {

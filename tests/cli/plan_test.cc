@@ -103,7 +103,8 @@ std::set<std::vector<double>> Positions(const std::string& csv, const std::vecto
     }
     std::vector<double> position;
     for (const std::string& name : names)
-      position.push_back(std::stod(cells.at(static_cast<size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin()))));
+      position.push_back(
+          std::stod(cells.at(static_cast<size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin()))));
     positions.insert(position);
   }
   return positions;
@@ -156,8 +157,10 @@ TEST_F(Plan, TheTwelvePatternsOfTheIntegrex) {
 TEST_F(Plan, StoredMachines) {
   ASSERT_EQ(Run("machine add '" + Source("tests/data/loop/case-000/machine.json") + "'").exit_code, 0);
   const std::string id = Run("machine list --json").Json()["machines"][0]["id"].get<std::string>();
-  const auto outcome = Run("plan --for EX0C --json --tool-tip '0 0 -350' --ball '50 0 65' --travel 'B -90 90' "
-                           "--machine " + id);
+  const auto outcome =
+      Run("plan --for EX0C --json --tool-tip '0 0 -350' --ball '50 0 65' --travel 'B -90 90' "
+          "--machine " +
+          id);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, Run("plan --for EX0C --json" + Machine()).out);
 }

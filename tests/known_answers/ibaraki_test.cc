@@ -290,6 +290,27 @@ TEST(Ibaraki, MapsAndAPlaceThatNobodyKnowsAreNotSeparable) {
 }
 
 // Columns that move by 4 um between two touches are said to have moved, in that session at that moment.
+// All sides stand off by what the radius is wrong, opposite ones in opposite directions; the columns' height takes it
+// from the tops. Set aside as chips, all of them, the tops would leave the errors without a number.
+TEST(Ibaraki, AWrongStylusRadiusIsRefused) {
+  session::Session touched =
+      synthetic::Simulate(TiltingTableAc(), machine::ReadErrors(R"({"EX0C": 20})", TiltingTableAc()).value(),
+                          ColumnsSession(), {})
+          .value();
+  ASSERT_TRUE(identify::Identify(TiltingTableAc(), {touched}).ok());
+  for (session::HeaderEntry& entry : touched.header) {
+    if (entry.key == "stylus_radius_mm") entry.value = "3.02";
+  }
+  const auto refused = identify::Identify(TiltingTableAc(), {touched});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(std::string(refused.status().message()).find("of the 24 touches of 'column1top' stand out"),
+            std::string::npos)
+      << refused.status();
+  EXPECT_NE(std::string(refused.status().message()).find("is stylus_radius_mm = 3.02 right"), std::string::npos)
+      << refused.status();
+}
+
 TEST(Ibaraki, TheLoopTellsWhenTheColumnsMoved) {
   const machine::ErrorModel truth = Model(absl::StrCat("{", kEight, "}"));
   synthetic::NoiseOptions noise;

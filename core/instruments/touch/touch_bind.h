@@ -3,6 +3,8 @@
 #ifndef AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_BIND_H_
 #define AXISCAL_CORE_INSTRUMENTS_TOUCH_TOUCH_BIND_H_
 
+#include <algorithm>
+
 #include "core/instruments/run.h"
 
 namespace axiscal::touch {
@@ -30,6 +32,9 @@ absl::Status BindTouches(const machine::Machine& machine, const session::Session
 // Both gates are 20 um where the header is silent.
 absl::Status GateTouches(const machine::Machine& machine, const session::Session& session,
                          instruments::MeasuringRun* run);
+
+// Of the touches of one feature: more than a third, and more than two. What is wrong with so many is wrong with all.
+inline bool AreTooMany(size_t bad, size_t touches) { return 3 * bad > std::max<size_t>(touches, 6); }
 
 inline constexpr double kDefaultGateMm = 0.020;
 // Far above mounting (5 mm is one sigma of the prior), below the distance between features.

@@ -195,7 +195,7 @@ absl::Status GateTouches(const machine::Machine& machine, const session::Session
     std::vector<Rejection> rejected;
     GateRepeats(*run, group, repeat_gate_mm, &rejected);
     if (feature.is_sphere) RETURN_IF_ERROR(GateSphere(*run, feature, group, radius_gate_mm, &rejected));
-    if (3 * rejected.size() > std::max<size_t>(readings.size(), 6)) {
+    if (AreTooMany(rejected.size(), readings.size())) {
       const Rejection& worst = rejected[0];
       return absl::InvalidArgumentError(absl::StrFormat(
           "session '%s': %d of the %d touches of '%s' from reading %d fail a gate (reading %d is %.1f um off its %s, "
