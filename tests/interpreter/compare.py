@@ -272,7 +272,10 @@ class Comparison:
             axis = max(self.machine.rotary, key=lambda a: abs(s.end[a] - s.start[a]))
             return min(1.0, max(0.0, (c[axis] - s.start[axis]) / (s.end[axis] - s.start[axis])))
         if s.arc:
-            first, second, centre, start, sweep, _, _ = s.arc
+            first, second, centre, start, sweep, radius, _ = s.arc
+            along = max(self.machine.linear, key=lambda a: 0.0 if a in (first, second) else abs(s.end[a] - s.start[a]))
+            if along not in (first, second) and abs(s.end[along] - s.start[along]) > radius * abs(sweep):
+                return min(1.0, max(0.0, (c[along] - s.start[along]) / (s.end[along] - s.start[along])))
             turn = math.atan2(c[second] - centre[1], c[first] - centre[0]) - start
             t = turn / sweep
             step = 2 * math.pi / abs(sweep)

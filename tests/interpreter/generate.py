@@ -611,6 +611,14 @@ class Program(Writer):
         fill = room - len(text) - 4 - self.rng.randrange(0, 25)
         self.lines.append(text + " " + self.comment("L" * fill))
 
+    def f_builder(self):
+        """An M code of the machine's builder that is stated to move nothing, alone or in the block of a move."""
+        if not self.case.get("harmless"):
+            return
+        if self.rng.random() < 0.5:
+            self.plain("M123" if self.dialect != "heidenhain" else "L M123")
+        self.feed_move(self.targets(self.rng.sample(self.linear, 2)), code=self.rng.choice(["M123", "M71"]))
+
     def f_over(self):
         """A rotary axis over the end of its circle."""
         if "C" not in self.rotary:
@@ -904,7 +912,7 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5)]
+             ("rotary_feed", 0.5), ("builder", 0.7)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
@@ -987,7 +995,7 @@ def rng_value(rng, low, high):
 
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
-             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7)]
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]
@@ -1281,7 +1289,7 @@ class KlartextProgram(Program):
         self.plain("END PGM %s %s" % (self.name, "INCH" if self.inch else "MM"))
 
 
-def draw(seed, dialects=DIALECTS, without=()):
+def draw(seed, dialects=tuple(DIALECTS), without=()):
     """A case: all that one run needs, as plain data."""
     rng = random.Random(seed)
     dialect = rng.choice(list(dialects))
@@ -1322,6 +1330,8 @@ def draw(seed, dialects=DIALECTS, without=()):
         if case["roll_over"] == "sign":
             for table in case["offsets"].values():
                 table["C"] = 0.0
+    if rng.random() < 0.3:
+        case["harmless"] = [71, 123]  # the builder says so
     if "unstated-unit" in without:
         case["states_unit"] = True
     if "roll-over" in without:

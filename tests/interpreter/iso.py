@@ -39,7 +39,8 @@ class Iso(Control):
         self.saved_preset = None
         self.wcs = "" if dialect == "sinumerik" else "G54"
         self.is_sinumerik = dialect == "sinumerik"
-        self.max_line = 252 if dialect == "linuxcnc" else None
+        # Without the line's end. LinuxCNC: rs274 of 2.9; Sinumerik: Programming Manual Fundamentals.
+        self.max_line = {"linuxcnc": 252, "sinumerik": 512}.get(dialect)
         self.arc_tolerance_mm = {"sinumerik": 0.011, "haas": 0.02, "linuxcnc": 0.127}.get(dialect, 0.02)
         self.corner_all = False
         self.unsure_later = set()
