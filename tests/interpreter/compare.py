@@ -38,7 +38,13 @@ def group(moves, others, machine):
         return []
     if n == m:
         return [[o] for o in others]
-    end = [[min(gross(s.end, o.end, machine), 50.0) for o in others] for s in moves]
+    def apart(s, o):
+        """Where the piece ends the move, the tool is right, or the axes stand as in the source."""
+        axes = gross(s.end, o.end, machine)
+        if axes > 1.0 or axes < 1e-4:
+            return min(axes, 50.0)
+        return min(axes, math.dist(machine.tip(s.end, s.length)[0], machine.tip(o.end, o.length, True)[0]))
+    end = [[apart(s, o) for o in others] for s in moves]
     first = [[0.0 if s.number == o.number and set(s.words[0] and [w[0] for w in s.words[0]] or ()) <= o.named else 20.0
               for o in others] for s in moves]
     later = [0.0 if o.number is None else 20.0 for o in others]
@@ -222,7 +228,7 @@ class Comparison:
         # The correction at both ends: what it shifts a point on the way, to first order.
         shift = {a: (pieces[0].start[a] - s.start[a], pieces[-1].end[a] - s.end[a]) for a in machine.linear}
         mismatch = abs(s.arc[5] - s.arc[6]) if s.arc else 0.0
-        if len(pieces) > 1 and self.turns_by_axis(s):  # the rotary words of pieces are rounded, at 300 mm from the axis
+        if len(pieces) > 1 and (self.turns_by_axis(s) or limits.tilt_rad is not None):  # the rotary words of pieces are rounded, at 300 mm from the axis
             mismatch += math.radians(limits.rounding_deg) * 300.0
         for piece in pieces:
             count = 4
