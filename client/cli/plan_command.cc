@@ -281,7 +281,9 @@ void AddPlanCommand(CLI::App& app, Context& context) {
   plan->add_option("--ball", arguments->ball, "\"x y z\": the table ball at home, machine frame, mm");
   plan->add_option("--travel", arguments->travels,
                    "\"AXIS MIN MAX\" in deg, of a rotary axis whose travel machine.json does not state; repeatable")
-      ->take_all();
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
   plan->add_option("--bar", arguments->bar_mm, "length of the ball bar, mm")->check(CLI::Range(10.0, 5000.0));
   plan->add_option("--tools", arguments->tools.file,
                    "of tool-setter a session whose rods are meant, of tool-curve a cutter.json");
