@@ -23,11 +23,13 @@ absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::string& 
   const int code = sqlite3_open_v2(path.c_str(), &db, flags, nullptr);
   std::unique_ptr<Connection> connection(new Connection(db));
   if (code != SQLITE_OK) return SqliteError(db, path);
-  sqlite3_busy_timeout(db, kBusyTimeoutMs);
+  connection->WaitForLocks();
   const absl::Status set = connection->Execute(access == Access::kWrite ? kWritePragmas : kReadPragmas);
   if (!set.ok()) return base::Within(path, set);
   return connection;
 }
+
+void Connection::WaitForLocks() { sqlite3_busy_timeout(db_, kBusyTimeoutMs); }
 
 Connection::~Connection() {
   for (auto& [sql, statements] : idle_) {

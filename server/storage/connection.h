@@ -43,6 +43,8 @@ class Connection {
 
   int64_t last_insert_id() const { return sqlite3_last_insert_rowid(db_); }
   int64_t changed_rows() const { return sqlite3_changes64(db_); }
+  // Statements wait some seconds for a lock that another process holds; so it is from the start.
+  void WaitForLocks();
   // False after SQLite has rolled a transaction back by itself (disk full, I/O error).
   bool in_transaction() const { return sqlite3_get_autocommit(db_) == 0; }
   sqlite3* handle() { return db_; }

@@ -8,11 +8,6 @@
 namespace axiscal::storage {
 namespace {
 
-// 4096-byte pages. At 16 MB the log is merged as far as readers allow; at 64 MB the writer waits for them, so that it
-// cannot grow without bound.
-constexpr int kMergeLogPages = 4096;
-constexpr int kMaxLogPages = 16384;
-
 // A copy that shares nothing with the original: statuses go to different threads, and thread sanitizers cannot see into
 // the library that counts their references.
 absl::Status Separate(const absl::Status& status) {
@@ -25,7 +20,8 @@ absl::Status Separate(const absl::Status& status) {
 
 }  // namespace
 
-Writer::Writer(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {
+Writer::Writer(std::unique_ptr<Connection> connection, const LogLimits& limits)
+    : connection_(std::move(connection)), limits_(limits), merge_at_pages_(limits.merge_pages) {
   sqlite3_wal_hook(
       connection_->handle(),
       [](void* pages, sqlite3*, const char*, int count) {
@@ -109,10 +105,30 @@ absl::Status Writer::RunTasks(std::vector<Task>& group) {
 }
 
 void Writer::LimitLog() {
-  if (log_pages_ < kMergeLogPages) return;
-  // A failure (disk full, a long reader) is not the callers': it is tried again after the next commit.
-  const int mode = log_pages_ < kMaxLogPages ? SQLITE_CHECKPOINT_PASSIVE : SQLITE_CHECKPOINT_RESTART;
-  if (sqlite3_wal_checkpoint_v2(connection_->handle(), nullptr, mode, nullptr, nullptr) == SQLITE_OK) log_pages_ = 0;
+  if (log_pages_ < merge_at_pages_) return;
+  // A failure (disk full, a long reader) is not the callers': it is tried again when the log has grown. A backup by
+  // another process reads for minutes; waiting for it after each commit would hold up all that come then.
+  const bool is_long = log_pages_ >= limits_.max_pages;
+  const bool is_merged = Merge(is_long ? SQLITE_CHECKPOINT_RESTART : SQLITE_CHECKPOINT_PASSIVE);
+  merge_at_pages_ = (is_merged ? 0 : log_pages_) + limits_.merge_pages;
+  if (is_merged) log_pages_ = 0;
+}
+
+// Whether all of the log is in the file.
+bool Writer::Merge(int mode) {
+  sqlite3* const db = connection_->handle();
+  sqlite3_busy_handler(
+      db, [](void* writer, int pauses) { return static_cast<Writer*>(writer)->PauseForReaders(pauses); }, this);
+  int in_log = -1, merged = -1;
+  const int code = sqlite3_wal_checkpoint_v2(db, nullptr, mode, &in_log, &merged);
+  connection_->WaitForLocks();
+  return code == SQLITE_OK && merged == in_log;
+}
+
+int Writer::PauseForReaders(int pauses) {
+  if (pauses >= limits_.max_pauses) return 0;
+  limits_.pause();
+  return 1;
 }
 
 }  // namespace axiscal::storage
