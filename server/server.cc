@@ -6,6 +6,7 @@
 
 #include <thread>
 
+#include "absl/strings/str_join.h"
 #include "core/base/clock.h"
 #include "core/base/demand.h"
 #include "core/base/error_detail.h"
@@ -17,8 +18,10 @@
 #include "server/jobs/identify_job.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/tool_setter_job.h"
+#include "server/listener.h"
 #include "server/log.h"
 #include "server/service.h"
+#include "server/storage/file_mode.h"
 #include "server/storage/sqlite_database.h"
 
 namespace axiscal::server {
@@ -31,6 +34,8 @@ constexpr std::chrono::milliseconds kLookAgain(5), kGoodbye(100);
 constexpr std::chrono::minutes kHousekeeping(10);
 // Clients may ask so often whether we are there; more often they are sent away.
 constexpr int kMinPingIntervalMs = 10'000;
+// Within so long a new connection must have begun to speak HTTP/2.
+constexpr int kHandshakeMs = 20'000;
 
 // Health and reflection are plugins of the process, to be chosen before the first server is built.
 void ChoosePlugins() {
@@ -42,15 +47,39 @@ void ChoosePlugins() {
   static_cast<void>(chosen);
 }
 
+LogLevel LevelOf(const std::string& outcome) {
+  if (outcome == "DEAD") return LogLevel::kError;
+  return outcome.empty() || outcome == "SUCCEEDED" || outcome == "CANCELLED" || outcome == "PARKED"
+             ? LogLevel::kInfo
+             : LogLevel::kWarning;
+}
+
+void LogJob(const jobs::JobEvent& event) {
+  const records::JobRecord& job = event.job;
+  LogFields fields = {{"job", absl::StrCat(job.id.number())},
+                      {"kind", job.kind},
+                      {"machine", job.machine ? job.machine->text() : ""},
+                      {"attempt", absl::StrCat(job.attempt)}};
+  const bool is_over = event.what != jobs::JobEvent::What::kStarted;
+  if (is_over) fields.push_back({"outcome", event.outcome});
+  if (event.took) fields.push_back({"ms", absl::StrFormat("%.3f", static_cast<double>(event.took->count()) / 1e3)});
+  if (is_over && job.error && job.state != records::JobState::kSucceeded) {
+    fields.push_back({"reason", job.error->reason});
+    fields.push_back({"text", job.error->message});
+  }
+  const bool is_lost = event.what == jobs::JobEvent::What::kLost;
+  Log(LevelOf(event.outcome), !is_over ? "job_start" : is_lost ? "job_lost" : "job_end", fields);
+}
+
 void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& builder) {
-  // A second server on the same port must fail, not share it.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // The bandwidth probe lets gRPC read megabytes ahead of us per stream; a fixed window bounds memory and latency.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, options.window_bytes);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, static_cast<int>(options.connection_idle.count()));
   builder.SetMaxReceiveMessageSize(handlers::kMaxMessageBytes);
   // gRPC holds the compressed size against that limit, and 1 MB of gzip makes 1 GB of zeros. Readings and programs gain
   // little from it on the wire.
@@ -63,8 +92,18 @@ void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& buil
 absl::Status Validate(const ServerOptions& options) {
   const auto refuse = [](const std::string& text) { return absl::InvalidArgumentError(text); };
   if (options.database_path.empty()) return refuse("database_path is empty, must name a file");
-  if (options.workers < 1) return refuse(absl::StrCat("workers = ", options.workers, ", must be > 0"));
-  if (options.max_uploads < 1) return refuse(absl::StrCat("max_uploads = ", options.max_uploads, ", must be > 0"));
+  if (options.workers < 1 || options.workers > kMaxWorkers) {
+    return refuse(absl::StrCat("workers = ", options.workers, ", must be 1 to ", kMaxWorkers, ": each uses one core"));
+  }
+  if (options.max_uploads < 1 || options.max_uploads > kMaxUploads) {
+    return refuse(absl::StrCat("max_uploads = ", options.max_uploads, ", must be 1 to ", kMaxUploads));
+  }
+  const std::chrono::milliseconds longest = std::chrono::hours(24);
+  for (const auto& [name, time] :
+       {std::pair("silence", options.silence), {"connection_idle", options.connection_idle}}) {
+    if (time.count() >= 1 && time <= longest) continue;
+    return refuse(absl::StrCat(name, " = ", time.count(), " ms, must be 1 to ", longest.count()));
+  }
   if (options.window_bytes < (64 << 10) || options.window_bytes > (16 << 20)) {
     return refuse(absl::StrCat("window_bytes = ", options.window_bytes, ", must be 65536 to 16777216"));
   }
@@ -81,7 +120,7 @@ class Server::Impl {
         runner_(*database_, RunnerOptions(options)),
         core_{.database = *database_,
               .jobs = runner_,
-              .limits = {.max_uploads = options.max_uploads},
+              .limits = {.held = {.max_uploads = options.max_uploads, .silence = options.silence}},
               .workers = options.workers} {
     // Monte Carlo of a hundred thousand runs.
     runner_.Register(records::kIdentify, {jobs::IdentifyJob(*database_), std::chrono::hours(1)});
@@ -96,16 +135,18 @@ class Server::Impl {
     grpc::ServerBuilder builder;
     SetChannelArguments(options_, builder);
     if (!options_.listen_address.empty()) {
-      builder.AddListeningPort(options_.listen_address, grpc::InsecureServerCredentials(), &port_);
+      ASSIGN_OR_RETURN(listener_, Listener::Open(options_.listen_address));
+      port_ = listener_->port();
+      connections_ = builder.experimental().AddExternalConnectionAcceptor(
+          grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, grpc::InsecureServerCredentials());
     }
     services_ = MakeServices(core_);
     for (const std::unique_ptr<grpc::Service>& service : services_) builder.RegisterService(service.get());
     server_ = builder.BuildAndStart();
     if (server_ == nullptr) {
-      return base::Error(absl::StatusCode::kUnavailable,
-                         "cannot listen on " + options_.listen_address + ": taken, or not an address of this machine",
-                         {"LISTEN_FAILED", {}});
+      return base::Error(absl::StatusCode::kUnavailable, "gRPC does not start", {"LISTEN_FAILED", {}});
     }
+    if (listener_ != nullptr) StartListening();
     runner_.Start();
     housekeeper_ = std::thread([this] { KeepHouse(); });
     return absl::OkStatus();
@@ -123,6 +164,7 @@ class Server::Impl {
     // Jobs first: those who watch them see how they end.
     runner_.Drain(options_.drain);
     while (core_.open_calls > 0 && base::SystemClock().SteadyNow() < deadline) std::this_thread::sleep_for(kLookAgain);
+    if (listener_ != nullptr) listener_->Stop();
     // What is still open is cut off; its callers resume elsewhere or later. Without calls a connection alone would hold
     // the shutdown up to its deadline: an idle client hears of the end only when it calls again.
     server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
@@ -137,10 +179,27 @@ class Server::Impl {
   jobs::JobRunner runner_;
   handlers::Core core_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
+  std::unique_ptr<Listener> listener_;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> server_;
   base::Mutex shutdown_mutex_;
 
  private:
+  void StartListening() {
+    listener_->Start(
+        [this](int listening, int connection) {
+          grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+          parameters.listener_fd = listening;
+          parameters.fd = connection;
+          connections_->HandleNewConnection(&parameters);
+        },
+        [](int64_t refused) {
+          Log(LogLevel::kWarning, "connections_refused",
+              {{"so_far", absl::StrCat(refused)},
+               {"text", "too few descriptors: close idle clients or raise the limit"}});
+        });
+  }
+
   // Drops what uploaders have left, now and every kHousekeeping.
   void KeepHouse() {
     const base::MutexLock lock(housekeeper_mutex_);
@@ -179,6 +238,7 @@ class Server::Impl {
   static jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {
     jobs::JobRunnerOptions runner;
     runner.workers = options.workers;
+    runner.tell = LogJob;
     return runner;
   }
 };
@@ -187,7 +247,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   RETURN_IF_ERROR(Validate(options));
   storage::SqliteOptions sqlite;
   sqlite.path = options.database_path;
+  sqlite.rescued = [](const records::JobRecord& job) {
+    LogJob({jobs::JobEvent::What::kLost, job, jobs::OutcomeOf(job), {}});
+  };
   ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> database, storage::OpenSqlite(sqlite));
+  if (const std::vector<std::string> files = storage::OpenToOthers(options.database_path); !files.empty()) {
+    Log(LogLevel::kWarning, "readable_by_others",
+        {{"files", absl::StrJoin(files, ", ")}, {"text", "everybody on this machine may read them: chmod 600"}});
+  }
   auto impl = std::make_unique<Impl>(options, std::move(database));
   RETURN_IF_ERROR(impl->Start());
   return std::unique_ptr<Server>(new Server(std::move(impl)));

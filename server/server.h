@@ -14,16 +14,24 @@ class Channel;
 
 namespace axiscal::server {
 
+// More cores than the machines have on which it runs, and more uploads than a factory has cells.
+inline constexpr int kMaxWorkers = 1024;
+inline constexpr int kMaxUploads = 10'000;
+
 struct ServerOptions {
   // The SQLite file; made when it is not there.
   std::string database_path;
   // Where to listen, as gRPC takes it ("127.0.0.1:7410", "0.0.0.0:7410", "unix:/run/axiscal.sock"). Port 0 picks a free
   // one. Empty: on no port.
   std::string listen_address;
-  // Jobs at once; each uses one core. > 0.
+  // Jobs at once; each uses one core. 1 to kMaxWorkers.
   int workers = 2;
-  // Upload streams at a time; more are refused. > 0.
+  // Streams that bring sessions or programs at a time, each holding two threads; more are refused. 1 to kMaxUploads.
   int max_uploads = 500;
+  // A caller that neither sends nor takes anything in the midst of a stream is cut off after so long. > 0.
+  std::chrono::milliseconds silence = std::chrono::minutes(5);
+  // A connection without a call is closed after so long; clients open a new one with their next call. > 0.
+  std::chrono::milliseconds connection_idle = std::chrono::minutes(5);
   // How far one stream may run ahead of what the server has read, bytes: rate <= window / round trip. 64 KB to 16 MB;
   // more costs memory per stream.
   int window_bytes = 1 << 20;

@@ -108,13 +108,22 @@ class JobsService final : public v1::Jobs::Service {
   grpc::Status WaitJob(grpc::ServerContext* context, const v1::WaitJobRequest* request,
                        v1::WaitJobResponse* response) override {
     return Respond(
-        core_, context, "Jobs.WaitJob", [&](const auto& call) { return handlers::WaitJob(core_, call, *request); },
+        core_, context, "Jobs.WaitJob",
+        [&](const auto& call) -> absl::StatusOr<v1::WaitJobResponse> {
+          const handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off);
+          RETURN_IF_ERROR(held.status());
+          return handlers::WaitJob(core_, call, *request);
+        },
         response);
   }
   grpc::Status WatchJob(grpc::ServerContext* context, const v1::WatchJobRequest* request,
                         grpc::ServerWriter<v1::WatchJobResponse>* writer) override {
-    return RespondStream(core_, context, "Jobs.WatchJob", [&](const auto& call) {
-      return handlers::WatchJob(core_, call, *request, [&](const auto& message) { return writer->Write(message); });
+    return RespondStream(core_, context, "Jobs.WatchJob", [&](const auto& call) -> absl::Status {
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off);
+      RETURN_IF_ERROR(held.status());
+      return handlers::WatchJob(core_, call, *request, [&](const auto& message) {
+        return held.Await([&] { return writer->Write(message); });
+      });
     });
   }
 

@@ -19,11 +19,12 @@ namespace axiscal::server {
 namespace {
 
 // Messages until the caller ends its side, or sends what cannot be read: gRPC tells the two apart no more than we can.
-template <typename Stream>
-absl::Status ReceiveAll(Stream& stream, handlers::UploadStream& upload) {
-  v1::UploadRequest request;
-  while (stream.Read(&request)) RETURN_IF_ERROR(upload.Receive(request));
-  return upload.End();
+template <typename Request, typename Stream, typename Receiver>
+absl::Status ReceiveAll(handlers::HeldCall& held, Stream& stream, Receiver& receiver) {
+  RETURN_IF_ERROR(held.status());
+  Request request;
+  while (held.Await([&] { return stream.Read(&request); })) RETURN_IF_ERROR(receiver.Receive(request));
+  return held.status();
 }
 
 class IngestService final : public v1::Ingest::Service {
@@ -62,23 +63,30 @@ class IngestService final : public v1::Ingest::Service {
   }
   grpc::Status DownloadSession(grpc::ServerContext* context, const v1::DownloadSessionRequest* request,
                                grpc::ServerWriter<v1::DownloadSessionResponse>* writer) override {
-    return RespondStream(core_, context, "Ingest.DownloadSession", [&](const auto& call) {
-      return handlers::DownloadSession(core_, call, *request,
-                                       [&](const auto& message) { return writer->Write(message); });
+    return RespondStream(core_, context, "Ingest.DownloadSession", [&](const auto& call) -> absl::Status {
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off);
+      RETURN_IF_ERROR(held.status());
+      return handlers::DownloadSession(core_, call, *request, [&](const auto& message) {
+        return held.Await([&] { return writer->Write(message); });
+      });
     });
   }
   grpc::Status Upload(grpc::ServerContext* context,
                       grpc::ServerReaderWriter<v1::UploadResponse, v1::UploadRequest>* stream) override {
-    return RespondStream(core_, context, "Ingest.Upload", [&](const auto& call) {
+    return RespondStream(core_, context, "Ingest.Upload", [&](const auto& call) -> absl::Status {
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
       handlers::UploadStream upload(core_, call, [&](const auto& response) { return stream->Write(response); });
-      return ReceiveAll(*stream, upload);
+      RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, *stream, upload));
+      return upload.End();
     });
   }
   grpc::Status UploadOnce(grpc::ServerContext* context, grpc::ServerReader<v1::UploadRequest>* reader,
                           v1::UploadOnceResponse* response) override {
-    return RespondStream(core_, context, "Ingest.UploadOnce", [&](const auto& call) {
+    return RespondStream(core_, context, "Ingest.UploadOnce", [&](const auto& call) -> absl::Status {
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
       handlers::UploadStream upload(core_, call, nullptr);
-      RETURN_IF_ERROR(ReceiveAll(*reader, upload));
+      RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, *reader, upload));
+      RETURN_IF_ERROR(upload.End());
       return handlers::Summarise(upload, response);
     });
   }
@@ -99,8 +107,12 @@ class ProgramsService final : public v1::Programs::Service {
   }
   grpc::Status GetProgram(grpc::ServerContext* context, const v1::GetProgramRequest* request,
                           grpc::ServerWriter<v1::GetProgramResponse>* writer) override {
-    return RespondStream(core_, context, "Programs.GetProgram", [&](const auto& call) {
-      return handlers::GetProgram(core_, call, *request, [&](const auto& message) { return writer->Write(message); });
+    return RespondStream(core_, context, "Programs.GetProgram", [&](const auto& call) -> absl::Status {
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off);
+      RETURN_IF_ERROR(held.status());
+      return handlers::GetProgram(core_, call, *request, [&](const auto& message) {
+        return held.Await([&] { return writer->Write(message); });
+      });
     });
   }
   grpc::Status PutProgram(grpc::ServerContext* context, grpc::ServerReader<v1::PutProgramRequest>* reader,
@@ -108,9 +120,9 @@ class ProgramsService final : public v1::Programs::Service {
     return Respond(
         core_, context, "Programs.PutProgram",
         [&](const auto& call) -> absl::StatusOr<v1::PutProgramResponse> {
+          handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
           handlers::PutProgramStream program(core_, call);
-          v1::PutProgramRequest request;
-          while (reader->Read(&request)) RETURN_IF_ERROR(program.Receive(request));
+          RETURN_IF_ERROR(ReceiveAll<v1::PutProgramRequest>(held, *reader, program));
           return program.End();
         },
         response);
@@ -119,9 +131,10 @@ class ProgramsService final : public v1::Programs::Service {
       grpc::ServerContext* context,
       grpc::ServerReaderWriter<v1::RewriteProgramResponse, v1::RewriteProgramRequest>* stream) override {
     return RespondStream(core_, context, "Programs.RewriteProgram", [&](const auto& call) -> absl::Status {
-      handlers::RewriteProgramStream program(core_, call, [&](const auto& message) { return stream->Write(message); });
-      v1::RewriteProgramRequest request;
-      while (stream->Read(&request)) RETURN_IF_ERROR(program.Receive(request));
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
+      handlers::RewriteProgramStream program(
+          core_, call, [&](const auto& message) { return held.Await([&] { return stream->Write(message); }); });
+      RETURN_IF_ERROR(ReceiveAll<v1::RewriteProgramRequest>(held, *stream, program));
       return program.End();
     });
   }

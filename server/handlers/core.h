@@ -9,15 +9,15 @@
 #include <string>
 
 #include "core/base/status.h"
+#include "server/handlers/held_calls.h"
 #include "server/jobs/job_runner.h"
 #include "server/storage/database.h"
 
 namespace axiscal::handlers {
 
 struct Limits {
-  int max_uploads = 500;                                            // upload streams at a time; more are refused
-  int window_chunks = 8;                                            // chunks of one stream under way to the disk
-  std::chrono::milliseconds upload_idle = std::chrono::minutes(5);  // an upload silent for so long is cut off
+  HeldLimits held;
+  int window_chunks = 8;  // chunks of one stream under way to the disk
 };
 
 // Lives as long as the server. Safe from any thread.
@@ -27,7 +27,7 @@ struct Core {
   Limits limits;
   int workers = 0;
   std::atomic<int> open_calls = 0;
-  std::atomic<int> open_uploads = 0;
+  HeldCalls held{};
   std::atomic<int> open_rewrites = 0;  // RewriteProgram streams: each uses one core
   std::atomic<bool> draining = false;
 };

@@ -12,8 +12,8 @@ absl::StatusOr<v1::GetServerInfoResponse> GetServerInfo(Core& core, const Call& 
   response.set_max_chunk_readings(records::kMaxChunkReadings);
   response.set_max_message_bytes(kMaxMessageBytes);
   response.set_window_chunks(core.limits.window_chunks);
-  response.set_open_uploads(core.open_uploads);
-  response.set_max_uploads(core.limits.max_uploads);
+  response.set_open_uploads(core.held.count(HeldKind::kUpload));
+  response.set_max_uploads(core.limits.held.max_uploads);
   response.set_workers(core.workers);
   response.set_draining(core.draining);
   return response;

@@ -18,13 +18,11 @@ UploadStream::UploadStream(Core& core, const Call& call, std::function<bool(cons
 UploadStream::~UploadStream() {
   static_cast<void>(WaitForAll());
   StopAcknowledging();
-  if (is_counted_) --core_.open_uploads;
 }
 
 absl::Status UploadStream::Receive(const v1::UploadRequest& request) {
   {
     const base::MutexLock lock(mutex_);
-    ++messages_;
     if (!error_.ok()) return error_;
   }
   if (core_.draining) return RequireAccepting(core_);
@@ -43,11 +41,6 @@ absl::Status UploadStream::Receive(const v1::UploadRequest& request) {
 }
 
 absl::Status UploadStream::Begin(const v1::UploadHeader& header) {
-  is_counted_ = true;
-  if (++core_.open_uploads > core_.limits.max_uploads) {
-    return base::Error(absl::StatusCode::kResourceExhausted,
-                       absl::StrCat("more than ", core_.limits.max_uploads, " uploads at a time"), {"QUEUE_FULL", {}});
-  }
   ASSIGN_OR_RETURN(records::SessionRecord session, core_.database.GetSession(SessionId(header.session_id())));
   if (header.resume_from_seq() < 0) return convert::FieldError("header.resume_from_seq", "must be >= 0");
   if (header.resume_from_seq() > session.next_seq) {
@@ -140,27 +133,14 @@ absl::Status UploadStream::WaitForAll() {
 // The stream's second thread. After an error it asks the caller to end its side: the status can only be sent when the
 // reading thread, which waits for the caller, returns.
 void UploadStream::Acknowledge() {
-  int64_t acknowledged_seq = -1, seen_messages = 0;
+  int64_t acknowledged_seq = -1;
   while (true) {
     v1::UploadResponse response;
     {
-      const auto idle_at = std::chrono::steady_clock::now() + core_.limits.upload_idle;
       const base::MutexLock lock(mutex_);
-      while (!is_stopping_ && error_.ok() && next_seq_ == acknowledged_seq &&
-             std::chrono::steady_clock::now() < idle_at) {
-        changed_.WaitUntil(mutex_, idle_at);
-      }
+      while (!is_stopping_ && error_.ok() && next_seq_ == acknowledged_seq) changed_.Wait(mutex_);
       // What became durable last is acknowledged before the stream ends.
       if (is_stopping_ && next_seq_ == acknowledged_seq) return;
-      const bool is_idle = error_.ok() && next_seq_ == acknowledged_seq;
-      if (is_idle && messages_ == seen_messages) {
-        error_ =
-            base::Error(absl::StatusCode::kDeadlineExceeded, "the upload was silent for too long", {"DEADLINE", {}});
-        call_.cut_off();
-        return;
-      }
-      seen_messages = messages_;
-      if (is_idle) continue;
       response.set_next_seq(next_seq_);
       response.set_duplicate_chunks(duplicates_);
       response.set_refused(!error_.ok());

@@ -24,9 +24,8 @@ class UploadStream {
   UploadStream(const UploadStream&) = delete;
   UploadStream& operator=(const UploadStream&) = delete;
 
-  // The next message. An error is the status of the call: nothing more may be received. RESOURCE_EXHAUSTED QUEUE_FULL
-  // when too many uploads are open, UNAVAILABLE DRAINING when the server stops, STREAM_INVALID when messages come in
-  // another order.
+  // The next message. An error is the status of the call: nothing more may be received. UNAVAILABLE DRAINING when the
+  // server stops, STREAM_INVALID when messages come in another order.
   absl::Status Receive(const v1::UploadRequest& request);
   // No more messages, or none that can be read. Waits for what is under way and acknowledges it; an error is the status
   // of the call. The session stays open unless it was finished.
@@ -48,7 +47,6 @@ class UploadStream {
   Core& core_;
   const Call call_;
   const std::function<bool(const v1::UploadResponse&)> send_;
-  bool is_counted_ = false;
   std::optional<records::SessionRecord> session_;
   std::optional<ReadingCheck> check_;
   int64_t expected_seq_ = 0;
@@ -61,7 +59,6 @@ class UploadStream {
   int64_t duplicates_ AXISCAL_GUARDED_BY(mutex_) = 0;
   absl::Status error_ AXISCAL_GUARDED_BY(mutex_);
   bool is_stopping_ AXISCAL_GUARDED_BY(mutex_) = false;
-  int64_t messages_ AXISCAL_GUARDED_BY(mutex_) = 0;
 
   std::thread acknowledger_;
 };

@@ -49,6 +49,10 @@ class JobRunner::Impl {
     std::shared_ptr<JobContext> context;
   };
 
+  void Tell(const JobEvent& event) {
+    if (options_.tell) options_.tell(event);
+  }
+
   // Keeper's thread.
   void Keep();
   base::SteadyTime ClaimAll();
@@ -155,6 +159,7 @@ void JobRunner::Impl::Launch(const JobRecord& record) {
     if (parking_) context->Stop(StopReason::kDraining);
   }
   if (record.cancel_requested) context->Stop(StopReason::kCancelled);
+  Tell({JobEvent::What::kStarted, record, "", {}});
   Publish(record);
   const absl::Status submitted = pool_->Submit([this, record, context] { RunJob(record, *context); });
   DEMAND(submitted.ok());  // there are no more jobs and helpers than workers
@@ -180,14 +185,21 @@ void JobRunner::Impl::BeatAll() {
 void JobRunner::Impl::Rescue() {
   const absl::StatusOr<std::vector<JobRecord>> rescued = database_.RescueJobs();
   if (!rescued.ok()) return;
-  for (const JobRecord& record : *rescued) Publish(record);
+  for (const JobRecord& record : *rescued) {
+    Tell({JobEvent::What::kLost, record, OutcomeOf(record), {}});
+    Publish(record);
+  }
   if (!rescued->empty()) Wake();
 }
 
 // ---- workers
 
 void JobRunner::Impl::RunJob(const JobRecord& record, JobContext& context) {
+  const base::SteadyTime start = options_.clock->SteadyNow();
   const absl::StatusOr<JobRecord> ended = StoreOutcome(record, context, CallFunction(record, context));
+  const auto took = std::chrono::duration_cast<std::chrono::microseconds>(options_.clock->SteadyNow() - start);
+  Tell({JobEvent::What::kEnded, ended.ok() ? *ended : record,
+        ended.ok() ? OutcomeOf(*ended) : base::ErrorReason(ended.status()), took});
   {
     const base::MutexLock lock(mutex_);
     running_.erase(record.id);
@@ -288,6 +300,8 @@ absl::StatusOr<JobRecord> JobRunner::Impl::Get(JobId id) {
 
 absl::StatusOr<JobRecord> JobRunner::Impl::Cancel(JobId id, const storage::Caller& caller) {
   ASSIGN_OR_RETURN(const JobRecord record, database_.CancelJob(id, caller));
+  const bool never_began = record.state == records::JobState::kCancelled && !record.started_at;
+  if (never_began) Tell({JobEvent::What::kEnded, record, OutcomeOf(record), {}});
   {
     const base::MutexLock lock(mutex_);
     const auto found = running_.find(id);
@@ -331,6 +345,21 @@ void JobRunner::Impl::Drain(std::chrono::milliseconds patience) {
   if (keeper_.joinable()) keeper_.join();
   if (pool_ != nullptr) pool_->Drain();
   board_.Close();
+}
+
+std::string OutcomeOf(const JobRecord& job) {
+  switch (job.state) {
+    case records::JobState::kSucceeded:
+      return "SUCCEEDED";
+    case records::JobState::kFailed:
+      return "FAILED";
+    case records::JobState::kCancelled:
+      return "CANCELLED";
+    case records::JobState::kDead:
+      return "DEAD";
+    default:
+      return job.error && job.error->reason == "DRAINING" ? "PARKED" : "RETRY";
+  }
 }
 
 // ---- the public face

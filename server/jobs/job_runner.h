@@ -4,7 +4,9 @@
 #define AXISCAL_SERVER_JOBS_JOB_RUNNER_H_
 
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/jobs/job_context.h"
@@ -13,12 +15,32 @@
 
 namespace axiscal::jobs {
 
+// What happens to a job, for a log.
+struct JobEvent {
+  enum class What {
+    kStarted,  // an attempt
+    kEnded,    // an attempt, or a job that was cancelled before it began
+    kLost,     // an attempt whose worker was not heard of for longer than its lease
+  };
+  What what = What::kStarted;
+  records::JobRecord job;  // as it is then
+  // Of kEnded and kLost: the job's state (SUCCEEDED, FAILED, CANCELLED, DEAD), RETRY or PARKED where it waits again, or
+  // why the end could not be stored (LEASE_LOST, STORE_DOWN ...).
+  std::string outcome;
+  std::optional<std::chrono::microseconds> took;  // this attempt
+};
+
+// What became of a job that an attempt has left, as JobEvent::outcome has it.
+std::string OutcomeOf(const records::JobRecord& job);
+
 struct JobRunnerOptions {
   int workers = 2;                                                    // jobs at once, > 0; a job uses one core
   int max_queued = 1000;                                              // waiting jobs, > 0; more are refused
   std::chrono::milliseconds lease = std::chrono::seconds(30);         // a worker silent for this long loses its job
   std::chrono::milliseconds heartbeat = std::chrono::seconds(5);      // < lease / 2
   std::chrono::milliseconds first_backoff = std::chrono::seconds(5);  // then 4 times longer each attempt
+  // Told of every start and end of an attempt, from several threads. May be empty.
+  std::function<void(const JobEvent&)> tell;
   base::Clock* clock = &base::SystemClock();
 };
 

@@ -97,6 +97,37 @@ TEST_F(JobRunnerTest, RunsAJobAndKeepsItsResult) {
   EXPECT_EQ(database->GetJob(job.id)->state, JobState::kSucceeded);
 }
 
+TEST_F(JobRunnerTest, EveryStartAndEndOfAnAttemptIsTold) {
+  base::Mutex mutex;
+  std::map<int64_t, std::vector<std::string>> told;
+  options.first_backoff = std::chrono::milliseconds(0);
+  options.tell = [&](const JobEvent& event) {
+    const bool is_start = event.what == JobEvent::What::kStarted;
+    EXPECT_EQ(event.took.has_value(), !is_start);
+    const base::MutexLock lock(mutex);
+    told[event.job.id.number()].push_back(
+        absl::StrCat(is_start ? "start" : event.outcome, " ", event.job.kind, " ", event.job.attempt));
+  };
+  kinds["good"].run = [](const JobRecord&, JobContext&) { return JobProduct{}; };
+  kinds["bad"].run = [](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> {
+    return base::Error(absl::StatusCode::kInvalidArgument, "no", {"FIELD_INVALID", {}});
+  };
+  kinds["poison"].run = [](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> {
+    return absl::UnavailableError("never there");
+  };
+  StartRunner();
+  const JobId good = Create("good").id, bad = Create("bad").id;
+  NewJob twice = Job("poison", "");
+  twice.max_attempts = 2;
+  const JobId poison = runner->Create(twice)->id;
+  for (const JobId id : {good, bad, poison}) WaitForEnd(id);
+  const base::MutexLock lock(mutex);
+  using Events = std::vector<std::string>;
+  EXPECT_EQ(told[good.number()], (Events{"start good 1", "SUCCEEDED good 1"}));
+  EXPECT_EQ(told[bad.number()], (Events{"start bad 1", "FAILED bad 1"}));
+  EXPECT_EQ(told[poison.number()], (Events{"start poison 1", "RETRY poison 1", "start poison 2", "DEAD poison 2"}));
+}
+
 TEST_F(JobRunnerTest, RunsManyJobsOnceEach) {
   std::atomic<int> runs = 0;
   kinds["count"].run = [&](const JobRecord&, JobContext&) -> absl::StatusOr<JobProduct> {

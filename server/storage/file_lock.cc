@@ -94,7 +94,7 @@ absl::StatusOr<FileLock> FileLock::Take(const std::string& path) {
   struct stat info;
   if (stat(path.c_str(), &info) != 0) {
     // Also through a symbolic link to a file that is not there yet.
-    const int made = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    const int made = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (made < 0) return CannotOpen(path);
     close(made);
     if (stat(path.c_str(), &info) != 0) return CannotOpen(path);
@@ -116,7 +116,7 @@ absl::StatusOr<FileLock> FileLock::Take(const std::string& path) {
                        {"STORE_LINKED", {}});
   }
   const std::string beside = lock.path_ + ".lock";
-  lock.beside_descriptor_ = open(beside.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  lock.beside_descriptor_ = open(beside.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock.beside_descriptor_ < 0) return CannotOpen(beside);
   if (flock(lock.beside_descriptor_, LOCK_EX | LOCK_NB) != 0) return Locked(lock.path_);
   // Only informs.

@@ -2,6 +2,7 @@
 
 #include <sys/statvfs.h>
 
+#include <algorithm>
 #include <csignal>
 #include <limits>
 
@@ -37,7 +38,8 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& given)
   RETURN_IF_ERROR(base::Within(options.path, SealOldRows(*connection)));
   ASSIGN_OR_RETURN(const std::chrono::microseconds up, ReadUpTime(*connection));
   auto database = std::make_unique<SqliteStore>(options, up, std::move(lock), std::move(connection));
-  RETURN_IF_ERROR(database->RescueJobs().status());
+  ASSIGN_OR_RETURN(const std::vector<JobRecord> rescued, database->RescueJobs());
+  if (options.rescued) std::for_each(rescued.begin(), rescued.end(), options.rescued);
   return database;
 }
 

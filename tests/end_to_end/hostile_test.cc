@@ -3,6 +3,7 @@
 #include <sqlite3.h>
 
 #include "axiscal/v1/machines_service.grpc.pb.h"
+#include "axiscal/v1/programs_service.grpc.pb.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/process.h"
 #include "tests/end_to_end/testing/raw_http2.h"
@@ -18,9 +19,9 @@ using testing::ServerProcess;
 
 class Hostile : public ::testing::Test {
  protected:
-  void StartServer(const std::vector<std::string>& flags = {}) {
+  void StartServer(const std::vector<std::string>& flags = {}, int max_descriptors = 0) {
     absl::StatusOr<ServerProcess> started =
-        ServerProcess::Start(dir_.File("axiscal.db"), "127.0.0.1:0", dir_.File("log"), flags);
+        ServerProcess::Start(dir_.File("axiscal.db"), "127.0.0.1:0", dir_.File("log"), flags, max_descriptors);
     ASSERT_OK(started);
     server_ = std::make_unique<ServerProcess>(*std::move(started));
     Connect();
@@ -108,6 +109,86 @@ TEST_F(Hostile, JsonOfDistinctKeysIsAnswered) {
   const auto created = client_->CreateMachine(json);
   EXPECT_EQ(created.status().code(), absl::StatusCode::kInvalidArgument) << created.status();
   EXPECT_NE(created.status().message().find("k0: unknown field"), std::string::npos) << created.status();
+}
+
+// Connections that nobody uses, more of them than the server has descriptors for.
+TEST_F(Hostile, MoreConnectionsThanDescriptorsAreSurvived) {
+  constexpr int kDescriptors = 128;
+  StartServer({}, kDescriptors);
+  {
+    std::vector<RawConnection> idle;
+    for (int i = 0; i < 2 * kDescriptors; ++i) {
+      idle.emplace_back(server_->address());
+      ASSERT_TRUE(idle.back().is_connected()) << i;
+      idle.back().Greet();
+    }
+    EXPECT_TRUE(idle.back().WaitForClose());  // beyond what the server has room for
+    // Who was there before is served, with files and connections of the server's own.
+    ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
+    ASSERT_OK(client_->Upload(MachineId("mt"), BallbarSession("mt", "BX", 5'000)));
+  }
+  Connect();  // who comes afterwards, too
+  const auto sessions = client_->ListSessions();
+  ASSERT_OK(sessions);
+  EXPECT_EQ(sessions->rows.size(), 1u);
+}
+
+TEST_F(Hostile, ConnectionsThatNobodyUsesAreClosed) {
+  StartServer({"--idle-seconds", "1"});
+  std::vector<RawConnection> idle;
+  for (int i = 0; i < 20; ++i) {
+    idle.emplace_back(server_->address());
+    idle.back().Greet();
+  }
+  for (RawConnection& connection : idle) EXPECT_TRUE(connection.WaitForClose());
+  ASSERT_OK(client_->CreateMachine(MachineJson("mt")));  // over a new connection
+}
+
+// Streams that were begun and say nothing more, before their header and after it.
+TEST_F(Hostile, StreamsThatSayNothingAreCutOff) {
+  StartServer({"--silence-seconds", "1"});
+  ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
+  const std::shared_ptr<grpc::Channel> channel = Channel();
+  const auto ingest = v1::Ingest::NewStub(channel);
+  const auto programs = v1::Programs::NewStub(channel);
+  v1::CreateSessionResponse created;
+  {
+    grpc::ClientContext context;
+    ASSERT_TRUE(
+        ingest->CreateSession(&context, testing::CreateRequest("mt", "r-1", BallbarSession("mt", "BX", 10)), &created)
+            .ok());
+  }
+  v1::UploadRequest header;
+  header.mutable_header()->set_session_id(created.session().session_id());
+  v1::PutProgramRequest program;
+  program.mutable_header()->set_name("O1.nc");
+  program.mutable_header()->set_size_bytes(1000);
+  program.mutable_header()->set_sha256(std::string(64, '0'));
+  program.mutable_header()->set_request_id("r-2");
+  for (const bool with_header : {false, true}) {
+    v1::UploadOnceResponse once_response;
+    v1::PutProgramResponse put_response;
+    grpc::ClientContext once_context, upload_context, put_context, rewrite_context;
+    const auto once = ingest->UploadOnce(&once_context, &once_response);
+    const auto upload = ingest->Upload(&upload_context);
+    const auto put = programs->PutProgram(&put_context, &put_response);
+    const auto rewrite = programs->RewriteProgram(&rewrite_context);
+    if (with_header) {
+      EXPECT_TRUE(once->Write(header) && upload->Write(header) && put->Write(program));
+    }
+    EXPECT_EQ(once->Finish().error_code(), grpc::StatusCode::CANCELLED);
+    v1::UploadResponse upload_response;
+    while (upload->Read(&upload_response)) {
+    }
+    EXPECT_EQ(upload->Finish().error_code(), grpc::StatusCode::CANCELLED);
+    EXPECT_EQ(put->Finish().error_code(), grpc::StatusCode::CANCELLED);
+    v1::RewriteProgramResponse rewrite_response;
+    EXPECT_FALSE(rewrite->Read(&rewrite_response));
+    EXPECT_EQ(rewrite->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  }
+  const auto info = client_->GetServerInfo();
+  ASSERT_OK(info);
+  EXPECT_EQ(info->open_uploads, 0);
 }
 
 }  // namespace

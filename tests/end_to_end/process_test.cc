@@ -2,6 +2,7 @@
 #include "tests/end_to_end/testing/process.h"
 
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <atomic>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "core/base/error_detail.h"
 #include "core/session/write_session.h"
 #include "tests/end_to_end/testing/fixture.h"
+#include "tests/end_to_end/testing/raw_upload.h"
 
 namespace axiscal {
 namespace {
@@ -90,6 +92,54 @@ TEST_F(Process, StopsInOrderOnSigterm) {
   EXPECT_NE(log.find("method=Machines.CreateMachine"), std::string::npos) << log;
   EXPECT_NE(log.find("code=OK"), std::string::npos);
   EXPECT_NE(log.find("event=stopped"), std::string::npos);
+  EXPECT_NE(log.find("event=start "), std::string::npos);
+  EXPECT_NE(log.find("max_descriptors="), std::string::npos);
+}
+
+// An upload that is open would hold the drain for a minute.
+TEST_F(Process, ASecondSignalEndsItAtOnce) {
+  absl::StatusOr<ServerProcess> server =
+      ServerProcess::Start(dir_.File("axiscal.db"), "127.0.0.1:0", dir_.File("log"), {"--drain-seconds", "60"});
+  ASSERT_OK(server);
+  absl::StatusOr<client::Client> client = client::Client::Connect(server->address());
+  ASSERT_OK(client);
+  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
+  const auto stub = v1::Ingest::NewStub(grpc::CreateChannel(server->address(), grpc::InsecureChannelCredentials()));
+  v1::CreateSessionResponse created;
+  {
+    grpc::ClientContext context;
+    ASSERT_TRUE(
+        stub->CreateSession(&context, testing::CreateRequest("mt", "r-1", BallbarSession("mt", "BX", 10)), &created)
+            .ok());
+  }
+  grpc::ClientContext context;
+  v1::UploadOnceResponse response;
+  const auto stream = stub->UploadOnce(&context, &response);
+  v1::UploadRequest header;
+  header.mutable_header()->set_session_id(created.session().session_id());
+  ASSERT_TRUE(stream->Write(header));
+  while (client->GetServerInfo()->open_uploads == 0) std::this_thread::yield();
+  server->Signal(SIGTERM);
+  while (Log().find("event=drain") == std::string::npos) std::this_thread::yield();
+  server->Signal(SIGTERM);
+  EXPECT_EQ(server->Wait(), 128 + SIGTERM);
+  EXPECT_NE(Log().find("event=killed"), std::string::npos) << Log();
+  EXPECT_FALSE(stream->Finish().ok());
+}
+
+TEST_F(Process, MoreWorkersThanCoresExistAreRefusedWithTheRule) {
+  EXPECT_FALSE(
+      ServerProcess::Start(dir_.File("axiscal.db"), "127.0.0.1:0", dir_.File("log"), {"--workers", "100000"}).ok());
+  EXPECT_NE(Log().find("workers = 100000, must be 1 to 1024"), std::string::npos) << Log();
+}
+
+TEST_F(Process, ADatabaseThatEverybodyMayReadIsNamedInTheLog) {
+  ASSERT_OK(StartServer());
+  EXPECT_EQ(Log().find("event=readable_by_others"), std::string::npos) << Log();
+  ASSERT_EQ(chmod(dir_.File("axiscal.db").c_str(), 0644), 0);
+  ASSERT_OK(StartServer());
+  EXPECT_NE(Log().find("level=warning event=readable_by_others"), std::string::npos) << Log();
+  EXPECT_NE(Log().find("/axiscal.db (0644)"), std::string::npos) << Log();
 }
 
 TEST_F(Process, ASecondServerOnTheSamePortOrFileIsRefused) {
@@ -169,6 +219,10 @@ void Process::KillDuringAJob(const std::function<records::JobParams(client::Clie
   EXPECT_TRUE(was_killed);
   EXPECT_EQ(ended->state, records::JobState::kSucceeded);
   EXPECT_EQ(ended->attempt, 2);
+  for (const std::string event : {"job_start job=1 kind=", "attempt=1 outcome=RETRY reason=OWNER_LOST",
+                                  "machine=mt attempt=2\n", "attempt=2 outcome=SUCCEEDED ms="}) {
+    EXPECT_NE(Log().find(event), std::string::npos) << event << "\n" << Log();
+  }
   const auto again = client->CreateJob(params, "once");
   ASSERT_OK(again);
   EXPECT_EQ(again->id, job->id);

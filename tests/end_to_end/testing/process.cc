@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,7 +13,8 @@ namespace axiscal::testing {
 namespace {
 
 // Starts a program with its output on a pipe; returns the pipe's end to read.
-int Spawn(const std::vector<std::string>& arguments, const std::string& error_path, pid_t* pid) {
+int Spawn(const std::vector<std::string>& arguments, const std::string& error_path, pid_t* pid,
+          int max_descriptors = 0) {
   int ends[2];
   if (pipe(ends) != 0) return -1;
   std::vector<char*> argv;
@@ -26,6 +28,8 @@ int Spawn(const std::vector<std::string>& arguments, const std::string& error_pa
       dup2(error, STDERR_FILENO);
     }
     close(ends[0]);
+    const rlimit limit = {static_cast<rlim_t>(max_descriptors), static_cast<rlim_t>(max_descriptors)};
+    if (max_descriptors > 0 && setrlimit(RLIMIT_NOFILE, &limit) != 0) _exit(126);
     execv(argv[0], argv.data());
     _exit(127);
   }
@@ -47,11 +51,12 @@ int ExitStatus(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 12
 }  // namespace
 
 absl::StatusOr<ServerProcess> ServerProcess::Start(const std::string& database_path, const std::string& listen,
-                                                   const std::string& log_path, const std::vector<std::string>& more) {
+                                                   const std::string& log_path, const std::vector<std::string>& more,
+                                                   int max_descriptors) {
   std::vector<std::string> arguments = {AXISCALD_PATH, "--db", database_path, "--listen", listen};
   arguments.insert(arguments.end(), more.begin(), more.end());
   ServerProcess process;
-  const int out = Spawn(arguments, log_path, &process.pid_);
+  const int out = Spawn(arguments, log_path, &process.pid_, max_descriptors);
   const std::string line = ReadUntil(out, '\n');
   close(out);
   const std::string start = "axiscald listens on ";

@@ -14,9 +14,11 @@ namespace axiscal::testing {
 // axiscald on a free port of 127.0.0.1. Killed when the test forgets it.
 class ServerProcess {
  public:
-  // Returns when it listens. `more` are further flags; its log goes to `log_path`.
+  // Returns when it listens. `more` are further flags; its log goes to `log_path`. `max_descriptors`, unless 0, is the
+  // limit of its open files and connections, soft and hard.
   static absl::StatusOr<ServerProcess> Start(const std::string& database_path, const std::string& listen,
-                                             const std::string& log_path, const std::vector<std::string>& more = {});
+                                             const std::string& log_path, const std::vector<std::string>& more = {},
+                                             int max_descriptors = 0);
   ServerProcess(ServerProcess&& other) noexcept;
   ServerProcess& operator=(ServerProcess&&) = delete;
   ~ServerProcess();

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 
 #include "core/base/demand.h"
@@ -93,10 +94,12 @@ std::string RawConnection::Call(const std::string& method,
 
 bool RawConnection::WaitForClose() {
   char buffer[4096];
+  const timeval patience = {60, 0};
+  setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
   ssize_t count = 0;
   while ((count = recv(socket_, buffer, sizeof(buffer), 0)) > 0) {
   }
-  return true;
+  return count == 0 || errno == ECONNRESET;
 }
 
 }  // namespace axiscal::testing

@@ -23,7 +23,7 @@ class RawConnection {
   // call or the connection ends, as it comes: gRPC writes the status' message readable (but for '%').
   std::string Call(const std::string& method, const std::vector<std::pair<std::string, std::string>>& metadata,
                    const std::string& message);
-  // Whether the server closes the connection; waits for that.
+  // Waits until the server has closed the connection; false where it does not, after a minute.
   bool WaitForClose();
 
  private:

@@ -1,0 +1,109 @@
+#include "server/handlers/held_calls.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error_detail.h"
+
+namespace axiscal::handlers {
+namespace {
+
+int MostOf(const HeldLimits& limits, HeldKind kind) {
+  if (kind == HeldKind::kUpload) return limits.max_uploads;
+  return kind == HeldKind::kDownload ? limits.max_downloads : limits.max_watches;
+}
+
+const char* WordsOf(HeldKind kind) {
+  if (kind == HeldKind::kUpload) return "uploads";
+  return kind == HeldKind::kDownload ? "downloads" : "calls that wait for jobs";
+}
+
+}  // namespace
+
+HeldCalls::~HeldCalls() {
+  {
+    const base::MutexLock lock(mutex_);
+    stopping_ = true;
+  }
+  stopped_.NotifyAll();
+  if (thread_.joinable()) thread_.join();
+}
+
+int HeldCalls::count(HeldKind kind) const {
+  const base::MutexLock lock(mutex_);
+  return counts_[static_cast<size_t>(kind)];
+}
+
+// All callers may be silent equally long, so none that falls silent later is over before the first; and none is over
+// earlier than that time from now. Nobody needs to wake this thread.
+void HeldCalls::CutOffSilent() {
+  const base::MutexLock lock(mutex_);
+  while (!stopping_) {
+    const base::SteadyTime now = clock_.SteadyNow();
+    while (!silent_.empty() && now - silent_.front()->silent_since_ >= silence_) {
+      silent_.front()->CutOff("the caller was silent for too long");
+    }
+    const base::SteadyTime next = (silent_.empty() ? now : silent_.front()->silent_since_) + silence_;
+    clock_.WaitUntil(stopped_, mutex_, next);
+  }
+}
+
+bool HeldCalls::MakeRoom(HeldKind kind, std::chrono::milliseconds at_least) {
+  const auto longest =
+      std::find_if(silent_.begin(), silent_.end(), [kind](const HeldCall* call) { return call->kind_ == kind; });
+  if (longest == silent_.end() || clock_.SteadyNow() - (*longest)->silent_since_ < at_least) return false;
+  (*longest)->CutOff("the caller was silent while others waited");
+  return true;
+}
+
+HeldCall::HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, std::function<void()> cut_off)
+    : calls_(calls), kind_(kind), cut_off_(std::move(cut_off)) {
+  const base::MutexLock lock(calls_.mutex_);
+  int& count = calls_.counts_[static_cast<size_t>(kind)];
+  const int most = MostOf(limits, kind);
+  if (count >= most && !calls_.MakeRoom(kind, limits.gives_way)) {
+    status_ = base::Error(absl::StatusCode::kResourceExhausted,
+                          absl::StrCat("more than ", most, " ", WordsOf(kind), " at a time"), {"QUEUE_FULL", {}});
+    return;
+  }
+  ++count;
+  is_counted_ = true;
+  calls_.silence_ = limits.silence;
+  if (!calls_.thread_.joinable()) calls_.thread_ = std::thread([&calls] { calls.CutOffSilent(); });
+}
+
+HeldCall::~HeldCall() {
+  const base::MutexLock lock(calls_.mutex_);
+  if (is_counted_) --calls_.counts_[static_cast<size_t>(kind_)];
+}
+
+absl::Status HeldCall::status() const {
+  const base::MutexLock lock(calls_.mutex_);
+  return status_;
+}
+
+void HeldCall::BeginSilence() {
+  const base::MutexLock lock(calls_.mutex_);
+  silent_since_ = calls_.clock_.SteadyNow();
+  place_ = calls_.silent_.insert(calls_.silent_.end(), this);
+  is_silent_ = true;
+}
+
+// Also waits for who cuts it off just now: what `cut_off_` needs is there until then.
+void HeldCall::EndSilence() {
+  const base::MutexLock lock(calls_.mutex_);
+  if (is_silent_) calls_.silent_.erase(place_);
+  is_silent_ = false;
+}
+
+// Its place is free at once, though its handler has yet to return.
+void HeldCall::CutOff(const std::string& why) {
+  calls_.silent_.erase(place_);
+  is_silent_ = false;
+  --calls_.counts_[static_cast<size_t>(kind_)];
+  is_counted_ = false;
+  status_ = base::Error(absl::StatusCode::kDeadlineExceeded, why, {"DEADLINE", {}});
+  cut_off_();
+}
+
+}  // namespace axiscal::handlers

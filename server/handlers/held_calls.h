@@ -1,0 +1,102 @@
+// Calls that last as long as their caller likes: it sends when it wants, reads when it wants, or waits for a job. Each
+// holds a thread of the server, so there is a limit for each kind, and one whose caller is silent for too long is cut
+// off. Time in which the server works is not silence.
+#ifndef AXISCAL_SERVER_HANDLERS_HELD_CALLS_H_
+#define AXISCAL_SERVER_HANDLERS_HELD_CALLS_H_
+
+#include <array>
+#include <chrono>
+#include <functional>
+#include <list>
+#include <thread>
+
+#include "core/base/clock.h"
+#include "core/base/status.h"
+
+namespace axiscal::handlers {
+
+class HeldCall;
+
+enum class HeldKind { kUpload, kDownload, kWatch };
+
+struct HeldLimits {
+  // Calls at a time: streams that bring sessions or programs, streams that take them away, calls that wait for a job.
+  // More are refused.
+  int max_uploads = 500;
+  int max_downloads = 500;
+  int max_watches = 1000;
+  // A caller that neither sends nor takes anything for so long is cut off.
+  std::chrono::milliseconds silence = std::chrono::minutes(5);
+  // Where a kind is full, the caller that is silent longest gives way to a new one, if for at least so long.
+  std::chrono::milliseconds gives_way = std::chrono::seconds(10);
+};
+
+// All of a server. Safe from any thread.
+class HeldCalls {
+ public:
+  explicit HeldCalls(base::Clock* clock = &base::SystemClock()) : clock_(*clock) {}
+  // No call may be held any more.
+  ~HeldCalls();
+  HeldCalls(const HeldCalls&) = delete;
+  HeldCalls& operator=(const HeldCalls&) = delete;
+
+  // Calls of that kind now.
+  int count(HeldKind kind) const;
+
+ private:
+  friend class HeldCall;
+  void CutOffSilent();
+  // The one of that kind that is silent longest, if for as long; whether there was one.
+  bool MakeRoom(HeldKind kind, std::chrono::milliseconds at_least) AXISCAL_REQUIRES(mutex_);
+
+  base::Clock& clock_;
+  mutable base::Mutex mutex_;
+  base::CondVar stopped_;
+  bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;
+  std::chrono::milliseconds silence_ AXISCAL_GUARDED_BY(mutex_){0};
+  std::array<int, 3> counts_ AXISCAL_GUARDED_BY(mutex_) = {0, 0, 0};
+  std::list<HeldCall*> silent_ AXISCAL_GUARDED_BY(mutex_);  // who is silent longest comes first
+  std::thread thread_;                                      // from the first call on
+};
+
+// One call while it runs. Its handler asks status() before it begins and when Await() gave false.
+class HeldCall {
+ public:
+  // `cut_off` ends the call from another thread: what it waits for then returns false.
+  HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, std::function<void()> cut_off);
+  ~HeldCall();
+  HeldCall(const HeldCall&) = delete;
+  HeldCall& operator=(const HeldCall&) = delete;
+
+  // RESOURCE_EXHAUSTED QUEUE_FULL where too many of its kind were there, DEADLINE_EXCEEDED DEADLINE once it was cut
+  // off, else OK.
+  absl::Status status() const;
+  // What `wait` returns, which blocks until the caller does something. One at a time.
+  template <typename Wait>
+  auto Await(const Wait& wait) {
+    BeginSilence();
+    auto result = wait();
+    EndSilence();
+    return result;
+  }
+
+ private:
+  friend class HeldCalls;
+  void BeginSilence();
+  void EndSilence();
+  void CutOff(const std::string& why);  // the mutex of calls_ is held
+
+  HeldCalls& calls_;
+  const HeldKind kind_;
+  const std::function<void()> cut_off_;
+  // Guarded by the mutex of calls_.
+  absl::Status status_;
+  bool is_counted_ = false;
+  bool is_silent_ = false;
+  base::SteadyTime silent_since_{};
+  std::list<HeldCall*>::iterator place_{};
+};
+
+}  // namespace axiscal::handlers
+
+#endif  // AXISCAL_SERVER_HANDLERS_HELD_CALLS_H_

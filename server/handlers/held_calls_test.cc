@@ -1,0 +1,105 @@
+#include "server/handlers/held_calls.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "core/base/error_detail.h"
+#include "core/base/testing/fake_clock.h"
+
+namespace axiscal::handlers {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr HeldLimits kLimits = {.max_uploads = 2, .max_downloads = 1, .max_watches = 1};
+
+// A call whose caller says nothing, in a thread as a server has it: ends when it is cut off or released.
+class SilentCall {
+ public:
+  SilentCall(HeldCalls& calls, HeldKind kind)
+      : call_(calls, kLimits, kind, [this] { Release(); }), thread_([this] {
+          call_.Await([this] {
+            waits_.set_value();
+            end_.get_future().wait();
+            return false;
+          });
+          ended_.set_value();
+        }) {
+    waits_.get_future().wait();
+  }
+  ~SilentCall() {
+    Release();
+    thread_.join();
+  }
+  void Release() {
+    if (!is_released_.exchange(true)) end_.set_value();
+  }
+  absl::Status AwaitEnd() {
+    ended_.get_future().wait();
+    return call_.status();
+  }
+
+ private:
+  std::promise<void> waits_, end_, ended_;
+  std::atomic<bool> is_released_ = false;
+  HeldCall call_;
+  std::thread thread_;
+};
+
+class HeldCallsTest : public ::testing::Test {
+ protected:
+  base::FakeClock clock_;
+  HeldCalls calls_{&clock_};
+};
+
+TEST_F(HeldCallsTest, WhoIsSilentForTooLongIsCutOff) {
+  SilentCall silent(calls_, HeldKind::kUpload);
+  clock_.Advance(kLimits.silence - milliseconds(1));
+  HeldCall busy(calls_, kLimits, HeldKind::kUpload, [] { ADD_FAILURE(); });
+  EXPECT_TRUE(busy.Await([] { return true; }));
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 2);
+  clock_.Advance(milliseconds(1));
+  EXPECT_EQ(base::ErrorReason(silent.AwaitEnd()), "DEADLINE");
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 1);
+  clock_.Advance(10 * kLimits.silence);  // a server that works for its caller is not a silent caller
+  EXPECT_TRUE(busy.status().ok());
+}
+
+TEST_F(HeldCallsTest, MoreThanTheLimitOfAKindAreRefused) {
+  const SilentCall first(calls_, HeldKind::kUpload), second(calls_, HeldKind::kUpload);
+  HeldCall third(calls_, kLimits, HeldKind::kUpload, [] {});
+  EXPECT_EQ(third.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(third.status().message(), "more than 2 uploads at a time");
+  EXPECT_EQ(base::ErrorReason(third.status()), "QUEUE_FULL");
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 2);
+  // Other kinds have places of their own.
+  EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kDownload, [] {}).status().ok());
+  EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kWatch, [] {}).status().ok());
+}
+
+TEST_F(HeldCallsTest, TheOneSilentLongestGivesWayWhereAllPlacesAreTaken) {
+  SilentCall first(calls_, HeldKind::kUpload);
+  clock_.Advance(milliseconds(1));
+  const SilentCall second(calls_, HeldKind::kUpload);
+  clock_.Advance(kLimits.gives_way);
+  EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kDownload, [] {}).status().ok());
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 2) << "a place of another kind needs none of theirs";
+  HeldCall third(calls_, kLimits, HeldKind::kUpload, [] {});
+  EXPECT_TRUE(third.status().ok()) << third.status();
+  EXPECT_EQ(base::ErrorReason(first.AwaitEnd()), "DEADLINE");
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 2);
+}
+
+TEST_F(HeldCallsTest, AnEndedCallLeavesItsPlace) {
+  {
+    const HeldCall call(calls_, kLimits, HeldKind::kWatch, [] {});
+    EXPECT_EQ(calls_.count(HeldKind::kWatch), 1);
+    EXPECT_FALSE(HeldCall(calls_, kLimits, HeldKind::kWatch, [] {}).status().ok());
+  }
+  EXPECT_EQ(calls_.count(HeldKind::kWatch), 0);
+  EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kWatch, [] {}).status().ok());
+}
+
+}  // namespace
+}  // namespace axiscal::handlers

@@ -1,0 +1,65 @@
+// The listening socket of the service, and a thread that takes connections from it. gRPC 1.51 has a listener of its
+// own, which stops for good at the first connection for which the process has no descriptor; this one closes the
+// connections that would leave too few for the service itself, and goes on.
+#ifndef AXISCAL_SERVER_LISTENER_H_
+#define AXISCAL_SERVER_LISTENER_H_
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/base/status.h"
+
+namespace axiscal::server {
+
+// Raises this process' soft limit of descriptors to its hard limit; the limit that holds then.
+int64_t RaiseDescriptorLimit();
+
+class Listener {
+ public:
+  // Gets each connection (non-blocking) with the socket that it came from, on the listener's thread, and owns it.
+  using Take = std::function<void(int listening, int connection)>;
+  // Told when connections begin to be closed for want of descriptors, with how many were so far.
+  using TellRefused = std::function<void(int64_t refused)>;
+
+  // Binds and listens. `address` as gRPC has it: "HOST:PORT" with a name, an IPv4 address or an IPv6 address in
+  // brackets (the unspecified address of either: both families), also behind "dns:", "ipv4:" or "ipv6:";
+  // "unix:PATH" or "unix-abstract:NAME". Port 0 picks a free one. UNAVAILABLE LISTEN_FAILED says what is wrong.
+  static absl::StatusOr<std::unique_ptr<Listener>> Open(const std::string& address);
+  // Stops.
+  ~Listener();
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  // 0 for sockets without ports.
+  int port() const { return port_; }
+  // Once. A quarter of the descriptors that the process may have now is kept from connections.
+  void Start(Take take, TellRefused tell_refused);
+  // Takes no more; `take` is not called afterwards. Repeating is harmless.
+  void Stop();
+
+ private:
+  Listener() = default;
+  absl::Status BindHost(const std::string& address, const std::string& host, const std::string& port);
+  absl::Status BindUnix(const std::string& address, const std::string& name, bool is_abstract);
+  void Loop();
+  void AcceptAll(int listening);
+  void Refuse(int connection);
+
+  std::vector<int> sockets_;
+  int port_ = 0;
+  std::string unlink_path_;  // of a socket in the file system
+  int wake_ = -1;            // an eventfd that ends Loop()
+  Take take_;
+  TellRefused tell_refused_;
+  int64_t first_kept_descriptor_ = 0;  // a connection with this number or a higher one is closed
+  int64_t refused_ = 0;
+  bool is_refusing_ = false;
+  std::thread thread_;
+};
+
+}  // namespace axiscal::server
+
+#endif  // AXISCAL_SERVER_LISTENER_H_
