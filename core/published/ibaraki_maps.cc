@@ -173,6 +173,15 @@ Uncertain ExactDisplacement(const Machine& machine, const MeasuringRun& run, int
   return out;
 }
 
+// Whether the touches scatter about the declared errors as stated: chi-square within five of its standard deviations.
+// Else the table moves otherwise than the declared errors say, by what no sigma of theirs covers.
+bool IsExplained(const identify::FitStatistics& fit) {
+  constexpr double kDeviations = 5.0;
+  constexpr double kMostSetAside = 0.05;  // of the readings; what was set aside is in no chi-square
+  return fit.degrees_of_freedom > 0 && fit.used >= (1.0 - kMostSetAside) * fit.readings &&
+         fit.chi2_per_dof <= 1.0 + kDeviations * std::sqrt(2.0 / fit.degrees_of_freedom);
+}
+
 struct Maps {
   std::map<double, Uncertain> of_first;
   ByIndex of_second;
@@ -255,7 +264,8 @@ absl::StatusOr<Comparison> IbarakiMaps(const Machine& machine, const std::vector
   ASSIGN_OR_RETURN(const Grid grid, ReadGrid(machine, runs[0]));
   const MeasuringRun run = runs[0];
   ASSIGN_OR_RETURN(const identify::Fit fit, identify::FitRuns(machine, std::move(runs), {}));
-  const bool is_told = fit.result.not_separable.empty() && !fit.result.estimates.empty();
+  const bool is_determined = fit.result.not_separable.empty() && !fit.result.estimates.empty();
+  const bool is_told = is_determined && fit.result.noise_scale == 1.0 && IsExplained(fit.result.fit);
   Comparison out;
   Shared shared;
   shared.published = ReferenceCovariance(run, grid.off.at({0, 0}));
@@ -295,7 +305,14 @@ absl::StatusOr<Comparison> IbarakiMaps(const Machine& machine, const std::vector
   out.notes.push_back(absl::StrCat("the published steps take the artefact from ", first, " = ", second,
                                    " = 0: that pose's own error is missing everywhere, turned with the table, and "
                                    "constant errors come back as maps"));
-  if (!is_told) {
+  if (is_determined && !is_told) {
+    out.notes.push_back(absl::StrFormat(
+        "no exact numbers from the declared errors: the touches scatter about them by %.3f um rms, %.1f times the "
+        "stated sigma of %.3g um: the table has errors that vary with %s or %s, which the declared ones lack (axiscal "
+        "close-loop looks for them), or the stated sigma is too small",
+        base::kUmPerMm * fit.result.fit.rms_mm, std::sqrt(fit.result.fit.chi2_per_dof),
+        base::kUmPerMm * run.sigma_mm, first, second));
+  } else if (!is_told) {
     std::string unknown = fit.result.estimates.empty() ? "the machine declares none" : "";
     for (const std::string& name : fit.result.not_separable)
       absl::StrAppend(&unknown, unknown.empty() ? "the touches cannot tell " : "; ", name);

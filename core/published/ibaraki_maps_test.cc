@@ -103,6 +103,30 @@ TEST(IbarakiMaps, StatedUncertaintiesAreThoseOfRepetition) {
   for (const auto& [kind, sum] : scatter) EXPECT_NEAR(sum.first / sum.second, 1.0, 0.2) << kind;
 }
 
+// A table whose errors vary with A and C as the declared ones do not: no number is called exact that its sigma does not
+// cover.
+TEST(IbarakiMaps, NothingIsExactWhereTheDeclaredErrorsDoNotExplainTheTouches) {
+  const machine::Machine machine = TiltingTable();
+  const std::string constants = R"("EY0A": 12.4, "EZ0A": -18.3, "EB0A": 21.7, "EX0C": 9.6, "EY0C": -16.1)";
+  const auto compare = [&](const std::string& errors) {
+    const auto session =
+        synthetic::Simulate(machine, machine::ReadErrors(errors, machine).value(), Columns(), {}).value();
+    return FindSource("ibaraki-maps").value()->compare(machine, {session}).value();
+  };
+  const Comparison explained = compare("{" + constants + "}");
+  const Comparison varying = compare("{" + constants + R"(, "terms": [
+      {"symbol": "EZA", "shape": "quadratic", "variable": "A", "amplitude": -6.5},
+      {"symbol": "ECC", "shape": "harmonic", "variable": "C", "order": 2, "amplitude": 14.0, "phase_deg": 40.0}]})");
+  ASSERT_EQ(explained.rows.size(), varying.rows.size());
+  for (size_t i = 0; i < varying.rows.size(); ++i) {
+    EXPECT_TRUE(std::isfinite(explained.rows[i].exact)) << explained.rows[i].quantity;
+    EXPECT_TRUE(std::isnan(varying.rows[i].exact)) << varying.rows[i].quantity;
+    EXPECT_TRUE(std::isnan(varying.rows[i].corrected) || varying.rows[i].formula.empty()) << varying.rows[i].quantity;
+    EXPECT_TRUE(std::isfinite(varying.rows[i].published)) << varying.rows[i].quantity;
+  }
+  EXPECT_THAT(varying.notes[1], HasSubstr("no exact numbers from the declared errors: the touches scatter about them"));
+}
+
 TEST(IbarakiMaps, RefusesWhatItIsNotAbout) {
   const auto compare = FindSource("ibaraki-maps").value()->compare;
   const auto message = [&](const machine::Machine& machine, const std::vector<session::Session>& sessions) {
