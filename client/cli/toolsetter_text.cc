@@ -17,8 +17,9 @@ std::string ParameterLine(const std::string& name, const reports::BeamParameter&
                           double sigma_unit, const std::string& sigma_name, int decimals) {
   if (parameter.stated) return absl::StrCat(name, " ", Fixed(*parameter.stated, decimals), " ", unit, ", stated\n");
   if (!parameter.identifiable) return absl::StrCat(name, ": these rods cannot tell\n");
-  return absl::StrCat(name, " ", Fixed(parameter.estimate, decimals), " ", unit, " +- ",
-                      NumberText(parameter.sigma * sigma_unit), " ", sigma_name, "\n");
+  const std::string estimate = absl::StrCat(name, " ", Fixed(parameter.estimate, decimals), " ", unit);
+  if (!std::isfinite(parameter.sigma)) return estimate + ", its sigma is not known\n";
+  return absl::StrCat(estimate, " +- ", NumberText(parameter.sigma * sigma_unit), " ", sigma_name, "\n");
 }
 
 std::string UnseenText(const reports::Unseen& unseen) {
@@ -49,6 +50,10 @@ std::string ToText(const reports::BeamReference& report) {
       : report.chi2 > std::max(1, report.degrees_of_freedom)
           ? std::string("more than readouts and stated errors explain: sigma is raised by it\n")
           : std::string("as readouts and stated errors explain\n"));
+  for (const reports::Warning& warning : report.warnings) absl::StrAppend(&text, "warning: ", warning.text, "\n");
+  constexpr double kNormal = 1.96;
+  if (report.coverage_factor > kNormal + 0.01)
+    absl::StrAppend(&text, "a 95 % interval is +- ", NumberText(report.coverage_factor), " times the sigma: so few rods tell it\n");
   for (const reports::Unseen& unseen : report.not_told_apart) text += UnseenText(unseen);
   if (report.next_measurement) {
     const reports::RodProposal& next = *report.next_measurement;

@@ -148,6 +148,18 @@ std::vector<reports::WarningFacts> ListWarnings(const SolvedProblem& solved, con
   for (reports::WarningFacts& warning : FindCoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
     warnings.push_back(std::move(warning));
+  // Set-up offsets of which nothing is known beforehand take a reading each as errors do.
+  int unknowns = static_cast<int>(solved.parameters.size() - solved.held.size()) -
+                 static_cast<int>(solved.null_space.directions.rows());
+  for (const SetupGroup& group : solved.problem.groups) {
+    for (const instruments::SetupParameter& parameter : group.parameters) unknowns += parameter.is_weak ? 1 : 0;
+  }
+  if (unknowns > 0 && result.fit.used <= unknowns) {
+    warnings.push_back(reports::NoFreedom{.unknowns = absl::StrCat(unknowns, " unknowns"),
+                                          .readings = absl::StrCat(result.fit.used, " readings"),
+                                          .without_sigma = {},
+                                          .what_to_do = "measure more readings than there are unknowns"});
+  }
   return warnings;
 }
 

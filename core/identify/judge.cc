@@ -1,11 +1,11 @@
 #include "core/identify/judge.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "core/identify/plausible_errors.h"
 #include "core/identify/profile_likelihood.h"
+#include "core/information/coverage_factor.h"
 
 namespace axiscal::identify {
 namespace {
@@ -79,14 +79,6 @@ std::vector<bool> FindUnsupported(const SolvedProblem& solved, const Judgement& 
   return unsupported;
 }
 
-// Half-width of the 95 % interval in standard uncertainties: of Student's t where their scale was estimated from
-// `degrees_of_freedom` readings (JCGM 100:2008, G.3).
-double CoverageFactor(bool is_estimated, int degrees_of_freedom) {
-  constexpr double kNormal = 1.959964, kUpper = 0.975;
-  if (!is_estimated || degrees_of_freedom < 1) return kNormal;
-  return boost::math::quantile(boost::math::students_t(static_cast<double>(degrees_of_freedom)), kUpper);
-}
-
 }  // namespace
 
 absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& options) {
@@ -97,7 +89,7 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   if (options.scale_uncertainties)
     judgement.sigma_scale = std::sqrt(std::max(1.0, judgement.statistics.chi2_per_dof));
   judgement.coverage_factor =
-      CoverageFactor(judgement.sigma_scale > 1.0, judgement.statistics.degrees_of_freedom);
+      information::CoverageFactor(judgement.sigma_scale > 1.0, judgement.statistics.degrees_of_freedom);
   judgement.covariance = UncertaintyOf(solved, judgement.sigma_scale);
   const Eigen::MatrixXd linear =
       InverseBeside(Reduce(solved.problem, solution.point, solution.normal, Priors::kAll), solved.held);

@@ -8,8 +8,9 @@
 namespace axiscal::reports {
 
 inline const char* const* WordsOf(WarningKind) {
-  static constexpr const char* kWords[] = {"scatter", "set-aside", "interval", "no-number", "held", "resolution",
-                                           "size",    "quiet",     "datum",    "other",     nullptr};
+  static constexpr const char* kWords[] = {
+      "scatter", "set-aside", "interval", "no-number",           "held",  "resolution",
+      "size",    "quiet",     "datum",    "no-degree-of-freedom", "other", nullptr};
   return kWords;
 }
 

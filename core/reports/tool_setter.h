@@ -46,6 +46,8 @@ struct BeamReference {
   double between_rods_um = kNoNumber;  // 1 sigma of what each rod is off by itself
   double chi2 = kNoNumber;
   int degrees_of_freedom = 0;
+  double coverage_factor = kNoNumber;  // half of the 95 % interval in sigmas
+  std::vector<Warning> warnings = {};
   std::vector<RodAnswer> rods = {};
   std::vector<Unseen> not_told_apart = {};
   std::optional<RodProposal> next_measurement = {};
@@ -75,6 +77,7 @@ struct Wear {
   std::vector<InsertWear> inserts = {};
   double rms_um = kNoNumber, chi2 = kNoNumber;
   int degrees_of_freedom = 0;
+  double coverage_factor = kNoNumber;  // half of the 95 % interval in sigmas
   std::vector<Warning> warnings = {};
   double longest_reading_mm = kNoNumber;
   std::vector<CurveReading> readings = {};

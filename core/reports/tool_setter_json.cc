@@ -52,6 +52,8 @@ void Members(Io& io, base::Like<Io, BeamReference> report) {
   io.Member("between_rods_um", report.between_rods_um);
   io.Member("chi2", report.chi2);
   io.Member("degrees_of_freedom", report.degrees_of_freedom);
+  io.Member("coverage_factor", report.coverage_factor);
+  io.Member("warnings", report.warnings);
   io.Member("rods", report.rods);
   io.Member("not_told_apart", report.not_told_apart);
   io.Member("next_measurement", report.next_measurement);
@@ -94,6 +96,7 @@ void Members(Io& io, base::Like<Io, Wear> report) {
     fit.Member("rms_um", report.rms_um);
     fit.Member("chi2", report.chi2);
     fit.Member("degrees_of_freedom", report.degrees_of_freedom);
+    fit.Member("coverage_factor", report.coverage_factor);
   });
   io.Member("warnings", report.warnings);
   io.Member("longest_reading_mm", report.longest_reading_mm);

@@ -115,6 +115,16 @@ Warning Of(const DatumMoved& facts) {
   return {WarningKind::kDatum, std::move(text)};
 }
 
+Warning Of(const NoFreedom& facts) {
+  return {WarningKind::kNoFreedom,
+          absl::StrCat("no degree of freedom: ", facts.unknowns, " from ", facts.readings,
+                       ", so that nothing shows by how much they are wrong: ",
+                       facts.without_sigma.empty()
+                           ? std::string("the sigmas rest on what was stated beforehand alone")
+                           : absl::StrCat(absl::StrJoin(facts.without_sigma, ", "), " without sigma"),
+                       "; ", facts.what_to_do)};
+}
+
 }  // namespace
 
 Warning InWords(const WarningFacts& facts) {

@@ -22,6 +22,7 @@ enum class WarningKind {
   kSize,        // errors or set-ups beyond what a machine of this size can have
   kQuiet,       // readings scatter by far less than stated
   kDatum,       // sessions disagree by a constant of the commanded positions
+  kNoFreedom,   // as many unknowns as readings: nothing is left that would judge the model or the stated sigmas
   kOther,       // of a newer version; its text says what
 };
 
@@ -86,8 +87,14 @@ struct DatumMoved {
   };
   std::vector<Group> groups;
 };
-using WarningFacts =
-    std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize, Quiet, DatumMoved>;
+struct NoFreedom {
+  std::string unknowns, readings;  // "Z, yaw, pitch", "3 rods"
+  // What has no sigma for it; empty: all sigmas rest on what was stated beforehand.
+  std::vector<std::string> without_sigma;
+  std::string what_to_do;
+};
+using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize, Quiet,
+                                  DatumMoved, NoFreedom>;
 
 // Whether nothing else of the report is worth reading before it is settled: such warnings stand first.
 inline bool ComesFirst(WarningKind kind) { return kind == WarningKind::kSize || kind == WarningKind::kQuiet; }

@@ -48,6 +48,13 @@ TEST(Warning, EachKindIsWorded) {
       DatumMoved{{{{"C-1", "C-2"}, {{"X", -37.21, 1.5}, {"Z", 12.0, 0.4}}}}}, WarningKind::kDatum,
       "sessions C-1, C-2 disagree with the others by a constant of the commanded position (X by -37.21 +- 1.5 um, Z by "
       "12 +- 0.4 um): was the work offset set anew before? Then '# datum: free X Z' belongs into their headers");
+  Says(NoFreedom{"Z, pitch", "2 rods", {"Z", "pitch"}, "state rod_sigma of each rod, or measure more rods"},
+       WarningKind::kNoFreedom,
+       "no degree of freedom: Z, pitch from 2 rods, so that nothing shows by how much they are wrong: Z, pitch without "
+       "sigma; state rod_sigma of each rod, or measure more rods");
+  Says(NoFreedom{"8 unknowns", "8 readings", {}, "measure more"}, WarningKind::kNoFreedom,
+       "no degree of freedom: 8 unknowns from 8 readings, so that nothing shows by how much they are wrong: the sigmas "
+       "rest on what was stated beforehand alone; measure more");
 }
 
 TEST(Warning, OfAStoredCalibrationSaysWhatToDo) {

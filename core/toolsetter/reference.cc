@@ -9,6 +9,7 @@
 
 #include "core/base/units.h"
 #include "core/information/choice.h"
+#include "core/information/coverage_factor.h"
 
 namespace axiscal::toolsetter {
 namespace {
@@ -57,6 +58,48 @@ class Fitter {
   const std::vector<const MeasuredRod*>& rods() const { return rods_; }
   const std::vector<int>& free() const { return free_; }
   int rows() const { return static_cast<int>(rods_.size() + priors_.size()); }
+
+  // Columns of the free parameters that the readouts determine although every rod (body) is off by an amount of its own;
+  // and how many rows are left then.
+  struct WithinRods {
+    std::vector<bool> is_determined;
+    int degrees_of_freedom = 0;
+  };
+  WithinRods Within(const Fit& fit) const {
+    std::vector<std::string> bodies;
+    for (const MeasuredRod* rod : rods_) {
+      if (std::find(bodies.begin(), bodies.end(), rod->body()) == bodies.end()) bodies.push_back(rod->body());
+    }
+    const Eigen::Index free = static_cast<Eigen::Index>(free_.size());
+    MatrixXd jacobian = MatrixXd::Zero(rows(), free + static_cast<Eigen::Index>(bodies.size()));
+    const Eigen::LLT<MatrixXd> root(Covariance(fit.triggers, 0.0));
+    MatrixXd offsets = MatrixXd::Zero(static_cast<Eigen::Index>(rods_.size()), static_cast<Eigen::Index>(bodies.size()));
+    for (size_t i = 0; i < rods_.size(); ++i)
+      offsets(i, std::find(bodies.begin(), bodies.end(), rods_[i]->body()) - bodies.begin()) = 1.0;
+    jacobian.leftCols(free) = Whitened(fit, 0.0).first;
+    jacobian.topRightCorner(offsets.rows(), offsets.cols()) = root.matrixL().solve(offsets);
+    for (Eigen::Index c = 0; c < jacobian.cols(); ++c) {
+      const double norm = jacobian.col(c).norm();
+      if (norm > 0.0) jacobian.col(c) /= norm;
+    }
+    const Eigen::JacobiSVD<MatrixXd> svd(jacobian, Eigen::ComputeThinU | Eigen::ComputeFullV);
+    WithinRods within;
+    within.is_determined.assign(free_.size(), true);
+    int rank = 0;
+    for (Eigen::Index k = 0; k < jacobian.cols(); ++k) {
+      const double value = k < svd.singularValues().size() ? svd.singularValues()[k] : 0.0;
+      rank += value > kSeen ? 1 : 0;
+      for (Eigen::Index c = 0; c < free && !(value > kSeen); ++c)
+        within.is_determined[c] = within.is_determined[c] && std::abs(svd.matrixV()(c, k)) < 1e-6;
+    }
+    within.degrees_of_freedom = rows() - rank;
+    return within;
+  }
+
+  // Whether it was stated how well the length of every measured rod is known.
+  bool AreLengthsStated() const {
+    return std::all_of(rods_.begin(), rods_.end(), [](const MeasuredRod* rod) { return rod->sigma.length_mm > 0.0; });
+  }
 
   // Least squares from `start` with the given component between rods.
   absl::StatusOr<Fit> Solve(const Eigen::Vector3d& start, double between_mm) const {
@@ -390,6 +433,14 @@ absl::StatusOr<Reference> FitReference(const RodSession& session, const Referenc
     for (const Eigen::VectorXd& direction : fit.unseen) parameter.is_identifiable &= std::abs(direction[c]) < 1e-6;
     for (size_t d = 0; d < free.size(); ++d) out.covariance(free[c], free[d]) = fit.covariance(c, d);
   }
+  const Fitter::WithinRods within = fitter.Within(fit);
+  out.degrees_between_rods = std::max(0, out.degrees_of_freedom - within.degrees_of_freedom);
+  const bool are_judged = out.degrees_between_rods > 0 || fitter.AreLengthsStated();
+  for (size_t c = 0; c < free.size(); ++c) out.has_interval[free[c]] = are_judged || within.is_determined[c];
+  const bool is_estimated = out.between_rods_mm > 0.0 || !between_mm;
+  out.coverage_factor = information::CoverageFactor(
+      is_estimated, out.between_rods_mm > 0.0 && out.degrees_between_rods > 0 ? out.degrees_between_rods
+                                                                               : out.degrees_of_freedom);
   for (int i = 0; i < kReferenceParameters; ++i) {
     if (out.parameters[i].is_identifiable) continue;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

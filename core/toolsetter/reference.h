@@ -58,6 +58,13 @@ struct Reference {
   double between_rods_mm = 0.0;  // standard deviation of the rods' own errors, beyond what is stated
   double chi2 = 0.0;             // without that component
   int degrees_of_freedom = 0;    // 0: whether the rods agree cannot be judged
+  // Degrees of freedom that are left to judge what each rod is off by itself: its length and face, which no repeat of
+  // it shows. 0: nothing does.
+  int degrees_between_rods = 0;
+  // Which parameters have a sigma that rests on readouts or on what was stated of the rods (`rod_sigma`). Of the others
+  // Fitted::sigma is that of repeatability alone, and is in no report.
+  std::array<bool, kReferenceParameters> has_interval = {true, true, true};
+  double coverage_factor = 1.959964;  // half of the 95 % interval in sigmas: Student's t where the rods' own scatter counts
   std::optional<RodProposal> next;
 };
 

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <set>
 
 #include "core/base/units.h"
 #include "core/toolsetter/reference.h"
@@ -51,6 +52,26 @@ reports::BeamReference ReportOf(const RodSession& session, const Reference& refe
   report.between_rods_um = reference.between_rods_mm * kUmPerMm;
   report.chi2 = reference.chi2;
   report.degrees_of_freedom = reference.degrees_of_freedom;
+  report.coverage_factor = reference.coverage_factor;
+  reports::BeamParameter* const parameters[] = {&report.reference_mm, &report.yaw_deg, &report.pitch_deg};
+  reports::NoFreedom warning;
+  for (int i = 0; i < kReferenceParameters; ++i) {
+    const Fitted& fitted = reference.parameters[i];
+    if (!fitted.is_free || !fitted.is_identifiable) continue;
+    const char* const name = ParameterName(static_cast<ReferenceParameter>(i));
+    absl::StrAppend(&warning.unknowns, warning.unknowns.empty() ? "" : ", ", name);
+    if (reference.has_interval[i]) continue;
+    parameters[i]->sigma = reports::kNoNumber;
+    warning.without_sigma.push_back(name);
+  }
+  if (reference.degrees_between_rods == 0 && !warning.unknowns.empty()) {
+    std::set<std::string> bodies;
+    for (const RodAnswer& rod : reference.rods) bodies.insert(rod.name.substr(0, rod.name.find('@')));
+    warning.readings = absl::StrCat(bodies.size(), bodies.size() == 1 ? " rod" : " rods");
+    warning.what_to_do =
+        "state how well the length of each rod is known (rod_sigma), or measure more rods than there are unknowns";
+    report.warnings.push_back(reports::InWords(warning));
+  }
   for (const RodAnswer& rod : reference.rods) {
     report.rods.push_back({.rod = rod.name,
                            .readouts = rod.readouts,

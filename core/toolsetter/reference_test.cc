@@ -161,6 +161,79 @@ TEST(Reference, RodsThatDisagreeWidenTheUncertainty) {
   EXPECT_GE(covered, 0.90 * runs);
 }
 
+// With as many unknowns as rods nothing shows what the rods are off by: no sigma but where it was stated, and then it
+// covers.
+TEST(Reference, AsManyUnknownsAsRodsHaveNoIntervalUnlessItIsStated) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  const auto off_rods = [&] {
+    RodSession session = ThreeRods();
+    session.rods.push_back(MakeRod("rod-3", 88.5, 20.0, 0, 3));
+    session.rods.erase(session.rods.begin() + 1);  // nearly as square as the standard
+    Measure(&session, session.sigma_mm, &random);
+    for (MeasuredRod& rod : session.rods) {
+      const double off_mm = 3e-3 * normal(random);
+      for (double& readout_mm : rod.readouts_mm) readout_mm += off_mm;
+    }
+    return session;
+  };
+  const Reference bare = FitReference(off_rods(), {true, true}).value();
+  EXPECT_EQ(bare.degrees_of_freedom, 0);
+  for (int i = 0; i < kReferenceParameters; ++i) EXPECT_FALSE(bare.has_interval[i]) << i;
+  const RodSession any = off_rods();
+  const reports::BeamReference report = ReportOf(any, FitReference(any, {true, true}).value());
+  EXPECT_TRUE(std::isnan(report.reference_mm.sigma));
+  EXPECT_TRUE(std::isnan(report.yaw_deg.sigma));
+  EXPECT_TRUE(std::isfinite(report.yaw_deg.estimate));
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0].kind, reports::WarningKind::kNoFreedom);
+  EXPECT_THAT(report.warnings[0].text, HasSubstr("Z, yaw, pitch from 3 rods"));
+  int covered = 0, total = 0;
+  for (int k = 0; k < 60; ++k) {
+    RodSession session = off_rods();
+    for (MeasuredRod& rod : session.rods) rod.sigma.length_mm = 3e-3;
+    const Reference reference = FitReference(session, {true, true}).value();
+    const double truth[] = {kTrueZ, kTrueYaw, kTruePitch};
+    for (int i = 0; i < kReferenceParameters; ++i) {
+      EXPECT_TRUE(reference.has_interval[i]);
+      covered += std::abs(reference.parameters[i].estimate - truth[i]) <
+                 reference.coverage_factor * reference.parameters[i].sigma;
+      ++total;
+    }
+  }
+  EXPECT_GE(covered, 0.86 * total);  // 95 % of 180 that go together by three, less three standard deviations
+}
+
+// One rod and Z alone; one rod turned, which tells the beam's angles by itself but not what its length is off by.
+TEST(Reference, OneRodCannotJudgeItsOwnLength) {
+  std::mt19937 random(2);
+  RodSession session = ThreeRods();
+  session.rods.resize(1);
+  Measure(&session, session.sigma_mm, &random);
+  EXPECT_TRUE(std::isnan(ReportOf(session, FitReference(session).value()).reference_mm.sigma));
+  session.rods.clear();
+  for (int i = 0; i < 12; ++i)
+    session.rods.push_back(MakeRod(absl::StrCat("rod-2@", 30 * i), 88.041, 144.086, 30 * i, 1));
+  Measure(&session, session.sigma_mm, &random);
+  const reports::BeamReference turned = ReportOf(session, FitReference(session, {true, true}).value());
+  EXPECT_TRUE(std::isnan(turned.reference_mm.sigma));
+  EXPECT_TRUE(std::isfinite(turned.yaw_deg.sigma));
+  EXPECT_TRUE(std::isfinite(turned.pitch_deg.sigma));
+  ASSERT_EQ(turned.warnings.size(), 1u);
+  EXPECT_THAT(turned.warnings[0].text, HasSubstr("from 1 rod,"));
+  EXPECT_THAT(turned.warnings[0].text, HasSubstr("Z without sigma"));
+}
+
+TEST(Reference, FewRodsHaveWideIntervals) {
+  std::mt19937 random(3);
+  RodSession session = ThreeRods();
+  Measure(&session, session.sigma_mm, &random);
+  for (double& readout_mm : session.rods[2].readouts_mm) readout_mm += 8e-3;
+  const Reference reference = FitReference(session).value();
+  EXPECT_EQ(reference.degrees_between_rods, 2);
+  EXPECT_NEAR(reference.coverage_factor, 4.303, 1e-3);  // Student's t
+}
+
 TEST(Reference, RefusesReadoutsThatAreNotTheRods) {
   RodSession session = ThreeRods();
   std::mt19937 random(1);

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/base/units.h"
+#include "core/information/coverage_factor.h"
 
 namespace axiscal::toolsetter {
 namespace {
@@ -285,7 +286,13 @@ absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
   }
   report.chi2 = chi2;
   report.degrees_of_freedom = fitter.readings() - rank;
-  const double grown = report.degrees_of_freedom > 0 ? std::max(1.0, chi2 / report.degrees_of_freedom) : 1.0;
+  if (report.degrees_of_freedom <= 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "session ", session.session, ": ", fitter.readings(), " readings for ", rank,
+        " unknowns leave no degree of freedom: nothing would judge the fit, expected more start angles"));
+  }
+  const double grown = std::max(1.0, chi2 / report.degrees_of_freedom);
+  report.coverage_factor = information::CoverageFactor(grown > 1.0, report.degrees_of_freedom);
   const Eigen::MatrixXd covariance = Covariance(fitter, session, best, chi2, grown, is_seen);
 
   int longest = -1;

@@ -53,6 +53,7 @@ struct WearReport {
   std::vector<InsertWear> inserts;
   double rms_mm = 0.0, chi2 = 0.0;
   int degrees_of_freedom = 0;
+  double coverage_factor = 1.959964;  // half of the 95 % interval in sigmas: Student's t where sigmas grew
   std::vector<double> residual_mm;  // measured - predicted per reading
   double longest_reading_mm = 0.0;  // usually taken for the length, but too small: it misses the curve's peak
   // Where inserts are not seen: a feed per minute, at the same speed, that shows wear up to twice the bound.

@@ -32,6 +32,7 @@ reports::Wear ReportOf(const CurveSession& session, const WearReport& found) {
   report.rms_um = found.rms_mm * kUmPerMm;
   report.chi2 = found.chi2;
   report.degrees_of_freedom = found.degrees_of_freedom;
+  report.coverage_factor = found.coverage_factor;
   if (found.degrees_of_freedom > 0 && found.chi2 > reports::kPoorFitChi2PerDof * found.degrees_of_freedom) {
     report.warnings.push_back(reports::InWords(reports::Scatter{
         .times_sigma = std::sqrt(found.chi2 / found.degrees_of_freedom), .about = reports::Scatter::About::kCutter}));
