@@ -14,6 +14,7 @@ bool SameButRapid(Modal a, Modal b) {
   for (Modal* modal : {&a, &b}) {
     if (modal->motion == Meaning::kRapid) modal->motion = Meaning::kLinear;
     if (modal->motion != Meaning::kOtherMotion) modal->motion_text = "";
+    modal->lacks_feed = modal->is_rapid_unsure = false;
   }
   return a == b;
 }
@@ -285,7 +286,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
 bool Interpreter::IsPlainMove(const Block& block, Step* step) {
   if (block.problem != LexProblem::kNone || block.is_deletable || block.has_assignment) return false;
   step->word_of_axis.fill(-1);
-  bool has_axis = false, has_code = false;
+  bool has_axis = false, has_code = false, has_feed = false;
   for (int i = 0; i < block.word_count; ++i) {
     const Word& word = block.words[static_cast<size_t>(i)];
     if (word.distance != Distance::kModal) return false;
@@ -308,14 +309,19 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) {
       case Role::kLineNumber:
         if (!numbers_seen_.empty()) NoteNumber(word);
         break;
-      case Role::kPassive:
       case Role::kFeed:
+        has_feed = true;
+        break;
+      case Role::kPassive:
         break;
       default:
         return false;
     }
   }
-  return has_axis;
+  if (!has_axis) return false;
+  modal_.lacks_feed &= !has_feed;
+  modal_.is_rapid_unsure &= !has_code;
+  return true;
 }
 
 void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
@@ -338,6 +344,9 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
       Unsupported("a modal code in a block that may be skipped", false, step);
     return KeepBoth(modal, offsets);
   }
+  modal_.lacks_feed |= modal.lacks_feed;
+  modal_.is_rapid_unsure |= modal.is_rapid_unsure;
+  modal_.is_rapid_unsure |= (modal.motion == Meaning::kRapid) != (modal_.motion == Meaning::kRapid);
   if (step->kind == StepKind::kUnsupported || step->is_tool_change) return;
   step->may_be_skipped = true;
   for (int i = 0; i < axis_count_; ++i) {
@@ -380,7 +389,9 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   request.uncertain_before = modal_.uncertain;
   ScanWords(block, &request, step);
   if (step->is_tool_change) loaded_tool_ = called_tool_, has_changer_ = true;
+  if (request.has_feed) modal_.lacks_feed = false;
   if (request.motion != nullptr) {
+    modal_.is_rapid_unsure = false;
     modal_.motion = request.motion->meaning;
     modal_.is_clockwise = request.motion->detail != 0;
     modal_.motion_text = request.motion->text;

@@ -169,6 +169,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
   const auto feed = [&](FeedMode mode) {
     request->Choose(&request->feed, code, "feed mode");
     request->stated |= kFeedGroup;
+    modal_.lacks_feed |= modal_.feed_mode != mode;
     modal_.feed_mode = mode;
   };
   const auto distance = [&](bool is_incremental) {

@@ -37,6 +37,8 @@ struct Modal {
   bool are_centres_absolute = false;
   int8_t plane_normal = 2;  // 0 YZ, 1 ZX, 2 XY
   FeedMode feed_mode = FeedMode::kPerMinute;
+  bool lacks_feed = false;       // the feed mode changed, and no F word since: the control has none
+  bool is_rapid_unsure = false;  // a block that may be skipped changed between G00 and another motion code
   uint32_t blockers = 0;
   uint16_t mirrored_axes = 0;  // of kMirror; bits of axes that are none of the machine's are set where it is not known
   uint8_t macro_depth = 0;     // of kModalMacro: how many calls are in force

@@ -39,6 +39,25 @@ struct Case {
   const char* blocks;
 };
 
+// The block that brings the control back to the programmed position needs an F, and to know whether G00 is in force.
+TEST(Passed, TheWayBackIsRefusedWhereItsFeedIsNotKnown) {
+  const auto status_of = [](const std::string& blocks, BlockDelete block_delete) {
+    RewriteOptions options = PassingIn("linuxcnc");
+    options.block_delete = block_delete;
+    RewriteReport report;
+    return RewriteText("G21 G90 G17\n" + blocks, testing::LeaningHead(), options, &report).status();
+  };
+  const std::string feedless = "G93 G1 X5. F10.\nG94\nG81 X9. Z-1. R2.\n";
+  EXPECT_THAT(std::string(status_of(feedless, BlockDelete::kExecuted).message()), ::testing::HasSubstr("no F"));
+  EXPECT_TRUE(status_of("G93 G1 X5. F10.\nG94 F100.\nG81 X9. Z-1. R2.\n", BlockDelete::kExecuted).ok());
+  EXPECT_TRUE(status_of("G93 G1 X5. F10.\nG94\nX6. F100.\nX7.\nG81 X9. Z-1. R2.\n", BlockDelete::kExecuted).ok());
+  EXPECT_TRUE(status_of("G93 G1 X5. F10.\nG94\nG0 X7.\nG81 X9. Z-1. R2.\n", BlockDelete::kExecuted).ok());
+  const std::string skipped = "G0 X1.\n/G1 X5. F100.\nX6. Y0. Z0. B0. C0.\nG81 X9. Z-1. R2.\n";
+  EXPECT_THAT(std::string(status_of(skipped, BlockDelete::kEither).message()), ::testing::HasSubstr("in G00 or not"));
+  EXPECT_TRUE(status_of(skipped, BlockDelete::kExecuted).ok());
+  EXPECT_TRUE(status_of(skipped, BlockDelete::kSkipped).ok());
+}
+
 // What begins a mode, and codes that end others.
 TEST(Passed, AModeStaysUntilItsOwnCodeEndsIt) {
   const Case kStay[] = {

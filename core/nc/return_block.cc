@@ -94,6 +94,9 @@ std::string BlockWriter::Return(const StateBefore& before, const std::string& li
     constexpr uint8_t kNeeded = kMotionGroup | kDistanceGroup | kUnitGroup | kFeedGroup | kOffsetGroup | kLengthGroup;
     if (modal.blockers != 0 || (modal.uncertain & kNeeded) != 0 || modal.motion == Meaning::kOtherMotion)
       return "the control stands at a corrected position, and its modal state is not known";
+    if (modal.is_rapid_unsure) return "the control stands at a corrected position, in G00 or not as a block with '/' says";
+    if (!is_rapid && modal.feed_mode != FeedMode::kInverseTime && modal.lacks_feed)
+      return "the control stands at a corrected position, and no F was programmed since the feed mode changed";
     out->append(std::string(has_poles ? "L" : is_rapid ? "G00" : "G01"));
     for (const int axis : order_) {
       if ((departed >> axis & 1) == 0) continue;

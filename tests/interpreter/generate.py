@@ -30,13 +30,9 @@ RANGE = {"X": (-150, 150), "Y": (-120, 120), "Z": (-60, 90), "A": (-60, 60), "B"
 
 
 # What the product is known to do wrong, and why it is not drawn: `run --with NAME` draws it.
-KNOWN = {
-    "way-back-without-feed": "behind G93 or G94 LinuxCNC has no F; the G01 block that brings the axes back in front of a passed block then "
-                             "stops the program",
-}
+KNOWN = {}
 # The same of programs in tests/data/nc.
 KNOWN_SAMPLES = {
-    "block-delete": "the block that brings the axes back is G01 where the skipped /G1 leaves G00 in force",
     "klartext-arcs": "behind a passed CT the pole that was inserted is still in force for CP",
 }
 
@@ -566,8 +562,6 @@ class Program(Writer):
             self.f_arc()
         self.plain("G94")
         self.g93, self.feed, self.motion = False, None, None
-        if self.dialect == "linuxcnc" and "way-back-without-feed" not in self.case["with"]:
-            self.feed_move(self.targets(["X"]))
 
     def f_unit(self):
         if self.dialect == "sinumerik":
