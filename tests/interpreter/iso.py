@@ -441,7 +441,7 @@ class Iso(Control):
         for code in list(m):
             if code in (98, 99, 97, 96) or (code in (2, 30, 17) and before):
                 continue
-            is_before = code in M_BEFORE or code == 6
+            is_before = code in M_BEFORE or code == 6 or (self.dialect == "linuxcnc" and code in (70, 71, 73))
             if is_before != before:
                 continue
             m.remove(code)
