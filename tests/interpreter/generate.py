@@ -30,7 +30,9 @@ RANGE = {"X": (-150, 150), "Y": (-120, 120), "Z": (-60, 90), "A": (-60, 60), "B"
 
 
 # What the product is known to do wrong, and why it is not drawn: `run --with NAME` draws it.
-KNOWN = {}
+KNOWN = {
+    "increments-in-inch": "words of rotary axes without a point count the inch's increments in G20 (0.0001 deg), on the controls 0.001 deg",
+}
 # The same of programs in tests/data/nc.
 KNOWN_SAMPLES = {
     "klartext-arcs": "behind a passed CT the pole that was inserted is still in force for CP",
@@ -564,6 +566,8 @@ class Program(Writer):
         self.g93, self.feed, self.motion = False, None, None
 
     def f_unit(self):
+        if self.case.get("increment") and self.rotary and "increments-in-inch" not in self.case["with"]:
+            return
         if self.dialect == "sinumerik":
             on, off = ("G70", "G71")
         else:
