@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <sstream>
 
@@ -105,6 +106,23 @@ absl::StatusOr<nc::ToolLength> ParseToolLength(const std::string& text) {
   return nc::ToolLength{static_cast<int>(number[0]), length[0]};
 }
 
+// "47,120-129": numbers and ranges.
+absl::StatusOr<std::vector<int>> ParseCodes(const std::string& text) {
+  std::vector<int> codes;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    int first = 0, last = 0, read = 0;
+    const bool is_range = std::sscanf(part.c_str(), "%4d-%4d%n", &first, &last, &read) == 2;
+    if (!is_range && std::sscanf(part.c_str(), "%4d%n", &first, &read) == 1) last = first;
+    if (read != static_cast<int>(part.size()) || part.empty() || first < 0 || first > last) {
+      return absl::InvalidArgumentError(absl::StrCat("--harmless-m: '", text, "', expected numbers of M codes from 0 to ",
+                                                     nc::kMaxHarmlessM, " and ranges: 47,120-129"));
+    }
+    for (int code = first; code <= last; ++code) codes.push_back(code);
+  }
+  return codes;
+}
+
 }  // namespace
 
 void AddModelOptions(CLI::App& command, std::string& machine, std::string& errors, int64_t& calibration) {
@@ -184,6 +202,9 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
                   "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: "
                   "H1=120.5; may be given again")
       ->allow_extra_args(false);
+  command.add_option("--harmless-m", arguments.harmless_m,
+                     "M codes of the machine's builder that start no macro and move no axis, beside those of the "
+                     "dialect's table (docs/nc.md): 47,120-129");
   command.add_option("--time-s", arguments.time_s,
                      "when the program runs, s of the sessions' clock; needed for errors that drift");
   command.add_option("--temperature-c", arguments.temperature_celsius,
@@ -220,6 +241,7 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   options.orientation = arguments.orientation;
   options.max_rotary_correction_rad = arguments.max_rotary_correction_deg * base::kRadPerDeg;
   options.tolerance_rad = arguments.tolerance_urad * base::kRadPerUrad;
+  ASSIGN_OR_RETURN(options.harmless_m, ParseCodes(arguments.harmless_m));
   std::istringstream start(arguments.start);
   ASSIGN_OR_RETURN(options.initial_position, ParseAxisValues("--start", start, machine));
   for (const std::string& text : arguments.offsets) {

@@ -32,6 +32,7 @@ struct RewriteArguments {
   std::string start;                      // "X=0 Y=0 B=90"
   std::vector<std::string> offsets;       // "G54 X=-490 C=90" or "G54=-490 0 0 0 90"
   std::vector<std::string> tool_lengths;  // "H1=120.5"
+  std::string harmless_m;                 // "47,120-129"
   std::optional<double> time_s, temperature_celsius;
 };
 

@@ -38,6 +38,13 @@ absl::Status ValidateAxis(const Machine& machine, const Axis& axis) {
   if (axis.min_position && axis.max_position && !(*axis.min_position < *axis.max_position)) {
     return Refuse(machine, absl::StrCat("axis ", axis.name, ": the lower travel limit must be below the upper one"));
   }
+  if (axis.kind == AxisKind::kLinear && axis.roll_over != RollOver::kUnstated) {
+    return Refuse(machine, absl::StrCat("axis ", axis.name, ": only rotary axes may roll over"));
+  }
+  const bool rolls_over = axis.roll_over != RollOver::kUnstated && axis.roll_over != RollOver::kNone;
+  if (rolls_over && (axis.min_position || axis.max_position)) {
+    return Refuse(machine, absl::StrCat("axis ", axis.name, ": an axis that rolls over has no travel limits"));
+  }
   return absl::OkStatus();
 }
 

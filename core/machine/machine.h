@@ -15,6 +15,15 @@ namespace axiscal::machine {
 
 enum class AxisKind { kLinear, kRotary };
 
+// How a rotary axis counts, which says the way that an absolute word of a program takes it.
+enum class RollOver {
+  kUnstated,
+  kNone,          // it counts on: 370 deg is a turn behind 10 deg, and the way is the difference of the numbers
+  kShortest,      // it counts from 0 to 360 deg; the shorter way round
+  kBySign,        // the same; the word's sign is the sense of rotation, its size the position
+  kByDifference,  // the same; the difference of the two positions in 0 to 360 deg, never across 0
+};
+
 struct Axis {
   std::string name;
   AxisKind kind = AxisKind::kLinear;
@@ -25,6 +34,8 @@ struct Axis {
   Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
   // Travel limits of the command (mm or rad) where the description states them.
   std::optional<double> min_position, max_position;
+  // Of a rotary axis. One with travel limits does not roll over.
+  RollOver roll_over = RollOver::kUnstated;
 };
 
 inline constexpr int kMaxAxes = 14;

@@ -103,6 +103,30 @@ absl::Status ReadTravel(const Json& object, const std::string& where, Axis& axis
   return absl::OkStatus();
 }
 
+struct RollOverName {
+  const char* name;
+  RollOver roll_over;
+};
+constexpr RollOverName kRollOverNames[] = {{"none", RollOver::kNone},
+                                           {"shortest", RollOver::kShortest},
+                                           {"sign", RollOver::kBySign},
+                                           {"difference", RollOver::kByDifference}};
+
+absl::Status ReadRollOver(const Json& object, const std::string& where, Axis& axis) {
+  const auto found = object.find("roll_over");
+  if (found == object.end()) return absl::OkStatus();
+  const std::string field = where + "roll_over";
+  if (axis.kind == AxisKind::kLinear) return Refuse(field, *found, "only rotary axes may roll over");
+  for (const RollOverName& known : kRollOverNames) {
+    if (*found == known.name) axis.roll_over = known.roll_over;
+  }
+  if (axis.roll_over == RollOver::kUnstated)
+    return Refuse(field, *found, "expected \"none\", \"shortest\", \"sign\" or \"difference\"");
+  if (axis.roll_over != RollOver::kNone && axis.min_position)
+    return Refuse(field, *found, "an axis that rolls over has no travel limits: leave out travel_deg, or state \"none\"");
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Axis> ReadAxis(const std::string& name, const Json& object) {
   const std::string where = absl::StrCat("axes.", name, ".");
   if (!IsAxisName(name)) {
@@ -110,7 +134,7 @@ absl::StatusOr<Axis> ReadAxis(const std::string& name, const Json& object) {
         "axes.", name, ": expected a capital letter other than T and W, and optional digits, as the axis name"));
   }
   if (!object.is_object()) return Refuse("axes." + name, object, "expected {\"kind\": ..., \"direction\": ...}");
-  RETURN_IF_ERROR(OnlyMembers(object, where, {"kind", "direction", "point_mm", "travel_mm", "travel_deg"}));
+  RETURN_IF_ERROR(OnlyMembers(object, where, {"kind", "direction", "point_mm", "travel_mm", "travel_deg", "roll_over"}));
   Axis axis;
   axis.name = name;
   ASSIGN_OR_RETURN(const Json* kind, Member(object, where, "kind"));
@@ -119,6 +143,7 @@ absl::StatusOr<Axis> ReadAxis(const std::string& name, const Json& object) {
   ASSIGN_OR_RETURN(axis.direction, ReadDirection(*direction, where + "direction"));
   RETURN_IF_ERROR(ReadPoint(object, where, axis));
   RETURN_IF_ERROR(ReadTravel(object, where, axis));
+  RETURN_IF_ERROR(ReadRollOver(object, where, axis));
   return axis;
 }
 
@@ -198,6 +223,9 @@ Json AxisJson(const Axis& axis) {
   if (axis.min_position && axis.max_position) {
     json[linear ? "travel_mm" : "travel_deg"] = linear ? Json{Number(*axis.min_position), Number(*axis.max_position)}
                                                        : Json{Degrees(*axis.min_position), Degrees(*axis.max_position)};
+  }
+  for (const RollOverName& known : kRollOverNames) {
+    if (axis.roll_over == known.roll_over) json["roll_over"] = known.name;
   }
   return json;
 }

@@ -76,6 +76,22 @@ TEST(MachineJson, WritesWhatReadsBackEqual) {
   EXPECT_THAT(text, HasSubstr(R"("X": {"kind": "linear", "direction": [1, 0, 0], "travel_mm": [-600, 50.5]})"));
 }
 
+TEST(MachineJson, SaysHowARotaryAxisCounts) {
+  const std::pair<const char*, RollOver> kNames[] = {{"none", RollOver::kNone},
+                                                     {"shortest", RollOver::kShortest},
+                                                     {"sign", RollOver::kBySign},
+                                                     {"difference", RollOver::kByDifference}};
+  EXPECT_EQ(MachineFromJson(kMachine)->axes[2].roll_over, RollOver::kUnstated);
+  EXPECT_EQ(MachineToJson(*MachineFromJson(kMachine)).find("roll_over"), std::string::npos);
+  for (const auto& [name, roll_over] : kNames) {
+    const auto machine = MachineFromJson(
+        With(R"([-490, 0, 0])", absl::StrCat(R"([-490, 0, 0], "roll_over": ")", name, "\"")));
+    ASSERT_TRUE(machine.ok()) << machine.status();
+    EXPECT_EQ(machine->axes[2].roll_over, roll_over);
+    EXPECT_EQ(MachineFromJson(MachineToJson(*machine))->axes[2].roll_over, roll_over);
+  }
+}
+
 struct BadMachine {
   const char* from;
   const char* to;
@@ -107,6 +123,12 @@ INSTANTIATE_TEST_SUITE_P(
                    "axes.X.point_mm: [1,0,0], a linear axis has no point"},
         BadMachine{R"("travel_mm": [-600, 50.5])", R"("travel_deg": [-6, 5])",
                    "axes.X.travel_deg: [-6,5], a linear axis has travel_mm"},
+        BadMachine{R"("travel_deg": [-30, 210])", R"("travel_deg": [-30, 210], "roll_over": "shortest")",
+                   "axes.B.roll_over: \"shortest\", an axis that rolls over has no travel limits"},
+        BadMachine{R"("travel_deg": [-30, 210])", R"("roll_over": "modulo")",
+                   "axes.B.roll_over: \"modulo\", expected \"none\", \"shortest\", \"sign\" or \"difference\""},
+        BadMachine{R"("travel_mm": [-600, 50.5])", R"("roll_over": "none")",
+                   "axes.X.roll_over: \"none\", only rotary axes"},
         BadMachine{R"("travel_deg": [-30, 210])", R"("travel_deg": [210, -30])",
                    "axes.B.travel_deg: [210,-30], the lower limit"},
         BadMachine{R"("tool_branch": ["X", "B"])", R"("tool_branch": ["X", "Q"])",

@@ -88,7 +88,7 @@ TEST(Accuracy, EveryWayToStateMovesOnTheThreeStructures) {
     const auto read =
         machine::ReadMachineFile(base::SourcePath("/tests/data/loop/") + folder + "/machine.json");
     ASSERT_TRUE(read.ok()) << read.status();
-    const machine::Machine& machine = *read;
+    const machine::Machine machine = testing::CountingOn(*read);
     structures.push_back(machine.structure);
     const machine::ErrorModel errors = ErrorsOf(machine);
     const std::string tilt = machine::FindAxis(machine, "B") >= 0 ? "B" : "A";

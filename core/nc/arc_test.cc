@@ -74,9 +74,9 @@ struct Structure {
 };
 
 std::vector<Structure> Structures() {
-  return {{machine::testing::MultiTasking(), "G90 G21 G17\nG0 X0. Y0. Z0. B0. C0.\n"},
-          {machine::testing::TiltingTable(), "G90 G21 G17\nG0 X0. Y0. Z0. A0. C0.\n"},
-          {machine::testing::SwivelHead(), "G90 G21 G17\nG0 X0. Y0. Z0. B0. C0.\n"}};
+  return {{testing::CountingOn(machine::testing::MultiTasking()), "G90 G21 G17\nG0 X0. Y0. Z0. B0. C0.\n"},
+          {testing::CountingOn(machine::testing::TiltingTable()), "G90 G21 G17\nG0 X0. Y0. Z0. A0. C0.\n"},
+          {testing::CountingOn(machine::testing::SwivelHead()), "G90 G21 G17\nG0 X0. Y0. Z0. B0. C0.\n"}};
 }
 
 machine::ErrorModel AllErrors(const machine::Machine& machine, double angle_rad) {
@@ -152,7 +152,7 @@ TEST(ArcRewriter, ErrorsThatWaveWithinAnArcAreSeen) {
 
 // Lost motion: an arc turns back in each axis at its quadrants. Chords take it up where it turns.
 TEST(ArcRewriter, LostMotionIsTakenUpWhereAnAxisTurnsBack) {
-  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   machine::ErrorModel errors = testing::ConstantErrors(machine, {{"EX0C", 0.02}});
   for (const std::string axis : {"X", "Y"}) {
     machine::ErrorTerm term = machine::ConstantTerm(machine, *machine::ParseErrorSymbol("E" + axis + "0" + axis), 0.01);

@@ -148,8 +148,13 @@ CorrectedWord BlockWriter::CorrectedOf(const Step& step, int axis, Ticks target,
                                        const WordForm& form) const {
   CorrectedWord corrected = WordFor(target, base, form);
   if (step.wrapped >> axis & 1) {
-    corrected.number %= kTurn / form.grain;
-    if (corrected.number < 0) corrected.number += kTurn / form.grain;
+    const int64_t turn = kTurn / form.grain;
+    corrected.number %= turn;
+    if (corrected.number < 0) corrected.number += turn;
+    corrected.number += turn * step.word_turns[axis];
+    corrected.is_negated = (step.downwards >> axis & 1) != 0;
+    // Zero has no sign that all controls read: the last place beside it.
+    if (corrected.is_negated && corrected.number == 0) corrected.number = 1;
   }
   return corrected;
 }
@@ -161,8 +166,11 @@ uint32_t BlockWriter::EndOf(const char* text, size_t size, const Word& word) {
   return at < size && text[at] == ')' ? static_cast<uint32_t>(at + 1) : word.end;
 }
 
-void BlockWriter::SetCommanded(int axis, const CorrectedWord& corrected, Ticks base) {
-  commanded_.ticks[axis] = corrected.Position(base);
+void BlockWriter::SetCommanded(const Step& step, int axis, const CorrectedWord& corrected, Ticks base, Ticks target) {
+  Ticks at = corrected.Position(base);
+  // The same position, on the turn of the move: words of later blocks may be differences.
+  if (step.wrapped >> axis & 1) at -= RoundToGrains(at - target, kTurn) * kTurn;
+  commanded_.ticks[axis] = at;
   commanded_.known |= static_cast<uint16_t>(1u << axis);
 }
 
@@ -208,14 +216,14 @@ void BlockWriter::InsertWords(const char* text, const Block& block, const Step& 
     const char letter = machine_->axes[axis].name[0];
     out->push_back(is_lower ? static_cast<char>(letter - 'A' + 'a') : letter);
     AppendCorrected(corrected, nullptr, out);
-    SetCommanded(axis, corrected, base);
+    SetCommanded(step, axis, corrected, base, targets[axis]);
   }
 }
 
 bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                               OutBuffer* out) {
   constexpr size_t kMaxBytes = 256;
-  if (step.is_arc || is_in_chords_ || size > kMaxBytes || interpreter_->modal().is_incremental) return false;
+  if (step.is_arc || step.wrapped != 0 || is_in_chords_ || size > kMaxBytes || interpreter_->modal().is_incremental) return false;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
     if (NeedsWord(axis, piece.targets[axis], FormOf(block, step, axis).grain)) return false;
@@ -239,7 +247,6 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
       continue;
     }
     const Ticks unit = interpreter_->ticks_per_unit(axis), base = interpreter_->offset(axis) + shift;
-    // No axis of this block is wrapped (CorrectedOf), because a word of a wrapped axis states its distance.
     const CorrectedWord corrected = WordFor(target, base, rule.Of(word, unit, is_inch));
     commanded_.ticks[axis] = corrected.Position(base);
     if (IsSaid(corrected, word)) continue;
@@ -289,7 +296,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
       const Ticks base = BaseOf(block, step, axis);
       const CorrectedWord corrected =
           CorrectedOf(step, axis, piece.targets[axis], base, FormOf(block, step, axis));
-      SetCommanded(axis, corrected, base);
+      SetCommanded(step, axis, corrected, base, piece.targets[axis]);
       if (!IsSaid(corrected, word)) {
         copy_to(word.number_at);
         AppendCorrected(corrected, &word, out);
@@ -335,19 +342,21 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
   for (const int axis : order_) {
     const int index = step.word_of_axis[axis];
     const bool is_of_arc = piece.is_arc && (axis == piece.arc.first || axis == piece.arc.second);
-    const Ticks base = interpreter_->modal().is_incremental ? commanded_.ticks[axis]
-                                                            : interpreter_->offset(axis) + preset_shift_[axis];
+    const bool is_wrapped = step.wrapped >> axis & 1;  // such words are absolute, and say so in G91
+    const Ticks base = interpreter_->modal().is_incremental && !is_wrapped
+                           ? commanded_.ticks[axis]
+                           : interpreter_->offset(axis) + preset_shift_[axis];
     const CorrectedWord corrected = CorrectedOf(step, axis, piece.targets[axis], base, FormOf(block, step, axis));
     if (index < 0 && !is_of_arc && !NeedsWord(axis, piece.targets[axis], corrected.form.grain)) continue;
     if (!is_first && !is_packed) out->push_back(' ');
     is_first = false;
     out->push_back(machine_->axes[axis].name[0]);
     const Word* const word = index < 0 ? nullptr : &block.words[static_cast<size_t>(index)];
-    const bool is_wrapped = step.wrapped >> axis & 1;
-    if (is_wrapped) AppendDistance(word->distance, out);
+    const bool says_distance = is_wrapped && word->distance != Distance::kModal;
+    if (says_distance) AppendDistance(word->distance, out);
     AppendNumber(corrected, interpreter_->dialect().writes_plus, out);
-    if (is_wrapped) out->push_back(')');
-    SetCommanded(axis, corrected, base);
+    if (says_distance) out->push_back(')');
+    SetCommanded(step, axis, corrected, base, piece.targets[axis]);
   }
   if (piece.is_arc) AppendArcWords(block, piece, start, is_packed, out);
   if (piece.is_arc && has_poles) out->append(interpreter_->modal().is_clockwise ? " DR-" : " DR+");

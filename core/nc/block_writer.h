@@ -79,6 +79,9 @@ class BlockWriter {
   // code is put in front of its words.
   void CopyBlock(const char* text, size_t size, const Block& block, const Step& step, OutBuffer* out);
 
+  // Whether a block without a word of the axis must get one.
+  bool NeedsWord(int axis, Ticks target, Ticks grain) const;
+
   // What the words of this block can hold.
   WordGrain GrainOf(const Block& block, const Step& step) const;
   static bool IsPacked(const char* text, const Block& block);
@@ -93,8 +96,7 @@ class BlockWriter {
   Ticks BaseOf(const Block& block, const Step& step, int axis) const;
   // As WordFor; an axis that counts from 0 to 360 deg is told an angle of that range.
   CorrectedWord CorrectedOf(const Step& step, int axis, Ticks target, Ticks base, const WordForm& form) const;
-  void SetCommanded(int axis, const CorrectedWord& corrected, Ticks base);
-  bool NeedsWord(int axis, Ticks target, Ticks grain) const;
+  void SetCommanded(const Step& step, int axis, const CorrectedWord& corrected, Ticks base, Ticks target);
   // Where the word ends, the ')' of X=IC(5) included.
   static uint32_t EndOf(const char* text, size_t size, const Word& word);
   // `word`: that it is written in place of, nullptr: it is inserted.

@@ -26,6 +26,7 @@ struct WordForm {
 struct CorrectedWord {
   int64_t number = 0;  // of grains
   WordForm form;
+  bool is_negated = false;  // its sign is a sense of rotation: what is written is -number
 
   // Where the control stands that was told the word.
   Ticks Position(Ticks base) const { return base + number * form.grain; }
@@ -76,12 +77,12 @@ inline bool IsHeld(Ticks target, Ticks at, Ticks grain) {
 // Whether the word says so already.
 inline bool IsSaid(const CorrectedWord& corrected, const Word& word) {
   const int says = corrected.form.is_increments ? corrected.form.decimals : word.number.decimals;
-  return corrected.number == word.number.mantissa * kPowersOfTen[corrected.form.decimals - says];
+  return (corrected.is_negated ? -corrected.number : corrected.number) == word.number.mantissa * kPowersOfTen[corrected.form.decimals - says];
 }
 
 // Writes the number and returns its end; may touch kMaxFixedBytes.
 inline char* WriteNumber(const CorrectedWord& word, bool plus, char* to) {
-  return WriteFixed(word.number, word.form.is_increments ? 0 : word.form.decimals, plus, !word.form.is_increments, to);
+  return WriteFixed(word.is_negated ? -word.number : word.number, word.form.is_increments ? 0 : word.form.decimals, plus, !word.form.is_increments, to);
 }
 template <typename Text>
 void AppendNumber(const CorrectedWord& word, bool plus, Text* text) {

@@ -19,13 +19,13 @@ void SetRole(const char* letters, Role role, Dialect* dialect) {
   for (; *letters != 0; ++letters) dialect->roles[static_cast<size_t>(*letters - 'A')] = role;
 }
 
-// A code that is not in the table: a G code is unknown, an M code moves no axis.
+// A code that is not in the table is unknown: a G code might move axes, an M code of the machine's builder too.
 Dialect Make(const std::string& name, std::initializer_list<std::vector<CodeEntry>> codes,
              std::initializer_list<std::vector<Keyword>> keywords) {
   Dialect dialect;
   dialect.name = name;
   dialect.g_codes.assign(kCodes, {Meaning::kUnknown, 0, "unknown code"});
-  dialect.m_codes.assign(kCodes, {Meaning::kHarmless, 0, ""});
+  dialect.m_codes.assign(kCodes, {Meaning::kUnknown, 0, "unknown code"});
   for (const auto& table : codes) AddCodes(table, &dialect);
   for (const auto& table : keywords) dialect.keywords.insert(dialect.keywords.end(), table.begin(), table.end());
   for (const Keyword& keyword : dialect.keywords) {
@@ -47,32 +47,38 @@ Dialect Make(const std::string& name, std::initializer_list<std::vector<CodeEntr
 }
 
 Dialect Fanuc(const std::string& name) {
-  Dialect dialect = Make(name, {IsoCodes(), FanucCodes()}, {MacroKeywords(), FanucCorners()});
+  Dialect dialect = Make(name, {IsoCodes(), FanucCodes(), FanucM()}, {MacroKeywords(), FanucCorners()});
   dialect.has_angle_names = true;
   dialect.has_semicolon_ends = true;
+  // B-64484EN, "Linear interpolation (G01)": the feed of a linear and a rotary axis is the tangential one in their plane,
+  // 40 deg taken as 40 mm.
+  dialect.feeds_all_axes = true;
   dialect.integers_may_be_increments = true;
   return dialect;
 }
 
 Dialect Haas() {
-  Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes()}, {MacroKeywords(), FanucCorners()});
+  Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes(), HaasM()}, {MacroKeywords(), FanucCorners()});
   dialect.has_semicolon_ends = true;
   dialect.integers_may_be_increments = true;
   return dialect;
 }
 
 Dialect LinuxCnc() {
-  Dialect dialect = Make("linuxcnc", {IsoCodes(), LinuxCncCodes()}, {MacroKeywords(), LinuxCncKeywords()});
+  Dialect dialect = Make("linuxcnc", {IsoCodes(), LinuxCncCodes(), LinuxCncM()}, {MacroKeywords(), LinuxCncKeywords()});
   dialect.takes_loaded_tool = true;
+  // LinuxCNC 2.9, LINELEN of its interpreter: 255 with the line end, the final NUL and one byte that stays free.
+  dialect.max_block_bytes = 253;
   return dialect;
 }
 
 Dialect Sinumerik() {
-  Dialect dialect = Make("sinumerik", {IsoCodes(), SinumerikCodes()}, {SinumerikKeywords()});
+  Dialect dialect = Make("sinumerik", {IsoCodes(), SinumerikCodes(), SinumerikM()}, {SinumerikKeywords()});
   dialect.has_parenthesis_comments = false;
   dialect.has_equals = true;
   dialect.distance_names = SinumerikDistances();
   dialect.g91_takes_new_offsets = true;
+  dialect.max_block_bytes = 512;  // 840D sl, Programming Manual Fundamentals, "Block length": comment and LF included
   dialect.variable = 'R';
   dialect.first_offset = "";
   SetRole("D", Role::kActiveToolLength, &dialect);
@@ -83,7 +89,7 @@ Dialect Sinumerik() {
 }
 
 Dialect Heidenhain() {
-  Dialect dialect = Make("heidenhain", {KlartextCodes()}, {KlartextKeywords()});
+  Dialect dialect = Make("heidenhain", {KlartextCodes(), KlartextM()}, {KlartextKeywords()});
   dialect.has_parenthesis_comments = false;
   dialect.line_comment2 = '*';
   dialect.variable = 'Q';

@@ -14,7 +14,7 @@ namespace axiscal::nc {
 
 // What a code or a keyword does to the modal state. `detail` below refines it.
 enum class Meaning : uint8_t {
-  kUnknown,   // not in the table: refused
+  kUnknown,   // not in the table: refused; an M code may call a macro
   kHarmless,  // moves nothing and changes nothing that matters here
   kLimits,    // the same; axis words of its block are parameters of the code (G22, G25)
   kRapid,
@@ -37,6 +37,7 @@ enum class Meaning : uint8_t {
   kCentreAbsolute,
   kCentreIncremental,
   kPlane,  // detail: index of the normal, 2 is XY
+  kShorterWay,  // M126; detail: 1 rotary axes that roll over go the shorter way, 0 as the axis counts
   kFeedPerMinute,
   kFeedInverseTime,
   kFeedPerTurn,
@@ -50,11 +51,12 @@ enum class Meaning : uint8_t {
   kBlockerOn,   // a mode in which axis words are not axis positions; detail: a Blocker
   kBlockerOff,  // of mirroring: axis words of its block say which axes
   kToolChange,  // axes may have moved
+  kAxesAway,    // the same without a new tool (a pallet change)
   kEndOfProgram,  // detail 1: of one that may have been called (M99)
   kCall,        // control leaves this text and comes back; detail 1: it restores a state that was stored (M72)
   kJump,        // behind it blocks do not run in the order of the text
   kEndOfBlock,  // takes effect after the block's move (M00, M05 ...): such a move cannot be split; so may M codes that
-                // are in no table
+                // the user states as harmless
   kHead,        // names the program (BEGIN PGM)
   kAddress,     // a word of more than one letter: CR=5; detail: the letter that stands for it
   kIncrementalAddress,  // IX+5; detail: the letter
@@ -165,6 +167,10 @@ struct Dialect {
   bool g91_takes_new_offsets = false;       // G91 behind a change of the work offset moves by that too (SD42440)
   bool integers_may_be_increments = false;  // X10 is 10 mm or 0.010 mm, as a parameter of the control says
   bool tool_call_sets_length = false;       // the tool's length acts from the tool change on, without a code
+  // F is the speed in the space of all axes, degrees counted as mm: a rotary axis that moves alone goes on at its speed
+  // when a linear one moves a little with it. Else F is that of the linear axes as soon as one of them moves.
+  bool feeds_all_axes = false;
+  size_t max_block_bytes = 0;               // that the control reads, line end included; 0: no limit is known
   std::string first_offset = "G54";         // the work offset that is selected at the begin
   std::string piece_prefix;                 // what inserted pieces begin with: "L "
   std::string radius_address = "R";         // what a piece's radius word begins with

@@ -33,15 +33,9 @@ std::vector<CodeEntry> IsoCodes() {
       {'M', 0, M::kEndOfBlock, 0, "stop"},
       {'M', 10, M::kEndOfBlock, 0, "optional stop"},
       {'M', 20, M::kEndOfProgram, 0, "end of program"},
-      {'M', 30, M::kHarmless, 0, "spindle on"},
-      {'M', 40, M::kHarmless, 0, "spindle on"},
       {'M', 50, M::kEndOfBlock, 0, "spindle stop"},
       {'M', 60, M::kToolChange, 0, "tool change"},
-      {'M', 70, M::kHarmless, 0, "coolant on"},
-      {'M', 80, M::kHarmless, 0, "coolant on"},
       {'M', 90, M::kEndOfBlock, 0, "coolant off"},
-      {'M', 130, M::kHarmless, 0, "spindle and coolant on"},
-      {'M', 140, M::kHarmless, 0, "spindle and coolant on"},
       {'M', 300, M::kEndOfProgram, 0, "end of program"},
   };
 }
@@ -146,7 +140,6 @@ std::vector<CodeEntry> FanucCodes() {
       {'G', 923, M::kBlockerOn, kShift, "changes the preset coordinates"},
       {'G', 980, M::kHarmless, 0, "return to the initial level"},
       {'G', 990, M::kHarmless, 0, "return to the R level"},
-      {'M', 600, M::kEndOfBlock, 0, "pallet change stop"},
       {'M', 960, M::kCall, 0, "interrupt macro"},
       {'M', 970, M::kCall, 0, "local subprogram call or jump"},
       {'M', 980, M::kCall, 0, "subprogram call"},

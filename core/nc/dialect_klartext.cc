@@ -9,17 +9,10 @@ std::vector<CodeEntry> KlartextCodes() {
       {'M', 0, M::kEndOfBlock, 0, "stop"},
       {'M', 10, M::kEndOfBlock, 0, "optional stop"},
       {'M', 20, M::kEndOfProgram, 0, "end of program"},
-      {'M', 30, M::kHarmless, 0, "spindle on"},
-      {'M', 40, M::kHarmless, 0, "spindle on"},
-      {'M', 70, M::kHarmless, 0, "coolant on"},
-      {'M', 80, M::kHarmless, 0, "coolant on"},
-      {'M', 130, M::kHarmless, 0, "spindle and coolant on"},
-      {'M', 140, M::kHarmless, 0, "spindle and coolant on"},
       {'M', 50, M::kEndOfBlock, 0, "spindle stop"},
       {'M', 60, M::kEndOfBlock, 0, "stop"},
       {'M', 90, M::kEndOfBlock, 0, "coolant off"},
       {'M', 300, M::kEndOfProgram, 0, "end of program"},
-      {'M', 890, M::kOneShot, 0, "calls a cycle"},
       {'M', 910, M::kMachineMove, 0, "machine coordinates"},
       {'M', 920, M::kMachineMove, 0, "machine coordinates"},
       {'M', 990, M::kOneShot, 0, "calls a cycle"},
@@ -37,9 +30,34 @@ std::vector<CodeEntry> KlartextCodes() {
   };
 }
 
+namespace {
+
+// Cycles that start nothing where they are defined: they wait for their call, or state data. HEIDENHAIN TNC 640, User's
+// Manual for Cycle Programming, "Defining a cycle" (cycles that act by definition) and the cycles' own pages. Of all
+// others (220 and 221 run the last cycle at the points of a pattern, those of touch probes and of the machine's builder)
+// the definition may move axes or change coordinates.
+constexpr const char* kCyclesThatWait[] = {
+    "CYCL DEF 1",   "CYCL DEF 2",   "CYCL DEF 3",   "CYCL DEF 4",   "CYCL DEF 5",   "CYCL DEF 9",   "CYCL DEF 12",
+    "CYCL DEF 13",  "CYCL DEF 14",  "CYCL DEF 17",  "CYCL DEF 18",  "CYCL DEF 20",  "CYCL DEF 21",  "CYCL DEF 22",
+    "CYCL DEF 23",  "CYCL DEF 24",  "CYCL DEF 25",  "CYCL DEF 27",  "CYCL DEF 28",  "CYCL DEF 29",  "CYCL DEF 32",
+    "CYCL DEF 39",  "CYCL DEF 200", "CYCL DEF 201", "CYCL DEF 202", "CYCL DEF 203", "CYCL DEF 204", "CYCL DEF 205",
+    "CYCL DEF 206", "CYCL DEF 207", "CYCL DEF 208", "CYCL DEF 209", "CYCL DEF 210", "CYCL DEF 211", "CYCL DEF 212",
+    "CYCL DEF 213", "CYCL DEF 214", "CYCL DEF 215", "CYCL DEF 225", "CYCL DEF 230", "CYCL DEF 231", "CYCL DEF 232",
+    "CYCL DEF 233", "CYCL DEF 240", "CYCL DEF 241", "CYCL DEF 251", "CYCL DEF 252", "CYCL DEF 253", "CYCL DEF 254",
+    "CYCL DEF 256", "CYCL DEF 257", "CYCL DEF 258", "CYCL DEF 262", "CYCL DEF 263", "CYCL DEF 264", "CYCL DEF 265",
+    "CYCL DEF 267", "CYCL DEF 270", "CYCL DEF 271", "CYCL DEF 272", "CYCL DEF 273", "CYCL DEF 274", "CYCL DEF 275",
+    "CYCL DEF 276",
+};
+
+}  // namespace
+
 std::vector<Keyword> KlartextKeywords() {
   using M = Meaning;
-  return {
+  std::vector<Keyword> keywords = {
+      {"CYCL DEF 220", M::kOneShot, 0, true, "runs the last cycle at the points of a pattern"},
+      {"CYCL DEF 221", M::kOneShot, 0, true, "runs the last cycle at the points of a pattern"},
+      {"CYCL DEF", M::kBlockerOn, kUnfollowedMode, true, "cycle that may act where it is defined"},
+      {"FUNCTION COUNT REPEAT", M::kJump, 0, true, "jumps back while parts are left"},
       {"L", M::kLinear, 0, false, "linear move"},
       {"LN", M::kOneShot, 0, true, "linear move with surface normals"},
       {"LP", M::kOneShot, 0, true, "polar linear move: no word of an axis could be corrected"},
@@ -72,8 +90,6 @@ std::vector<Keyword> KlartextKeywords() {
       {"CYCL DEF 8", M::kBlockerOn, kMirror, true, "mirror"},
       {"CYCL DEF 7", M::kBlockerOn, kShift, true, "shift of coordinates"},
       {"CYCL DEF 247", M::kBlockerOn, kUnstatedOffset, true, "sets the datum"},
-      {"CYCL DEF 32", M::kHarmless, 0, true, "tolerance"},
-      {"CYCL DEF", M::kHarmless, 0, true, "defines a cycle"},
       {"CYCL CALL", M::kOneShot, 0, true, "calls a cycle"},
       {"TCH PROBE 0", M::kOneShot, 0, true, "probing"},
       {"TCH PROBE 1", M::kOneShot, 0, true, "probing"},
@@ -128,6 +144,8 @@ std::vector<Keyword> KlartextKeywords() {
       {"FN 18", M::kHarmless, 0, true, "reads a value of the control"},
       {"FN", M::kJump, 0, true, "parameters or a jump"},
   };
+  for (const char* const name : kCyclesThatWait) keywords.push_back({name, M::kHarmless, 0, true, "defines a cycle"});
+  return keywords;
 }
 
 }  // namespace axiscal::nc

@@ -53,15 +53,13 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'G', 923, M::kPreset, 3, "preset coordinates restored"},
       {'G', 980, M::kHarmless, 0, "return to the initial level"},
       {'G', 990, M::kHarmless, 0, "return to the R level"},
-      {'M', 600, M::kEndOfBlock, 0, "pallet change stop"},
-      {'M', 720, M::kCall, 1, "restores the modal state"},
-      {'M', 980, M::kCall, 0, "subprogram call"},
-      {'M', 990, M::kEndOfProgram, 1, "end of subprogram"},
       {'M', 4280, M::kBlockerOn, kKinematics, "switches the kinematics"},
       {'M', 4290, M::kBlockerOn, kKinematics, "switches the kinematics"},
       {'M', 4300, M::kBlockerOn, kKinematics, "switches the kinematics"},
+      {'M', 720, M::kCall, 1, "restores the modal state"},
+      {'M', 980, M::kCall, 0, "subprogram call"},
+      {'M', 990, M::kEndOfProgram, 1, "end of subprogram"},
   };
-  for (const int output : {62, 63, 64, 65, 67, 68}) codes.push_back({'M', 10 * output, M::kHarmless, 0, "output"});
   for (const int cycle : {70, 71, 72, 73, 74, 76, 81, 82, 83, 84, 85, 86, 87, 88, 89}) {
     codes.push_back({'G', 10 * cycle, M::kOtherMotion, 0, "canned cycle"});
   }

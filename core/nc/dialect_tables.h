@@ -15,6 +15,12 @@ std::vector<CodeEntry> HaasCodes();      // over FanucCodes
 std::vector<CodeEntry> LinuxCncCodes();  // over IsoCodes
 std::vector<CodeEntry> SinumerikCodes();
 std::vector<CodeEntry> KlartextCodes();  // M functions only
+// M codes that start nothing and move no axis, and those of the same manuals that do.
+std::vector<CodeEntry> FanucM();
+std::vector<CodeEntry> HaasM();
+std::vector<CodeEntry> LinuxCncM();
+std::vector<CodeEntry> SinumerikM();
+std::vector<CodeEntry> KlartextM();
 std::vector<Keyword> MacroKeywords();    // custom macro B
 std::vector<Keyword> FanucCorners();     // Fanuc, Mazak and Haas
 std::vector<Keyword> LinuxCncKeywords();

@@ -93,9 +93,9 @@ TEST(Dialect, KlartextLBlocks) {
   // The mark stands behind BEGIN PGM; inserted words and pieces carry signs, pieces their L.
   RewriteOptions options = In("heidenhain");
   options.tolerance_mm = 0.005;
-  EXPECT_REWRITTEN(options, "1 L X+0 Y+0 Z+0 B+0 C+0 R0 FMAX\n2 L B+90 F500\n",
-                   "1 L X+0.0417 Y+0 Z+0 B+0 C+0 R0 FMAX\n2 L B+45.0000 X+0.0295 Z-0.0295 F500\n"
-                   "L X+0.0000 Z-0.0417 B+90.0000\n");
+  EXPECT_REWRITTEN(options, "1 L X+0 Y+0 Z+0 B+0 C+0 R0 FMAX\n2 L X+10 B+90 F500\n",
+                   "1 L X+0.0417 Y+0 Z+0 B+0 C+0 R0 FMAX\n2 L X+5.0295 B+45.0000 Z-0.0295 F500\n"
+                   "L X+10.0000 Z-0.0417 B+90.0000\n");
 }
 
 TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {

@@ -34,12 +34,13 @@ bool BeginsWithNumber(const char* text, size_t size) {
 
 // Whether the M at `at` may be a code that changes the modal state: any but one that is known to change nothing. M
 // within a word (FMAX, MOD) is none.
-bool MayChangeState(const Dialect& dialect, const char* at, const char* end) {
+bool MayChangeState(const Dialect& dialect, const std::vector<bool>& is_stated_harmless, const char* at, const char* end) {
   size_t number = 0;
   const char* digit = ++at;
   for (; digit != end && *digit >= '0' && *digit <= '9' && number < kCodes; ++digit)
     number = 10 * number + static_cast<size_t>(*digit - '0');
   if (digit == at) return digit == end || Capital(*digit) < 'A' || Capital(*digit) > 'Z';
+  if (number < is_stated_harmless.size() && is_stated_harmless[number]) return false;
   return 10 * number >= kCodes || dialect.m_codes[10 * number].meaning != Meaning::kHarmless;
 }
 
@@ -67,7 +68,8 @@ bool IsPlainMove(Meaning meaning) {
 
 // Whether what stands behind a problem may hold modal codes. An L block of Klartext can hold M codes and RL or RR;
 // other blocks of Klartext are not known, nor those of Sinumerik, whose codes may be words.
-bool MayHoldCodes(const Dialect& dialect, const Block& block, const char* begin, const char* end) {
+bool MayHoldCodes(const Dialect& dialect, const std::vector<bool>& is_stated_harmless, const Block& block,
+                  const char* begin, const char* end) {
   const bool is_klartext = dialect.has_bare_keywords;
   const bool is_l_block = is_klartext && block.word_count > 0 && block.words[0].letter == 0 &&
                           IsPlainMove(dialect.keywords[static_cast<size_t>(block.words[0].keyword)].meaning);
@@ -75,7 +77,7 @@ bool MayHoldCodes(const Dialect& dialect, const Block& block, const char* begin,
   for (const char* at = begin; at != end; ++at) {
     const char c = Capital(*at);
     if (c == 'G' && !is_klartext) return true;
-    if (c == 'M' && MayChangeState(dialect, at, end)) return true;
+    if (c == 'M' && MayChangeState(dialect, is_stated_harmless, at, end)) return true;
     if (c == 'R' && is_klartext && at + 1 != end && (Capital(at[1]) == 'L' || Capital(at[1]) == 'R')) return true;
   }
   return false;
@@ -108,10 +110,17 @@ Interpreter::Interpreter(const machine::Machine& machine, const RewriteOptions& 
       options_(&options),
       dialect_(&dialect),
       coordinates_(std::move(coordinates)) {
+  for (const int number : options.harmless_m) {
+    if (number < 0 || number > kMaxHarmlessM) continue;  // Validate says so
+    const auto index = static_cast<size_t>(number);
+    if (index >= is_stated_harmless_.size()) is_stated_harmless_.resize(index + 1);
+    is_stated_harmless_[index] = true;
+  }
   axis_of_letter_.fill(-1);
   roles_ = dialect.roles;
   for (int i = 0; i < machine.axis_count(); ++i) {
     is_linear_[i] = machine.axes[i].kind == machine::AxisKind::kLinear;
+    if (!is_linear_[i] && WayOf(i) != machine::RollOver::kNone) ways_ |= static_cast<uint16_t>(1u << i);
     const size_t letter = static_cast<size_t>(machine.axes[i].name[0] - 'A');
     if (machine.axes[i].name.size() == 1 && roles_[letter] == Role::kAxis)
       axis_of_letter_[letter] = static_cast<int8_t>(i);
@@ -211,11 +220,11 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   ++line_;
   step->kind = StepKind::kNone;
   step->has_words = step->has_other_words = step->is_rapid = step->is_arc = step->may_be_skipped = false;
-  step->is_consequence = step->is_tool_change = step->ends_block = step->is_at_corner = false;
+  step->is_consequence = step->is_tool_change = step->moves_away = step->ends_block = step->is_at_corner = false;
   step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
   step->jumps_back = step->is_curve = step->is_tangential = false;
   end_of_text_ = text + size;
-  step->wrapped = 0;
+  step->wrapped = step->downwards = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
   if (!step->note.empty()) step->note.clear();
@@ -269,7 +278,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
   if (block->problem == LexProblem::kNone) return;
-  if (MayHoldCodes(*dialect_, *block, begin + block->problem_at, text + size)) {
+  if (MayHoldCodes(*dialect_, is_stated_harmless_, *block, begin + block->problem_at, text + size)) {
     NoteCall();
     step->leaves_text |= !BeginsWithMove(begin + block->problem_at, text + size);
   }
@@ -347,7 +356,7 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
   modal_.lacks_feed |= modal.lacks_feed;
   modal_.is_rapid_unsure |= modal.is_rapid_unsure;
   modal_.is_rapid_unsure |= (modal.motion == Meaning::kRapid) != (modal_.motion == Meaning::kRapid);
-  if (step->kind == StepKind::kUnsupported || step->is_tool_change) return;
+  if (step->kind == StepKind::kUnsupported || step->moves_away) return;
   step->may_be_skipped = true;
   for (int i = 0; i < axis_count_; ++i) {
     const bool was_known = positions.is_known(i), is_known = positions_.is_known(i);
@@ -366,6 +375,7 @@ void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before)
   changed(before.is_inch != modal_.is_inch, kUnitGroup);
   changed(before.plane_normal != modal_.plane_normal, kPlaneGroup);
   changed(before.feed_mode != modal_.feed_mode, kFeedGroup);
+  if (before.way != modal_.way) modal_.way = Way::kUnknown;
   changed(before.are_centres_absolute != modal_.are_centres_absolute, kCentreGroup);
   modal_.blockers |= before.blockers;
   modal_.mirrored_axes |= before.mirrored_axes;
@@ -423,6 +433,10 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     request.is_jump = true;
     request.Refuse("return to another block (M99 P)");
   }
+  step->moves_away = request.away != nullptr;
+  // What runs in between may take the words as its arguments, and move from where it likes.
+  if (request.away != nullptr && request.machine_move == nullptr && (request.has_axis || request.foreign_axis != 0))
+    request.Refuse(absl::StrCat(request.away, " and words of axes in one block: which comes first is not known"));
   if (!request.problem.empty()) {
     // "G52 X#1": it shifts, by what is not known.
     if (request.preset != nullptr || request.shift != nullptr) modal_.blockers |= kShift;
@@ -431,7 +445,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     Act(block, request, step);
   }
   if (request.is_jump) jump_line_ = line_;
-  if (step->is_tool_change && step->kind != StepKind::kUnsupported) ForgetPositions(false);
+  if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetPositions(false);
   at_program_end_ = step->ends_program = request.is_end;
   step->ends_subprogram = request.is_subprogram_end;
   step->leaves_text |= request.is_call || request.is_jump;
@@ -439,7 +453,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   if (request.is_call && IsMakersMacro(request.number_of_parameter)) ForgetStated();
   const bool is_corner_pending = rounds_corners_ || is_behind_corner_;
   takes_plain_moves_ = step->kind == StepKind::kMove && !step->is_arc && step->wrapped == 0 && !is_corner_pending &&
-                       !step->is_tool_change && !request.is_jump && !request.is_end && !request.is_rapid_block &&
+                       !step->moves_away && !request.is_jump && !request.is_end && !request.is_rapid_block &&
                        !dialect_->has_bare_keywords && !dialect_->has_poles;
 }
 

@@ -42,6 +42,7 @@ struct Step {
   bool may_be_skipped = false;  // block delete, switch unknown
   bool is_consequence = false;  // of a block reported before
   bool is_tool_change = false;
+  bool moves_away = false;  // a tool or pallet change: where the axes are behind it is not known
   bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
   bool sets_pole = false;
   bool leaves_text = false;      // calls or jumps, or may
@@ -53,6 +54,9 @@ struct Step {
   bool is_corner = false;     // the control rounds or chamfers the corner between the moves before and behind
   bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
   uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
+  uint16_t downwards = 0;     // of `wrapped`: axes whose word's sign says that they turn in the negative sense
+  // Of `wrapped`: whole turns of the number that the word says, -1 for C-10.
+  std::array<int16_t, machine::kMaxAxes> word_turns{};
   PresetChange preset = PresetChange::kNone;
   uint16_t preset_axes = 0;   // of kSet, where `end` is where they stand, and of kCleared
   int tool_length = -1;      // number of the length in force, -1: none
@@ -198,6 +202,10 @@ class Interpreter {
   // The way to the position of a rotary axis that counts from 0 to 360 deg: moves step->start by whole turns, so that
   // the difference is what the axis travels.
   bool Wrap(const Word& word, int axis, Step* step);
+  // How an absolute word without a distance of its own is taken; kNone: by the difference of the numbers.
+  machine::RollOver WayOf(int axis) const;
+  // The way of such a word, as Wrap.
+  bool TakeWay(const Word& word, int axis, Step* step);
   // The value of one axis word; false and Unsupported as above.
   bool ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step);
   bool ReadArc(const Block& block, const Request& request, Step* step);
@@ -223,6 +231,8 @@ class Interpreter {
   std::array<Role, 26> roles_{};
   std::array<int8_t, 26> axis_of_letter_{};
   std::array<bool, machine::kMaxAxes> is_linear_{};
+  uint16_t ways_ = 0;  // rotary axes that may go another way than the difference of the numbers
+  std::vector<bool> is_stated_harmless_;  // by number of the M code; as long as it must be
   ProgramFrame frame_;
   Modal modal_;
   Positions positions_;

@@ -19,7 +19,11 @@ std::string WordText(const Word& word) {
 }
 
 const Interpreter::Code& Interpreter::Find(const Word& word) const {
-  static const Code kUnknown = {Meaning::kUnknown, 0, "unknown code"};
+  static const Code kUnknown = {Meaning::kUnknown, 0, "unknown code"}, kStatedHarmless = {Meaning::kHarmless, 0, ""};
+  if (word.letter == 'M' && word.number.decimals == 0 && word.number.mantissa >= 0 &&
+      word.number.mantissa < static_cast<int64_t>(is_stated_harmless_.size()) &&
+      is_stated_harmless_[static_cast<size_t>(word.number.mantissa)])
+    return kStatedHarmless;
   int64_t tenths = word.number.mantissa;
   int decimals = word.number.decimals;
   for (; decimals > 1 && tenths % 10 == 0; --decimals) tenths /= 10;
@@ -139,6 +143,7 @@ void Interpreter::CallTool(const Block& block, const Word& word, Request* reques
   const std::optional<Ticks> difference =
       ToTicks(block.length_difference, modal_.is_inch ? kTicksPerInch : kTicksPerMm);
   step->is_tool_change |= names_tool;
+  if (names_tool) request->away = "tool change";
   std::string problem;
   if (word.number.has_point || !difference || std::abs(*difference) > kTicksPerMm * 1000) {
     problem = "TOOL CALL with an index, a tool axis other than Z or a difference DL that is no length: not followed";
@@ -186,9 +191,17 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
   switch (code.meaning) {
     case Meaning::kUnknown:
       modal_.blockers |= kUnfollowedMode;  // it may be modal, and nothing is known that ends it
+      if (word.letter == 'M') {
+        NoteCall();
+        const std::string name = WordText(word);
+        const std::string ask = word.number.decimals == 0
+                                    ? ", if it does neither, state --harmless-m " + name.substr(1)
+                                    : std::string();
+        return request->Refuse(absl::StrCat(name, ": it may start a macro or move axes", ask));
+      }
       return request->Refuse(named() + ": it might move axes");
     case Meaning::kHarmless:
-      // An M code of the machine's builder: it may clamp the axis behind its move.
+      // An M code of the machine's builder, which the user states as harmless: it may clamp the axis behind its move.
       step->ends_block |= word.letter == 'M' && *code.text == 0;
       return;
     case Meaning::kLimits:
@@ -275,6 +288,9 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       request->stated |= kPlaneGroup;
       modal_.plane_normal = static_cast<int8_t>(code.detail);
       return;
+    case Meaning::kShorterWay:
+      modal_.way = code.detail == 1 ? Way::kShorter : Way::kOfAxis;
+      return;
     case Meaning::kFeedPerMinute:
       return feed(FeedMode::kPerMinute);
     case Meaning::kFeedInverseTime:
@@ -333,8 +349,12 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return;
     case Meaning::kToolChange:
       step->is_tool_change = true;
+      request->away = code.text;
       // Without a D word the first length of the tool acts.
       if (roles_['D' - 'A'] == Role::kActiveToolLength) modal_.uncertain |= kLengthGroup;
+      return;
+    case Meaning::kAxesAway:
+      request->away = code.text;
       return;
     case Meaning::kEndOfProgram:
       request->is_end = step->ends_block = true;

@@ -1,6 +1,7 @@
 // What a block does with its axis words.
 #include <cmath>
 
+#include "core/base/units.h"
 #include "core/nc/request.h"
 
 namespace axiscal::nc {
@@ -276,6 +277,11 @@ bool Interpreter::ReadTargets(const Block& block, Step* step) {
       end.ticks[i] = target;
       if (!Wrap(word, i, step)) return false;
       before = step->start.ticks[i];
+    } else if ((ways_ >> i & 1) && !is_incremental) [[unlikely]] {
+      end.ticks[i] = target;
+      if (!TakeWay(word, i, step)) return false;
+      if (!end.is_known(i)) end.known |= static_cast<uint16_t>(1u << i);
+      continue;
     }
     if (target != before) end.sense[i] = target > before ? 1 : -1;
     end.ticks[i] = target;
@@ -317,6 +323,87 @@ bool Interpreter::Wrap(const Word& word, int axis, Step* step) {
       (word.distance == Distance::kDownwards || (word.distance == Distance::kShortestWay && 2 * travel > kTurn)))
     travel -= kTurn;
   step->start.ticks[axis] = step->end.ticks[axis] - travel;
+  return true;
+}
+
+machine::RollOver Interpreter::WayOf(int axis) const {
+  using machine::RollOver;
+  const machine::Axis& stated = machine_->axes[axis];
+  RollOver way = stated.roll_over;
+  if (way == RollOver::kUnstated && (stated.min_position || stated.max_position)) way = RollOver::kNone;
+  if (way == RollOver::kNone || modal_.way == Way::kOfAxis) return way;
+  return way != RollOver::kUnstated && modal_.way == Way::kShorter ? RollOver::kShortest : RollOver::kUnstated;
+}
+
+bool Interpreter::TakeWay(const Word& word, int axis, Step* step) {
+  using machine::RollOver;
+  const auto refuse = [&](const std::string& reason) {
+    Unsupported(absl::StrCat("word ", WordText(word), ": ", reason), false, step);
+    return false;
+  };
+  const auto modulo = [](Ticks ticks) {
+    const Ticks rest = ticks % kTurn;
+    return rest < 0 ? rest + kTurn : rest;
+  };
+  const RollOver way = WayOf(axis);
+  const auto bit = static_cast<uint16_t>(1u << axis);
+  Ticks &start = step->start.ticks[axis], &end = step->end.ticks[axis];
+  const Ticks origin = offset(axis), value = end - origin;
+  const bool is_known = step->start.is_known(axis);
+  const auto turn_by = [&](Ticks travel) {
+    start = end - travel;
+    step->end.sense[axis] = travel > 0 ? 1 : travel < 0 ? -1 : step->start.sense[axis];
+  };
+  step->end.sense[axis] = 0;
+  if (way == RollOver::kUnstated || way == RollOver::kNone) {
+    if (!is_known) return true;
+    const Ticks travel = end - start;
+    const bool is_long = 2 * std::abs(travel) >= kTurn;
+    if (is_long && !step->is_rapid && way == RollOver::kUnstated) {
+      return refuse(absl::StrCat("it turns ", machine_->axes[axis].name,
+                                 " by half a turn or more, and which way is not known: state in machine.json how the "
+                                 "axis counts (roll_over)"));
+    }
+    if (!is_long || way == RollOver::kNone) turn_by(travel);
+    return true;
+  }
+  step->word_turns[axis] = 0;
+  if (way == RollOver::kBySign) {
+    if (value <= -kTurn || value >= kTurn) return refuse("its axis rolls over by the sign: expected less than 360 deg");
+    if (options_->orientation) return refuse("a sense of rotation by the sign while rotary axes are corrected");
+    const bool has_sign = word.end - word.number_at > static_cast<uint32_t>(word.number.digits + word.number.has_point);
+    if (value == 0 && has_sign && !word.number.has_plus)
+      return refuse("its axis rolls over by the sign, and controls differ on that of zero");
+    step->wrapped |= bit;
+    if (value < 0) step->downwards |= bit, end = origin - value;
+    if (!is_known) return true;
+    const Ticks travel = modulo(end - start);
+    turn_by(value < 0 && travel != 0 ? travel - kTurn : travel);
+    return true;
+  }
+  if (way == RollOver::kByDifference) {
+    if (value < 0 || value >= kTurn)
+      return refuse("its axis counts from 0 to 360 deg (roll_over), expected a position of that range");
+    if (options_->orientation) return refuse("a way by the difference while rotary axes are corrected");
+    step->wrapped |= bit;
+    if (!is_known) return true;
+    const Ticks travel = value - modulo(start - origin);
+    if (travel != modulo(end) - modulo(start))
+      return refuse("its way is not known: the control may count from 0 to 360 deg with or without the offset");
+    turn_by(travel);
+    return true;
+  }
+  step->wrapped |= bit;
+  step->word_turns[axis] = static_cast<int16_t>((value - modulo(value)) / kTurn);
+  if (!is_known) return true;
+  const Ticks travel = modulo(end - start);
+  const Ticks slack = options_->orientation ? static_cast<Ticks>(2.0 * options_->max_rotary_correction_rad *
+                                                                 base::kDegPerRad * kTicksPerUnit)
+                                            : 0;
+  const bool is_half = std::abs(2 * travel - kTurn) <= 2 * slack;
+  if (is_half && !step->is_rapid) return refuse("half a turn on an axis that goes the shorter way: which way is not known");
+  turn_by(2 * travel > kTurn ? travel - kTurn : travel);
+  if (is_half) step->end.sense[axis] = 0;
   return true;
 }
 

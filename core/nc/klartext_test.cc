@@ -69,7 +69,7 @@ TEST(Klartext, CornersAreRoundedByTheControlWhereTheirMovesStayWhole) {
   EXPECT_REFUSED(fine, head + "2 L B+90 X+20\n3 RND R2\n4 L Y+5\n",
                  "line 3: '3 RND R2': the move in front of the corner had to be split");
   EXPECT_REFUSED(fine, head + "2 L X+20\n3 RND R2\n4 L B+90 Y+5\n", "line 4");
-  EXPECT_TRUE(testing::Rewritten(head + "2 L X+20\n3 RND R2\n4 L Y+5\n5 L B+90\n", fine).status.ok());
+  EXPECT_TRUE(testing::Rewritten(head + "2 L X+20\n3 RND R2\n4 L Y+5\n5 L B+90 X+21\n", fine).status.ok());
 }
 
 TEST(Klartext, RetractionsToTheTravelLimitAreNeverTouched) {
@@ -89,7 +89,7 @@ struct Path {
 };
 
 Path Compensated(const std::string& program, const std::vector<std::pair<std::string, double>>& values) {
-  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   const auto errors = testing::ConstantErrors(machine, values);
   RewriteOptions options = testing::InMm();
   options.dialect = "heidenhain";

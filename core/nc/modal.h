@@ -28,6 +28,9 @@ inline constexpr uint8_t kAllGroups = 127;
 inline constexpr uint8_t kCalledGroups = kAllGroups;  // what a subprogram may leave changed
 inline constexpr uint16_t kAllAxes = 0xFFFF;
 
+// Which way rotary axes that roll over go: M126 and M127 of Klartext.
+enum class Way : uint8_t { kOfAxis, kShorter, kUnknown };
+
 struct Modal {
   Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kArc, kCancelMotion or kOtherMotion. Power-on is linear.
   bool is_clockwise = false;          // of kArc
@@ -39,6 +42,7 @@ struct Modal {
   FeedMode feed_mode = FeedMode::kPerMinute;
   bool lacks_feed = false;       // the feed mode changed, and no F word since: the control has none
   bool is_rapid_unsure = false;  // a block that may be skipped changed between G00 and another motion code
+  Way way = Way::kOfAxis;
   uint32_t blockers = 0;
   uint16_t mirrored_axes = 0;  // of kMirror; bits of axes that are none of the machine's are set where it is not known
   uint8_t macro_depth = 0;     // of kModalMacro: how many calls are in force

@@ -81,7 +81,7 @@ TEST(Modal, ClearedPresetsAreThoseOfTheAxesNamedAndLocalShiftsEndWithThem) {
   EXPECT_REWRITTEN(kAtZero, "G52 B50.\nG92.1 B0\nG1 X0. Z0. B90.\n", "G52 B50.\nG92.1 B0\nG1 X0. Z-0.0417 B90.\n");
   RewriteOptions options = kAtZero;
   options.dialect = "linuxcnc";
-  EXPECT_REWRITTEN(options, "G52 B50.\nG92.1\nG1 X0. Z0. B90.\n", "G52 B50.\nG92.1\nG1 X0. Z-0.0417 B90.\n");
+  EXPECT_REWRITTEN(options, "G52 B50.\nG92.1\nG0 X0. Z0. B90.\n", "G52 B50.\nG92.1\nG0 X0. Z-0.0417 B90.\n");
   EXPECT_REFUSED(options, "G52 X5\nG92.2\nG1 X0\n", "with a local shift (G52) in force");
 }
 

@@ -50,6 +50,16 @@ absl::Status Validate(const RewriteOptions& options) {
                                                      " mm, must be a number from 1 to 9999 and at most 1e4 mm"));
     }
   }
+  for (const int number : options.harmless_m) {
+    if (number < 0 || number > kMaxHarmlessM)
+      return absl::InvalidArgumentError(absl::StrCat("harmless_m: ", number, ", must be 0 to ", kMaxHarmlessM));
+    if (10 * number >= kCodes) continue;
+    const CodeMeaning& known = FindDialect(options.dialect)->m_codes[static_cast<size_t>(10 * number)];
+    if (known.meaning == Meaning::kUnknown || known.meaning == Meaning::kHarmless) continue;
+    return absl::InvalidArgumentError(absl::StrCat("harmless_m: M", number, " is known to dialect '", options.dialect,
+                                                   "' (", known.text, "), only M codes of the machine's builder may be "
+                                                   "stated"));
+  }
   if (options.calibration.empty() || options.calibration.size() > kMaxNameLength) {
     return absl::InvalidArgumentError(
         absl::StrCat("calibration: a name of 1 to ", kMaxNameLength, " characters is expected"));

@@ -61,6 +61,7 @@ struct ToolLength {
   double length_mm = 0;
 };
 
+inline constexpr int kMaxHarmlessM = 9999;
 inline constexpr double kMaxRotaryCorrectionRad = 0.1;  // far beyond what errors of machines need
 
 struct RewriteOptions {
@@ -89,6 +90,9 @@ struct RewriteOptions {
   double tolerance_rad = 1e-5;
   // Where axes stand when the program starts, for those that it does not program before they matter.
   std::vector<AxisValue> initial_position;
+  // M codes of the machine's builder that start no macro and move no axis (0 to 9999), beside those of the dialect's
+  // table. Any other M code is not corrected past: it may do both.
+  std::vector<int> harmless_m;
   // Offsets that the program may select. A program that selects another one is refused.
   std::vector<WorkOffset> work_offsets;
   // Lengths that the program may select. A program that selects another one is refused.

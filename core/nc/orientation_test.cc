@@ -55,7 +55,7 @@ VerifyReport Verified(const Case& machine_case, const std::string& program, cons
 
 // EB0B = 0.0057 deg: B gives it back, and the linear axes have nothing to do.
 TEST(Orientation, RotaryWordsAreCorrectedAndInsertedByTheRulesOfWords) {
-  const Case leaning = Of(machine::testing::MultiTasking(), {{"EB0B", 0.0057 * kRadPerDeg}});
+  const Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 0.0057 * kRadPerDeg}});
   const auto text = [&](const std::string& program, const RewriteOptions& options) {
     const Outcome outcome = Rewritten(program, options, leaning.compensator());
     EXPECT_TRUE(outcome.status.ok()) << outcome.status;
@@ -68,7 +68,7 @@ TEST(Orientation, RotaryWordsAreCorrectedAndInsertedByTheRulesOfWords) {
   EXPECT_EQ(text("G1 X1. (first)\nX2.\n", Turning()), "G1 X1. B-0.0057 (first)\nX2.\n");
   EXPECT_EQ(text("g1x1.y0.\n", Turning()), "g1x1.y0.b-0.0057\n");
   // Another decimal is missing of 100 urad: the linear axes keep the point where B cannot.
-  const Case odd = Of(machine::testing::MultiTasking(), {{"EB0B", 100e-6}});
+  const Case odd = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 100e-6}});
   EXPECT_EQ(Rewritten("G1 X1. B10.\n", Turning(), odd.compensator()).text, "G1 X1.0001 B9.9943\n");
   // G91: differences of what was commanded.
   EXPECT_EQ(text("G91 G1 B1.\nB1.\nX1.\n", Turning()), "G91 G1 B0.9943\nB1.\nX1.\n");
@@ -79,7 +79,7 @@ TEST(Orientation, RotaryWordsAreCorrectedAndInsertedByTheRulesOfWords) {
 }
 
 TEST(Orientation, IncrementalRotaryWordsDoNotCollectRounding) {
-  const Case leaning = Of(machine::testing::MultiTasking(), {{"EB0B", 100e-6}, {"EC0B", 20e-6}});
+  const Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 100e-6}, {"EC0B", 20e-6}});
   std::string program = "G91 G1\n";
   for (int i = 0; i < 3000; ++i) program += "B0.03 C0.1\n";
   const Outcome outcome = Rewritten(program, Turning(), leaning.compensator());
@@ -100,7 +100,7 @@ TEST(Orientation, TheChainFindsPointAndDirectionOnAllThreeStructures) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (machine::Machine machine :
-       {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
+       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()), testing::CountingOn(machine::testing::SwivelHead())}) {
     Case machine_case;
     machine_case.errors = machine::DeclaredModel(machine);
     for (auto& term : machine_case.errors.terms)
@@ -134,7 +134,7 @@ TEST(Orientation, TheChainFindsPointAndDirectionOnAllThreeStructures) {
 }
 
 TEST(Orientation, WhatIsNotReachedIsListedWithItsSizeAndLine) {
-  const Case leaning = Of(machine::testing::MultiTasking(), {{"EA0B", 100e-6}});
+  const Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EA0B", 100e-6}});
   const Outcome outcome = Rewritten("G1 X1. B0.\nB1.\nB30.\n", Turning(), leaning.compensator());
   ASSERT_TRUE(outcome.status.ok()) << outcome.status;
   EXPECT_EQ(outcome.report.blocks_tilted, 2);
@@ -153,7 +153,7 @@ TEST(Orientation, WhatIsNotReachedIsListedWithItsSizeAndLine) {
 }
 
 TEST(Orientation, MovesAreSplitWhereTheDirectionBends) {
-  const Case leaning = Of(machine::testing::MultiTasking(), {{"EA0B", 100e-6}});
+  const Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EA0B", 100e-6}});
   const std::string program = "G0 X0. B20.\nG1 X100. Z-50. B40. C0. F500\nB80. C90.\n";
   RewriteOptions options = Turning();
   options.tolerance_mm = 0.001;
@@ -170,7 +170,7 @@ TEST(Orientation, MovesAreSplitWhereTheDirectionBends) {
 }
 
 TEST(Orientation, TravelLimitsHoldForRotaryCorrections) {
-  Case leaning = Of(machine::testing::MultiTasking(), {{"EB0B", 100e-6}});
+  Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 100e-6}});
   leaning.machine.axes[static_cast<size_t>(machine::FindAxis(leaning.machine, "B"))].min_position = 0.0;
   const Outcome outcome = Rewritten("G1 X1. B0.\n", Turning(), leaning.compensator());
   ASSERT_TRUE(outcome.status.ok()) << outcome.status;

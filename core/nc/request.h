@@ -40,6 +40,7 @@ struct Interpreter::Request {
   bool has_two_offsets = false;
   bool is_whole = true;  // read to its end
   const Word* radius = nullptr;
+  const char* away = nullptr;  // what takes the axes away and back in this block: a tool change, a pallet change
   bool is_dwell = false;
   bool is_end = false;
   bool is_subprogram_end = false;

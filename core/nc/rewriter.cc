@@ -81,7 +81,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     if (MustReturn()) Return();
     Copy();
   }
-  if (step.is_tool_change) writer.ForgetAll();
+  if (step.moves_away) writer.ForgetAll();
   if (job.is_refused()) out.clear();
   if (out.size() >= kOutBytes) Flush();
   if (job.is_refused() && options.on_unsupported == OnUnsupported::kStop) status = job.Refusal();
@@ -112,7 +112,7 @@ void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence
 
 bool Rewriter::Impl::MustReturn() const {
   if (!passes()) return false;
-  if (step.kind == StepKind::kUnsupported || step.is_tool_change || step.ends_subprogram) return true;
+  if (step.kind == StepKind::kUnsupported || step.moves_away || step.ends_subprogram) return true;
   if (step.kind == StepKind::kUntouched) return interpreter.positions().known == 0;
   return step.is_arc || (step.sets_pole && !interpreter.pole().is_known);
 }
@@ -148,7 +148,9 @@ void Rewriter::Impl::Return() {
 }
 
 void Rewriter::Impl::Copy() {
+  const size_t begin = out.size();
   writer.CopyBlock(now.text, now.size, block, step, &out);
+  CheckLength(begin);
   if (step.sets_pole) writer.TakePole(interpreter.pole());
   if (step.kind != StepKind::kNone || step.preset != PresetChange::kNone) {
     writer.Pass(block, step);
@@ -225,15 +227,23 @@ void Rewriter::Impl::Move() {
   }
   ++job.report().blocks_corrected;
   if (options.orientation) NoteHalfTurns();
+  const double departure_mm = step.is_arc ? 0.0 : MoveDeparture();
+  if (const std::string reason = WhyNoFeed(departure_mm); !reason.empty()) {
+    --job.report().blocks_corrected;
+    NotCorrected(reason, false);
+    if (passes()) Return();  // from where it moves no linear axis, whether it names one or not
+    return Copy();
+  }
   std::optional<Commanded> before;
   if (step.may_be_skipped) before = writer.commanded();
   if (step.is_arc) {
     WriteSplit(0.0);
-  } else if (const double departure_mm = MoveDeparture(); departure_mm > options.tolerance_mm) {
+  } else if (departure_mm > options.tolerance_mm) {
     WriteSplit(departure_mm);
   } else {
     const size_t begin = out.size();
     writer.WriteBlock(now.text, now.size, block, step, piece, 1.0, &out);
+    CheckLength(begin);
     if (!is_mark_written && !IsWrittenAsItWas(begin)) WriteMark(begin);
     job.Account(now, piece, writer.commanded(), departure_mm);
     if (piece.turned.limit != compensate::DirectionLimit::kNone) job.Tilted(now, piece.turned);
@@ -243,11 +253,57 @@ void Rewriter::Impl::Move() {
   if (before) writer.ForgetPole();
 }
 
+std::string Rewriter::Impl::WhyNoFeed(double departure_mm) const {
+  const Interpreter& reader = interpreter;
+  if (step.is_rapid || step.is_arc || reader.dialect().feeds_all_axes ||
+      reader.modal().feed_mode == FeedMode::kInverseTime)
+    return "";
+  const machine::Machine& machine = compensator.machine();
+  // F is of X, Y and Z when one of them moves, else of other linear axes, else of rotary ones.
+  const auto rank = [&](int axis) {
+    if (machine.axes[axis].kind == machine::AxisKind::kRotary) return 2;
+    const std::string& name = machine.axes[axis].name;
+    return name == "X" || name == "Y" || name == "Z" ? 0 : 1;
+  };
+  constexpr int kNone = 3;
+  int programmed = kNone, written = kNone;
+  std::string word;
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    if (!step.start.is_known(i) || step.start.ticks[i] != step.end.ticks[i]) programmed = std::min(programmed, rank(i));
+  }
+  if (programmed == 0 || programmed == kNone) return "";
+  written = programmed;
+  for (const int axis : compensator.linear_axes()) {
+    const Ticks grain = GrainTicks(reader.ticks_per_unit(axis),
+                                   reader.modal().is_inch ? options.decimals_inch : options.decimals_mm);
+    const bool moves = departure_mm > options.tolerance_mm || writer.NeedsWord(axis, piece.targets[axis], grain);
+    if (!moves || rank(axis) >= written) continue;
+    written = rank(axis);
+    word = machine.axes[axis].name;
+  }
+  if (written == programmed) return "";
+  return absl::StrCat("a feed move of ", programmed == 2 ? "rotary axes" : "other axes than X, Y and Z",
+                      " alone: with the word of ", word,
+                      " that the correction needs the control would take F for another speed; program the move in G93 or "
+                      "as a rapid");
+}
+
+void Rewriter::Impl::CheckLength(size_t begin) {
+  const size_t most = interpreter.dialect().max_block_bytes;
+  const size_t size = out.size() - begin;
+  if (most == 0 || size <= most) return;
+  const std::string reason = absl::StrCat("the block has ", size, " bytes with its line end, and the control reads ", most,
+                                          ": shorten its comment");
+  if (step.kind == StepKind::kMove) return job.Refused(now, reason, false);
+  NotCorrected(reason, false);
+}
+
 void Rewriter::Impl::NoteHalfTurns() {
   const machine::Machine& machine = compensator.machine();
   for (int i = 0; i < machine.axis_count(); ++i) {
     const auto bit = static_cast<uint16_t>(1u << i);
-    if (machine.axes[i].kind != machine::AxisKind::kRotary || !step.start.is_known(i) || (half_turns & bit)) continue;
+    if (machine.axes[i].kind != machine::AxisKind::kRotary || machine.axes[i].roll_over == machine::RollOver::kNone ||
+         !step.start.is_known(i) || (half_turns & bit)) continue;
     const double travel_deg = std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) / kTicksPerUnit;
     const double apart_deg = std::abs(std::fmod(travel_deg, 360.0) - 180.0);
     if (apart_deg > 2.0 * options.max_rotary_correction_rad * base::kDegPerRad) continue;

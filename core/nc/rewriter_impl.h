@@ -116,6 +116,11 @@ struct Rewriter::Impl {
   // A control that takes rotary axes the shorter way round decides at half a turn, which a correction may cross. Noted
   // once for each axis.
   void NoteHalfTurns();
+  // Why the control would take F for another speed with the correction: it moves linear axes where the program turns
+  // rotary axes alone. "": it would not.
+  std::string WhyNoFeed(double departure_mm) const;
+  // Refuses a block that was written from `begin` on, when it is longer than the control reads.
+  void CheckLength(size_t begin);
   // 0 for a rapid, whose path no controller states, and for a move from an unknown position.
   double MoveDeparture();
   // Whether an axis turned back and its lost motion must be taken up before the move.

@@ -49,6 +49,7 @@ void Rewriter::Impl::WriteSplit(double departure_mm) {
     if (&next == pieces->data()) {
       const size_t begin = out.size();
       writer.WriteBlock(now.text, now.size, block, step, next, fraction, &out);
+      CheckLength(begin);
       if (!is_mark_written && !IsWrittenAsItWas(begin)) WriteMark(begin);
       if (now.text_size == now.size && pieces->size() > 1) out.append(line_end);
     } else {

@@ -276,7 +276,7 @@ TEST(Rewriter, ALargeCorrectionStopsTheJob) {
 }
 
 TEST(Rewriter, TravelLimitsHoldForCorrectedPositions) {
-  machine::Machine machine = machine::testing::MultiTasking();
+  machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   machine.axes[static_cast<size_t>(machine::FindAxis(machine, "X"))].min_position = -400.0;
   machine.axes[static_cast<size_t>(machine::FindAxis(machine, "X"))].max_position = 10.0;
   const auto compensator = testing::MustCreate(machine, testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}}),

@@ -16,9 +16,9 @@ RewriteOptions Sinumerik() {
 }
 
 TEST(Sinumerik, DistancesInWordsKeepTheirBytes) {
-  EXPECT_REWRITTEN(Sinumerik(), "G1 X=AC(10) F500\nX=IC( 5.0 ) Y=ic(1)\nG91 X = AC(3.5) Y1\nX1 M8\nG90 B=AC(90)\n",
+  EXPECT_REWRITTEN(Sinumerik(), "G1 X=AC(10) F500\nX=IC( 5.0 ) Y=ic(1)\nG91 X = AC(3.5) Y1\nX1 M8\nG90 G0 B=AC(90)\n",
                    "G1 X=AC(10.0417) F500\nX=IC( 5.0 ) Y=ic(1)\nG91 X = AC(3.5417) Y1\nX1 M8\n"
-                   "G90 B=AC(90) X4.5000 Z-0.0417\n");
+                   "G90 G0 B=AC(90) X4.5000 Z-0.0417\n");
   EXPECT_REWRITTEN(Sinumerik(), "G1 X10 F500\nG3 X0 Y10 I=AC(0) J=AC(0)\nG2 X10 Y0 I=IC(0) J=IC(-10)\n",
                    "G1 X10.0417 F500\nG3 X0.0417 Y10 I=AC(0.0417) J=AC(0)\nG2 X10.0417 Y0 I=IC(0) J=IC(-10)\n");
   EXPECT_REFUSED(Sinumerik(), "G1 X=IC(R1)\n", "line 1: 'G1 X=IC(R1)': letter without a number");
@@ -53,7 +53,7 @@ struct Path {
 
 // On a machine whose C runs out three times a turn: the correction bends.
 Path Compensated(const std::string& program, bool orientation = false) {
-  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   auto errors =
       testing::ConstantErrors(machine, {{"EX0C", 0.02}, {"EX0C", 0.05}, {"EA0C", 4e-5}, {"EB0B", testing::kTiltRad}});
   errors.terms[0].shape = shapes::Harmonic{machine::FindAxis(machine, "C"), 3.0};
@@ -79,7 +79,7 @@ Path Compensated(const std::string& program, bool orientation = false) {
 }
 
 TEST(Sinumerik, PiecesOfATurnGoTheSameWayRound) {
-  const Path shortest = Compensated("G1 X100 Y20 Z0 B0 C350 F500\nC=DC(20) X110\nC=DC(300.5)\nC10\n");
+  const Path shortest = Compensated("G1 X100 Y20 Z0 B0 C350 F500\nC=DC(20) X110\nC=DC(300.5) X109\nC10 X110\n");
   EXPECT_EQ(shortest.verified.moves, 4);
   EXPECT_GT(shortest.report.blocks_split, 1);
   EXPECT_THAT(shortest.text, HasSubstr("C=DC(0.0000)"));
@@ -88,14 +88,14 @@ TEST(Sinumerik, PiecesOfATurnGoTheSameWayRound) {
   EXPECT_LT(shortest.verified.path_after.max_mm, 0.0012);
   EXPECT_GT(shortest.verified.path_before.max_mm, 0.02);
   // 290 degrees up, 40 down through zero, none at all.
-  const Path stated = Compensated("G1 X100 Y20 Z0 B0 C10 F500\nC=ACP(300)\nC=ACP(20)\nC=ACN(340)\nC=ACN(340)\n");
+  const Path stated = Compensated("G1 X100 Y20 Z0 B0 C10 F500\nC=ACP(300) Y21\nC=ACP(20) Y20\nC=ACN(340) Y21\nC=ACN(340)\n");
   EXPECT_EQ(stated.verified.moves, 5);
   EXPECT_THAT(stated.text, HasSubstr("C=ACP(358.3333)"));
   EXPECT_THAT(stated.text, HasSubstr("C=ACN(0.0000)"));
   EXPECT_LT(stated.verified.end_after.max_mm, 0.0001);
   EXPECT_LT(stated.verified.path_after.max_mm, 0.0012);
   // Rotary commands corrected too: no piece leaves 0 to 360.
-  const Path turned = Compensated("G1 X100 Y20 Z0 B20 C350 F500\nC=DC(0)\nC=DC(20)\nC=DC(0) B30\n", true);
+  const Path turned = Compensated("G1 X100 Y20 Z0 B20 C350 F500\nC=DC(0) X101\nC=DC(20) X102\nC=DC(0) B30 X103\n", true);
   EXPECT_EQ(turned.verified.moves, 4);
   EXPECT_THAT(turned.text, ::testing::Not(HasSubstr("(-")));
   EXPECT_THAT(turned.text, ::testing::Not(HasSubstr("(360")));

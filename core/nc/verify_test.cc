@@ -33,7 +33,7 @@ std::string ReadFile(const std::string& path) {
 class RealProgram : public ::testing::Test {
  protected:
   const std::string original_ = ReadFile(base::SourcePath("/tests/data/yao/fig-4.30-original.nc"));
-  const machine::Machine machine_ = machine::testing::MultiTasking();
+  const machine::Machine machine_ = testing::CountingOn(machine::testing::MultiTasking());
   // Table 4.5: bXB = -24.11 arcsec; spindle-side angles there have the opposite sign of the model, so EB0B = +24.11.
   const machine::ErrorModel errors_ = testing::ConstantErrors(machine_, {{"EB0B", testing::kTiltRad}});
 };
@@ -108,7 +108,7 @@ TEST(Verify, AllThreeStructuresStayWithinToleranceAlongTheWholePath) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (const machine::Machine& machine :
-       {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
+       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()), testing::CountingOn(machine::testing::SwivelHead())}) {
     machine::ErrorModel errors = machine::DeclaredModel(machine);
     for (auto& term : errors.terms) term.amplitude[0] = unit(random) * 5e-5;  // 50 urad or 0.05 um ...
     for (auto& term : errors.terms) {
@@ -158,7 +158,7 @@ TEST(Verify, AllThreeStructuresStayWithinToleranceAlongTheWholePath) {
 TEST(Verify, FullTurnsAndLongMovesWithErrorsOfEveryShape) {
   constexpr double kToleranceMm = 0.002;
   for (const machine::Machine& machine :
-       {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
+       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()), testing::CountingOn(machine::testing::SwivelHead())}) {
     machine::ErrorModel errors = machine::DeclaredModel(machine);
     for (auto& term : errors.terms) term.amplitude[0] = machine::IsAngle(term.component) ? 8e-5 : -0.04;
     const auto add = [&](const std::string& symbol, double amplitude, const shapes::Shape& shape) {
@@ -206,7 +206,7 @@ TEST(Verify, AnUncompensatedProgramShowsItsError) {
   VerifyOptions options;
   options.reading.unit = ProgramUnit::kMillimetre;
   options.tool_tip_mm = {0, 0, -testing::kToolMm};
-  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   const auto errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
   const std::string program = "G1 X0 Y0 Z0 B0 C0\nX10.\n";
   const auto verified = VerifyText(program, program, machine, errors, options);
@@ -217,7 +217,7 @@ TEST(Verify, AnUncompensatedProgramShowsItsError) {
 
 // Chords are shorter than a correction may be: only the last one ends the move.
 TEST(Verify, PiecesShorterThanTheLargestCorrectionPairToo) {
-  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   VerifyOptions options;
   options.reading.unit = ProgramUnit::kMillimetre;
   options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
@@ -238,7 +238,7 @@ TEST(Verify, PiecesShorterThanTheLargestCorrectionPairToo) {
 
 // Between two reversals an arc stays an arc: a straight piece takes up the lost motion, also right before its begin.
 TEST(Verify, ArcsWithLostMotionStayArcs) {
-  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   machine::ErrorModel errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
   for (const char* symbol : {"EX0X", "EY0Y"}) {
     machine::ErrorTerm backlash = machine::ConstantTerm(machine, *machine::ParseErrorSymbol(symbol), 0.005);
@@ -272,7 +272,7 @@ TEST(Verify, ProgramsThatDoNotPairAreErrors) {
   VerifyOptions options;
   options.reading.unit = ProgramUnit::kMillimetre;
   options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
-  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   const auto message = [&](const std::string& original, const std::string& other) {
     return std::string(VerifyText(original, other, machine, {}, options).status().message());
   };
@@ -336,7 +336,7 @@ TEST(Verify, WhatIsPassedIsNotJudged) {
 
 TEST(Verify, MissingFilesAreNamed) {
   const auto status =
-      VerifyFiles("/no/such/original.nc", "/no/such/other.nc", machine::testing::MultiTasking(), {}, {}).status();
+      VerifyFiles("/no/such/original.nc", "/no/such/other.nc", testing::CountingOn(machine::testing::MultiTasking()), {}, {}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(status.message()), HasSubstr("/no/such/original.nc"));
 }

@@ -12,8 +12,11 @@ namespace axiscal::plan {
 namespace {
 
 // Where the interpreter stands after each linear move of a program, per axis of the machine.
-std::vector<std::vector<double>> Visited(const machine::Machine& machine, const std::string& program,
+std::vector<std::vector<double>> Visited(machine::Machine machine, const std::string& program,
                                          const std::string& dialect) {
+  for (machine::Axis& axis : machine.axes) {
+    if (axis.kind == machine::AxisKind::kRotary) axis.roll_over = machine::RollOver::kNone;
+  }
   nc::RewriteOptions options;
   options.dialect = dialect;
   auto interpreter = nc::Interpreter::Create(machine, options);

@@ -84,6 +84,7 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
   message.set_block_delete(ToProto(options.block_delete));
   message.set_integer_words(ToProto(options.integer_words));
   message.set_unit(ToProto(options.unit));
+  for (const int number : options.harmless_m) message.add_harmless_m(number);
   message.set_decimals_mm(options.decimals_mm);
   message.set_decimals_inch(options.decimals_inch);
   message.set_max_correction_mm(options.max_correction_mm);
@@ -123,6 +124,11 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
   if (!(options.max_rotary_correction_rad > 0 && options.max_rotary_correction_rad <= nc::kMaxRotaryCorrectionRad))
     return FieldError("max_rotary_correction_rad", "must be > 0 and at most 0.1");
   if (!(options.tolerance_rad > 0)) return FieldError("tolerance_rad", "must be > 0");
+  for (int i = 0; i < message.harmless_m_size(); ++i) {
+    if (message.harmless_m(i) < 0 || message.harmless_m(i) > nc::kMaxHarmlessM)
+      return FieldError(absl::StrCat("harmless_m[", i, "]"), absl::StrCat("must be 0 to ", nc::kMaxHarmlessM));
+    options.harmless_m.push_back(message.harmless_m(i));
+  }
   ASSIGN_OR_RETURN(options.initial_position, ReadAxisValues("initial_position", message.initial_position()));
   for (int i = 0; i < message.work_offsets_size(); ++i) {
     const v1::WorkOffset& offset = message.work_offsets(i);

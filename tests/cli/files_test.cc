@@ -99,7 +99,7 @@ TEST_F(FilesOnly, AProgramIsRewrittenAndReported) {
 // cannot).
 TEST_F(FilesOnly, OrientationIsCorrectedReportedAndVerified) {
   Write("errors.json", R"({"EB0B": 100.0, "EA0B": 20.0})");
-  Write("in.nc", "G90 G21 G0 X0. Y0. Z0. B30. C0.\nG1 X10. B60. C400. F500\nC-20.\nB0.\nM30\n");
+  Write("in.nc", "G90 G21 G0 X0. Y0. Z0. B30. C0.\nG1 X10. B60. C150. F500\nC-20.\nB0.\nM30\n");
   const std::string verify = "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc out.nc ";
   ASSERT_EQ(Compensate("in.nc -o out.nc").exit_code, 0);
   const auto point_only = Run(verify + "--json").Json();
@@ -143,6 +143,24 @@ TEST_F(FilesOnly, AProgramWithoutAUnitAsksForIt) {
   const std::string verify = "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc out.nc ";
   EXPECT_EQ(Run(verify + "--unit mm").exit_code, 0);
   EXPECT_EQ(Compensate("in.nc -o out.nc --unit cm").exit_code, 2);
+}
+
+TEST_F(FilesOnly, MCodesOfTheBuilderAndWaysOfAxesAreStated) {
+  Write("in.nc", "G90 G21 G1 X0. Y0. Z0. B0. C350. F500\nM47\nG1 X0. Y0. Z0. B0. C10.\nM120\n");
+  const Outcome asked = Compensate("in.nc -o out.nc");
+  EXPECT_EQ(asked.exit_code, 5);
+  EXPECT_THAT(asked.err, HasSubstr("state --harmless-m 47"));
+  const Outcome way = Compensate("in.nc -o out.nc --harmless-m 47,120-129");
+  EXPECT_EQ(way.exit_code, 5);
+  EXPECT_THAT(way.err, HasSubstr("roll_over"));
+  std::string machine = Read("machine.json");
+  const std::string point = R"("point_mm": [-490, 0, 0])";
+  machine.replace(machine.find(point), point.size(), point + R"(, "roll_over": "shortest")");
+  Write("machine.json", machine);
+  EXPECT_EQ(Compensate("in.nc -o out.nc --harmless-m 47,120-129").exit_code, 0);
+  EXPECT_EQ(Compensate("in.nc -o out.nc --harmless-m 47,x").exit_code, 3);
+  EXPECT_EQ(Compensate("in.nc -o out.nc --harmless-m 9-4").exit_code, 3);
+  EXPECT_THAT(Compensate("in.nc -o out.nc --harmless-m 98").err, HasSubstr("M98 is known to dialect 'fanuc'"));
 }
 
 TEST_F(FilesOnly, NoErrorsGiveTheSameBytes) {

@@ -162,7 +162,7 @@ TEST_F(Job, AProgramIsRewrittenWhileItIsSent) {
   const CalibrationId calibration = Identify();
   std::string program = "%\r\nG90 G21\r\n";
   for (int i = 0; i < 20000; ++i) {
-    program += absl::StrCat("N", i, " G01 X", 100 + i % 977, ".5 Y0.0000 Z421.9000 B0.0000 C", i % 360, ". F1000\r\n");
+    program += absl::StrCat("N", i, " G01 X", 100 + i % 977, ".5 Y0.0000 Z421.9000 B0.0000 C", i % 180, ". F1000\r\n");
   }
   records::CompensateParams params;
   params.machine = MachineId("mt");

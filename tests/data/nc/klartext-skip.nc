@@ -1,6 +1,6 @@
 0 BEGIN PGM TEST MM
 1 L X+0 Y+0 Z+0 B+0 C+0 R0 FMAX
-/2 L B+90 F500
+/2 L X+1 B+90 F500
 3 L X+0 Y+0 Z+0 B+90 C+0
 4 L X+5 ; comment X6
 5 * - section X7
