@@ -120,7 +120,9 @@ Interpreter::Interpreter(const machine::Machine& machine, const RewriteOptions& 
   roles_ = dialect.roles;
   for (int i = 0; i < machine.axis_count(); ++i) {
     is_linear_[i] = machine.axes[i].kind == machine::AxisKind::kLinear;
-    if (!is_linear_[i] && WayOf(i) != machine::RollOver::kNone) ways_ |= static_cast<uint16_t>(1u << i);
+    // M126 may come in any Klartext program.
+    const bool may_change = dialect.has_poles && machine.axes[i].roll_over == machine::RollOver::kUnstated;
+    if (!is_linear_[i] && (may_change || WayOf(i) != machine::RollOver::kNone)) ways_ |= static_cast<uint16_t>(1u << i);
     const size_t letter = static_cast<size_t>(machine.axes[i].name[0] - 'A');
     if (machine.axes[i].name.size() == 1 && roles_[letter] == Role::kAxis)
       axis_of_letter_[letter] = static_cast<int8_t>(i);

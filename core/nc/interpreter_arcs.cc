@@ -16,7 +16,8 @@ void Interpreter::SetPole(const Block& block, const Request& request, Step* step
   if (request.motion != nullptr) return Unsupported("a pole and a move in one block", false, step);
   step->sets_pole = true;
   pole_ = Pole();
-  if (block.problem != LexProblem::kNone || request.foreign_axis != 0 || modal_.blockers != 0 || (modal_.uncertain & kUnitGroup)) return;
+  if (block.problem != LexProblem::kNone || request.foreign_axis != 0 || modal_.blockers != 0) return;
+  if (modal_.uncertain & kUnitGroup) return;
   Pole pole = {{}, true, true};
   for (int i = 0; i < axis_count_; ++i) {
     if (step->word_of_axis[i] >= 0 && i != PlaneAxis(0) && i != PlaneAxis(1)) return;

@@ -330,7 +330,9 @@ machine::RollOver Interpreter::WayOf(int axis) const {
   using machine::RollOver;
   const machine::Axis& stated = machine_->axes[axis];
   RollOver way = stated.roll_over;
-  if (way == RollOver::kUnstated && (stated.min_position || stated.max_position)) way = RollOver::kNone;
+  // With travel limits an axis counts on, unless the program itself speaks of a shorter way.
+  const bool is_limited = stated.min_position || stated.max_position;
+  if (way == RollOver::kUnstated && is_limited && modal_.way == Way::kOfAxis) way = RollOver::kNone;
   if (way == RollOver::kNone || modal_.way == Way::kOfAxis) return way;
   return way != RollOver::kUnstated && modal_.way == Way::kShorter ? RollOver::kShortest : RollOver::kUnstated;
 }

@@ -138,6 +138,17 @@ TEST(RollOver, KlartextSaysItByM126) {
   // Unstated the way is not known, with M126 or without.
   EXPECT_FALSE(Split(RollOver::kUnstated, "L M126\n" + head + move, options).status.ok());
   EXPECT_FALSE(Split(RollOver::kUnstated, head + move, options).status.ok());
+  // With travel limits it counts on, until the program speaks of a shorter way.
+  machine::Machine limited = WithC(RollOver::kUnstated);
+  machine::Axis& c = limited.axes[static_cast<size_t>(machine::FindAxis(limited, "C"))];
+  c.min_position = -10.0;
+  c.max_position = 10.0;
+  const auto compensator = testing::MustCreate(limited, testing::ConstantErrors(limited, {{"EX0C", 0.02}}), {0, 0, -testing::kToolMm});
+  RewriteReport report;
+  EXPECT_TRUE(RewriteText(head + move, compensator, options, &report).ok());
+  EXPECT_THAT(std::string(RewriteText("L M126\n" + head + move, compensator, options, &report).status().message()),
+              HasSubstr("roll_over"));
+  EXPECT_TRUE(RewriteText("L M126\nL M127\n" + head + move, compensator, options, &report).ok());
   // M127 of a builder whose axes go the shorter way always.
   EXPECT_NEAR(Split(RollOver::kShortest, "L M127\n" + head + move, options).turned_deg, 10, 1e-9);
 }

@@ -47,6 +47,8 @@ def group(moves, others, machine):
     end = [[apart(s, o) for o in others] for s in moves]
     first = [[0.0 if s.number == o.number and set(s.words[0] and [w[0] for w in s.words[0]] or ()) <= o.named else 20.0
               for o in others] for s in moves]
+    # No straight move became an arc. (A full circle ends where the block that brings the axes back in front of it does.)
+    bent = [[20.0 if o.arc is not None and s.arc is None else 0.0 for o in others] for s in moves]
     later = [0.0 if o.number is None else 20.0 for o in others]
     inf = float("inf")
     cost = [0.0] + [inf] * m
@@ -56,10 +58,10 @@ def group(moves, others, machine):
         for j in range(i, m):
             if cost[j] == inf:
                 continue
-            run = cost[j] + first[i][j]
+            run = cost[j] + first[i][j] + bent[i][j]
             for k in range(j + 1, m - (n - i - 1) + 1):
                 if k > j + 1:
-                    run += later[k - 1] + 0.001
+                    run += later[k - 1] + bent[i][k - 1] + 0.001
                 c = run + end[i][k - 1]
                 if c < new[k]:
                     new[k], origin[k] = c, j

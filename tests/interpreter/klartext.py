@@ -324,7 +324,8 @@ class Klartext(Control):
         return tuple(round(v, 2) for v in self.pole) if self.pole and kind in ("CP", "LP", "C", "CTP") else None
 
     def target(self, axis, value, incremental):
-        if self.shortest and axis not in self.linear and not incremental:
+        # M126 is for axes that count from 0 to 360 deg; others go on counting.
+        if self.shortest and axis in self.rollover and not incremental:
             saved, self.rollover = self.rollover, {axis: "shortest"}
             try:
                 return super().target(axis, value, incremental)
