@@ -35,9 +35,14 @@ ColumnRule RangeRule(const std::string& name, ColumnKind kind, double min, doubl
   return rule;
 }
 
+// A reading of a plan: nothing is there yet.
+bool IsUnread(const ReadingColumn& column, SessionKind kind) {
+  return kind == SessionKind::kPlan && column.source != ColumnSource::kPlan;
+}
+
 // The rule of a column, or nothing when the instrument has no such column.
 std::optional<ColumnRule> RuleOf(const std::string& name, const InstrumentFormat& format,
-                                 const std::set<std::string>& feature_names) {
+                                 const std::set<std::string>& feature_names, SessionKind session_kind) {
   for (const ReadingColumn& column : format.columns) {
     if (column.name != name) continue;
     const bool is_feature = column.is_name && (name == "feature" || name == "rod");
@@ -47,7 +52,7 @@ std::optional<ColumnRule> RuleOf(const std::string& name, const InstrumentFormat
                       column.min,
                       column.max,
                       column.expected,
-                      column.may_be_empty,
+                      column.may_be_empty || IsUnread(column, session_kind),
                       is_feature ? feature_names : std::set<std::string>()};
   }
   if (name == "t_s") return RangeRule(name, ColumnKind::kTime, -kMaxTimeS, kMaxTimeS, "s");
@@ -71,10 +76,13 @@ std::string KnownColumns(const InstrumentFormat& format) {
   return known;
 }
 
-absl::Status RequireColumns(const std::vector<std::string>& columns, const InstrumentFormat& format, size_t line) {
+absl::Status RequireColumns(const std::vector<std::string>& columns, const InstrumentFormat& format, size_t line,
+                            SessionKind kind) {
   std::vector<std::string> required;
   if (format.has_time) required.push_back("t_s");
-  for (const ReadingColumn& column : format.columns) required.push_back(column.name);
+  for (const ReadingColumn& column : format.columns) {
+    if (!IsUnread(column, kind)) required.push_back(column.name);
+  }
   for (const std::string& name : required) {
     if (std::find(columns.begin(), columns.end(), name) != columns.end()) continue;
     return Refuse(absl::StrCat("line ", line, ": column ", name, " is missing, instrument ", format.name, " needs it"));
@@ -111,7 +119,7 @@ absl::Status CheckName(const ColumnRule& rule, const std::string& text) {
 }
 
 absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntry>& header,
-                                                    const std::vector<std::string>& columns) {
+                                                    const std::vector<std::string>& columns, SessionKind session_kind) {
   const InstrumentFormat& format = FormatOf(header);
   const size_t line = HeaderLine(header.size());
   if (columns.size() > kMaxColumns) {
@@ -122,7 +130,7 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
   std::map<std::string, size_t> seen;  // column or axis -> its index
   for (size_t i = 0; i < columns.size(); ++i) {
     const std::string place = Place(line, i, columns[i].empty() ? "no name" : Printable(columns[i]));
-    std::optional<ColumnRule> rule = RuleOf(columns[i], format, feature_names);
+    std::optional<ColumnRule> rule = RuleOf(columns[i], format, feature_names, session_kind);
     const bool wrong_axis = rule && ((format.axes != AxisColumns::kAll && rule->kind == ColumnKind::kLinearAxis) ||
                                      (format.axes == AxisColumns::kNone && rule->kind == ColumnKind::kRotaryAxis));
     if (!rule || wrong_axis) {
@@ -137,7 +145,7 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
     }
     rules.push_back(*std::move(rule));
   }
-  RETURN_IF_ERROR(RequireColumns(columns, format, line));
+  RETURN_IF_ERROR(RequireColumns(columns, format, line, session_kind));
   return rules;
 }
 

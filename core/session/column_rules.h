@@ -35,10 +35,14 @@ inline size_t ReadingLine(size_t header_entries, size_t index) { return header_e
 // "line 9, column 3 (Y_mm)": line from 1, column from 0.
 std::string Place(size_t line, size_t column, const std::string& name);
 
+// What is read: a session that was measured, or the plan of one, in which readings (ColumnSource) are empty or missing.
+enum class SessionKind { kMeasured, kPlan };
+
 // The rules of the columns in their order; the header must be valid. INVALID_ARGUMENT at a missing, unknown or
 // duplicate column.
 absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntry>& header,
-                                                    const std::vector<std::string>& columns);
+                                                    const std::vector<std::string>& columns,
+                                                    SessionKind kind = SessionKind::kMeasured);
 
 // OK when `text` may stand in a name column of this rule; the message has no place.
 absl::Status CheckName(const ColumnRule& rule, const std::string& text);

@@ -28,6 +28,16 @@ ReadingColumn MaybeEmpty(ReadingColumn column) {
   return column;
 }
 
+ReadingColumn Planned(ReadingColumn column) {
+  column.source = ColumnSource::kPlan;
+  return column;
+}
+
+ReadingColumn FromTouches(ReadingColumn column) {
+  column.source = ColumnSource::kFromTouches;
+  return column;
+}
+
 ReadingColumn Name(const std::string& name) { return {name, 0, 0, "a name", true, false}; }
 
 ReadingColumn Deviation(const std::string& name) { return Number(name, "mm", kMaxDeviationMm, " (are these um?)"); }
@@ -53,27 +63,29 @@ std::vector<InstrumentFormat> Table() {
       {"touch",
        {LengthMm("stylus_radius_mm", 0.01, 100)},
        {{"sphere", 4, "x y z radius in mm"}, {"plane", 6, "x y z in mm and the outward normal nx ny nz"}},
-       {Number("nx", "a component of a unit vector", 1), Number("ny", "a component of a unit vector", 1),
-        Number("nz", "a component of a unit vector", 1), Name("feature")},
+       {Planned(Number("nx", "a component of a unit vector", 1)),
+        Planned(Number("ny", "a component of a unit vector", 1)),
+        Planned(Number("nz", "a component of a unit vector", 1)), Planned(Name("feature"))},
        AxisColumns::kAll,
        true},
       {"centres",
        {PointMm("table_ball_mm")},
        {},
-       {Position("cx_mm"), Position("cy_mm"), Position("cz_mm")},
+       {FromTouches(Position("cx_mm")), FromTouches(Position("cy_mm")), FromTouches(Position("cz_mm"))},
        AxisColumns::kRotaryOnly,
        true},
       {"eccentricity",
        {},
        {},
-       {Name("run"), Number("sense", "the sense of motion", 1), MaybeEmpty(Number("ex_um", "um", kMaxEccentricityUm)),
-        MaybeEmpty(Number("ey_um", "um", kMaxEccentricityUm)), MaybeEmpty(Number("ez_um", "um", kMaxEccentricityUm))},
+       {Planned(Name("run")), Planned(Number("sense", "the sense of motion", 1)),
+        MaybeEmpty(Number("ex_um", "um", kMaxEccentricityUm)), MaybeEmpty(Number("ey_um", "um", kMaxEccentricityUm)),
+        MaybeEmpty(Number("ez_um", "um", kMaxEccentricityUm))},
        AxisColumns::kNone,
        false},
       {"tool-setter",
        {{"beam", 3, -1e3, 1e3, "R_l in mm, yaw and pitch in deg"}},
        {{"rod", 6, "R_r R_f phi tau L_r theta_th in mm and deg"}},
-       {Name("rod"), Number("readout", "the number of the readout", 1e6), Position("Z_mm")},
+       {Planned(Name("rod")), Planned(Number("readout", "the number of the readout", 1e6)), Position("Z_mm")},
        AxisColumns::kNone,
        false},
       {"tool-curve",
@@ -87,7 +99,7 @@ std::vector<InstrumentFormat> Table() {
         {"spindle_rpm", 1, 1, 1e6, "a speed in rpm from 1 to 1e+06"},
         {"feed_mm_min", 1, 1e-3, 1e5, "a feed in mm/min from 0.001 to 100000"}},
        {},
-       {Number("start_deg", "deg", kMaxAngleDeg), Position("length_mm")},
+       {Planned(Number("start_deg", "deg", kMaxAngleDeg)), Position("length_mm")},
        AxisColumns::kNone,
        false},
   };

@@ -24,6 +24,13 @@ struct FeatureRule {
   std::string expected;
 };
 
+// What holds the cells of a column before the session is whole, where a session is made of a plan and a log
+// (core/logs/reduce.h):
+//   kPlan         known before anything is measured: the plan, or the log where it says it too
+//   kReading      what the instrument measured: the log alone; empty or missing in a plan
+//   kFromTouches  the log, or computed from the touches that it holds; empty or missing in a plan
+enum class ColumnSource { kPlan, kReading, kFromTouches };
+
 // A reading column: a number from `min` to `max`, or (is_name) the name of a feature or run.
 struct ReadingColumn {
   std::string name;
@@ -31,6 +38,7 @@ struct ReadingColumn {
   std::string expected;
   bool is_name = false;
   bool may_be_empty = false;
+  ColumnSource source = ColumnSource::kReading;
 };
 
 // Which axes of the machine have a column: all of them, the rotary ones only, or those that the instrument's own

@@ -161,13 +161,22 @@ absl::Status ReadHeader(LineReader& reader, Session& session, Line& line) {
   return ValidateHeader(session.header);
 }
 
-absl::StatusOr<Session> Read(std::istream& in) {
+void LeaveOutReadings(Session& session) {
+  const InstrumentFormat* const format = FindInstrumentFormat(*FindHeader(session, "instrument"));
+  std::erase_if(session.columns, [&](const Column& column) {
+    return std::any_of(format->columns.begin(), format->columns.end(), [&](const ReadingColumn& reading) {
+      return reading.name == column.name && reading.source != ColumnSource::kPlan;
+    });
+  });
+}
+
+absl::StatusOr<Session> Read(std::istream& in, SessionKind kind) {
   LineReader reader(in);
   Session session;
   Line line;
   RETURN_IF_ERROR(ReadHeader(reader, session, line));
   const std::vector<std::string> names = SplitCells(line.text);
-  ASSIGN_OR_RETURN(const std::vector<ColumnRule> rules, ColumnRules(session.header, names));
+  ASSIGN_OR_RETURN(const std::vector<ColumnRule> rules, ColumnRules(session.header, names, kind));
   for (const std::string& name : names) session.columns.push_back({name, {}, {}});
   RowParser rows(rules, session.columns);
   size_t readings = 0;
@@ -178,23 +187,17 @@ absl::StatusOr<Session> Read(std::istream& in) {
     RETURN_IF_ERROR(rows.Add(line));
   }
   if (readings == 0) return Refuse(line.number, "no readings follow the column names, expected at least one");
+  if (kind == SessionKind::kPlan) LeaveOutReadings(session);
   return session;
 }
 
-}  // namespace
-
-absl::StatusOr<Session> ReadSession(std::istream& in, const std::string& name) {
-  auto session = Read(in);
+absl::StatusOr<Session> ReadNamed(std::istream& in, const std::string& name, SessionKind kind) {
+  auto session = Read(in, kind);
   if (!session.ok()) return base::Within(name, session.status());
   return session;
 }
 
-absl::StatusOr<Session> ReadSessionText(const std::string& text, const std::string& name) {
-  std::istringstream in(text);
-  return ReadSession(in, name);
-}
-
-absl::StatusOr<Session> ReadSessionFile(const std::string& path) {
+absl::StatusOr<Session> ReadFile(const std::string& path, SessionKind kind) {
   struct stat info;
   if (stat(path.c_str(), &info) != 0) {
     const std::string what = absl::StrCat(path, ": ", std::strerror(errno));
@@ -208,7 +211,27 @@ absl::StatusOr<Session> ReadSessionFile(const std::string& path) {
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) return absl::InvalidArgumentError(absl::StrCat(path, ": ", std::strerror(errno)));
-  return ReadSession(in, path);
+  return ReadNamed(in, path, kind);
 }
+
+}  // namespace
+
+absl::StatusOr<Session> ReadSession(std::istream& in, const std::string& name) {
+  return ReadNamed(in, name, SessionKind::kMeasured);
+}
+
+absl::StatusOr<Session> ReadSessionText(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  return ReadSession(in, name);
+}
+
+absl::StatusOr<Session> ReadSessionFile(const std::string& path) { return ReadFile(path, SessionKind::kMeasured); }
+
+absl::StatusOr<Session> ReadPlanText(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  return ReadNamed(in, name, SessionKind::kPlan);
+}
+
+absl::StatusOr<Session> ReadPlanFile(const std::string& path) { return ReadFile(path, SessionKind::kPlan); }
 
 }  // namespace axiscal::session

@@ -20,6 +20,11 @@ absl::StatusOr<Session> ReadSessionText(const std::string& text, const std::stri
 // NOT_FOUND when there is no such file; a file beyond kMaxSessionBytes is refused before it is read.
 absl::StatusOr<Session> ReadSessionFile(const std::string& path);
 
+// The plan of a session, as `axiscal plan` writes it, or a measured session to be measured again: readings may be empty
+// or missing, and are left out of the result, which is header, planned columns and axis positions. Errors as above.
+absl::StatusOr<Session> ReadPlanText(const std::string& text, const std::string& name);
+absl::StatusOr<Session> ReadPlanFile(const std::string& path);
+
 }  // namespace axiscal::session
 
 #endif  // AXISCAL_CORE_SESSION_READ_SESSION_H_

@@ -95,5 +95,25 @@ TEST_F(ReadSessionFiles, AFileBeyondTheLimitIsRefusedBeforeItIsRead) {
               HasSubstr("1073741824 bytes, a session file has at most 268435456 (256 MB)"));
 }
 
+// The plan of a session: readings empty or missing, and left out where they are there.
+TEST(ReadPlan, ReadingsMayBeEmptyOrMissing) {
+  const std::string rods =
+      "# machine: mt\n# session: s\n# instrument: tool-setter\n# sigma_um: 1\n# tool_tip_mm: 0 0 0\n# beam: 0.2 0 0\n"
+      "# rod one: 5 0.03 90 0 133.7 0\n";
+  for (const char* const rows : {"rod,readout,Z_mm\none,1,\none,2,\n", "rod,readout\none,1\none,2\n",
+                                 "rod,readout,Z_mm\none,1,-376.5\none,2,-376.6\n"}) {
+    const auto plan = ReadPlanText(rods + rows, "plan.csv");
+    ASSERT_TRUE(plan.ok()) << plan.status();
+    ASSERT_EQ(plan->columns.size(), 2u);
+    EXPECT_EQ(plan->columns[1].values, std::vector<double>({1, 2}));
+  }
+  EXPECT_FALSE(ReadSessionText(rods + "rod,readout,Z_mm\none,1,\n", "s.csv").ok());
+  EXPECT_FALSE(ReadSessionText(rods + "rod,readout\none,1\n", "s.csv").ok());
+  EXPECT_EQ(ReadPlanText(rods + "readout,Z_mm\n1,\n", "plan.csv").status().message(),
+            "plan.csv: line 8: column rod is missing, instrument tool-setter needs it");
+  EXPECT_EQ(ReadPlanText(rods + "rod,readout,Z_mm\none,,\n", "plan.csv").status().message(),
+            "plan.csv: line 9, column 2 (readout): is empty, expected the number of the readout within +-1e+06");
+}
+
 }  // namespace
 }  // namespace axiscal::session
