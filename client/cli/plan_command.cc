@@ -267,8 +267,8 @@ void AddPlanCommand(CLI::App& app, Context& context) {
                    "errors that count as unknown, instead of the machine's declared ones")
       ->delimiter(',');
   plan->add_option("-o,--output", arguments->output,
-                   "FILE.csv: the axis table, a session without readings (of touches: the plan for axiscal reduce); "
-                   "else the NC program");
+                   "FILE.csv: the axis table, a session without readings, the plan for axiscal reduce; else the NC "
+                   "program");
   plan->add_option("--dialect", arguments->program.dialect, "of the program: " + Joined(plan::ProgramDialects(), ", "))
       ->capture_default_str();
   plan->add_option("--feed", arguments->program.feed_mm_min, "mm/min between poses at rest")->capture_default_str();

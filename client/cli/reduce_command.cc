@@ -48,7 +48,7 @@ absl::Status ReduceLog(Context& context, const ReduceArguments& arguments) {
   }
   std::optional<session::Session> plan;
   if (!arguments.plan.empty()) {
-    ASSIGN_OR_RETURN(plan, session::ReadSessionFile(arguments.plan));
+    ASSIGN_OR_RETURN(plan, session::ReadPlanFile(arguments.plan));
   }
   RETURN_IF_ERROR(base::RequireFile(arguments.log));
   std::ifstream in(arguments.log, std::ios::binary);
@@ -92,10 +92,12 @@ void AddReduceCommand(CLI::App& app, Context& context) {
       ->required();
   reduce->add_option("-o,--output", arguments->output, "the session file")->required();
   reduce->add_option("--plan", arguments->plan,
-                     "the planned session that was run (axiscal plan TEST -o FILE.csv): brings header, features and "
-                     "approaches, line by line");
-  reduce->add_option("--machine", arguments->machine,
-                     "the machine, or its machine.json without any database: axes, travel and gates are checked");
+                     "the planned session that was run (axiscal plan TEST -o FILE.csv): brings the header and what was "
+                     "planned (poses, features, approaches, rods), line by line");
+  reduce->add_option(
+      "--machine", arguments->machine,
+      "the machine, or its machine.json without any database: axes, travel and gates are checked; centres "
+      "of a sphere are computed from touches with it");
   reduce->add_option("--session", arguments->session, "name of the session, in place of the template's");
   reduce->add_option("--start-s", arguments->start_s, "t_s of the first reading, where the log has no times");
   reduce->footer(
@@ -106,7 +108,7 @@ void AddReduceCommand(CLI::App& app, Context& context) {
       "  line: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg}    a reading; {*} is passed over; tagged fields come in any order\n"
       "  skip: TEXT {*}                        a line that says nothing (as often as needed)\n"
       "  count: Number of Points {count}       how many readings follow: reported where they do not\n"
-      "  mark: Feature {feature}               what the touches that follow are of\n"
+      "  mark: Feature {feature}               what the touches that follow are of (of a tool setter: {rod})\n"
       "  feature: NAME                         or all of one feature\n"
       "  approach: feature | nx ny nz          along the feature's inward normal (needs --machine), or one direction\n"
       "  axis: X SCALE OFFSET                  position = SCALE * logged + OFFSET\n"

@@ -185,6 +185,11 @@ absl::StatusOr<LinePattern> ParsePattern(const std::string& text) {
   return pattern;
 }
 
+bool HasField(const LinePattern& pattern, const std::string& field) {
+  return std::any_of(pattern.pieces.begin(), pattern.pieces.end(),
+                     [&](const Piece& piece) { return piece.field == field; });
+}
+
 Match MatchLine(const LinePattern& pattern, std::string_view line) {
   return pattern.is_any_order ? MatchTagged(pattern, line) : MatchInOrder(pattern, line);
 }

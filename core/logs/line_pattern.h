@@ -30,6 +30,8 @@ struct LinePattern {
 // INVALID_ARGUMENT: an unclosed or empty brace, a field named twice, two fields of text with nothing between them.
 absl::StatusOr<LinePattern> ParsePattern(const std::string& text);
 
+bool HasField(const LinePattern& pattern, const std::string& field);
+
 struct FieldValue {
   double number = 0.0;
   std::string text;

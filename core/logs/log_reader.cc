@@ -44,7 +44,9 @@ class Reader {
     if (template_.mark) {
       const Match match = MatchLine(*template_.mark, text);
       if (match.is_match) {
-        feature_ = FieldOf(*template_.mark, match, "feature").text;
+        for (const char* const name : {"feature", "rod"}) {
+          if (HasField(*template_.mark, name)) feature_ = FieldOf(*template_.mark, match, name).text;
+        }
         return absl::OkStatus();
       }
     }

@@ -46,11 +46,6 @@ absl::Status AddUsualLines(LogTemplate* out) {
   return absl::OkStatus();
 }
 
-bool HasField(const LinePattern& pattern, const std::string& field) {
-  return std::any_of(pattern.pieces.begin(), pattern.pieces.end(),
-                     [&](const Piece& piece) { return piece.field == field; });
-}
-
 // "X 25.4 -390" : axis, scale, offset.
 absl::Status ReadScale(const std::string& value, LogTemplate* out) {
   const size_t blank = value.find(' ');
@@ -85,6 +80,13 @@ absl::Status ReadPattern(const std::string& value, const std::string& field, std
   return Refuse(session::Quoted(value) + ", expected a field {" + field + "}");
 }
 
+// What follows is of a feature, or of a rod.
+absl::Status ReadMark(const std::string& value, std::optional<LinePattern>* out) {
+  ASSIGN_OR_RETURN(*out, ParsePattern(value));
+  if (HasField(**out, "feature") || HasField(**out, "rod")) return absl::OkStatus();
+  return Refuse(session::Quoted(value) + ", expected a field {feature} or {rod}");
+}
+
 absl::Status ReadRule(const std::string& rule, const std::string& value, LogTemplate* out) {
   if (rule == "format") {
     ASSIGN_OR_RETURN(out->format, FormatOf(value));
@@ -92,7 +94,7 @@ absl::Status ReadRule(const std::string& rule, const std::string& value, LogTemp
   }
   if (rule == "line") return ReadPattern(value, "", &out->line);
   if (rule == "count") return ReadPattern(value, "count", &out->count);
-  if (rule == "mark") return ReadPattern(value, "feature", &out->mark);
+  if (rule == "mark") return ReadMark(value, &out->mark);
   if (rule == "skip") {
     ASSIGN_OR_RETURN(LinePattern pattern, ParsePattern(value));
     out->skip.push_back(std::move(pattern));

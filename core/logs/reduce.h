@@ -15,9 +15,11 @@
 namespace axiscal::logs {
 
 struct ReduceOptions {
-  const machine::Machine* machine = nullptr;  // checks axes and gates touches; needed for `approach: feature`
-  // The session that was planned and run: brings header, features and approaches; reading k is its line k, latched
-  // within kMaxOffPlanMm (linear axes) and kMaxOffPlanDeg of it.
+  // Checks axes and gates touches; needed for `approach: feature` and for centres from touches.
+  const machine::Machine* machine = nullptr;
+  // The session that was planned and run (session::ReadPlanFile): brings header and planned columns; reading k is its
+  // line k, latched within kMaxOffPlanMm (linear axes) and kMaxOffPlanDeg of it and of its names. Of `centres` line k
+  // is a pose, and the log may hold the touches at it.
   const session::Session* plan = nullptr;
   std::string session = "";                      // its name, in place of the template's or the plan's
   std::optional<double> start_s = std::nullopt;  // t_s of the first reading where the log has no times
@@ -29,12 +31,17 @@ inline constexpr double kMaxOffPlanMm = 25.0, kMaxOffPlanDeg = 0.1;
 
 struct Reduced {
   session::Session session;   // valid; header key `cut_line` where the log's last line was cut
-  std::vector<size_t> lines;  // of the log, by reading
+  std::vector<size_t> lines;  // of the log, by reading; of a centre the first of its touches
   std::optional<CutLine> cut;
   std::vector<std::string> notes;  // for people: what is missing, what was filled in
 };
 
-// INVALID_ARGUMENT naming log or template, line, column and the rule; nothing is made up for what the log does not say.
+// A column is filled by its session::ColumnSource: what is planned from the log, else the plan or the template;
+// commanded positions from the log, else the plan, latched ones (touch) from the log alone; readings from the log
+// alone; centres from the log, else fitted to its touches (sphere_centres.h; needs `machine`), with header
+// `centre_sigma_um`. Where neither positions nor names of the log stand in the plan too, it must hold as many readings
+// as the plan. INVALID_ARGUMENT naming log or template, line, column and the rule; nothing is made up for what the log
+// does not say.
 absl::StatusOr<Reduced> Reduce(std::istream& log, const std::string& log_name, const LogTemplate& log_template,
                                const ReduceOptions& options);
 

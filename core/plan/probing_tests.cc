@@ -38,6 +38,9 @@ std::vector<PlannedSession> SphereProbing(const Situation& situation) {
       for (session::HeaderEntry& entry : session.session.header) {
         if (entry.key == "instrument") entry.value = "centres";
       }
+      // What reduces the touches compares their sphere with these.
+      session.session.header.push_back({"sphere_radius_mm", absl::StrFormat("%.10g", situation.sphere_radius_mm)});
+      session.session.header.push_back({"stylus_radius_mm", absl::StrFormat("%.10g", situation.stylus_radius_mm)});
       session.session.columns = {{"t_s", {}, {}}};
       for (const machine::Axis& a : machine.axes) {
         if (a.kind == machine::AxisKind::kRotary) session.session.columns.push_back({a.name + "_deg", {}, {}});

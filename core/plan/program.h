@@ -31,8 +31,8 @@ struct ProgramOptions {
 absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const session::Session& session,
                                       const ProgramOptions& options = {});
 
-// The axis table: the session's file without its readings, to be filled by whoever measures it; of a `touch` session
-// the whole plan, as axiscal reduce takes it. LF line ends.
+// The axis table: the session's file without its readings (session::ReadPlanFile), to be filled by whoever measures it
+// or by axiscal reduce. LF line ends.
 std::string ToTable(const session::Session& session);
 
 }  // namespace axiscal::plan

@@ -67,5 +67,28 @@ TEST_F(Reduce, BadInputChangesNothing) {
   EXPECT_FALSE(Exists("s.csv"));
 }
 
+// From the plan of measuring rods to the reference, and what is asked for where neither plan nor log holds it.
+TEST_F(Reduce, APlanOfReadingsIsFilledByTheLog) {
+  ASSERT_EQ(Run("toolsetter plan '" + Source("deploy/examples/fang-tool-setter/tool-setter-aligned.csv") +
+                "' --readouts 2 -o rods.csv")
+                .exit_code,
+            0);
+  Write("z.txt", "-376.586\n-376.585\n-349.701\n-349.702\n-330.521\n-330.520\n");
+  Write("z.template", "line: {Z_mm}\n");
+  const auto reduced = Run("reduce z.txt --template z.template --plan rods.csv -o setter.csv");
+  ASSERT_EQ(reduced.exit_code, 0) << reduced.err;
+  EXPECT_THAT(Read("setter.csv"), HasSubstr("\nrod,readout,Z_mm\nstandard,1,-376.586\nstandard,2,-376.585\nrod-1,1,"));
+  EXPECT_EQ(Run("toolsetter reference setter.csv").exit_code, 0);
+  const std::string plan = "plan" + Machine() + "--ball \"40 0 60\" --tool-tip \"0 0 -350\" ";
+  ASSERT_EQ(Run(plan + "sphere-B -o sphere.csv").exit_code, 0);
+  Write("touch.txt", "X0.0000 Y0.0000 Z0.0000 B0.0000 C0.0000\n");
+  EXPECT_THAT(Run("reduce touch.txt --template dprnt --plan sphere.csv -o s.csv").err,
+              HasSubstr("expected the fields or --machine"));
+  ASSERT_EQ(Run(plan + "ballbar-circle -o circle.csv").exit_code, 0);
+  EXPECT_THAT(Run("reduce touch.txt --template dprnt --plan circle.csv" + Machine() + "-o s.csv").err,
+              HasSubstr("has no field {dL_mm}, which instrument ballbar reads"));
+  EXPECT_FALSE(Exists("s.csv"));
+}
+
 }  // namespace
 }  // namespace axiscal
