@@ -456,6 +456,20 @@ TEST(PlannedLogs, EveryInstrumentsPlanTakesItsReadings) {
   }
 }
 
+// The same run has two senses: which reading is missing, its name does not say.
+TEST(PlannedLogs, ANameThatStandsForSeveralReadingsIsNotEnough) {
+  const Session plan =
+      session::ReadPlanText(
+          "# machine: mt\n# session: s\n# instrument: eccentricity\n# sigma_um: 1\n# tool_tip_mm: 0 0 0\n"
+          "run,sense\nBX,1\nBX,-1\n",
+          "plan.csv")
+          .value();
+  const LogTemplate by_run = ParseTemplate("line: {run} = {ex_um}\n", "t.txt").value();
+  EXPECT_THAT(Refusal(ReduceText("BX = 1.5\n", by_run, nullptr, plan)), HasSubstr("expected all of them"));
+  EXPECT_THAT(Refusal(ReduceText("CR = 1.5\nBX = 2.5\n", by_run, nullptr, plan)),
+              HasSubstr("probe.log: line 1: run 'CR', but line 1 of the plan is of 'BX'"));
+}
+
 // Five touches at each of seven poses, noise of `sigma_mm` along the way, spoilt by `spoil` before they are written.
 absl::StatusOr<Reduced> TouchedSphere(double sigma_mm, const std::function<void(std::vector<std::string>*)>& spoil,
                                       const std::string& header_from = "", const std::string& header_to = "") {

@@ -41,9 +41,15 @@ class Reducer {
   absl::StatusOr<Reduced> Run(std::istream& in) {
     RETURN_IF_ERROR(MakeHeader());
     RETURN_IF_ERROR(MakePattern());
+    RETURN_IF_ERROR(CheckFields());
+    RETURN_IF_ERROR(CheckReadings());
+    if (AreTouchesOfCentres() && options_.machine == nullptr) {
+      return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text,
+                                 "' has no fields {cx_mm} {cy_mm} {cz_mm}: centres are computed from touches with the "
+                                 "machine's axes, expected the fields or --machine"));
+    }
     ASSIGN_OR_RETURN(log_, ReadLog(in, log_name_, template_, pattern_));
     for (const LogReading& reading : log_.readings) out_.lines.push_back(reading.line);
-    RETURN_IF_ERROR(CheckFields());
     if (AreTouchesOfCentres()) {
       RETURN_IF_ERROR(FillCentres());
     } else {
@@ -162,6 +168,23 @@ class Reducer {
     return absl::OkStatus();
   }
 
+  // What an instrument reads is in the line. What it may leave empty is empty, if the line holds any other of that
+  // kind.
+  absl::Status CheckReadings() const {
+    if (AreTouchesOfCentres()) return absl::OkStatus();
+    const bool is_read = std::any_of(format_->columns.begin(), format_->columns.end(), [&](const auto& column) {
+      return column.may_be_empty && FieldIndex(column.name) >= 0;
+    });
+    for (const session::ReadingColumn& column : format_->columns) {
+      if (column.source == session::ColumnSource::kPlan || FieldIndex(column.name) >= 0) continue;
+      if (column.may_be_empty && is_read) continue;
+      return Refuse(absl::StrCat(
+          template_.name, ": line: '", pattern_.text, "' has no field {", column.name, "}, which instrument ",
+          format_->name, " reads and only the log can hold, expected a template with 'line: ...{", column.name, "}'"));
+    }
+    return absl::OkStatus();
+  }
+
   // As logged; an axis' by its scale and offset.
   std::vector<double> NumbersOf(int field) const {
     std::vector<double> numbers;
@@ -198,7 +221,8 @@ class Reducer {
 
   absl::Status NoField(const std::string& name) const {
     return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {", name, "}, instrument ",
-                               format_->name, " needs it"));
+                               format_->name, " needs it",
+                               format_->name == "touch" ? "" : ", expected the field or a plan that holds it"));
   }
 
   absl::Status FillAxes() {
@@ -244,7 +268,7 @@ class Reducer {
       for (size_t k = 0; k < log_.readings.size(); ++k) {
         const std::optional<std::string> name = LoggedName(column.name, k);
         if (!name) continue;
-        *is_any = true;
+        *is_any |= IsFeature(column.name);  // a run has several senses
         if (*name == plan->texts[k]) continue;
         return Refuse(absl::StrCat(LineOf(k), ": ", column.name, " ", session::Quoted(*name), ", but line ", k + 1,
                                    " of the plan is of ", session::Quoted(plan->texts[k]),
@@ -398,16 +422,9 @@ class Reducer {
   absl::StatusOr<Column> Missing(const session::ReadingColumn& column) {
     const size_t count = log_.readings.size();
     Column filled = {column.name, {}, {}};
-    if (column.source != session::ColumnSource::kPlan) {
-      // What an instrument may leave empty is empty, if the line holds any other of its readings.
-      const bool is_read = std::any_of(format_->columns.begin(), format_->columns.end(), [&](const auto& other) {
-        return other.may_be_empty && FieldIndex(other.name) >= 0;
-      });
+    if (column.source != session::ColumnSource::kPlan) {  // CheckReadings: it may be empty
       filled.values.assign(count, std::nan(""));
-      if (column.may_be_empty && is_read) return filled;
-      return Refuse(absl::StrCat(
-          template_.name, ": line: '", pattern_.text, "' has no field {", column.name, "}, which instrument ",
-          format_->name, " reads and only the log can hold, expected a template with 'line: ...{", column.name, "}'"));
+      return filled;
     }
     if (IsFeature(column.name)) {
       for (size_t k = 0; k < count; ++k) {
@@ -461,7 +478,7 @@ class Reducer {
     return is_any;
   }
 
-  // Touches in order, those at one rotary pose together; `rows`: of the plan, by pose.
+  // Touches in order, those at one rotary pose together; pose k is that of the plan's line k.
   absl::StatusOr<std::vector<TouchedPose>> Poses(const std::vector<std::vector<double>>& axes) const {
     const machine::Machine& machine = *options_.machine;
     std::vector<TouchedPose> poses;
@@ -525,15 +542,13 @@ class Reducer {
   }
 
   absl::Status FillCentres() {
-    if (options_.machine == nullptr) {
-      return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text,
-                                 "' has no fields {cx_mm} {cy_mm} {cz_mm}: centres are computed from touches with the "
-                                 "machine's axes, expected the fields or --machine"));
-    }
     const machine::Machine& machine = *options_.machine;
     std::vector<std::vector<double>> axes;
     for (const std::string& name : KnownAxes()) {
-      if (FieldIndex(name) < 0) return NoField(name);
+      if (FieldIndex(name) < 0) {
+        return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {", name,
+                                   "}, and none for centres: a touch is where all axes were latched"));
+      }
       axes.push_back(NumbersOf(FieldIndex(name)));
       if (options_.plan != nullptr && name.ends_with("_deg") && Planned(name) == nullptr)
         return Refuse("the plan has no column " + name);

@@ -81,32 +81,37 @@ Fit FitPose(const machine::Machine& machine, const TouchedPose& pose, const Cent
   return {off_mm.squaredNorm(), static_cast<int>(count) - 4, covariance.diagonal().head<3>()};
 }
 
-double MedianRadiusMm(const std::vector<SphereCentre>& poses) {
+// Ascending, of the poses that have a centre.
+std::vector<double> RadiiOf(const std::vector<SphereCentre>& poses) {
   std::vector<double> radii_mm;
   for (const SphereCentre& pose : poses) {
     if (pose.why_not.empty()) radii_mm.push_back(pose.radius_mm);
   }
-  if (radii_mm.empty()) return NAN;
-  std::nth_element(radii_mm.begin(), radii_mm.begin() + radii_mm.size() / 2, radii_mm.end());
-  return radii_mm[radii_mm.size() / 2];
+  std::sort(radii_mm.begin(), radii_mm.end());
+  return radii_mm;
 }
 
 absl::Status CheckRadii(const CentreOptions& options, const std::string& log_name, std::vector<SphereCentre>* poses) {
-  const double median_mm = MedianRadiusMm(*poses);
-  if (options.contact_mm > 0.0 && std::abs(median_mm - options.contact_mm) > options.gate_mm) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "%s: the touches lie on a radius of %.4f mm, expected %.4f (sphere_radius_mm + stylus_radius_mm) within "
-        "radius_gate_um = %g: was it measured with another stylus?",
-        log_name, median_mm, options.contact_mm, options.gate_mm * base::kUmPerMm));
-  }
+  const std::vector<double> all_mm = RadiiOf(*poses);
   for (SphereCentre& pose : *poses) {
-    if (!pose.why_not.empty() || std::abs(pose.radius_mm - median_mm) <= options.gate_mm) continue;
+    if (!pose.why_not.empty()) continue;
+    const auto first = std::lower_bound(all_mm.begin(), all_mm.end(), pose.radius_mm - options.gate_mm);
+    const auto behind = std::upper_bound(first, all_mm.end(), pose.radius_mm + options.gate_mm);
+    const auto alike = (behind - first) - 1, others = static_cast<std::ptrdiff_t>(all_mm.size()) - 1;
+    if (2 * alike >= others) continue;
     pose.why_not = absl::StrFormat(
-        "its radius is %.4f mm, that of the other poses %.4f, expected within %g um: a touch "
-        "is wrong",
-        pose.radius_mm, median_mm, options.gate_mm * base::kUmPerMm);
+        "its radius is %.4f mm, and only %d of the %d other poses have it within %g um: a "
+        "touch is wrong",
+        pose.radius_mm, alike, others, options.gate_mm * base::kUmPerMm);
   }
-  return absl::OkStatus();
+  const std::vector<double> radii_mm = RadiiOf(*poses);
+  if (radii_mm.empty() || options.contact_mm <= 0.0) return absl::OkStatus();
+  const double median_mm = radii_mm[radii_mm.size() / 2];
+  if (std::abs(median_mm - options.contact_mm) <= options.gate_mm) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "%s: the touches lie on a radius of %.4f mm, expected %.4f (sphere_radius_mm + stylus_radius_mm) within "
+      "radius_gate_um = %g: was it measured with another stylus?",
+      log_name, median_mm, options.contact_mm, options.gate_mm * base::kUmPerMm));
 }
 
 }  // namespace

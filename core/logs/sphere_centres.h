@@ -44,10 +44,10 @@ struct SphereCentres {
 
 // A free radius is fitted with each centre: a stylus radius that is wrong, and a probe that triggers late, leave the
 // centre where it is. A pose has no centre where fewer than five touches fix none, where a touch stands more than
-// gate_mm off the sphere of the others, or where the radius is so far off the median of all poses (which a touch along
-// the tool shows by, against which no other touch stands). INVALID_ARGUMENT, naming the touches by `log_name` and line,
-// when this is so of too many poses (touch::AreTooMany), when the median misses contact_mm by more than the gate
-// (another stylus or sphere), or when a centre is more than off_ball_mm off ball_mm.
+// gate_mm off the sphere of the others, or where fewer than half of the other poses have its radius within the gate (a
+// wrong touch along the tool shows by that alone: the four others fix no sphere). INVALID_ARGUMENT, naming the touches
+// by `log_name` and line, when this is so of too many poses (touch::AreTooMany), when the median radius misses
+// contact_mm by more than the gate (another stylus or sphere), or when a centre is more than off_ball_mm off ball_mm.
 absl::StatusOr<SphereCentres> CentresOf(const machine::Machine& machine, const std::vector<TouchedPose>& poses,
                                         const CentreOptions& options, const std::string& log_name);
 

@@ -79,7 +79,7 @@ TEST_F(Reduce, APlanOfReadingsIsFilledByTheLog) {
   ASSERT_EQ(reduced.exit_code, 0) << reduced.err;
   EXPECT_THAT(Read("setter.csv"), HasSubstr("\nrod,readout,Z_mm\nstandard,1,-376.586\nstandard,2,-376.585\nrod-1,1,"));
   EXPECT_EQ(Run("toolsetter reference setter.csv").exit_code, 0);
-  const std::string plan = "plan" + Machine() + "--ball \"40 0 60\" --tool-tip \"0 0 -350\" ";
+  const std::string plan = "plan" + Machine() + "--ball \"40 0 60\" --tool-tip \"0 0 -350\" --travel \"B -30 120\" ";
   ASSERT_EQ(Run(plan + "sphere-B -o sphere.csv").exit_code, 0);
   Write("touch.txt", "X0.0000 Y0.0000 Z0.0000 B0.0000 C0.0000\n");
   EXPECT_THAT(Run("reduce touch.txt --template dprnt --plan sphere.csv -o s.csv").err,
