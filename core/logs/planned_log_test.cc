@@ -519,6 +519,22 @@ TEST(PlannedLogs, CentresSayHowWellTheyAreKnown) {
   EXPECT_THAT(noisy->notes, Contains(HasSubstr("and not the stated 2")));
 }
 
+// A measured session is the plan of the same poses: what its own log said of it is not said of the next one.
+TEST(PlannedLogs, ACentresSessionIsMeasuredAgain) {
+  const Machine machine = machine::testing::MultiTasking();
+  std::string log;
+  const auto first = TouchedSphere(1e-4, [&](std::vector<std::string>* lines) {
+    for (const std::string& line : *lines) log += line;
+  });
+  ASSERT_TRUE(first.ok()) << first.status();
+  Session again = first->session;
+  again.header.push_back({"cut_line", "line 9 of the log: 'X'"});
+  const Session plan = session::ReadPlanText(session::WriteSession(again).value(), "plan.csv").value();
+  const auto second = ReduceText(log, FindFormat("dprnt").value(), &machine, plan);
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_EQ(second->session, first->session);
+}
+
 TEST(PlannedLogs, ASphereThatWasNotTouchedAsPlannedGivesNoCentre) {
   // One of the sides, and the touch along the tool, which only the radius shows.
   for (const size_t touch : {2u, 0u}) {

@@ -21,6 +21,9 @@ namespace {
 using session::Column;
 using session::Session;
 
+// Header keys that a log leaves in its session.
+constexpr char kCutLine[] = "cut_line", kCentreSigma[] = "centre_sigma_um";
+
 absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
 
 std::string ColumnName(const machine::Axis& axis) {
@@ -78,6 +81,9 @@ class Reducer {
       if (!header.empty())
         return Refuse(template_.name + ": header lines beside a plan, which brings them: expected rules alone");
       header = options_.plan->header;
+      // Of a measured session that is measured again: what its own log said.
+      std::erase_if(
+          header, [](const session::HeaderEntry& entry) { return entry.key == kCutLine || entry.key == kCentreSigma; });
     }
     if (header.empty()) {
       return Refuse(template_.name +
@@ -616,7 +622,7 @@ class Reducer {
   void StateSigmas(const SphereCentres& centres) {
     const Eigen::Vector3d sigma_um = centres.centre_sigma_mm * base::kUmPerMm;
     const std::string text = absl::StrFormat("%.3g %.3g %.3g", sigma_um.x(), sigma_um.y(), sigma_um.z());
-    out_.session.header.push_back({"centre_sigma_um", text});
+    out_.session.header.push_back({kCentreSigma, text});
     out_.notes.push_back(
         absl::StrFormat("centres are of spheres through touches that scatter by %.3g um about them; one sigma of a "
                         "centre in x y z: %s um",
@@ -663,7 +669,7 @@ class Reducer {
     out_.cut = log_.cut;
     if (!log_.cut) return;
     const std::string what = absl::StrCat("line ", log_.cut->line, " of the log: ", session::Quoted(log_.cut->text));
-    out_.session.header.push_back({"cut_line", what});
+    out_.session.header.push_back({kCutLine, what});
     out_.notes.push_back("cut, and left out: " + what);
   }
 

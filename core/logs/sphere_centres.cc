@@ -132,7 +132,7 @@ absl::StatusOr<SphereCentres> CentresOf(const machine::Machine& machine, const s
       continue;
     }
     const double off_mm = (out.poses[k].centre_mm - NominalCentre(machine, options.ball_mm, poses[k])).norm();
-    if (off_mm > options.off_ball_mm) {
+    if (!(off_mm <= options.off_ball_mm)) {
       return absl::InvalidArgumentError(
           absl::StrFormat("%s: %s: the sphere's centre is %.3f mm off where the header's table_ball_mm puts it, "
                           "expected within %g: was "
