@@ -34,11 +34,7 @@ absl::Status CheckToolTip(const Machine& machine, const Eigen::Vector3d& tool_ti
     const Axis& axis = machine.axes[*name];
     if (axis.kind != AxisKind::kRotary || std::abs(axis.direction.dot(machine.tool_direction)) > kAboutTheTool) continue;
     const Eigen::Vector3d from_point_mm = tool_tip_mm - axis.point_mm;
-    const Eigen::Vector3d from_axis_mm = from_point_mm - axis.direction * axis.direction.dot(from_point_mm);
-    // Across the axis: the direction's own part along it does not count.
-    const Eigen::Vector3d across =
-        (machine.tool_direction - axis.direction * axis.direction.dot(machine.tool_direction)).normalized();
-    const double along_mm = from_axis_mm.dot(across), away_mm = from_axis_mm.norm();
+    const double along_mm = from_point_mm.dot(machine.tool_direction), away_mm = from_point_mm.norm();
     if (away_mm < kOnAxisMm || along_mm > -kOpposite * away_mm) return absl::OkStatus();
     const Eigen::Vector3d& d = machine.tool_direction;
     return absl::InvalidArgumentError(absl::StrFormat(

@@ -27,6 +27,7 @@ TEST(ToolTip, OnTheWrongSideOfTheSwivelAxisIsRefused) {
   EXPECT_TRUE(CheckToolTip(machine, {0, 0, -250}).ok());
   EXPECT_TRUE(CheckToolTip(machine, {0, 0, 100}).ok());     // on the axis
   EXPECT_TRUE(CheckToolTip(machine, {300, 0, 150}).ok());   // an angle head
+  EXPECT_TRUE(CheckToolTip(machine, {0, 250, 200}).ok());   // a ball on an arm along the axis
   const absl::Status refused = CheckToolTip(machine, {5, 0, 450});
   EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(refused.message()),

@@ -29,6 +29,7 @@ std::vector<std::vector<double>> Visited(machine::Machine machine, const std::st
     const auto more = moves.Next(&event);
     EXPECT_TRUE(more.ok()) << more.status();
     if (!more.ok() || !*more) break;
+    if (event.step.kind == nc::StepKind::kNone) continue;  // the end of the program
     EXPECT_EQ(event.step.kind, nc::StepKind::kMove) << dialect << " line " << event.line << ": " << event.step.reason;
     EXPECT_EQ(event.step.end.known, (1u << machine.axis_count()) - 1) << event.line;
     std::vector<double>& at = visited.emplace_back();

@@ -125,7 +125,7 @@ TEST(YaoTable45, RefusesOtherMachinesAndSessions) {
   for (session::HeaderEntry& entry : upside_down[0].header)
     if (entry.key == "tool_tip_mm") entry.value = "0 0 356.3945";
   EXPECT_THAT(std::string(compare(Integrex(), upside_down).status().message()),
-              HasSubstr("R_B of BX is -356.394 mm, expected above 0"));
+              HasSubstr("tool tip 0 0 356.394: stands 356.4 mm behind axis B"));
   std::vector<session::Session> twice = Measured({"B", "B"});
   EXPECT_THAT(std::string(compare(Integrex(), twice).status().message()), HasSubstr("is there twice"));
   EXPECT_THAT(std::string(FindSource("yao").status().message()), HasSubstr("expected one of yao-table-4.5"));

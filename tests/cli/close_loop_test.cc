@@ -77,8 +77,8 @@ TEST_F(CloseLoop, FilesThatProveNothingAreRefused) {
   const size_t tip = session.find("# tool_tip_mm: 0 0 -");
   ASSERT_NE(tip, std::string::npos);
   Write("turned/check/02-CR.csv", session.erase(tip + 19, 1));
-  refused("turned", "turned/check/02-CR.csv: line ");
-  refused("turned", "tool_tip_mm and table_ball_mm right?");
+  refused("turned", "turned/check/02-CR.csv: session 'CR': tool tip 0 0 ");
+  refused("turned", "on the other side than tool_direction 0 0 -1 of machine mt points to");
 }
 
 // The simulation of `identify`, over the model that the loop ended with: the same in a folder and as a job.
