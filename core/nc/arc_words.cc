@@ -59,7 +59,7 @@ bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, con
                           CorrectedWord* corrected) const {
   const Modal& modal = interpreter_->modal();
   const Ticks unit = interpreter_->ticks_per_unit(piece.arc.first);
-  const WordForm form = word == nullptr ? rule_.Inserted(unit) : rule_.Of(*word, unit, modal.is_inch);
+  const WordForm form = word == nullptr ? rule_.Inserted(unit) : rule_.Of(*word, unit);
   if (interpreter_->RoleOf(letter) == Role::kRadius) {
     const double sign = std::abs(piece.arc.sweep_rad) > kPi ? -1.0 : 1.0;
     *corrected = WordFor(std::llround(sign * piece.arc.radius_mm() * kTicksPerUnit), 0, form);

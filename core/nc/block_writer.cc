@@ -119,7 +119,7 @@ int BlockWriter::FirstUnknown(const Block& block, const Step& step) const {
 WordForm BlockWriter::FormOf(const Block& block, const Step& step, int axis) const {
   const Ticks unit = interpreter_->ticks_per_unit(axis);
   if (step.word_of_axis[axis] < 0) return rule_.Inserted(unit);
-  return rule_.Of(block.words[static_cast<size_t>(step.word_of_axis[axis])], unit, interpreter_->modal().is_inch);
+  return rule_.Of(block.words[static_cast<size_t>(step.word_of_axis[axis])], unit);
 }
 
 WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
@@ -132,7 +132,7 @@ WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
   grain.is_flat = interpreter_->dialect().has_poles;
   for (const Word& word : block) {
     if (interpreter_->RoleOf(word.letter) != Role::kRadius) continue;
-    grain.radius = rule_.Of(word, interpreter_->ticks_per_unit(step.arc.first), interpreter_->modal().is_inch).grain;
+    grain.radius = rule_.Of(word, interpreter_->ticks_per_unit(step.arc.first)).grain;
   }
   return grain;
 }
@@ -229,7 +229,6 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
     if (NeedsWord(axis, piece.targets[axis], FormOf(block, step, axis).grain)) return false;
   }
   // Local copies: the compiler must assume that a write through `to` can change any member of this object.
-  const bool is_inch = interpreter_->modal().is_inch;
   const WordRule rule = rule_;
   char* to = out->Room(kMaxBytes + machine::kMaxAxes * kMaxFixedBytes);
   uint32_t copied = 0;
@@ -247,7 +246,7 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
       continue;
     }
     const Ticks unit = interpreter_->ticks_per_unit(axis), base = interpreter_->offset(axis) + shift;
-    const CorrectedWord corrected = WordFor(target, base, rule.Of(word, unit, is_inch));
+    const CorrectedWord corrected = WordFor(target, base, rule.Of(word, unit));
     commanded_.ticks[axis] = corrected.Position(base);
     if (IsSaid(corrected, word)) continue;
     const uint32_t number_at = word.number_at, end = word.end;

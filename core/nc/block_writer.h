@@ -47,7 +47,9 @@ class BlockWriter {
   // control stands there.
   std::string Return(const StateBefore& before, const std::string& line_end, OutBuffer* out);
   // In front of a move that follows the direction of the one in front of it: a short one between them would turn it.
-  void LeaveAdrift(const char* text, size_t size);
+  // The pole is no move: it is brought back.
+  void LeaveAdrift(const char* text, size_t size, const StateBefore& before, const std::string& line_end,
+                   OutBuffer* out);
   // Axes that may stand at a corrected position which is not known: of a block that may have been skipped.
   uint16_t adrift() const { return adrift_; }
   // The control is in G01 where the program is in G02 or G03, and this block would leave the text with that.

@@ -46,14 +46,11 @@ struct WordRule {
     const int decimals = ticks_per_unit == kTicksPerInch ? decimals_inch : decimals_mm;
     return {decimals, GrainTicks(ticks_per_unit, decimals), false};
   }
-  // Of a written word, of a program that is in inch or not: increments of rotary axes follow it too.
-  WordForm Of(const Word& word, Ticks ticks_per_unit, bool is_inch) const {
-    if (IsIncrements(word)) {
-      const int decimals = is_inch ? decimals_inch : decimals_mm;
-      return {decimals, GrainTicks(ticks_per_unit, decimals), true};
-    }
-    const int decimals =
-        std::max<int>(ticks_per_unit == kTicksPerInch ? decimals_inch : decimals_mm, word.number.decimals);
+  // Of a written word. Angles have the decimals of mm in programs in inch, too.
+  WordForm Of(const Word& word, Ticks ticks_per_unit) const {
+    const int least = ticks_per_unit == kTicksPerInch ? decimals_inch : decimals_mm;
+    if (IsIncrements(word)) return {least, GrainTicks(ticks_per_unit, least), true};
+    const int decimals = std::max<int>(least, word.number.decimals);
     return {decimals, GrainTicks(ticks_per_unit, decimals), false};
   }
   bool IsIncrements(const Word& word) const { return has_increments && !word.number.has_point; }

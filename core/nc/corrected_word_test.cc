@@ -26,24 +26,24 @@ std::string Text(const CorrectedWord& word) {
 }
 
 TEST(CorrectedWord, HasItsOwnDecimalsOrTheResolution) {
-  EXPECT_EQ(kRule.Of(Written(15, 1), kTicksPerMm, false).decimals, 4);
-  EXPECT_EQ(kRule.Of(Written(1234567, 6), kTicksPerMm, false).decimals, 6);
-  EXPECT_EQ(kRule.Of(Written(15, 1), kTicksPerInch, true).decimals, 5);
-  EXPECT_EQ(kRule.Of(Written(15, 1), kTicksPerMm, true).decimals, 4);  // a rotary axis of a program in inch
-  EXPECT_EQ(kRule.Of(Written(15, 0, false), kTicksPerMm, false).decimals, 4);
+  EXPECT_EQ(kRule.Of(Written(15, 1), kTicksPerMm).decimals, 4);
+  EXPECT_EQ(kRule.Of(Written(1234567, 6), kTicksPerMm).decimals, 6);
+  EXPECT_EQ(kRule.Of(Written(15, 1), kTicksPerInch).decimals, 5);
+  EXPECT_EQ(kRule.Of(Written(15, 1), kTicksPerMm).decimals, 4);  // a rotary axis of a program in inch
+  EXPECT_EQ(kRule.Of(Written(15, 0, false), kTicksPerMm).decimals, 4);
   EXPECT_EQ(kRule.Inserted(kTicksPerMm).grain, kGrain);
   EXPECT_EQ(kRule.Inserted(kTicksPerInch).grain, 2'540'000);
 }
 
 TEST(CorrectedWord, CountsIncrementsWithoutAPoint) {
-  const WordForm form = kIncrements.Of(Written(15, 0, false), kTicksPerMm, false);
+  const WordForm form = kIncrements.Of(Written(15, 0, false), kTicksPerMm);
   EXPECT_TRUE(form.is_increments);
   EXPECT_EQ(form.grain, 10 * kGrain);
   EXPECT_EQ(Text(WordFor(1'540'000'000, 0, form)), "154");
   EXPECT_TRUE(IsSaid(WordFor(150'000'000, 0, form), Written(15, 0, false)));
-  EXPECT_FALSE(kIncrements.Of(Written(15, 1), kTicksPerMm, false).is_increments);  // it has a point
-  // Of a rotary axis of a program in inch too: its least increment is the program's.
-  EXPECT_EQ(kIncrements.Of(Written(15, 0, false), kTicksPerMm, true).decimals, 4);
+  EXPECT_FALSE(kIncrements.Of(Written(15, 1), kTicksPerMm).is_increments);  // it has a point
+  // Of a rotary axis of a program in inch too: angles have no inch.
+  EXPECT_EQ(kIncrements.Of(Written(15, 0, false), kTicksPerMm).decimals, 3);
 }
 
 TEST(CorrectedWord, IsRoundedToTheNearestHalvesAwayFromZero) {
@@ -69,7 +69,7 @@ TEST(CorrectedWord, CountsFromWhatItsZeroMeans) {
 
 TEST(CorrectedWord, KeepsItsBytesWhereItsNumberIsTheSame) {
   const Word word = Written(125, 1);  // 12.5
-  const WordForm form = kRule.Of(word, kTicksPerMm, false);
+  const WordForm form = kRule.Of(word, kTicksPerMm);
   const Ticks said = 125'000'000'000;
   EXPECT_TRUE(IsSaid(WordFor(said + kGrain / 2 - 1, 0, form), word));
   EXPECT_FALSE(IsSaid(WordFor(said + kGrain / 2, 0, form), word));

@@ -124,11 +124,12 @@ class Interpreter {
   }
   bool IsMotionCode(const Word& word) const;  // of the group of G00 to G03
   bool IsArcCode(const Word& word) const;
-  // A word's value by the rule for words without a point.
-  Decimal Meant(const Decimal& written) const {
+  // A word's value by the rule for words without a point. An angle's increment is that of mm programs in inch, too.
+  Decimal Meant(const Decimal& written, Ticks ticks_per_unit) const {
     Decimal number = written;
     if (!number.has_point && options_->integer_words == IntegerWords::kLeastIncrement)
-      number.decimals = static_cast<int8_t>(modal_.is_inch ? options_->decimals_inch : options_->decimals_mm);
+      number.decimals =
+          static_cast<int8_t>(ticks_per_unit == kTicksPerInch ? options_->decimals_inch : options_->decimals_mm);
     return number;
   }
   // A length in ticks of a linear axis; nothing when it is out of range.

@@ -30,7 +30,7 @@ void Interpreter::SetPole(const Block& block, const Request& request, Step* step
     if (request.has_axis) {
       const Word& word = block.words[static_cast<size_t>(step->word_of_axis[axis])];
       if (!WordProblem(word).empty()) return;
-      value = *ToTicks(Meant(word.number), ticks_per_unit(axis));
+      value = *ToTicks(Meant(word.number, ticks_per_unit(axis)), ticks_per_unit(axis));
       is_incremental = IsIncremental(word);
     }
     if (is_incremental && !positions_.is_known(axis)) return;

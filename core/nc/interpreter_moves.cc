@@ -142,7 +142,7 @@ void Interpreter::DoPreset(const Block& block, const Request& request, Step* ste
       problem = absl::StrCat("the position of ", machine_->axes[i].name, " is unknown");
       break;
     }
-    const std::optional<Ticks> value = ToTicks(Meant(word.number), ticks_per_unit(i));
+    const std::optional<Ticks> value = ToTicks(Meant(word.number, ticks_per_unit(i)), ticks_per_unit(i));
     coordinates_.Preset(i, positions_.ticks[i], *value);
     step->preset_axes |= static_cast<uint16_t>(1u << i);
   }
@@ -164,7 +164,7 @@ void Interpreter::DoShift(const Block& block, const Request& request, Step* step
     if (step->word_of_axis[i] < 0) continue;
     const Word& word = block.words[static_cast<size_t>(step->word_of_axis[i])];
     problem = WordProblem(word);
-    if (problem.empty() && !coordinates_.Shift(i, *ToTicks(Meant(word.number), ticks_per_unit(i))))
+    if (problem.empty() && !coordinates_.Shift(i, *ToTicks(Meant(word.number, ticks_per_unit(i)), ticks_per_unit(i))))
       problem = "with preset coordinates (G92) in force controllers differ";
   }
   if (problem.empty()) return;
@@ -225,14 +225,16 @@ std::string Interpreter::WordProblem(const Word& word) const {
         "word ", WordText(word),
         " has no point and five digits or more: state whether it counts whole units or least increments");
   }
-  const std::optional<Ticks> ticks = ToTicks(Meant(number), modal_.is_inch ? kTicksPerInch : kTicksPerMm);
+  const Ticks unit = modal_.is_inch ? kTicksPerInch : kTicksPerMm;
+  const std::optional<Ticks> ticks = ToTicks(Meant(number, unit), unit);
   if (!ticks || std::abs(*ticks) > kMaxTicks)
     return absl::StrCat("word ", WordText(word), " has more than nine decimals or is out of range");
   return "";
 }
 
 std::optional<Ticks> Interpreter::LengthTicks(const Word& word) const {
-  const std::optional<Ticks> ticks = ToTicks(Meant(word.number), modal_.is_inch ? kTicksPerInch : kTicksPerMm);
+  const Ticks unit = modal_.is_inch ? kTicksPerInch : kTicksPerMm;
+  const std::optional<Ticks> ticks = ToTicks(Meant(word.number, unit), unit);
   return !ticks || std::abs(*ticks) > kMaxTicks ? std::nullopt : ticks;
 }
 
@@ -410,7 +412,7 @@ bool Interpreter::TakeWay(const Word& word, int axis, Step* step) {
 }
 
 bool Interpreter::ReadTarget(const Word& word, Ticks unit, Ticks* value, Step* step) {
-  const bool is_in_range = ToTicks(Meant(word.number), unit, value) && InRange(*value);
+  const bool is_in_range = ToTicks(Meant(word.number, unit), unit, value) && InRange(*value);
   const bool is_odd = !word.number.has_point && word.number.digits >= 5;
   const bool is_integer = !word.number.has_point && word.number.mantissa != 0;
   if (is_integer && !has_noted_integers_ && dialect_->integers_may_be_increments &&

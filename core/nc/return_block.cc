@@ -44,7 +44,9 @@ void BlockWriter::Arrive(const Step& step) {
   wrapped_ |= step.wrapped;
 }
 
-void BlockWriter::LeaveAdrift(const char* text, size_t size) {
+void BlockWriter::LeaveAdrift(const char* text, size_t size, const StateBefore& before, const std::string& line_end,
+                              OutBuffer* out) {
+  if (interpreter_->dialect().has_poles && pole_.is_known) ReturnPole(before, line_end, out);
   for (const int axis : order_) {
     const char letter = machine_->axes[axis].name[0];
     const bool is_named = std::any_of(text, text + size, [letter](char c) { return Capital(c) == letter; });

@@ -121,7 +121,7 @@ void Rewriter::Impl::Return() {
   const size_t begin = out.size();
   const std::string problem =
       step.is_tangential ? "" : writer.Return(interpreter.Before(), LineEnd(), &out);
-  if (step.is_tangential) writer.LeaveAdrift(now.text, now.text_size);
+  if (step.is_tangential) writer.LeaveAdrift(now.text, now.text_size, interpreter.Before(), LineEnd(), &out);
   if (!problem.empty()) {
     return job.Refused(now, absl::StrCat("it must begin where the program says, and cannot: ", problem), false);
   }

@@ -266,6 +266,8 @@ TEST(Rewriter, IntegerWordsByStatement) {
   options.integer_words = IntegerWords::kLeastIncrement;
   options.decimals_mm = 3;
   EXPECT_REWRITTEN(options, "G1 X10000 Y-0028000\nX10.5\n", "G1 X10042 Y-0028000\nX10.542\n");
+  // 90 deg is 90000 in inch, too.
+  EXPECT_REWRITTEN(options, "G20 G1 X0 B90000\n", "G20 G1 X0 B90000 Z-0.00164\n");
 }
 
 TEST(Rewriter, ALargeCorrectionStopsTheJob) {
