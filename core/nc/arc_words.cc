@@ -189,6 +189,7 @@ void BlockWriter::AppendPole(const Block& block, const Piece& piece, const std::
   }
   if (wanted == pole_) return;
   pole_ = wanted;
+  is_pole_moved_ = true;
   out->append(words);
   out->append(line_end);
 }

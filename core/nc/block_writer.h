@@ -60,6 +60,7 @@ class BlockWriter {
   void TakePole(const Pole& pole) {
     pole_ = pole;
     pole_.is_known &= pole.is_absolute;
+    is_pole_moved_ = !pole.is_absolute && (Departed() | adrift_) != 0;
   }
   void ForgetPole() { pole_.is_known = false; }
   // After a block that may be skipped: what it changed is unknown.
@@ -139,6 +140,7 @@ class BlockWriter {
   std::array<bool, machine::kMaxAxes> is_followed_{}, is_linear_{};  // rotary axes with orientation
   Commanded commanded_;
   Pole pole_;                                     // of the controller
+  bool is_pole_moved_ = false;                    // it may be another than the program's
   AxisTicks preset_shift_{}, suspended_shift_{};  // controller's preset (G92) - nominal one
   AxisTicks programmed_{};                        // where the program thinks the axes are
   uint16_t adrift_ = 0;

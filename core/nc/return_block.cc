@@ -31,7 +31,7 @@ void BlockWriter::BeginProgram(bool is_behind_end) {
   if (is_behind_end) adrift_ = 0;
   preset_shift_ = suspended_shift_ = {};
   wrapped_ = 0;
-  is_in_chords_ = false;
+  is_in_chords_ = is_pole_moved_ = false;
 }
 
 void BlockWriter::Arrive(const Step& step) {
@@ -46,7 +46,7 @@ void BlockWriter::Arrive(const Step& step) {
 
 void BlockWriter::LeaveAdrift(const char* text, size_t size, const StateBefore& before, const std::string& line_end,
                               OutBuffer* out) {
-  if (interpreter_->dialect().has_poles && pole_.is_known) ReturnPole(before, line_end, out);
+  if (interpreter_->dialect().has_poles) ReturnPole(before, line_end, out);
   for (const int axis : order_) {
     const char letter = machine_->axes[axis].name[0];
     const bool is_named = std::any_of(text, text + size, [letter](char c) { return Capital(c) == letter; });
@@ -74,7 +74,8 @@ void BlockWriter::AppendExact(int axis, Ticks target, Ticks base, bool is_inch, 
 }
 
 void BlockWriter::ReturnPole(const StateBefore& before, const std::string& line_end, OutBuffer* out) {
-  if (!before.pole.is_known || (pole_.is_known && pole_.ticks == before.pole.ticks)) return;
+  if (!is_pole_moved_ || !before.pole.is_known || (pole_.is_known && pole_.ticks == before.pole.ticks)) return;
+  is_pole_moved_ = false;
   pole_ = before.pole;
   pole_.is_absolute = true;
   out->append(std::string("CC"));

@@ -1,0 +1,8 @@
+9 CC
+4 CR
+5 DR+
+6 C DR-
+7 CC CC
+8 C C X+1
+9 CC X+1 L X+2
+10 L CC
