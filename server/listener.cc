@@ -151,9 +151,17 @@ absl::Status Listener::BindUnix(const std::string& address, const std::string& n
   }
   std::memcpy(place.sun_path + offset, name.data(), name.size());
   struct stat info;
-  // What a server that was killed has left; the database's lock keeps a second server off.
-  if (!is_abstract && stat(name.c_str(), &info) == 0 && S_ISSOCK(info.st_mode)) unlink(name.c_str());
   const size_t size = offsetof(sockaddr_un, sun_path) + offset + name.size() + (is_abstract ? 0 : 1);
+  // A socket at which nobody listens is what a server that was killed has left.
+  if (!is_abstract && stat(name.c_str(), &info) == 0 && S_ISSOCK(info.st_mode)) {
+    const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const bool is_left = probe >= 0 &&
+                         connect(probe, reinterpret_cast<const sockaddr*>(&place), static_cast<socklen_t>(size)) != 0 &&
+                         errno == ECONNREFUSED;
+    if (probe >= 0) close(probe);
+    if (!is_left) return Failed(address, "another server listens there");
+    unlink(name.c_str());
+  }
   const int socket = Listening(reinterpret_cast<const sockaddr*>(&place), static_cast<socklen_t>(size));
   if (socket < 0) return Failed(address, std::strerror(errno));
   sockets_.push_back(socket);

@@ -86,5 +86,16 @@ TEST(Listener, ASocketInTheFileSystemIsTakenOverAndGoesWithTheListener) {
   unlink(path.c_str());
 }
 
+// Its clients would reach another database without a word.
+TEST(Listener, ASocketAtWhichAServerListensIsNotTaken) {
+  const std::string path = absl::StrCat(::testing::TempDir(), "/listening.", getpid());
+  const auto first = Listener::Open("unix:" + path);
+  ASSERT_TRUE(first.ok()) << first.status();
+  const auto second = Listener::Open("unix:" + path);
+  EXPECT_EQ(base::ErrorReason(second.status()), "LISTEN_FAILED");
+  EXPECT_NE(second.status().message().find("another server listens there"), std::string::npos) << second.status();
+  EXPECT_EQ(access(path.c_str(), F_OK), 0);
+}
+
 }  // namespace
 }  // namespace axiscal::server

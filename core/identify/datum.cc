@@ -129,7 +129,7 @@ std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit) {
                       [](const instruments::SetupParameter& one) { return std::isfinite(one.prior_sigma); }));
   }
   const double pulled = PriorSquares(fit.problem, fit.point) - priors;
-  if (excess < kChance * std::sqrt(2.0 / freedom) * expected && pulled < kChance * std::sqrt(2.0 * priors)) return {};
+  if (excess < kChance * std::sqrt(2.0 / freedom) * expected && pulled <= kChance * std::sqrt(2.0 * priors)) return {};
   const Extended extended = Extend(fit);
   const std::vector<int> held = HeldIn(fit);
   Freed is_free(groups);

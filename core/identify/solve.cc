@@ -115,6 +115,11 @@ absl::StatusOr<Solution> SolveFrom(const machine::ErrorModel& model, const std::
   return Solve(*problem, first.point, null_space, options);
 }
 
+absl::Status NotConverged(const Solution& solution) {
+  return absl::FailedPreconditionError(
+      absl::StrCat("identification has not converged after ", solution.iterations, " iterations"));
+}
+
 // Sets solved->null_space, `held` and `solution`; raises the noise where it takes that to converge.
 absl::Status FindMinimum(const machine::ErrorModel& model, const std::vector<Eigen::VectorXd>& setup,
                          const Options& options, SolvedProblem* solved) {
@@ -129,10 +134,7 @@ absl::Status FindMinimum(const machine::ErrorModel& model, const std::vector<Eig
   while (!solved->solution.has_converged) {
     constexpr double kMostGrowth = 3.0, kMisses = 1.1;
     const double growth = std::min(kMostGrowth, std::sqrt(solved->solution.cost / ReadingCount(problem)));
-    if (!options.raise_noise || growth < kMisses) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("identification has not converged after ", solved->solution.iterations, " iterations"));
-    }
+    if (!options.raise_noise || growth < kMisses) return NotConverged(solved->solution);
     for (Noise& noise : problem.noise) noise.sigma_mm *= growth;
     solved->noise_scale *= growth;
     nominal = AtNominal(problem, model);
@@ -262,8 +264,9 @@ absl::Status HoldTooWide(const Options& options, SolvedProblem* solved) {
     for (int i = 0; i < static_cast<int>(parameters.size()); ++i) {
       // One of the gauge that was freed (gauge.h) has no number anyway and would bias the others.
       if (std::find(fixed.begin(), fixed.end(), i) != fixed.end()) continue;
-      const double share = scale * std::sqrt(covariance(i, i)) / LargestOf(solution.point.model, parameters[i]);
-      if (share <= most) continue;
+      const double sigma = scale * std::sqrt(std::max(0.0, covariance(i, i)));
+      const double share = sigma / LargestOf(solution.point.model, parameters[i]);
+      if (!(share > most)) continue;
       most = share;
       widest = i;
     }
@@ -272,6 +275,7 @@ absl::Status HoldTooWide(const Options& options, SolvedProblem* solved) {
     Point start = solution.point;
     SetValue(parameters[static_cast<size_t>(widest)], 0.0, &start.model);
     ASSIGN_OR_RETURN(solved->solution, Solve(solved->problem, start, solved->Holding(), options));
+    if (!solved->solution.has_converged) return NotConverged(solved->solution);
   }
 }
 
