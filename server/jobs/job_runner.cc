@@ -57,6 +57,7 @@ class JobRunner::Impl {
   void Keep();
   base::SteadyTime ClaimAll();
   bool BeginClaim();
+  absl::StatusOr<std::optional<JobRecord>> ClaimOne();
   void EndClaim();
   void Launch(const JobRecord& record);
   void BeatAll();
@@ -65,11 +66,16 @@ class JobRunner::Impl {
   // Workers' threads.
   void RunJob(const JobRecord& record, JobContext& context);
   absl::StatusOr<storage::JobProduct> CallFunction(const JobRecord& record, JobContext& context);
+  // Stores the outcome, tells it and forgets the attempt. As StoreOutcome().
+  absl::StatusOr<JobRecord> EndAttempt(const JobRecord& record, JobContext& context,
+                                       absl::StatusOr<storage::JobProduct> product, base::SteadyTime start);
   absl::StatusOr<JobRecord> StoreOutcome(const JobRecord& record, JobContext& context,
                                          absl::StatusOr<storage::JobProduct> product);
   void UpdateProgress(JobId id, const records::JobProgress& progress);
 
   absl::Status CheckNotDraining();
+  // Tells it where the job had not begun: nobody else would.
+  absl::StatusOr<JobRecord> StoreCancel(JobId id, const storage::Caller& caller);
   void Wake();
   // Tells watchers, with the progress of this moment.
   JobRecord Publish(JobRecord record);
@@ -78,6 +84,9 @@ class JobRunner::Impl {
   const JobRunnerOptions options_;
   std::map<std::string, JobKind> kinds_;  // not changed after Start()
   JobBoard board_;
+  // Held from storing the end of an attempt until it is told and has left running_, and while a job is claimed and its
+  // start told: an attempt begins after the end of the one before it. Never locked with mutex_ held.
+  base::Mutex turn_mutex_;
   base::Mutex mutex_;
   base::CondVar changed_;
   std::map<JobId, Running> running_ AXISCAL_GUARDED_BY(mutex_);
@@ -127,12 +136,18 @@ void JobRunner::Impl::EndClaim() {
   changed_.NotifyAll();
 }
 
+absl::StatusOr<std::optional<JobRecord>> JobRunner::Impl::ClaimOne() {
+  const base::MutexLock turn(turn_mutex_);
+  absl::StatusOr<std::optional<JobRecord>> claimed = database_.ClaimJob(options_.lease);
+  if (claimed.ok() && claimed->has_value()) Launch(**claimed);
+  return claimed;
+}
+
 // Fills the idle workers. When to try again: when the next job's backoff is over.
 base::SteadyTime JobRunner::Impl::ClaimAll() {
   const base::SteadyTime later = options_.clock->SteadyNow() + options_.heartbeat;
   while (BeginClaim()) {
-    const absl::StatusOr<std::optional<JobRecord>> claimed = database_.ClaimJob(options_.lease);
-    if (claimed.ok() && claimed->has_value()) Launch(**claimed);
+    const absl::StatusOr<std::optional<JobRecord>> claimed = ClaimOne();
     EndClaim();
     if (!claimed.ok()) return later;
     if (claimed->has_value()) continue;
@@ -196,19 +211,28 @@ void JobRunner::Impl::Rescue() {
 
 void JobRunner::Impl::RunJob(const JobRecord& record, JobContext& context) {
   const base::SteadyTime start = options_.clock->SteadyNow();
-  const absl::StatusOr<JobRecord> ended = StoreOutcome(record, context, CallFunction(record, context));
-  const auto took = std::chrono::duration_cast<std::chrono::microseconds>(options_.clock->SteadyNow() - start);
-  Tell({JobEvent::What::kEnded, ended.ok() ? *ended : record,
-        ended.ok() ? OutcomeOf(*ended) : base::ErrorReason(ended.status()), took});
-  {
-    const base::MutexLock lock(mutex_);
-    running_.erase(record.id);
-    woken_ = true;
-  }
+  absl::StatusOr<storage::JobProduct> product = CallFunction(record, context);
+  const absl::StatusOr<JobRecord> ended = EndAttempt(record, context, std::move(product), start);
   // An outcome that could not be stored leaves the job RUNNING until its lease is over; then it is rescued and runs
   // again.
   if (ended.ok()) Publish(*ended);
   changed_.NotifyAll();
+}
+
+absl::StatusOr<JobRecord> JobRunner::Impl::EndAttempt(const JobRecord& record, JobContext& context,
+                                                      absl::StatusOr<storage::JobProduct> product,
+                                                      base::SteadyTime start) {
+  const base::MutexLock turn(turn_mutex_);
+  const absl::StatusOr<JobRecord> ended = StoreOutcome(record, context, std::move(product));
+  const auto took = std::chrono::duration_cast<std::chrono::microseconds>(options_.clock->SteadyNow() - start);
+  Tell({JobEvent::What::kEnded, ended.ok() ? *ended : record,
+        ended.ok() ? OutcomeOf(*ended) : base::ErrorReason(ended.status()), took});
+  const base::MutexLock lock(mutex_);
+  // The entry is another attempt's where this one had lost its lease.
+  const auto found = running_.find(record.id);
+  if (found != running_.end() && found->second.context.get() == &context) running_.erase(found);
+  woken_ = true;
+  return ended;
 }
 
 absl::StatusOr<storage::JobProduct> JobRunner::Impl::CallFunction(const JobRecord& record, JobContext& context) {
@@ -298,10 +322,16 @@ absl::StatusOr<JobRecord> JobRunner::Impl::Get(JobId id) {
   return record;
 }
 
-absl::StatusOr<JobRecord> JobRunner::Impl::Cancel(JobId id, const storage::Caller& caller) {
+absl::StatusOr<JobRecord> JobRunner::Impl::StoreCancel(JobId id, const storage::Caller& caller) {
+  const base::MutexLock turn(turn_mutex_);
   ASSIGN_OR_RETURN(const JobRecord record, database_.CancelJob(id, caller));
   const bool never_began = record.state == records::JobState::kCancelled && !record.started_at;
   if (never_began) Tell({JobEvent::What::kEnded, record, OutcomeOf(record), {}});
+  return record;
+}
+
+absl::StatusOr<JobRecord> JobRunner::Impl::Cancel(JobId id, const storage::Caller& caller) {
+  ASSIGN_OR_RETURN(const JobRecord record, StoreCancel(id, caller));
   {
     const base::MutexLock lock(mutex_);
     const auto found = running_.find(id);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <future>
 #include <thread>
 
@@ -121,11 +122,50 @@ TEST_F(JobRunnerTest, EveryStartAndEndOfAnAttemptIsTold) {
   twice.max_attempts = 2;
   const JobId poison = runner->Create(twice)->id;
   for (const JobId id : {good, bad, poison}) WaitForEnd(id);
+  runner->Drain(std::chrono::hours(1));  // an end is told after it is stored, which is what WaitForEnd() sees
   const base::MutexLock lock(mutex);
   using Events = std::vector<std::string>;
   EXPECT_EQ(told[good.number()], (Events{"start good 1", "SUCCEEDED good 1"}));
   EXPECT_EQ(told[bad.number()], (Events{"start bad 1", "FAILED bad 1"}));
   EXPECT_EQ(told[poison.number()], (Events{"start poison 1", "RETRY poison 1", "start poison 2", "DEAD poison 2"}));
+}
+
+TEST_F(JobRunnerTest, AnAttemptBeginsAfterTheEndOfTheFormerIsToldAndIsKept) {
+  base::Mutex mutex;
+  std::vector<std::string> told;
+  const auto has_begun_again = [&] {
+    const base::MutexLock lock(mutex);
+    return std::find(told.begin(), told.end(), "start 2") != told.end();
+  };
+  options.first_backoff = std::chrono::milliseconds(0);
+  options.tell = [&](const JobEvent& event) {
+    if (event.job.kind != "second") return;
+    if (event.outcome == "RETRY") {
+      // The job may be claimed as far as the store is concerned, and the runner has reason to look: time for what must
+      // not happen.
+      Create("other");
+      constexpr int kLooks = 200;
+      for (int i = 0; i < kLooks && !has_begun_again(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    const base::MutexLock lock(mutex);
+    told.push_back(absl::StrCat(event.outcome.empty() ? "start" : event.outcome, " ", event.job.attempt));
+  };
+  kinds["other"].run = [](const JobRecord&, JobContext&) { return JobProduct{}; };
+  kinds["second"].run = [patient = Patient()](const JobRecord& record,
+                                              JobContext& context) -> absl::StatusOr<JobProduct> {
+    if (record.attempt == 1) return absl::UnavailableError("not yet");
+    return patient(record, context);
+  };
+  StartRunner();
+  const JobId job = Create("second").id;
+  WaitUntil(job, [](const JobRecord& record) { return record.progress.stage == "wait"; });
+  while (!has_begun_again()) std::this_thread::yield();
+  // The second attempt is not taken for the first one, which has ended: it can be cancelled.
+  ASSERT_TRUE(runner->Cancel(job, Cell("")).ok());
+  EXPECT_EQ(WaitForEnd(job).state, JobState::kCancelled);
+  runner->Drain(std::chrono::hours(1));
+  const base::MutexLock lock(mutex);
+  EXPECT_EQ(told, (std::vector<std::string>{"start 1", "RETRY 1", "start 2", "CANCELLED 2"}));
 }
 
 TEST_F(JobRunnerTest, RunsManyJobsOnceEach) {
