@@ -1,0 +1,59 @@
+// Every constant of the decisions, with its meaning, its unit and why it has this value.
+#ifndef AXISCAL_CORE_OBJECTIVE_POLICY_H_
+#define AXISCAL_CORE_OBJECTIVE_POLICY_H_
+
+#include <cstdint>
+
+namespace axiscal::objective {
+
+struct Policy {
+  // What an effect must be worth beyond its own looks, chi-square units: the most that chance reaches in 99 of 100
+  // data sets in which nothing is, over all families together.
+  double evidence = 16.0;
+  // Times ln(members of its family that the data see), chi-square units: 2 is what the largest of that many
+  // independent chances needs.
+  double per_look = 2.0;
+  // For each free amplitude beyond the first, chi-square units: chance fits one more each.
+  double per_column = 4.0;
+  // For members of families that a plain name rivals, chi-square units: decides ties in favour of the plain name
+  // (exp(-3) in odds), and no more.
+  double exotic = 6.0;
+
+  // A column of which less than this share of its squares is left beyond the declared errors and set-ups is not seen.
+  double visible = 1e-5;
+  // The same beyond the effects of a state: less cannot be told from a combination of them.
+  double distinct = 1e-4;
+
+  // The variance of a block's prior is looked for on a grid, in units of its prior spectrum over the mean eigenvalue of
+  // its Gram matrix: from a part of one sigma to all that data can hold, a factor of e apart (the evidence is flat
+  // within one).
+  double smallest_log_variance = -6.0, largest_log_variance = 15.0;
+
+  // Columns of each family on which the design effect is judged: with ten of them the quantile below moves by a few
+  // percent from draw to draw.
+  int design_columns = 10;
+  // Quantile of the columns' design effects that counts: above the median, as too small a design effect names what is
+  // not there; below the largest, which is the effect that is looked for.
+  double design_quantile = 0.7;
+  // Fewer clusters say nothing about how a column's products scatter over them.
+  int fewest_clusters = 8;
+  // Beyond this the model misses by more than its noise: nothing is promised.
+  double unexplained_design = 2.5;
+
+  // A replacement must gain this much, chi-square units: less is a matter of rounding and could go back and forth.
+  double replacement_gain = 0.5;
+  // First effects from which each start is followed.
+  int beam = 3;
+  // Additions that do not pay by themselves and are tried with what they make superfluous, per state.
+  int trials = 3;
+  // What explains as much within this could be it as well, chi-square units: odds of 20 to 1.
+  double alike = 6.0;
+  // Effects of one state: no machine has more that one data set tells; bounds the time of a search.
+  int most_effects = 60;
+  // Of the columns that are drawn for the design effect: the same data give the same result.
+  uint32_t seed = 1;
+};
+
+}  // namespace axiscal::objective
+
+#endif  // AXISCAL_CORE_OBJECTIVE_POLICY_H_

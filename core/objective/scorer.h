@@ -1,0 +1,111 @@
+// The objective: how well a set of effects explains the rows, less what it costs to have looked for them.
+//
+//   J(S) = dof/D ln(rss(S) / dof) + ln det(I + L^(1/2) (K / D) L^(1/2)) + sum over effects e in S of price(e)
+//   price(e) = evidence + per_look ln(visible members of its family) + per_column (columns - 1), the last not of blocks
+//
+// rss: squares left with the nuisance, the flat amplitudes and the blocks' posterior means taken off, their priors'
+// squares added. K: Gram matrix of the blocks' columns beyond nuisance and flat ones, L: the blocks' prior variances.
+// D: design effect (design_effect.h). dof: rows less common nuisance. Differences of J are likelihood ratios in
+// chi-square units, the scale of the noise profiled out; flat effects pay a fixed price, blocks their evidence.
+// Whatever the columns are is not known here.
+//
+// Kept: norms and products with y of all columns, and for the groups that a state ever held their projected columns and
+// these columns' products with all others. Everything else is a triangular solve.
+#ifndef AXISCAL_CORE_OBJECTIVE_SCORER_H_
+#define AXISCAL_CORE_OBJECTIVE_SCORER_H_
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "core/objective/nuisance.h"
+#include "core/objective/policy.h"
+#include "core/objective/rows.h"
+#include "core/objective/source.h"
+
+namespace axiscal::objective {
+
+struct Member {
+  int group = 0;
+  double variance = 0.0;  // of a block's prior; no meaning for flat ones
+
+  bool operator==(const Member&) const = default;
+};
+using State = std::vector<Member>;  // in the order in which they were found
+
+struct Score {
+  bool is_possible = false;  // false: its columns are combinations of each other, or an amplitude is none
+  double objective = std::numeric_limits<double>::infinity();
+  double squares = 0.0;                    // rss
+  std::vector<Eigen::VectorXd> amplitude;  // per member
+};
+
+// One more member, and the objective with it.
+struct Move {
+  Member member;
+  double objective = std::numeric_limits<double>::infinity();
+};
+
+class Scorer {
+ public:
+  // `rows` and `sources` must outlive it. Groups are numbered through the sources, in order.
+  Scorer(const Rows& rows, std::vector<std::unique_ptr<Source>> sources, const Policy& policy);
+
+  const Policy& policy() const { return policy_; }
+  const Rows& rows() const { return rows_; }
+  int group_count() const { return static_cast<int>(at_.size()); }
+  const Group& group(int group) const;
+  // The source of a group, and its number there.
+  const Source& SourceOf(int group, int* within) const;
+  bool IsVisible(int group) const { return is_visible_[group]; }
+  double PriceOf(int group) const;
+  double degrees_of_freedom() const { return dof_; }
+
+  Score ScoreOf(const State& state, double design);
+  // The best `most` additions among groups that `allowed` holds (by group; empty: all), best first; their blocks'
+  // variances are those of the most evidence.
+  std::vector<Move> Additions(const State& state, double design, const std::vector<bool>& allowed, int most);
+  // All additions whose objective is at most `limit`.
+  std::vector<Move> AdditionsWithin(const State& state, double design, double limit);
+  // The variance of each block at which the objective is least, the others given.
+  void RefineVariances(double design, State* state);
+  // y less nuisance and effects, whitened rows.
+  Eigen::VectorXd ResidualOf(const State& state, double design);
+  // The whitened columns of a group less what the nuisance explains.
+  Eigen::MatrixXd Projected(int group) const;
+
+ private:
+  struct Loaded {
+    Eigen::MatrixXd columns;   // projected, rows x columns of the group
+    Eigen::MatrixXd products;  // all columns x columns of the group, projected
+  };
+  struct Factor;
+
+  const Loaded& Load(int group);
+  // Gram matrix of the state's columns, flat ones first; where each member's columns are in it.
+  Factor FactorOf(const State& state, double design);
+  template <typename Visit>
+  void ForEachAddition(const State& state, double design, const std::vector<bool>& allowed, Visit visit);
+  Move BestBlock(int group, const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double squares,
+                 double design) const;
+
+  const Rows& rows_;
+  const std::vector<std::unique_ptr<Source>> sources_;
+  const Policy policy_;
+  const Nuisance nuisance_;
+  std::vector<std::pair<int, int>> at_;     // per group: source, number within
+  std::vector<Eigen::Index> first_column_;  // per group
+  Eigen::Index column_count_ = 0;
+  std::vector<bool> is_visible_;
+  std::map<int, int> visible_members_;  // per family
+  std::vector<Eigen::MatrixXd> gram_;   // per group, projected
+  Eigen::VectorXd with_y_;              // per column, projected
+  Eigen::VectorXd y_;                   // projected, at the rows
+  double squares_ = 0.0, dof_ = 1.0;    // of y, projected
+  std::map<int, Loaded> loaded_;
+};
+
+}  // namespace axiscal::objective
+
+#endif  // AXISCAL_CORE_OBJECTIVE_SCORER_H_

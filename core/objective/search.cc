@@ -1,0 +1,228 @@
+#include "core/objective/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace axiscal::objective {
+namespace {
+
+State Without(const State& state, size_t member) {
+  State others = state;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(member));
+  return others;
+}
+
+State With(State state, const Member& member) {
+  state.push_back(member);
+  return state;
+}
+
+std::set<int> GroupsOf(const State& state) {
+  std::set<int> groups;
+  for (const Member& one : state) groups.insert(one.group);
+  return groups;
+}
+
+}  // namespace
+
+double Searcher::DesignOf(const State& state, double design) { return design_->Of(scorer_->ResidualOf(state, design)); }
+
+// D of what is left now, and the objective at it.
+void Searcher::Settle(Found* found) {
+  found->design = DesignOf(found->state, found->design);
+  scorer_->RefineVariances(found->design, &found->state);
+  found->objective = scorer_->ScoreOf(found->state, found->design).objective;
+}
+
+bool Searcher::DropAt(double design, State* state, double* objective) {
+  bool any = false;
+  while (!state->empty()) {
+    size_t best = 0;
+    double least = *objective;
+    for (size_t i = 0; i < state->size(); ++i) {
+      const double without = scorer_->ScoreOf(Without(*state, i), design).objective;
+      if (without < least) {
+        least = without;
+        best = i + 1;
+      }
+    }
+    if (best == 0) break;
+    *state = Without(*state, best - 1);
+    *objective = least;
+    any = true;
+  }
+  return any;
+}
+
+bool Searcher::AddBest(const std::vector<bool>& allowed, Found* found) {
+  for (const Move& move : scorer_->Additions(found->state, found->design, allowed, 1)) {
+    if (!(move.objective < found->objective)) return false;
+    State more = With(found->state, move.member);
+    const double objective = scorer_->ScoreOf(more, found->design).objective;
+    if (!(objective < found->objective)) return false;
+    found->state = std::move(more);
+    found->objective = objective;
+    return true;
+  }
+  return false;
+}
+
+// One strong effect alone makes what is left of it go together in clusters, and so hides itself behind a large D. Taken
+// as true, it must explain that too: both states are compared at the D that the larger one leaves.
+bool Searcher::AddIfItExplainsTheDesign(const std::vector<bool>& allowed, Found* found) {
+  constexpr double kNothingToExplain = 1.05;
+  if (found->design < kNothingToExplain) return false;
+  for (const Move& move : scorer_->Additions(found->state, found->design, allowed, scorer_->policy().trials)) {
+    State more = With(found->state, move.member);
+    if (!scorer_->ScoreOf(more, found->design).is_possible) continue;
+    const double design = DesignOf(more, found->design);
+    const double objective = scorer_->ScoreOf(more, design).objective;
+    if (design < found->design && objective < scorer_->ScoreOf(found->state, design).objective) {
+      *found = {std::move(more), objective, design};
+      return true;
+    }
+  }
+  return false;
+}
+
+bool Searcher::Drop(Found* found) { return DropAt(found->design, &found->state, &found->objective); }
+
+bool Searcher::Replace(const std::vector<bool>& allowed, Found* found) {
+  bool any = false;
+  for (size_t i = 0; i < found->state.size(); ++i) {
+    const State others = Without(found->state, i);
+    for (const Move& move : scorer_->Additions(others, found->design, allowed, 2)) {
+      if (move.member.group == found->state[i].group) continue;
+      if (!(move.objective < found->objective - scorer_->policy().replacement_gain)) break;
+      State changed = found->state;
+      changed[i] = move.member;
+      const double objective = scorer_->ScoreOf(changed, found->design).objective;
+      if (!(objective < found->objective - scorer_->policy().replacement_gain)) break;
+      found->state = std::move(changed);
+      found->objective = objective;
+      any = true;
+      break;
+    }
+  }
+  return any;
+}
+
+// One effect for two or more: an addition that does not pay until those leave that it makes superfluous.
+bool Searcher::Merge(const std::vector<bool>& allowed, Found* found) {
+  if (found->state.size() < 2) return false;
+  for (const Move& move : scorer_->Additions(found->state, found->design, allowed, scorer_->policy().trials)) {
+    State more = With(found->state, move.member);
+    double objective = scorer_->ScoreOf(more, found->design).objective;
+    if (!std::isfinite(objective)) continue;
+    DropAt(found->design, &more, &objective);
+    if (objective < found->objective - scorer_->policy().replacement_gain) {
+      found->state = std::move(more);
+      found->objective = objective;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool Searcher::Improve(const std::vector<bool>& allowed, Found* found) {
+  bool any = false;
+  while (static_cast<int>(found->state.size()) < scorer_->policy().most_effects && !IsCancelled() &&
+         AddBest(allowed, found)) {
+    any = true;
+    Drop(found);
+    // What is left goes together less with every effect that was found: faint ones show.
+    Settle(found);
+  }
+  any |= Drop(found);
+  any |= Replace(allowed, found);
+  any |= Merge(allowed, found);
+  return any;
+}
+
+Found Searcher::Climb(State state, const std::vector<bool>& allowed) {
+  Found found{std::move(state)};
+  Settle(&found);
+  constexpr int kRounds = 30;  // each must lower the objective or D: a bound for rounding
+  for (int round = 0; round < kRounds && !IsCancelled(); ++round) {
+    const bool any = Improve(allowed, &found);
+    Settle(&found);
+    if (any) continue;
+    if (!AddIfItExplainsTheDesign(allowed, &found)) break;
+    Settle(&found);
+  }
+  return found;
+}
+
+// Inside the climb this would throw out true effects whose rivals are not there yet: at the end only.
+void Searcher::Prune(Found* found) {
+  while (!found->state.empty()) {
+    const Eigen::VectorXd residual = scorer_->ResidualOf(found->state, found->design);
+    double worst = 0.0;
+    size_t which = 0;
+    for (size_t i = 0; i < found->state.size(); ++i) {
+      const double price = scorer_->PriceOf(found->state[i].group);
+      const double own = std::max(1.0, design_->OfGroup(found->state[i].group, residual) / found->design);
+      const double without = scorer_->ScoreOf(Without(found->state, i), found->design).objective;
+      const double worth = (without - found->objective + price) / own - price;
+      if (worth >= worst) continue;
+      worst = worth;
+      which = i + 1;
+    }
+    if (which == 0) return;
+    found->state = Without(found->state, which - 1);
+    Settle(found);
+  }
+}
+
+Found Searcher::Search(const std::vector<Start>& starts) {
+  std::vector<Found> ends;
+  const auto is_known = [&ends](const State& state) {
+    return std::any_of(ends.begin(), ends.end(),
+                       [&](const Found& end) { return GroupsOf(end.state) == GroupsOf(state); });
+  };
+  for (const Start& start : starts) {
+    std::vector<bool> allowed(scorer_->group_count(), true);
+    for (int g = 0; g < scorer_->group_count(); ++g)
+      allowed[g] =
+          std::find(start.without.begin(), start.without.end(), scorer_->group(g).family) == start.without.end();
+    Found empty{start.state};
+    Settle(&empty);
+    std::vector<State> begins = {start.state};
+    const std::vector<Move> first = scorer_->Additions(start.state, empty.design, allowed, scorer_->policy().beam);
+    for (size_t k = 1; k < first.size(); ++k)
+      if (first[k].objective < empty.objective) begins.push_back(With(start.state, first[k].member));
+    for (State& begin : begins) {
+      if (IsCancelled()) break;
+      Found found = Climb(std::move(begin), allowed);
+      if (!start.without.empty()) found = Climb(found.state, {});
+      Prune(&found);
+      if (!is_known(found.state)) ends.push_back(std::move(found));
+    }
+  }
+  double design = std::numeric_limits<double>::infinity();
+  for (const Found& end : ends) design = std::min(design, end.design);
+  const Found* best = &ends.front();
+  double least = std::numeric_limits<double>::infinity();
+  for (const Found& end : ends) {
+    const double objective = scorer_->ScoreOf(end.state, design).objective;
+    if (objective < least) {
+      least = objective;
+      best = &end;
+    }
+  }
+  return *best;
+}
+
+std::vector<std::vector<Move>> Searcher::ClassesOf(const Found& found) {
+  std::vector<std::vector<Move>> classes;
+  for (size_t i = 0; i < found.state.size(); ++i) {
+    std::vector<Move> members =
+        scorer_->AdditionsWithin(Without(found.state, i), found.design, found.objective + scorer_->policy().alike);
+    std::erase_if(members, [&](const Move& move) { return move.member.group == found.state[i].group; });
+    classes.push_back(std::move(members));
+  }
+  return classes;
+}
+
+}  // namespace axiscal::objective
