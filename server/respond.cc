@@ -6,6 +6,7 @@
 #include "core/base/error_detail.h"
 #include "proto/convert/field.h"
 #include "proto/convert/status.h"
+#include "server/call_guard.h"
 #include "server/log.h"
 
 namespace axiscal::server {
@@ -62,6 +63,7 @@ grpc::Status ToGrpc(const absl::Status& status) {
 
 grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, const std::string& method,
                            const std::function<absl::Status(const handlers::Call&)>& handler) {
+  const InHandler in_handler(context);
   const base::SteadyTime start = base::SystemClock().SteadyNow();
   const handlers::Call call = CallOf(context);
   ++core.open_calls;

@@ -12,6 +12,7 @@
 #include "core/base/error_detail.h"
 #include "core/base/mutex.h"
 #include "proto/convert/job_params.h"
+#include "server/call_guard.h"
 #include "server/handlers/get_server_info.h"
 #include "server/jobs/close_loop_job.h"
 #include "server/jobs/compensate_job.h"
@@ -132,6 +133,7 @@ class Server::Impl {
 
   absl::Status Start() {
     ChoosePlugins();
+    GuardCalls(options_.silence);
     grpc::ServerBuilder builder;
     SetChannelArguments(options_, builder);
     if (!options_.listen_address.empty()) {

@@ -28,7 +28,8 @@ struct ServerOptions {
   int workers = 2;
   // Streams that bring sessions or programs at a time, each holding two threads; more are refused. 1 to kMaxUploads.
   int max_uploads = 500;
-  // A caller that neither sends nor takes anything in the midst of a stream is cut off after so long. > 0.
+  // A caller that neither sends nor takes anything in the midst of a stream is cut off after so long, as is one that
+  // does not take a reply (there the last server of the process that was started decides). > 0.
   std::chrono::milliseconds silence = std::chrono::minutes(5);
   // A connection without a call is closed after so long; clients open a new one with their next call. > 0.
   std::chrono::milliseconds connection_idle = std::chrono::minutes(5);

@@ -75,16 +75,25 @@ class IngestService final : public v1::Ingest::Service {
                       grpc::ServerReaderWriter<v1::UploadResponse, v1::UploadRequest>* stream) override {
     return RespondStream(core_, context, "Ingest.Upload", [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
-      handlers::UploadStream upload(core_, call, [&](const auto& response) { return stream->Write(response); });
+      // An acknowledgement is written while the caller sends: only who does neither is silent.
+      handlers::UploadStream upload(core_, call,
+                                    {[&](const auto& response) { return stream->Write(response); },
+                                     [&](const auto& wait) {
+                                       held.Await([&] {
+                                         wait();
+                                         return true;
+                                       });
+                                     }});
       RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, *stream, upload));
-      return upload.End();
+      RETURN_IF_ERROR(upload.End());
+      return held.status();
     });
   }
   grpc::Status UploadOnce(grpc::ServerContext* context, grpc::ServerReader<v1::UploadRequest>* reader,
                           v1::UploadOnceResponse* response) override {
     return RespondStream(core_, context, "Ingest.UploadOnce", [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
-      handlers::UploadStream upload(core_, call, nullptr);
+      handlers::UploadStream upload(core_, call, {});
       RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, *reader, upload));
       RETURN_IF_ERROR(upload.End());
       return handlers::Summarise(upload, response);

@@ -9,8 +9,17 @@ namespace axiscal::handlers {
 namespace {
 
 int MostOf(const HeldLimits& limits, HeldKind kind) {
-  if (kind == HeldKind::kUpload) return limits.max_uploads;
-  return kind == HeldKind::kDownload ? limits.max_downloads : limits.max_watches;
+  switch (kind) {
+    case HeldKind::kUpload:
+      return limits.max_uploads;
+    case HeldKind::kDownload:
+      return limits.max_downloads;
+    case HeldKind::kWatch:
+      return limits.max_watches;
+    case HeldKind::kReply:
+      return limits.max_replies;
+  }
+  return 0;
 }
 
 const char* WordsOf(HeldKind kind) {
@@ -61,7 +70,7 @@ HeldCall::HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, st
   const base::MutexLock lock(calls_.mutex_);
   int& count = calls_.counts_[static_cast<size_t>(kind)];
   const int most = MostOf(limits, kind);
-  if (count >= most && !calls_.MakeRoom(kind, limits.gives_way)) {
+  if (count >= most && !calls_.MakeRoom(kind, limits.gives_way) && kind != HeldKind::kReply) {
     status_ = base::Error(absl::StatusCode::kResourceExhausted,
                           absl::StrCat("more than ", most, " ", WordsOf(kind), " at a time"), {"QUEUE_FULL", {}});
     return;
@@ -74,6 +83,7 @@ HeldCall::HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, st
 
 HeldCall::~HeldCall() {
   const base::MutexLock lock(calls_.mutex_);
+  if (is_silent_) calls_.silent_.erase(place_);
   if (is_counted_) --calls_.counts_[static_cast<size_t>(kind_)];
 }
 
@@ -100,7 +110,7 @@ void HeldCall::EndSilence() {
 void HeldCall::CutOff(const std::string& why) {
   calls_.silent_.erase(place_);
   is_silent_ = false;
-  --calls_.counts_[static_cast<size_t>(kind_)];
+  if (is_counted_) --calls_.counts_[static_cast<size_t>(kind_)];
   is_counted_ = false;
   status_ = base::Error(absl::StatusCode::kDeadlineExceeded, why, {"DEADLINE", {}});
   cut_off_();

@@ -1,6 +1,6 @@
 // Calls that last as long as their caller likes: it sends when it wants, reads when it wants, or waits for a job. Each
 // holds a thread of the server, so there is a limit for each kind, and one whose caller is silent for too long is cut
-// off. Time in which the server works is not silence.
+// off. Time in which the server works is not silence. Replies are held as well, by callers that do not take them.
 #ifndef AXISCAL_SERVER_HANDLERS_HELD_CALLS_H_
 #define AXISCAL_SERVER_HANDLERS_HELD_CALLS_H_
 
@@ -17,7 +17,7 @@ namespace axiscal::handlers {
 
 class HeldCall;
 
-enum class HeldKind { kUpload, kDownload, kWatch };
+enum class HeldKind { kUpload, kDownload, kWatch, kReply };
 
 struct HeldLimits {
   // Calls at a time: streams that bring sessions or programs, streams that take them away, calls that wait for a job.
@@ -25,6 +25,9 @@ struct HeldLimits {
   int max_uploads = 500;
   int max_downloads = 500;
   int max_watches = 1000;
+  // Calls at a time of which none is refused, but the one whose caller is silent longest gives way: as many as all of
+  // the others.
+  int max_replies = 2000;
   // A caller that neither sends nor takes anything for so long is cut off.
   std::chrono::milliseconds silence = std::chrono::minutes(5);
   // Where a kind is full, the caller that is silent longest gives way to a new one, if for at least so long.
@@ -54,7 +57,7 @@ class HeldCalls {
   base::CondVar stopped_;
   bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;
   std::chrono::milliseconds silence_ AXISCAL_GUARDED_BY(mutex_){0};
-  std::array<int, 3> counts_ AXISCAL_GUARDED_BY(mutex_) = {0, 0, 0};
+  std::array<int, 4> counts_ AXISCAL_GUARDED_BY(mutex_) = {};
   std::list<HeldCall*> silent_ AXISCAL_GUARDED_BY(mutex_);  // who is silent longest comes first
   std::thread thread_;                                      // from the first call on
 };
@@ -79,11 +82,12 @@ class HeldCall {
     EndSilence();
     return result;
   }
+  // Await() in two calls, where what waits is not ours. Ending what did not begin is harmless.
+  void BeginSilence();
+  void EndSilence();
 
  private:
   friend class HeldCalls;
-  void BeginSilence();
-  void EndSilence();
   void CutOff(const std::string& why);  // the mutex of calls_ is held
 
   HeldCalls& calls_;

@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr HeldLimits kLimits = {.max_uploads = 2, .max_downloads = 1, .max_watches = 1};
+constexpr HeldLimits kLimits = {.max_uploads = 2, .max_downloads = 1, .max_watches = 1, .max_replies = 1};
 
 // A call whose caller says nothing, in a thread as a server has it: ends when it is cut off or released.
 class SilentCall {
@@ -89,6 +89,33 @@ TEST_F(HeldCallsTest, TheOneSilentLongestGivesWayWhereAllPlacesAreTaken) {
   EXPECT_TRUE(third.status().ok()) << third.status();
   EXPECT_EQ(base::ErrorReason(first.AwaitEnd()), "DEADLINE");
   EXPECT_EQ(calls_.count(HeldKind::kUpload), 2);
+}
+
+TEST_F(HeldCallsTest, NoReplyIsRefused) {
+  SilentCall first(calls_, HeldKind::kReply);
+  EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kReply, [] {}).status().ok());
+  EXPECT_EQ(calls_.count(HeldKind::kReply), 1);
+  clock_.Advance(kLimits.gives_way);
+  EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kReply, [] {}).status().ok());
+  EXPECT_EQ(base::ErrorReason(first.AwaitEnd()), "DEADLINE");
+  EXPECT_EQ(calls_.count(HeldKind::kReply), 0);
+}
+
+TEST_F(HeldCallsTest, WhoWasCutOffAndWaitsAgainIsCountedOnce) {
+  SilentCall first(calls_, HeldKind::kUpload);
+  {
+    std::promise<void> cut_off;
+    HeldCall twice(calls_, kLimits, HeldKind::kUpload, [&] { cut_off.set_value(); });
+    for (int i = 0; i < 2; ++i) {
+      twice.BeginSilence();
+      clock_.Advance(kLimits.silence);
+      cut_off.get_future().wait();
+      twice.EndSilence();
+      cut_off = std::promise<void>();
+    }
+    EXPECT_EQ(base::ErrorReason(first.AwaitEnd()), "DEADLINE");
+  }
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 0);
 }
 
 TEST_F(HeldCallsTest, AnEndedCallLeavesItsPlace) {

@@ -12,8 +12,8 @@ absl::Status OutOfOrder(const std::string& text) {
 
 }  // namespace
 
-UploadStream::UploadStream(Core& core, const Call& call, std::function<bool(const v1::UploadResponse&)> send)
-    : core_(core), call_(call), send_(std::move(send)) {}
+UploadStream::UploadStream(Core& core, const Call& call, AcknowledgementWays ways)
+    : core_(core), call_(call), ways_(std::move(ways)) {}
 
 UploadStream::~UploadStream() {
   static_cast<void>(WaitForAll());
@@ -58,7 +58,7 @@ absl::Status UploadStream::Begin(const v1::UploadHeader& header) {
     next_seq_ = session.next_seq;
   }
   session_ = std::move(session);
-  if (send_) acknowledger_ = std::thread([this] { Acknowledge(); });
+  if (ways_.send) acknowledger_ = std::thread([this] { Acknowledge(); });
   return absl::OkStatus();
 }
 
@@ -104,12 +104,12 @@ absl::Status UploadStream::Finish(const v1::UploadFinish& finish) {
   if (!totals.ok()) return convert::InField("finish.totals", totals.status());
   ASSIGN_OR_RETURN(completed_, FinishChecked(core_, session_->id, *totals));
   StopAcknowledging();
-  if (!send_) return absl::OkStatus();
+  if (!ways_.send) return absl::OkStatus();
   v1::UploadResponse response;
   response.set_next_seq(completed_->next_seq);
   response.set_duplicate_chunks(duplicate_chunks());
   *response.mutable_completed_session() = convert::ToProto(*completed_);
-  send_(response);
+  ways_.await_caller([&] { ways_.send(response); });
   return absl::OkStatus();
 }
 
@@ -146,7 +146,7 @@ void UploadStream::Acknowledge() {
       response.set_refused(!error_.ok());
       acknowledged_seq = next_seq_;
     }
-    if (!send_(response) || response.refused()) return;
+    if (!ways_.send(response) || response.refused()) return;
   }
 }
 
@@ -156,7 +156,7 @@ void UploadStream::StopAcknowledging() {
     is_stopping_ = true;
     changed_.NotifyAll();
   }
-  if (acknowledger_.joinable()) acknowledger_.join();
+  if (acknowledger_.joinable()) ways_.await_caller([this] { acknowledger_.join(); });
 }
 
 absl::Status Summarise(UploadStream& upload, v1::UploadOnceResponse* response) {

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_SERVER_HANDLERS_UPLOAD_H_
 #define AXISCAL_SERVER_HANDLERS_UPLOAD_H_
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -14,12 +15,18 @@
 
 namespace axiscal::handlers {
 
+// How acknowledgements leave. Without `send` none are sent.
+struct AcknowledgementWays {
+  // Blocks until the caller has room for it; false when the caller has left. Called on a thread of the stream, too.
+  std::function<bool(const v1::UploadResponse&)> send;
+  // Runs what blocks until the caller takes an acknowledgement, as part of its silence (HeldCall::Await).
+  std::function<void(const std::function<void()>&)> await_caller = [](const std::function<void()>& wait) { wait(); };
+};
+
 class UploadStream {
  public:
-  // `send` takes acknowledgements, on a thread of the stream; it returns false when the caller has left. Null: none are
-  // sent.
-  UploadStream(Core& core, const Call& call, std::function<bool(const v1::UploadResponse&)> send);
-  // Waits until nothing of this stream is under way.
+  UploadStream(Core& core, const Call& call, AcknowledgementWays ways);
+  // Waits until nothing of this stream is under way, and until the caller has taken what is being acknowledged.
   ~UploadStream();
   UploadStream(const UploadStream&) = delete;
   UploadStream& operator=(const UploadStream&) = delete;
@@ -46,7 +53,7 @@ class UploadStream {
 
   Core& core_;
   const Call call_;
-  const std::function<bool(const v1::UploadResponse&)> send_;
+  const AcknowledgementWays ways_;
   std::optional<records::SessionRecord> session_;
   std::optional<ReadingCheck> check_;
   int64_t expected_seq_ = 0;

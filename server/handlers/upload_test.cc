@@ -58,10 +58,11 @@ class UploadTest : public ::testing::Test, protected TestCore {
 TEST_F(UploadTest, AcknowledgesWhatIsDurableAndCompletes) {
   std::vector<v1::UploadResponse> sent;
   {
-    UploadStream upload(core, call, [&](const v1::UploadResponse& response) {
+    const auto send = [&](const v1::UploadResponse& response) {
       sent.push_back(response);
       return true;
-    });
+    };
+    UploadStream upload(core, call, {.send = send});
     ASSERT_TRUE(upload.Receive(Header()).ok());
     for (int seq = 0; seq < 20; ++seq) ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(seq))).ok());
     ASSERT_TRUE(upload.Receive(FinishMessage(20)).ok());
@@ -77,12 +78,13 @@ TEST_F(UploadTest, AcknowledgesWhatIsDurableAndCompletes) {
 TEST_F(UploadTest, EndingAcknowledgesEveryChunkThatIsDurable) {
   std::promise<void> end_is_near;
   std::vector<int64_t> acknowledged;
-  UploadStream upload(core, call, [&](const v1::UploadResponse& response) {
+  const auto send = [&](const v1::UploadResponse& response) {
     // Falls behind, so that the end comes before the last acknowledgement.
     if (acknowledged.empty()) end_is_near.get_future().wait();
     acknowledged.push_back(response.next_seq());
     return true;
-  });
+  };
+  UploadStream upload(core, call, {.send = send});
   ASSERT_TRUE(upload.Receive(Header()).ok());
   for (int seq = 0; seq < 4; ++seq) ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(seq))).ok());
   end_is_near.set_value();
@@ -93,10 +95,11 @@ TEST_F(UploadTest, EndingAcknowledgesEveryChunkThatIsDurable) {
 
 TEST_F(UploadTest, AnErrorOfTheStoreAsksTheCallerToEndAndIsTheStatus) {
   std::vector<v1::UploadResponse> sent;
-  UploadStream upload(core, call, [&](const v1::UploadResponse& response) {
+  const auto send = [&](const v1::UploadResponse& response) {
     sent.push_back(response);
     return true;
-  });
+  };
+  UploadStream upload(core, call, {.send = send});
   ASSERT_TRUE(upload.Receive(Header()).ok());
   ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(0))).ok());
   static_cast<void>(upload.Receive(ChunkMessage(MakeChunk(0, 2))));  // the same place, another content
@@ -106,7 +109,7 @@ TEST_F(UploadTest, AnErrorOfTheStoreAsksTheCallerToEndAndIsTheStatus) {
 }
 
 TEST_F(UploadTest, EndingWithoutFinishIsIncomplete) {
-  UploadStream upload(core, call, nullptr);
+  UploadStream upload(core, call, {});
   ASSERT_TRUE(upload.Receive(Header()).ok());
   ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(0))).ok());
   ASSERT_TRUE(upload.End().ok());
@@ -117,22 +120,22 @@ TEST_F(UploadTest, EndingWithoutFinishIsIncomplete) {
 
 TEST_F(UploadTest, ResumesOnlyWhereItStands) {
   {
-    UploadStream upload(core, call, nullptr);
+    UploadStream upload(core, call, {});
     ASSERT_TRUE(upload.Receive(Header()).ok());
     ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(0))).ok());
     ASSERT_TRUE(upload.End().ok());
   }
-  const auto gap = UploadStream(core, call, nullptr).Receive(Header(2));
+  const auto gap = UploadStream(core, call, {}).Receive(Header(2));
   EXPECT_EQ(base::ErrorReason(gap), "SEQ_GAP");
   EXPECT_EQ(base::GetErrorDetail(gap)->facts.at("next_seq"), "1");
-  UploadStream upload(core, call, nullptr);
+  UploadStream upload(core, call, {});
   ASSERT_TRUE(upload.Receive(Header(1)).ok());
   ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(1))).ok());
   ASSERT_TRUE(upload.Receive(FinishMessage(2)).ok());
 }
 
 TEST_F(UploadTest, ReadingsAreHeldToTheFilesRules) {
-  UploadStream upload(core, call, nullptr);
+  UploadStream upload(core, call, {});
   ASSERT_TRUE(upload.Receive(Header()).ok());
   ASSERT_TRUE(upload.Receive(ChunkMessage(MakeChunk(0))).ok());
   std::vector<session::Column> late = ColumnsOf(1);
@@ -143,7 +146,7 @@ TEST_F(UploadTest, ReadingsAreHeldToTheFilesRules) {
   EXPECT_NE(back_in_time.message().find("line 13, column 1 (t_s)"), std::string::npos) << back_in_time;
   EXPECT_TRUE(upload.End().ok());  // chunk 0 stands
 
-  UploadStream beyond(core, call, nullptr);
+  UploadStream beyond(core, call, {});
   ASSERT_TRUE(beyond.Receive(Header(1)).ok());
   std::vector<session::Column> far = ColumnsOf(1);
   far[3].values[2] = 401;
@@ -153,13 +156,13 @@ TEST_F(UploadTest, ReadingsAreHeldToTheFilesRules) {
 }
 
 TEST_F(UploadTest, AnEmptySessionDoesNotComplete) {
-  UploadStream upload(core, call, nullptr);
+  UploadStream upload(core, call, {});
   ASSERT_TRUE(upload.Receive(Header()).ok());
   EXPECT_EQ(base::ErrorReason(upload.Receive(FinishMessage(0))), "SESSION_INVALID");
 }
 
 TEST_F(UploadTest, DrainingSendsTheCallerAwayBetweenTwoChunks) {
-  UploadStream upload(core, call, nullptr);
+  UploadStream upload(core, call, {});
   ASSERT_TRUE(upload.Receive(Header()).ok());
   core.draining = true;
   EXPECT_EQ(base::ErrorReason(upload.Receive(ChunkMessage(MakeChunk(0)))), "DRAINING");

@@ -191,5 +191,50 @@ TEST_F(Hostile, StreamsThatSayNothingAreCutOff) {
   EXPECT_EQ(info->open_uploads, 0);
 }
 
+// Uploads whose callers take no acknowledgement: one that leaves the session open, one that completes it, one that is
+// wrong. Each holds the only place for uploads until it is cut off.
+TEST_F(Hostile, UploadsThatTakeNoAcknowledgementAreCutOff) {
+  StartServer({"--silence-seconds", "1", "--max-uploads", "1"});
+  ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
+  const session::Session session = BallbarSession("mt", "BX", 10);
+  v1::CreateSessionResponse created;
+  grpc::ClientContext context;
+  ASSERT_TRUE(v1::Ingest::NewStub(Channel())
+                  ->CreateSession(&context, testing::CreateRequest("mt", "r-1", session), &created)
+                  .ok());
+  std::vector<std::string> whole;
+  for (const auto& message : testing::UploadMessages(created.session().session_id(), session, 10)) {
+    whole.push_back(message.SerializeAsString());
+  }
+  for (const std::vector<std::string>& messages : {std::vector{whole[0]}, {whole[0], whole[0]}, whole}) {
+    RawConnection connection(server_->address());
+    connection.TakeNoMessages();
+    connection.Begin("/axiscal.v1.Ingest/Upload", {}, messages);
+    ASSERT_TRUE(connection.WaitForEnd()) << messages.size() << " messages";
+  }
+  ASSERT_OK(client_->Upload(MachineId("mt"), BallbarSession("mt", "BY", 100)));
+}
+
+// A reply holds a thread until its caller has taken it.
+TEST_F(Hostile, RepliesThatNobodyTakesAreCutOff) {
+  StartServer({"--silence-seconds", "1"});
+  for (const std::string method : {"Admin/GetServerInfo", "Machines/ListMachines", "Ingest/ListSessions"}) {
+    RawConnection connection(server_->address());
+    connection.TakeNoMessages();
+    connection.Begin("/axiscal.v1." + method, {}, {""});
+    EXPECT_TRUE(connection.WaitForEnd()) << method;
+  }
+  ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
+}
+
+// gRPC's own stream, which a thread serves as well.
+TEST_F(Hostile, ReflectionThatAsksNothingIsCutOff) {
+  StartServer({"--silence-seconds", "1"});
+  RawConnection connection(server_->address());
+  constexpr bool kIsHalfClosed = false;
+  connection.Begin("/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", {}, {}, kIsHalfClosed);
+  EXPECT_TRUE(connection.WaitForEnd());
+}
+
 }  // namespace
 }  // namespace axiscal

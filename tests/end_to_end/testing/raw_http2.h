@@ -1,7 +1,10 @@
-// HTTP/2 as no gRPC client would speak it: connections that say nothing, and metadata of any bytes.
+// HTTP/2 as no gRPC client would speak it: connections that say nothing, metadata of any bytes, replies that nobody
+// takes.
 #ifndef AXISCAL_TESTS_END_TO_END_TESTING_RAW_HTTP2_H_
 #define AXISCAL_TESTS_END_TO_END_TESTING_RAW_HTTP2_H_
 
+#include <chrono>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,24 +15,35 @@ namespace axiscal::testing {
 class RawConnection {
  public:
   explicit RawConnection(const std::string& address);
-  RawConnection(RawConnection&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  RawConnection(RawConnection&& other) noexcept
+      : socket_(std::exchange(other.socket_, -1)), initial_window_bytes_(other.initial_window_bytes_) {}
   RawConnection& operator=(RawConnection&&) = delete;
   ~RawConnection();
 
   bool is_connected() const { return socket_ >= 0; }
+  // From the greeting on the server may send no byte of a message (a flow-control window of 0): head and status of a
+  // call arrive, messages wait.
+  void TakeNoMessages() { initial_window_bytes_ = 0; }
   // What every HTTP/2 client begins with. A connection that did not say it is no idle one, but half open.
   void Greet();
   // Greets, calls a method ("/axiscal.v1.Ingest/ListSessions") with one message and returns all that comes until the
   // call or the connection ends, as it comes: gRPC writes the status' message readable (but for '%').
   std::string Call(const std::string& method, const std::vector<std::pair<std::string, std::string>>& metadata,
                    const std::string& message);
+  // The same in two steps. Several messages, and a side of ours that stays open, are for streams.
+  void Begin(const std::string& method, const std::vector<std::pair<std::string, std::string>>& metadata,
+             const std::vector<std::string>& messages, bool is_half_closed = true);
+  // Whether the call has ended, with the connection or without, within a minute. `seen`, unless null, gets what came.
+  bool WaitForEnd(std::string* seen = nullptr);
   // Waits until the server has closed the connection; false where it does not, after a minute.
   bool WaitForClose();
 
  private:
   void Send(const std::string& bytes);
+  void SetPatience(std::chrono::seconds patience);  // of one recv()
 
   int socket_ = -1;
+  uint32_t initial_window_bytes_ = 65'535;  // what HTTP/2 begins with
 };
 
 }  // namespace axiscal::testing

@@ -1,0 +1,30 @@
+// What gRPC does with a call before our handler and after it: a thread of the server waits until the caller has taken
+// the reply, or serves a stream of gRPC's own (reflection). Nothing but this ends it where the connection lives.
+#ifndef AXISCAL_SERVER_CALL_GUARD_H_
+#define AXISCAL_SERVER_CALL_GUARD_H_
+
+#include <grpcpp/server_context.h>
+
+#include <chrono>
+
+namespace axiscal::server {
+
+// Before the first server of the process is built. Every call of every server is cut off from then on whose caller is
+// silent for as long, from the last server's start.
+void GuardCalls(std::chrono::milliseconds silence);
+
+// While it lives, the call is in a handler of ours, which counts the silence of its caller itself (HeldCall).
+class InHandler {
+ public:
+  explicit InHandler(grpc::ServerContext* context);
+  ~InHandler();
+  InHandler(const InHandler&) = delete;
+  InHandler& operator=(const InHandler&) = delete;
+
+ private:
+  grpc::ServerContext* const context_;
+};
+
+}  // namespace axiscal::server
+
+#endif  // AXISCAL_SERVER_CALL_GUARD_H_
