@@ -9,14 +9,10 @@
 #include "proto/convert/status.h"
 
 namespace axiscal::client {
-namespace {
-
-base::SteadyTime Now() { return base::SystemClock().SteadyNow(); }
-
-}  // namespace
+namespace {}  // namespace
 
 bool Backoff::Wait(base::SteadyTime deadline) {
-  if (Now() + next_ >= deadline) return false;
+  if (base::SystemClock().SteadyNow() + next_ >= deadline) return false;
   std::this_thread::sleep_for(next_);
   next_ = std::min(2 * next_, max_);
   return true;
@@ -25,15 +21,16 @@ bool Backoff::Wait(base::SteadyTime deadline) {
 std::unique_ptr<grpc::ClientContext> Connection::NewContext(base::SteadyTime deadline) const {
   auto context = std::make_unique<grpc::ClientContext>();
   context->set_wait_for_ready(true);
-  context->set_deadline(std::chrono::system_clock::now() +
-                        std::chrono::duration_cast<std::chrono::system_clock::duration>(deadline - Now()));
+  context->set_deadline(
+      std::chrono::system_clock::now() +
+      std::chrono::duration_cast<std::chrono::system_clock::duration>(deadline - base::SystemClock().SteadyNow()));
   context->AddMetadata("axiscal-user", options_.user);
   return context;
 }
 
 std::unique_ptr<grpc::ClientContext> Connection::NewStreamContext() const {
   if (!address_.empty()) channel_->WaitForConnected(std::chrono::system_clock::now() + options_.max_backoff);
-  std::unique_ptr<grpc::ClientContext> context = NewContext(Now() + options_.stream_deadline);
+  std::unique_ptr<grpc::ClientContext> context = NewContext(base::SystemClock().SteadyNow() + options_.stream_deadline);
   context->set_wait_for_ready(false);
   return context;
 }
@@ -46,7 +43,7 @@ absl::Status Connection::Call(const std::function<grpc::Status(grpc::ClientConte
 
 absl::Status Connection::Call(const std::function<grpc::Status(grpc::ClientContext*)>& attempt,
                               std::chrono::milliseconds deadline) const {
-  const base::SteadyTime end = Now() + deadline;
+  const base::SteadyTime end = base::SystemClock().SteadyNow() + deadline;
   Backoff backoff(options_);
   while (true) {
     const std::unique_ptr<grpc::ClientContext> context = NewContext(end);

@@ -13,8 +13,6 @@
 namespace axiscal::client {
 namespace {
 
-base::SteadyTime Now() { return base::SystemClock().SteadyNow(); }
-
 // Writes header and bytes as far as the stream takes them; an error is the source's.
 absl::Status SendProgram(grpc::ClientWriter<v1::PutProgramRequest>& writer, const v1::PutProgramHeader& header,
                          const ProgramSource& source, const ProgressCallback& progress, int interruptions) {
@@ -43,7 +41,7 @@ absl::StatusOr<ProgramRecord> PutProgram(const Connection& connection, const Pro
   header.set_sha256(source.sha256);
   header.set_request_id(NewRequestId());
   Backoff backoff(connection.options());
-  const base::SteadyTime give_up = Now() + connection.options().give_up_after;
+  const base::SteadyTime give_up = base::SystemClock().SteadyNow() + connection.options().give_up_after;
   for (int interruptions = 0;; ++interruptions) {
     const auto context = connection.NewStreamContext();
     v1::PutProgramResponse response;
@@ -68,7 +66,7 @@ absl::StatusOr<ProgramRecord> GetProgram(const Connection& connection, ProgramId
   ProgramRecord record;
   int64_t received = 0;
   Backoff backoff(connection.options());
-  base::SteadyTime give_up = Now() + connection.options().give_up_after;
+  base::SteadyTime give_up = base::SystemClock().SteadyNow() + connection.options().give_up_after;
   for (int interruptions = 0;; ++interruptions) {
     request.set_offset_bytes(received);
     const auto context = connection.NewStreamContext();
@@ -85,7 +83,7 @@ absl::StatusOr<ProgramRecord> GetProgram(const Connection& connection, ProgramId
       sha.Add(message.data());
       received += static_cast<int64_t>(message.data().size());
       taken = take(message.data());
-      give_up = Now() + connection.options().give_up_after;
+      give_up = base::SystemClock().SteadyNow() + connection.options().give_up_after;
       if (progress) progress({received, record.byte_count, interruptions});
     }
     if (!taken.ok()) context->TryCancel();

@@ -67,9 +67,10 @@ else()
 endif()
 
 # Half of the compiler's time went into the same headers (Eigen, Abseil, Protobuf) and the same instances of Eigen's templates, source after
-# source. A library with UNITY n compiles n of its sources in one go; n is chosen so that one go takes half a minute at most, which is what
-# a change of one line costs. Names of a library's sources must not clash therefore, those in anonymous namespaces included. Sources with
-# options of their own stay alone. With AXISCAL_UNITY=OFF every source is compiled alone, which shows what it forgot to include.
+# source. So several sources of a library are compiled in one go: six, or UNITY n where a library says so. n is chosen so that one go takes
+# half a minute at most, which is what a change of one line costs. Names of a library's sources must not clash therefore, those in anonymous
+# namespaces included. Sources with options of their own stay alone. With AXISCAL_UNITY=OFF every source is compiled alone, which shows what
+# it forgot to include.
 option(AXISCAL_UNITY "Compile several sources of a library in one go" ON)
 
 # axiscal_library(name SOURCES a.cc ... [DEPS lib ...] [PCH header ...] [UNITY n]): static library axiscal_<name>.
@@ -78,7 +79,10 @@ function(axiscal_library name)
   if(ARG_SOURCES)
     add_library(axiscal_${name} STATIC ${ARG_SOURCES})
     target_link_libraries(axiscal_${name} PUBLIC axiscal_flags ${ARG_DEPS})
-    if(ARG_UNITY AND AXISCAL_UNITY)
+    if(NOT ARG_UNITY)
+      set(ARG_UNITY 6)
+    endif()
+    if(AXISCAL_UNITY)
       set_target_properties(axiscal_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_UNITY})
     endif()
     if(ARG_PCH)

@@ -12,8 +12,6 @@
 namespace axiscal::logs {
 namespace {
 
-absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 std::string Trimmed(const std::string& text) {
   const size_t begin = text.find_first_not_of(" \t");
   if (begin == std::string::npos) return "";
@@ -24,7 +22,7 @@ absl::StatusOr<KnownFormat> FormatOf(const std::string& name) {
   if (name == "dprnt") return KnownFormat::kDprnt;
   if (name == "linuxcnc-probe") return KnownFormat::kLinuxCncProbe;
   if (name == "sinumerik-write") return KnownFormat::kSinumerikWrite;
-  return Refuse(session::Quoted(name) + ", expected dprnt, linuxcnc-probe or sinumerik-write");
+  return absl::InvalidArgumentError(session::Quoted(name) + ", expected dprnt, linuxcnc-probe or sinumerik-write");
 }
 
 // What the programs of Yao 2022 and of core/plan print beside touches, and the head of a Sinumerik file.
@@ -52,10 +50,11 @@ absl::Status ReadScale(const std::string& value, LogTemplate* out) {
   std::vector<double> numbers;
   if (blank == std::string::npos || !session::ParseNumbers(value.substr(blank), &numbers) || numbers.size() != 2 ||
       numbers[0] == 0.0 || std::abs(numbers[0]) > 1e4 || std::abs(numbers[1]) > 1e6) {
-    return Refuse(session::Quoted(value) + ", expected an axis, a scale other than 0 and an offset: 'X 25.4 0'");
+    return absl::InvalidArgumentError(session::Quoted(value) +
+                                      ", expected an axis, a scale other than 0 and an offset: 'X 25.4 0'");
   }
   if (!out->scales.emplace(value.substr(0, blank), AxisScale{numbers[0], numbers[1]}).second)
-    return Refuse(session::Quoted(value) + ": axis " + value.substr(0, blank) + " is scaled twice");
+    return absl::InvalidArgumentError(session::Quoted(value) + ": axis " + value.substr(0, blank) + " is scaled twice");
   return absl::OkStatus();
 }
 
@@ -68,7 +67,8 @@ absl::Status ReadApproach(const std::string& value, LogTemplate* out) {
   constexpr double kUnit = 1e-3;
   if (!session::ParseNumbers(value, &n) || n.size() != 3 ||
       std::abs(std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) - 1.0) > kUnit) {
-    return Refuse(session::Quoted(value) + ", expected 'feature' or a unit vector 'nx ny nz' in machine axes");
+    return absl::InvalidArgumentError(session::Quoted(value) +
+                                      ", expected 'feature' or a unit vector 'nx ny nz' in machine axes");
   }
   out->approach = {n[0], n[1], n[2]};
   return absl::OkStatus();
@@ -77,14 +77,14 @@ absl::Status ReadApproach(const std::string& value, LogTemplate* out) {
 absl::Status ReadPattern(const std::string& value, const std::string& field, std::optional<LinePattern>* out) {
   ASSIGN_OR_RETURN(*out, ParsePattern(value));
   if (field.empty() || HasField(**out, field)) return absl::OkStatus();
-  return Refuse(session::Quoted(value) + ", expected a field {" + field + "}");
+  return absl::InvalidArgumentError(session::Quoted(value) + ", expected a field {" + field + "}");
 }
 
 // What follows is of a feature, or of a rod.
 absl::Status ReadMark(const std::string& value, std::optional<LinePattern>* out) {
   ASSIGN_OR_RETURN(*out, ParsePattern(value));
   if (HasField(**out, "feature") || HasField(**out, "rod")) return absl::OkStatus();
-  return Refuse(session::Quoted(value) + ", expected a field {feature} or {rod}");
+  return absl::InvalidArgumentError(session::Quoted(value) + ", expected a field {feature} or {rod}");
 }
 
 absl::Status ReadRule(const std::string& rule, const std::string& value, LogTemplate* out) {
@@ -104,24 +104,25 @@ absl::Status ReadRule(const std::string& rule, const std::string& value, LogTemp
   if (rule == "approach") return ReadApproach(value, out);
   if (rule == "feature") {
     out->feature = value;
-    return value.empty() ? Refuse("'', expected a feature's name") : absl::OkStatus();
+    return value.empty() ? absl::InvalidArgumentError("'', expected a feature's name") : absl::OkStatus();
   }
   if (rule == "seconds") {
     std::vector<double> n;
     if (!session::ParseNumbers(value, &n) || n.size() != 1 || !(n[0] > 0.0 && n[0] <= 1e5))
-      return Refuse(session::Quoted(value) + ", expected seconds above 0 to 1e5");
+      return absl::InvalidArgumentError(session::Quoted(value) + ", expected seconds above 0 to 1e5");
     out->seconds = n[0];
     return absl::OkStatus();
   }
-  return Refuse("is no rule, expected format, line, skip, count, mark, axis, feature, approach or seconds");
+  return absl::InvalidArgumentError(
+      "is no rule, expected format, line, skip, count, mark, axis, feature, approach or seconds");
 }
 
 absl::Status CheckWhole(const LogTemplate& out) {
   if (out.line.has_value() == (out.format != KnownFormat::kNone))
-    return Refuse("expected either 'line: ...' or 'format: ...', the form of a reading's line");
+    return absl::InvalidArgumentError("expected either 'line: ...' or 'format: ...', the form of a reading's line");
   if (out.line && std::none_of(out.line->pieces.begin(), out.line->pieces.end(),
                                [](const Piece& piece) { return !piece.field.empty() && piece.field != "*"; }))
-    return Refuse("line: '" + out.line->text + "' has no field, expected such as X{X_mm}");
+    return absl::InvalidArgumentError("line: '" + out.line->text + "' has no field, expected such as X{X_mm}");
   return absl::OkStatus();
 }
 
@@ -158,19 +159,20 @@ absl::StatusOr<LogTemplate> ParseTemplate(const std::string& text, const std::st
     const std::string body = is_header ? content.substr(1) : content;
     const size_t colon = body.find(':');
     if (colon == std::string::npos)
-      return Refuse(absl::StrCat(place, ": ", session::Quoted(content), ", expected '# key: value' or 'rule: value'"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(place, ": ", session::Quoted(content), ", expected '# key: value' or 'rule: value'"));
     const std::string key = Trimmed(body.substr(0, colon)), value = Trimmed(body.substr(colon + 1));
     if (is_header) {
       // So that header entry i stands in line i + 1, as messages say.
       if (line.number != out.header.size() + 1) {
-        return Refuse(
+        return absl::InvalidArgumentError(
             absl::StrCat(place, ": header lines '# ", key, ": ...' stand first, before any rule or blank line"));
       }
       out.header.push_back({key, value});
       continue;
     }
     if (key != "skip" && key != "axis" && !said.insert(key).second)
-      return Refuse(absl::StrCat(place, ": ", key, " is said twice, expected once"));
+      return absl::InvalidArgumentError(absl::StrCat(place, ": ", key, " is said twice, expected once"));
     RETURN_IF_ERROR(base::Within(absl::StrCat(place, ": ", session::Printable(key)), ReadRule(key, value, &out)));
   }
   RETURN_IF_ERROR(base::Within(name, CheckWhole(out)));

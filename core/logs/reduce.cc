@@ -24,8 +24,6 @@ using session::Session;
 // Header keys that a log leaves in its session.
 constexpr char kCutLine[] = "cut_line", kCentreSigma[] = "centre_sigma_um";
 
-absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 std::string ColumnName(const machine::Axis& axis) {
   return axis.name + (axis.kind == machine::AxisKind::kLinear ? "_mm" : "_deg");
 }
@@ -47,9 +45,10 @@ class Reducer {
     RETURN_IF_ERROR(CheckFields());
     RETURN_IF_ERROR(CheckReadings());
     if (AreTouchesOfCentres() && options_.machine == nullptr) {
-      return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text,
-                                 "' has no fields {cx_mm} {cy_mm} {cz_mm}: centres are computed from touches with the "
-                                 "machine's axes, expected the fields or --machine"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(template_.name, ": line: '", pattern_.text,
+                       "' has no fields {cx_mm} {cy_mm} {cz_mm}: centres are computed from touches with the "
+                       "machine's axes, expected the fields or --machine"));
     }
     ASSIGN_OR_RETURN(log_, ReadLog(in, log_name_, template_, pattern_));
     for (const LogReading& reading : log_.readings) out_.lines.push_back(reading.line);
@@ -79,15 +78,17 @@ class Reducer {
     header = template_.header;
     if (options_.plan != nullptr) {
       if (!header.empty())
-        return Refuse(template_.name + ": header lines beside a plan, which brings them: expected rules alone");
+        return absl::InvalidArgumentError(template_.name +
+                                          ": header lines beside a plan, which brings them: expected rules alone");
       header = options_.plan->header;
       // Of a measured session that is measured again: what its own log said.
       std::erase_if(
           header, [](const session::HeaderEntry& entry) { return entry.key == kCutLine || entry.key == kCentreSigma; });
     }
     if (header.empty()) {
-      return Refuse(template_.name +
-                    ": no header lines '# key: value' of the session, expected them in the template or in a plan");
+      return absl::InvalidArgumentError(
+          template_.name +
+          ": no header lines '# key: value' of the session, expected them in the template or in a plan");
     }
     for (session::HeaderEntry& entry : header) {
       if (entry.key == "session" && !options_.session.empty()) entry.value = options_.session;
@@ -95,8 +96,9 @@ class Reducer {
     RETURN_IF_ERROR(base::Within(template_.name, session::ValidateHeader(header)));
     const std::string machine = *session::FindHeader(out_.session, "machine");
     if (options_.machine != nullptr && machine != options_.machine->id) {
-      return Refuse(absl::StrCat(options_.plan != nullptr ? "the plan" : template_.name,
-                                 ": machine: ", session::Quoted(machine), ", expected '", options_.machine->id, "'"));
+      return absl::InvalidArgumentError(absl::StrCat(options_.plan != nullptr ? "the plan" : template_.name,
+                                                     ": machine: ", session::Quoted(machine), ", expected '",
+                                                     options_.machine->id, "'"));
     }
     format_ = session::FindInstrumentFormat(*session::FindHeader(out_.session, "instrument"));
     return absl::OkStatus();
@@ -139,8 +141,9 @@ class Reducer {
         absl::StrAppend(&text, text.empty() ? "" : " ", name.substr(0, name.find('_')), "{", name, "}");
     }
     if (KnownAxes().empty()) {
-      return Refuse(template_.name +
-                    ": which axes the log holds follows from the machine or the plan, expected one of them or 'line:'");
+      return absl::InvalidArgumentError(
+          template_.name +
+          ": which axes the log holds follows from the machine or the plan, expected one of them or 'line:'");
     }
     ASSIGN_OR_RETURN(pattern_, ParsePattern(text));
     return absl::OkStatus();
@@ -163,13 +166,15 @@ class Reducer {
   absl::Status CheckFields() const {
     for (const Piece& piece : pattern_.pieces) {
       if (piece.field.empty() || piece.field == "*" || IsColumn(piece.field)) continue;
-      return Refuse(absl::StrCat(template_.name, ": line: {", piece.field, "} is no column of instrument ",
-                                 format_->name, ", expected such as X_mm, B_deg, t_s, temp_C",
-                                 format_->columns.empty() ? "" : ", " + format_->columns[0].name));
+      return absl::InvalidArgumentError(absl::StrCat(template_.name, ": line: {", piece.field,
+                                                     "} is no column of instrument ", format_->name,
+                                                     ", expected such as X_mm, B_deg, t_s, temp_C",
+                                                     format_->columns.empty() ? "" : ", " + format_->columns[0].name));
     }
     for (const auto& [axis, scale] : template_.scales) {
       if (FieldIndex(axis + "_mm") < 0 && FieldIndex(axis + "_deg") < 0)
-        return Refuse(absl::StrCat(template_.name, ": axis ", axis, " is scaled, but its line has no such field"));
+        return absl::InvalidArgumentError(
+            absl::StrCat(template_.name, ": axis ", axis, " is scaled, but its line has no such field"));
     }
     return absl::OkStatus();
   }
@@ -184,7 +189,7 @@ class Reducer {
     for (const session::ReadingColumn& column : format_->columns) {
       if (column.source == session::ColumnSource::kPlan || FieldIndex(column.name) >= 0) continue;
       if (column.may_be_empty && is_read) continue;
-      return Refuse(absl::StrCat(
+      return absl::InvalidArgumentError(absl::StrCat(
           template_.name, ": line: '", pattern_.text, "' has no field {", column.name, "}, which instrument ",
           format_->name, " reads and only the log can hold, expected a template with 'line: ...{", column.name, "}'"));
     }
@@ -217,18 +222,18 @@ class Reducer {
       const std::vector<double> numbers = NumbersOf(FieldIndex(piece.field));
       for (size_t k = 0; k < numbers.size(); ++k) {
         if (numbers[k] == 0.0 && template_.format == KnownFormat::kLinuxCncProbe) continue;
-        return Refuse(absl::StrCat(LineOf(k), ": ", piece.field, " reads ", numbers[k], ", but ",
-                                   options_.machine != nullptr ? "machine " + options_.machine->id : "the plan",
-                                   " has no such axis"));
+        return absl::InvalidArgumentError(absl::StrCat(
+            LineOf(k), ": ", piece.field, " reads ", numbers[k], ", but ",
+            options_.machine != nullptr ? "machine " + options_.machine->id : "the plan", " has no such axis"));
       }
     }
     return absl::OkStatus();
   }
 
   absl::Status NoField(const std::string& name) const {
-    return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {", name, "}, instrument ",
-                               format_->name, " needs it",
-                               format_->name == "touch" ? "" : ", expected the field or a plan that holds it"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        template_.name, ": line: '", pattern_.text, "' has no field {", name, "}, instrument ", format_->name,
+        " needs it", format_->name == "touch" ? "" : ", expected the field or a plan that holds it"));
   }
 
   absl::Status FillAxes() {
@@ -260,7 +265,7 @@ class Reducer {
 
   absl::Status OffPlan(const std::string& line, const std::string& column, double number, size_t plan_line,
                        double planned, double limit) const {
-    return Refuse(absl::StrFormat(
+    return absl::InvalidArgumentError(absl::StrFormat(
         "%s: %s = %g, but line %d of the plan is at %g, expected within %g: was a touch missed, or another program "
         "run?",
         line, column, number, plan_line, planned, limit));
@@ -276,9 +281,9 @@ class Reducer {
         if (!name) continue;
         *is_any |= IsFeature(column.name);  // a run has several senses
         if (*name == plan->texts[k]) continue;
-        return Refuse(absl::StrCat(LineOf(k), ": ", column.name, " ", session::Quoted(*name), ", but line ", k + 1,
-                                   " of the plan is of ", session::Quoted(plan->texts[k]),
-                                   ": was a reading missed, or another program run?"));
+        return absl::InvalidArgumentError(absl::StrCat(
+            LineOf(k), ": ", column.name, " ", session::Quoted(*name), ", but line ", k + 1, " of the plan is of ",
+            session::Quoted(plan->texts[k]), ": was a reading missed, or another program run?"));
       }
     }
     return absl::OkStatus();
@@ -288,12 +293,12 @@ class Reducer {
     if (options_.plan == nullptr) return absl::OkStatus();
     const size_t planned = options_.plan->reading_count(), found = log_.readings.size();
     if (found > planned) {
-      return Refuse(absl::StrCat(LineOf(planned), ": reading ", planned + 1, ", but the plan has ", planned,
-                                 ", expected no more"));
+      return absl::InvalidArgumentError(absl::StrCat(LineOf(planned), ": reading ", planned + 1, ", but the plan has ",
+                                                     planned, ", expected no more"));
     }
     for (Column& column : axes_) {
       const Column* const plan = Planned(column.name);
-      if (plan == nullptr) return Refuse(absl::StrCat("the plan has no column ", column.name));
+      if (plan == nullptr) return absl::InvalidArgumentError(absl::StrCat("the plan has no column ", column.name));
       column.values.resize(found);  // those of the plan itself
       const double limit = column.name.ends_with("_mm") ? kMaxOffPlanMm : kMaxOffPlanDeg;
       for (size_t k = 0; k < found; ++k) {
@@ -305,8 +310,9 @@ class Reducer {
     RETURN_IF_ERROR(CheckPlannedNames(&is_named));
     const bool is_tied = from_plan_.empty() && (is_named || !axes_.empty());
     if (found < planned && !is_tied) {
-      return Refuse(absl::StrCat(log_name_, ": the plan has ", planned, " readings, the log ", found,
-                                 ": no position and no name in the log says which are missing, expected all of them"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(log_name_, ": the plan has ", planned, " readings, the log ", found,
+                       ": no position and no name in the log says which are missing, expected all of them"));
     }
     if (found < planned)
       out_.notes.push_back(
@@ -357,9 +363,9 @@ class Reducer {
       if (rule != nullptr) names.push_back(entry.key.substr(rule->prefix.size() + 1));
     }
     if (names.size() == 1) return names[0];
-    return Refuse(LineOf(k) + ": nothing says which " +
-                  (column == "feature" ? "feature was touched" : column + " was measured") + ", expected a field {" +
-                  column + "}, 'mark: ...', 'feature: ...' or a plan");
+    return absl::InvalidArgumentError(LineOf(k) + ": nothing says which " +
+                                      (column == "feature" ? "feature was touched" : column + " was measured") +
+                                      ", expected a field {" + column + "}, 'mark: ...', 'feature: ...' or a plan");
   }
 
   absl::Status FillTouches() {
@@ -390,12 +396,13 @@ class Reducer {
 
   absl::StatusOr<Eigen::Vector3d> TowardsFeature(size_t k, const std::string& name) const {
     if (!template_.approach_is_feature) {
-      return Refuse(template_.name +
-                    ": nothing says from where the stylus came, expected fields {nx} {ny} {nz}, "
-                    "'approach: nx ny nz', 'approach: feature' or a plan");
+      return absl::InvalidArgumentError(template_.name +
+                                        ": nothing says from where the stylus came, expected fields {nx} {ny} {nz}, "
+                                        "'approach: nx ny nz', 'approach: feature' or a plan");
     }
     if (options_.machine == nullptr)
-      return Refuse(template_.name + ": 'approach: feature' needs the machine, whose axes say where the stylus stood");
+      return absl::InvalidArgumentError(
+          template_.name + ": 'approach: feature' needs the machine, whose axes say where the stylus stood");
     for (const session::HeaderEntry& entry : out_.session.header) {
       const session::FeatureRule* rule = session::FindFeatureRule(*format_, entry.key);
       if (rule == nullptr || entry.key.substr(rule->prefix.size() + 1) != name) continue;
@@ -406,8 +413,8 @@ class Reducer {
         positions.push_back(column.values[k] * (column.name.ends_with("_deg") ? base::kRadPerDeg : 1.0));
       return -touch::NormalAt(*options_.machine, feature, {tip[0], tip[1], tip[2]}, positions.data());
     }
-    return Refuse(absl::StrCat(LineOf(k), ": feature ", session::Quoted(name), " has no header line '# sphere ", name,
-                               ": ...' or '# plane ...'"));
+    return absl::InvalidArgumentError(absl::StrCat(LineOf(k), ": feature ", session::Quoted(name),
+                                                   " has no header line '# sphere ", name, ": ...' or '# plane ...'"));
   }
 
   // Columns of the instrument that the line does not hold.
@@ -452,8 +459,9 @@ class Reducer {
       out_.notes.push_back("readout: not in the log, counts the readings of each rod");
       return filled;
     }
-    return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {", column.name,
-                               "}, instrument ", format_->name, " needs it, expected the field or a plan"));
+    return absl::InvalidArgumentError(absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {",
+                                                   column.name, "}, instrument ", format_->name,
+                                                   " needs it, expected the field or a plan"));
   }
 
   // The instrument's own columns and the temperature, as the line gives them.
@@ -503,7 +511,8 @@ class Reducer {
         first = k;
         const size_t row = poses.size() - 1;
         if (options_.plan != nullptr && row >= options_.plan->reading_count()) {
-          return Refuse(absl::StrCat(LineOf(k), ": pose ", row + 1, ", but the plan has ", row, ", expected no more"));
+          return absl::InvalidArgumentError(
+              absl::StrCat(LineOf(k), ": pose ", row + 1, ", but the plan has ", row, ", expected no more"));
         }
         if (options_.plan != nullptr) {
           const auto planned = [&](int i) { return Planned(ColumnName(machine.axes[i]))->values[row]; };
@@ -539,7 +548,8 @@ class Reducer {
       std::vector<double> numbers;
       if (!text) continue;
       if (!session::ParseNumbers(*text, &numbers) || numbers.size() != 1 || !(numbers[0] > 0.0))
-        return Refuse(absl::StrCat("header ", key, ": ", session::Quoted(*text), ", expected one number above 0"));
+        return absl::InvalidArgumentError(
+            absl::StrCat("header ", key, ": ", session::Quoted(*text), ", expected one number above 0"));
       *number = numbers[0];
     }
     if (radii_mm[0] > 0.0 && radii_mm[1] > 0.0) options.contact_mm = radii_mm[0] + radii_mm[1];
@@ -552,12 +562,13 @@ class Reducer {
     std::vector<std::vector<double>> axes;
     for (const std::string& name : KnownAxes()) {
       if (FieldIndex(name) < 0) {
-        return Refuse(absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {", name,
-                                   "}, and none for centres: a touch is where all axes were latched"));
+        return absl::InvalidArgumentError(
+            absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {", name,
+                         "}, and none for centres: a touch is where all axes were latched"));
       }
       axes.push_back(NumbersOf(FieldIndex(name)));
       if (options_.plan != nullptr && name.ends_with("_deg") && Planned(name) == nullptr)
-        return Refuse("the plan has no column " + name);
+        return absl::InvalidArgumentError("the plan has no column " + name);
     }
     RETURN_IF_ERROR(CheckForeignAxes(KnownAxes()));
     ASSIGN_OR_RETURN(const std::vector<TouchedPose> poses, Poses(axes));
@@ -651,11 +662,11 @@ class Reducer {
             base::Within(LineOf(k) + " (" + column.name + ")", session::CheckName((*rules)[i], column.texts[k])));
       for (size_t k = 0; k < column.values.size(); ++k) {
         if (!(*rules)[i].Fits(column.values[k]) && !((*rules)[i].may_be_empty && std::isnan(column.values[k])))
-          return Refuse(absl::StrFormat("%s (%s): %g, expected %s", LineOf(k), column.name, column.values[k],
-                                        (*rules)[i].expected));
+          return absl::InvalidArgumentError(absl::StrFormat("%s (%s): %g, expected %s", LineOf(k), column.name,
+                                                            column.values[k], (*rules)[i].expected));
         if (column.name == "t_s" && k > 0 && column.values[k] < column.values[k - 1])
-          return Refuse(absl::StrFormat("%s (t_s): %g after %g: time never runs back", LineOf(k), column.values[k],
-                                        column.values[k - 1]));
+          return absl::InvalidArgumentError(absl::StrFormat("%s (t_s): %g after %g: time never runs back", LineOf(k),
+                                                            column.values[k], column.values[k - 1]));
       }
     }
     return absl::OkStatus();

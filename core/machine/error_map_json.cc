@@ -17,7 +17,7 @@ using shapes::Tabulated;
 
 constexpr size_t kMostNodes = 1000;  // of a map
 
-absl::Status Refuse(const std::string& where, const std::string& what) {
+absl::Status RefuseMap(const std::string& where, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("errors: ", where, ": ", what));
 }
 
@@ -35,17 +35,17 @@ absl::StatusOr<std::vector<Node>> ReadNodes(const json& object, const std::strin
   const char* const key = NodesKey(machine, axis);
   const auto it = object.find(key);
   if (it == object.end() || !it->is_array() || it->size() < 2)
-    return Refuse(where, absl::StrCat("'", key, "', expected at least two numbers that rise"));
+    return RefuseMap(where, absl::StrCat("'", key, "', expected at least two numbers that rise"));
   std::vector<Node> nodes;
   double widest = 0.0;
   for (const json& number : *it) {
     if (!number.is_number() || !std::isfinite(number.get<double>()))
-      return Refuse(where, absl::StrCat("'", key, "' holds ", number.dump(), ", expected a finite number"));
+      return RefuseMap(where, absl::StrCat("'", key, "' holds ", number.dump(), ", expected a finite number"));
     Node node;
     node.at = number.get<double>() * UnitOf(machine, axis);
     if (!nodes.empty()) {
       const double gap = node.at - nodes.back().at;
-      if (!(gap > 0.0)) return Refuse(where, absl::StrCat("'", key, "': ", number.dump(), " does not rise"));
+      if (!(gap > 0.0)) return RefuseMap(where, absl::StrCat("'", key, "': ", number.dump(), " does not rise"));
       node.before = nodes.back().after = gap;
       widest = std::max(widest, gap);
     }
@@ -64,28 +64,28 @@ absl::StatusOr<int> AxisOf(const json& object, const std::string& where, const M
                            const std::string& otherwise) {
   std::string name = otherwise;
   if (object.contains("variable")) {
-    if (!object["variable"].is_string()) return Refuse(where, "'variable', expected an axis");
+    if (!object["variable"].is_string()) return RefuseMap(where, "'variable', expected an axis");
     name = object["variable"].get<std::string>();
   }
   const int axis = FindAxis(machine, name);
-  if (axis < 0) return Refuse(where, absl::StrCat("variable '", name, "' is no axis of machine '", machine.id, "'"));
+  if (axis < 0) return RefuseMap(where, absl::StrCat("variable '", name, "' is no axis of machine '", machine.id, "'"));
   return axis;
 }
 
 absl::StatusOr<std::vector<double>> ReadRow(const json& row, const std::string& where, size_t count, bool zero_mean) {
   const std::string expected = absl::StrCat("'values', expected ", count, " numbers in each row");
-  if (!row.is_array() || row.size() != count) return Refuse(where, expected);
+  if (!row.is_array() || row.size() != count) return RefuseMap(where, expected);
   std::vector<double> values;
   double sum = 0.0, largest = 0.0;
   for (const json& value : row) {
-    if (!value.is_number() || !std::isfinite(value.get<double>())) return Refuse(where, expected);
+    if (!value.is_number() || !std::isfinite(value.get<double>())) return RefuseMap(where, expected);
     values.push_back(value.get<double>());
     sum += values.back();
     largest = std::max(largest, std::abs(values.back()));
   }
   constexpr double kRounded = 1e-3;  // of the largest: files are rounded
   if (zero_mean && std::abs(sum) > kRounded * largest)
-    return Refuse(where, absl::StrCat("'values' of a row sum to ", sum, ", zero_mean expects 0"));
+    return RefuseMap(where, absl::StrCat("'values' of a row sum to ", sum, ", zero_mean expects 0"));
   return values;
 }
 
@@ -98,22 +98,22 @@ absl::StatusOr<std::vector<ErrorTerm>> ReadErrorMap(const json& object, const st
   std::vector<Node> over = {Node{}};
   int over_axis = -1;
   if (object.contains("over")) {
-    if (!object["over"].is_object()) return Refuse(where, "'over', expected an object with variable and nodes");
+    if (!object["over"].is_object()) return RefuseMap(where, "'over', expected an object with variable and nodes");
     ASSIGN_OR_RETURN(over_axis, AxisOf(object["over"], where + ".over", machine, ""));
-    if (over_axis == axis) return Refuse(where, "'over' is the map's own variable");
+    if (over_axis == axis) return RefuseMap(where, "'over' is the map's own variable");
     ASSIGN_OR_RETURN(over, ReadNodes(object["over"], where + ".over", machine, over_axis));
   }
   if (nodes.size() * over.size() > kMostNodes)
-    return Refuse(where, absl::StrCat(nodes.size() * over.size(), " nodes, at most ", kMostNodes));
+    return RefuseMap(where, absl::StrCat(nodes.size() * over.size(), " nodes, at most ", kMostNodes));
   if (object.contains("zero_mean") && !object["zero_mean"].is_boolean())
-    return Refuse(where, "'zero_mean', expected true or false");
+    return RefuseMap(where, "'zero_mean', expected true or false");
   const bool zero_mean = object.value("zero_mean", false);
   const bool has_values = object.contains("values");
   if (has_values == object.contains("amplitude") || (!has_values && object["amplitude"] != 0.0))
-    return Refuse(where, "a map has 'values', or 'amplitude' 0 where it is asked for");
+    return RefuseMap(where, "a map has 'values', or 'amplitude' 0 where it is asked for");
   const json rows = !has_values ? json() : over_axis < 0 ? json::array({object["values"]}) : object["values"];
   if (has_values && (!rows.is_array() || rows.size() != over.size()))
-    return Refuse(where, absl::StrCat("'values', expected a row for each of ", over.size(), " nodes of 'over'"));
+    return RefuseMap(where, absl::StrCat("'values', expected a row for each of ", over.size(), " nodes of 'over'"));
   std::vector<ErrorTerm> terms;
   for (size_t j = 0; j < over.size(); ++j) {
     std::vector<double> values(nodes.size(), 0.0);

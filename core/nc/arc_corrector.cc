@@ -17,7 +17,6 @@ constexpr double kShare =
 constexpr int kArcCounts[] = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
 // Start and end lie so near that rounding could turn the arc into a full circle, or a full circle into nothing.
 constexpr double kLeastGrains = 20.0;
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Eigen::Vector2d PlanePoint(const AxisTicks& at, const Arc& arc) {
@@ -31,7 +30,7 @@ AxisTicks Mean(const AxisTicks& from, const AxisTicks& to, double t) {
   return mean;
 }
 
-bool IsFull(const Arc& arc) { return std::abs(std::abs(arc.sweep_rad) - 2.0 * kPi) < 1e-12; }
+bool IsFull(const Arc& arc) { return std::abs(std::abs(arc.sweep_rad) - 2.0 * std::numbers::pi) < 1e-12; }
 
 }  // namespace
 
@@ -50,11 +49,11 @@ std::vector<double> MoveCorrector::Reversals(const Step& step) const {
   for (const int axis : {arc.first, arc.second}) {
     if (!compensator_->uses_sense(axis)) continue;
     // cos has its extremes at multiples of pi, sin half a pi later.
-    const double shift = axis == arc.first ? 0.0 : 0.5 * kPi;
+    const double shift = axis == arc.first ? 0.0 : 0.5 * std::numbers::pi;
     const double low = std::min(arc.start_rad, arc.start_rad + arc.sweep_rad);
     const double high = std::max(arc.start_rad, arc.start_rad + arc.sweep_rad);
-    for (double k = std::ceil((low - shift) / kPi); k * kPi + shift <= high; k += 1.0) {
-      const double fraction = (k * kPi + shift - arc.start_rad) / arc.sweep_rad;
+    for (double k = std::ceil((low - shift) / std::numbers::pi); k * std::numbers::pi + shift <= high; k += 1.0) {
+      const double fraction = (k * std::numbers::pi + shift - arc.start_rad) / arc.sweep_rad;
       if (fraction > 1e-6 && fraction < 1.0 - 1e-6) breaks.push_back(fraction);
     }
   }
@@ -110,8 +109,7 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   } else {
     // As the words will say it.
     AxisTicks written = piece->targets;
-    for (const int axis : {nominal.first, nominal.second})
-      written[axis] = grain.Held(axis, piece->targets[axis]);
+    for (const int axis : {nominal.first, nominal.second}) written[axis] = grain.Held(axis, piece->targets[axis]);
     end_mm = PlanePoint(written, nominal);
   }
   if (!is_full && (end_mm - start_mm).norm() < kLeastGrains * grain_mm) {
@@ -156,7 +154,7 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
     // Near half a turn, and beyond it, the centre depends on the last digit of the radius and of the ends.
     const double height = (centre_mm - 0.5 * (start_mm + end_mm)).norm();
     if (!fitted.ok() || is_full || height < 0.2 * fitted->radius_mm()) return false;
-    const double sign = std::abs(sweep) > kPi ? -1.0 : 1.0;
+    const double sign = std::abs(sweep) > std::numbers::pi ? -1.0 : 1.0;
     const auto held_mm = [&](double radius_mm) {
       return static_cast<double>(NearestHeld(std::llround(radius_mm * kTicksPerUnit), 0, grain.radius)) / kTicksPerUnit;
     };

@@ -7,8 +7,6 @@
 namespace axiscal::nc {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 
 // Whether the axis words of a block with this code are the code's own, and no move: G68 X0 Y0 R5., G52 X#1, G65 X1.
@@ -61,7 +59,7 @@ bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, con
   const Ticks unit = interpreter_->ticks_per_unit(piece.arc.first);
   const WordForm form = word == nullptr ? rule_.Inserted(unit) : rule_.Of(*word, unit);
   if (interpreter_->RoleOf(letter) == Role::kRadius) {
-    const double sign = std::abs(piece.arc.sweep_rad) > kPi ? -1.0 : 1.0;
+    const double sign = std::abs(piece.arc.sweep_rad) > std::numbers::pi ? -1.0 : 1.0;
     *corrected = WordFor(std::llround(sign * piece.arc.radius_mm() * kTicksPerUnit), 0, form);
     return true;
   }

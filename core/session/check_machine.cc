@@ -17,15 +17,13 @@ using machine::AxisKind;
 constexpr double kTravelToleranceMm = 1e-3;
 constexpr double kTravelToleranceRad = 1e-3 * base::kRadPerDeg;
 
-absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 std::string ColumnName(const Axis& axis) { return axis.name + (axis.kind == AxisKind::kLinear ? "_mm" : "_deg"); }
 
 absl::Status CheckMachineName(const std::vector<HeaderEntry>& header, const machine::Machine& machine) {
   for (size_t i = 0; i < header.size(); ++i) {
     const HeaderEntry& entry = header[i];
     if (entry.key != "machine" || entry.value == machine.id) continue;
-    return Refuse(
+    return absl::InvalidArgumentError(
         absl::StrCat("line ", HeaderLine(i), ": machine: ", Quoted(entry.value), ", expected '", machine.id, "'"));
   }
   return absl::OkStatus();
@@ -39,7 +37,7 @@ absl::Status CheckDatum(const std::vector<HeaderEntry>& header, const machine::M
     for (const std::string& name : axes) {
       const int axis = machine::FindAxis(machine, name);
       if (axis >= 0 && machine.axes[axis].kind == AxisKind::kLinear) continue;
-      return Refuse(absl::StrCat(
+      return absl::InvalidArgumentError(absl::StrCat(
           "line ", HeaderLine(i), ": datum: ", Quoted(header[i].value), ": ", name,
           axis < 0 ? absl::StrCat(" is no axis of machine ", machine.id) : std::string(" is a rotary axis"),
           ", expected linear axes"));
@@ -59,9 +57,10 @@ absl::Status CheckTravel(const Column& column, const Axis& axis, size_t header_e
   for (size_t row = 0; !all_within && row < column.values.size(); ++row) {
     const double position = column.values[row] * unit;
     if (position >= lowest && position <= highest) continue;
-    return Refuse(absl::StrFormat("%s: %g is beyond the travel of %s, expected %g to %g",
-                                  Place(ReadingLine(header_entries, row), index, column.name), column.values[row],
-                                  axis.name, *axis.min_position / unit, *axis.max_position / unit));
+    return absl::InvalidArgumentError(absl::StrFormat("%s: %g is beyond the travel of %s, expected %g to %g",
+                                                      Place(ReadingLine(header_entries, row), index, column.name),
+                                                      column.values[row], axis.name, *axis.min_position / unit,
+                                                      *axis.max_position / unit));
   }
   return absl::OkStatus();
 }
@@ -71,11 +70,13 @@ absl::StatusOr<Axis> AxisOf(const ColumnRule& rule, const machine::Machine& mach
                             size_t index) {
   const std::string place = Place(HeaderLine(header_entries), index, rule.name);
   const int found = machine::FindAxis(machine, rule.axis);
-  if (found < 0) return Refuse(absl::StrCat(place, ": machine ", machine.id, " has no axis ", rule.axis));
+  if (found < 0)
+    return absl::InvalidArgumentError(absl::StrCat(place, ": machine ", machine.id, " has no axis ", rule.axis));
   const Axis& axis = machine.axes[found];
   if ((axis.kind == AxisKind::kLinear) != (rule.kind == ColumnKind::kLinearAxis)) {
-    return Refuse(absl::StrCat(place, ": ", axis.name, " is ", axis.kind == AxisKind::kLinear ? "linear" : "rotary",
-                               ", expected ", ColumnName(axis)));
+    return absl::InvalidArgumentError(absl::StrCat(place, ": ", axis.name, " is ",
+                                                   axis.kind == AxisKind::kLinear ? "linear" : "rotary", ", expected ",
+                                                   ColumnName(axis)));
   }
   return axis;
 }
@@ -88,8 +89,9 @@ absl::Status CheckAxesAreThere(const std::vector<HeaderEntry>& header, const std
     const bool needed = format->axes == AxisColumns::kAll ||
                         (format->axes == AxisColumns::kRotaryOnly && axis.kind == AxisKind::kRotary);
     if (needed && std::find(columns.begin(), columns.end(), ColumnName(axis)) == columns.end()) {
-      return Refuse(absl::StrCat("line ", HeaderLine(header.size()), ": axis ", axis.name, " of machine ", machine.id,
-                                 " has no column, instrument ", format->name, " needs ", ColumnName(axis)));
+      return absl::InvalidArgumentError(absl::StrCat("line ", HeaderLine(header.size()), ": axis ", axis.name,
+                                                     " of machine ", machine.id, " has no column, instrument ",
+                                                     format->name, " needs ", ColumnName(axis)));
     }
   }
   return absl::OkStatus();

@@ -10,8 +10,6 @@
 namespace axiscal::session {
 namespace {
 
-absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 const InstrumentFormat& FormatOf(const std::vector<HeaderEntry>& header) {
   const InstrumentFormat* format = nullptr;
   for (const HeaderEntry& entry : header) {
@@ -85,7 +83,8 @@ absl::Status RequireColumns(const std::vector<std::string>& columns, const Instr
   }
   for (const std::string& name : required) {
     if (std::find(columns.begin(), columns.end(), name) != columns.end()) continue;
-    return Refuse(absl::StrCat("line ", line, ": column ", name, " is missing, instrument ", format.name, " needs it"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("line ", line, ": column ", name, " is missing, instrument ", format.name, " needs it"));
   }
   return absl::OkStatus();
 }
@@ -110,11 +109,11 @@ bool ParseAxisColumn(const std::string& column, std::string* axis, ColumnKind* k
 
 absl::Status CheckName(const ColumnRule& rule, const std::string& text) {
   if (text.empty() || text.size() > kMaxNameBytes || !IsPlainText(text) || text.find(',') != std::string::npos) {
-    return Refuse(
+    return absl::InvalidArgumentError(
         absl::StrCat(Quoted(text), ", expected a name of 1 to ", kMaxNameBytes, " bytes of UTF-8 without a comma"));
   }
   if (rule.names.empty() || rule.names.count(text) != 0) return absl::OkStatus();
-  return Refuse(
+  return absl::InvalidArgumentError(
       absl::StrCat(Quoted(text), ", expected a name that the header describes, such as '", *rule.names.begin(), "'"));
 }
 
@@ -123,7 +122,8 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
   const InstrumentFormat& format = FormatOf(header);
   const size_t line = HeaderLine(header.size());
   if (columns.size() > kMaxColumns) {
-    return Refuse(absl::StrCat("line ", line, ": ", columns.size(), " columns, at most ", kMaxColumns, " are read"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("line ", line, ": ", columns.size(), " columns, at most ", kMaxColumns, " are read"));
   }
   const std::set<std::string> feature_names = FeatureNames(header, format);
   std::vector<ColumnRule> rules;
@@ -135,13 +135,15 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
                                      (format.axes == AxisColumns::kNone && rule->kind == ColumnKind::kRotaryAxis));
     if (!rule || wrong_axis) {
       const bool other_separator = columns.size() == 1 && columns[i].find_first_of(";\t") != std::string::npos;
-      return Refuse(absl::StrCat(place, ": unknown column for instrument ", format.name, ", expected ",
-                                 other_separator ? "names separated by commas" : KnownColumns(format)));
+      return absl::InvalidArgumentError(
+          absl::StrCat(place, ": unknown column for instrument ", format.name, ", expected ",
+                       other_separator ? "names separated by commas" : KnownColumns(format)));
     }
     const auto [first, is_new] = seen.emplace(rule->axis.empty() ? rule->name : "axis " + rule->axis, i);
     if (!is_new) {
-      return Refuse(absl::StrCat(place, ": ", rule->axis.empty() ? "the same name" : "the same axis", " as column ",
-                                 first->second + 1, ", expected once"));
+      return absl::InvalidArgumentError(absl::StrCat(place, ": ",
+                                                     rule->axis.empty() ? "the same name" : "the same axis",
+                                                     " as column ", first->second + 1, ", expected once"));
     }
     rules.push_back(*std::move(rule));
   }

@@ -8,8 +8,6 @@
 namespace axiscal::session {
 namespace {
 
-absl::Status Refuse(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 std::string EntryPlace(size_t index, const HeaderEntry& entry) {
   return absl::StrCat("line ", HeaderLine(index), ": ", Printable(entry.key), ": ");
 }
@@ -20,7 +18,7 @@ absl::StatusOr<size_t> FindOnce(const std::vector<HeaderEntry>& header, const st
   for (size_t i = 0; i < header.size(); ++i) {
     if (header[i].key != key) continue;
     if (found != std::string::npos) {
-      return Refuse(
+      return absl::InvalidArgumentError(
           absl::StrCat(EntryPlace(i, header[i]), "stands in line ", HeaderLine(found), " already, expected once"));
     }
     found = i;
@@ -30,12 +28,13 @@ absl::StatusOr<size_t> FindOnce(const std::vector<HeaderEntry>& header, const st
 
 absl::Status ValidateEntry(size_t index, const HeaderEntry& entry, const HeaderRule& rule) {
   const auto refuse = [&] {
-    return Refuse(absl::StrCat(EntryPlace(index, entry), Quoted(entry.value), ", expected ", rule.expected));
+    return absl::InvalidArgumentError(
+        absl::StrCat(EntryPlace(index, entry), Quoted(entry.value), ", expected ", rule.expected));
   };
   if (rule.count == 0) {
     if (!entry.value.empty() && entry.value.size() <= kMaxNameBytes) return absl::OkStatus();
-    return Refuse(absl::StrCat(EntryPlace(index, entry), Quoted(entry.value), ", expected a text of 1 to ",
-                               kMaxNameBytes, " bytes"));
+    return absl::InvalidArgumentError(absl::StrCat(EntryPlace(index, entry), Quoted(entry.value),
+                                                   ", expected a text of 1 to ", kMaxNameBytes, " bytes"));
   }
   std::vector<double> numbers;
   if (!ParseNumbers(entry.value, &numbers) || static_cast<int>(numbers.size()) != rule.count) return refuse();
@@ -48,8 +47,9 @@ absl::Status ValidateKeys(const std::vector<HeaderEntry>& header, const std::vec
   for (const HeaderRule& rule : rules) {
     ASSIGN_OR_RETURN(const size_t found, FindOnce(header, rule.key));
     if (found == std::string::npos) {
-      return Refuse(absl::StrCat("line ", HeaderLine(header.size()), ": header key ", rule.key, " is missing, ", who,
-                                 " needs '# ", rule.key, ": ...' (", rule.expected, ")"));
+      return absl::InvalidArgumentError(absl::StrCat("line ", HeaderLine(header.size()), ": header key ", rule.key,
+                                                     " is missing, ", who, " needs '# ", rule.key, ": ...' (",
+                                                     rule.expected, ")"));
     }
     RETURN_IF_ERROR(ValidateEntry(found, header[found], rule));
   }
@@ -66,8 +66,9 @@ absl::Status ValidateFeatures(const std::vector<HeaderEntry>& header, const Inst
     RETURN_IF_ERROR(ValidateEntry(i, header[i], {"", rule->count, -kMaxLengthMm, kMaxLengthMm, rule->expected}));
   }
   if (any) return absl::OkStatus();
-  return Refuse(absl::StrCat("line ", HeaderLine(header.size()), ": no '# ", format.features[0].prefix,
-                             " NAME: ...', instrument ", format.name, " needs at least one"));
+  return absl::InvalidArgumentError(absl::StrCat("line ", HeaderLine(header.size()), ": no '# ",
+                                                 format.features[0].prefix, " NAME: ...', instrument ", format.name,
+                                                 " needs at least one"));
 }
 
 // Readings that no column of an axis belongs to have no commanded position either.
@@ -76,11 +77,11 @@ absl::Status ValidateDatum(const std::vector<HeaderEntry>& header, const Instrum
   if (datum == std::string::npos) return absl::OkStatus();
   const std::string place = EntryPlace(datum, header[datum]);
   if (format.axes == AxisColumns::kNone) {
-    return Refuse(
+    return absl::InvalidArgumentError(
         absl::StrCat(place, "instrument ", format.name, " has no commanded positions, expected no datum line"));
   }
   const auto axes = ParseDatum(header[datum].value);
-  return axes.ok() ? absl::OkStatus() : Refuse(absl::StrCat(place, axes.status().message()));
+  return axes.ok() ? absl::OkStatus() : absl::InvalidArgumentError(absl::StrCat(place, axes.status().message()));
 }
 
 absl::Status ValidateOptional(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
@@ -89,8 +90,8 @@ absl::Status ValidateOptional(const std::vector<HeaderEntry>& header, const Inst
   if (setup != std::string::npos) RETURN_IF_ERROR(ValidateEntry(setup, header[setup], {"setup", 0, 0, 0, "a text"}));
   ASSIGN_OR_RETURN(const size_t started, FindOnce(header, "started"));
   if (started != std::string::npos && !ParseIso8601(header[started].value)) {
-    return Refuse(absl::StrCat(EntryPlace(started, header[started]), Quoted(header[started].value),
-                               ", expected a date and time of ISO 8601: 2026-05-31T14:03:00Z"));
+    return absl::InvalidArgumentError(absl::StrCat(EntryPlace(started, header[started]), Quoted(header[started].value),
+                                                   ", expected a date and time of ISO 8601: 2026-05-31T14:03:00Z"));
   }
   return absl::OkStatus();
 }
@@ -105,15 +106,17 @@ absl::StatusOr<std::vector<std::string>> ParseDatum(const std::string& value) {
   };
   const bool is_free = words.size() > 1 && words[0] == "free";
   if (!is_free || !std::all_of(words.begin() + 1, words.end(), is_axis)) {
-    return Refuse(absl::StrCat(Quoted(value),
-                               ", expected 'free' and the linear axes whose work offset was set anew: "
-                               "free X Z"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(Quoted(value),
+                     ", expected 'free' and the linear axes whose work offset was set anew: "
+                     "free X Z"));
   }
   words.erase(words.begin());
   for (size_t i = 0; i < words.size(); ++i) {
     if (std::find(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i), words[i]) !=
         words.begin() + static_cast<std::ptrdiff_t>(i))
-      return Refuse(absl::StrCat(Quoted(value), ": axis ", words[i], " is there twice, expected once"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(Quoted(value), ": axis ", words[i], " is there twice, expected once"));
   }
   return words;
 }
@@ -128,7 +131,8 @@ const FeatureRule* FindFeatureRule(const InstrumentFormat& format, const std::st
 
 absl::Status ValidateHeader(const std::vector<HeaderEntry>& header) {
   if (header.size() > kMaxHeaderEntries) {
-    return Refuse(absl::StrCat(header.size(), " header lines, at most ", kMaxHeaderEntries, " are read"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(header.size(), " header lines, at most ", kMaxHeaderEntries, " are read"));
   }
   for (size_t i = 0; i < header.size(); ++i) {
     const HeaderEntry& entry = header[i];
@@ -137,15 +141,17 @@ absl::Status ValidateHeader(const std::vector<HeaderEntry>& header) {
     };
     if (entry.key.empty() || entry.key.find(':') != std::string::npos || !trimmed(entry.key) || !trimmed(entry.value) ||
         !IsPlainText(entry.key) || !IsPlainText(entry.value)) {
-      return Refuse(absl::StrCat(EntryPlace(i, entry), Quoted(entry.value), ", expected '# key: value' in UTF-8"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(EntryPlace(i, entry), Quoted(entry.value), ", expected '# key: value' in UTF-8"));
     }
   }
   RETURN_IF_ERROR(ValidateKeys(header, CommonHeader(), "every session"));
   ASSIGN_OR_RETURN(const size_t instrument, FindOnce(header, "instrument"));
   const InstrumentFormat* format = FindInstrumentFormat(header[instrument].value);
   if (format == nullptr) {
-    return Refuse(absl::StrCat(EntryPlace(instrument, header[instrument]), Quoted(header[instrument].value),
-                               ", expected one of ", InstrumentNames()));
+    return absl::InvalidArgumentError(absl::StrCat(EntryPlace(instrument, header[instrument]),
+                                                   Quoted(header[instrument].value), ", expected one of ",
+                                                   InstrumentNames()));
   }
   RETURN_IF_ERROR(ValidateKeys(header, format->header, "instrument " + format->name));
   RETURN_IF_ERROR(ValidateFeatures(header, *format));

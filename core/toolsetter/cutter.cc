@@ -12,7 +12,6 @@ namespace {
 using base::kDegPerRad;
 using base::kRadPerDeg;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr int kMaxInserts = 24;
 
 struct Limit {

@@ -8,12 +8,15 @@
 #ifndef AXISCAL_CORE_TOOLSETTER_CUTTER_H_
 #define AXISCAL_CORE_TOOLSETTER_CUTTER_H_
 
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "core/base/status.h"
 
 namespace axiscal::toolsetter {
+
+inline constexpr double kTurn = 2.0 * std::numbers::pi;  // rad
 
 struct Cutter {
   std::string id;

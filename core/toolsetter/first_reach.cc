@@ -6,11 +6,7 @@
 #include "core/toolsetter/insert_heights.h"
 
 namespace axiscal::toolsetter {
-namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
-
-}  // namespace
+namespace {}  // namespace
 
 double InsertHeights::Rise(double chi_rad, double* slope) const {
   const double height_mm = At(chi_rad, slope);
@@ -123,7 +119,8 @@ double InsertHeights::HighestRise(double chi_rad) const {
   const auto ends_before = [](const Stop& stop, double chi) { return stop.high_rad < chi; };
   const auto stop = std::lower_bound(stops_.begin(), stops_.end(), within, ends_before);
   double rise_mm = stop == stops_.begin() ? stops_.front().rise_mm : (stop - 1)->rise_mm;
-  if (stop != stops_.end() && within > stop->low_rad) rise_mm = std::max(rise_mm, std::min(Rise(within), stop->rise_mm));
+  if (stop != stops_.end() && within > stop->low_rad)
+    rise_mm = std::max(rise_mm, std::min(Rise(within), stop->rise_mm));
   return rise_mm + turns * per_rad_mm_ * kTurn;
 }
 

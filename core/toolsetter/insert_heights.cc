@@ -10,7 +10,6 @@
 namespace axiscal::toolsetter {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Angles of the first look over the turn: 0.125 deg, and finer for large tools, so that between two of them an insert
@@ -114,9 +113,9 @@ absl::StatusOr<InsertHeights> InsertHeights::Create(const Cutter& cutter, const 
     if (!is_known || !InsertEdge(cutter, run.offset_mm, psi).IsBeamBelowTop(run.beam_radius_mm, height_mm)) {
       const std::optional<double> whole_mm = WholeInsertTriggerMm(cutter, run, psi);
       if (!whole_mm) continue;
-      doubts.push_back({psi, *whole_mm,
-                        is_known ? "an insert stands edge-on in the beam"
-                                 : "an insert reaches across a part of the beam only"});
+      doubts.push_back(
+          {psi, *whole_mm,
+           is_known ? "an insert stands edge-on in the beam" : "an insert reaches across a part of the beam only"});
     } else if (const double below_mm = FlankBelowEdgeMm(cutter, run, psi); below_mm > 0.0) {
       doubts.push_back({psi, height_mm + below_mm, nullptr});
     }

@@ -15,11 +15,9 @@
 namespace axiscal::toolsetter {
 namespace {
 
-using ::testing::HasSubstr;
 using base::kDegPerRad;
 using base::kRadPerDeg;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
+using ::testing::HasSubstr;
 
 Cutter Table31(int inserts = 2) {
   Cutter cutter;
@@ -135,14 +133,15 @@ TEST(InsertHeights, AgreesWithAllAnglesOnRandomCutters) {
   EXPECT_GT(answered, kCutters / 2);
 }
 
-// An insert that reaches across a part of the beam only does not tell by its cutting edge when it fires: no number where
-// it might be the first, as with a large feed. With a small one another crossing comes before it.
+// An insert that reaches across a part of the beam only does not tell by its cutting edge when it fires: no number
+// where it might be the first, as with a large feed. With a small one another crossing comes before it.
 TEST(InsertHeights, AnAngleThatTheEdgeDoesNotTellIsRefused) {
   CutterRun run = RunAt(1.0);
   EXPECT_TRUE(HeightsOf(Table31(), run).ok());
   run.feed_mm_min = 300;
   const std::string partly(HeightsOf(Table31(), run).status().message());
-  EXPECT_THAT(partly, HasSubstr("offset_d_mm = 1, feed_mm_min / spindle_rpm = 0.3 mm: at a spindle angle of 175.8 deg"));
+  EXPECT_THAT(partly,
+              HasSubstr("offset_d_mm = 1, feed_mm_min / spindle_rpm = 0.3 mm: at a spindle angle of 175.8 deg"));
   run.offset_mm = 1.4;
   EXPECT_THAT(std::string(HeightsOf(Table31(), run).status().message()),
               HasSubstr("at a spindle angle of 18.2 deg the flank stands"));
@@ -156,8 +155,7 @@ TEST(InsertHeights, LargeToolsAreTabulatedFiner) {
   const auto curve = ComputeCurve(cutter, run, std::vector<double>(6, 0.0), {0.1, 1.3, 2.2, 4.9});
   ASSERT_TRUE(curve.ok()) << curve.status();
   const AllRound all_round(cutter, run, 72000);
-  for (const CurvePoint& point : *curve)
-    ExpectFirstTrigger(cutter, run, all_round, std::vector<double>(6, 0.0), point);
+  for (const CurvePoint& point : *curve) ExpectFirstTrigger(cutter, run, all_round, std::vector<double>(6, 0.0), point);
 }
 
 // Below its reach another insert's second crossing takes over: less wear is seen than the feed alone would show, and

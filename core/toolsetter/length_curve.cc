@@ -9,11 +9,7 @@
 #include "core/toolsetter/insert_edge.h"
 
 namespace axiscal::toolsetter {
-namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
-
-}  // namespace
+namespace {}  // namespace
 
 double LengthCurve::DepthMm(const CutterRun& run) {
   // However little a tool sinks in a turn, a range is wide enough to be seen from one angle of the table to the next.
@@ -89,7 +85,8 @@ absl::Status CheckInsertsApart(const InsertHeights& heights, const Cutter& cutte
   const auto least = std::min_element(unseen_mm.begin(), unseen_mm.end());
   if (*least > kShare * sigma_mm) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrFormat(
-      "offset_d_mm = %g: inserts cannot be told apart: insert %d never fires first once it is worn by %.3f um more than "
+      "offset_d_mm = %g: inserts cannot be told apart: insert %d never fires first once it is worn by %.3f um more "
+      "than "
       "the others, because another insert crosses the beam a second time just before it, expected more than a tenth of "
       "a reading's sigma of %g um: take an offset nearer to the %.3g mm at which the inserts' lowest points pass the "
       "axis, or a larger feed per turn",

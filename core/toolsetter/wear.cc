@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kSearchStep = base::kRadPerDeg;
 constexpr int kSearchSteps = 360;
 
@@ -287,9 +286,9 @@ absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
   report.chi2 = chi2;
   report.degrees_of_freedom = fitter.readings() - rank;
   if (report.degrees_of_freedom <= 0) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "session ", session.session, ": ", fitter.readings(), " readings for ", rank,
-        " unknowns leave no degree of freedom: nothing would judge the fit, expected more start angles"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("session ", session.session, ": ", fitter.readings(), " readings for ", rank,
+                     " unknowns leave no degree of freedom: nothing would judge the fit, expected more start angles"));
   }
   const double grown = std::max(1.0, chi2 / report.degrees_of_freedom);
   report.coverage_factor = information::CoverageFactor(grown > 1.0, report.degrees_of_freedom);

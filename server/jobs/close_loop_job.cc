@@ -14,8 +14,8 @@
 namespace axiscal::jobs {
 namespace {
 
-absl::StatusOr<loop::Options> EngineOptions(const machine::Machine& machine, const records::CloseLoopParams& params,
-                                            JobContext& context) {
+absl::StatusOr<loop::Options> CloseLoopOptions(const machine::Machine& machine, const records::CloseLoopParams& params,
+                                               JobContext& context) {
   loop::Options options;
   options.max_effects = params.max_effects.value_or(options.max_effects);
   options.cancelled = [&context] { return context.cancelled(); };
@@ -46,15 +46,15 @@ MeasuredSessions Both(MeasuredSessions fit, const MeasuredSessions& check) {
   return fit;
 }
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
-                                        JobContext& context) {
+absl::StatusOr<storage::JobProduct> RunCloseLoop(storage::Database& database, const records::JobRecord& job,
+                                                 JobContext& context) {
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<records::CloseLoopParams>(any_params);
   context.ReportProgress("read sessions", 0.0, "");
   ASSIGN_OR_RETURN(const MachineInput input, LoadMachine(database, params.machine));
   ASSIGN_OR_RETURN(MeasuredSessions fit, LoadSessions(database, params.fit, input.machine, context));
   ASSIGN_OR_RETURN(MeasuredSessions check, LoadSessions(database, params.check, input.machine, context));
-  ASSIGN_OR_RETURN(const loop::Options options, EngineOptions(input.machine, params, context));
+  ASSIGN_OR_RETURN(const loop::Options options, CloseLoopOptions(input.machine, params, context));
   ASSIGN_OR_RETURN(const loop::Report report,
                    loop::CloseLoop(input.machine, std::move(fit.runs), std::move(check.runs), options));
 
@@ -70,7 +70,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
 }  // namespace
 
 JobFunction CloseLoopJob(storage::Database& database) {
-  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return
+      [&database](const records::JobRecord& job, JobContext& context) { return RunCloseLoop(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

@@ -52,8 +52,8 @@ class ProgramWriter {
   int64_t offset_ = 0;
 };
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
-                                        JobContext& context) {
+absl::StatusOr<storage::JobProduct> RunCompensate(storage::Database& database, const records::JobRecord& job,
+                                                  JobContext& context) {
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<records::CompensateParams>(any_params);
   ASSIGN_OR_RETURN(const inputs::Compensation compensation,
@@ -93,7 +93,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
 }  // namespace
 
 JobFunction CompensateJob(storage::Database& database) {
-  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return
+      [&database](const records::JobRecord& job, JobContext& context) { return RunCompensate(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

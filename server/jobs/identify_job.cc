@@ -15,7 +15,7 @@ namespace {
 // Share of the progress bar of the fit without machine errors, which comes first.
 constexpr double kBeforeShare = 0.2;
 
-identify::Options EngineOptions(JobContext& context, double from, double to) {
+identify::Options IdentifyOptions(JobContext& context, double from, double to) {
   identify::Options options;
   options.cancelled = [&context] { return context.cancelled(); };
   options.progress = [&context, from, to](const identify::Progress& progress) {
@@ -46,8 +46,8 @@ absl::StatusOr<std::optional<identify::MonteCarloResult>> Simulate(const records
   return result;
 }
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
-                                        JobContext& context) {
+absl::StatusOr<storage::JobProduct> RunIdentify(storage::Database& database, const records::JobRecord& job,
+                                                JobContext& context) {
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<records::IdentifyParams>(any_params);
   context.ReportProgress("read sessions", 0.0, "");
@@ -58,12 +58,12 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   ASSIGN_OR_RETURN(const inputs::IdentifyErrors errors, inputs::ErrorsOf(database, input.machine, params));
 
   const double fitted = params.monte_carlo_runs ? 1.0 - kMonteCarloShare : 1.0;
-  identify::Options options = EngineOptions(context, 0.0, kBeforeShare * fitted);
+  identify::Options options = IdentifyOptions(context, 0.0, kBeforeShare * fitted);
   options.budget = budget;
   options.held_errors = errors.held;
   options.model = machine::ErrorModel{};
   ASSIGN_OR_RETURN(const identify::Fit before, identify::FitMeasured(input.machine, sessions.runs, options));
-  options = EngineOptions(context, kBeforeShare * fitted, fitted);
+  options = IdentifyOptions(context, kBeforeShare * fitted, fitted);
   options.budget = budget;
   options.held_errors = errors.held;
   options.model = errors.fitted;
@@ -90,7 +90,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
 }  // namespace
 
 JobFunction IdentifyJob(storage::Database& database) {
-  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return
+      [&database](const records::JobRecord& job, JobContext& context) { return RunIdentify(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

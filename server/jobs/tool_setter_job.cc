@@ -7,8 +7,8 @@
 namespace axiscal::jobs {
 namespace {
 
-absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const records::JobRecord& job,
-                                        JobContext& context) {
+absl::StatusOr<storage::JobProduct> RunToolSetter(storage::Database& database, const records::JobRecord& job,
+                                                  JobContext& context) {
   ASSIGN_OR_RETURN(const records::JobParams any_params, convert::ParseJobParams(job.params));
   const auto& params = std::get<records::ToolSetterParams>(any_params);
   context.ReportProgress("read session", 0.0, "");
@@ -16,8 +16,7 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
   if (context.cancelled()) return absl::CancelledError("stopped");
   context.ReportProgress("fit", 0.1, "");
   storage::JobProduct product;
-  ASSIGN_OR_RETURN(const reports::ToolSetter report,
-                   toolsetter::Evaluate(session, {params.fit_yaw, params.fit_pitch}));
+  ASSIGN_OR_RETURN(const reports::ToolSetter report, toolsetter::Evaluate(session, {params.fit_yaw, params.fit_pitch}));
   product.result = reports::ToJson(report);
   return product;
 }
@@ -25,7 +24,8 @@ absl::StatusOr<storage::JobProduct> Run(storage::Database& database, const recor
 }  // namespace
 
 JobFunction ToolSetterJob(storage::Database& database) {
-  return [&database](const records::JobRecord& job, JobContext& context) { return Run(database, job, context); };
+  return
+      [&database](const records::JobRecord& job, JobContext& context) { return RunToolSetter(database, job, context); };
 }
 
 }  // namespace axiscal::jobs

@@ -20,7 +20,7 @@ constexpr char kFrom[] = " FROM calibration AS c JOIN machine AS m ON m.id = c.m
 
 std::string Place(CalibrationId id) { return absl::StrCat("calibration ", id.number()); }
 
-CalibrationRecord ReadRow(const Statement& row) {
+CalibrationRecord ReadCalibration(const Statement& row) {
   CalibrationRecord record;
   record.id = CalibrationId(row.Int(0));
   record.version = row.Int(1);
@@ -72,7 +72,7 @@ struct Sealed {
 absl::StatusOr<Sealed> ReadOne(Connection& connection, Statement row) {
   Sealed sealed;
   CalibrationRecord& record = sealed.record;
-  record = ReadRow(row);
+  record = ReadCalibration(row);
   record.content.model_json = row.Text(20);
   record.content.options_json = row.Text(21);
   record.content.report_json = row.Text(22);
@@ -225,7 +225,7 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) break;
-    page.rows.push_back(ReadRow(row));
+    page.rows.push_back(ReadCalibration(row));
     RETURN_IF_ERROR(ReadLists(connection, row.Int(19), page.rows.back()));
   }
   EndPage(

@@ -26,7 +26,7 @@ std::string Select(const char* report) {
       "j.machine_id ");
 }
 
-JobRecord ReadRow(const Statement& row) {
+JobRecord ReadJob(const Statement& row) {
   JobRecord job;
   job.id = JobId(row.Int(0));
   job.kind = row.Text(1);
@@ -111,7 +111,7 @@ absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id) {
   ASSIGN_OR_RETURN(Statement row, connection.Ask(Select(kReport) + "WHERE j.id = ?1", id));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NotFound("job", "JOB", std::to_string(id.number()));
-  JobRecord job = ReadRow(row);
+  JobRecord job = ReadJob(row);
   RETURN_IF_ERROR(ReadPrograms(connection, job));
   return job;
 }
@@ -142,7 +142,7 @@ absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) break;
-    page.rows.push_back(ReadRow(row));
+    page.rows.push_back(ReadJob(row));
   }
   EndPage(
       start, [](const JobRecord& job) { return std::to_string(job.id.number()); },

@@ -8,11 +8,11 @@
 namespace axiscal::storage {
 namespace {
 
-constexpr char kSelect[] =
+constexpr char kSelectMachine[] =
     "SELECT m.name, r.revision, r.description_json, m.created_at_utc_us, r.created_at_utc_us, m.deleted_at_utc_us, "
     "r.sha256 FROM machine AS m JOIN machine_revision AS r ON r.machine_id = m.id ";
 
-MachineRecord ReadRow(const Statement& row) {
+MachineRecord ReadMachine(const Statement& row) {
   return {MachineId(row.Text(0)), row.Int(1), row.Text(2), row.Time(3), row.Time(4), row.OptionalTime(5)};
 }
 
@@ -33,14 +33,15 @@ struct Found {
 absl::StatusOr<Found> ReadOne(Statement row, const std::string& what) {
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NotFound("machine", "MACHINE", what);
-  Found machine = {ReadRow(row), false};
+  Found machine = {ReadMachine(row), false};
   machine.is_intact = base::Sha256Hex(machine.record.description_json) == row.Text(6);
   return machine;
 }
 
 absl::StatusOr<Found> Find(Connection& connection, const MachineId& id) {
-  ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask(std::string(kSelect) + "AND r.revision = m.revision WHERE m.name = ?1", id.text()));
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask(std::string(kSelectMachine) + "AND r.revision = m.revision WHERE m.name = ?1", id.text()));
   return ReadOne(std::move(row), id.text());
 }
 
@@ -83,8 +84,8 @@ absl::StatusOr<MachineRecord> GetMachine(Connection& connection, const MachineId
 }
 
 absl::StatusOr<MachineRecord> GetMachineRevision(Connection& connection, const MachineId& id, int64_t revision) {
-  ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask(std::string(kSelect) + "WHERE m.name = ?1 AND r.revision = ?2", id.text(), revision));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelectMachine) + "WHERE m.name = ?1 AND r.revision = ?2",
+                                                 id.text(), revision));
   return RequireIntact(ReadOne(std::move(row), absl::StrCat(id.text(), " revision ", revision)));
 }
 
@@ -116,14 +117,14 @@ absl::StatusOr<MachineRecord> DeleteMachine(Connection& connection, UtcTime now,
 absl::StatusOr<Page<MachineRecord>> ListMachines(Connection& connection, const PageRequest& request) {
   ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "machines"));
   ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask(std::string(kSelect) + "AND r.revision = m.revision WHERE m.name > ?1 AND "
-                                                         "m.deleted_at_utc_us IS NULL ORDER BY m.name LIMIT ?2",
+                   connection.Ask(std::string(kSelectMachine) + "AND r.revision = m.revision WHERE m.name > ?1 AND "
+                                                                "m.deleted_at_utc_us IS NULL ORDER BY m.name LIMIT ?2",
                                   start.after.value_or(""), start.row_limit()));
   Page<MachineRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) break;
-    page.rows.push_back(ReadRow(row));
+    page.rows.push_back(ReadMachine(row));
   }
   EndPage(
       start, [](const MachineRecord& machine) { return machine.id.text(); },

@@ -11,13 +11,13 @@
 namespace axiscal::storage {
 namespace {
 
-constexpr char kSelect[] =
+constexpr char kSelectProgram[] =
     "SELECT p.id, p.kind, p.name, p.state, p.byte_count, p.sha256, p.created_by, p.created_at_utc_us FROM program AS "
     "p ";
 
 std::string Place(ProgramId id) { return absl::StrCat("program ", id.number()); }
 
-ProgramRecord ReadRow(const Statement& row) {
+ProgramRecord ReadProgram(const Statement& row) {
   return {ProgramId(row.Int(0)), row.Text(1), row.Text(2), row.As<ProgramState>(3), row.Int(4),
           row.Text(5),           row.Text(6), row.Time(7)};
 }
@@ -130,18 +130,18 @@ absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id
 absl::StatusOr<ProgramRecord> GetProgram(Connection& connection, ProgramId id) {
   ASSIGN_OR_RETURN(
       Statement row,
-      connection.Ask(
-          std::string(kSelect) + "WHERE p.id = (SELECT coalesce(q.same_as, q.id) FROM program AS q WHERE q.id = ?1)",
-          id));
+      connection.Ask(std::string(kSelectProgram) +
+                         "WHERE p.id = (SELECT coalesce(q.same_as, q.id) FROM program AS q WHERE q.id = ?1)",
+                     id));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NotFound("program", "PROGRAM", std::to_string(id.number()));
-  return ReadRow(row);
+  return ReadProgram(row);
 }
 
 absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const ProgramFilter& filter,
                                                  const PageRequest& request) {
   ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, "programs|" + filter.kind));
-  std::string sql = std::string(kSelect) + "WHERE p.id < ?1 AND p.state = 2";
+  std::string sql = std::string(kSelectProgram) + "WHERE p.id < ?1 AND p.state = 2";
   if (!filter.kind.empty()) sql += " AND p.kind = ?2";
   ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY p.id DESC LIMIT ?3", start.before_id, filter.kind,
                                                  start.row_limit()));
@@ -149,7 +149,7 @@ absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const P
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) break;
-    page.rows.push_back(ReadRow(row));
+    page.rows.push_back(ReadProgram(row));
   }
   EndPage(
       start, [](const ProgramRecord& program) { return std::to_string(program.id.number()); },

@@ -11,7 +11,7 @@
 namespace axiscal::storage {
 namespace {
 
-constexpr char kSelect[] =
+constexpr char kSelectSession[] =
     "SELECT s.id, m.name, s.name, s.instrument, s.measured_at_utc_us, s.state, s.next_seq, s.reading_count, s.hash, "
     "s.created_by, "
     "s.created_at_utc_us, s.last_seen_at_utc_us, s.closed_at_utc_us FROM session AS s JOIN machine AS m ON m.id = "
@@ -19,7 +19,7 @@ constexpr char kSelect[] =
 
 std::string Place(SessionId id) { return absl::StrCat("session ", id.number()); }
 
-SessionRecord ReadRow(const Statement& row) {
+SessionRecord ReadSession(const Statement& row) {
   SessionRecord session;
   session.id = SessionId(row.Int(0));
   session.machine = MachineId(row.Text(1));
@@ -166,10 +166,10 @@ absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment
 }
 
 absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id) {
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelect) + "WHERE s.id = ?1", id));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelectSession) + "WHERE s.id = ?1", id));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NotFound("session", "SESSION", std::to_string(id.number()));
-  SessionRecord session = ReadRow(row);
+  SessionRecord session = ReadSession(row);
   RETURN_IF_ERROR(ReadLists(connection, session));
   return session;
 }
@@ -205,7 +205,7 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
   ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, absl::StrCat("sessions|", machine, "|", state)));
   int64_t machine_key = 0;
-  std::string sql = std::string(kSelect) + "WHERE s.id < ?1";
+  std::string sql = std::string(kSelectSession) + "WHERE s.id < ?1";
   if (filter.machine.has_value()) {
     ASSIGN_OR_RETURN(machine_key, MachineKey(connection, *filter.machine));
     sql += " AND s.machine_id = ?2";
@@ -217,7 +217,7 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) break;
-    page.rows.push_back(ReadRow(row));
+    page.rows.push_back(ReadSession(row));
   }
   for (SessionRecord& session : page.rows) RETURN_IF_ERROR(ReadLists(connection, session));
   EndPage(

@@ -16,11 +16,11 @@ using compensate::Table;
 using compensate::TableBlock;
 using machine::Machine;
 
-constexpr int kMaxPoints = 25;  // along one axis
-constexpr int kMostCount = 127, kMostMagnification = 100;
+constexpr int kMaxGridPoints = 25;  // along one axis
+constexpr int kMostCount = 127, kMostGridMagnification = 100;
 constexpr char kLetters[] = "NPQR";
 
-size_t ReferenceNode(const compensate::TableArgument& argument, const compensate::Pose& reference) {
+size_t GridReferenceNode(const compensate::TableArgument& argument, const compensate::Pose& reference) {
   const double position = reference.position[argument.axis];
   const auto nearest = std::min_element(argument.nodes.begin(), argument.nodes.end(), [&](double a, double b) {
     return std::abs(a - position) < std::abs(b - position);
@@ -28,11 +28,11 @@ size_t ReferenceNode(const compensate::TableArgument& argument, const compensate
   return static_cast<size_t>(nearest - argument.nodes.begin());
 }
 
-absl::Status Fit(const Machine& machine, Content* content) {
+absl::Status FitGrid(const Machine& machine, Content* content) {
   TableBlock& block = content->table.blocks.at(0);
   size_t zero = 0, stride = 1;
   for (const compensate::TableArgument& argument : block.arguments) {
-    zero += stride * ReferenceNode(argument, content->reference);
+    zero += stride * GridReferenceNode(argument, content->reference);
     stride *= argument.nodes.size();
   }
   double largest = 0.0;
@@ -45,15 +45,15 @@ absl::Status Fit(const Machine& machine, Content* content) {
   }
   const double least = content->value_steps[0];
   const double magnification = std::max(1.0, std::ceil(largest / least / (kMostCount + 0.49)));
-  if (magnification > kMostMagnification) {
+  if (magnification > kMostGridMagnification) {
     return absl::FailedPreconditionError(absl::StrFormat("the largest correction is %.4f mm, fanuc-3d takes %.4f",
-                                                         largest, kMostMagnification * kMostCount * least));
+                                                         largest, kMostGridMagnification * kMostCount * least));
   }
   content->value_steps[0] = magnification * least;
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteGrid(const Machine& machine, const Content& content) {
   const TableBlock& block = content.table.blocks.at(0);
   const double step = content.value_steps[0], least = content.least_steps.at(block.arguments[0].axis);
   std::string text = "%\n";
@@ -66,7 +66,7 @@ absl::StatusOr<std::string> Write(const Machine& machine, const Content& content
   text += "%\n";
   for (size_t d = 0; d < 3; ++d) {
     const compensate::TableArgument& argument = block.arguments[d];
-    const size_t reference = ReferenceNode(argument, content.reference);
+    const size_t reference = GridReferenceNode(argument, content.reference);
     absl::StrAppend(&text, "(", machine.axes[argument.axis].name, " POINTS=", argument.nodes.size(),
                     " REFERENCE_POINT=", reference + 1, " INTERVAL=", Fixed(argument.nodes[1] - argument.nodes[0], 4),
                     " REFERENCE=", Fixed(argument.nodes[reference], 4), " MAGNIFICATION=", std::lround(step / least),
@@ -77,7 +77,7 @@ absl::StatusOr<std::string> Write(const Machine& machine, const Content& content
   return text;
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadGrid(const Machine& machine, const std::string& text) {
   ASSIGN_OR_RETURN(const FanucFile file, ReadFanucFile(text));
   TableBlock block;
   double step = 0.0;
@@ -91,8 +91,8 @@ absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
     ASSIGN_OR_RETURN(const double interval, NumberIn(note, "INTERVAL"));
     ASSIGN_OR_RETURN(const double position, NumberIn(note, "REFERENCE"));
     ASSIGN_OR_RETURN(const double least, NumberIn(note, "UNIT"));
-    if (points < 2 || points > kMaxPoints || reference < 1 || reference > points || !(interval > 0) || !(least > 0) ||
-        magnification < 1 || magnification > kMostMagnification || block.arguments.size() == 3)
+    if (points < 2 || points > kMaxGridPoints || reference < 1 || reference > points || !(interval > 0) ||
+        !(least > 0) || magnification < 1 || magnification > kMostGridMagnification || block.arguments.size() == 3)
       return BadLine(note.line, note.key, "three axes of 2 to 25 points, the reference among them, INTERVAL above 0");
     step = magnification * least;
     count *= static_cast<size_t>(points);
@@ -125,7 +125,7 @@ Format FanucGridFormat() {
   format.title = "Fanuc three-dimensional error compensation, trilinear";
   format.values = "corrections, added to the command: counts of detection units";
   format.layout = Layout::kGrid;
-  format.limits.max_points = kMaxPoints;
+  format.limits.max_points = kMaxGridPoints;
   format.limits.equal_steps = true;
   format.limits.from_reference = true;
   format.limits.holds_rotary = false;
@@ -137,9 +137,9 @@ Format FanucGridFormat() {
       "Compare them with the control's manual and arrange the numbers as it says";
   format.cannot_carry = {"backlash (fanuc-pitch)", "errors over rotary axes: the grid holds for the reference's angles",
                          "orientation of the tool"};
-  format.fit = Fit;
-  format.write = Write;
-  format.read = Read;
+  format.fit = FitGrid;
+  format.write = WriteGrid;
+  format.read = ReadGrid;
   return format;
 }
 

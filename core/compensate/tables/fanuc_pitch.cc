@@ -18,11 +18,11 @@ using compensate::Table;
 using compensate::TableBlock;
 using machine::Machine;
 
-constexpr int kMaxPoints = 128;    // of one row of an axis
-constexpr int kMostNumber = 1023;  // point numbers of all axes
-constexpr int kMostIncrement = 7, kMostMagnification = 100;
+constexpr int kMaxPitchPoints = 128;  // of one row of an axis
+constexpr int kMostNumber = 1023;     // point numbers of all axes
+constexpr int kMostIncrement = 7, kMostPitchMagnification = 100;
 
-size_t ReferenceNode(const TableBlock& block, const compensate::Pose& reference) {
+size_t PitchReferenceNode(const TableBlock& block, const compensate::Pose& reference) {
   const compensate::TableArgument& argument = block.arguments[0];
   const double position = reference.position[argument.axis];
   const auto nearest = std::min_element(argument.nodes.begin(), argument.nodes.end(), [&](double a, double b) {
@@ -46,22 +46,22 @@ bool Fits(const std::vector<double>& values, double step) {
 }
 
 // Zero at the reference in the forward row, and the smallest magnification whose increments fit.
-absl::Status Fit(const Machine& machine, Content* content) {
+absl::Status FitPitch(const Machine& machine, Content* content) {
   for (size_t b = 0; b < content->table.blocks.size(); ++b) {
     TableBlock& block = content->table.blocks[b];
     compensate::TableColumn& column = block.columns[0];
-    const double zero = column.forward[ReferenceNode(block, content->reference)];
+    const double zero = column.forward[PitchReferenceNode(block, content->reference)];
     for (double& value : column.forward) value -= zero;
     for (double& value : column.reverse) value -= zero;
     const double least = content->value_steps[b];
     int magnification = 1;
-    while (magnification <= kMostMagnification &&
+    while (magnification <= kMostPitchMagnification &&
            !(Fits(column.forward, magnification * least) && Fits(column.reverse, magnification * least)))
       ++magnification;
-    if (magnification > kMostMagnification) {
+    if (magnification > kMostPitchMagnification) {
       return absl::FailedPreconditionError(
           absl::StrCat("the correction of ", machine.axes[column.target].name, " changes by more than ", kMostIncrement,
-                       " x ", kMostMagnification, " detection units from one point to the next"));
+                       " x ", kMostPitchMagnification, " detection units from one point to the next"));
     }
     content->value_steps[b] = magnification * least;
   }
@@ -75,7 +75,7 @@ void WriteRow(const std::vector<double>& values, double step, int first, std::st
   }
 }
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WritePitch(const Machine& machine, const Content& content) {
   std::string text = "%\n", notes;
   int next = 0;
   for (size_t b = 0; b < content.table.blocks.size(); ++b) {
@@ -85,7 +85,7 @@ absl::StatusOr<std::string> Write(const Machine& machine, const Content& content
     const std::vector<double>& nodes = block.arguments[0].nodes;
     const double unit = FileUnit(axis), step = content.value_steps[b];
     const double least = content.least_steps.at(column.target);
-    const auto reference = static_cast<int>(ReferenceNode(block, content.reference));
+    const auto reference = static_cast<int>(PitchReferenceNode(block, content.reference));
     const int count = static_cast<int>(nodes.size()), first = next;
     WriteRow(column.forward, step, first, &text);
     next += count;
@@ -130,7 +130,7 @@ absl::StatusOr<std::vector<double>> ReadRow(const FanucFile& file, const FanucNo
   return sums;
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadPitch(const Machine& machine, const std::string& text) {
   ASSIGN_OR_RETURN(const FanucFile file, ReadFanucFile(text));
   Table table;
   size_t used = 0;
@@ -146,8 +146,8 @@ absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
     ASSIGN_OR_RETURN(const double position, NumberIn(note, "REFERENCE"));
     ASSIGN_OR_RETURN(const double least, NumberIn(note, "UNIT"));
     const int count = last - first + 1;
-    if (first < 0 || count < 2 || count > kMaxPoints || reference < first || reference > last || magnification < 1 ||
-        magnification > kMostMagnification || !(interval > 0) || !(least > 0))
+    if (first < 0 || count < 2 || count > kMaxPitchPoints || reference < first || reference > last ||
+        magnification < 1 || magnification > kMostPitchMagnification || !(interval > 0) || !(least > 0))
       return BadLine(note.line, note.key, "2 to 128 points, 3620 among them, 3623 from 1 to 100, 3624 above 0");
     TableBlock block;
     block.arguments = {{axis, EqualNodes((position - (reference - first) * interval) * unit, interval * unit,
@@ -179,7 +179,7 @@ Format FanucPitchFormat() {
   format.name = "fanuc-pitch";
   format.title = "Fanuc stored pitch error compensation, with 3620 to 3627";
   format.values = "corrections, added to the command: increments from point to point in detection units";
-  format.limits.max_points = kMaxPoints;
+  format.limits.max_points = kMaxPitchPoints;
   format.limits.min_points = 3;
   format.limits.equal_steps = true;
   format.limits.from_reference = true;
@@ -194,9 +194,9 @@ Format FanucPitchFormat() {
       "an increment is spread evenly over its interval, reference return is in the positive direction, text behind the "
       "closing % is not read; written as the maker's manual is understood, not tried on a control";
   format.cannot_carry = {"errors across the axis or over another one", "orientation of the tool"};
-  format.fit = Fit;
-  format.write = Write;
-  format.read = Read;
+  format.fit = FitPitch;
+  format.write = WritePitch;
+  format.read = ReadPitch;
   return format;
 }
 

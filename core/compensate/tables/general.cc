@@ -22,7 +22,7 @@ using compensate::TableColumn;
 using machine::Machine;
 
 constexpr double kStepUm = 1e-3, kStepUrad = 1e-3;
-constexpr int kDecimals = 3;
+constexpr int kGeneralDecimals = 3;
 
 std::string Quoted(const std::string& name) { return "'" + name + "'"; }
 
@@ -39,12 +39,12 @@ void WriteRow(const Machine& machine, const TableBlock& block, size_t node, cons
   for (const TableColumn& column : block.columns) {
     const double factor = IsAngle(table, column, machine) ? base::kUradPerRad : base::kUmPerMm;
     const std::vector<double>& values = reverse && !column.reverse.empty() ? column.reverse : column.forward;
-    absl::StrAppend(&row, row.empty() ? "" : ",", Fixed(values[node] * factor, kDecimals));
+    absl::StrAppend(&row, row.empty() ? "" : ",", Fixed(values[node] * factor, kGeneralDecimals));
   }
   absl::StrAppend(text, row, "\n");
 }
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteGeneral(const Machine& machine, const Content& content) {
   std::string text;
   for (const std::string& note : content.notes) absl::StrAppend(&text, "# ", note, "\n");
   for (const TableBlock& block : content.table.blocks) {
@@ -182,7 +182,7 @@ class BlockReader {
   size_t rows_ = 0, last_line_ = 0;
 };
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadGeneral(const Machine& machine, const std::string& text) {
   Table table;
   table.kind = compensate::TableKind::kErrors;
   const std::vector<std::string> lines = Lines(text);
@@ -215,8 +215,8 @@ Format GeneralFormat() {
   format.limits.by_sense = true;
   format.limits.value_step_mm = kStepUm * base::kMmPerUm;
   format.limits.value_step_deg = kStepUrad * base::kRadPerUrad;
-  format.write = Write;
-  format.read = Read;
+  format.write = WriteGeneral;
+  format.read = ReadGeneral;
   return format;
 }
 

@@ -16,10 +16,10 @@ using compensate::Table;
 using compensate::TableBlock;
 using machine::Machine;
 
-constexpr int kMaxPoints = 256;
+constexpr int kMaxComPoints = 256;
 constexpr double kUnit = 1e-4;  // mm or deg
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteCom(const Machine& machine, const Content& content) {
   const TableBlock& block = content.table.blocks.at(0);
   const machine::Axis& axis = machine.axes[block.columns[0].target];
   const double unit = FileUnit(axis);
@@ -34,7 +34,7 @@ absl::StatusOr<std::string> Write(const Machine& machine, const Content& content
   return text;
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadCom(const Machine& machine, const std::string& text) {
   const std::vector<std::string> lines = Lines(text);
   const std::vector<std::string> head = Words(lines.empty() ? "" : lines[0]);
   const bool is_head = head.size() == 4 && head[0] == "BEGIN" && head[1].size() > 4 &&
@@ -57,7 +57,7 @@ absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
     const std::optional<double> value = words.size() == 2 ? ParseFixed(words[1]) : std::nullopt;
     if (!value || words[0] != absl::StrCat(i - 2))
       return BadLine(i + 1, lines[i], absl::StrCat(i - 2, " and a decimal number"));
-    if (i - 2 == kMaxPoints) return BadLine(i + 1, lines[i], "at most 256 points");
+    if (i - 2 == kMaxComPoints) return BadLine(i + 1, lines[i], "at most 256 points");
     block.columns[0].forward.push_back(-*value * unit);
   }
   const size_t count = block.columns[0].forward.size();
@@ -78,7 +78,7 @@ Format HeidenhainComFormat() {
   format.name = "heidenhain-com";
   format.title = "Heidenhain axis error compensation table .COM";
   format.values = "errors, actual - nominal; mm, deg";
-  format.limits.max_points = kMaxPoints;
+  format.limits.max_points = kMaxComPoints;
   format.limits.equal_steps = true;
   format.limits.power_of_two_steps = true;
   format.limits.one_axis = true;
@@ -87,8 +87,8 @@ Format HeidenhainComFormat() {
   format.assumed = "layout and sign: no source was at hand. Compare them with a table of the control";
   format.cannot_carry = {"backlash (machine parameter)", "errors across the axis or over another one",
                          "orientation of the tool"};
-  format.write = Write;
-  format.read = Read;
+  format.write = WriteCom;
+  format.read = ReadCom;
   return format;
 }
 

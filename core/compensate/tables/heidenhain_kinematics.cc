@@ -16,7 +16,7 @@ using compensate::Table;
 using machine::Machine;
 
 constexpr char kLetters[] = "XYZ";
-constexpr int kDecimals = 4;
+constexpr int kKinematicsDecimals = 4;
 
 std::vector<int> RotaryOf(const Machine& machine, const std::vector<int>& branch) {
   std::vector<int> rotary;
@@ -36,21 +36,23 @@ void WriteBranch(const Machine& machine, const Content& content, const char* nam
   for (const int axis : rotary) {
     const Eigen::Vector3d shift = content.table.points_mm.at(axis) - from;
     for (int k = 0; k < 3; ++k)
-      absl::StrAppend(text, row++, " TRANS ", std::string(1, kLetters[k]), " ", Fixed(shift[k], kDecimals), "\n");
+      absl::StrAppend(text, row++, " TRANS ", std::string(1, kLetters[k]), " ", Fixed(shift[k], kKinematicsDecimals),
+                      "\n");
     absl::StrAppend(text, row++, " MAXIS ", machine.axes[axis].name, " 0\n");
     from = content.table.points_mm.at(axis);
   }
   absl::StrAppend(text, "[END]\n");
 }
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteKinematics(const Machine& machine, const Content& content) {
   std::string text;
   WriteBranch(machine, content, "TABLE", machine.work_branch, &text);
   WriteBranch(machine, content, "HEAD", machine.tool_branch, &text);
   if (text.empty())
     return absl::FailedPreconditionError("machine '" + machine.id + "' has no rotary axis for a kinematics table");
-  absl::StrAppend(&text, "; tool point at home: ", Fixed(content.tool_tip_mm.x(), kDecimals), " ",
-                  Fixed(content.tool_tip_mm.y(), kDecimals), " ", Fixed(content.tool_tip_mm.z(), kDecimals),
+  absl::StrAppend(&text, "; tool point at home: ", Fixed(content.tool_tip_mm.x(), kKinematicsDecimals), " ",
+                  Fixed(content.tool_tip_mm.y(), kKinematicsDecimals), " ",
+                  Fixed(content.tool_tip_mm.z(), kKinematicsDecimals),
                   "\n; shifts begin there, with all axes at zero\n");
   for (const std::string& note : content.notes) absl::StrAppend(&text, "; ", note, "\n");
   return text;
@@ -72,7 +74,7 @@ absl::StatusOr<Eigen::Vector3d> ReadTip(const std::vector<std::string>& lines) {
   return absl::InvalidArgumentError("no line '; tool point at home: X Y Z'");
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadKinematics(const Machine& machine, const std::string& text) {
   const std::vector<std::string> lines = Lines(text);
   ASSIGN_OR_RETURN(const Eigen::Vector3d tip, ReadTip(lines));
   Table table;
@@ -127,8 +129,8 @@ Format HeidenhainKinematicsFormat() {
       "the layout of the list: no source was at hand. Take the numbers over into the control's own kinematics by hand";
   format.cannot_carry = {"tilts of the rotary axes and squareness", "errors that vary with a position",
                          "what moves all axes alike (datum)"};
-  format.write = Write;
-  format.read = Read;
+  format.write = WriteKinematics;
+  format.read = ReadKinematics;
   return format;
 }
 

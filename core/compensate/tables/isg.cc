@@ -15,9 +15,9 @@ using machine::Machine;
 
 constexpr char kHeading[] = "axis,position,EX_mm,EY_mm,EZ_mm,EA_rad,EB_rad,EC_rad";
 constexpr double kStepMm = 1e-7, kStepRad = 1e-9;
-constexpr int kMaxPoints = 1000;
+constexpr int kMaxIsgPoints = 1000;
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteIsg(const Machine& machine, const Content& content) {
   std::string text;
   for (const std::string& note : content.notes) absl::StrAppend(&text, "# ", note, "\n");
   absl::StrAppend(&text, kHeading, "\n");
@@ -41,7 +41,7 @@ absl::StatusOr<std::string> Write(const Machine& machine, const Content& content
   return text;
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadIsg(const Machine& machine, const std::string& text) {
   Table table;
   table.kind = compensate::TableKind::kErrors;
   bool has_heading = false;
@@ -98,15 +98,15 @@ Format IsgVolumetricFormat() {
   format.title = "ISG volumetric compensation, CSV: error components of each axis over its own position";
   format.values = "errors, actual - nominal; mm, rad";
   format.layout = Layout::kComponents;
-  format.limits.max_points = kMaxPoints;
+  format.limits.max_points = kMaxIsgPoints;
   format.limits.whole_axes = true;
   format.limits.value_step_mm = kStepMm;
   format.limits.value_step_deg = kStepRad;
   format.assumed = "the columns: no source was at hand. Arrange them as the control's manual says";
   format.cannot_carry = {"backlash", "errors of an axis over the position of another",
                          "errors of spindle, tool and workpiece"};
-  format.write = Write;
-  format.read = Read;
+  format.write = WriteIsg;
+  format.read = ReadIsg;
   return format;
 }
 

@@ -15,9 +15,9 @@ using compensate::Table;
 using compensate::TableBlock;
 using machine::Machine;
 
-constexpr int kMaxPoints = 256;  // EMCMOT_COMP_SIZE
+constexpr int kMaxCompPoints = 256;  // EMCMOT_COMP_SIZE
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteComp(const Machine& machine, const Content& content) {
   const TableBlock& block = content.table.blocks.at(0);
   const int index = block.arguments[0].axis;
   const machine::Axis& axis = machine.axes[index];
@@ -39,7 +39,7 @@ absl::StatusOr<std::string> Write(const Machine& machine, const Content& content
   return text;
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadComp(const Machine& machine, const std::string& text) {
   const std::vector<std::string> lines = Lines(text);
   size_t count = 0;
   while (count < lines.size() && !lines[count].empty() && lines[count][0] != '#') ++count;
@@ -52,8 +52,8 @@ absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
   if (name.empty()) return absl::InvalidArgumentError("no line '# axis: NAME' behind the points");
   ASSIGN_OR_RETURN(const int axis, AxisNamed(machine, name, count + 1));
   if (count < 1) return BadLine(1, lines.empty() ? "" : lines[0], "nominal, forward trim, reverse trim");
-  if (count > kMaxPoints)
-    return BadLine(kMaxPoints + 1, lines[kMaxPoints], absl::StrCat("at most ", kMaxPoints, " points"));
+  if (count > kMaxCompPoints)
+    return BadLine(kMaxCompPoints + 1, lines[kMaxCompPoints], absl::StrCat("at most ", kMaxCompPoints, " points"));
   const double unit = FileUnit(machine.axes[axis]);
   TableBlock block;
   block.arguments = {{axis, {}}};
@@ -83,13 +83,13 @@ Format LinuxcncCompFormat() {
   format.name = "linuxcnc-comp";
   format.title = "LinuxCNC COMP_FILE of a joint, COMP_FILE_TYPE = 1";
   format.values = "corrections, added to the command, forward and reverse; mm, deg";
-  format.limits.max_points = kMaxPoints;
+  format.limits.max_points = kMaxCompPoints;
   format.limits.by_sense = true;
   format.limits.one_axis = true;
   format.cannot_carry = {"what an axis does across its own direction (straightness, squareness)",
                          "errors that depend on another axis", "orientation of the tool"};
-  format.write = Write;
-  format.read = Read;
+  format.write = WriteComp;
+  format.read = ReadComp;
   return format;
 }
 

@@ -13,7 +13,7 @@ using compensate::Table;
 using compensate::TableBlock;
 using machine::Machine;
 
-constexpr int kMaxPoints = 2000, kMaxTables = 62;
+constexpr int kMaxCecPoints = 2000, kMaxTables = 62;
 
 void WriteTable(const Machine& machine, const TableBlock& block, const std::vector<double>& values, double step,
                 int number, int direction, std::string* text) {
@@ -38,7 +38,7 @@ void WriteTable(const Machine& machine, const TableBlock& block, const std::vect
                   "0\n$AN_CEC_IS_MODULO", of, "0\n");
 }
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteCec(const Machine& machine, const Content& content) {
   std::string text = "%_N_NC_CEC_INI\nCHANDATA(1)\n";
   for (const std::string& note : content.notes) absl::StrAppend(&text, "; ", note, "\n");
   absl::StrAppend(&text,
@@ -80,7 +80,7 @@ absl::Status ReadInto(const Machine& machine, const Assignment& assignment, CecT
     return BadLine(assignment.line, name, name == "$AN_CEC" ? "[table,number]" : "[table]");
   if (name == "$AN_CEC") {
     ASSIGN_OR_RETURN(const int n, IndexOf(assignment, 1));
-    if (n >= kMaxPoints) return BadLine(assignment.line, assignment.indices[1], "a number below 2000");
+    if (n >= kMaxCecPoints) return BadLine(assignment.line, assignment.indices[1], "a number below 2000");
     return table->numbers.SetValue(n, assignment);
   }
   if (name == "$AN_CEC_INPUT_AXIS") return ReadAxis(machine, assignment, &table->input);
@@ -125,7 +125,7 @@ absl::Status Append(const Machine& machine, const CecTable& table, bool* is_open
   return absl::OkStatus();
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadCec(const Machine& machine, const std::string& text) {
   ASSIGN_OR_RETURN(const std::vector<Assignment> assignments, ReadAssignments(text));
   std::vector<CecTable> tables;
   for (const Assignment& assignment : assignments) {
@@ -151,7 +151,7 @@ Format SiemensCecFormat() {
   format.title = "Siemens SINUMERIK cross-error compensation, $AN_CEC: any axis over any axis, pairs by direction";
   format.values = "errors, actual - nominal: a positive value moves the axis negative; mm, deg";
   format.layout = Layout::kAnyAxis;
-  format.limits.max_points = kMaxPoints;
+  format.limits.max_points = kMaxCecPoints;
   format.limits.equal_steps = true;
   format.limits.by_sense = true;
   format.limits.is_resolution_free = true;
@@ -161,8 +161,8 @@ Format SiemensCecFormat() {
       "the sign is that of siemens-eec; written as the maker's manual is understood, not tried on a control";
   format.cannot_carry = {"errors that two axes make together (angles with a lever along another axis)",
                          "more than 62 tables"};
-  format.write = Write;
-  format.read = Read;
+  format.write = WriteCec;
+  format.read = ReadCec;
   return format;
 }
 

@@ -13,9 +13,9 @@ using compensate::Table;
 using compensate::TableBlock;
 using machine::Machine;
 
-constexpr int kMaxPoints = 5000;
+constexpr int kMaxEecPoints = 5000;
 
-absl::StatusOr<std::string> Write(const Machine& machine, const Content& content) {
+absl::StatusOr<std::string> WriteEec(const Machine& machine, const Content& content) {
   std::string text = "%_N_AX_EEC_INI\nCHANDATA(1)\n";
   for (const std::string& note : content.notes) absl::StrAppend(&text, "; ", note, "\n");
   for (size_t b = 0; b < content.table.blocks.size(); ++b) {
@@ -38,7 +38,7 @@ absl::StatusOr<std::string> Write(const Machine& machine, const Content& content
   return text + "M17\n";
 }
 
-absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
+absl::StatusOr<Table> ReadEec(const Machine& machine, const std::string& text) {
   ASSIGN_OR_RETURN(const std::vector<Assignment> assignments, ReadAssignments(text));
   std::vector<std::pair<int, SiemensTable>> found;  // by axis, in the order of the file
   for (const Assignment& assignment : assignments) {
@@ -56,7 +56,7 @@ absl::StatusOr<Table> Read(const Machine& machine, const std::string& text) {
     SiemensTable& table = found.back().second;
     if (is_value) {
       ASSIGN_OR_RETURN(const int n, IndexOf(assignment, 1));
-      if (n >= kMaxPoints) return BadLine(assignment.line, assignment.indices[1], "a number below 5000");
+      if (n >= kMaxEecPoints) return BadLine(assignment.line, assignment.indices[1], "a number below 5000");
       RETURN_IF_ERROR(table.SetValue(n, assignment));
     } else if (assignment.name == "$AA_ENC_COMP_STEP") {
       RETURN_IF_ERROR(table.Set(&table.step, assignment));
@@ -90,7 +90,7 @@ Format SiemensEecFormat() {
   format.name = "siemens-eec";
   format.title = "Siemens SINUMERIK encoder error compensation, $AA_ENC_COMP";
   format.values = "errors, actual - nominal: a positive value moves the axis negative; mm, deg";
-  format.limits.max_points = kMaxPoints;
+  format.limits.max_points = kMaxEecPoints;
   format.limits.equal_steps = true;
   format.limits.is_resolution_free = true;
   format.limits.value_step_mm = 1e-4;
@@ -98,8 +98,8 @@ Format SiemensEecFormat() {
   format.assumed = "written as the maker's manual is understood, not tried on a control";
   format.cannot_carry = {"backlash (MD32450 $MA_BACKLASH, or siemens-cec)",
                          "errors across the axis or over another one", "orientation of the tool"};
-  format.write = Write;
-  format.read = Read;
+  format.write = WriteEec;
+  format.read = ReadEec;
   return format;
 }
 
