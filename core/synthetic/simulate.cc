@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
-#include "core/base/random.h"
 #include "core/base/units.h"
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/eccentricity/eccentricity_bind.h"
@@ -60,10 +60,60 @@ void WriteEccentricity(const eccentricity::Reading& reading, double reading_mm, 
   }
 }
 
+// Off by 20 to 100, to either side.
+double BadOffset(base::Random* random) {
+  const double side = random->Uniform() < 0.5 ? -1.0 : 1.0;
+  return side * (20.0 + 80.0 * random->Uniform());
+}
+
+// Variance 1, in the options' colours.
+class Noise {
+ public:
+  Noise(const NoiseOptions& options, int rows)
+      : options_(options), ripple_(rows, base::RippleNoise(options.ar1, options.white_share)) {}
+
+  double Next(int row, const double* positions, int axis_count, base::Random* random) {
+    double value = ripple_[row].Next(*random);
+    if (options_.student_degrees > 2) value *= StudentFactor(random);
+    if (options_.heavy_share > 0.0 && random->Uniform() < options_.heavy_share) value *= 5.0;
+    if (options_.pose_share > 0.0) {
+      std::vector<double> pose(positions, positions + axis_count);
+      pose.push_back(row);
+      const auto [common, is_new] = of_pose_.try_emplace(std::move(pose), 0.0);
+      if (is_new) common->second = random->Normal();
+      value = std::sqrt(1.0 - options_.pose_share) * value + std::sqrt(options_.pose_share) * common->second;
+    }
+    return value;
+  }
+
+ private:
+  // A normal value becomes one of Student's t, scaled to variance 1.
+  double StudentFactor(base::Random* random) const {
+    double chi_square = 0.0;
+    for (int i = 0; i < options_.student_degrees; ++i) {
+      const double normal = random->Normal();
+      chi_square += normal * normal;
+    }
+    return std::sqrt((options_.student_degrees - 2.0) / chi_square);
+  }
+
+  const NoiseOptions& options_;
+  std::vector<base::RippleNoise> ripple_;
+  std::map<std::vector<double>, double> of_pose_;
+};
+
+std::vector<double> DrawSetup(const instruments::MeasuringRun& run, base::Random* random) {
+  std::vector<double> setup(instruments::kMaxSetupParameters, 0.0);
+  for (size_t i = 0; i < run.setup.size(); ++i) {
+    const double sigma = run.setup[i].prior_sigma;
+    if (std::isfinite(sigma)) setup[i] = sigma * random->Normal();
+  }
+  return setup;
+}
+
 }  // namespace
 
-absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const machine::ErrorModel& truth,
-                                          const session::Session& planned, const NoiseOptions& noise) {
+absl::StatusOr<session::Session> WithReadingColumns(const machine::Machine& machine, const session::Session& planned) {
   session::Session session = planned;
   const instruments::Instrument* instrument =
       instruments::FindInstrument(session::FindHeader(session, "instrument").value_or(""));
@@ -78,34 +128,38 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
     session.columns.push_back({name, std::vector<double>(readings, 0.0), {}});
   if (instrument->kind == instruments::Kind::kEccentricity)
     RETURN_IF_ERROR(eccentricity::AddReadingColumns(machine, &session));
-  ASSIGN_OR_RETURN(instruments::MeasuringRun run, instruments::BindSession(session, machine));
+  return session;
+}
 
-  base::Random random(noise.seed);
+absl::StatusOr<session::Session> Measure(const machine::Machine& machine, const Measuring& measuring,
+                                         const session::Session& planned) {
+  const NoiseOptions& noise = measuring.noise;
+  ASSIGN_OR_RETURN(session::Session session, WithReadingColumns(machine, planned));
+  ASSIGN_OR_RETURN(instruments::MeasuringRun run, instruments::BindSession(session, machine));
+  instruments::MeasuringRun read = run;
+  if (!measuring.read_positions.empty()) read.positions = measuring.read_positions;
+
+  base::Random random(noise.seed), of_setup(noise.setup_seed.value_or(0));
   std::vector<double> setup(instruments::kMaxSetupParameters, 0.0);
-  for (size_t i = 0; i < run.setup.size(); ++i) {
-    const double sigma = run.setup[i].prior_sigma;
-    if (noise.draw_setup && std::isfinite(sigma)) setup[i] = sigma * random.Normal();
-  }
+  if (noise.draw_setup) setup = DrawSetup(run, noise.setup_seed ? &of_setup : &random);
   const double sigma_mm = noise.sigma_scale * run.sigma_mm;
-  std::vector<base::RippleNoise> ripple(run.row_count, base::RippleNoise(noise.ar1, noise.white_share));
-  for (size_t k = 0; k < static_cast<size_t>(run.reading_count()); ++k) {
+  Noise noises(noise, run.row_count);
+  for (int k = 0; k < run.reading_count(); ++k) {
     machine::JointErrors<double> errors;
     double predicted_mm[instruments::kMaxRows];
     instruments::PredictWith(
-        machine, run, static_cast<int>(k),
+        machine, read, k,
         [&](const shapes::State& state) -> const machine::JointErrors<double>& {
-          return errors = machine::ErrorsAt(machine, truth, state);
+          return errors = measuring.errors_at(k, state);
         },
         setup.data(), predicted_mm);
+    if (measuring.distort) measuring.distort(k, predicted_mm);
     for (int row = 0; row < run.row_count; ++row) {
-      double reading_mm = predicted_mm[row] + sigma_mm * ripple[row].Next(random);
-      if (noise.bad_share > 0.0 && random.Uniform() < noise.bad_share) {
-        reading_mm += (random.Uniform() < 0.5 ? -1.0 : 1.0) * (20.0 + 80.0 * random.Uniform()) * sigma_mm;
-      }
+      double reading_mm = predicted_mm[row] + sigma_mm * noises.Next(row, run.PositionsOf(k), run.axis_count, &random);
+      if (noise.bad_share > 0.0 && random.Uniform() < noise.bad_share) reading_mm += BadOffset(&random) * sigma_mm;
       if (noise.resolution_mm > 0.0) reading_mm = std::round(reading_mm / noise.resolution_mm) * noise.resolution_mm;
       if (run.kind == instruments::Kind::kTouch) {
-        RETURN_IF_ERROR(
-            MoveToContact(machine, errors, setup.data(), static_cast<int>(k), reading_mm - predicted_mm[row], &run));
+        RETURN_IF_ERROR(MoveToContact(machine, errors, setup.data(), k, reading_mm - predicted_mm[row], &run));
         continue;
       }
       if (run.kind == instruments::Kind::kEccentricity) {
@@ -117,6 +171,28 @@ absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const
   }
   if (run.kind == instruments::Kind::kTouch) WritePositions(machine, run, &session);
   return session;
+}
+
+absl::StatusOr<session::Session> Simulate(const machine::Machine& machine, const machine::ErrorModel& truth,
+                                          const session::Session& planned, const NoiseOptions& noise) {
+  Measuring measuring;
+  measuring.errors_at = [&](int, const shapes::State& state) { return machine::ErrorsAt(machine, truth, state); };
+  measuring.noise = noise;
+  return Measure(machine, measuring, planned);
+}
+
+std::vector<BadReading> SpoilReadings(const instruments::MeasuringRun& run, double share, double sigma_scale,
+                                      base::Random* random, session::Session* session) {
+  std::vector<BadReading> bad;
+  for (int k = 0; k < run.reading_count(); ++k) {
+    for (int row = 0; row < run.row_count; ++row) {
+      if (random->Uniform() >= share) continue;
+      session->columns[session->columns.size() - run.row_count + row].values[k] +=
+          BadOffset(random) * sigma_scale * run.sigma_mm;
+      bad.push_back({run.session, k + 1, row});
+    }
+  }
+  return bad;
 }
 
 }  // namespace axiscal::synthetic
