@@ -179,6 +179,7 @@ TEST(Walls, OnlyReadersAndWritersIncludeJson) {
                           "core/reports/rewrite_json.cc",             //
                           "core/reports/table_json.cc",               //
                           "core/reports/tool_setter_json.cc",         //
+                          "core/synthetic/scenario_json.cc",          //
                           "core/toolsetter/cutter_keys.cc",           // cutter.json
                           "server/jobs/asked_json.cc",                // how a calibration was asked for
                           "server/log.cc"));
