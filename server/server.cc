@@ -252,6 +252,12 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   sqlite.rescued = [](const records::JobRecord& job) {
     LogJob({jobs::JobEvent::What::kLost, job, jobs::OutcomeOf(job), {}});
   };
+  sqlite.damaged = [](const absl::Status& status) {
+    Log(LogLevel::kWarning, "damaged",
+        {{"reason", base::ErrorReason(status)},
+         {"text", std::string(status.message())},
+         {"then", "it is being sent again, and stored anew"}});
+  };
   ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> database, storage::OpenSqlite(sqlite));
   if (const std::vector<std::string> files = storage::OpenToOthers(options.database_path); !files.empty()) {
     Log(LogLevel::kWarning, "readable_by_others",

@@ -2,6 +2,7 @@
 
 #include "server/storage/chunk_codec.h"
 #include "server/storage/refusal.h"
+#include "server/storage/sessions.h"
 
 namespace axiscal::storage {
 namespace {
@@ -9,19 +10,39 @@ namespace {
 std::string Place(SessionId id, int64_t seq) { return absl::StrCat("session ", id.number(), ", chunk ", seq); }
 
 absl::Status Damaged(SessionId id, int64_t seq, const std::string& what) {
-  return base::Error(absl::StatusCode::kDataLoss, absl::StrCat(Place(id, seq), " is damaged: ", what),
+  return base::Error(absl::StatusCode::kDataLoss,
+                     absl::StrCat(Place(id, seq), " is damaged: ", what,
+                                  "; restore a backup, or send the session again, which makes a new one"),
                      {"CHUNK_DAMAGED", {{"session", std::to_string(id.number())}, {"seq", std::to_string(seq)}}});
 }
 
-// A chunk that was appended before.
+// The readings of a row, exactly as they were appended.
+absl::StatusOr<records::Chunk> DecodeRow(SessionId id, int64_t seq, const std::vector<ColumnSpec>& specs,
+                                         const std::string& content, int64_t crc32c, int64_t reading_count) {
+  absl::StatusOr<std::vector<session::Column>> columns = DecodeChunk(content, specs);
+  if (!columns.ok()) return Damaged(id, seq, std::string(columns.status().message()));
+  records::Chunk chunk = records::Chunk::Seal(seq, *std::move(columns));
+  if (chunk.crc32c() != crc32c) return Damaged(id, seq, "checksum differs");
+  if (chunk.reading_count() != reading_count) return Damaged(id, seq, "number of readings differs");
+  return chunk;
+}
+
+// A chunk that was appended before. What is stored must be whole: a good copy is no repeat of a damaged one.
 absl::StatusOr<AppendResult> CheckRepeat(Connection& connection, SessionId id, const EncodedChunk& chunk,
                                          int64_t next_seq) {
-  ASSIGN_OR_RETURN(
-      Statement row,
-      connection.Ask("SELECT crc32c, reading_count FROM chunk WHERE session_id = ?1 AND seq = ?2", id, chunk.seq));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT crc32c, reading_count, content FROM chunk WHERE session_id = ?1 AND seq = ?2",
+                                  id, chunk.seq));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return Damaged(id, chunk.seq, "missing");
-  if (row.Int(0) != chunk.crc32c || row.Int(1) != chunk.reading_count) {
+  const bool is_same = row.Int(0) == chunk.crc32c && row.Int(1) == chunk.reading_count;
+  const std::string content = row.Text(2);
+  // Written by another version, equal readings may be other bytes.
+  if (!is_same || content != chunk.content) {
+    ASSIGN_OR_RETURN(const std::vector<ColumnSpec> specs, GetSessionColumns(connection, id));
+    RETURN_IF_ERROR(DecodeRow(id, chunk.seq, specs, content, row.Int(0), row.Int(1)).status());
+  }
+  if (!is_same) {
     return base::Error(absl::StatusCode::kAlreadyExists, Place(id, chunk.seq) + " is there with other content",
                        {"CHUNK_CONFLICT", {{"next_seq", std::to_string(next_seq)}}});
   }
@@ -68,15 +89,12 @@ absl::StatusOr<AppendResult> AppendChunk(Connection& connection, const Moment& n
 absl::StatusOr<std::optional<records::Chunk>> ReadChunk(Connection& connection, const SessionRecord& session,
                                                         int64_t seq) {
   if (seq >= session.next_seq) return std::nullopt;
-  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT crc32c, content FROM chunk WHERE session_id = ?1 AND seq = ?2",
-                                                 session.id, seq));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT crc32c, reading_count, content FROM chunk WHERE session_id = ?1 AND seq = ?2",
+                                  session.id, seq));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return Damaged(session.id, seq, "missing");
-  absl::StatusOr<std::vector<session::Column>> columns = DecodeChunk(row.Text(1), session.columns);
-  if (!columns.ok()) return Damaged(session.id, seq, std::string(columns.status().message()));
-  records::Chunk chunk = records::Chunk::Seal(seq, *std::move(columns));
-  if (chunk.crc32c() != row.Int(0)) return Damaged(session.id, seq, "checksum differs");
-  return chunk;
+  return DecodeRow(session.id, seq, session.columns, row.Text(2), row.Int(0), row.Int(1));
 }
 
 }  // namespace axiscal::storage

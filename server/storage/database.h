@@ -55,7 +55,7 @@ class Database {
 
   // ---- sessions
   // A session is its machine and content: the same request id and body give the same session, whoever asks, unless it
-  // was given up (ABORTED, EXPIRED) or its header damaged; then they make a new one.
+  // was given up (ABORTED, EXPIRED) or anything of it is damaged, which is looked for; then they make a new one.
   virtual absl::StatusOr<SessionRecord> CreateSession(const NewSession& session) = 0;
   virtual absl::StatusOr<SessionRecord> GetSession(SessionId id) = 0;
   virtual absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) = 0;
@@ -64,7 +64,8 @@ class Database {
   // durable; concurrent calls share a commit.
   //   other columns: INVALID_ARGUMENT CHUNK_INVALID; seq too large: OUT_OF_RANGE SEQ_GAP (fact next_seq); seq there
   //   with other content: ALREADY_EXISTS CHUNK_CONFLICT; session not open: FAILED_PRECONDITION SESSION_CLOSED.
-  // A repeat with equal content is OK, also after the session is complete.
+  // A repeat with equal content is OK, also after the session is complete, unless what is stored is damaged: DATA_LOSS
+  // CHUNK_DAMAGED.
   virtual absl::StatusOr<AppendResult> AppendChunk(SessionId id, const records::Chunk& chunk) = 0;
   // The same without waiting, so that one stream can keep several chunks under way: encodes at once, then `done` is
   // called exactly once, with what AppendChunk would return, in order of the calls, on the writer's thread (or on the
@@ -143,6 +144,8 @@ class Database {
                                                      const PageRequest& page) = 0;
 
   // ---- programs: begin, append parts at increasing offsets, finish; never the whole in memory
+  // The same request gives the same program, unless it was given up or is damaged, which is looked for: then a new one,
+  // whose parts the damaged one gets when it is finished.
   virtual absl::StatusOr<ProgramRecord> BeginProgram(const NewProgram& program) = 0;
   // `bytes`: 1 .. 4 MiB. `offset` beyond byte_count: OUT_OF_RANGE OFFSET_GAP (fact next_offset); a repeat of a stored
   // part is OK, other content there is ALREADY_EXISTS PART_CONFLICT. Complete: FAILED_PRECONDITION PROGRAM_CLOSED.

@@ -1,6 +1,6 @@
 #include "server/storage/programs.h"
 
-#include <vector>
+#include <algorithm>
 
 #include "core/base/crc32c.h"
 #include "server/storage/page_token.h"
@@ -44,6 +44,8 @@ absl::Status DropParts(Connection& connection, ProgramId id) {
   return connection.Run("DELETE FROM program_part WHERE program_id = ?1", id);
 }
 
+}  // namespace
+
 absl::StatusOr<std::optional<ProgramId>> FindContent(Connection& connection, const std::string& sha256,
                                                      const std::string& kind) {
   ASSIGN_OR_RETURN(Statement row,
@@ -52,8 +54,6 @@ absl::StatusOr<std::optional<ProgramId>> FindContent(Connection& connection, con
   if (!found) return std::nullopt;
   return ProgramId(row.Int(0));
 }
-
-}  // namespace
 
 absl::StatusOr<EncodedPart> PreparePart(int64_t offset, const std::string& bytes) {
   if (bytes.empty() || bytes.size() > kMaxPartBytes || offset < 0) {
@@ -65,14 +65,16 @@ absl::StatusOr<EncodedPart> PreparePart(int64_t offset, const std::string& bytes
                      Compress(bytes)};
 }
 
-absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment& now, const NewProgram& program) {
+absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment& now, const NewProgram& program,
+                                           const std::vector<ProgramId>& damaged) {
   BodyHash hash;
   const std::string body_sha256 = hash.Add(program.kind).Add(program.name).Hex();
   ASSIGN_OR_RETURN(const std::optional<int64_t> same, FindRequest(connection, "program", program.caller, body_sha256));
   if (same.has_value()) {
     ASSIGN_OR_RETURN(ProgramRecord present, GetProgram(connection, ProgramId(*same)));
-    // What was given up can be sent again.
-    if (present.state != ProgramState::kExpired) return present;
+    // What was given up, or what the disk has changed, can be sent again.
+    const bool is_damaged = std::find(damaged.begin(), damaged.end(), present.id) != damaged.end();
+    if (present.state != ProgramState::kExpired && !is_damaged) return present;
   }
   RETURN_IF_ERROR(connection.Run(
       "INSERT INTO program (kind, name, state, byte_count, created_by, request_id, body_sha256, created_at_utc_us, "
@@ -108,7 +110,7 @@ absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, const Moment
 }
 
 absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id, int64_t byte_count,
-                                            const std::string& sha256) {
+                                            const std::string& sha256, std::optional<ProgramId> damaged) {
   ASSIGN_OR_RETURN(const ProgramRecord program, GetProgram(connection, id));
   if (program.state == ProgramState::kExpired) return FailedPrecondition(Place(id) + " was given up", "PROGRAM_CLOSED");
   if (program.byte_count != byte_count || (program.state == ProgramState::kComplete && program.sha256 != sha256)) {
@@ -119,7 +121,13 @@ absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id
   if (program.state == ProgramState::kComplete) return program;
   ASSIGN_OR_RETURN(const std::optional<ProgramId> same, FindContent(connection, sha256, program.kind));
   if (same.has_value()) {
-    RETURN_IF_ERROR(DropParts(connection, id));
+    if (same == damaged) {
+      RETURN_IF_ERROR(DropParts(connection, *same));
+      RETURN_IF_ERROR(connection.Run("UPDATE program_part SET program_id = ?2 WHERE program_id = ?1", id, *same));
+      RETURN_IF_ERROR(connection.Run("UPDATE program SET byte_count = ?2 WHERE id = ?1", *same, byte_count));
+    } else {
+      RETURN_IF_ERROR(DropParts(connection, id));
+    }
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 3, same_as = ?2 WHERE id = ?1", id, *same));
   } else {
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 2, sha256 = ?2 WHERE id = ?1", id, sha256));

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/storage/connection.h"
 #include "server/storage/records.h"
@@ -23,12 +24,18 @@ struct EncodedPart {
 // What can be done before the writer's turn.
 absl::StatusOr<EncodedPart> PreparePart(int64_t offset, const std::string& bytes);
 
-absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment& now, const NewProgram& program);
+// `damaged`: programs of that request that do not count.
+absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment& now, const NewProgram& program,
+                                           const std::vector<ProgramId>& damaged);
 absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, const Moment& now, ProgramId id,
                                             const EncodedPart& part);
-// `sha256`: of the first `byte_count` bytes, as the caller has computed it from the parts.
+// The complete program of that content, if there is one.
+absl::StatusOr<std::optional<ProgramId>> FindContent(Connection& connection, const std::string& sha256,
+                                                     const std::string& kind);
+// `sha256`: of the first `byte_count` bytes, as the caller has computed it from the parts. `damaged`: the program of
+// this content, where it was found to have other bytes by now: it gets these parts.
 absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id, int64_t byte_count,
-                                            const std::string& sha256);
+                                            const std::string& sha256, std::optional<ProgramId> damaged);
 absl::StatusOr<ProgramRecord> GetProgram(Connection& connection, ProgramId id);
 absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const ProgramFilter& filter,
                                                  const PageRequest& request);

@@ -1,5 +1,6 @@
 #include "server/storage/sessions.h"
 
+#include <algorithm>
 #include <set>
 
 #include "core/session/checksum.h"
@@ -37,8 +38,29 @@ SessionRecord ReadSession(const Statement& row) {
   return session;
 }
 
+absl::Status DamagedBody(SessionId id) {
+  return base::Error(absl::StatusCode::kDataLoss,
+                     Place(id) +
+                         " is damaged: its header or columns are not what was stored; restore a "
+                         "backup, or send the session again",
+                     {"SESSION_DAMAGED", {{"session", std::to_string(id.number())}}});
+}
+
+// None where the disk has lost them.
+absl::StatusOr<std::vector<ColumnSpec>> ReadColumns(Connection& connection, SessionId id) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT name, is_text FROM session_column WHERE session_id = ?1 ORDER BY position", id));
+  std::vector<ColumnSpec> columns;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return columns;
+    columns.push_back({row.Text(0), row.Bool(1)});
+  }
+}
+
 absl::Status ReadLists(Connection& connection, SessionRecord& session) {
-  ASSIGN_OR_RETURN(session.columns, GetSessionColumns(connection, session.id));
+  ASSIGN_OR_RETURN(session.columns, ReadColumns(connection, session.id));
   ASSIGN_OR_RETURN(
       Statement row,
       connection.Ask("SELECT key, text FROM session_header WHERE session_id = ?1 ORDER BY position", session.id));
@@ -114,9 +136,10 @@ absl::Status GiveUp(Connection& connection, UtcTime now, SessionId id, SessionSt
 }
 
 // The session that the same request has made, by whomever it was sent: a session is its machine and content. One that
-// was given up, or whose header the disk has changed, can be sent again.
+// was given up, or which the disk has changed, can be sent again.
 absl::StatusOr<std::optional<SessionRecord>> FindSame(Connection& connection, const Caller& caller,
-                                                      const std::string& body_sha256) {
+                                                      const std::string& body_sha256,
+                                                      const std::vector<SessionId>& damaged) {
   if (caller.request_id.empty()) return std::nullopt;
   std::vector<SessionId> same;  // complete ones before open ones
   {
@@ -127,6 +150,7 @@ absl::StatusOr<std::optional<SessionRecord>> FindSame(Connection& connection, co
       ASSIGN_OR_RETURN(const bool more, row.Step());
       if (!more) break;
       const auto state = row.As<SessionState>(3);
+      if (std::find(damaged.begin(), damaged.end(), SessionId(row.Int(0))) != damaged.end()) continue;
       if (row.Text(1) != body_sha256) {
         if (row.Text(2) == caller.principal) return RequestIdReused(caller, "session");
       } else if (state == SessionState::kComplete) {
@@ -137,9 +161,9 @@ absl::StatusOr<std::optional<SessionRecord>> FindSame(Connection& connection, co
     }
   }
   for (const SessionId id : same) {
-    ASSIGN_OR_RETURN(SessionRecord session, GetSession(connection, id));
-    const absl::Status body = CheckSessionBody(connection, session);
-    if (body.ok()) return session;
+    absl::StatusOr<SessionRecord> session = GetSession(connection, id);
+    const absl::Status body = session.ok() ? CheckSessionBody(connection, *session) : session.status();
+    if (body.ok()) return *std::move(session);
     if (!absl::IsDataLoss(body)) return body;
   }
   return std::nullopt;
@@ -147,10 +171,11 @@ absl::StatusOr<std::optional<SessionRecord>> FindSame(Connection& connection, co
 
 }  // namespace
 
-absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment& now, const NewSession& session) {
+absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment& now, const NewSession& session,
+                                            const std::vector<SessionId>& damaged) {
   RETURN_IF_ERROR(CheckNew(session));
   const std::string body_sha256 = HashBody(session);
-  ASSIGN_OR_RETURN(std::optional<SessionRecord> same, FindSame(connection, session.caller, body_sha256));
+  ASSIGN_OR_RETURN(std::optional<SessionRecord> same, FindSame(connection, session.caller, body_sha256, damaged));
   if (same.has_value()) return *std::move(same);
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, session.machine));
   RETURN_IF_ERROR(connection.Run(
@@ -171,6 +196,7 @@ absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id) {
   if (!found) return NotFound("session", "SESSION", std::to_string(id.number()));
   SessionRecord session = ReadSession(row);
   RETURN_IF_ERROR(ReadLists(connection, session));
+  if (session.columns.empty()) return DamagedBody(id);  // none was ever stored without
   return session;
 }
 
@@ -178,25 +204,12 @@ absl::Status CheckSessionBody(Connection& connection, const SessionRecord& sessi
   ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT body_sha256 FROM session WHERE id = ?1", session.id));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (found && row.Text(0) == HashBody(session)) return absl::OkStatus();
-  return base::Error(absl::StatusCode::kDataLoss,
-                     Place(session.id) +
-                         " is damaged: its header or columns are not what was stored; restore a "
-                         "backup, or send the session again",
-                     {"SESSION_DAMAGED", {{"session", std::to_string(session.id.number())}}});
+  return DamagedBody(session.id);
 }
 
 absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection, SessionId id) {
-  ASSIGN_OR_RETURN(
-      Statement row,
-      connection.Ask("SELECT name, is_text FROM session_column WHERE session_id = ?1 ORDER BY position", id));
-  std::vector<ColumnSpec> columns;
-  while (true) {
-    ASSIGN_OR_RETURN(const bool more, row.Step());
-    if (!more) break;
-    columns.push_back({row.Text(0), row.Bool(1)});
-  }
-  if (columns.empty()) return NotFound("session", "SESSION", std::to_string(id.number()));
-  return columns;
+  ASSIGN_OR_RETURN(SessionRecord session, GetSession(connection, id));
+  return std::move(session.columns);
 }
 
 absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const SessionFilter& filter,

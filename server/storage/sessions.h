@@ -9,9 +9,12 @@
 
 namespace axiscal::storage {
 
-absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment& now, const NewSession& session);
+// `damaged`: sessions of that request that do not count.
+absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment& now, const NewSession& session,
+                                            const std::vector<SessionId>& damaged);
 // DATA_LOSS SESSION_DAMAGED unless machine, header and columns are those that the session was created with.
 absl::Status CheckSessionBody(Connection& connection, const SessionRecord& session);
+// DATA_LOSS SESSION_DAMAGED where its columns are lost; in lists such a session has none.
 absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id);
 absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection, SessionId id);
 absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const SessionFilter& filter,

@@ -22,14 +22,17 @@ struct SqliteOptions {
   std::function<int64_t()> free_bytes;
   // Told on open, for each job that a process left RUNNING when it died, what became of it. May be empty.
   std::function<void(const JobRecord&)> rescued;
+  // Told of what the disk has changed, where a caller sends the same again: a new session is made, a program gets the
+  // parts that came. From the calling threads. May be empty.
+  std::function<void(const absl::Status&)> damaged;
   base::Clock* clock = &base::SystemClock();
 };
 
 // Opens, locks and migrates the file (made for its owner alone, 0600), and returns RUNNING jobs of a process that died
 // to the queue.
-//   held by another process or Database, under whichever name: UNAVAILABLE STORE_LOCKED; a file with several names (hard
-//   links): FAILED_PRECONDITION STORE_LINKED; written by a newer version, or not ours:
-//   FAILED_PRECONDITION SCHEMA_NEWER, NOT_A_DATABASE, SCHEMA_CHANGED; the file is left as it was.
+//   held by another process or Database, under whichever name: UNAVAILABLE STORE_LOCKED; a file with several names
+//   (hard links): FAILED_PRECONDITION STORE_LINKED; written by a newer version, or not ours: FAILED_PRECONDITION
+//   SCHEMA_NEWER, NOT_A_DATABASE, SCHEMA_CHANGED; the file is left as it was.
 // Ignores SIGXFSZ in this process: a file-size limit is then an error of the write instead of death.
 // The database is closed, with the log merged, when it is destroyed; no call may be under way then.
 absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& options);

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/base/sha256.h"
+#include "core/session/checksum.h"
 #include "server/storage/refusal.h"
 
 namespace axiscal::storage {
@@ -21,6 +22,33 @@ absl::Status SqliteStore::CheckDisk(Growth growth) const {
                      absl::StrCat(options_.path, ": ", free_bytes, " bytes free on the disk, at least ",
                                   options_.min_free_bytes, " must stay free"),
                      {"DISK_LOW", {{"free_bytes", std::to_string(free_bytes)}}});
+}
+
+absl::Status SqliteStore::CheckWhole(const SessionRecord& session) {
+  std::vector<uint32_t> crcs;
+  RETURN_IF_ERROR(VisitChunks(session, 0, [&](const records::Chunk& chunk) {
+    crcs.push_back(chunk.crc32c());
+    return absl::OkStatus();
+  }));
+  if (session.state != SessionState::kComplete || session::SessionHash(crcs) == session.hash) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kDataLoss,
+                     absl::StrCat("session ", session.id.number(), " is damaged: its chunks are not those of its hash"),
+                     {"SESSION_DAMAGED", {{"session", std::to_string(session.id.number())}}});
+}
+
+absl::StatusOr<SessionRecord> SqliteStore::CreateSession(const NewSession& session) {
+  std::vector<SessionId> damaged;
+  while (true) {
+    ASSIGN_OR_RETURN(SessionRecord record, Write<SessionRecord>(Growth::kGrows, [&](Connection& c) {
+                       return storage::CreateSession(c, Present(), session, damaged);
+                     }));
+    // What is there already is read, outside the writer's turn: who sends it again must not be told that it is safe.
+    const absl::Status whole = CheckWhole(record);
+    if (whole.ok()) return record;
+    if (!absl::IsDataLoss(whole)) return whole;
+    TellDamage(whole);
+    damaged.push_back(record.id);
+  }
 }
 
 absl::StatusOr<SqliteStore::SharedSpecs> SqliteStore::Specs(SessionId id) {
@@ -134,6 +162,33 @@ absl::Status SqliteStore::ReadProgram(ProgramId id, int64_t offset,
   return VisitParts(program, offset, visit);
 }
 
+absl::Status SqliteStore::CheckWhole(const ProgramRecord& program) {
+  base::Sha256 sha;
+  RETURN_IF_ERROR(VisitParts(program, 0, [&](const std::string& bytes) {
+    sha.Add(bytes);
+    return absl::OkStatus();
+  }));
+  if (program.state != ProgramState::kComplete || sha.HexDigest() == program.sha256) return absl::OkStatus();
+  return base::Error(
+      absl::StatusCode::kDataLoss,
+      absl::StrCat("program ", program.id.number(), " is damaged: its bytes are not those of its sha256"),
+      {"PART_DAMAGED", {{"program", std::to_string(program.id.number())}, {"offset", "0"}}});
+}
+
+absl::StatusOr<ProgramRecord> SqliteStore::BeginProgram(const NewProgram& program) {
+  std::vector<ProgramId> damaged;
+  while (true) {
+    ASSIGN_OR_RETURN(ProgramRecord record, Write<ProgramRecord>(Growth::kGrows, [&](Connection& c) {
+                       return storage::BeginProgram(c, Present(), program, damaged);
+                     }));
+    const absl::Status whole = CheckWhole(record);
+    if (whole.ok()) return record;
+    if (!absl::IsDataLoss(whole)) return whole;
+    TellDamage(whole);
+    damaged.push_back(record.id);
+  }
+}
+
 absl::StatusOr<ProgramRecord> SqliteStore::FinishProgram(ProgramId id, int64_t byte_count, const std::string& sha256) {
   ASSIGN_OR_RETURN(const ProgramRecord program, GetProgram(id));
   // Parts are only ever added, so their hash may be taken outside the writer's turn.
@@ -148,11 +203,23 @@ absl::StatusOr<ProgramRecord> SqliteStore::FinishProgram(ProgramId id, int64_t b
         absl::StrCat("program ", id.number(), ": totals say sha256 ", sha256, ", stored is ", computed),
         "TOTALS_MISMATCH");
   }
+  ASSIGN_OR_RETURN(const std::optional<ProgramId> same,
+                   readers_.Run([&](Connection& c) { return FindContent(c, computed, program.kind); }));
+  std::optional<ProgramId> damaged;
+  if (same.has_value() && *same != program.id) {
+    ASSIGN_OR_RETURN(const ProgramRecord twin, GetProgram(*same));
+    const absl::Status whole = CheckWhole(twin);
+    if (!whole.ok() && !absl::IsDataLoss(whole)) return whole;
+    if (!whole.ok()) {
+      TellDamage(whole);
+      damaged = same;
+    }
+  }
   return Write<ProgramRecord>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<ProgramRecord> {
     ASSIGN_OR_RETURN(const ProgramRecord present, storage::GetProgram(c, id));
     if (present.byte_count != program.byte_count)
       return FailedPrecondition("parts were added while it was finished", "TOTALS_MISMATCH");
-    return storage::FinishProgram(c, id, byte_count, computed);
+    return storage::FinishProgram(c, id, byte_count, computed, damaged);
   });
 }
 

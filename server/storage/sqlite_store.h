@@ -74,10 +74,7 @@ class SqliteStore final : public Database {
   }
 
   // ---- sessions
-  absl::StatusOr<SessionRecord> CreateSession(const NewSession& session) override {
-    return Write<SessionRecord>(Growth::kGrows,
-                                [&](Connection& c) { return storage::CreateSession(c, Present(), session); });
-  }
+  absl::StatusOr<SessionRecord> CreateSession(const NewSession& session) override;
   absl::StatusOr<SessionRecord> GetSession(SessionId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetSession(c, id); });
   }
@@ -182,10 +179,7 @@ class SqliteStore final : public Database {
   }
 
   // ---- programs
-  absl::StatusOr<ProgramRecord> BeginProgram(const NewProgram& program) override {
-    return Write<ProgramRecord>(Growth::kGrows,
-                                [&](Connection& c) { return storage::BeginProgram(c, Present(), program); });
-  }
+  absl::StatusOr<ProgramRecord> BeginProgram(const NewProgram& program) override;
   absl::StatusOr<ProgramRecord> AppendProgram(ProgramId id, int64_t offset, const std::string& bytes) override {
     ASSIGN_OR_RETURN(const EncodedPart part, PreparePart(offset, bytes));
     return Write<ProgramRecord>(Growth::kGrows,
@@ -249,6 +243,12 @@ class SqliteStore final : public Database {
       RETURN_IF_ERROR(SaveUpTime(c, UpTime()));
       return work(c);
     });
+  }
+  // DATA_LOSS unless all that belongs to it is as it was stored.
+  absl::Status CheckWhole(const SessionRecord& session);
+  absl::Status CheckWhole(const ProgramRecord& program);
+  void TellDamage(const absl::Status& status) const {
+    if (options_.damaged) options_.damaged(status);
   }
   absl::StatusOr<SharedSpecs> Specs(SessionId id);
   absl::StatusOr<EncodedChunk> Encode(SessionId id, const records::Chunk& chunk);

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/base/error_detail.h"
+#include "core/base/sha256.h"
 #include "server/storage/connection.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -164,6 +165,95 @@ TEST_F(Damage, OfASessionsHeaderIsNoticed) {
   }
 }
 
+// A session of three chunks under a request id; what its upload left.
+class DamagedUpload : public Damage {
+ protected:
+  DamagedUpload() {
+    DEMAND(database->CreateMachine(MachineId("mt"), "{}", Cell("")).ok());
+    id = Create().id;
+    Append(id, 3);
+  }
+  SessionRecord Create() {
+    const absl::StatusOr<SessionRecord> session = database->CreateSession(TestSession("r-1"));
+    DEMAND(session.ok());
+    return *session;
+  }
+  void Append(SessionId to, int chunks) {
+    for (int seq = 0; seq < chunks; ++seq) DEMAND(storage::Append(*database, to, seq, TestColumns(seq, 10)).ok());
+  }
+  absl::Status Finish(SessionId of) {
+    std::vector<uint32_t> crcs;
+    for (int seq = 0; seq < 3; ++seq) crcs.push_back(session::ChunkCrc32c(TestColumns(seq, 10)));
+    return database->FinishSession(of, {3, 30, session::SessionHash(crcs)}).status();
+  }
+  // The same file again, as a client sends it: a new session, which is whole.
+  void ExpectHealed(const std::string& damage) {
+    const SessionRecord again = Create();
+    EXPECT_NE(again.id, id) << damage;
+    EXPECT_EQ(again.state, SessionState::kOpen) << damage;
+    Append(again.id, 3);
+    EXPECT_TRUE(Finish(again.id).ok()) << damage;
+    EXPECT_TRUE(database->ReadSession(again.id).ok()) << damage;
+    EXPECT_EQ(Create().id, again.id) << damage;
+    const auto listed = database->ListSessions({}, {});
+    ASSERT_TRUE(listed.ok()) << damage << ": " << listed.status();
+    EXPECT_EQ(listed->rows.size(), 2u) << damage;
+  }
+
+  SessionId id;
+};
+
+TEST_F(DamagedUpload, WhatIsWholeIsNotStoredTwice) {
+  EXPECT_EQ(Create().id, id);
+  ASSERT_TRUE(Finish(id).ok());
+  EXPECT_EQ(Create().id, id);
+  EXPECT_TRUE(storage::Append(*database, id, 1, TestColumns(1, 10))->duplicate);
+  EXPECT_TRUE(database.damages.empty());
+}
+
+TEST_F(DamagedUpload, OfReadingsIsHealedBySendingThemAgain) {
+  ASSERT_TRUE(Finish(id).ok());
+  Execute("DROP TRIGGER chunk_is_never_changed");
+  std::string content = ReadContent("SELECT content FROM chunk WHERE seq = 1");
+  content.resize(content.size() / 2);
+  WriteContent("UPDATE chunk SET content = ?1 WHERE seq = 1", content);
+  // Into the damaged session itself nothing goes.
+  const absl::Status repeat = storage::Append(*database, id, 1, TestColumns(1, 10)).status();
+  EXPECT_EQ(base::ErrorReason(repeat), "CHUNK_DAMAGED") << repeat;
+  EXPECT_NE(repeat.message().find("send the session again"), std::string::npos) << repeat;
+  EXPECT_TRUE(storage::Append(*database, id, 0, TestColumns(0, 10))->duplicate);
+  ExpectHealed("content");
+  ASSERT_FALSE(database.damages.empty());
+  EXPECT_EQ(base::ErrorReason(database.damages[0]), "CHUNK_DAMAGED");
+}
+
+TEST_F(DamagedUpload, OfAChunksChecksumIsNoConflict) {
+  ASSERT_TRUE(Finish(id).ok());
+  Execute("DROP TRIGGER chunk_is_never_changed; UPDATE chunk SET crc32c = crc32c + 1 WHERE seq = 1");
+  EXPECT_EQ(base::ErrorReason(storage::Append(*database, id, 1, TestColumns(1, 10)).status()), "CHUNK_DAMAGED");
+  ExpectHealed("checksum");
+}
+
+TEST_F(DamagedUpload, OfAChunkThatIsGoneIsHealed) {
+  ASSERT_TRUE(Finish(id).ok());
+  Execute("DROP TRIGGER complete_session_keeps_its_chunks; DELETE FROM chunk WHERE seq = 1");
+  ExpectHealed("row");
+}
+
+TEST_F(DamagedUpload, OfAnOpenSessionIsHealed) {
+  Execute("DROP TRIGGER chunk_is_never_changed; UPDATE chunk SET content = CAST('x' AS BLOB) WHERE seq = 2");
+  ExpectHealed("open");
+}
+
+TEST_F(DamagedUpload, OfItsColumnsIsHealed) {
+  ASSERT_TRUE(Finish(id).ok());
+  Execute("DELETE FROM session_column");
+  const absl::Status read = database->GetSession(id).status();
+  EXPECT_TRUE(absl::IsDataLoss(read)) << read;
+  EXPECT_EQ(base::ErrorReason(read), "SESSION_DAMAGED");
+  ExpectHealed("columns");
+}
+
 TEST_F(Damage, OfAJobsParamsIsNoticedBeforeItRuns) {
   NewJob job;
   job.kind = "compensate";
@@ -187,6 +277,48 @@ TEST_F(Damage, OfAProgramIsNoticed) {
   WriteContent("UPDATE program_part SET content = ?1", content);
   const absl::Status read = database->ReadProgram(id, 0, [](const std::string&) { return absl::OkStatus(); });
   EXPECT_EQ(base::ErrorReason(read), "PART_DAMAGED") << read;
+}
+
+TEST_F(Damage, OfAProgramIsHealedByTheSameContent) {
+  const std::string text = "G01 X1.0000 Y2.0000 Z3.0000\n";
+  const auto put = [&](const std::string& request_id) {
+    const auto begun = database->BeginProgram({"nc", "O1", Cell(request_id)});
+    DEMAND(begun.ok());
+    if (begun->state != ProgramState::kComplete) DEMAND(database->AppendProgram(begun->id, 0, text).ok());
+    return database->FinishProgram(begun->id, static_cast<int64_t>(text.size()), base::Sha256Hex(text));
+  };
+  const ProgramId id = put("a")->id;
+  EXPECT_EQ(put("a")->id, id);
+  EXPECT_EQ(put("b")->id, id);
+  EXPECT_TRUE(database.damages.empty());
+  // Under its own request id and under another one.
+  for (const std::string request_id : {"a", "c"}) {
+    for (const std::string damage : {"UPDATE program_part SET content = CAST('x' AS BLOB)", "DELETE FROM program_part",
+                                     "UPDATE program_part SET crc32c = 1"}) {
+      Execute(damage);
+      const auto again = put(request_id);
+      ASSERT_TRUE(again.ok()) << damage << ": " << again.status();
+      EXPECT_EQ(again->id, id) << damage;
+      std::string all;
+      const absl::Status read = database->ReadProgram(id, 0, [&](const std::string& bytes) {
+        all += bytes;
+        return absl::OkStatus();
+      });
+      EXPECT_TRUE(read.ok()) << damage << ": " << read;
+      EXPECT_EQ(all, text) << damage;
+      EXPECT_FALSE(std::exchange(database.damages, {}).empty()) << damage;
+    }
+  }
+}
+
+TEST_F(Damage, OfAProgramThatIsStillSentIsHealed) {
+  const NewProgram program{"nc", "O1", Cell("a")};
+  const ProgramId id = database->BeginProgram(program)->id;
+  ASSERT_TRUE(database->AppendProgram(id, 0, "G01 X1.0000\n").ok());
+  Execute("UPDATE program_part SET content = CAST('x' AS BLOB)");
+  const ProgramRecord again = *database->BeginProgram(program);
+  EXPECT_NE(again.id, id);
+  EXPECT_EQ(again.byte_count, 0);
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ class TempDatabase {
     options.path = path();
     options.clock = &clock;
     options.free_bytes = [this] { return free_bytes; };
+    options.damaged = [this](const absl::Status& status) { damages.push_back(status); };
     absl::StatusOr<std::unique_ptr<Database>> opened = OpenSqlite(options);
     DEMAND(opened.ok());
     database_ = *std::move(opened);
@@ -49,6 +50,7 @@ class TempDatabase {
 
   base::FakeClock clock;
   int64_t free_bytes = int64_t{1} << 40;
+  std::vector<absl::Status> damages;  // as told; by the test's own thread alone
 
  private:
   TempDirectory directory_;
