@@ -165,7 +165,7 @@ absl::Status Listener::BindUnix(const std::string& address, const std::string& n
   const int socket = Listening(reinterpret_cast<const sockaddr*>(&place), static_cast<socklen_t>(size));
   if (socket < 0) return Failed(address, std::strerror(errno));
   sockets_.push_back(socket);
-  if (!is_abstract) unlink_path_ = name;
+  if (!is_abstract && stat(name.c_str(), &unlink_file_) == 0) unlink_path_ = name;
   return absl::OkStatus();
 }
 
@@ -189,8 +189,15 @@ void Listener::Stop() {
     eventfd_write(wake_, 1);
     thread_.join();
   }
+  // While we listen nobody takes the path over. What stands there may be another server's all the same, where somebody
+  // had removed ours.
+  if (const std::string path = std::exchange(unlink_path_, ""); !path.empty()) {
+    struct stat now = {};
+    const bool is_ours =
+        stat(path.c_str(), &now) == 0 && now.st_dev == unlink_file_.st_dev && now.st_ino == unlink_file_.st_ino;
+    if (is_ours) unlink(path.c_str());
+  }
   for (const int socket : std::exchange(sockets_, {})) close(socket);
-  if (!unlink_path_.empty()) unlink(std::exchange(unlink_path_, "").c_str());
 }
 
 void Listener::Loop() {

@@ -4,6 +4,8 @@
 #ifndef AXISCAL_SERVER_LISTENER_H_
 #define AXISCAL_SERVER_LISTENER_H_
 
+#include <sys/stat.h>
+
 #include <functional>
 #include <memory>
 #include <string>
@@ -50,8 +52,9 @@ class Listener {
 
   std::vector<int> sockets_;
   int port_ = 0;
-  std::string unlink_path_;  // of a socket in the file system
-  int wake_ = -1;            // an eventfd that ends Loop()
+  std::string unlink_path_;       // of a socket in the file system
+  struct stat unlink_file_ = {};  // what it was when it was made
+  int wake_ = -1;                 // an eventfd that ends Loop()
   Take take_;
   TellRefused tell_refused_;
   int64_t first_kept_descriptor_ = 0;  // a connection with this number or a higher one is closed

@@ -86,6 +86,19 @@ TEST(Listener, ASocketInTheFileSystemIsTakenOverAndGoesWithTheListener) {
   unlink(path.c_str());
 }
 
+TEST(Listener, ASocketThatAnotherServerHasMadeThereStays) {
+  const std::string path = absl::StrCat(::testing::TempDir(), "/replaced.", getpid());
+  auto first = Listener::Open("unix:" + path);
+  ASSERT_TRUE(first.ok()) << first.status();
+  unlink(path.c_str());
+  auto second = Listener::Open("unix:" + path);
+  ASSERT_TRUE(second.ok()) << second.status();
+  (*first)->Stop();
+  EXPECT_EQ(access(path.c_str(), F_OK), 0);
+  (*second)->Stop();
+  EXPECT_NE(access(path.c_str(), F_OK), 0);
+}
+
 // Its clients would reach another database without a word.
 TEST(Listener, ASocketAtWhichAServerListensIsNotTaken) {
   const std::string path = absl::StrCat(::testing::TempDir(), "/listening.", getpid());
