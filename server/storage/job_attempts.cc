@@ -160,8 +160,9 @@ absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& own
   RETURN_IF_ERROR(connection.Run(
       "UPDATE job SET state = 3, owner = NULL, lease_until_steady_us = NULL, result = ?2, progress_fraction = 1.0, "
       "error_code = NULL, "
-      "error_reason = NULL, error_message = NULL, ended_at_utc_us = ?3, version = version + 1 WHERE id = ?1",
-      claim.id, Blob{product.result}, owner.now.utc));
+      "error_reason = NULL, error_message = NULL, ended_at_utc_us = ?3, version = version + 1, result_sha256 = ?4 "
+      "WHERE id = ?1",
+      claim.id, Blob{product.result}, owner.now.utc, JobResultChecksum(claim.id, product.result)));
   RETURN_IF_ERROR(EndAttempt(connection, owner.now.utc, claim.id, claim.lease_token, "SUCCEEDED", ""));
   return GetJob(connection, claim.id);
 }

@@ -22,7 +22,8 @@ std::string Select(const char* report) {
       "j.error_reason, "
       "j.error_message, j.created_by, j.created_at_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
       "j.version, "
-      "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id) FROM job AS j LEFT JOIN machine AS m ON m.id = "
+      "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id), j.result_sha256 FROM job AS j LEFT JOIN machine AS m "
+      "ON m.id = "
       "j.machine_id ");
 }
 
@@ -107,11 +108,24 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, c
   return GetJob(connection, JobId(connection.last_insert_id()));
 }
 
+std::string JobResultChecksum(JobId id, const std::string& result) {
+  BodyHash hash;
+  return hash.Add("job result 1").Add(id.number()).Add(result).Hex();
+}
+
 absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id) {
   ASSIGN_OR_RETURN(Statement row, connection.Ask(Select(kReport) + "WHERE j.id = ?1", id));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NotFound("job", "JOB", std::to_string(id.number()));
   JobRecord job = ReadJob(row);
+  if (job.state == JobState::kSucceeded && row.Text(24) != JobResultChecksum(id, job.result)) {
+    const std::string number = std::to_string(id.number());
+    return base::Error(absl::StatusCode::kDataLoss,
+                       "job " + number +
+                           " is damaged: its result is not what was stored; restore a backup, or create the job again "
+                           "under another request id",
+                       {"JOB_DAMAGED", {{"job", number}}});
+  }
   RETURN_IF_ERROR(ReadPrograms(connection, job));
   return job;
 }

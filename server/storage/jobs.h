@@ -21,8 +21,11 @@ struct JobOwner {
 };
 
 absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, int max_queued);
+// SHA-256, hex, of a job's result and of whose it is.
+std::string JobResultChecksum(JobId id, const std::string& result);
 // DATA_LOSS JOB_DAMAGED unless it asks for what it was created with.
 absl::Status CheckJobBody(Connection& connection, const JobRecord& job);
+// DATA_LOSS JOB_DAMAGED unless its result is what was stored.
 absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id);
 absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request);
 absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller);

@@ -2,6 +2,7 @@
 
 #include "core/base/sha256.h"
 #include "server/storage/calibrations.h"
+#include "server/storage/jobs.h"
 #include "server/storage/transaction.h"
 
 namespace axiscal::storage {
@@ -41,12 +42,29 @@ absl::Status SealCalibrations(Connection& connection) {
   }
 }
 
+absl::Status SealJobs(Connection& connection) {
+  while (true) {
+    JobId id;
+    std::string checksum;
+    {
+      ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id, result FROM job WHERE state = 3 AND "
+                                                     "result_sha256 = '' ORDER BY id LIMIT 1"));
+      ASSIGN_OR_RETURN(const bool found, row.Step());
+      if (!found) return absl::OkStatus();
+      id = JobId(row.Int(0));
+      checksum = JobResultChecksum(id, row.Text(1));
+    }
+    RETURN_IF_ERROR(connection.Run("UPDATE job SET result_sha256 = ?2 WHERE id = ?1", id, checksum));
+  }
+}
+
 }  // namespace
 
 absl::Status SealOldRows(Connection& connection) {
   ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginWrite(connection));
   RETURN_IF_ERROR(SealRevisions(connection));
   RETURN_IF_ERROR(SealCalibrations(connection));
+  RETURN_IF_ERROR(SealJobs(connection));
   return transaction.Commit();
 }
 

@@ -268,6 +268,32 @@ TEST_F(Damage, OfAJobsParamsIsNoticedBeforeItRuns) {
   EXPECT_EQ(failed.error->reason, "JOB_DAMAGED");
 }
 
+TEST_F(Damage, OfAJobsResultIsNoticedAndNamed) {
+  std::vector<JobId> ids;
+  for (const std::string result : {"wear_um 12.5", "wear_um 3.5"}) {
+    NewJob job;
+    job.kind = "tool_setter";
+    job.caller = Cell("");
+    ids.push_back(database->CreateJob(job, 10)->id);
+    const auto claimed = database->ClaimJob(std::chrono::seconds(30));
+    DEMAND(claimed.ok() && claimed->has_value());
+    ASSERT_TRUE(database->SucceedJob(ClaimOf(**claimed), {result, {}, {}}).ok());
+    EXPECT_EQ(database->GetJob(ids.back())->result, result);
+  }
+  for (const std::string damage :
+       {"UPDATE job SET result = CAST('wear_um 2.5' AS BLOB) WHERE id = 1",
+        "UPDATE job SET result_sha256 = '' WHERE id = 1",
+        "UPDATE job SET (result, result_sha256) = (SELECT result, result_sha256 FROM job WHERE id = 2) WHERE id = 1"}) {
+    Execute(damage);
+    const absl::Status read = database->GetJob(ids[0]).status();
+    EXPECT_TRUE(absl::IsDataLoss(read)) << damage << ": " << read;
+    EXPECT_EQ(base::ErrorReason(read), "JOB_DAMAGED") << damage;
+    EXPECT_EQ(base::GetErrorDetail(read)->facts.at("job"), "1") << damage;
+    EXPECT_TRUE(database->GetJob(ids[1]).ok()) << damage;
+    EXPECT_EQ(database->ListJobs({}, {})->rows.size(), 2u) << damage;  // one must not hide the others
+  }
+}
+
 TEST_F(Damage, OfAProgramIsNoticed) {
   const ProgramId id = database->BeginProgram({"nc", "O1", Cell("")})->id;
   ASSERT_TRUE(database->AppendProgram(id, 0, "G01 X1.0000 Y2.0000 Z3.0000\n").ok());
