@@ -23,6 +23,7 @@ void AddVerifyCommand(CLI::App& app, Context& context);
 void AddTableCommand(CLI::App& app, Context& context);
 void AddProgramCommand(CLI::App& app, Context& context);
 void AddPlanCommand(CLI::App& app, Context& context);
+void AddSimulateCommand(CLI::App& app, Context& context);
 void AddToolSetterCommand(CLI::App& app, Context& context);
 void AddPublishedCommand(CLI::App& app, Context& context);
 void AddHistoryCommand(CLI::App& app, Context& context);

@@ -44,6 +44,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddTableCommand(app, context);
   AddProgramCommand(app, context);
   AddPlanCommand(app, context);
+  AddSimulateCommand(app, context);
   AddToolSetterCommand(app, context);
   AddPublishedCommand(app, context);
   AddHistoryCommand(app, context);
