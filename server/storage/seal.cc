@@ -47,8 +47,8 @@ absl::Status SealJobs(Connection& connection) {
     JobId id;
     std::string checksum;
     {
-      ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id, result FROM job WHERE state = 3 AND "
-                                                     "result_sha256 = '' ORDER BY id LIMIT 1"));
+      ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id, result FROM job INDEXED BY job_unsealed WHERE "
+                                                     "state = 3 AND result_sha256 = '' ORDER BY id LIMIT 1"));
       ASSIGN_OR_RETURN(const bool found, row.Step());
       if (!found) return absl::OkStatus();
       id = JobId(row.Int(0));
