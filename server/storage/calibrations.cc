@@ -253,6 +253,8 @@ absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, Utc
         "retired_at_utc_us = NULL WHERE id = ?1",
         id, caller.principal, now);
   }));
+  const bool was_rejected = present.state == CalibrationState::kRetired && !present.approved_at;
+  if (was_rejected) RETURN_IF_ERROR(SumWeekAgain(connection, machine_key, present.content.measured_at));
   RETURN_IF_ERROR(
       AuditChange(connection, now, caller, "calibration.approve", absl::StrCat("calibrations/", id.number())));
   return GetCalibration(connection, id);
@@ -265,6 +267,10 @@ absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcT
   if (present.record.state == CalibrationState::kRetired) return present.record;
   RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.record.etag));
   RETURN_IF_ERROR(Retire(connection, now, id));
+  if (!present.record.approved_at) {
+    ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, present.record.content.machine));
+    RETURN_IF_ERROR(SumWeekAgain(connection, machine_key, present.record.content.measured_at));
+  }
   RETURN_IF_ERROR(
       AuditChange(connection, now, caller, "calibration.retire", absl::StrCat("calibrations/", id.number())));
   ASSIGN_OR_RETURN(Sealed retired, Find(connection, id));

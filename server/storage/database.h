@@ -135,8 +135,8 @@ class Database {
                                                               const Caller& caller) = 0;
 
   // ---- history
-  // At most max_points points per symbol, in order of symbol; an unknown symbol has no series. Unknown machine:
-  // NOT_FOUND.
+  // Of all calibrations but candidates that were retired without ever having been approved. At most max_points points
+  // per symbol, in order of symbol; an unknown symbol has no series. Unknown machine: NOT_FOUND.
   virtual absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) = 0;
   // The newest estimate of each symbol (empty: all) of each machine, a page of machines at a time; of calibrations that
   // are approved or candidates, never of retired ones.

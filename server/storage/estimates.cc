@@ -25,6 +25,27 @@ constexpr char kAddUnknownToWeek[] =
     "?2, ?3, ?4, 0, 1) "
     "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET not_identifiable_count = not_identifiable_count + 1";
 
+// The sums of a machine's week ?2 over all that counts now: not what was rejected (a candidate that was retired without
+// ever having been approved). Rows stay where nothing is left: they say which symbols the machine has.
+constexpr char kSumWeekAgain[] = R"(UPDATE estimate_week AS w SET
+  (estimate_count, not_identifiable_count, min_um_urad, max_um_urad, sum_um_urad, first_at_utc_us, last_at_utc_us) =
+    (SELECT count(e.estimated_um_urad), count(*) - count(e.estimated_um_urad), min(e.estimated_um_urad),
+       max(e.estimated_um_urad), sum(e.estimated_um_urad),
+       min(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us)),
+       max(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us))
+     FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
+     WHERE e.machine_id = w.machine_id AND e.symbol = w.symbol
+       AND e.measured_at_utc_us >= w.week * 604800000000 AND e.measured_at_utc_us < (w.week + 1) * 604800000000
+       AND NOT (c.state = 3 AND c.approved_at_utc_us IS NULL)),
+  (last_sigma_um_urad, last_calibration_id) =
+    (SELECT e.sigma_um_urad, e.calibration_id
+     FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
+     WHERE e.machine_id = w.machine_id AND e.symbol = w.symbol AND e.estimated_um_urad IS NOT NULL
+       AND e.measured_at_utc_us >= w.week * 604800000000 AND e.measured_at_utc_us < (w.week + 1) * 604800000000
+       AND NOT (c.state = 3 AND c.approved_at_utc_us IS NULL)
+     ORDER BY e.measured_at_utc_us DESC, e.calibration_id DESC LIMIT 1)
+WHERE w.machine_id = ?1 AND w.week = ?2)";
+
 absl::Status Invalid(const std::string& symbol, const std::string& rule) {
   return InvalidArgument("estimate " + symbol + ": " + rule, "CALIBRATION_INVALID");
 }
@@ -70,6 +91,10 @@ absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTim
     RETURN_IF_ERROR(InsertOne(connection, machine_key, measured_at, id, static_cast<int64_t>(i), estimates[i]));
   }
   return absl::OkStatus();
+}
+
+absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, UtcTime measured_at) {
+  return connection.Run(kSumWeekAgain, machine_key, base::ToUtcUs(measured_at) / kWeekUs);
 }
 
 absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,

@@ -17,6 +17,9 @@ inline constexpr int64_t kWeekUs = 7LL * 24 * 3600 * 1'000'000;
 absl::Status CheckEstimates(const std::vector<Estimate>& estimates);
 absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at, CalibrationId id,
                              const std::vector<Estimate>& estimates);
+// After a calibration of that moment was rejected (retired without ever having been approved), or is no longer: what is
+// rejected is no part of the sums over weeks.
+absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, UtcTime measured_at);
 // The estimates of one calibration, in the order in which they were given.
 absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,
                                                     CalibrationId id);

@@ -97,6 +97,39 @@ TEST_F(History, LateAndEqualTimesKeepTheNewestLast) {
   EXPECT_EQ((*drift)[0].points[0].mean, 2.0);
 }
 
+// One by one, and in the sums over weeks.
+TEST_F(History, ARejectedCandidateIsNoPoint) {
+  const CalibrationId first = database->CreateCalibration(TestCalibration(start, 1.0))->id;
+  ASSERT_TRUE(database->ApproveCalibration(first, 0, Cell("")).ok());
+  const CalibrationId rejected = database->CreateCalibration(TestCalibration(start + hours(1), 900.0))->id;
+  const CalibrationId last = database->CreateCalibration(TestCalibration(start + 100 * kDay, 3.0))->id;
+  const auto seen = [&](int max_points) {
+    std::string text;
+    const auto drift = database->QueryDrift(Query(start - 30 * kDay, start + 200 * kDay, max_points));
+    DEMAND(drift.ok());
+    for (const DriftSeries& series : *drift) {
+      for (const DriftPoint& point : series.points) {
+        absl::StrAppend(&text, point.count, " from ", point.min, " to ", point.max, " of ",
+                        point.last_calibration.number(), "; ");
+      }
+    }
+    return text;
+  };
+  EXPECT_EQ(seen(100), "1 from 1 to 1 of 1; 1 from 900 to 900 of 2; 1 from 3 to 3 of 3; ");
+  EXPECT_EQ(seen(2), "2 from 1 to 900 of 2; 1 from 3 to 3 of 3; ");
+  EXPECT_EQ(seen(1), "3 from 1 to 900 of 3; ");
+  ASSERT_TRUE(database->RetireCalibration(rejected, 0, Cell("")).ok());
+  EXPECT_EQ(seen(100), "1 from 1 to 1 of 1; 1 from 3 to 3 of 3; ");
+  EXPECT_EQ(seen(1), "2 from 1 to 3 of 3; ");
+  EXPECT_TRUE(database->GetCalibration(rejected).ok());
+  // What was in use is a point for good; what was rejected becomes one when it is approved after all.
+  ASSERT_TRUE(database->ApproveCalibration(last, 0, Cell("")).ok());
+  EXPECT_EQ(seen(1), "2 from 1 to 3 of 3; ");
+  ASSERT_TRUE(database->ApproveCalibration(rejected, 0, Cell("")).ok());
+  EXPECT_EQ(seen(1), "3 from 1 to 900 of 3; ");
+  EXPECT_EQ(seen(100), "1 from 1 to 1 of 1; 1 from 900 to 900 of 2; 1 from 3 to 3 of 3; ");
+}
+
 TEST_F(History, BadQueriesAreRefused) {
   EXPECT_EQ(base::ErrorReason(database->QueryDrift(Query(start, start, 10)).status()), "RANGE_INVALID");
   EXPECT_EQ(base::ErrorReason(database->QueryDrift(Query(start, start + kDay, 0)).status()), "RANGE_INVALID");

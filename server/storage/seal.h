@@ -6,8 +6,8 @@
 
 namespace axiscal::storage {
 
-// Gives every machine revision, calibration and job's result without a checksum its own, as it stands now; all of them or, on
-// failure, none. After Migrate(); costs nothing when all have theirs.
+// Gives every machine revision, calibration and job's result without a checksum its own, as it stands now; all of them
+// or, on failure, none. After Migrate(); costs nothing when all have theirs.
 absl::Status SealOldRows(Connection& connection);
 
 }  // namespace axiscal::storage
