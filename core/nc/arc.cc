@@ -19,7 +19,7 @@ Eigen::Vector2d Arc::At(double t) const {
   return centre_mm + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
-double RadiusToleranceMm(double radius_mm) { return std::clamp(1e-3 * radius_mm, 0.005, 0.05); }
+double RadiusToleranceMm(double radius_mm, double least_mm) { return std::clamp(1e-3 * radius_mm, least_mm, 0.05); }
 
 absl::StatusOr<Arc> ArcAboutCentre(const Eigen::Vector2d& start_mm, const Eigen::Vector2d& end_mm,
                                    const Eigen::Vector2d& centre_mm, bool is_counterclockwise) {

@@ -24,8 +24,10 @@ struct Arc {
   double radius_mm() const { return start_radius_mm; }
 };
 
-// How far start and end may differ in their distance from the centre: a larger difference is no circle to controllers.
-double RadiusToleranceMm(double radius_mm);
+// How far start and end may differ in their distance from the centre: 0.1 % of the radius, and at least `least_mm`; a
+// larger difference is no circle to controllers. Dialect::arc_radius_tolerance_mm says how little some of them take.
+inline constexpr double kRadiusToleranceMm = 0.005;
+double RadiusToleranceMm(double radius_mm, double least_mm = kRadiusToleranceMm);
 
 // By its centre: equal ends are a full circle. INVALID_ARGUMENT when the radius is zero or the ends' radii differ by
 // more than RadiusToleranceMm.

@@ -86,6 +86,35 @@ int MoveCorrector::ArcSamples(const Step& step, double share) const {
   return static_cast<int>(std::min<double>(samples, kMostSamples));
 }
 
+int MoveCorrector::CentreDecimals(const Arc& arc, const AxisTicks& start, const AxisTicks& end,
+                                  const WordGrain& grain) {
+  const Eigen::Vector2d start_mm = PlanePoint(start, arc), end_mm = PlanePoint(end, arc);
+  const int own = std::min(grain.centre[0].form.decimals, grain.centre[1].form.decimals);
+  for (int decimals = own; decimals <= (grain.takes_finer_centres ? kMaxDecimals : own); ++decimals) {
+    bool is_circle = true;
+    // Along either axis the word may count from the origin or from the start.
+    for (const int from : {0, 1, 2, 3}) {
+      Eigen::Vector2d centre_mm;
+      bool is_written = true;
+      for (const int index : {0, 1}) {
+        const CentreWord& word = grain.centre[static_cast<size_t>(index)];
+        const bool from_origin = from >> index & 1;
+        is_written &= from_origin ? word.from_origin : word.from_start;
+        const Ticks base = from_origin ? word.origin : start[index == 0 ? arc.first : arc.second];
+        const Ticks centre = std::llround(arc.centre_mm[index] * kTicksPerUnit);
+        const Ticks says = NearestHeld(centre, base, AtLeast(decimals, word.form, word.ticks_per_unit).grain);
+        centre_mm[index] = static_cast<double>(says) / kTicksPerUnit;
+      }
+      if (!is_written) continue;
+      const double first_mm = (start_mm - centre_mm).norm(), last_mm = (end_mm - centre_mm).norm();
+      const double least_mm = RadiusToleranceMm(std::min(first_mm, last_mm), grain.radius_tolerance_mm);
+      is_circle &= std::abs(first_mm - last_mm) <= kShare * least_mm;
+    }
+    if (is_circle) return decimals;
+  }
+  return -1;
+}
+
 absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at_begin, const AxisTicks& start,
                                            double first, double last, const WordGrain& grain, Piece* piece) const {
   const Arc& nominal = step.arc;
@@ -101,14 +130,13 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   const double sweep = nominal.sweep_rad * (last - first);
   const Eigen::Vector2d start_mm = PlanePoint(start, nominal);
   Eigen::Vector2d end_mm = PlanePoint(piece->targets, nominal);
+  AxisTicks written = piece->targets;  // as the words will say it
   if (is_full) {
     // Ends that differ by rounding would be a tiny arc instead of a full circle.
     if ((end_mm - start_mm).norm() > 1.5 * grain_mm) return false;
     end_mm = start_mm;
-    for (const int axis : {nominal.first, nominal.second}) piece->targets[axis] = start[axis];
+    for (const int axis : {nominal.first, nominal.second}) written[axis] = piece->targets[axis] = start[axis];
   } else {
-    // As the words will say it.
-    AxisTicks written = piece->targets;
     for (const int axis : {nominal.first, nominal.second}) written[axis] = grain.Held(axis, piece->targets[axis]);
     end_mm = PlanePoint(written, nominal);
   }
@@ -137,11 +165,11 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
     for (int k = 0; k < count; ++k) {
       const double t = (k + 1.0) / (count + 1);
       const Eigen::Vector2d at_mm = arc->At(t);
-      AxisTicks written = Mean(start, piece->targets, t);
-      written[nominal.first] = NearestTick(at_mm.x() * kTicksPerUnit);
-      written[nominal.second] = NearestTick(at_mm.y() * kTicksPerUnit);
+      AxisTicks reached = Mean(start, piece->targets, t);
+      reached[nominal.first] = NearestTick(at_mm.x() * kTicksPerUnit);
+      reached[nominal.second] = NearestTick(at_mm.y() * kTicksPerUnit);
       const auto at = static_cast<size_t>(k);
-      largest = std::max(largest, Weight(ChangeOf(written, points[at]), effects[orientation_ ? at : 0]));
+      largest = std::max(largest, Weight(ChangeOf(reached, points[at]), effects[orientation_ ? at : 0]));
     }
     return largest;
   };
@@ -165,14 +193,24 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
                           sweep > 0);
   }
   const double fitted_mm = departure(fitted), kept_mm = departure(kept);
-  const bool keeps = kept_mm <= fitted_mm + 1.5 * grain_mm && kept_mm <= kShare * tolerance_mm_ &&
-                     std::abs(kept->start_radius_mm - kept->end_radius_mm) <= 2.0 * grain_mm;
-  if (!keeps && !(fitted_mm <= kShare * tolerance_mm_)) return false;
-  piece->is_arc = true;
-  piece->arc = keeps ? *kept : *fitted;
-  piece->arc.first = nominal.first;
-  piece->arc.second = nominal.second;
-  return true;
+  bool keeps = kept_mm <= fitted_mm + 1.5 * grain_mm && kept_mm <= kShare * tolerance_mm_ &&
+               std::abs(kept->start_radius_mm - kept->end_radius_mm) <= 2.0 * grain_mm;
+  const auto take = [&](const Arc& arc) {
+    piece->arc = arc;
+    piece->arc.first = nominal.first;
+    piece->arc.second = nominal.second;
+    piece->centre_decimals = grain.radius > 0 ? 0 : CentreDecimals(piece->arc, start, written, grain);
+  };
+  if (keeps) take(*kept);
+  // More decimals make no circle of a centre that is nearer to one end.
+  const int own = std::min(grain.centre[0].form.decimals, grain.centre[1].form.decimals);
+  keeps &= piece->centre_decimals >= 0 && (grain.radius > 0 || piece->centre_decimals == own);
+  if (!keeps) {
+    if (!(fitted_mm <= kShare * tolerance_mm_)) return false;
+    take(*fitted);
+  }
+  piece->is_arc = piece->centre_decimals >= 0;
+  return piece->is_arc;
 }
 
 absl::StatusOr<std::vector<Piece>> MoveCorrector::ArcPieces(const Step& step, double first, double last,
@@ -205,6 +243,10 @@ absl::Status MoveCorrector::PiecesBetween(const Step& step, double first, double
   if (Apart(start, reached) > tolerance_mm_) {
     pieces->push_back(start);  // takes up the lost motion
     reached = start.targets;
+  }
+  // As the words of the piece in front say it.
+  for (const int axis : {step.arc.first, step.arc.second}) {
+    if (!pieces->empty()) reached[axis] = grain.Held(axis, reached[axis]);
   }
   ASSIGN_OR_RETURN(const std::vector<Piece> arcs, ArcPieces(step, first, last, reached, grain));
   if (!arcs.empty()) {

@@ -53,6 +53,30 @@ char CentreLetter(int index, int plane_normal) {
 
 }  // namespace
 
+void BlockWriter::SetCentreGrain(const Block& block, const Step& step, WordGrain* grain) const {
+  const Dialect& dialect = interpreter_->dialect();
+  const Modal& modal = interpreter_->modal();
+  grain->radius_tolerance_mm = dialect.arc_radius_tolerance_mm;
+  grain->takes_finer_centres = dialect.takes_finer_words;
+  for (const int index : {0, 1}) {
+    const int axis = index == 0 ? step.arc.first : step.arc.second;
+    const Ticks unit = interpreter_->ticks_per_unit(axis);
+    CentreWord& centre = grain->centre[static_cast<size_t>(index)];
+    centre.form = rule_.Inserted(unit);
+    centre.ticks_per_unit = unit;
+    centre.origin = interpreter_->offset(axis) + (dialect.has_poles ? 0 : preset_shift_[axis]);
+    centre.from_origin = dialect.has_poles || modal.are_centres_absolute;
+    centre.from_start = !centre.from_origin;
+    for (const Word& word : block) {
+      if (dialect.has_poles || interpreter_->RoleOf(word.letter) != Role::kCentre) continue;
+      if (PlaneIndex(word.letter, modal.plane_normal) != index) continue;
+      centre.form = rule_.Of(word, unit);
+      centre.from_origin |= word.distance == Distance::kAbsolute;
+      centre.from_start |= word.distance == Distance::kIncremental;
+    }
+  }
+}
+
 bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, const AxisTicks& start,
                           CorrectedWord* corrected) const {
   const Modal& modal = interpreter_->modal();
@@ -71,7 +95,7 @@ bool BlockWriter::ArcWord(char letter, const Word* word, const Piece& piece, con
                                ? modal.are_centres_absolute
                                : word->distance == Distance::kAbsolute;
   const Ticks base = is_absolute ? interpreter_->offset(axis) + preset_shift_[axis] : start[axis];
-  *corrected = WordFor(centre, base, form);
+  *corrected = WordFor(centre, base, AtLeast(piece.centre_decimals, form, unit));
   return true;
 }
 
@@ -179,8 +203,9 @@ void BlockWriter::AppendPole(const Block& block, const Piece& piece, const std::
   for (const int index : {0, 1}) {
     const int axis = index == 0 ? piece.arc.first : piece.arc.second;
     const Ticks base = interpreter_->offset(axis);
+    const Ticks unit = interpreter_->ticks_per_unit(axis);
     const CorrectedWord corrected = WordFor(std::llround(piece.arc.centre_mm[index] * kTicksPerUnit), base,
-                                            rule_.Inserted(interpreter_->ticks_per_unit(axis)));
+                                            AtLeast(piece.centre_decimals, rule_.Inserted(unit), unit));
     wanted.ticks[static_cast<size_t>(index)] = corrected.Position(base);
     absl::StrAppend(&words, " ", machine_->axes[axis].name);
     AppendNumber(corrected, true, &words);

@@ -134,6 +134,7 @@ WordGrain BlockWriter::GrainOf(const Block& block, const Step& step) const {
     if (interpreter_->RoleOf(word.letter) != Role::kRadius) continue;
     grain.radius = rule_.Of(word, interpreter_->ticks_per_unit(step.arc.first)).grain;
   }
+  if (grain.radius == 0) SetCentreGrain(block, step, &grain);
   return grain;
 }
 

@@ -93,6 +93,8 @@ class BlockWriter {
   // The usual block: a linear move with all words that it needs, absolute. False, and nothing written, for any other.
   bool WriteSimple(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                    OutBuffer* out);
+  // What GrainOf says of the centre.
+  void SetCentreGrain(const Block& block, const Step& step, WordGrain* grain) const;
   // Of the axis' word in the block, or of one that is inserted for it.
   WordForm FormOf(const Block& block, const Step& step, int axis) const;
   // What a word of 0 means: the commanded position in G91, the coordinates' origin else.

@@ -2,6 +2,7 @@
 // those of arcs (docs/nc.md, "Rules for the bytes").
 //   - A word has the decimals that it is written with or the control's resolution, whichever is finer; an inserted word
 //     has the resolution. A word that counts least increments has the resolution, and no decimals are added to it.
+//     Centres of arcs have more where the control would else refuse the arc (Piece::centre_decimals).
 //   - Its number is the whole number of its last decimal (the grain) nearest to target - base, halves away from zero
 //     (RoundToGrains); base is what a word of 0 means.
 //   - The control stands at base + number x grain then; what follows counts from there, so that rounding never adds up.
@@ -56,6 +57,12 @@ struct WordRule {
   bool IsIncrements(const Word& word) const { return has_increments && !word.number.has_point; }
 };
 
+// The form with at least so many decimals; increments have theirs.
+inline WordForm AtLeast(int decimals, const WordForm& form, Ticks ticks_per_unit) {
+  if (form.is_increments || form.decimals >= decimals) return form;
+  return {decimals, GrainTicks(ticks_per_unit, decimals), false};
+}
+
 inline CorrectedWord WordFor(Ticks target, Ticks base, const WordForm& form) {
   return {RoundToGrains(target - base, form.grain), form};
 }
@@ -74,12 +81,14 @@ inline bool IsHeld(Ticks target, Ticks at, Ticks grain) {
 // Whether the word says so already.
 inline bool IsSaid(const CorrectedWord& corrected, const Word& word) {
   const int says = corrected.form.is_increments ? corrected.form.decimals : word.number.decimals;
-  return (corrected.is_negated ? -corrected.number : corrected.number) == word.number.mantissa * kPowersOfTen[corrected.form.decimals - says];
+  const int64_t number = corrected.is_negated ? -corrected.number : corrected.number;
+  return number == word.number.mantissa * kPowersOfTen[corrected.form.decimals - says];
 }
 
 // Writes the number and returns its end; may touch kMaxFixedBytes.
 inline char* WriteNumber(const CorrectedWord& word, bool plus, char* to) {
-  return WriteFixed(word.is_negated ? -word.number : word.number, word.form.is_increments ? 0 : word.form.decimals, plus, !word.form.is_increments, to);
+  const int decimals = word.form.is_increments ? 0 : word.form.decimals;
+  return WriteFixed(word.is_negated ? -word.number : word.number, decimals, plus, !word.form.is_increments, to);
 }
 template <typename Text>
 void AppendNumber(const CorrectedWord& word, bool plus, Text* text) {

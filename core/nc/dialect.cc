@@ -69,6 +69,9 @@ Dialect LinuxCnc() {
   dialect.takes_loaded_tool = true;
   // LinuxCNC 2.9, LINELEN of its interpreter: 255 with the line end, the final NUL and one byte that stays free.
   dialect.max_block_bytes = 253;
+  // The least CENTER_ARC_RADIUS_TOLERANCE_MM that a machine's ini file may state (rs274 of 2.9); 0.028 mm unless it does.
+  dialect.arc_radius_tolerance_mm = 0.00127;
+  dialect.takes_finer_words = true;
   return dialect;
 }
 
@@ -77,6 +80,7 @@ Dialect Sinumerik() {
   dialect.has_parenthesis_comments = false;
   dialect.has_equals = true;
   dialect.distance_names = SinumerikDistances();
+  dialect.takes_finer_words = true;
   dialect.g91_takes_new_offsets = true;
   dialect.max_block_bytes = 512;  // 840D sl, Programming Manual Fundamentals, "Block length": comment and LF included
   dialect.variable = 'R';

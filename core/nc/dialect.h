@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/nc/arc.h"
 #include "core/nc/block.h"
 
 namespace axiscal::nc {
@@ -170,6 +171,9 @@ struct Dialect {
   // F is the speed in the space of all axes, degrees counted as mm: a rotary axis that moves alone goes on at its speed
   // when a linear one moves a little with it. Else F is that of the linear axes as soon as one of them moves.
   bool feeds_all_axes = false;
+  // How far both ends of an arc with a centre may differ in their distance from it, where that is more than 0.1 %.
+  double arc_radius_tolerance_mm = kRadiusToleranceMm;
+  bool takes_finer_words = false;  // words may have more decimals than the machine's resolution, and mean them
   size_t max_block_bytes = 0;               // that the control reads, line end included; 0: no limit is known
   std::string first_offset = "G54";         // the work offset that is selected at the begin
   std::string piece_prefix;                 // what inserted pieces begin with: "L "

@@ -23,6 +23,17 @@ struct Piece {
   compensate::Turned turned;  // with orientation: what the rotary axes reach, before rounding
   bool is_arc = false;
   Arc arc;  // in corrected positions; valid with is_arc
+  // Of an arc with a centre: its words have at least so many, since both ends must have the radius that the control asks.
+  int centre_decimals = 0;
+};
+
+// A word of an arc's centre.
+struct CentreWord {
+  WordForm form;
+  Ticks ticks_per_unit = 0;
+  Ticks origin = 0;  // what a word of 0 means where it counts from the coordinates' origin
+  // What it may count from: the block itself may say another thing (I=AC(5)) than the pieces behind it.
+  bool from_origin = false, from_start = false;
 };
 
 // What the written words can hold.
@@ -31,6 +42,9 @@ struct WordGrain {
   AxisTicks base{};      // a position that the word can say
   Ticks radius = 0;      // of the R word; 0: the arc has a centre
   bool is_flat = false;  // the arc's block holds no word of another axis than its plane's
+  std::array<CentreWord, 2> centre;  // of an arc without a radius word, along the axes of its plane
+  double radius_tolerance_mm = kRadiusToleranceMm;  // Dialect::arc_radius_tolerance_mm
+  bool takes_finer_centres = false;                 // Dialect::takes_finer_words
 
   // The position nearest to it that the axis' word can say.
   Ticks Held(int axis, Ticks target) const { return NearestHeld(target, base[axis], of_axis[axis]); }
@@ -101,6 +115,9 @@ class MoveCorrector {
   Senses SensesOfArc(const Step& step, double fraction) const;
   absl::Status CorrectOnArc(const Step& step, double fraction, const Senses& senses, const WordGrain& grain,
                             Piece* piece) const;
+  // The fewest decimals of the centre words, at least their own, with which the arc between two written positions has
+  // radii that the control takes for one; -1: none.
+  static int CentreDecimals(const Arc& arc, const AxisTicks& start, const AxisTicks& end, const WordGrain& grain);
   // How many points inside an arc show its corrections, of one that is `share` of the move.
   int ArcSamples(const Step& step, double share) const;
   // Whether one arc through the corrected points, from `start` to the fraction `last`, keeps the tolerance; fills

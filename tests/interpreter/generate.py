@@ -30,10 +30,7 @@ RANGE = {"X": (-150, 150), "Y": (-120, 120), "Z": (-60, 90), "A": (-60, 60), "B"
 
 
 # What the product is known to do wrong, and why it is not drawn: `run --with NAME` draws it.
-KNOWN = {
-    "small-arcs-in-inch": "LinuxCNC refuses an arc whose radii at both ends are more than 0.00005 inch and 0.1 % apart; corrected words of four "
-                          "decimals can be",
-}
+KNOWN = {}
 # The same of programs in tests/data/nc.
 KNOWN_SAMPLES = {}
 
@@ -325,8 +322,6 @@ class Program(Writer):
         first, second, normal = {17: "XYZ", 18: "ZXY", 19: "YZX"}[self.plane]
         for _ in range(rng.randrange(1, 3)):
             radius = rng.choice([0.02, 0.8, 3.0, 10.0, 25.0, 50.0, 80.0])
-            if radius < 3.0 and self.inch and self.dialect == "linuxcnc" and "small-arcs-in-inch" not in self.case["with"]:
-                radius = 3.0
             a0 = rng.uniform(0, 2 * math.pi)
             if rng.random() < 0.3:
                 a0 = rng.randrange(4) * math.pi / 2

@@ -47,7 +47,7 @@ class Iso(Control):
 
     def check_radii(self, r0, r1):
         super().check_radii(r0, r1)
-        # interp_arc.cc of LinuxCNC: 0.1 % and 0.00127 mm (0.00005 inch).
+        # rs274 of LinuxCNC, on a machine whose ini file asks for the most: 0.1 % and 0.00127 mm (0.00005 inch).
         if self.dialect == "linuxcnc" and abs(r0 - r1) > 0.00127 and abs(r0 - r1) > 0.001 * max(r0, r1):
             raise Alarm("radius %.5f at the start, %.5f at the end" % (r0, r1))
 

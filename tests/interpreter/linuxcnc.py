@@ -35,7 +35,11 @@ def places(case, text, folder, skip):
     name = os.path.join(folder, "rs.ngc")
     with open(name, "w") as file:
         file.write(text)
-    done = subprocess.run(["rs274", "-g"] + (["-b"] if skip else []) +
+    # The strictest machine: the least that rs274 takes for these, in inch and mm.
+    ini = os.path.join(folder, "rs.ini")
+    with open(ini, "w") as file:
+        file.write("[RS274NGC]\nCENTER_ARC_RADIUS_TOLERANCE_INCH = 0.00005\nCENTER_ARC_RADIUS_TOLERANCE_MM = 0.00127\n")
+    done = subprocess.run(["rs274", "-g", "-i", ini] + (["-b"] if skip else []) +
                           ["-t", os.path.join(folder, "tool.tbl"), "-v", os.path.join(folder, "rs.var"), name],
                           capture_output=True, text=True, cwd=folder, timeout=60,
                           env=dict(os.environ, HOME=folder, TMPDIR=folder))
