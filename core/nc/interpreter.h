@@ -122,6 +122,9 @@ class Interpreter {
   bool IsIncremental(const Word& word) const {
     return word.distance == Distance::kModal ? modal_.is_incremental : word.distance == Distance::kIncremental;
   }
+  // How an absolute word without a distance of its own is taken; kNone: by the difference of the numbers;
+  // kUnstated: not known.
+  machine::RollOver WayOf(int axis) const;
   bool IsMotionCode(const Word& word) const;  // of the group of G00 to G03
   bool IsArcCode(const Word& word) const;
   // A word's value by the rule for words without a point. An angle's increment is that of mm programs in inch, too.
@@ -203,8 +206,6 @@ class Interpreter {
   // The way to the position of a rotary axis that counts from 0 to 360 deg: moves step->start by whole turns, so that
   // the difference is what the axis travels.
   bool Wrap(const Word& word, int axis, Step* step);
-  // How an absolute word without a distance of its own is taken; kNone: by the difference of the numbers.
-  machine::RollOver WayOf(int axis) const;
   // The way of such a word, as Wrap.
   bool TakeWay(const Word& word, int axis, Step* step);
   // The value of one axis word; false and Unsupported as above.

@@ -78,6 +78,41 @@ TEST(Orientation, RotaryWordsAreCorrectedAndInsertedByTheRulesOfWords) {
   EXPECT_EQ(text("G1 X1. Y2. Z3. B0. C20.5\n", kAtZero), "G1 X1.0179 Y2. Z3. B0. C20.5\n");
 }
 
+// By the sign of its word an axis at 10 deg turns by 359.99 to reach 9.99, by the difference one at 0 does to reach -0.01.
+TEST(Orientation, NoWordTurnsAnAxisTheLongWayRound) {
+  using machine::RollOver;
+  const auto on = [](RollOver roll_over, std::optional<double> travel_rad = std::nullopt) {
+    Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 0.0057 * kRadPerDeg}});
+    machine::Axis& b = leaning.machine.axes[static_cast<size_t>(machine::FindAxis(leaning.machine, "B"))];
+    b.roll_over = roll_over;
+    if (travel_rad) b.min_position = -*travel_rad, b.max_position = *travel_rad;
+    return leaning;
+  };
+  const auto refusal = [](const std::string& program, const Case& machine_case) {
+    return std::string(Rewritten(program, Turning(), machine_case.compensator()).status.message());
+  };
+  EXPECT_THAT(refusal("G1 X1.\n", on(RollOver::kBySign)), HasSubstr("turns B, which the block does not name"));
+  EXPECT_THAT(refusal("G1 X1.\n", on(RollOver::kByDifference)), HasSubstr("by the difference"));
+  const std::string unstated = "state in machine.json how the axis counts (roll_over)";
+  EXPECT_THAT(refusal("G1 X1.\n", on(RollOver::kUnstated)), HasSubstr(unstated));
+  EXPECT_THAT(refusal("G1 X1. B0.\n", on(RollOver::kUnstated)), HasSubstr("turns B across 0"));
+  // Differences, positions far from 0, and axes that go on counting or the shorter way are as they were.
+  for (const auto& [program, machine_case] : std::vector<std::pair<std::string, Case>>{
+           {"G91 G1 X1.\n", on(RollOver::kBySign)},
+           {"G1 X1. B10.\nG1 X2.\n", on(RollOver::kUnstated)},
+           {"G1 X1. B0.\nG1 X2.\n", on(RollOver::kUnstated, 2.0)},
+           {"G1 X1. B0.\n", on(RollOver::kNone)},
+           {"G1 X1. B0.\n", on(RollOver::kShortest)}})
+    EXPECT_TRUE(Rewritten(program, Turning(), machine_case.compensator()).status.ok()) << program;
+  // Nor does the way back in front of what is passed.
+  RewriteOptions passing = Turning();
+  passing.on_unsupported = OnUnsupported::kPass;
+  for (const RollOver way : {RollOver::kUnstated, RollOver::kBySign, RollOver::kNone}) {
+    const Outcome outcome = Rewritten("G91 G1 X1. F100\nG90\nM98 P1\n", passing, on(way).compensator());
+    EXPECT_EQ(outcome.status.ok(), way == RollOver::kNone) << outcome.status << outcome.text;
+  }
+}
+
 TEST(Orientation, IncrementalRotaryWordsDoNotCollectRounding) {
   const Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 100e-6}, {"EC0B", 20e-6}});
   std::string program = "G91 G1\n";

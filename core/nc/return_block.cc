@@ -97,7 +97,17 @@ std::string BlockWriter::Return(const StateBefore& before, const std::string& li
     constexpr uint8_t kNeeded = kMotionGroup | kDistanceGroup | kUnitGroup | kFeedGroup | kOffsetGroup | kLengthGroup;
     if (modal.blockers != 0 || (modal.uncertain & kNeeded) != 0 || modal.motion == Meaning::kOtherMotion)
       return "the control stands at a corrected position, and its modal state is not known";
-    if (modal.is_rapid_unsure) return "the control stands at a corrected position, in G00 or not as a block with '/' says";
+    if (modal.is_rapid_unsure)
+      return "the control stands at a corrected position, in G00 or not as a block with '/' says";
+    for (const int axis : order_) {
+      const machine::RollOver way = interpreter_->WayOf(axis);
+      const bool is_stated = way == machine::RollOver::kNone || way == machine::RollOver::kShortest;
+      if ((departed >> axis & 1) == 0 || is_linear_[axis] || is_stated || modal.is_incremental) continue;
+      if ((wrapped_ >> axis & 1) == 0) {
+        return absl::StrCat("the control stands at a corrected position of ", machine_->axes[axis].name,
+                            ", and which way the axis would turn back is not known (roll_over)");
+      }
+    }
     if (!is_rapid && modal.feed_mode != FeedMode::kInverseTime && modal.lacks_feed)
       return "the control stands at a corrected position, and no F was programmed since the feed mode changed";
     out->append(std::string(has_poles ? "L" : is_rapid ? "G00" : "G01"));

@@ -234,6 +234,12 @@ void Rewriter::Impl::Move() {
     if (passes()) Return();  // from where it moves no linear axis, whether it names one or not
     return Copy();
   }
+  if (const std::string reason = WhyNoTurn(piece); !reason.empty()) {
+    --job.report().blocks_corrected;
+    NotCorrected(reason, false);
+    if (MustReturn()) Return();
+    return Copy();
+  }
   std::optional<Commanded> before;
   if (step.may_be_skipped) before = writer.commanded();
   if (step.is_arc) {
@@ -286,6 +292,33 @@ std::string Rewriter::Impl::WhyNoFeed(double departure_mm) const {
                       " alone: with the word of ", word,
                       " that the correction needs the control would take F for another speed; program the move in G93 or "
                       "as a rapid");
+}
+
+std::string Rewriter::Impl::WhyNoTurn(const Piece& next) const {
+  const machine::Machine& machine = compensator.machine();
+  for (int i = 0; options.orientation && i < machine.axis_count(); ++i) {
+    if (machine.axes[i].kind != machine::AxisKind::kRotary || (step.wrapped >> i & 1)) continue;
+    const int index = step.word_of_axis[i];
+    const bool is_incremental = index < 0 ? interpreter.modal().is_incremental
+                                          : interpreter.IsIncremental(block.words[static_cast<size_t>(index)]);
+    const machine::RollOver way = interpreter.WayOf(i);
+    if (is_incremental || way == machine::RollOver::kNone || way == machine::RollOver::kShortest) continue;
+    // By the sign 0.004 deg back is nearly a full turn, by the difference so is 0.004 deg across 0.
+    const auto turns = [&](Ticks at) {
+      return std::floor(static_cast<double>(at - interpreter.offset(i)) / static_cast<double>(kTurn));
+    };
+    if (index >= 0 ? turns(next.targets[i]) == turns(next.nominal[i]) : !writer.NeedsWord(i, next.targets[i], 0))
+      continue;
+    const std::string& name = machine.axes[i].name;
+    if (way == machine::RollOver::kUnstated) {
+      return absl::StrCat("the correction turns ", name, index < 0 ? ", which the block does not name" : " across 0",
+                          ", and the way is not known: state in machine.json how the axis counts (roll_over)");
+    }
+    return absl::StrCat("the correction turns ", name, ", which the block does not name, and the axis goes by the ",
+                        way == machine::RollOver::kBySign ? "sign" : "difference",
+                        " (roll_over): that may be nearly a full turn");
+  }
+  return "";
 }
 
 void Rewriter::Impl::CheckLength(size_t begin) {

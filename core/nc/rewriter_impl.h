@@ -119,6 +119,9 @@ struct Rewriter::Impl {
   // Why the control would take F for another speed with the correction: it moves linear axes where the program turns
   // rotary axes alone. "": it would not.
   std::string WhyNoFeed(double departure_mm) const;
+  // With orientation: why the control may turn a rotary axis the long way round to where a corrected word sends it. ""
+  // where it does not.
+  std::string WhyNoTurn(const Piece& next) const;
   // Refuses a block that was written from `begin` on, when it is longer than the control reads.
   void CheckLength(size_t begin);
   // 0 for a rapid, whose path no controller states, and for a move from an unknown position.

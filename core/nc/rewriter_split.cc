@@ -26,6 +26,12 @@ void Rewriter::Impl::WriteSplit(double departure_mm) {
     job.Refused(now, std::string(pieces.status().message()), false);
     return Copy();
   }
+  for (const Piece& next : *pieces) {
+    const std::string reason = WhyNoTurn(next);
+    if (reason.empty()) continue;
+    job.Refused(now, reason, false);
+    return Copy();
+  }
   if (std::string reason = pieces->size() > 1 ? WhyNotSplit() : ""; !reason.empty()) {
     const std::string departs =
         std::isfinite(departure_mm) && !step.is_arc

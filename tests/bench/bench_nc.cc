@@ -42,7 +42,13 @@ const std::string& Program() {
 }
 
 const machine::Machine& Machine() {
-  static const machine::Machine* const machine = new machine::Machine(machine::testing::MultiTasking());
+  static const machine::Machine* const machine = [] {
+    auto* counting_on = new machine::Machine(machine::testing::MultiTasking());
+    for (machine::Axis& axis : counting_on->axes) {
+      if (axis.kind == machine::AxisKind::kRotary) axis.roll_over = machine::RollOver::kNone;
+    }
+    return counting_on;
+  }();
   return *machine;
 }
 

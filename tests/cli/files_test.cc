@@ -105,6 +105,13 @@ TEST_F(FilesOnly, OrientationIsCorrectedReportedAndVerified) {
   const auto point_only = Run(verify + "--json").Json();
   EXPECT_GT(point_only["end_tilt"]["after"]["max_urad"].get<double>(), 90.0);
   EXPECT_EQ(Read("out.nc").find("B29.9943"), std::string::npos);
+  // The correction inserts words of rotary axes, and turns them across 0.
+  const Outcome asked = Compensate("in.nc -o out.nc --orientation");
+  EXPECT_EQ(asked.exit_code, 5);
+  EXPECT_THAT(asked.err, HasSubstr("state in machine.json how the axis counts (roll_over)"));
+  auto machine = nlohmann::json::parse(Read("machine.json"));
+  for (const char* axis : {"B", "C"}) machine["axes"][axis]["roll_over"] = "none";
+  Write("machine.json", machine.dump());
 
   const Outcome outcome = Compensate("in.nc -o out.nc --orientation --report report.json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
