@@ -76,7 +76,7 @@ def scenarios(case):
     if not rotary or stated == "none":
         rollovers = [{}]
     elif stated is None:
-        rollovers = [{}, {"C": "shortest"}] if "C" in rotary and case["dialect"] != "heidenhain" else [{}]
+        rollovers = [{}, {"C": "shortest"}] if "C" in rotary else [{}]
     else:
         rollovers = [{"C": stated}]
     return [{"unit": u, "skip": s, "rollover": r} for u in units for s in skips for r in rollovers]
@@ -122,7 +122,8 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
     counts = outcome.counts
     counts["programs"] += 1
     text = "\n".join(case["lines"]) + "\n"
-    machine = Machine(MACHINES[case["machine"]], case["errors"], case["tip"])
+    description = MACHINES[case["machine"]]
+    machine = Machine(description, case["errors"], case["tip"])
     with open(os.path.join(folder, "machine.json"), "w") as file:
         json.dump(described(case), file)
     with open(os.path.join(folder, "errors.json"), "w") as file:
@@ -179,6 +180,9 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
                 outcome.failures.append(Failure(mode, scenario, "the control stops: %s" % alarm, written=written))
                 break
             comparison = Comparison(machine, limits, passed, strict=mode == "refuse" or ranges is not None, not_turned=not_turned)
+            for way in [scenario["rollover"].get("C", "none")] if "C" in description["axes"] else ():
+                counts["%s: read on an axis C that counts by: %s%s" % (
+                    mode, way, "" if case.get("roll_over") else ", unstated")] += 1
             try:
                 comparison.run(source, output)
             except Difference as difference:
