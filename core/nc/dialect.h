@@ -42,7 +42,8 @@ enum class Meaning : uint8_t {
   kFeedPerMinute,
   kFeedInverseTime,
   kFeedPerTurn,
-  kWorkOffset,    // selects an offset: needs to be stated; detail 1: the number stands in the P word
+  kWorkOffset,    // selects an offset: needs to be stated; detail 1: the number stands in the P word, or
+                  // kOffsetMayHaveNumber
   kNoWorkOffset,  // G500: none
   kToolLength,    // detail: 1 added (G43), 2 subtracted (G44)
   kNoToolLength,
@@ -51,8 +52,8 @@ enum class Meaning : uint8_t {
   kLocalShift,  // G52
   kBlockerOn,   // a mode in which axis words are not axis positions; detail: a Blocker
   kBlockerOff,  // of mirroring: axis words of its block say which axes
-  kToolChange,  // axes may have moved
-  kAxesAway,    // the same without a new tool (a pallet change)
+  kToolChange,  // axes may have moved; detail: kBehindMove
+  kAxesAway,    // the same without a new tool (a pallet change); detail: the Blockers that it ends
   kEndOfProgram,  // detail 1: of one that may have been called (M99)
   kCall,        // control leaves this text and comes back; detail 1: it restores a state that was stored (M72)
   kJump,        // behind it blocks do not run in the order of the text
@@ -98,6 +99,8 @@ inline constexpr uint32_t kArcWithRadius = 2;   // Klartext's CR, whose R is a r
 // Of kOneShot and kOtherMotion.
 inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on where it begins
 inline constexpr uint32_t kTangential = 2;  // its shape follows the direction of the move in front of it
+inline constexpr uint32_t kBehindMove = 1;           // the block's own words are moved to first
+inline constexpr uint32_t kOffsetMayHaveNumber = 2;  // G54 P2 is G54.1 P2
 inline constexpr uint32_t kPresetOrThread = 4;  // G92 with an F word is a thread on lathes of the same family
 
 struct CodeEntry {

@@ -94,6 +94,8 @@ std::vector<CodeEntry> FanucCodes() {
       {'G', 511, M::kBlockerOn, kMirror, "mirror"},
       {'G', 520, M::kLocalShift, 0, "local shift of coordinates"},
       {'G', 531, M::kOneShot, 0, "turns the tool to the tilted plane"},
+      // B-64484EN, "Adding workpiece coordinate systems (G54.1 or G54)".
+      {'G', 540, M::kWorkOffset, kOffsetMayHaveNumber, "work offset"},
       {'G', 541, M::kWorkOffset, 1, "additional work offset"},
       {'G', 542, M::kBlockerOn, kShift, "dynamic fixture offset"},
       {'G', 544, M::kBlockerOn, kShift, "workpiece setting error"},
@@ -181,6 +183,7 @@ std::vector<CodeEntry> HaasCodes() {
       {'G', 1430, M::kBlockerOn, kToolControl, "five-axis tool length offset"},
       {'G', 1500, M::kOneShot, 0, "general purpose pocket"},
       {'G', 1530, M::kOtherMotion, 0, "five-axis canned cycle"},
+      {'G', 540, M::kWorkOffset, 0, "work offset"},
       {'G', 1540, M::kWorkOffset, 1, "additional work offset"},
       {'G', 1740, M::kOneShot, 0, "rigid tapping"},
       {'G', 1840, M::kOneShot, 0, "rigid tapping"},

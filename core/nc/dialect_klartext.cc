@@ -10,7 +10,8 @@ std::vector<CodeEntry> KlartextCodes() {
       {'M', 10, M::kEndOfBlock, 0, "optional stop"},
       {'M', 20, M::kEndOfProgram, 0, "end of program"},
       {'M', 50, M::kEndOfBlock, 0, "spindle stop"},
-      {'M', 60, M::kEndOfBlock, 0, "stop"},
+      // TNC 640 User's Manual: tool change, a function of the machine's builder, at the end of its block.
+      {'M', 60, M::kToolChange, kBehindMove, "tool change"},
       {'M', 90, M::kEndOfBlock, 0, "coolant off"},
       {'M', 300, M::kEndOfProgram, 0, "end of program"},
       {'M', 910, M::kMachineMove, 0, "machine coordinates"},
@@ -97,6 +98,9 @@ std::vector<Keyword> KlartextKeywords() {
       {"TCH PROBE", M::kBlockerOn, kUnstatedOffset, true, "probing: it may set the datum"},
       {"TRANS DATUM", M::kBlockerOn, kShift, true, "shift of coordinates"},
       {"PRESET", M::kBlockerOn, kUnstatedOffset, true, "sets the datum"},
+      // Turns the tilting axes home; MOVE takes the linear axes along.
+      {"PLANE RESET TURN", M::kAxesAway, kTiltedPlane, true, "turns the tilting axes home"},
+      {"PLANE RESET MOVE", M::kAxesAway, kTiltedPlane, true, "turns the tilting axes home"},
       {"PLANE RESET", M::kBlockerOff, kTiltedPlane, true, "tilted plane off"},
       {"PLANE", M::kBlockerOn, kTiltedPlane, true, "tilted plane"},
       {"FUNCTION TCPM", M::kBlockerOn, kToolControlFunction, true, "tool centre point control"},

@@ -422,7 +422,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   SelectMirror(request, block.problem == LexProblem::kNone, *step);
   blockers_seen_ |= modal_.blockers;
   if (request.speed_mode != nullptr) SelectSpeedMode(&request);
-  if (request.offset != nullptr) SelectOffset(block, &request);
+  if (request.offset != nullptr) SelectOffset(text, block, &request);
   if (request.length != nullptr || request.length_number != nullptr) SelectLength(&request);
   // A pole of parameters moves nothing: it is not known.
   if (block.problem != LexProblem::kNone && !request.is_pole) {
@@ -437,7 +437,8 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   step->moves_away = request.away != nullptr;
   // What runs in between may take the words as its arguments, and move from where it likes.
-  if (request.away != nullptr && request.machine_move == nullptr && (request.has_axis || request.foreign_axis != 0))
+  const bool has_axis = request.has_axis || request.foreign_axis != 0;
+  if (request.away != nullptr && !request.goes_away_behind && request.machine_move == nullptr && has_axis)
     request.Refuse(absl::StrCat(request.away, " and words of axes in one block: which comes first is not known"));
   if (!request.problem.empty()) {
     // "G52 X#1": it shifts, by what is not known.

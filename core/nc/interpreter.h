@@ -156,7 +156,9 @@ class Interpreter {
   void CallTool(const Block& block, const Word& word, Request* request, Step* step);
   void SelectSense(Request* request);
   void SelectSpeedMode(Request* request);
-  void SelectOffset(const Block& block, Request* request);
+  void SelectOffset(const char* text, const Block& block, Request* request);
+  // Whether no other code of the block takes its P word than one that selects a work offset.
+  bool LeavesNumber(const Block& block) const;
   void NeedAbsoluteZ();
   void EndMode(uint32_t blockers) { modal_.blockers &= ~blockers; }
   void MayHaveChanged(uint8_t groups) {

@@ -350,11 +350,13 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kToolChange:
       step->is_tool_change = true;
       request->away = code.text;
+      request->goes_away_behind = code.detail == kBehindMove;
       // Without a D word the first length of the tool acts.
       if (roles_['D' - 'A'] == Role::kActiveToolLength) modal_.uncertain |= kLengthGroup;
       return;
     case Meaning::kAxesAway:
       request->away = code.text;
+      EndMode(code.detail);
       return;
     case Meaning::kEndOfProgram:
       request->is_end = step->ends_block = true;
@@ -391,11 +393,54 @@ void Interpreter::SelectSpeedMode(Request* request) {
   request->Refuse(absl::StrCat(WordText(*request->speed_mode), " (", modal_.motion_text, ")"));
 }
 
-void Interpreter::SelectOffset(const Block& block, Request* request) {
+bool Interpreter::LeavesNumber(const Block& block) const {
+  for (const Word& word : block) {
+    if (RoleOf(word.letter) != Role::kCode) continue;
+    switch (Find(word).meaning) {
+      case Meaning::kRapid:
+      case Meaning::kLinear:
+      case Meaning::kArc:
+      case Meaning::kCancelMotion:
+      case Meaning::kInch:
+      case Meaning::kMillimetre:
+      case Meaning::kAbsolute:
+      case Meaning::kIncremental:
+      case Meaning::kPlane:
+      case Meaning::kFeedPerMinute:
+      case Meaning::kFeedInverseTime:
+      case Meaning::kFeedPerTurn:
+      case Meaning::kWorkOffset:
+      case Meaning::kToolLength:
+      case Meaning::kNoToolLength:
+      case Meaning::kBlockerOff:
+      case Meaning::kEndOfBlock:
+        break;
+      case Meaning::kHarmless:
+        if (word.letter == 'G') return false;  // G64 P0.01, G8 P1
+        break;
+      default:
+        return false;
+    }
+  }
+  return true;
+}
+
+void Interpreter::SelectOffset(const char* text, const Block& block, Request* request) {
   std::string name;
   if (request->offset_code->meaning == Meaning::kWorkOffset) {
     name = WordText(*request->offset);
-    if (request->offset_code->detail == 1) {
+    const bool is_numbered = request->parameter == 'P' && request->number_of_parameter != nullptr && LeavesNumber(block);
+    const bool may_be_numbered =
+        block.problem != LexProblem::kNone &&
+        std::any_of(text + block.problem_at, end_of_text_, [](char c) { return Capital(c) == 'P'; });
+    if (request->offset_code->detail != 1 && (is_numbered || may_be_numbered)) {
+      if (request->offset_code->detail != kOffsetMayHaveNumber || may_be_numbered) {
+        modal_.blockers |= kUnstatedOffset;
+        return request->Refuse(name + " with a P word: which offset it selects is not known");
+      }
+      name = absl::StrCat(name, ".1 ", WordText(*request->number_of_parameter));
+      request->parameter = 0;
+    } else if (request->offset_code->detail == 1) {
       if (request->parameter != 'P' || request->number_of_parameter == nullptr) {
         modal_.blockers |= kUnstatedOffset;  // it selects one, which is not known
         return request->Refuse(name + " without a P word");

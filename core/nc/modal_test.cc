@@ -131,6 +131,29 @@ TEST(Modal, AdditionalWorkOffsetsByNumber) {
   EXPECT_REFUSED(options, "G54.1 P5\nG10 L2 P1 X0\nG1 X5.\n", "G10 (data input");
 }
 
+// "G54 P5" of Fanuc is G54.1 P5; elsewhere no control is known that reads it.
+TEST(Modal, WorkOffsetsWithANumber) {
+  RewriteOptions options = kAtZero;
+  options.work_offsets = {{"G54", {}}, {"G55", {}}, {"G54.1 P5", {{"B", 90 * base::kRadPerDeg}}}};
+  const std::string move = "G1 X1. Y0. Z0. B0. C0.\n", turned = "G1 X1. Y0. Z-0.0417 B0. C0.\n",
+                    plain = "G1 X1.0417 Y0. Z0. B0. C0.\n";
+  for (const char* dialect : {"fanuc", "mazak", "haas", "linuxcnc"}) {
+    options.dialect = dialect;
+    const bool takes_number = std::string(dialect) == "fanuc" || std::string(dialect) == "mazak";
+    for (const std::string block : {"G54 P5\n", "G90 G17 G0 G54 P5 M3 S500 T2\n"}) {
+      if (takes_number) EXPECT_REWRITTEN(options, block + move, block + turned);
+      if (!takes_number) EXPECT_REFUSED(options, block + move, "with a P word: which offset it selects is not known");
+    }
+    EXPECT_REFUSED(options, "G55 P5\n" + move, "G55 with a P word");
+    // The P word is another code's.
+    EXPECT_REWRITTEN(options, "G54 G4 P5\n" + move, "G54 G4 P5\n" + plain);
+    EXPECT_REWRITTEN(options, "G54 G64 P0.05\n" + move, "G54 G64 P0.05\n" + plain);
+    EXPECT_REWRITTEN(options, "G54\n" + move, "G54\n" + plain);
+  }
+  options.dialect = "fanuc";
+  EXPECT_REFUSED(options, "G54 P6\n", "G54.1 P6 (work offset): its values are not stated");
+}
+
 TEST(Modal, BehindACallTheModalStateIsUnknown) {
   const Outcome outcome =
       Rewritten("G90 G1 X1.\nM98 P1000\nX5. Y0. Z0. B0. C0.\nG90 G54 G1 X5. Y0. Z0. B0. C0.\n", Passing());

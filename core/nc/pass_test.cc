@@ -110,6 +110,7 @@ TEST(Passed, AModeStaysUntilItsOwnCodeEndsIt) {
       {"heidenhain", "L Z+5 M144\nL Z+6 M145"},
       {"heidenhain", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\nFUNCTION RESET TCPM"},
       {"heidenhain", "PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY\nPLANE RESET STAY"},
+      {"heidenhain", "PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY\nPLANE RESET TURN FMAX"},
       {"heidenhain", "CYCL DEF 19.0 WORKING PLANE\nPLANE RESET STAY"},
       {"haas", "G268 X0 Y0 Z0 I30\nG269"},
       {"haas", "G68 X0 Y0 R30.\nG69"},
@@ -140,13 +141,25 @@ TEST(Passed, WhatWritesOffsetsOrLengthsForgetsThoseStated) {
 
 // Numbers that are not read select, shift and set all the same.
 TEST(Passed, WhatABlockDoesWhoseNumbersAreNotReadIsNotKnown) {
-  for (const Case& known :
-       {Case{"fanuc", "G54\nG54.1 P#1\nG90"}, {"fanuc", "G54.1"}, {"fanuc", "G43 H1 Z5.\nG43 H#2"},
-        {"fanuc", "G43 H1 Z5.\nH#2"}, {"fanuc", "G43 H1 Z5.\nX#1 H2"}, {"fanuc", "G52 X#1"}, {"fanuc", "G92 X#1"},
-        {"fanuc", "G50 X#1"}, {"linuxcnc", "G92 X[1+1]"}, {"fanuc", "G18 G43 H2 Z5.\nG17"}, {"fanuc", "G54 G55"},
-        {"fanuc", "G53.5"}, {"haas", "G37 H1 Z5."}, {"fanuc", "G65 P9811 X5.\nG54 G49 G94"},
-        {"sinumerik", "CYCLE978(1,2)\nG54 D1"}, {"sinumerik", "GEOAX(1,U)\nG54 D1"}, {"sinumerik", "TOFRAME"},
-        {"heidenhain", "TCH PROBE 411 DATUM OUTS. RECTAN."}})
+  for (const Case& known : {Case{"fanuc", "G54\nG54.1 P#1\nG90"},
+                            {"fanuc", "G54 P#1"},
+                            {"fanuc", "G54.1"},
+                            {"fanuc", "G43 H1 Z5.\nG43 H#2"},
+                            {"fanuc", "G43 H1 Z5.\nH#2"},
+                            {"fanuc", "G43 H1 Z5.\nX#1 H2"},
+                            {"fanuc", "G52 X#1"},
+                            {"fanuc", "G92 X#1"},
+                            {"fanuc", "G50 X#1"},
+                            {"linuxcnc", "G92 X[1+1]"},
+                            {"fanuc", "G18 G43 H2 Z5.\nG17"},
+                            {"fanuc", "G54 G55"},
+                            {"fanuc", "G53.5"},
+                            {"haas", "G37 H1 Z5."},
+                            {"fanuc", "G65 P9811 X5.\nG54 G49 G94"},
+                            {"sinumerik", "CYCLE978(1,2)\nG54 D1"},
+                            {"sinumerik", "GEOAX(1,U)\nG54 D1"},
+                            {"sinumerik", "TOFRAME"},
+                            {"heidenhain", "TCH PROBE 411 DATUM OUTS. RECTAN."}})
     EXPECT_FALSE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
   for (const Case& known : {Case{"fanuc", "G54.1 P#1\nG54"}, {"fanuc", "G43 H1 Z5.\nG43 H#2\nG49"},
                             {"fanuc", "G43 H#2\nG43 H1"}, {"heidenhain", "TCH PROBE 0.0 REF. PLANE Q5 X-"}})

@@ -41,6 +41,7 @@ struct Interpreter::Request {
   bool is_whole = true;  // read to its end
   const Word* radius = nullptr;
   const char* away = nullptr;  // what takes the axes away and back in this block: a tool change, a pallet change
+  bool goes_away_behind = false;  // behind the block's own move
   bool is_dwell = false;
   bool is_end = false;
   bool is_subprogram_end = false;

@@ -156,15 +156,28 @@ class Comparison:
         return (all(abs(end[a] - position[a]) <= near and abs(start[a] - end[a]) <= self.limits.gross_mm for a in end) and
                 all(m.number is None and m.arc is None for m in moves))
 
+    def turn_to(self, place, pieces):
+        """C=DC(10) may leave an axis that counts from 0 again whole turns from where the source's word leaves it. The end
+        of the block before was compared: what follows is told by its travel."""
+        for axis in self.machine.rotary:
+            turns = 360.0 * round((pieces[0].start[axis] - place[axis]) / 360.0)
+            for piece in pieces if turns else ():
+                piece.start, piece.end = dict(piece.start), dict(piece.end)
+                piece.start[axis] -= turns
+                piece.end[axis] -= turns
+
     def check(self, s, pieces):
         machine, limits = self.machine, self.limits
         self.place = s.end
+        self.turn_to(s.start, pieces)
         if len(pieces) > 1 and self.is_back(pieces[-1:], s.end) and not self.is_right_at_end(s, pieces[-1]):
             self.brought_back += 1
             self.check(s, pieces[:-1])
             self.is_corrected = False
             return
-        if len(pieces) > 1 and self.is_back(pieces[:1], s.start) and self.is_corrected:
+        # A block that was passed may have named some of the axes alone, so that others still stand corrected behind it.
+        is_away = any(abs(pieces[0].start[a] - s.start[a]) > limits.end_mm for a in machine.linear)
+        if len(pieces) > 1 and self.is_back(pieces[:1], s.start) and (self.is_corrected or is_away):
             self.brought_back += 1
             self.is_corrected = False
             pieces = pieces[1:]

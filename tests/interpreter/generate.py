@@ -365,15 +365,17 @@ class Program(Writer):
             sign = -sign
 
     def f_incremental(self):
-        self.plain("G91")
-        self.incremental = True
+        self.distances(True)
         for _ in range(self.rng.randrange(1, 4)):
             axes = self.rng.sample(self.linear, self.rng.choice([1, 2, 3]))
             self.feed_move({a: self.m[a] + rng_value(self.rng, -15, 15) for a in axes})
         if self.rng.random() < 0.4:
             self.f_arc()
-        self.plain("G90")
-        self.incremental = False
+        self.distances(False)
+
+    def distances(self, incremental):
+        self.plain("G91" if incremental else "G90")
+        self.incremental = incremental
 
     def f_codes(self):
         rng = self.rng
@@ -1065,14 +1067,8 @@ class KlartextProgram(Program):
             self.block(["CC", "X" + self.number((centre[0] - self.offset("X")) / scale), "Y" + self.number((centre[1] - self.offset("Y")) / scale)])
         self.block(["C"] + self.go({"X": end[0], "Y": end[1]}, True) + [sense, self.feed_word()])
 
-    def f_incremental(self):
-        self.incremental = True
-        for _ in range(self.rng.randrange(1, 4)):
-            axes = self.rng.sample(self.linear, self.rng.choice([1, 2, 3]))
-            self.feed_move({a: self.m[a] + rng_value(self.rng, -15, 15) for a in axes})
-        if self.rng.random() < 0.4:
-            self.f_arc()
-        self.incremental = False
+    def distances(self, incremental):
+        self.incremental = incremental  # IX+5: each word says it
 
     def f_codes(self):
         rng = self.rng
@@ -1102,7 +1098,8 @@ class KlartextProgram(Program):
         self.restate()
 
     def f_g28(self):
-        self.plain(self.rng.choice(["L Z+%d R0 FMAX M91" % self.rng.randrange(0, 60), "L Z+10 R0 FMAX M92", "M140 MB MAX", "L M140 MB 50 F MAX"]))
+        self.plain(self.rng.choice(["L Z+%d R0 FMAX M91" % self.rng.randrange(0, 60), "L Z+10 R0 FMAX M92", "M140 MB MAX",
+                                    "L M140 MB 50 F MAX", "PLANE RESET TURN FMAX", "PLANE RESET MOVE DIST50 F500", "M6"]))
         self.rapid(self.targets(self.rng.sample(["X", "Y"], self.rng.choice([1, 2]))))
         self.restate()
 
@@ -1157,7 +1154,7 @@ class KlartextProgram(Program):
         self.plain("PLANE SPATIAL SPA+0 SPB+30 SPC+0 " + self.rng.choice(["STAY", "TURN FMAX"]))
         for _ in range(2):
             self.feed_move(self.targets(self.rng.sample(self.linear, 2)))
-        self.plain("PLANE RESET STAY")
+        self.plain("PLANE RESET " + self.rng.choice(["STAY", "TURN FMAX", "MOVE DIST50 F500"]))
         self.recover()
 
     def r_rotation(self):

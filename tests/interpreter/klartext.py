@@ -6,7 +6,7 @@ from control import Alarm, Control
 # M functions that move nothing by themselves; the second set acts at the end of its block.
 M_BEFORE = {3, 4, 7, 8, 13, 14, 97, 98, 101, 102, 103, 107, 108, 109, 110, 111, 116, 117, 118, 120, 124, 126, 127, 136,
             137, 138, 141, 148, 149}
-M_AFTER = {0, 1, 2, 5, 6, 9, 30}
+M_AFTER = {0, 1, 2, 5, 9, 30}
 VALUE = r"([+-]?(?:\d+\.?\d*|\.\d+))"
 
 
@@ -307,6 +307,9 @@ class Klartext(Control):
                 self.code("M", code)
                 if code in (2, 30):
                     return "end"
+            elif code == 6:  # a function of the machine's builder
+                self.code("M", code)
+                self.lose(self.axes)
             elif code in (89, 99):
                 self.code("cycle call", code)
                 self.lose(["Z"])
