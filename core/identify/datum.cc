@@ -124,11 +124,11 @@ std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit) {
   // farther from their places than mounting leaves them.
   double priors = 0.0;
   for (const SetupGroup& group : fit.problem.groups) {
-    priors += static_cast<double>(
-        std::count_if(group.parameters.begin(), group.parameters.end(),
-                      [](const instruments::SetupParameter& one) { return std::isfinite(one.prior_sigma); }));
+    priors += static_cast<double>(std::count_if(
+        group.parameters.begin(), group.parameters.end(),
+        [](const instruments::SetupParameter& one) { return one.is_placed && std::isfinite(one.prior_sigma); }));
   }
-  const double pulled = PriorSquares(fit.problem, fit.point) - priors;
+  const double pulled = JudgingPriorSquares(fit.problem, fit.point) - priors;
   if (excess < kChance * std::sqrt(2.0 / freedom) * expected && pulled <= kChance * std::sqrt(2.0 * priors)) return {};
   const Extended extended = Extend(fit);
   const std::vector<int> held = HeldIn(fit);

@@ -142,10 +142,10 @@ std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const 
   for (size_t i = 0; i < result.sessions.size() && i < problem.runs.size(); ++i) {
     const SetupGroup& group = problem.groups[static_cast<size_t>(problem.group_of_run[i])];
     if (group.runs[0] != static_cast<int>(i)) continue;  // a shared set-up once
-    const size_t without_slips = group.parameters.size() - 3 * problem.runs[i].slips.size();
-    for (size_t k = 0; k < without_slips && k < result.sessions[i].setup.size(); ++k) {
+    for (size_t k = 0; k < group.parameters.size() && k < result.sessions[i].setup.size(); ++k) {
       const SetupOffset& offset = result.sessions[i].setup[k];
       const double at_least = std::abs(offset.value) - kSurely * offset.sigma;
+      if (!group.parameters[k].is_placed) continue;
       if (!std::isfinite(group.parameters[k].prior_sigma) || !(at_least > kMountings * group.parameters[k].prior_sigma))
         continue;
       const double per_unit = offset.is_angle ? base::kUradPerRad : base::kUmPerMm;

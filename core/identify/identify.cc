@@ -28,7 +28,8 @@ bool HasManyReadings(const Fit& fit) {
 }
 
 // Sets the problem's noise to what the residuals show, where that changes the uncertainties:
-// - of a run whose residuals are correlated, to that correlation, and to the scatter that goes with it where it is above
+// - of a run whose residuals are correlated, to that correlation, and to the scatter that goes with it where it is
+// above
 //   the stated one (correlated readings scatter less about a fit than about the truth);
 // - of any other run that clearly scatters by less than stated, to that scatter: its intervals would be too wide.
 // Returns whether the noise of any run changed. Lack of fit: where chi-square with the new noise is still more than
@@ -129,7 +130,7 @@ FitStatistics StatisticsOf(const Problem& problem, const Point& point, const std
   out.rms_mm = out.readings > 0 ? std::sqrt(squares / out.readings) : 0.0;
   out.rms_without_outliers_mm = out.used > 0 ? std::sqrt(used_squares / out.used) : 0.0;
   out.degrees_of_freedom = out.used - parameters;
-  const double chi2 = WhitenedSquares(problem, residuals_mm) + PriorSquares(problem, point);
+  const double chi2 = WhitenedSquares(problem, residuals_mm) + JudgingPriorSquares(problem, point);
   out.chi2_per_dof = out.degrees_of_freedom > 0 ? chi2 / out.degrees_of_freedom : 0.0;
   return out;
 }

@@ -34,8 +34,8 @@ struct Options {
   // independent readings would state uncertainties that are too small. The same where many readings scatter by clearly
   // less than stated. Of FitRuns and Identify.
   bool judge_correlation = true;
-  // Fits errors that are held at zero where holding them biases others (gauge.h); where the problem is curved (touches),
-  // checks each interval by its profile likelihood (profile_likelihood.h).
+  // Fits errors that are held at zero where holding them biases others (gauge.h); where the problem is curved
+  // (touches), checks each interval by its profile likelihood (profile_likelihood.h).
   bool profile_intervals = true;
   // Its sources that are drawn for every reading weigh the readings (row_weights.h). Of FitRuns and Identify.
   std::optional<Budget> budget;
@@ -105,8 +105,8 @@ absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machin
 absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                               const machine::ErrorModel& model, const Options& options);
 
-// Statistics of residuals; `parameters` counts the fitted errors. Setup offsets held by priors add as many readings as
-// unknowns.
+// Statistics of residuals and of the priors that judge (SetupParameter::is_placed). `parameters` counts the fitted
+// errors and OffsetsFromReadings (reduction.h); a setup offset with a judging prior adds as many readings as unknowns.
 FitStatistics StatisticsOf(const Problem& problem, const Point& point, const std::vector<Eigen::MatrixXd>& residuals_mm,
                            int parameters);
 

@@ -349,6 +349,60 @@ TEST(Identify, AWorkOffsetThatWasSetAnewIsSetUpAndNoError) {
   EXPECT_FALSE(Find(*all_free, "EX0C").identifiable);
 }
 
+// How far a work offset went that nobody stated says nothing of the fit: no misfit, no size beyond a machine's, and
+// another session that was set anew is found beside it. Where somebody did state it, it is a reading.
+TEST(Identify, AFreeDatumJudgesNothingUnlessItIsStated) {
+  const auto truth = testing::Errors(kMachine, kTruth);
+  std::vector<testing::Measured> patterns = testing::FivePatterns();
+  patterns.push_back({"CR-again", ballbar::Pattern::kCR, 356.4});
+  patterns.push_back({"CR-third", ballbar::Pattern::kCR, 356.4});
+  std::vector<session::Session> sessions = testing::Measure(kMachine, truth, {}, patterns);
+  const auto as_stated = Identify(kMachine, sessions);
+  ASSERT_TRUE(as_stated.ok()) << as_stated.status();
+  constexpr double kOffMm = 20.0;
+  SetAnew(kOffMm, &sessions[5]);
+  sessions[5].header.push_back({"datum", "free X"});
+  const auto free = Identify(kMachine, sessions);
+  ASSERT_TRUE(free.ok()) << free.status();
+  const SetupOffset& datum = free->sessions[5].setup.back();
+  EXPECT_NEAR(datum.value, kOffMm, 5.0 * datum.sigma + 1e-3);
+  EXPECT_NEAR(free->fit.chi2_per_dof, as_stated->fit.chi2_per_dof, 0.02);
+  EXPECT_EQ(free->fit.degrees_of_freedom, as_stated->fit.degrees_of_freedom - 1);
+  EXPECT_TRUE(free->warnings.empty()) << reports::InWords(free->warnings.front()).text;
+  std::vector<session::Session> another = sessions;
+  SetAnew(0.040, &another[6]);
+  const auto two = Identify(kMachine, another);
+  ASSERT_TRUE(two.ok()) << two.status();
+  EXPECT_TRUE(std::any_of(two->warnings.begin(), two->warnings.end(), [](const reports::WarningFacts& facts) {
+    return std::holds_alternative<reports::DatumMoved>(facts);
+  }));
+  sessions[5].header.push_back({"datum_X_sigma_um", "100"});
+  const auto stated = Identify(kMachine, sessions);
+  ASSERT_TRUE(stated.ok()) << stated.status();
+  EXPECT_EQ(stated->fit.degrees_of_freedom, as_stated->fit.degrees_of_freedom);
+  EXPECT_GT(stated->fit.chi2_per_dof * stated->fit.degrees_of_freedom, 3e4);  // (20 mm / 0.1 mm)^2
+  EXPECT_TRUE(std::any_of(stated->warnings.begin(), stated->warnings.end(), [](const reports::WarningFacts& facts) {
+    return std::holds_alternative<reports::Scatter>(facts);
+  }));
+}
+
+// Bad readings change what is fitted: the fit without them must converge too.
+TEST(Identify, AFitThatDoesNotConvergeWithoutItsBadReadingsIsNone) {
+  std::vector<session::Session> sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
+  for (const size_t reading : {40u, 90u, 170u}) sessions[1].columns.back().values[reading] += 2.0;
+  Options options;
+  options.judge_correlation = options.set_outliers_aside = options.raise_noise = options.profile_intervals = false;
+  const auto with_bad = FitSessions(kMachine, sessions, options);
+  ASSERT_TRUE(with_bad.ok()) << with_bad.status();
+  const auto fit_from_there = [&] {
+    return FitProblem(with_bad->problem, with_bad->result.model, options, with_bad->point.setup).status();
+  };
+  options.max_iterations = 1;
+  EXPECT_TRUE(fit_from_there().ok());  // it is there already
+  options.set_outliers_aside = true;
+  EXPECT_THAT(std::string(fit_from_there().message()), HasSubstr("has not converged after 1 iterations"));
+}
+
 TEST(Identify, SessionsOfOneSetUpHaveOneDatum) {
   std::vector<session::Session> sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
   for (session::Session& session : sessions) session.header.push_back({"setup", "one"});

@@ -42,8 +42,7 @@ PriorDominated FindPriorDominated(const SolvedProblem& solved, const Eigen::Matr
   for (int i = 0; i < p; ++i) {
     if (solved.null_space.involved[i] || parameters[i].is_nonlinear || solved.IsHeld(i)) continue;
     constexpr double kHalf = 0.5;
-    out.involved[i] =
-        std::sqrt(linear(i, i)) > kMeasuredWithin * sizes[i] && !(linear(i, i) >= kHalf * alone(i, i));
+    out.involved[i] = std::sqrt(linear(i, i)) > kMeasuredWithin * sizes[i] && !(linear(i, i) >= kHalf * alone(i, i));
   }
   // Named together where readings alone would move them together.
   constexpr double kTogether = 0.9;  // correlation
@@ -85,9 +84,8 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   const Solution& solution = solved.solution;
   Judgement judgement;
   judgement.statistics = StatisticsOf(solved.problem, solution.point, solution.residuals_mm,
-                                      static_cast<int>(solved.parameters.size() - solved.held.size()));
-  if (options.scale_uncertainties)
-    judgement.sigma_scale = std::sqrt(std::max(1.0, judgement.statistics.chi2_per_dof));
+                                      static_cast<int>(std::lround(solved.Unknowns(solution))));
+  if (options.scale_uncertainties) judgement.sigma_scale = std::sqrt(std::max(1.0, judgement.statistics.chi2_per_dof));
   judgement.coverage_factor =
       information::CoverageFactor(judgement.sigma_scale > 1.0, judgement.statistics.degrees_of_freedom);
   judgement.covariance = UncertaintyOf(solved, judgement.sigma_scale);

@@ -47,7 +47,8 @@ absl::StatusOr<std::vector<bool>> FindNotParabolic(const SolvedProblem& solved, 
       }
       const absl::StatusOr<Solution> profile = Solve(solved.problem, moved, beside, quiet);
       if (absl::IsCancelled(profile.status())) return profile.status();
-      const double rise = profile.ok() ? (profile->cost - solved.solution.cost) / (kMoved * kMoved) : NAN;
+      const bool is_profile = profile.ok() && profile->has_converged;
+      const double rise = is_profile ? (profile->cost - solved.solution.cost) / (kMoved * kMoved) : NAN;
       if (!(rise >= kLeast && rise <= kMost)) is_not[i] = true;
     }
   }

@@ -185,14 +185,52 @@ Covariance CovarianceOf(const Problem& problem, const Point& point, const Normal
   return out;
 }
 
-double PriorSquares(const Problem& problem, const Point& point) {
+namespace {
+
+bool Judges(const instruments::SetupParameter& parameter) {
+  return parameter.is_placed && std::isfinite(parameter.prior_sigma);
+}
+
+template <typename Counts>
+double SquaresOfPriors(const Problem& problem, const Point& point, const Counts& counts) {
   double squares = 0.0;
   for (size_t g = 0; g < problem.groups.size(); ++g) {
     for (size_t i = 0; i < problem.groups[g].parameters.size(); ++i) {
-      squares += point.setup[g][i] * point.setup[g][i] * PriorPrecision(problem.groups[g].parameters[i], Priors::kAll);
+      const instruments::SetupParameter& parameter = problem.groups[g].parameters[i];
+      if (counts(parameter)) squares += point.setup[g][i] * point.setup[g][i] * PriorPrecision(parameter, Priors::kAll);
     }
   }
   return squares;
+}
+
+}  // namespace
+
+double PriorSquares(const Problem& problem, const Point& point) {
+  return SquaresOfPriors(problem, point, [](const instruments::SetupParameter&) { return true; });
+}
+
+double JudgingPriorSquares(const Problem& problem, const Point& point) {
+  return SquaresOfPriors(problem, point, Judges);
+}
+
+double OffsetsFromReadings(const Problem& problem, const Point& point, const NormalEquations& normal,
+                           const std::vector<int>& held) {
+  const bool all_judge = std::all_of(problem.groups.begin(), problem.groups.end(), [](const SetupGroup& group) {
+    return std::all_of(group.parameters.begin(), group.parameters.end(), Judges);
+  });
+  if (all_judge) return 0.0;
+  const Covariance covariance = CovarianceOf(problem, point, normal, held, 1.0);
+  double determined = 0.0;
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    for (size_t i = 0; i < problem.groups[g].parameters.size(); ++i) {
+      const instruments::SetupParameter& parameter = problem.groups[g].parameters[i];
+      const auto at = static_cast<Eigen::Index>(i);
+      if (Judges(parameter) || !(normal.groups[g].gram(at, at) > 0.0)) continue;
+      const double sigma = covariance.setup_sigma[g][at];
+      determined += std::max(0.0, 1.0 - sigma * sigma * PriorPrecision(parameter, Priors::kAll));
+    }
+  }
+  return determined;
 }
 
 }  // namespace axiscal::identify

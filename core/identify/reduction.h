@@ -79,8 +79,14 @@ struct Covariance {
 Covariance CovarianceOf(const Problem& problem, const Point& point, const NormalEquations& normal,
                         const std::vector<int>& held, double scale = 1.0, const Eigen::MatrixXd& known = {});
 
-// Sum of squares of the priors' residuals.
+// Sum of squares of the priors' residuals: of all; of those that judge the fit (SetupParameter::is_placed).
 double PriorSquares(const Problem& problem, const Point& point);
+double JudgingPriorSquares(const Problem& problem, const Point& point);
+
+// How many set-up offsets without a judging prior the readings determine, a part where the prior does the rest: the sum
+// of 1 - (variance with the prior / variance of the prior). An offset with a judging prior brings as much as it takes.
+double OffsetsFromReadings(const Problem& problem, const Point& point, const NormalEquations& normal,
+                           const std::vector<int>& held);
 
 }  // namespace axiscal::identify
 

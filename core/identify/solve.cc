@@ -120,6 +120,29 @@ absl::Status NotConverged(const Solution& solution) {
       absl::StrCat("identification has not converged after ", solution.iterations, " iterations"));
 }
 
+// Chi-square without the priors that judge nothing.
+double JudgingCost(const Problem& problem, const Solution& solution) {
+  return solution.cost - PriorSquares(problem, solution.point) + JudgingPriorSquares(problem, solution.point);
+}
+
+// A model that misses pulls setup offsets far from where anybody would mount a ball, along valleys without a floor.
+// The stated sigma says little then: it is raised, by no more than it takes for the priors to hold again, and the fit
+// is done again by `solve`. FAILED_PRECONDITION where the readings do not scatter by more than stated, or it may not be
+// raised.
+template <typename SolveAgain>
+absl::Status RaiseNoiseUntilConverged(const Options& options, const SolveAgain& solve, SolvedProblem* solved) {
+  while (!solved->solution.has_converged) {
+    constexpr double kMostGrowth = 3.0, kMisses = 1.1;
+    const double growth = std::min(
+        kMostGrowth, std::sqrt(JudgingCost(solved->problem, solved->solution) / ReadingCount(solved->problem)));
+    if (!options.raise_noise || growth < kMisses) return NotConverged(solved->solution);
+    for (Noise& noise : solved->problem.noise) noise.sigma_mm *= growth;
+    solved->noise_scale *= growth;
+    ASSIGN_OR_RETURN(solved->solution, solve());
+  }
+  return absl::OkStatus();
+}
+
 // Sets solved->null_space, `held` and `solution`; raises the noise where it takes that to converge.
 absl::Status FindMinimum(const machine::ErrorModel& model, const std::vector<Eigen::VectorXd>& setup,
                          const Options& options, SolvedProblem* solved) {
@@ -129,18 +152,11 @@ absl::Status FindMinimum(const machine::ErrorModel& model, const std::vector<Eig
       HasNonlinear(model, options) ? WithNonlinearColumns(nominal.null_space, model) : nominal.null_space;
   solved->held = solved->null_space.fixed;
   ASSIGN_OR_RETURN(solved->solution, SolveFrom(model, setup, nominal, solved->null_space, options, &problem));
-  // A model that misses pulls setup offsets far from where anybody would mount a ball, along valleys without a floor.
-  // The stated sigma says little then: it is raised, by no more than it takes for the priors to hold again.
-  while (!solved->solution.has_converged) {
-    constexpr double kMostGrowth = 3.0, kMisses = 1.1;
-    const double growth = std::min(kMostGrowth, std::sqrt(solved->solution.cost / ReadingCount(problem)));
-    if (!options.raise_noise || growth < kMisses) return NotConverged(solved->solution);
-    for (Noise& noise : problem.noise) noise.sigma_mm *= growth;
-    solved->noise_scale *= growth;
+  const auto solve_again = [&] {
     nominal = AtNominal(problem, model);
-    ASSIGN_OR_RETURN(solved->solution, SolveFrom(model, setup, nominal, solved->null_space, options, &problem));
-  }
-  return absl::OkStatus();
+    return SolveFrom(model, setup, nominal, solved->null_space, options, &problem);
+  };
+  return RaiseNoiseUntilConverged(options, solve_again, solved);
 }
 
 // Solves again without holding what shows at the solution after all (gauge.h).
@@ -252,10 +268,10 @@ absl::Status HoldTooWide(const Options& options, SolvedProblem* solved) {
   const std::vector<Parameter>& parameters = solved->parameters;
   while (true) {
     const Solution& solution = solved->solution;
-    const auto freedom = static_cast<double>(solution.normal.row_count) - static_cast<double>(parameters.size()) +
-                         static_cast<double>(solved->held.size());
-    const double scale =
-        options.scale_uncertainties && freedom > 0.0 ? std::sqrt(std::max(1.0, solution.cost / freedom)) : 1.0;
+    const double freedom = static_cast<double>(solution.normal.row_count) - solved->Unknowns(solution);
+    const double scale = options.scale_uncertainties && freedom > 0.0
+                             ? std::sqrt(std::max(1.0, JudgingCost(solved->problem, solution) / freedom))
+                             : 1.0;
     const Eigen::MatrixXd covariance =
         InverseBeside(Reduce(solved->problem, solution.point, solution.normal, Priors::kAll), solved->held);
     const std::vector<int>& fixed = solved->null_space.fixed;
@@ -287,6 +303,11 @@ NullSpace SolvedProblem::Holding() const {
   return holding;
 }
 
+double SolvedProblem::Unknowns(const Solution& at) const {
+  return static_cast<double>(parameters.size()) - static_cast<double>(held.size()) +
+         OffsetsFromReadings(problem, at.point, at.normal, held);
+}
+
 absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::ErrorModel& model, const Options& options,
                                            const std::vector<Eigen::VectorXd>& setup) {
   DEMAND(setup.empty() || setup.size() == problem.groups.size());
@@ -308,7 +329,9 @@ absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::Error
   constexpr int kRounds = 5;
   for (int round = 0; options.set_outliers_aside && round < kRounds; ++round) {
     if (!SetOutliersAside(solved.solution.residuals_mm, &solved.problem, &solved.standing_out)) break;
-    ASSIGN_OR_RETURN(solved.solution, Solve(solved.problem, solved.solution.point, holding, options));
+    const auto solve_again = [&] { return Solve(solved.problem, solved.solution.point, holding, options); };
+    ASSIGN_OR_RETURN(solved.solution, solve_again());
+    RETURN_IF_ERROR(RaiseNoiseUntilConverged(options, solve_again, &solved));
   }
   RETURN_IF_ERROR(HoldTooWide(options, &solved));
   return solved;

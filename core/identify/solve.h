@@ -12,10 +12,10 @@
 namespace axiscal::identify {
 
 struct SolvedProblem {
-  Problem problem;  // with the noise that was fitted with; outliers are set aside
+  Problem problem;                        // with the noise that was fitted with; outliers are set aside
   std::vector<StandingOut> standing_out;  // of the solution
   std::vector<Parameter> parameters;
-  NullSpace null_space;  // of the nominal machine, in the columns of `parameters`
+  NullSpace null_space;   // of the nominal machine, in the columns of `parameters`
   std::vector<int> held;  // of null_space.fixed, the errors that are held at the solution (gauge.h)
   Solution solution;
   // Of a curved problem: the minima of chi-square that were found before outliers were set aside, the best first.
@@ -27,6 +27,8 @@ struct SolvedProblem {
 
   // null_space with `held` as its gauge.
   NullSpace Holding() const;
+  // Unknowns that take a degree of freedom each: errors, and set-up offsets that no prior judges (reduction.h).
+  double Unknowns(const Solution& at) const;
   bool IsHeld(int error) const { return std::find(held.begin(), held.end(), error) != held.end(); }
 };
 

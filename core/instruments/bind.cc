@@ -93,6 +93,7 @@ class Binder {
       ASSIGN_OR_RETURN(const double sigma, PositiveNumber(key));
       parameter.prior_sigma = sigma * (parameter.is_angle ? base::kRadPerUrad : kMmPerUm);
       parameter.is_weak = false;  // stated by whoever mounted it: knowledge
+      parameter.is_placed = true;
     }
     return absl::OkStatus();
   }

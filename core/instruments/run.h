@@ -19,11 +19,12 @@ namespace axiscal::instruments {
 
 enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch, kEccentricity };
 
-inline constexpr int kMaxRows = 3;                             // readings that one line of a session holds
-inline constexpr int kMaxSlips = 3;                            // of one session
-inline constexpr double kSlipSigmaMm = 0.1;                    // weak prior of how far something slips
-inline constexpr int kMaxDatumAxes = 6;                        // of one session
-// Weak prior of where a work offset that is set anew goes: far more than probing or touching off leaves.
+inline constexpr int kMaxRows = 3;           // readings that one line of a session holds
+inline constexpr int kMaxSlips = 3;          // of one session
+inline constexpr double kSlipSigmaMm = 0.1;  // weak prior of how far something slips
+inline constexpr int kMaxDatumAxes = 6;      // of one session
+// Weak prior of where a work offset that is set anew goes: wide beside what readings tell of it, narrow beside what
+// they leave open, which stays where it is. It judges nothing (SetupParameter::is_placed).
 inline constexpr double kDatumSigmaMm = 1.0;
 inline constexpr int kMaxSetupParameters = 9 + kMaxDatumAxes + 3 * kMaxSlips;  // setup offsets of one session
 
@@ -35,6 +36,9 @@ struct SetupParameter {
   // which errors may be separated.
   bool is_weak = true;
   bool is_angle = false;
+  // False where nobody says where the offset is (a free datum, a slip): how far it goes is no misfit, and its prior,
+  // which only keeps the fit steady, is no part of the fit's statistics.
+  bool is_placed = true;
 };
 
 // Something in the setup slipped: from `first_reading` on the artefact on the table, or what the tool holder carries

@@ -7,7 +7,7 @@ namespace axiscal::instruments {
 void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run) {
   DEMAND(run->free_datum.size() < kMaxDatumAxes && run->slips.empty() && run->path_readings == nullptr);
   run->free_datum.push_back(axis);
-  run->setup.push_back({absl::StrCat("datum_", machine.axes[axis].name), kDatumSigmaMm, true, false});
+  run->setup.push_back({absl::StrCat("datum_", machine.axes[axis].name), kDatumSigmaMm, true, false, false});
 }
 
 void AddSlip(const Slip& slip, MeasuringRun* run) {
@@ -16,7 +16,7 @@ void AddSlip(const Slip& slip, MeasuringRun* run) {
   run->setup_name = run->session;
   const std::string number = run->slips.size() > 1 ? absl::StrCat(run->slips.size()) : "";
   for (const char* direction : {"x", "y", "z"})
-    run->setup.push_back({absl::StrCat("slip", number, "_", direction), kSlipSigmaMm, true, false});
+    run->setup.push_back({absl::StrCat("slip", number, "_", direction), kSlipSigmaMm, true, false, false});
 }
 
 }  // namespace axiscal::instruments
