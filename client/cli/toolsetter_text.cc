@@ -43,17 +43,17 @@ std::string ToText(const reports::BeamReference& report) {
                     Fixed(rod.reference_mm, 4), Fixed(rod.sigma_um, 2), Fixed(rod.residual_um, 2)});
   }
   absl::StrAppend(&text, Table(rows));
-  absl::StrAppend(
-      &text, "spread between rods: range ", Fixed(report.range_um, 2), " um, ",
-      report.between_rods_um > 0.0
-          ? Fixed(report.between_rods_um, 2) + " um (1 sigma) more than readouts and stated errors explain\n"
-      : report.chi2 > std::max(1, report.degrees_of_freedom)
-          ? std::string("more than readouts and stated errors explain: sigma is raised by it\n")
-          : std::string("as readouts and stated errors explain\n"));
+  absl::StrAppend(&text, "spread between rods: range ", Fixed(report.range_um, 2), " um, ",
+                  report.between_rods_um > 0.0 ? Fixed(report.between_rods_um, 2) +
+                                                     " um (1 sigma) more than readouts and stated errors explain\n"
+                  : report.chi2 > std::max(1, report.degrees_of_freedom)
+                      ? std::string("more than readouts and stated errors explain: sigma is raised by it\n")
+                      : std::string("as readouts and stated errors explain\n"));
   for (const reports::Warning& warning : report.warnings) absl::StrAppend(&text, "warning: ", warning.text, "\n");
   constexpr double kNormal = 1.96;
   if (report.coverage_factor > kNormal + 0.01)
-    absl::StrAppend(&text, "a 95 % interval is +- ", NumberText(report.coverage_factor), " times the sigma: so few rods tell it\n");
+    absl::StrAppend(&text, "a 95 % interval is +- ", NumberText(report.coverage_factor),
+                    " times the sigma: so few rods tell it\n");
   for (const reports::Unseen& unseen : report.not_told_apart) text += UnseenText(unseen);
   if (report.next_measurement) {
     const reports::RodProposal& next = *report.next_measurement;
@@ -66,9 +66,9 @@ std::string ToText(const reports::BeamReference& report) {
 }
 
 std::string ToText(const reports::Wear& report) {
-  std::string text = absl::StrCat("tool length ", Fixed(report.length_mm, 5), " mm +- ",
-                                  NumberText(report.length_sigma_um), " um (the longest reading is ",
-                                  Fixed(report.longest_reading_mm, 5), " mm)\n");
+  std::string text =
+      absl::StrCat("tool length ", Fixed(report.length_mm, 5), " mm +- ", NumberText(report.length_sigma_um),
+                   " um (the longest reading is ", Fixed(report.longest_reading_mm, 5), " mm)\n");
   std::vector<std::vector<std::string>> rows = {
       {"insert", "wear um", "+- um", "readings", "fires first deg", "unseen from um"}};
   for (const reports::InsertWear& insert : report.inserts) {
@@ -83,9 +83,16 @@ std::string ToText(const reports::Wear& report) {
                   report.degrees_of_freedom, " degrees of freedom\n");
   for (const reports::Warning& warning : report.warnings) absl::StrAppend(&text, "warning: ", warning.text, "\n");
   if (report.next_measurement) {
-    absl::StrAppend(&text, "an insert never fired: measure with a feed of ",
-                    NumberText(report.next_measurement->feed_mm_min), " mm/min at ",
-                    NumberText(report.next_measurement->spindle_rpm), " rpm to see its wear\n");
+    absl::StrAppend(
+        &text, "an insert never fired: measure with a feed of ", NumberText(report.next_measurement->feed_mm_min),
+        " mm/min at ", NumberText(report.next_measurement->spindle_rpm), " rpm, which shows wear of up to ",
+        Fixed(report.next_measurement->sees_up_to_um, 1),
+        " um by the model. That it is worn by less is an assumption, and that the machine runs this feed\n");
+  } else if (std::any_of(report.inserts.begin(), report.inserts.end(),
+                         [](const reports::InsertWear& insert) { return !insert.identifiable; })) {
+    text +=
+        "an insert never fired, and no feed at this speed would show its wear: expected a lower speed, or an offset "
+        "nearer to where the inserts' lowest points pass\n";
   }
   return text;
 }

@@ -66,7 +66,7 @@ Wear AWear() {
                     {.insert = 2, .at_least_um = 9.0, .fires_first_deg = 0.0, .unseen_from_um = 5.0}};
   report.warnings = {InWords(Scatter{3.0, Scatter::About::kCutter})};
   report.readings = {{0.0, 176.0, -kThird}};
-  report.next_measurement = FeedProposal{60.0, 1000.0};
+  report.next_measurement = FeedProposal{60.0, 1000.0, 30.0 * kThird};
   return report;
 }
 

@@ -68,6 +68,7 @@ struct CurveReading {
 
 struct FeedProposal {
   double feed_mm_min = kNoNumber, spindle_rpm = kNoNumber;
+  double sees_up_to_um = kNoNumber;  // wear that the inserts which were not seen would show there, by the model
 };
 
 struct Wear {

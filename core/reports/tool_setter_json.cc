@@ -82,6 +82,7 @@ template <typename Io>
 void Members(Io& io, base::Like<Io, FeedProposal> next) {
   io.Member("feed_mm_min", next.feed_mm_min);
   io.Member("spindle_rpm", next.spindle_rpm);
+  io.Member("sees_up_to_um", next.sees_up_to_um);
 }
 
 template <typename Io>

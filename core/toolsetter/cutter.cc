@@ -76,7 +76,7 @@ absl::Status Validate(const Cutter& cutter, const CutterRun& run) {
       {"offset_d_mm", run.offset_mm, -600.0, 600.0, "mm"},
       {"beam_radius_mm", run.beam_radius_mm, 1e-3, 5.0, "mm"},
       {"spindle_rpm", run.spindle_rpm, 1.0, 1e6, "rpm"},
-      {"feed_mm_min", run.feed_mm_min, 1e-3, 1e5, "mm/min"},
+      {"feed_mm_min", run.feed_mm_min, 1e-3, kMaxFeedMmMin, "mm/min"},
       {"start_height_mm", run.start_height_mm, -100.0, 1000.0, "mm"},
   };
   for (const Limit& limit : limits) RETURN_IF_ERROR(Check(limit));

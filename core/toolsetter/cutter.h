@@ -46,6 +46,8 @@ struct CutterRun {
   double feed_per_insert_mm(const Cutter& cutter) const { return feed_per_turn_mm() / cutter.inserts; }
 };
 
+inline constexpr double kMaxFeedMmMin = 1e5;  // of a run: more than machines have
+
 // INVALID_ARGUMENT naming field, value and rule: numbers out of range, several inserts at one angle; with the run also
 // inserts that never reach the beam, a flank that stands below the edge, a start in the beam.
 absl::Status Validate(const Cutter& cutter);

@@ -78,6 +78,64 @@ std::vector<double> UnseenFromMm(const InsertHeights& heights, const Cutter& cut
   return unseen_mm;
 }
 
+std::optional<FeedProposal> FeedThatSees(const Cutter& cutter, const CutterRun& run,
+                                         const std::vector<double>& wear_mm) {
+  // The least wear that stays unseen, of the inserts asked for; nothing where one would not be seen as asked.
+  const auto sees = [&](double feed_mm_min) -> std::optional<double> {
+    CutterRun faster = run;
+    faster.feed_mm_min = feed_mm_min;
+    const auto heights = HeightsOf(cutter, faster);
+    if (!heights.ok()) return std::nullopt;
+    const std::vector<double> unseen_mm = UnseenFromMm(*heights, cutter, faster);
+    double least_mm = std::numeric_limits<double>::infinity();
+    for (size_t k = 0; k < wear_mm.size(); ++k) {
+      constexpr double kRounding = 1e-9;
+      if (wear_mm[k] == 0.0) continue;
+      const double asked_mm = std::min(2.0 * wear_mm[k], cutter.insert_radius_mm);
+      if (!(unseen_mm[k] >= asked_mm * (1.0 - kRounding))) return std::nullopt;
+      least_mm = std::min(least_mm, unseen_mm[k]);
+    }
+    return least_mm;
+  };
+  const auto rounded_up = [](double feed_mm_min) {
+    const double digit = std::pow(10.0, std::floor(std::log10(feed_mm_min)) - 2.0);
+    return digit * std::ceil(feed_mm_min / digit * (1.0 - 1e-5));
+  };
+  const auto is_possible = [&](double feed_mm_min) {
+    CutterRun faster = run;
+    faster.feed_mm_min = feed_mm_min;
+    return HeightsOf(cutter, faster).ok();
+  };
+  // Upwards to the first feed that shows it; the last one tried is the largest at which the cutter still reaches the
+  // beam with its edges first.
+  constexpr double kStep = 1.25, kNearLimit = 1e-3;
+  double below = run.feed_mm_min, feed = below;
+  for (bool is_last = false; !sees(feed);) {
+    if (is_last) return std::nullopt;
+    below = feed;
+    feed = std::min(kStep * below, kMaxFeedMmMin);
+    is_last = feed == kMaxFeedMmMin;
+    if (is_possible(feed)) continue;
+    is_last = true;
+    double possible = below;
+    while (feed - possible > kNearLimit * feed) {
+      const double middle = 0.5 * (possible + feed);
+      (is_possible(middle) ? possible : feed) = middle;
+    }
+    feed = possible;
+  }
+  constexpr double kNear = 1e-6;
+  while (feed - below > kNear * feed) {
+    const double middle = 0.5 * (below + feed);
+    (sees(middle) ? feed : below) = middle;
+  }
+  // What is asked for may be seen at a feed and, by a second crossing of the beam, no longer a little above.
+  for (const double proposed : {std::min(rounded_up(feed), kMaxFeedMmMin), feed}) {
+    if (const auto sees_mm = sees(proposed)) return FeedProposal{proposed, *sees_mm};
+  }
+  return std::nullopt;
+}
+
 absl::Status CheckInsertsApart(const InsertHeights& heights, const Cutter& cutter, const CutterRun& run,
                                double sigma_mm) {
   constexpr double kShare = 0.1;

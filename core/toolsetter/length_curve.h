@@ -5,6 +5,7 @@
 #ifndef AXISCAL_CORE_TOOLSETTER_LENGTH_CURVE_H_
 #define AXISCAL_CORE_TOOLSETTER_LENGTH_CURVE_H_
 
+#include <optional>
 #include <vector>
 
 #include "core/toolsetter/insert_heights.h"
@@ -55,6 +56,18 @@ absl::StatusOr<InsertHeights> HeightsOf(const Cutter& cutter, const CutterRun& r
 // another insert's second crossing comes before it. 0: its wear does not show at all, as at offset 0 with an insert
 // right opposite. A single insert has what the tool sinks in a turn.
 std::vector<double> UnseenFromMm(const InsertHeights& heights, const Cutter& cutter, const CutterRun& run);
+
+// A feed per minute for another measurement of the same cutter at the run's speed.
+struct FeedProposal {
+  double feed_mm_min = 0.0;
+  double sees_mm = 0.0;  // wear from which an insert that was not seen would still not fire, by the model at this feed
+};
+// The least feed above the run's at which each insert fires until it is worn by twice its entry of `wear_mm` more than
+// the others (0: not asked for, and no cutter has more wear than its insert's radius), rounded up to three digits. By
+// UnseenFromMm at that feed, the others unworn, which hides most. Nothing where no feed up to kMaxFeedMmMin does. What
+// the machine can run is not known here.
+std::optional<FeedProposal> FeedThatSees(const Cutter& cutter, const CutterRun& run,
+                                         const std::vector<double>& wear_mm);
 
 // INVALID_ARGUMENT naming offset, insert and rule where the readings of a run cannot tell which insert is worn: an
 // insert never fires once it is worn by a tenth of `sigma_mm` (of one reading) more than the others, which no number of

@@ -307,7 +307,7 @@ absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
   report.phase_rad = std::remainder(best[0], kTurn);
   report.phase_sigma_rad = std::sqrt(covariance(0, 0));
   const double f_mm = session.run.feed_per_insert_mm(session.cutter);
-  double times_feed = 0.0;
+  std::vector<double> to_be_seen_mm(inserts, 0.0);
   for (int k = 0; k < inserts; ++k) {
     InsertWear& insert = report.inserts[k];
     insert.unseen_from_mm = unseen_from_mm[k];
@@ -320,9 +320,10 @@ absl::StatusOr<WearReport> FitWear(const CurveSession& session) {
       continue;
     }
     insert.at_least_mm = BoundMm(fitter, best, k, chi2, grown, f_mm);
-    times_feed = std::max(times_feed, 2.0 * std::max(1.0, insert.at_least_mm / insert.unseen_from_mm));
+    to_be_seen_mm[k] = std::max(insert.unseen_from_mm, insert.at_least_mm);
   }
-  if (times_feed > 0.0) report.propose_feed_mm_min = times_feed * session.run.feed_mm_min;
+  if (std::any_of(to_be_seen_mm.begin(), to_be_seen_mm.end(), [](double mm) { return mm > 0.0; }))
+    report.propose = FeedThatSees(session.cutter, session.run, to_be_seen_mm);
 
   std::vector<double> starts;
   for (int i = 0; i < 2 * kSearchSteps; ++i) starts.push_back(0.5 * i * kSearchStep);

@@ -54,10 +54,12 @@ struct WearReport {
   double rms_mm = 0.0, chi2 = 0.0;
   int degrees_of_freedom = 0;
   double coverage_factor = 1.959964;  // half of the 95 % interval in sigmas: Student's t where sigmas grew
-  std::vector<double> residual_mm;  // measured - predicted per reading
-  double longest_reading_mm = 0.0;  // usually taken for the length, but too small: it misses the curve's peak
-  // Where inserts are not seen: a feed per minute, at the same speed, that shows wear up to twice the bound.
-  std::optional<double> propose_feed_mm_min;
+  std::vector<double> residual_mm;    // measured - predicted per reading
+  double longest_reading_mm = 0.0;    // usually taken for the length, but too small: it misses the curve's peak
+  // Where inserts are not seen: FeedThatSees of what they are worn by at least (or what is unseen now, if that is
+  // more). Nothing where no feed does. That they are worn by less than twice that is an assumption: nothing has seen
+  // them.
+  std::optional<FeedProposal> propose;
 };
 
 // INVALID_ARGUMENT as HeightsOf and CheckInsertsApart, and where the readings leave length and phase together.

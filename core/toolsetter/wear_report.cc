@@ -42,7 +42,10 @@ reports::Wear ReportOf(const CurveSession& session, const WearReport& found) {
     report.readings.push_back(
         {session.starts_rad[i] * kDegPerRad, session.lengths_mm[i], found.residual_mm[i] * kUmPerMm});
   }
-  if (found.propose_feed_mm_min) report.next_measurement = {*found.propose_feed_mm_min, session.run.spindle_rpm};
+  if (found.propose) {
+    report.next_measurement = {found.propose->feed_mm_min, session.run.spindle_rpm,
+                               found.propose->sees_mm * kUmPerMm};
+  }
   return report;
 }
 

@@ -66,7 +66,7 @@ TEST(Wear, TwelveExactReadingsGiveLengthAndWear) {
     EXPECT_NEAR(report->inserts[1].wear_mm, 0.005, 2e-6);
     EXPECT_NEAR(report->inserts[1].share_rad * kDegPerRad, 120, 2);
     EXPECT_NEAR(report->inserts[1].unseen_from_mm, 0.015, 1e-9);
-    EXPECT_FALSE(report->propose_feed_mm_min.has_value());
+    EXPECT_FALSE(report->propose.has_value());
     // The readings' own maximum is short of the length.
     EXPECT_LT(report->longest_reading_mm, kLengthMm - 1e-3);
   }
@@ -190,13 +190,65 @@ TEST(Wear, AnInsertThatIsTooWornHasNoNumber) {
   EXPECT_NEAR(report->length_mm, kLengthMm, 4e-3);
   const std::string json = reports::ToJson(ReportOf(session, *report));
   EXPECT_NE(json.find("\"wear_um\": null"), std::string::npos);
-  ASSERT_TRUE(report->propose_feed_mm_min.has_value());
-  session.run.feed_mm_min = *report->propose_feed_mm_min;
+  ASSERT_TRUE(report->propose.has_value());
+  session.run.feed_mm_min = report->propose->feed_mm_min;
   Measure(&session, {0.0, 0.018}, 10, &random);
   report = FitWear(session);
   ASSERT_TRUE(report.ok()) << report.status();
   for (const InsertWear& insert : report->inserts) EXPECT_TRUE(insert.is_identifiable);
   EXPECT_NEAR(std::max(report->inserts[0].wear_mm, report->inserts[1].wear_mm), 0.018, 5e-3);
+}
+
+// The proposed feed is the least that shows twice the bound by the curve itself: where an insert crosses the beam
+// twice, what stays unseen does not grow in proportion to the feed.
+TEST(Wear, TheProposedFeedShowsTwiceTheBound) {
+  struct Case {
+    double offset_mm, feed_mm_min;
+    int inserts;
+  };
+  for (const Case& one : {Case{4.0, 30.0, 2}, Case{3.5, 60.0, 5}}) {
+    CurveSession session = MakeSession(one.inserts, 8 * one.inserts);
+    session.run.offset_mm = one.offset_mm;
+    session.run.feed_mm_min = one.feed_mm_min;
+    std::vector<double> wear_mm(static_cast<size_t>(one.inserts), 0.0);
+    wear_mm.back() = 2.0 * session.run.feed_per_insert_mm(session.cutter);
+    Measure(&session, wear_mm, 10, nullptr);
+    const auto report = FitWear(session);
+    ASSERT_TRUE(report.ok()) << report.status();
+    ASSERT_TRUE(report->propose.has_value()) << one.offset_mm;
+    const auto shows = [&](double feed_mm_min) {
+      CutterRun run = session.run;
+      run.feed_mm_min = feed_mm_min;
+      const std::vector<double> unseen_mm = UnseenFromMm(*HeightsOf(session.cutter, run), session.cutter, run);
+      double share = INFINITY;  // of what is to be seen
+      for (size_t k = 0; k < unseen_mm.size(); ++k) {
+        const InsertWear& insert = report->inserts[k];
+        if (!insert.is_identifiable)
+          share = std::min(share, unseen_mm[k] / (2.0 * std::max(insert.at_least_mm, insert.unseen_from_mm)));
+      }
+      return share;
+    };
+    EXPECT_GE(shows(report->propose->feed_mm_min), 1.0 - 1e-6) << one.offset_mm;
+    EXPECT_LT(shows(0.98 * report->propose->feed_mm_min), 1.0) << one.offset_mm;
+    EXPECT_GT(report->propose->sees_mm, 0.0);
+  }
+}
+
+TEST(Wear, NoFeedIsProposedThatARunCannotHave) {
+  CurveSession session = MakeSession(2, 12);
+  const auto twice = FeedThatSees(session.cutter, session.run, {0.0, 0.010});
+  ASSERT_TRUE(twice.has_value());
+  EXPECT_EQ(twice->feed_mm_min, 40.0);
+  EXPECT_NEAR(twice->sees_mm, 0.020, 1e-9);
+  // Somewhat faster the flanks would reach the beam before the edges do: 1.2 times as fast is possible, twice is not.
+  session.run.feed_mm_min = 480;
+  const auto somewhat = FeedThatSees(session.cutter, session.run, {0.0, 0.6 * 0.240});
+  ASSERT_TRUE(somewhat.has_value());
+  EXPECT_EQ(somewhat->feed_mm_min, 576.0);
+  EXPECT_FALSE(FeedThatSees(session.cutter, session.run, {0.0, 0.240}).has_value());
+  // 0.2 mm a turn and insert at a million turns is 200,000 mm/min.
+  session.run = {4, 0.2, 1e6, 30, 0};
+  EXPECT_FALSE(FeedThatSees(session.cutter, session.run, {0.0, 0.1}).has_value());
 }
 
 const char kHeader[] =
@@ -222,7 +274,8 @@ TEST(Wear, ReadingsOfAnotherCutterAreSaid) {
   session.cutter.inserts = 3;
   const auto wrong = FitWear(session);
   ASSERT_TRUE(wrong.ok()) << wrong.status();
-  EXPECT_THAT(reports::ToJson(ReportOf(session, *wrong)), HasSubstr("times their stated sigma about the curves of this cutter"));
+  EXPECT_THAT(reports::ToJson(ReportOf(session, *wrong)),
+              HasSubstr("times their stated sigma about the curves of this cutter"));
 }
 
 TEST(CurveSession, ReadsCutterAndRun) {
