@@ -8,6 +8,7 @@
 #include "core/instruments/plausible.h"
 #include "core/instruments/touch/touch_bind.h"
 #include "core/instruments/touch/touch_model.h"
+#include "core/logs/log_rows.h"
 #include "core/logs/sphere_centres.h"
 #include "core/session/check_machine.h"
 #include "core/session/column_rules.h"
@@ -24,39 +25,21 @@ using session::Session;
 // Header keys that a log leaves in its session.
 constexpr char kCutLine[] = "cut_line", kCentreSigma[] = "centre_sigma_um";
 
-std::string ColumnName(const machine::Axis& axis) {
-  return axis.name + (axis.kind == machine::AxisKind::kLinear ? "_mm" : "_deg");
-}
-
-bool IsAxisName(const std::string& column) {
-  std::string axis;
-  session::ColumnKind kind;
-  return session::ParseAxisColumn(column, &axis, &kind);
-}
-
+// Where each column of the session comes from: the log, the plan, the template, or what is computed of them.
 class Reducer {
  public:
   Reducer(const std::string& log_name, const LogTemplate& log_template, const ReduceOptions& options)
-      : log_name_(log_name), template_(log_template), options_(options) {}
+      : log_name_(log_name), template_(log_template), options_(options), rows_(log_name, log_template, options) {}
 
   absl::StatusOr<Reduced> Run(std::istream& in) {
     RETURN_IF_ERROR(MakeHeader());
-    RETURN_IF_ERROR(MakePattern());
-    RETURN_IF_ERROR(CheckFields());
-    RETURN_IF_ERROR(CheckReadings());
-    if (AreTouchesOfCentres() && options_.machine == nullptr) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(template_.name, ": line: '", pattern_.text,
-                       "' has no fields {cx_mm} {cy_mm} {cz_mm}: centres are computed from touches with the "
-                       "machine's axes, expected the fields or --machine"));
-    }
-    ASSIGN_OR_RETURN(log_, ReadLog(in, log_name_, template_, pattern_));
-    for (const LogReading& reading : log_.readings) out_.lines.push_back(reading.line);
-    if (AreTouchesOfCentres()) {
+    RETURN_IF_ERROR(rows_.Read(in, *format_));
+    for (const LogReading& reading : rows_.readings()) out_.lines.push_back(reading.line);
+    if (rows_.AreTouchesOfCentres()) {
       RETURN_IF_ERROR(FillCentres());
     } else {
       RETURN_IF_ERROR(FillAxes());
-      RETURN_IF_ERROR(CheckPlan());
+      RETURN_IF_ERROR(rows_.CheckPlan(from_plan_, &axes_, &out_.notes));
       FillTimes();
       if (format_->name == "touch") RETURN_IF_ERROR(FillTouches());
       RETURN_IF_ERROR(FillMissing());
@@ -104,158 +87,32 @@ class Reducer {
     return absl::OkStatus();
   }
 
-  // Axis columns in the machine's order, else in the plan's, else in the line's.
-  std::vector<std::string> KnownAxes() const {
-    std::vector<std::string> names;
-    if (options_.machine != nullptr) {
-      for (const machine::Axis& axis : options_.machine->axes) names.push_back(ColumnName(axis));
-    } else if (options_.plan != nullptr) {
-      for (const Column& column : options_.plan->columns) {
-        if (IsAxis(column.name)) names.push_back(column.name);
-      }
-      // What is read may be where an axis stood: Z_mm of a tool setter.
-      for (const session::ReadingColumn& column : format_->columns) {
-        if (IsAxisName(column.name)) names.push_back(column.name);
-      }
-    }
-    return names;
-  }
-
-  // An axis column of the session, which a reading of the same name is not.
-  bool IsAxis(const std::string& column) const {
-    return IsAxisName(column) &&
-           std::none_of(format_->columns.begin(), format_->columns.end(),
-                        [&](const session::ReadingColumn& reading) { return reading.name == column; });
-  }
-
-  absl::Status MakePattern() {
-    if (template_.line) {
-      pattern_ = *template_.line;
-      return absl::OkStatus();
-    }
-    std::string text;
-    if (template_.format == KnownFormat::kLinuxCncProbe) {
-      text = "{X_mm} {Y_mm} {Z_mm} {A_deg} {B_deg} {C_deg} {U_mm} {V_mm} {W_mm}";
-    } else {
-      for (const std::string& name : KnownAxes())
-        absl::StrAppend(&text, text.empty() ? "" : " ", name.substr(0, name.find('_')), "{", name, "}");
-    }
-    if (KnownAxes().empty()) {
-      return absl::InvalidArgumentError(
-          template_.name +
-          ": which axes the log holds follows from the machine or the plan, expected one of them or 'line:'");
-    }
-    ASSIGN_OR_RETURN(pattern_, ParsePattern(text));
-    return absl::OkStatus();
-  }
-
-  int FieldIndex(const std::string& name) const {
-    for (size_t i = 0; i < pattern_.pieces.size(); ++i) {
-      if (pattern_.pieces[i].field == name) return static_cast<int>(i);
-    }
-    return -1;
-  }
-
-  bool IsColumn(const std::string& field) const {
-    if (field == "t_s") return format_->has_time;
-    if (field == "temp_C" || IsAxisName(field)) return true;
-    return std::any_of(format_->columns.begin(), format_->columns.end(),
-                       [&](const session::ReadingColumn& column) { return column.name == field; });
-  }
-
-  absl::Status CheckFields() const {
-    for (const Piece& piece : pattern_.pieces) {
-      if (piece.field.empty() || piece.field == "*" || IsColumn(piece.field)) continue;
-      return absl::InvalidArgumentError(absl::StrCat(template_.name, ": line: {", piece.field,
-                                                     "} is no column of instrument ", format_->name,
-                                                     ", expected such as X_mm, B_deg, t_s, temp_C",
-                                                     format_->columns.empty() ? "" : ", " + format_->columns[0].name));
-    }
-    for (const auto& [axis, scale] : template_.scales) {
-      if (FieldIndex(axis + "_mm") < 0 && FieldIndex(axis + "_deg") < 0)
-        return absl::InvalidArgumentError(
-            absl::StrCat(template_.name, ": axis ", axis, " is scaled, but its line has no such field"));
-    }
-    return absl::OkStatus();
-  }
-
-  // What an instrument reads is in the line. What it may leave empty is empty, if the line holds any other of that
-  // kind.
-  absl::Status CheckReadings() const {
-    if (AreTouchesOfCentres()) return absl::OkStatus();
-    const bool is_read = std::any_of(format_->columns.begin(), format_->columns.end(), [&](const auto& column) {
-      return column.may_be_empty && FieldIndex(column.name) >= 0;
-    });
-    for (const session::ReadingColumn& column : format_->columns) {
-      if (column.source == session::ColumnSource::kPlan || FieldIndex(column.name) >= 0) continue;
-      if (column.may_be_empty && is_read) continue;
-      return absl::InvalidArgumentError(absl::StrCat(
-          template_.name, ": line: '", pattern_.text, "' has no field {", column.name, "}, which instrument ",
-          format_->name, " reads and only the log can hold, expected a template with 'line: ...{", column.name, "}'"));
-    }
-    return absl::OkStatus();
-  }
-
-  // As logged; an axis' by its scale and offset.
-  std::vector<double> NumbersOf(int field) const {
-    std::vector<double> numbers;
-    for (const LogReading& reading : log_.readings) numbers.push_back(reading.fields[field].number);
-    const std::string& name = pattern_.pieces[field].field;
-    const auto scale = template_.scales.find(name.substr(0, name.find('_')));
-    if (!IsAxisName(name) || scale == template_.scales.end()) return numbers;
-    for (double& number : numbers) number = scale->second.scale * number + scale->second.offset;
-    return numbers;
-  }
-
-  std::string LineOf(size_t reading) const { return absl::StrCat(log_name_, ": line ", out_.lines[reading]); }
-
-  const Column* Planned(const std::string& column) const {
-    return options_.plan != nullptr ? session::FindColumn(*options_.plan, column) : nullptr;
-  }
-
-  // LinuxCNC prints nine axes, whatever the machine has: those it has not read 0.
-  absl::Status CheckForeignAxes(const std::vector<std::string>& names) const {
-    // Instruments without axis columns pass over what else the control prints.
-    if (format_->axes == session::AxisColumns::kNone && options_.machine == nullptr) return absl::OkStatus();
-    for (const Piece& piece : pattern_.pieces) {
-      if (!IsAxis(piece.field) || std::find(names.begin(), names.end(), piece.field) != names.end()) continue;
-      const std::vector<double> numbers = NumbersOf(FieldIndex(piece.field));
-      for (size_t k = 0; k < numbers.size(); ++k) {
-        if (numbers[k] == 0.0 && template_.format == KnownFormat::kLinuxCncProbe) continue;
-        return absl::InvalidArgumentError(absl::StrCat(
-            LineOf(k), ": ", piece.field, " reads ", numbers[k], ", but ",
-            options_.machine != nullptr ? "machine " + options_.machine->id : "the plan", " has no such axis"));
-      }
-    }
-    return absl::OkStatus();
-  }
-
   absl::Status NoField(const std::string& name) const {
     return absl::InvalidArgumentError(absl::StrCat(
-        template_.name, ": line: '", pattern_.text, "' has no field {", name, "}, instrument ", format_->name,
+        template_.name, ": line: '", rows_.pattern().text, "' has no field {", name, "}, instrument ", format_->name,
         " needs it", format_->name == "touch" ? "" : ", expected the field or a plan that holds it"));
   }
 
   absl::Status FillAxes() {
-    std::vector<std::string> names = KnownAxes();
+    std::vector<std::string> names = rows_.KnownAxes();
     if (names.empty()) {
-      for (const Piece& piece : pattern_.pieces) {
-        if (IsAxis(piece.field)) names.push_back(piece.field);
+      for (const Piece& piece : rows_.pattern().pieces) {
+        if (rows_.IsAxis(piece.field)) names.push_back(piece.field);
       }
     }
-    RETURN_IF_ERROR(CheckForeignAxes(names));
+    RETURN_IF_ERROR(rows_.CheckForeignAxes(names));
     for (const std::string& name : names) {
       const bool is_linear = name.ends_with("_mm");
       if ((format_->axes == session::AxisColumns::kRotaryOnly && is_linear) ||
           format_->axes == session::AxisColumns::kNone)
         continue;
-      const int field = FieldIndex(name);
+      const int field = rows_.FieldIndex(name);
       if (field >= 0) {
-        axes_.push_back({name, NumbersOf(field), {}});
+        axes_.push_back({name, rows_.NumbersOf(field), {}});
         continue;
       }
       // A touch is where the axes were latched; all else is measured at commanded positions, which the plan holds.
-      const Column* const plan = Planned(name);
+      const Column* const plan = rows_.Planned(name);
       if (plan == nullptr || format_->name == "touch") return NoField(name);
       axes_.push_back(*plan);
       from_plan_.push_back(name);
@@ -263,73 +120,16 @@ class Reducer {
     return absl::OkStatus();
   }
 
-  absl::Status OffPlan(const std::string& line, const std::string& column, double number, size_t plan_line,
-                       double planned, double limit) const {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "%s: %s = %g, but line %d of the plan is at %g, expected within %g: was a touch missed, or another program "
-        "run?",
-        line, column, number, plan_line, planned, limit));
-  }
-
-  // Where a name of the log stands in the plan too, they agree.
-  absl::Status CheckPlannedNames(bool* is_any) const {
-    for (const session::ReadingColumn& column : format_->columns) {
-      const Column* const plan = Planned(column.name);
-      if (!column.is_name || plan == nullptr) continue;
-      for (size_t k = 0; k < log_.readings.size(); ++k) {
-        const std::optional<std::string> name = LoggedName(column.name, k);
-        if (!name) continue;
-        *is_any |= IsFeature(column.name);  // a run has several senses
-        if (*name == plan->texts[k]) continue;
-        return absl::InvalidArgumentError(absl::StrCat(
-            LineOf(k), ": ", column.name, " ", session::Quoted(*name), ", but line ", k + 1, " of the plan is of ",
-            session::Quoted(plan->texts[k]), ": was a reading missed, or another program run?"));
-      }
-    }
-    return absl::OkStatus();
-  }
-
-  absl::Status CheckPlan() {
-    if (options_.plan == nullptr) return absl::OkStatus();
-    const size_t planned = options_.plan->reading_count(), found = log_.readings.size();
-    if (found > planned) {
-      return absl::InvalidArgumentError(absl::StrCat(LineOf(planned), ": reading ", planned + 1, ", but the plan has ",
-                                                     planned, ", expected no more"));
-    }
-    for (Column& column : axes_) {
-      const Column* const plan = Planned(column.name);
-      if (plan == nullptr) return absl::InvalidArgumentError(absl::StrCat("the plan has no column ", column.name));
-      column.values.resize(found);  // those of the plan itself
-      const double limit = column.name.ends_with("_mm") ? kMaxOffPlanMm : kMaxOffPlanDeg;
-      for (size_t k = 0; k < found; ++k) {
-        if (std::abs(column.values[k] - plan->values[k]) > limit)
-          return OffPlan(LineOf(k), column.name, column.values[k], k + 1, plan->values[k], limit);
-      }
-    }
-    bool is_named = false;
-    RETURN_IF_ERROR(CheckPlannedNames(&is_named));
-    const bool is_tied = from_plan_.empty() && (is_named || !axes_.empty());
-    if (found < planned && !is_tied) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(log_name_, ": the plan has ", planned, " readings, the log ", found,
-                       ": no position and no name in the log says which are missing, expected all of them"));
-    }
-    if (found < planned)
-      out_.notes.push_back(
-          absl::StrCat("the plan has ", planned, " readings, the log ", found, ": the rest is missing"));
-    return absl::OkStatus();
-  }
-
   void FillTimes() {
     std::vector<Column>& columns = out_.session.columns;
-    const int field = FieldIndex("t_s");
+    const int field = rows_.FieldIndex("t_s");
     if (field >= 0) {
-      columns.push_back({"t_s", NumbersOf(field), {}});
+      columns.push_back({"t_s", rows_.NumbersOf(field), {}});
     } else if (format_->has_time) {
-      const Column* const plan = Planned("t_s");
+      const Column* const plan = rows_.Planned("t_s");
       const double start_s = options_.start_s.value_or(plan != nullptr ? plan->values[0] : 0.0);
       Column times = {"t_s", {}, {}};
-      for (size_t k = 0; k < log_.readings.size(); ++k) {
+      for (size_t k = 0; k < rows_.readings().size(); ++k) {
         const double since_s =
             plan != nullptr ? plan->values[k] - plan->values[0] : static_cast<double>(k) * template_.seconds;
         times.values.push_back(start_s + since_s);
@@ -342,20 +142,9 @@ class Reducer {
     columns.insert(columns.end(), axes_.begin(), axes_.end());
   }
 
-  // A mark and the rule `feature` name what was touched, or the rod that was measured.
-  static bool IsFeature(const std::string& column) { return column == "feature" || column == "rod"; }
-
-  // What the log itself says in a column of names.
-  std::optional<std::string> LoggedName(const std::string& column, size_t k) const {
-    const int field = FieldIndex(column);
-    if (field >= 0) return log_.readings[k].fields[field].text;
-    if (IsFeature(column) && !log_.readings[k].feature.empty()) return log_.readings[k].feature;
-    return std::nullopt;
-  }
-
   absl::StatusOr<std::string> FeatureOf(const std::string& column, size_t k) const {
-    if (const std::optional<std::string> name = LoggedName(column, k)) return *name;
-    if (const Column* const plan = Planned(column)) return plan->texts[k];
+    if (const std::optional<std::string> name = rows_.LoggedName(column, k)) return *name;
+    if (const Column* const plan = rows_.Planned(column)) return plan->texts[k];
     if (!template_.feature.empty()) return template_.feature;
     std::vector<std::string> names;
     for (const session::HeaderEntry& entry : out_.session.header) {
@@ -363,25 +152,25 @@ class Reducer {
       if (rule != nullptr) names.push_back(entry.key.substr(rule->prefix.size() + 1));
     }
     if (names.size() == 1) return names[0];
-    return absl::InvalidArgumentError(LineOf(k) + ": nothing says which " +
+    return absl::InvalidArgumentError(rows_.LineOf(k) + ": nothing says which " +
                                       (column == "feature" ? "feature was touched" : column + " was measured") +
                                       ", expected a field {" + column + "}, 'mark: ...', 'feature: ...' or a plan");
   }
 
   absl::Status FillTouches() {
-    const size_t count = log_.readings.size();
+    const size_t count = rows_.readings().size();
     Column approach[3] = {{"nx", {}, {}}, {"ny", {}, {}}, {"nz", {}, {}}}, feature = {"feature", {}, {}};
     for (size_t k = 0; k < count; ++k) {
       ASSIGN_OR_RETURN(std::string name, FeatureOf("feature", k));
       feature.texts.push_back(std::move(name));
     }
-    const int fields[3] = {FieldIndex("nx"), FieldIndex("ny"), FieldIndex("nz")};
+    const int fields[3] = {rows_.FieldIndex("nx"), rows_.FieldIndex("ny"), rows_.FieldIndex("nz")};
     for (size_t k = 0; k < count; ++k) {
       Eigen::Vector3d n;
       if (fields[0] >= 0 && fields[1] >= 0 && fields[2] >= 0) {
-        for (int i = 0; i < 3; ++i) n[i] = log_.readings[k].fields[fields[i]].number;
+        for (int i = 0; i < 3; ++i) n[i] = rows_.readings()[k].fields[fields[i]].number;
       } else if (options_.plan != nullptr) {
-        for (int i = 0; i < 3; ++i) n[i] = Planned(approach[i].name)->values[k];
+        for (int i = 0; i < 3; ++i) n[i] = rows_.Planned(approach[i].name)->values[k];
       } else if (template_.approach) {
         n = Eigen::Map<const Eigen::Vector3d>(template_.approach->data());
       } else {
@@ -413,27 +202,27 @@ class Reducer {
         positions.push_back(column.values[k] * (column.name.ends_with("_deg") ? base::kRadPerDeg : 1.0));
       return -touch::NormalAt(*options_.machine, feature, {tip[0], tip[1], tip[2]}, positions.data());
     }
-    return absl::InvalidArgumentError(absl::StrCat(LineOf(k), ": feature ", session::Quoted(name),
+    return absl::InvalidArgumentError(absl::StrCat(rows_.LineOf(k), ": feature ", session::Quoted(name),
                                                    " has no header line '# sphere ", name, ": ...' or '# plane ...'"));
   }
 
   // Columns of the instrument that the line does not hold.
   absl::Status FillMissing() {
     for (const session::ReadingColumn& column : format_->columns) {
-      if (session::FindColumn(out_.session, column.name) != nullptr || FieldIndex(column.name) >= 0) continue;
+      if (session::FindColumn(out_.session, column.name) != nullptr || rows_.FieldIndex(column.name) >= 0) continue;
       ASSIGN_OR_RETURN(Column filled, Missing(column));
       out_.session.columns.push_back(std::move(filled));
     }
     std::string columns;
     for (const std::string& name : from_plan_) absl::StrAppend(&columns, columns.empty() ? "" : ", ", name);
     if (!columns.empty()) out_.notes.push_back(columns + ": not in the log, the plan's");
-    if (Planned("temp_C") != nullptr && FieldIndex("temp_C") < 0)
+    if (rows_.Planned("temp_C") != nullptr && rows_.FieldIndex("temp_C") < 0)
       out_.notes.push_back("temp_C: left out, the plan's is not what was measured, and the log has none");
     return absl::OkStatus();
   }
 
   absl::StatusOr<Column> Missing(const session::ReadingColumn& column) {
-    const size_t count = log_.readings.size();
+    const size_t count = rows_.readings().size();
     Column filled = {column.name, {}, {}};
     if (column.source != session::ColumnSource::kPlan) {  // CheckReadings: it may be empty
       filled.values.assign(count, std::nan(""));
@@ -446,7 +235,7 @@ class Reducer {
       }
       return filled;
     }
-    if (const Column* const plan = Planned(column.name)) {
+    if (const Column* const plan = rows_.Planned(column.name)) {
       filled = *plan;
       filled.values.resize(std::min(count, plan->values.size()));
       filled.texts.resize(std::min(count, plan->texts.size()));
@@ -459,77 +248,26 @@ class Reducer {
       out_.notes.push_back("readout: not in the log, counts the readings of each rod");
       return filled;
     }
-    return absl::InvalidArgumentError(absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {",
-                                                   column.name, "}, instrument ", format_->name,
+    return absl::InvalidArgumentError(absl::StrCat(template_.name, ": line: '", rows_.pattern().text,
+                                                   "' has no field {", column.name, "}, instrument ", format_->name,
                                                    " needs it, expected the field or a plan"));
   }
 
   // The instrument's own columns and the temperature, as the line gives them.
   void FillRest() {
-    for (size_t i = 0; i < pattern_.pieces.size(); ++i) {
-      const Piece& piece = pattern_.pieces[i];
-      if (piece.field.empty() || piece.field == "*" || IsAxis(piece.field) ||
+    for (size_t i = 0; i < rows_.pattern().pieces.size(); ++i) {
+      const Piece& piece = rows_.pattern().pieces[i];
+      if (piece.field.empty() || piece.field == "*" || rows_.IsAxis(piece.field) ||
           session::FindColumn(out_.session, piece.field) != nullptr)
         continue;
       Column column = {piece.field, {}, {}};
       if (piece.is_text) {
-        for (const LogReading& reading : log_.readings) column.texts.push_back(reading.fields[i].text);
+        for (const LogReading& reading : rows_.readings()) column.texts.push_back(reading.fields[i].text);
       } else {
-        column.values = NumbersOf(static_cast<int>(i));
+        column.values = rows_.NumbersOf(static_cast<int>(i));
       }
       out_.session.columns.push_back(std::move(column));
     }
-  }
-
-  // A log of positions alone, in place of the centres that are computed from them.
-  bool AreTouchesOfCentres() const {
-    bool is_any = false;
-    for (const session::ReadingColumn& column : format_->columns) {
-      if (column.source != session::ColumnSource::kFromTouches) continue;
-      if (FieldIndex(column.name) >= 0) return false;
-      is_any = true;
-    }
-    return is_any;
-  }
-
-  // Touches in order, those at one rotary pose together; pose k is that of the plan's line k.
-  absl::StatusOr<std::vector<TouchedPose>> Poses(const std::vector<std::vector<double>>& axes) const {
-    const machine::Machine& machine = *options_.machine;
-    std::vector<TouchedPose> poses;
-    // The first rotary axis (its number in the machine) that stands elsewhere than `there` says, or -1.
-    const auto turned = [&](size_t k, const auto& there) {
-      for (int i = 0; i < machine.axis_count(); ++i) {
-        if (machine.axes[i].kind == machine::AxisKind::kRotary && std::abs(axes[i][k] - there(i)) > kMaxOffPlanDeg)
-          return i;
-      }
-      return -1;
-    };
-    size_t first = 0;  // touch of the pose
-    for (size_t k = 0; k < log_.readings.size(); ++k) {
-      if (poses.empty() || turned(k, [&](int i) { return axes[i][first]; }) >= 0) {
-        poses.emplace_back();
-        first = k;
-        const size_t row = poses.size() - 1;
-        if (options_.plan != nullptr && row >= options_.plan->reading_count()) {
-          return absl::InvalidArgumentError(
-              absl::StrCat(LineOf(k), ": pose ", row + 1, ", but the plan has ", row, ", expected no more"));
-        }
-        if (options_.plan != nullptr) {
-          const auto planned = [&](int i) { return Planned(ColumnName(machine.axes[i]))->values[row]; };
-          const int axis = turned(k, planned);
-          if (axis >= 0)
-            return OffPlan(LineOf(k), ColumnName(machine.axes[axis]), axes[axis][k], row + 1, planned(axis),
-                           kMaxOffPlanDeg);
-        }
-      }
-      LatchedTouch touch = {{}, log_.readings[k].line};
-      for (int i = 0; i < machine.axis_count(); ++i) {
-        const bool is_rotary = machine.axes[i].kind == machine::AxisKind::kRotary;
-        touch.positions.push_back(axes[i][k] * (is_rotary ? base::kRadPerDeg : 1.0));
-      }
-      poses.back().touches.push_back(std::move(touch));
-    }
-    return poses;
   }
 
   absl::StatusOr<CentreOptions> OptionsOfCentres() const {
@@ -560,18 +298,18 @@ class Reducer {
   absl::Status FillCentres() {
     const machine::Machine& machine = *options_.machine;
     std::vector<std::vector<double>> axes;
-    for (const std::string& name : KnownAxes()) {
-      if (FieldIndex(name) < 0) {
+    for (const std::string& name : rows_.KnownAxes()) {
+      if (rows_.FieldIndex(name) < 0) {
         return absl::InvalidArgumentError(
-            absl::StrCat(template_.name, ": line: '", pattern_.text, "' has no field {", name,
+            absl::StrCat(template_.name, ": line: '", rows_.pattern().text, "' has no field {", name,
                          "}, and none for centres: a touch is where all axes were latched"));
       }
-      axes.push_back(NumbersOf(FieldIndex(name)));
-      if (options_.plan != nullptr && name.ends_with("_deg") && Planned(name) == nullptr)
+      axes.push_back(rows_.NumbersOf(rows_.FieldIndex(name)));
+      if (options_.plan != nullptr && name.ends_with("_deg") && rows_.Planned(name) == nullptr)
         return absl::InvalidArgumentError("the plan has no column " + name);
     }
-    RETURN_IF_ERROR(CheckForeignAxes(KnownAxes()));
-    ASSIGN_OR_RETURN(const std::vector<TouchedPose> poses, Poses(axes));
+    RETURN_IF_ERROR(rows_.CheckForeignAxes(rows_.KnownAxes()));
+    ASSIGN_OR_RETURN(const std::vector<TouchedPose> poses, rows_.Poses(&axes));
     ASSIGN_OR_RETURN(const CentreOptions options, OptionsOfCentres());
     ASSIGN_OR_RETURN(const SphereCentres centres, CentresOf(machine, poses, options, log_name_));
     if (options_.plan != nullptr && poses.size() < options_.plan->reading_count()) {
@@ -588,8 +326,8 @@ class Reducer {
                     const std::vector<std::vector<double>>& axes) {
     const machine::Machine& machine = *options_.machine;
     std::vector<Column>& columns = out_.session.columns;
-    const int time = FieldIndex("t_s"), temperature = FieldIndex("temp_C");
-    const Column* const plan = Planned("t_s");
+    const int time = rows_.FieldIndex("t_s"), temperature = rows_.FieldIndex("temp_C");
+    const Column* const plan = rows_.Planned("t_s");
     const double start_s = options_.start_s.value_or(plan != nullptr ? plan->values[0] : 0.0);
     columns.push_back({"t_s", {}, {}});
     for (const machine::Axis& axis : machine.axes) {
@@ -612,13 +350,13 @@ class Reducer {
         return sum / static_cast<double>(touches.size());
       };
       size_t column = 0;
-      columns[column++].values.push_back(time >= 0         ? mean(NumbersOf(time))
+      columns[column++].values.push_back(time >= 0         ? mean(rows_.NumbersOf(time))
                                          : plan != nullptr ? start_s + plan->values[pose] - plan->values[0]
                                                            : start_s + static_cast<double>(first) * template_.seconds);
       for (int i = 0; i < machine.axis_count(); ++i) {
         if (machine.axes[i].kind == machine::AxisKind::kRotary) columns[column++].values.push_back(mean(axes[i]));
       }
-      if (temperature >= 0) columns[column++].values.push_back(mean(NumbersOf(temperature)));
+      if (temperature >= 0) columns[column++].values.push_back(mean(rows_.NumbersOf(temperature)));
       for (int i = 0; i < 3; ++i) columns[column++].values.push_back(centres.poses[pose].centre_mm[i]);
       out_.lines.push_back(touches.front().line);
     }
@@ -651,6 +389,7 @@ class Reducer {
 
   // Values against the rules of session files, told by the log's line.
   absl::Status CheckValues() const {
+    const auto line_of = [&](size_t row) { return absl::StrCat(log_name_, ": line ", out_.lines[row]); };
     std::vector<std::string> names;
     for (const Column& column : out_.session.columns) names.push_back(column.name);
     const auto rules = session::ColumnRules(out_.session.header, names);
@@ -659,13 +398,13 @@ class Reducer {
       const Column& column = out_.session.columns[i];
       for (size_t k = 0; k < column.texts.size(); ++k)
         RETURN_IF_ERROR(
-            base::Within(LineOf(k) + " (" + column.name + ")", session::CheckName((*rules)[i], column.texts[k])));
+            base::Within(line_of(k) + " (" + column.name + ")", session::CheckName((*rules)[i], column.texts[k])));
       for (size_t k = 0; k < column.values.size(); ++k) {
         if (!(*rules)[i].Fits(column.values[k]) && !((*rules)[i].may_be_empty && std::isnan(column.values[k])))
-          return absl::InvalidArgumentError(absl::StrFormat("%s (%s): %g, expected %s", LineOf(k), column.name,
+          return absl::InvalidArgumentError(absl::StrFormat("%s (%s): %g, expected %s", line_of(k), column.name,
                                                             column.values[k], (*rules)[i].expected));
         if (column.name == "t_s" && k > 0 && column.values[k] < column.values[k - 1])
-          return absl::InvalidArgumentError(absl::StrFormat("%s (t_s): %g after %g: time never runs back", LineOf(k),
+          return absl::InvalidArgumentError(absl::StrFormat("%s (t_s): %g after %g: time never runs back", line_of(k),
                                                             column.values[k], column.values[k - 1]));
       }
     }
@@ -673,13 +412,14 @@ class Reducer {
   }
 
   void Report() {
-    for (const Announcement& a : log_.announcements) {
+    for (const Announcement& a : rows_.log().announcements) {
       out_.notes.push_back(absl::StrCat("line ", a.line, " of the log announces ", a.announced, " readings, ", a.found,
                                         a.found == 1 ? " is" : " are", " there"));
     }
-    out_.cut = log_.cut;
-    if (!log_.cut) return;
-    const std::string what = absl::StrCat("line ", log_.cut->line, " of the log: ", session::Quoted(log_.cut->text));
+    out_.cut = rows_.log().cut;
+    if (!rows_.log().cut) return;
+    const std::string what =
+        absl::StrCat("line ", rows_.log().cut->line, " of the log: ", session::Quoted(rows_.log().cut->text));
     out_.session.header.push_back({kCutLine, what});
     out_.notes.push_back("cut, and left out: " + what);
   }
@@ -688,8 +428,7 @@ class Reducer {
   const LogTemplate& template_;
   const ReduceOptions& options_;
   const session::InstrumentFormat* format_ = nullptr;
-  LinePattern pattern_;
-  Log log_;
+  LogRows rows_;
   std::vector<Column> axes_;
   std::vector<std::string> from_plan_;  // of axes_
   Reduced out_;

@@ -194,5 +194,70 @@ TEST(Reduce, APlanSaysWhatWasTouched) {
               HasSubstr("line 26: reading 22, but the plan has 21"));
 }
 
+// C of `machine` counts from 0 to 360 deg, or does not say.
+machine::Machine Counting(machine::RollOver roll_over) {
+  machine::Machine machine = machine::testing::MultiTasking();
+  machine::Axis& c = machine.axes[static_cast<size_t>(machine::FindAxis(machine, "C"))];
+  c.min_position = c.max_position = std::nullopt;
+  c.roll_over = roll_over;
+  return machine;
+}
+
+// A control that counts from 0 to 360 deg shows 359.9995 where -0.0005 was commanded.
+TEST(Reduce, AnAxisThatRollsOverIsWhereThePlanIs) {
+  const std::string line = "line: {B_deg} {C_deg} {cx_mm} {cy_mm} {cz_mm}\n";
+  const std::string header =
+      "# machine: mt\n# session: C\n# instrument: centres\n# sigma_um: 2\n# tool_tip_mm: 0 0 -382.95\n"
+      "# table_ball_mm: -390 0 -472\n";
+  const auto planned =
+      ReduceText("0 0 -390 0 -472\n0 180 390 0 -472\n0 360 -390 0 -472\n0 -90 0 390 -472\n", header + line);
+  ASSERT_TRUE(planned.ok()) << planned.status();
+  const std::string log =
+      "0 359.9995 -390 0 -472\n0 180.0003 390 0 -472\n0 0.0004 -390 0 -472\n0 270.0001 0 390 -472\n";
+  for (const machine::RollOver roll_over :
+       {machine::RollOver::kShortest, machine::RollOver::kBySign, machine::RollOver::kByDifference}) {
+    const machine::Machine machine = Counting(roll_over);
+    const auto reduced = ReduceText(log, line, &machine, &planned->session);
+    ASSERT_TRUE(reduced.ok()) << reduced.status();
+    const std::vector<double>& c = session::FindColumn(reduced->session, "C_deg")->values;
+    const double expected[] = {-0.0005, 180.0003, 360.0004, -89.9999};
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(c[static_cast<size_t>(k)], expected[k], 1e-9) << k;
+    EXPECT_THAT(Refusal(ReduceText("0 359.8 -390 0 -472\n", line, &machine, &planned->session)),
+                HasSubstr("C_deg = 359.8, but line 1 of the plan is at 0, expected within 0.1"));
+  }
+  const machine::Machine counts_on = Counting(machine::RollOver::kNone),
+                         unstated = Counting(machine::RollOver::kUnstated);
+  EXPECT_THAT(Refusal(ReduceText(log, line, &counts_on, &planned->session)), HasSubstr("was a touch missed"));
+  EXPECT_THAT(
+      Refusal(ReduceText(log, line, &unstated, &planned->session)),
+      HasSubstr("whole turns apart; does the axis count from 0 to 360 deg? Then its roll_over in machine.json"));
+}
+
+// Touches at one pose stay together across 0, and their mean is there.
+TEST(Reduce, ACentreIsComputedAcrossZero) {
+  const machine::Machine machine = Counting(machine::RollOver::kShortest);
+  const std::string rules =
+      "# machine: mt\n# session: C\n# instrument: centres\n# sigma_um: 2\n# tool_tip_mm: 0 0 -382.95\n"
+      "# table_ball_mm: -390 0 -472\nline: X{X_mm} Y{Y_mm} Z{Z_mm} B{B_deg} C{C_deg}\n";
+  constexpr double kRadiusMm = 10.0;
+  const double directions[][3] = {{1, 0, 0}, {-1, 0, 0},    {0, 1, 0},    {0, -1, 0},
+                                  {0, 0, 1}, {0.6, 0, 0.8}, {0, 0.6, 0.8}};
+  std::string log;
+  for (const double pose_deg : {0.0, 90.0}) {
+    int k = 0;
+    for (const auto& n : directions) {
+      const double x = (pose_deg == 0.0 ? -390.0 : 0.0) + kRadiusMm * n[0],
+                   y = (pose_deg == 0.0 ? 0.0 : -390.0) + kRadiusMm * n[1], z = -89.05 + kRadiusMm * n[2];
+      const double c = pose_deg != 0.0 ? pose_deg : ++k % 2 == 0 ? 359.9999 : 0.0001;
+      absl::StrAppendFormat(&log, "X%.4f Y%.4f Z%.4f B0.0000 C%.4f\n", x, y, z, c);
+    }
+  }
+  const auto reduced = ReduceText(log, rules, &machine);
+  ASSERT_TRUE(reduced.ok()) << reduced.status();
+  ASSERT_EQ(reduced->session.reading_count(), 2u);
+  EXPECT_NEAR(session::FindColumn(reduced->session, "C_deg")->values[0], 0.0, 2e-4);
+  EXPECT_NEAR(session::FindColumn(reduced->session, "cx_mm")->values[0], -390.0, 1e-3);
+}
+
 }  // namespace
 }  // namespace axiscal::logs
