@@ -112,7 +112,7 @@ double GainOf(const Extended& extended, const Freed& is_free, const std::vector<
 
 }  // namespace
 
-std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit) {
+std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit, double least_share) {
   const size_t groups = fit.problem.groups.size();
   const auto freedom = static_cast<double>(fit.result.fit.degrees_of_freedom);
   constexpr double kChance = 5.0;  // standard deviations of chi-square
@@ -157,8 +157,7 @@ std::vector<reports::WarningFacts> FindMovedDatum(const Fit& fit) {
     is_free = std::move(best);
     gain = most;
   }
-  constexpr double kMostOfIt = 0.5;
-  if (!(gain > kMostOfIt * std::max(excess, pulled))) return {};
+  if (!(gain > least_share * std::max(excess, pulled))) return {};
   const Reduction reduction = With(extended, is_free);
   const GaussNewtonStep step = SolveStep(reduction.problem, reduction.point, reduction.normal, held);
   const Covariance covariance = CovarianceOf(reduction.problem, reduction.point, reduction.normal, held,

@@ -5,8 +5,11 @@
 
 #include <cmath>
 
+#include "core/base/testing/source_path.h"
 #include "core/identify/report.h"
 #include "core/identify/testing/scenario.h"
+#include "core/machine/machine_json.h"
+#include "core/session/read_session.h"
 
 namespace axiscal::identify {
 namespace {
@@ -447,6 +450,51 @@ TEST(Identify, SizesThatNoMachineHasAndReadingsThatAreTooQuietAreSaidFirst) {
   const auto right = Identify(kMachine, testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {}));
   ASSERT_TRUE(right.ok());
   EXPECT_TRUE(right->warnings.empty());
+}
+
+// Sphere centres that are the sphere's tops: where its place is known (a certificate), the head's axis seems to stand a
+// radius deeper. Where it is not, the radius is the set-up's, and no error moves.
+TEST(Identify, AForgottenSphereRadiusIsSaidFirst) {
+  const std::string folder = base::SourcePath("/deploy/examples/fang-grinder");
+  const Machine machine = machine::ReadMachineFile(folder + "/machine.json").value();
+  const auto truth = testing::Errors(machine, R"({"EX0B": 20, "EZ0B": -28, "EA0B": 50, "EC0B": 30, "EX0C": 10})");
+  std::vector<session::Session> sessions;
+  for (const char* const name : {"pattern-1", "pattern-2"}) {
+    synthetic::NoiseOptions noise;
+    noise.seed = 3 + sessions.size();
+    noise.draw_setup = false;
+    const session::Session planned = session::ReadSessionFile(absl::StrCat(folder, "/fit/", name, ".csv")).value();
+    sessions.push_back(synthetic::Simulate(machine, truth, planned, noise).value());
+  }
+  Options options;
+  options.model = truth;
+  const auto right = Identify(machine, sessions, options);
+  ASSERT_TRUE(right.ok()) << right.status();
+  EXPECT_TRUE(right->warnings.empty()) << reports::InWords(right->warnings.front()).text;
+  constexpr double kRadiusMm = 16.0;
+  for (session::Session& session : sessions) {
+    for (session::Column& column : session.columns) {
+      if (column.name != "cz_mm") continue;
+      for (double& height : column.values) height += kRadiusMm;
+    }
+  }
+  const auto forgotten = Identify(machine, sessions, options);
+  ASSERT_TRUE(forgotten.ok()) << forgotten.status();
+  EXPECT_NEAR(Find(*forgotten, "EZ0B").value, -0.028 - kRadiusMm, 0.1);
+  ASSERT_NE(FirstWarning(*forgotten), nullptr);
+  const auto* const beyond = std::get_if<reports::BeyondSize>(FirstWarning(*forgotten));
+  ASSERT_NE(beyond, nullptr);
+  ASSERT_EQ(beyond->errors.size(), 1u);
+  EXPECT_EQ(beyond->errors[0].name, "EZ0B");
+  EXPECT_THAT(reports::InWords(*beyond).text, HasSubstr("a radius of sphere or stylus (forgotten or counted twice)"));
+  for (session::Session& session : sessions)
+    std::erase_if(session.header, [](const session::HeaderEntry& entry) { return entry.key == "ball_z_sigma_um"; });
+  const auto mounted = Identify(machine, sessions, options);
+  ASSERT_TRUE(mounted.ok()) << mounted.status();
+  for (const Estimate& estimate : mounted->estimates) {
+    if (!estimate.identifiable) continue;
+    EXPECT_NEAR(estimate.value, Find(*right, estimate.name).value, 4.0 * estimate.sigma) << estimate.name;
+  }
 }
 
 TEST(Identify, CancellationReachesTheSolver) {

@@ -6,6 +6,7 @@
 #include "core/identify/noise.h"
 #include "core/loop/describe.h"
 #include "core/loop/explorer.h"
+#include "core/loop/moved_datum.h"
 #include "core/loop/settle_classes.h"
 
 namespace axiscal::loop {
@@ -123,6 +124,9 @@ class Loop {
     RETURN_IF_ERROR(SettleClasses(outcome->fit, options_.search, identify_options_, &outcome->attempt.extension));
     Describe(machine_, explorer_.RunsOf(*outcome), outcome->attempt.extension, outcome->fit, options_.search, &report);
     explorer_.KeepFitResiduals(outcome->fit, &SessionResiduals::after_mm, &report);
+    ASSIGN_OR_RETURN(const std::vector<reports::WarningFacts> datum,
+                     ProposeDatum(outcome->fit, outcome->attempt.extension, identify_options_));
+    report.fitted.warnings.insert(report.fitted.warnings.end(), datum.begin(), datum.end());
     report.last_fit = std::make_shared<Fit>(outcome->fit);
     report.check_after = outcome->check_after;
     report.unexplained.insert(report.unexplained.end(), outcome->unexplained_sessions.begin(),

@@ -6,8 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/testing/source_path.h"
 #include "core/identify/testing/scenario.h"
+#include "core/loop/report.h"
+#include "core/machine/machine_json.h"
 #include "core/plan/session_builder.h"
+#include "core/session/read_session.h"
 
 namespace axiscal::loop {
 namespace {
@@ -108,6 +112,76 @@ TEST(CloseLoop, AMachineThatLacksNothingIsLeftAlone) {
     EXPECT_EQ(report.verdict, Verdict::kAdequate) << "seed " << seed;
     EXPECT_TRUE(report.effects.empty());
   }
+}
+
+// What the loop says of work offsets that were set anew; empty: nothing.
+std::string DatumText(const Report& report) {
+  std::string text;
+  for (const reports::Warning& warning : ReportOf(kMachine, report).fitted.warnings) {
+    if (warning.kind == reports::WarningKind::kDatum) text += warning.text + "\n";
+  }
+  return text;
+}
+
+// The X that the control shows is 40 um short in one session: proposed as datum, whatever effects took it for theirs,
+// and gone where the header says so.
+TEST(CloseLoop, AWorkOffsetThatWasSetAnewIsProposed) {
+  const machine::ErrorModel truth = Errors(kMachine, "{" + std::string(kDeclared) + "}");
+  std::vector<Measured> patterns = identify::testing::FivePatterns();
+  patterns.push_back({"CR-again", Pattern::kCR, 356.4});
+  std::vector<session::Session> sessions = Measure(kMachine, truth, {}, patterns);
+  const auto close = [&] { return CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value(); };
+  EXPECT_EQ(DatumText(close()), "");
+  for (session::Column& column : sessions[5].columns) {
+    if (column.name != "X_mm") continue;
+    for (double& position : column.values) position -= 0.040;
+  }
+  EXPECT_THAT(DatumText(close()), ::testing::HasSubstr("Then '# datum: free X"));
+  sessions[5].header.push_back({"datum", "free X"});
+  const Report stated = close();
+  EXPECT_EQ(stated.verdict, Verdict::kAdequate) << Parts(stated);
+  EXPECT_EQ(DatumText(stated), "");
+}
+
+// An error of the machine that several set-ups see is none.
+TEST(CloseLoop, AnErrorThatSeveralSetUpsSeeIsNoWorkOffset) {
+  const Report report = Close(R"({"symbol": "EXX", "shape": "quadratic", "amplitude": 12})");
+  ASSERT_EQ(report.verdict, Verdict::kExtended);
+  EXPECT_EQ(DatumText(report), "");
+}
+
+// The shipped sessions: in each set-up the zero was set on the sphere. What the C set-up then shows of where C stands
+// is the zero's place, and the B set-ups' errors stay.
+TEST(CloseLoop, TheShippedSetUpsWereZeroedEach) {
+  const std::string folder = base::SourcePath("/deploy/examples/integrex");
+  const Machine machine = machine::ReadMachineFile(folder + "/machine.json").value();
+  std::vector<session::Session> sessions;
+  for (const char* const name : {"B-long-run1", "B-long-run2", "B-short-run1", "B-short-run2", "C-run1", "C-run2"})
+    sessions.push_back(session::ReadSessionFile(absl::StrCat(folder, "/", name, ".csv")).value());
+  const auto close = [&] {
+    return ReportOf(machine, CloseLoop(machine, *identify::BindSessions(machine, sessions), {}).value());
+  };
+  const auto effect = [](const reports::Loop& report, const std::string& name) {
+    for (const reports::Effect& one : report.effects) {
+      if (one.is.name == name) return one.amplitude;
+    }
+    return 0.0;
+  };
+  const reports::Loop together = close();
+  EXPECT_NEAR(effect(together, "EX0C"), 212.1, 0.5);
+  std::string proposed;
+  for (const reports::Warning& warning : together.fitted.warnings) {
+    if (warning.kind == reports::WarningKind::kDatum) proposed += warning.text;
+  }
+  EXPECT_THAT(proposed,
+              ::testing::HasSubstr("EX0C may be no error of the machine: without it, sessions C-run1, C-run2"));
+  EXPECT_THAT(proposed, ::testing::HasSubstr("Then '# datum: free X' belongs into their headers"));
+  for (session::Session& session : sessions) session.header.push_back({"datum", "free X Y Z"});
+  const reports::Loop zeroed = close();
+  EXPECT_EQ(effect(zeroed, "EX0C"), 0.0);
+  EXPECT_NEAR(effect(zeroed, "EZ0T"), effect(together, "EZ0T"), 5.0);
+  for (const reports::Warning& warning : zeroed.fitted.warnings)
+    EXPECT_NE(warning.kind, reports::WarningKind::kDatum) << warning.text;
 }
 
 TEST(CloseLoop, ALocalDefectIsReportedWithItsAxisAndRange) {

@@ -140,9 +140,11 @@ reports::Verdict VerdictOf(Verdict::Kind verdict) {
 
 reports::Fitted FittedOf(const Report& found) {
   reports::Fitted fitted = identify::FittedOf(found.fitted);
-  // Of the readings and of sizes that no machine has; what else an identification warns of, the loop judges itself.
+  // Of the readings, of sizes that no machine has and of work offsets that were set anew; what else an identification
+  // warns of, the loop judges itself.
   std::erase_if(fitted.warnings, [](const reports::Warning& warning) {
-    return warning.kind != reports::WarningKind::kResolution && !reports::ComesFirst(warning.kind);
+    return warning.kind != reports::WarningKind::kResolution && warning.kind != reports::WarningKind::kDatum &&
+           !reports::ComesFirst(warning.kind);
   });
   fitted.budget_json = found.budget_json;
   if (found.monte_carlo) fitted.monte_carlo = identify::ReportOf(*found.monte_carlo);
@@ -168,8 +170,7 @@ reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
   for (const Proposal& proposal : found.next_measurement)
     report.next_measurement.push_back(ProposalOf(machine, proposal));
   for (const SessionNoise& one : found.noise) {
-    report.noise.push_back(
-        {one.session, one.stated_mm * kUmPerMm, one.sigma_mm * kUmPerMm, one.neighbour_correlation});
+    report.noise.push_back({one.session, one.stated_mm * kUmPerMm, one.sigma_mm * kUmPerMm, one.neighbour_correlation});
   }
   report.withdrawn = found.withdrawn;
   for (const machine::ErrorTerm& term : found.not_visible) report.not_visible.push_back(NamedTerm(machine, term));

@@ -15,7 +15,7 @@ namespace {
 constexpr double kSeen = 1e-10;
 
 // B with B' G B = 1 on the space that G sees; columns of unit norm before projection.
-Eigen::MatrixXd InverseRoot(const Eigen::MatrixXd& gram) {
+Eigen::MatrixXd RootOfInverse(const Eigen::MatrixXd& gram) {
   if (gram.rows() == 0) return gram;
   const auto root_of = [](double value) { return value > kSeen ? 1.0 / std::sqrt(value) : 0.0; };
   if (gram.rows() == 1) return Eigen::MatrixXd::Constant(1, 1, root_of(gram(0, 0)));
@@ -53,15 +53,15 @@ Separation::Separation(const Information& information, const std::vector<Member>
   for (int i = 0; i < count; ++i) {
     if (!is_member[i]) others.push_back(i);
   }
-  const Eigen::MatrixXd onto = InverseRoot(projected_(others, others)).transpose() * projected_(others, Eigen::all);
+  const Eigen::MatrixXd onto = RootOfInverse(projected_(others, others)).transpose() * projected_(others, Eigen::all);
   projected_ -= onto.transpose() * onto;
   for (size_t m = 0; m < members.size(); ++m) {
     const std::vector<int>& columns = members[m].columns;
     const Small own = SmallBlock(columns, columns);
     Root& root = roots_[m];
-    root.amplitudes = InverseRoot(own);
+    root.amplitudes = RootOfInverse(own);
     root.all = root.amplitudes;
-    if (!members[m].nonlinear.empty()) root.all = InverseRoot(SmallBlock(root.columns, root.columns));
+    if (!members[m].nonlinear.empty()) root.all = RootOfInverse(SmallBlock(root.columns, root.columns));
     if (own.diagonal().maxCoeff() > kSeen) root.rank = (root.amplitudes.colwise().squaredNorm().array() > 0.0).count();
     if (members[m].amplitude.size() == 0) continue;
     root.acts = true;

@@ -49,12 +49,11 @@ Warning Of(const NoNumber& facts) {
 Warning Of(const SharedStages& facts) {
   constexpr char kAdvice[] =
       ": the stated sigmas take both stages for independent; identify from all sessions together";
-  return {WarningKind::kHeld,
-          !facts.sessions.empty()
-              ? absl::StrCat("the held errors come from sessions that are used again (",
-                             absl::StrJoin(facts.sessions, ", "), ")", kAdvice)
-              : absl::StrCat("the held errors rest on the same stated sigma as this fit (",
-                             absl::StrJoin(facts.offsets, ", "), ")", kAdvice)};
+  return {WarningKind::kHeld, !facts.sessions.empty()
+                                  ? absl::StrCat("the held errors come from sessions that are used again (",
+                                                 absl::StrJoin(facts.sessions, ", "), ")", kAdvice)
+                                  : absl::StrCat("the held errors rest on the same stated sigma as this fit (",
+                                                 absl::StrJoin(facts.offsets, ", "), ")", kAdvice)};
 }
 
 Warning Of(const CoarseReadings& facts) {
@@ -111,6 +110,11 @@ Warning Of(const DatumMoved& facts) {
                                     "%s header%s",
                                     is_one ? "" : "s", absl::StrJoin(group.sessions, ", "), is_one ? "s" : "", axes,
                                     names, is_one ? "its" : "their", is_one ? "" : "s"));
+  }
+  if (!facts.in_place_of.empty()) {
+    const bool is_one = facts.in_place_of.size() == 1;
+    text = absl::StrFormat("%s may be no error%s of the machine: without %s, %s",
+                           absl::StrJoin(facts.in_place_of, ", "), is_one ? "" : "s", is_one ? "it" : "them", text);
   }
   return {WarningKind::kDatum, std::move(text)};
 }

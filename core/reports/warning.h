@@ -86,6 +86,7 @@ struct DatumMoved {
     std::vector<Axis> axes;
   };
   std::vector<Group> groups;
+  std::vector<std::string> in_place_of;  // effects of the loop that the constants explain as well
 };
 struct NoFreedom {
   std::string unknowns, readings;  // "Z, yaw, pitch", "3 rods"

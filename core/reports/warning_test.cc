@@ -45,7 +45,7 @@ TEST(Warning, EachKindIsWorded) {
        "are they in m or inch in place of mm (all errors are then too small by the same factor), or is sigma_um too "
        "large?");
   Says(
-      DatumMoved{{{{"C-1", "C-2"}, {{"X", -37.21, 1.5}, {"Z", 12.0, 0.4}}}}}, WarningKind::kDatum,
+      DatumMoved{{{{"C-1", "C-2"}, {{"X", -37.21, 1.5}, {"Z", 12.0, 0.4}}}}, {}}, WarningKind::kDatum,
       "sessions C-1, C-2 disagree with the others by a constant of the commanded position (X by -37.21 +- 1.5 um, Z by "
       "12 +- 0.4 um): was the work offset set anew before? Then '# datum: free X Z' belongs into their headers");
   Says(NoFreedom{"Z, pitch", "2 rods", {"Z", "pitch"}, "state rod_sigma of each rod, or measure more rods"},

@@ -207,7 +207,7 @@ TEST(Wear, TheProposedFeedShowsTwiceTheBound) {
     int inserts;
   };
   for (const Case& one : {Case{4.0, 30.0, 2}, Case{3.5, 60.0, 5}}) {
-    CurveSession session = MakeSession(one.inserts, 8 * one.inserts);
+    CurveSession session = MakeSession(one.inserts, 3 * one.inserts + 6);
     session.run.offset_mm = one.offset_mm;
     session.run.feed_mm_min = one.feed_mm_min;
     std::vector<double> wear_mm(static_cast<size_t>(one.inserts), 0.0);
