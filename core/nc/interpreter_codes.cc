@@ -314,7 +314,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kNoToolLength:
       coordinates_.DropLength();
       NeedAbsoluteZ();
-      EndMode(kToolControl | kUnstatedLength);
+      EndMode(kToolControl | kUnstatedLength | code.detail);
       request->stated |= kLengthGroup;
       return;
     case Meaning::kPreset:
