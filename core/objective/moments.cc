@@ -10,7 +10,7 @@ Slips::Slips(int row_count, std::vector<Series> series, Eigen::MatrixXd columns,
   for (size_t m = 0; m < moments; ++m) {
     Group group = model;
     group.columns = static_cast<int>(columns_.cols());
-    group.place = static_cast<double>(m);
+    group.place = series_.front().first[m];
     groups_.push_back(group);
   }
 }

@@ -19,7 +19,7 @@ class Slips : public Source {
     std::vector<int> first;  // per moment, the first row after it; `end` where none is
   };
   // `columns`: raw, rows of all series x amplitudes, in the order of `series`. `model`: family, precision, kin ... of
-  // each group; its place is the number of the moment.
+  // each group; its place is the first row after the moment in the first series.
   Slips(int row_count, std::vector<Series> series, Eigen::MatrixXd columns, const Group& model);
 
   Eigen::MatrixXd Columns(int group) const override;

@@ -21,6 +21,9 @@ struct Policy {
 
   // A column of which less than this share of its squares is left beyond the declared errors and set-ups is not seen.
   double visible = 1e-5;
+  // Members of scans (source.h) are taken to keep this share at least, until they are looked at closely: of those that
+  // keep less, few are overlooked, as their neighbours show.
+  double scan_visible = 0.2;
   // The same beyond the effects of a state: less cannot be told from a combination of them.
   double distinct = 1e-4;
 

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace axiscal::objective {
 
@@ -17,6 +18,18 @@ constexpr double kRidge = 1e-10;
 // Of a small positive definite matrix.
 double LogDeterminant(const Eigen::MatrixXd& gram) {
   return gram.size() == 1 ? std::log(gram(0, 0)) : std::log(gram.determinant());
+}
+
+// Whether enough is left of a group's columns. A block and an effect that a prior holds may be seen in a part of them.
+bool IsSeen(const Group& group, const Eigen::VectorXd& raw, const Eigen::VectorXd& left, double visible) {
+  constexpr double kRounding = 1e-6;  // squares of sigmas per unit: nothing is there
+  double least = 1.0, most = 0.0;
+  for (Eigen::Index i = 0; i < raw.size(); ++i) {
+    const double share = raw[i] > kRounding ? left[i] / raw[i] : 0.0;
+    least = std::min(least, share);
+    most = std::max(most, share);
+  }
+  return (group.IsBlock() || group.precision.size() > 0 ? most : least) > visible;
 }
 
 double LogRatio(double left, double squares) { return std::log(std::max(left / squares, kLeft)); }
@@ -41,52 +54,54 @@ Scorer::Scorer(const Rows& rows, std::vector<std::unique_ptr<Source>> sources, c
   y_ = rows.y - nuisance_.Explained(of_y);
   squares_ = rows.y.squaredNorm() + nuisance_.PriorSquares() - of_y.squaredNorm();
   dof_ = std::max<double>(1.0, rows.count() - static_cast<double>(rows.common.cols()));
-  const Eigen::MatrixXd own = rows.whitening.Adjoint(rows.own), common = rows.whitening.Adjoint(rows.common);
-  const Eigen::MatrixXd y = rows.whitening.Adjoint(y_);
+  own_ = rows.whitening.Adjoint(rows.own);
+  common_ = rows.whitening.Adjoint(rows.common);
   for (size_t s = 0; s < sources_.size(); ++s) {
-    const Source& source = *sources_[s];
-    const Eigen::Index width = source.column_count();
-    Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(width, nuisance_.size());
-    for (const Stretch& some : rows.stretches) {
-      const Eigen::Index n = some.end - some.begin, k = rows.own_precision[some.group].size();
-      Eigen::MatrixXd vectors(n, k + common.cols());
-      vectors << own.block(some.begin, 0, n, k), common.middleRows(some.begin, n);
-      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(width, vectors.cols());
-      source.AddProducts(some.begin, vectors, products);
-      coefficients.middleCols(nuisance_.OffsetOf(some.group), k) += products.leftCols(k);
-      coefficients.rightCols(common.cols()) += products.rightCols(common.cols());
+    Take(*sources_[s], s);
+    for (const Group& group : sources_[s]->groups()) {
+      visible_members_[group.family] += is_visible_[origin_.size()];
+      origin_.push_back(static_cast<int>(origin_.size()));
     }
-    nuisance_.Finish(coefficients);
-    Eigen::MatrixXd with_y = Eigen::MatrixXd::Zero(width, 1);
-    source.AddProducts(0, y, with_y);
-    const Eigen::Index before = with_y_.size();
-    with_y_.conservativeResize(before + width);
-    with_y_.tail(width) = with_y.col(0);
-    std::vector<Eigen::MatrixXd> grams = source.Grams(rows.whitening);
-    Eigen::Index at = 0;
-    for (size_t g = 0; g < grams.size(); ++g) {
-      const auto own_coefficients = coefficients.middleRows(at, grams[g].rows());
-      const Eigen::VectorXd raw = grams[g].diagonal();
-      Eigen::MatrixXd& gram = gram_.emplace_back(std::move(grams[g]));
-      gram.noalias() -= own_coefficients * own_coefficients.transpose();
-      constexpr double kRounding = 1e-6;  // squares of sigmas per unit: nothing is there
-      double least = 1.0, most = 0.0;
-      for (Eigen::Index i = 0; i < raw.size(); ++i) {
-        const double share = raw[i] > kRounding ? gram(i, i) / raw[i] : 0.0;
-        least = std::min(least, share);
-        most = std::max(most, share);
-      }
-      const Group& group = source.groups()[g];
-      // A block and an effect that a prior holds may be seen in a part of their columns.
-      const bool is_held = group.IsBlock() || group.precision.size() > 0;
-      is_visible_.push_back((is_held ? most : least) > policy_.visible);
-      visible_members_[group.family] += is_visible_.back();
-      at_.emplace_back(static_cast<int>(s), static_cast<int>(g));
-      first_column_.push_back(column_count_ + at);
-      at += raw.size();
-    }
-    column_count_ += width;
   }
+}
+
+// Norms and products with y of a source's columns.
+void Scorer::Take(const Source& source, size_t number) {
+  const Eigen::MatrixXd y = rows_.whitening.Adjoint(y_);
+  const Eigen::Index width = source.column_count();
+  Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(source.IsScan() ? 0 : width, nuisance_.size());
+  for (const Stretch& some : rows_.stretches) {
+    if (source.IsScan()) break;
+    const Eigen::Index n = some.end - some.begin, k = rows_.own_precision[some.group].size();
+    Eigen::MatrixXd vectors(n, k + common_.cols());
+    vectors << own_.block(some.begin, 0, n, k), common_.middleRows(some.begin, n);
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(width, vectors.cols());
+    source.AddProducts(some.begin, vectors, products);
+    coefficients.middleCols(nuisance_.OffsetOf(some.group), k) += products.leftCols(k);
+    coefficients.rightCols(common_.cols()) += products.rightCols(common_.cols());
+  }
+  nuisance_.Finish(coefficients);
+  Eigen::MatrixXd with_y = Eigen::MatrixXd::Zero(width, 1);
+  source.AddProducts(0, y, with_y);
+  const Eigen::Index before = with_y_.size();
+  with_y_.conservativeResize(before + width);
+  with_y_.tail(width) = with_y.col(0);
+  std::vector<Eigen::MatrixXd> grams = source.Grams(rows_.whitening);
+  Eigen::Index at = 0;
+  for (size_t g = 0; g < grams.size(); ++g) {
+    const Eigen::VectorXd raw = grams[g].diagonal();
+    Eigen::MatrixXd& gram = gram_.emplace_back(std::move(grams[g]));
+    if (!source.IsScan()) {
+      const auto own_coefficients = coefficients.middleRows(at, gram.rows());
+      gram.noalias() -= own_coefficients * own_coefficients.transpose();
+    }
+    is_exact_.push_back(!source.IsScan());
+    is_visible_.push_back(IsSeen(source.groups()[g], raw, gram.diagonal(), policy_.visible));
+    at_.emplace_back(static_cast<int>(number), static_cast<int>(g));
+    first_column_.push_back(column_count_ + at);
+    at += raw.size();
+  }
+  column_count_ += width;
 }
 
 const Group& Scorer::group(int group) const { return sources_[at_[group].first]->groups()[at_[group].second]; }
@@ -106,14 +121,117 @@ double Scorer::PriceOf(int which) const {
 Eigen::MatrixXd Scorer::Projected(int group) const {
   int within = 0;
   const Source& source = SourceOf(group, &within);
-  Eigen::MatrixXd columns = source.Columns(within);
+  return ProjectedOf(source.Columns(within));
+}
+
+Eigen::MatrixXd Scorer::ProjectedOf(Eigen::MatrixXd columns) const {
   rows_.whitening.Apply(0, columns);
   for (Eigen::Index c = 0; c < columns.cols(); ++c)
     columns.col(c) -= nuisance_.Explained(nuisance_.CoefficientsOf(columns.col(c)));
   return columns;
 }
 
+int Scorer::Append(std::unique_ptr<Source> source, int of) {
+  const Eigen::Index before = column_count_;
+  Take(*source, sources_.size());
+  const int added = static_cast<int>(at_.size()) - 1;
+  origin_.push_back(origin_[of]);
+  const Eigen::MatrixXd columns = ProjectedOf(source->Columns(0));
+  for (auto& [group, loaded] : loaded_) {
+    loaded.products.conservativeResize(column_count_, Eigen::NoChange);
+    loaded.products.bottomRows(column_count_ - before) = columns.transpose() * loaded.columns;
+  }
+  sources_.push_back(std::move(source));
+  return added;
+}
+
+double Scorer::ObjectiveWith(const State& state, const Source& moved, int of, double design) {
+  const Factor factor = FactorOf(state, design);
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  if (!factor.is_possible) return kNone;
+  const Eigen::MatrixXd columns = ProjectedOf(moved.Columns(0));
+  Eigen::MatrixXd products(factor.half.size(), columns.cols());
+  for (size_t i = 0; i < state.size(); ++i) {
+    const Eigen::MatrixXd& its = Load(state[i].group).columns;
+    products.middleRows(factor.first[i], its.cols()) = its.transpose() * columns;
+  }
+  Eigen::MatrixXd gram = columns.transpose() * columns;
+  Eigen::VectorXd right = columns.transpose() * y_;
+  if (!state.empty()) {
+    factor.lower.triangularView<Eigen::Lower>().solveInPlace(products);
+    gram.noalias() -= products.transpose() * products;
+    right.noalias() -= products.transpose() * factor.half;
+  }
+  const Group& one = moved.groups().front();
+  for (int c = 0; c < one.columns; ++c) {
+    if (one.precision.size() > 0) gram(c, c) += design * one.precision[c];
+    gram(c, c) *= 1.0 + kRidge;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);
+  if (cholesky.info() != Eigen::Success) return kNone;
+  const double left = factor.squares - right.dot(cholesky.solve(right));
+  return dof_ / design * (std::log(factor.squares / dof_) + LogRatio(left, factor.squares)) + factor.log_det +
+         factor.prices + PriceOf(of);
+}
+
+std::unique_ptr<Source> Scorer::MovedTo(int group, double place) const {
+  int within = 0;
+  const Source& source = SourceOf(group, &within);
+  return source.Moved(within, place);
+}
+
+// Golden section search: within the reach the objective has one minimum, or the grid is too coarse.
+bool Scorer::RefinePlace(size_t member, double design, State* state) {
+  const int of = (*state)[member].group;
+  const Group group_of = group(of);
+  if (!(group_of.reach > 0.0)) return false;
+  State others = *state;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(member));
+  const auto objective_at = [&](double place) {
+    const std::unique_ptr<Source> moved = MovedTo(of, place);
+    return moved == nullptr ? std::numeric_limits<double>::infinity() : ObjectiveWith(others, *moved, of, design);
+  };
+  constexpr double kGolden = 0.618033988749895, kNarrow = 1e-3;  // share of the reach: less than data ever tell
+  double low = group_of.place - group_of.reach, high = group_of.place + group_of.reach;
+  double inner = high - kGolden * (high - low), outer = low + kGolden * (high - low);
+  double at_inner = objective_at(inner), at_outer = objective_at(outer);
+  while (high - low > kNarrow * group_of.reach) {
+    if (at_inner < at_outer) {
+      high = outer;
+      outer = inner;
+      at_outer = at_inner;
+      inner = high - kGolden * (high - low);
+      at_inner = objective_at(inner);
+    } else {
+      low = inner;
+      inner = outer;
+      at_inner = at_outer;
+      outer = low + kGolden * (high - low);
+      at_outer = objective_at(outer);
+    }
+  }
+  const double place = 0.5 * (low + high);
+  constexpr double kGain = 0.1;  // chi-square units: less is no reason for one more group
+  if (!(objective_at(place) < ScoreOf(*state, design).objective - kGain)) return false;
+  (*state)[member].group = Append(MovedTo(of, place), of);
+  return true;
+}
+
+void Scorer::MakeExact(int which) {
+  if (is_exact_[which]) return;
+  int within = 0;
+  Eigen::MatrixXd columns = SourceOf(which, &within).Columns(within);
+  rows_.whitening.Apply(0, columns);
+  const Eigen::VectorXd raw = columns.colwise().squaredNorm().transpose();
+  Eigen::MatrixXd coefficients(nuisance_.size(), columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) coefficients.col(c) = nuisance_.CoefficientsOf(columns.col(c));
+  gram_[which].noalias() -= coefficients.transpose() * coefficients;
+  is_exact_[which] = true;
+  is_visible_[which] = IsSeen(group(which), raw, gram_[which].diagonal(), policy_.visible);
+}
+
 const Scorer::Loaded& Scorer::Load(int group) {
+  MakeExact(group);
   const auto [place, is_new] = loaded_.try_emplace(group);
   Loaded& loaded = place->second;
   if (!is_new) return loaded;
@@ -218,8 +336,9 @@ Move Scorer::BestBlock(int which, const Eigen::MatrixXd& gram, const Eigen::Vect
   return best;
 }
 
-template <typename Visit>
-void Scorer::ForEachAddition(const State& state, double design, const std::vector<bool>& allowed, Visit visit) {
+template <typename Limit, typename Visit>
+void Scorer::ForEachAddition(const State& state, double design, const std::vector<bool>& allowed, Limit limit,
+                             Visit visit) {
   const Factor factor = FactorOf(state, design);
   if (!factor.is_possible) return;
   const double base = dof_ / design * std::log(factor.squares / dof_) + factor.log_det + factor.prices;
@@ -232,52 +351,65 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
   if (!state.empty()) factor.lower.triangularView<Eigen::Lower>().solveInPlace(half);
   Eigen::VectorXd right = with_y_;
   if (!state.empty()) right.noalias() -= half.transpose() * factor.half;
+  // What a flat group explains, or nothing where it is a combination of the state or has an amplitude that is none.
+  const auto flat_explains = [&](int g, const Eigen::MatrixXd& beyond, bool is_exact) -> std::optional<double> {
+    const Group& one = group(g);
+    Eigen::MatrixXd gram = beyond;
+    for (int c = 0; c < one.columns; ++c) {
+      if (one.precision.size() == 0 && gram(c, c) <= policy_.distinct * gram_[g](c, c)) return std::nullopt;
+      gram(c, c) += kRidge * gram_[g](c, c) + (one.precision.size() > 0 ? design * one.precision[c] : 0.0);
+    }
+    const auto b = right.segment(first_column_[g], one.columns);
+    if (one.columns == 1) {
+      if (is_exact && std::abs(b[0]) > one.largest_amplitude * gram(0, 0)) return std::nullopt;
+      return b[0] * b[0] / gram(0, 0);
+    }
+    const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);
+    const double last = cholesky.matrixLLT()(one.columns - 1, one.columns - 1);
+    if (cholesky.info() != Eigen::Success || last * last < policy_.distinct * gram(one.columns - 1, one.columns - 1))
+      return std::nullopt;
+    const Eigen::VectorXd amplitude = cholesky.solve(b);
+    if (is_exact && amplitude.cwiseAbs().maxCoeff() > one.largest_amplitude) return std::nullopt;
+    return b.dot(amplitude);
+  };
   for (int g = 0; g < group_count(); ++g) {
-    if (!is_visible_[g] || (!allowed.empty() && !allowed[g])) continue;
+    if (!is_visible_[g] || (!allowed.empty() && !allowed[origin_[g]])) continue;
     const Group& one = group(g);
     const bool is_there = std::any_of(state.begin(), state.end(), [&](const Member& member) {
       return member.group == g || IsSameEffect(group(member.group), one);
     });
     if (is_there) continue;
     const auto its = half.middleCols(first_column_[g], one.columns);
-    Eigen::MatrixXd gram = gram_[g];
-    if (!state.empty()) gram.noalias() -= its.transpose() * its;
-    const auto b = right.segment(first_column_[g], one.columns);
+    const auto beyond = [&]() -> Eigen::MatrixXd {
+      return state.empty() ? gram_[g] : Eigen::MatrixXd(gram_[g] - its.transpose() * its);
+    };
+    const auto gain = [&](double explained) {
+      return dof_ / design * LogRatio(factor.squares - explained, factor.squares);
+    };
+    if (!is_exact_[g]) {
+      const std::optional<double> explained = flat_explains(g, beyond(), false);
+      if (!explained || gain(*explained / policy_.scan_visible) + PriceOf(g) > limit()) continue;
+      MakeExact(g);
+      if (!is_visible_[g]) continue;
+    }
+    const Eigen::MatrixXd gram = beyond();
     Move move{{g, 0.0}};
     if (one.IsBlock()) {
-      move = BestBlock(g, gram, b, factor.squares, design);
+      move = BestBlock(g, gram, right.segment(first_column_[g], one.columns), factor.squares, design);
     } else {
-      bool is_distinct = true;
-      for (int c = 0; c < one.columns; ++c) {
-        is_distinct &= one.precision.size() > 0 || gram(c, c) > policy_.distinct * gram_[g](c, c);
-        gram(c, c) += kRidge * gram_[g](c, c) + (one.precision.size() > 0 ? design * one.precision[c] : 0.0);
-      }
-      if (!is_distinct) continue;
-      double explained = 0.0, largest = 0.0;
-      if (one.columns == 1) {
-        explained = b[0] * b[0] / gram(0, 0);
-        largest = std::abs(b[0]) / gram(0, 0);
-      } else {
-        const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);
-        const double last = cholesky.matrixLLT()(one.columns - 1, one.columns - 1);
-        if (cholesky.info() != Eigen::Success ||
-            last * last < policy_.distinct * gram(one.columns - 1, one.columns - 1))
-          continue;
-        const Eigen::VectorXd amplitude = cholesky.solve(b);
-        explained = b.dot(amplitude);
-        largest = amplitude.cwiseAbs().maxCoeff();
-      }
-      if (largest > one.largest_amplitude) continue;
-      move.objective = dof_ / design * LogRatio(factor.squares - explained, factor.squares);
+      const std::optional<double> explained = flat_explains(g, gram, true);
+      if (!explained) continue;
+      move.objective = gain(*explained);
       // What the new columns and the blocks share, the blocks need no longer explain.
       if (factor.flat < factor.half.size()) {
         const auto by_flat = its.topRows(factor.flat);
-        const Eigen::MatrixXd beyond_flat = gram_[g] - by_flat.transpose() * by_flat;
-        move.objective += LogDeterminant(gram) - LogDeterminant(beyond_flat);
+        move.objective += LogDeterminant(gram) - LogDeterminant(gram_[g] - by_flat.transpose() * by_flat);
       }
     }
-    move.objective += base + PriceOf(g);
-    visit(move);
+    move.objective += PriceOf(g);
+    if (move.objective > limit()) continue;
+    move.objective += base;
+    visit(move, base);
   }
 }
 
@@ -287,19 +419,22 @@ bool IsBetter(const Move& a, const Move& b) { return a.objective < b.objective; 
 
 std::vector<Move> Scorer::Additions(const State& state, double design, const std::vector<bool>& allowed, int most) {
   std::vector<Move> best;
-  ForEachAddition(state, design, allowed, [&](const Move& move) {
-    if (static_cast<int>(best.size()) == most && !IsBetter(move, best.back())) return;
-    best.insert(std::upper_bound(best.begin(), best.end(), move, IsBetter), move);
-    if (static_cast<int>(best.size()) > most) best.pop_back();
-  });
+  double worst = std::numeric_limits<double>::infinity();  // beyond the state, once there are enough
+  ForEachAddition(
+      state, design, allowed, [&] { return std::min(worst, policy_.evidence); },
+      [&](const Move& move, double base) {
+        best.insert(std::upper_bound(best.begin(), best.end(), move, IsBetter), move);
+        if (static_cast<int>(best.size()) > most) best.pop_back();
+        if (static_cast<int>(best.size()) == most) worst = best.back().objective - base;
+      });
   return best;
 }
 
 std::vector<Move> Scorer::AdditionsWithin(const State& state, double design, double limit) {
   std::vector<Move> within;
-  ForEachAddition(state, design, {}, [&](const Move& move) {
-    if (move.objective <= limit) within.push_back(move);
-  });
+  const double beyond = limit - ScoreOf(state, design).objective;
+  ForEachAddition(
+      state, design, {}, [beyond] { return beyond; }, [&](const Move& move, double) { within.push_back(move); });
   std::stable_sort(within.begin(), within.end(), IsBetter);
   return within;
 }
@@ -310,7 +445,7 @@ void Scorer::RefineVariances(double design, State* state) {
     State others = *state;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     std::vector<bool> only(group_count(), false);
-    only[(*state)[i].group] = true;
+    only[origin_[(*state)[i].group]] = true;
     const std::vector<Move> moves = Additions(others, design, only, 1);
     if (!moves.empty() && moves[0].member.variance > 0.0) (*state)[i].variance = moves[0].member.variance;
   }

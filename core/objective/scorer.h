@@ -56,18 +56,26 @@ class Scorer {
   const Rows& rows() const { return rows_; }
   int group_count() const { return static_cast<int>(at_.size()); }
   const Group& group(int group) const;
-  // The source of a group, and its number there.
-  const Source& SourceOf(int group, int* within) const;
+  // One more group, alone in its source, which is group `of` at another place; its number.
+  int Append(std::unique_ptr<Source> source, int of);
+  // The group that it was at first, itself where it was never moved.
+  int OriginOf(int group) const { return origin_[group]; }
   bool IsVisible(int group) const { return is_visible_[group]; }
   double PriceOf(int group) const;
   double degrees_of_freedom() const { return dof_; }
 
   Score ScoreOf(const State& state, double design);
-  // The best `most` additions among groups that `allowed` holds (by group; empty: all), best first; their blocks'
-  // variances are those of the most evidence.
+  // The best `most` additions, of those that cost at most Policy::evidence more than they gain, among groups that
+  // `allowed` holds (by group; empty: all), best first; their blocks' variances are those of the most evidence.
   std::vector<Move> Additions(const State& state, double design, const std::vector<bool>& allowed, int most);
   // All additions whose objective is at most `limit`.
   std::vector<Move> AdditionsWithin(const State& state, double design, double limit);
+  // The objective with a flat group that is at another place than all that are known here.
+  double ObjectiveWith(const State& state, const Source& moved, int of, double design);
+  // A group alone at another place; null where it has none.
+  std::unique_ptr<Source> MovedTo(int group, double place) const;
+  // A member at the place of least objective within its reach, the others given: true where it gained.
+  bool RefinePlace(size_t member, double design, State* state);
   // The variance of each block at which the objective is least, the others given.
   void RefineVariances(double design, State* state);
   // y less nuisance and effects, whitened rows.
@@ -82,25 +90,33 @@ class Scorer {
   };
   struct Factor;
 
+  const Source& SourceOf(int group, int* within) const;
+  void Take(const Source& source, size_t number);
+  Eigen::MatrixXd ProjectedOf(Eigen::MatrixXd columns) const;
   const Loaded& Load(int group);
   // Gram matrix of the state's columns, flat ones first; where each member's columns are in it.
   Factor FactorOf(const State& state, double design);
-  template <typename Visit>
-  void ForEachAddition(const State& state, double design, const std::vector<bool>& allowed, Visit visit);
+  // Projects a member of a scan.
+  void MakeExact(int group);
+  // Calls visit(move) for each addition whose objective may be at most base + limit(), base being that of the state.
+  template <typename Limit, typename Visit>
+  void ForEachAddition(const State& state, double design, const std::vector<bool>& allowed, Limit limit, Visit visit);
   Move BestBlock(int group, const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double squares,
                  double design) const;
 
   const Rows& rows_;
-  const std::vector<std::unique_ptr<Source>> sources_;
+  std::vector<std::unique_ptr<Source>> sources_;
   const Policy policy_;
   const Nuisance nuisance_;
   std::vector<std::pair<int, int>> at_;     // per group: source, number within
   std::vector<Eigen::Index> first_column_;  // per group
   Eigen::Index column_count_ = 0;
-  std::vector<bool> is_visible_;
+  std::vector<bool> is_visible_, is_exact_;
+  std::vector<int> origin_;
   std::map<int, int> visible_members_;  // per family
   std::vector<Eigen::MatrixXd> gram_;   // per group, projected
   Eigen::VectorXd with_y_;              // per column, projected
+  Eigen::MatrixXd own_, common_;        // nuisance columns for products with raw columns (Whitening::Adjoint)
   Eigen::VectorXd y_;                   // projected, at the rows
   double squares_ = 0.0, dof_ = 1.0;    // of y, projected
   std::map<int, Loaded> loaded_;

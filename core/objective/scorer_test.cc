@@ -73,7 +73,7 @@ TEST(Scorer, AdditionsAreScoredAsTheEnlargedStatesAre) {
   Scorer scorer(rows, PairsAndCurve(5), Policy());
   for (const State& state : std::vector<State>{{}, {{1, 0.0}}, {{5, 0.05}}, {{1, 0.0}, {5, 0.05}, {3, 0.0}}}) {
     for (const double design : {1.0, 2.5}) {
-      const std::vector<Move> moves = scorer.Additions(state, design, {}, 100);
+      const std::vector<Move> moves = scorer.AdditionsWithin(state, design, 1e9);
       EXPECT_GE(moves.size() + state.size(), 5u);
       for (const Move& move : moves) {
         State more = state;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace axiscal::objective {
@@ -27,6 +28,8 @@ std::set<int> GroupsOf(const State& state) {
 }  // namespace
 
 double Searcher::DesignOf(const State& state, double design) { return design_->Of(scorer_->ResidualOf(state, design)); }
+
+bool Searcher::IsIt(int a, int b) const { return scorer_->OriginOf(a) == scorer_->OriginOf(b); }
 
 // D of what is left now, and the objective at it.
 void Searcher::Settle(Found* found) {
@@ -63,9 +66,15 @@ bool Searcher::AddBest(const std::vector<bool>& allowed, Found* found) {
     if (!(objective < found->objective)) return false;
     found->state = std::move(more);
     found->objective = objective;
+    RefinePlace(found->state.size() - 1, found);
     return true;
   }
   return false;
+}
+
+void Searcher::RefinePlace(size_t member, Found* found) {
+  if (scorer_->RefinePlace(member, found->design, &found->state))
+    found->objective = scorer_->ScoreOf(found->state, found->design).objective;
 }
 
 // One strong effect alone makes what is left of it go together in clusters, and so hides itself behind a large D. Taken
@@ -93,7 +102,7 @@ bool Searcher::Replace(const std::vector<bool>& allowed, Found* found) {
   for (size_t i = 0; i < found->state.size(); ++i) {
     const State others = Without(found->state, i);
     for (const Move& move : scorer_->Additions(others, found->design, allowed, 2)) {
-      if (move.member.group == found->state[i].group) continue;
+      if (IsIt(move.member.group, found->state[i].group)) continue;
       if (!(move.objective < found->objective - scorer_->policy().replacement_gain)) break;
       State changed = found->state;
       changed[i] = move.member;
@@ -101,6 +110,7 @@ bool Searcher::Replace(const std::vector<bool>& allowed, Found* found) {
       if (!(objective < found->objective - scorer_->policy().replacement_gain)) break;
       found->state = std::move(changed);
       found->objective = objective;
+      RefinePlace(i, found);
       any = true;
       break;
     }
@@ -134,6 +144,7 @@ bool Searcher::Improve(const std::vector<bool>& allowed, Found* found) {
     // What is left goes together less with every effect that was found: faint ones show.
     Settle(found);
   }
+  for (size_t i = 0; i < found->state.size(); ++i) RefinePlace(i, found);
   any |= Drop(found);
   any |= Replace(allowed, found);
   any |= Merge(allowed, found);
@@ -189,9 +200,23 @@ Found Searcher::Search(const std::vector<Start>& starts) {
     Found empty{start.state};
     Settle(&empty);
     std::vector<State> begins = {start.state};
-    const std::vector<Move> first = scorer_->Additions(start.state, empty.design, allowed, scorer_->policy().beam);
-    for (size_t k = 1; k < first.size(); ++k)
-      if (first[k].objective < empty.objective) begins.push_back(With(start.state, first[k].member));
+    const int beam = scorer_->policy().beam;
+    constexpr int kLooks = 10;  // per beginning: the best are often one effect by many names
+    const std::vector<Move> first = scorer_->Additions(start.state, empty.design, allowed, kLooks * beam);
+    for (size_t k = 1; k < first.size() && static_cast<int>(begins.size()) < beam; ++k) {
+      if (!(first[k].objective < empty.objective)) break;
+      // What explains as much and stops paying beside another beginning is that by another name: a replacement finds
+      // it.
+      constexpr double kAsMuch = 0.9;
+      const State other = With(start.state, first[k].member);
+      const bool is_known_by_name = std::any_of(begins.begin(), begins.end(), [&](const State& begin) {
+        const Member& known = begin.size() > start.state.size() ? begin.back() : first[0].member;
+        const double alone = scorer_->ScoreOf(With(start.state, known), empty.design).objective;
+        const double both = scorer_->ScoreOf(With(other, known), empty.design).objective;
+        return !(both < alone) && empty.objective - first[k].objective > kAsMuch * (empty.objective - alone);
+      });
+      if (!is_known_by_name) begins.push_back(other);
+    }
     for (State& begin : begins) {
       if (IsCancelled()) break;
       Found found = Climb(std::move(begin), allowed);
@@ -214,12 +239,38 @@ Found Searcher::Search(const std::vector<Start>& starts) {
   return *best;
 }
 
-std::vector<std::vector<Move>> Searcher::ClassesOf(const Found& found) {
+// The same form of effect elsewhere (on another joint) looks alike only at the member's own place, not at those of a
+// grid.
+void Searcher::AddAtPlaceOf(int member, const State& others, double design, double limit, std::vector<Move>* members) {
+  const Group own = scorer_->group(member);
+  if (!(own.reach > 0.0) || own.form < 0) return;
+  std::map<int, int> nearest;  // per kin
+  const int count = scorer_->group_count();
+  for (int g = 0; g < count; ++g) {
+    const Group& one = scorer_->group(g);
+    if (one.form != own.form || one.kin == own.kin || one.kin < 0 || !(one.reach > 0.0) || !scorer_->IsVisible(g))
+      continue;
+    const auto [place, is_new] = nearest.try_emplace(one.kin, g);
+    if (!is_new && std::abs(one.place - own.place) < std::abs(scorer_->group(place->second).place - own.place))
+      place->second = g;
+  }
+  for (const auto& [kin, g] : nearest) {
+    std::unique_ptr<Source> moved = scorer_->MovedTo(g, own.place);
+    if (moved == nullptr) continue;
+    const double objective = scorer_->ObjectiveWith(others, *moved, g, design);
+    if (objective <= limit) members->push_back({{scorer_->Append(std::move(moved), g), 0.0}, objective});
+  }
+}
+
+std::vector<std::vector<Move>> Searcher::ClassesOf(const Found& found, double share) {
   std::vector<std::vector<Move>> classes;
   for (size_t i = 0; i < found.state.size(); ++i) {
-    std::vector<Move> members =
-        scorer_->AdditionsWithin(Without(found.state, i), found.design, found.objective + scorer_->policy().alike);
-    std::erase_if(members, [&](const Move& move) { return move.member.group == found.state[i].group; });
+    const State others = Without(found.state, i);
+    const double worth = scorer_->ScoreOf(others, found.design).objective - found.objective;
+    const double limit = found.objective + scorer_->policy().alike + share * std::max(0.0, worth);
+    std::vector<Move> members = scorer_->AdditionsWithin(others, found.design, limit);
+    AddAtPlaceOf(found.state[i].group, others, found.design, limit, &members);
+    std::erase_if(members, [&](const Move& move) { return IsIt(move.member.group, found.state[i].group); });
     classes.push_back(std::move(members));
   }
   return classes;

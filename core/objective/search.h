@@ -32,8 +32,9 @@ class Searcher {
   // ends.
   Found Search(const std::vector<Start>& starts);
 
-  // What could be each member instead: per member all replacements within Policy::alike of the state, best first.
-  std::vector<std::vector<Move>> ClassesOf(const Found& found);
+  // What could be each member instead: per member all replacements within Policy::alike of the state, and within
+  // `share` of what the member explains; best first.
+  std::vector<std::vector<Move>> ClassesOf(const Found& found, double share = 0.0);
 
  private:
   Found Climb(State state, const std::vector<bool>& allowed);
@@ -47,6 +48,10 @@ class Searcher {
   bool DropAt(double design, State* state, double* objective);
   // Drops members that are worth less than their price by the design effect of their own columns.
   void Prune(Found* found);
+  void AddAtPlaceOf(int member, const State& others, double design, double limit, std::vector<Move>* members);
+  void RefinePlace(size_t member, Found* found);
+  // Two groups that are one at two places.
+  bool IsIt(int a, int b) const;
   double DesignOf(const State& state, double design);
   void Settle(Found* found);
   bool IsCancelled() const { return cancelled_ && cancelled_(); }

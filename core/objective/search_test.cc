@@ -111,6 +111,28 @@ TEST(Search, AStrongEffectDoesNotHideItselfBehindTheDesignEffectThatItCauses) {
   }
 }
 
+// Members of scans that are projected only where they may matter: the same states at the same objective.
+TEST(Search, AScanIsSearchedAsIfAllOfItWereProjected) {
+  for (int seed = 0; seed < 20; ++seed) {
+    Found found[2];
+    for (const bool is_scan : {false, true}) {
+      std::mt19937 random(2500 + seed);
+      Rows rows = MakeRows(150 + seed);
+      const Eigen::MatrixXd others = Gaussian(kRows, kRandom, &random);
+      // A common column that takes up most of an order.
+      rows.common.col(1) = Harmonics(kOrders).col(8) + 0.5 * rows.common.col(1);
+      if (seed % 3 > 0) rows.y += 0.6 * Harmonics(kOrders).col(8 + seed % 2) + 0.4 * others.col(5);
+      std::vector<std::unique_ptr<Source>> sources;
+      sources.push_back(std::make_unique<DenseSource>(Harmonics(kOrders), 2, 0, is_scan));
+      sources.push_back(std::make_unique<DenseSource>(others, 1, 1, is_scan));
+      Scorer scorer(rows, std::move(sources), Policy());
+      found[is_scan] = SearchAll(&scorer);
+    }
+    EXPECT_EQ(GroupsOf(found[0]), GroupsOf(found[1])) << seed;
+    EXPECT_NEAR(found[0].objective, found[1].objective, 1e-6);
+  }
+}
+
 // Nearly the same column, and one that is nothing like it.
 TEST(Search, LookAlikesAreAClass) {
   std::mt19937 random(4000);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "core/objective/whitening.h"
@@ -26,6 +27,9 @@ struct Group {
   // kin < 0: none.
   int kin = -1;
   double place = 0.0, apart = 0.0;
+  // A better place (length, frequency, moment ...) may be this far from it, as a grid holds only some: 0 where not.
+  double reach = 0.0;
+  int form = -1;  // groups of one form are alike only at the same place; < 0: places do not compare
 
   bool IsBlock() const { return spectrum.size() > 0; }
 };
@@ -41,8 +45,13 @@ class Source {
   const std::vector<Group>& groups() const { return groups_; }
   int column_count() const;
 
+  // Scans (frequencies, places): many flat groups of which neighbours are alike and hardly any is mostly explained by
+  // the nuisance. They are projected only where they may matter.
+  virtual bool IsScan() const { return false; }
   // The raw columns of one group, all rows.
   virtual Eigen::MatrixXd Columns(int group) const = 0;
+  // A source with this group alone at another place. Null where a group has no reach.
+  virtual std::unique_ptr<Source> Moved(int group, double place) const { return nullptr; }
   // products += X' u, X the raw columns of all groups in the rows begin .. begin + u.rows() (whole series);
   // column_count() x u.cols().
   virtual void AddProducts(int begin, const Eigen::MatrixXd& u, Eigen::Ref<Eigen::MatrixXd> products) const;

@@ -13,13 +13,15 @@ class DenseSource : public Source {
     groups_ = std::move(groups);
   }
   // All flat, of one family, `width` columns each.
-  DenseSource(Eigen::MatrixXd columns, int width, int family) : columns_(std::move(columns)) {
+  DenseSource(Eigen::MatrixXd columns, int width, int family, bool is_scan = false)
+      : columns_(std::move(columns)), is_scan_(is_scan) {
     Group group;
     group.family = family;
     group.columns = width;
     groups_.assign(static_cast<size_t>(columns_.cols() / width), group);
   }
 
+  bool IsScan() const override { return is_scan_; }
   Eigen::MatrixXd Columns(int group) const override {
     Eigen::Index at = 0;
     for (int g = 0; g < group; ++g) at += groups_[g].columns;
@@ -28,6 +30,7 @@ class DenseSource : public Source {
 
  private:
   const Eigen::MatrixXd columns_;
+  const bool is_scan_ = false;
 };
 
 }  // namespace axiscal::objective

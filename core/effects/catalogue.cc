@@ -1,0 +1,276 @@
+#include "core/effects/catalogue.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <tuple>
+
+#include "core/effects/shaped.h"
+#include "core/identify/reduction.h"
+#include "core/loop/dictionary.h"
+#include "core/objective/moments.h"
+
+namespace axiscal::effects {
+namespace {
+
+using instruments::MeasuringRun;
+using loop::Candidate;
+using loop::Family;
+
+class Builder {
+ public:
+  Builder(const Linearised& linearised, const machine::ErrorModel& declared, const std::vector<Candidate>& known)
+      : linearised_(linearised),
+        machine_(*linearised.problem->machine),
+        known_(known),
+        plain_(Plain(*linearised.problem)),
+        spans_(loop::SpansOf(plain_)) {
+    model_ = declared;
+    for (const Candidate& one : known)
+      if (one.family != Family::kStep) model_.terms.push_back(one.term);
+  }
+
+  Catalogue Build(const std::vector<loop::BadRow>& bad_rows) {
+    AddKnown(bad_rows);
+    std::vector<Candidate> candidates = loop::MakeDictionary(plain_, model_);
+    std::erase_if(candidates, [](const Candidate& one) { return one.family == Family::kStep; });
+    AddShaped(candidates);
+    AddSlips();
+    AddRows();
+    return std::move(catalogue_);
+  }
+
+ private:
+  // The problem as if nothing had slipped.
+  static identify::Problem Plain(const identify::Problem& problem) {
+    identify::Problem plain = problem;
+    for (MeasuringRun& run : plain.runs) {
+      run.setup.resize(run.setup.size() - 3 * run.slips.size());
+      run.slips.clear();
+    }
+    return plain;
+  }
+
+  void Add(std::unique_ptr<objective::Source> source) {
+    if (!source->groups().empty()) catalogue_.sources.push_back(std::move(source));
+  }
+
+  // Effects that were found, in their order: a source each, as one may be a slip and the next a term.
+  void AddKnown(const std::vector<loop::BadRow>& bad_rows) {
+    for (const Candidate& one : known_) {
+      catalogue_.known.push_back(static_cast<int>(catalogue_.effects.size()));
+      catalogue_.effects.push_back({one});
+      if (one.family == Family::kStep) {
+        Add(SlipSource(one.run, one.carrier, {one.first_reading}));
+      } else {
+        Add(std::make_unique<Shaped>(linearised_, std::vector<ShapedItem>{ItemOf(one)}));
+      }
+    }
+    std::vector<int> rows;
+    for (const loop::BadRow& bad : bad_rows) {
+      const int channels = linearised_.problem->runs[bad.run].row_count;
+      for (int at = 0; at < linearised_.count(); ++at) {
+        if (linearised_.run[at] != bad.run || linearised_.reading[at] != static_cast<int>(bad.row) / channels ||
+            linearised_.channel[at] != static_cast<int>(bad.row) % channels)
+          continue;
+        rows.push_back(at);
+        catalogue_.known.push_back(static_cast<int>(catalogue_.effects.size()));
+        catalogue_.effects.push_back({{}, at});
+      }
+    }
+    bad_.insert(rows.begin(), rows.end());
+    Add(std::make_unique<objective::SingleRows>(linearised_.count(), rows, BadRowModel()));
+  }
+
+  static objective::Group BadRowModel() {
+    objective::Group model;
+    model.family = kBadRowFamily;
+    return model;
+  }
+
+  ShapedItem ItemOf(const Candidate& one) {
+    ShapedItem item{one.term.shape, SensitivityOf(linearised_, one.term), {}};
+    item.group.family = static_cast<int>(one.family);
+    item.group.largest_amplitude = LargestAmplitudeOf(one);
+    if (shapes::NonlinearParameter(one.term.shape) == nullptr) return item;
+    // The same shape closer than that in its length, time constant or frequency is the same effect; the dictionary's
+    // next one is at most a factor of two, or kPitchStep of a period over the range, away.
+    constexpr double kApart = 0.26, kReach = 0.7;  // ln 1.3, ln 2
+    const auto* pitch = std::get_if<shapes::Harmonic>(&one.term.shape);
+    const int axis = shapes::VariableAxis(one.term.shape).value_or(-1);
+    const auto kin = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, item.sensitivity);
+    item.group.kin = kins_.try_emplace(kin, static_cast<int>(kins_.size())).first->second;
+    const auto form = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, -1);
+    item.group.form = kins_.try_emplace(form, static_cast<int>(kins_.size())).first->second;
+    item.group.place = PlaceOf(one.term.shape);
+    item.group.apart = kApart;
+    item.group.reach = kReach;
+    if (pitch != nullptr) {
+      item.group.apart = 2.0 * std::numbers::pi / (spans_[pitch->axis].highest - spans_[pitch->axis].lowest);
+      item.group.reach = loop::kPitchStep * item.group.apart;
+    }
+    return item;
+  }
+
+  // An amplitude that no machine has: with one, a column that is nearly explained would fit anything.
+  double LargestAmplitudeOf(const Candidate& one) const {
+    const bool is_large = one.family == Family::kConstant || one.family == Family::kLag;
+    constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;  // where a tool or a table may stand, and how an axis may lag
+    const bool is_play = one.family == Family::kBacklash || one.family == Family::kReversal;
+    constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // of a machine that is in use
+    const double most_mm = is_large ? kFarOffMm : is_play ? kPlayMm : identify::kLargestErrorMm;
+    const double most_rad = is_large ? kFarOffRad : is_play ? kPlayRad : identify::kLargestErrorRad;
+    constexpr int kLooks = 100;
+    double largest = 0.0, basis[shapes::kMaxBasisCount];
+    for (int at = 0; at < linearised_.count(); at += std::max(1, linearised_.count() / kLooks)) {
+      shapes::Basis(one.term.shape, linearised_.StateAt(at), basis);
+      for (int b = 0; b < shapes::BasisCount(one.term.shape); ++b) largest = std::max(largest, std::abs(basis[b]));
+    }
+    const double most = machine::IsAngle(one.term.component) ? most_rad : most_mm;
+    return largest > 0.0 ? most / largest : INFINITY;
+  }
+
+  // A source for each stretch of one family and axis; items of one shape together.
+  void AddShaped(const std::vector<Candidate>& candidates) {
+    std::map<std::pair<Family, int>, std::vector<ShapedItem>> items;
+    std::map<std::pair<Family, int>, std::vector<Effect>> effects;
+    const shapes::Shape* last = nullptr;
+    double largest = INFINITY, largest_angle = INFINITY;
+    bool is_worth = true;
+    for (const Candidate& one : candidates) {
+      // What depends on the shape alone is asked once per shape: its candidates stand together.
+      if (last == nullptr || !(*last == one.term.shape)) {
+        Candidate shift = one, turn = one;
+        shift.term.component = machine::Component::kX;
+        turn.term.component = machine::Component::kA;
+        largest = LargestAmplitudeOf(shift);
+        largest_angle = LargestAmplitudeOf(turn);
+        is_worth = HasEnoughReadings(one.term.shape);
+        last = &one.term.shape;
+      }
+      if (!is_worth) continue;
+      const auto key = std::pair(one.family, shapes::VariableAxis(one.term.shape).value_or(-1));
+      ShapedItem item = ItemOf(one);
+      item.group.largest_amplitude = machine::IsAngle(one.term.component) ? largest_angle : largest;
+      items[key].push_back(std::move(item));
+      effects[key].push_back({one});
+    }
+    for (auto& [key, its] : items) {
+      // Local defects are wide: constants explain most of many.
+      const bool is_scan = key.first == Family::kFineHarmonic || key.first == Family::kPitch;
+      Add(std::make_unique<Shaped>(linearised_, std::move(its), is_scan));
+      catalogue_.effects.insert(catalogue_.effects.end(), effects[key].begin(), effects[key].end());
+    }
+  }
+
+  // A local defect shows in several readings; fewer are bad ones that lie near each other.
+  bool HasEnoughReadings(const shapes::Shape& shape) const {
+    const auto* bump = std::get_if<shapes::Bump>(&shape);
+    if (bump == nullptr) return true;
+    constexpr int kFewest = 4;
+    int count = 0;
+    for (int at = 0; at < linearised_.count() && count < kFewest; ++at) {
+      const bool is_first = linearised_.channel[at] == 0;
+      count += is_first && std::abs(linearised_.StateAt(at).axes[bump->axis].position - bump->at) < bump->width;
+    }
+    return count >= kFewest;
+  }
+
+  std::unique_ptr<objective::Source> SlipSource(int run, instruments::Carrier carrier,
+                                                const std::vector<int>& first_readings) {
+    std::vector<objective::Slips::Series> series;
+    const int tool = machine::kComponents * machine_.tool_joint();
+    Eigen::MatrixXd columns(linearised_.count(), 3);
+    Eigen::Index count = 0;
+    for (const objective::Stretch& some : linearised_.rows.stretches) {
+      if (some.begin == some.end || linearised_.run[some.begin] != run) continue;
+      objective::Slips::Series& one = series.emplace_back();
+      one.begin = some.begin;
+      one.end = some.end;
+      const auto begin = linearised_.reading.begin();
+      for (const int first : first_readings)
+        one.first.push_back(static_cast<int>(std::lower_bound(begin + some.begin, begin + some.end, first) - begin));
+      const Eigen::Index n = some.end - some.begin;
+      if (carrier == instruments::Carrier::kTable) {
+        columns.middleRows(count, n) = linearised_.artefact.middleRows(some.begin, n);
+      } else {
+        columns.middleRows(count, n) = linearised_.sensitivity.block(some.begin, tool, n, 3);
+      }
+      count += n;
+    }
+    objective::Group model;
+    model.family = carrier == instruments::Carrier::kTable ? static_cast<int>(Family::kStep) : kToolSlipFamily;
+    model.precision = Eigen::VectorXd::Constant(3, 1.0 / (instruments::kSlipSigmaMm * instruments::kSlipSigmaMm));
+    return std::make_unique<objective::Slips>(linearised_.count(), std::move(series), columns.topRows(count), model);
+  }
+
+  void AddSlips() {
+    std::map<std::pair<int, instruments::Carrier>, std::vector<int>> moments;
+    for (const Candidate& one : loop::MakeDictionary(plain_, machine::ErrorModel())) {
+      if (one.family != Family::kStep) continue;
+      const bool is_near = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
+        return known.family == Family::kStep && known.run == one.run && known.carrier == one.carrier &&
+               known.first_reading == one.first_reading;
+      });
+      if (!is_near) moments[{one.run, one.carrier}].push_back(one.first_reading);
+    }
+    // Around a slip that is known every moment, of whatever slipped.
+    for (const Candidate& known : known_) {
+      if (known.family != Family::kStep) continue;
+      const MeasuringRun& run = plain_.runs[known.run];
+      const int stride = loop::StepStride(run);
+      for (auto& [of, its] : moments) {
+        if (of.first != known.run) continue;
+        for (int k = known.first_reading - stride; k <= known.first_reading + stride; ++k) {
+          const bool is_known = k == known.first_reading && of.second == known.carrier;
+          if (!is_known && k >= loop::kSlipReadings && k + loop::kSlipReadings <= run.reading_count() &&
+              std::find(its.begin(), its.end(), k) == its.end())
+            its.push_back(k);
+        }
+      }
+    }
+    for (auto& [of, its] : moments) {
+      std::sort(its.begin(), its.end());
+      for (const int first : its) {
+        Candidate one;
+        one.family = Family::kStep;
+        one.run = of.first;
+        one.carrier = of.second;
+        one.first_reading = one.earliest = one.latest = first;
+        catalogue_.effects.push_back({one});
+      }
+      Add(SlipSource(of.first, of.second, its));
+    }
+  }
+
+  void AddRows() {
+    std::vector<int> rows;
+    for (int at = 0; at < linearised_.count(); ++at) {
+      if (bad_.contains(at)) continue;
+      rows.push_back(at);
+      catalogue_.effects.push_back({{}, at});
+    }
+    Add(std::make_unique<objective::SingleRows>(linearised_.count(), rows, BadRowModel()));
+  }
+
+  const Linearised& linearised_;
+  const machine::Machine& machine_;
+  const std::vector<Candidate>& known_;
+  const identify::Problem plain_;
+  const std::vector<loop::AxisSpan> spans_;
+  machine::ErrorModel model_;
+  std::map<std::tuple<int, int, int>, int> kins_;
+  std::set<int> bad_;
+  Catalogue catalogue_;
+};
+
+}  // namespace
+
+Catalogue MakeCatalogue(const Linearised& linearised, const machine::ErrorModel& declared,
+                        const std::vector<Candidate>& known, const std::vector<loop::BadRow>& bad_rows) {
+  return Builder(linearised, declared, known).Build(bad_rows);
+}
+
+}  // namespace axiscal::effects

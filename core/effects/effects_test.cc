@@ -1,0 +1,195 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/effects/catalogue.h"
+#include "core/effects/shaped.h"
+#include "core/identify/identify.h"
+#include "core/identify/reduction.h"
+#include "core/identify/testing/scenario.h"
+#include "core/objective/scorer.h"
+
+namespace axiscal::effects {
+namespace {
+
+using identify::testing::Errors;
+using identify::testing::Measure;
+
+const machine::Machine kMachine = machine::testing::MultiTasking();
+constexpr char kWithBacklash[] = R"({"EX0C": 20, "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": 0.6}]})";
+
+std::vector<instruments::MeasuringRun> Runs() {
+  synthetic::NoiseOptions noise;
+  ballbar::PatternOptions options;
+  options.step_deg = 2.0;
+  const machine::ErrorModel truth = Errors(kMachine, kWithBacklash);
+  return *identify::BindSessions(kMachine, Measure(kMachine, truth, noise, identify::testing::FivePatterns(), options));
+}
+
+machine::ErrorModel Declared() { return machine::DeclaredModel(kMachine); }
+
+loop::Candidate Backlash() {
+  const int x = machine::FindAxis(kMachine, "X");
+  return {loop::Family::kBacklash, {x, machine::Component::kX, shapes::Backlash{x}, {}}, -1, 0};
+}
+
+// `noise` of every run where it is given.
+identify::Fit FitOf(std::vector<instruments::MeasuringRun> runs, const machine::ErrorModel& model,
+                    std::optional<std::pair<double, double>> memory = {}) {
+  identify::Options options;
+  options.set_outliers_aside = false;
+  identify::Problem problem = identify::MakeProblem(kMachine, std::move(runs)).value();
+  for (identify::Noise& noise : problem.noise)
+    if (memory) noise = {noise.sigma_mm, memory->first, memory->second};
+  return identify::FitProblem(std::move(problem), model, options).value();
+}
+
+double Squares(const identify::Fit& fit) {
+  return identify::WhitenedSquares(fit.problem, fit.residuals_mm) + identify::PriorSquares(fit.problem, fit.point);
+}
+
+// A catalogue with its scorer.
+struct Scored {
+  Linearised linearised;
+  Catalogue catalogue;
+  std::unique_ptr<objective::Scorer> scorer;
+
+  Scored(const identify::Fit& fit, const std::vector<loop::Candidate>& known)
+      : linearised(Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()))),
+        catalogue(MakeCatalogue(linearised, Declared(), known, {})),
+        scorer(
+            std::make_unique<objective::Scorer>(linearised.rows, std::move(catalogue.sources), objective::Policy())) {}
+
+  int Find(const std::string& name) const {
+    for (size_t g = 0; g < catalogue.effects.size(); ++g) {
+      const Effect& effect = catalogue.effects[g];
+      if (effect.bad_row < 0 && effect.candidate.family != loop::Family::kStep &&
+          machine::NameOf(kMachine, effect.candidate.term) == name)
+        return static_cast<int>(g);
+    }
+    return -1;
+  }
+};
+
+// The squares that a state leaves are those of the full fit with its effects, in white noise and in noise that
+// remembers.
+TEST(Effects, WhatAStateLeavesIsWhatTheFullFitWithItLeaves) {
+  const std::vector<std::optional<std::pair<double, double>>> memories = {std::nullopt, {{0.5, 0.0}}, {{0.8, 0.5}}};
+  for (const auto& memory : memories) {
+    machine::ErrorModel extended = Declared();
+    extended.terms.push_back(Backlash().term);
+    const identify::Fit before = FitOf(Runs(), Declared(), memory), after = FitOf(Runs(), extended, memory);
+    const Scored scored(before, {});
+    ASSERT_EQ(static_cast<int>(scored.catalogue.effects.size()), scored.scorer->group_count());
+    const int group = scored.Find("EXX:backlash");
+    ASSERT_GE(group, 0);
+    const double without = scored.scorer->ScoreOf({}, 1.0).squares;
+    const double with = scored.scorer->ScoreOf({{group, 0.0}}, 1.0).squares;
+    EXPECT_GT(without - with, 20.0);
+    EXPECT_NEAR(without, Squares(before), 1e-6 * without);
+    EXPECT_NEAR(without - with, Squares(before) - Squares(after), 2e-3 * (without - with));  // second order of 1e-4
+  }
+}
+
+// Where an effect or a slip is in the fitted model, the empty state is that without it, and the state with it the fit.
+TEST(Effects, EffectsAndSlipsOfTheFitAreTakenOutOfItAgain) {
+  machine::ErrorModel extended = Declared();
+  extended.terms.push_back(Backlash().term);
+  std::vector<instruments::MeasuringRun> runs = Runs(), slipped = runs;
+  constexpr int kMoment = 70;
+  loop::Candidate slip;
+  slip.family = loop::Family::kStep;
+  slip.run = 1;
+  slip.first_reading = kMoment;
+  for (std::vector<instruments::MeasuringRun>* some : {&runs, &slipped}) {
+    for (int k = kMoment; k < (*some)[1].reading_count(); ++k) (*some)[1].measured_mm(0, k) += 2e-3;
+  }
+  instruments::AddSlip({slip.carrier, kMoment}, &slipped[1]);
+  const identify::Fit plain = FitOf(runs, Declared()), fit = FitOf(slipped, extended);
+  loop::Candidate backlash = Backlash();
+  backlash.term = fit.point.model.terms.back();
+  const Scored scored(fit, {backlash, slip});
+  const objective::Score none = scored.scorer->ScoreOf({}, 1.0);
+  const objective::Score all =
+      scored.scorer->ScoreOf({{scored.catalogue.known[0], 0.0}, {scored.catalogue.known[1], 0.0}}, 1.0);
+  EXPECT_NEAR(none.squares, Squares(plain), 1e-3 * Squares(plain));
+  // The objective holds declared errors by a prior as wide as errors get.
+  EXPECT_NEAR(all.squares, Squares(fit), 1e-5 * Squares(fit));
+  EXPECT_NEAR(all.amplitude[0][0], backlash.term.amplitude[0], 1e-6);
+  // No second group is the same.
+  const auto named =
+      std::count_if(scored.catalogue.effects.begin(), scored.catalogue.effects.end(), [](const Effect& e) {
+        return e.bad_row < 0 && e.candidate.family == loop::Family::kBacklash &&
+               loop::IsSameEffect(e.candidate.term, Backlash().term);
+      });
+  EXPECT_EQ(named, 1);
+}
+
+// Products by matrices of shapes and sensitivities, and frequencies by recurrence, are those of the columns written
+// out.
+TEST(Effects, ShapedColumnsAreSensitivityTimesShape) {
+  const identify::Fit fit = FitOf(Runs(), Declared(), {{0.6, 0.2}});
+  const Linearised linearised = Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()));
+  const int c = machine::FindAxis(kMachine, "C");
+  std::vector<ShapedItem> items;
+  for (const int order : {1, 2, 3, 4, 200, 201, 202}) {
+    for (const int component : {0, 2})
+      items.push_back({shapes::Harmonic{c, static_cast<double>(order)}, machine::kComponents * c + component, {}});
+  }
+  items.push_back({shapes::Backlash{c}, machine::kComponents * c, {}});
+  const Shaped source(linearised, items);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd u = Eigen::MatrixXd::NullaryExpr(linearised.count(), 2, [&] { return normal(random); });
+  const objective::Stretch& second = linearised.rows.stretches[1];
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(source.column_count(), 2), some = products;
+  source.AddProducts(0, u, products);
+  source.AddProducts(second.begin, u.middleRows(second.begin, second.end - second.begin), some);
+  const std::vector<Eigen::MatrixXd> grams = source.Grams(linearised.rows.whitening);
+  Eigen::Index at = 0;
+  for (size_t i = 0; i < items.size(); ++i) {
+    const int width = shapes::BasisCount(items[i].shape);
+    Eigen::MatrixXd expected(linearised.count(), width);
+    for (int row = 0; row < linearised.count(); ++row) {
+      double basis[shapes::kMaxBasisCount];
+      shapes::Basis(items[i].shape, linearised.StateAt(row), basis);
+      for (int b = 0; b < width; ++b) expected(row, b) = basis[b] * linearised.sensitivity(row, items[i].sensitivity);
+    }
+    constexpr double kTolerance = 1e-9;  // recurrences of hundreds of turns
+    EXPECT_LT((source.Columns(static_cast<int>(i)) - expected).cwiseAbs().maxCoeff(), kTolerance);
+    EXPECT_LT((products.middleRows(at, width) - expected.transpose() * u).cwiseAbs().maxCoeff(), 1e3 * kTolerance);
+    const auto rows = expected.middleRows(second.begin, second.end - second.begin);
+    EXPECT_LT(
+        (some.middleRows(at, width) - rows.transpose() * u.middleRows(second.begin, rows.rows())).cwiseAbs().maxCoeff(),
+        1e3 * kTolerance);
+    linearised.rows.whitening.Apply(0, expected);
+    const Eigen::MatrixXd gram = expected.transpose() * expected;
+    EXPECT_LT((grams[i] - gram).cwiseAbs().maxCoeff(), kTolerance * (1.0 + gram.maxCoeff()));
+    at += width;
+  }
+}
+
+// A length between those of the dictionary is reached, and is another place of the same group.
+TEST(Effects, AShapeMovesToAnotherLength) {
+  const identify::Fit fit = FitOf(Runs(), Declared());
+  const Scored scored(fit, {});
+  const int x = machine::FindAxis(kMachine, "X");
+  const Linearised& linearised = scored.linearised;
+  ShapedItem item{shapes::Reversal{x, 4.0}, machine::kComponents * x, {}};
+  item.group.reach = 0.7;
+  item.group.place = PlaceOf(item.shape);
+  const Shaped source(linearised, {item});
+  const std::unique_ptr<objective::Source> moved = source.Moved(0, std::log(5.0));
+  ASSERT_NE(moved, nullptr);
+  EXPECT_DOUBLE_EQ(moved->groups()[0].place, std::log(5.0));
+  item.shape = shapes::Reversal{x, 5.0};
+  EXPECT_LT((moved->Columns(0) - Shaped(linearised, {item}).Columns(0)).cwiseAbs().maxCoeff(), 1e-12);
+  const shapes::Shape there = AtPlace(shapes::Reversal{x, 1.0}, std::log(5.0));
+  EXPECT_DOUBLE_EQ(*shapes::NonlinearParameter(there), 5.0);
+  item.group.reach = 0.0;
+  EXPECT_EQ(Shaped(linearised, {item}).Moved(0, 1.0), nullptr);
+}
+
+}  // namespace
+}  // namespace axiscal::effects

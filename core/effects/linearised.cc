@@ -1,0 +1,177 @@
+#include "core/effects/linearised.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/identify/reduction.h"
+#include "core/identify/rows.h"
+#include "core/identify/whitening.h"
+
+namespace axiscal::effects {
+namespace {
+
+using instruments::MeasuringRun;
+
+// Set-up offsets of a run that are no slips.
+Eigen::Index OwnCount(const MeasuringRun& run) {
+  return static_cast<Eigen::Index>(run.setup.size() - 3 * run.slips.size());
+}
+
+// Places the rows of one run.
+class Sink {
+ public:
+  Sink(const identify::Problem& problem, int run, const Eigen::VectorXd& setup, int errors, std::vector<int> next,
+       Eigen::ArrayXd* weight, Eigen::ArrayXd* correlation, Eigen::ArrayXd* echo, Linearised* out)
+      : run_(run),
+        own_(OwnCount(problem.runs[run])),
+        slips_(setup.size() - own_),
+        slipped_(setup.tail(slips_)),
+        next_(std::move(next)),
+        whiteners_(problem.runs[run].row_count, identify::SeriesWhitener(problem.noise[run], 0)),
+        row_(setup.size() + errors + 1),
+        weight_(weight),
+        correlation_(correlation),
+        echo_(echo),
+        out_(out) {}
+
+  Eigen::RowVectorXd& NextRow() { return row_; }
+  void Close(int reading, int row, const instruments::Evaluation& evaluation, const Eigen::RowVectorXd& stored) {
+    const int at = next_[row]++;
+    const identify::SeriesWhitener::Factors factors = whiteners_[row].Next(reading);
+    out_->run[at] = run_;
+    out_->reading[at] = reading;
+    out_->channel[at] = row;
+    (*weight_)[at] = factors.weight;
+    (*correlation_)[at] = factors.correlation;
+    (*echo_)[at] = factors.echo;
+    out_->sensitivity.row(at).head(evaluation.by_error.cols()) = evaluation.by_error.row(row);
+    out_->artefact.row(at) = stored.head<3>();
+    objective::Rows& rows = out_->rows;
+    rows.own.row(at).head(own_) = stored.head(own_);
+    const Eigen::Index p = rows.common.cols();
+    rows.common.row(at) = stored.segment(own_ + slips_, p);
+    rows.y[at] = stored.segment(own_, slips_).dot(slipped_) - stored[stored.size() - 1];
+  }
+
+ private:
+  const int run_;
+  const Eigen::Index own_, slips_;
+  const Eigen::VectorXd slipped_;
+  std::vector<int> next_;
+  std::vector<identify::SeriesWhitener> whiteners_;
+  Eigen::RowVectorXd row_;
+  Eigen::ArrayXd *weight_, *correlation_, *echo_;
+  Linearised* out_;
+};
+
+// Rows in which neighbours, a series, a session or a block of time may share what the model lacks.
+std::vector<std::vector<int>> ClusteringsOf(const Linearised& linearised) {
+  constexpr int kChunk = 15;   // rows: longer than most noise remembers
+  constexpr int kBlocks = 40;  // of time: enough that their sums have a spread
+  const int n = linearised.count();
+  std::vector<int> chunks(n), series(n), sessions(n), blocks(n);
+  double first_s = INFINITY, last_s = -INFINITY;
+  bool is_timed = true;
+  for (const MeasuringRun& run : linearised.problem->runs) {
+    is_timed &= run.has_time;
+    for (const double time_s : run.time_s) {
+      first_s = std::min(first_s, time_s);
+      last_s = std::max(last_s, time_s);
+    }
+  }
+  int chunk = -1, one_series = -1;
+  for (const objective::Stretch& some : linearised.rows.stretches) {
+    ++one_series;
+    for (int at = some.begin; at < some.end; ++at) {
+      if ((at - some.begin) % kChunk == 0) ++chunk;
+      chunks[at] = chunk;
+      series[at] = one_series;
+      sessions[at] = linearised.run[at];
+      const double time_s = linearised.problem->runs[linearised.run[at]].time_s[linearised.reading[at]];
+      blocks[at] = last_s > first_s
+                       ? std::min(kBlocks - 1, static_cast<int>(kBlocks * (time_s - first_s) / (last_s - first_s)))
+                       : 0;
+    }
+  }
+  std::vector<std::vector<int>> all = {std::move(chunks), std::move(series), std::move(sessions)};
+  if (is_timed) all.push_back(std::move(blocks));
+  return all;
+}
+
+}  // namespace
+
+int SensitivityOf(const Linearised& linearised, const machine::ErrorTerm& term) {
+  if (shapes::IsAlongApproach(term.shape)) return linearised.along_approach();
+  return machine::kComponents * term.joint + static_cast<int>(term.component);
+}
+
+Linearised Linearise(const identify::Problem& problem, const identify::Point& point, int declared) {
+  Linearised out;
+  out.problem = &problem;
+  objective::Rows& rows = out.rows;
+  std::vector<identify::Parameter> parameters = identify::ListParameters(point.model, true);
+  std::erase_if(parameters, [declared](const identify::Parameter& one) { return one.term >= declared; });
+  const auto p = static_cast<Eigen::Index>(parameters.size());
+  Eigen::Index widest = 3;
+  for (const MeasuringRun& run : problem.runs) widest = std::max(widest, OwnCount(run));
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    const identify::SetupGroup& group = problem.groups[g];
+    const Eigen::Index own = OwnCount(problem.runs[group.runs.front()]);
+    Eigen::VectorXd& precision = rows.own_precision.emplace_back(own);
+    for (Eigen::Index k = 0; k < own; ++k)
+      precision[k] = identify::PriorPrecision(group.parameters[k], identify::Priors::kAll);
+    rows.own_value.emplace_back(point.setup[g].head(own));
+  }
+  int count = 0;
+  std::vector<std::vector<int>> first(problem.runs.size());
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const MeasuringRun& run = problem.runs[i];
+    for (int row = 0; row < run.row_count; ++row) {
+      first[i].push_back(count);
+      for (int k = 0; k < run.reading_count(); ++k)
+        count += problem.is_used[i][static_cast<size_t>(k) * run.row_count + row];
+      rows.stretches.push_back({first[i].back(), count, problem.group_of_run[i]});
+    }
+  }
+  out.run.resize(count);
+  out.reading.resize(count);
+  out.channel.resize(count);
+  out.sensitivity.setZero(count, machine::kComponents * problem.machine->joint_count() + 1);
+  out.artefact.setZero(count, 3);
+  rows.own.setZero(count, widest);
+  rows.common.setZero(count, p);
+  rows.y.setZero(count);
+  Eigen::ArrayXd weight(count), correlation(count), echo(count);
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    Sink sink(problem, static_cast<int>(i), point.setup[problem.group_of_run[i]], static_cast<int>(p), first[i],
+              &weight, &correlation, &echo, &out);
+    identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
+  }
+  const int tool = machine::kComponents * problem.machine->tool_joint();
+  for (int at = 0; at < count; ++at) {
+    const shapes::State state = out.StateAt(at);
+    if (state.approach.is_touch)
+      out.sensitivity(at, out.along_approach()) =
+          machine::AlongApproach(state.approach, &out.sensitivity(at, tool), out.sensitivity.outerStride());
+    double basis[shapes::kMaxBasisCount];
+    for (size_t t = declared; t < point.model.terms.size(); ++t) {
+      const machine::ErrorTerm& term = point.model.terms[t];
+      shapes::Basis(term.shape, state, basis);
+      for (int b = 0; b < shapes::BasisCount(term.shape); ++b)
+        rows.y[at] += term.amplitude[b] * basis[b] * out.sensitivity(at, SensitivityOf(out, term));
+    }
+  }
+  rows.whitening = objective::Whitening(std::move(weight), std::move(correlation), std::move(echo));
+  rows.whitening.Apply(0, rows.own);
+  rows.whitening.Apply(0, rows.common);
+  rows.whitening.Apply(0, rows.y);
+  rows.common_precision.resize(p);
+  for (Eigen::Index k = 0; k < p; ++k) {
+    const double largest = identify::LargestOf(point.model, parameters[k]);
+    rows.common_precision[k] = 1.0 / (largest * largest);
+  }
+  rows.clusterings = ClusteringsOf(out);
+  return out;
+}
+
+}  // namespace axiscal::effects
