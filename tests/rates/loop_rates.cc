@@ -1,7 +1,8 @@
 // Rates at which the loop names what went into simulated machines: `loop_rates KIND COUNT [FIRST_SEED] [-v]`, KIND one
 // of null one pair dirty dirty-null misstated bump slip probe-slip wander wander-null coarse coarse-null; or how often
 // the sessions that it proposes leave the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`,
-// COUNT machines with one effect. -v prints every case, otherwise those that went wrong.
+// COUNT machines with one effect. -v prints every case, otherwise those that went wrong; --objective in front of
+// all others judges core/decide instead of core/loop.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -42,6 +43,11 @@ int NextRates(int count, int first, bool is_verbose) {
 
 int main(int argc, char** argv) {
   using axiscal::rates::Kind;
+  const bool by_objective = argc > 1 && std::strcmp(argv[1], "--objective") == 0;
+  if (by_objective) {
+    --argc;
+    ++argv;
+  }
   const std::map<std::string, Kind> kinds = {{"null", Kind::kNull},
                                              {"one", Kind::kOne},
                                              {"pair", Kind::kPair},
@@ -58,7 +64,7 @@ int main(int argc, char** argv) {
   const bool is_next = argc >= 3 && std::strcmp(argv[1], "next") == 0;
   if (argc < 3 || (!is_next && !kinds.contains(argv[1]))) {
     std::fprintf(stderr,
-                 "usage: loop_rates "
+                 "usage: loop_rates [--objective] "
                  "null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|wander|wander-null|coarse|coarse-null|"
                  "next COUNT "
                  "[FIRST_SEED] [-v]\n");
@@ -73,7 +79,7 @@ int main(int argc, char** argv) {
   int spurious_cases = 0, noticed = 0, left_alone = 0;
   std::vector<double> check_ratio, sigma_ratio, seconds;
   for (int seed = first; seed < first + count; ++seed) {
-    const axiscal::rates::Score score = axiscal::rates::Judge(axiscal::rates::Draw(kind, seed), kind);
+    const axiscal::rates::Score score = axiscal::rates::Judge(axiscal::rates::Draw(kind, seed), kind, by_objective);
     total.effects += score.effects;
     total.named += score.named;
     total.first += score.first;

@@ -24,7 +24,8 @@ struct Score {
 // The same effect; a pitch's frequency is told to within half a period over the measured range (about 1 in 20 here).
 bool IsSame(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
 
-Score Judge(const SimulatedCase& simulated, Kind kind);
+// By core/decide where `by_objective`, else by core/loop.
+Score Judge(const SimulatedCase& simulated, Kind kind, bool by_objective = false);
 
 }  // namespace axiscal::rates
 

@@ -1,0 +1,390 @@
+#include "core/decide/decide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include "core/effects/catalogue.h"
+#include "core/effects/shaped.h"
+#include "core/loop/check.h"
+#include "core/loop/describe.h"
+#include "core/loop/fitting.h"
+#include "core/loop/same_always.h"
+#include "core/objective/search.h"
+
+namespace axiscal::decide {
+namespace {
+
+using effects::Effect;
+using identify::Fit;
+using instruments::MeasuringRun;
+using loop::Added;
+using loop::Candidate;
+using loop::Extension;
+using loop::Family;
+
+// By how much a linearised objective may be off, share of what an effect explains: seen with machines' errors of a
+// hundred micrometres.
+constexpr double kLinear = 0.01;
+
+// What makes two sets of effects the same: names, and for slips and bad rows their places.
+using Key = std::tuple<std::string, int, int>;
+
+class Decider {
+ public:
+  Decider(const machine::Machine& machine, std::vector<MeasuringRun> fit, std::vector<MeasuringRun> check,
+          const loop::Options& options, const objective::Policy& policy)
+      : machine_(machine),
+        runs_(std::move(fit)),
+        options_(options),
+        policy_(policy),
+        identify_options_(OptionsOf(options)),
+        declared_(machine::DeclaredModel(machine)),
+        check_(machine, std::move(check), identify_options_),
+        all_(check_.After(runs_)) {
+    policy_.most_effects = std::min(policy_.most_effects, options.max_effects);
+  }
+
+  absl::StatusOr<loop::Report> Run() {
+    loop::Report report;
+    report.has_check = !check_.is_empty();
+    Ending ending{Extension(machine_, runs_), {}};
+    ASSIGN_OR_RETURN(ending.fit, FitExtension(machine_, ending.extension, identify_options_));
+    report.fit_before = ending.fit.result.fit;
+    KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::before_mm, &report);
+    ASSIGN_OR_RETURN(report.check_before,
+                     CheckStatistics(ending.fit.result.model, &loop::SessionResiduals::before_mm, &report));
+    // Names are those that all sessions ask for.
+    if (!check_.is_empty()) {
+      ending.extension = Extension(machine_, all_);
+      ASSIGN_OR_RETURN(ending.fit, FitExtension(machine_, ending.extension, identify_options_));
+    }
+    RETURN_IF_ERROR(Settle(&ending.extension, &ending.fit, &report));
+    std::vector<loop::Unexplained> sessions;
+    if (check_.is_empty()) {
+      RETURN_IF_ERROR(Describe(ending, runs_, &report));
+    } else {
+      ASSIGN_OR_RETURN(const identify::FitStatistics together,
+                       CheckStatistics(ending.fit.result.model, &loop::SessionResiduals::after_mm, &report));
+      ASSIGN_OR_RETURN(std::optional<Ending> alone, Alone(ending, together.rms_mm, &sessions));
+      report.is_check_fitted = !alone.has_value();
+      if (alone) {
+        RETURN_IF_ERROR(Describe(*alone, runs_, &report));
+        ending = *std::move(alone);
+      } else {
+        RETURN_IF_ERROR(Describe(ending, all_, &report));
+        RETURN_IF_ERROR(check_.Settle(ending.fit));
+        sessions = check_.UnexplainedWhereFitted();
+      }
+      report.unexplained.insert(report.unexplained.end(), sessions.begin(), sessions.end());
+    }
+    if (!report.unexplained.empty()) report.verdict = loop::Verdict::kUnexplained;
+    report.last_fit = std::make_shared<Fit>(std::move(ending.fit));
+    return report;
+  }
+
+ private:
+  struct Ending {
+    Extension extension;
+    Fit fit;
+  };
+
+  absl::Status Describe(const Ending& ending, const std::vector<MeasuringRun>& runs, loop::Report* report) {
+    ASSIGN_OR_RETURN(report->check_after,
+                     CheckStatistics(ending.fit.result.model, &loop::SessionResiduals::after_mm, report));
+    loop::Describe(machine_, runs, ending.extension, ending.fit, options_.search, report);
+    KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::after_mm, report);
+    return absl::OkStatus();
+  }
+
+  // The names of `whole` with amplitudes from the fit sessions alone, so that the check sessions still prove something.
+  // Nothing where the fit sessions do not tell these amplitudes. `sessions`: check sessions that stay unexplained.
+  absl::StatusOr<std::optional<Ending>> Alone(const Ending& whole, double check_rms_mm,
+                                              std::vector<loop::Unexplained>* sessions) {
+    constexpr double kNoWorse = 1.02;  // of the check sessions' rms: what a fit of them too would gain
+    const auto fitted = static_cast<int>(runs_.size());
+    Ending alone{Extension(machine_, runs_), {}};
+    for (size_t i = 0; i < whole.extension.effects.size(); ++i) {
+      Added one = whole.extension.effects[i];
+      if (one.candidate.family == Family::kStep && one.candidate.run >= fitted) return std::nullopt;
+      if (one.candidate.family != Family::kStep)
+        one.candidate.term = whole.fit.point.model.terms[whole.extension.TermOf(i)];
+      alone.extension.effects.push_back(std::move(one));
+    }
+    for (const loop::BadRow& bad : whole.extension.bad_rows)
+      if (bad.run < fitted) alone.extension.bad_rows.push_back(bad);
+    absl::StatusOr<Fit> fit = FitExtension(machine_, alone.extension, identify_options_);
+    if (absl::IsCancelled(fit.status())) return fit.status();
+    if (!fit.ok()) return std::nullopt;
+    alone.fit = *std::move(fit);
+    for (size_t i = 0; i < alone.extension.effects.size(); ++i) {
+      if (!IsUnnamed(alone.extension.effects[i].candidate.family) &&
+          loop::EvidenceOf(alone.fit, alone.extension.TermOf(i)) < policy_.evidence)
+        return std::nullopt;
+    }
+    RETURN_IF_ERROR(check_.Settle(alone.fit));
+    ASSIGN_OR_RETURN(*sessions, check_.UnexplainedSessions(alone.fit));
+    ASSIGN_OR_RETURN(const Fit under, check_.Under(alone.fit.result.model));
+    const bool is_foretold = under.result.fit.rms_mm <= kNoWorse * check_rms_mm;
+    if (!alone.extension.effects.empty() && (!sessions->empty() || !is_foretold)) return std::nullopt;
+    return alone;
+  }
+
+  static identify::Options OptionsOf(const loop::Options& options) {
+    identify::Options out;
+    out.cancelled = options.cancelled;
+    out.scale_uncertainties = true;
+    out.profile_intervals = false;  // of fits on the way, which a model that misses bends
+    return out;
+  }
+
+  Key KeyOf(const Candidate& one) const {
+    if (one.family == Family::kStep) return {"slip", one.run, one.first_reading};
+    machine::ErrorTerm term = one.term;
+    // Fitted lengths move a little in every fit.
+    if (double* parameter = shapes::NonlinearParameter(term.shape)) *parameter = 1.0;
+    return {machine::NameOf(machine_, term), term.joint, static_cast<int>(term.component)};
+  }
+
+  std::set<Key> KeysOf(const Extension& extension) const {
+    std::set<Key> keys;
+    for (const Added& one : extension.effects) keys.insert(KeyOf(one.candidate));
+    for (const loop::BadRow& bad : extension.bad_rows) keys.insert({"row", bad.run, static_cast<int>(bad.row)});
+    return keys;
+  }
+
+  // The effects of an extension as they were fitted.
+  std::vector<Candidate> FittedEffects(const Extension& extension, const Fit& fit) const {
+    std::vector<Candidate> fitted;
+    for (size_t i = 0; i < extension.effects.size(); ++i) {
+      Candidate one = extension.effects[i].candidate;
+      if (one.family != Family::kStep) one.term = fit.point.model.terms[extension.TermOf(i)];
+      fitted.push_back(one);
+    }
+    return fitted;
+  }
+
+  // Searches and fits until the set of effects stays.
+  absl::Status Settle(Extension* extension, Fit* fit, loop::Report* report) {
+    constexpr int kRounds = 5;
+    std::vector<std::set<Key>> seen = {KeysOf(*extension)};
+    for (int round = 0; round < kRounds; ++round) {
+      Extension next(machine_, check_.is_empty() ? runs_ : all_);
+      Search(*extension, *fit, round == 0, &next, report);
+      if (options_.cancelled && options_.cancelled()) return absl::CancelledError("cancelled");
+      const std::set<Key> keys = KeysOf(next);
+      const bool stays = keys == seen.back();
+      if (stays) {
+        TakeOver(next, extension);
+        ASSIGN_OR_RETURN(const bool is_replaced, AskExactly(extension, fit, report));
+        if (!is_replaced || round + 1 == kRounds) return absl::OkStatus();
+        seen.push_back(KeysOf(*extension));
+        continue;
+      }
+      absl::StatusOr<Fit> fitted = FitExtension(machine_, next, identify_options_);
+      if (absl::IsCancelled(fitted.status())) return fitted.status();
+      if (!fitted.ok()) return absl::OkStatus();
+      NoteChanges(*extension, next, *fitted, report);
+      *extension = std::move(next);
+      *fit = *std::move(fitted);
+      if (std::find(seen.begin(), seen.end(), keys) != seen.end()) return absl::OkStatus();
+      seen.push_back(keys);
+    }
+    return absl::OkStatus();
+  }
+
+  // Scores and classes of the last search, for the same effects in the order in which they were fitted.
+  void TakeOver(const Extension& searched, Extension* extension) const {
+    for (Added& one : extension->effects) {
+      for (const Added& other : searched.effects) {
+        if (KeyOf(other.candidate) != KeyOf(one.candidate)) continue;
+        const machine::ErrorTerm term = one.candidate.term;
+        one = other;
+        one.candidate.term = term;
+        break;
+      }
+    }
+  }
+
+  // The objective of a linearised model is off by a share of what an effect explains: members of a class that come that
+  // near are fitted in full. The best takes the effect's place; those within Policy::alike of it stay its class.
+  absl::StatusOr<bool> AskExactly(Extension* extension, Fit* fit, loop::Report* report) {
+    bool any = false;
+    for (size_t i = 0; i < extension->effects.size(); ++i) {
+      Added& added = extension->effects[i];
+      if (IsUnnamed(added.candidate.family) || added.equivalent.empty()) continue;
+      const int term = extension->TermOf(i);
+      std::vector<machine::ErrorTerm> terms = {fit->result.model.terms[term]};
+      for (const Candidate& one : added.equivalent) terms.push_back(one.term);
+      const std::vector<int> first = loop::FirstOfTheSame(machine_, fit->problem.runs.front().tip_mm, terms);
+      std::vector<double> squares(terms.size(), INFINITY);
+      squares[0] = loop::SquaresOf(*fit);
+      const auto fit_with = [&](size_t m) {
+        machine::ErrorModel model = fit->result.model;
+        model.terms[term] = terms[m];
+        return loop::Refit(*fit, model, identify_options_);
+      };
+      int asked = 0;
+      constexpr int kMostAsked = 8;
+      for (size_t m = 1; m < terms.size(); ++m) {
+        if (first[m] < static_cast<int>(m)) {
+          squares[m] = squares[first[m]];
+        } else if (++asked <= kMostAsked) {
+          const absl::StatusOr<Fit> other = fit_with(m);
+          if (absl::IsCancelled(other.status())) return other.status();
+          if (other.ok()) squares[m] = loop::SquaresOf(*other);
+        }
+      }
+      std::vector<Candidate> members = {added.candidate};
+      members.insert(members.end(), added.equivalent.begin(), added.equivalent.end());
+      // The simplest of those that fit best.
+      const double least = *std::min_element(squares.begin(), squares.end());
+      size_t which = terms.size();
+      for (size_t m = 0; m < members.size(); ++m) {
+        if (squares[m] < least + policy_.replacement_gain &&
+            (which == terms.size() ||
+             loop::Complexity(machine_, members[m]) < loop::Complexity(machine_, members[which])))
+          which = m;
+      }
+      absl::StatusOr<Fit> best = which == 0 ? *fit : fit_with(which);
+      if (absl::IsCancelled(best.status())) return best.status();
+      if (!best.ok()) which = 0;
+      added.equivalent.clear();
+      for (size_t m = 0; m < members.size(); ++m)
+        if (m != which && squares[m] < squares[which] + policy_.alike) added.equivalent.push_back(members[m]);
+      if (which == 0) continue;
+      any |= squares[0] > least + policy_.replacement_gain;
+      added.candidate = members[which];
+      added.candidate.term = best->result.model.terms[term];
+      *fit = *std::move(best);
+      report->steps.push_back({loop::SelectionStep::kReplaced, extension->NameOf(i), fit->result.fit.rms_mm});
+    }
+    return any;
+  }
+
+  void Search(const Extension& extension, const Fit& fit, bool is_first, Extension* next, loop::Report* report) {
+    identify::Problem problem = fit.problem;
+    for (const loop::BadRow& bad : extension.bad_rows) problem.is_used[bad.run][bad.row] = true;
+    const effects::Linearised linearised =
+        effects::Linearise(problem, fit.point, static_cast<int>(declared_.terms.size()));
+    effects::Catalogue catalogue =
+        effects::MakeCatalogue(linearised, declared_, FittedEffects(extension, fit), extension.bad_rows);
+    objective::Scorer scorer(linearised.rows, std::move(catalogue.sources), policy_);
+    const objective::DesignEffect design(scorer);
+    objective::Searcher searcher(&scorer, &design, options_.cancelled);
+    std::vector<objective::Start> starts(1);
+    for (const int group : catalogue.known) starts[0].state.push_back({group, 0.0});
+    const objective::Found found = searcher.Search(starts);
+    if (is_first) report->candidates = scorer.group_count();
+    Take(scorer, found, searcher.ClassesOf(found, kLinear), linearised, catalogue, next);
+  }
+
+  void Take(objective::Scorer& scorer, const objective::Found& found,
+            const std::vector<std::vector<objective::Move>>& classes, const effects::Linearised& linearised,
+            const effects::Catalogue& catalogue, Extension* next) const {
+    const objective::Score score = scorer.ScoreOf(found.state, found.design);
+    for (size_t i = 0; i < found.state.size(); ++i) {
+      const int group = found.state[i].group;
+      const Effect& effect = catalogue.effects[scorer.OriginOf(group)];
+      if (effect.bad_row >= 0) {
+        const int run = linearised.run[effect.bad_row];
+        const int rows = linearised.problem->runs[run].row_count;
+        next->bad_rows.push_back(
+            {run, static_cast<size_t>(linearised.reading[effect.bad_row]) * rows + linearised.channel[effect.bad_row]});
+        continue;
+      }
+      objective::State without = found.state;
+      without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+      Added added;
+      added.candidate = effect.candidate;
+      added.score = scorer.ScoreOf(without, found.design).objective - found.objective + policy_.evidence;
+      if (effect.candidate.family != Family::kStep) {
+        added.candidate.term.shape = effects::AtPlace(added.candidate.term.shape, scorer.group(group).place);
+        for (Eigen::Index b = 0; b < score.amplitude[i].size(); ++b)
+          added.candidate.term.amplitude[b] = score.amplitude[i][b];
+      }
+      TakeClass(scorer, classes[i], catalogue, &added);
+      next->effects.push_back(std::move(added));
+    }
+  }
+
+  static void TakeClass(const objective::Scorer& scorer, const std::vector<objective::Move>& members,
+                        const effects::Catalogue& catalogue, Added* added) {
+    Candidate& own = added->candidate;
+    if (own.family == Family::kStep) own.earliest = own.latest = own.first_reading;
+    for (const objective::Move& move : members) {
+      const Effect& effect = catalogue.effects[scorer.OriginOf(move.member.group)];
+      Candidate one = effect.candidate;
+      if (effect.bad_row >= 0) continue;
+      if (own.family == Family::kStep) {
+        if (one.family != Family::kStep || one.run != own.run) continue;
+        own.may_be_other |= one.carrier != own.carrier;
+        own.earliest = std::min(own.earliest, one.first_reading);
+        own.latest = std::max(own.latest, one.first_reading);
+        continue;
+      }
+      one.term.shape = effects::AtPlace(one.term.shape, scorer.group(move.member.group).place);
+      const auto is_it = [&](const Candidate& known) { return loop::IsSameEffect(known.term, one.term); };
+      if (IsUnnamed(one.family) || is_it(own) || std::any_of(added->equivalent.begin(), added->equivalent.end(), is_it))
+        continue;
+      added->equivalent.push_back(one);
+    }
+  }
+
+  static void NoteChanges(const Extension& before, const Extension& after, const Fit& fit, loop::Report* report) {
+    const auto names_of = [](const Extension& extension) {
+      std::vector<std::string> names;
+      for (size_t i = 0; i < extension.effects.size(); ++i) names.push_back(extension.NameOf(i));
+      return names;
+    };
+    const std::vector<std::string> old_names = names_of(before), new_names = names_of(after);
+    const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    for (const std::string& name : old_names)
+      if (!has(new_names, name)) report->steps.push_back({loop::SelectionStep::kDropped, name, fit.result.fit.rms_mm});
+    for (const std::string& name : new_names)
+      if (!has(old_names, name)) report->steps.push_back({loop::SelectionStep::kAdded, name, fit.result.fit.rms_mm});
+  }
+
+  void KeepResiduals(const Fit& fit, const std::vector<MeasuringRun>& runs, size_t offset,
+                     Eigen::MatrixXd loop::SessionResiduals::*field, loop::Report* report) const {
+    report->residuals.resize(runs_.size() + check_.runs().size());
+    for (size_t i = 0; i < runs.size(); ++i) {
+      loop::SessionResiduals& kept = report->residuals[offset + i];
+      kept.session = runs[i].session;
+      kept.is_check = offset > 0;
+      kept.*field = fit.residuals_mm[i];
+    }
+  }
+
+  absl::StatusOr<identify::FitStatistics> CheckStatistics(const machine::ErrorModel& model,
+                                                          Eigen::MatrixXd loop::SessionResiduals::*field,
+                                                          loop::Report* report) {
+    if (check_.is_empty()) return identify::FitStatistics{};
+    ASSIGN_OR_RETURN(const Fit fit, check_.Under(model));
+    KeepResiduals(fit, check_.runs(), runs_.size(), field, report);
+    return fit.result.fit;
+  }
+
+  const machine::Machine& machine_;
+  const std::vector<MeasuringRun> runs_;
+  const loop::Options options_;
+  objective::Policy policy_;
+  const identify::Options identify_options_;
+  const machine::ErrorModel declared_;
+  loop::Check check_;
+  const std::vector<MeasuringRun> all_;  // fit sessions, then check sessions
+};
+
+}  // namespace
+
+absl::StatusOr<loop::Report> Decide(const machine::Machine& machine, std::vector<MeasuringRun> fit,
+                                    std::vector<MeasuringRun> check, const loop::Options& options,
+                                    const objective::Policy& policy) {
+  return Decider(machine, std::move(fit), std::move(check), options, policy).Run();
+}
+
+}  // namespace axiscal::decide

@@ -1,0 +1,116 @@
+#include "core/decide/decide.h"
+
+#include <gtest/gtest.h>
+
+#include "core/identify/testing/scenario.h"
+
+namespace axiscal::decide {
+namespace {
+
+using ballbar::Pattern;
+using identify::testing::Errors;
+using identify::testing::Measure;
+using identify::testing::Measured;
+using instruments::MeasuringRun;
+using loop::Report;
+using loop::Verdict;
+
+const machine::Machine kMachine = machine::testing::MultiTasking();
+constexpr char kDeclared[] =
+    R"("EA0B": 40, "EC0B": -61, "EB0B": 20.5, "EX0C": -22.2, "EY0C": 15.3, "EA0C": -42.9, "EB0C": 45.6, "EZ0T": 29.9)";
+const std::vector<Measured> kCheckPatterns = {{"BZ", Pattern::kBZ, 380.0}, {"CT", Pattern::kCT, 380.0}};
+
+struct Sessions {
+  std::vector<MeasuringRun> fit, check;
+};
+
+Sessions MeasureWith(const std::string& effects, uint64_t seed = 1) {
+  const machine::ErrorModel truth = Errors(kMachine, "{" + std::string(kDeclared) + ", \"terms\": [" + effects + "]}");
+  synthetic::NoiseOptions noise;
+  noise.seed = seed;
+  ballbar::PatternOptions options;
+  options.step_deg = 2.0;
+  Sessions sessions;
+  const auto fit = Measure(kMachine, truth, noise, identify::testing::FivePatterns(), options);
+  sessions.fit = *identify::BindSessions(kMachine, fit);
+  noise.seed += 1000;
+  options.start_s += 7200.0;
+  const auto check = Measure(kMachine, truth, noise, kCheckPatterns, options);
+  sessions.check = *identify::BindSessions(kMachine, check);
+  return sessions;
+}
+
+Report Close(const Sessions& sessions) { return Decide(kMachine, sessions.fit, sessions.check).value(); }
+
+std::string NamesOf(const Report& report) {
+  std::string names;
+  for (const loop::Effect& effect : report.effects) names += machine::NameOf(kMachine, effect.term) + "; ";
+  for (const loop::Unexplained& part : report.unexplained) names += part.session + " " + part.variable + "; ";
+  return names;
+}
+
+bool Names(const loop::Effect& effect, const std::string& name) {
+  if (machine::NameOf(kMachine, effect.term) == name) return true;
+  for (const machine::ErrorTerm& other : effect.equivalent)
+    if (machine::NameOf(kMachine, other) == name) return true;
+  return false;
+}
+
+TEST(Decide, AMachineThatLacksNothingIsLeftAlone) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    const Report report = Close(MeasureWith("", seed));
+    EXPECT_EQ(report.verdict, Verdict::kAdequate) << NamesOf(report);
+    EXPECT_GT(report.candidates, 1000);
+    EXPECT_TRUE(report.has_check);
+  }
+}
+
+TEST(Decide, EffectsAreNamedWithTheirAmplitudesAndNothingBeside) {
+  const Report report = Close(MeasureWith(R"({"symbol": "EXX", "shape": "backlash", "amplitude": -2.9},
+      {"symbol": "EYY", "shape": "reversal", "amplitude": 5, "length_mm": 5.5})"));
+  ASSERT_EQ(report.effects.size(), 2u) << NamesOf(report);
+  const bool is_first = Names(report.effects[0], "EXX:backlash");
+  const loop::Effect &backlash = report.effects[is_first ? 0 : 1], &reversal = report.effects[is_first ? 1 : 0];
+  EXPECT_TRUE(Names(backlash, "EXX:backlash")) << NamesOf(report);
+  EXPECT_TRUE(Names(reversal, "EYY:reversal")) << NamesOf(report);
+  EXPECT_NEAR(backlash.amplitude, -2.9e-3, 3.0 * backlash.amplitude_sigma);
+  EXPECT_NEAR(*shapes::NonlinearParameter(reversal.term.shape), 5.5, 1.0);
+  EXPECT_EQ(report.verdict, Verdict::kExtended);
+  EXPECT_FALSE(report.is_check_fitted);
+  constexpr double kSigmaMm = 0.3e-3;
+  EXPECT_NEAR(report.fit_after.rms_mm, kSigmaMm, 0.05 * kSigmaMm);
+  EXPECT_NEAR(report.check_after.rms_mm, kSigmaMm, 0.07 * kSigmaMm);
+  EXPECT_LT(report.check_after.rms_mm, report.check_before.rms_mm);
+  EXPECT_GE(report.steps.size(), 2u);
+}
+
+// The ball on the table moved by 2 um in a part of one session, in which two readings are bad, too.
+TEST(Decide, ASlipIsToldWithItsSessionAndMomentAndBadReadingsAreListed) {
+  Sessions sessions = MeasureWith("");
+  MeasuringRun& run = sessions.fit[2];
+  constexpr int kMoment = 80, kBad = 30;
+  for (int k = kMoment; k < run.reading_count(); ++k) run.measured_mm(0, k) += 2e-3;
+  run.measured_mm(0, kBad) += 30e-3;
+  run.measured_mm(0, kBad + 1) += 30e-3;
+  const Report report = Close(sessions);
+  EXPECT_EQ(report.verdict, Verdict::kUnexplained);
+  ASSERT_EQ(report.unexplained.size(), 1u) << NamesOf(report);
+  const loop::Unexplained& slip = report.unexplained[0];
+  EXPECT_EQ(slip.kind, loop::Unexplained::kSlip);
+  EXPECT_EQ(slip.session, run.session);
+  EXPECT_LE(slip.from, run.time_s[kMoment]);
+  EXPECT_GE(slip.to, run.time_s[kMoment - 1]);
+  EXPECT_TRUE(report.effects.empty()) << NamesOf(report);
+  EXPECT_EQ(report.fitted.outliers.size(), 2u);
+}
+
+TEST(Decide, ASearchThatIsCancelledSaysSo) {
+  const Sessions sessions = MeasureWith(R"({"symbol": "EXX", "shape": "backlash", "amplitude": -2.9})");
+  loop::Options options;
+  int asked = 0;
+  options.cancelled = [&asked] { return ++asked > 25; };
+  EXPECT_EQ(Decide(kMachine, sessions.fit, sessions.check, options).status().code(), absl::StatusCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace axiscal::decide
