@@ -9,7 +9,8 @@ namespace axiscal::cli {
 class JsonDump {
  public:
   static nlohmann::ordered_json Of(const Json& json) {
-    nlohmann::ordered_json out = json.is_object_ ? nlohmann::ordered_json::object() : std::visit(JsonDump(), json.value_);
+    nlohmann::ordered_json out =
+        json.is_object_ ? nlohmann::ordered_json::object() : std::visit(JsonDump(), json.value_);
     if (!out.is_object()) return out;
     for (const auto& [name, member] : json.members_) out[name] = Of(member);
     return out;

@@ -58,7 +58,8 @@ std::string Cell(double number) {
 
 absl::StatusOr<published::Comparison> OfSessions(Context& context, const published::Source& source,
                                                  const PublishedArguments& arguments) {
-  if (!arguments.rewrite.tool_tip.empty() || !arguments.rewrite.unit.empty() || !arguments.errors.empty() || arguments.calibration != 0) {
+  if (!arguments.rewrite.tool_tip.empty() || !arguments.rewrite.unit.empty() || !arguments.errors.empty() ||
+      arguments.calibration != 0) {
     return absl::InvalidArgumentError(absl::StrCat(
         "published: ", source.name, " is about sessions, expected no --tool-tip, --unit, --errors, --calibration"));
   }

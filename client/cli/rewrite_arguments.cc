@@ -115,8 +115,9 @@ absl::StatusOr<std::vector<int>> ParseCodes(const std::string& text) {
     const bool is_range = std::sscanf(part.c_str(), "%4d-%4d%n", &first, &last, &read) == 2;
     if (!is_range && std::sscanf(part.c_str(), "%4d%n", &first, &read) == 1) last = first;
     if (read != static_cast<int>(part.size()) || part.empty() || first < 0 || first > last) {
-      return absl::InvalidArgumentError(absl::StrCat("--harmless-m: '", text, "', expected numbers of M codes from 0 to ",
-                                                     nc::kMaxHarmlessM, " and ranges: 47,120-129"));
+      return absl::InvalidArgumentError(absl::StrCat("--harmless-m: '", text,
+                                                     "', expected numbers of M codes from 0 to ", nc::kMaxHarmlessM,
+                                                     " and ranges: 47,120-129"));
     }
     for (int code = first; code <= last; ++code) codes.push_back(code);
   }

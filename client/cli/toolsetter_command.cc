@@ -218,7 +218,8 @@ void AddToolSetterCommand(CLI::App& app, Context& context) {
       "tell gets no\nnumber.\n"
       "Examples: axiscal toolsetter reference rods.csv\n"
       "          axiscal toolsetter reference --machine cmx50u --session rods-tuesday --fit pitch");
-  SetAction(reference, context, [&context, arguments] { return Evaluate<reports::BeamReference>(context, *arguments); });
+  SetAction(reference, context,
+            [&context, arguments] { return Evaluate<reports::BeamReference>(context, *arguments); });
 
   CLI::App* wear =
       toolsetter->add_subcommand("wear", "Tool length and each insert's wear from readings at several start angles");

@@ -1,5 +1,5 @@
-// Locks: std::mutex and std::condition_variable under names that clang's thread safety analysis knows. A member says which mutex guards it,
-// a private function which mutex its caller holds; clang refuses code that does otherwise (tests/run, part "locks"), gcc sees plain code.
+// Locks: std::mutex and std::condition_variable under names that clang's thread safety analysis knows. A member says
+// which mutex guards it, a private function which its caller holds; clang refuses other code (tests/run, part "locks").
 // https://clang.llvm.org/docs/ThreadSafetyAnalysis.html
 //
 //   Mutex mutex_;

@@ -1,5 +1,5 @@
-// Core computes in mm, rad, s and degrees Celsius. Micrometres, microradians, arc seconds and degrees appear only where text,
-// wire messages or tables are read or written, and only through these factors: value_mm = value_um * kMmPerUm.
+// Core computes in mm, rad, s and degrees Celsius. Micrometres, microradians, arc seconds and degrees appear only where
+// text, wire messages or tables are read or written, and only through these factors: value_mm = value_um * kMmPerUm.
 #ifndef AXISCAL_CORE_BASE_UNITS_H_
 #define AXISCAL_CORE_BASE_UNITS_H_
 

@@ -56,8 +56,8 @@ struct Correction {
 
 class Compensator {
  public:
-  // INVALID_ARGUMENT when the machine, a term or the tool tip is not valid, or the tip stands on the other side than the
-  // machine's tool_direction points to (CheckToolTip).
+  // INVALID_ARGUMENT when the machine, a term or the tool tip is not valid, or the tip stands on the other side than
+  // the machine's tool_direction points to (CheckToolTip).
   static absl::StatusOr<Compensator> Create(const machine::Machine& machine, const machine::ErrorModel& errors,
                                             const Options& options);
   Compensator(Compensator&&) noexcept;

@@ -65,8 +65,8 @@ inline void TurnAbout(const Vector3<double>& axis, double angle_rad, Matrix3<dou
   *rotation = Matrix3<double>(*rotation * AxisRotation<double>(axis, angle_rad));
 }
 
-// Sine and cosine. Errors of machines are small angles: up to 0.01 rad the series below is exact but for the last bit of a
-// double, at a tenth of the cost.
+// Sine and cosine. Errors of machines are small angles: up to 0.01 rad the series below is exact but for the last bit
+// of a double, at a tenth of the cost.
 template <typename T>
 void SineCosine(const T& angle_rad, T* sine, T* cosine) {
   using std::cos;

@@ -44,7 +44,8 @@ Reported ReportedBy(const reports::CalibrationReport& report) {
     if (!error.identifiable) out.unknown.push_back(error.name);
   }
   const auto* const identification = std::get_if<reports::Identification>(&report);
-  const reports::Held held = identification != nullptr ? identification->held.value_or(reports::Held{}) : reports::Held{};
+  const reports::Held held =
+      identification != nullptr ? identification->held.value_or(reports::Held{}) : reports::Held{};
   for (const reports::HeldError& error : held.errors) Add(error.name, error.sigma, &out);
   for (const reports::MeasuredIn& in : held.sessions) out.from.push_back({in.session, in.setup});
   const Eigen::Index count = static_cast<Eigen::Index>(out.sigma.size());
@@ -91,7 +92,8 @@ std::vector<std::string> NamesOf(const machine::Machine& machine, const machine:
 
 }  // namespace
 
-absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model, const std::optional<reports::CalibrationReport>& report,
+absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model,
+                                      const std::optional<reports::CalibrationReport>& report,
                                       const machine::Machine& machine) {
   HeldErrors held;
   held.model = std::move(model);

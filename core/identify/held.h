@@ -32,7 +32,8 @@ absl::StatusOr<HeldErrors> ReadHeldErrors(const std::string& model_json, const s
                                           const machine::Machine& machine);
 
 // `model` with what the report of its identification says of its uncertainties. INVALID_ARGUMENT as above.
-absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model, const std::optional<reports::CalibrationReport>& report,
+absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model,
+                                      const std::optional<reports::CalibrationReport>& report,
                                       const machine::Machine& machine);
 
 // Of an errors.json or a calibration, as ReadHeldErrors reads them, the constant errors that `names` name; what else it

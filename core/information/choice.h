@@ -1,6 +1,7 @@
-// What a set of tests tells of the unknowns that were asked about, and which set to choose: the smallest that determines
-// them beside all other unknowns; of equal size the one with the least determinant of their covariance (D_s-optimal:
-// D-optimal for a subset of the unknowns; Atkinson, Donev and Tobias, Optimum Experimental Designs, 2007, ch. 10).
+// What a set of tests tells of the unknowns that were asked about, and which set to choose: the smallest that
+// determines them beside all other unknowns; of equal size the one with the least determinant of their covariance
+// (D_s-optimal: D-optimal for a subset of the unknowns; Atkinson, Donev and Tobias, Optimum Experimental Designs, 2007,
+// ch. 10).
 #ifndef AXISCAL_CORE_INFORMATION_CHOICE_H_
 #define AXISCAL_CORE_INFORMATION_CHOICE_H_
 
@@ -24,7 +25,7 @@ struct TestInformation {
 
 struct Told {
   std::vector<bool> is_determined;  // per asked unknown: it has a value of its own beside all others
-  std::vector<double> sigma;        // per asked unknown, mm or rad: expected standard uncertainty; NaN if not determined
+  std::vector<double> sigma;        // per asked unknown, mm or rad: expected standard uncertainty; NaN: not determined
   int determined_count = 0;
   double log_determinant = 0.0;  // of the covariance of the determined ones, um and urad; 0 of none
 

@@ -6,7 +6,7 @@
 
 namespace axiscal::instruments {
 
-// As BindSession without what only a fit needs: axis_states stay empty, and a tracker's starting pose is not looked for.
+// As BindSession without what only a fit needs: axis_states stay empty, a tracker's starting pose is not looked for.
 absl::StatusOr<MeasuringRun> BindReadings(const session::Session& session, const machine::Machine& machine,
                                           size_t readings_before);
 

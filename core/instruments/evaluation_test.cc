@@ -221,7 +221,8 @@ TEST(Evaluation, AFreeDatumMovesItsAxes) {
     };
     for (int row = 0; row < rows; ++row) {
       EXPECT_NEAR(evaluation.predicted_mm[row], expected_mm[row], 1e-10);
-      // The slopes of sphere centres are those of a machine without errors (core/instruments/centres/centres_model.cc): 3 mrad of 500 mm.
+      // The slopes of sphere centres are those of a machine without errors (core/instruments/centres/centres_model.cc):
+      // 3 mrad of 500 mm.
       const double near = instrument.kind == Kind::kCentres ? 0.02 : kNear;
       for (size_t k = 0; k < own + 2; ++k)
         EXPECT_NEAR(evaluation.by_setup(row, static_cast<Eigen::Index>(k)), differ(setup + k, row), near) << k;

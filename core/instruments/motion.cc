@@ -29,7 +29,8 @@ void DeriveMotion(MeasuringRun* run) {
       state.speed = 0.0;
       if (change != 0.0) {
         const double sense = change > 0.0 ? 1.0 : -1.0;
-        // A reversal happened at the reading before: its travel is what has been covered since. Breaking away from rest counts as one.
+        // A reversal happened at the reading before: its travel is what has been covered since. Breaking away from rest
+        // counts as one.
         const bool is_reversal = sense != state.sense || std::isinf(state.travel_since_reversal);
         state.travel_since_reversal = (is_reversal ? 0.0 : state.travel_since_reversal) + std::abs(change);
         state.sense = sense;

@@ -44,7 +44,8 @@ TEST(LogTemplate, WhatBreaksARuleIsNamedWithItsLine) {
   EXPECT_THAT(Refusal(header + "line: X{X_mm\n"), HasSubstr("line 8: line: 'X{X_mm': a '{' without '}'"));
   EXPECT_THAT(Refusal(header + "line: X{X_mm}\nline: Y{Y_mm}\n"), HasSubstr("line 9: line is said twice"));
   EXPECT_THAT(Refusal(header + "line: %\n"), HasSubstr("has no field"));
-  EXPECT_THAT(Refusal(header + "format: heidenhain\n"), HasSubstr("'heidenhain', expected dprnt, linuxcnc-probe or sinumerik-write"));
+  EXPECT_THAT(Refusal(header + "format: heidenhain\n"),
+              HasSubstr("'heidenhain', expected dprnt, linuxcnc-probe or sinumerik-write"));
   EXPECT_THAT(Refusal(header + "count: Points\n"), HasSubstr("expected a field {count}"));
   EXPECT_THAT(Refusal(header + "approach: 1 1 0\n"), HasSubstr("expected 'feature' or a unit vector"));
   EXPECT_THAT(Refusal(header + "axis: X 0 1\n"), HasSubstr("a scale other than 0"));

@@ -170,7 +170,8 @@ TEST(Signatures, TwoNamesOfOneMotionCorrelateFully) {
 TEST(Signatures, NothingThatMattersIsScreenedOut) {
   const machine::ErrorModel truth = Errors(
       kMachine,
-      R"({"EX0C": 20, "terms": [{"symbol": "EBB", "shape": "harmonic", "order": 45, "amplitude": 4, "phase_deg": 12}]})");
+      R"({"EX0C": 20,
+           "terms": [{"symbol": "EBB", "shape": "harmonic", "order": 45, "amplitude": 4, "phase_deg": 12}]})");
   for (const Memory memory : {Memory{0.0, 0.0}, Memory{0.6, 0.0}, Memory{0.8, 0.5}}) {
     identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), truth, 1.0);
     for (identify::Noise& noise : fit.problem.noise) noise = {noise.sigma_mm, memory.ar1, memory.white_share};

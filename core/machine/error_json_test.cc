@@ -18,7 +18,8 @@ const Machine kMachine = testing::MultiTasking();
 TEST(ErrorJson, TheProbesPreTravelIsRoundTripped) {
   const Machine machine = testing::MultiTasking();
   const char* const text =
-      R"({"terms": [{"symbol": "ERT", "shape": "lobe", "variable": "approach", "order": 3, "amplitude": 3.0, "phase_deg": 40.0},
+      R"({"terms": [{"symbol": "ERT", "shape": "lobe", "variable": "approach", "order": 3, "amplitude": 3.0,
+                     "phase_deg": 40.0},
                     {"symbol": "ERT", "shape": "pre-travel", "amplitude": 4.0, "unit": "um"}]})";
   const auto model = ReadErrors(text, machine);
   ASSERT_TRUE(model.ok()) << model.status();

@@ -26,8 +26,10 @@ std::string ToString(const ErrorSymbol& symbol) {
 }
 
 absl::StatusOr<ErrorSymbol> ParseErrorSymbol(const std::string& text) {
-  const absl::Status not_a_symbol = absl::InvalidArgumentError(
-      absl::StrCat("'", text, "' is not an error symbol, expected E, a component X Y Z A B C, 0 for a constant error, and an axis (EX0C, EYX)"));
+  const absl::Status not_a_symbol =
+      absl::InvalidArgumentError(absl::StrCat("'", text,
+                                              "' is not an error symbol, expected E, a component X Y Z A B C, 0 for a "
+                                              "constant error, and an axis (EX0C, EYX)"));
   size_t at = 0;
   // X0C and XOC leave the E out; E itself is no component.
   if (at < text.size() && text[at] == 'E') ++at;

@@ -1,7 +1,7 @@
 // ISO 230-1 error symbols: a component of one axis' six-component error.
-//   EXX positioning of X, EYX straightness of X in Y, EAX roll of X; EXC EYC EZC radial and axial, EAC EBC tilt, ECC positioning of C.
+//   EXX position of X, EYX straightness of X in Y, EAX roll of X; EXC EYC EZC radial, axial, EAC EBC tilt, ECC position
 //   With a 0 the constant part: location errors EX0C EY0C EA0C EB0C, squareness EC0Y EA0Z EB0Z.
-// `T` (spindle and tool) and `W` (table ball) stand beside the axes. X0C, XOC and EXOC are read as EX0C; one form is written.
+// `T` (spindle and tool) and `W` (table ball) stand beside the axes. X0C, XOC and EXOC are read as EX0C.
 #ifndef AXISCAL_CORE_MACHINE_ERROR_SYMBOL_H_
 #define AXISCAL_CORE_MACHINE_ERROR_SYMBOL_H_
 
@@ -12,7 +12,7 @@
 
 namespace axiscal::machine {
 
-// Rows of an error vector: EX EY EZ in mm, EA EB EC in rad. Never renumber: rows are persisted by name, computed by number.
+// Rows of an error vector: EX EY EZ in mm, EA EB EC in rad. Never renumber: persisted by name, computed by number.
 enum class Component { kX = 0, kY = 1, kZ = 2, kA = 3, kB = 4, kC = 5 };
 inline constexpr int kComponents = 6;
 

@@ -23,17 +23,20 @@ bool IsId(const std::string& id) {
 
 absl::Status ValidateAxis(const Machine& machine, const Axis& axis) {
   if (!IsAxisName(axis.name)) {
-    return Refuse(machine, absl::StrCat("axis name '", axis.name, "', expected a capital letter other than T and W, and optional digits"));
+    return Refuse(machine, absl::StrCat("axis name '", axis.name,
+                                        "', expected a capital letter other than T and W, and optional digits"));
   }
   const auto same_name = [&axis](const Axis& other) { return other.name == axis.name; };
   if (std::count_if(machine.axes.begin(), machine.axes.end(), same_name) != 1) {
     return Refuse(machine, absl::StrCat("axis ", axis.name, " is there more than once"));
   }
   if (!(std::abs(axis.direction.norm() - 1.0) <= kUnitTolerance)) {
-    return Refuse(machine, absl::StrCat("axis ", axis.name, ": direction ", Text(axis.direction), " must have length 1"));
+    return Refuse(machine,
+                  absl::StrCat("axis ", axis.name, ": direction ", Text(axis.direction), " must have length 1"));
   }
   if (!axis.point_mm.allFinite() || axis.point_mm.cwiseAbs().maxCoeff() > 1e6) {
-    return Refuse(machine, absl::StrCat("axis ", axis.name, ": point_mm ", Text(axis.point_mm), " must be finite, at most 1e6 mm"));
+    return Refuse(machine, absl::StrCat("axis ", axis.name, ": point_mm ", Text(axis.point_mm),
+                                        " must be finite, at most 1e6 mm"));
   }
   if (axis.min_position && axis.max_position && !(*axis.min_position < *axis.max_position)) {
     return Refuse(machine, absl::StrCat("axis ", axis.name, ": the lower travel limit must be below the upper one"));
@@ -86,7 +89,8 @@ absl::Status Validate(const Machine& machine) {
   }
   for (int i = 0; i < machine.axis_count(); ++i) {
     if (uses[i] != 1) {
-      return Refuse(machine, absl::StrCat("axis ", machine.axes[i].name, " is in ", uses[i], " places of the branches, expected one"));
+      return Refuse(machine, absl::StrCat("axis ", machine.axes[i].name, " is in ", uses[i],
+                                          " places of the branches, expected one"));
     }
   }
   if (!(std::abs(machine.tool_direction.norm() - 1.0) <= kUnitTolerance)) {
@@ -95,10 +99,12 @@ absl::Status Validate(const Machine& machine) {
   for (size_t i = 0; i < machine.declared.size(); ++i) {
     const ErrorSymbol& symbol = machine.declared[i];
     if (FindJoint(machine, symbol.axis) < 0) {
-      return Refuse(machine, absl::StrCat("declared error ", ToString(symbol), ": the machine has no axis ", symbol.axis));
+      return Refuse(machine,
+                    absl::StrCat("declared error ", ToString(symbol), ": the machine has no axis ", symbol.axis));
     }
     if (!symbol.is_constant) {
-      return Refuse(machine, absl::StrCat("declared error ", ToString(symbol), " must be constant (E", std::string(1, Letter(symbol.component)), "0", symbol.axis, ")"));
+      return Refuse(machine, absl::StrCat("declared error ", ToString(symbol), " must be constant (E",
+                                          std::string(1, Letter(symbol.component)), "0", symbol.axis, ")"));
     }
     if (std::count(machine.declared.begin(), machine.declared.end(), symbol) != 1) {
       return Refuse(machine, absl::StrCat("declared error ", ToString(symbol), " is there more than once"));

@@ -1,5 +1,5 @@
 // A machine tool (or any serial chain) as two branches of axes that start at the bed: docs/formats.md, machine.json.
-// Frame `machine`: right-handed, fixed to the bed, its origin and axes as the description's points and directions mean them, all axes at zero.
+// Frame `machine`: right-handed, fixed to the bed, as the description means it with all axes at zero.
 #ifndef AXISCAL_CORE_MACHINE_MACHINE_H_
 #define AXISCAL_CORE_MACHINE_MACHINE_H_
 
@@ -27,10 +27,10 @@ enum class RollOver {
 struct Axis {
   std::string name;
   AxisKind kind = AxisKind::kLinear;
-  // Unit vector, machine frame at home: where the carried body moves for a positive command (linear), or the axis of its right-handed
-  // rotation (rotary). So ISO 841's primed axes need no other convention.
+  // Unit vector, machine frame at home: where the carried body moves for a positive command (linear), or the axis of
+  // its right-handed rotation (rotary). So ISO 841's primed axes need no other convention.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  // A nominal point on a rotary axis, machine frame at home; the errors of the axis act about it. The origin for a linear axis.
+  // A nominal point on a rotary axis, machine frame at home; its errors act about it. The origin for a linear axis.
   Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();
   // Travel limits of the command (mm or rad) where the description states them.
   std::optional<double> min_position, max_position;
@@ -46,7 +46,7 @@ struct Machine {
   std::vector<Axis> axes;              // in the order of the bed outwards: tool branch first, then work branch
   std::vector<int> tool_branch;        // indices into `axes`, from the bed outwards
   std::vector<int> work_branch;
-  Eigen::Vector3d tool_direction = Eigen::Vector3d(0, 0, -1);  // unit, from the spindle nose to the tip, machine frame at home
+  Eigen::Vector3d tool_direction = Eigen::Vector3d(0, 0, -1);  // unit, from spindle nose to tip, machine frame at home
   std::vector<ErrorSymbol> declared;   // the constant errors that the model holds now
 
   int axis_count() const { return static_cast<int>(axes.size()); }
@@ -63,8 +63,8 @@ int FindJoint(const Machine& machine, const std::string& name);
 // "X", "T" ... of a joint.
 std::string JointName(const Machine& machine, int joint);
 
-// INVALID_ARGUMENT that names field, value and rule: unit directions, finite numbers, every axis in exactly one branch, known axes in
-// `declared`, at most kMaxAxes axes, an id of letters, digits, '-', '_' and '.'.
+// INVALID_ARGUMENT that names field, value and rule: unit directions, finite numbers, every axis in exactly one branch,
+// known axes in `declared`, at most kMaxAxes axes, an id of letters, digits, '-', '_' and '.'.
 absl::Status Validate(const Machine& machine);
 
 }  // namespace axiscal::machine

@@ -123,7 +123,8 @@ absl::Status ReadRollOver(const Json& object, const std::string& where, Axis& ax
   if (axis.roll_over == RollOver::kUnstated)
     return Refuse(field, *found, "expected \"none\", \"shortest\", \"sign\" or \"difference\"");
   if (axis.roll_over != RollOver::kNone && axis.min_position)
-    return Refuse(field, *found, "an axis that rolls over has no travel limits: leave out travel_deg, or state \"none\"");
+    return Refuse(field, *found,
+                  "an axis that rolls over has no travel limits: leave out travel_deg, or state \"none\"");
   return absl::OkStatus();
 }
 
@@ -134,7 +135,8 @@ absl::StatusOr<Axis> ReadAxis(const std::string& name, const Json& object) {
         "axes.", name, ": expected a capital letter other than T and W, and optional digits, as the axis name"));
   }
   if (!object.is_object()) return Refuse("axes." + name, object, "expected {\"kind\": ..., \"direction\": ...}");
-  RETURN_IF_ERROR(OnlyMembers(object, where, {"kind", "direction", "point_mm", "travel_mm", "travel_deg", "roll_over"}));
+  RETURN_IF_ERROR(
+      OnlyMembers(object, where, {"kind", "direction", "point_mm", "travel_mm", "travel_deg", "roll_over"}));
   Axis axis;
   axis.name = name;
   ASSIGN_OR_RETURN(const Json* kind, Member(object, where, "kind"));

@@ -32,13 +32,15 @@ absl::Status CheckToolTip(const Machine& machine, const Eigen::Vector3d& tool_ti
   constexpr double kOnAxisMm = 1e-6;
   for (auto name = machine.tool_branch.rbegin(); name != machine.tool_branch.rend(); ++name) {
     const Axis& axis = machine.axes[*name];
-    if (axis.kind != AxisKind::kRotary || std::abs(axis.direction.dot(machine.tool_direction)) > kAboutTheTool) continue;
+    if (axis.kind != AxisKind::kRotary || std::abs(axis.direction.dot(machine.tool_direction)) > kAboutTheTool)
+      continue;
     const Eigen::Vector3d from_point_mm = tool_tip_mm - axis.point_mm;
     const double along_mm = from_point_mm.dot(machine.tool_direction), away_mm = from_point_mm.norm();
     if (away_mm < kOnAxisMm || along_mm > -kOpposite * away_mm) return absl::OkStatus();
     const Eigen::Vector3d& d = machine.tool_direction;
     return absl::InvalidArgumentError(absl::StrFormat(
-        "tool tip %g %g %g: stands %.4g mm behind axis %s, on the other side than tool_direction %g %g %g of machine %s "
+        "tool tip %g %g %g: stands %.4g mm behind axis %s, on the other side than tool_direction %g %g %g of machine "
+        "%s "
         "points to, expected a tip on that side (is a sign wrong?)",
         tool_tip_mm.x(), tool_tip_mm.y(), tool_tip_mm.z(), -along_mm, axis.name, d.x(), d.y(), d.z(), machine.id));
   }

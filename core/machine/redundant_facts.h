@@ -12,7 +12,7 @@ namespace axiscal::machine {
 // The tool point at home (machine frame, mm) as seen from the axis that swivels the tool: the outermost rotary axis of
 // the tool branch that does not turn about the tool. INVALID_ARGUMENT naming both where it stands on the other side of
 // that axis' point than `tool_direction` points to, within 30 deg of the opposite direction: the tool of an offset or
-// angle head, or a ball on a long arm, may stand anywhere else. OK where nothing swivels the tool: then no field says where its nose stands.
+// angle head, or a ball on a long arm, may stand anywhere else. OK where nothing swivels the tool: nothing is known.
 absl::Status CheckToolTip(const Machine& machine, const Eigen::Vector3d& tool_tip_mm);
 
 // `structure` against the branches: w, the work branch from the workpiece to the bed, b, the tool branch from the bed,

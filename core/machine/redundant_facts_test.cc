@@ -39,7 +39,8 @@ TEST(ToolTip, OnTheWrongSideOfTheSwivelAxisIsRefused) {
 
 // The axis of a nutating head stands at 45 deg.
 TEST(ToolTip, ANutatingHeadHasSidesToo) {
-  const Machine machine = Make(R"({"kind": "rotary", "direction": [0, 0.7071067811865476, 0.7071067811865476], "point_mm": [0, 0, 0]})");
+  const Machine machine =
+      Make(R"({"kind": "rotary", "direction": [0, 0.7071067811865476, 0.7071067811865476], "point_mm": [0, 0, 0]})");
   EXPECT_TRUE(CheckToolTip(machine, {0, 0, -300}).ok());
   EXPECT_FALSE(CheckToolTip(machine, {0, 0, 300}).ok());
 }
@@ -53,7 +54,8 @@ TEST(ToolTip, NothingIsKnownWithoutASwivelAxis) {
 
 TEST(Structure, ContradictingTheBranchesIsRefused) {
   const std::string b = R"({"kind": "rotary", "direction": [0, 1, 0], "point_mm": [0, 0, 0]})";
-  for (const char* const right : {"w-C'bZYXB(C1)-t", "w-C'bZYXB-t", "w - C' b Z Y X B - t", "w-C'bZX(C1)-t", "", "five axes, B head"})
+  for (const char* const right :
+       {"w-C'bZYXB(C1)-t", "w-C'bZYXB-t", "w - C' b Z Y X B - t", "w-C'bZX(C1)-t", "", "five axes, B head"})
     EXPECT_TRUE(MachineFromJson(MachineText(right, "[0, 0, -1]", b)).ok()) << right;
   for (const char* const wrong : {"w-C'B'bZYX(C1)-t", "w-C'bXYZB(C1)-t", "w-bZYXBC-t"}) {
     const auto machine = MachineFromJson(MachineText(wrong, "[0, 0, -1]", b));

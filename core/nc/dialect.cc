@@ -50,8 +50,8 @@ Dialect Fanuc(const std::string& name) {
   Dialect dialect = Make(name, {IsoCodes(), FanucCodes(), FanucM()}, {MacroKeywords(), FanucCorners()});
   dialect.has_angle_names = true;
   dialect.has_semicolon_ends = true;
-  // B-64484EN, "Linear interpolation (G01)": the feed of a linear and a rotary axis is the tangential one in their plane,
-  // 40 deg taken as 40 mm.
+  // B-64484EN, "Linear interpolation (G01)": the feed of a linear and a rotary axis is the tangential one in their
+  // plane, 40 deg taken as 40 mm.
   dialect.feeds_all_axes = true;
   dialect.integers_may_be_increments = true;
   return dialect;
@@ -69,7 +69,8 @@ Dialect LinuxCnc() {
   dialect.takes_loaded_tool = true;
   // LinuxCNC 2.9, LINELEN of its interpreter: 255 with the line end, the final NUL and one byte that stays free.
   dialect.max_block_bytes = 253;
-  // The least CENTER_ARC_RADIUS_TOLERANCE_MM that a machine's ini file may state (rs274 of 2.9); 0.028 mm unless it does.
+  // The least CENTER_ARC_RADIUS_TOLERANCE_MM that a machine's ini file may state (rs274 of 2.9); 0.028 mm unless it
+  // does.
   dialect.arc_radius_tolerance_mm = 0.00127;
   dialect.takes_finer_words = true;
   return dialect;

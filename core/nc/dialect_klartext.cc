@@ -35,8 +35,8 @@ namespace {
 
 // Cycles that start nothing where they are defined: they wait for their call, or state data. HEIDENHAIN TNC 640, User's
 // Manual for Cycle Programming, "Defining a cycle" (cycles that act by definition) and the cycles' own pages. Of all
-// others (220 and 221 run the last cycle at the points of a pattern, those of touch probes and of the machine's builder)
-// the definition may move axes or change coordinates.
+// others (220 and 221 run the last cycle at the points of a pattern, those of touch probes and of the machine's
+// builder) the definition may move axes or change coordinates.
 constexpr const char* kCyclesThatWait[] = {
     "CYCL DEF 1",   "CYCL DEF 2",   "CYCL DEF 3",   "CYCL DEF 4",   "CYCL DEF 5",   "CYCL DEF 9",   "CYCL DEF 12",
     "CYCL DEF 13",  "CYCL DEF 14",  "CYCL DEF 17",  "CYCL DEF 18",  "CYCL DEF 20",  "CYCL DEF 21",  "CYCL DEF 22",

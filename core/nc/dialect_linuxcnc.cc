@@ -32,9 +32,10 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'G', 411, M::kBlockerOn, kCutterCompensation, "cutter compensation"},
       {'G', 421, M::kBlockerOn, kCutterCompensation, "cutter compensation"},
       {'G', 430, M::kToolLength, 1, "tool length offset"},
-      {'G', 431, M::kBlockerOn, kToolControl, "dynamic tool length offset"},
-      {'G', 432, M::kBlockerOn, kToolControl, "additional tool length offset"},
-      {'G', 490, M::kNoToolLength, 0, "tool length offset off"},
+      // Their axis words are the offset, and move nothing.
+      {'G', 431, M::kBlockerOn, kToolControl | kDynamicOffset, "dynamic tool length offset"},
+      {'G', 432, M::kBlockerOn, kToolControl | kDynamicOffset, "additional tool length offset"},
+      {'G', 490, M::kNoToolLength, kDynamicOffset, "tool length offset off"},
       {'G', 520, M::kLocalShift, 0, "local shift of coordinates"},
       {'G', 580, M::kWorkOffset, 0, "work offset"},
       {'G', 590, M::kWorkOffset, 0, "work offset"},

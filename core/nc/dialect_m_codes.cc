@@ -28,8 +28,8 @@ std::vector<CodeEntry> IsoHarmless() {
 
 }  // namespace
 
-// Fanuc Series 30i/31i/32i, Operator's Manual B-64484EN, "Auxiliary function" and "Rigid tapping"; the rest as ISO 6983-1
-// has it. Mazak EIA the same.
+// Fanuc Series 30i/31i/32i, Operator's Manual B-64484EN, "Auxiliary function" and "Rigid tapping"; the rest as ISO
+// 6983-1 has it. Mazak EIA the same.
 std::vector<CodeEntry> FanucM() {
   std::vector<CodeEntry> entries = IsoHarmless();
   AddM({29}, "rigid tapping mode", &entries);

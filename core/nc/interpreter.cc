@@ -34,7 +34,8 @@ bool BeginsWithNumber(const char* text, size_t size) {
 
 // Whether the M at `at` may be a code that changes the modal state: any but one that is known to change nothing. M
 // within a word (FMAX, MOD) is none.
-bool MayChangeState(const Dialect& dialect, const std::vector<bool>& is_stated_harmless, const char* at, const char* end) {
+bool MayChangeState(const Dialect& dialect, const std::vector<bool>& is_stated_harmless, const char* at,
+                    const char* end) {
   size_t number = 0;
   const char* digit = ++at;
   for (; digit != end && *digit >= '0' && *digit <= '9' && number < kCodes; ++digit)

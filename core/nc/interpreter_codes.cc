@@ -314,7 +314,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kNoToolLength:
       coordinates_.DropLength();
       NeedAbsoluteZ();
-      EndMode(kToolControl | kUnstatedLength);
+      EndMode(kToolControl | kUnstatedLength | code.detail);
       request->stated |= kLengthGroup;
       return;
     case Meaning::kPreset:
@@ -429,7 +429,8 @@ void Interpreter::SelectOffset(const char* text, const Block& block, Request* re
   std::string name;
   if (request->offset_code->meaning == Meaning::kWorkOffset) {
     name = WordText(*request->offset);
-    const bool is_numbered = request->parameter == 'P' && request->number_of_parameter != nullptr && LeavesNumber(block);
+    const bool is_numbered =
+        request->parameter == 'P' && request->number_of_parameter != nullptr && LeavesNumber(block);
     const bool may_be_numbered =
         block.problem != LexProblem::kNone &&
         std::any_of(text + block.problem_at, end_of_text_, [](char c) { return Capital(c) == 'P'; });

@@ -405,7 +405,8 @@ bool Interpreter::TakeWay(const Word& word, int axis, Step* step) {
                                                                  base::kDegPerRad * kTicksPerUnit)
                                             : 0;
   const bool is_half = std::abs(2 * travel - kTurn) <= 2 * slack;
-  if (is_half && !step->is_rapid) return refuse("half a turn on an axis that goes the shorter way: which way is not known");
+  if (is_half && !step->is_rapid)
+    return refuse("half a turn on an axis that goes the shorter way: which way is not known");
   turn_by(2 * travel > kTurn ? travel - kTurn : travel);
   if (is_half) step->end.sense[axis] = 0;
   return true;

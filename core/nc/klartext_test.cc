@@ -195,7 +195,8 @@ TEST(Klartext, WhatTakesAxesAwayLeavesThemUnknown) {
   RewriteOptions options = kAtZero;
   options.dialect = "heidenhain";
   const std::string head = "L X+5 Y+0 Z+0 B+20 C+30 R0 FMAX\n";
-  for (const char* away : {"PLANE RESET TURN FMAX\n", "PLANE RESET MOVE DIST50 F500\n", "L M6\n", "L X+7 R0 FMAX M6\n"}) {
+  for (const char* away :
+       {"PLANE RESET TURN FMAX\n", "PLANE RESET MOVE DIST50 F500\n", "L M6\n", "L X+7 R0 FMAX M6\n"}) {
     EXPECT_REFUSED(options, head + away + "L X+10 F500\n", "is unknown: not programmed since line 2");
     EXPECT_TRUE(testing::Rewritten(head + away + "L X+10 Y+0 Z+0 B+0 C+0 F500\n", options).status.ok()) << away;
   }

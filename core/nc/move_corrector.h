@@ -23,7 +23,8 @@ struct Piece {
   compensate::Turned turned;  // with orientation: what the rotary axes reach, before rounding
   bool is_arc = false;
   Arc arc;  // in corrected positions; valid with is_arc
-  // Of an arc with a centre: its words have at least so many, since both ends must have the radius that the control asks.
+  // Of an arc with a centre: its words have at least so many, since both ends must have the radius that the control
+  // asks.
   int centre_decimals = 0;
 };
 

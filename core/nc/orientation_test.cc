@@ -78,7 +78,8 @@ TEST(Orientation, RotaryWordsAreCorrectedAndInsertedByTheRulesOfWords) {
   EXPECT_EQ(text("G1 X1. Y2. Z3. B0. C20.5\n", kAtZero), "G1 X1.0179 Y2. Z3. B0. C20.5\n");
 }
 
-// By the sign of its word an axis at 10 deg turns by 359.99 to reach 9.99, by the difference one at 0 does to reach -0.01.
+// By the sign of its word an axis at 10 deg turns by 359.99 to reach 9.99, by the difference one at 0 does to reach
+// -0.01.
 TEST(Orientation, NoWordTurnsAnAxisTheLongWayRound) {
   using machine::RollOver;
   const auto on = [](RollOver roll_over, std::optional<double> travel_rad = std::nullopt) {
@@ -135,7 +136,8 @@ TEST(Orientation, TheChainFindsPointAndDirectionOnAllThreeStructures) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (machine::Machine machine :
-       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()), testing::CountingOn(machine::testing::SwivelHead())}) {
+       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()),
+        testing::CountingOn(machine::testing::SwivelHead())}) {
     Case machine_case;
     machine_case.errors = machine::DeclaredModel(machine);
     for (auto& term : machine_case.errors.terms)

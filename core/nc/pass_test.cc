@@ -290,6 +290,12 @@ TEST(Passed, TangentialMovesFollowTheMoveInFrontOfThem) {
   EXPECT_REWRITTEN(Passing("sinumerik"), "G1 X50 Y0 F500\nCT X60 Y10\n", "G1 X50.0417 Y0 F500\nCT X60 Y10\n");
 }
 
+// G43.1 Z5 of LinuxCNC is an offset: no G02 belongs in front of it, though a straight block was inserted.
+TEST(Passed, WordsOfAnOffsetAreNoMove) {
+  EXPECT_REWRITTEN(Passing("linuxcnc"), "G1 X0 Y0 F100\nG2 X10 Y0 I5\nG43.1 Z5\n",
+                   "G1 X0.0417 Y0 F100\nG2 X10.0417 Y0 I5\nG01 X10.0000\nG43.1 Z5\n");
+}
+
 // Corrected blocks have inserted words and differences that hold for what stands in front of them only.
 TEST(Passed, AJumpBackToCorrectedBlocksIsRefused) {
   const std::string moves = "G1 X0 F100\nN10 G2 X50. Y0. R50.\n",

@@ -288,10 +288,11 @@ std::string Rewriter::Impl::WhyNoFeed(double departure_mm) const {
     word = machine.axes[axis].name;
   }
   if (written == programmed) return "";
-  return absl::StrCat("a feed move of ", programmed == 2 ? "rotary axes" : "other axes than X, Y and Z",
-                      " alone: with the word of ", word,
-                      " that the correction needs the control would take F for another speed; program the move in G93 or "
-                      "as a rapid");
+  return absl::StrCat(
+      "a feed move of ", programmed == 2 ? "rotary axes" : "other axes than X, Y and Z", " alone: with the word of ",
+      word,
+      " that the correction needs the control would take F for another speed; program the move in G93 or "
+      "as a rapid");
 }
 
 std::string Rewriter::Impl::WhyNoTurn(const Piece& next) const {
@@ -325,8 +326,8 @@ void Rewriter::Impl::CheckLength(size_t begin) {
   const size_t most = interpreter.dialect().max_block_bytes;
   const size_t size = out.size() - begin;
   if (most == 0 || size <= most) return;
-  const std::string reason = absl::StrCat("the block has ", size, " bytes with its line end, and the control reads ", most,
-                                          ": shorten its comment");
+  const std::string reason = absl::StrCat("the block has ", size, " bytes with its line end, and the control reads ",
+                                          most, ": shorten its comment");
   if (step.kind == StepKind::kMove) return job.Refused(now, reason, false);
   NotCorrected(reason, false);
 }

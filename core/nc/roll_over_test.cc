@@ -104,27 +104,31 @@ TEST(RollOver, ByDifferenceNeverCrossesZero) {
 
 TEST(RollOver, AnAxisThatSaysNothingIsAskedForWhereItMatters) {
   const std::string over = std::string(kHead) + "G1 C10. F500\n";
-  EXPECT_THAT(std::string(Split(RollOver::kUnstated, over).status.message()),
-              HasSubstr("line 2: 'G1 C10. F500': word C10.: it turns C by half a turn or more, and which way is not known: "
-                        "state in machine.json how the axis counts (roll_over)"));
+  EXPECT_THAT(
+      std::string(Split(RollOver::kUnstated, over).status.message()),
+      HasSubstr("line 2: 'G1 C10. F500': word C10.: it turns C by half a turn or more, and which way is not known: "
+                "state in machine.json how the axis counts (roll_over)"));
   ExpectTurns(RollOver::kUnstated, "G90 G0 X300. Y0. Z0. B0. C50.\nG1 C190. F500\nC70.\n", 70);
   // With travel limits it counts on.
   machine::Machine limited = WithC(RollOver::kUnstated);
   limited.axes[static_cast<size_t>(machine::FindAxis(limited, "C"))].min_position = -100.0;
   limited.axes[static_cast<size_t>(machine::FindAxis(limited, "C"))].max_position = 100.0;
-  const auto compensator = testing::MustCreate(limited, testing::ConstantErrors(limited, {{"EX0C", 0.01}}), {0, 0, -300});
+  const auto compensator =
+      testing::MustCreate(limited, testing::ConstantErrors(limited, {{"EX0C", 0.01}}), {0, 0, -300});
   EXPECT_TRUE(testing::Rewritten(over, Fine(), compensator).status.ok());
 }
 
 TEST(RollOver, HalfATurnHasNoShorterWay) {
-  EXPECT_THAT(std::string(Split(RollOver::kShortest, "G90 G1 X300. C180. F500\n").status.message()), HasSubstr("half a turn"));
+  EXPECT_THAT(std::string(Split(RollOver::kShortest, "G90 G1 X300. C180. F500\n").status.message()),
+              HasSubstr("half a turn"));
   RewriteOptions turning = Fine();
   turning.orientation = true;
   EXPECT_THAT(std::string(Split(RollOver::kShortest, "G90 G1 X300. C179.95 F500\n", turning).status.message()),
               HasSubstr("half a turn"));
   EXPECT_THAT(std::string(Split(RollOver::kBySign, "G90 G1 X300. C17. F500\n", turning).status.message()),
               HasSubstr("sense of rotation by the sign"));
-  EXPECT_THAT(std::string(Split(RollOver::kBySign, "G90 G1 X300. C-0. F500\n").status.message()), HasSubstr("that of zero"));
+  EXPECT_THAT(std::string(Split(RollOver::kBySign, "G90 G1 X300. C-0. F500\n").status.message()),
+              HasSubstr("that of zero"));
   EXPECT_THAT(std::string(Split(RollOver::kBySign, "G90 G1 X300. C400. F500\n").status.message()), HasSubstr("360"));
 }
 
@@ -143,7 +147,8 @@ TEST(RollOver, KlartextSaysItByM126) {
   machine::Axis& c = limited.axes[static_cast<size_t>(machine::FindAxis(limited, "C"))];
   c.min_position = -10.0;
   c.max_position = 10.0;
-  const auto compensator = testing::MustCreate(limited, testing::ConstantErrors(limited, {{"EX0C", 0.02}}), {0, 0, -testing::kToolMm});
+  const auto compensator =
+      testing::MustCreate(limited, testing::ConstantErrors(limited, {{"EX0C", 0.02}}), {0, 0, -testing::kToolMm});
   RewriteReport report;
   EXPECT_TRUE(RewriteText(head + move, compensator, options, &report).ok());
   EXPECT_THAT(std::string(RewriteText("L M126\n" + head + move, compensator, options, &report).status().message()),
@@ -155,7 +160,8 @@ TEST(RollOver, KlartextSaysItByM126) {
 
 TEST(RollOver, SinumerikWordsKeepTheirForm) {
   RewriteOptions options = Fine("sinumerik");
-  const Result result = Split(RollOver::kShortest, "G90 G0 X300 Y0 Z0 B0 C350\nG1 X200 C=DC(10) F500\nG91 X1 C=DC(100)\n", options);
+  const Result result =
+      Split(RollOver::kShortest, "G90 G0 X300 Y0 Z0 B0 C350\nG1 X200 C=DC(10) F500\nG91 X1 C=DC(100)\n", options);
   ASSERT_TRUE(result.status.ok()) << result.status;
   EXPECT_NEAR(result.turned_deg, 100, 1e-9) << result.text;
   EXPECT_LT(result.verified.path_after.max_mm, 0.0013) << result.text;

@@ -88,14 +88,16 @@ TEST(Sinumerik, PiecesOfATurnGoTheSameWayRound) {
   EXPECT_LT(shortest.verified.path_after.max_mm, 0.0012);
   EXPECT_GT(shortest.verified.path_before.max_mm, 0.02);
   // 290 degrees up, 40 down through zero, none at all.
-  const Path stated = Compensated("G1 X100 Y20 Z0 B0 C10 F500\nC=ACP(300) Y21\nC=ACP(20) Y20\nC=ACN(340) Y21\nC=ACN(340)\n");
+  const Path stated =
+      Compensated("G1 X100 Y20 Z0 B0 C10 F500\nC=ACP(300) Y21\nC=ACP(20) Y20\nC=ACN(340) Y21\nC=ACN(340)\n");
   EXPECT_EQ(stated.verified.moves, 5);
   EXPECT_THAT(stated.text, HasSubstr("C=ACP(358.3333)"));
   EXPECT_THAT(stated.text, HasSubstr("C=ACN(0.0000)"));
   EXPECT_LT(stated.verified.end_after.max_mm, 0.0001);
   EXPECT_LT(stated.verified.path_after.max_mm, 0.0012);
   // Rotary commands corrected too: no piece leaves 0 to 360.
-  const Path turned = Compensated("G1 X100 Y20 Z0 B20 C350 F500\nC=DC(0) X101\nC=DC(20) X102\nC=DC(0) B30 X103\n", true);
+  const Path turned =
+      Compensated("G1 X100 Y20 Z0 B20 C350 F500\nC=DC(0) X101\nC=DC(20) X102\nC=DC(0) B30 X103\n", true);
   EXPECT_EQ(turned.verified.moves, 4);
   EXPECT_THAT(turned.text, ::testing::Not(HasSubstr("(-")));
   EXPECT_THAT(turned.text, ::testing::Not(HasSubstr("(360")));

@@ -17,7 +17,8 @@ RewriteOptions In(const std::string& dialect) {
 TEST(Trigger, MCodesThatNoManualListsAreAskedFor) {
   for (const char* dialect : {"fanuc", "mazak", "haas", "linuxcnc", "sinumerik", "heidenhain"}) {
     const std::string move = std::string(dialect) == "heidenhain" ? "L X+1.5 R0 M247\n" : "G1 X1.5 M247\n";
-    EXPECT_REFUSED(In(dialect), move, "M247: it may start a macro or move axes, if it does neither, state --harmless-m 247");
+    EXPECT_REFUSED(In(dialect), move,
+                   "M247: it may start a macro or move axes, if it does neither, state --harmless-m 247");
     RewriteOptions stated = In(dialect);
     stated.harmless_m = {247};
     EXPECT_TRUE(testing::Rewritten(move, stated).status.ok()) << dialect;
@@ -80,7 +81,8 @@ TEST(Trigger, CyclesThatActWhereTheyAreDefined) {
   passing.on_unsupported = OnUnsupported::kPass;
   // Behind it a block without X and Y does not get them.
   EXPECT_REWRITTEN(passing, begin + "CYCL DEF 221 CARTESIAN PATTERN\nL Z+50 R0 FMAX\nL X+2 Y+0 B+0 C+0 R0 FMAX\n",
-                   "L X+1.0417 R0 FMAX\nCYCL DEF 200 DRILLING ~\nQ200=+2 ~\nQ201=-20\nL X+1.0000 FMAX\nCYCL DEF 221 CARTESIAN PATTERN\nL "
+                   "L X+1.0417 R0 FMAX\nCYCL DEF 200 DRILLING ~\nQ200=+2 ~\nQ201=-20\nL X+1.0000 FMAX\nCYCL DEF 221 "
+                   "CARTESIAN PATTERN\nL "
                    "Z+50 R0 FMAX\nL X+2.0417 Y+0 B+0 C+0 R0 FMAX\n");
 }
 

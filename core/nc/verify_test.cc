@@ -108,7 +108,8 @@ TEST(Verify, AllThreeStructuresStayWithinToleranceAlongTheWholePath) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (const machine::Machine& machine :
-       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()), testing::CountingOn(machine::testing::SwivelHead())}) {
+       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()),
+        testing::CountingOn(machine::testing::SwivelHead())}) {
     machine::ErrorModel errors = machine::DeclaredModel(machine);
     for (auto& term : errors.terms) term.amplitude[0] = unit(random) * 5e-5;  // 50 urad or 0.05 um ...
     for (auto& term : errors.terms) {
@@ -158,7 +159,8 @@ TEST(Verify, AllThreeStructuresStayWithinToleranceAlongTheWholePath) {
 TEST(Verify, FullTurnsAndLongMovesWithErrorsOfEveryShape) {
   constexpr double kToleranceMm = 0.002;
   for (const machine::Machine& machine :
-       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()), testing::CountingOn(machine::testing::SwivelHead())}) {
+       {testing::CountingOn(machine::testing::MultiTasking()), testing::CountingOn(machine::testing::TiltingTable()),
+        testing::CountingOn(machine::testing::SwivelHead())}) {
     machine::ErrorModel errors = machine::DeclaredModel(machine);
     for (auto& term : errors.terms) term.amplitude[0] = machine::IsAngle(term.component) ? 8e-5 : -0.04;
     const auto add = [&](const std::string& symbol, double amplitude, const shapes::Shape& shape) {
@@ -335,8 +337,9 @@ TEST(Verify, WhatIsPassedIsNotJudged) {
 }
 
 TEST(Verify, MissingFilesAreNamed) {
-  const auto status =
-      VerifyFiles("/no/such/original.nc", "/no/such/other.nc", testing::CountingOn(machine::testing::MultiTasking()), {}, {}).status();
+  const auto status = VerifyFiles("/no/such/original.nc", "/no/such/other.nc",
+                                  testing::CountingOn(machine::testing::MultiTasking()), {}, {})
+                          .status();
   EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(status.message()), HasSubstr("/no/such/original.nc"));
 }

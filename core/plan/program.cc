@@ -75,10 +75,12 @@ absl::StatusOr<std::string> ProbingProgram(const machine::Machine& machine, cons
   }
   if (is_sinumerik) {
     // Definitions stand before any other block. A touch that finds nothing ends the run: the next way down is not safe.
-    return absl::StrCat(comments, comment("PROBE ON MEASURING INPUT 1, SPRINT NEEDED; WRITE APPENDS: MOVE AN OLD AXISCAL_LOG AWAY FIRST"),
-                        "DEF INT ERR\nDEF STRING[32] LOG=\"AXISCAL_LOG\"\n", style.head,
-                        "WRITE(ERR,LOG,\"Number of Points ", touches, "\")\nWRITE(ERR,LOG,\"Feature Model ", kind,
-                        "\")\n", blocks, "M30\nNO_TOUCH:\nMSG(\"NO TOUCH\")\nM0\n", style.tail);
+    return absl::StrCat(
+        comments,
+        comment("PROBE ON MEASURING INPUT 1, SPRINT NEEDED; WRITE APPENDS: MOVE AN OLD AXISCAL_LOG AWAY FIRST"),
+        "DEF INT ERR\nDEF STRING[32] LOG=\"AXISCAL_LOG\"\n", style.head, "WRITE(ERR,LOG,\"Number of Points ", touches,
+        "\")\nWRITE(ERR,LOG,\"Feature Model ", kind, "\")\n", blocks, "M30\nNO_TOUCH:\nMSG(\"NO TOUCH\")\nM0\n",
+        style.tail);
   }
   return absl::StrCat("%\nO1000\n", comments, style.head, "POPEN\nDPRNT[Number*of*Points*", touches,
                       "]\nDPRNT[Feature*Model*", kind, "]\n", blocks, "PCLOS\n", style.tail);

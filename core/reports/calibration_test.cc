@@ -83,7 +83,8 @@ Loop ALoop() {
   lobe.term.lobes = 3;
   harmonic.equivalent = {map, lobe};
   harmonic.same_always = {"lobe(3)"};
-  Effect reversal{.is = Named("EXX", "reversal", "EXX:reversal"), .amplitude = 2.0, .amplitude_sigma = 0.1, .unit = "um"};
+  Effect reversal{
+      .is = Named("EXX", "reversal", "EXX:reversal"), .amplitude = 2.0, .amplitude_sigma = 0.1, .unit = "um"};
   reversal.is.term.variable = "X";
   reversal.is.term.length_mm = 10.0 * kThird;
   report.effects = {harmonic, reversal};
@@ -107,7 +108,8 @@ Loop ALoop() {
 }
 
 TEST(CalibrationReport, WrittenReadAndWrittenAgainIsTheSameText) {
-  for (const std::string& text : {ToJson(AnIdentification()), ToJson(Identification{}), ToJson(ALoop()), ToJson(Loop{})}) {
+  for (const std::string& text :
+       {ToJson(AnIdentification()), ToJson(Identification{}), ToJson(ALoop()), ToJson(Loop{})}) {
     const absl::StatusOr<CalibrationReport> read = ReadCalibrationReport(text);
     ASSERT_TRUE(read.ok()) << read.status() << text;
     EXPECT_EQ(std::visit([](const auto& report) { return ToJson(report); }, *read), text);

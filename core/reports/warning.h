@@ -94,8 +94,8 @@ struct NoFreedom {
   std::vector<std::string> without_sigma;
   std::string what_to_do;
 };
-using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize, Quiet,
-                                  DatumMoved, NoFreedom>;
+using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize,
+                                  Quiet, DatumMoved, NoFreedom>;
 
 // Whether nothing else of the report is worth reading before it is settled: such warnings stand first.
 inline bool ComesFirst(WarningKind kind) { return kind == WarningKind::kSize || kind == WarningKind::kQuiet; }

@@ -12,8 +12,9 @@ void Says(const WarningFacts& facts, WarningKind kind, const std::string& text) 
 }
 
 TEST(Warning, EachKindIsWorded) {
-  Says(Scatter{.times_sigma = 2.34}, WarningKind::kScatter,
-       "the readings scatter by 2.3 times their stated sigma about this model: it lacks something, or a session is bad");
+  Says(
+      Scatter{.times_sigma = 2.34}, WarningKind::kScatter,
+      "the readings scatter by 2.3 times their stated sigma about this model: it lacks something, or a session is bad");
   Says(Scatter{.times_sigma = 3.0, .about = Scatter::About::kCutter}, WarningKind::kScatter,
        "the readings scatter by 3.0 times their stated sigma about the curves of this cutter: a number of it is "
        "another, or readings are bad");

@@ -53,7 +53,8 @@ constexpr char kEverything[] = R"(
  "errors": {"EX0C": 30, "terms": [{"symbol": "EXX", "shape": "linear", "amplitude": 20}]},
  "gravity": [0, 0, -1],
  "sampling": {"stride": 2, "kept_share": 0.9, "lost_share": 0.05, "slower": 1.3, "time_jitter": 0.4, "gap_s": 60},
- "temperatures": [{"name": "temp_C", "start_C": 21, "rise_C": 2, "tau_s": 900, "C_per_h": 0.5, "swing_C": 0.3, "period_s": 700},
+ "temperatures": [{"name": "temp_C", "start_C": 21, "rise_C": 2, "tau_s": 900, "C_per_h": 0.5,
+                   "swing_C": 0.3, "period_s": 700},
                   {"name": "column", "recorded": false, "rise_C": 4, "tau_s": 2000}],
  "effects": [{"kind": "curve", "symbol": "EYX", "rms": 3, "length_mm": 60},
              {"kind": "curve", "symbol": "ECC", "rms": 20, "length_deg": 40},
@@ -162,7 +163,8 @@ TEST(Scenario, SamplingIsIrregular) {
 
 TEST(Scenario, TemperaturesAreWrittenWhereTheyAreRecorded) {
   const SimulatedCase simulated = Simulated(Read(
-      R"("temperatures": [{"name": "temp_C", "start_C": 22, "C_per_h": 36}, {"name": "hidden", "recorded": false, "rise_C": 5}])"));
+      R"("temperatures": [{"name": "temp_C", "start_C": 22, "C_per_h": 36},
+                           {"name": "hidden", "recorded": false, "rise_C": 5}])"));
   const std::vector<double>& celsius = Column(simulated.measured.fit[0], "temp_C");
   EXPECT_NEAR(celsius[100], 22.0 + 36.0 * 50.0 / 3600.0, 1e-9);
   EXPECT_EQ(session::FindColumn(simulated.measured.fit[0], "hidden"), nullptr);

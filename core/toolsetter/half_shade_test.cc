@@ -48,8 +48,8 @@ TEST(HalfShade, AgreesWithTheSlowTwinOnRandomRods) {
   }
 }
 
-// A flat face that turns into its fillet within the beam: nearly all of the fillet belongs to feet beside the end of the
-// face, so that y goes far where the foot hardly moves.
+// A flat face that turns into its fillet within the beam: nearly all of the fillet belongs to feet beside the end of
+// the face, so that y goes far where the foot hardly moves.
 TEST(HalfShade, AgreesWithTheSlowTwinWhereTheFaceEndsInTheBeam) {
   for (const double pitch_deg : {-2.0, -0.5, 0.02, 0.1, 0.5, 1.0, 2.0}) {
     const Beam beam{0.5, 0.0, pitch_deg * kRadPerDeg};

@@ -1,7 +1,7 @@
-// Zc of one insert over the spindle angle, tabulated exactly on a fine grid wherever a trigger can happen, in any number
-// of ranges: an insert crosses the beam twice in a turn, on the near and on the far side of the tool's axis, and where
-// the offset is well below its reach the two stand far apart.
-// Also where a tool that turns and sinks meets it first. With p = feed per turn, over the insert's own angle chi:
+// Zc of one insert over the spindle angle, tabulated exactly on a fine grid wherever a trigger can happen, in any
+// number of ranges: an insert crosses the beam twice in a turn, on the near and on the far side of the tool's axis, and
+// where the offset is well below its reach the two stand far apart. Also where a tool that turns and sinks meets it
+// first. With p = feed per turn, over the insert's own angle chi:
 //   rise(chi) = Zc(chi) + p chi / 2 pi,   rise(chi + 2 pi) = rise(chi) + p
 // A beam that stands at a rise meets the insert at the first chi that has it: a turn before that angle the tool stood p
 // higher, so that all of it lies within one turn from Zc's peak.

@@ -59,8 +59,8 @@ class Fitter {
   const std::vector<int>& free() const { return free_; }
   int rows() const { return static_cast<int>(rods_.size() + priors_.size()); }
 
-  // Columns of the free parameters that the readouts determine although every rod (body) is off by an amount of its own;
-  // and how many rows are left then.
+  // Columns of the free parameters that the readouts determine although every rod (body) is off by an amount of its
+  // own; and how many rows are left then.
   struct WithinRods {
     std::vector<bool> is_determined;
     int degrees_of_freedom = 0;
@@ -73,7 +73,8 @@ class Fitter {
     const Eigen::Index free = static_cast<Eigen::Index>(free_.size());
     MatrixXd jacobian = MatrixXd::Zero(rows(), free + static_cast<Eigen::Index>(bodies.size()));
     const Eigen::LLT<MatrixXd> root(Covariance(fit.triggers, 0.0));
-    MatrixXd offsets = MatrixXd::Zero(static_cast<Eigen::Index>(rods_.size()), static_cast<Eigen::Index>(bodies.size()));
+    MatrixXd offsets =
+        MatrixXd::Zero(static_cast<Eigen::Index>(rods_.size()), static_cast<Eigen::Index>(bodies.size()));
     for (size_t i = 0; i < rods_.size(); ++i)
       offsets(i, std::find(bodies.begin(), bodies.end(), rods_[i]->body()) - bodies.begin()) = 1.0;
     jacobian.leftCols(free) = Whitened(fit, 0.0).first;

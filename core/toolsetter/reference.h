@@ -64,7 +64,7 @@ struct Reference {
   // Which parameters have a sigma that rests on readouts or on what was stated of the rods (`rod_sigma`). Of the others
   // Fitted::sigma is that of repeatability alone, and is in no report.
   std::array<bool, kReferenceParameters> has_interval = {true, true, true};
-  double coverage_factor = 1.959964;  // half of the 95 % interval in sigmas: Student's t where the rods' own scatter counts
+  double coverage_factor = 1.959964;  // half the 95 % interval, sigmas; Student's t where the rods' scatter counts
   std::optional<RodProposal> next;
 };
 

@@ -311,7 +311,8 @@ TEST(CurveSession, RefusesWithPlaceAndRule) {
 
 TEST(CutterJson, ReadsOneCutterStrictly) {
   const std::string fields =
-      R"("id": "t", "tool_radius_mm": 12, "insert_radius_mm": 5, "inserts": 3, "radial_angle_deg": -8, "axial_angle_deg": -5,
+      R"("id": "t", "tool_radius_mm": 12, "insert_radius_mm": 5, "inserts": 3, "radial_angle_deg": -8,
+         "axial_angle_deg": -5,
          "offset_d_mm": 7, "beam_radius_mm": 0.2, "spindle_rpm": 500, "feed_mm_min": 30)";
   const auto cutter = ReadCutterJson("{" + fields + R"(, "wear_mm": [0, 0.006, 0.01]})");
   ASSERT_TRUE(cutter.ok()) << cutter.status();

@@ -133,8 +133,9 @@ absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machi
   ASSIGN_OR_RETURN(errors.fitted, DeclaredModel(machine, params.declared));
   if (!params.held_calibration && params.held_errors_json.empty()) return errors;
   ASSIGN_OR_RETURN(identify::HeldErrors held,
-                   params.held_calibration ? HeldCalibration(database, machine, params.machine, *params.held_calibration)
-                                           : HeldText(params.held_errors_json, machine));
+                   params.held_calibration
+                       ? HeldCalibration(database, machine, params.machine, *params.held_calibration)
+                       : HeldText(params.held_errors_json, machine));
   absl::StatusOr<machine::ErrorModel> fitted =
       identify::BesideHeld(machine, errors.fitted, !params.declared.empty(), held);
   if (!fitted.ok())

@@ -16,8 +16,8 @@ constexpr double kPowers[kMaxDecimals + 1] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6,
 // number's own.
 constexpr double kMagic = 6755399441055744.0;  // 1.5 * 2^52
 
-// The values' steps of 1 / `power`; true when every value comes back from its step bit by bit. All are looked at, without
-// a branch: most columns are a grid, and processors take such a loop several values at a time.
+// The values' steps of 1 / `power`; true when every value comes back from its step bit by bit. All are looked at,
+// without a branch: most columns are a grid, and processors take such a loop several values at a time.
 bool TakeSteps(const double* values, size_t count, double power, int64_t* steps) {
   uint64_t differing_bits = 0, sum_bits = 0;
   for (size_t i = 0; i < count; ++i) {

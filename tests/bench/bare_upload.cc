@@ -34,7 +34,8 @@ class BareServer::Table {
           return SQLITE_OK;
         },
         &log_pages_);
-    DEMAND(sqlite3_prepare_v2(db_, "INSERT INTO chunk (seq, cells) VALUES (?1, ?2)", -1, &insert_, nullptr) == SQLITE_OK);
+    DEMAND(sqlite3_prepare_v2(db_, "INSERT INTO chunk (seq, cells) VALUES (?1, ?2)", -1, &insert_, nullptr) ==
+           SQLITE_OK);
     thread_ = std::thread([this] { Loop(); });
   }
   ~Table() {

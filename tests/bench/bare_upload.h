@@ -1,6 +1,6 @@
 // The least that a durable upload can be: a gRPC stream of bytes into one SQLite table. It waits for the disk as the
-// service does (WAL, synchronous=FULL, at most kGroup chunks of what waits in one transaction, kWindow chunks under way)
-// and does nothing else: no checks, no checksums, no compression.
+// service does (WAL, synchronous=FULL, at most kGroup chunks of what waits in one transaction, kWindow chunks under
+// way) and does nothing else: no checks, no checksums, no compression.
 #ifndef AXISCAL_TESTS_BENCH_BARE_UPLOAD_H_
 #define AXISCAL_TESTS_BENCH_BARE_UPLOAD_H_
 

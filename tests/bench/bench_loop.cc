@@ -12,7 +12,8 @@ namespace {
 std::vector<instruments::MeasuringRun> Sessions(const machine::Machine& machine, int readings) {
   const machine::ErrorModel truth = identify::testing::Errors(
       machine,
-      R"({"EA0B": 40, "EX0C": -22.2, "EY0C": 15.3, "EZ0T": 29.9, "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": -2.9}]})");
+      R"({"EA0B": 40, "EX0C": -22.2, "EY0C": 15.3, "EZ0T": 29.9,
+           "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": -2.9}]})");
   constexpr double kDegrees = 2520.0;  // of all five patterns
   ballbar::PatternOptions options;
   options.step_deg = kDegrees / readings;

@@ -1,6 +1,7 @@
 // A session through the client library into the service's store, over a local socket, beside the bare program
-// (bare_upload.h) with the same readings, turn by turn in the same run. `ratio` is that of `readings/s` to the bare one's:
-// what checks, checksums, compression and resumable sessions cost. `cpu_ns` is what client and server compute, per reading.
+// (bare_upload.h) with the same readings, turn by turn in the same run. `ratio` is that of `readings/s` to the bare
+// one's: what checks, checksums, compression and resumable sessions cost. `cpu_ns` is what client and server compute,
+// per reading.
 #include <benchmark/benchmark.h>
 
 #include <chrono>

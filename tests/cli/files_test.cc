@@ -16,7 +16,8 @@ class FilesOnly : public testing::CommandLine {
     std::filesystem::copy(Source("deploy/examples/integrex/machine.json"), folder_);
     Write("errors.json", R"({"EA0B": -101.2, "EX0C": 53.1})");
     Write("in.nc",
-          "%\nO1 (PART)\nN1 G90 G21 G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\nN2 X-380. (X ONLY)\nM30\n%\n");
+          "%\nO1 (PART)\nN1 G90 G21 G01 X-390.0000 Y0.0000 Z-112.2605 B0.0000 C0.0000 F2000\nN2 X-380. (X "
+          "ONLY)\nM30\n%\n");
   }
   Outcome Compensate(const std::string& more) const {
     return Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' " + more);

@@ -81,8 +81,9 @@ TEST_F(Touch, FromPlanToCalibration) {
   ASSERT_EQ(Run(plan + "--dialect sinumerik -o probe.mpf").exit_code, 0);
   EXPECT_THAT(Read("probe.mpf"), HasSubstr("\nMEAS=1 G01 "));
   Write("probe.mpf.log", "%_N_AXISCAL_LOG_MPF\n;$PATH=/_N_MPF_DIR\n" + Read("probe.log"));
-  outcome = Run(
-      "reduce probe.mpf.log --template sinumerik-write --plan plan.csv --machine machine.json --session monday -o s.csv");
+  outcome =
+      Run("reduce probe.mpf.log --template sinumerik-write --plan plan.csv --machine machine.json --session monday -o "
+          "s.csv");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(Read("s.csv"), Read("monday.csv"));
   EXPECT_EQ(Run("reduce probe.mpf.log --template dprnt --plan plan.csv --machine machine.json -o d.csv").exit_code, 3);
@@ -138,8 +139,10 @@ TEST_F(Touch, PatternsThatDoNotMatchTheMachineAreRefused) {
   ASSERT_EQ(Run("plan touch-columns --machine machine.json -o plan.csv").exit_code, 0);
   Write(
       "mill.json",
-      R"({"id": "mill", "axes": {"X": {"kind": "linear", "direction": [1, 0, 0]}, "Y": {"kind": "linear", "direction": [0, 1, 0]},
-            "Z": {"kind": "linear", "direction": [0, 0, 1]}}, "tool_branch": ["X", "Y", "Z"], "work_branch": [], "tool_direction": [0, 0, -1]})");
+      R"({"id": "mill", "axes": {"X": {"kind": "linear", "direction": [1, 0, 0]},
+            "Y": {"kind": "linear", "direction": [0, 1, 0]},
+            "Z": {"kind": "linear", "direction": [0, 0, 1]}},
+            "tool_branch": ["X", "Y", "Z"], "work_branch": [], "tool_direction": [0, 0, -1]})");
   Write("probe.log", "X1.0 Y2.0 Z3.0\n");
   auto outcome = Run("reduce probe.log --template dprnt --plan plan.csv --machine mill.json -o s.csv");
   EXPECT_EQ(outcome.exit_code, 3);

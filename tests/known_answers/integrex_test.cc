@@ -113,7 +113,8 @@ TEST_F(Integrex, DriftFromRunToRun) {
                                    shapes::kReferenceTemperatureCelsius + (is_long ? 1.0 : 0.0));
   }
   const identify::Fit fit = Fit(runs, R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0,
-      "terms": [{"symbol": "EZT", "shape": "thermal", "amplitude": 0}, {"symbol": "EXT", "shape": "thermal", "amplitude": 0},
+      "terms": [{"symbol": "EZT", "shape": "thermal", "amplitude": 0},
+                {"symbol": "EXT", "shape": "thermal", "amplitude": 0},
                 {"symbol": "EAB", "shape": "thermal", "amplitude": 0}]})");
   EXPECT_NEAR(kUmPerMm * fit.result.fit.rms_mm, 0.25, 0.01);
 }

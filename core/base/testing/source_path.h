@@ -7,8 +7,8 @@
 
 namespace axiscal::base {
 
-// The path of `name` ("/tests/data/nc") in the checkout. Only source_path.cc is compiled with the checkout's own path, so that a compiler
-// cache serves every other test of a second checkout.
+// The path of `name` ("/tests/data/nc") in the checkout. Only source_path.cc is compiled with the checkout's own path,
+// so that a compiler cache serves every other test of a second checkout.
 std::string SourcePath(std::string_view name);
 
 }  // namespace axiscal::base

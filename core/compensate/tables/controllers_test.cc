@@ -54,7 +54,8 @@ TEST_P(EveryFormatOfX, AScaleErrorIsTakenAway) {
 
 TEST_P(EveryFormatOfX, NumbersHaveNoExponentAndNoNegativeZero) {
   const Made made = Make(
-      R"({"terms": [{"symbol": "EXX", "shape": "harmonic", "variable": "X", "period_mm": 250, "amplitude": 4, "phase_deg": 10}]})",
+      R"({"terms": [{"symbol": "EXX", "shape": "harmonic", "variable": "X", "period_mm": 250,
+                     "amplitude": 4, "phase_deg": 10}]})",
       Request(GetParam()));
   ASSERT_TRUE(made.status.ok()) << made.status;
   for (size_t at = made.text.find("-0"); at != std::string::npos; at = made.text.find("-0", at + 1)) {

@@ -81,7 +81,8 @@ TEST(LinuxcncXyzac, LocationErrorsMoveThePins) {
 
 TEST(LinuxcncXyzac, WhatPinsCannotCarryIsListed) {
   const Made made = Make(
-      R"({"EX0C": 53.1, "EA0C": 80, "EC0Y": 40, "terms": [{"symbol": "EZC", "shape": "harmonic", "order": 2, "amplitude": 5, "phase_deg": 0}]})",
+      R"({"EX0C": 53.1, "EA0C": 80, "EC0Y": 40,
+           "terms": [{"symbol": "EZC", "shape": "harmonic", "order": 2, "amplitude": 5, "phase_deg": 0}]})",
       WithTip("linuxcnc-xyzac"));
   ASSERT_TRUE(made.status.ok()) << made.status;
   for (const char* term : {"EA0C: ", "EC0Y: ", "EZC:harmonic(2): ", "orientation: "})
@@ -265,7 +266,8 @@ TEST(IsgVolumetric, ComponentsInMmAndRad) {
 // An angle with a lever along another axis is what a grid holds and tables of one position cannot.
 TEST(FanucGrid, AnglesWithLeversAreTrilinear) {
   const char* const roll =
-      R"({"terms": [{"symbol": "EBX", "shape": "linear", "amplitude": 100}, {"symbol": "EYY", "shape": "linear", "amplitude": 20}]})";
+      R"({"terms": [{"symbol": "EBX", "shape": "linear", "amplitude": 100},
+                     {"symbol": "EYY", "shape": "linear", "amplitude": 20}]})";
   TableRequest request = Request("fanuc-3d");
   machine::Machine machine = WithTravel();
   for (machine::Axis& axis : machine.axes) {
@@ -294,8 +296,10 @@ TEST(FanucGrid, WhatThreeAxesLeaveStaysWithinTheTolerance) {
   TableRequest request = Request("fanuc-3d");
   request.tolerance_mm = 2e-3;
   const Made made = Make(
-      R"({"terms": [{"symbol": "EZX", "shape": "harmonic", "variable": "X", "period_mm": 400, "amplitude": 3, "phase_deg": 0},
-                    {"symbol": "EZY", "shape": "harmonic", "variable": "Y", "period_mm": 400, "amplitude": 3, "phase_deg": 0},
+      R"({"terms": [{"symbol": "EZX", "shape": "harmonic", "variable": "X", "period_mm": 400, "amplitude": 3,
+                      "phase_deg": 0},
+                    {"symbol": "EZY", "shape": "harmonic", "variable": "Y", "period_mm": 400, "amplitude": 3,
+                      "phase_deg": 0},
                     {"symbol": "EZZ", "shape": "quadratic", "amplitude": 8}]})",
       request);
   ASSERT_TRUE(made.status.ok()) << made.status;

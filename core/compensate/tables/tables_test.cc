@@ -137,7 +137,8 @@ TEST(MakeTable, ATermThatATableMakesWorseIsSaidToBe) {
 TEST(General, ErrorsKeepTheirNamesSignsAndUnits) {
   const Made made = Make(R"({"EC0Y": -20.5, "EX0C": 53.1, "terms": [
       {"symbol": "EXX", "shape": "linear", "amplitude": 10}, {"symbol": "EXX", "shape": "backlash", "amplitude": 3},
-      {"symbol": "EAX", "shape": "linear", "amplitude": 40}, {"symbol": "ECC", "shape": "harmonic", "order": 4, "amplitude": 30, "phase_deg": 0}]})",
+      {"symbol": "EAX", "shape": "linear", "amplitude": 40},
+      {"symbol": "ECC", "shape": "harmonic", "order": 4, "amplitude": 30, "phase_deg": 0}]})",
                          Request("general"));
   ASSERT_TRUE(made.status.ok()) << made.status;
   EXPECT_THAT(made.text, HasSubstr("# block: constant\nEC0Y_urad,EX0C_um\n-20.500,53.100\n"));
