@@ -24,7 +24,7 @@ enum class Form { kOwn, kIndependent };
 
 enum class EffectKind {
   kCurve,      // smooth, of the position of an axis
-  kTimeCurve,  // smooth, of the time: a slow drift of which no temperature was recorded
+  kTimeCurve,  // smooth, of the time: a slow drift without a temperature; after the plan it stays
   kRipple,     // periodic in the position of an axis, of any order or period
   kGravity,    // the compliance of a joint under the weight of a body beyond it
   kCrossed,    // of the positions of two axes

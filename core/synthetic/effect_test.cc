@@ -153,6 +153,18 @@ TEST(Effects, OfOtherHistoriesAreTheSameFunction) {
   }
 }
 
+TEST(Effects, DriftStaysWhereItEnded) {
+  Effect drift = Of(EffectKind::kTimeCurve, Mt().tool_joint(), Component::kZ, 5e-3);
+  drift.axis = -1;
+  const History plan = Plan();
+  for (const Form form : {Form::kOwn, Form::kIndependent}) {
+    const DrawnEffect drawn = Draw(drift, form, plan);
+    const std::vector<double> later = drawn.Errors(Moving({plan.time_s.back(), 1e5}, {0, 0}));
+    EXPECT_EQ(later[0], drawn.Errors(plan).back());
+    EXPECT_EQ(later[1], later[0]);
+  }
+}
+
 TEST(Effects, CurvesOfATurnClose) {
   const Effect curve = Of(EffectKind::kCurve, kC, Component::kX, 4e-3);
   for (const Form form : {Form::kOwn, Form::kIndependent}) {

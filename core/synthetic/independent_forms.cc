@@ -300,7 +300,9 @@ Values IndependentValues(const Drawing& drawing, base::Random* random) {
     }
     case EffectKind::kTimeCurve: {
       const Function drift = IndependentFunction(drawing.range, effect.length, false, random);
-      return EveryMoment([drift](const History& history, size_t k) { return drift(history.time_s[k]); });
+      return EveryMoment([drift, range = drawing.range](const History& history, size_t k) {
+        return drift(std::clamp(history.time_s[k], range.low, range.high));
+      });
     }
     case EffectKind::kRipple:
       return SkewedRipple(effect, random);

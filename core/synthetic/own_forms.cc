@@ -205,9 +205,10 @@ Values OwnValues(const Drawing& drawing, base::Random* random, std::optional<mac
                         OwnFunction(drawing.range, effect.length, IsTurning(drawing.machine, effect.axis), random));
     case EffectKind::kTimeCurve: {
       const Function drift = OwnFunction(drawing.range, effect.length, false, random);
-      return [drift](const History& history) {
+      return [drift, range = drawing.range](const History& history) {
         std::vector<double> values(history.size());
-        for (size_t k = 0; k < values.size(); ++k) values[k] = drift(history.time_s[k]);
+        for (size_t k = 0; k < values.size(); ++k)
+          values[k] = drift(std::clamp(history.time_s[k], range.low, range.high));
         return values;
       };
     }

@@ -204,6 +204,16 @@ class Runner {
   SimulatedCase out_;
 };
 
+// The largest speed of every axis: what a servo does beyond it nobody measured.
+std::vector<double> FastestOf(const History& history) {
+  std::vector<double> fastest(history.axis_count, 0.0);
+  for (size_t k = 0; k < history.size(); ++k) {
+    for (int axis = 0; axis < history.axis_count; ++axis)
+      fastest[axis] = std::max(fastest[axis], std::abs(history.AxisAt(k, axis).speed));
+  }
+  return fastest;
+}
+
 // The vector of a small rotation.
 Eigen::Vector3d TurnOf(const Eigen::Matrix3d& rotation) {
   return 0.5 * Eigen::Vector3d(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0),
@@ -248,14 +258,22 @@ History BoxPoses(const SimulatedCase& simulated, int count, uint64_t seed) {
   run.has_time = true;
   run.measured_mm.setZero(1, count);
   constexpr double kStepS = 10.0, kPauseS = 100.0;
+  const std::vector<double> fastest = FastestOf(measured);
+  double time_s = std::ceil(measured.time_s.back()) + kPauseS;
   for (int k = 0; k < count; ++k) {
-    run.time_s.push_back(std::ceil(measured.time_s.back()) + kPauseS + kStepS * k);
     for (int axis = 0; axis < measured.axis_count; ++axis) {
       const bool is_rotary = simulated.described.axes[axis].kind == machine::AxisKind::kRotary;
       const double unit = is_rotary ? base::kRadPerDeg : 1.0;
       const double position = ranges[axis].low + ranges[axis].length() * random.Uniform();
       run.positions.push_back(std::round(1e4 * position / unit) / 1e4 * unit);
     }
+    double needs_s = 0.0;
+    for (int axis = 0; k > 0 && axis < measured.axis_count; ++axis) {
+      const double move = std::abs(run.PositionsOf(k)[axis] - run.PositionsOf(k - 1)[axis]);
+      needs_s = std::max({needs_s, kStepS, fastest[axis] > 0.0 ? std::ceil(move / fastest[axis]) : 0.0});
+    }
+    time_s += needs_s;
+    run.time_s.push_back(time_s);
   }
   instruments::DeriveMotion(&run);
   std::map<std::string, std::vector<double>> celsius;

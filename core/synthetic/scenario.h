@@ -84,8 +84,8 @@ struct ToolPointError {
 // At every moment of a motion, which begins anew (settled heat, no memory of the sessions).
 std::vector<ToolPointError> ErrorsAlong(const Truth& truth, const Eigen::Vector3d& tip_mm, const History& motion);
 
-// `count` poses anywhere in the box of positions that the sessions covered, 10 s apart from 100 s after them on, with
-// the temperatures of then.
+// `count` poses anywhere in the box of positions that the sessions covered, from 100 s after them on, 10 s apart or as
+// much more as it takes to go there no faster than the sessions went, with the temperatures of then.
 History BoxPoses(const SimulatedCase& simulated, int count, uint64_t seed);
 
 // Columns of a file of poses: t_s, axes, recorded temperatures.

@@ -173,6 +173,22 @@ TEST(Scenario, TemperaturesAreWrittenWhereTheyAreRecorded) {
               HasSubstr("t_s,Z_mm,Y_mm,X_mm,B_deg,C_deg,temp_C\n"));
 }
 
+// Poses of the box are reached no faster than the sessions went: what a servo does beyond that nobody measured.
+TEST(Scenario, BoxPosesKeepToMeasuredSpeeds) {
+  const SimulatedCase simulated = Simulated(Read("\"note\": \"\""));
+  const History poses = BoxPoses(simulated, 100, 1);
+  const auto fastest = [](const History& history, int axis) {
+    double speed = 0.0;
+    for (size_t k = 0; k < history.size(); ++k) speed = std::max(speed, std::abs(history.AxisAt(k, axis).speed));
+    return speed;
+  };
+  for (int axis = 0; axis < poses.axis_count; ++axis) {
+    EXPECT_LE(fastest(poses, axis), fastest(simulated.history, axis) * (1.0 + 1e-9));
+    EXPECT_GE(RangeOf(poses, axis).low, RangeOf(simulated.history, axis).low - 1e-4);
+    EXPECT_LE(RangeOf(poses, axis).high, RangeOf(simulated.history, axis).high + 1e-4);
+  }
+}
+
 TEST(Scenario, SessionsOfOneSetUpShareItsOffsets) {
   PlannedCase plan = Plan();
   plan.fit[0].header.push_back({"setup", "morning"});
