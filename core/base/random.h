@@ -15,6 +15,10 @@ class Random {
   explicit Random(uint64_t seed) : engine_(seed) {}
   // In (0, 1).
   double Uniform() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1p-53; }
+  double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
+  bool Chance(double share) { return Uniform() < share; }
+  // One of 0 ... count - 1.
+  int Below(size_t count) { return static_cast<int>(engine_() % count); }
   // Mean 0, variance 1.
   double Normal() { return std::sqrt(-2.0 * std::log(Uniform())) * std::cos(2.0 * std::numbers::pi * Uniform()); }
 

@@ -24,7 +24,6 @@ using known_answers::TouchSession;
 constexpr double kToolMm = 200.0;
 
 int Among(int count, Random* random) { return std::min(count - 1, static_cast<int>(random->Uniform() * count)); }
-double Between(double low, double high, Random* random) { return low + (high - low) * random->Uniform(); }
 
 machine::Machine AnyMachine(Random* random) {
   const int which = Among(3, random);
@@ -49,7 +48,7 @@ machine::ErrorModel AnyErrors(const machine::Machine& machine, Random* random) {
   for (const std::string& symbol : symbols) {
     machine::ErrorTerm term = machine::ConstantTerm(machine, machine::ParseErrorSymbol(symbol).value());
     term.amplitude[0] =
-        machine::IsAngle(term.component) ? Between(-350e-6, 350e-6, random) : Between(-0.04, 0.04, random);
+        machine::IsAngle(term.component) ? random->Uniform(-350e-6, 350e-6) : random->Uniform(-0.04, 0.04);
     truth.terms.push_back(term);
   }
   return truth;
@@ -58,9 +57,9 @@ machine::ErrorModel AnyErrors(const machine::Machine& machine, Random* random) {
 // A cube on the table, its sides and its top touched at some positions, once each or twice.
 session::Session Touched(const machine::Machine& machine, Random* random) {
   TouchSession session(machine, "touched", {0, 0, -kToolMm}, 3.0, 1.0);
-  const double half_mm = Between(10.0, 40.0, random);
-  const Vector3d centre_mm(Among(2, random) * Between(-80, 80, random), Among(2, random) * Between(-80, 80, random),
-                           Between(20, 80, random));
+  const double half_mm = random->Uniform(10.0, 40.0);
+  const Vector3d centre_mm(Among(2, random) * random->Uniform(-80, 80), Among(2, random) * random->Uniform(-80, 80),
+                           random->Uniform(20, 80));
   const char* const names[] = {"x+", "x-", "y+", "y-", "z+"};
   for (int face = 0; face < 5; ++face) {
     const Vector3d normal = (face % 2 == 1 ? -1.0 : 1.0) * Vector3d::Unit(face / 2);
@@ -83,8 +82,8 @@ session::Session Touched(const machine::Machine& machine, Random* random) {
 // A ball on the table that the tool follows (R-test), or stands a bar's length off, while a rotary axis turns by some
 // steps; or a tool point that a tracker sees anywhere.
 session::Session Followed(const machine::Machine& machine, const std::string& instrument, int number, Random* random) {
-  const Vector3d tip_mm(0, 0, -kToolMm - Between(0, 60, random));
-  const Vector3d ball_mm(Between(-100, 100, random), Between(-100, 100, random), Between(20, 100, random));
+  const Vector3d tip_mm(0, 0, -kToolMm - random->Uniform(0, 60));
+  const Vector3d ball_mm(random->Uniform(-100, 100), random->Uniform(-100, 100), random->Uniform(20, 100));
   constexpr double kBarMm = 100.0;
   const auto text = [](const Vector3d& v) { return absl::StrFormat("%.10g %.10g %.10g", v.x(), v.y(), v.z()); };
   session::Session session;
@@ -111,7 +110,7 @@ session::Session Followed(const machine::Machine& machine, const std::string& in
     Vector3d target_mm = ball_mm;
     if (instrument == "ballbar") target_mm += kBarMm * bar;
     if (instrument == "tracker")
-      target_mm = Vector3d(Between(-300, 300, random), Between(-300, 300, random), Between(0, 300, random));
+      target_mm = Vector3d(random->Uniform(-300, 300), random->Uniform(-300, 300), random->Uniform(0, 300));
     DEMAND(centres::SolveNominalCommands(machine, tip_mm, target_mm, positions.data()).ok());
     session.columns[0].values.push_back(10.0 * k);
     for (int axis = 0; axis < machine.axis_count(); ++axis) {

@@ -121,7 +121,7 @@ Score Judge(const SimulatedCase& simulated, Kind kind, bool by_objective) {
   }
 
   std::set<std::tuple<std::string, int, int>> bad, listed;
-  for (const BadReading& one : simulated.bad) bad.insert({one.session, one.row, one.column});
+  for (const synthetic::BadReading& one : simulated.bad) bad.insert({one.session, one.row, one.column});
   const auto is_of_fit = [&](const std::string& session) {
     return std::any_of(simulated.fit.begin(), simulated.fit.end(),
                        [&](const instruments::MeasuringRun& one) { return one.session == session; });

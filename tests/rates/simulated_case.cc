@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
+#include "core/base/random.h"
 #include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/identify/identify.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/signatures.h"
+#include "core/synthetic/sampling.h"
 #include "core/synthetic/simulate.h"
 
 namespace axiscal::rates {
@@ -19,46 +20,23 @@ using machine::Component;
 using machine::ErrorTerm;
 using machine::Machine;
 
-class Dice {
- public:
-  explicit Dice(uint64_t seed) : random_(seed) {}
-  double Uniform(double low, double high) {
-    return low + (high - low) * (static_cast<double>(random_() >> 11) + 0.5) * 0x1p-53;
-  }
-  int Below(size_t count) { return static_cast<int>(random_() % count); }
-  bool Chance(double share) { return Uniform(0.0, 1.0) < share; }
-  double Gauss() { return std::sqrt(-2.0 * std::log(Uniform(0.0, 1.0))) * std::cos(2.0 * M_PI * Uniform(0.0, 1.0)); }
-  template <typename T>
-  T Of(std::initializer_list<T> values) {
-    return *(values.begin() + Below(values.size()));
-  }
+using Dice = base::Random;
 
- private:
-  std::mt19937_64 random_;
-};
-
-session::Case Plan(const char* name) {
-  return session::ReadCase(base::SourcePath("/tests/data/loop/") + name).value();
+template <typename T>
+T Of(std::initializer_list<T> values, Dice* dice) {
+  return *(values.begin() + dice->Below(values.size()));
 }
+
+session::Case Plan(const char* name) { return session::ReadCase(base::SourcePath("/tests/data/loop/") + name).value(); }
 
 // Every plan with another sampling, speed and temperature.
 void Vary(std::vector<session::Session>* sessions, int stride, double slower, double warming_per_s) {
   for (session::Session& session : *sessions) {
-    const bool thin = session.reading_count() > 200;
-    for (session::Column& column : session.columns) {
-      std::vector<double> kept;
-      for (size_t k = 0; k < column.values.size(); k += thin ? stride : 1) kept.push_back(column.values[k]);
-      column.values = std::move(kept);
-    }
-    session::Column *time = nullptr, *temperature = nullptr;
-    for (session::Column& column : session.columns) {
-      if (column.name == "t_s") time = &column;
-      if (column.name == "temp_C") temperature = &column;
-    }
-    for (double& t : time->values) t *= slower;
-    if (temperature == nullptr || warming_per_s == 0.0) continue;
-    for (size_t k = 0; k < time->values.size(); ++k)
-      temperature->values[k] = std::round(1e3 * (20.0 + warming_per_s * time->values[k])) / 1e3;
+    if (session.reading_count() > 200) synthetic::KeepEvery(stride, &session);
+    synthetic::Slow(slower, &session);
+    if (warming_per_s == 0.0 || session::FindColumn(session, "temp_C") == nullptr) continue;
+    synthetic::SetTemperature(
+        "temp_C", [&](double time_s) { return 20.0 + warming_per_s * time_s; }, &session);
   }
 }
 
@@ -91,19 +69,19 @@ ErrorTerm DrawEffect(const Machine& machine, const std::vector<instruments::Meas
       return {any_linear, own(any_linear), shapes::Reversal{any_linear, dice->Uniform(3.0, 9.0)}, {1.0, 0.0}};
     case 2: {
       const double phase = dice->Uniform(0.0, 2.0 * M_PI);
-      double order = dice->Chance(0.25) ? dice->Of({10.0, 24.0, 36.0, 45.0}) : dice->Of({1.0, 2.0, 3.0});
+      double order = dice->Chance(0.25) ? Of({10.0, 24.0, 36.0, 45.0}, dice) : Of({1.0, 2.0, 3.0}, dice);
       const double finest = 0.8 * M_PI / finest_step[any_rotary];
-      if (order > finest) order = finest < 2.0 ? 1.0 : dice->Of({1.0, 2.0});  // the sampling hides it
-      const Component component = dice->Of({Component::kX, Component::kY, Component::kZ, own(any_rotary)});
+      if (order > finest) order = finest < 2.0 ? 1.0 : Of({1.0, 2.0}, dice);  // the sampling hides it
+      const Component component = Of({Component::kX, Component::kY, Component::kZ, own(any_rotary)}, dice);
       return {any_rotary, component, shapes::Harmonic{any_rotary, order}, {std::cos(phase), std::sin(phase)}};
     }
     case 3:
       return {any_linear,
-              dice->Of({Component::kX, Component::kY, Component::kZ}),
+              Of({Component::kX, Component::kY, Component::kZ}, dice),
               shapes::Quadratic{any_linear, shapes::Quadratic::kReferenceMm},
               {1.0, 0.0}};
     case 4:
-      return {machine.tool_joint(), dice->Of({Component::kX, Component::kZ}), shapes::Drift{}, {1.0, 0.0}};
+      return {machine.tool_joint(), Of({Component::kX, Component::kZ}, dice), shapes::Drift{}, {1.0, 0.0}};
     case 5:
       return {machine.tool_joint(), Component::kZ, shapes::DriftExp{dice->Uniform(600.0, 2400.0)}, {1.0, 0.0}};
     case 6: {
@@ -111,7 +89,7 @@ ErrorTerm DrawEffect(const Machine& machine, const std::vector<instruments::Meas
       return {any_linear, own(any_linear), shapes::Harmonic{any_linear, frequency}, {std::cos(phase), std::sin(phase)}};
     }
     default:
-      return {machine.tool_joint(), dice->Of({Component::kX, Component::kZ}), shapes::Thermal{}, {1.0, 0.0}};
+      return {machine.tool_joint(), Of({Component::kX, Component::kZ}, dice), shapes::Thermal{}, {1.0, 0.0}};
   }
 }
 
@@ -143,8 +121,8 @@ struct Measuring {
 
 std::vector<session::Session> Measure(const Machine& machine, const machine::ErrorModel& truth,
                                       const std::vector<session::Session>& planned, const Measuring& how, Dice* dice,
-                                      std::vector<BadReading>* bad) {
-  std::vector<session::Session> sessions;
+                                      std::vector<synthetic::BadReading>* bad) {
+  std::vector<session::Session> measured;
   for (const session::Session& plan : planned) {
     const bool is_ballbar = session::FindHeader(plan, "instrument") == "ballbar";
     synthetic::NoiseOptions noise;
@@ -155,19 +133,37 @@ std::vector<session::Session> Measure(const Machine& machine, const machine::Err
     noise.resolution_mm = how.resolution_sigmas > 0.0 ? how.resolution_sigmas * stated_mm : 1e-4;
     noise.seed = static_cast<uint64_t>(dice->Uniform(1.0, 1e15));
     session::Session session = synthetic::Simulate(machine, truth, plan, noise).value();
-    const instruments::MeasuringRun run = Bind(machine, {session})[0];
-    for (int k = 0; how.is_dirty && k < run.reading_count(); ++k) {
-      for (int row = 0; row < run.row_count; ++row) {
-        if (!dice->Chance(0.01)) continue;
-        const double off =
-            (dice->Chance(0.5) ? -1.0 : 1.0) * dice->Uniform(20.0, 100.0) * how.sigma_scale * run.sigma_mm;
-        session.columns[session.columns.size() - run.row_count + row].values[k] += off;
-        bad->push_back({run.session, k + 1, row});
-      }
+    if (how.is_dirty) {
+      const auto spoiled = synthetic::SpoilReadings(Bind(machine, {session})[0], 0.01, how.sigma_scale, dice, &session);
+      bad->insert(bad->end(), spoiled.begin(), spoiled.end());
     }
-    sessions.push_back(std::move(session));
+    measured.push_back(std::move(session));
   }
-  return sessions;
+  return measured;
+}
+
+// Something slips in a session that was measured: from a reading on its readings are those of a machine on which it
+// stands elsewhere. Added to what was read, so that noise and rounding stay.
+void AddSlip(const Machine& machine, const machine::ErrorModel& truth, const session::Session& planned,
+             instruments::Carrier carrier, size_t first, const Eigen::Vector3d& slip_mm, session::Session* measured) {
+  const int joint = carrier == instruments::Carrier::kTable ? machine.work_joint() : machine.tool_joint();
+  synthetic::Measuring exact;
+  exact.noise.sigma_scale = 0.0;
+  exact.noise.draw_setup = false;
+  const auto readings = [&](const Eigen::Vector3d& off_mm) {
+    exact.errors_at = [&](int, const shapes::State& state) {
+      machine::JointErrors<double> errors = machine::ErrorsAt(machine, truth, state);
+      errors[joint].head<3>() += off_mm;
+      return errors;
+    };
+    return synthetic::Measure(machine, exact, planned).value();
+  };
+  const session::Session before = readings(Eigen::Vector3d::Zero()), after = readings(slip_mm);
+  const int rows = Bind(machine, {*measured})[0].row_count;
+  for (size_t column = measured->columns.size() - rows; column < measured->columns.size(); ++column) {
+    for (size_t k = first; k < measured->reading_count(); ++k)
+      measured->columns[column].values[k] += after.columns[column].values[k] - before.columns[column].values[k];
+  }
 }
 
 }  // namespace
@@ -175,20 +171,20 @@ std::vector<session::Session> Measure(const Machine& machine, const machine::Err
 SimulatedCase Draw(Kind kind, uint64_t seed) {
   Dice dice(seed * 977 + static_cast<uint64_t>(kind) * 7919 + 1);
   const bool is_dirty = kind == Kind::kDirty || kind == Kind::kDirtyNull;
-  session::Case plan = Plan(dice.Of({"case-003", "case-012", "case-001", "case-013", "case-002", "case-014"}));
+  session::Case plan = Plan(Of({"case-003", "case-012", "case-001", "case-013", "case-002", "case-014"}, &dice));
   SimulatedCase out;
   out.machine = plan.machine;
   const bool has_warming = dice.Chance(0.5);
   const double slower = dice.Uniform(0.6, 1.6), warming = has_warming ? dice.Uniform(2e-4, 8e-4) : 0.0;
-  const int stride = dice.Of({1, 1, 2});
+  const int stride = Of({1, 1, 2}, &dice);
   Vary(&plan.fit, stride, slower, warming);
   Vary(&plan.check, stride, slower, warming);
   out.sigma_scale = is_dirty                   ? std::exp(dice.Uniform(-1.0, 1.0) * std::log(2.0))
-                    : kind == Kind::kMisstated ? dice.Of({0.5, 2.0})
+                    : kind == Kind::kMisstated ? Of({0.5, 2.0}, &dice)
                                                : 1.0;
   out.declared = machine::DeclaredModel(out.machine);
   for (ErrorTerm& term : out.declared.terms)
-    term.amplitude[0] = dice.Gauss() * (machine::IsAngle(term.component) ? 70e-6 : 30e-3);
+    term.amplitude[0] = dice.Normal() * (machine::IsAngle(term.component) ? 70e-6 : 30e-3);
 
   // Amplitudes from the signatures at the declared errors.
   machine::ErrorModel truth = out.declared;
@@ -214,7 +210,7 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
         }
       }
       effect = {axis,
-                dice.Of({Component::kX, Component::kY, Component::kZ}),
+                Of({Component::kX, Component::kY, Component::kZ}, &dice),
                 shapes::Bump{axis, dice.Uniform(low + 0.15 * (high - low), high - 0.15 * (high - low)),
                              (high - low) * dice.Uniform(0.03, 0.1)},
                 {1.0, 0.0}};
@@ -222,10 +218,10 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
     const bool is_twice = std::any_of(out.effects.terms.begin(), out.effects.terms.end(), [&](const ErrorTerm& other) {
       return other.joint == effect.joint && other.component == effect.component;
     });
-    const double ratio = is_dirty                ? dice.Of({0.3, 0.7, 1.5, 3.0})
-                         : kind == Kind::kWander ? dice.Of({1.5, 3.0, 6.0})
-                         : kind == Kind::kCoarse ? dice.Of({6.0, 12.0})
-                                                 : dice.Of({0.5, 0.7, 1.5, 3.0, 6.0});
+    const double ratio = is_dirty                ? Of({0.3, 0.7, 1.5, 3.0}, &dice)
+                         : kind == Kind::kWander ? Of({1.5, 3.0, 6.0}, &dice)
+                         : kind == Kind::kCoarse ? Of({6.0, 12.0}, &dice)
+                                                 : Of({0.5, 0.7, 1.5, 3.0, 6.0}, &dice);
     if (is_twice || !Scale(problem, point, ratio, &effect)) continue;
     out.effects.terms.push_back(effect);
     out.signal_to_noise.push_back(ratio);
@@ -233,9 +229,9 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
   }
 
   Measuring how = {out.sigma_scale, is_dirty, kind == Kind::kWander || kind == Kind::kWanderNull};
-  if (kind == Kind::kCoarse || kind == Kind::kCoarseNull) how.resolution_sigmas = dice.Of({2.5, 3.3, 5.0, 10.0});
+  if (kind == Kind::kCoarse || kind == Kind::kCoarseNull) how.resolution_sigmas = Of({2.5, 3.3, 5.0, 10.0}, &dice);
   std::vector<session::Session> fit = Measure(out.machine, truth, plan.fit, how, &dice, &out.bad);
-  std::vector<BadReading> bad_check;
+  std::vector<synthetic::BadReading> bad_check;
   const std::vector<session::Session> check = Measure(out.machine, truth, plan.check, how, &dice, &bad_check);
   if (IsSlip(kind)) {
     // The table's ball slips in one session, or what the tool holder carries.
@@ -252,27 +248,12 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
     Eigen::Vector3d slip_mm;
     double squares = 0.0;
     do {
-      slip_mm = Eigen::Vector3d(dice.Gauss(), dice.Gauss(), dice.Gauss()).normalized();
+      slip_mm = Eigen::Vector3d(dice.Normal(), dice.Normal(), dice.Normal()).normalized();
       squares = slip_mm.dot(seen.own * slip_mm);
     } while (squares < 0.1 * seen.own.diagonal().maxCoeff());
     const double numbers = static_cast<double>(problem.runs[which].measured_mm.size());
-    slip_mm *= dice.Of({0.5, 0.7, 1.5, 3.0}) * std::sqrt(numbers / squares);
-    machine::ErrorModel slipped = truth;
-    const int joint = kind == Kind::kSlip ? out.machine.work_joint() : out.machine.tool_joint();
-    for (const Component component : {Component::kX, Component::kY, Component::kZ}) {
-      slipped.terms.push_back({joint, component, shapes::Constant{}, {slip_mm[static_cast<int>(component)], 0.0}});
-    }
-    synthetic::NoiseOptions exact;
-    exact.sigma_scale = 0.0;
-    exact.draw_setup = false;
-    const session::Session before = synthetic::Simulate(out.machine, truth, plan.fit[which], exact).value();
-    const session::Session after = synthetic::Simulate(out.machine, slipped, plan.fit[which], exact).value();
-    const int rows = problem.runs[which].row_count;
-    for (int row = 0; row < rows; ++row) {
-      const size_t column = fit[which].columns.size() - rows + row;
-      for (size_t k = first; k < readings; ++k)
-        fit[which].columns[column].values[k] += after.columns[column].values[k] - before.columns[column].values[k];
-    }
+    slip_mm *= Of({0.5, 0.7, 1.5, 3.0}, &dice) * std::sqrt(numbers / squares);
+    AddSlip(out.machine, truth, plan.fit[which], out.carrier, first, slip_mm, &fit[which]);
     out.slipped_session = problem.runs[which].session;
     out.slip_s = problem.runs[which].time_s[first];
   }

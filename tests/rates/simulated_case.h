@@ -11,6 +11,7 @@
 #include "core/instruments/run.h"
 #include "core/machine/error_model.h"
 #include "core/session/case.h"
+#include "core/synthetic/simulate.h"
 
 namespace axiscal::rates {
 
@@ -34,20 +35,14 @@ enum class Kind {
 
 inline bool IsSlip(Kind kind) { return kind == Kind::kSlip || kind == Kind::kProbeSlip; }
 
-struct BadReading {
-  std::string session;
-  int row = 0;  // line of data, from 1
-  int column = 0;
-};
-
 struct SimulatedCase {
   machine::Machine machine;
   std::vector<instruments::MeasuringRun> fit, check;
-  machine::ErrorModel declared, effects;  // what went in
-  std::vector<double> signal_to_noise;    // per effect: rms of its unexplained signature over sigma
-  std::vector<BadReading> bad;            // of the fit sessions
-  double sigma_scale = 1.0;               // true sigma over the stated one
-  std::string slipped_session;            // of slips
+  machine::ErrorModel declared, effects;   // what went in
+  std::vector<double> signal_to_noise;     // per effect: rms of its unexplained signature over sigma
+  std::vector<synthetic::BadReading> bad;  // of the fit sessions
+  double sigma_scale = 1.0;                // true sigma over the stated one
+  std::string slipped_session;             // of slips
   double slip_s = 0.0;
   instruments::Carrier carrier = instruments::Carrier::kTable;
 };
