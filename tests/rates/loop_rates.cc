@@ -1,16 +1,22 @@
 // Rates at which the loop names what went into simulated machines: `loop_rates KIND COUNT [FIRST_SEED] [-v]`, KIND one
 // of null one pair dirty dirty-null misstated bump slip probe-slip wander wander-null coarse coarse-null; or how often
 // the sessions that it proposes leave the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`,
-// COUNT machines with one effect. -v prints every case, otherwise those that went wrong; --objective in front of
-// all others judges core/decide instead of core/loop.
+// COUNT machines with one effect; or what the loop leaves of the error over the box of machines with other physics:
+// `loop_rates physics KIND COUNT [FIRST_SEED] [-v]`, KIND one of physics_case.h. -v prints every case, otherwise those
+// that went wrong; --objective in front of all others judges core/decide instead of core/loop.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <vector>
 
+#include "core/base/units.h"
+#include "core/decide/decide.h"
+#include "core/loop/close_loop.h"
 #include "tests/rates/next_session.h"
+#include "tests/rates/physics_case.h"
 #include "tests/rates/score.h"
 
 namespace {
@@ -39,6 +45,66 @@ int NextRates(int count, int first, bool is_verbose) {
   return 0;
 }
 
+// What a fit of the declared errors leaves over the box, and what the loop's model leaves, um.
+struct Left {
+  double before_um = 0.0, after_um = 0.0, seconds = 0.0;
+  std::string text;
+
+  // As a user would call it: more than 10 % and 0.2 um.
+  bool IsHarmed() const { return after_um > 1.1 * before_um && after_um > before_um + 0.2; }
+};
+
+Left JudgePhysics(const axiscal::rates::PhysicsCase& physics, bool by_objective) {
+  namespace loop = axiscal::loop;
+  Left left;
+  for (const std::string& name : physics.put_in) left.text += " " + name;
+  const auto declared = axiscal::identify::Identify(physics.machine, physics.simulated.measured.fit);
+  const auto start = std::chrono::steady_clock::now();
+  const auto closed = by_objective ? axiscal::decide::Decide(physics.machine, physics.fit, physics.check)
+                                   : loop::CloseLoop(physics.machine, physics.fit, physics.check);
+  left.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto error_um = [&](const axiscal::machine::ErrorModel& model) {
+    return axiscal::base::kUmPerMm * axiscal::rates::ErrorOverBox(physics, model);
+  };
+  left.before_um = error_um(declared.ok() ? declared->model : axiscal::machine::ErrorModel());
+  left.after_um = closed.ok() ? error_um(closed->fitted.model) : left.before_um;
+  left.text += " ->";
+  if (!closed.ok()) left.text += " " + std::string(closed.status().message());
+  for (size_t i = 0; closed.ok() && i < closed->effects.size(); ++i)
+    left.text += " " + axiscal::machine::NameOf(physics.machine, closed->effects[i].term);
+  return left;
+}
+
+int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool by_objective) {
+  const char* const* const words = axiscal::rates::PhysicsWords();
+  int kind = 0;
+  while (words[kind] != nullptr && std::strcmp(words[kind], word) != 0) ++kind;
+  if (words[kind] == nullptr) {
+    std::fprintf(stderr, "loop_rates physics: '%s' is no kind, expected one of", word);
+    for (int i = 0; words[i] != nullptr; ++i) std::fprintf(stderr, " %s", words[i]);
+    std::fprintf(stderr, "\n");
+    return 2;
+  }
+  std::vector<double> before, after, seconds;
+  int harmed = 0;
+  for (int seed = first; seed < first + count; ++seed) {
+    const Left left =
+        JudgePhysics(axiscal::rates::DrawPhysics(static_cast<axiscal::rates::Physics>(kind), seed), by_objective);
+    before.push_back(left.before_um);
+    after.push_back(left.after_um);
+    seconds.push_back(left.seconds);
+    harmed += left.IsHarmed();
+    if (is_verbose || left.IsHarmed())
+      std::printf("%s %d: %s%.3f -> %.3f um, %.1f s:%s\n", word, seed, left.IsHarmed() ? "HARMED " : "", left.before_um,
+                  left.after_um, left.seconds, left.text.c_str());
+    std::fflush(stdout);
+  }
+  std::printf("physics %s: %d cases, over the box %.3f -> %.3f um (medians), harmed %d; %.2f s median, %.2f s worst\n",
+              word, count, Quantile(before, 0.5), Quantile(after, 0.5), harmed, Quantile(seconds, 0.5),
+              Quantile(seconds, 1.0));
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -62,17 +128,21 @@ int main(int argc, char** argv) {
                                              {"coarse", Kind::kCoarse},
                                              {"coarse-null", Kind::kCoarseNull}};
   const bool is_next = argc >= 3 && std::strcmp(argv[1], "next") == 0;
+  const bool is_verbose = std::strcmp(argv[argc - 1], "-v") == 0;
+  if (argc >= 4 && std::strcmp(argv[1], "physics") == 0) {
+    const int first_seed = argc > 4 ? std::max(1, std::atoi(argv[4])) : 1;
+    return PhysicsRates(argv[2], std::atoi(argv[3]), first_seed, is_verbose, by_objective);
+  }
   if (argc < 3 || (!is_next && !kinds.contains(argv[1]))) {
     std::fprintf(stderr,
                  "usage: loop_rates [--objective] "
                  "null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|wander|wander-null|coarse|coarse-null|"
                  "next COUNT "
-                 "[FIRST_SEED] [-v]\n");
+                 "[FIRST_SEED] [-v]\n       loop_rates [--objective] physics KIND COUNT [FIRST_SEED] [-v]\n");
     return 2;
   }
   const int count = std::atoi(argv[2]);
   const int first = argc > 3 ? std::atoi(argv[3]) : 1;
-  const bool is_verbose = std::strcmp(argv[argc - 1], "-v") == 0;
   if (is_next) return NextRates(count, first, is_verbose);
   const Kind kind = kinds.at(argv[1]);
   axiscal::rates::Score total;

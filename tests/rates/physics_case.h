@@ -1,0 +1,48 @@
+// Simulated machines with physics beyond the terms of errors.json, and with instruments and nominal data at fault, by
+// kind: what a search is judged on that shall never leave a machine worse than it was. The plans are those of
+// simulated_case.h; all else is a drawn scenario (core/synthetic/scenario.h).
+#ifndef AXISCAL_TESTS_RATES_PHYSICS_CASE_H_
+#define AXISCAL_TESTS_RATES_PHYSICS_CASE_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/synthetic/scenario.h"
+
+namespace axiscal::rates {
+
+enum class Physics {
+  kNothing,  // declared errors and dirty noise only
+  kCurves,   // one to three smooth curves
+  kRipple,   // one or two periods, orders that need not be whole
+  kGravity,
+  kCrossed,
+  kHeat,  // lags of a recorded temperature, of one that nobody recorded, of the time; times a position
+  kHysteresis,
+  kFollowing,
+  kInstrument,  // nothing wrong with the machine beyond declared errors
+  kNominal,     // the same
+  kMixed        // two or three kinds of effects at once
+};
+// "nothing", "curves" ... in the enumeration's order, ended by nullptr.
+const char* const* PhysicsWords();
+
+struct PhysicsCase {
+  machine::Machine machine;  // as described
+  std::vector<instruments::MeasuringRun> fit, check;
+  std::vector<std::string> put_in;  // names of effects, faults and nominal faults
+  synthetic::SimulatedCase simulated;
+  synthetic::History poses;  // of the box, with what the machine did there
+};
+
+// The case number `seed` of a kind; the same each time. Irregular sampling and dirty noise throughout.
+PhysicsCase DrawPhysics(Physics kind, uint64_t seed, synthetic::Form form = synthetic::Form::kIndependent);
+
+// Root mean square of the tool point's error over the box that remains when `model` is corrected for, less the best
+// work offset and tool centre (tool length among them), mm. An empty model: the machine as it is.
+double ErrorOverBox(const PhysicsCase& physics, const machine::ErrorModel& model);
+
+}  // namespace axiscal::rates
+
+#endif  // AXISCAL_TESTS_RATES_PHYSICS_CASE_H_

@@ -1,0 +1,51 @@
+// Cases with other physics are drawn the same each time, and what is put in is what the box shows.
+#include "tests/rates/physics_case.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/units.h"
+#include "core/identify/identify.h"
+
+namespace axiscal::rates {
+namespace {
+
+TEST(PhysicsCase, IsTheSameEachTime) {
+  for (int kind = 0; PhysicsWords()[kind] != nullptr; ++kind) {
+    const PhysicsCase one = DrawPhysics(static_cast<Physics>(kind), 3),
+                      other = DrawPhysics(static_cast<Physics>(kind), 3);
+    EXPECT_EQ(one.simulated.measured.fit, other.simulated.measured.fit) << PhysicsWords()[kind];
+    EXPECT_EQ(one.put_in, other.put_in);
+    EXPECT_EQ(one.put_in.empty(), kind == static_cast<int>(Physics::kNothing)) << PhysicsWords()[kind];
+    EXPECT_FALSE(one.check.empty());
+  }
+}
+
+// The true model leaves nothing over the box where errors.json holds it; without one it leaves the machine's errors.
+TEST(PhysicsCase, ErrorOverBoxIsZeroForOneWhoKnows) {
+  const PhysicsCase nothing = DrawPhysics(Physics::kNothing, 5);
+  EXPECT_LT(ErrorOverBox(nothing, nothing.simulated.truth.errors), 1e-12);
+  EXPECT_GT(ErrorOverBox(nothing, {}), 5e-3);
+  const PhysicsCase ripple = DrawPhysics(Physics::kRipple, 5, synthetic::Form::kOwn);
+  EXPECT_LT(ErrorOverBox(ripple, ripple.simulated.truth.errors), 1e-12);
+}
+
+// A work offset and a tool's centre are the user's own: an error that is no more than these is none.
+TEST(PhysicsCase, WorkOffsetAndToolCentreDoNotCount) {
+  const PhysicsCase nothing = DrawPhysics(Physics::kNothing, 6);
+  machine::ErrorModel model = nothing.simulated.truth.errors;
+  for (const int joint : {nothing.machine.tool_joint(), nothing.machine.work_joint()})
+    model.terms.push_back({joint, machine::Component::kZ, shapes::Constant{}, {0.05, 0.0}});
+  EXPECT_LT(ErrorOverBox(nothing, model), 1e-4);  // 50 um, turned by errors of some 100 urad
+}
+
+// Where nothing but declared errors is wrong with the machine, a fit of these is all that there is to gain.
+TEST(PhysicsCase, DeclaredErrorsAreFoundWhereNothingElseIsWrong) {
+  const PhysicsCase nothing = DrawPhysics(Physics::kNothing, 7);
+  const auto fit = identify::Identify(nothing.machine, nothing.simulated.measured.fit);
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_LT(ErrorOverBox(nothing, fit->model), 0.05 * ErrorOverBox(nothing, {}));
+}
+
+}  // namespace
+}  // namespace axiscal::rates
