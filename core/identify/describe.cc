@@ -63,7 +63,14 @@ std::vector<Outlier> ListOutliers(const Problem& problem, const std::vector<Eige
   return outliers;
 }
 
-std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point, const Covariance& covariance,
+// An offset that nobody placed beforehand (a free datum, a slip) and that the readings tell less well than the prior
+// that only keeps the fit steady has no number. `sigma` by the readings' noise as stated.
+bool IsTold(const instruments::SetupParameter& parameter, double sigma) {
+  constexpr double kHalf = 0.5;  // of the variance
+  return parameter.is_placed || sigma * sigma < kHalf * parameter.prior_sigma * parameter.prior_sigma;
+}
+
+std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point, const Judgement& judgement,
                                      const std::vector<Eigen::MatrixXd>& residuals_mm) {
   std::vector<SessionFit> sessions;
   for (size_t i = 0; i < problem.runs.size(); ++i) {
@@ -76,8 +83,11 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
     session.max_mm = residuals_mm[i].cwiseAbs().maxCoeff();
     for (size_t k = 0; k < problem.groups[group].parameters.size(); ++k) {
       const instruments::SetupParameter& parameter = problem.groups[group].parameters[k];
+      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+      const double sigma = judgement.covariance.setup_sigma[group][k];
+      const bool is_told = IsTold(parameter, sigma / judgement.sigma_scale);
       session.setup.push_back(
-          {parameter.name, point.setup[group][k], covariance.setup_sigma[group][k], parameter.is_angle});
+          {parameter.name, is_told ? point.setup[group][k] : kNone, is_told ? sigma : kNone, parameter.is_angle});
     }
     sessions.push_back(std::move(session));
   }
@@ -174,7 +184,7 @@ Fit Describe(SolvedProblem solved, const Judgement& judgement, const Options& op
   if (options.held_errors) DescribeHeldErrors(*options.held_errors, judgement.covariance, &result);
   result.fit = judgement.statistics;
   result.coverage_factor = judgement.coverage_factor;
-  result.sessions = ListSessions(solved.problem, solution.point, judgement.covariance, solution.residuals_mm);
+  result.sessions = ListSessions(solved.problem, solution.point, judgement, solution.residuals_mm);
   result.outliers = ListOutliers(solved.problem, solution.residuals_mm);
   result.iterations = solution.iterations;
   result.noise_scale = solved.noise_scale;

@@ -299,6 +299,48 @@ TEST(Identify, ANumberWiderThanAnyErrorIsNone) {
   EXPECT_THAT(json, HasSubstr("\"value\": null"));
 }
 
+// The only readings that told an error were set aside: nothing is left that tells it, and it acts nowhere.
+TEST(Identify, WhatOnlyBadReadingsToldHasNoNumberAndDoesNotAct) {
+  machine::ErrorModel truth = testing::Errors(kMachine, R"({"EX0C": -22.2, "EY0C": 15.3})");
+  std::vector<session::Session> sessions = testing::Measure(
+      kMachine, truth, {}, {{"CR", ballbar::Pattern::kCR, 356.4}, {"CA", ballbar::Pattern::kCA, 356.4}});
+  const session::Column* const c = session::FindColumn(sessions[0], "C_deg");
+  ASSERT_NE(c, nullptr);
+  size_t at = 0;  // of two neighbours on the way up, near 60 deg, where the bar points along X by half
+  while (c->values[at] < 60.0) ++at;
+  const double step_deg = c->values[at + 1] - c->values[at];
+  ASSERT_GT(step_deg, 0.0);
+  machine::ErrorTerm defect = truth.terms[0];
+  // Of all readings at other positions none is nearer than three times what these two are: less than 1e-6 of it.
+  defect.shape = shapes::Bump{.axis = machine::FindAxis(kMachine, "C"),
+                              .at = (c->values[at] + 0.5 * step_deg) * M_PI / 180.0,
+                              .width = 0.4 * step_deg * M_PI / 180.0};
+  Options options;
+  options.model = truth;
+  options.model->terms.push_back(defect);
+  const auto seen = Identify(kMachine, sessions, options);
+  ASSERT_TRUE(seen.ok()) << seen.status();
+  EXPECT_TRUE(seen->estimates.back().identifiable);
+  // Chips between ball and cup, wherever the two positions were passed.
+  std::vector<double>& lengths = sessions[0].columns.back().values;
+  for (size_t k = 0; k < lengths.size(); ++k) {
+    const double off = (c->values[k] - c->values[at]) / step_deg;
+    if (off > -0.5 && off < 1.5) lengths[k] += off < 0.5 ? 0.5 : -0.5;
+  }
+  const auto result = Identify(kMachine, sessions, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->outliers.size(), 4u);
+  const Estimate& estimate = result->estimates.back();
+  EXPECT_FALSE(estimate.identifiable) << estimate.value << " +- " << estimate.sigma;
+  EXPECT_TRUE(std::isnan(estimate.value)) << estimate.value << " +- " << estimate.sigma;
+  EXPECT_EQ(result->model.terms.back().amplitude[0], 0.0);
+  for (size_t i = 0; i < 2; ++i) {
+    const Estimate& other = result->estimates[i];
+    EXPECT_TRUE(other.identifiable) << other.name;
+    EXPECT_NEAR(other.value, truth.terms[i].amplitude[0], 4.0 * other.sigma) << other.name;
+  }
+}
+
 // The X that the control shows is `off_mm` short of where the axis stands: the work offset was set anew.
 void SetAnew(double off_mm, session::Session* session) {
   for (session::Column& column : session->columns) {
@@ -350,6 +392,31 @@ TEST(Identify, AWorkOffsetThatWasSetAnewIsSetUpAndNoError) {
   const auto all_free = Identify(kMachine, sessions);
   ASSERT_TRUE(all_free.ok()) << all_free.status();
   EXPECT_FALSE(Find(*all_free, "EX0C").identifiable);
+}
+
+// Where the readings say less of a free constant than the prior that keeps the fit steady, it has no number: neither in
+// the result nor as it is written.
+TEST(Identify, ADatumThatNoReadingTellsHasNoNumber) {
+  std::vector<session::Session> sessions = testing::Measure(kMachine, testing::Errors(kMachine, kTruth), {});
+  sessions[2].header.push_back({"datum", "free X Z"});  // a ball bar in the plane of X and Y does not see Z
+  const auto result = Identify(kMachine, sessions);
+  ASSERT_TRUE(result.ok()) << result.status();
+  const std::vector<SetupOffset>& setup = result->sessions[2].setup;
+  const SetupOffset &x = setup[setup.size() - 2], &z = setup.back();
+  ASSERT_EQ(x.name + " " + z.name, "datum_X datum_Z");
+  EXPECT_TRUE(std::isfinite(x.value)) << x.sigma;
+  EXPECT_LT(x.sigma, 0.1);
+  EXPECT_TRUE(std::isnan(z.value)) << z.value << " +- " << z.sigma;
+  EXPECT_TRUE(std::isnan(z.sigma)) << z.sigma;
+  const reports::Identification report = ReportOf(*result);
+  const std::vector<reports::SessionFit>& written = report.fitted.sessions;
+  EXPECT_TRUE(std::isfinite(written[2].setup[setup.size() - 2].second.value));
+  EXPECT_TRUE(std::isnan(written[2].setup.back().second.value));
+  // Stated, it is known that well whatever the readings tell.
+  sessions[2].header.push_back({"datum_Z_sigma_um", "40"});
+  const auto stated = Identify(kMachine, sessions);
+  ASSERT_TRUE(stated.ok()) << stated.status();
+  EXPECT_NEAR(stated->sessions[2].setup.back().sigma, 0.040, 0.004);
 }
 
 // How far a work offset went that nobody stated says nothing of the fit: no misfit, no size beyond a machine's, and

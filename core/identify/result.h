@@ -36,7 +36,7 @@ struct Combination {
 
 struct SetupOffset {
   std::string name;                 // ball_x ...
-  double value = 0.0, sigma = 0.0;  // mm or rad
+  double value = 0.0, sigma = 0.0;  // mm or rad; NaN of one that nobody placed (a free datum) and no reading tells
   bool is_angle = false;
 };
 

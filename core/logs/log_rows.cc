@@ -193,6 +193,31 @@ double LogRows::AtTurnOf(double place, const std::string& column, double number)
   return number - kTurnDeg * std::round((number - place) / kTurnDeg);
 }
 
+void LogRows::CountOn(const std::string& column, std::vector<double>* positions_deg,
+                      std::vector<std::string>* notes) const {
+  if (options_.plan != nullptr || column.ends_with("_mm") || positions_deg->empty()) return;
+  constexpr double kTurnDeg = 360.0, kHalfTurnDeg = 180.0;
+  const bool is_never_across_zero = RollOverOf(column) == machine::RollOver::kByDifference;
+  double before = positions_deg->front(), turns_deg = 0.0;
+  size_t others = 0, first = 0;
+  for (size_t k = 0; k < positions_deg->size(); ++k) {
+    double& position = (*positions_deg)[k];
+    const double logged = position, here = logged + turns_deg, step = std::abs(here - before);
+    position = here;
+    // Half a turn has no nearer way: the numbers say which.
+    if (is_never_across_zero ? std::abs(step - kTurnDeg) <= kMaxOffPlanDeg : step > kHalfTurnDeg + kMaxOffPlanDeg)
+      position = AtTurnOf(before, column, here);
+    // One that never crosses 0 stays on its turn: what is a turn off is the display at 0.
+    if (!is_never_across_zero) turns_deg = position - logged;
+    before = position;
+    if (position != logged && others++ == 0) first = k;
+  }
+  if (others == 0) return;
+  notes->push_back(absl::StrCat(column, ": the axis rolls over, and ", others,
+                                " of its positions are given on the turn nearest to the one before, from ",
+                                LineOf(first), " on"));
+}
+
 absl::Status LogRows::OffPlan(const std::string& line, const std::string& column, double number, size_t plan_line,
                               double planned) const {
   const bool is_linear = column.ends_with("_mm");

@@ -60,6 +60,11 @@ class LogRows {
   absl::Status CheckPlan(const std::vector<std::string>& from_plan, std::vector<session::Column>* axes,
                          std::vector<std::string>* notes) const;
 
+  // Without a plan: each position of an axis that rolls over is taken on the turn that is nearest to the one before, so
+  // that sense and travel are those of the axis: behind 359 deg comes 361 and not 1. Of one that goes by the difference
+  // and never across 0 only a jump of a whole turn (within kMaxOffPlanDeg) is none. Notes where that was done.
+  void CountOn(const std::string& column, std::vector<double>* positions_deg, std::vector<std::string>* notes) const;
+
   // Touches in order, those at one rotary pose together; pose k is that of the plan's line k. `axes`: positions by the
   // machine's axes, mm and deg; those of axes that roll over get the turn of their pose.
   absl::StatusOr<std::vector<TouchedPose>> Poses(std::vector<std::vector<double>>* axes) const;

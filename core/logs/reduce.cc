@@ -109,6 +109,7 @@ class Reducer {
       const int field = rows_.FieldIndex(name);
       if (field >= 0) {
         axes_.push_back({name, rows_.NumbersOf(field), {}});
+        rows_.CountOn(name, &axes_.back().values, &out_.notes);
         continue;
       }
       // A touch is where the axes were latched; all else is measured at commanded positions, which the plan holds.
@@ -305,6 +306,7 @@ class Reducer {
                          "}, and none for centres: a touch is where all axes were latched"));
       }
       axes.push_back(rows_.NumbersOf(rows_.FieldIndex(name)));
+      rows_.CountOn(name, &axes.back(), &out_.notes);
       if (options_.plan != nullptr && name.ends_with("_deg") && rows_.Planned(name) == nullptr)
         return absl::InvalidArgumentError("the plan has no column " + name);
     }

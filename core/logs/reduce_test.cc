@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -231,6 +233,51 @@ TEST(Reduce, AnAxisThatRollsOverIsWhereThePlanIs) {
   EXPECT_THAT(
       Refusal(ReduceText(log, line, &unstated, &planned->session)),
       HasSubstr("whole turns apart; does the axis count from 0 to 360 deg? Then its roll_over in machine.json"));
+}
+
+// Without a plan nothing but the position before says the turn: behind 359 deg comes 361.
+TEST(Reduce, WithoutAPlanAnAxisThatRollsOverCountsOn) {
+  const std::string rules =
+      "# machine: mt\n# session: C\n# instrument: centres\n# sigma_um: 2\n# tool_tip_mm: 0 0 -382.95\n"
+      "# table_ball_mm: -390 0 -472\nline: {B_deg} {C_deg} {cx_mm} {cy_mm} {cz_mm}\n";
+  double travel_deg = 0.0;
+  const auto counted = [&](machine::RollOver roll_over, const std::vector<double>& logged) {
+    std::string log;
+    for (const double c : logged) {
+      const double angle = c * M_PI / 180.0;
+      absl::StrAppendFormat(&log, "0 %.4f %.4f %.4f -472\n", c, -390.0 * std::cos(angle), -390.0 * std::sin(angle));
+    }
+    const machine::Machine machine = Counting(roll_over);
+    const auto reduced = ReduceText(log, rules, &machine);
+    EXPECT_TRUE(reduced.ok()) << reduced.status();
+    if (!reduced.ok()) return std::vector<double>();
+    const auto is_told = [](const std::string& note) { return note.find("the axis rolls over") != note.npos; };
+    const bool is_noted = std::any_of(reduced->notes.begin(), reduced->notes.end(), is_told);
+    EXPECT_EQ(is_noted, session::FindColumn(reduced->session, "C_deg")->values != logged);
+    const auto run = instruments::BindSession(reduced->session, machine);
+    EXPECT_TRUE(run.ok()) << run.status();
+    if (run.ok()) {  // sense and travel behind the last reading
+      const shapes::AxisState& last = run->axis_states[run->axis_states.size() - static_cast<size_t>(run->axis_count) +
+                                                       static_cast<size_t>(machine::FindAxis(machine, "C"))];
+      travel_deg = last.sense * last.travel_since_reversal * 180.0 / M_PI;
+    }
+    return session::FindColumn(reduced->session, "C_deg")->values;
+  };
+  using machine::RollOver;
+  using ::testing::ElementsAre;
+  for (const RollOver way : {RollOver::kShortest, RollOver::kBySign}) {
+    EXPECT_THAT(counted(way, {0, 120, 240, 0, 120, 240, 0}), ElementsAre(0, 120, 240, 360, 480, 600, 720));
+    EXPECT_NEAR(travel_deg, 720.0, 1e-9);
+    EXPECT_THAT(counted(way, {0, 240, 120, 0, 350}), ElementsAre(0, -120, -240, -360, -370));
+    EXPECT_NEAR(travel_deg, -370.0, 1e-9);
+    EXPECT_THAT(counted(way, {0, 180, 0, 180}), ElementsAre(0, 180, 0, 180)) << "no way is the nearer";
+    EXPECT_THAT(counted(way, {270, 90, 270}), ElementsAre(270, 90, 270));
+  }
+  EXPECT_THAT(counted(RollOver::kByDifference, {0, 120, 240, 0}), ElementsAre(0, 120, 240, 0)) << "it went back";
+  EXPECT_THAT(counted(RollOver::kByDifference, {0, 359.9995, 90}),
+              ElementsAre(0, ::testing::DoubleNear(-0.0005, 1e-9), 90));
+  for (const RollOver way : {RollOver::kNone, RollOver::kUnstated})
+    EXPECT_THAT(counted(way, {0, 120, 240, 0}), ElementsAre(0, 120, 240, 0));
 }
 
 // Touches at one pose stay together across 0, and their mean is there.
