@@ -9,8 +9,6 @@
 #include "proto/convert/status.h"
 
 namespace axiscal::client {
-namespace {}  // namespace
-
 bool Backoff::Wait(base::SteadyTime deadline) {
   if (base::SystemClock().SteadyNow() + next_ >= deadline) return false;
   std::this_thread::sleep_for(next_);

@@ -18,9 +18,11 @@ using handlers::HeldKind;
 // has been sent between handler and PostSynchronousRequest().
 class Guard final : public grpc::Server::GlobalCallbacks {
  public:
-  void SetSilence(std::chrono::milliseconds silence) {
+  void SetLimits(const handlers::HeldLimits& held) {
     const base::MutexLock lock(mutex_);
-    limits_.silence = silence;
+    limits_ = held;
+    // Calls that are in a handler count here too.
+    limits_.max_replies += held.max_uploads + held.max_downloads + held.max_watches;
   }
   void PreSynchronousRequest(grpc::ServerContext* context) override {
     const base::MutexLock lock(mutex_);
@@ -58,7 +60,7 @@ Guard& TheGuard() {
 
 }  // namespace
 
-void GuardCalls(std::chrono::milliseconds silence) { TheGuard().SetSilence(silence); }
+void GuardCalls(const handlers::HeldLimits& held) { TheGuard().SetLimits(held); }
 
 InHandler::InHandler(grpc::ServerContext* context) : context_(context) {
   if (HeldCall* const call = TheGuard().Find(context)) call->EndSilence();

@@ -5,13 +5,14 @@
 
 #include <grpcpp/server_context.h>
 
-#include <chrono>
+#include "server/handlers/held_calls.h"
 
 namespace axiscal::server {
 
-// Before the first server of the process is built. Every call of every server is cut off from then on whose caller is
-// silent for as long, from the last server's start.
-void GuardCalls(std::chrono::milliseconds silence);
+// Before a server is built. Every call of every server of the process is cut off from then on whose caller is silent
+// for as long as the last server's start says. Beyond so many calls at a time as `held` allows of each kind, and
+// HeldLimits::max_replies of others, the one that is silent longest gives way.
+void GuardCalls(const handlers::HeldLimits& held);
 
 // While it lives, the call is in a handler of ours, which counts the silence of its caller itself (HeldCall).
 class InHandler {

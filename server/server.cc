@@ -133,7 +133,7 @@ class Server::Impl {
 
   absl::Status Start() {
     ChoosePlugins();
-    GuardCalls(options_.silence);
+    GuardCalls(core_.limits.held);
     grpc::ServerBuilder builder;
     SetChannelArguments(options_, builder);
     if (!options_.listen_address.empty()) {

@@ -29,8 +29,7 @@ bool HasManyReadings(const Fit& fit) {
 
 // Sets the problem's noise to what the residuals show, where that changes the uncertainties:
 // - of a run whose residuals are correlated, to that correlation, and to the scatter that goes with it where it is
-// above
-//   the stated one (correlated readings scatter less about a fit than about the truth);
+//   above the stated one (correlated readings scatter less about a fit than about the truth);
 // - of any other run that clearly scatters by less than stated, to that scatter: its intervals would be too wide.
 // Returns whether the noise of any run changed. Lack of fit: where chi-square with the new noise is still more than
 // kLackOfFit per reading, the residuals show an effect that the model lacks and no servo ripple; the noise then stays

@@ -217,6 +217,7 @@ TEST(NominalFaults, ChangeFilesAndDescription) {
                                            {Swing("T", "tracker", 100, 2000.0)}},
                                           Form::kOwn, 5)
                                   .value();
+  EXPECT_FALSE(wrong.truth.is_all_in_errors());
   EXPECT_EQ(wrong.described.axes[4].direction, Eigen::Vector3d(0, 0, -1));
   EXPECT_EQ(wrong.described.axes[3].point_mm, Eigen::Vector3d(0, 0, 0.4));
   EXPECT_EQ(wrong.truth.machine.axes[4].direction, Eigen::Vector3d(0, 0, 1));

@@ -63,7 +63,10 @@ struct Truth {
   std::vector<BadReading> bad;
   Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();  // of the first session
 
-  bool is_all_in_errors() const { return effects.empty(); }
+  bool is_as_described = true;                       // machine.json is the true machine's
+
+  // errors.json and the machine.json that goes with it hold all that is wrong.
+  bool is_all_in_errors() const { return effects.empty() && is_as_described; }
 };
 
 struct SimulatedCase {

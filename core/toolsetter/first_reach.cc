@@ -6,8 +6,6 @@
 #include "core/toolsetter/insert_heights.h"
 
 namespace axiscal::toolsetter {
-namespace {}  // namespace
-
 double InsertHeights::Rise(double chi_rad, double* slope) const {
   const double height_mm = At(chi_rad, slope);
   if (slope != nullptr) *slope += per_rad_mm_;

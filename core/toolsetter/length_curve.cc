@@ -9,8 +9,6 @@
 #include "core/toolsetter/insert_edge.h"
 
 namespace axiscal::toolsetter {
-namespace {}  // namespace
-
 double LengthCurve::DepthMm(const CutterRun& run) {
   // However little a tool sinks in a turn, a range is wide enough to be seen from one angle of the table to the next.
   constexpr double kBeyondMm = 0.02;

@@ -85,7 +85,8 @@ class JobRunner::Impl {
   std::map<std::string, JobKind> kinds_;  // not changed after Start()
   JobBoard board_;
   // Held from storing the end of an attempt until it is told and has left running_, and while a job is claimed and its
-  // start told: an attempt begins after the end of the one before it. Never locked with mutex_ held.
+  // start told: an attempt begins after the end of the one before it, unless that one lost its lease. Never locked with
+  // mutex_ held.
   base::Mutex turn_mutex_;
   base::Mutex mutex_;
   base::CondVar changed_;

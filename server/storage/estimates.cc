@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "absl/strings/substitute.h"
 #include "server/storage/refusal.h"
 
 namespace axiscal::storage {
@@ -25,26 +26,29 @@ constexpr char kAddUnknownToWeek[] =
     "?2, ?3, ?4, 0, 1) "
     "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET not_identifiable_count = not_identifiable_count + 1";
 
-// The sums of a machine's week ?2 over all that counts now: not what was rejected (a candidate that was retired without
-// ever having been approved). Rows stay where nothing is left: they say which symbols the machine has.
-constexpr char kSumWeekAgain[] = R"(UPDATE estimate_week AS w SET
+// The sums of a machine's week ?2 (of ?3 us) over all that counts now. Rows stay where nothing is left: they say which
+// symbols the machine has.
+const std::string& SumWeekAgainSql() {
+  static const std::string& sql = *new std::string(absl::Substitute(R"(UPDATE estimate_week AS w SET
   (estimate_count, not_identifiable_count, min_um_urad, max_um_urad, sum_um_urad, first_at_utc_us, last_at_utc_us) =
     (SELECT count(e.estimated_um_urad), count(*) - count(e.estimated_um_urad), min(e.estimated_um_urad),
        max(e.estimated_um_urad), sum(e.estimated_um_urad),
        min(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us)),
        max(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us))
      FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
-     WHERE e.machine_id = w.machine_id AND e.symbol = w.symbol
-       AND e.measured_at_utc_us >= w.week * 604800000000 AND e.measured_at_utc_us < (w.week + 1) * 604800000000
-       AND NOT (c.state = 3 AND c.approved_at_utc_us IS NULL)),
+     WHERE $0 AND $1),
   (last_sigma_um_urad, last_calibration_id) =
     (SELECT e.sigma_um_urad, e.calibration_id
      FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
-     WHERE e.machine_id = w.machine_id AND e.symbol = w.symbol AND e.estimated_um_urad IS NOT NULL
-       AND e.measured_at_utc_us >= w.week * 604800000000 AND e.measured_at_utc_us < (w.week + 1) * 604800000000
-       AND NOT (c.state = 3 AND c.approved_at_utc_us IS NULL)
+     WHERE $0 AND e.estimated_um_urad IS NOT NULL AND $1
      ORDER BY e.measured_at_utc_us DESC, e.calibration_id DESC LIMIT 1)
-WHERE w.machine_id = ?1 AND w.week = ?2)";
+WHERE w.machine_id = ?1 AND w.week = ?2)",
+                                                                    "e.machine_id = w.machine_id AND e.symbol = "
+                                                                    "w.symbol AND e.measured_at_utc_us >= w.week * ?3 "
+                                                                    "AND e.measured_at_utc_us < (w.week + 1) * ?3",
+                                                                    kIsPoint));
+  return sql;
+}
 
 absl::Status Invalid(const std::string& symbol, const std::string& rule) {
   return InvalidArgument("estimate " + symbol + ": " + rule, "CALIBRATION_INVALID");
@@ -94,7 +98,7 @@ absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTim
 }
 
 absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, UtcTime measured_at) {
-  return connection.Run(kSumWeekAgain, machine_key, base::ToUtcUs(measured_at) / kWeekUs);
+  return connection.Run(SumWeekAgainSql(), machine_key, base::ToUtcUs(measured_at) / kWeekUs, kWeekUs);
 }
 
 absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,

@@ -11,6 +11,9 @@
 namespace axiscal::storage {
 
 inline constexpr int64_t kWeekUs = 7LL * 24 * 3600 * 1'000'000;
+// SQL of an estimate whose calibration is c: it was not rejected (a candidate that was retired without ever having been
+// approved).
+inline constexpr char kIsPoint[] = "NOT (c.state = 3 AND c.approved_at_utc_us IS NULL)";
 
 // INVALID_ARGUMENT CALIBRATION_INVALID: a symbol twice or empty, a value that is not finite or belongs to an error that
 // was not identifiable.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "server/storage/estimates.h"
 #include "server/storage/machines.h"
@@ -64,11 +65,12 @@ absl::Status SeriesBuilder::AddEstimates(const Span& span, int64_t origin_us, in
   if (span.from >= span.to) return absl::OkStatus();
   ASSIGN_OR_RETURN(
       Statement row,
-      connection_.Ask("SELECT e.measured_at_utc_us, e.unit, e.estimated_um_urad, e.sigma_um_urad, e.calibration_id "
-                      "FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id "
-                      "WHERE e.machine_id = ?1 AND e.symbol = ?2 AND e.measured_at_utc_us >= ?3 AND "
-                      "e.measured_at_utc_us < ?4 AND NOT (c.state = 3 AND c.approved_at_utc_us IS NULL) "
-                      "ORDER BY e.measured_at_utc_us, e.calibration_id",
+      connection_.Ask(absl::StrCat("SELECT e.measured_at_utc_us, e.unit, e.estimated_um_urad, e.sigma_um_urad, "
+                                   "e.calibration_id "
+                                   "FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id "
+                                   "WHERE e.machine_id = ?1 AND e.symbol = ?2 AND e.measured_at_utc_us >= ?3 AND "
+                                   "e.measured_at_utc_us < ?4 AND ",
+                                   kIsPoint, " ORDER BY e.measured_at_utc_us, e.calibration_id"),
                       machine_key_, series_.symbol, span.from, span.to));
   for (int64_t n = 0;; ++n) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -109,10 +111,11 @@ absl::Status SeriesBuilder::AddWeeks(int64_t first, int64_t end, int64_t origin_
 
 absl::StatusOr<bool> SeriesBuilder::HasMoreThan(const Span& span, int limit) {
   ASSIGN_OR_RETURN(Statement row,
-                   connection_.Ask("SELECT count(*) FROM (SELECT 1 FROM estimate AS e CROSS JOIN calibration AS c "
-                                   "ON c.id = e.calibration_id WHERE e.machine_id = ?1 AND e.symbol = ?2 AND "
-                                   "e.measured_at_utc_us >= ?3 AND e.measured_at_utc_us < ?4 AND "
-                                   "NOT (c.state = 3 AND c.approved_at_utc_us IS NULL) LIMIT ?5)",
+                   connection_.Ask(absl::StrCat("SELECT count(*) FROM (SELECT 1 FROM estimate AS e CROSS JOIN "
+                                                "calibration AS c ON c.id = e.calibration_id "
+                                                "WHERE e.machine_id = ?1 AND e.symbol = ?2 AND "
+                                                "e.measured_at_utc_us >= ?3 AND e.measured_at_utc_us < ?4 AND ",
+                                                kIsPoint, " LIMIT ?5)"),
                                    machine_key_, series_.symbol, span.from, span.to, limit + 1));
   RETURN_IF_ERROR(row.Step().status());
   return row.Int(0) > limit;

@@ -46,6 +46,9 @@ absl::StatusOr<SessionRecord> SqliteStore::CreateSession(const NewSession& sessi
     const absl::Status whole = CheckWhole(record);
     if (whole.ok()) return record;
     if (!absl::IsDataLoss(whole)) return whole;
+    // Given up between the two, it has no content any more: that is no damage.
+    ASSIGN_OR_RETURN(const auto present, GetSession(record.id));
+    if (present.state != record.state) continue;
     TellDamage(whole);
     damaged.push_back(record.id);
   }
@@ -184,6 +187,9 @@ absl::StatusOr<ProgramRecord> SqliteStore::BeginProgram(const NewProgram& progra
     const absl::Status whole = CheckWhole(record);
     if (whole.ok()) return record;
     if (!absl::IsDataLoss(whole)) return whole;
+    // Given up between the two, it has no content any more: that is no damage.
+    ASSIGN_OR_RETURN(const auto present, GetProgram(record.id));
+    if (present.state != record.state) continue;
     TellDamage(whole);
     damaged.push_back(record.id);
   }

@@ -87,6 +87,7 @@ TEST_F(Simulate, WrongNominalDataAreWrittenNotTrue) {
   EXPECT_EQ(nlohmann::json::parse(Read("made/machine.json"))["axes"]["B"]["point_mm"][2], 0.5);
   const auto truth = nlohmann::json::parse(Read("made/truth.json"));
   EXPECT_EQ(truth["errors"]["EX0C"], 25.0);
+  EXPECT_FALSE(truth["is_all_in_errors"]);
   EXPECT_EQ(truth["scenario"]["nominal"][0]["kind"], "pivot");
 }
 
