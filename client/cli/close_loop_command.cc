@@ -18,6 +18,7 @@
 #include "core/base/files.h"
 #include "core/base/json_limits.h"
 #include "core/base/mutex.h"
+#include "core/identify/residuals_csv.h"
 #include "core/instruments/plausible.h"
 #include "core/loop/close_loop.h"
 #include "core/loop/pictures.h"
@@ -28,7 +29,7 @@ namespace axiscal::cli {
 namespace {
 
 struct CloseLoopArguments {
-  std::string folder, machine, report, errors, plot, request_id;
+  std::string folder, machine, report, errors, residuals, plot, request_id;
   std::vector<std::string> fit, check;
   int max_effects = loop::Options().max_effects;
   std::string budget;
@@ -59,7 +60,8 @@ absl::Status MakeFolder(const std::string& folder) {
 }
 
 absl::Status CheckPaths(const CloseLoopArguments& arguments, const std::vector<NamedPath>& inputs) {
-  return CheckOutputs(inputs, {{"--report", arguments.report}, {"--errors", arguments.errors}});
+  return CheckOutputs(
+      inputs, {{"--report", arguments.report}, {"--errors", arguments.errors}, {"--residuals", arguments.residuals}});
 }
 
 // The simulation that was asked for, and the text of its budget; both ways take the same.
@@ -111,6 +113,20 @@ absl::Status CheckPlausible(const std::vector<std::string>& files, const std::ve
   return absl::OkStatus();
 }
 
+// The readings of the last fit, and those of the check sessions under it.
+absl::Status WriteResiduals(const std::string& path, const machine::Machine& machine,
+                            const std::vector<instruments::MeasuringRun>& check, const loop::Report& report) {
+  if (path.empty()) return absl::OkStatus();
+  std::string text = identify::ResidualsCsvHeader() + identify::ResidualsCsv("fit", *report.last_fit);
+  if (!check.empty() && !report.is_check_fitted) {
+    identify::Options options;
+    options.profile_intervals = false;
+    ASSIGN_OR_RETURN(const identify::Fit checked, identify::CheckRuns(machine, check, *report.last_fit, options));
+    text += identify::ResidualsCsv("check", checked);
+  }
+  return base::WriteFileAtomically(path, text);
+}
+
 absl::Status CloseLoopOfFiles(Context& context, const CloseLoopArguments& arguments) {
   ASSIGN_OR_RETURN(const session::Case measured, session::ReadCase(arguments.folder));
   std::vector<NamedPath> inputs = {{"machine.json", arguments.folder + "/machine.json"}};
@@ -135,7 +151,9 @@ absl::Status CloseLoopOfFiles(Context& context, const CloseLoopArguments& argume
   ASSIGN_OR_RETURN(const loop::Report report, loop::CloseLoop(measured.machine, fit, check, options));
   const reports::Loop said = loop::ReportOf(measured.machine, report);
   const std::string json = reports::ToJson(said);
-  RETURN_IF_ERROR(WriteOutputs(arguments, json, machine::WriteErrors(report.fitted.model, measured.machine)));
+  RETURN_IF_ERROR(WriteOutputs(arguments, json,
+                               machine::WriteErrors(report.fitted.model, measured.machine, report.fitted.covariance)));
+  RETURN_IF_ERROR(WriteResiduals(arguments.residuals, measured.machine, check, report));
   if (!arguments.plot.empty())
     RETURN_IF_ERROR(WritePictures(arguments.plot, loop::Pictures(measured.machine, fit, check, report)));
   context.Print(Json::Document(json), LoopText(said) + MonteCarloText(said.fitted, false));
@@ -189,6 +207,10 @@ absl::Status CloseLoop(Context& context, const CloseLoopArguments& arguments) {
   if (is_job && !arguments.plot.empty()) {
     return absl::InvalidArgumentError("close-loop: --plot needs a case folder: pictures are drawn from its readings");
   }
+  if (is_job && !arguments.residuals.empty()) {
+    return absl::InvalidArgumentError(
+        "close-loop: --residuals needs a case folder: the sessions of the store are written to files by session get");
+  }
   if (arguments.no_wait && !(arguments.report.empty() && arguments.errors.empty())) {
     return absl::InvalidArgumentError("close-loop: with --no-wait there is nothing yet for --report and --errors");
   }
@@ -208,6 +230,9 @@ void AddCloseLoopCommand(CLI::App& app, Context& context) {
   command->add_option("--report", arguments->report, "write the full report (JSON) to this file");
   command->add_option("--errors", arguments->errors,
                       "write the extended model's errors (errors.json) to this file, for compensate");
+  command->add_option("--residuals", arguments->residuals,
+                      "write every reading with prediction, residual, weight and why it was set aside (CSV); of a case "
+                      "folder only");
   command->add_option(
       "--plot", arguments->plot,
       "write pictures (SVG) into this folder: residuals against each variable and ball-bar traces, before "

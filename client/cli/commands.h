@@ -20,6 +20,7 @@ void AddCalibrationCommand(CLI::App& app, Context& context);
 void AddCloseLoopCommand(CLI::App& app, Context& context);
 void AddCompensateCommand(CLI::App& app, Context& context);
 void AddVerifyCommand(CLI::App& app, Context& context);
+void AddPredictCommand(CLI::App& app, Context& context);
 void AddTableCommand(CLI::App& app, Context& context);
 void AddProgramCommand(CLI::App& app, Context& context);
 void AddPlanCommand(CLI::App& app, Context& context);

@@ -10,16 +10,21 @@
 namespace axiscal::cli {
 
 absl::StatusOr<MachineWithErrors> ReadModelFiles(const std::string& machine_path, const std::string& errors_path) {
+  ASSIGN_OR_RETURN(MachineWithKnownErrors known, ReadKnownFiles(machine_path, errors_path));
+  return MachineWithErrors{std::move(known.machine), std::move(known.errors.model)};
+}
+
+absl::StatusOr<MachineWithKnownErrors> ReadKnownFiles(const std::string& machine_path, const std::string& errors_path) {
   if (!std::filesystem::exists(machine_path)) {
     return absl::NotFoundError(machine_path + ": no such file; with --errors, --machine is a machine.json");
   }
-  MachineWithErrors model;
-  ASSIGN_OR_RETURN(model.machine, machine::ReadMachineFile(machine_path));
+  MachineWithKnownErrors known;
+  ASSIGN_OR_RETURN(known.machine, machine::ReadMachineFile(machine_path));
   ASSIGN_OR_RETURN(const std::string text, base::ReadFile(errors_path, base::kMaxJsonBytes));
-  auto errors = machine::ReadErrors(text, model.machine);
+  auto errors = machine::ReadKnownErrors(text, known.machine);
   if (!errors.ok()) return base::Within(errors_path, errors.status());
-  model.errors = *std::move(errors);
-  return model;
+  known.errors = *std::move(errors);
+  return known;
 }
 
 absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const std::string& machine,
@@ -45,11 +50,16 @@ absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const 
 }
 
 absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration) {
+  ASSIGN_OR_RETURN(MachineWithKnownErrors known, FetchKnown(context, machine, calibration));
+  return MachineWithErrors{std::move(known.machine), std::move(known.errors.model)};
+}
+
+absl::StatusOr<MachineWithKnownErrors> FetchKnown(Context& context, const std::string& machine, int64_t calibration) {
   ASSIGN_OR_RETURN(const MachineWithCalibration from, FetchCalibration(context, machine, calibration));
-  MachineWithErrors model;
-  model.machine = from.machine;
-  ASSIGN_OR_RETURN(model.errors, machine::ReadErrors(from.calibration.content.model_json, model.machine));
-  return model;
+  MachineWithKnownErrors known;
+  known.machine = from.machine;
+  ASSIGN_OR_RETURN(known.errors, machine::ReadKnownErrors(from.calibration.content.model_json, known.machine));
+  return known;
 }
 
 }  // namespace axiscal::cli

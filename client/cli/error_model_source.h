@@ -5,7 +5,7 @@
 #include <string>
 
 #include "client/cli/context.h"
-#include "core/machine/error_model.h"
+#include "core/machine/error_covariance.h"
 
 namespace axiscal::cli {
 
@@ -13,9 +13,15 @@ struct MachineWithErrors {
   machine::Machine machine;
   machine::ErrorModel errors;
 };
+// The same with how well the errors are known.
+struct MachineWithKnownErrors {
+  machine::Machine machine;
+  machine::KnownErrors errors;
+};
 
 // machine.json and errors.json. NOT_FOUND, or INVALID_ARGUMENT with the file in front.
 absl::StatusOr<MachineWithErrors> ReadModelFiles(const std::string& machine_path, const std::string& errors_path);
+absl::StatusOr<MachineWithKnownErrors> ReadKnownFiles(const std::string& machine_path, const std::string& errors_path);
 
 // A stored machine as it was described when one of its calibrations, the approved one for 0, was identified.
 struct MachineWithCalibration {
@@ -27,6 +33,7 @@ absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const 
 
 // A stored machine under one of its calibrations, the approved one for 0.
 absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration);
+absl::StatusOr<MachineWithKnownErrors> FetchKnown(Context& context, const std::string& machine, int64_t calibration);
 
 }  // namespace axiscal::cli
 

@@ -41,6 +41,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddCloseLoopCommand(app, context);
   AddCompensateCommand(app, context);
   AddVerifyCommand(app, context);
+  AddPredictCommand(app, context);
   AddTableCommand(app, context);
   AddProgramCommand(app, context);
   AddPlanCommand(app, context);

@@ -148,6 +148,27 @@ void DescribeHeldErrors(const HeldErrors& held, const Covariance& covariance, Re
   }
 }
 
+// `errors`: the covariance of the fitted errors and of those held, as `result` lists them.
+machine::WrittenCovariance WrittenCovarianceOf(const Eigen::MatrixXd& errors, const Result& result) {
+  std::vector<const Estimate*> numbers;
+  for (const Estimate& estimate : result.estimates) numbers.push_back(&estimate);
+  for (const Estimate& held : result.held_errors) numbers.push_back(&held);
+  std::vector<Eigen::Index> known;
+  for (Eigen::Index i = 0; i < errors.rows() && i < static_cast<Eigen::Index>(numbers.size()); ++i) {
+    if (std::isfinite(errors(i, i)) && errors(i, i) > 0.0) known.push_back(i);
+  }
+  machine::WrittenCovariance written;
+  for (const Eigen::Index i : known) {
+    const Estimate& number = *numbers[static_cast<size_t>(i)];
+    written.of.push_back(number.name);
+    written.sigma.push_back(std::sqrt(errors(i, i)) / number.factor);
+  }
+  const Eigen::MatrixXd covariance = errors(known, known);
+  const Eigen::VectorXd per_sigma = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  written.correlation = per_sigma.asDiagonal() * covariance * per_sigma.asDiagonal();
+  return written;
+}
+
 std::vector<reports::WarningFacts> ListWarnings(const SolvedProblem& solved, const Judgement& judgement,
                                                 const Result& result) {
   std::vector<reports::WarningFacts> warnings = FindBeyondSize(solved.problem, result);
@@ -182,6 +203,7 @@ Fit Describe(SolvedProblem solved, const Judgement& judgement, const Options& op
   result.model = solution.point.model;
   DescribeErrors(solved, judgement, &result);
   if (options.held_errors) DescribeHeldErrors(*options.held_errors, judgement.covariance, &result);
+  result.covariance = WrittenCovarianceOf(judgement.covariance.errors, result);
   result.fit = judgement.statistics;
   result.coverage_factor = judgement.coverage_factor;
   result.sessions = ListSessions(solved.problem, solution.point, judgement, solution.residuals_mm);

@@ -139,7 +139,9 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<Measuri
   if (runs.empty()) return absl::InvalidArgumentError("no sessions to identify from");
   ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
   const machine::ErrorModel model = options.model ? *options.model : machine::DeclaredModel(machine);
+  RETURN_IF_ERROR(CheckClock(machine, problem.runs, model));
   if (options.held_errors) {
+    RETURN_IF_ERROR(CheckClock(machine, problem.runs, options.held_errors->model));
     problem.fixed_model = options.held_errors->model;
     problem.fixed_covariance = options.held_errors->covariance;
   }
@@ -160,8 +162,31 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
   RETURN_IF_ERROR(Validate(options));
   if (runs.empty()) return absl::InvalidArgumentError("no sessions to check with");
   ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
+  RETURN_IF_ERROR(CheckClock(machine, problem.runs, model));
   problem.fixed_model = model;
   return FitProblem(std::move(problem), {}, options);
+}
+
+std::optional<size_t> SharedSetup(const MeasuringRun& run, const Problem& fit) {
+  if (!run.is_setup_stated) return std::nullopt;
+  for (size_t g = 0; g < fit.groups.size(); ++g) {
+    if (fit.groups[g].name == run.setup_name && fit.runs[fit.groups[g].runs[0]].slips.empty()) return g;
+  }
+  return std::nullopt;
+}
+
+absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<MeasuringRun> runs, const Fit& fitted,
+                              const Options& options) {
+  for (MeasuringRun& run : runs) {
+    const std::optional<size_t> group = SharedSetup(run, fitted.problem);
+    if (!group) continue;
+    const MeasuringRun& first = fitted.problem.runs[fitted.problem.groups[*group].runs[0]];
+    RETURN_IF_ERROR(CheckSameSetup(first, run));
+    run.tracker_from_machine = first.tracker_from_machine;
+    for (size_t k = 0; k < run.setup.size(); ++k)
+      run.setup[k].held = fitted.point.setup[*group][static_cast<Eigen::Index>(k)];
+  }
+  return CheckRuns(machine, std::move(runs), fitted.result.model, options);
 }
 
 absl::StatusOr<Fit> FitMeasured(const machine::Machine& machine, std::vector<MeasuringRun> runs,

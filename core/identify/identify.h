@@ -101,9 +101,15 @@ absl::StatusOr<instruments::MeasuringRun> BindMeasured(const session::Session& s
 absl::StatusOr<std::vector<instruments::MeasuringRun>> BindSessions(const machine::Machine& machine,
                                                                     const std::vector<session::Session>& sessions);
 
-// Other sessions under a fitted model: only their own setup offsets are refitted.
+// Other sessions under a fitted model: only their setup offsets are refitted.
 absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
                               const machine::ErrorModel& model, const Options& options);
+// The same under the errors of a fit: a session that states a set-up (`# setup: NAME`) which the fit has keeps the
+// fit's offsets, none of which are refitted. INVALID_ARGUMENT where their headers contradict each other.
+absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
+                              const Fit& fitted, const Options& options);
+// The group of `fit` whose set-up a session states, if any; one that slipped is nobody else's.
+std::optional<size_t> SharedSetup(const instruments::MeasuringRun& run, const Problem& fit);
 
 // Statistics of residuals and of the priors that judge (SetupParameter::is_placed). `parameters` counts the fitted
 // errors and OffsetsFromReadings (reduction.h); a setup offset with a judging prior adds as many readings as unknowns.

@@ -2,40 +2,18 @@
 
 #include <cmath>
 
-#include "core/base/units.h"
-#include "core/machine/error_json.h"
+#include "core/machine/error_covariance.h"
 
 namespace axiscal::identify {
-namespace {
-
-void NameNonlinear(const machine::Machine& machine, const machine::ErrorTerm& term, Estimate* estimate) {
-  const std::optional<int> axis = shapes::VariableAxis(term.shape);
-  const bool is_rotary = axis && machine.axes[*axis].kind == machine::AxisKind::kRotary;
-  if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
-    estimate->name += ".frequency";
-    estimate->unit = is_rotary ? "1/turn" : "rad/mm";
-    return;
-  }
-  const bool is_length = std::holds_alternative<shapes::Reversal>(term.shape);
-  estimate->name += is_length ? ".length" : ".tau";
-  estimate->unit = !is_length ? "s" : is_rotary ? "deg" : "mm";
-  estimate->factor = is_length && is_rotary ? base::kRadPerDeg : 1.0;
-}
-
-}  // namespace
 
 Estimate NamedEstimate(const machine::Machine& machine, const machine::ErrorModel& model, const Parameter& parameter) {
   const machine::ErrorTerm& term = model.terms[parameter.term];
+  const machine::NamedNumber number = machine::NameNumber(machine, term, parameter.basis, parameter.is_nonlinear);
   Estimate estimate;
-  estimate.name = machine::NameOf(machine, term);
+  estimate.name = number.name;
   estimate.symbol = machine::SymbolOf(machine, term);
-  if (parameter.is_nonlinear) {
-    NameNonlinear(machine, term, &estimate);
-    return estimate;
-  }
-  if (shapes::BasisCount(term.shape) == 2) estimate.name += parameter.basis == 0 ? ".cos" : ".sin";
-  estimate.unit = machine::AmplitudeUnit(term, machine);
-  estimate.factor = machine::AmplitudeFactor(term);
+  estimate.unit = number.unit;
+  estimate.factor = number.factor;
   return estimate;
 }
 

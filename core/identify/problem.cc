@@ -1,12 +1,15 @@
 #include "core/identify/problem.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
 #include "core/base/demand.h"
+#include "core/base/units.h"
 #include "core/identify/rows.h"
 #include "core/identify/whitening.h"
 #include "core/instruments/resolution.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::identify {
 namespace {
@@ -72,7 +75,64 @@ void SetKnownAside(const MeasuringRun& run, std::vector<bool>* is_used) {
   for (const size_t row : run.bad_rows) (*is_used)[row] = false;
 }
 
+absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other) {
+  const auto refuse = [&](const std::string& what) {
+    return absl::InvalidArgumentError(absl::StrCat("sessions '", first.session, "' and '", other.session,
+                                                   "' share the setup '", other.setup_name, "' but not ", what));
+  };
+  if (first.kind != other.kind) return refuse("the instrument");
+  if (first.free_datum != other.free_datum) return refuse("the datum, expected the same '# datum: free ...' in both");
+  const auto differs = [&](const std::string& key, const std::string& a, const std::string& b) {
+    return refuse(absl::StrCat(key, ": ", a, " and ", b, ", expected the same in both"));
+  };
+  const auto text = [](const Eigen::Vector3d& point) {
+    return absl::StrFormat("%.10g %.10g %.10g", point.x(), point.y(), point.z());
+  };
+  if (first.ball_mm != other.ball_mm) return differs("table_ball_mm", text(first.ball_mm), text(other.ball_mm));
+  if (first.bar_length_mm != other.bar_length_mm)
+    return differs("bar_length_mm", absl::StrCat(first.bar_length_mm), absl::StrCat(other.bar_length_mm));
+  // Offsets of what the spindle carries belong to one tool.
+  const bool has_tool_offset = std::any_of(first.setup.begin(), first.setup.end(), [](const auto& parameter) {
+    return parameter.name.starts_with("run_out") || parameter.name.starts_with("target");
+  });
+  if (has_tool_offset && first.tip_mm != other.tip_mm)
+    return differs("tool_tip_mm", text(first.tip_mm), text(other.tip_mm));
+  for (size_t k = 0; k < first.setup.size() && k < other.setup.size(); ++k) {
+    const instruments::SetupParameter &a = first.setup[k], &b = other.setup[k];
+    if (a.prior_sigma == b.prior_sigma && a.is_weak == b.is_weak) continue;
+    const double unit = a.is_angle ? base::kUradPerRad : base::kUmPerMm;
+    return differs(absl::StrCat(a.name, a.is_angle ? "_sigma_urad" : "_sigma_um"), absl::StrCat(a.prior_sigma * unit),
+                   absl::StrCat(b.prior_sigma * unit));
+  }
+  if (first.touches.centre_mm != other.touches.centre_mm ||
+      first.touches.stylus_radius_mm != other.touches.stylus_radius_mm)
+    return refuse("features and stylus, expected the same '# sphere', '# plane' and stylus_radius_mm in both");
+  return absl::OkStatus();
+}
+
+absl::Status CheckClock(const machine::Machine& machine, const std::vector<MeasuringRun>& runs,
+                        const machine::ErrorModel& model) {
+  const MeasuringRun* with = nullptr;
+  const MeasuringRun* without = nullptr;
+  for (const MeasuringRun& run : runs) {
+    if (run.path_readings != nullptr) continue;  // no moment belongs to a reading of a whole path
+    (run.has_time ? with : without) = &run;
+  }
+  if (without == nullptr) return absl::OkStatus();
+  if (with != nullptr)
+    return absl::InvalidArgumentError(absl::StrCat("session '", without->session, "' has no column t_s and session '",
+                                                   with->session, "' has one: expected it in all of them, or in none"));
+  for (const machine::ErrorTerm& term : model.terms) {
+    if (shapes::DependsOnTime(term.shape))
+      return absl::InvalidArgumentError(absl::StrCat("session '", without->session,
+                                                     "' has no column t_s, and the error ",
+                                                     machine::NameOf(machine, term), " depends on the time"));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<MeasuringRun> runs) {
+  RETURN_IF_ERROR(CheckClock(machine, runs));
   Problem problem;
   problem.machine = &machine;
   std::map<std::string, int> group_of_name;
@@ -86,16 +146,9 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
     if (run.slips.empty()) at = group_of_name.emplace(run.setup_name, at).first->second;  // a slip is of one alone
     if (at == static_cast<int>(problem.groups.size())) problem.groups.push_back({run.setup_name, run.setup, {}});
     SetupGroup& group = problem.groups[at];
-    if (!group.runs.empty() && runs[group.runs[0]].kind != run.kind) {
-      return absl::InvalidArgumentError(absl::StrCat("sessions '", runs[group.runs[0]].session, "' and '", run.session,
-                                                     "' share the setup '", run.setup_name,
-                                                     "' but not the instrument"));
-    }
-    if (!group.runs.empty() && runs[group.runs[0]].free_datum != run.free_datum) {
-      return absl::InvalidArgumentError(absl::StrCat("sessions '", runs[group.runs[0]].session, "' and '", run.session,
-                                                     "' share the setup '", run.setup_name,
-                                                     "' but not the datum, expected the same '# datum: free ...' in "
-                                                     "both"));
+    if (!group.runs.empty()) {
+      RETURN_IF_ERROR(CheckSameSetup(runs[group.runs[0]], run));
+      runs[i].tracker_from_machine = runs[group.runs[0]].tracker_from_machine;
     }
     group.runs.push_back(static_cast<int>(i));
     problem.group_of_run.push_back(at);
@@ -110,7 +163,11 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
 Point StartingPoint(const Problem& problem, const machine::ErrorModel& model) {
   Point point;
   point.model = model;
-  for (const SetupGroup& group : problem.groups) point.setup.push_back(Eigen::VectorXd::Zero(group.parameters.size()));
+  for (const SetupGroup& group : problem.groups) {
+    Eigen::VectorXd& setup = point.setup.emplace_back(Eigen::VectorXd::Zero(group.parameters.size()));
+    for (Eigen::Index k = 0; k < setup.size(); ++k)
+      setup[k] = group.parameters[static_cast<size_t>(k)].held.value_or(0.0);
+  }
   return point;
 }
 
@@ -171,8 +228,9 @@ std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& po
   return residuals_mm;
 }
 
-double WhitenedSquaresOf(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm) {
-  double squares = 0.0;
+// `visit(reading, row, whitened)` for every used row, series after series.
+template <typename Visit>
+static void VisitWhitened(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm, Visit visit) {
   const int rows = problem.runs[run].row_count;
   for (int r = 0; r < rows; ++r) {
     SeriesWhitener whitener(problem.noise[run], 1);
@@ -182,9 +240,20 @@ double WhitenedSquaresOf(const Problem& problem, size_t run, const Eigen::Matrix
       const RowWeight* const weight = problem.WeightOf(run, k);
       value[0] = weight != nullptr ? weight->row(r).dot(residuals_mm.col(k)) : residuals_mm(r, k);
       whitener.Apply(k, value);
-      squares += value[0] * value[0];
+      visit(k, r, value[0]);
     }
   }
+}
+
+Eigen::MatrixXd WhitenedOf(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm) {
+  Eigen::MatrixXd whitened = Eigen::MatrixXd::Zero(residuals_mm.rows(), residuals_mm.cols());
+  VisitWhitened(problem, run, residuals_mm, [&](int k, int r, double value) { whitened(r, k) = value; });
+  return whitened;
+}
+
+double WhitenedSquaresOf(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm) {
+  double squares = 0.0;
+  VisitWhitened(problem, run, residuals_mm, [&](int, int, double value) { squares += value * value; });
   return squares;
 }
 

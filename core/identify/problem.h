@@ -67,8 +67,18 @@ struct Point {
   std::vector<Eigen::VectorXd> setup;  // per group, mm and rad
 };
 
-// INVALID_ARGUMENT when sessions that share a setup differ in instrument or in the axes of their datum, or two sessions
-// have one name.
+// Sessions that share a setup are measured with one mounting. INVALID_ARGUMENT naming both, the key and its values when
+// they differ in instrument, datum, nominal ball, bar, features, stated sigmas or, where offsets are of the tool, its
+// tip.
+absl::Status CheckSameSetup(const instruments::MeasuringRun& first, const instruments::MeasuringRun& other);
+
+// One clock for all sessions of a fit, or none (no column t_s in any). INVALID_ARGUMENT naming two of which only one
+// has it, or an error of the model that depends on the time where none has it.
+absl::Status CheckClock(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
+                        const machine::ErrorModel& model = {});
+
+// Trackers that share a setup start from one pose: the first session's. INVALID_ARGUMENT as CheckSameSetup, and when
+// two sessions have one name.
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs);
 
 // Entries of Problem::is_used of one run that are bad whatever is fitted: touches that were rejected, rows that stand
@@ -97,6 +107,9 @@ NormalEquations Assemble(const Problem& problem, const Point& point, const std::
 
 // Predicted - measured of every reading, used or not: per run, row_count x readings, mm.
 std::vector<Eigen::MatrixXd> ResidualsOf(const Problem& problem, const Point& point);
+// Residuals of one run with unit variance and, where neighbours correlate, without that correlation (whitening.h); zero
+// for rows that are not used. Row_count x readings.
+Eigen::MatrixXd WhitenedOf(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm);
 // Sum of squared whitened residuals of the used rows: of one run, of all.
 double WhitenedSquaresOf(const Problem& problem, size_t run, const Eigen::MatrixXd& residuals_mm);
 double WhitenedSquares(const Problem& problem, const std::vector<Eigen::MatrixXd>& residuals_mm);

@@ -34,7 +34,7 @@ class ScaledFactor {
 // One group's part of the arrow, setup block factored.
 struct Eliminated {
   ScaledFactor setup;
-  Eigen::MatrixXd setup_by_errors;  // s x p
+  Eigen::MatrixXd setup_by_errors;  // s x p; zero for offsets that are held
   Eigen::VectorXd setup_gradient;   // s
 };
 
@@ -43,7 +43,16 @@ Eliminated Eliminate(const SetupGroup& group, const Eigen::VectorXd& value, cons
   const int s = normal.setup_count, p = static_cast<int>(normal.gram.cols()) - s - 1;
   Eigen::MatrixXd block = normal.gram.topLeftCorner(s, s);
   Eigen::VectorXd gradient = normal.gram.col(s + p).head(s);
+  Eigen::MatrixXd by_errors = normal.gram.block(0, s, s, p);
   for (int i = 0; i < s; ++i) {
+    const std::optional<double>& held = group.parameters[i].held;
+    if (held) {  // it stays where it starts: at its value
+      block.row(i).setZero();
+      block.col(i).setZero();
+      by_errors.row(i).setZero();
+      gradient[i] = 0.0;
+      continue;
+    }
     const double precision = PriorPrecision(group.parameters[i], priors);
     block(i, i) += precision;
     gradient[i] += value[i] * precision;
@@ -60,7 +69,7 @@ Eliminated Eliminate(const SetupGroup& group, const Eigen::VectorXd& value, cons
     if (own <= kRounding * kRounding * largest[group.parameters[i].is_angle]) own = 0.0;
     own += damping * largest[group.parameters[i].is_angle];
   }
-  return {ScaledFactor(std::move(block)), normal.gram.block(0, s, s, p), std::move(gradient)};
+  return {ScaledFactor(std::move(block)), std::move(by_errors), std::move(gradient)};
 }
 
 int ErrorCount(const NormalEquations& normal) {
@@ -178,8 +187,11 @@ Covariance CovarianceOf(const Problem& problem, const Point& point, const Normal
     const int s = normal.groups[g].setup_count;
     const Eigen::MatrixXd by_errors = eliminated.setup.Solve(eliminated.setup_by_errors);
     const Eigen::MatrixXd own = scale * scale * eliminated.setup.Solve(Eigen::MatrixXd::Identity(s, s));
-    out.setup_sigma.push_back(
-        (own + by_errors * out.errors * by_errors.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
+    Eigen::VectorXd sigma = (own + by_errors * out.errors * by_errors.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+    for (int i = 0; i < s; ++i) {
+      if (problem.groups[g].parameters[i].held) sigma[i] = 0.0;
+    }
+    out.setup_sigma.push_back(std::move(sigma));
     out.with_setup.push_back(-as_stated * by_errors.transpose());
   }
   return out;
@@ -187,8 +199,9 @@ Covariance CovarianceOf(const Problem& problem, const Point& point, const Normal
 
 namespace {
 
+// Or is no unknown at all.
 bool Judges(const instruments::SetupParameter& parameter) {
-  return parameter.is_placed && std::isfinite(parameter.prior_sigma);
+  return parameter.held || (parameter.is_placed && std::isfinite(parameter.prior_sigma));
 }
 
 template <typename Counts>
@@ -197,7 +210,8 @@ double SquaresOfPriors(const Problem& problem, const Point& point, const Counts&
   for (size_t g = 0; g < problem.groups.size(); ++g) {
     for (size_t i = 0; i < problem.groups[g].parameters.size(); ++i) {
       const instruments::SetupParameter& parameter = problem.groups[g].parameters[i];
-      if (counts(parameter)) squares += point.setup[g][i] * point.setup[g][i] * PriorPrecision(parameter, Priors::kAll);
+      if (counts(parameter) && !parameter.held)
+        squares += point.setup[g][i] * point.setup[g][i] * PriorPrecision(parameter, Priors::kAll);
     }
   }
   return squares;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/machine/error_covariance.h"
 #include "core/machine/error_model.h"
 #include "core/reports/warning.h"
 
@@ -77,7 +78,10 @@ struct FitStatistics {
 struct Result {
   machine::ErrorModel model;  // fitted; errors held as the gauge are zero
   std::vector<Estimate> estimates;
-  Eigen::MatrixXd correlation;             // of the estimates; NaN rows where not identifiable
+  Eigen::MatrixXd correlation;  // of the estimates; NaN rows where not identifiable
+  // Of the model's numbers and of held errors, for errors.json: also of those that have no number above, with what the
+  // fit held at zero taken for exact, since it is in the model at that value.
+  machine::WrittenCovariance covariance;
   std::vector<Estimate> held_errors;       // errors of an earlier identification, held at their values (held.h)
   Eigen::MatrixXd held_correlation;        // of them with the estimates and with each other: held x (estimates, held)
   std::vector<MeasuredIn> held_from;       // what they come from, as far as it is known

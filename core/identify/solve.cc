@@ -203,7 +203,8 @@ std::vector<Point> ReversedTurns(const Problem& problem, const Point& from) {
   for (size_t g = 0; g < problem.groups.size(); ++g) {
     std::vector<int> turns;
     for (size_t k = 0; k < problem.groups[g].parameters.size(); ++k) {
-      if (problem.groups[g].parameters[k].is_angle) turns.push_back(static_cast<int>(k));
+      const instruments::SetupParameter& parameter = problem.groups[g].parameters[k];
+      if (parameter.is_angle && !parameter.held) turns.push_back(static_cast<int>(k));
     }
     for (unsigned reversed = 1; reversed < 1u << turns.size(); ++reversed) {
       Point start = from;

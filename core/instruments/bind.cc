@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "core/base/units.h"
 #include "core/instruments/bind_readings.h"
@@ -10,6 +11,7 @@
 #include "core/instruments/touch/touch_bind.h"
 #include "core/instruments/tracker/tracker_model.h"
 #include "core/machine/redundant_facts.h"
+#include "core/session/column_rules.h"
 #include "core/session/header_rules.h"
 
 namespace axiscal::instruments {
@@ -127,7 +129,9 @@ class Binder {
     if (instrument_ == nullptr) return Refuse(absl::StrCat("instrument '", name, "' cannot be identified from yet"));
     run_.kind = instrument_->kind;
     run_.setup = instrument_->setup();
-    run_.setup_name = session::FindHeader(session_, "setup").value_or(run_.session);
+    const std::optional<std::string> setup = session::FindHeader(session_, "setup");
+    run_.is_setup_stated = setup.has_value();
+    run_.setup_name = setup.value_or(run_.session);
     ASSIGN_OR_RETURN(const double sigma_um, PositiveNumber("sigma_um"));
     run_.sigma_mm = sigma_um * kMmPerUm;
     ASSIGN_OR_RETURN(run_.tip_mm, Point("tool_tip_mm"));
@@ -138,6 +142,14 @@ class Binder {
     }
     if (instrument_->has_bar) {
       ASSIGN_OR_RETURN(run_.bar_length_mm, PositiveNumber("bar_length_mm"));
+    }
+    if (session::FindHeader(session_, "payload_kg")) {
+      ASSIGN_OR_RETURN(const std::vector<double> payload, Numbers("payload_kg", 1));
+      run_.payload_kg = payload[0];
+    }
+    if (session::FindHeader(session_, "gravity")) {
+      ASSIGN_OR_RETURN(const Eigen::Vector3d down, Point("gravity"));
+      run_.gravity_direction = down.normalized();
     }
     RETURN_IF_ERROR(BindDatum());
     return ReadPriors();
@@ -215,6 +227,33 @@ class Binder {
       ASSIGN_OR_RETURN(const session::Column* column, ColumnOf("temp_C"));
       run_.temperature_celsius = column->values;
     }
+    return BindFurtherStates();
+  }
+
+  // What is recorded beside commands, time and temperature.
+  absl::Status BindFurtherStates() {
+    for (const session::Column& named : session_.columns) {
+      const std::optional<session::ColumnRule> rule = session::StateColumnRule(named.name);
+      if (!rule || named.name == "temp_C") continue;
+      if (rule->kind == session::ColumnKind::kTemperature) {
+        ASSIGN_OR_RETURN(const session::Column* column, ColumnOf(named.name));
+        run_.temperatures.push_back({named.name.substr(2, named.name.size() - 4), column->values});
+      }
+      if (rule->IsEncoder()) RETURN_IF_ERROR(BindEncoder(*rule));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status BindEncoder(const session::ColumnRule& rule) {
+    const int axis = machine::FindAxis(machine_, rule.axis);
+    if (axis < 0 || (machine_.axes[axis].kind == machine::AxisKind::kLinear) != rule.IsLinear())
+      return Refuse(absl::StrCat("column '", rule.name, "': no such axis of machine ", machine_.id));
+    ASSIGN_OR_RETURN(const session::Column* column, ColumnOf(rule.name));
+    if (run_.encoder_positions.empty())
+      run_.encoder_positions.assign(run_.positions.size(), std::numeric_limits<double>::quiet_NaN());
+    const double unit = rule.IsLinear() ? 1.0 : kRadPerDeg;
+    for (size_t k = 0; k < column->values.size(); ++k)
+      run_.encoder_positions[k * run_.axis_count + axis] = column->values[k] * unit;
     return absl::OkStatus();
   }
 

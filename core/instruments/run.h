@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct SetupParameter {
   // False where nobody says where the offset is (a free datum, a slip): how far it goes is no misfit, and its prior,
   // which only keeps the fit steady, is no part of the fit's statistics.
   bool is_placed = true;
+  // Known from elsewhere (the fit that its set-up was found with), mm or rad: not fitted.
+  std::optional<double> held = std::nullopt;
 };
 
 // Something in the setup slipped: from `first_reading` on the artefact on the table, or what the tool holder carries
@@ -51,7 +54,8 @@ struct Slip {
 
 struct MeasuringRun {
   std::string session;
-  std::string setup_name;  // sessions with the same name share their setup offsets
+  std::string setup_name;        // sessions with the same name share their setup offsets
+  bool is_setup_stated = false;  // by `# setup:`; else the name is the session's own
   Kind kind = Kind::kBallbar;
   double sigma_mm = 0.0;                              // stated repeatability of one reading
   Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();   // nominal tool point or stylus centre at home, machine frame
@@ -80,7 +84,17 @@ struct MeasuringRun {
   std::vector<shapes::AxisState> axis_states;  // the same positions with sense, travel and speed
   std::vector<double> time_s;
   std::vector<double> temperature_celsius;
-  Eigen::MatrixXd measured_mm;  // row_count x readings; column k = reading k
+  // Further temperatures by name (`T_spindle_C`: "spindle"), a value per reading.
+  struct Channel {
+    std::string name;
+    std::vector<double> celsius;
+  };
+  std::vector<Channel> temperatures;
+  // What encoders showed beside the commands: as `positions`, NaN where an axis has no such column; empty without any.
+  std::vector<double> encoder_positions;
+  std::optional<double> payload_kg;                  // what the machine carried, where it is stated
+  std::optional<Eigen::Vector3d> gravity_direction;  // unit, downwards, machine frame, where it is stated
+  Eigen::MatrixXd measured_mm;                       // row_count x readings; column k = reading k
 
   int reading_count() const { return static_cast<int>(measured_mm.cols()); }
   const double* PositionsOf(int reading) const { return positions.data() + static_cast<size_t>(reading) * axis_count; }
@@ -103,9 +117,7 @@ void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run);
 // Adds a slip with its offsets. A session with a slip no longer shares its setup: it gets a setup of its own.
 void AddSlip(const Slip& slip, MeasuringRun* run);
 
-// Fills run->axis_states from positions and times. The sense of motion is that of the last commanded change; before the
-// first change it is that of the first change, at the same speed (the axis is taken to come from behind and go on).
-// Travel counts from the last change of sense, or from the first motion.
+// Fills run->axis_states from positions and times (motion.h).
 void DeriveMotion(MeasuringRun* run);
 
 }  // namespace axiscal::instruments

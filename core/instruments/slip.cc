@@ -14,6 +14,7 @@ void AddSlip(const Slip& slip, MeasuringRun* run) {
   DEMAND(run->slips.size() < kMaxSlips && run->path_readings == nullptr);
   run->slips.push_back(slip);
   run->setup_name = run->session;
+  run->is_setup_stated = false;
   const std::string number = run->slips.size() > 1 ? absl::StrCat(run->slips.size()) : "";
   for (const char* direction : {"x", "y", "z"})
     run->setup.push_back({absl::StrCat("slip", number, "_", direction), kSlipSigmaMm, true, false, false});

@@ -11,14 +11,21 @@ namespace axiscal::loop {
 
 using instruments::MeasuringRun;
 
-absl::StatusOr<identify::Fit> Check::Under(const machine::ErrorModel& model) {
+absl::StatusOr<identify::Fit> Check::Under(const identify::Fit& fit) {
   DEMAND(!runs_.empty());
   // A model is asked for when an attempt ends, when its figures are stated and when it is compared.
-  if (last_model_.has_value() && last_model_->terms == model.terms) return under_last_model_;
+  const bool is_known = last_model_.has_value() && last_model_->terms == fit.result.model.terms;
+  if (is_known && (!SharesSetup(fit.problem) || last_setup_ == fit.point.setup)) return under_last_model_;
   last_model_.reset();
-  ASSIGN_OR_RETURN(under_last_model_, identify::CheckRuns(machine_, runs_, model, options_));
-  last_model_ = model;
+  ASSIGN_OR_RETURN(under_last_model_, identify::CheckRuns(machine_, runs_, fit, options_));
+  last_model_ = fit.result.model;
+  last_setup_ = fit.point.setup;
   return under_last_model_;
+}
+
+bool Check::SharesSetup(const identify::Problem& fit) const {
+  return std::any_of(runs_.begin(), runs_.end(),
+                     [&](const MeasuringRun& run) { return identify::SharedSetup(run, fit).has_value(); });
 }
 
 bool Check::Settled::IsUnder(const identify::Fit& fit) const {
@@ -44,14 +51,19 @@ std::vector<MeasuringRun> Check::After(std::vector<MeasuringRun> runs) const {
     const bool is_known = std::any_of(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(fitted),
                                       [&](const MeasuringRun& other) { return other.session == run.session; });
     if (is_known) runs.back().session = prefix + run.session;
-    runs.back().setup_name = prefix + run.setup_name;
+    const bool is_shared =
+        run.is_setup_stated &&
+        std::any_of(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(fitted), [&](const MeasuringRun& other) {
+          return other.setup_name == run.setup_name && other.slips.empty();
+        });
+    if (!is_shared) runs.back().setup_name = prefix + run.setup_name;
   }
   return runs;
 }
 
 absl::Status Check::Settle(const identify::Fit& best) {
   if (settled_.IsUnder(best)) return absl::OkStatus();
-  ASSIGN_OR_RETURN(identify::Fit fit, Under(best.result.model));
+  ASSIGN_OR_RETURN(identify::Fit fit, Under(best));
   settled_ = {best.result.model,
               best.point.setup,
               best.problem.noise,
@@ -106,8 +118,13 @@ absl::StatusOr<std::shared_ptr<const identify::Fit>> Check::Joint(const identify
   options.raise_noise = false;
   // Balls that the check sessions alone pulled far across the bar come back in short steps.
   options.max_iterations *= 5;
-  std::vector<Eigen::VectorXd> setup = best.point.setup;
-  setup.insert(setup.end(), settled_.point.setup.begin(), settled_.point.setup.end());
+  std::vector<Eigen::VectorXd> setup(joint.groups.size());
+  for (size_t i = 0; i < joint.runs.size(); ++i) {  // a set-up that is shared: the fit's, whose sessions come first
+    Eigen::VectorXd& of_group = setup[static_cast<size_t>(joint.group_of_run[i])];
+    if (of_group.size() > 0) continue;
+    of_group = i < fitted ? best.point.setup[static_cast<size_t>(best.problem.group_of_run[i])]
+                          : settled_.point.setup[static_cast<size_t>(settled_.problem.group_of_run[i - fitted])];
+  }
   ASSIGN_OR_RETURN(identify::Fit fit, identify::FitProblem(std::move(joint), best.result.model, options, setup));
   auto kept = std::make_shared<const identify::Fit>(std::move(fit));
   if (is_settled_under) settled_.joint = kept;

@@ -20,10 +20,12 @@ class Check {
 
   bool is_empty() const { return runs_.empty(); }
   const std::vector<instruments::MeasuringRun>& runs() const { return runs_; }
-  // `runs`, then these sessions, to be fitted together; these keep set-ups and names of their own: "check CR".
+  // `runs`, then these sessions, to be fitted together; these keep names and set-ups of their own, "check CR", but for
+  // set-ups that they state to share with `runs`.
   std::vector<instruments::MeasuringRun> After(std::vector<instruments::MeasuringRun> runs) const;
-  // Fits the set-ups of these sessions under a model. DEMANDs that there are sessions; CANCELLED or the fit's errors.
-  absl::StatusOr<identify::Fit> Under(const machine::ErrorModel& model);
+  // Fits the set-ups of these sessions under the errors of a fit; those that they share with its sessions stay as it
+  // found them (identify::CheckRuns). DEMANDs that there are sessions; CANCELLED or the fit's errors.
+  absl::StatusOr<identify::Fit> Under(const identify::Fit& fit);
 
   // Fits the setup offsets under the best model known and sets bad readings aside. The noise is that of the fit
   // sessions of the same instrument: a bad model must not be excused by the scatter that it causes itself.
@@ -66,11 +68,13 @@ class Check {
   const std::vector<instruments::MeasuringRun> runs_;
   const identify::Options options_;
   bool IsChance(double squares, double count) const;
+  bool SharesSetup(const identify::Problem& fit) const;
   double UsedOf(size_t run) const;
   Unexplained ExcessOf(size_t run, double squares) const;
 
   Settled settled_;
   std::optional<machine::ErrorModel> last_model_;  // asked for by Under
+  std::vector<Eigen::VectorXd> last_setup_;
   identify::Fit under_last_model_;
 };
 

@@ -27,6 +27,7 @@ class Loop {
 
   absl::StatusOr<Report> Run() {
     RETURN_IF_ERROR(CheckRepeated());
+    RETURN_IF_ERROR(CheckClock());
     RETURN_IF_ERROR(CheckBudget());
     ASSIGN_OR_RETURN(Outcome outcome, explorer_.Explore());
     ASSIGN_OR_RETURN(Report report, Finish(&outcome));
@@ -66,6 +67,20 @@ class Loop {
       }
     }
     return absl::OkStatus();
+  }
+
+  // Fit and check sessions: an effect that drifts is judged in both.
+  absl::Status CheckClock() const {
+    std::vector<MeasuringRun> first;  // what is compared, without readings
+    for (const std::vector<MeasuringRun>* runs : {&explorer_.fit_runs(), &explorer_.check_runs()}) {
+      for (const MeasuringRun& run : *runs) {
+        MeasuringRun& one = first.emplace_back();
+        one.session = run.session;
+        one.has_time = run.has_time;
+        one.path_readings = run.path_readings;
+      }
+    }
+    return identify::CheckClock(machine_, first);
   }
 
   // Before any work: names of sessions that are not there.

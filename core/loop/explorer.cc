@@ -12,7 +12,6 @@ namespace axiscal::loop {
 
 using identify::Fit;
 using instruments::MeasuringRun;
-using machine::ErrorModel;
 
 namespace {
 
@@ -206,7 +205,7 @@ absl::StatusOr<bool> Explorer::FitAlone(const Outcome& named, Outcome* best) {
     if (is_named && EvidenceOf(*fit, alone.attempt.extension.TermOf(i)) < options_.search.evidence) return false;
   }
   Report& report = alone.attempt.report;
-  ASSIGN_OR_RETURN(alone.check_after, CheckStatistics(fit->result.model, &SessionResiduals::after_mm, &report));
+  ASSIGN_OR_RETURN(alone.check_after, CheckStatistics(*fit, &SessionResiduals::after_mm, &report));
   RETURN_IF_ERROR(check_.Settle(*fit));
   ASSIGN_OR_RETURN(alone.unexplained_sessions, check_.UnexplainedSessions(*fit));
   if (!alone.unexplained_sessions.empty() || alone.check_after.rms_mm > kNoWorse * named.check_after.rms_mm)
@@ -253,7 +252,7 @@ absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
   ASSIGN_OR_RETURN(Fit fit, FitExtension(machine_, attempt->extension, identify_options_));
   report->fit_before = fit.result.fit;
   KeepResiduals(fit, runs_, &SessionResiduals::before_mm, report);
-  ASSIGN_OR_RETURN(report->check_before, CheckStatistics(fit.result.model, &SessionResiduals::before_mm, report));
+  ASSIGN_OR_RETURN(report->check_before, CheckStatistics(fit, &SessionResiduals::before_mm, report));
   for (const Added& one : way.prefix) {
     effects.push_back(one);
     ASSIGN_OR_RETURN(fit, FitExtension(machine_, attempt->extension, identify_options_));
@@ -271,7 +270,7 @@ absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
     RETURN_IF_ERROR(growth.Extend(&fit));
     RETURN_IF_ERROR(validation.Run(&fit).status());
   }
-  ASSIGN_OR_RETURN(outcome.check_after, CheckStatistics(fit.result.model, &SessionResiduals::after_mm, report));
+  ASSIGN_OR_RETURN(outcome.check_after, CheckStatistics(fit, &SessionResiduals::after_mm, report));
   if (!check_.is_empty()) {
     RETURN_IF_ERROR(check_.Settle(fit));
     outcome.unexplained_sessions = check_.UnexplainedWhereFitted();
@@ -296,10 +295,9 @@ void Explorer::KeepResiduals(const Fit& fit, const std::vector<MeasuringRun>& ru
   }
 }
 
-absl::StatusOr<identify::FitStatistics> Explorer::CheckStatistics(const ErrorModel& model, ResidualField field,
-                                                                  Report* report) {
+absl::StatusOr<identify::FitStatistics> Explorer::CheckStatistics(const Fit& fit, ResidualField field, Report* report) {
   if (check_.is_empty()) return identify::FitStatistics{};
-  ASSIGN_OR_RETURN(const Fit check, check_.Under(model));
+  ASSIGN_OR_RETURN(const Fit check, check_.Under(fit));
   KeepResiduals(check, check_.runs(), field, report);
   return check.result.fit;
 }

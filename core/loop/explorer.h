@@ -61,7 +61,7 @@ class Explorer {
   double CostOf(const Extension& extension, const identify::Fit& fit) const;
   void KeepResiduals(const identify::Fit& fit, const std::vector<instruments::MeasuringRun>& runs, ResidualField field,
                      Report* report) const;
-  absl::StatusOr<identify::FitStatistics> CheckStatistics(const machine::ErrorModel& model, ResidualField field,
+  absl::StatusOr<identify::FitStatistics> CheckStatistics(const identify::Fit& fit, ResidualField field,
                                                           Report* report);
 
   const machine::Machine& machine_;

@@ -9,6 +9,7 @@
 #include "core/base/json_members.h"
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
+#include "core/machine/error_covariance_json.h"
 #include "core/machine/error_map_json.h"
 
 namespace axiscal::machine {
@@ -248,7 +249,7 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
     return absl::OkStatus();
   };
   for (const auto& [key, value] : root.items()) {
-    if (key == "terms") continue;
+    if (key == "terms" || key == kCovarianceKey) continue;
     ASSIGN_OR_RETURN(const ErrorSymbol symbol, SymbolOfMachine(key, machine, key));
     if (!symbol.is_constant) {
       return Refuse(key, absl::StrCat("is not constant, expected E", std::string(1, Letter(symbol.component)), "0",
@@ -259,13 +260,15 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
     term.amplitude[0] = amplitude * AmplitudeFactor(term);
     RETURN_IF_ERROR(add(term, key));
   }
-  if (!root.contains("terms")) return model;
-  if (!root["terms"].is_array()) return Refuse("terms", "expected an array");
-  for (size_t i = 0; i < root["terms"].size(); ++i) {
+  const auto terms = root.find("terms");
+  if (terms != root.end() && !terms->is_array()) return Refuse("terms", "expected an array");
+  for (size_t i = 0; terms != root.end() && i < terms->size(); ++i) {
     const std::string where = absl::StrCat("terms[", i, "]");
-    ASSIGN_OR_RETURN(const std::vector<ErrorTerm> read, ReadTerms(root["terms"][i], where, machine));
+    ASSIGN_OR_RETURN(const std::vector<ErrorTerm> read, ReadTerms((*terms)[i], where, machine));
     for (const ErrorTerm& term : read) RETURN_IF_ERROR(add(term, where));
   }
+  if (root.contains(kCovarianceKey))
+    RETURN_IF_ERROR(ReadWrittenCovariance(root[kCovarianceKey], machine, model).status());
   return model;
 }
 
@@ -286,6 +289,7 @@ absl::StatusOr<std::vector<std::string>> ListErrors(const std::string& text) {
   if (!root.is_object()) return absl::InvalidArgumentError("expected an object, as errors.json");
   std::vector<std::string> errors;
   for (const auto& [key, value] : root.items()) {
+    if (key == kCovarianceKey) continue;
     if (key != "terms") {
       errors.push_back(key);
       continue;
@@ -302,12 +306,21 @@ absl::StatusOr<std::vector<std::string>> ListErrors(const std::string& text) {
   return errors;
 }
 
+std::string WriteErrors(const ErrorModel& model, const Machine& machine, const WrittenCovariance& covariance) {
+  std::string text = WriteErrors(model, machine);
+  const WrittenCovariance known = OfWritten(covariance, machine, model);
+  if (known.of.empty() || known.of.size() > kMostCovarianceNumbers) return text;
+  text.resize(text.rfind("\n}"));
+  return absl::StrCat(text, ",\n \"", kCovarianceKey, "\": ", CovarianceText(known), "\n}\n");
+}
+
 std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
   json root = json::object();
   json terms = json::array();
   for (size_t i = 0; i < model.terms.size(); ++i) {
     const ErrorTerm& term = model.terms[i];
     const double factor = AmplitudeFactor(term);
+    if (std::holds_alternative<shapes::Bump>(term.shape)) continue;
     if (std::holds_alternative<shapes::Tabulated>(term.shape)) {
       const auto map = std::span(model.terms).subspan(i, MapSize(std::span(model.terms).subspan(i)));
       terms.push_back(ErrorMapToJson(map, machine));

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kUnitTolerance = 1e-6;  // a direction written with six decimals
+constexpr double kDirectionTolerance = 1e-6;  // a direction written with six decimals
 
 absl::Status Refuse(const std::string& field, const Json& value, const std::string& rule) {
   return absl::InvalidArgumentError(absl::StrCat(field, ": ", base::ShortJson(value), ", ", rule));
@@ -63,7 +63,7 @@ absl::StatusOr<std::vector<double>> ReadNumbers(const Json& value, const std::st
 absl::StatusOr<Eigen::Vector3d> ReadDirection(const Json& value, const std::string& field) {
   ASSIGN_OR_RETURN(const std::vector<double> xyz, ReadNumbers(value, field, 3));
   const Eigen::Vector3d direction(xyz[0], xyz[1], xyz[2]);
-  if (!(std::abs(direction.norm() - 1.0) <= kUnitTolerance)) return Refuse(field, value, "must have length 1");
+  if (!(std::abs(direction.norm() - 1.0) <= kDirectionTolerance)) return Refuse(field, value, "must have length 1");
   return direction / direction.norm();
 }
 

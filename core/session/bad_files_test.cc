@@ -83,12 +83,22 @@ INSTANTIATE_TEST_SUITE_P(
                 "line 8: started: '2026-13-45T99:00:00', expected a date and time of ISO 8601"},
         BadFile{"# operator: night shift", "# started: 2026-02-31T14:03:00Z",
                 "line 8: started: '2026-02-31T14:03:00Z', expected a date and time"},
+        BadFile{"# operator: night shift", "# payload_kg: -1",
+                "line 8: payload_kg: '-1', expected one mass in kg from 0"},
+        BadFile{"# operator: night shift", "# payload_kg: 10 kg",
+                "line 8: payload_kg: '10 kg', expected one mass in kg"},
+        BadFile{"# operator: night shift", "# gravity: 0 0 -9.81",
+                "line 8: gravity: '0 0 -9.81', expected the direction"},
+        BadFile{"# operator: night shift", "# gravity: 0 -1 -1", "line 8: gravity: '0 -1 -1', expected the direction"},
         BadFile{"# operator: night shift", "", "line 8, column 1 (no name): unknown column for instrument ballbar"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Columns, BadBallbar,
     ::testing::Values(
-        BadFile{"t_s,", "", "line 9: column t_s is missing, instrument ballbar needs it"},
+        BadFile{"t_s,", "", "line 10, column 8: the line has 8 cells, expected 7"},
+        BadFile{"temp_C", "T_2nd_C", "line 9, column 7 (T_2nd_C): unknown column"},
+        BadFile{"temp_C", "T_spindle_K", "line 9, column 7 (T_spindle_K): unknown column"},
+        BadFile{"temp_C", "Z_enc_deg,Z_enc_mm", "line 9, column 8 (Z_enc_mm): the same encoder as column 7"},
         BadFile{",dL_mm", "", "line 9: column dL_mm is missing, instrument ballbar needs it"},
         BadFile{"Y_mm", "Y_cm",
                 "line 9, column 3 (Y_cm): unknown column for instrument ballbar, expected t_s, axis columns"},

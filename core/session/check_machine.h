@@ -26,6 +26,7 @@ class MachineCheck {
   struct AxisColumn {
     size_t index = 0;                    // of the column
     absl::StatusOr<machine::Axis> axis;  // an error: the machine has no such axis, whatever the readings
+    bool is_encoder = false;             // what it shows beside the command
   };
 
   size_t header_entries_ = 0;

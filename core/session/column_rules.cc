@@ -33,6 +33,24 @@ ColumnRule RangeRule(const std::string& name, ColumnKind kind, double min, doubl
   return rule;
 }
 
+// "T_spindle_C": a letter, then letters, digits and '-'.
+bool IsNamedTemperature(const std::string& column) {
+  if (!column.starts_with("T_") || !column.ends_with("_C") || column.size() < 5) return false;
+  const std::string name = column.substr(2, column.size() - 4);
+  return std::isalpha(static_cast<unsigned char>(name[0])) != 0 && std::all_of(name.begin(), name.end(), [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-';
+         });
+}
+
+// "X_enc_mm" is to "X_mm" what the encoder shows.
+bool AxisOfEncoder(const std::string& column, std::string* axis, ColumnKind* kind) {
+  const size_t bar = column.find("_enc_");
+  if (bar == std::string::npos) return false;
+  if (!ParseAxisColumn(column.substr(0, bar) + column.substr(bar + 4), axis, kind)) return false;
+  *kind = *kind == ColumnKind::kLinearAxis ? ColumnKind::kLinearEncoder : ColumnKind::kRotaryEncoder;
+  return true;
+}
+
 // A reading of a plan: nothing is there yet.
 bool IsUnread(const ReadingColumn& column, SessionKind kind) {
   return kind == SessionKind::kPlan && column.source != ColumnSource::kPlan;
@@ -53,23 +71,15 @@ std::optional<ColumnRule> RuleOf(const std::string& name, const InstrumentFormat
                       column.may_be_empty || IsUnread(column, session_kind),
                       is_feature ? feature_names : std::set<std::string>()};
   }
-  if (name == "t_s") return RangeRule(name, ColumnKind::kTime, -kMaxTimeS, kMaxTimeS, "s");
-  if (name == "temp_C") return RangeRule(name, ColumnKind::kTemperature, kMinTemperatureC, kMaxTemperatureC, "deg C");
-  std::string axis;
-  ColumnKind kind;
-  if (!ParseAxisColumn(name, &axis, &kind)) return std::nullopt;
-  const bool linear = kind == ColumnKind::kLinearAxis;
-  const double limit = linear ? kMaxLengthMm : kMaxAngleDeg;
-  ColumnRule rule = RangeRule(name, kind, -limit, limit, linear ? "mm" : "deg");
-  rule.axis = axis;
-  return rule;
+  return StateColumnRule(name);
 }
 
 std::string KnownColumns(const InstrumentFormat& format) {
   std::string known = format.has_time ? "t_s, " : "";
   if (format.axes == AxisColumns::kAll) known += "axis columns such as X_mm or B_deg, ";
   if (format.axes == AxisColumns::kRotaryOnly) known += "rotary axis columns such as B_deg, ";
-  known += "temp_C";
+  if (format.axes != AxisColumns::kNone) known += "encoder columns such as X_enc_mm or B_enc_deg, ";
+  known += "temp_C, T_NAME_C";
   for (const ReadingColumn& column : format.columns) known += ", " + column.name;
   return known;
 }
@@ -77,7 +87,6 @@ std::string KnownColumns(const InstrumentFormat& format) {
 absl::Status RequireColumns(const std::vector<std::string>& columns, const InstrumentFormat& format, size_t line,
                             SessionKind kind) {
   std::vector<std::string> required;
-  if (format.has_time) required.push_back("t_s");
   for (const ReadingColumn& column : format.columns) {
     if (!IsUnread(column, kind)) required.push_back(column.name);
   }
@@ -90,6 +99,21 @@ absl::Status RequireColumns(const std::vector<std::string>& columns, const Instr
 }
 
 }  // namespace
+
+std::optional<ColumnRule> StateColumnRule(const std::string& name) {
+  if (name == "t_s") return RangeRule(name, ColumnKind::kTime, -kMaxTimeS, kMaxTimeS, "s");
+  if (name == "temp_C" || IsNamedTemperature(name))
+    return RangeRule(name, ColumnKind::kTemperature, kMinTemperatureC, kMaxTemperatureC, "deg C");
+  std::string axis;
+  ColumnKind kind;
+  const bool is_encoder = AxisOfEncoder(name, &axis, &kind);
+  if (!is_encoder && !ParseAxisColumn(name, &axis, &kind)) return std::nullopt;
+  const bool linear = kind == ColumnKind::kLinearAxis || kind == ColumnKind::kLinearEncoder;
+  const double limit = linear ? kMaxLengthMm : kMaxAngleDeg;
+  ColumnRule rule = RangeRule(name, kind, -limit, limit, linear ? "mm" : "deg");
+  rule.axis = axis;
+  return rule;
+}
 
 std::string Place(size_t line, size_t column, const std::string& name) {
   return absl::StrCat("line ", line, ", column ", column + 1, " (", name, ")");
@@ -131,18 +155,20 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
   for (size_t i = 0; i < columns.size(); ++i) {
     const std::string place = Place(line, i, columns[i].empty() ? "no name" : Printable(columns[i]));
     std::optional<ColumnRule> rule = RuleOf(columns[i], format, feature_names, session_kind);
-    const bool wrong_axis = rule && ((format.axes != AxisColumns::kAll && rule->kind == ColumnKind::kLinearAxis) ||
-                                     (format.axes == AxisColumns::kNone && rule->kind == ColumnKind::kRotaryAxis));
+    const bool is_of_axis = rule && (rule->IsAxis() || rule->IsEncoder());
+    const bool wrong_axis = is_of_axis && (format.axes == AxisColumns::kNone ||
+                                           (format.axes == AxisColumns::kRotaryOnly && rule->IsLinear()));
     if (!rule || wrong_axis) {
       const bool other_separator = columns.size() == 1 && columns[i].find_first_of(";\t") != std::string::npos;
       return absl::InvalidArgumentError(
           absl::StrCat(place, ": unknown column for instrument ", format.name, ", expected ",
                        other_separator ? "names separated by commas" : KnownColumns(format)));
     }
-    const auto [first, is_new] = seen.emplace(rule->axis.empty() ? rule->name : "axis " + rule->axis, i);
+    const std::string of = rule->IsAxis() ? "axis " : "encoder ";
+    const auto [first, is_new] = seen.emplace(rule->axis.empty() ? rule->name : of + rule->axis, i);
     if (!is_new) {
-      return absl::InvalidArgumentError(absl::StrCat(place, ": ",
-                                                     rule->axis.empty() ? "the same name" : "the same axis",
+      return absl::InvalidArgumentError(absl::StrCat(place, ": the same ",
+                                                     rule->axis.empty() ? "name" : of.substr(0, of.size() - 1),
                                                      " as column ", first->second + 1, ", expected once"));
     }
     rules.push_back(*std::move(rule));

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_SESSION_COLUMN_RULES_H_
 #define AXISCAL_CORE_SESSION_COLUMN_RULES_H_
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,19 +16,32 @@ namespace axiscal::session {
 
 inline constexpr size_t kMaxColumns = 64;
 
-enum class ColumnKind { kTime, kTemperature, kLinearAxis, kRotaryAxis, kReading, kName };
+enum class ColumnKind {
+  kTime,
+  kTemperature,
+  kLinearAxis,
+  kRotaryAxis,
+  kLinearEncoder,
+  kRotaryEncoder,
+  kReading,
+  kName
+};
 
 // What a cell of one column must be.
 struct ColumnRule {
   std::string name;
   ColumnKind kind = ColumnKind::kReading;
-  std::string axis;  // of an axis column: "X"
+  std::string axis;  // of the column of an axis or its encoder: "X"
   double min = 0, max = 0;
   std::string expected;
   bool may_be_empty = false;
   std::set<std::string> names;  // kName: the names it may have, any when empty
 
   bool Fits(double number) const { return number >= min && number <= max; }  // NaN fits nothing
+  // Of a commanded (or latched) position, in contrast to what an encoder shows beside it.
+  bool IsAxis() const { return kind == ColumnKind::kLinearAxis || kind == ColumnKind::kRotaryAxis; }
+  bool IsEncoder() const { return kind == ColumnKind::kLinearEncoder || kind == ColumnKind::kRotaryEncoder; }
+  bool IsLinear() const { return kind == ColumnKind::kLinearAxis || kind == ColumnKind::kLinearEncoder; }
 };
 
 // The line, from 1, of reading `index` (from 0).
@@ -43,6 +57,10 @@ enum class SessionKind { kMeasured, kPlan };
 absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntry>& header,
                                                     const std::vector<std::string>& columns,
                                                     SessionKind kind = SessionKind::kMeasured);
+
+// The rule of a column that says in which state a reading is taken, whatever the instrument: t_s, temp_C, T_NAME_C,
+// X_mm, B_deg, X_enc_mm, B_enc_deg. Nothing for any other.
+std::optional<ColumnRule> StateColumnRule(const std::string& name);
 
 // OK when `text` may stand in a name column of this rule; the message has no place.
 absl::Status CheckName(const ColumnRule& rule, const std::string& text);

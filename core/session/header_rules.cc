@@ -1,6 +1,7 @@
 #include "core/session/header_rules.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_split.h"
 #include "core/session/text.h"
@@ -84,8 +85,30 @@ absl::Status ValidateDatum(const std::vector<HeaderEntry>& header, const Instrum
   return axes.ok() ? absl::OkStatus() : absl::InvalidArgumentError(absl::StrCat(place, axes.status().message()));
 }
 
+// What the machine carried, and where down is, as they were during the session.
+absl::Status ValidateLoad(const std::vector<HeaderEntry>& header) {
+  ASSIGN_OR_RETURN(const size_t payload, FindOnce(header, "payload_kg"));
+  if (payload != std::string::npos) {
+    RETURN_IF_ERROR(ValidateEntry(
+        payload, header[payload],
+        {"payload_kg", 1, 0.0, kMaxPayloadKg, absl::StrFormat("one mass in kg from 0 to %g", kMaxPayloadKg)}));
+  }
+  ASSIGN_OR_RETURN(const size_t gravity, FindOnce(header, "gravity"));
+  if (gravity == std::string::npos) return absl::OkStatus();
+  const HeaderRule rule = {"gravity", 3, -1.0, 1.0,
+                           "the direction of gravity, a unit vector in machine coordinates: 0 0 -1"};
+  RETURN_IF_ERROR(ValidateEntry(gravity, header[gravity], rule));
+  std::vector<double> down;
+  ParseNumbers(header[gravity].value, &down);
+  constexpr double kUnit = 1e-6;  // of the length, as directions in machine.json
+  if (std::abs(std::hypot(down[0], down[1], down[2]) - 1.0) <= kUnit) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(EntryPlace(gravity, header[gravity]), Quoted(header[gravity].value), ", expected ", rule.expected));
+}
+
 absl::Status ValidateOptional(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
   RETURN_IF_ERROR(ValidateDatum(header, format));
+  RETURN_IF_ERROR(ValidateLoad(header));
   ASSIGN_OR_RETURN(const size_t setup, FindOnce(header, "setup"));
   if (setup != std::string::npos) RETURN_IF_ERROR(ValidateEntry(setup, header[setup], {"setup", 0, 0, 0, "a text"}));
   ASSIGN_OR_RETURN(const size_t started, FindOnce(header, "started"));

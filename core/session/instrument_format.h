@@ -51,7 +51,7 @@ struct InstrumentFormat {
   std::vector<FeatureRule> features;
   std::vector<ReadingColumn> columns;
   AxisColumns axes = AxisColumns::kAll;
-  bool has_time = true;  // t_s is required
+  bool has_time = true;  // readings are taken one after the other: t_s, where somebody recorded it
 };
 
 // Limits on what is read; beyond them lies another unit or another kind of file.
@@ -61,6 +61,7 @@ inline constexpr double kMaxTimeS = 1e11;
 inline constexpr double kMaxDeviationMm = 10;  // a ball bar or R-test reads at most this: more is um in place of mm
 inline constexpr double kMinBarLengthMm = 10;  // less is metres in place of mm
 inline constexpr double kMaxBarLengthMm = 5000;
+inline constexpr double kMaxPayloadKg = 1e5;  // a hundred tonnes on the table
 inline constexpr double kMinTemperatureC = -80, kMaxTemperatureC = 200;
 
 // Every known instrument.

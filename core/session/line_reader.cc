@@ -31,8 +31,8 @@ absl::Status LineReader::Fill() {
   at_end_ = got < kBlockBytes;
   const bool is_first = total_bytes_ == 0;
   total_bytes_ += got;
-  if (total_bytes_ > kMaxSessionBytes) {
-    return absl::InvalidArgumentError(absl::StrCat("more than ", kMaxSessionBytes, " bytes (", kMaxSessionBytes >> 20,
+  if (total_bytes_ > most_bytes_) {
+    return absl::InvalidArgumentError(absl::StrCat("more than ", most_bytes_, " bytes (", most_bytes_ >> 20,
                                                    " MB), the limit of a session file: split the session"));
   }
   if (const void* nul = std::memchr(buffer_.data() + kept, '\0', got); nul != nullptr) {

@@ -21,17 +21,21 @@ struct Line {
 
 class LineReader {
  public:
-  // The stream must outlive the reader. A UTF-8 byte-order mark at its start is passed over.
-  explicit LineReader(std::istream& in) : in_(in) {}
+  // The stream must outlive the reader. A UTF-8 byte-order mark at its start is passed over. Beyond `most_bytes`
+  // nothing is read.
+  explicit LineReader(std::istream& in, size_t most_bytes = kMaxSessionBytes) : in_(in), most_bytes_(most_bytes) {}
 
-  // False at the end of the stream, else `line` is the next line. INVALID_ARGUMENT: beyond kMaxSessionBytes or
+  // False at the end of the stream, else `line` is the next line. INVALID_ARGUMENT: beyond the most bytes or
   // kMaxLineBytes, a NUL byte (no text file), UTF-16. DATA_LOSS: the stream failed.
   absl::StatusOr<bool> Next(Line* line);
+  // Of the stream, up to the block that is read now.
+  size_t bytes_read() const { return total_bytes_; }
 
  private:
   absl::Status Fill();
 
   std::istream& in_;
+  const size_t most_bytes_;
   std::string buffer_;
   size_t begin_ = 0;  // of the unread part of buffer_
   size_t total_bytes_ = 0;

@@ -30,9 +30,20 @@ class CloseLoop : public testing::CommandLine {
 
 TEST_F(CloseLoop, FilesDatabaseAndServerGiveOneReport) {
   const Outcome files =
-      Run("close-loop " + Source("tests/data/loop/case-003") + " --report files.json --errors files-errors.json");
+      Run("close-loop " + Source("tests/data/loop/case-003") + " --report files.json" +
+          " --errors files-errors.json --residuals residuals.csv");
   ASSERT_EQ(files.exit_code, 0) << files.err;
   EXPECT_THAT(files.out, HasSubstr("EXX:backlash"));
+  const std::string residuals = Read("residuals.csv");
+  EXPECT_THAT(residuals, ::testing::StartsWith("part,session,row,reading,predicted_mm,residual_um,weight_per_um2,"
+                                               "whitened,set_aside\nfit,"));
+  EXPECT_THAT(residuals, HasSubstr("\ncheck,"));
+  // The errors come with their covariance, and predict has sigmas.
+  Write("poses.csv", "t_s,X_mm,Y_mm,Z_mm,B_deg,C_deg,temp_C\n0,100,0,300,10,20,20\n");
+  const Outcome predicted = Run("predict --machine " + Source("tests/data/loop/case-003/machine.json") +
+                                " --errors files-errors.json --tool-tip '0 0 -350' poses.csv -o predicted.csv --json");
+  ASSERT_EQ(predicted.exit_code, 0) << predicted.err;
+  EXPECT_EQ(predicted.Json()["has_sigma"], true);
 
   Store("case-003");
   const Outcome embedded = Run(Job("--report embedded.json --errors embedded-errors.json"));

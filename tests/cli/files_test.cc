@@ -69,6 +69,45 @@ TEST_F(FilesOnly, ExplainNeedsNoDatabase) {
   EXPECT_FALSE(Exists("axiscal.db"));
 }
 
+// The table stands 53.1 um to +X and the tilted tool's tip 35.4 um to -Y: the same numbers that compensate takes off
+// the words of this block (below), within the words' rounding.
+TEST_F(FilesOnly, ErrorsAreThoseThatCompensateTakesOff) {
+  Write("poses.csv", "X_mm,Y_mm,Z_mm,B_deg,C_deg\n-390,0,-112.2605,0,0\n-390,0,-112.2605,0,90\n");
+  const Outcome outcome =
+      Run("predict --machine machine.json --errors errors.json --tool-tip '0 0 -350' poses.csv -o out.csv --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.Json()["rows"], 2);
+  EXPECT_EQ(outcome.Json()["has_sigma"], false);
+  EXPECT_EQ(outcome.Json()["notes"][0], "no sigmas: the errors have no covariance");
+  EXPECT_THAT(Read("out.csv"), HasSubstr("\n-53.100000,-35.420000,0.00"));
+  EXPECT_THAT(Read("out.csv"), HasSubstr("-101.200000,0.000000,0.000000,,,,,,\n"));
+  Write("known.json",
+        R"({"EA0B": -101.2, "EX0C": 53.1, "covariance": {"of": ["EX0C"], "sigma": [0.5], "correlation": [[]]}})");
+  const Outcome known =
+      Run("predict --machine machine.json --errors known.json --tool-tip '0 0 -350' poses.csv -o out.csv");
+  ASSERT_EQ(known.exit_code, 0) << known.err;
+  EXPECT_THAT(known.out, HasSubstr("taken for exact, the covariance does not name them: EA0B"));
+  EXPECT_THAT(Read("out.csv"), HasSubstr("-101.200000,0.000000,0.000000,0.500000,0.000000,0.000000,"));
+  // Compensation takes the same file.
+  EXPECT_EQ(
+      Run("compensate --machine machine.json --errors known.json --tool-tip '0 0 -350' in.nc -o out.nc").exit_code, 0);
+}
+
+TEST_F(FilesOnly, PredictSaysWhatItWants) {
+  Write("poses.csv", "X_mm,Y_mm,Z_mm,B_deg,C_deg\n-390,0,x,0,0\n");
+  const auto refused = [this](const std::string& options, const std::string& text) {
+    const Outcome outcome = Run("predict --machine machine.json --errors errors.json " + options);
+    EXPECT_EQ(outcome.exit_code, 3) << options;
+    EXPECT_THAT(outcome.err, HasSubstr(text)) << options;
+  };
+  refused("--tool-tip '0 0 -350' poses.csv -o out.csv", "poses.csv: line 2, column 3 (Z_mm): 'x' is no number");
+  refused("poses.csv -o out.csv", "expected --tool-tip with POSES");
+  refused("--tool-tip '0 0 350' poses.csv -o out.csv", "--tool-tip");
+  refused("--tool-tip '0 0 -350' -o out.csv", "expected either POSES or --instrument SESSION");
+  refused("--tool-tip '0 0 -350' poses.csv -o poses.csv", "--output");
+  EXPECT_FALSE(Exists("out.csv"));
+}
+
 TEST_F(FilesOnly, AProgramIsRewrittenAndReported) {
   const Outcome outcome = Compensate("in.nc -o out.nc --report report.json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

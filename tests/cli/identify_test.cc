@@ -36,9 +36,12 @@ TEST_F(IdentifyCommand, HeadFirstThenTable) {
   ASSERT_EQ(head.exit_code, 0) << head.err;
   Write("head.json", head.out);
   const std::string table = "identify --machine rtttr-bc --sessions table";
-  const Outcome alone = Run(table + " --json");
+  const Outcome alone = Run(table + " --json --residuals residuals.csv");
+  EXPECT_THAT(Read("residuals.csv"), HasSubstr("\nfit,table,1,"));
   EXPECT_TRUE(ErrorOf(alone.Json(), "EX0C")["value"].is_null()) << alone.out;
-  const Outcome by_id = Run(table + " --hold 1 --json"), by_file = Run(table + " --hold head.json --json");
+  const Outcome by_id = Run(table + " --hold 1 --json"),
+                by_file = Run(table + " --hold head.json --json --residuals held.csv");
+  EXPECT_THAT(Read("held.csv"), HasSubstr("\nfit,table,1,"));
   ASSERT_EQ(by_id.exit_code, 0) << by_id.err;
   ASSERT_EQ(by_file.exit_code, 0) << by_file.err;
   const auto truth = nlohmann::json::parse(Read("truth.json"), nullptr, false);

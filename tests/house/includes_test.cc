@@ -166,6 +166,8 @@ TEST(Walls, OnlyReadersAndWritersIncludeJson) {
                           "core/compensate/tables/formats_json.cc",   //
                           "core/identify/budget_json.cc",             //
                           "core/identify/held_json.cc",               //
+                          "core/machine/error_covariance.cc",         //
+                          "core/machine/error_covariance_json.h",     //
                           "core/machine/error_json.cc",               //
                           "core/machine/error_map_json.cc",           //
                           "core/machine/error_map_json.h",            //

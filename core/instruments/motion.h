@@ -1,0 +1,50 @@
+// The motion that led to each of a series of positions: the same states for the readings of a session (run.h) and for
+// poses that are predicted. The sense of motion is that of the last commanded change; before the first change it is
+// that of the first change, at the same speed (the axis is taken to come from behind and go on). Travel counts from the
+// last change of sense, or from the first motion.
+#ifndef AXISCAL_CORE_INSTRUMENTS_MOTION_H_
+#define AXISCAL_CORE_INSTRUMENTS_MOTION_H_
+
+#include <vector>
+
+#include "core/shapes/state.h"
+
+namespace axiscal::instruments {
+
+// How each axis starts: what the first position is taken to be approached with, known once the axis has moved.
+class FirstMotion {
+ public:
+  struct Start {
+    double sense = 0.0;  // of the first change; 0 if the axis never moves
+    double speed = 0.0;  // of the change from the first to the second position, mm/s or rad/s
+  };
+
+  explicit FirstMotion(int axis_count) : starts_(axis_count), last_(axis_count) {}
+  // Positions in time order, mm or rad; `time_s` is nullptr where there is none.
+  void Add(const double* positions, const double* time_s);
+  const std::vector<Start>& starts() const { return starts_; }
+
+ private:
+  std::vector<Start> starts_;
+  std::vector<double> last_;
+  double last_time_s_ = 0.0;
+  int count_ = 0;  // of positions, up to two
+};
+
+// From position to position.
+class Motion {
+ public:
+  explicit Motion(const std::vector<FirstMotion::Start>& starts);
+  // Fills the state of every axis at the next positions, in time order. `time_s` as above.
+  void Next(const double* positions, const double* time_s, shapes::AxisState* states);
+
+ private:
+  std::vector<FirstMotion::Start> starts_;
+  std::vector<shapes::AxisState> now_;
+  double last_time_s_ = 0.0;
+  bool is_first_ = true;
+};
+
+}  // namespace axiscal::instruments
+
+#endif  // AXISCAL_CORE_INSTRUMENTS_MOTION_H_
