@@ -313,7 +313,14 @@ class Decider {
   static void TakeClass(const objective::Scorer& scorer, const std::vector<objective::Move>& members,
                         const effects::Catalogue& catalogue, Added* added) {
     Candidate& own = added->candidate;
-    if (own.family == Family::kStep) own.earliest = own.latest = own.first_reading;
+    if (own.family == Family::kStep) {
+      own.earliest = own.latest = own.first_reading;
+      // Where no rotary axis turns table and tool look alike: only one of them is in the catalogue.
+      own.may_be_other = std::none_of(catalogue.effects.begin(), catalogue.effects.end(), [&](const Effect& other) {
+        return other.bad_row < 0 && other.candidate.family == Family::kStep && other.candidate.run == own.run &&
+               other.candidate.carrier != own.carrier;
+      });
+    }
     for (const objective::Move& move : members) {
       const Effect& effect = catalogue.effects[scorer.OriginOf(move.member.group)];
       Candidate one = effect.candidate;

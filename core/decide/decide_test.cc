@@ -100,6 +100,8 @@ TEST(Decide, ASlipIsToldWithItsSessionAndMomentAndBadReadingsAreListed) {
   EXPECT_EQ(slip.session, run.session);
   EXPECT_LE(slip.from, run.time_s[kMoment]);
   EXPECT_GE(slip.to, run.time_s[kMoment - 1]);
+  ASSERT_TRUE(slip.slip.has_value());
+  EXPECT_EQ(slip.slip->carrier, instruments::Carrier::kTable);
   EXPECT_TRUE(report.effects.empty()) << NamesOf(report);
   EXPECT_EQ(report.fitted.outliers.size(), 2u);
 }

@@ -41,6 +41,17 @@ Shaped::Shaped(const Linearised& linearised, std::vector<ShapedItem> items, bool
   }
 }
 
+// Beyond six widths exp(-36) is left: nothing.
+void Shaped::FillBump(const shapes::Bump& bump, int begin, Eigen::Ref<Eigen::VectorXd> values) const {
+  constexpr double kReach = 6.0;
+  for (int i = 0; i < values.size(); ++i) {
+    const shapes::State state = linearised_.StateAt(begin + i);
+    values[i] = 0.0;
+    if (std::abs(state.axes[bump.axis].position - bump.at) < kReach * bump.width)
+      bump.Basis(state, static_cast<const double*>(nullptr), &values[i]);
+  }
+}
+
 void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::MatrixXd> values) const {
   const auto n = static_cast<int>(values.rows());
   if (kept_.size() > 0) {
@@ -55,6 +66,11 @@ void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::Matrix
   for (size_t s = first; s < last; ++s) {
     const Eigen::Index at = first_value_[s] - first_value_[first];
     const auto* harmonic = std::get_if<shapes::Harmonic>(&shapes_[s]);
+    if (const auto* bump = std::get_if<shapes::Bump>(&shapes_[s])) {
+      FillBump(*bump, begin, values.col(at));
+      before = nullptr;
+      continue;
+    }
     if (harmonic == nullptr) {
       double basis[shapes::kMaxBasisCount];
       const int width = shapes::BasisCount(shapes_[s]);

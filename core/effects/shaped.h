@@ -37,6 +37,7 @@ class Shaped : public objective::Source {
 
  private:
   // Values of the shapes first .. last at rows begin .. begin + values->rows(), side by side.
+  void FillBump(const shapes::Bump& bump, int begin, Eigen::Ref<Eigen::VectorXd> values) const;
   void Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::MatrixXd> values) const;
 
   const Linearised& linearised_;

@@ -121,11 +121,16 @@ double Scorer::PriceOf(int which) const {
 Eigen::MatrixXd Scorer::Projected(int group) const {
   int within = 0;
   const Source& source = SourceOf(group, &within);
-  return ProjectedOf(source.Columns(within));
+  return ProjectedOf(WhitenedOf(source, within));
+}
+
+Eigen::MatrixXd Scorer::WhitenedOf(const Source& source, int within) const {
+  Eigen::MatrixXd columns = source.Columns(within);
+  rows_.whitening.Apply(0, columns);
+  return columns;
 }
 
 Eigen::MatrixXd Scorer::ProjectedOf(Eigen::MatrixXd columns) const {
-  rows_.whitening.Apply(0, columns);
   for (Eigen::Index c = 0; c < columns.cols(); ++c)
     columns.col(c) -= nuisance_.Explained(nuisance_.CoefficientsOf(columns.col(c)));
   return columns;
@@ -136,8 +141,9 @@ int Scorer::Append(std::unique_ptr<Source> source, int of) {
   Take(*source, sources_.size());
   const int added = static_cast<int>(at_.size()) - 1;
   origin_.push_back(origin_[of]);
-  const Eigen::MatrixXd columns = ProjectedOf(source->Columns(0));
+  const Eigen::MatrixXd columns = WhitenedOf(*source, 0);
   for (auto& [group, loaded] : loaded_) {
+    if (loaded.products.size() == 0) continue;
     loaded.products.conservativeResize(column_count_, Eigen::NoChange);
     loaded.products.bottomRows(column_count_ - before) = columns.transpose() * loaded.columns;
   }
@@ -149,14 +155,14 @@ double Scorer::ObjectiveWith(const State& state, const Source& moved, int of, do
   const Factor factor = FactorOf(state, design);
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (!factor.is_possible) return kNone;
-  const Eigen::MatrixXd columns = ProjectedOf(moved.Columns(0));
+  const Eigen::MatrixXd whitened = WhitenedOf(moved, 0), columns = ProjectedOf(whitened);
   Eigen::MatrixXd products(factor.half.size(), columns.cols());
   for (size_t i = 0; i < state.size(); ++i) {
     const Eigen::MatrixXd& its = Load(state[i].group).columns;
-    products.middleRows(factor.first[i], its.cols()) = its.transpose() * columns;
+    products.middleRows(factor.first[i], its.cols()) = its.transpose() * whitened;
   }
-  Eigen::MatrixXd gram = columns.transpose() * columns;
-  Eigen::VectorXd right = columns.transpose() * y_;
+  Eigen::MatrixXd gram = whitened.transpose() * columns;
+  Eigen::VectorXd right = whitened.transpose() * y_;
   if (!state.empty()) {
     factor.lower.triangularView<Eigen::Lower>().solveInPlace(products);
     gram.noalias() -= products.transpose() * products;
@@ -235,18 +241,49 @@ const Scorer::Loaded& Scorer::Load(int group) {
   const auto [place, is_new] = loaded_.try_emplace(group);
   Loaded& loaded = place->second;
   if (!is_new) return loaded;
-  loaded.columns = Projected(group);
-  loaded.products = Eigen::MatrixXd::Zero(column_count_, loaded.columns.cols());
-  const Eigen::MatrixXd u = rows_.whitening.Adjoint(loaded.columns);
-  Eigen::Index at = 0;
-  for (const std::unique_ptr<Source>& source : sources_) {
-    const Eigen::Index width = source->column_count();
-    source->AddProducts(0, u, loaded.products.middleRows(at, width));
-    at += width;
-  }
-  // Of the group with itself the projected Gram matrix holds the priors' rows too.
-  loaded.products.middleRows(first_column_[group], loaded.columns.cols()) = gram_[group];
+  int within = 0;
+  const Source& source = SourceOf(group, &within);
+  loaded.whitened = WhitenedOf(source, within);
+  loaded.columns = ProjectedOf(loaded.whitened);
   return loaded;
+}
+
+const Eigen::MatrixXd& Scorer::Cross(int group, int other) {
+  const auto [place, is_new] = cross_.try_emplace({group, other});
+  // Projected at the rows times not projected: the rows of the priors, where the latter is zero, are not needed.
+  if (is_new) place->second = Load(group).whitened.transpose() * Load(other).columns;
+  return place->second;
+}
+
+void Scorer::LoadProducts(const State& state) {
+  std::vector<int> missing;
+  Eigen::Index width = 0;
+  for (const Member& member : state) {
+    if (Load(member.group).products.size() > 0) continue;
+    missing.push_back(member.group);
+    width += group(member.group).columns;
+  }
+  if (missing.empty()) return;
+  Eigen::MatrixXd vectors(rows_.count(), width), products = Eigen::MatrixXd::Zero(column_count_, width);
+  Eigen::Index at = 0;
+  for (const int one : missing) {
+    const Eigen::MatrixXd& columns = loaded_[one].columns;
+    vectors.middleCols(at, columns.cols()) = columns;
+    at += columns.cols();
+  }
+  vectors = rows_.whitening.Adjoint(std::move(vectors));
+  Eigen::Index first = 0;
+  for (const std::unique_ptr<Source>& source : sources_) {
+    const Eigen::Index count = source->column_count();
+    source->AddProducts(0, vectors, products.middleRows(first, count));
+    first += count;
+  }
+  at = 0;
+  for (const int one : missing) {
+    const Eigen::Index count = group(one).columns;
+    loaded_[one].products = products.middleCols(at, count);
+    at += count;
+  }
 }
 
 Scorer::Factor Scorer::FactorOf(const State& state, double design) {
@@ -266,11 +303,16 @@ Scorer::Factor Scorer::FactorOf(const State& state, double design) {
   Eigen::VectorXd right(size);
   for (size_t i = 0; i < state.size(); ++i) {
     const Group& one = group(state[i].group);
-    const Loaded& loaded = Load(state[i].group);
-    for (size_t k = 0; k < state.size(); ++k) {
+    Load(state[i].group);
+    gram.block(factor.first[i], factor.first[i], one.columns, one.columns) = gram_[state[i].group];
+    for (size_t k = 0; k < i; ++k) {
       const Group& other = group(state[k].group);
-      gram.block(factor.first[k], factor.first[i], other.columns, one.columns) =
-          loaded.products.middleRows(first_column_[state[k].group], other.columns);
+      const bool is_ordered = state[i].group < state[k].group;
+      const Eigen::MatrixXd& cross =
+          is_ordered ? Cross(state[i].group, state[k].group) : Cross(state[k].group, state[i].group);
+      auto block = gram.block(factor.first[i], factor.first[k], one.columns, other.columns);
+      block = is_ordered ? cross : Eigen::MatrixXd(cross.transpose());
+      gram.block(factor.first[k], factor.first[i], other.columns, one.columns) = block.transpose();
     }
     right.segment(factor.first[i], one.columns) = with_y_.segment(first_column_[state[i].group], one.columns);
     for (int c = 0; c < one.columns; ++c) {
@@ -343,6 +385,7 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
   if (!factor.is_possible) return;
   const double base = dof_ / design * std::log(factor.squares / dof_) + factor.log_det + factor.prices;
   // lower^-1 times the products of the state's columns with all others: what the state explains of them.
+  LoadProducts(state);
   Eigen::MatrixXd half(factor.half.size(), column_count_);
   for (size_t i = 0; i < state.size(); ++i) {
     const Eigen::MatrixXd& products = Load(state[i].group).products;

@@ -9,8 +9,8 @@
 // chi-square units, the scale of the noise profiled out; flat effects pay a fixed price, blocks their evidence.
 // Whatever the columns are is not known here.
 //
-// Kept: norms and products with y of all columns, and for the groups that a state ever held their projected columns and
-// these columns' products with all others. Everything else is a triangular solve.
+// Kept: norms and products with y of all columns, the columns of groups that any scored state held, and their products
+// with all others where additions to such a state were asked for. Everything else is a triangular solve.
 #ifndef AXISCAL_CORE_OBJECTIVE_SCORER_H_
 #define AXISCAL_CORE_OBJECTIVE_SCORER_H_
 
@@ -85,15 +85,21 @@ class Scorer {
 
  private:
   struct Loaded {
-    Eigen::MatrixXd columns;   // projected, rows x columns of the group
-    Eigen::MatrixXd products;  // all columns x columns of the group, projected
+    Eigen::MatrixXd whitened, columns;  // before projection and after it, rows x columns of the group
+    Eigen::MatrixXd products;           // all columns x columns of the group, projected; empty until asked for
   };
   struct Factor;
 
   const Source& SourceOf(int group, int* within) const;
   void Take(const Source& source, size_t number);
+  // Of whitened columns.
   Eigen::MatrixXd ProjectedOf(Eigen::MatrixXd columns) const;
+  Eigen::MatrixXd WhitenedOf(const Source& source, int within) const;
   const Loaded& Load(int group);
+  // Products of the columns of all members with all columns: one pass over the sources for those that have none yet.
+  void LoadProducts(const State& state);
+  // Products of two loaded groups' columns.
+  const Eigen::MatrixXd& Cross(int group, int other);
   // Gram matrix of the state's columns, flat ones first; where each member's columns are in it.
   Factor FactorOf(const State& state, double design);
   // Projects a member of a scan.
@@ -120,6 +126,7 @@ class Scorer {
   Eigen::VectorXd y_;                   // projected, at the rows
   double squares_ = 0.0, dof_ = 1.0;    // of y, projected
   std::map<int, Loaded> loaded_;
+  std::map<std::pair<int, int>, Eigen::MatrixXd> cross_;  // of groups in ascending order
 };
 
 }  // namespace axiscal::objective
