@@ -121,7 +121,9 @@ class Server::Impl {
         runner_(*database_, RunnerOptions(options)),
         core_{.database = *database_,
               .jobs = runner_,
-              .limits = {.held = {.max_uploads = options.max_uploads, .silence = options.silence}},
+              .limits = {.held = {.max_uploads = options.max_uploads,
+                                  .max_rewrites = options.workers,
+                                  .silence = options.silence}},
               .workers = options.workers} {
     // Monte Carlo of a hundred thousand runs.
     runner_.Register(records::kIdentify, {jobs::IdentifyJob(*database_), std::chrono::hours(1)});

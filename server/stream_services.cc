@@ -140,7 +140,7 @@ class ProgramsService final : public v1::Programs::Service {
       grpc::ServerContext* context,
       grpc::ServerReaderWriter<v1::RewriteProgramResponse, v1::RewriteProgramRequest>* stream) override {
     return RespondStream(core_, context, "Programs.RewriteProgram", [&](const auto& call) -> absl::Status {
-      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kRewrite, call.cut_off);
       handlers::RewriteProgramStream program(
           core_, call, [&](const auto& message) { return held.Await([&] { return stream->Write(message); }); });
       RETURN_IF_ERROR(ReceiveAll<v1::RewriteProgramRequest>(held, *stream, program));

@@ -28,7 +28,6 @@ struct Core {
   int workers = 0;
   std::atomic<int> open_calls = 0;
   HeldCalls held{};
-  std::atomic<int> open_rewrites = 0;  // RewriteProgram streams: each uses one core
   std::atomic<bool> draining = false;
 };
 

@@ -16,6 +16,8 @@ int MostOf(const HeldLimits& limits, HeldKind kind) {
       return limits.max_downloads;
     case HeldKind::kWatch:
       return limits.max_watches;
+    case HeldKind::kRewrite:
+      return limits.max_rewrites;
     case HeldKind::kReply:
       return limits.max_replies;
   }
@@ -23,8 +25,19 @@ int MostOf(const HeldLimits& limits, HeldKind kind) {
 }
 
 const char* WordsOf(HeldKind kind) {
-  if (kind == HeldKind::kUpload) return "uploads";
-  return kind == HeldKind::kDownload ? "downloads" : "calls that wait for jobs";
+  switch (kind) {
+    case HeldKind::kUpload:
+      return "uploads";
+    case HeldKind::kDownload:
+      return "downloads";
+    case HeldKind::kWatch:
+      return "calls that wait for jobs";
+    case HeldKind::kRewrite:
+      return "programs are rewritten";
+    case HeldKind::kReply:
+      return "replies";
+  }
+  return "calls";
 }
 
 }  // namespace

@@ -17,16 +17,23 @@ namespace axiscal::handlers {
 
 class HeldCall;
 
-enum class HeldKind { kUpload, kDownload, kWatch, kReply };
+enum class HeldKind { kUpload, kDownload, kWatch, kRewrite, kReply };
 
 struct HeldLimits {
-  // Calls at a time: streams that bring sessions or programs, streams that take them away, calls that wait for a job.
-  // More are refused.
+  // Calls at a time: streams that bring sessions or programs, streams that take them away, calls that wait for a job,
+  // programs that are rewritten while they come (each uses one core). More are refused.
   int max_uploads = 500;
   int max_downloads = 500;
   int max_watches = 1000;
+<<<<<<< HEAD
   // Calls beside those at a time: none is refused, but the one whose caller is silent longest gives way.
   int max_replies = 500;
+=======
+  int max_rewrites = 1;
+  // Calls at a time of which none is refused, but the one whose caller is silent longest gives way: as many as all of
+  // the others.
+  int max_replies = 2000;
+>>>>>>> 31602e3 (Who sends nothing to RewriteProgram gives way; schema 6 is tested on a rejected candidate)
   // A caller that neither sends nor takes anything for so long is cut off.
   std::chrono::milliseconds silence = std::chrono::minutes(5);
   // Where a kind is full, the caller that is silent longest gives way to a new one, if for at least so long.
@@ -56,7 +63,7 @@ class HeldCalls {
   base::CondVar stopped_;
   bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;
   std::chrono::milliseconds silence_ AXISCAL_GUARDED_BY(mutex_){0};
-  std::array<int, 4> counts_ AXISCAL_GUARDED_BY(mutex_) = {};
+  std::array<int, 5> counts_ AXISCAL_GUARDED_BY(mutex_) = {};
   std::list<HeldCall*> silent_ AXISCAL_GUARDED_BY(mutex_);  // who is silent longest comes first
   std::thread thread_;                                      // from the first call on
 };

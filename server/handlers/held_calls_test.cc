@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr HeldLimits kLimits = {.max_uploads = 2, .max_downloads = 1, .max_watches = 1, .max_replies = 1};
+constexpr HeldLimits kLimits = {.max_uploads = 2, .max_downloads = 1, .max_watches = 1, .max_rewrites = 2, .max_replies = 1};
 
 // A call whose caller says nothing, in a thread as a server has it: ends when it is cut off or released.
 class SilentCall {
@@ -89,6 +89,22 @@ TEST_F(HeldCallsTest, TheOneSilentLongestGivesWayWhereAllPlacesAreTaken) {
   EXPECT_TRUE(third.status().ok()) << third.status();
   EXPECT_EQ(base::ErrorReason(first.AwaitEnd()), "DEADLINE");
   EXPECT_EQ(calls_.count(HeldKind::kUpload), 2);
+}
+
+// Programs that are rewritten take a core each: callers that send nothing do not keep the places of those that do.
+TEST_F(HeldCallsTest, WhoSendsNoProgramGivesWayToWhoDoes) {
+  SilentCall first(calls_, HeldKind::kRewrite);
+  const SilentCall second(calls_, HeldKind::kRewrite);
+  {
+    const HeldCall third(calls_, kLimits, HeldKind::kRewrite, [] {});
+    EXPECT_EQ(third.status().message(), "more than 2 programs are rewritten at a time");
+  }
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 0) << "and no place of an upload";
+  clock_.Advance(kLimits.gives_way);
+  const HeldCall third(calls_, kLimits, HeldKind::kRewrite, [] {});
+  EXPECT_TRUE(third.status().ok()) << third.status();
+  EXPECT_EQ(base::ErrorReason(first.AwaitEnd()), "DEADLINE");
+  EXPECT_EQ(calls_.count(HeldKind::kRewrite), 2);
 }
 
 TEST_F(HeldCallsTest, NoReplyIsRefused) {

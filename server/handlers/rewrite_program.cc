@@ -12,10 +12,6 @@ RewriteProgramStream::RewriteProgramStream(Core& core, const Call& call,
                                            std::function<bool(const v1::RewriteProgramResponse&)> send)
     : core_(core), call_(call), send_(std::move(send)) {}
 
-RewriteProgramStream::~RewriteProgramStream() {
-  if (is_counted_) --core_.open_rewrites;
-}
-
 absl::Status RewriteProgramStream::Receive(const v1::RewriteProgramRequest& request) {
   RETURN_IF_ERROR(RequireAccepting(core_));
   const bool is_expected = header_ ? request.part_case() == v1::RewriteProgramRequest::kData : request.has_header();
@@ -27,12 +23,6 @@ absl::Status RewriteProgramStream::Receive(const v1::RewriteProgramRequest& requ
 }
 
 absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header) {
-  is_counted_ = true;
-  if (++core_.open_rewrites > std::max(1, core_.workers)) {
-    return base::Error(absl::StatusCode::kResourceExhausted,
-                       absl::StrCat("more than ", std::max(1, core_.workers), " programs are rewritten at a time"),
-                       {"QUEUE_FULL", {}});
-  }
   RETURN_IF_ERROR(convert::RequireNotNegative("header.size_bytes", header.size_bytes()));
   absl::StatusOr<records::CompensateParams> params = convert::FromProto(header.params(), false);
   if (!params.ok()) return convert::InField("header.params", params.status());

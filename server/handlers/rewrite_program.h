@@ -16,11 +16,9 @@ class RewriteProgramStream {
  public:
   // `send` returns false when the caller has left.
   RewriteProgramStream(Core& core, const Call& call, std::function<bool(const v1::RewriteProgramResponse&)> send);
-  ~RewriteProgramStream();
 
   // The next message. An error is the status of the call: STREAM_INVALID when messages come in another order,
-  // RESOURCE_EXHAUSTED QUEUE_FULL when as many programs are rewritten as the server has workers, OUT_OF_RANGE
-  // SIZE_EXCEEDED, and those of inputs::CompensationFor and of the engine.
+  // OUT_OF_RANGE SIZE_EXCEEDED, and those of inputs::CompensationFor and of the engine.
   absl::Status Receive(const v1::RewriteProgramRequest& request);
   // No more messages: sends what is left and the result. ABORTED STREAM_INCOMPLETE when bytes are missing (a malformed
   // message looks like a normal end), FAILED_PRECONDITION TOTALS_MISMATCH when the checksum differs, and the engine's
@@ -36,7 +34,6 @@ class RewriteProgramStream {
   Core& core_;
   const Call call_;
   const std::function<bool(const v1::RewriteProgramResponse&)> send_;
-  bool is_counted_ = false;
   std::optional<v1::RewriteProgramHeader> header_;
   std::optional<inputs::Compensation> compensation_;
   std::optional<nc::Rewriter> rewriter_;

@@ -191,6 +191,39 @@ TEST_F(Hostile, StreamsThatSayNothingAreCutOff) {
   EXPECT_EQ(info->open_uploads, 0);
 }
 
+// A program that is rewritten takes a core, so there are as many places as workers; who sends nothing has one too, and
+// none of the places for uploads.
+TEST_F(Hostile, WhoSendsNothingToRewriteHasAPlaceOfItsOwnKind) {
+  StartServer({"--workers", "1"});
+  const auto programs = v1::Programs::NewStub(Channel());
+  grpc::ClientContext silent_context;
+  const auto silent = programs->RewriteProgram(&silent_context);
+  const auto ask = [&] {
+    grpc::ClientContext context;
+    const auto stream = programs->RewriteProgram(&context);
+    v1::RewriteProgramRequest request;
+    request.mutable_header()->set_size_bytes(-1);
+    stream->Write(request);
+    v1::RewriteProgramResponse response;
+    while (stream->Read(&response)) {
+    }
+    return stream->Finish();
+  };
+  constexpr int kTries = 1000;  // until the first call has reached its handler, and later has left it
+  grpc::Status refused = ask();
+  for (int i = 0; i < kTries && refused.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED; ++i) refused = ask();
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << refused.error_message();
+  EXPECT_EQ(refused.error_message(), "more than 1 programs are rewritten at a time");
+  const auto info = client_->GetServerInfo();
+  ASSERT_OK(info);
+  EXPECT_EQ(info->open_uploads, 0);
+  silent_context.TryCancel();
+  EXPECT_EQ(silent->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  grpc::Status taken = ask();
+  for (int i = 0; i < kTries && taken.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED; ++i) taken = ask();
+  EXPECT_EQ(taken.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << taken.error_message();
+}
+
 // Uploads whose callers take no acknowledgement: one that leaves the session open, one that completes it, one that is
 // wrong. Each holds a place for uploads until it is cut off.
 TEST_F(Hostile, UploadsThatTakeNoAcknowledgementAreCutOff) {

@@ -82,6 +82,36 @@ TEST_P(Upgrade, KeepsEveryRow) {
   EXPECT_FALSE(database->ListAudit({})->rows.empty());
 }
 
+// A candidate that was retired without ever having been approved is no point of the history: sums over weeks that were
+// made with it are made again. Beside it stand two that count.
+TEST_P(Upgrade, TakesRejectedCandidatesOutOfTheHistory) {
+  DEMAND((*Connection::Open(options.path, Access::kWrite))
+             ->Execute("UPDATE calibration SET state = 3, retired_at_utc_us = 1700086400000000 WHERE id = 2;"
+                       "INSERT INTO calibration SELECT 3, machine_id, 3, machine_revision, 1, 1, NULL, "
+                       "1700050000000000, model_json, options_json, report_json, engine_version, rank, condition, "
+                       "chi2_per_dof, rms_before_um, rms_after_um, created_by, 1700050000000000, NULL, NULL, NULL "
+                       "FROM calibration WHERE id = 2;"
+                       "INSERT INTO estimate VALUES(1,'EA0B',1700050000000000,3,1,2,1,-110.0,0.4);"
+                       "UPDATE estimate_week SET estimate_count = 3, min_um_urad = -110.0, "
+                       "sum_um_urad = sum_um_urad - 110.0 WHERE symbol = 'EA0B'")
+             .ok());
+  const std::unique_ptr<Database> database = *OpenSqlite(options);
+  const auto rejected = database->GetCalibration(CalibrationId(2));
+  ASSERT_TRUE(rejected.ok()) << rejected.status();
+  EXPECT_EQ(rejected->state, CalibrationState::kRetired);
+  const std::unique_ptr<Connection> connection = *Connection::Open(options.path, Access::kReadOnly);
+  Statement week = *connection->Ask(
+      "SELECT symbol, estimate_count, not_identifiable_count, min_um_urad, max_um_urad, "
+      "round(sum_um_urad, 6), last_at_utc_us, last_sigma_um_urad, last_calibration_id "
+      "FROM estimate_week WHERE symbol IN ('EA0B', 'EC0C') ORDER BY symbol");
+  std::string sums;
+  while (*week.Step()) {
+    for (int column = 0; column < 9; ++column) sums += (column > 0 ? "," : "") + week.Text(column);
+    sums += "\n";
+  }
+  EXPECT_EQ(sums, "EA0B,2,0,-110.0,-101.2,-211.2,1700050000000000,0.4,3\nEC0C,0,1,,,,,,\n");
+}
+
 TEST_P(Upgrade, GivesCalibrationsAndDescriptionsTheirChecksums) {
   std::unique_ptr<Database> database = *OpenSqlite(options);
   ASSERT_TRUE(database->GetApprovedCalibration(MachineId("mt")).ok());
