@@ -25,15 +25,9 @@ struct HeldLimits {
   int max_uploads = 500;
   int max_downloads = 500;
   int max_watches = 1000;
-<<<<<<< HEAD
+  int max_rewrites = 1;
   // Calls beside those at a time: none is refused, but the one whose caller is silent longest gives way.
   int max_replies = 500;
-=======
-  int max_rewrites = 1;
-  // Calls at a time of which none is refused, but the one whose caller is silent longest gives way: as many as all of
-  // the others.
-  int max_replies = 2000;
->>>>>>> 31602e3 (Who sends nothing to RewriteProgram gives way; schema 6 is tested on a rejected candidate)
   // A caller that neither sends nor takes anything for so long is cut off.
   std::chrono::milliseconds silence = std::chrono::minutes(5);
   // Where a kind is full, the caller that is silent longest gives way to a new one, if for at least so long.
