@@ -22,7 +22,7 @@ class Guard final : public grpc::Server::GlobalCallbacks {
     const base::MutexLock lock(mutex_);
     limits_ = held;
     // Calls that are in a handler count here too.
-    limits_.max_replies += held.max_uploads + held.max_downloads + held.max_watches;
+    limits_.max_replies += held.max_uploads + held.max_downloads + held.max_watches + held.max_rewrites;
   }
   void PreSynchronousRequest(grpc::ServerContext* context) override {
     const base::MutexLock lock(mutex_);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -94,10 +95,9 @@ TEST(Survey, InformationIsThatOfTheMeasuredSession) {
     const auto fit = identify::FitSessions(machine, {measured}, options);
     ASSERT_TRUE(fit.ok()) << fit.status();
     ASSERT_EQ(fit->result.noise_scale, 1.0);
-    const auto normal =
-        identify::Assemble(fit->problem, fit->point, identify::ListParameters(fit->point.model, false));
-    const information::Information after = identify::InformationOf(
-        identify::Reduce(fit->problem, fit->point, normal, identify::Priors::kAll));
+    const auto normal = identify::Assemble(fit->problem, fit->point, identify::ListParameters(fit->point.model, false));
+    const information::Information after =
+        identify::InformationOf(identify::Reduce(fit->problem, fit->point, normal, identify::Priors::kAll));
     const Eigen::VectorXd scale = after.norm2.cwiseSqrt().cwiseInverse();
     ASSERT_TRUE(scale.allFinite());
     const Eigen::MatrixXd apart = scale.asDiagonal() * (tells->informing.matrix - after.matrix) * scale.asDiagonal();
@@ -254,6 +254,51 @@ TEST(Survey, TheProposalTakesTheLeastTimeAndNoMotionTwice) {
   const Proposal of_all = ProposeTests(all, asked);
   EXPECT_TRUE(of_all.undetermined.empty());
   EXPECT_LE(of_all.seconds, proposal.seconds + 60.0);
+}
+
+// Yao's machine, ball-bar tests alone, eight errors: four or five sessions in under an hour. The choice of the fewest
+// tests, the most telling among them, took more.
+TEST(Survey, EightErrorsByBallBarTakeUnderAnHour) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::vector<std::string> eight = {"EX0T", "EB0B", "EA0B", "EC0B", "EX0C", "EY0C", "EA0C", "EB0C"};
+  for (const double tip_mm : {350.0, 356.4}) {
+    Mounted mounted;
+    mounted.tips_mm = {tip_mm * machine.tool_direction};
+    mounted.balls_mm = {{50, 0, 65}};
+    Survey bars = SurveyTests(SituationOfMachine(machine, mounted), *ErrorsToJudge(machine, eight)).value();
+    std::erase_if(bars.tests, [](const SurveyedTest& test) { return test.test.rfind("ballbar-", 0) != 0; });
+    const Proposal proposal = ProposeTests(bars, AskedFor(bars, eight));
+    EXPECT_TRUE(proposal.undetermined.empty());
+    constexpr double kHourSeconds = 3600.0;
+    EXPECT_LE(proposal.seconds, kHourSeconds) << tip_mm;
+    EXPECT_LE(proposal.tests.size(), 5u) << tip_mm;
+  }
+}
+
+// Readings of a motion that was run before, there or back, tell nothing that it did not: an error that one run leaves
+// too wide is not told by running it twice.
+TEST(Survey, TheSameMotionTwiceIsNoTest) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  Survey survey = SurveyTests(Situated(machine), *ErrorsToJudge(machine, {"EX0C"})).value();
+  std::erase_if(survey.tests, [](const SurveyedTest& test) { return !test.is_determined[0]; });
+  ASSERT_FALSE(survey.tests.empty());
+  survey.tests.resize(1);
+  information::TestInformation& tells = survey.tests[0].tells;
+  // 130 um once and 92 um twice; 100 um is the widest that counts as told.
+  constexpr double kOnceMm = 0.130;
+  tells.informing.matrix(0, 0) = 1.0 / (kOnceMm * kOnceMm);
+  SurveyedTest again = survey.tests[0];
+  for (session::Column& column : again.planned.session.columns)
+    std::reverse(column.values.begin(), column.values.end());
+  survey.tests.push_back(again);
+  EXPECT_EQ(ProposeTests(survey, {0}).undetermined, std::vector<int>{0});
+  // Elsewhere it is another motion, and tells as much again.
+  for (session::Column& column : survey.tests[1].planned.session.columns) {
+    for (double& value : column.values) value += 1.0;
+  }
+  const Proposal both = ProposeTests(survey, {0});
+  EXPECT_TRUE(both.undetermined.empty());
+  EXPECT_EQ(both.tests.size(), 2u);
 }
 
 // X and C off by the same look alike to every test: said so, not proposed around.
