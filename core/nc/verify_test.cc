@@ -289,6 +289,28 @@ TEST(Verify, ProgramsThatDoNotPairAreErrors) {
   EXPECT_THAT(message("G28 X0\n", "G1 X0\n"), HasSubstr("is not the same block"));
 }
 
+// A tip on the other side than the machine's tool_direction points to would double the error: nobody corrects or
+// verifies with it.
+TEST(Verify, AToolTipOnTheWrongSideIsRefused) {
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
+  const auto errors = testing::ConstantErrors(machine, {{"EB0B", testing::kTiltRad}});
+  const std::string program = "G90 G1 X1. Y0. Z0. B0. C0. F100\n";
+  for (const double side : {1.0, -1.0}) {
+    compensate::Options compensation;
+    compensation.tool_tip_mm = side * testing::kToolMm * machine.tool_direction;
+    VerifyOptions verification;
+    verification.tool_tip_mm = compensation.tool_tip_mm;
+    verification.reading = testing::InMm();
+    const absl::Status of_compensator = compensate::Compensator::Create(machine, errors, compensation).status(),
+                       of_verify = VerifyText(program, program, machine, errors, verification).status();
+    EXPECT_EQ(of_compensator.ok(), side > 0.0) << of_compensator;
+    EXPECT_EQ(of_verify.ok(), side > 0.0) << of_verify;
+    if (side > 0.0) continue;
+    for (const absl::Status& status : {of_compensator, of_verify})
+      EXPECT_THAT(std::string(status.message()), HasSubstr("on the other side than tool_direction"));
+  }
+}
+
 // What is passed is paired and listed by its lines; the blocks that bring the control back in front of it are none of
 // the original's.
 TEST(Verify, WhatIsPassedIsNotJudged) {
