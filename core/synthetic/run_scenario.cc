@@ -80,9 +80,9 @@ class Runner {
         faults_, DrawFaults(machine_, scenario_.faults, form_, runs_, out_.history, SeedOf(seed_, Stream::kFaults)));
     RETURN_IF_ERROR(CheckNames());
     out_.described = Misdescribe(machine_, scenario_.nominal);
-    out_.truth.is_as_described = std::none_of(scenario_.nominal.begin(), scenario_.nominal.end(), [](const auto& fault) {
-      return fault.kind == NominalKind::kDirection || fault.kind == NominalKind::kPivot;
-    });
+    out_.truth.is_as_described = std::none_of(
+        scenario_.nominal.begin(), scenario_.nominal.end(),
+        [](const auto& fault) { return fault.kind == NominalKind::kDirection || fault.kind == NominalKind::kPivot; });
     if (const absl::Status valid = machine::Validate(out_.described); !valid.ok())
       return base::Within("nominal", valid);
     for (size_t s = 0; s < sessions_.size(); ++s) {

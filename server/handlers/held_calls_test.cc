@@ -12,7 +12,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr HeldLimits kLimits = {.max_uploads = 2, .max_downloads = 1, .max_watches = 1, .max_rewrites = 2, .max_replies = 1};
+constexpr HeldLimits kLimits = {
+    .max_uploads = 2, .max_downloads = 1, .max_watches = 1, .max_rewrites = 2, .max_replies = 1};
 
 // A call whose caller says nothing, in a thread as a server has it: ends when it is cut off or released.
 class SilentCall {
