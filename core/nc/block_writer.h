@@ -82,6 +82,8 @@ class BlockWriter {
   // code is put in front of its words.
   void CopyBlock(const char* text, size_t size, const Block& block, const Step& step, OutBuffer* out);
 
+  // Controller's preset (G92) - nominal one: G92 takes its coordinates from where the control stands.
+  Ticks preset_shift(int axis) const { return preset_shift_[axis]; }
   // Whether a block without a word of the axis must get one.
   bool NeedsWord(int axis, Ticks target, Ticks grain) const;
 

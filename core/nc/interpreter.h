@@ -123,8 +123,9 @@ class Interpreter {
     return word.distance == Distance::kModal ? modal_.is_incremental : word.distance == Distance::kIncremental;
   }
   // How an absolute word without a distance of its own is taken; kNone: by the difference of the numbers;
-  // kUnstated: not known.
-  machine::RollOver WayOf(int axis) const;
+  // kUnstated: not known. In the present modal state, or in another one.
+  machine::RollOver WayOf(int axis) const { return WayOf(axis, modal_); }
+  machine::RollOver WayOf(int axis, const Modal& modal) const;
   bool IsMotionCode(const Word& word) const;  // of the group of G00 to G03
   bool IsArcCode(const Word& word) const;
   // A word's value by the rule for words without a point. An angle's increment is that of mm programs in inch, too.

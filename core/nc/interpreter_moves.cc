@@ -328,15 +328,15 @@ bool Interpreter::Wrap(const Word& word, int axis, Step* step) {
   return true;
 }
 
-machine::RollOver Interpreter::WayOf(int axis) const {
+machine::RollOver Interpreter::WayOf(int axis, const Modal& modal) const {
   using machine::RollOver;
   const machine::Axis& stated = machine_->axes[axis];
   RollOver way = stated.roll_over;
   // With travel limits an axis counts on, unless the program itself speaks of a shorter way.
   const bool is_limited = stated.min_position || stated.max_position;
-  if (way == RollOver::kUnstated && is_limited && modal_.way == Way::kOfAxis) way = RollOver::kNone;
-  if (way == RollOver::kNone || modal_.way == Way::kOfAxis) return way;
-  return way != RollOver::kUnstated && modal_.way == Way::kShorter ? RollOver::kShortest : RollOver::kUnstated;
+  if (way == RollOver::kUnstated && is_limited && modal.way == Way::kOfAxis) way = RollOver::kNone;
+  if (way == RollOver::kNone || modal.way == Way::kOfAxis) return way;
+  return way != RollOver::kUnstated && modal.way == Way::kShorter ? RollOver::kShortest : RollOver::kUnstated;
 }
 
 bool Interpreter::TakeWay(const Word& word, int axis, Step* step) {

@@ -114,6 +114,97 @@ TEST(Orientation, NoWordTurnsAnAxisTheLongWayRound) {
   }
 }
 
+// EBX grows along X, so the correction of B does, by 4 thousandths of a degree in 100 mm: a word that says in the
+// program what the one before it said becomes another one. An axis whose way is not known may go nearly a full turn
+// for it.
+Case Twisted(machine::RollOver roll_over, double sign = 1.0) {
+  Case twisted = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EBX", sign * 0.004 * kRadPerDeg}});
+  twisted.errors.terms[0].shape = shapes::Linear{machine::FindAxis(twisted.machine, "X"), 100.0};
+  twisted.machine.axes[static_cast<size_t>(machine::FindAxis(twisted.machine, "B"))].roll_over = roll_over;
+  return twisted;
+}
+
+TEST(Orientation, ANamedWordTurnsAnAxisOfUnknownWayOnlyAsTheProgramDoes) {
+  using machine::RollOver;
+  const std::string head = "G90 G1 X50. B10. F500\n";
+  const std::string unstated = "state in machine.json how the axis counts (roll_over)";
+  for (const double sign : {1.0, -1.0}) {
+    const auto compensator = Twisted(RollOver::kUnstated, sign).compensator();
+    // The source never turns B, or by less than the correction and the other way.
+    for (const std::string line : {"X100. B10.", "X0. B10.", sign > 0 ? "X100. B10.001" : "X100. B9.999"}) {
+      EXPECT_REFUSED_BY(compensator, Turning(), head + line + "\n", "turns B another way than the program does");
+      EXPECT_REFUSED_BY(compensator, Turning(), head + line + "\n", unstated);
+    }
+    for (const std::string line : {"X100. B11.", "X100. B9.", "X0. B11.", "X0. B9.", "X50. B10.", "Y5. B10.", "X50."})
+      EXPECT_TRUE(Rewritten(head + line + "\n", Turning(), compensator).status.ok()) << line;
+    for (const RollOver way : {RollOver::kNone, RollOver::kShortest}) {
+      const auto known = Twisted(way, sign).compensator();
+      EXPECT_TRUE(Rewritten(head + "X100. B10.\n", Turning(), known).status.ok());
+    }
+  }
+  // What is written where the way is known: B stands still in the program, and turns back.
+  const Outcome known =
+      Rewritten("G90 G1 X50. Y0. B10. F500\nX100. Y0. B10.\n", Turning(), Twisted(RollOver::kNone).compensator());
+  EXPECT_THAT(known.text, HasSubstr("B9.9980 "));
+  EXPECT_THAT(known.text, HasSubstr("B9.9960 "));
+}
+
+TEST(Orientation, WhatIsPassedTurnsAnAxisOfUnknownWayOnlyAsTheProgramDoes) {
+  RewriteOptions passing = Turning();
+  passing.on_unsupported = OnUnsupported::kPass;
+  const auto compensator = Twisted(machine::RollOver::kUnstated).compensator();
+  // B stands at 10 in front of the block that is passed.
+  const Outcome fine = Rewritten("G90 G1 X0. B10. F500\nX100. B10.\nX100. B20.\n", passing, compensator);
+  ASSERT_TRUE(fine.status.ok()) << fine.status;
+  EXPECT_THAT(fine.text, HasSubstr("\nX100. B10.\n"));
+  EXPECT_THAT(fine.text, HasSubstr("B19.9960"));
+  EXPECT_EQ(fine.report.blocks_corrected, 2);
+  // It stands at 9.998, and 10 is where the program says that it stands.
+  EXPECT_REFUSED_BY(compensator, passing, "G90 G1 X50. B10. F500\nX100. B10.\n",
+                    "would turn it another way than the program does");
+}
+
+// C turns once, and the correction of B rises and falls on the way: at both ends it is none.
+TEST(Orientation, ASplitMoveThatMayTurnAnAxisTheLongWayIsPassed) {
+  Case waving = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0C", 0.0}, {"EX0C", 0.01}});
+  waving.errors.terms[0].shape = shapes::Harmonic{machine::FindAxis(waving.machine, "C"), 1.0};
+  waving.errors.terms[0].amplitude = {0.0, 100e-6};
+  waving.machine.axes[static_cast<size_t>(machine::FindAxis(waving.machine, "B"))].roll_over =
+      machine::RollOver::kUnstated;
+  RewriteOptions options = Turning();
+  options.tolerance_mm = 0.002;
+  const std::string head = "G90 G1 X10. Y0. Z0. B0. C0. F500\n", turn = "C360.\n", tail = "X20.\n";
+  const auto compensator = waving.compensator();
+  EXPECT_REFUSED_BY(compensator, options, head + turn + tail, "line 2: 'C360.': the correction turns B, which");
+  options.on_unsupported = OnUnsupported::kPass;
+  const Outcome passed = Rewritten(head + turn + tail, options, compensator);
+  ASSERT_TRUE(passed.status.ok()) << passed.status;
+  EXPECT_THAT(passed.text, HasSubstr("\nC360.\n"));
+  EXPECT_EQ(passed.report.blocks_corrected, 2);
+  EXPECT_EQ(passed.report.blocks_split, 0);
+}
+
+// M126 of the block that is passed acts in that block, not in the one that is written in front of it.
+TEST(Orientation, TheWayBackIsThatOfTheStateInFrontOfTheBlock) {
+  Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 0.0057 * kRadPerDeg}});
+  leaning.machine.axes[static_cast<size_t>(machine::FindAxis(leaning.machine, "B"))].roll_over =
+      machine::RollOver::kBySign;
+  RewriteOptions passing = Turning();
+  passing.dialect = "heidenhain";
+  passing.on_unsupported = OnUnsupported::kPass;
+  const auto compensator = leaning.compensator();
+  const std::string shorter = "L M126\nL X+1 R0 F500\n", rest = " X+Q1 R0 F500\n";
+  const std::string not_known = "which way the axis would turn back is not known";
+  EXPECT_REFUSED_BY(compensator, passing, shorter + "L M127\nL M126" + rest, not_known);
+  const Outcome back = Rewritten(shorter + "L M127" + rest, passing, compensator);
+  ASSERT_TRUE(back.status.ok()) << back.status;
+  EXPECT_THAT(back.text, HasSubstr(" B+0.0000\nL M127"));
+  // A word that was written for the shorter way says none itself.
+  const std::string named = "L M126\nL X+1 B+10 R0 F500\n";
+  EXPECT_TRUE(Rewritten(named + "L" + rest, passing, compensator).status.ok());
+  EXPECT_REFUSED_BY(compensator, passing, named + "L M127\nL" + rest, not_known);
+}
+
 TEST(Orientation, IncrementalRotaryWordsDoNotCollectRounding) {
   const Case leaning = Of(testing::CountingOn(machine::testing::MultiTasking()), {{"EB0B", 100e-6}, {"EC0B", 20e-6}});
   std::string program = "G91 G1\n";

@@ -100,10 +100,12 @@ std::string BlockWriter::Return(const StateBefore& before, const std::string& li
     if (modal.is_rapid_unsure)
       return "the control stands at a corrected position, in G00 or not as a block with '/' says";
     for (const int axis : order_) {
-      const machine::RollOver way = interpreter_->WayOf(axis);
+      const machine::RollOver way = interpreter_->WayOf(axis, modal);
       const bool is_stated = way == machine::RollOver::kNone || way == machine::RollOver::kShortest;
       if ((departed >> axis & 1) == 0 || is_linear_[axis] || is_stated || modal.is_incremental) continue;
-      if ((wrapped_ >> axis & 1) == 0) {
+      // A word that was written for the shorter way says so itself in some dialects alone: C=DC(10).
+      const bool says_way = (wrapped_ >> axis & 1) != 0 && !interpreter_->dialect().distance_names.empty();
+      if (!says_way) {
         return absl::StrCat("the control stands at a corrected position of ", machine_->axes[axis].name,
                             ", and which way the axis would turn back is not known (roll_over)");
       }

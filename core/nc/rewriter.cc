@@ -148,6 +148,7 @@ void Rewriter::Impl::Return() {
 }
 
 void Rewriter::Impl::Copy() {
+  if (const std::string reason = WhyNoCopy(); !reason.empty() && !job.is_refused()) job.Refused(now, reason, false);
   const size_t begin = out.size();
   writer.CopyBlock(now.text, now.size, block, step, &out);
   CheckLength(begin);
@@ -234,18 +235,11 @@ void Rewriter::Impl::Move() {
     if (passes()) Return();  // from where it moves no linear axis, whether it names one or not
     return Copy();
   }
-  if (const std::string reason = WhyNoTurn(piece); !reason.empty()) {
-    --job.report().blocks_corrected;
-    NotCorrected(reason, false);
-    if (MustReturn()) Return();
-    return Copy();
-  }
+  if (const std::string reason = WhyNoTurn(piece, nullptr); !reason.empty()) return LeaveUnturned(reason);
   std::optional<Commanded> before;
   if (step.may_be_skipped) before = writer.commanded();
-  if (step.is_arc) {
-    WriteSplit(0.0);
-  } else if (departure_mm > options.tolerance_mm) {
-    WriteSplit(departure_mm);
+  if (step.is_arc || departure_mm > options.tolerance_mm) {
+    if (!WriteSplit(departure_mm)) return;
   } else {
     const size_t begin = out.size();
     writer.WriteBlock(now.text, now.size, block, step, piece, 1.0, &out);
@@ -295,29 +289,68 @@ std::string Rewriter::Impl::WhyNoFeed(double departure_mm) const {
       "as a rapid");
 }
 
-std::string Rewriter::Impl::WhyNoTurn(const Piece& next) const {
+void Rewriter::Impl::LeaveUnturned(const std::string& reason) {
+  --job.report().blocks_corrected;
+  NotCorrected(reason, false);
+  if (MustReturn()) Return();
+  Copy();
+}
+
+machine::RollOver Rewriter::Impl::WayOfWord(int axis) const {
+  if (compensator.machine().axes[axis].kind != machine::AxisKind::kRotary || (step.wrapped >> axis & 1))
+    return machine::RollOver::kNone;
+  const int index = step.word_of_axis[axis];
+  const bool is_incremental = index < 0 ? interpreter.modal().is_incremental
+                                        : interpreter.IsIncremental(block.words[static_cast<size_t>(index)]);
+  return is_incremental ? machine::RollOver::kNone : interpreter.WayOf(axis);
+}
+
+bool Rewriter::Impl::TurnsOtherwise(int axis, Ticks from, Ticks to) const {
+  if (to == from || !step.start.is_known(axis)) return false;
+  const Ticks travel = step.end.ticks[axis] - step.start.ticks[axis];
+  return to > from ? travel <= 0 : travel >= 0;
+}
+
+std::string Rewriter::Impl::WhyNoTurn(const Piece& next, const Piece* last) const {
   const machine::Machine& machine = compensator.machine();
   for (int i = 0; options.orientation && i < machine.axis_count(); ++i) {
-    if (machine.axes[i].kind != machine::AxisKind::kRotary || (step.wrapped >> i & 1)) continue;
-    const int index = step.word_of_axis[i];
-    const bool is_incremental = index < 0 ? interpreter.modal().is_incremental
-                                          : interpreter.IsIncremental(block.words[static_cast<size_t>(index)]);
-    const machine::RollOver way = interpreter.WayOf(i);
-    if (is_incremental || way == machine::RollOver::kNone || way == machine::RollOver::kShortest) continue;
+    const machine::RollOver way = WayOfWord(i);
+    if (way == machine::RollOver::kNone || way == machine::RollOver::kShortest) continue;
+    const bool is_named = step.word_of_axis[i] >= 0;
     // By the sign 0.004 deg back is nearly a full turn, by the difference so is 0.004 deg across 0.
-    const auto turns = [&](Ticks at) {
-      return std::floor(static_cast<double>(at - interpreter.offset(i)) / static_cast<double>(kTurn));
+    const auto turns = [&](Ticks number) {
+      return std::floor(static_cast<double>(number) / static_cast<double>(kTurn));
     };
-    if (index >= 0 ? turns(next.targets[i]) == turns(next.nominal[i]) : !writer.NeedsWord(i, next.targets[i], 0))
-      continue;
+    const bool crosses = is_named && turns(next.targets[i] - interpreter.offset(i) - writer.preset_shift(i)) !=
+                                         turns(next.nominal[i] - interpreter.offset(i));
+    const bool turns_otherwise =
+        is_named && way == machine::RollOver::kUnstated && (last != nullptr || writer.commanded().is_known(i)) &&
+        TurnsOtherwise(i, last != nullptr ? last->targets[i] : writer.commanded().ticks[i], next.targets[i]);
+    if (is_named ? !crosses && !turns_otherwise : !writer.NeedsWord(i, next.targets[i], 0)) continue;
     const std::string& name = machine.axes[i].name;
     if (way == machine::RollOver::kUnstated) {
-      return absl::StrCat("the correction turns ", name, index < 0 ? ", which the block does not name" : " across 0",
+      return absl::StrCat("the correction turns ", name,
+                          !is_named ? ", which the block does not name"
+                          : crosses ? " across 0"
+                                    : " another way than the program does",
                           ", and the way is not known: state in machine.json how the axis counts (roll_over)");
     }
     return absl::StrCat("the correction turns ", name, ", which the block does not name, and the axis goes by the ",
                         way == machine::RollOver::kBySign ? "sign" : "difference",
                         " (roll_over): that may be nearly a full turn");
+  }
+  return "";
+}
+
+std::string Rewriter::Impl::WhyNoCopy() const {
+  const machine::Machine& machine = compensator.machine();
+  for (int i = 0; options.orientation && step.kind == StepKind::kMove && i < machine.axis_count(); ++i) {
+    if (step.word_of_axis[i] < 0 || WayOfWord(i) != machine::RollOver::kUnstated || !writer.commanded().is_known(i))
+      continue;
+    if (!TurnsOtherwise(i, writer.commanded().ticks[i], step.end.ticks[i] + writer.preset_shift(i))) continue;
+    return absl::StrCat("the control stands at a corrected position of ", machine.axes[i].name,
+                        ", and the block as it is would turn it another way than the program does: state in "
+                        "machine.json how the axis counts (roll_over)");
   }
   return "";
 }

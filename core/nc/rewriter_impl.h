@@ -120,8 +120,18 @@ struct Rewriter::Impl {
   // rotary axes alone. "": it would not.
   std::string WhyNoFeed(double departure_mm) const;
   // With orientation: why the control may turn a rotary axis the long way round to where a corrected word sends it. ""
-  // where it does not.
-  std::string WhyNoTurn(const Piece& next) const;
+  // where it does not. `last`: the piece of the same move that is written in front of it, nullptr for the first.
+  std::string WhyNoTurn(const Piece& next, const Piece* last) const;
+  // The same of a block that stays as it is, from where the control stands.
+  std::string WhyNoCopy() const;
+  // How the control takes the block's word of the axis, or one that is inserted; kNone: by the difference of the
+  // numbers, as the word says itself, or it is no rotary axis.
+  machine::RollOver WayOfWord(int axis) const;
+  // Whether it turns the axis where the program does not, or back where the program goes on. False where it is not
+  // known how the program turns it.
+  bool TurnsOtherwise(int axis, Ticks from, Ticks to) const;
+  // What WhyNoTurn gives a reason for.
+  void LeaveUnturned(const std::string& reason);
   // Refuses a block that was written from `begin` on, when it is longer than the control reads.
   void CheckLength(size_t begin);
   // 0 for a rapid, whose path no controller states, and for a move from an unknown position.
@@ -129,7 +139,8 @@ struct Rewriter::Impl {
   // Whether an axis turned back and its lost motion must be taken up before the move.
   bool TakesUpReversal();
   absl::StatusOr<std::vector<Piece>> Pieces();
-  void WriteSplit(double departure_mm);
+  // False: the block was left as it is.
+  bool WriteSplit(double departure_mm);
   // "/" or "/2" of a block that may be skipped: its pieces are skipped with it.
   std::string SkipPrefix() const;
   // A code that acts after the move would act after its first piece; F words of G93 must be there to be scaled.

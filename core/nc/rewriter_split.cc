@@ -20,17 +20,20 @@ absl::StatusOr<std::vector<Piece>> Rewriter::Impl::Pieces() {
   return pieces;
 }
 
-void Rewriter::Impl::WriteSplit(double departure_mm) {
+bool Rewriter::Impl::WriteSplit(double departure_mm) {
   const absl::StatusOr<std::vector<Piece>> pieces = Pieces();
   if (!pieces.ok()) {
     job.Refused(now, std::string(pieces.status().message()), false);
-    return Copy();
+    Copy();
+    return false;
   }
+  const Piece* last = nullptr;
   for (const Piece& next : *pieces) {
-    const std::string reason = WhyNoTurn(next);
-    if (reason.empty()) continue;
-    job.Refused(now, reason, false);
-    return Copy();
+    if (const std::string reason = WhyNoTurn(next, last); !reason.empty()) {
+      LeaveUnturned(reason);
+      return false;
+    }
+    last = &next;
   }
   if (std::string reason = pieces->size() > 1 ? WhyNotSplit() : ""; !reason.empty()) {
     const std::string departs =
@@ -38,7 +41,8 @@ void Rewriter::Impl::WriteSplit(double departure_mm) {
             ? absl::StrFormat("the correction departs from linear by %.2f um", departure_mm * base::kUmPerMm)
             : std::string("the correction bends along the move");
     job.Refused(now, absl::StrCat(departs, " and the move cannot be split: ", reason), false);
-    return Copy();
+    Copy();
+    return false;
   }
   is_last_split = pieces->size() > 1;
   job.report().blocks_split += is_last_split;
@@ -67,6 +71,7 @@ void Rewriter::Impl::WriteSplit(double departure_mm) {
     if (out.size() >= kOutBytes) Flush();
   }
   if (worst.limit != compensate::DirectionLimit::kNone) job.Tilted(now, worst);
+  return true;
 }
 
 std::string Rewriter::Impl::SkipPrefix() const {

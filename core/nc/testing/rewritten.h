@@ -64,11 +64,14 @@ inline const RewriteOptions kAtZero = From({{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 
     EXPECT_EQ(rewritten.text, expected);                                                                   \
   } while (false)
 
-#define EXPECT_REFUSED(options, program, wanted)                                                         \
-  do {                                                                                                   \
-    const ::axiscal::nc::testing::Outcome refused = ::axiscal::nc::testing::Rewritten(program, options); \
-    EXPECT_EQ(refused.status.code(), absl::StatusCode::kFailedPrecondition) << refused.text;             \
-    EXPECT_THAT(std::string(refused.status.message()), ::testing::HasSubstr(wanted));                    \
+#define EXPECT_REFUSED_BY(compensator, options, program, wanted)                                                      \
+  do {                                                                                                                \
+    const ::axiscal::nc::testing::Outcome refused = ::axiscal::nc::testing::Rewritten(program, options, compensator); \
+    EXPECT_EQ(refused.status.code(), absl::StatusCode::kFailedPrecondition) << refused.text;                          \
+    EXPECT_THAT(std::string(refused.status.message()), ::testing::HasSubstr(wanted));                                 \
   } while (false)
+
+#define EXPECT_REFUSED(options, program, wanted) \
+  EXPECT_REFUSED_BY(::axiscal::nc::testing::LeaningHead(), options, program, wanted)
 
 #endif  // AXISCAL_CORE_NC_TESTING_REWRITTEN_H_
