@@ -135,7 +135,11 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
     // Ends that differ by rounding would be a tiny arc instead of a full circle.
     if ((end_mm - start_mm).norm() > 1.5 * grain_mm) return false;
     end_mm = start_mm;
-    for (const int axis : {nominal.first, nominal.second}) written[axis] = piece->targets[axis] = start[axis];
+    for (const int axis : {nominal.first, nominal.second}) {
+      // So would a start that a word of the block cannot say: it may have more decimals, or be in inch.
+      if (step.word_of_axis[axis] >= 0 && grain.Held(axis, start[axis]) != start[axis]) return false;
+      written[axis] = piece->targets[axis] = start[axis];
+    }
   } else {
     for (const int axis : {nominal.first, nominal.second}) written[axis] = grain.Held(axis, piece->targets[axis]);
     end_mm = PlanePoint(written, nominal);

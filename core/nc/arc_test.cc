@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/nc/move_reader.h"
 #include "core/nc/testing/rewritten.h"
 #include "core/nc/verify.h"
 
@@ -66,6 +67,42 @@ TEST(ArcRewriter, TinyArcsBecomeLinesNeverFullCircles) {
   EXPECT_REWRITTEN(kAtZero,
                    "G1 X1. Y0.\nG2 X1.0002 Y0.0002 I0.0002\nX1.5 Y0.5002 I0.5\nX1.5001 Y0.5003 R0.0001\nG1 X3.\n",
                    "G1 X1.0417 Y0.\nG1 X1.0419 Y0.0002\nG02 X1.5417 Y0.5002 I0.5\nG01 X1.5418 Y0.5003\nG1 X3.0417\n");
+}
+
+// The angle by which the arcs of a program turn, all together.
+double SweptRad(const std::string& program, const RewriteOptions& options) {
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
+  auto interpreter = Interpreter::Create(machine, options);
+  EXPECT_TRUE(interpreter.ok());
+  const ByteReader reader = TextReader(program);
+  MoveReader moves(reader, *std::move(interpreter));
+  double swept_rad = 0;
+  for (Event event; *moves.Next(&event);) {
+    EXPECT_EQ(event.step.kind, StepKind::kMove) << event.step.reason << program;
+    if (event.step.is_arc) swept_rad += event.step.arc.sweep_rad;
+  }
+  return swept_rad;
+}
+
+// The start of a full circle may have more decimals than the words of its block, which must name it as its end.
+TEST(ArcRewriter, AFullCircleWhoseWordsCannotSayItsStartIsSplit) {
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
+  RewriteOptions options = kAtZero;
+  options.dialect = "linuxcnc";
+  options.decimals_mm = 4;
+  for (const double error_mm : {0.00007, -0.00007, 0.00003}) {
+    const auto compensator = testing::MustCreate(
+        machine, testing::ConstantErrors(machine, {{"EX0C", 0.02}, {"EY0C", error_mm}}), {0, 0, -testing::kToolMm});
+    for (const std::string circle :
+         {"G3 X10. Y0. I-5.", "G3 Y0. I-5.", "G3 I-5.", "G3 X10. I-5. Z1.", "G91 G3 X0 Y0 I-5."}) {
+      const std::string program = "G1 X10. Y0.00000 F500\n" + circle + "\n";
+      const Outcome outcome = Rewritten(program, options, compensator);
+      ASSERT_TRUE(outcome.status.ok()) << outcome.status << program;
+      EXPECT_NEAR(SweptRad(outcome.text, options), 2 * kPi, 1e-4) << outcome.text;
+      // Without a word of Y nothing else is said of it than that it stays.
+      EXPECT_EQ(outcome.report.blocks_split, circle.find('Y') != std::string::npos && circle[1] == '3') << outcome.text;
+    }
+  }
 }
 
 struct Structure {
