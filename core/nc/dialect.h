@@ -101,6 +101,7 @@ inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on
 inline constexpr uint32_t kTangential = 2;  // its shape follows the direction of the move in front of it
 inline constexpr uint32_t kBehindMove = 1;           // the block's own words are moved to first
 inline constexpr uint32_t kOffsetMayHaveNumber = 2;  // G54 P2 is G54.1 P2
+inline constexpr uint32_t kReadsNumber = 1;          // of harmless M codes: a P word of their block is theirs
 inline constexpr uint32_t kPresetOrThread = 4;  // G92 with an F word is a thread on lathes of the same family
 
 struct CodeEntry {

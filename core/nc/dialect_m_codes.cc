@@ -9,8 +9,8 @@ namespace axiscal::nc {
 namespace {
 
 void AddM(std::initializer_list<int> codes, const char* text, std::vector<CodeEntry>* entries,
-         Meaning meaning = Meaning::kHarmless) {
-  for (const int code : codes) entries->push_back({'M', 10 * code, meaning, 0, text});
+         Meaning meaning = Meaning::kHarmless, uint32_t detail = 0) {
+  for (const int code : codes) entries->push_back({'M', 10 * code, meaning, detail, text});
 }
 
 // ISO 6983-1 and DIN 66025-2, table of M functions, as far as controls follow it.
@@ -44,11 +44,11 @@ std::vector<CodeEntry> HaasM() {
   AddM({3, 4}, "spindle on", &entries);
   AddM({7, 8}, "coolant on", &entries);
   AddM({10, 11, 12, 13}, "brake of a rotary axis", &entries, Meaning::kEndOfBlock);
-  AddM({19}, "spindle orientation", &entries, Meaning::kEndOfBlock);
+  AddM({19}, "spindle orientation", &entries, Meaning::kEndOfBlock, kReadsNumber);
   AddM({31, 33}, "chip conveyor", &entries);
   AddM({34, 35}, "coolant spigot", &entries);
   AddM({41, 42}, "gear", &entries);
-  AddM({59, 69}, "output", &entries);
+  AddM({59, 69}, "output", &entries, Meaning::kHarmless, kReadsNumber);
   AddM({83, 84}, "air", &entries);
   AddM({88, 89}, "coolant through the spindle", &entries);
   AddM({138, 139}, "spindle speed variation", &entries);
@@ -63,11 +63,13 @@ std::vector<CodeEntry> LinuxCncM() {
   std::vector<CodeEntry> entries;
   AddM({3, 4}, "spindle on", &entries);
   AddM({7, 8}, "coolant on", &entries);
-  AddM({19}, "spindle orientation", &entries, Meaning::kEndOfBlock);
-  AddM({48, 49, 50, 51, 52, 53}, "overrides", &entries);
+  AddM({19}, "spindle orientation", &entries, Meaning::kEndOfBlock, kReadsNumber);
+  AddM({48, 49}, "overrides", &entries);
+  AddM({50, 51, 52, 53}, "overrides", &entries, Meaning::kHarmless, kReadsNumber);
   AddM({61}, "number of the tool in the spindle", &entries);
-  AddM({62, 63, 64, 65, 67, 68}, "output", &entries);
-  AddM({66}, "waits for an input", &entries, Meaning::kEndOfBlock);
+  AddM({62, 63, 64, 65}, "output", &entries, Meaning::kHarmless, kReadsNumber);
+  AddM({67, 68}, "output", &entries);
+  AddM({66}, "waits for an input", &entries, Meaning::kEndOfBlock, kReadsNumber);
   AddM({70, 71, 73}, "saves the modal state", &entries);
   AddM({60}, "pallet change", &entries, Meaning::kAxesAway);
   return entries;

@@ -413,10 +413,12 @@ bool Interpreter::LeavesNumber(const Block& block) const {
       case Meaning::kToolLength:
       case Meaning::kNoToolLength:
       case Meaning::kBlockerOff:
-      case Meaning::kEndOfBlock:
         break;
       case Meaning::kHarmless:
         if (word.letter == 'G') return false;  // G64 P0.01, G8 P1
+        [[fallthrough]];
+      case Meaning::kEndOfBlock:
+        if (Find(word).detail == kReadsNumber) return false;  // M64 P0
         break;
       default:
         return false;
@@ -427,6 +429,10 @@ bool Interpreter::LeavesNumber(const Block& block) const {
 
 void Interpreter::SelectOffset(const char* text, const Block& block, Request* request) {
   std::string name;
+  const bool is_next = request->number_of_parameter == request->offset + 1;  // "G54 P2"
+  // Where P may choose the spindle of M3, or be a second number of an M code.
+  const bool may_be_of_m =
+      !is_next && std::any_of(block.begin(), block.end(), [](const Word& word) { return word.letter == 'M'; });
   if (request->offset_code->meaning == Meaning::kWorkOffset) {
     name = WordText(*request->offset);
     const bool is_numbered =
@@ -435,7 +441,7 @@ void Interpreter::SelectOffset(const char* text, const Block& block, Request* re
         block.problem != LexProblem::kNone &&
         std::any_of(text + block.problem_at, end_of_text_, [](char c) { return Capital(c) == 'P'; });
     if (request->offset_code->detail != 1 && (is_numbered || may_be_numbered)) {
-      if (request->offset_code->detail != kOffsetMayHaveNumber || may_be_numbered) {
+      if (request->offset_code->detail != kOffsetMayHaveNumber || may_be_numbered || may_be_of_m) {
         modal_.blockers |= kUnstatedOffset;
         return request->Refuse(name + " with a P word: which offset it selects is not known");
       }
@@ -445,6 +451,10 @@ void Interpreter::SelectOffset(const char* text, const Block& block, Request* re
       if (request->parameter != 'P' || request->number_of_parameter == nullptr) {
         modal_.blockers |= kUnstatedOffset;  // it selects one, which is not known
         return request->Refuse(name + " without a P word");
+      }
+      if (!is_next && !LeavesNumber(block)) {
+        modal_.blockers |= kUnstatedOffset;
+        return request->Refuse(name + " without a P word of its own: which offset it selects is not known");
       }
       absl::StrAppend(&name, " ", WordText(*request->number_of_parameter));
       request->parameter = 0;

@@ -150,6 +150,31 @@ TEST(Modal, WorkOffsetsWithANumber) {
     EXPECT_REWRITTEN(options, "G54 G64 P0.05\n" + move, "G54 G64 P0.05\n" + plain);
     EXPECT_REWRITTEN(options, "G54\n" + move, "G54\n" + plain);
   }
+  // M codes that read a P word, as the manuals say.
+  for (const char* code : {"M62", "M63", "M64", "M65", "M66", "M50", "M53", "M19 R90"}) {
+    options.dialect = "linuxcnc";
+    const std::string block = absl::StrCat("G54 ", code, " P5\n");
+    EXPECT_REWRITTEN(options, block + move, block + plain);
+  }
+  for (const char* code : {"M19", "M59", "M69"}) {
+    options.dialect = "haas";
+    const std::string block = absl::StrCat("G54 ", code, " P5\n");
+    EXPECT_REWRITTEN(options, block + move, block + plain);
+  }
+  // On Fanuc P may choose the spindle of M3: only right behind G54 it is the offset's for certain.
+  for (const char* dialect : {"fanuc", "mazak"}) {
+    options.dialect = dialect;
+    for (const std::string block : {"G54 S500 M3 P5", "M8 P5 G54", "G54 G90 P5 M3", "M19 P5 G54"})
+      EXPECT_REFUSED(options, block + "\n", "G54 with a P word: which offset it selects is not known");
+    for (const std::string block : {"M3 S500 G54 P5 M8\n", "G54 G90 P5\n"})
+      EXPECT_REWRITTEN(options, block + move, block + turned);
+  }
+  // Where the number must stand in P, another code's P is none.
+  options.dialect = "haas";
+  options.work_offsets.push_back({"G154 P5", {{"B", 90 * base::kRadPerDeg}}});
+  EXPECT_REWRITTEN(options, "G154 P5 M3 S500\n" + move, "G154 P5 M3 S500\n" + turned);
+  EXPECT_REFUSED(options, "M59 P5 G154\n", "G154 without a P word of its own");
+  EXPECT_REFUSED(options, "M59 P5 G154 P7\n", "G154 without a P word of its own");
   options.dialect = "fanuc";
   EXPECT_REFUSED(options, "G54 P6\n", "G54.1 P6 (work offset): its values are not stated");
 }
