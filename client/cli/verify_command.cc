@@ -97,8 +97,7 @@ void AddVerifyCommand(CLI::App& app, Context& context) {
       "Independent of how the correction was computed: both programs are read and every move is evaluated on the chain "
       "with the\n"
       "machine's errors. Give the options that compensate was given. What was passed as it is (--on-unsupported pass) "
-      "is "
-      "not judged:\n"
+      "is not judged:\n"
       "its lines are listed, and the exit code is 5.\n"
       "Example: axiscal verify --machine mt --tool-tip \"0 0 -350\" in.nc out.nc");
   SetAction(verify, context, [&context, arguments] { return Verify(context, *arguments); });

@@ -154,7 +154,8 @@ class Comparison:
         # G92 took its coordinates from where the control stood, which was the corrected position.
         near = self.limits.gross_mm if self.has_preset else 1.3 * self.limits.end_mm
         # An axis that somebody else has moved since stays where it is.
-        return (all(start[a] == end[a] or abs(end[a] - position[a]) <= near and abs(start[a] - end[a]) <= self.limits.gross_mm
+        return (all(start[a] == end[a] or
+                    abs(end[a] - position[a]) <= near and abs(start[a] - end[a]) <= self.limits.gross_mm
                     for a in end) and any(start[a] != end[a] for a in end) and
                 all(m.number is None and m.arc is None for m in moves))
 
