@@ -54,8 +54,7 @@ class Decider {
     ASSIGN_OR_RETURN(ending.fit, FitExtension(machine_, ending.extension, identify_options_));
     report.fit_before = ending.fit.result.fit;
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::before_mm, &report);
-    ASSIGN_OR_RETURN(report.check_before,
-                     CheckStatistics(ending.fit.result.model, &loop::SessionResiduals::before_mm, &report));
+    ASSIGN_OR_RETURN(report.check_before, CheckStatistics(ending.fit, &loop::SessionResiduals::before_mm, &report));
     // Names are those that all sessions ask for.
     if (!check_.is_empty()) {
       ending.extension = Extension(machine_, all_);
@@ -67,7 +66,7 @@ class Decider {
       RETURN_IF_ERROR(Describe(ending, runs_, &report));
     } else {
       ASSIGN_OR_RETURN(const identify::FitStatistics together,
-                       CheckStatistics(ending.fit.result.model, &loop::SessionResiduals::after_mm, &report));
+                       CheckStatistics(ending.fit, &loop::SessionResiduals::after_mm, &report));
       ASSIGN_OR_RETURN(std::optional<Ending> alone, Alone(ending, together.rms_mm, &sessions));
       report.is_check_fitted = !alone.has_value();
       if (alone) {
@@ -92,8 +91,7 @@ class Decider {
   };
 
   absl::Status Describe(const Ending& ending, const std::vector<MeasuringRun>& runs, loop::Report* report) {
-    ASSIGN_OR_RETURN(report->check_after,
-                     CheckStatistics(ending.fit.result.model, &loop::SessionResiduals::after_mm, report));
+    ASSIGN_OR_RETURN(report->check_after, CheckStatistics(ending.fit, &loop::SessionResiduals::after_mm, report));
     loop::Describe(machine_, runs, ending.extension, ending.fit, options_.search, report);
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::after_mm, report);
     return absl::OkStatus();
@@ -126,7 +124,7 @@ class Decider {
     }
     RETURN_IF_ERROR(check_.Settle(alone.fit));
     ASSIGN_OR_RETURN(*sessions, check_.UnexplainedSessions(alone.fit));
-    ASSIGN_OR_RETURN(const Fit under, check_.Under(alone.fit.result.model));
+    ASSIGN_OR_RETURN(const Fit under, check_.Under(alone.fit));
     const bool is_foretold = under.result.fit.rms_mm <= kNoWorse * check_rms_mm;
     if (!alone.extension.effects.empty() && (!sessions->empty() || !is_foretold)) return std::nullopt;
     return alone;
@@ -367,11 +365,11 @@ class Decider {
     }
   }
 
-  absl::StatusOr<identify::FitStatistics> CheckStatistics(const machine::ErrorModel& model,
+  absl::StatusOr<identify::FitStatistics> CheckStatistics(const Fit& best,
                                                           Eigen::MatrixXd loop::SessionResiduals::*field,
                                                           loop::Report* report) {
     if (check_.is_empty()) return identify::FitStatistics{};
-    ASSIGN_OR_RETURN(const Fit fit, check_.Under(model));
+    ASSIGN_OR_RETURN(const Fit fit, check_.Under(best));
     KeepResiduals(fit, check_.runs(), runs_.size(), field, report);
     return fit.result.fit;
   }

@@ -79,8 +79,9 @@ class MapSummary {
       if (node.is_tied) add(node.tied_to.at, -1.0);
     }
     const std::string name = NameOfMap(terms[first], map);
-    records::Estimate rms{.symbol = name + ".rms",
-                          .unit = unit == "urad" ? records::EstimateUnit::kUrad : records::EstimateUnit::kUm};
+    records::Estimate rms;
+    rms.symbol = name + ".rms";
+    rms.unit = unit == "urad" ? records::EstimateUnit::kUrad : records::EstimateUnit::kUm;
     records::Estimate largest = rms;
     largest.symbol = name + ".max";
     rms.identifiable = largest.identifiable = is_known;
