@@ -100,7 +100,8 @@ TEST_F(IdentifyCommand, HoldsOnlySomeErrors) {
       Run("identify --machine rtttr-bc --sessions head --declare EX0B,EY0B --hold 1 --hold-only EA0C,EB0C --json");
   ASSERT_EQ(head.exit_code, 0) << head.err;
   EXPECT_EQ(head.Json()["report"]["held"]["errors"].size(), 2u);
-  EXPECT_EQ(head.Json()["model"].size(), 4u);
+  EXPECT_EQ(head.Json()["model"].size(), 5u);  // four errors and their covariance
+  EXPECT_TRUE(head.Json()["model"].contains("covariance"));
   EXPECT_FALSE(head.Json()["report"]["held"]["errors"][0]["sigma"].is_null());
 }
 
