@@ -86,6 +86,17 @@ std::string Rewriter::Impl::WhyNotSplit() const {
   constexpr double kMaxFeed = 1e9;
   if (step.ends_block || step.is_tool_change) return "its block has a code that acts, or may act, after the move";
   if (step.is_at_corner) return "the control rounds or chamfers the corner at one of its ends, and needs it whole";
+  // Pieces are written in the mode of the program, and an absolute word may go another way than the block's own.
+  for (int i = 0; i < compensator.machine().axis_count() && !interpreter.modal().is_incremental; ++i) {
+    const machine::Axis& axis = compensator.machine().axes[i];
+    const int index = step.word_of_axis[i];
+    if (axis.kind == machine::AxisKind::kRotary && index >= 0 &&
+        interpreter.IsIncremental(block.words[static_cast<size_t>(index)]) &&
+        interpreter.WayOf(i) != machine::RollOver::kNone) {
+      return absl::StrCat("its pieces would be absolute, its word of ", axis.name,
+                          " is incremental, and that axis does not count on (roll_over)");
+    }
+  }
   if (interpreter.modal().uncertain & kFeedGroup) return "the feed mode is not known";
   if (interpreter.modal().feed_mode != FeedMode::kInverseTime) return "";
   for (const Word& word : block) {

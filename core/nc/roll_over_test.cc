@@ -167,5 +167,17 @@ TEST(RollOver, SinumerikWordsKeepTheirForm) {
   EXPECT_LT(result.verified.path_after.max_mm, 0.0013) << result.text;
 }
 
+// Piece by piece in absolute words the axis would go another way: C-62.876 by the sign, or 180 deg and more at once.
+TEST(RollOver, AnIncrementalWordIsNotSplitIntoAbsoluteOnes) {
+  const std::string program = "G90 G0 X300 Y0 Z0 B0 C240\nG1 X200 C=IC(-302.876) F500\n";
+  for (const RollOver roll_over : {RollOver::kBySign, RollOver::kByDifference, RollOver::kShortest}) {
+    const Result result = Split(roll_over, program, Fine("sinumerik"));
+    EXPECT_THAT(result.status.message(), HasSubstr("its word of C is incremental")) << result.text;
+  }
+  // Where the mode is incremental, so are the pieces.
+  EXPECT_TRUE(Split(RollOver::kBySign, "G90 G0 X300 Y0 Z0 B0 C100\nG91 G1 X-100 C-302.876 F500\n", Fine("sinumerik"))
+                  .status.ok());
+}
+
 }  // namespace
 }  // namespace axiscal::nc

@@ -614,8 +614,8 @@ class Iso(Control):
                 continue
             if a in ("IF", "GOTO", "WHILE", "DO", "END"):
                 raise Alarm("not read here: " + a)
-            if a in ("DPRNT", "POPEN", "PCLOS", "MSG", "STOPRE", "FFWON", "SOFT", "BRISK", "CFTCP", "CYCLE832", "FGROUP", "FNORM",
-                     "FLIN", "FCUB", "G_"):
+            if a in ("DPRNT", "POPEN", "PCLOS", "MSG", "STOPRE", "FFWON", "SOFT", "BRISK", "CFTCP", "CYCLE832", "FGROUP",
+                     "FNORM", "FLIN", "FCUB", "DYNNORM", "DYNFINISH", "G_"):
                 self.code(a, w.value)
                 other.remove(w)
             elif a in ("SUPA",):
