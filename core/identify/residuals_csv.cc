@@ -9,16 +9,6 @@ namespace {
 using base::kUmPerMm;
 using instruments::MeasuringRun;
 
-// "dL_mm", "ey_um"; the gap of a touch has no column of its own.
-std::string ReadingName(const MeasuringRun& run, int reading, int row) {
-  if (run.path_readings != nullptr)
-    return absl::StrCat("e", std::string(1, "xyz"[run.path_readings->readings[reading].component]), "_um");
-  for (const instruments::Instrument& instrument : instruments::Instruments()) {
-    if (instrument.kind == run.kind && !instrument.reading_columns.empty()) return instrument.reading_columns[row];
-  }
-  return "gap_mm";
-}
-
 // Why a reading is not used.
 std::string WhySetAside(const MeasuringRun& run, int reading, int row) {
   for (const touch::Rejection& rejection : run.touches.rejected) {
@@ -55,6 +45,7 @@ std::string ResidualsCsv(const std::string& part, const Fit& fit) {
     const Eigen::MatrixXd whitened = WhitenedOf(problem, i, fit.residuals_mm[i]);
     const double sigma_um = problem.noise[i].sigma_mm * kUmPerMm;
     const std::string session = Cell(run.session);
+    const std::vector<std::string> names = instruments::ReadingNames(run);
     for (int k = 0; k < run.reading_count(); ++k) {
       const RowWeight* const weights = problem.WeightOf(i, k);
       const int line = run.path_readings != nullptr ? run.path_readings->readings[k].row : k;
@@ -64,8 +55,8 @@ std::string ResidualsCsv(const std::string& part, const Fit& fit) {
         const double share = weights != nullptr ? weights->col(r).squaredNorm() : 1.0;
         const double weight = is_used ? share / (sigma_um * sigma_um) : 0.0;
         absl::StrAppendFormat(&text, "%s,%s,%d,%s,%.9f,%.6f,%.12g,", part, session, run.readings_before + line + 1,
-                              ReadingName(run, k, r), run.measured_mm(r, k) + residual_mm, residual_mm * kUmPerMm,
-                              weight);
+                              names[run.path_readings != nullptr ? run.path_readings->readings[k].component : r],
+                              run.measured_mm(r, k) + residual_mm, residual_mm * kUmPerMm, weight);
         if (is_used) absl::StrAppendFormat(&text, "%.9g,\n", whitened(r, k));
         if (!is_used) absl::StrAppend(&text, ",", WhySetAside(run, k, r), "\n");
       }

@@ -27,4 +27,12 @@ const Instrument* FindInstrument(const std::string& name) {
   return nullptr;
 }
 
+std::vector<std::string> ReadingNames(const MeasuringRun& run) {
+  if (run.path_readings != nullptr) return {"ex_um", "ey_um", "ez_um"};
+  for (const Instrument& instrument : Instruments()) {
+    if (instrument.kind == run.kind && !instrument.reading_columns.empty()) return instrument.reading_columns;
+  }
+  return {"gap_mm"};
+}
+
 }  // namespace axiscal::instruments

@@ -40,8 +40,6 @@ struct Policy {
   double design_quantile = 0.7;
   // Fewer clusters say nothing about how a column's products scatter over them.
   int fewest_clusters = 8;
-  // Beyond this the model misses by more than its noise: nothing is promised.
-  double unexplained_design = 2.5;
 
   // A replacement must gain this much, chi-square units: less is a matter of rounding and could go back and forth.
   double replacement_gain = 0.5;

@@ -44,7 +44,7 @@ class Predictor {
         setup_(run.setup.size(), 0.0) {}
 
   PredictedReadings Predict(size_t lines, const std::function<void(double)>& progress) {
-    made_.columns = Columns();
+    made_.columns = instruments::ReadingNames(run_);
     const auto columns = static_cast<Eigen::Index>(made_.columns.size());
     made_.predicted.setConstant(static_cast<Eigen::Index>(lines), columns, std::numeric_limits<double>::quiet_NaN());
     if (!errors_.covariance.is_empty()) made_.sigma = made_.predicted;
@@ -57,14 +57,6 @@ class Predictor {
   }
 
  private:
-  std::vector<std::string> Columns() const {
-    if (run_.path_readings != nullptr) return {"ex_um", "ey_um", "ez_um"};
-    for (const instruments::Instrument& instrument : instruments::Instruments()) {
-      if (instrument.kind == run_.kind && !instrument.reading_columns.empty()) return instrument.reading_columns;
-    }
-    return {"gap_mm"};
-  }
-
   void One(int k) {
     const auto errors_at = [this](const shapes::State& state) {
       return machine::ErrorsAt(machine_, errors_.model, state);

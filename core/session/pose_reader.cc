@@ -16,8 +16,6 @@ using machine::AxisKind;
 
 constexpr size_t kBlockRows = 4096;
 
-absl::Status RefusePoses(const std::string& what) { return absl::InvalidArgumentError(what); }
-
 std::string PoseColumn(const Axis& axis) { return axis.name + (axis.kind == AxisKind::kLinear ? "_mm" : "_deg"); }
 
 std::string PoseColumns(const machine::Machine& machine) {
@@ -46,7 +44,7 @@ absl::StatusOr<std::unique_ptr<PoseReader>> PoseReader::Open(const std::string& 
   RETURN_IF_ERROR(base::RequireFile(path));
   std::unique_ptr<PoseReader> reader(new PoseReader(path, machine));
   reader->in_.open(path, std::ios::binary);
-  if (!reader->in_) return RefusePoses(path + ": cannot be opened");
+  if (!reader->in_) return absl::InvalidArgumentError(path + ": cannot be opened");
   std::error_code error;
   reader->bytes_ = std::max(1.0, static_cast<double>(std::filesystem::file_size(path, error)));
   reader->lines_ = std::make_unique<LineReader>(reader->in_, std::numeric_limits<size_t>::max());
@@ -56,15 +54,18 @@ absl::StatusOr<std::unique_ptr<PoseReader>> PoseReader::Open(const std::string& 
 
 absl::StatusOr<ColumnRule> PoseReader::RuleOf(const std::string& name, const std::string& place) const {
   std::optional<ColumnRule> rule = StateColumnRule(name);
-  if (!rule) return RefusePoses(absl::StrCat(place, ": unknown column for poses, expected ", PoseColumns(machine_)));
+  if (!rule)
+    return absl::InvalidArgumentError(
+        absl::StrCat(place, ": unknown column for poses, expected ", PoseColumns(machine_)));
   if (rule->axis.empty()) return *rule;
   const int found = machine::FindAxis(machine_, rule->axis);
-  if (found < 0) return RefusePoses(absl::StrCat(place, ": machine ", machine_.id, " has no axis ", rule->axis));
+  if (found < 0)
+    return absl::InvalidArgumentError(absl::StrCat(place, ": machine ", machine_.id, " has no axis ", rule->axis));
   const Axis& axis = machine_.axes[found];
   if ((axis.kind == AxisKind::kLinear) != rule->IsLinear()) {
-    return RefusePoses(absl::StrCat(place, ": ", axis.name, " is ",
-                                    axis.kind == AxisKind::kLinear ? "linear" : "rotary", ", expected ",
-                                    axis.kind == AxisKind::kLinear ? "mm" : "deg"));
+    return absl::InvalidArgumentError(absl::StrCat(place, ": ", axis.name, " is ",
+                                                   axis.kind == AxisKind::kLinear ? "linear" : "rotary", ", expected ",
+                                                   axis.kind == AxisKind::kLinear ? "mm" : "deg"));
   }
   if (rule->IsAxis()) KeepToTravel(axis, &*rule);
   return *rule;
@@ -74,8 +75,8 @@ absl::Status PoseReader::RequireAxes(size_t line) const {
   for (size_t i = 0; i < column_of_axis_.size(); ++i) {
     if (column_of_axis_[i] >= 0) continue;
     const Axis& axis = machine_.axes[i];
-    return RefusePoses(absl::StrCat("line ", line, ": axis ", axis.name, " of machine ", machine_.id,
-                                    " has no column, expected ", PoseColumn(axis)));
+    return absl::InvalidArgumentError(absl::StrCat("line ", line, ": axis ", axis.name, " of machine ", machine_.id,
+                                                   " has no column, expected ", PoseColumn(axis)));
   }
   return absl::OkStatus();
 }
@@ -85,12 +86,12 @@ absl::Status PoseReader::ReadColumns() {
   ASSIGN_OR_RETURN(const std::vector<HeaderEntry> header, ReadHeaderLines(*lines_, &line));
   for (size_t i = 0; i < header.size(); ++i) {
     if (header[i].key != "machine" || header[i].value == machine_.id) continue;
-    return RefusePoses(
+    return absl::InvalidArgumentError(
         absl::StrCat("line ", HeaderLine(i), ": machine: ", Quoted(header[i].value), ", expected '", machine_.id, "'"));
   }
   const std::vector<std::string> names = SplitCells(line.text);
   if (names.size() > kMaxColumns) {
-    return RefusePoses(
+    return absl::InvalidArgumentError(
         absl::StrCat("line ", line.number, ": ", names.size(), " columns, at most ", kMaxColumns, " are read"));
   }
   column_of_axis_.assign(machine_.axes.size(), -1);
@@ -98,7 +99,8 @@ absl::Status PoseReader::ReadColumns() {
     const std::string place = Place(line.number, i, names[i].empty() ? "no name" : Printable(names[i]));
     if (const auto first = std::find(names.begin(), names.end(), names[i]) - names.begin();
         first < static_cast<std::ptrdiff_t>(i))
-      return RefusePoses(absl::StrCat(place, ": the same name as column ", first + 1, ", expected once"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(place, ": the same name as column ", first + 1, ", expected once"));
     ASSIGN_OR_RETURN(ColumnRule rule, RuleOf(names[i], place));
     if (rule.IsAxis()) column_of_axis_[machine::FindAxis(machine_, rule.axis)] = static_cast<int>(i);
     if (rule.kind == ColumnKind::kTime) time_ = static_cast<int>(i);
@@ -122,7 +124,7 @@ absl::Status PoseReader::ReadRows(PoseBlock* block) {
     RETURN_IF_ERROR(rows_->Add(line));
   }
   rows_read_ += count;
-  if (rows_read_ == 0) return RefusePoses("no poses follow the column names, expected at least one");
+  if (rows_read_ == 0) return absl::InvalidArgumentError("no poses follow the column names, expected at least one");
   block->count = count;
   const size_t axes = column_of_axis_.size();
   block->positions.resize(count * axes);
