@@ -23,8 +23,8 @@ struct Instrument {
 const std::vector<Instrument>& Instruments();
 // The row with this name, or nullptr.
 const Instrument* FindInstrument(const std::string& name);
-// What the numbers of a run's reading are called where they are listed, row by row: its columns ("dL_mm"), "gap_mm" of a
-// touch, the components "ex_um" "ey_um" "ez_um" of a path.
+// What the numbers of a run's reading are called where they are listed, row by row: its columns ("dL_mm"), "gap_mm" of
+// a touch, the components "ex_um" "ey_um" "ez_um" of a path.
 std::vector<std::string> ReadingNames(const MeasuringRun& run);
 
 }  // namespace axiscal::instruments
