@@ -28,16 +28,15 @@ def gross(a, b, machine):
 
 
 def group(moves, others, machine):
-    """For each source move the pieces that it became: the cheapest way to cut `others` into len(moves) runs."""
+    """For each source move the pieces that it became: the cheapest way to cut `others` into len(moves) runs. And what it
+    costs: how far apart the ends are, mm, with 20 for each word that does not fit."""
     n, m = len(moves), len(others)
     if m < n:
         raise Difference("%d moves became %d" % (n, m), moves[0] if moves else None, others[:1])
     if n == 0:
         if m:
             raise Difference("a move where the source has none", None, others)
-        return []
-    if n == m:
-        return [[o] for o in others]
+        return [], 0.0
     def apart(s, o):
         """Where the piece ends the move, the tool is right, or the axes stand as in the source."""
         axes = gross(s.end, o.end, machine)
@@ -71,7 +70,7 @@ def group(moves, others, machine):
     for i in range(n - 1, -1, -1):
         cuts.append((back[i][k], k))
         k = back[i][k]
-    return [others[a:b] for a, b in reversed(cuts)]
+    return [others[a:b] for a, b in reversed(cuts)], cost[m]
 
 
 def sub(a, b):
@@ -131,10 +130,14 @@ class Comparison:
             j += 1
 
     def group(self, moves, others):
-        if len(others) > len(moves) > 0 and self.is_back(others[-1:], moves[-1].end):
-            runs = group(moves, others[:-1], self.machine)
-            return runs[:-1] + [runs[-1] + others[-1:]]
-        return group(moves, others, self.machine)
+        if len(others) == len(moves):
+            return [[o] for o in others]
+        runs, cost = group(moves, others, self.machine)
+        if moves and self.is_back(others[-1:], moves[-1].end):  # or a move as short as a correction is long
+            before_back, cost_before = group(moves, others[:-1], self.machine)
+            if cost_before < cost:
+                return before_back[:-1] + [before_back[-1] + others[-1:]]
+        return runs
 
     def unwrap(self, moves):
         """An axis that counts from 0 again behind each block goes on where the block before ended."""
@@ -188,7 +191,10 @@ class Comparison:
         for at, a, b in (("start", s.start, pieces[0].start), ("end", s.end, last.end)):
             for axis in a:
                 limit = limits.gross_mm if axis in machine.linear else limits.gross_deg
-                if abs(a[axis] - b[axis]) > limit:
+                off = a[axis] - b[axis]
+                if axis in machine.rotary and axis in s.unsure_before:  # which way round it turned, nobody knows
+                    off = math.remainder(off, 360.0)
+                if abs(off) > limit:
                     raise Difference("%s of the move: %s stands at %.4f, commanded by the source at %.4f" %
                                      (at, axis, b[axis], a[axis]), s, pieces)
         if s.minutes is not None:
