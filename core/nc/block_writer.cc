@@ -90,6 +90,29 @@ void BlockWriter::Wrap(const Step& step) {
   }
 }
 
+void BlockWriter::ChangeFrame(const FrameChange& change) {
+  adrift_ |= Departed();
+  AxisTicks commanded = commanded_.ticks, programmed = programmed_;
+  uint16_t kept = change.kept, rotary = 0;
+  for (const int axis : order_) {
+    if (!is_linear_[axis]) rotary |= static_cast<uint16_t>(1u << axis);
+  }
+  const auto needed = static_cast<uint16_t>(rotary | kept);
+  if ((commanded_.known & needed) != needed || kept == 0 || !interpreter_->ToFrame(change, &commanded) ||
+      !interpreter_->ToFrame(change, &programmed))
+    kept = 0;
+  for (const int axis : interpreter_->frame().xyz()) {
+    const auto bit = static_cast<uint16_t>(1u << axis);
+    if ((kept & bit) == 0) {
+      commanded_.known &= static_cast<uint16_t>(~bit);
+      continue;
+    }
+    commanded_.ticks[axis] = commanded[axis];
+    programmed_[axis] = programmed[axis];
+    adrift_ &= static_cast<uint16_t>(~bit);
+  }
+}
+
 void BlockWriter::ForgetChanges(const Commanded& before) {
   for (const int axis : order_) {
     if (before.is_known(axis) && before.ticks[axis] == commanded_.ticks[axis]) continue;

@@ -33,6 +33,8 @@ class BlockWriter {
   void Pass(const Block& block, const Step& step);
   // Before a move: axes that count from 0 to 360 deg are shifted by the same whole turns as the move's start.
   void Wrap(const Step& step);
+  // The words of X, Y and Z stand in another frame from this block on.
+  void ChangeFrame(const FrameChange& change);
   // Behind a tool change and blocks that are not followed.
   void ForgetAll();
   // A program begins, `is_behind_end`: behind the end of another one, which does not run into it.
@@ -50,6 +52,7 @@ class BlockWriter {
   // The pole is no move: it is brought back.
   void LeaveAdrift(const char* text, size_t size, const StateBefore& before, const std::string& line_end,
                    OutBuffer* out);
+  bool HasDeparted() const { return Departed() != 0; }
   // Axes that may stand at a corrected position which is not known: of a block that may have been skipped.
   uint16_t adrift() const { return adrift_; }
   // The control is in G01 where the program is in G02 or G03, and this block would leave the text with that.

@@ -57,6 +57,7 @@ absl::StatusOr<Coordinates> Coordinates::Create(const machine::Machine& machine,
 void Coordinates::Reset() {
   selected_ = active_length_ = -1;
   length_ = length_difference_ = 0;
+  is_tool_point_ = false;
   preset_ = suspended_ = shift_ = {};
   for (size_t i = 0; i < stated_.size(); ++i) {
     if (stated_[i].code == first_offset_) selected_ = static_cast<int>(i);
@@ -91,6 +92,12 @@ void Coordinates::DropLength() { SelectLength(0, 1); }
 
 void Coordinates::SetLengthDifference(Ticks difference) {
   length_difference_ = difference;
+  Sum();
+}
+
+void Coordinates::SetToolPoint(bool is_tool_point) {
+  if (is_tool_point == is_tool_point_) return;
+  is_tool_point_ = is_tool_point;
   Sum();
 }
 
@@ -140,7 +147,7 @@ void Coordinates::Sum() {
   for (int i = 0; i < axis_count_; ++i) {
     total_[i] = preset_[i] + shift_[i] + (selected_ < 0 ? 0 : stated_[static_cast<size_t>(selected_)].ticks[i]);
   }
-  if (length_axis_ >= 0) total_[length_axis_] += length_ + length_difference_;
+  if (length_axis_ >= 0 && !is_tool_point_) total_[length_axis_] += length_ + length_difference_;
 }
 
 }  // namespace axiscal::nc

@@ -36,6 +36,10 @@ class Coordinates {
   void DropLength();
   // A difference of the length in force (DL): Z stands so much higher, the tool is as long as it is.
   void SetLengthDifference(Ticks difference);
+  // While words stand in the workpiece's frame they say where the tool point is: no length is added to Z.
+  void SetToolPoint(bool is_tool_point);
+  Ticks length() const { return length_; }
+  bool has_length_difference() const { return length_difference_ != 0; }
   // G92: the axis' present position gets the programmed value.
   void Preset(int axis, Ticks position, Ticks value);
   // G92.1, of the axes in `axes`; a local shift (G52) ends with it.
@@ -70,6 +74,7 @@ class Coordinates {
   int selected_ = -1;
   int active_length_ = -1;
   Ticks length_ = 0, length_difference_ = 0;
+  bool is_tool_point_ = false;
   AxisTicks preset_{}, suspended_{}, shift_{}, total_{};
 };
 

@@ -89,7 +89,7 @@ TEST(CorrectedWord, PositionsBetweenPiecesAreCountedFromTheBaseToo) {
   const machine::Machine& machine = compensator.machine();
   RewriteOptions options;
   options.tolerance_mm = 0.002;
-  const MoveCorrector corrector(compensator, options);
+  const MoveCorrector corrector(compensator, options, 0.0);
   const int x = machine::FindAxis(machine, "X"), y = machine::FindAxis(machine, "Y");
   const int b = machine::FindAxis(machine, "B");
   constexpr Ticks kBase = kGrain / 3;

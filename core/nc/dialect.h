@@ -37,7 +37,7 @@ enum class Meaning : uint8_t {
   kIncremental,
   kCentreAbsolute,
   kCentreIncremental,
-  kPlane,  // detail: index of the normal, 2 is XY
+  kPlane,       // detail: index of the normal, 2 is XY
   kShorterWay,  // M126; detail: 1 rotary axes that roll over go the shorter way, 0 as the axis counts
   kFeedPerMinute,
   kFeedInverseTime,
@@ -47,16 +47,20 @@ enum class Meaning : uint8_t {
   kNoWorkOffset,  // G500: none
   kToolLength,    // detail: 1 added (G43), 2 subtracted (G44)
   kNoToolLength,
-  kPreset,      // G92; detail: 0 set, 1 cleared, 2 suspended, 3 restored, kPresetOrThread
+  kPreset,              // G92; detail: 0 set, 1 cleared, 2 suspended, 3 restored, kPresetOrThread
   kScalingOffOrPreset,  // G50: with axis words it sets coordinates, of lathes
-  kLocalShift,  // G52
-  kBlockerOn,   // a mode in which axis words are not axis positions; detail: a Blocker
-  kBlockerOff,  // of mirroring: axis words of its block say which axes
-  kToolChange,  // axes may have moved; detail: kBehindMove
-  kAxesAway,    // the same without a new tool (a pallet change); detail: the Blockers that it ends
+  kLocalShift,          // G52
+  // Tool centre point control, followed where it can be and else a kBlockerOn; detail: its Blocker, with kSelectsLength
+  // too where its block states the tool length (G43.4 H1).
+  kToolPoint,
+  kTurnByVector,  // how tools turn under it; detail: 1 by a vector, 0 axis by axis
+  kBlockerOn,     // a mode in which axis words are not axis positions; detail: a Blocker
+  kBlockerOff,    // of mirroring: axis words of its block say which axes
+  kToolChange,    // axes may have moved; detail: kBehindMove
+  kAxesAway,      // the same without a new tool (a pallet change); detail: the Blockers that it ends
   kEndOfProgram,  // detail 1: of one that may have been called (M99)
-  kCall,        // control leaves this text and comes back; detail 1: it restores a state that was stored (M72)
-  kJump,        // behind it blocks do not run in the order of the text
+  kCall,          // control leaves this text and comes back; detail 1: it restores a state that was stored (M72)
+  kJump,          // behind it blocks do not run in the order of the text
   kEndOfBlock,  // takes effect after the block's move (M00, M05 ...): such a move cannot be split; so may M codes that
                 // the user states as harmless
   kHead,        // names the program (BEGIN PGM)
@@ -95,6 +99,7 @@ enum Blocker : uint32_t {
   kWorkpieceRotation = 1 << 21,    // G68.5, G68.6, which G69.1 ends
 };
 
+inline constexpr uint32_t kSelectsLength = 1u << 31;  // of kToolPoint
 inline constexpr uint32_t kArcWithRadius = 2;   // Klartext's CR, whose R is a radius
 // Of kOneShot and kOtherMotion.
 inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on where it begins

@@ -47,8 +47,8 @@ TEST(Dialect, SinumerikModesAreReported) {
     const char* block;
     const char* reason;
   } kCases[] = {
-      {"TRAORI", "tool centre point control"},
-      {"TRAORI(1)", "tool centre point control"},
+      {"TRAORI(2)", "tool centre point control"},
+      {"TRAORI X5", "tool centre point control"},
       {"CYCLE800(1,\"TC1\",0,57,0,0,0,30,0,0,0,0,0,1)", "tilted plane"},
       {"CYCLE81(10,0,2,-5)", "cycle"},
       {"TRANS X10 Y5", "shift of coordinates"},
@@ -113,7 +113,7 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"CYCL DEF 247 DATUM SETTING ~", "sets the datum"},
       {"CYCL CALL", "cycle"},
       {"L X+5 M128", "tool centre point control"},
-      {"FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS", "tool centre point control"},
+      {"FUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS", "tool centre point control"},
       {"LN X+5 Y+5 NX0 NY0 NZ1", "surface normals"},
       {"L X+5 RL F100", "cutter compensation"},
       {"CALL LBL 1", "call"},

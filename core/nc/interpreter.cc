@@ -110,7 +110,8 @@ Interpreter::Interpreter(const machine::Machine& machine, const RewriteOptions& 
       axis_count_(machine.axis_count()),
       options_(&options),
       dialect_(&dialect),
-      coordinates_(std::move(coordinates)) {
+      coordinates_(std::move(coordinates)),
+      frame_of_words_(machine, options.tool_tip_mm) {
   for (const int number : options.harmless_m) {
     if (number < 0 || number > kMaxHarmlessM) continue;  // Validate says so
     const auto index = static_cast<size_t>(number);
@@ -226,6 +227,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->is_consequence = step->is_tool_change = step->moves_away = step->ends_block = step->is_at_corner = false;
   step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
   step->jumps_back = step->is_curve = step->is_tangential = false;
+  step->frame.is_changed = false;
   end_of_text_ = text + size;
   step->wrapped = step->downwards = 0;
   step->preset = PresetChange::kNone;
@@ -381,6 +383,11 @@ void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before)
   if (before.way != modal_.way) modal_.way = Way::kUnknown;
   changed(before.are_centres_absolute != modal_.are_centres_absolute, kCentreGroup);
   modal_.blockers |= before.blockers;
+  modal_.turns_by_vector |= before.turns_by_vector;
+  if (before.tool_point != modal_.tool_point) {
+    modal_.blockers |= before.tool_point;
+    LoseToolPoint();
+  }
   modal_.mirrored_axes |= before.mirrored_axes;
   modal_.macro_depth = std::max(modal_.macro_depth, before.macro_depth);
   if (offsets_before == coordinates_.offsets()) return;
@@ -400,6 +407,8 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   request.is_whole = block.problem == LexProblem::kNone;
   request.blockers_before = modal_.blockers;
   request.uncertain_before = modal_.uncertain;
+  request.tool_point_before = modal_.tool_point;
+  request.length_before = coordinates_.active_length();
   ScanWords(block, &request, step);
   if (step->is_tool_change) loaded_tool_ = called_tool_, has_changer_ = true;
   if (request.has_feed) modal_.lacks_feed = false;
@@ -425,6 +434,14 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   if (request.speed_mode != nullptr) SelectSpeedMode(&request);
   if (request.offset != nullptr) SelectOffset(text, block, &request);
   if (request.length != nullptr || request.length_number != nullptr) SelectLength(&request);
+  if (request.tool_point != nullptr) BeginToolPoint(text, block, &request);
+  if (modal_.tool_point != 0 && request.offset != nullptr) {
+    if (const std::string reason = RotaryOffsetProblem(); !reason.empty()) {
+      LoseToolPoint();
+      request.Refuse(reason);
+    }
+  }
+  if ((modal_.tool_point | request.tool_point_before) != 0) ChangeFrame(&request, step);
   // A pole of parameters moves nothing: it is not known.
   if (block.problem != LexProblem::kNone && !request.is_pole) {
     step->has_other_words = true;
@@ -458,7 +475,8 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   const bool is_corner_pending = rounds_corners_ || is_behind_corner_;
   takes_plain_moves_ = step->kind == StepKind::kMove && !step->is_arc && step->wrapped == 0 && !is_corner_pending &&
                        !step->moves_away && !request.is_jump && !request.is_end && !request.is_rapid_block &&
-                       !dialect_->has_bare_keywords && !dialect_->has_poles;
+                       !dialect_->has_bare_keywords && !dialect_->has_poles &&
+                       !(modal_.tool_point != 0 && modal_.turns_by_vector);
 }
 
 }  // namespace axiscal::nc

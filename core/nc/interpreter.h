@@ -19,6 +19,7 @@
 #include "core/nc/modal.h"
 #include "core/nc/options.h"
 #include "core/nc/program_frame.h"
+#include "core/nc/tool_point_frame.h"
 
 namespace axiscal::nc {
 
@@ -31,6 +32,15 @@ enum class StepKind : uint8_t {
 
 // What the block does to the preset coordinates (G92): they are taken from where the controller stands.
 enum class PresetChange : uint8_t { kNone, kSet, kCleared, kSuspended, kRestored };
+
+// What the block does to the frame in which words of X, Y and Z stand, before its own words act.
+struct FrameChange {
+  enum class To : uint8_t { kSame, kWords, kAxes };
+  bool is_changed = false;
+  To to = To::kSame;
+  uint16_t kept = 0;  // of X, Y and Z: axes whose position is known in the new frame, from where they stood
+  Ticks length = 0;   // of the tool
+};
 
 // What one line does.
 struct Step {
@@ -53,6 +63,8 @@ struct Step {
   bool ends_subprogram = false;  // likewise, and the control goes on where this one may have been called
   bool is_corner = false;     // the control rounds or chamfers the corner between the moves before and behind
   bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
+  bool is_tool_point = false;  // of a move: `start`, `end` of X, Y and Z are words in the workpiece's frame
+  FrameChange frame;
   uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
   uint16_t downwards = 0;     // of `wrapped`: axes whose word's sign says that they turn in the negative sense
   // Of `wrapped`: whole turns of the number that the word says, -1 for C-10.
@@ -111,6 +123,11 @@ class Interpreter {
   // Programs that began behind another one; what was known of positions holds no longer.
   int64_t programs_begun() const { return programs_begun_; }
   const Positions& positions() const { return positions_; }
+  const ToolPointFrame& frame() const { return frame_of_words_; }
+  // Takes a position of all axes into the frame that the last block chose. False where it cannot be.
+  bool ToFrame(const FrameChange& change, AxisTicks* ticks) const;
+  // Whether X, Y and Z are known behind it, if they were before.
+  bool IsKept(const FrameChange& change) const;
   // Of an axis whose position is unknown: since which line (0: never programmed), and whether that block was reported.
   int64_t unknown_since(int axis) const { return unknown_since_[axis]; }
   bool is_unknown_reported(int axis) const { return unknown_reported_ >> axis & 1; }
@@ -161,7 +178,23 @@ class Interpreter {
   // Whether no other code of the block takes its P word than one that selects a work offset.
   bool LeavesNumber(const Block& block) const;
   void NeedAbsoluteZ();
-  void EndMode(uint32_t blockers) { modal_.blockers &= ~blockers; }
+  void BeginToolPoint(const char* text, const Block& block, Request* request);
+  // Why the control's words cannot be followed under tool centre point control, or "".
+  std::string WhyNoToolPoint(const char* text, const Block& block, const Request& request) const;
+  // Why rotary axes are offset, of which the words' frame is not known, or "".
+  std::string RotaryOffsetProblem() const;
+  // Takes the positions along when the frame of the words, or the tool length under tool centre point control, changed.
+  void ChangeFrame(Request* request, Step* step);
+  // Whether tool centre point control goes on is not known.
+  void LoseToolPoint() {
+    modal_.blockers |= modal_.tool_point;
+    modal_.tool_point = 0;
+    coordinates_.SetToolPoint(false);
+  }
+  void EndMode(uint32_t blockers) {
+    modal_.blockers &= ~blockers;
+    modal_.tool_point &= ~blockers;
+  }
   void MayHaveChanged(uint8_t groups) {
     modal_.uncertain |= groups;
     is_unit_asked_ |= (groups & kUnitGroup) != 0;  // its block is reported
@@ -233,6 +266,7 @@ class Interpreter {
   const RewriteOptions* options_;
   const Dialect* dialect_;
   Coordinates coordinates_;
+  ToolPointFrame frame_of_words_;
   std::array<Role, 26> roles_{};
   std::array<int8_t, 26> axis_of_letter_{};
   std::array<bool, machine::kMaxAxes> is_linear_{};
@@ -250,6 +284,7 @@ class Interpreter {
   std::vector<std::pair<int, int64_t>> tool_of_length_;  // D numbers of Sinumerik that were used, with their tools
   bool has_noted_integers_ = false, has_noted_cut_ = false;
   bool says_mm_ = false, says_inch_ = false;  // some program of this text does
+  bool is_tool_length_asked_ = false;         // the same of the tool length under tool centre point control
   bool is_unit_asked_ = false;                // the block was reported since which it is not known
   int64_t line_ = 0;
   int64_t jump_line_ = 0;  // behind it the order of blocks is not known

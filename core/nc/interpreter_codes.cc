@@ -143,6 +143,7 @@ void Interpreter::CallTool(const Block& block, const Word& word, Request* reques
   const std::optional<Ticks> difference =
       ToTicks(block.length_difference, modal_.is_inch ? kTicksPerInch : kTicksPerMm);
   step->is_tool_change |= names_tool;
+  if (names_tool || has_difference) LoseToolPoint();
   if (names_tool) request->away = "tool change";
   std::string problem;
   if (word.number.has_point || !difference || std::abs(*difference) > kTicksPerMm * 1000) {
@@ -308,6 +309,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       request->stated |= kOffsetGroup;
       return;
     case Meaning::kToolLength:
+      LoseToolPoint();  // whether it goes on with the length is not known
       request->length = &code;
       request->stated |= kLengthGroup;
       return;
@@ -316,6 +318,16 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       NeedAbsoluteZ();
       EndMode(kToolControl | kUnstatedLength | code.detail);
       request->stated |= kLengthGroup;
+      return;
+    case Meaning::kToolPoint:
+      request->tool_point = &code;
+      request->tool_point_word = &word;
+      if ((code.detail & kSelectsLength) == 0) return;
+      request->length = &code;
+      request->stated |= kLengthGroup;
+      return;
+    case Meaning::kTurnByVector:
+      modal_.turns_by_vector = code.detail == 1;
       return;
     case Meaning::kPreset:
       request->preset = &code;
@@ -349,6 +361,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return;
     case Meaning::kToolChange:
       step->is_tool_change = true;
+      LoseToolPoint();
       request->away = code.text;
       request->goes_away_behind = code.detail == kBehindMove;
       // Without a D word the first length of the tool acts.
@@ -509,7 +522,8 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
 void Interpreter::NoteCall() {
   MayHaveChanged(kCalledGroups);
   has_called_ = true;
-  blockers_at_calls_ |= modal_.blockers;
+  blockers_at_calls_ |= modal_.blockers | modal_.tool_point;
+  LoseToolPoint();  // what is called may end it
   if (coordinates_.has_shift() || coordinates_.has_preset()) blockers_at_calls_ |= kShift;
 }
 
@@ -555,7 +569,8 @@ void Interpreter::SelectLength(Request* request) {
     last_length_number_ = is_number ? static_cast<int>(number.mantissa) : -1;
     if (acts_alone) modal_.uncertain &= static_cast<uint8_t>(~kLengthGroup);
   }
-  const bool is_active = coordinates_.active_length() >= 0 || (modal_.blockers & (kToolControl | kUnstatedLength)) != 0;
+  const bool is_active = coordinates_.active_length() >= 0 || modal_.tool_point != 0 ||
+                         (modal_.blockers & (kToolControl | kUnstatedLength)) != 0;
   if (request->length == nullptr && !acts_alone && !is_active) return;
   // "G43 H#1": its number was not read.
   if (request->length_number == nullptr && (dialect_->takes_loaded_tool || !request->is_whole))

@@ -85,6 +85,8 @@ void Interpreter::DoMachineMove(const Request& request, Step* step) {
   if (request.machine_move->detail == 1 && names_axis)
     return Unsupported(step->reason + " and words of axes in one block", false, step);
   step->kind = StepKind::kUntouched;
+  // Under tool centre point control every axis that moves moves the tool point in all directions of the words.
+  if (modal_.tool_point != 0) return ForgetPositions(true);
   for (int i = 0; i < axis_count_; ++i) {
     if (step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0) ForgetPosition(i, true);
   }
@@ -129,6 +131,7 @@ void Interpreter::DoPreset(const Block& block, const Request& request, Step* ste
     problem = "with an F word it is a thread of lathes";
   }
   if (modal_.blockers != 0) problem = BlockerText(modal_.blockers);
+  if (modal_.tool_point != 0) problem = BlockerText(modal_.tool_point);
   if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
   if (modal_.uncertain & (kOffsetGroup | kLengthGroup)) problem = "the modal state is not known";
   if (request.has_axis && problem.empty()) problem = UnitProblem();
@@ -159,6 +162,7 @@ void Interpreter::DoShift(const Block& block, const Request& request, Step* step
   if (request.foreign_axis != 0) problem = absl::StrCat("word ", std::string(1, request.foreign_axis));
   if (modal_.is_incremental || (modal_.uncertain & kDistanceGroup) != 0)
     problem = "in G91 controllers differ on what it means";
+  if (modal_.tool_point != 0) problem = BlockerText(modal_.tool_point);
   if (request.has_axis && problem.empty()) problem = UnitProblem();
   for (int i = 0; i < axis_count_ && problem.empty(); ++i) {
     if (step->word_of_axis[i] < 0) continue;
@@ -193,6 +197,16 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
   }
   if (modal_.motion == Meaning::kCancelMotion) return "axis words while no motion code is in force (G80)";
   const bool is_arc = modal_.motion == Meaning::kArc;
+  if (modal_.tool_point != 0) {
+    if (is_arc) return "a circular move under tool centre point control";
+    if (coordinates_.active_length() <= 0 || (modal_.uncertain & kLengthGroup) != 0) {
+      *is_consequence = is_tool_length_asked_;
+      is_tool_length_asked_ = true;
+      return absl::StrCat(BlockerText(modal_.tool_point),
+                          ", and no tool length is in force: the words lead a tool point that is not known; call the "
+                          "tool's length in front of it, and state it with --tool-length");
+    }
+  }
   // While the tool length is unknown, so is where Z words lead.
   const uint8_t needed = static_cast<uint8_t>((kAllGroups & ~(is_arc ? kLengthGroup : kPlaneGroup | kLengthGroup)) |
                                               (is_arc && request.has_centre ? kCentreGroup : 0));
@@ -434,6 +448,12 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   step->is_rapid = modal_.motion == Meaning::kRapid || request.is_rapid_block;
   if (!ReadTargets(block, step)) return;
   if (modal_.motion == Meaning::kArc && !ReadArc(block, request, step)) return;
+  if (modal_.tool_point != 0 && modal_.turns_by_vector && !step->is_rapid) {
+    for (int i = 0; i < axis_count_; ++i) {
+      if (is_linear_[i] || step->start.ticks[i] == step->end.ticks[i]) continue;
+      return Unsupported("the tool turns by a vector (ORIVECT, ORIWKS), not axis by axis: state ORIAXES", false, step);
+    }
+  }
   step->is_at_corner = rounds_corners_ || is_behind_corner_ || request.has_corner;
   is_behind_corner_ = request.has_corner;
   GoTo(step);
@@ -441,6 +461,7 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
 
 void Interpreter::GoTo(Step* step) {
   step->kind = StepKind::kMove;
+  step->is_tool_point = modal_.tool_point != 0;
   step->tool_length = coordinates_.active_length();
   positions_.CopyFrom(step->end, axis_count_);
   has_moved_ = true;

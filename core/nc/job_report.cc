@@ -109,7 +109,10 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
   for (int i = 0; has_travel_limits_ && i < machine.axis_count(); ++i) {
     const machine::Axis& axis = machine.axes[i];
     if (axis.min_position || axis.max_position)
-      CheckTravel(block, i, static_cast<double>(commanded.ticks[i]) / kTicksPerUnit);
+      CheckTravel(block, i,
+                  piece.is_tool_point && axis.kind == machine::AxisKind::kLinear
+                      ? piece.correction.corrected[i]
+                      : static_cast<double>(commanded.ticks[i]) / kTicksPerUnit);
   }
   const double after_mm = after.norm() + piece.correction.after_mm, before_mm = piece.correction.before_mm;
   if (options_.orientation) AccountRotary(piece, commanded);

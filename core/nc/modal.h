@@ -44,6 +44,10 @@ struct Modal {
   bool is_rapid_unsure = false;  // a block that may be skipped changed between G00 and another motion code
   Way way = Way::kOfAxis;
   uint32_t blockers = 0;
+  // The Blocker of the tool centre point control that is in force and followed: words of X, Y and Z stand in the
+  // workpiece's frame (tool_point_frame.h). 0: none.
+  uint32_t tool_point = 0;
+  bool turns_by_vector = false;  // tools turn by a vector (ORIVECT, ORIWKS), not axis by axis
   uint16_t mirrored_axes = 0;  // of kMirror; bits of axes that are none of the machine's are set where it is not known
   uint8_t macro_depth = 0;     // of kModalMacro: how many calls are in force
   uint8_t uncertain = 0;       // ModalGroups

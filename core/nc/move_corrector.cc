@@ -34,8 +34,11 @@ double MoveCorrector::ChordDeparture(const Samples& samples, int first, int last
   return largest;
 }
 
-MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options)
+MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options,
+                             double length_mm)
     : compensator_(&compensator),
+      frame_(compensator.machine(), options.tool_tip_mm),
+      length_mm_(length_mm),
       tolerance_mm_(options.tolerance_mm),
       axis_count_(compensator.machine().axis_count()),
       orientation_(options.orientation),
@@ -53,6 +56,13 @@ MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const R
 
 absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& senses, const WordGrain& grain,
                                       Piece* piece) const {
+  if (piece->is_tool_point) {
+    for (int i = 0; i < axis_count_; ++i) {
+      piece->pose.sense[i] = senses[i];
+      piece->nominal[i] = nominal[i];
+    }
+    return CorrectWords(grain, piece);
+  }
   compensate::AxisValues near;
   if (begins_near_) {
     for (const int axis : corrected_)
@@ -78,12 +88,14 @@ absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& se
 absl::Status MoveCorrector::CorrectEnd(const Step& step, const WordGrain& grain, Piece* piece) const {
   piece->end_fraction = 1.0;
   piece->is_arc = false;
+  piece->is_tool_point = step.is_tool_point;
   return CorrectAt(step.end.ticks, step.end.sense, grain, piece);
 }
 
 absl::Status MoveCorrector::CorrectStart(const Step& step, const WordGrain& grain, Piece* piece) const {
   piece->end_fraction = 0.0;
   piece->is_arc = false;
+  piece->is_tool_point = step.is_tool_point;
   return CorrectAt(step.start.ticks, step.is_arc ? SensesOfArc(step, 0.0) : step.end.sense, grain, piece);
 }
 
@@ -105,6 +117,7 @@ absl::Status MoveCorrector::Sample(const Step& step, int intervals, Samples* sam
   samples->changes.clear();
   samples->effects.clear();
   Piece piece;
+  piece.is_tool_point = step.is_tool_point;
   for (int k = 0; k <= intervals; ++k) {
     RETURN_IF_ERROR(CorrectAt(Between(step, static_cast<double>(k) / intervals), step.end.sense, WordGrain(), &piece));
     samples->changes.push_back(ChangeOf(piece.targets, piece.nominal));
@@ -115,8 +128,10 @@ absl::Status MoveCorrector::Sample(const Step& step, int intervals, Samples* sam
 
 int MoveCorrector::SampleIntervals(const Step& step) const {
   double intervals = kMinIntervals;
+  const compensate::AxisValues travels = step.is_tool_point ? AxisTravels(step) : compensate::AxisValues();
   for (int i = 0; i < axis_count_; ++i) {
-    const double travel = std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) * unit_per_tick_[i];
+    const double travel = std::max(
+        travels[i], std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) * unit_per_tick_[i]);
     // Near singular poses rotary corrections bend within a few degrees.
     const double finer = orientation_ ? kTurnedSamples : 1.0;
     intervals = std::max(intervals, kMinIntervals * std::ceil(finer * travel / compensator_->smooth_travel(i)));
@@ -128,7 +143,9 @@ absl::StatusOr<double> MoveCorrector::Departure(const Step& step, const Piece& e
   compensate::AxisValues from;
   for (int i = 0; i < axis_count_; ++i) from[i] = static_cast<double>(step.start.ticks[i]) * unit_per_tick_[i];
   const compensate::AxisValues& to = end.pose.position;
-  const double bound_mm = orientation_ ? TurnedDepartureBound(from, to, end) : compensator_->DepartureBound(from, to);
+  const double bound_mm = step.is_tool_point ? ToolPointDepartureBound(step)
+                          : orientation_     ? TurnedDepartureBound(from, to, end)
+                                             : compensator_->DepartureBound(from, to);
   if (bound_mm <= tolerance_mm_) return bound_mm;
   Samples samples;
   const int intervals = SampleIntervals(step);
@@ -173,6 +190,7 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const 
   for (size_t k = 0; k < ends.size(); ++k) {
     Piece& piece = pieces[k];
     piece.end_fraction = static_cast<double>(ends[k]) / intervals;
+    piece.is_tool_point = step.is_tool_point;
     AxisTicks nominal = Between(step, piece.end_fraction);
     // Rotary axes are written as nominal, and linear ones at such numbers are short where no correction changes them.
     for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i) nominal[i] = grain.Held(i, nominal[i]);

@@ -10,6 +10,7 @@
 #include "core/compensate/orientation.h"
 #include "core/nc/corrected_word.h"
 #include "core/nc/interpreter.h"
+#include "core/nc/tool_point_frame.h"
 
 namespace axiscal::nc {
 
@@ -21,6 +22,10 @@ struct Piece {
   compensate::Correction correction;
   AxisTicks targets{};        // corrected, exact; rotary axes as nominal, or with orientation as their words will say
   compensate::Turned turned;  // with orientation: what the rotary axes reach, before rounding
+  // Words of X, Y and Z stand in the workpiece's frame: in `nominal` and `targets`; `pose` and `correction` are of
+  // axes.
+  bool is_tool_point = false;
+  compensate::AxisValues axis_change{};  // with is_tool_point: correction.corrected - pose.position
   bool is_arc = false;
   Arc arc;  // in corrected positions; valid with is_arc
   // Of an arc with a centre: its words have at least so many, since both ends must have the radius that the control
@@ -53,7 +58,8 @@ struct WordGrain {
 
 class MoveCorrector {
  public:
-  MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options);
+  // `length_mm`: of the compensator's tool beyond RewriteOptions::tool_tip_mm.
+  MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options, double length_mm);
 
   // The corrected end of a move whose positions are known. Fills `piece`. `grain` matters with orientation only: the
   // linear axes follow the rotary commands as they will be written. Errors of Compensator::Correct.
@@ -102,9 +108,19 @@ class MoveCorrector {
   // The effect of a difference of commands on the tool, mm.
   double Weight(const Change& difference, const Effect& effect) const;
   Effect EffectAt(const Piece& piece) const;
+  Effect ToolPointEffectAt(const Piece& piece) const;
   Change ChangeOf(const AxisTicks& to, const AxisTicks& from) const;
   AxisTicks Between(const Step& step, double fraction) const;
   absl::Status CorrectAt(const AxisTicks& nominal, const Senses& senses, const WordGrain& grain, Piece* piece) const;
+  // CorrectAt in the workpiece's frame; `piece` has its nominal words and the senses of its pose.
+  absl::Status CorrectWords(const WordGrain& grain, Piece* piece) const;
+  // The targets of X, Y and Z from the corrected commands: of linear axes in piece->correction, of rotary ones
+  // `turned`.
+  absl::Status ToWords(const compensate::AxisValues& turned, Piece* piece) const;
+  // DepartureBound of a move in the workpiece's frame, infinity where only samples tell.
+  double ToolPointDepartureBound(const Step& step) const;
+  // How far axes travel along such a move.
+  compensate::AxisValues AxisTravels(const Step& step) const;
   // CorrectAt with orientation: `piece` has its pose; `near` is a correction near the answer, mm and rad.
   absl::Status TurnAt(const compensate::AxisValues& near, const WordGrain& grain, Piece* piece) const;
   double TurnedDepartureBound(const compensate::AxisValues& from, const compensate::AxisValues& to,
@@ -135,6 +151,8 @@ class MoveCorrector {
   std::vector<double> Reversals(const Step& step) const;
 
   const compensate::Compensator* compensator_;
+  ToolPointFrame frame_;
+  double length_mm_;
   double tolerance_mm_;
   int axis_count_;
   bool orientation_;

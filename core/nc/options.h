@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_NC_OPTIONS_H_
 #define AXISCAL_CORE_NC_OPTIONS_H_
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -97,6 +98,9 @@ struct RewriteOptions {
   std::vector<WorkOffset> work_offsets;
   // Lengths that the program may select. A program that selects another one is refused.
   std::vector<ToolLength> tool_lengths;
+  // Nominal tool point at home without the stated lengths, machine frame: from here the control counts them. Filled by
+  // Rewriter (from its compensator) and Verify; programs under tool centre point control need it.
+  Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();
   // CRC-32C of the whole source for the mark; RewriteText and RewriteFile compute it themselves.
   std::optional<uint32_t> source_crc32c;
 };

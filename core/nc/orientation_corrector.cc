@@ -23,6 +23,10 @@ absl::Status MoveCorrector::TurnAt(const compensate::AxisValues& near, const Wor
     turned[axis] += static_cast<double>(targets[axis] - nominal[axis]) * unit_per_tick_[axis];
   }
   RETURN_IF_ERROR(compensator_->CorrectTurned(pose, turned, near, &piece->correction));
+  if (piece->is_tool_point) {
+    piece->targets = targets;
+    return ToWords(turned, piece);
+  }
   for (const int axis : compensator_->linear_axes()) {
     const double change_mm = piece->correction.corrected[axis] - pose.position[axis];
     if (!(std::abs(change_mm) < 1e5)) return absl::FailedPreconditionError("the correction is beyond any machine");
@@ -42,6 +46,7 @@ MoveCorrector::Change MoveCorrector::ChangeOf(const AxisTicks& to, const AxisTic
 }
 
 MoveCorrector::Effect MoveCorrector::EffectAt(const Piece& piece) const {
+  if (piece.is_tool_point) return ToolPointEffectAt(piece);
   compensate::Pose commanded;
   for (int i = 0; i < axis_count_; ++i) {
     commanded.position[i] = static_cast<double>(piece.targets[i]) * unit_per_tick_[i];

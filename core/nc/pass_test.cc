@@ -61,19 +61,22 @@ TEST(Passed, TheWayBackIsRefusedWhereItsFeedIsNotKnown) {
 // What begins a mode, and codes that end others.
 TEST(Passed, AModeStaysUntilItsOwnCodeEndsIt) {
   const Case kStay[] = {
-      {"fanuc", "G43.4 H1"},
-      {"fanuc", "G43.4 H1\nH1"},
+      {"fanuc", "G43.5 H1"},
+      {"fanuc", "G43.5 H1\nH1"},
+      {"fanuc", "G43.4 H1\nT2 M6"},
+      {"fanuc", "G43.4 H1\nM98 P5\nG90 G54 G94 G17 G21"},
+      {"fanuc", "/G43.4 H1"},
       {"fanuc", "G43.5 H1\nG43 H1"},
       {"fanuc", "G43.4 H1\nG44 H1"},
       {"fanuc", "G43.4\nH0"},
-      {"haas", "G234 H1"},
+      {"haas", "G234 H1\nG43 H1"},
       {"haas", "G234\nG43 H1"},
       {"haas", "G143 H1"},
       {"linuxcnc", "M428\nG49"},
       {"linuxcnc", "M428\nG43 H1"},
       {"linuxcnc", "M430\nG49"},
       {"linuxcnc", "G43.1 Z5\nG43 H1"},
-      {"sinumerik", "TRAORI\nD1"},
+      {"sinumerik", "TRAORI(2)\nD1"},
       {"sinumerik", "TCARR=1\nTRAFOOF"},
       {"heidenhain", "TOOL CALL 1 Z\nM128\nTOOL CALL 1 Z"},
       {"heidenhain", "L Z+5 M128\nL Z+6 M145"},
@@ -209,8 +212,8 @@ TEST(Passed, PresetsOfAllKindsAreNoMoves) {
   options.dialect = "linuxcnc";
   EXPECT_REWRITTEN(options, "G1 X1.\nG92 X0 F100\nX5.\n", "G1 X1.0417\nG92 X0 F100\nX5.\n");
   // It limits the spindle, whatever is in force.
-  EXPECT_FALSE(IsCorrectedBehind("fanuc", "G43.4 H1\nG92 S2000"));
-  EXPECT_TRUE(IsCorrectedBehind("fanuc", "G43.4 H1\nG92 S2000\nG49"));
+  EXPECT_FALSE(IsCorrectedBehind("fanuc", "G43.5 H1\nG92 S2000"));
+  EXPECT_TRUE(IsCorrectedBehind("fanuc", "G43.5 H1\nG92 S2000\nG49"));
 }
 
 RewriteOptions Passing(const std::string& dialect = "fanuc") {

@@ -25,7 +25,7 @@ absl::StatusOr<std::vector<ProgramPose>> ReadPoses(const ByteReader& reader, con
     if (!has_event) break;
     if (event.step.kind == StepKind::kNone) continue;
     const std::string line = absl::StrCat("line ", event.line, ": ");
-    if (event.step.kind != StepKind::kMove || event.step.is_arc) {
+    if (event.step.kind != StepKind::kMove || event.step.is_arc || event.step.is_tool_point) {
       return absl::InvalidArgumentError(absl::StrCat(line, "expected linear moves in axis positions only",
                                                      event.step.reason.empty() ? "" : " (" + event.step.reason + ")"));
     }

@@ -25,6 +25,10 @@ struct Interpreter::Request {
   const Code* shift = nullptr;   // G52
   const Code* owner = nullptr;   // whose words axis words are (G22, G50.1)
   const Code* length = nullptr;  // G43, G44
+  const Code* tool_point = nullptr;
+  const Word* tool_point_word = nullptr;
+  uint32_t tool_point_before = 0;
+  int length_before = -1;
   const Word* length_number = nullptr;
   const Word* offset = nullptr;  // G54
   const Code* offset_code = nullptr;

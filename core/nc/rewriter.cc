@@ -47,6 +47,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     interpreter.Read(text, now.text_size, &block, &step);
   }
   job.report().blocks_read += step.has_words;
+  has_changed_frame = false;
   if (!step.note.empty() && job.report().notes.size() < 100) job.report().notes.push_back(step.note);
   if (block.is_marked && !is_overlong) {
     if (!is_null()) {
@@ -70,6 +71,17 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   if (step.has_other_words && !has_mark_place) KeepMarkPlace();
   if (step.is_tool_change && job.report().blocks_corrected > 0 && tools.empty())
     job.Note(now, "tool change; all moves are corrected for the one tool point stated");
+  if (step.frame.is_changed && step.kind != StepKind::kUnsupported && !step.moves_away) {
+    if (step.frame.to == FrameChange::To::kWords && !has_noted_tool_point)
+      job.Note(now,
+               "tool centre point control: its kinematics are taken as machine.json's nominal chain, words as in the "
+               "workpiece's frame with the table at zero");
+    has_noted_tool_point |= step.frame.to == FrameChange::To::kWords;
+    if (passes() && !interpreter.IsKept(step.frame)) Return();
+    writer.ChangeFrame(step.frame);
+    has_changed_frame = true;
+    job.BreakPath();
+  }
   if (step.is_corner && is_last_split)
     job.Refused(now, "the move in front of the corner had to be split, and the control needs it whole", false);
   if (step.kind == StepKind::kMove) {
@@ -120,7 +132,10 @@ bool Rewriter::Impl::MustReturn() const {
 void Rewriter::Impl::Return() {
   const size_t begin = out.size();
   const std::string problem =
-      step.is_tangential ? "" : writer.Return(interpreter.Before(), LineEnd(), &out);
+      step.is_tangential ? ""
+      : has_changed_frame && writer.HasDeparted()
+          ? "the control stands at a corrected position, and the block changes the frame of the words"
+          : writer.Return(interpreter.Before(), LineEnd(), &out);
   if (step.is_tangential) writer.LeaveAdrift(now.text, now.text_size, interpreter.Before(), LineEnd(), &out);
   if (!problem.empty()) {
     return job.Refused(now, absl::StrCat("it must begin where the program says, and cannot: ", problem), false);
@@ -220,6 +235,11 @@ void Rewriter::Impl::Move() {
     const std::string unknown = UnknownPosition(&is_consequence);
     if (!unknown.empty()) return MoveFromUnknown(unknown, is_consequence);
   }
+  if (const std::string reason = step.is_tool_point ? WhyNoToolPoint() : ""; !reason.empty()) {
+    NotCorrected(reason, false);
+    if (passes()) Return();
+    return Copy();
+  }
   if (options.orientation) block_grain = writer.GrainOf(block, step);
   const absl::Status corrected = corrector().CorrectEnd(step, block_grain, &piece);
   if (!corrected.ok()) {
@@ -253,9 +273,19 @@ void Rewriter::Impl::Move() {
   if (before) writer.ForgetPole();
 }
 
+std::string Rewriter::Impl::WhyNoToolPoint() const {
+  for (const int axis : interpreter.frame().xyz()) {
+    if (!compensator.uses_sense(axis)) continue;
+    return absl::StrCat("under tool centre point control ", compensator.machine().axes[axis].name,
+                        " turns back inside moves, and its lost motion cannot be taken up there");
+  }
+  return "";
+}
+
 std::string Rewriter::Impl::WhyNoFeed(double departure_mm) const {
   const Interpreter& reader = interpreter;
-  if (step.is_rapid || step.is_arc || reader.dialect().feeds_all_axes ||
+  // Under tool centre point control F is of the tool point, on every control.
+  if (step.is_rapid || step.is_arc || (reader.dialect().feeds_all_axes && !step.is_tool_point) ||
       reader.modal().feed_mode == FeedMode::kInverseTime)
     return "";
   const machine::Machine& machine = compensator.machine();
@@ -404,9 +434,11 @@ absl::StatusOr<Rewriter> Rewriter::Create(const Compensator& compensator, const 
   std::vector<Impl::Tool> tools;
   for (const ToolLength& length : options.tool_lengths) {
     ASSIGN_OR_RETURN(Compensator longer, compensator.WithLongerTool(length.length_mm));
-    tools.push_back({length.number, std::move(longer)});
+    tools.push_back({length.number, length.length_mm, std::move(longer)});
   }
-  auto owned_options = std::make_unique<const RewriteOptions>(options);
+  auto complete = std::make_unique<RewriteOptions>(options);
+  complete->tool_tip_mm = compensator.tool_tip_mm();
+  std::unique_ptr<const RewriteOptions> owned_options = std::move(complete);
   ASSIGN_OR_RETURN(Interpreter interpreter, Interpreter::Create(compensator.machine(), *owned_options));
   return Rewriter(std::make_unique<Impl>(compensator, std::move(tools), std::move(owned_options), std::move(sink),
                                          std::move(interpreter)));

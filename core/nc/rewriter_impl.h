@@ -25,6 +25,7 @@ struct Rewriter::Impl {
   // A tool of a stated length: its tool point stands elsewhere.
   struct Tool {
     int number;
+    double length_mm;
     compensate::Compensator compensator;
   };
 
@@ -38,8 +39,8 @@ struct Rewriter::Impl {
         interpreter(std::move(interpreter_in)),
         writer(compensator.machine(), options, interpreter),
         job(compensator, options),
-        base_corrector(compensator, options) {
-    for (const Tool& tool : tools) tool_correctors.emplace_back(tool.compensator, options);
+        base_corrector(compensator, options, 0.0) {
+    for (const Tool& tool : tools) tool_correctors.emplace_back(tool.compensator, options, tool.length_mm);
     unknown_reported.fill(-1);
     all_axes = static_cast<uint16_t>((1u << compensator.machine().axis_count()) - 1);
   }
@@ -74,6 +75,8 @@ struct Rewriter::Impl {
   std::string mark_line_end;
   bool is_last_split = false;  // the last move was written in pieces
   bool is_finished = false;
+  bool has_noted_tool_point = false;
+  bool has_changed_frame = false;  // the block that is read
   int64_t programs_begun = 0;   // as the writer knows
   bool has_ended = false;       // the program that is read now
 
@@ -119,6 +122,8 @@ struct Rewriter::Impl {
   // Why the control would take F for another speed with the correction: it moves linear axes where the program turns
   // rotary axes alone. "": it would not.
   std::string WhyNoFeed(double departure_mm) const;
+  // Why a move under tool centre point control cannot be corrected, or "".
+  std::string WhyNoToolPoint() const;
   // With orientation: why the control may turn a rotary axis the long way round to where a corrected word sends it. ""
   // where it does not. `last`: the piece of the same move that is written in front of it, nullptr for the first.
   std::string WhyNoTurn(const Piece& next, const Piece* last) const;

@@ -36,7 +36,7 @@ double AngleBetween(const Tool& a, const Tool& b) {
 class Verifier {
  public:
   Verifier(const machine::Machine& machine, const machine::ErrorModel& errors, const VerifyOptions& options)
-      : machine_(machine), errors_(errors), options_(options) {
+      : machine_(machine), errors_(errors), options_(options), frame_(machine, options.tool_tip_mm) {
     if (options.reading.orientation) rotary_match_deg_ += options.reading.max_rotary_correction_rad * base::kDegPerRad;
   }
 
@@ -122,8 +122,8 @@ class Verifier {
 
   // How far the tool of the machine with its errors, at the piece's end, is from where the move should bring it.
   double EndErrorMm(const Event& wanted, const Event& found) const {
-    const Tool end = Nominal(PositionsOf(wanted.step.end));
-    return (Actual(PositionsOf(found.step.end), wanted.step).tip_mm - end.tip_mm).norm();
+    const Tool end = Nominal(AxesOf(wanted.step, PositionsOf(wanted.step.end)));
+    return (Actual(AxesOf(found.step, PositionsOf(found.step.end)), wanted.step).tip_mm - end.tip_mm).norm();
   }
 
   // Whether the piece, though near the move's end, is not its last one (pieces may be short): that is so where the
@@ -161,6 +161,19 @@ class Verifier {
 
   Values PositionsOf(const nc::Positions& axes) const { return AxisValuesOf(machine_, axes); }
 
+  // Axis positions of what the words of a move say, in the frame in which they stand.
+  Values AxesOf(const Step& step, Values words) const {
+    if (step.is_tool_point) frame_.ToAxes(LengthMm(step), words.data());
+    return words;
+  }
+
+  double LengthMm(const Step& step) const {
+    for (const ToolLength& length : options_.reading.tool_lengths) {
+      if (length.number == step.tool_length) return length.length_mm;
+    }
+    return 0.0;
+  }
+
   Tool ToolAt(const Values& at, const machine::JointErrors<double>& errors) const {
     const auto pose = machine::EvaluateChain<double>(machine_, at.data(), errors);
     return {machine::TipInTable(pose, tip_mm_), machine::ToolDirectionInTable(machine_, pose)};
@@ -183,12 +196,7 @@ class Verifier {
   Tool Nominal(const Values& at) const { return ToolAt(at, {}); }
 
   // The tool point with the tool length in force.
-  void TakeTool(const Step& step) {
-    tip_mm_ = options_.tool_tip_mm;
-    for (const ToolLength& length : options_.reading.tool_lengths) {
-      if (length.number == step.tool_length) tip_mm_ += length.length_mm * machine_.tool_direction;
-    }
-  }
+  void TakeTool(const Step& step) { tip_mm_ = options_.tool_tip_mm + LengthMm(step) * machine_.tool_direction; }
 
   Values Between(const Values& from, const Values& to, double t) const {
     Values between{};
@@ -255,9 +263,10 @@ class Verifier {
       return all;
     };
     for (int i = 0; i < kIterations; ++i) {
-      const Tool6 here = stacked(Nominal(AlongMove(step, from, to, fraction)));
-      const Tool6 slope = (stacked(Nominal(AlongMove(step, from, to, fraction + kStep))) - here) / kStep;
-      const Tool6 apart = stacked(Actual(at, SensesAt(step, fraction))) - here;
+      const Tool6 here = stacked(Nominal(AxesOf(step, AlongMove(step, from, to, fraction))));
+      const Tool6 ahead = stacked(Nominal(AxesOf(step, AlongMove(step, from, to, fraction + kStep))));
+      const Tool6 slope = (ahead - here) / kStep;
+      const Tool6 apart = stacked(Actual(AxesOf(step, at), SensesAt(step, fraction))) - here;
       if (slope.squaredNorm() == 0) return fraction;
       fraction += slope.dot(apart) / slope.squaredNorm();
     }
@@ -287,16 +296,18 @@ class Verifier {
     for (int look = 1; look <= looks; ++look) {
       const double t = look / (looks + 1.0);
       const double fraction = first + t * (last - first);
-      const Values nominal = AlongMove(wanted.step, nominal_from, nominal_to, fraction);
+      const Values nominal = AxesOf(wanted.step, AlongMove(wanted.step, nominal_from, nominal_to, fraction));
       const Tool path = Nominal(nominal);
       const Eigen::Vector3d ahead_mm =
-          Nominal(AlongMove(wanted.step, nominal_from, nominal_to, fraction + 1e-4)).tip_mm - path.tip_mm;
+          Nominal(AxesOf(wanted.step, AlongMove(wanted.step, nominal_from, nominal_to, fraction + 1e-4))).tip_mm -
+          path.tip_mm;
       const auto across = [&](const Eigen::Vector3d& error_mm) {
         const double squared = ahead_mm.squaredNorm();
         return squared < 1e-18 ? error_mm.norm() : (error_mm - ahead_mm * (ahead_mm.dot(error_mm) / squared)).norm();
       };
       const Step senses = SensesAt(wanted.step, fraction);
-      const Tool before = Actual(nominal, senses), after = Actual(AlongMove(found.step, from, to, t), senses);
+      const Tool before = Actual(nominal, senses);
+      const Tool after = Actual(AxesOf(found.step, AlongMove(found.step, from, to, t)), senses);
       report_.path_before.Add(across(before.tip_mm - path.tip_mm));
       const double after_mm = across(after.tip_mm - path.tip_mm);
       report_.path_after.Add(after_mm);
@@ -334,6 +345,8 @@ class Verifier {
       RETURN_IF_ERROR(NextOf(compensated, wanted, found));
       // In front of an arc that is passed, or of a pole.
       const bool may_return = is_known ? !has_path && !Reaches(wanted.step, found->step) : wanted.step.is_arc;
+      if (found->step.kind == StepKind::kMove && found->step.is_tool_point != wanted.step.is_tool_point)
+        return Mismatch(wanted, *found, "does not stand in the same frame");
       if (piece == 0 && may_return && IsReturn(wanted.step.start, found->step)) continue;
       if (found->step.kind != StepKind::kMove) return Mismatch(wanted, *found, "is not such a move");
       ++report_.pieces;
@@ -360,8 +373,9 @@ class Verifier {
       }
       fraction = std::max(fraction, next);
       if (!is_last) continue;
-      const Tool end = Nominal(nominal_to);
-      const Tool before = Actual(nominal_to, wanted.step), after = Actual(to, wanted.step);
+      const Values end_axes = AxesOf(wanted.step, nominal_to);
+      const Tool end = Nominal(end_axes);
+      const Tool before = Actual(end_axes, wanted.step), after = Actual(AxesOf(found->step, to), wanted.step);
       report_.end_before.Add((before.tip_mm - end.tip_mm).norm());
       const double after_mm = (after.tip_mm - end.tip_mm).norm();
       report_.end_tilt_before.Add(AngleBetween(before, end));
@@ -375,6 +389,7 @@ class Verifier {
   const machine::Machine& machine_;
   const machine::ErrorModel& errors_;
   const VerifyOptions& options_;
+  const ToolPointFrame frame_;
   VerifyReport report_;
   Eigen::Vector3d tip_mm_ = Eigen::Vector3d::Zero();
   double rotary_match_deg_ = kRotaryMatchDeg;
@@ -391,8 +406,10 @@ absl::StatusOr<VerifyReport> Verify(const ByteReader& original, const ByteReader
   RETURN_IF_ERROR(machine::Validate(machine));
   RETURN_IF_ERROR(machine::CheckToolTip(machine, options.tool_tip_mm));
   RETURN_IF_ERROR(Validate(options.reading));
-  ASSIGN_OR_RETURN(Interpreter of_original, Interpreter::Create(machine, options.reading));
-  ASSIGN_OR_RETURN(Interpreter of_compensated, Interpreter::Create(machine, options.reading));
+  RewriteOptions reading = options.reading;
+  reading.tool_tip_mm = options.tool_tip_mm;
+  ASSIGN_OR_RETURN(Interpreter of_original, Interpreter::Create(machine, reading));
+  ASSIGN_OR_RETURN(Interpreter of_compensated, Interpreter::Create(machine, reading));
   MoveReader original_moves(original, std::move(of_original));
   MoveReader compensated_moves(compensated, std::move(of_compensated));
   return Verifier(machine, errors, options).Run(&original_moves, &compensated_moves);

@@ -350,8 +350,8 @@ TEST(Verify, WhatIsPassedIsNotJudged) {
   EXPECT_THAT(verified->not_judged.listed[0].reason, HasSubstr("expression"));
   EXPECT_EQ(lines(report.not_corrected), "2-3 7-7 9-10 12-12 ");
   EXPECT_THAT(ToJson(*verified), HasSubstr("\"ranges_not_judged\": 3"));
-  // Under tool centre point control nothing is judged, whatever the words say.
-  const std::string tcp = "G90 G1 X1. Y0. Z0. B0. C0. F100\nG43.4 H1\nH1\nX2. Y0. Z0. B0. C0.\n";
+  // With tool vectors nothing is judged, whatever the words say.
+  const std::string tcp = "G90 G1 X1. Y0. Z0. B0. C0. F100\nG43.5 H1\nH1\nX2. Y0. Z0. B0. C0.\n";
   options.reading.tool_lengths = {{1, 0.0}};
   const auto ranges = VerifyText(tcp, tcp, machine, errors, options);
   ASSERT_TRUE(ranges.ok()) << ranges.status();

@@ -14,12 +14,12 @@ class Alarm(Exception):
 
 
 class Event:
-    __slots__ = ("kind", "line", "number", "key", "start", "end", "arc", "rapid", "words", "minutes", "opaque",
+    __slots__ = ("frame", "kind", "line", "number", "key", "start", "end", "arc", "rapid", "words", "minutes", "opaque",
                  "unsure_before", "unsure", "length", "named", "corner")
 
     def __init__(self, kind, line, number, key=None):
         self.kind, self.line, self.number, self.key = kind, line, number, key
-        self.arc = self.minutes = None
+        self.arc = self.minutes = self.frame = None
         self.rapid = self.corner = False
         self.words = ()
         self.length = 0.0
@@ -27,6 +27,9 @@ class Event:
     def at(self, t):
         """Axis positions at the fraction t of the move."""
         s, e = self.start, self.end
+        if self.frame and t not in (0.0, 1.0):  # the words go along a line, not the axes
+            s, e = self.frame.to_words(s, self.length), self.frame.to_words(e, self.length)
+            return self.frame.to_axes({a: s[a] + t * (e[a] - s[a]) for a in s}, self.length)
         p = {a: s[a] + t * (e[a] - s[a]) for a in s}
         if self.arc:
             first, second, centre, angle, sweep, r0, r1 = self.arc
@@ -67,6 +70,8 @@ class Control:
         self.feed = 0.0
         self.feed_mode = 94
         self.foreign = set()
+        self.frame = setup.get("frame")
+        self.tcp = False
         self.rollover = dict(setup.get("rollover", {}))
         self.trace = []
         self.line = 0
@@ -83,9 +88,44 @@ class Control:
     def offset(self, axis):
         value = self.setup["offsets"].get(self.wcs, {}).get(axis, 0.0) if self.wcs else 0.0
         value += self.preset[axis] + self.shift[axis]
-        if axis == "Z":
+        if axis == "Z" and not self.tcp:  # in the workpiece's frame words say where the tool point is
             value += self.length
         return value
+
+    # -- the frame in which words of linear axes stand: axis positions, or under tool centre point control the workpiece
+    def begin_tcp(self, named=(), by_length=False):
+        """`by_length`: the tool length begins or changes here, and may move the tool along itself."""
+        self.foreign.discard("tcp")
+        rotary = [a for a in self.axes if a not in self.linear]
+        if not rotary or not self.length or any(self.offset(a) for a in rotary) or any(self.preset.values()) or \
+                any(self.shift.values()):
+            self.tcp = False
+            return self.enter("tcp")  # which frame that is, nobody said
+        self.tcp = True
+        if self.opaque:
+            self.opaque |= set(self.linear)
+        if self.unsure & set(self.axes):
+            self.unsure |= set(self.linear)
+        if by_length:
+            upright = self.frame.is_upright(self.pos)
+            self.lose([a for a in (("Z",) if upright else self.linear) if a not in named])
+        return None
+
+    def end_tcp(self, named=(), by_length=False):
+        if self.tcp:
+            self.tcp = False
+            if self.opaque:
+                self.opaque |= set(self.linear)
+            if self.unsure:
+                self.unsure |= set(self.linear)
+            if by_length:
+                self.lose([a for a in self.linear if a not in named])
+
+    def lose_tcp(self):
+        """Whether it goes on is not known."""
+        if self.tcp:
+            self.end_tcp()
+            self.enter("tcp")
 
     def target(self, axis, value, incremental):
         """Where a word of the axis leads from where it stands."""
@@ -114,6 +154,8 @@ class Control:
         self.lost += 1
         if self.setup.get("still"):  # a control without a machine: nobody moves
             return
+        if self.tcp and axes:  # what moves one axis moves the tool point along all words
+            self.opaque |= set(self.linear)
         for axis in axes:
             self.pos[axis] = 3000.0 + 100.0 * "XYZABCUVW".index(axis) + 7.0 * self.lost
             self.opaque.add(axis)
@@ -141,11 +183,22 @@ class Control:
         event = self.emit("move")
         event.start = dict(self.pos)
         event.unsure_before = self.opaque | self.unsure
+        frame = self.frame if self.tcp else None
+        event.frame = frame
+        place = frame.to_words(self.pos, self.length) if frame else None
         for axis, (value, incremental) in words.items():
-            self.pos[axis] = self.target(axis, value, incremental)
+            if frame and axis in self.linear:
+                value *= self.unit(axis)
+                place[axis] = place[axis] + value if incremental else value + self.offset(axis)
+            else:
+                self.pos[axis] = self.target(axis, value, incremental)
+                if frame:
+                    place[axis] = self.pos[axis]
             if not incremental:
                 self.opaque.discard(axis)
                 self.unsure.discard(axis)
+        if frame:
+            self.pos.update(frame.to_axes(place, self.length))
         event.end = dict(self.pos)
         event.opaque = set(self.opaque)
         event.unsure = self.opaque | self.unsure
@@ -216,3 +269,40 @@ class Control:
         self.steps += 1
         if self.steps > 20000:
             raise Alarm("does not end")
+
+
+class Frame:
+    """The workpiece's frame of tool centre point control: where the nominal tool point stands as the table sees it, from
+    where it is at home without a tool. With all rotary axes at zero that is the axes' positions, but for the length."""
+
+    def __init__(self, machine):
+        self.machine = machine
+
+    def place(self, axes, length):
+        tip, _ = self.machine.tip(axes, length)
+        return [t - g for t, g in zip(tip, self.machine.tip_mm)]
+
+    def to_words(self, axes, length):
+        return dict(axes, **dict(zip("XYZ", self.place(axes, length))))
+
+    def to_axes(self, words, length):
+        """The tool point is linear in the linear axes."""
+        zero = self.place(dict(words, X=0.0, Y=0.0, Z=0.0), length)
+        columns = []
+        for axis in "XYZ":
+            p = self.place(dict(words, **dict({"X": 0.0, "Y": 0.0, "Z": 0.0}, **{axis: 1.0})), length)
+            columns.append([v - z for v, z in zip(p, zero)])
+        want = [words[a] - z for a, z in zip("XYZ", zero)]
+
+        def det(a, b, c):
+            return (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+                    a[2] * (b[0] * c[1] - b[1] * c[0]))
+        x, y, z = columns
+        whole = det(x, y, z)
+        return dict(words, X=det(want, y, z) / whole, Y=det(x, want, z) / whole, Z=det(x, y, want) / whole)
+
+    def is_upright(self, axes):
+        """Whether the axis Z, and a longer tool, move the tool point along the Z of the words alone."""
+        p = self.place(axes, 0.0)
+        up, longer = self.place(dict(axes, Z=axes["Z"] + 1.0), 0.0), self.place(axes, 1.0)
+        return all(abs(abs(a - b) - c) < 1e-9 for q in (up, longer) for a, b, c in zip(q, p, (0, 0, 1)))

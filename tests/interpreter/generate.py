@@ -24,6 +24,13 @@ MACHINES = {
             "A": {"kind": "rotary", "direction": [1, 0, 0], "point_mm": [0, 0, -30]},
             "C": {"kind": "rotary", "direction": [0, 0, 1], "point_mm": [0, 0, 0]}},
         "tool_branch": ["X", "Z"], "work_branch": ["Y", "A", "C"], "tool_direction": [0, 0, -1]},
+    "fork-head": {
+        "id": "fork-head", "axes": {
+            "X": {"kind": "linear", "direction": [1, 0, 0]}, "Y": {"kind": "linear", "direction": [0, 1, 0]},
+            "Z": {"kind": "linear", "direction": [0, 0, 1]},
+            "C": {"kind": "rotary", "direction": [0, 0, 1], "point_mm": [0, 0, 0]},
+            "B": {"kind": "rotary", "direction": [0, 1, 0], "point_mm": [0, 0, 25]}},
+        "tool_branch": ["X", "Y", "Z", "C", "B"], "work_branch": [], "tool_direction": [0, 0, -1]},
 }
 DIALECTS = ["fanuc", "mazak", "haas", "linuxcnc", "sinumerik", "heidenhain"]
 RANGE = {"X": (-150, 150), "Y": (-120, 120), "Z": (-60, 90), "A": (-60, 60), "B": (-60, 60), "C": (0, 350)}
@@ -107,6 +114,7 @@ class Writer:
         self.wcs = "" if self.dialect == "sinumerik" else "PRESET" if self.dialect == "heidenhain" else "G54"
         self.preset = {a: 0.0 for a in self.axes}
         self.length = 0.0
+        self.tcp = False
         self.motion = None
         self.feed = None
         self.plane = 17
@@ -137,7 +145,7 @@ class Writer:
 
     def offset(self, axis):
         value = self.case["offsets"].get(self.wcs, {}).get(axis, 0.0) + self.preset[axis]
-        return value + (self.length if axis == "Z" else 0.0)
+        return value + (self.length if axis == "Z" and not self.tcp else 0.0)
 
     def number(self, value, places=None, is_axis=False):
         is_axis |= places is None
@@ -636,6 +644,83 @@ class Program(Writer):
         self.feed_move(dict(self.targets(["X"]), C=a))
         self.feed_move(dict(self.targets(["Y"]), C=b))
 
+    def f_tcp(self):
+        """Tool centre point control: the words stand in the workpiece's frame (`m` too, meanwhile)."""
+        rng = self.rng
+        if not self.rotary or any(self.offset(a) for a in self.rotary) or any(self.preset.values()) or self.g93 or \
+                self.case.get("roll_over") in ("difference", "sign"):
+            return
+        self.plane_xy()
+        end = self.tcp_on()
+        if end is None:
+            return
+        self.tcp = True
+        self.feed = None
+        for _ in range(rng.randrange(1, 6)):
+            axes = rng.sample(self.linear, rng.choice([1, 2, 3]))
+            if rng.random() < 0.7:
+                axes = axes + rng.sample(self.rotary, rng.choice([1, len(self.rotary)]))
+            if rng.random() < 0.2:
+                self.rapid(self.targets(axes))
+            elif rng.random() < 0.4 and None not in self.m.values():  # as a surface is milled: near the last point
+                self.feed_move({a: self.m[a] + rng.uniform(-3, 3) for a in axes})
+            else:
+                self.feed_move(self.targets(axes))
+        if rng.random() < 0.3 and self.dialect != "heidenhain" and None not in self.m.values():
+            self.distances(True)
+            self.feed_move({a: self.m[a] + rng.uniform(-9, 9) for a in [rng.choice(self.linear), rng.choice(self.rotary)]})
+            self.distances(False)
+        self.tcp_off(end)
+
+    def tcp_on(self):
+        rng, d = self.rng, self.dialect
+        if d == "linuxcnc":
+            return None
+        number = rng.choice(sorted(self.case["lengths"]))
+        if d == "sinumerik":
+            self.plain("D%d" % int(number))
+            self.length = self.case["lengths"][number]
+            if rng.random() < 0.5:
+                self.restate()
+            self.plain(rng.choice(["TRAORI", "TRAORI", "TRAORI(1)"]))
+            if rng.random() < 0.5:
+                self.plain("ORIAXES")
+            self.tcp = True
+            self.rapid(self.targets(self.axes))
+            return "TRAFOOF"
+        code = "G234" if d == "haas" else "G43.4"
+        kind = rng.random()
+        upright = [a for a in self.rotary if a != "C"][0]
+        if kind < 0.3:  # the length moves Z alone where the tool and the table stand upright
+            self.rapid(dict(self.targets(["X", "Y", "C"]), **{upright: 0.0}))
+            self.length, self.tcp = self.case["lengths"][number], True
+            self.block([code, "H%d" % int(number)] + self.go(self.targets(["Z"])))
+            self.m.update(X=None, Y=None)
+        elif kind < 0.7:
+            self.length, self.tcp = self.case["lengths"][number], True
+            self.block([self.g(0), code, "H%d" % int(number)] + self.go(self.targets(self.axes)))
+            self.motion = 0
+        else:
+            self.length, self.tcp = self.case["lengths"][number], True
+            self.plain("%s H%d" % (code, int(number)))
+            self.rapid(self.targets(self.axes))
+        return "G49"
+
+    def tcp_off(self, end):
+        rng = self.rng
+        self.plain(end)
+        self.tcp = False
+        self.m.update(X=None, Y=None, Z=None)
+        if end == "G49":
+            self.length = 0.0
+            if rng.random() < 0.4:
+                self.rapid(self.targets(["Z"]))
+            self.rapid(self.targets(self.linear))
+        else:
+            if rng.random() < 0.5:
+                self.feed_move(self.targets(rng.sample(self.linear, 2)))
+            self.rapid(self.targets(self.linear))
+
     # -- features that the product refuses, or passes
     def recover(self):
         """States the modes again that a passed block may have left unknown."""
@@ -673,7 +758,7 @@ class Program(Writer):
             self.plain("M428")
             self.plain(rng.choice(["G49", "G43 H1", "M3 S300"]))
         else:
-            self.plain(rng.choice(["G43.4 H1", "G43.4 H1 Z50.", "G43.5 H1"]))
+            self.plain(rng.choice(["G43.4 H1", "G43.4 H1 Z50.", "G43.5 H1", "G43.5 H1", "G43.4 H1 P#3"]))
         saved = dict(self.m)
         self.motion = None
         for _ in range(rng.randrange(1, 4)):
@@ -920,7 +1005,7 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5), ("builder", 0.7)]
+             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
@@ -1003,7 +1088,7 @@ def rng_value(rng, low, high):
 
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
-             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7)]
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]
@@ -1121,6 +1206,26 @@ class KlartextProgram(Program):
         self.lines.append("%d L X%s ; %s" % (self.n, self.number(5.0 / self.length_scale()), "L" * 200))
         self.n += 1
         self.m["X"] = round(5.0 / self.length_scale(), self.places()) * self.length_scale() + self.offset("X")
+
+    def tcp_on(self):
+        rng = self.rng
+        number = rng.choice(sorted(self.case["lengths"]))
+        self.plain("TOOL CALL %d Z S2000" % int(number))
+        self.length = self.case["lengths"][number]
+        self.restate()
+        kind = rng.random()
+        self.tcp = True
+        if kind < 0.4:
+            self.plain("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS")
+            self.rapid(self.targets(self.axes))
+            return "FUNCTION RESET TCPM"
+        if kind < 0.7:
+            self.block(["L"] + self.go(self.targets(self.axes), True) + ["R0 FMAX M128"])
+        else:
+            self.plain("M128")
+            self.m.update(X=None, Y=None, Z=None)
+            self.rapid(self.targets(rng.sample(self.linear, 2)))
+        return "M129"
 
     def f_roll(self):
         """M126: rotary axes take the shorter way."""

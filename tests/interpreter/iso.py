@@ -386,7 +386,7 @@ class Iso(Control):
         reference = has(28, 30, 27) if not sin else has(74, 75)
         if reference:
             self.raw("G%d" % reference, [], axis_words, other)
-            self.lose(list(axis_words) or list(self.axes))
+            self.lose(list(self.axes) if self.tcp else list(axis_words) or list(self.axes))
             self.machine_codes(m, before=False)
             return self.flow(m, [])
         if not sin and has(53):
@@ -401,6 +401,8 @@ class Iso(Control):
                 self.pos[a] = v * self.unit(a)
                 self.opaque.discard(a)
                 self.unsure.add(a)
+            if self.tcp:
+                self.lose(self.axes)
             self.machine_codes(m, before=False)
             return self.flow(m, [])
 
@@ -450,6 +452,7 @@ class Iso(Control):
                 continue
             self.code("M", code)
             if code == 6:
+                self.lose_tcp()
                 self.lose(self.axes)
             elif code in M_AFTER or code in M_BEFORE or code in M_MORE[self.dialect]:
                 pass
@@ -486,32 +489,47 @@ class Iso(Control):
         if self.is_sinumerik:
             d = self.take(other, "D").get("D")
             if d:
-                self.length = lengths.get(int(d.value), 0.0)
+                self.set_length(lengths.get(int(d.value), 0.0), axis_words)
                 self.code("D", d.value)
             return
         h = self.take(other, "H").get("H")
         code = has(43, 44, 49, 43.1, 43.2, 43.4, 43.5, 234)
         if code is None:
             if h and self.length_number is not None and self.dialect != "linuxcnc" and "tcp" not in self.foreign:
-                self.length = lengths.get(int(h.value), 0.0)
+                self.set_length(lengths.get(int(h.value), 0.0), axis_words)
             if h:
                 self.code("H", h.value)
             return
         self.code("length", code, h.value if h else None)
         if code == 49:
+            self.end_tcp(axis_words, by_length=True)
             self.length, self.length_number = 0.0, None
             self.leave("tcp")
         elif code in (43, 44):
-            self.leave("tcp")
+            self.lose_tcp()
             self.length_number = int(h.value) if h else 0
             self.length = lengths.get(self.length_number, 0.0) * (-1 if code == 44 else 1)
         elif code in (43.1, 43.2) and self.dialect == "linuxcnc":
             self.enter("tcp")  # a length that only the program's words or a table say
             self.raw("G43.x", [], axis_words, other, moves=False)
             axis_words.clear()
+        elif code in (43.4, 234) and h:
+            before = self.length
+            self.end_tcp()
+            self.length_number = int(h.value)
+            self.length = lengths.get(self.length_number, 0.0)
+            self.begin_tcp(axis_words, by_length=before != self.length)
         else:
+            self.end_tcp()
             self.enter("tcp")
             self.length_number = int(h.value) if h else 0
+
+    def set_length(self, length, named):
+        changes = self.tcp and length != self.length
+        self.length = length
+        if changes:
+            self.lose([a for a in self.linear if a not in named])
+            self.opaque -= set(named)
 
     def modes(self, has, axis_words, other):
         """Modes in which axis words are no axis positions."""
@@ -615,19 +633,20 @@ class Iso(Control):
             if a in ("IF", "GOTO", "WHILE", "DO", "END"):
                 raise Alarm("not read here: " + a)
             if a in ("DPRNT", "POPEN", "PCLOS", "MSG", "STOPRE", "FFWON", "SOFT", "BRISK", "CFTCP", "CYCLE832", "FGROUP",
-                     "FNORM", "FLIN", "FCUB", "DYNNORM", "DYNFINISH", "G_"):
+                     "FNORM", "ORIAXES", "FLIN", "FCUB", "DYNNORM", "DYNFINISH", "G_"):
                 self.code(a, w.value)
                 other.remove(w)
             elif a in ("SUPA",):
                 self.block_flags.add("machine")
                 other.remove(w)
             elif a in ("TRAORI",):
-                self.enter("tcp")
+                self.begin_tcp()
                 self.code(a, w.value)
                 other.remove(w)
             elif a == "TRAFOOF":
                 self.code(a)
                 self.leave("tcp")
+                self.end_tcp()
                 self.leave("transmit")
                 other.remove(w)
             elif a in ("TRANSMIT", "TRACYL"):
@@ -700,6 +719,8 @@ class Iso(Control):
                 self.pos[a] = v * self.unit(a) if how != "IC" else self.pos[a] + v * self.unit(a)
                 self.opaque.discard(a)
                 self.unsure.add(a)
+            if self.tcp:
+                self.lose(self.axes)
             return
         if self.cycle or special or self.motion in (33,):
             self.raw("cycle %s" % self.cycle, [self.motion], axis_words, other)
@@ -708,8 +729,11 @@ class Iso(Control):
                     self.pos[a] = self.target(a, v, inc)
             self.lose(["Z"] if not special else self.linear)
             return
-        if self.foreign:
+        if self.foreign or (self.tcp and self.motion in (2, 3)):
             self.raw("mode", [self.motion], axis_words, other)
+            if self.tcp:
+                self.lose(self.linear)
+                return
             for a, (v, inc) in words.items():
                 self.pos[a] = self.target(a, v, inc)
             return

@@ -9,7 +9,7 @@ import subprocess
 
 from compare import Comparison, Difference, Limits
 import linuxcnc
-from control import Alarm
+from control import Alarm, Frame
 from generate import MACHINES
 from iso import Iso
 from kinematics import Machine
@@ -35,7 +35,7 @@ def interpret(case, text, scenario, still=False):
     description = MACHINES[case["machine"]]
     axes = [a for a in "XYZABC" if a in description["axes"]]
     linear = [a for a in axes if description["axes"][a]["kind"] == "linear"]
-    setup = {"start": case["start"], "offsets": copy.deepcopy(case["offsets"]),
+    setup = {"frame": Frame(Machine(description, {}, case["tip"])), "start": case["start"], "offsets": copy.deepcopy(case["offsets"]),
              "lengths": {int(n): v for n, v in case["lengths"].items()}, "lathe": case.get("lathe", False),
              "unit": scenario["unit"], "skip": scenario["skip"], "either": case["block_delete"] == "either", "rollover": scenario["rollover"],
              "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still}

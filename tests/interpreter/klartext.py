@@ -95,8 +95,10 @@ class Klartext(Control):
                 self.length_number = int(match.group(1))
                 self.tool_mm = self.setup["lengths"].get(self.length_number, 0.0)
                 self.difference = 0.0
+                self.lose_tcp()
                 self.lose(self.axes)
             if difference:
+                self.lose_tcp()
                 self.difference = float(difference.group(1)) * self.length_unit()
             self.length = getattr(self, "tool_mm", 0.0) + self.difference
             return None
@@ -128,9 +130,10 @@ class Klartext(Control):
         if body.startswith("FUNCTION"):
             self.code("FUNCTION", body)
             if body.startswith("FUNCTION TCPM"):
-                self.enter("tcp")
+                self.enter("tcp") if self.difference else self.begin_tcp()
             elif body.startswith("FUNCTION RESET TCPM"):
                 self.leave("tcp")
+                self.end_tcp()
             return None
         if body.startswith("TRANS DATUM"):
             self.code("TRANS DATUM", body)
@@ -246,10 +249,12 @@ class Klartext(Control):
             self.leave("comp")
         machine = [c for c in m if c in (91, 92)]
         for code in m:
-            if code in (128, 114, 144):
-                self.enter("tcp")
-            if code in (129, 115, 145):
-                self.leave("tcp")
+            if code == 128:  # at the begin of its block, M129 at the end
+                self.enter("tcp") if self.difference else self.begin_tcp()
+            if code in (114, 144):
+                self.enter("tilting axes")
+            if code in (115, 145):
+                self.leave("tilting axes")
             if code == 126:
                 self.shortest = True
             elif code == 127:
@@ -273,12 +278,14 @@ class Klartext(Control):
                     self.pos[a] = v * self.unit(a) + (self.pos[a] if inc else 0.0)
                     self.opaque.discard(a)
                     self.unsure.add(a)
-            elif self.foreign or kind in ("CT", "CP", "CTP", "LP", "LN"):
+                if self.tcp:
+                    self.lose(self.axes)
+            elif self.foreign or kind in ("CT", "CP", "CTP", "LP", "LN") or (self.tcp and kind != "L"):
                 event = self.emit("raw")
                 event.key = ("mode", kind, tuple(sorted(self.foreign)), tuple(sorted(words.items())), raw, self.pole_key(kind))
                 for a, (v, inc) in words.items():
                     self.pos[a] = self.target(a, v, inc)
-                if kind != "L" and not self.foreign:
+                if (kind != "L" and not self.foreign) or self.tcp:
                     self.lose(self.linear)
             elif kind == "L":
                 self.move(words, bool(rapid), None, ("straight",) + raw)
@@ -303,6 +310,9 @@ class Klartext(Control):
             elif other:
                 self.code("words", tuple(sorted((k, str(v)) for k, v in other.items())))
         for code in m:
+            if code == 129:
+                self.leave("tcp")
+                self.end_tcp()
             if code in M_AFTER:
                 self.code("M", code)
                 if code in (2, 30):
