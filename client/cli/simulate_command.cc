@@ -7,6 +7,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/simulate_history.h"
 #include "core/base/files.h"
 #include "core/base/json_limits.h"
 #include "core/base/units.h"
@@ -27,6 +28,8 @@ constexpr int kBoxPoses = 400;  // as many as tell the rms of a smooth error ove
 struct SimulateArguments {
   std::string scenario, output, form = "own";
   uint64_t seed = 1;
+  bool is_history = false;
+  HistoryArguments history;
 };
 
 // Names in a scenario count from its folder.
@@ -213,6 +216,13 @@ void Report(Context& context, const SimulateArguments& arguments, const syntheti
 }
 
 absl::Status Simulate(Context& context, const SimulateArguments& arguments) {
+  if (arguments.is_history) {
+    HistoryArguments history = arguments.history;
+    history.output = arguments.output;
+    history.years.seed = arguments.seed;
+    return SimulateHistory(context, history);
+  }
+  if (arguments.scenario.empty()) return absl::InvalidArgumentError("SCENARIO: missing, expected it or --history");
   ASSIGN_OR_RETURN(const std::string text, base::ReadFile(arguments.scenario, base::kMaxJsonBytes));
   const auto source = synthetic::ReadPlanSource(text);
   if (!source.ok()) return base::Within(arguments.scenario, source.status());
@@ -251,19 +261,44 @@ void AddSimulateCommand(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* simulate = app.add_subcommand(
       "simulate", "Sessions of a machine whose errors, effects and faults are known, with the truth at any pose");
-  simulate->add_option("SCENARIO", arguments->scenario, "scenario.json (docs/formats.md)")->required();
-  simulate->add_option("-o,--output", arguments->output, "the case folder that is made; new, or empty")->required();
+  CLI::Option* scenario =
+      simulate->add_option("SCENARIO", arguments->scenario, "scenario.json (docs/formats.md); not with --history");
+  simulate
+      ->add_option("-o,--output", arguments->output,
+                   "the case folder that is made; new, or empty. With --history: the file")
+      ->required();
   simulate->add_option("--seed", arguments->seed, "of all that is drawn; the same seed gives the same bytes")
       ->capture_default_str();
+  CLI::Option* form =
+      simulate
+          ->add_option(
+              "--form", arguments->form,
+              "own: effects by the formulas that are fitted; independent: by other formulas of the same physics")
+          ->check(CLI::IsMember({"own", "independent"}))
+          ->capture_default_str();
+  CLI::Option* history =
+      simulate
+          ->add_flag(
+              "--history", arguments->is_history,
+              "calibrations of many machines over years, with collisions, wear, seasons and bad calibrations, as "
+              "one file (docs/formats.md, \"Simulated histories\")")
+          ->excludes(scenario)
+          ->excludes(form);
+  simulate->add_option("--machines", arguments->history.machines, "machines of the history")
+      ->needs(history)
+      ->capture_default_str();
+  simulate->add_option("--years", arguments->history.years.years, "years of the history")
+      ->needs(history)
+      ->capture_default_str();
   simulate
-      ->add_option("--form", arguments->form,
-                   "own: effects by the formulas that are fitted; independent: by other formulas of the same physics")
-      ->check(CLI::IsMember({"own", "independent"}))
+      ->add_option("--interval-days", arguments->history.years.interval_days, "days from calibration to calibration")
+      ->needs(history)
       ->capture_default_str();
   simulate->footer(
       "Needs no database and no server. The folder is a case: axiscal close-loop reads it.\n"
       "Examples: axiscal simulate scenario.json -o tuesday --seed 7\n"
-      "          axiscal simulate scenario.json -o hot --form independent && axiscal close-loop hot");
+      "          axiscal simulate scenario.json -o hot --form independent && axiscal close-loop hot\n"
+      "          axiscal simulate --history -o fleet.jsonl --machines 20 --years 5 --seed 3");
   SetAction(simulate, context, [&context, arguments] { return Simulate(context, *arguments); });
 }
 

@@ -125,5 +125,39 @@ TEST_F(Simulate, BadScenariosAreRefusedAndNothingIsWritten) {
   EXPECT_EQ(Run("simulate scenario.json -o made --form other").exit_code, 2);
 }
 
+TEST_F(Simulate, AHistoryIsAFileOfLinesWithTheTruth) {
+  const std::string options = " --history --machines 3 --years 2 --interval-days 14 --seed 11";
+  const auto outcome = Run("simulate -o fleet.jsonl" + options);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("fleet.jsonl: seed 11, 3 machines, "));
+  const std::string file = Read("fleet.jsonl");
+  EXPECT_EQ(file.substr(0, file.find('\n')),
+            R"({"axiscal": "history/1", "machines": 3, "years": 2, "interval_days": 14, "seed": 11})");
+  for (const char* const machine : {"m00001", "m00002", "m00003"}) {
+    EXPECT_THAT(file, HasSubstr("{\"machine\": \"" + std::string(machine) + "\", \"units\": {\"EC0Y\": \"urad\", "));
+    EXPECT_THAT(file, HasSubstr("{\"machine\": \"" + std::string(machine) + "\", \"truth\": {\"sigma_factor\": "));
+  }
+  ASSERT_EQ(Run("simulate -o again.jsonl" + options).exit_code, 0);
+  EXPECT_EQ(Read("again.jsonl"), file);
+  EXPECT_FALSE(Exists("axiscal.db"));
+}
+
+TEST_F(Simulate, AHistoryIsRefusedWhole) {
+  const auto refused = [&](const std::string& options, const std::string& what) {
+    const auto outcome = Run("simulate -o refused.jsonl" + options);
+    EXPECT_NE(outcome.exit_code, 0) << options;
+    EXPECT_THAT(outcome.err, HasSubstr(what));
+    EXPECT_FALSE(Exists("refused.jsonl")) << options;
+  };
+  refused(" --history --machines 0", "machines = 0, must be > 0");
+  refused(" --history --years 60", "years = 60, must be 0.1 to 50");
+  refused(" --history --interval-days 0", "interval_days = 0, must be 0.5 to 60");
+  refused(" --history --machines 100000 --years 50", "must be at most 5e+06");
+  refused(" --history scenario.json", "--history");
+  refused(" --history --form own", "--history");
+  refused(" --machines 3", "--history");
+  refused("", "SCENARIO");
+}
+
 }  // namespace
 }  // namespace axiscal
