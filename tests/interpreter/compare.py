@@ -46,8 +46,9 @@ def group(moves, others, machine):
     end = [[apart(s, o) for o in others] for s in moves]
     first = [[0.0 if s.number == o.number and set(s.words[0] and [w[0] for w in s.words[0]] or ()) <= o.named else 20.0
               for o in others] for s in moves]
-    # No straight move became an arc. (A full circle ends where the block that brings the axes back in front of it does.)
-    bent = [[20.0 if o.arc is not None and s.arc is None else 0.0 for o in others] for s in moves]
+    # No straight move became an arc, no rapid a feed move. (A full circle ends where the block that brings the axes back in
+    # front of it does, and an arc's first piece may be a straight one of some micrometres.)
+    bent = [[20.0 if o.arc is not None and s.arc is None or o.rapid != s.rapid else 0.0 for o in others] for s in moves]
     later = [0.0 if o.number is None else 20.0 for o in others]
     inf = float("inf")
     cost = [0.0] + [inf] * m
