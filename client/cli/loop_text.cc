@@ -43,9 +43,8 @@ std::string EffectText(const reports::Effect& effect) {
                       effect.amplitude_sigma, effect.unit, ReferenceText(effect.is.term), effect.rms_um);
   const std::vector<std::string>& same = effect.same_always;
   std::vector<std::string> others = NamesOf(effect.equivalent);
-  std::erase_if(others, [&same](const std::string& name) {
-    return std::find(same.begin(), same.end(), name) != same.end();
-  });
+  std::erase_if(others,
+                [&same](const std::string& name) { return std::find(same.begin(), same.end(), name) != same.end(); });
   if (!others.empty()) absl::StrAppend(&text, "      these sessions cannot tell it from ", Names(others), "\n");
   if (!same.empty()) absl::StrAppend(&text, "      the same by another name, in any measurement: ", Names(same), "\n");
   std::vector<std::string> orders;
@@ -57,20 +56,18 @@ std::string EffectText(const reports::Effect& effect) {
 
 // A session that tells the members of a class apart: what to measure, and what it brings.
 std::string ProposalText(const reports::Proposal& proposal) {
-  if (!proposal.test)
-    return "  no known test tells " + proposal.effect + " from " + Names(proposal.remaining) + "\n";
+  if (!proposal.test) return "  no known test tells " + proposal.effect + " from " + Names(proposal.remaining) + "\n";
   const reports::ProposedTest& test = *proposal.test;
   std::string text = absl::StrFormat("  %s (%s)\n", test.text, test.test);
   if (!test.beyond.empty()) absl::StrAppend(&text, "      moves ", test.beyond, "\n");
   if (test.needs_next) return text + "      together with the next one\n";
   // One alone is told from errors that are no members of its class, but that too little would keep apart from it.
   const std::vector<std::string>& separates = proposal.separates;
-  absl::StrAppend(
-      &text, "      ",
-      separates.size() == 1 ? "tells " + Names(separates) + " from errors that come close to it"
-                            : "tells apart " + Names(separates),
-      absl::StrFormat(": correlation %.3f -> %.3f, chi-square %.0f or more\n", test.correlation_before,
-                      test.correlation_after, test.expected_chi2));
+  absl::StrAppend(&text, "      ",
+                  separates.size() == 1 ? "tells " + Names(separates) + " from errors that come close to it"
+                                        : "tells apart " + Names(separates),
+                  absl::StrFormat(": correlation %.3f -> %.3f, chi-square %.0f or more\n", test.correlation_before,
+                                  test.correlation_after, test.expected_chi2));
   if (!proposal.remaining.empty())
     absl::StrAppend(&text, "      leaves ", proposal.effect, " with ", Names(proposal.remaining), "\n");
   return text;
@@ -169,6 +166,32 @@ std::string ResidualText(const reports::Loop& report, bool is_check_fitted) {
   return Table(rows);
 }
 
+std::string FigureText(const reports::VolumetricFigure& figure) {
+  return absl::StrFormat("%.3g um rms [%.3g, %.3g]", figure.rms_um, figure.low_um, figure.high_um);
+}
+
+// "over the measured box (X -200 to 200 mm, C 0 to 360 deg) ...": what the tool point is off by, before and after.
+std::string VolumetricText(const reports::Volumetric& volumetric) {
+  std::vector<std::string> box;
+  for (const reports::AxisRange& range : volumetric.box)
+    box.push_back(absl::StrFormat("%s %.6g to %.6g %s", range.axis, range.from, range.to, range.unit));
+  std::string text = absl::StrCat("tool point over the measured box (", absl::StrJoin(box, ", "),
+                                  "), less work offset and tool, [95 % interval]:\n  machine as it is ",
+                                  FigureText(volumetric.uncorrected));
+  if (volumetric.gain_is_held) {
+    absl::StrAppend(&text, "\n  corrected for the declared errors ", FigureText(volumetric.before),
+                    ", for what was found too ", FigureText(volumetric.after), "\n");
+  } else {
+    absl::StrAppend(&text, "\n  corrected ", FigureText(volumetric.after),
+                    ": no gain over the declared errors alone is promised\n");
+  }
+  if (!volumetric.weakest.empty())
+    absl::StrAppend(&text, "  most of what is left: how well ", Names(volumetric.weakest), " is known\n");
+  if (!volumetric.unknown.empty())
+    absl::StrAppend(&text, "  without what nobody knows there: ", Names(volumetric.unknown), "\n");
+  return text;
+}
+
 }  // namespace
 
 std::string UnexplainedText(const reports::Loop& report) {
@@ -196,8 +219,8 @@ std::string LoopText(const reports::Loop& report) {
     absl::StrAppend(&text, count, " readings stand out of their series and were set aside (listed in the report)\n");
   }
   if (report.stopped_early) {
-    const auto unnamed = std::count_if(
-        report.unexplained.begin(), report.unexplained.end(), [](const reports::Unexplained& part) {
+    const auto unnamed =
+        std::count_if(report.unexplained.begin(), report.unexplained.end(), [](const reports::Unexplained& part) {
           return part.kind == reports::PartKind::kLocal || part.kind == reports::PartKind::kSlip;
         });
     absl::StrAppend(&text, "stopped at the limit of --max-effects with ", report.effects.size(), " effects",
@@ -230,7 +253,9 @@ std::string LoopText(const reports::Loop& report) {
                     "the fit sessions alone do not tell these amplitudes: all sessions were fitted together, and the "
                     "check sessions prove nothing\n");
   }
-  return text + ResidualText(report, is_check_fitted);
+  text += ResidualText(report, is_check_fitted);
+  if (report.volumetric) text += VolumetricText(*report.volumetric);
+  return text;
 }
 
 }  // namespace axiscal::cli

@@ -53,6 +53,7 @@ class Decider {
     Ending ending{Extension(machine_, runs_), {}};
     ASSIGN_OR_RETURN(ending.fit, FitExtension(machine_, ending.extension, identify_options_));
     report.fit_before = ending.fit.result.fit;
+    report.declared = ending.fit.result.model;
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::before_mm, &report);
     ASSIGN_OR_RETURN(report.check_before, CheckStatistics(ending.fit, &loop::SessionResiduals::before_mm, &report));
     // Names are those that all sessions ask for.

@@ -251,6 +251,7 @@ absl::StatusOr<Outcome> Explorer::Try(const Way& way) {
   if (options_.progress) options_.progress({"fitting the declared model", 0.0, ""});
   ASSIGN_OR_RETURN(Fit fit, FitExtension(machine_, attempt->extension, identify_options_));
   report->fit_before = fit.result.fit;
+  report->declared = fit.result.model;
   KeepResiduals(fit, runs_, &SessionResiduals::before_mm, report);
   ASSIGN_OR_RETURN(report->check_before, CheckStatistics(fit, &SessionResiduals::before_mm, report));
   for (const Added& one : way.prefix) {

@@ -151,6 +151,41 @@ reports::Fitted FittedOf(const Report& found) {
   return fitted;
 }
 
+reports::VolumetricFigure FigureOf(const predict::RootMeanSquare& figure) {
+  return {figure.expected_mm * kUmPerMm, figure.low_mm * kUmPerMm, figure.high_mm * kUmPerMm};
+}
+
+std::optional<reports::Volumetric> VolumetricOf(const machine::Machine& machine, const Report& found) {
+  if (found.last_fit == nullptr) return std::nullopt;
+  machine::KnownErrors errors{found.fitted.model, {}};
+  const auto covariance = machine::CovarianceOf(
+      machine::OfWritten(found.fitted.covariance, machine, found.fitted.model), machine, found.fitted.model);
+  if (!covariance.ok()) return std::nullopt;
+  errors.covariance = *covariance;
+  std::vector<std::string> unknown;
+  for (const identify::Estimate& estimate : found.fitted.estimates)
+    if (!estimate.identifiable) unknown.push_back(estimate.name);
+  const std::optional<predict::VolumetricError> error =
+      predict::VolumetricErrorOver(machine, found.last_fit->problem.runs, found.declared, errors, unknown);
+  if (!error) return std::nullopt;
+  reports::Volumetric out;
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    const bool is_rotary = machine.axes[i].kind == machine::AxisKind::kRotary;
+    const double unit = is_rotary ? kDegPerRad : 1.0;
+    if (error->box.low[i] == error->box.high[i]) continue;
+    out.box.push_back(
+        {machine.axes[i].name, error->box.low[i] * unit, error->box.high[i] * unit, is_rotary ? "deg" : "mm"});
+  }
+  out.poses = error->poses;
+  out.uncorrected = FigureOf(error->uncorrected);
+  out.before = FigureOf(error->before);
+  out.after = FigureOf(error->after);
+  out.gain_is_held = error->is_gain_held;
+  out.weakest = error->weakest;
+  out.unknown = error->unknown;
+  return out;
+}
+
 }  // namespace
 
 reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
@@ -164,6 +199,7 @@ reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
                     .after = StatisticsOf(found.check_after),
                     .fitted = found.is_check_fitted};
   }
+  report.volumetric = VolumetricOf(machine, found);
   for (const SelectionStep& step : found.steps)
     report.steps.push_back({ChangeOf(step.change), step.name, step.rms_mm * kUmPerMm});
   for (const Unexplained& part : found.unexplained) report.unexplained.push_back(UnexplainedOf(machine, part));

@@ -12,6 +12,7 @@
 #include "core/identify/monte_carlo.h"
 #include "core/loop/next_measurement.h"
 #include "core/loop/search.h"
+#include "core/predict/volumetric.h"
 #include "core/reports/loop.h"
 
 namespace axiscal::loop {
@@ -84,6 +85,7 @@ struct Report {
   std::vector<Unexplained> unexplained;
   std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
   std::vector<SelectionStep> steps;             // from fit_before to fit_after
+  machine::ErrorModel declared;        // as fitted alone
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;

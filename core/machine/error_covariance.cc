@@ -159,14 +159,24 @@ absl::StatusOr<KnownErrors> ReadKnownErrors(const std::string& text, const Machi
   const auto member = root.find(kCovarianceKey);
   if (member == root.end()) return known;
   ASSIGN_OR_RETURN(const WrittenCovariance written, ReadWrittenCovariance(*member, machine, known.model));
-  ASSIGN_OR_RETURN(known.covariance.root, RootOf(written.correlation.selfadjointView<Eigen::Lower>().toDenseMatrix()));
-  const std::map<std::string, KnownNumber> numbers = NumbersOf(machine, known.model);
-  for (size_t i = 0; i < written.of.size(); ++i) {
-    const KnownNumber& number = numbers.at(written.of[i]);
-    known.covariance.of.push_back(number.number);
-    known.covariance.root.row(static_cast<Eigen::Index>(i)) *= written.sigma[i] * number.factor;
-  }
+  ASSIGN_OR_RETURN(known.covariance, CovarianceOf(written, machine, known.model));
   return known;
+}
+
+absl::StatusOr<ErrorCovariance> CovarianceOf(const WrittenCovariance& written, const Machine& machine,
+                                             const ErrorModel& model) {
+  ErrorCovariance covariance;
+  if (written.of.empty()) return covariance;
+  ASSIGN_OR_RETURN(covariance.root, RootOf(written.correlation.selfadjointView<Eigen::Lower>().toDenseMatrix()));
+  const std::map<std::string, KnownNumber> numbers = NumbersOf(machine, model);
+  for (size_t i = 0; i < written.of.size(); ++i) {
+    const auto number = numbers.find(written.of[i]);
+    if (number == numbers.end())
+      return RefuseCovariance(absl::StrCat(".of[", i, "]"), written.of[i] + ", expected a number of these errors");
+    covariance.of.push_back(number->second.number);
+    covariance.root.row(static_cast<Eigen::Index>(i)) *= written.sigma[i] * number->second.factor;
+  }
+  return covariance;
 }
 
 WrittenCovariance OfWritten(const WrittenCovariance& covariance, const Machine& machine, const ErrorModel& model) {

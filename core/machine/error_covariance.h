@@ -55,6 +55,11 @@ struct KnownErrors {
 };
 absl::StatusOr<KnownErrors> ReadKnownErrors(const std::string& text, const Machine& machine);
 
+// In mm, rad and s. INVALID_ARGUMENT where it names what is no number of the model, or its correlations contradict each
+// other.
+absl::StatusOr<ErrorCovariance> CovarianceOf(const WrittenCovariance& written, const Machine& machine,
+                                             const ErrorModel& model);
+
 // What of it is of the errors that errors.json holds of a model.
 WrittenCovariance OfWritten(const WrittenCovariance& covariance, const Machine& machine, const ErrorModel& model);
 // The member's text, a row of the matrix per line.

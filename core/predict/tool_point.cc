@@ -66,7 +66,7 @@ ToolPointError ToolPoint::ErrorAt(const shapes::State& state) {
 
 // With p the actual tool point in the table's frame, d p = R^T (d tip - d of the point of the table at p); and d of the
 // rotation is that of the tool's branch less that of the table's, both seen from the table.
-ToolPointError ToolPoint::SigmaAt(const shapes::State& state) {
+const Eigen::MatrixXd& ToolPoint::ByNumberAt(const shapes::State& state) {
   const auto positions = PositionsOf(state);
   const machine::JointErrors<double> errors = machine::ErrorsAt(machine_, errors_.model, state);
   const Eigen::Vector3d tip_in_table_mm =
@@ -81,8 +81,10 @@ ToolPointError ToolPoint::SigmaAt(const shapes::State& state) {
         place.sign * table_from_bed * place.bed_from_parent * point_.turns[joint].axes;
   }
   propagation_.ByNumber(state, by_error_, &by_number_);
-  return propagation_.Sigma(by_number_);
+  return by_number_;
 }
+
+ToolPointError ToolPoint::SigmaAt(const shapes::State& state) { return propagation_.Sigma(ByNumberAt(state)); }
 
 std::vector<std::string> TakenForExact(const machine::Machine& machine, const machine::KnownErrors& errors) {
   std::vector<std::string> names;

@@ -42,6 +42,8 @@ class Propagation {
       }
     }
   }
+  // covariance = root root'; a row per number.
+  const Eigen::MatrixXd& root() const { return root_; }
   // Of the values whose derivatives these are.
   Eigen::VectorXd Sigma(const Eigen::MatrixXd& by_number) const { return (by_number * root_).rowwise().norm(); }
 
@@ -70,6 +72,10 @@ class ToolPoint {
   ToolPointError ErrorAt(const shapes::State& state);
   // Standard uncertainty of each. Zero where the covariance is empty: ask that first.
   ToolPointError SigmaAt(const shapes::State& state);
+  // Their derivatives (6 x numbers) by the model's uncertain numbers, in the order of the covariance. Until the next
+  // call.
+  const Eigen::MatrixXd& ByNumberAt(const shapes::State& state);
+  const Propagation& propagation() const { return propagation_; }
 
  private:
   const machine::Machine& machine_;

@@ -91,6 +91,14 @@ Loop ALoop() {
   report.fit = {{.rms_um = 5.0, .max_um = 9.0, .rms_without_outliers_um = 4.0, .chi2_per_dof = 200.0},
                 {.rms_um = 0.5, .max_um = 0.9, .rms_without_outliers_um = 0.4, .chi2_per_dof = 1.0}};
   report.check = Check{report.fit.before, report.fit.after, true};
+  report.volumetric = Volumetric{{{"X", -100.0 * kThird, 200.0, "mm"}, {"C", 0.0, 360.0, "deg"}},
+                                 400,
+                                 {30.0 * kThird, 9.0, 11.0},
+                                 {5.0 * kThird, 1.0, 2.0},
+                                 {0.1 * kThird, 0.01, 0.05},
+                                 true,
+                                 {"EY0C", "EA0C"},
+                                 {"EX0C"}};
   report.steps = {{Change::kAdded, "EBB:harmonic(45)", 1.0}, {Change::kRefused, "EXX:backlash", 1.1}};
   Slip slip{Carrier::kTool, Carrier::kTable, {3.0 * kThird, kNoNumber, -1.2}, {0.05, kNoNumber, 0.1}};
   report.unexplained = {{PartKind::kSlip, "t", 10.0, 20.0 * kThird, "s", "BX", 2.0, slip},

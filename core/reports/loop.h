@@ -86,12 +86,34 @@ struct Check {
   bool fitted = false;  // the check sessions were fitted too and prove nothing
 };
 
+// Positions of an axis that moved, in `unit`.
+struct AxisRange {
+  std::string axis = {};
+  double from = kNoNumber, to = kNoNumber;
+  std::string unit = {};
+};
+// Root of the expected mean square, and the 95 % interval.
+struct VolumetricFigure {
+  double rms_um = kNoNumber, low_um = kNoNumber, high_um = kNoNumber;
+};
+// The tool point's error over the box of measured positions, less work offset, tool length and tool centre
+// (core/predict/volumetric.h): of the machine as it is, corrected for the declared errors alone, corrected for all.
+struct Volumetric {
+  std::vector<AxisRange> box = {};
+  int poses = 0;
+  VolumetricFigure uncorrected = {}, before = {}, after = {};
+  bool gain_is_held = false;              // the interval of before - after is above zero
+  std::vector<std::string> weakest = {};  // errors whose uncertainty makes most of `after`
+  std::vector<std::string> unknown = {};  // errors without a number that act over the box: in none of the figures
+};
+
 struct Loop {
   Verdict verdict = Verdict::kAdequate;
   std::vector<Effect> effects = {};
   Fitted fitted = {};
   BeforeAfter fit = {};
   std::optional<Check> check = {};
+  std::optional<Volumetric> volumetric = {};
   std::vector<SelectionStep> steps = {};
   std::vector<Unexplained> unexplained = {};
   std::vector<Proposal> next_measurement = {};

@@ -113,6 +113,33 @@ void Members(Io& io, base::Like<Io, Check> check) {
 }
 
 template <typename Io>
+void Members(Io& io, base::Like<Io, AxisRange> range) {
+  io.Required("axis", range.axis);
+  io.Member("from", range.from);
+  io.Member("to", range.to);
+  io.Member("unit", range.unit);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, VolumetricFigure> figure) {
+  io.Member("rms_um", figure.rms_um);
+  io.Member("low_um", figure.low_um);
+  io.Member("high_um", figure.high_um);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Volumetric> volumetric) {
+  io.Member("box", volumetric.box);
+  io.Member("poses", volumetric.poses);
+  io.Member("uncorrected", volumetric.uncorrected);
+  io.Member("before", volumetric.before);
+  io.Member("after", volumetric.after);
+  io.Member("gain_is_held", volumetric.gain_is_held);
+  io.Member("weakest", volumetric.weakest);
+  io.Member("unknown", volumetric.unknown);
+}
+
+template <typename Io>
 void Members(Io& io, base::Like<Io, Loop> report) {
   io.Required("verdict", report.verdict);
   io.Member("effects", report.effects);
@@ -123,6 +150,7 @@ void Members(Io& io, base::Like<Io, Loop> report) {
   io.Member("warnings", report.fitted.warnings);
   io.Member("fit", report.fit);
   io.Member("check", report.check);
+  io.Member("volumetric", report.volumetric);
   io.Member("steps", report.steps);
   io.Member("unexplained", report.unexplained);
   io.Member("outliers", report.fitted.outliers);

@@ -1,0 +1,242 @@
+#include "core/predict/volumetric.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/random.h"
+
+namespace axiscal::predict {
+namespace {
+
+using instruments::MeasuringRun;
+
+// The mean square over the box is off by about 1 / sqrt(poses) of the spread of the squares: 3 % of the root.
+constexpr int kPoses = 400;
+// The ends of a 95 % interval are drawn to about 2 % of its width.
+constexpr int kDraws = 4000;
+constexpr double kLowQuantile = 0.025, kHighQuantile = 0.975;
+constexpr uint64_t kSeed = 230;
+// Less of the square is no reason that a reader should look at.
+constexpr double kWeak = 0.25;
+// What of a number's effect is left beyond work offset and tool centre; less is rounding.
+constexpr double kLeftOver = 1e-6;
+
+// The runs that hold positions: readings along a path hold those of their traces.
+std::vector<const MeasuringRun*> Positioned(const std::vector<MeasuringRun>& runs) {
+  std::vector<const MeasuringRun*> out;
+  for (const MeasuringRun& run : runs) {
+    if (run.path_readings == nullptr) {
+      if (run.reading_count() > 0) out.push_back(&run);
+      continue;
+    }
+    for (const MeasuringRun& trace : run.path_readings->traces)
+      if (!trace.time_s.empty()) out.push_back(&trace);
+  }
+  return out;
+}
+
+int CountOf(const MeasuringRun& run) { return static_cast<int>(run.time_s.size()); }
+
+// Errors of all poses, less what work offset and tool centre take up.
+class Over {
+ public:
+  Over(const machine::Machine& machine, const BoxStates& states, const Eigen::Vector3d& tip_mm)
+      : machine_(machine), states_(states), tip_mm_(tip_mm) {
+    Eigen::MatrixXd taken(rows(), 6);
+    for (int k = 0; k < states.count(); ++k) {
+      const machine::ChainPose<double> pose =
+          machine::EvaluateChain<double>(machine, states.PositionsOf(k), machine::JointErrors<double>());
+      taken.block<3, 3>(3 * k, 0).setIdentity();
+      taken.block<3, 3>(3 * k, 3) = pose.bed_from_table.rotation.transpose() * pose.bed_from_tool.rotation;
+    }
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(taken);
+    taken_up_ = qr.householderQ() * Eigen::MatrixXd::Identity(rows(), qr.rank());
+  }
+
+  Eigen::Index rows() const { return 3 * states_.count(); }
+  // Of a machine with these errors, mm.
+  Eigen::VectorXd ErrorsOf(const machine::ErrorModel& model) const {
+    const machine::KnownErrors errors{model, {}};
+    ToolPoint tool(machine_, errors, tip_mm_);
+    Eigen::VectorXd out(rows());
+    for (int k = 0; k < states_.count(); ++k) out.segment<3>(3 * k) = tool.ErrorAt(states_.At(k)).head<3>();
+    return Left(out);
+  }
+  // By each number of the covariance.
+  Eigen::MatrixXd ByNumber(const machine::KnownErrors& errors) const {
+    ToolPoint tool(machine_, errors, tip_mm_);
+    Eigen::MatrixXd out(rows(), static_cast<Eigen::Index>(errors.covariance.of.size()));
+    for (int k = 0; k < states_.count(); ++k) out.middleRows<3>(3 * k) = tool.ByNumberAt(states_.At(k)).topRows<3>();
+    return out;
+  }
+  template <typename Columns>
+  Columns Left(const Columns& columns) const {
+    return columns - taken_up_ * (taken_up_.transpose() * columns);
+  }
+
+ private:
+  const machine::Machine& machine_;
+  const BoxStates& states_;
+  const Eigen::Vector3d tip_mm_;
+  Eigen::MatrixXd taken_up_;
+};
+
+// Root mean square of d + A z over the poses, z standard normal, for one d: by the eigenvectors of A' A.
+struct Spread {
+  double constant = 0.0;            // d' d / poses
+  Eigen::VectorXd linear, squares;  // of the rotated z
+
+  double At(const Eigen::VectorXd& z) const {
+    return std::sqrt(std::max(0.0, constant + 2.0 * linear.dot(z) + squares.dot(z.cwiseAbs2())));
+  }
+  double Expected() const { return std::sqrt(constant + squares.sum()); }
+};
+
+double Quantile(std::vector<double>* values, double share) {
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
+  std::nth_element(values->begin(), values->begin() + at, values->end());
+  return (*values)[static_cast<size_t>(at)];
+}
+
+RootMeanSquare IntervalOf(const Spread& spread, std::vector<double> draws) {
+  return {spread.Expected(), Quantile(&draws, kLowQuantile), Quantile(&draws, kHighQuantile)};
+}
+
+// By each number's share of the expected square: the square of A = B root is the sum of B_j' A root_j over the numbers
+// j.
+std::vector<std::string> Weakest(const machine::Machine& machine, const machine::KnownErrors& found,
+                                 const Eigen::MatrixXd& by_number, const Eigen::MatrixXd& uncertain) {
+  std::vector<std::pair<double, std::string>> shares;
+  for (size_t j = 0; j < found.covariance.of.size(); ++j) {
+    const machine::ErrorCovariance::Number& number = found.covariance.of[j];
+    const auto column = static_cast<Eigen::Index>(j);
+    const double share = by_number.col(column).dot(uncertain * found.covariance.root.row(column).transpose());
+    if (share < kWeak * uncertain.squaredNorm() || share <= 0.0) continue;
+    shares.emplace_back(
+        -share, machine::NameNumber(machine, found.model.terms[number.term], number.basis, number.is_nonlinear).name);
+  }
+  std::sort(shares.begin(), shares.end());
+  std::vector<std::string> names;
+  for (const auto& [share, name] : shares) names.push_back(name);
+  return names;
+}
+
+// Numbers of the model by these names, each with one mm or rad.
+machine::ErrorCovariance NumbersNamed(const machine::Machine& machine, const machine::ErrorModel& model,
+                                      const std::vector<std::string>& names, std::vector<std::string>* found) {
+  machine::ErrorCovariance numbers;
+  for (int i = 0; i < static_cast<int>(model.terms.size()); ++i) {
+    for (int k = 0; k < shapes::BasisCount(model.terms[i].shape); ++k) {
+      const std::string name = machine::NameNumber(machine, model.terms[i], k, false).name;
+      if (std::find(names.begin(), names.end(), name) == names.end()) continue;
+      numbers.of.push_back({i, k, false});
+      found->push_back(name);
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(numbers.of.size());
+  numbers.root.setIdentity(count, count);
+  return numbers;
+}
+
+}  // namespace
+
+BoxStates::BoxStates(const std::vector<MeasuringRun>& runs, int count) {
+  const std::vector<const MeasuringRun*> measured = Positioned(runs);
+  const int axes = measured.front()->axis_count;
+  box_.low.assign(static_cast<size_t>(axes), std::numeric_limits<double>::infinity());
+  box_.high.assign(static_cast<size_t>(axes), -std::numeric_limits<double>::infinity());
+  std::vector<double> fastest(static_cast<size_t>(axes), 0.0);
+  std::vector<size_t> first;  // reading of all, per run
+  size_t readings = 0;
+  bool has_time = false;
+  for (const MeasuringRun* run : measured) {
+    first.push_back(readings);
+    readings += static_cast<size_t>(CountOf(*run));
+    has_time = has_time || run->has_time;
+    for (int k = 0; k < CountOf(*run); ++k) {
+      for (int i = 0; i < axes; ++i) {
+        box_.low[i] = std::min(box_.low[i], run->PositionsOf(k)[i]);
+        box_.high[i] = std::max(box_.high[i], run->PositionsOf(k)[i]);
+        const double speed = std::abs(run->axis_states[static_cast<size_t>(k * axes + i)].speed);
+        if (std::isfinite(speed)) fastest[i] = std::max(fastest[i], speed);
+      }
+    }
+  }
+  base::Random random(kSeed);
+  path_.axis_count = axes;
+  path_.has_time = has_time;
+  path_.measured_mm.setZero(1, count);
+  double time_s = 0.0;
+  for (int k = 0; k < count; ++k) {
+    for (int i = 0; i < axes; ++i) path_.positions.push_back(random.Uniform(box_.low[i], box_.high[i]));
+    for (int i = 0; k > 0 && i < axes; ++i) {
+      const double way = std::abs(path_.PositionsOf(k)[i] - path_.PositionsOf(k - 1)[i]);
+      if (fastest[i] > 0.0) time_s = std::max(time_s, path_.time_s.back() + way / fastest[i]);
+    }
+    path_.time_s.push_back(time_s);
+    const auto of_all = static_cast<size_t>(random.Below(readings));
+    const auto run = static_cast<size_t>(std::upper_bound(first.begin(), first.end(), of_all) - first.begin()) - 1;
+    at_.push_back({measured[run], static_cast<int>(of_all - first[run])});
+  }
+  instruments::DeriveMotion(&path_);
+}
+
+shapes::State BoxStates::At(int pose) const {
+  shapes::State state = at_[static_cast<size_t>(pose)].run->StateOf(at_[static_cast<size_t>(pose)].reading);
+  const auto axes = static_cast<size_t>(path_.axis_count);
+  state.axes = {path_.axis_states.data() + static_cast<size_t>(pose) * axes, axes};
+  state.approach = {};
+  return state;
+}
+
+std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machine,
+                                                   const std::vector<MeasuringRun>& runs,
+                                                   const machine::ErrorModel& before, const machine::KnownErrors& found,
+                                                   const std::vector<std::string>& unknown) {
+  if (found.covariance.is_empty() || Positioned(runs).empty()) return std::nullopt;
+  const BoxStates states(runs, kPoses);
+  if (states.box().low == states.box().high) return std::nullopt;
+  const Over over(machine, states, runs.front().tip_mm);
+  VolumetricError out;
+  out.box = states.box();
+  out.poses = kPoses;
+
+  const Eigen::MatrixXd by_number = over.Left(over.ByNumber(found));
+  const Eigen::MatrixXd uncertain = by_number * found.covariance.root;
+  out.weakest = Weakest(machine, found, by_number, uncertain);
+  const Eigen::VectorXd as_found = over.ErrorsOf(found.model);
+  const Eigen::VectorXd missed = as_found - over.ErrorsOf(before);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain.transpose() * uncertain / kPoses);
+  const auto spread_of = [&](const Eigen::VectorXd& offset) {
+    return Spread{offset.squaredNorm() / kPoses,
+                  eigen.eigenvectors().transpose() * (uncertain.transpose() * offset) / kPoses,
+                  eigen.eigenvalues().cwiseMax(0.0)};
+  };
+  const Spread uncorrected = spread_of(as_found), of_before = spread_of(missed),
+               of_after = spread_of(Eigen::VectorXd::Zero(over.rows()));
+  std::vector<double> at_uncorrected, at_before, at_after, gain;
+  base::Random random(kSeed);
+  Eigen::VectorXd z(uncertain.cols());
+  for (int i = 0; i < kDraws; ++i) {
+    for (double& one : z) one = random.Normal();
+    at_uncorrected.push_back(uncorrected.At(z));
+    at_before.push_back(of_before.At(z));
+    at_after.push_back(of_after.At(z));
+    gain.push_back(at_before.back() - at_after.back());
+  }
+  out.uncorrected = IntervalOf(uncorrected, std::move(at_uncorrected));
+  out.before = IntervalOf(of_before, std::move(at_before));
+  out.after = IntervalOf(of_after, std::move(at_after));
+  out.is_gain_held = Quantile(&gain, kLowQuantile) > 0.0;
+
+  std::vector<std::string> names;
+  const machine::KnownErrors open{found.model, NumbersNamed(machine, found.model, unknown, &names)};
+  const Eigen::MatrixXd raw = over.ByNumber(open), left = over.Left(raw);
+  for (Eigen::Index i = 0; i < raw.cols(); ++i)
+    if (left.col(i).squaredNorm() > kLeftOver * raw.col(i).squaredNorm()) out.unknown.push_back(names[i]);
+  return out;
+}
+
+}  // namespace axiscal::predict

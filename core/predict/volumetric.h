@@ -1,0 +1,78 @@
+// The volumetric error of a machine over the box of axis positions that sessions covered: the root mean square of the
+// tool point's error (tool_point.h) at poses anywhere in the box, less the work offset (a shift in the table's frame)
+// and the tool's length and centre (a shift in the tool's frame) that suit all poses best. These two are set anew
+// before a part is cut, and no sessions tell them from the errors.
+#ifndef AXISCAL_CORE_PREDICT_VOLUMETRIC_H_
+#define AXISCAL_CORE_PREDICT_VOLUMETRIC_H_
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/instruments/run.h"
+#include "core/predict/tool_point.h"
+
+namespace axiscal::predict {
+
+// Least and greatest position of each axis, mm or rad.
+struct Box {
+  std::vector<double> low, high;
+};
+
+// States at poses drawn evenly from the box of `runs`, one after the other, no axis faster than it was in the runs.
+// Time, temperature and whatever else a state holds are those of readings drawn from the runs: nothing is said of times
+// and temperatures that nobody measured. The same runs give the same states.
+class BoxStates {
+ public:
+  // `runs`: at least one reading; must outlive it.
+  BoxStates(const std::vector<instruments::MeasuringRun>& runs, int count);
+
+  const Box& box() const { return box_; }
+  int count() const { return path_.reading_count(); }
+  shapes::State At(int pose) const;
+  const double* PositionsOf(int pose) const { return path_.PositionsOf(pose); }
+
+ private:
+  struct Reading {
+    const instruments::MeasuringRun* run = nullptr;
+    int reading = 0;
+  };
+
+  Box box_;
+  instruments::MeasuringRun path_;  // positions and motion of the poses
+  std::vector<Reading> at_;         // whose time and temperature a pose has
+};
+
+// Root of the expected mean square, and the 95 % interval, mm.
+struct RootMeanSquare {
+  double expected_mm = 0.0, low_mm = 0.0, high_mm = 0.0;
+};
+
+struct VolumetricError {
+  Box box;
+  int poses = 0;
+  // Of the machine as it is; where it is corrected for the errors of `before`, whose values count as they are; where it
+  // is corrected for those that were found. Their covariance is what the expectation is over: what they do not model is
+  // in none of these.
+  RootMeanSquare uncorrected, before, after;
+  // The interval of the difference of `before` and `after` is above zero.
+  bool is_gain_held = false;
+  // Numbers (machine::NameNumber) whose uncertainty makes most of `after`, each a quarter of its square or more; the
+  // largest first.
+  std::vector<std::string> weakest;
+  // Of the numbers `unknown`: those that move the tool point over the box. What they do is in none of the figures.
+  std::vector<std::string> unknown;
+};
+
+// `found`: errors with their covariance, as they were fitted to `runs`; `before`: the errors that would be corrected
+// without them. `unknown`: names (machine::NameNumber) of numbers of `found` that nothing is known of. Nothing where
+// there is no covariance or the runs moved no axis.
+std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machine,
+                                                   const std::vector<instruments::MeasuringRun>& runs,
+                                                   const machine::ErrorModel& before, const machine::KnownErrors& found,
+                                                   const std::vector<std::string>& unknown = {});
+
+}  // namespace axiscal::predict
+
+#endif  // AXISCAL_CORE_PREDICT_VOLUMETRIC_H_

@@ -1,0 +1,140 @@
+#include "core/predict/volumetric.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/random.h"
+#include "core/base/units.h"
+#include "core/machine/error_json.h"
+#include "core/machine/testing/machines.h"
+
+namespace axiscal::predict {
+namespace {
+
+using instruments::MeasuringRun;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+const Eigen::Vector3d kTip(0, 0, -350);
+constexpr double kUm = 1e-3;
+
+machine::KnownErrors Known(const std::string& text) {
+  auto known = machine::ReadKnownErrors(text, machine::testing::MultiTasking());
+  EXPECT_TRUE(known.ok()) << known.status();
+  return *std::move(known);
+}
+
+// Z Y X B C of the test machine: X over 500 mm, C over 360 deg, the others at rest; a reading per second.
+MeasuringRun Measured(int readings = 200) {
+  MeasuringRun run;
+  run.tip_mm = kTip;
+  run.axis_count = 5;
+  run.has_time = true;
+  run.measured_mm.setZero(1, readings);
+  for (int k = 0; k < readings; ++k) {
+    const double share = static_cast<double>(k) / std::max(1, readings - 1);
+    for (const double position : {-300.0, 10.0, -250.0 + 500.0 * share, 0.0, 2.0 * M_PI * share})
+      run.positions.push_back(position);
+    run.time_s.push_back(k);
+    run.temperature_celsius.push_back(20.0 + 5.0 * share);
+  }
+  DeriveMotion(&run);
+  return run;
+}
+
+VolumetricError Over(const std::string& before, const std::string& found,
+                     const std::vector<std::string>& unknown = {}) {
+  const auto error =
+      VolumetricErrorOver(machine::testing::MultiTasking(), {Measured()}, Known(before).model, Known(found), unknown);
+  EXPECT_TRUE(error.has_value());
+  return error.value_or(VolumetricError());
+}
+
+// A scale error of a um/m over positions that are spread evenly over 0.5 m: 0.5 a / sqrt(12) about its mean.
+TEST(Volumetric, OfAScaleErrorIsThatOfAnEvenSpread) {
+  constexpr double kSpread = 0.5 / 3.4641016;
+  constexpr double kDrawn = 0.05;  // of 400 poses
+  const VolumetricError error = Over("{}", R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X",
+      "amplitude": 100}], "covariance": {"of": ["EXX:linear"], "sigma": [2], "correlation": [[]]}})");
+  EXPECT_NEAR(error.uncorrected.expected_mm, 100 * kUm * kSpread, kDrawn * 100 * kUm * kSpread);
+  EXPECT_EQ(error.before.expected_mm, error.uncorrected.expected_mm);
+  const double after_mm = error.after.expected_mm;
+  EXPECT_NEAR(after_mm / error.before.expected_mm, 2.0 / 100.0, 1e-5);  // (100^2 + 2^2 under the root)
+  // |z| of a normal z is below 0.0313 in 2.5 % and below 2.241 in 97.5 % of draws.
+  EXPECT_NEAR(error.after.low_mm / after_mm, 0.0313, 0.01);
+  EXPECT_NEAR(error.after.high_mm / after_mm, 2.241, 0.1);
+  EXPECT_NEAR(error.before.low_mm / error.before.expected_mm, 1.0 - 1.96 * 0.02, 0.003);
+  EXPECT_NEAR(error.before.high_mm / error.before.expected_mm, 1.0 + 1.96 * 0.02, 0.003);
+  EXPECT_TRUE(error.is_gain_held);
+  EXPECT_THAT(error.weakest, ElementsAre("EXX:linear"));
+}
+
+// 0.3 urad at 250 mm are less than 2 um/m over 0.5 m.
+TEST(Volumetric, TheWeakestNumberIsNamed) {
+  const VolumetricError error = Over("{}", R"({"EB0C": 40, "EX0T": 9, "terms": [{"symbol": "EXX", "shape": "linear",
+      "variable": "X", "amplitude": 100}], "covariance": {"of": ["EB0C", "EX0T", "EXX:linear"], "sigma": [0.3, 50, 2],
+      "correlation": [[], [0], [0, 0]]}})");
+  EXPECT_THAT(error.weakest, ElementsAre("EXX:linear"));
+}
+
+TEST(Volumetric, AGainWithinItsOwnUncertaintyIsNotHeld) {
+  EXPECT_FALSE(Over("{}", R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 1}],
+      "covariance": {"of": ["EXX:linear"], "sigma": [2], "correlation": [[]]}})")
+                   .is_gain_held);
+  const std::string same = R"({"EB0C": 80, "covariance": {"of": ["EB0C"], "sigma": [0.1], "correlation": [[]]}})";
+  const VolumetricError error = Over(same, same);  // nothing was added
+  EXPECT_FALSE(error.is_gain_held);
+  EXPECT_EQ(error.before.expected_mm, error.after.expected_mm);
+  EXPECT_GT(error.uncorrected.expected_mm, 10 * kUm);  // 80 urad at up to 250 mm from the axis
+}
+
+// Where the tool's point is and where the work stands is set anew for each part.
+TEST(Volumetric, WorkOffsetAndToolCentreAreLeftOut) {
+  const VolumetricError error = Over("{}", R"({"EZ0T": 500, "EX0T": 200,
+      "covariance": {"of": ["EZ0T", "EX0T"], "sigma": [3, 3], "correlation": [[], [0]]}})");
+  EXPECT_LT(error.uncorrected.expected_mm, 1e-6);
+  EXPECT_LT(error.after.expected_mm, 1e-6);
+}
+
+TEST(Volumetric, NumbersThatNobodyKnowsAreNamedWhereTheyAct) {
+  const VolumetricError error = Over(
+      "{}", R"({"EX0C": 30, "EB0C": 0, "EZ0T": 0, "covariance": {"of": ["EX0C"], "sigma": [1], "correlation": [[]]}})",
+      {"EB0C", "EZ0T"});
+  EXPECT_THAT(error.unknown, ElementsAre("EB0C"));
+}
+
+TEST(Volumetric, WithoutACovarianceOrMotionThereIsNone) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  EXPECT_FALSE(VolumetricErrorOver(machine, {Measured()}, {}, Known(R"({"EX0C": 30})")).has_value());
+  const machine::KnownErrors known =
+      Known(R"({"EX0C": 30, "covariance": {"of": ["EX0C"], "sigma": [1], "correlation": [[]]}})");
+  EXPECT_FALSE(VolumetricErrorOver(machine, {Measured(1)}, {}, known).has_value());
+}
+
+TEST(BoxStates, StayWithinWhatWasMeasured) {
+  const MeasuringRun measured = Measured();
+  const std::vector<MeasuringRun> runs = {measured};
+  const BoxStates states(runs, 300);
+  EXPECT_THAT(states.box().low, ElementsAre(-300.0, 10.0, -250.0, 0.0, 0.0));
+  EXPECT_THAT(states.box().high, ElementsAre(-300.0, 10.0, 250.0, 0.0, 2.0 * M_PI));
+  double low = 1e9, high = -1e9, warmest = 0.0;
+  for (int k = 0; k < states.count(); ++k) {
+    const shapes::State state = states.At(k);
+    ASSERT_EQ(state.axes.size(), 5u);
+    low = std::min(low, state.axes[2].position);
+    high = std::max(high, state.axes[2].position);
+    EXPECT_LE(std::abs(state.axes[2].speed), 1.01 * 500.0 / 199.0);
+    EXPECT_LE(state.time_s, 199.0);
+    EXPECT_NEAR(state.temperature_celsius, 20.0 + 5.0 * state.time_s / 199.0, 1e-9);  // of one and the same reading
+    warmest = std::max(warmest, state.temperature_celsius);
+  }
+  EXPECT_LT(low, -240.0);
+  EXPECT_GT(high, 240.0);
+  EXPECT_GT(warmest, 24.5);
+}
+
+}  // namespace
+}  // namespace axiscal::predict
