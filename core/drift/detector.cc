@@ -27,7 +27,7 @@ constexpr double kLoosenMoved = 900.0;                      // (30 sigma)^2 for 
 constexpr double kLoosenOthers = 1.0;                       // small parts of a collision stay unnamed
 constexpr double kLoosenMarked = 1e4;  // (100 sigma)^2: a person says that nothing is known any more
 constexpr double kSuspicion = 400.0;   // (20 sigma)^2 for what is suspect in one calibration
-constexpr int kGoesBackWithin = 4;     // calibrations after a step is told
+constexpr int kRevisedWithin = 4;      // calibrations after a step is told
 constexpr double kSameSquare = 16.0;   // (4 sigma)^2: sizes that differ by less are the same
 constexpr int kMostSuspects = 6;       // in a row, after which the machine counts as unstable
 constexpr double kMostVariance = 1e8;  // (10,000 sigma)^2 of a combination is as good as unknown
@@ -281,28 +281,47 @@ void RestartAt(const Alarm& alarm, const Scales& scales, State* state) {
   RestartBanks(alarm.shift.errors, state);
 }
 
-// All that jumps is what was told as a jump just now, and jumps back: the mean of a bad calibration and a good one.
-bool GoesBack(const Alarm& alarm, const State& state) {
-  const ToldStep& told = state.told;
-  if (told.found == 0 || state.calibrations - told.found > kGoesBackWithin) return false;
+// Nothing jumps but what was told as a jump just now: that had bad calibrations in it, and is told better now.
+bool Revises(const Alarm& alarm, const State& state) {
+  const std::vector<int>& errors = alarm.shift.errors;
+  return state.told.found > 0 && state.calibrations - state.told.found <= kRevisedWithin &&
+         std::all_of(errors.begin(), errors.end(), [&](int j) { return state.told.variances(j) > 0.0; });
+}
+
+// The told step with what the alarm adds to it. It is taken back where nothing is left of it.
+Finding Revise(const Alarm& alarm, Step step, State* state) {
+  ToldStep& told = state->told;
+  bool is_nothing_left = true;
   for (size_t i = 0; i < alarm.shift.errors.size(); ++i) {
     const int j = alarm.shift.errors[i];
     const auto at = static_cast<Eigen::Index>(i);
-    const double left = told.sizes(j) + alarm.size.size(at);
-    if (told.variances(j) == 0.0 || left * left > kSameSquare * (told.variances(j) + alarm.size.covariance(at, at)))
-      return false;
+    told.sizes(j) += alarm.size.size(at);
+    const double variance = told.variances(j) + alarm.size.covariance(at, at);
+    is_nothing_left &= told.sizes(j) * told.sizes(j) <= kSameSquare * variance;
+    told.variances(j) = alarm.size.covariance(at, at);
   }
-  return true;
+  if (is_nothing_left) {
+    Retraction retraction{told.after, told.by, state->last_at, {}};
+    for (const Amount& amount : step.amounts) retraction.symbols.push_back(amount.symbol);
+    told.found = 0;
+    return retraction;
+  }
+  step.is_revision = true;
+  step.after = told.after;
+  step.by = told.by;
+  step.amounts.clear();
+  for (Eigen::Index j = 0; j < told.sizes.size(); ++j) {
+    if (told.variances(j) == 0.0) continue;
+    const Followed& followed = state->errors[static_cast<size_t>(j)];
+    step.amounts.push_back({followed.symbol, followed.unit, told.sizes(j) * followed.unit_size,
+                            std::sqrt(told.variances(j)) * followed.unit_size});
+  }
+  return step;
 }
 
 Finding TellStep(const Alarm& alarm, State* state) {
   const Step step = StepOf(alarm, *state);
-  if (GoesBack(alarm, *state)) {
-    Retraction retraction{state->told.after, state->told.by, state->last_at, {}};
-    for (const Amount& amount : step.amounts) retraction.symbols.push_back(amount.symbol);
-    state->told.found = 0;
-    return retraction;
-  }
+  if (Revises(alarm, *state)) return Revise(alarm, step, state);
   state->told = {step.after, step.by, state->calibrations, Eigen::VectorXd::Zero(state->joint.count()),
                  Eigen::VectorXd::Zero(state->joint.count())};
   for (size_t i = 0; i < alarm.shift.errors.size(); ++i) {

@@ -68,6 +68,28 @@ TEST(Detector, ABadCalibrationThatGoesBackIsNoStep) {
   EXPECT_NEAR(suspects[0].amounts[0].size, 15.0, 4.0);
 }
 
+TEST(Detector, AStepThatABadCalibrationMadeTooLargeIsCorrected) {
+  State state;
+  std::vector<Finding> all;
+  Machine machine(15);
+  for (int week = 0; week < 90; ++week) {
+    if (week == 60) machine.truth += Eigen::Vector3d(0.0, 15.0, 0.0);
+    Calibration calibration = machine.Measure(week);
+    if (week == 60 || week == 61) calibration.values[1].value += 25.0;  // the same bad set-up twice
+    Tell(calibration, &state, &all);
+  }
+  const std::vector<Step> steps = Only<Step>(all);
+  ASSERT_EQ(steps.size(), 2u);
+  EXPECT_FALSE(steps[0].is_revision);
+  EXPECT_NEAR(steps[0].amounts[0].size, 40.0, 4.0);
+  EXPECT_TRUE(steps[1].is_revision);
+  EXPECT_EQ(steps[1].by, Week(60));
+  ASSERT_EQ(steps[1].amounts.size(), 1u);
+  EXPECT_EQ(steps[1].amounts[0].symbol, "EY0C");
+  EXPECT_NEAR(steps[1].amounts[0].size, 15.0, 4.0);
+  EXPECT_THAT(Only<Retraction>(all), IsEmpty());
+}
+
 TEST(Detector, ACombinationThatNoCalibrationTellsStaysUnknown) {
   // EX0C + 2 EY0C is known, along (2, -1) nothing is: values wander there by what the fit likes.
   const Eigen::Vector3d unknown(2.0, -1.0, 0.0);

@@ -85,8 +85,8 @@ std::string CertaintyText(double certainty) {
 
 std::string TextOf(const Step& step) {
   const Parts parts = PartsOf(step.amounts);
-  return absl::StrCat(BetweenText(step.after, step.by), " ", parts.symbols, " jumped ",
-                      step.amounts.size() > 1 ? "together " : "", "by ", parts.sizes, ", ",
+  return absl::StrCat(step.is_revision ? "corrected: " : "", BetweenText(step.after, step.by), " ", parts.symbols,
+                      " jumped ", step.amounts.size() > 1 ? "together " : "", "by ", parts.sizes, ", ",
                       step.word == Word::kCertain ? "" : absl::StrCat(Text(step.word), ", "),
                       CertaintyText(step.certainty));
 }
@@ -150,9 +150,9 @@ Word WordOf(double score) { return score < 1.0 ? Word::kPossible : score <= 4.0 
 
 double CertaintyOf(double score) {
   // Score and share of right alarms, read off histories that were drawn for that (docs/drift.md, "Certainty").
-  static constexpr double kTable[][2] = {{-1.0, 0.45}, {-0.5, 0.53}, {0.0, 0.62},  {0.5, 0.72},
-                                         {1.5, 0.82},  {2.5, 0.91},  {3.5, 0.94},  {5.0, 0.97},
-                                         {8.0, 0.985}, {12.0, 0.99}, {25.0, 0.998}};
+  static constexpr double kTable[][2] = {{-1.0, 0.40}, {-0.5, 0.50},  {0.0, 0.57},  {0.5, 0.66},
+                                         {1.5, 0.77},  {2.5, 0.86},   {3.5, 0.91},  {5.0, 0.95},
+                                         {8.0, 0.975}, {12.0, 0.985}, {25.0, 0.995}};
   constexpr int kRows = sizeof(kTable) / sizeof(kTable[0]);
   if (score <= kTable[0][0]) return kTable[0][1];
   for (int i = 1; i < kRows; ++i) {

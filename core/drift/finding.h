@@ -31,6 +31,7 @@ struct Step {
   double score = 0.0;           // ln of the odds for a step against outliers and nothing
   double certainty = 0.0;       // 0 .. 1
   Word word = Word::kPossible;
+  bool is_revision = false;  // of the step told last, of the same dates: bad calibrations were in its sizes
 };
 
 // What was told as a step went back at once: bad calibrations rather than a step.

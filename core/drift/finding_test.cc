@@ -13,7 +13,7 @@ base::UtcTime On(int year, unsigned month, unsigned day, std::chrono::minutes mi
 }
 
 Step Collision() {
-  Step step{On(2026, 5, 5), On(2026, 5, 12), On(2026, 5, 19), {}, 12.0, 0.997, Word::kCertain};
+  Step step{On(2026, 5, 5), On(2026, 5, 12), On(2026, 5, 19), {}, 12.0, 0.997, Word::kCertain, false};
   step.amounts = {{"EX0C", Unit::kUm, 21.2, 1.1}, {"EB0C", Unit::kUrad, 14.3, 2.0}};
   return step;
 }
@@ -26,6 +26,9 @@ TEST(FindingText, AStep) {
   step.word = Word::kProbable;
   step.certainty = 0.9;
   EXPECT_EQ(Text(step), "between 5 and 12 May 2026 EX0C jumped by -2.1 um, probable, certainty 90 %");
+  step.is_revision = true;
+  EXPECT_EQ(Text(step), "corrected: between 5 and 12 May 2026 EX0C jumped by -2.1 um, probable, certainty 90 %");
+  step.is_revision = false;
   step.amounts.resize(3, {"EA0C", Unit::kUrad, 4.0, 1.0});
   EXPECT_EQ(Text(step),
             "between 5 and 12 May 2026 EX0C, EA0C and EA0C jumped together by -2.1 um, 4 urad and 4 urad, probable, "

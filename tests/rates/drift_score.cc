@@ -223,6 +223,10 @@ void Judge(const synthetic::MachineYears& machine, bool with_forecasts, Group* g
     DEMAND(findings.ok());
     for (const drift::Finding& finding : *findings) {
       if (const auto* const step = std::get_if<drift::Step>(&finding)) {
+        if (step->is_revision) {
+          ++score->revisions;
+          continue;
+        }
         Alarm alarm{i, IndexOf(machine, step->by), {}, step->certainty, step->score};
         for (const drift::Amount& amount : step->amounts) alarm.errors.insert(ErrorOf(machine, amount.symbol));
         alarms.push_back(std::move(alarm));
@@ -292,10 +296,11 @@ std::string ToText(const DriftScore& score) {
   line("true wear, of wear told at the end", score.wears_right);
   line("season told at the end, of true ones of 0.8 sigma or more", score.seasons);
   line("true season, of season told at the end", score.seasons_right);
-  absl::StrAppendFormat(&text,
-                        "\nsuspects: %d (%.3f of calibrations), unstable: %d, taken back: %d steps, %d of them true\n",
-                        score.suspects, score.suspects / std::max<double>(1.0, score.calibrations), score.unstable,
-                        score.retractions, score.retracted_right);
+  absl::StrAppendFormat(
+      &text,
+      "\nsuspects: %d (%.3f of calibrations), unstable: %d, corrected: %d steps, taken back: %d, %d of them true\n",
+      score.suspects, score.suspects / std::max<double>(1.0, score.calibrations), score.unstable, score.revisions,
+      score.retractions, score.retracted_right);
   absl::StrAppend(&text, "\n| certainty stated, mean | seen | alarms |\n|---|---|---|\n");
   for (size_t i = 0; i < score.certainty.size(); ++i) {
     const Share& share = score.certainty[i];

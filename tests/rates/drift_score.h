@@ -47,7 +47,7 @@ struct DriftScore {
   std::array<double, 8> stated{};            // sum of stated certainties
   std::array<Share, 12> by_score;            // right alarms, by score (kScores)
   Share suspected;                           // outliers that were told at once
-  int suspects = 0, unstable = 0, retractions = 0;
+  int suspects = 0, unstable = 0, revisions = 0, retractions = 0;
   int retracted_right = 0;                           // steps that were taken back though they were true
   Share seasons, seasons_right, wears, wears_right;  // true ones that were told; told ones that are true
   std::map<std::string, Share> forecasts;            // in the 90 % interval, by horizon
