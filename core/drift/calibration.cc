@@ -12,7 +12,9 @@ namespace {
 
 constexpr size_t kMostSymbolBytes = 200;
 constexpr double kColdestCelsius = -60.0, kHottestCelsius = 150.0;  // no machine is measured outside
-constexpr double kRounding = 1e-6;                                  // of correlations that were written with six digits
+constexpr double kMostValue = 1e9;  // um (a kilometre), urad: beyond it squares of small sigmas would be no numbers
+constexpr double kLeastSigma = 1e-6, kMostSigma = 1e9;
+constexpr double kRounding = 1e-6;  // of correlations that were written with six digits
 
 absl::Status CheckCovariance(const Calibration& calibration) {
   const std::vector<Value>& values = calibration.values;
@@ -23,9 +25,9 @@ absl::Status CheckCovariance(const Calibration& calibration) {
                                                    " numbers, expected ", count, " x ", count));
   for (Eigen::Index i = 0; i < count; ++i) {
     const double variance = covariance(i, i);
-    if (!std::isfinite(variance) || variance <= 0.0)
-      return absl::InvalidArgumentError(
-          absl::StrCat("variance of ", values[i].symbol, " = ", variance, ", must be > 0 and finite"));
+    if (!(variance >= kLeastSigma * kLeastSigma && variance <= kMostSigma * kMostSigma))
+      return absl::InvalidArgumentError(absl::StrCat("variance of ", values[i].symbol, " = ", variance,
+                                                     ", must be > 0, and its root ", kLeastSigma, " to ", kMostSigma));
   }
   Eigen::MatrixXd correlation(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -73,9 +75,9 @@ absl::Status Check(const Calibration& calibration) {
           absl::StrCat("values[", i, "].symbol has ", value.symbol.size(), " bytes, expected 1 to ", kMostSymbolBytes));
     if (!symbols.insert(value.symbol).second)
       return absl::InvalidArgumentError(absl::StrCat("values[", i, "].symbol: '", value.symbol, "' is there twice"));
-    if (!std::isfinite(value.value))
-      return absl::InvalidArgumentError(
-          absl::StrCat("value of ", value.symbol, " = ", value.value, ", must be finite"));
+    if (!(std::abs(value.value) <= kMostValue))
+      return absl::InvalidArgumentError(absl::StrCat("value of ", value.symbol, " = ", value.value,
+                                                     ", must be finite and at most ", kMostValue, " to either side"));
   }
   if (const std::optional<double>& celsius = calibration.temperature_celsius;
       celsius && !(*celsius >= kColdestCelsius && *celsius <= kHottestCelsius))

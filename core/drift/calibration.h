@@ -47,9 +47,9 @@ struct Mark {
 };
 
 // The form of a calibration by itself. INVALID_ARGUMENT names the value and the rule: no values or more than
-// kMostErrors, a symbol that is empty, longer than 200 bytes or there twice, a number that is not finite, a covariance
-// of another size, not symmetric, with a variance that is not positive, or that is none (a negative eigenvalue), a
-// temperature outside -60..150 degrees C.
+// kMostErrors, a symbol that is empty, longer than 200 bytes or there twice, a value that is not finite or beyond 1e9,
+// a covariance of another size, not symmetric, with a sigma outside 1e-6 .. 1e9, or that is none (a negative
+// eigenvalue), a temperature outside -60..150 degrees C.
 absl::Status Check(const Calibration& calibration);
 
 }  // namespace axiscal::drift

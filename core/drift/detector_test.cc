@@ -322,6 +322,11 @@ TEST(Detector, RefusesWhatItCannotUseAndStaysAsItWas) {
   calibration = machine.Measure(10);
   calibration.values[1].value = NAN;
   refused(calibration, absl::StatusCode::kInvalidArgument, "value of EY0C = nan");
+  calibration.values[1].value = -1e200;  // its square would be no number, and nor would all that follows
+  refused(calibration, absl::StatusCode::kInvalidArgument, "value of EY0C = -1e+200");
+  calibration = machine.Measure(10);
+  calibration.covariance(2, 2) = 1e-300;
+  refused(calibration, absl::StatusCode::kInvalidArgument, "variance of EB0C = 1e-300");
   calibration = machine.Measure(10);
   calibration.values[1].symbol = "EX0C";
   refused(calibration, absl::StatusCode::kInvalidArgument, "values[1].symbol: 'EX0C' is there twice");
