@@ -161,6 +161,22 @@ TEST(Detector, ErrorsComeAndGoWithoutAlarm) {
   EXPECT_EQ(state.errors[1].symbol, "EB0C");
 }
 
+// The first calibration states sigmas ten times as large: what it makes of the unit must not stay in the season's
+// prior, where it would swing for years.
+TEST(Detector, APoorFirstCalibrationLeavesNoWildSeason) {
+  const Eigen::Vector3d unknown(40.0, -20.0, 30.0);
+  State state;
+  std::vector<Finding> all;
+  Machine machine(16);
+  Tell(machine.Measure(0, UsualCovariance() + unknown * unknown.transpose()), &state, &all);
+  const double first_unit = state.errors[0].unit_size;
+  for (int week = 1; week < 12; ++week) {
+    Tell(machine.Measure(week), &state, &all);
+    for (int at = 3; at < 12; ++at) EXPECT_LE(state.joint.covariance(at, at), 0.25 + 1e-9) << week;
+  }
+  EXPECT_LT(state.errors[0].unit_size, first_unit / 2.0);  // so the unit was another
+}
+
 TEST(Detector, AMarkEndsWhatItEnds) {
   for (const bool is_marked : {false, true}) {
     State state;

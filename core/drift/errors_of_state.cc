@@ -14,7 +14,8 @@ constexpr double kSeasonVariance = 0.25;   // (sigma / 2)^2 of sine, cosine and 
 constexpr double kStatedTwice = 4.0;       // a stated variance may be too small by this
 constexpr double kForgottenWeeks = 104.0;  // not seen for two years: a machine was rebuilt, or is measured otherwise
 constexpr double kMostUnknown =
-    100.0;  // a direction less known than 10 times what single errors are known to makes no unit
+    100.0;                  // a direction less known than 10 times what single errors are known to makes no unit
+constexpr int kYoung = 16;  // values of an outlook
 constexpr double kAnotherUnit = 1.5;  // stated sigmas that differ by less are one unit
 
 int Find(const State& state, const std::string& symbol) {
@@ -106,6 +107,22 @@ void Scale(int j, double factor, Joint* joint) {
   }
 }
 
+// What is not known yet of error j's season is as large as the prior of the unit that it is counted in now; it has been
+// the prior of a larger one. What the level leaned on it is uncertain then.
+void LimitSeason(int j, Joint* joint) {
+  const int n = joint->count();
+  for (int part = 1; part < kParts; ++part) {
+    const int at = part * n + j;
+    if (joint->covariance(at, at) <= kSeasonVariance) continue;
+    const double share = std::sqrt(kSeasonVariance / joint->covariance(at, at));
+    const double lost = (1.0 - share) * joint->mean(at);
+    joint->mean(at) *= share;
+    joint->covariance.row(at) *= share;
+    joint->covariance.col(at) *= share;
+    joint->covariance(j, j) += lost * lost;
+  }
+}
+
 // Error j is counted in a unit `factor` times as large.
 void Rescale(int j, double factor, State* state) {
   Followed& followed = state->errors[j];
@@ -113,11 +130,16 @@ void Rescale(int j, double factor, State* state) {
   for (double& mean : followed.bank.mean) mean /= factor;
   for (double& variance : followed.bank.variance) variance /= factor * factor;
   drift::Rescale(factor, &followed.outlook);
+  // Slopes and seasons of its models have been those of the other unit; of a young one nothing is lost by a new start.
+  if (followed.outlook.count < kYoung)
+    followed.outlook = StartOutlook(followed.outlook.week, followed.outlook.models[0].mean[0], kUnknownLevel);
   state->told.sizes(j) /= factor;
   state->told.variances(j) /= factor * factor;
   Scale(j, factor, &state->joint);
+  LimitSeason(j, &state->joint);
   for (Past& past : state->last) {
     Scale(j, factor, &past.before);
+    LimitSeason(j, &past.before);
     past.y(j) /= factor;
     past.stated.row(j) /= factor;
     past.stated.col(j) /= factor;
