@@ -21,7 +21,7 @@ constexpr double kLeastGapDays = 1.0, kMostGapDays = 28.0;  // between which a s
 constexpr double kOutlierShare = 0.01;                      // of calibrations
 constexpr double kAlarm = -1.0;                             // a higher score is told as a step
 constexpr int kBaseline = 4;                                // calibrations before anything can be called a step
-constexpr int kFirst = 26;                                  // calibrations in which half of all false alarms fall
+constexpr int kFirst = 26;                                  // calibrations in which false alarms are most frequent
 constexpr double kFirstCertainty = 0.5;                     // ... so that nothing is more than possible
 constexpr double kLoosenMoved = 900.0;                      // (30 sigma)^2 for the levels of errors that jumped
 constexpr double kLoosenOthers = 1.0;                       // small parts of a collision stay unnamed
