@@ -16,6 +16,9 @@ struct Bend {
 // The least distance of a map's node to its neighbours along `axis`, mm or rad.
 double GapOf(const shapes::Tabulated& map, int axis);
 
+// A travel over which a function of a free curve of an order (shapes::Span::OrderOf) hardly bends, mm or rad.
+double SmoothTravel(const shapes::Span& span, int order);
+
 // For a term that is not constant; all axes move linearly from `from` to `to`.
 Bend BendOf(const machine::ErrorTerm& term, const AxisValues& from, const AxisValues& to);
 

@@ -20,6 +20,12 @@ std::string WhyNotCarried(const ErrorTerm& term, const Options& options) {
   const std::string shape = shapes::Name(term.shape);
   if (shape == "drift" || shape == "drift-exp") return options.time_s ? "" : "no time is stated";
   if (shape == "thermal") return options.temperature_celsius ? "" : "no temperature is stated";
+  if (shape == "time-curve") return "it is known for the time of its readings only";
+  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape)) {
+    // The temperature that is stated counts as one that has lasted.
+    if (lag->channel != shapes::kTemperatureChannel) return "no temperature " + lag->channel + " can be stated";
+    return options.temperature_celsius ? "" : "no temperature is stated";
+  }
   if (shape == "reversal") return "it decays along a move, a program's end points cannot follow it";
   if (shape == "lag") return "it follows the speed, which a program does not fix";
   return "";
@@ -30,10 +36,11 @@ absl::Status ValidateTerm(const Machine& machine, const ErrorTerm& term) {
     return absl::InvalidArgumentError(
         absl::StrCat("error term of joint ", term.joint, ", the machine has ", machine.joint_count()));
   }
-  const std::optional<int> variable = shapes::VariableAxis(term.shape);
-  if (variable && (*variable < 0 || *variable >= machine.axis_count())) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("error term over axis ", *variable, ", the machine has ", machine.axis_count()));
+  for (const std::optional<int>& variable : {shapes::VariableAxis(term.shape), shapes::SecondAxis(term.shape)}) {
+    if (variable && (*variable < 0 || *variable >= machine.axis_count())) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("error term over axis ", *variable, ", the machine has ", machine.axis_count()));
+    }
   }
   for (int i = 0; i < shapes::BasisCount(term.shape); ++i) {
     if (!std::isfinite(term.amplitude[i])) {

@@ -304,6 +304,38 @@ TEST(Compensator, ErrorMapsAreTakenOut) {
   }
 }
 
+TEST(Compensator, FreeCurvesAreTakenOutAndATimeCurveIsNotCarried) {
+  const Machine machine = machine::testing::TiltingTable();
+  const auto errors = machine::ReadErrors(R"({"terms": [
+      {"symbol": "EZX", "shape": "curve", "from_mm": -200, "to_mm": 150, "amplitudes": [30, -20, 15, 4]},
+      {"symbol": "EBC", "shape": "curve", "amplitudes": [50, -20, 10, 5]},
+      {"symbol": "EYX", "shape": "crossed", "over": "C", "from_mm": -200, "to_mm": 150, "amplitudes": [9, 4, 3, 2]},
+      {"symbol": "EZT", "shape": "time-curve", "from_s": 0, "to_s": 900, "amplitudes": [9]},
+      {"symbol": "EXT", "shape": "thermal-lag", "channel": "T_bed_C", "tau_s": 900, "amplitude": 2}]})",
+                                          machine);
+  ASSERT_TRUE(errors.ok()) << errors.status();
+  Options options;
+  options.tool_tip_mm = {0, 0, 150};
+  options.time_s = 100.0;
+  options.temperature_celsius = 25.0;
+  const Compensator compensator = MustCreate(machine, *errors, options);
+  EXPECT_THAT(compensator.not_carried(),
+              ::testing::ElementsAre("EZT:time-curve: it is known for the time of its readings only",
+                                     "EXT:thermal-lag(T_bed_C): no temperature T_bed_C can be stated"));
+  EXPECT_LT(compensator.smooth_travel(FindAxis(machine, "X")), 20.0);
+  for (const double x_mm : {-250.0, -70.0, 0.0, 33.0, 149.0}) {
+    for (const double c_deg : {0.0, 77.0, 300.0}) {
+      Pose pose;
+      pose.position[FindAxis(machine, "X")] = x_mm;
+      pose.position[FindAxis(machine, "C")] = c_deg * kRadPerDeg;
+      const auto correction = compensator.Correct(pose);
+      ASSERT_TRUE(correction.ok()) << correction.status();
+      EXPECT_GT(correction->before_mm, 1e-3);
+      EXPECT_LE(correction->after_mm, kToleranceMm);
+    }
+  }
+}
+
 // The bound holds for every shape that a program carries, and is not so loose that it would have every move sampled.
 TEST(Compensator, TheDepartureBoundHolds) {
   std::mt19937 random(3);
@@ -315,13 +347,21 @@ TEST(Compensator, TheDepartureBoundHolds) {
       ErrorModel errors = machine::DeclaredModel(machine);
       for (auto& term : errors.terms) {
         term.amplitude[0] = unit(random) * (machine::IsAngle(term.component) ? 1e-4 : 0.05);
-        if (round % 5 == 1) term.shape = shapes::Linear{x, shapes::Linear::kReferenceMm};
-        if (round % 5 == 2) term.shape = shapes::Quadratic{x};
-        if (round % 5 == 3) term.shape = shapes::Harmonic{c, 3.0};
-        if (round % 5 == 4) term.shape = shapes::Tabulated{x, {40.0, 60.0, 80.0}, false, {}, c, {0.5, 0.5, 0.7}};
+        if (round % 9 == 1) term.shape = shapes::Linear{x, shapes::Linear::kReferenceMm};
+        if (round % 9 == 2) term.shape = shapes::Quadratic{x};
+        if (round % 9 == 3) term.shape = shapes::Harmonic{c, 3.0};
+        if (round % 9 == 4) term.shape = shapes::Tabulated{x, {40.0, 60.0, 80.0}, false, {}, c, {0.5, 0.5, 0.7}};
+        if (round % 9 == 5) term.shape = shapes::Curve{x, {-150.0, 200.0}};
+        if (round % 9 == 6) term.shape = shapes::Curve{c, {.is_turn = true}};
+        if (round % 9 == 7) term.shape = shapes::Crossed{x, c, {-150.0, 200.0}, {.is_turn = true}};
+        if (round % 9 == 8) term.shape = shapes::ThermalLag{"temp_C", 600.0, x, 1000.0};
+        for (int i = 0; shapes::IsFree(term.shape) && i < shapes::BasisCount(term.shape); ++i)
+          term.amplitude[i] =
+              unit(random) * shapes::PriorRoot(term.shape, i) * (machine::IsAngle(term.component) ? 4e-6 : 0.002);
       }
       Options options;
       options.tool_tip_mm = {0, 0, -200};
+      options.temperature_celsius = 26.0;
       const Compensator compensator = MustCreate(machine, errors, options);
       Pose from, to, middle;
       const double size = std::pow(10.0, -3.0 * std::abs(unit(random)));

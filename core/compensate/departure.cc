@@ -43,6 +43,16 @@ void Compensator::Impl::MeasureErrors() {
         smooth_travel[map->second_axis] =
             std::min(smooth_travel[map->second_axis], kShareOfGap * GapOf(*map, map->second_axis));
     }
+    const auto keep_smooth = [&](int axis, const shapes::Span& span, int order) {
+      smooth_travel[axis] = std::min(smooth_travel[axis], SmoothTravel(span, order));
+    };
+    if (const auto* curve = std::get_if<shapes::Curve>(&term.shape))
+      keep_smooth(curve->axis, curve->span, curve->span.OrderOf(curve->functions - 1, shapes::Curve::kFirst));
+    if (const auto* crossed = std::get_if<shapes::Crossed>(&term.shape)) {
+      const int last = crossed->each - 1;
+      keep_smooth(crossed->axis, crossed->span, crossed->span.OrderOf(last, shapes::Crossed::kFirst));
+      keep_smooth(crossed->second_axis, crossed->second, crossed->second.OrderOf(last, shapes::Crossed::kFirst));
+    }
     if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
       const double eighth = 0.25 * std::numbers::pi / std::max(std::abs(harmonic->frequency), 1e-9);
       smooth_travel[harmonic->axis] = std::min(smooth_travel[harmonic->axis], eighth);
@@ -76,6 +86,14 @@ double Compensator::Impl::ErrorSlope(const Pose& pose) const {
         if (axis < 0 || machine.axes[axis].kind == machine::AxisKind::kRotary) continue;
         slope += (map->is_tied ? 2.0 : 1.0) * amplitude / GapOf(*map, axis);
       }
+      continue;
+    }
+    if (shapes::IsFree(term.shape) || std::holds_alternative<shapes::ThermalLag>(term.shape)) {
+      constexpr double kNearMm = 1.0;
+      AxisValues near = pose.position;
+      for (const std::optional<int>& of : {shapes::VariableAxis(term.shape), shapes::SecondAxis(term.shape)})
+        if (of && machine.axes[*of].kind == machine::AxisKind::kLinear) near[*of] += kNearMm;
+      slope += BendOf(term, pose.position, near).slope * (machine::IsAngle(term.component) ? lever_mm : 1.0) / kNearMm;
       continue;
     }
     const std::optional<int> axis = shapes::VariableAxis(term.shape);

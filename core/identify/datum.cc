@@ -90,6 +90,7 @@ Reduction With(const Extended& extended, const Freed& is_free) {
     out.normal.groups.push_back(std::move(normal));
     out.problem.groups.push_back(std::move(smaller));
   }
+  out.normal.parameters = extended.normal.parameters;
   out.normal.row_count = extended.normal.row_count;
   return out;
 }

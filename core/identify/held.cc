@@ -84,12 +84,6 @@ absl::Status CheckKnown(const Reported& reported, const HeldErrors& held) {
   return absl::OkStatus();
 }
 
-std::vector<std::string> NamesOf(const machine::Machine& machine, const machine::ErrorModel& model) {
-  std::vector<std::string> names;
-  for (const machine::ErrorTerm& term : model.terms) names.push_back(machine::NameOf(machine, term));
-  return names;
-}
-
 }  // namespace
 
 absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model,
@@ -115,7 +109,8 @@ absl::StatusOr<HeldErrors> HoldErrors(machine::ErrorModel model,
 
 absl::StatusOr<machine::ErrorModel> BesideHeld(const machine::Machine& machine, const machine::ErrorModel& model,
                                                bool is_asked_for, const HeldErrors& held) {
-  const std::vector<std::string> held_names = NamesOf(machine, held.model), names = NamesOf(machine, model);
+  const std::vector<std::string> held_names = machine::NamesOf(machine, held.model),
+                                 names = machine::NamesOf(machine, model);
   machine::ErrorModel left;
   for (size_t i = 0; i < names.size(); ++i) {
     const bool is_held = std::find(held_names.begin(), held_names.end(), names[i]) != held_names.end();

@@ -48,6 +48,55 @@ TEST(Identify, ExactReadingsGiveTheErrorsBack) {
   }
 }
 
+// The five patterns move X over a part of its travel: a curve over much more of it is known where they were, and as
+// unknown as its prior elsewhere; its functions are more than the readings tell.
+TEST(Identify, AFreeCurveIsKnownWhereItWasMeasuredAndHasItsPriorElsewhere) {
+  const int x = machine::FindAxis(kMachine, "X");
+  const auto truth =
+      testing::Errors(kMachine, R"({"terms": [{"symbol": "EYX", "shape": "quadratic", "amplitude": 6}]})");
+  const auto sessions = testing::Measure(kMachine, truth, {});
+  const auto runs = BindSessions(kMachine, sessions);
+  ASSERT_TRUE(runs.ok());
+  double low = INFINITY, high = -INFINITY;
+  for (const instruments::MeasuringRun& run : *runs) {
+    for (int k = 0; k < run.reading_count(); ++k) {
+      low = std::min(low, run.PositionsOf(k)[x]);
+      high = std::max(high, run.PositionsOf(k)[x]);
+    }
+  }
+  constexpr double kPrior = 0.01;
+  Options options;
+  options.model = machine::DeclaredModel(kMachine);
+  machine::ErrorTerm curve{x, machine::Component::kY, shapes::Curve{x, {low, high + (high - low)}}, {}, kPrior};
+  options.model->terms.push_back(curve);
+  const auto result = Identify(kMachine, sessions, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_NEAR(result->fit.chi2_per_dof, 1.0, 0.15);
+  EXPECT_TRUE(result->not_separable.empty());
+  const auto known =
+      machine::ReadKnownErrors(machine::WriteErrors(result->model, kMachine, result->covariance), kMachine);
+  ASSERT_TRUE(known.ok()) << known.status();
+  const auto term = static_cast<int>(result->model.terms.size()) - 1;
+  const auto sigma_at = [&](double position) {
+    Eigen::VectorXd by_number = Eigen::VectorXd::Zero(known->covariance.root.rows());
+    std::vector<shapes::AxisState> axes(kMachine.axes.size());
+    axes[x].position = position;
+    double basis[shapes::kMaxBasisCount];
+    shapes::Basis(result->model.terms[term].shape, {axes}, basis);
+    for (size_t i = 0; i < known->covariance.of.size(); ++i) {
+      if (known->covariance.of[i].term == term)
+        by_number[static_cast<Eigen::Index>(i)] = basis[known->covariance.of[i].basis];
+    }
+    return (by_number.transpose() * known->covariance.root).norm();
+  };
+  // Constant and line of a curve over the measured part alone are other errors' as well; what bends is told.
+  EXPECT_GT(sigma_at(high + 0.8 * (high - low)), 0.3 * kPrior);
+  EXPECT_LT(sigma_at(0.5 * (low + high)), 0.5 * sigma_at(high + 0.8 * (high - low)));
+  double rms = 0.0;
+  for (int i = 0; i < 16; ++i) rms += std::pow(result->model.terms[term].amplitude[i], 2);
+  EXPECT_LT(std::sqrt(rms), 3.0 * kPrior);
+}
+
 TEST(Identify, APerfectMachineHasNoErrors) {
   synthetic::NoiseOptions noise;
   noise.sigma_scale = 1e-7;  // all the same they would be a dead instrument's

@@ -8,7 +8,8 @@ namespace axiscal::identify {
 
 Estimate NamedEstimate(const machine::Machine& machine, const machine::ErrorModel& model, const Parameter& parameter) {
   const machine::ErrorTerm& term = model.terms[parameter.term];
-  const machine::NamedNumber number = machine::NameNumber(machine, term, parameter.basis, parameter.is_nonlinear);
+  const machine::NamedNumber number =
+      machine::NameNumber(machine, model, parameter.term, parameter.basis, parameter.is_nonlinear);
   Estimate estimate;
   estimate.name = number.name;
   estimate.symbol = machine::SymbolOf(machine, term);

@@ -133,6 +133,7 @@ absl::Status CheckClock(const machine::Machine& machine, const std::vector<Measu
 
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<MeasuringRun> runs) {
   RETURN_IF_ERROR(CheckClock(machine, runs));
+  instruments::ShareTemperatures({&runs});
   Problem problem;
   problem.machine = &machine;
   std::map<std::string, int> group_of_name;
@@ -185,6 +186,13 @@ double ValueOf(const machine::ErrorModel& model, const Parameter& parameter) {
   return parameter.is_nonlinear ? *shapes::NonlinearParameter(term.shape) : term.amplitude[parameter.basis];
 }
 
+double PriorPrecision(const machine::ErrorModel& model, const Parameter& parameter) {
+  const machine::ErrorTerm& term = model.terms[parameter.term];
+  if (parameter.is_nonlinear || !(term.prior_sigma > 0.0)) return 0.0;
+  const double sigma = term.prior_sigma * shapes::PriorRoot(term.shape, parameter.basis);
+  return 1.0 / (sigma * sigma);
+}
+
 void SetValue(const Parameter& parameter, double value, machine::ErrorModel* model) {
   machine::ErrorTerm& term = model->terms[parameter.term];
   (parameter.is_nonlinear ? *shapes::NonlinearParameter(term.shape) : term.amplitude[parameter.basis]) = value;
@@ -192,6 +200,7 @@ void SetValue(const Parameter& parameter, double value, machine::ErrorModel* mod
 
 NormalEquations Assemble(const Problem& problem, const Point& point, const std::vector<Parameter>& parameters) {
   NormalEquations normal;
+  normal.parameters = parameters;
   for (const SetupGroup& group : problem.groups) {
     GroupNormal block;
     block.setup_count = static_cast<int>(group.parameters.size());

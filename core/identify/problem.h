@@ -90,6 +90,9 @@ Point StartingPoint(const Problem& problem, const machine::ErrorModel& model);
 // Columns in the order of the model's terms: amplitudes, then the non-linear parameter where `with_nonlinear`.
 std::vector<Parameter> ListParameters(const machine::ErrorModel& model, bool with_nonlinear);
 double ValueOf(const machine::ErrorModel& model, const Parameter& parameter);
+// 1 / sigma^2 of the prior of a free curve's amplitude (machine::ErrorTerm::prior_sigma), of mean zero; 0 where there
+// is none.
+double PriorPrecision(const machine::ErrorModel& model, const Parameter& parameter);
 void SetValue(const Parameter& parameter, double value, machine::ErrorModel* model);
 
 // Normal equations of one group's rows, without priors; order: setup, errors, residual.
@@ -99,6 +102,7 @@ struct GroupNormal {
 };
 
 struct NormalEquations {
+  std::vector<Parameter> parameters;  // of the errors, in the order of the columns
   std::vector<GroupNormal> groups;
   int row_count = 0;  // rows that are used
 };

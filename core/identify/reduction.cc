@@ -107,6 +107,14 @@ Reduced Reduce(const Problem& problem, const Point& point, const NormalEquations
                         eliminated.setup_by_errors.transpose() * eliminated.setup.Solve(eliminated.setup_gradient);
     reduced.column_norm += own.diagonal();
   }
+  for (int i = 0; i < static_cast<int>(normal.parameters.size()); ++i) {
+    const Parameter& parameter = normal.parameters[static_cast<size_t>(i)];
+    const double precision = PriorPrecision(point.model, parameter);
+    if (precision == 0.0) continue;
+    reduced.information(i, i) += precision;
+    reduced.gradient[i] += precision * ValueOf(point.model, parameter);
+    reduced.column_norm[i] += precision;
+  }
   reduced.column_norm = reduced.column_norm.cwiseMax(0.0).cwiseSqrt();
   return reduced;
 }
@@ -121,6 +129,7 @@ Reduced ReduceVisible(const Problem& problem, const Point& point, const NormalEq
   const std::vector<Parameter> parameters = ListParameters(point.model, false);
   for (size_t i = 0; i < parameters.size(); ++i) {
     if (reduced.column_norm[i] * LargestOf(point.model, parameters[i]) >= 1.0) continue;
+    if (PriorPrecision(point.model, parameters[i]) > 0.0) continue;
     reduced.column_norm[i] = 0.0;
     reduced.information.row(i).setZero();
     reduced.information.col(i).setZero();
@@ -220,11 +229,30 @@ double SquaresOfPriors(const Problem& problem, const Point& point, const Counts&
 }  // namespace
 
 double PriorSquares(const Problem& problem, const Point& point) {
-  return SquaresOfPriors(problem, point, [](const instruments::SetupParameter&) { return true; });
+  double squares = SquaresOfPriors(problem, point, [](const instruments::SetupParameter&) { return true; });
+  for (const Parameter& parameter : ListParameters(point.model, false)) {
+    const double value = ValueOf(point.model, parameter);
+    squares += value * value * PriorPrecision(point.model, parameter);
+  }
+  return squares;
 }
 
 double JudgingPriorSquares(const Problem& problem, const Point& point) {
   return SquaresOfPriors(problem, point, Judges);
+}
+
+double AmplitudesFromPriors(const Problem& problem, const Point& point, const NormalEquations& normal,
+                            const std::vector<int>& held) {
+  if (std::none_of(point.model.terms.begin(), point.model.terms.end(),
+                   [](const machine::ErrorTerm& term) { return term.prior_sigma > 0.0; }))
+    return 0.0;
+  const Eigen::MatrixXd covariance = InverseBeside(Reduce(problem, point, normal, Priors::kAll), held);
+  double determined = 0.0;
+  for (size_t i = 0; i < normal.parameters.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    determined += std::min(1.0, covariance(at, at) * PriorPrecision(point.model, normal.parameters[i]));
+  }
+  return determined;
 }
 
 double OffsetsFromReadings(const Problem& problem, const Point& point, const NormalEquations& normal,

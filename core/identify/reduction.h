@@ -18,7 +18,8 @@ enum class Priors { kAll, kInformative };
 // Precision (1 / sigma^2) that a prior adds; none where nothing is known or, for kInformative, where the prior is weak.
 double PriorPrecision(const instruments::SetupParameter& parameter, Priors priors);
 
-// Normal equations of the errors after elimination: information S, gradient g (d cost / d errors), and the cost at the
+// Normal equations of the errors after elimination, the priors of free curves among them whatever is asked for: what a
+// curve may be is knowledge. Information S, gradient g (d cost / d errors), and the cost at the
 // setup's optimum.
 struct Reduced {
   Eigen::MatrixXd information;  // p x p
@@ -79,9 +80,15 @@ struct Covariance {
 Covariance CovarianceOf(const Problem& problem, const Point& point, const NormalEquations& normal,
                         const std::vector<int>& held, double scale = 1.0, const Eigen::MatrixXd& known = {});
 
-// Sum of squares of the priors' residuals: of all; of those that judge the fit (SetupParameter::is_placed).
+// Sum of squares of the priors' residuals: of all, free curves' too; of those that judge the fit
+// (SetupParameter::is_placed).
 double PriorSquares(const Problem& problem, const Point& point);
 double JudgingPriorSquares(const Problem& problem, const Point& point);
+
+// How many amplitudes of free curves their prior determines in place of the readings, a part where both do: the sum of
+// variance with the readings / variance of the prior.
+double AmplitudesFromPriors(const Problem& problem, const Point& point, const NormalEquations& normal,
+                            const std::vector<int>& held);
 
 // How many set-up offsets without a judging prior the readings determine, a part where the prior does the rest: the sum
 // of 1 - (variance with the prior / variance of the prior). An offset with a judging prior brings as much as it takes.

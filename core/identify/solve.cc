@@ -305,7 +305,8 @@ NullSpace SolvedProblem::Holding() const {
 }
 
 double SolvedProblem::Unknowns(const Solution& at) const {
-  return static_cast<double>(parameters.size()) - static_cast<double>(held.size()) +
+  return static_cast<double>(parameters.size()) - static_cast<double>(held.size()) -
+         AmplitudesFromPriors(problem, at.point, at.normal, held) +
          OffsetsFromReadings(problem, at.point, at.normal, held);
 }
 
@@ -316,11 +317,11 @@ absl::StatusOr<SolvedProblem> SolveProblem(Problem problem, const machine::Error
   solved.problem = std::move(problem);
   solved.parameters = ListParameters(model, options.fit_nonlinear);
   const int readings = ReadingCount(solved.problem);
-  // Setups bring a prior each; errors need readings.
-  if (readings < static_cast<int>(solved.parameters.size())) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(readings, " readings cannot determine ", solved.parameters.size(), " errors"));
-  }
+  // Setups and free curves bring a prior each; errors need readings.
+  const auto needing = std::count_if(solved.parameters.begin(), solved.parameters.end(),
+                                     [&](const Parameter& one) { return PriorPrecision(model, one) == 0.0; });
+  if (readings < needing)
+    return absl::FailedPreconditionError(absl::StrCat(readings, " readings cannot determine ", needing, " errors"));
   RETURN_IF_ERROR(FindMinimum(model, setup, options, &solved));
   solved.is_curved = solved.solution.is_curved;
   RETURN_IF_ERROR(FreeHeldErrors(options, &solved));

@@ -15,6 +15,7 @@
 #include "core/machine/machine.h"
 #include "core/session/session.h"
 #include "core/shapes/state.h"
+#include "core/shapes/temperatures.h"
 
 namespace axiscal::instruments {
 
@@ -90,6 +91,10 @@ struct MeasuringRun {
     std::vector<double> celsius;
   };
   std::vector<Channel> temperatures;
+  // All temperatures over all sessions that are looked at together (ShareTemperatures), and where this one begins in
+  // it.
+  std::shared_ptr<const shapes::Temperatures> history;
+  int first_moment = 0;
   // What encoders showed beside the commands: as `positions`, NaN where an axis has no such column; empty without any.
   std::vector<double> encoder_positions;
   std::optional<double> payload_kg;                  // what the machine carried, where it is stated
@@ -102,7 +107,9 @@ struct MeasuringRun {
     return {{axis_states.data() + static_cast<size_t>(reading) * axis_count, static_cast<size_t>(axis_count)},
             time_s[reading],
             temperature_celsius[reading],
-            touches.approach_in_spindle.empty() ? shapes::Approach() : touches.approach_in_spindle[reading]};
+            touches.approach_in_spindle.empty() ? shapes::Approach() : touches.approach_in_spindle[reading],
+            history.get(),
+            first_moment + reading};
   }
 };
 
@@ -110,6 +117,14 @@ struct MeasuringRun {
 // instrument. A part of a session begins after `readings_before`.
 absl::StatusOr<MeasuringRun> BindSession(const session::Session& session, const machine::Machine& machine,
                                          size_t readings_before = 0);
+
+// Gives sessions of one clock that have none yet their history of temperatures: what a machine remembers runs on from
+// one to the next, with temperatures linear in between. Sessions whose times overlap, and those with other channels,
+// have one each, as has a session that begins settled at its first temperature. Readings along a path have none.
+void ShareTemperatures(const std::vector<std::vector<MeasuringRun>*>& sessions);
+
+// The column of a temperature by its name.
+inline std::string ColumnOf(const MeasuringRun::Channel& channel) { return "T_" + channel.name + "_C"; }
 
 // Frees the datum of a linear axis; before any slip is added.
 void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run);

@@ -25,9 +25,13 @@ enum class Family {
   kThermal,
   kLag,
   kLobe,  // pre-travel of a touch probe
+  kThermalLag,  // of core/effects only: the dictionary has none
   kBump,  // unnamed structure along an axis
   kStep,  // unnamed: artefact or probe slipped in one session
 };
+
+// Amplitudes of an effect of the dictionary.
+inline constexpr int kMostAmplitudes = 2;
 
 inline bool IsUnnamed(Family family) { return family >= Family::kBump; }
 

@@ -92,7 +92,8 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     }
     const int t = extension.TermOf(a);
     const ErrorTerm& term = fit.point.model.terms[t];
-    Eigen::Vector3d amplitude(term.amplitude[0], term.amplitude[1], 0.0);
+    const Eigen::VectorXd amplitude =
+        Eigen::Map<const Eigen::VectorXd>(term.amplitude.data(), shapes::BasisCount(term.shape));
     Candidate fitted = added.candidate;
     fitted.term = term;
     const double rms_mm = signatures.RmsOf(fitted, amplitude);
@@ -109,12 +110,12 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     for (const Candidate& other : added.equivalent) effect.equivalent.push_back(other.term);
     effect.alias_orders = AliasesOf(fit, term);
     double variance = 0.0;
-    effect.amplitude = shapes::BasisCount(term.shape) == 2 ? amplitude.norm() : term.amplitude[0];
+    // Of a free curve the rms over what was measured.
+    effect.amplitude = amplitude.size() > 1 ? amplitude.norm() : term.amplitude[0];
     for (size_t i = 0; i < parameters.size(); ++i) {
       if (parameters[i].term != t || parameters[i].is_nonlinear) continue;
-      const double share = shapes::BasisCount(term.shape) == 2 && effect.amplitude > 0.0
-                               ? amplitude[parameters[i].basis] / effect.amplitude
-                               : 1.0;
+      const double share =
+          amplitude.size() > 1 && effect.amplitude > 0.0 ? amplitude[parameters[i].basis] / effect.amplitude : 1.0;
       const double sigma = fit.result.estimates[i].sigma;
       if (std::isfinite(sigma)) variance += share * share * sigma * sigma;
     }
@@ -127,9 +128,11 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
                                                  : Verdict::kAdequate;
   Proposer proposer(fit.problem, fit.point);
   for (Effect& effect : report->effects) {
-    effect.same_always =
-        SameAlways(*fit.problem.machine, fit.problem.runs.front().tip_mm, effect.term, effect.equivalent);
-    const std::vector<Proposal> proposals = proposer.Propose(effect.term, effect.equivalent);
+    if (shapes::IsFree(effect.term.shape)) continue;  // which sessions would tell a free curve is not known
+    std::vector<ErrorTerm> named = effect.equivalent;
+    std::erase_if(named, [](const ErrorTerm& term) { return shapes::IsFree(term.shape); });
+    effect.same_always = SameAlways(*fit.problem.machine, fit.problem.runs.front().tip_mm, effect.term, named);
+    const std::vector<Proposal> proposals = proposer.Propose(effect.term, named);
     report->next_measurement.insert(report->next_measurement.end(), proposals.begin(), proposals.end());
   }
   const std::vector<AxisSpan> spans = SpansOf(fit.problem);

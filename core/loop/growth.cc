@@ -120,7 +120,7 @@ absl::StatusOr<bool> Growth::Forward(Fit* fit) {
   ASSIGN_OR_RETURN(const Finding finding, Decide(*fit, signatures, named));
   Added added;
   added.candidate = finding.effect.candidate;
-  for (int b = 0; b < shapes::kMaxBasisCount; ++b) added.candidate.term.amplitude[b] = finding.effect.amplitude[b];
+  for (int b = 0; b < kMostAmplitudes; ++b) added.candidate.term.amplitude[b] = finding.effect.amplitude[b];
   added.score = finding.effect.score;
   SetClass(finding, &added);
   const bool is_slip = added.candidate.family == Family::kStep;

@@ -199,8 +199,7 @@ absl::StatusOr<bool> Growth::TakeOneForTwo(Fit* fit) {
     const Extension before = extension();
     Added merged;
     merged.candidate = found.finding.effect.candidate;
-    for (int b = 0; b < shapes::kMaxBasisCount; ++b)
-      merged.candidate.term.amplitude[b] = found.finding.effect.amplitude[b];
+    for (int b = 0; b < kMostAmplitudes; ++b) merged.candidate.term.amplitude[b] = found.finding.effect.amplitude[b];
     merged.score = found.finding.effect.score;
     SetClass(found.finding, &merged);
     effects()[first] = std::move(merged);

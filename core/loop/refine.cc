@@ -136,7 +136,7 @@ Candidate BestOf(const Signatures& signatures, const std::vector<Candidate>& can
     if (gain <= largest) continue;
     largest = gain;
     best = candidates[i];
-    for (int b = 0; b < shapes::kMaxBasisCount; ++b) best.term.amplitude[b] = gain > 0.0 ? amplitude[b] : 0.0;
+    for (int b = 0; b < kMostAmplitudes; ++b) best.term.amplitude[b] = gain > 0.0 ? amplitude[b] : 0.0;
   }
   return best;
 }

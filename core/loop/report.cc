@@ -29,7 +29,7 @@ reports::Effect EffectOf(const machine::Machine& machine, const Effect& found) {
   effect.amplitude = found.amplitude / factor;
   effect.amplitude_sigma = found.amplitude_sigma / factor;
   effect.unit = machine::AmplitudeUnit(found.term, machine);
-  if (shapes::BasisCount(found.term.shape) == 2)
+  if (shapes::HasPhase(found.term.shape))
     effect.phase_deg = std::atan2(found.term.amplitude[1], found.term.amplitude[0]) * kDegPerRad;
   effect.alias_orders = found.alias_orders;
   effect.rms_um = found.rms_mm * kUmPerMm;

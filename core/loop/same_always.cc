@@ -66,7 +66,10 @@ std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Ve
     term.amplitude = {};
     // Another decay length or time constant does not make another effect.
     if (double* parameter = shapes::NonlinearParameter(term.shape))
-      *parameter = std::holds_alternative<shapes::DriftExp>(term.shape) ? kTauS : kLength;
+      *parameter =
+          std::holds_alternative<shapes::DriftExp>(term.shape) || std::holds_alternative<shapes::ThermalLag>(term.shape)
+              ? kTauS
+              : kLength;
     model.terms.push_back(term);
     Member member;
     for (int b = 0; b < shapes::BasisCount(term.shape); ++b) member.columns.push_back(column++);

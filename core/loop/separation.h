@@ -9,6 +9,7 @@
 
 #include "core/identify/problem.h"
 #include "core/information/information.h"
+#include "core/loop/candidate.h"
 
 namespace axiscal::loop {
 
@@ -40,7 +41,7 @@ class Separation {
 
  private:
   // Of one member's columns: on the stack, as there are thousands of pairs to judge.
-  static constexpr int kMostColumns = shapes::kMaxBasisCount + 1;
+  static constexpr int kMostColumns = kMostAmplitudes + 1;
   using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostColumns, kMostColumns>;
 
   Small SmallBlock(const std::vector<int>& rows, const std::vector<int>& columns) const;

@@ -162,7 +162,7 @@ void Signatures::ProjectPending(const std::vector<Candidate>& candidates, std::v
 void Signatures::FillRaw(const std::vector<const Candidate*>& candidates, int begin,
                          Eigen::Ref<Eigen::MatrixXd> columns) const {
   const Eigen::Index count = columns.rows();
-  Eigen::Matrix<double, Eigen::Dynamic, shapes::kMaxBasisCount> basis(count, shapes::kMaxBasisCount);
+  Eigen::MatrixXd basis(count, shapes::kMaxBasisCount);
   const shapes::Shape* filled = nullptr;  // neighbouring candidates share a shape
   Eigen::Index at = 0;
   for (const Candidate* candidate : candidates) {
@@ -293,7 +293,7 @@ std::vector<double> Signatures::CorrelationsWith(const Candidate& reference,
   return correlations;
 }
 
-double Signatures::RmsOf(const Candidate& candidate, const Eigen::Vector3d& amplitude) const {
+double Signatures::RmsOf(const Candidate& candidate, const Eigen::Ref<const Eigen::VectorXd>& amplitude) const {
   Eigen::MatrixXd columns(row_count(), ColumnsOf(candidate));
   FillRaw({&candidate}, 0, columns);
   return row_count() > 0

@@ -58,7 +58,7 @@ class Signatures {
   std::vector<double> CorrelationsWith(const Candidate& reference, const std::vector<Candidate>& candidates) const;
   // rms over all readings of the candidate's raw signature times amplitude, mm: what the effect does at the tool point
   // as the readings see it.
-  double RmsOf(const Candidate& candidate, const Eigen::Vector3d& amplitude) const;
+  double RmsOf(const Candidate& candidate, const Eigen::Ref<const Eigen::VectorXd>& amplitude) const;
   // Whitened squares of each run's sensitivity to every component: runs x 6 joints.
   Eigen::MatrixXd SensitivitySquares() const;
   // The largest value (mm or rad) that the error itself takes with these amplitudes, at about a hundred of the

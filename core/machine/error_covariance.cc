@@ -25,11 +25,40 @@ struct KnownNumber {
   double factor = 1.0;
 };
 
+void NameNonlinear(const Machine& machine, const ErrorTerm& term, NamedNumber* number) {
+  const std::optional<int> axis = shapes::VariableAxis(term.shape);
+  const bool is_rotary = axis && machine.axes[*axis].kind == AxisKind::kRotary;
+  if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
+    number->name += ".frequency";
+    number->unit = is_rotary ? "1/turn" : "rad/mm";
+    return;
+  }
+  const bool is_length = std::holds_alternative<shapes::Reversal>(term.shape);
+  number->name += is_length ? ".length" : ".tau";
+  number->unit = !is_length ? "s" : is_rotary ? "deg" : "mm";
+  number->factor = is_length && is_rotary ? base::kRadPerDeg : 1.0;
+}
+
+NamedNumber NumberOf(const Machine& machine, const ErrorTerm& term, std::string name, int basis, bool is_nonlinear) {
+  NamedNumber number{std::move(name), "", 1.0};
+  if (is_nonlinear) {
+    NameNonlinear(machine, term, &number);
+    return number;
+  }
+  if (shapes::HasPhase(term.shape)) number.name += basis == 0 ? ".cos" : ".sin";
+  if (shapes::IsFree(term.shape)) absl::StrAppend(&number.name, ".", basis + 1);
+  number.unit = AmplitudeUnit(term, machine);
+  number.factor = AmplitudeFactor(term);
+  return number;
+}
+
 // By name, in the model's order for messages.
 std::map<std::string, KnownNumber> NumbersOf(const Machine& machine, const ErrorModel& model) {
   std::map<std::string, KnownNumber> numbers;
+  const std::vector<std::string> names = NamesOf(machine, model);
   const auto add = [&](int term, int basis, bool is_nonlinear) {
-    const NamedNumber named = NameNumber(machine, model.terms[term], basis, is_nonlinear);
+    const NamedNumber named =
+        NumberOf(machine, model.terms[term], names[static_cast<size_t>(term)], basis, is_nonlinear);
     numbers[named.name] = {{term, basis, is_nonlinear}, named.factor};
   };
   for (int i = 0; i < static_cast<int>(model.terms.size()); ++i) {
@@ -89,32 +118,18 @@ absl::StatusOr<Eigen::MatrixXd> RootOf(const Eigen::MatrixXd& correlation) {
   return Eigen::MatrixXd(solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal());
 }
 
-void NameNonlinear(const Machine& machine, const ErrorTerm& term, NamedNumber* number) {
-  const std::optional<int> axis = shapes::VariableAxis(term.shape);
-  const bool is_rotary = axis && machine.axes[*axis].kind == AxisKind::kRotary;
-  if (std::holds_alternative<shapes::Harmonic>(term.shape)) {
-    number->name += ".frequency";
-    number->unit = is_rotary ? "1/turn" : "rad/mm";
-    return;
-  }
-  const bool is_length = std::holds_alternative<shapes::Reversal>(term.shape);
-  number->name += is_length ? ".length" : ".tau";
-  number->unit = !is_length ? "s" : is_rotary ? "deg" : "mm";
-  number->factor = is_length && is_rotary ? base::kRadPerDeg : 1.0;
-}
-
 }  // namespace
 
-NamedNumber NameNumber(const Machine& machine, const ErrorTerm& term, int basis, bool is_nonlinear) {
-  NamedNumber number{NameOf(machine, term), "", 1.0};
-  if (is_nonlinear) {
-    NameNonlinear(machine, term, &number);
-    return number;
+NamedNumber NameNumber(const Machine& machine, const ErrorModel& model, int term, int basis, bool is_nonlinear) {
+  const ErrorTerm& its = model.terms[static_cast<size_t>(term)];
+  const std::string name = NameOf(machine, its);
+  int which = 1;
+  // Only a length or time constant makes two errors of one name.
+  for (int i = 0; shapes::NonlinearParameter(its.shape) != nullptr && i < term; ++i) {
+    const ErrorTerm& other = model.terms[static_cast<size_t>(i)];
+    which += other.joint == its.joint && other.component == its.component && NameOf(machine, other) == name;
   }
-  if (shapes::BasisCount(term.shape) == 2) number.name += basis == 0 ? ".cos" : ".sin";
-  number.unit = AmplitudeUnit(term, machine);
-  number.factor = AmplitudeFactor(term);
-  return number;
+  return NumberOf(machine, its, which > 1 ? absl::StrCat(name, "#", which) : name, basis, is_nonlinear);
 }
 
 absl::StatusOr<WrittenCovariance> ReadWrittenCovariance(const json& member, const Machine& machine,
@@ -186,9 +201,7 @@ WrittenCovariance OfWritten(const WrittenCovariance& covariance, const Machine& 
   std::vector<Eigen::Index> kept;
   WrittenCovariance out;
   for (size_t i = 0; i < covariance.of.size(); ++i) {
-    // One name for two decays of one component says of neither how well it is known.
-    const bool is_once = std::count(covariance.of.begin(), covariance.of.end(), covariance.of[i]) == 1;
-    if (!is_once || !numbers.contains(covariance.of[i])) continue;
+    if (!numbers.contains(covariance.of[i])) continue;
     kept.push_back(static_cast<Eigen::Index>(i));
     out.of.push_back(covariance.of[i]);
     out.sigma.push_back(covariance.sigma[i]);

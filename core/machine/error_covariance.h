@@ -21,7 +21,8 @@ struct NamedNumber {
   std::string name, unit;
   double factor = 1.0;  // mm, rad or s per unit
 };
-NamedNumber NameNumber(const Machine& machine, const ErrorTerm& term, int basis, bool is_nonlinear);
+// A free curve's amplitudes are numbered from 1: "EYX:curve.3". Of a model's term `term`, named as NamesOf().
+NamedNumber NameNumber(const Machine& machine, const ErrorModel& model, int term, int basis, bool is_nonlinear);
 
 // As in the file: units of the file, by name. Empty: nothing is known of how good the errors are.
 struct WrittenCovariance {

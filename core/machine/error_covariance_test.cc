@@ -39,6 +39,33 @@ TEST(ErrorCovariance, IsReadInMmAndRadByName) {
   EXPECT_NEAR(covariance(2, 2), 9e-12, 1e-20);
 }
 
+// A tool that warms up at two rates: one component, one shape, two time constants.
+TEST(ErrorCovariance, TwoDecaysOfOneComponentHaveNumbersOfTheirOwn) {
+  const int tool = kMachine.tool_joint();
+  ErrorModel model;
+  model.terms = {{tool, Component::kZ, shapes::DriftExp{600.0}, {0.004}},
+                 {tool, Component::kZ, shapes::DriftExp{4000.0}, {-0.003}}};
+  const std::vector<std::string> numbers = {NameNumber(kMachine, model, 0, 0, false).name,
+                                            NameNumber(kMachine, model, 1, 0, false).name,
+                                            NameNumber(kMachine, model, 1, 0, true).name};
+  EXPECT_THAT(numbers, ::testing::ElementsAre("EZT:drift-exp", "EZT:drift-exp#2", "EZT:drift-exp#2.tau"));
+  WrittenCovariance written{numbers, {0.1, 0.2, 30.0}, Eigen::MatrixXd::Identity(3, 3)};
+  written.correlation(1, 0) = -0.9;
+  const std::string text = WriteErrors(model, kMachine, written);
+  const auto known = ReadKnownErrors(text, kMachine);
+  ASSERT_TRUE(known.ok()) << known.status() << text;
+  ASSERT_EQ(known->covariance.of.size(), 3u);
+  EXPECT_EQ(known->covariance.of[1].term, 1);
+  EXPECT_TRUE(known->covariance.of[2].is_nonlinear);
+  const Eigen::MatrixXd covariance = known->covariance.root * known->covariance.root.transpose();
+  EXPECT_NEAR(covariance(0, 1), -0.9 * 0.1e-3 * 0.2e-3, 1e-16);
+  EXPECT_NEAR(covariance(2, 2), 900.0, 1e-6);
+  // The same decay twice is one too many.
+  model.terms[1] = model.terms[0];
+  EXPECT_THAT(std::string(ReadErrors(WriteErrors(model, kMachine), kMachine).status().message()),
+              HasSubstr("EZT:drift-exp is there twice"));
+}
+
 TEST(ErrorCovariance, ComesBackAsItWasWrittenAndIsNoError) {
   const auto known =
       ReadKnownErrors(WithCovariance("{\"of\": [\"EX0C\"], \"sigma\": [1], \"correlation\": [[]]}"), kMachine);

@@ -78,6 +78,80 @@ absl::StatusOr<shapes::Shape> ReadHarmonic(const json& object, const std::string
   return shapes::Harmonic{axis, 2.0 * std::numbers::pi / period_mm};
 }
 
+// "from_mm", "to_mm" with `prefix` in front; neither, for a rotary axis: a full turn.
+absl::StatusOr<shapes::Span> ReadSpan(const json& object, const std::string& where, const std::string& prefix,
+                                      const std::string& unit, double factor, bool may_turn) {
+  const std::string from = absl::StrCat(prefix, "from_", unit), to = absl::StrCat(prefix, "to_", unit);
+  if (may_turn && !object.contains(from) && !object.contains(to)) return shapes::Span{.is_turn = true};
+  ASSIGN_OR_RETURN(const double low, Number(object, where, from));
+  ASSIGN_OR_RETURN(const double high, Number(object, where, to));
+  if (!(high > low)) return Refuse(where, absl::StrCat("'", to, "' = ", high, ", must be > '", from, "' = ", low));
+  return shapes::Span{low * factor, high * factor};
+}
+
+absl::StatusOr<shapes::Span> SpanOfAxis(const json& object, const std::string& where, const std::string& prefix,
+                                        const Machine& machine, int axis) {
+  const bool is_rotary = IsRotary(machine, axis);
+  return ReadSpan(object, where, prefix, is_rotary ? "deg" : "mm", is_rotary ? kRadPerDeg : 1.0, is_rotary);
+}
+
+// How many amplitudes a free curve has: those that stand there, or the usual number where it is asked for.
+absl::StatusOr<int> CountAmplitudes(const json& object, const std::string& where, int usual) {
+  const auto it = object.find("amplitudes");
+  if (it == object.end()) return usual;
+  if (!it->is_array() || it->empty() || it->size() > shapes::kMaxBasisCount)
+    return Refuse(where, absl::StrCat("'amplitudes', expected a list of 1 to ", shapes::kMaxBasisCount, " numbers"));
+  return static_cast<int>(it->size());
+}
+
+absl::StatusOr<shapes::Shape> ReadTimeCurve(const json& object, const std::string& where) {
+  shapes::TimeCurve curve;
+  ASSIGN_OR_RETURN(curve.span, ReadSpan(object, where, "", "s", 1.0, false));
+  ASSIGN_OR_RETURN(curve.functions, CountAmplitudes(object, where, curve.functions));
+  return curve;
+}
+
+absl::StatusOr<shapes::Shape> ReadThermalLag(const json& object, const std::string& where, const Machine& machine,
+                                             const ErrorSymbol& symbol) {
+  shapes::ThermalLag lag;
+  if (object.contains("channel")) {
+    ASSIGN_OR_RETURN(lag.channel, Text(object, where, "channel"));
+  }
+  ASSIGN_OR_RETURN(lag.tau_s, Number(object, where, "tau_s"));
+  if (lag.tau_s < 0.0) return Refuse(where, absl::StrCat("'tau_s' = ", lag.tau_s, ", must be >= 0"));
+  if (object.contains("variable")) {
+    ASSIGN_OR_RETURN(lag.times_axis, VariableOf(object, where, machine, symbol));
+    lag.reference =
+        IsRotary(machine, lag.times_axis) ? shapes::ThermalLag::kReferenceRad : shapes::ThermalLag::kReferenceMm;
+  }
+  if (object.contains("from_celsius") || object.contains("to_celsius")) {
+    ASSIGN_OR_RETURN(lag.from_celsius, Number(object, where, "from_celsius"));
+    ASSIGN_OR_RETURN(lag.to_celsius, Number(object, where, "to_celsius"));
+    if (lag.to_celsius < lag.from_celsius)
+      return Refuse(
+          where, absl::StrCat("'to_celsius' = ", lag.to_celsius, ", must be >= 'from_celsius' = ", lag.from_celsius));
+  }
+  return lag;
+}
+
+absl::StatusOr<shapes::Shape> ReadCrossed(const json& object, const std::string& where, const Machine& machine,
+                                          int axis) {
+  shapes::Crossed crossed;
+  crossed.axis = axis;
+  ASSIGN_OR_RETURN(const std::string over, Text(object, where, "over"));
+  crossed.second_axis = FindAxis(machine, over);
+  if (crossed.second_axis < 0 || crossed.second_axis == axis)
+    return Refuse(where, absl::StrCat("over '", over, "' is no other axis of machine '", machine.id, "'"));
+  ASSIGN_OR_RETURN(crossed.span, SpanOfAxis(object, where, "", machine, axis));
+  ASSIGN_OR_RETURN(crossed.second, SpanOfAxis(object, where, "over_", machine, crossed.second_axis));
+  ASSIGN_OR_RETURN(const int count, CountAmplitudes(object, where, crossed.each * crossed.each));
+  crossed.each = static_cast<int>(std::lround(std::sqrt(count)));
+  if (crossed.each * crossed.each != count)
+    return Refuse(where, absl::StrCat("'amplitudes' has ", count,
+                                      " numbers, expected 1, 4, 9 or 16: as many functions ", "of each axis"));
+  return crossed;
+}
+
 absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& where, const Machine& machine,
                                         const ErrorSymbol& symbol) {
   ASSIGN_OR_RETURN(const std::string name, Text(object, where, "shape"));
@@ -88,6 +162,8 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
     ASSIGN_OR_RETURN(const double tau_s, PositiveNumber(object, where, "tau_s"));
     return shapes::DriftExp{tau_s};
   }
+  if (name == shapes::TimeCurve::kName) return ReadTimeCurve(object, where);
+  if (name == shapes::ThermalLag::kName) return ReadThermalLag(object, where, machine, symbol);
   ASSIGN_OR_RETURN(const int axis, VariableOf(object, where, machine, symbol));
   const bool is_rotary = IsRotary(machine, axis);
   if (name == shapes::Linear::kName) {
@@ -95,6 +171,14 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
   }
   if (name == shapes::Quadratic::kName) {
     return shapes::Quadratic{axis, is_rotary ? shapes::Quadratic::kReferenceRad : shapes::Quadratic::kReferenceMm};
+  }
+  if (name == shapes::Crossed::kName) return ReadCrossed(object, where, machine, axis);
+  if (name == shapes::Curve::kName) {
+    shapes::Curve curve;
+    curve.axis = axis;
+    ASSIGN_OR_RETURN(curve.span, SpanOfAxis(object, where, "", machine, axis));
+    ASSIGN_OR_RETURN(curve.functions, CountAmplitudes(object, where, curve.functions));
+    return curve;
   }
   if (name == shapes::Harmonic::kName) return ReadHarmonic(object, where, machine, axis);
   if (name == shapes::Backlash::kName) return shapes::Backlash{axis};
@@ -136,10 +220,13 @@ absl::StatusOr<ErrorTerm> ReadPlaceAndShape(const json& object, const std::strin
 }
 
 absl::Status RefuseUnknownFields(const json& object, const std::string& where) {
-  static const std::set<std::string> kKnown = {"symbol",    "shape",      "variable",   "order",     "period_mm",
-                                               "length_mm", "length_deg", "tau_s",      "amplitude", "amplitude_sigma",
-                                               "phase_deg", "unit",       "equivalent", "nodes_deg", "nodes_mm",
-                                               "zero_mean", "over",       "values"};
+  static const std::set<std::string> kKnown = {
+      "symbol",      "shape",        "variable",   "order",           "period_mm",  "length_mm",
+      "length_deg",  "tau_s",        "amplitude",  "amplitude_sigma", "phase_deg",  "unit",
+      "equivalent",  "nodes_deg",    "nodes_mm",   "zero_mean",       "over",       "values",
+      "channel",     "from_mm",      "to_mm",      "from_deg",        "to_deg",     "from_s",
+      "to_s",        "from_celsius", "to_celsius", "over_from_mm",    "over_to_mm", "over_from_deg",
+      "over_to_deg", "amplitudes",   "prior_sigma"};
   for (const auto& [key, value] : object.items()) {
     if (!kKnown.contains(key)) return Refuse(where, absl::StrCat("unknown field '", key, "'"));
   }
@@ -153,14 +240,44 @@ absl::Status CheckUnit(const json& object, const std::string& where, const Error
   return Refuse(where, absl::StrCat("unit '", unit, "', expected '", AmplitudeUnit(term, machine), "'"));
 }
 
+// Of a free curve: all of them and their prior, or "amplitude": 0 where it is asked for.
+absl::Status ReadAmplitudes(const json& object, const std::string& where, ErrorTerm* term) {
+  const double factor = AmplitudeFactor(*term);
+  if (object.contains("prior_sigma")) {
+    ASSIGN_OR_RETURN(const double prior_sigma, PositiveNumber(object, where, "prior_sigma"));
+    term->prior_sigma = prior_sigma * factor;
+  }
+  const auto list = object.find("amplitudes");
+  if (list == object.end()) {
+    if (object.contains("amplitude") && object["amplitude"] == 0.0) return absl::OkStatus();
+    return Refuse(where, "a free curve has 'amplitudes', or 'amplitude' 0 where it is asked for");
+  }
+  for (size_t i = 0; i < list->size(); ++i) {
+    const json& one = (*list)[i];
+    if (!one.is_number() || !std::isfinite(one.get<double>()))
+      return Refuse(where, absl::StrCat("'amplitudes'[", i, "] = ", one.dump(), ", expected a finite number"));
+    term->amplitude[i] = one.get<double>() * factor;
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<ErrorTerm> ReadTerm(const json& object, const std::string& where, const Machine& machine) {
   if (!object.is_object()) return Refuse(where, "expected an object");
   RETURN_IF_ERROR(RefuseUnknownFields(object, where));
   ASSIGN_OR_RETURN(ErrorTerm term, ReadPlaceAndShape(object, where, machine));
+  if (shapes::IsFree(term.shape)) {
+    RETURN_IF_ERROR(ReadAmplitudes(object, where, &term));
+    RETURN_IF_ERROR(CheckUnit(object, where, term, machine));
+    return term;
+  }
+  for (const char* const key : {"amplitudes", "prior_sigma"}) {
+    if (object.contains(key))
+      return Refuse(where, absl::StrCat("'", key, "' does not go with shape '", shapes::Name(term.shape), "'"));
+  }
   ASSIGN_OR_RETURN(double amplitude, Number(object, where, "amplitude"));
   amplitude *= AmplitudeFactor(term);
   term.amplitude = {amplitude, 0.0};
-  if (shapes::BasisCount(term.shape) == 2) {
+  if (shapes::HasPhase(term.shape)) {
     ASSIGN_OR_RETURN(const double phase_deg, Number(object, where, "phase_deg"));
     term.amplitude = {amplitude * std::cos(phase_deg * kRadPerDeg), amplitude * std::sin(phase_deg * kRadPerDeg)};
   }
@@ -196,6 +313,8 @@ std::string AmplitudeUnit(const ErrorTerm& term, const Machine& machine) {
   if (std::holds_alternative<shapes::Linear>(term.shape)) return unit + (is_rotary ? "/rad" : "/m");
   if (std::holds_alternative<shapes::Drift>(term.shape)) return unit + "/h";
   if (std::holds_alternative<shapes::Thermal>(term.shape)) return unit + "/K";
+  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape))
+    return unit + (lag->times_axis < 0 ? "/K" : is_rotary ? "/(K rad)" : "/(K m)");
   if (std::holds_alternative<shapes::Lag>(term.shape)) return unit + (is_rotary ? "/(rad/s)" : "/(mm/s)");
   return unit;
 }
@@ -213,6 +332,35 @@ WrittenTerm Written(const ErrorTerm& term, const Machine& machine) {
       written.over = machine.axes[map->second_axis].name;
       written.over_at = position(map->second_axis, map->second.at);
     }
+  }
+  const auto reached = [&](const shapes::Span& span, int of, std::optional<double> WrittenTerm::*from_deg,
+                           std::optional<double> WrittenTerm::*to_deg, std::optional<double> WrittenTerm::*from_mm,
+                           std::optional<double> WrittenTerm::*to_mm) {
+    if (span.is_turn) return;
+    const bool is_rotary = IsRotary(machine, of);
+    const double unit = is_rotary ? kDegPerRad : 1.0;
+    written.*(is_rotary ? from_deg : from_mm) = span.low * unit;
+    written.*(is_rotary ? to_deg : to_mm) = span.high * unit;
+  };
+  const auto reached_by_variable = [&](const shapes::Span& span) {
+    reached(span, *axis, &WrittenTerm::from_deg, &WrittenTerm::to_deg, &WrittenTerm::from_mm, &WrittenTerm::to_mm);
+  };
+  if (const auto* curve = std::get_if<shapes::Curve>(&term.shape)) reached_by_variable(curve->span);
+  if (const auto* crossed = std::get_if<shapes::Crossed>(&term.shape)) {
+    written.over = machine.axes[crossed->second_axis].name;
+    reached_by_variable(crossed->span);
+    reached(crossed->second, crossed->second_axis, &WrittenTerm::over_from_deg, &WrittenTerm::over_to_deg,
+            &WrittenTerm::over_from_mm, &WrittenTerm::over_to_mm);
+  }
+  if (const auto* curve = std::get_if<shapes::TimeCurve>(&term.shape)) {
+    written.from_s = curve->span.low;
+    written.to_s = curve->span.high;
+  }
+  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape)) {
+    written.channel = lag->channel;
+    written.tau_s = lag->tau_s;
+    if (std::isfinite(lag->from_celsius)) written.from_celsius = lag->from_celsius;
+    if (std::isfinite(lag->to_celsius)) written.to_celsius = lag->to_celsius;
   }
   if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) {
     if (IsRotary(machine, *axis)) {
@@ -241,9 +389,10 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
   if (!root.is_object())
     return absl::InvalidArgumentError("errors: expected an object {\"EA0B\": -101.2, ...} in um and urad");
   ErrorModel model;
-  std::set<std::string> names;
+  std::set<std::pair<std::string, double>> names;  // of one name two decays may differ in their lengths
   const auto add = [&](const ErrorTerm& term, const std::string& where) {
-    if (!names.insert(NameOf(machine, term)).second)
+    const double* length = shapes::NonlinearParameter(term.shape);
+    if (!names.emplace(NameOf(machine, term), length == nullptr ? 0.0 : *length).second)
       return Refuse(where, absl::StrCat(NameOf(machine, term), " is there twice"));
     model.terms.push_back(term);
     return absl::OkStatus();
@@ -299,6 +448,8 @@ absl::StatusOr<std::vector<std::string>> ListErrors(const std::string& text) {
       if (!term.is_object()) return absl::InvalidArgumentError("terms: expected objects");
       term.erase("amplitude");
       term.erase("values");
+      term.erase("amplitudes");
+      term.erase("prior_sigma");
       errors.push_back(term.dump());
     }
   }
@@ -335,8 +486,17 @@ std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
     json object = json::object();
     base::JsonWriter io(&object);
     Members(io, Written(term, machine));
+    if (shapes::IsFree(term.shape)) {
+      object["amplitudes"] = json::array();
+      for (int k = 0; k < shapes::BasisCount(term.shape); ++k)
+        object["amplitudes"].push_back(term.amplitude[k] / factor);
+      if (term.prior_sigma > 0.0) object["prior_sigma"] = term.prior_sigma / factor;
+      object["unit"] = AmplitudeUnit(term, machine);
+      terms.push_back(object);
+      continue;
+    }
     object["amplitude"] = term.amplitude[0] / factor;
-    if (shapes::BasisCount(term.shape) == 2) {
+    if (shapes::HasPhase(term.shape)) {
       object["amplitude"] = std::hypot(term.amplitude[0], term.amplitude[1]) / factor;
       object["phase_deg"] = std::atan2(term.amplitude[1], term.amplitude[0]) * kDegPerRad;
     }

@@ -43,6 +43,61 @@ TEST(ErrorJson, TheProbesPreTravelIsRoundTripped) {
     EXPECT_FALSE(ReadErrors(bad, machine).ok()) << bad;
 }
 
+// What has more than two amplitudes, and what remembers temperatures.
+TEST(ErrorJson, FreeCurvesAndLateWarmthComeBackAsTheyWereWritten) {
+  const int x = FindAxis(kMachine, "X"), b = FindAxis(kMachine, "B"), c = FindAxis(kMachine, "C");
+  const int tool = kMachine.tool_joint();
+  ErrorModel model;
+  shapes::ThermalLag lag{"T_spindle_C", 900.0};
+  lag.from_celsius = 19.5;
+  lag.to_celsius = 31.0;
+  model.terms = {
+      {tool, Component::kZ, lag, {0.002}},
+      {tool, Component::kZ, shapes::ThermalLag{"T_spindle_C", 4000.0}, {-0.001}},  // a second one of its name
+      {x, Component::kX, shapes::ThermalLag{"temp_C", 0.0, x, 1000.0}, {0.011}},
+      {x, Component::kY, shapes::Curve{x, {-300.0, 200.0}, 3}, {0.001, -0.002, 0.003}, 0.004},
+      {c, Component::kA, shapes::Curve{c, {.is_turn = true}, 4}, {1e-6, 2e-6, 3e-6, 4e-6}, 5e-6},
+      {b, Component::kX, shapes::Curve{b, {-1.0, 0.5}, 2}, {0.001, 0.002}},
+      {tool, Component::kX, shapes::TimeCurve{{10.0, 7000.0}, 2}, {0.001, 0.0005}, 0.001},
+      {x, Component::kZ, shapes::Crossed{x, c, {-300.0, 200.0}, {.is_turn = true}, 2}, {1e-3, 2e-3, 3e-3, 4e-3}, 2e-3}};
+  const std::string text = WriteErrors(model, kMachine);
+  const auto again = ReadErrors(text, kMachine);
+  ASSERT_TRUE(again.ok()) << again.status() << text;
+  ASSERT_EQ(again->terms.size(), model.terms.size());
+  std::vector<shapes::AxisState> axes(kMachine.axes.size());
+  for (size_t i = 0; i < axes.size(); ++i) axes[i].position = 0.3 + 0.1 * static_cast<double>(i);
+  shapes::State state{axes, 500.0, 25.0};
+  const auto before = ErrorsAt(kMachine, model, state), after = ErrorsAt(kMachine, *again, state);
+  for (int joint = 0; joint < kMachine.joint_count(); ++joint)
+    EXPECT_LT((before[joint] - after[joint]).norm(), 1e-15) << joint;
+  for (size_t i = 0; i < model.terms.size(); ++i)
+    EXPECT_NEAR(again->terms[i].prior_sigma, model.terms[i].prior_sigma, 1e-15) << i;
+  EXPECT_EQ(std::get<shapes::ThermalLag>(again->terms[0].shape), lag);
+  EXPECT_THAT(NamesOf(kMachine, *again),
+              ::testing::ElementsAre("EZT:thermal-lag(T_spindle_C)", "EZT:thermal-lag(T_spindle_C)#2",
+                                     "EXX:thermal-lag(X,temp_C)", "EYX:curve", "EAC:curve", "EXB:curve",
+                                     "EXT:time-curve", "EZX:crossed(C)"));
+  // Asked for, with no amplitudes yet.
+  const auto asked = ReadAskedError(R"({"symbol": "EYX", "shape": "curve", "from_mm": -300, "to_mm": 200})", kMachine);
+  ASSERT_TRUE(asked.ok()) << asked.status();
+  EXPECT_EQ(shapes::BasisCount(asked->terms[0].shape), 16);
+  for (const auto& [bad, why] : std::vector<std::pair<const char*, const char*>>{
+           {R"({"symbol": "EYX", "shape": "curve", "from_mm": 3, "to_mm": 3, "amplitudes": [1]})", "'to_mm' = 3"},
+           {R"({"symbol": "EYX", "shape": "curve", "amplitudes": [1]})", "'from_mm' is missing"},
+           {R"({"symbol": "EYX", "shape": "curve", "from_mm": 0, "to_mm": 3, "amplitude": 2})", "'amplitudes'"},
+           {R"({"symbol": "EYX", "shape": "curve", "from_mm": 0, "to_mm": 3, "amplitudes": []})", "1 to 24"},
+           {R"({"symbol": "EYX", "shape": "linear", "amplitude": 3, "prior_sigma": 3})", "'prior_sigma'"},
+           {R"({"symbol": "EYX", "shape": "crossed", "over": "X", "from_mm": 0, "to_mm": 3, "amplitudes": [1]})",
+            "over 'X'"},
+           {R"({"symbol": "EYX", "shape": "crossed", "over": "C", "from_mm": 0, "to_mm": 3, "amplitudes": [1, 2]})",
+            "2 numbers"},
+           {R"({"symbol": "EZT", "shape": "thermal-lag", "tau_s": -1, "amplitude": 1})", "'tau_s' = -1"},
+           {R"({"symbol": "EZT", "shape": "time-curve", "from_s": 0, "amplitudes": [1]})", "'to_s' is missing"}}) {
+    const auto refused = ReadErrors(std::string(R"({"terms": [)") + bad + "]}", kMachine);
+    EXPECT_THAT(std::string(refused.status().message()), HasSubstr(why)) << bad;
+  }
+}
+
 TEST(ErrorJson, ConstantsAreMicrometresAndMicroradians) {
   const auto model = ReadErrors(R"({"EA0B": -101.2, "X0C": 53.1})", kMachine);
   ASSERT_TRUE(model.ok()) << model.status();

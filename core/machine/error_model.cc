@@ -1,5 +1,7 @@
 #include "core/machine/error_model.h"
 
+#include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/base/demand.h"
@@ -57,12 +59,35 @@ std::string NameOf(const Machine& machine, const ErrorTerm& term) {
   if (const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape)) arguments = FrequencyText(machine, *harmonic);
   if (const auto* map = std::get_if<shapes::Tabulated>(&term.shape)) arguments = NodeText(machine, *map);
   if (const auto* lobe = std::get_if<shapes::Lobe>(&term.shape)) arguments = absl::StrCat(lobe->order);
+  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape)) arguments = lag->channel;
+  if (const auto* crossed = std::get_if<shapes::Crossed>(&term.shape))
+    arguments = machine.axes[crossed->second_axis].name;
   const std::optional<int> axis = shapes::VariableAxis(term.shape);
-  if (axis && *axis != term.joint) {
+  const bool is_named = std::holds_alternative<shapes::ThermalLag>(term.shape);
+  if (axis && (*axis != term.joint || is_named)) {
     arguments = machine.axes[*axis].name + (arguments.empty() ? "" : "," + arguments);
   }
   return absl::StrCat(SymbolOf(machine, term), ":", shapes::Name(term.shape),
                       arguments.empty() ? "" : "(" + arguments + ")");
+}
+
+std::vector<std::string> NamesOf(const Machine& machine, const ErrorModel& model) {
+  std::vector<std::string> names;
+  std::map<std::string, int> count;
+  for (const ErrorTerm& term : model.terms) {
+    std::string name = NameOf(machine, term);
+    const int which = ++count[name];
+    if (which > 1) absl::StrAppend(&name, "#", which);
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+double UnknownAt(const ErrorTerm& term, const shapes::State& state) {
+  if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape))
+    return std::abs(term.amplitude[0] * lag->FactorOf(state)) * lag->BeyondSeen(state);
+  const double kept = shapes::KeptAt(term.shape, state);
+  return kept < 1.0 ? term.prior_sigma * std::sqrt(1.0 - kept * kept) : 0.0;
 }
 
 JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, const shapes::State& state) {
@@ -75,7 +100,8 @@ bool DependsOnMoreThanPosition(const ErrorTerm& term) {
   return !std::holds_alternative<shapes::Constant>(term.shape) && !std::holds_alternative<shapes::Linear>(term.shape) &&
          !std::holds_alternative<shapes::Quadratic>(term.shape) &&
          !std::holds_alternative<shapes::Harmonic>(term.shape) &&
-         !std::holds_alternative<shapes::Tabulated>(term.shape);
+         !std::holds_alternative<shapes::Tabulated>(term.shape) && !std::holds_alternative<shapes::Curve>(term.shape) &&
+         !std::holds_alternative<shapes::Crossed>(term.shape);
 }
 
 }  // namespace axiscal::machine

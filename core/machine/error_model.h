@@ -19,7 +19,10 @@ struct ErrorTerm {
   Component component = Component::kX;
   shapes::Shape shape = shapes::Constant{};
   // Per basis function of the shape, mm or rad (per the shape's reference: metre, hour, degree C ...).
-  std::array<double, shapes::kMaxBasisCount> amplitude = {0.0, 0.0};
+  std::array<double, shapes::kMaxBasisCount> amplitude = {};
+  // Of a free curve (shapes::IsFree): amplitude i ~ N(0, (prior_sigma x shapes::PriorRoot(shape, i))^2), so that this
+  // is the standard deviation of the curve where nothing was measured, mm or rad. 0: the amplitudes are free.
+  double prior_sigma = 0.0;
 
   bool operator==(const ErrorTerm&) const = default;
 };
@@ -38,6 +41,9 @@ std::string SymbolOf(const Machine& machine, const ErrorTerm& term);
 // A unique readable name: "EX0C", "EXX:backlash", "EBB:harmonic(45)", with the variable where it is not the term's own
 // axis: "EZT:thermal", "EBY:linear(Z)".
 std::string NameOf(const Machine& machine, const ErrorTerm& term);
+// Of every term of a model: that name, the second one of a name with "#2" behind it. Two terms of one component that
+// warm up at two rates have one name.
+std::vector<std::string> NamesOf(const Machine& machine, const ErrorModel& model);
 
 inline constexpr char kAlongApproachSymbol[] = "ERT";
 // A term of the tool along the approach of a touch, amplitudes zero.
@@ -69,6 +75,11 @@ inline void AddErrors(const ErrorTerm& term, const shapes::State& state, JointEr
 
 // Sum of all terms at a state, one error vector per joint.
 JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, const shapes::State& state);
+
+// How far, one standard deviation, a term is unknown at a state beyond what its readings reached: a free curve beyond
+// its span, a late warmth beyond the temperatures seen; mm or rad. What is known there is in the covariance of its
+// numbers.
+double UnknownAt(const ErrorTerm& term, const shapes::State& state);
 
 // True when a term depends on something other than axis positions: sense, speed, time or temperature.
 bool DependsOnMoreThanPosition(const ErrorTerm& term);

@@ -19,22 +19,48 @@ using session::PoseReader;
 constexpr int kDigits = 6;
 constexpr double kReadShare = 0.3;  // of the progress: the first reading
 
-// What the whole file says of the motion to its first row, and that every row can be read.
-absl::StatusOr<std::vector<instruments::FirstMotion::Start>> FirstMotions(const std::string& poses,
-                                                                          const machine::Machine& machine,
-                                                                          const machine::ErrorModel& model,
-                                                                          const std::function<void(double)>& progress) {
+// What one row alone does not say.
+struct WholeFile {
+  std::vector<instruments::FirstMotion::Start> starts;            // the motion to its first row
+  std::shared_ptr<const shapes::Temperatures> history = nullptr;  // where an error remembers temperatures
+};
+
+bool RemembersTemperatures(const machine::ErrorModel& model) {
+  return std::any_of(model.terms.begin(), model.terms.end(), [](const machine::ErrorTerm& term) {
+    return std::holds_alternative<shapes::ThermalLag>(term.shape);
+  });
+}
+
+// Reads every row once, and that it can be read.
+absl::StatusOr<WholeFile> ReadWhole(const std::string& poses, const machine::Machine& machine,
+                                    const machine::ErrorModel& model, const std::function<void(double)>& progress) {
   ASSIGN_OR_RETURN(const std::unique_ptr<PoseReader> reader, PoseReader::Open(poses, machine));
-  RETURN_IF_ERROR(base::Within(poses, RequireState(machine, model, reader->has_time(), reader->has_temperature())));
+  RETURN_IF_ERROR(base::Within(poses, RequireState(machine, model, reader->has_time(), reader->channels())));
   instruments::FirstMotion first(machine.axis_count());
+  std::vector<double> time_s;
+  std::vector<shapes::Temperatures::Channel> channels;
+  if (RemembersTemperatures(model)) {
+    for (const std::string& name : reader->channels()) channels.push_back({name, {}});
+  }
+  WholeFile file;
   PoseBlock block;
   while (true) {
     RETURN_IF_ERROR(reader->Next(&block));
-    if (block.count == 0) return first.starts();
+    if (block.count == 0) break;
     for (size_t k = 0; k < block.count; ++k)
       first.Add(&block.positions[k * machine.axes.size()], reader->has_time() ? &block.time_s[k] : nullptr);
+    for (size_t i = 0; i < channels.size(); ++i)
+      channels[i].celsius.insert(channels[i].celsius.end(), block.celsius[i].begin(), block.celsius[i].end());
+    if (!channels.empty()) {
+      block.time_s.resize(block.count, 0.0);  // without a clock only what acts at once may stand in the model
+      time_s.insert(time_s.end(), block.time_s.begin(), block.time_s.end());
+    }
     if (progress) progress(kReadShare * reader->fraction());
   }
+  file.starts = first.starts();
+  if (!channels.empty())
+    file.history = std::make_shared<const shapes::Temperatures>(std::move(time_s), std::move(channels));
+  return file;
 }
 
 void AppendErrors(const ToolPointError& error, std::string* line) {
@@ -69,7 +95,7 @@ absl::StatusOr<PredictedPoses> PredictPoses(const std::string& poses, const std:
                                             const machine::Machine& machine, const machine::KnownErrors& errors,
                                             const Eigen::Vector3d& tip_mm,
                                             const std::function<void(double fraction)>& progress) {
-  ASSIGN_OR_RETURN(const auto starts, FirstMotions(poses, machine, errors.model, progress));
+  ASSIGN_OR_RETURN(const WholeFile whole, ReadWhole(poses, machine, errors.model, progress));
   ASSIGN_OR_RETURN(const std::unique_ptr<PoseReader> reader, PoseReader::Open(poses, machine));
   base::AtomicFile file;
   RETURN_IF_ERROR(file.Open(output));
@@ -77,11 +103,12 @@ absl::StatusOr<PredictedPoses> PredictPoses(const std::string& poses, const std:
       file.Write("ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad,"
                  "ex_sigma_um,ey_sigma_um,ez_sigma_um,ea_sigma_urad,eb_sigma_urad,ec_sigma_urad\n"));
   ToolPoint tool(machine, errors, tip_mm);
-  instruments::Motion motion(starts);
+  instruments::Motion motion(whole.starts);
   std::vector<shapes::AxisState> axes(machine.axes.size());
   Sums sums;
   sums.made.has_sigma = !errors.covariance.is_empty();
   PoseBlock block;
+  int moment = 0;
   std::string text;
   while (true) {
     RETURN_IF_ERROR(reader->Next(&block));
@@ -93,6 +120,8 @@ absl::StatusOr<PredictedPoses> PredictPoses(const std::string& poses, const std:
       shapes::State state{axes};
       if (time_s != nullptr) state.time_s = *time_s;
       if (reader->has_temperature()) state.temperature_celsius = block.temperature_celsius[k];
+      state.temperatures = whole.history.get();
+      state.moment = moment++;
       const ToolPointError error = tool.ErrorAt(state);
       sums.Add(error);
       AppendErrors(error, &text);

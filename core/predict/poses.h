@@ -16,7 +16,8 @@ struct PredictedPoses {
   bool has_sigma = false;
 };
 
-// Reads `poses` twice, row by row: time grows with the rows, memory does not. `output` gets a line of column names,
+// Reads `poses` twice, row by row: time grows with the rows, memory does not, but for the temperatures where an error
+// remembers them. `output` gets a line of column names,
 // then a line per row: ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad, then ex_sigma_um ... ec_sigma_urad, empty without a
 // covariance. Frames and signs: tool_point.h. `progress`: share of the work, 0 to 1.
 // Errors of PoseReader and AtomicFile, INVALID_ARGUMENT where an error depends on a column that is not there; `output`

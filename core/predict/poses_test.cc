@@ -69,6 +69,28 @@ std::string Rows(int count, bool is_session) {
   return text;
 }
 
+// A body that follows its channel late, over more rows than one block holds.
+TEST_F(Poses, ALateWarmthRemembersTheRowsBefore) {
+  const std::string errors =
+      R"({"terms": [{"symbol": "EZT", "shape": "thermal-lag", "channel": "T_spindle_C", "tau_s": 1000,)"
+      R"( "amplitude": 2}]})";
+  constexpr int kRows = 5000;
+  std::string text = "t_s,X_mm,Y_mm,Z_mm,B_deg,C_deg,T_spindle_C\n";
+  for (int k = 0; k < kRows; ++k) absl::StrAppendFormat(&text, "%d,0,0,0,0,0,%.6f\n", k, 20.0 + 0.001 * k);
+  ASSERT_TRUE(Predict(text, errors).ok());
+  const std::vector<std::string> lines = Lines();
+  ASSERT_EQ(lines.size(), kRows + 1u);
+  for (const int k : {0, 100, 4999}) {
+    const double late = 0.001 * (k - 1000.0 * -std::expm1(-k / 1000.0));
+    EXPECT_NEAR(Numbers(lines[static_cast<size_t>(k) + 1])[2], 2.0 * late, 1e-5) << k;
+  }
+  EXPECT_THAT(
+      std::string(Predict("t_s,X_mm,Y_mm,Z_mm,B_deg,C_deg,temp_C\n0,0,0,0,0,0,20\n", errors).status().message()),
+      HasSubstr("column T_spindle_C is missing"));
+  EXPECT_THAT(std::string(Predict("X_mm,Y_mm,Z_mm,B_deg,C_deg,T_spindle_C\n0,0,0,0,0,20\n", errors).status().message()),
+              HasSubstr("column t_s is missing"));
+}
+
 TEST_F(Poses, EveryRowHasTheStateThatAReadingOfASessionHas) {
   constexpr int kRows = 9000;
   const auto made = Predict("t_s,X_mm,Y_mm,Z_mm,B_deg,C_deg,temp_C\n" + Rows(kRows, false));

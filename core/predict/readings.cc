@@ -65,6 +65,7 @@ class Predictor {
       const shapes::State state = run_.StateOf(k);
       instruments::Evaluate(machine_, run_, k, errors_at(state), setup_.data(), &evaluation_);
       propagation_.ByNumber(state, evaluation_.by_error, &by_number_);
+      unknown_ = propagation_.UnknownVariance(state, evaluation_.by_error);
       for (int row = 0; row < run_.row_count; ++row) Set(row, {k, row}, 1.0);
       return;
     }
@@ -77,6 +78,7 @@ class Predictor {
                                      along_path += weight * by_number_;
                                    });
     by_number_ = along_path;
+    unknown_.setZero(1);  // a path has no time, and no position where nothing was measured before
     const eccentricity::Reading& reading = run_.path_readings->readings[k];
     Set(0, {reading.row, reading.component}, base::kUmPerMm);
   }
@@ -84,7 +86,8 @@ class Predictor {
   void Set(int row, const Cell& cell, double unit_per_mm) {
     made_.predicted(cell.line, cell.column) = evaluation_.predicted_mm[row] * unit_per_mm;
     if (made_.sigma.size() == 0) return;
-    made_.sigma(cell.line, cell.column) = propagation_.Sigma(by_number_.row(row))[0] * unit_per_mm;
+    made_.sigma(cell.line, cell.column) =
+        std::hypot(propagation_.Sigma(by_number_.row(row))[0], std::sqrt(unknown_[row])) * unit_per_mm;
   }
 
   const machine::Machine& machine_;
@@ -94,6 +97,7 @@ class Predictor {
   const std::vector<double> setup_;
   instruments::Evaluation evaluation_;
   Eigen::MatrixXd by_number_;
+  Eigen::VectorXd unknown_;
   PredictedReadings made_;
 };
 
@@ -107,10 +111,14 @@ absl::StatusOr<PredictedReadings> PredictReadings(session::Session session, cons
   ASSIGN_OR_RETURN(MeasuringRun run, instruments::BindSession(session, machine));
   if (is_plan) run.tracker_from_machine = {};
   const bool has_path = run.path_readings != nullptr;
-  RETURN_IF_ERROR(
-      base::Within(absl::StrCat("session '", run.session, "'"),
-                   RequireState(machine, errors.model, run.has_time || has_path, run.has_temperature || has_path)));
-  return Predictor(machine, errors, run).Predict(lines, progress);
+  std::vector<std::string> channels;
+  if (run.has_temperature || has_path) channels.push_back(shapes::kTemperatureChannel);
+  for (const MeasuringRun::Channel& one : run.temperatures) channels.push_back(instruments::ColumnOf(one));
+  RETURN_IF_ERROR(base::Within(absl::StrCat("session '", run.session, "'"),
+                               RequireState(machine, errors.model, run.has_time || has_path, channels)));
+  std::vector<MeasuringRun> alone = {std::move(run)};
+  instruments::ShareTemperatures({&alone});
+  return Predictor(machine, errors, alone.front()).Predict(lines, progress);
 }
 
 std::string ToCsv(const PredictedReadings& readings) {

@@ -8,7 +8,9 @@
 namespace axiscal::predict {
 namespace {
 
-bool DiffersFromZero(const machine::ErrorTerm& term) { return term.amplitude[0] != 0.0 || term.amplitude[1] != 0.0; }
+bool DiffersFromZero(const machine::ErrorTerm& term) {
+  return std::any_of(term.amplitude.begin(), term.amplitude.end(), [](double one) { return one != 0.0; });
+}
 
 std::array<double, machine::kMaxAxes> PositionsOf(const shapes::State& state) {
   std::array<double, machine::kMaxAxes> positions{};
@@ -24,6 +26,9 @@ Eigen::Matrix3d ToolInTable(const machine::ChainPose<double>& pose) {
 
 Propagation::Propagation(const machine::ErrorModel& model, const machine::ErrorCovariance& covariance)
     : root_(covariance.root) {
+  for (const machine::ErrorTerm& term : model.terms) {
+    if (shapes::IsFree(term.shape) || std::holds_alternative<shapes::ThermalLag>(term.shape)) reaching_.push_back(term);
+  }
   for (const machine::ErrorCovariance::Number& of : covariance.of) {
     const machine::ErrorTerm& term = model.terms[of.term];
     Number number{term.joint,
@@ -84,7 +89,10 @@ const Eigen::MatrixXd& ToolPoint::ByNumberAt(const shapes::State& state) {
   return by_number_;
 }
 
-ToolPointError ToolPoint::SigmaAt(const shapes::State& state) { return propagation_.Sigma(ByNumberAt(state)); }
+ToolPointError ToolPoint::SigmaAt(const shapes::State& state) {
+  const Eigen::VectorXd known = propagation_.Sigma(ByNumberAt(state));
+  return (known.cwiseAbs2() + propagation_.UnknownVariance(state, by_error_)).cwiseSqrt();
+}
 
 std::vector<std::string> TakenForExact(const machine::Machine& machine, const machine::KnownErrors& errors) {
   std::vector<std::string> names;
@@ -98,16 +106,17 @@ std::vector<std::string> TakenForExact(const machine::Machine& machine, const ma
 }
 
 absl::Status RequireState(const machine::Machine& machine, const machine::ErrorModel& model, bool has_time,
-                          bool has_temperature) {
+                          const std::vector<std::string>& channels) {
   for (const machine::ErrorTerm& term : model.terms) {
     if (!DiffersFromZero(term)) continue;
-    const char* missing = nullptr;
-    if (!has_time && shapes::DependsOnTime(term.shape)) missing = "t_s";
-    if (!has_temperature && shapes::DependsOnTemperature(term.shape)) missing = "temp_C";
-    if (missing == nullptr) continue;
-    return absl::InvalidArgumentError(absl::StrCat("column ", missing, " is missing: the error ",
-                                                   machine::NameOf(machine, term), " depends on the ",
-                                                   has_time || missing[1] == 'e' ? "temperature" : "time"));
+    const auto refuse = [&](const std::string& column, const char* what) {
+      return absl::InvalidArgumentError(absl::StrCat("column ", column, " is missing: the error ",
+                                                     machine::NameOf(machine, term), " depends on the ", what));
+    };
+    const std::optional<std::string> channel = shapes::ChannelOf(term.shape);
+    if (channel && std::find(channels.begin(), channels.end(), *channel) == channels.end())
+      return refuse(*channel, "temperature");
+    if (!has_time && shapes::DependsOnTime(term.shape)) return refuse("t_s", "time");
   }
   return absl::OkStatus();
 }

@@ -46,6 +46,18 @@ class Propagation {
   const Eigen::MatrixXd& root() const { return root_; }
   // Of the values whose derivatives these are.
   Eigen::VectorXd Sigma(const Eigen::MatrixXd& by_number) const { return (by_number * root_).rowwise().norm(); }
+  // Variance by what is unknown at `state` beyond what the readings of an error reached (machine::UnknownAt).
+  template <typename ByError>
+  Eigen::VectorXd UnknownVariance(const shapes::State& state, const ByError& by_error) const {
+    Eigen::VectorXd variance = Eigen::VectorXd::Zero(by_error.rows());
+    for (const machine::ErrorTerm& term : reaching_) {
+      const double unknown = machine::UnknownAt(term, state);
+      if (unknown > 0.0)
+        variance += unknown * unknown *
+                    by_error.col(machine::kComponents * term.joint + static_cast<int>(term.component)).cwiseAbs2();
+    }
+    return variance;
+  }
 
  private:
   struct Number {
@@ -59,6 +71,7 @@ class Propagation {
   static double FactorOf(const Number& number, const shapes::State& state);
 
   std::vector<Number> numbers_;
+  std::vector<machine::ErrorTerm> reaching_;  // that are known only as far as the readings reached
   Eigen::MatrixXd root_;
 };
 
@@ -91,7 +104,7 @@ std::vector<std::string> TakenForExact(const machine::Machine& machine, const ma
 
 // INVALID_ARGUMENT naming column and error where an error that differs from zero depends on what is not there.
 absl::Status RequireState(const machine::Machine& machine, const machine::ErrorModel& model, bool has_time,
-                          bool has_temperature);
+                          const std::vector<std::string>& channels);
 
 }  // namespace axiscal::predict
 

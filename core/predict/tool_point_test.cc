@@ -55,6 +55,38 @@ TEST(ToolPoint, IsWhatAReaderComputesByHand) {
   EXPECT_TRUE(ToolPoint(machine, Known("{}", machine), kTip).ErrorAt({turned}).isZero(1e-12));
 }
 
+// What the readings did not reach is as unknown as the prior, or as the warmth that was not seen.
+TEST(ToolPoint, TheBandOpensBeyondWhatWasMeasured) {
+  const Machine machine = machine::testing::MultiTasking();
+  const machine::KnownErrors errors =
+      Known(R"({"terms": [{"symbol": "EYX", "shape": "curve", "from_mm": -100, "to_mm": 100, "amplitudes": [2],
+                           "prior_sigma": 5},
+                          {"symbol": "EXT", "shape": "time-curve", "from_s": 0, "to_s": 100, "amplitudes": [1],
+                           "prior_sigma": 3},
+                          {"symbol": "EZT", "shape": "thermal-lag", "tau_s": 600, "amplitude": -2,
+                           "from_celsius": 20, "to_celsius": 24}],
+                "covariance": {"of": ["EYX:curve.1"], "sigma": [0.4], "correlation": [[]]}})",
+            machine);
+  ToolPoint tool(machine, errors, kTip);
+  const double root3 = std::sqrt(3.0);
+  const auto inside = At({20, 10, 100, 0, 0});  // Z, Y, X: at the end of the span
+  shapes::State state{inside, 50.0, 23.0};
+  EXPECT_NEAR(tool.ErrorAt(state)[1], 2e-3 * root3, 1e-7);
+  EXPECT_NEAR(tool.ErrorAt(state)[2], -6e-3, 1e-6);
+  EXPECT_NEAR(tool.SigmaAt(state)[1], 0.4e-3 * root3, 1e-7);
+  EXPECT_NEAR(tool.SigmaAt(state)[0], 0.0, 1e-7);
+  EXPECT_NEAR(tool.SigmaAt(state)[2], 0.0, 1e-7);
+  const auto outside = At({20, 10, 125, 0, 0});
+  state = {outside, 101.0, 29.0};
+  const double kept = std::exp(-1.0);
+  EXPECT_NEAR(tool.ErrorAt(state)[1], kept * 2e-3 * root3, 1e-7);
+  EXPECT_NEAR(tool.SigmaAt(state)[1], std::hypot(kept * 0.4e-3 * root3, 5e-3 * std::sqrt(1.0 - kept * kept)), 1e-7);
+  EXPECT_NEAR(tool.ErrorAt(state)[0], 0.0, 1e-7);  // a time curve foretells nothing
+  EXPECT_NEAR(tool.SigmaAt(state)[0], 3e-3, 1e-7);
+  EXPECT_NEAR(tool.ErrorAt(state)[2], -8e-3, 1e-6);  // as at 24 deg C, and 5 K more than was seen
+  EXPECT_NEAR(tool.SigmaAt(state)[2], 10e-3, 1e-6);
+}
+
 TEST(ToolPoint, SigmaByHand) {
   const Machine machine = machine::testing::MultiTasking();
   const machine::KnownErrors errors =
@@ -76,14 +108,13 @@ TEST(ToolPoint, SigmaByHand) {
 // Of all numbers that an error may have, on a machine whose table moves and turns.
 TEST(ToolPoint, SigmaIsThatOfFiniteDifferencesOfTheChain) {
   const Machine machine = machine::testing::TiltingTable();
-  const std::string errors =
-      R"("EZ0A": 30, "EC0Y": -80, "EB0C": 40, "EX0T": 12, "EA0T": 33, "terms": [)"
-      R"({"symbol": "EAX", "shape": "linear", "amplitude": 50},)"
-      R"({"symbol": "EXA", "shape": "backlash", "amplitude": 6},)"
-      R"({"symbol": "ECC", "shape": "harmonic", "order": 3, "amplitude": 40, "phase_deg": 30},)"
-      R"({"symbol": "EYX", "shape": "reversal", "length_mm": 4, "amplitude": 5},)"
-      R"({"symbol": "EZT", "shape": "drift-exp", "tau_s": 900, "amplitude": 20},)"
-      R"({"symbol": "EBY", "shape": "thermal", "amplitude": 9}])";
+  const std::string errors = R"("EZ0A": 30, "EC0Y": -80, "EB0C": 40, "EX0T": 12, "EA0T": 33, "terms": [)"
+                             R"({"symbol": "EAX", "shape": "linear", "amplitude": 50},)"
+                             R"({"symbol": "EXA", "shape": "backlash", "amplitude": 6},)"
+                             R"({"symbol": "ECC", "shape": "harmonic", "order": 3, "amplitude": 40, "phase_deg": 30},)"
+                             R"({"symbol": "EYX", "shape": "reversal", "length_mm": 4, "amplitude": 5},)"
+                             R"({"symbol": "EZT", "shape": "drift-exp", "tau_s": 900, "amplitude": 20},)"
+                             R"({"symbol": "EBY", "shape": "thermal", "amplitude": 9}])";
   const std::vector<std::string> names = {"EZ0A",
                                           "EC0Y",
                                           "EB0C",
@@ -177,10 +208,10 @@ TEST(ToolPoint, SaysWhatIsTakenForExactAndWhatAColumnIsMissingFor) {
             R"( "sigma": [1], "correlation": [[]]}})",
             machine);
   EXPECT_THAT(TakenForExact(machine, errors), ::testing::ElementsAre("EX0C", "EXX:lag"));
-  EXPECT_TRUE(RequireState(machine, errors.model, true, true).ok());
-  EXPECT_THAT(std::string(RequireState(machine, errors.model, false, true).message()),
+  EXPECT_TRUE(RequireState(machine, errors.model, true, {"temp_C"}).ok());
+  EXPECT_THAT(std::string(RequireState(machine, errors.model, false, {"temp_C"}).message()),
               "column t_s is missing: the error EXX:lag depends on the time");
-  EXPECT_THAT(std::string(RequireState(machine, errors.model, true, false).message()),
+  EXPECT_THAT(std::string(RequireState(machine, errors.model, true, {}).message()),
               "column temp_C is missing: the error EZT:thermal depends on the temperature");
 }
 

@@ -114,8 +114,8 @@ std::vector<std::string> Weakest(const machine::Machine& machine, const machine:
     const auto column = static_cast<Eigen::Index>(j);
     const double share = by_number.col(column).dot(uncertain * found.covariance.root.row(column).transpose());
     if (share < kWeak * uncertain.squaredNorm() || share <= 0.0) continue;
-    shares.emplace_back(
-        -share, machine::NameNumber(machine, found.model.terms[number.term], number.basis, number.is_nonlinear).name);
+    shares.emplace_back(-share,
+                        machine::NameNumber(machine, found.model, number.term, number.basis, number.is_nonlinear).name);
   }
   std::sort(shares.begin(), shares.end());
   std::vector<std::string> names;
@@ -129,7 +129,7 @@ machine::ErrorCovariance NumbersNamed(const machine::Machine& machine, const mac
   machine::ErrorCovariance numbers;
   for (int i = 0; i < static_cast<int>(model.terms.size()); ++i) {
     for (int k = 0; k < shapes::BasisCount(model.terms[i].shape); ++k) {
-      const std::string name = machine::NameNumber(machine, model.terms[i], k, false).name;
+      const std::string name = machine::NameNumber(machine, model, i, k, false).name;
       if (std::find(names.begin(), names.end(), name) == names.end()) continue;
       numbers.of.push_back({i, k, false});
       found->push_back(name);

@@ -105,6 +105,10 @@ absl::Status PoseReader::ReadColumns() {
     if (rule.IsAxis()) column_of_axis_[machine::FindAxis(machine_, rule.axis)] = static_cast<int>(i);
     if (rule.kind == ColumnKind::kTime) time_ = static_cast<int>(i);
     if (rule.name == "temp_C") temperature_ = static_cast<int>(i);
+    if (rule.kind == ColumnKind::kTemperature) {
+      channels_.push_back(names[i]);
+      column_of_channel_.push_back(i);
+    }
     rules_.push_back(std::move(rule));
     columns_.push_back({names[i], {}, {}});
   }
@@ -137,6 +141,8 @@ absl::Status PoseReader::ReadRows(PoseBlock* block) {
   block->temperature_celsius.clear();
   if (has_time()) block->time_s = columns_[time_].values;
   if (has_temperature()) block->temperature_celsius = columns_[temperature_].values;
+  block->celsius.resize(channels_.size());
+  for (size_t i = 0; i < channels_.size(); ++i) block->celsius[i] = columns_[column_of_channel_[i]].values;
   return absl::OkStatus();
 }
 

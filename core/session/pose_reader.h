@@ -19,9 +19,10 @@ namespace axiscal::session {
 // Rows that follow each other.
 struct PoseBlock {
   size_t count = 0;
-  std::vector<double> positions;            // entry k * axes + i: axis i of the machine at row k, mm or rad
-  std::vector<double> time_s;               // empty without the column
-  std::vector<double> temperature_celsius;  // empty without the column
+  std::vector<double> positions;             // entry k * axes + i: axis i of the machine at row k, mm or rad
+  std::vector<double> time_s;                // empty without the column
+  std::vector<double> temperature_celsius;   // empty without the column
+  std::vector<std::vector<double>> celsius;  // of every column of a temperature, as PoseReader::channels()
 };
 
 class PoseReader {
@@ -32,6 +33,8 @@ class PoseReader {
 
   bool has_time() const { return time_ >= 0; }
   bool has_temperature() const { return temperature_ >= 0; }
+  // Columns of temperatures by name: "temp_C", "T_spindle_C".
+  const std::vector<std::string>& channels() const { return channels_; }
 
   // The next rows, none at the end. INVALID_ARGUMENT with the place for a cell that breaks its column's rule, a
   // position beyond the travel that the machine's description states, time that runs back, and a file without rows.
@@ -56,6 +59,8 @@ class PoseReader {
   std::unique_ptr<RowParser> rows_;
   std::vector<int> column_of_axis_;
   int time_ = -1, temperature_ = -1;  // columns
+  std::vector<std::string> channels_;
+  std::vector<size_t> column_of_channel_;
   size_t rows_read_ = 0;
 };
 

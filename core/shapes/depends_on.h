@@ -9,9 +9,15 @@ namespace axiscal::shapes {
 // The clock, also for a speed.
 inline bool DependsOnTime(const Shape& shape) {
   return std::holds_alternative<Drift>(shape) || std::holds_alternative<DriftExp>(shape) ||
-         std::holds_alternative<Lag>(shape);
+         std::holds_alternative<Lag>(shape) || std::holds_alternative<TimeCurve>(shape) ||
+         (std::holds_alternative<ThermalLag>(shape) && std::get<ThermalLag>(shape).tau_s > 0.0);
 }
-inline bool DependsOnTemperature(const Shape& shape) { return std::holds_alternative<Thermal>(shape); }
+// The channel of a temperature: "temp_C", "T_spindle_C".
+inline std::optional<std::string> ChannelOf(const Shape& shape) {
+  if (std::holds_alternative<Thermal>(shape)) return kTemperatureChannel;
+  if (const auto* lag = std::get_if<ThermalLag>(&shape)) return lag->channel;
+  return std::nullopt;
+}
 
 }  // namespace axiscal::shapes
 

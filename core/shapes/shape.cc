@@ -2,6 +2,7 @@
 
 #include <ceres/jet.h>
 
+#include <cmath>
 #include <type_traits>
 
 namespace axiscal::shapes {
@@ -11,7 +12,11 @@ namespace {
 template <typename S>
 auto* Nonlinear(S& shape) {
   using Double = std::conditional_t<std::is_const_v<S>, const double, double>;
-  if constexpr (requires { shape.tau_s; }) return &shape.tau_s;
+  if constexpr (std::is_same_v<std::remove_const_t<S>, ThermalLag>) {
+    return shape.tau_s > 0.0 ? &shape.tau_s : nullptr;
+  } else if constexpr (requires { shape.tau_s; }) {
+    return &shape.tau_s;
+  }
   if constexpr (requires { shape.length; }) return &shape.length;
   if constexpr (requires { shape.is_frequency_free; }) return shape.is_frequency_free ? &shape.frequency : nullptr;
   return static_cast<Double*>(nullptr);
@@ -24,16 +29,63 @@ std::string Name(const Shape& shape) {
 }
 
 int BasisCount(const Shape& shape) {
-  return std::visit([](const auto& s) { return s.kBasisCount; }, shape);
+  return std::visit(
+      [](const auto& s) {
+        if constexpr (requires { s.functions; }) return s.functions;
+        if constexpr (requires { s.each; }) return s.each * s.each;
+        if constexpr (requires { s.kBasisCount; }) return s.kBasisCount;
+      },
+      shape);
+}
+
+bool IsFree(const Shape& shape) {
+  return std::visit(
+      [](const auto& s) {
+        return requires { s.PriorShare(0); };
+      },
+      shape);
+}
+
+double PriorRoot(const Shape& shape, int basis) {
+  return std::visit(
+      [&](const auto& s) {
+        if constexpr (requires { s.PriorShare(0); }) {
+          double sum = 0.0;
+          for (int i = 0; i < BasisCount(shape); ++i) sum += s.PriorShare(i);
+          return std::sqrt(s.PriorShare(basis) / sum);
+        }
+        return 1.0;
+      },
+      shape);
+}
+
+double KeptAt(const Shape& shape, const State& state) {
+  return std::visit(
+      [&](const auto& s) {
+        if constexpr (requires { s.KeptAt(state); }) return s.KeptAt(state);
+        return 1.0;
+      },
+      shape);
 }
 
 std::optional<int> VariableAxis(const Shape& shape) {
   return std::visit(
       [](const auto& s) -> std::optional<int> {
         if constexpr (requires { s.axis; }) return s.axis;
+        if constexpr (requires { s.times_axis; }) {
+          if (s.times_axis >= 0) return s.times_axis;
+        }
         return std::nullopt;
       },
       shape);
+}
+
+std::optional<int> SecondAxis(const Shape& shape) {
+  const auto* map = std::get_if<Tabulated>(&shape);
+  if (map != nullptr && map->second_axis >= 0) return map->second_axis;
+  const auto* crossed = std::get_if<Crossed>(&shape);
+  if (crossed != nullptr) return crossed->second_axis;
+  return std::nullopt;
 }
 
 double* NonlinearParameter(Shape& shape) {

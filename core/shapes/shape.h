@@ -11,6 +11,7 @@
 #include "core/shapes/backlash.h"
 #include "core/shapes/bump.h"
 #include "core/shapes/constant.h"
+#include "core/shapes/curve.h"
 #include "core/shapes/drift.h"
 #include "core/shapes/drift_exp.h"
 #include "core/shapes/harmonic.h"
@@ -22,24 +23,35 @@
 #include "core/shapes/state.h"
 #include "core/shapes/tabulated.h"
 #include "core/shapes/thermal.h"
+#include "core/shapes/thermal_lag.h"
 
 namespace axiscal::shapes {
 
 using Shape = std::variant<Constant, Linear, Quadratic, Harmonic, Backlash, Reversal, Drift, DriftExp, Thermal, Lag,
-                           Bump, Tabulated, PreTravel, Lobe>;
-
-inline constexpr int kMaxBasisCount = 2;
+                           Bump, Tabulated, PreTravel, Lobe, ThermalLag, Curve, TimeCurve, Crossed>;
 
 // "harmonic", "drift-exp": the name in files.
 std::string Name(const Shape& shape);
 // Number of amplitudes that the term has (a harmonic has a cosine and a sine).
 int BasisCount(const Shape& shape);
+// One cosine and one sine: files have them as amplitude and phase.
+inline bool HasPhase(const Shape& shape) {
+  return std::holds_alternative<Harmonic>(shape) || std::holds_alternative<Lobe>(shape);
+}
+// Free curves, whose amplitudes have a prior: standard deviation ErrorTerm::prior_sigma x PriorRoot(shape, i) of
+// amplitude i; the squares of the roots add up to 1.
+bool IsFree(const Shape& shape);
+double PriorRoot(const Shape& shape, int basis);
+// The share of a free curve that is known at a state, 1 where the readings reach; 1 of other shapes.
+double KeptAt(const Shape& shape, const State& state);
 // True for shapes that move the tool point back along the approach of a touch, instead of one component.
 inline bool IsAlongApproach(const Shape& shape) {
   return std::holds_alternative<PreTravel>(shape) || std::holds_alternative<Lobe>(shape);
 }
-// The axis that a shape looks at, or nothing (constant, time, temperature).
+// The axis that a shape looks at, or nothing (constant, time, temperature); the first of two.
 std::optional<int> VariableAxis(const Shape& shape);
+// The other axis of a shape that looks at two.
+std::optional<int> SecondAxis(const Shape& shape);
 // The non-linear parameter (decay length, time constant, a free frequency), or nullptr.
 double* NonlinearParameter(Shape& shape);
 const double* NonlinearParameter(const Shape& shape);

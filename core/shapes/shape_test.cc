@@ -89,6 +89,103 @@ TEST_F(ShapeTest, SlopesOfNonlinearParametersAgreeWithDifferences) {
   }
 }
 
+// T rises by r per second from its first value: F = T0 + r (t - tau (1 - exp(-t / tau))), whatever the moments are.
+TEST_F(ShapeTest, LateWarmthFollowsARampAsTheFormulaHasIt) {
+  const std::vector<double> time_s = {0.0, 10.0, 11.0, 11.0, 700.0, 5000.0};
+  std::vector<double> celsius;
+  for (const double t : time_s) celsius.push_back(21.0 + 0.001 * t);
+  const Temperatures history(time_s, {{"temp_C", std::vector<double>(time_s.size(), 20.0)}, {"T_spindle_C", celsius}});
+  ThermalLag lag{"T_spindle_C", 600.0};
+  state_.temperatures = &history;
+  for (size_t k = 0; k < time_s.size(); ++k) {
+    state_.moment = static_cast<int>(k);
+    const double late = 1.0 + 0.001 * (time_s[k] - 600.0 * -std::expm1(-time_s[k] / 600.0));
+    EXPECT_NEAR(At(lag)[0], late, 1e-12) << k;
+    EXPECT_EQ(At(ThermalLag{"temp_C", 600.0})[0], 0.0);
+    EXPECT_NEAR(At(ThermalLag{"T_spindle_C", 600.0, 0, 1000.0})[0], 0.125 * late, 1e-12);
+    EXPECT_NEAR(At(ThermalLag{"T_spindle_C", 0.0})[0], celsius[k] - 20.0, 1e-12);
+  }
+  // Beyond what the readings saw it keeps the nearest that they saw.
+  lag.from_celsius = 20.5;
+  lag.to_celsius = 22.0;
+  EXPECT_EQ(At(lag)[0], 2.0);
+  EXPECT_NEAR(lag.BeyondSeen(state_), 21.0 + 0.001 * (5000.0 - 600.0 * -std::expm1(-5000.0 / 600.0)) - 22.0, 1e-9);
+  // A state without a history has lasted.
+  state_.temperatures = nullptr;
+  EXPECT_EQ(At(ThermalLag{"temp_C", 600.0})[0], 3.5);
+  EXPECT_EQ(At(lag)[0], 0.5);  // 20 deg C, which is below what was seen
+}
+
+TEST_F(ShapeTest, TheSlopeOfALagByItsTimeConstantIsThatOfDifferences) {
+  const std::vector<double> time_s = {0.0, 30.0, 200.0, 900.0, 1000.0}, celsius = {20.0, 24.0, 23.0, 27.0, 26.0};
+  const Temperatures history(time_s, {{"temp_C", celsius}});
+  state_.temperatures = &history;
+  for (size_t k = 0; k < time_s.size(); ++k) {
+    state_.moment = static_cast<int>(k);
+    Shape shape = ThermalLag{"temp_C", 300.0};
+    double slope = kNan;
+    BasisSlope(shape, state_, &slope);
+    constexpr double kStep = 0.1, kTolerance = 1e-8;
+    *NonlinearParameter(shape) += kStep;
+    const double above = At(shape)[0];
+    *NonlinearParameter(shape) -= 2.0 * kStep;
+    EXPECT_NEAR(slope, (above - At(shape)[0]) / (2.0 * kStep), kTolerance) << k;
+    EXPECT_EQ(slope == 0.0, k == 0);
+  }
+  const Shape at_once = ThermalLag{"temp_C", 0.0};
+  EXPECT_EQ(NonlinearParameter(at_once), nullptr);
+}
+
+// Means of products of the functions over the span; of an open one with a constant and a line too.
+TEST_F(ShapeTest, FunctionsOfASpanAreOrthonormalAndLeaveOutConstantAndLine) {
+  constexpr int kPoints = 20000, kFunctions = 16;
+  for (const bool is_turn : {false, true}) {
+    const Span span = is_turn ? Span{.is_turn = true} : Span{-120.0, 280.0};
+    std::vector<std::vector<double>> sums(kFunctions + 2, std::vector<double>(kFunctions, 0.0));
+    for (int k = 0; k < kPoints; ++k) {
+      const double share = (k + 0.5) / kPoints, q = is_turn ? 2.0 * M_PI * share : -120.0 + 400.0 * share;
+      double values[kFunctions + 2];
+      span.Values(q, 2, kFunctions, values);
+      values[kFunctions] = 1.0;
+      values[kFunctions + 1] = is_turn ? 0.0 : share;
+      for (int i = 0; i < kFunctions + 2; ++i)
+        for (int j = 0; j < kFunctions; ++j) sums[i][j] += values[i] * values[j] / kPoints;
+    }
+    constexpr double kTolerance = 1e-4;  // of the sum in place of the integral, at the steep ends
+    for (int i = 0; i < kFunctions + 2; ++i)
+      for (int j = 0; j < kFunctions; ++j) EXPECT_NEAR(sums[i][j], i == j ? 1.0 : 0.0, kTolerance) << i << " " << j;
+  }
+}
+
+TEST_F(ShapeTest, AFreeCurveFadesBeyondItsSpanAndATimeCurveEnds) {
+  const Curve curve{0, {-100.0, 100.0}, 3};
+  state_.axes = axes_;
+  axes_[0].position = 100.0;
+  const std::vector<double> end = At(curve);
+  EXPECT_DOUBLE_EQ(end[0], std::sqrt(3.0));
+  EXPECT_EQ(KeptAt(curve, state_), 1.0);
+  axes_[0].position = 125.0;  // a quarter of half the span
+  EXPECT_DOUBLE_EQ(At(curve)[0], std::exp(-1.0) * end[0]);
+  EXPECT_DOUBLE_EQ(KeptAt(curve, state_), std::exp(-1.0));
+  const TimeCurve drift{{0.0, 900.0}, 2};
+  EXPECT_DOUBLE_EQ(At(drift)[0], std::sqrt(3.0));
+  state_.time_s = 900.5;
+  EXPECT_EQ(At(drift), (std::vector<double>{0.0, 0.0}));
+  EXPECT_EQ(KeptAt(drift, state_), 0.0);
+  axes_[0].position = 40.0;
+  const Crossed crossed{0, 1, {-100.0, 100.0}, {.is_turn = true}, 2};
+  const std::vector<double> products = At(crossed);
+  ASSERT_EQ(products.size(), 4u);
+  EXPECT_NEAR(products[1], std::sqrt(3.0) * 0.4 * std::sqrt(2.0) * std::sin(1.2), 1e-12);
+  for (const Shape& shape : {Shape(curve), Shape(drift), Shape(crossed), Shape(Curve{1, {.is_turn = true}})}) {
+    double sum = 0.0;
+    for (int i = 0; i < BasisCount(shape); ++i) sum += PriorRoot(shape, i) * PriorRoot(shape, i);
+    EXPECT_TRUE(IsFree(shape));
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+  }
+  EXPECT_FALSE(IsFree(Harmonic{}));
+}
+
 TEST_F(ShapeTest, NamesAreThoseOfTheReport) {
   EXPECT_EQ(Name(DriftExp{}), "drift-exp");
   EXPECT_EQ(Name(Harmonic{}), "harmonic");

@@ -10,6 +10,12 @@ namespace axiscal::shapes {
 
 // Temperature at which thermal terms vanish: ISO 1 reference temperature.
 inline constexpr double kReferenceTemperatureCelsius = 20.0;
+// The channel of State::temperature_celsius.
+inline constexpr char kTemperatureChannel[] = "temp_C";
+
+inline constexpr int kMaxBasisCount = 24;  // amplitudes of one shape
+
+class Temperatures;
 
 struct AxisState {
   double position = 0.0;  // commanded or latched, mm or rad
@@ -32,6 +38,9 @@ struct State {
   double time_s = 0.0;
   double temperature_celsius = kReferenceTemperatureCelsius;
   Approach approach = {};
+  // What was recorded up to here, this state being one of its moments; null where nothing was.
+  const Temperatures* temperatures = nullptr;
+  int moment = 0;
 };
 
 }  // namespace axiscal::shapes

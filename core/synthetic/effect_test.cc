@@ -354,8 +354,8 @@ TEST(Both, CrossedErrorsAreNoSum) {
     const DrawnEffect drawn = Draw(crossed, form, plan);
     const auto at = [&](double x, double b) {
       History one = Moving({0.0}, {0.0});
-      one.positions[kX] = x;
-      one.positions[kB] = b;
+      one.positions[kX] = one.axis_states[kX].position = x;
+      one.positions[kB] = one.axis_states[kB].position = b;
       return drawn.Errors(one)[0];
     };
     EXPECT_GT(std::abs(at(-150, -1) - at(-150, 1) - at(150, -1) + at(150, 1)), 1e-4);

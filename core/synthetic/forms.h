@@ -30,6 +30,8 @@ Values IndependentValues(const Drawing& drawing, base::Random* random);
 
 // A smooth random function of one variable.
 using Function = std::function<double(double)>;
+// Square root of a Matern 5/2 kernel's spectral density at a frequency, rad per unit of `length`, up to a factor.
+double MaternDeviation(double frequency, double length);
 // Reduced-rank Gaussian process with a Matern 5/2 kernel (Solin and Saerkkae 2020, eq 60): sines on a range 20 % wider
 // on both sides, or cos nq and sin nq about a full turn.
 Function OwnFunction(const Range& range, double length, bool is_rotary, base::Random* random);

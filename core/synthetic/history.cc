@@ -14,7 +14,9 @@ shapes::State History::StateOf(size_t moment) const {
   return {{axis_states.data() + moment * axis_count, static_cast<size_t>(axis_count)},
           time_s[moment],
           channel == celsius.end() ? shapes::kReferenceTemperatureCelsius : channel->second[moment],
-          {}};
+          {},
+          temperatures.get(),
+          static_cast<int>(moment)};
 }
 
 std::vector<double> History::PathOf(int axis) const {
@@ -34,6 +36,9 @@ void Append(const instruments::MeasuringRun& run, const std::map<std::string, st
     std::vector<double>& channel = history->celsius[name];
     channel.insert(channel.end(), values.begin(), values.end());
   }
+  std::vector<shapes::Temperatures::Channel> channels;
+  for (const auto& [name, values] : history->celsius) channels.push_back({name, values});
+  history->temperatures = std::make_shared<const shapes::Temperatures>(history->time_s, std::move(channels));
 }
 
 Range RangeOf(const History& history, int axis) {

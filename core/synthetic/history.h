@@ -3,6 +3,7 @@
 #define AXISCAL_CORE_SYNTHETIC_HISTORY_H_
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,11 +20,12 @@ inline constexpr char kTimeChannel[] = "time";
 // motion and a speed are those of the session (MeasuringRun).
 struct History {
   int axis_count = 0;
-  std::vector<double> positions;                       // moment-major, mm or rad
-  std::vector<shapes::AxisState> axis_states;          // the same positions with sense, travel and speed
-  std::vector<double> time_s;                          // never runs back
-  std::map<std::string, std::vector<double>> celsius;  // per temperature channel ("temp_C"), deg C
-  std::vector<size_t> session_begin;                   // first moment of each session
+  std::vector<double> positions;                             // moment-major, mm or rad
+  std::vector<shapes::AxisState> axis_states;                // the same positions with sense, travel and speed
+  std::vector<double> time_s;                                // never runs back
+  std::map<std::string, std::vector<double>> celsius;        // per temperature channel ("temp_C"), deg C
+  std::vector<size_t> session_begin;                         // first moment of each session
+  std::shared_ptr<const shapes::Temperatures> temperatures;  // `celsius` at `time_s`, for shapes that remember it
 
   size_t size() const { return time_s.size(); }
   const double* PositionsOf(size_t moment) const { return positions.data() + moment * axis_count; }

@@ -8,27 +8,37 @@
 namespace axiscal::synthetic {
 namespace {
 
-Values OfPosition(int axis, Function function) {
-  return [axis, function](const History& history) {
-    std::vector<double> values(history.size());
-    for (size_t k = 0; k < values.size(); ++k) values[k] = function(history.PositionsOf(k)[axis]);
+// A shape of errors.json: its one definition is in core/shapes.
+Values OfTerm(const Drawing& drawing, const shapes::Shape& shape,
+              const std::array<double, shapes::kMaxBasisCount>& amplitude, std::optional<machine::ErrorTerm>* term) {
+  *term = machine::ErrorTerm{drawing.effect.joint, drawing.effect.component, shape, amplitude};
+  return [shape, amplitude](const History& history) {
+    std::vector<double> values(history.size(), 0.0);
+    const int count = shapes::BasisCount(shape);
+    for (size_t k = 0; k < values.size(); ++k) {
+      double basis[shapes::kMaxBasisCount] = {};
+      shapes::Basis(shape, history.StateOf(k), basis);
+      for (int i = 0; i < count; ++i) values[k] += amplitude[i] * basis[i];
+    }
     return values;
   };
 }
 
-// A shape of errors.json: its one definition is in core/shapes.
-Values OfTerm(const Drawing& drawing, const shapes::Shape& shape, std::array<double, 2> amplitude,
-              std::optional<machine::ErrorTerm>* term) {
-  *term = machine::ErrorTerm{drawing.effect.joint, drawing.effect.component, shape, amplitude};
-  return [shape, amplitude](const History& history) {
-    std::vector<double> values(history.size());
-    for (size_t k = 0; k < values.size(); ++k) {
-      double basis[shapes::kMaxBasisCount] = {};
-      shapes::Basis(shape, history.StateOf(k), basis);
-      values[k] = amplitude[0] * basis[0] + amplitude[1] * basis[1];
-    }
-    return values;
-  };
+shapes::Span SpanOf(const Drawing& drawing, int axis, const Range& range) {
+  if (IsTurning(drawing.machine, axis)) return {.is_turn = true};
+  return {range.low, range.high};
+}
+
+// Weights of a random curve: as its prior has them, less of what is finer than the effect's length.
+std::array<double, shapes::kMaxBasisCount> Weights(const shapes::Shape& shape, const shapes::Span& span, int first,
+                                                   double length, base::Random* random) {
+  std::array<double, shapes::kMaxBasisCount> weights{};
+  for (int i = 0; i < shapes::BasisCount(shape); ++i) {
+    const int order = span.OrderOf(i, first);
+    const double per_length = span.is_turn ? order : std::numbers::pi * order / (span.high - span.low);
+    weights[i] = random->Normal() * shapes::PriorRoot(shape, i) * MaternDeviation(per_length, length);
+  }
+  return weights;
 }
 
 Values Gravity(const Drawing& drawing, base::Random* random) {
@@ -45,67 +55,37 @@ Values Gravity(const Drawing& drawing, base::Random* random) {
 }
 
 // Sum of products of the first functions of two curves, each product with a weight of its own.
-Values Crossed(const Drawing& drawing, base::Random* random) {
-  constexpr int kFunctions = 4;
-  struct Basis {
-    int axis;
-    bool is_rotary;
-    Range range;
-    double At(int j, double q) const {
-      if (is_rotary) return j % 2 == 0 ? std::cos((j / 2 + 1) * q) : std::sin((j / 2 + 1) * q);
-      const double wide = 1.4 * range.length();
-      return std::sin(std::numbers::pi * (j + 1) * (q - range.low + 0.2 * range.length()) / wide);
-    }
-  };
-  const Basis first{drawing.effect.axis, IsTurning(drawing.machine, drawing.effect.axis), drawing.range};
-  const Basis second{drawing.effect.second_axis, IsTurning(drawing.machine, drawing.effect.second_axis),
-                     drawing.second_range};
-  std::array<std::array<double, kFunctions>, kFunctions> weights;
-  for (int i = 0; i < kFunctions; ++i) {
-    for (int j = 0; j < kFunctions; ++j) weights[i][j] = random->Normal() / ((1.0 + i) * (1.0 + j));
-  }
-  return [first, second, weights](const History& history) {
-    std::vector<double> values(history.size(), 0.0);
-    for (size_t k = 0; k < values.size(); ++k) {
-      for (int i = 0; i < kFunctions; ++i) {
-        const double at_first = first.At(i, history.PositionsOf(k)[first.axis]);
-        for (int j = 0; j < kFunctions; ++j)
-          values[k] += weights[i][j] * at_first * second.At(j, history.PositionsOf(k)[second.axis]);
-      }
-    }
-    return values;
-  };
-}
-
-// dF/dt = (T - F) / tau, T linear between readings, F = T at the first reading; exact.
-std::vector<double> Lagged(const std::vector<double>& time_s, const std::vector<double>& celsius, double tau_s) {
-  std::vector<double> lagged(celsius);
-  for (size_t k = 1; k < lagged.size(); ++k) {
-    const double elapsed_s = time_s[k] - time_s[k - 1], change = celsius[k] - celsius[k - 1];
-    if (!(elapsed_s > 0.0)) {
-      lagged[k] = lagged[k - 1];
-      continue;
-    }
-    const double keeps = std::exp(-elapsed_s / tau_s);
-    lagged[k] =
-        lagged[k - 1] * keeps + celsius[k] - celsius[k - 1] * keeps - change * (tau_s / elapsed_s) * (1.0 - keeps);
-  }
-  return lagged;
+Values Crossed(const Drawing& drawing, base::Random* random, std::optional<machine::ErrorTerm>* term) {
+  const Effect& effect = drawing.effect;
+  const shapes::Crossed crossed{effect.axis, effect.second_axis, SpanOf(drawing, effect.axis, drawing.range),
+                                SpanOf(drawing, effect.second_axis, drawing.second_range)};
+  std::array<double, shapes::kMaxBasisCount> weights{};
+  for (int i = 0; i < crossed.each * crossed.each; ++i) weights[i] = random->Normal() * shapes::PriorRoot(crossed, i);
+  return OfTerm(drawing, crossed, weights, term);
 }
 
 Values Heat(const Drawing& drawing, std::optional<machine::ErrorTerm>* term) {
   const Effect& effect = drawing.effect;
   if (effect.channel == kTimeChannel && effect.axis < 0)
     return OfTerm(drawing, shapes::DriftExp{effect.tau_s}, {1.0, 0.0}, term);
+  // No session needs to have recorded the channel: no term of errors.json.
+  if (effect.channel != kTimeChannel) {
+    const shapes::ThermalLag lag{effect.channel, effect.tau_s, effect.axis};
+    return [lag](const History& history) {
+      const shapes::Temperatures temperatures(history.time_s, {{lag.channel, history.celsius.at(lag.channel)}});
+      std::vector<double> values(history.size());
+      for (size_t k = 0; k < values.size(); ++k) {
+        shapes::State state = history.StateOf(k);
+        state.temperatures = &temperatures;
+        shapes::Basis(lag, state, &values[k]);
+      }
+      return values;
+    };
+  }
   return [effect](const History& history) {
     std::vector<double> values(history.size());
-    if (effect.channel == kTimeChannel) {
-      for (size_t k = 0; k < values.size(); ++k) values[k] = 1.0 - std::exp(-history.time_s[k] / effect.tau_s);
-    } else {
-      values = Lagged(history.time_s, history.celsius.at(effect.channel), effect.tau_s);
-      for (double& value : values) value -= shapes::kReferenceTemperatureCelsius;
-    }
-    for (size_t k = 0; effect.axis >= 0 && k < values.size(); ++k) values[k] *= history.PositionsOf(k)[effect.axis];
+    for (size_t k = 0; k < values.size(); ++k)
+      values[k] = (1.0 - std::exp(-history.time_s[k] / effect.tau_s)) * history.PositionsOf(k)[effect.axis];
     return values;
   };
 }
@@ -200,15 +180,23 @@ Values Following(const Drawing& drawing, std::optional<machine::ErrorTerm>* term
 Values OwnValues(const Drawing& drawing, base::Random* random, std::optional<machine::ErrorTerm>* term) {
   const Effect& effect = drawing.effect;
   switch (effect.kind) {
-    case EffectKind::kCurve:
-      return OfPosition(effect.axis,
-                        OwnFunction(drawing.range, effect.length, IsTurning(drawing.machine, effect.axis), random));
+    case EffectKind::kCurve: {
+      const shapes::Curve curve{effect.axis, SpanOf(drawing, effect.axis, drawing.range)};
+      return OfTerm(drawing, curve, Weights(curve, curve.span, shapes::Curve::kFirst, effect.length, random), term);
+    }
     case EffectKind::kTimeCurve: {
-      const Function drift = OwnFunction(drawing.range, effect.length, false, random);
-      return [drift, range = drawing.range](const History& history) {
-        std::vector<double> values(history.size());
-        for (size_t k = 0; k < values.size(); ++k)
-          values[k] = drift(std::clamp(history.time_s[k], range.low, range.high));
+      const shapes::TimeCurve curve{{drawing.range.low, drawing.range.high}};
+      const auto weights = Weights(curve, curve.span, shapes::TimeCurve::kFirst, effect.length, random);
+      // After the plan it stays where it ended; a term of errors.json is not known there.
+      return [curve, weights](const History& history) {
+        std::vector<double> values(history.size(), 0.0);
+        for (size_t k = 0; k < values.size(); ++k) {
+          shapes::State state = history.StateOf(k);
+          state.time_s = std::clamp(state.time_s, curve.span.low, curve.span.high);
+          double basis[shapes::kMaxBasisCount] = {};
+          shapes::Basis(curve, state, basis);
+          for (int i = 0; i < curve.functions; ++i) values[k] += weights[i] * basis[i];
+        }
         return values;
       };
     }
@@ -219,7 +207,7 @@ Values OwnValues(const Drawing& drawing, base::Random* random, std::optional<mac
     case EffectKind::kGravity:
       return Gravity(drawing, random);
     case EffectKind::kCrossed:
-      return Crossed(drawing, random);
+      return Crossed(drawing, random, term);
     case EffectKind::kHeat:
       return Heat(drawing, term);
     case EffectKind::kBacklash:

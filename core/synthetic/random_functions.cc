@@ -12,11 +12,6 @@ namespace {
 constexpr double kLeastDeviation = 1e-4;
 constexpr int kMostTerms = 400;
 
-// Square root of a Matern 5/2 kernel's spectral density at frequency w, up to a factor.
-double MaternDeviation(double frequency, double length) {
-  return std::pow(5.0 / (length * length) + frequency * frequency, -1.5);
-}
-
 struct Sines {
   double from = 0.0, spacing = 0.0;  // phi_j = sin(j spacing (q - from))
   std::vector<double> weights;
@@ -121,6 +116,10 @@ Function FourierFeatures(double length, bool is_rotary, base::Random* random) {
 }
 
 }  // namespace
+
+double MaternDeviation(double frequency, double length) {
+  return std::pow(5.0 / (length * length) + frequency * frequency, -1.5);
+}
 
 Function OwnFunction(const Range& range, double length, bool is_rotary, base::Random* random) {
   if (is_rotary) return FourierSeries(length, random);

@@ -61,7 +61,7 @@ TEST_F(Simulate, TheSameSeedGivesTheSameBytes) {
     EXPECT_NE(AllOf("a-" + std::string(form)), AllOf("c-" + std::string(form)));
   }
   EXPECT_NE(Read("a-own/truth.csv"), Read("a-independent/truth.csv"));
-  EXPECT_FALSE(Exists("a-own/errors.json"));  // no errors.json holds a curve
+  EXPECT_FALSE(Exists("a-own/errors.json"));  // late warmth and instruments stand in truth.json alone
   EXPECT_THAT(Read("a-own/truth.csv"), HasSubstr("ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\n"));
   EXPECT_THAT(Read("a-own/poses.csv"), HasSubstr("t_s,Z_mm,Y_mm,X_mm,B_deg,C_deg,temp_C\n"));
   EXPECT_EQ(Run("close-loop a-independent --max-effects 1").exit_code, 0);

@@ -97,7 +97,7 @@ void AddClosed(const SimulatedCase& simulated, CoverageByKind* coverage) {
   for (const loop::Effect& effect : report->effects) {
     for (const machine::ErrorTerm& truth : simulated.effects.terms) {
       if (!IsSame(effect.term, truth)) continue;
-      const bool has_phase = shapes::BasisCount(truth.shape) == 2;
+      const bool has_phase = shapes::HasPhase(truth.shape);
       const double amplitude =
           has_phase ? std::hypot(truth.amplitude[0], truth.amplitude[1]) : std::abs(truth.amplitude[0]);
       Count(std::abs(effect.amplitude) - amplitude, effect.amplitude_sigma, report->fitted.coverage_factor,

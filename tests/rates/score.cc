@@ -26,9 +26,8 @@ double SigmaRatio(const SimulatedCase& simulated, const loop::Report& report) {
 
 std::string Describe(const machine::Machine& machine, const ErrorTerm& term) {
   const double unit = machine::IsAngle(term.component) ? 1e6 : 1e3;
-  return absl::StrFormat(
-      "%s %.3g", machine::NameOf(machine, term),
-      unit * std::hypot(term.amplitude[0], shapes::BasisCount(term.shape) == 2 ? term.amplitude[1] : 0.0));
+  return absl::StrFormat("%s %.3g", machine::NameOf(machine, term),
+                         unit * std::hypot(term.amplitude[0], shapes::HasPhase(term.shape) ? term.amplitude[1] : 0.0));
 }
 
 std::string DescribeSlip(const loop::Slipped& slip) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/compensate/bend.h"
 #include "core/compensate/tables/text.h"
 
 namespace axiscal::tables {
@@ -93,6 +94,12 @@ size_t Sampler::sample_count() const {
   const compensate::TableRange& range = plan.ranges[argument];
   double count = kLeastSamples;
   for (const ErrorTerm& term : plan.sampled.terms) {
+    if (const auto* curve = std::get_if<shapes::Curve>(&term.shape); curve != nullptr && curve->axis == argument) {
+      const int order = curve->span.OrderOf(curve->functions - 1, shapes::Curve::kFirst);
+      constexpr double kEighths = 8.0;  // SmoothTravel is one of a period
+      count = std::max(count, kSamplesPerPeriod * (range.max - range.min) /
+                                  (kEighths * compensate::SmoothTravel(curve->span, order)));
+    }
     const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape);
     if (harmonic == nullptr || harmonic->axis != argument) continue;
     const double periods = (range.max - range.min) * std::abs(harmonic->frequency) / (2.0 * std::numbers::pi);

@@ -234,9 +234,8 @@ void SetSampled(Plan* plan) {
         continue;
       }
     }
-    const auto* map = std::get_if<shapes::Tabulated>(&term.shape);
-    if (map != nullptr && map->second_axis >= 0) {
-      plan->not_carried.push_back(name + ": a map over two axes");
+    if (shapes::SecondAxis(term.shape)) {
+      plan->not_carried.push_back(name + ": over two axes");
       continue;
     }
     const bool is_backlash = std::holds_alternative<shapes::Backlash>(term.shape);

@@ -1,0 +1,91 @@
+// Free curves: error = sum of a_i phi_i, phi_i the functions of span.h.
+//   Curve      over the position of an axis
+//   TimeCurve  over the time. Outside its time it is not known at all: zero, and its prior.
+//   Crossed    over the positions of two axes: sum of a_ij phi_i(q) psi_j(r)
+// Over an open span from P_1 on: the mean is another error. The line belongs to a curve: named apart from it, it was
+// taken for the squareness of another axis.
+// Their amplitudes have a prior (machine::ErrorTerm::prior_sigma): what was not measured stays near zero. With prior
+// covariance s^2 times the spectrum this is a Gaussian process of reduced rank (Solin and Saerkkae 2020); polynomials
+// in place of sines, as they are orthogonal to the mean.
+#ifndef AXISCAL_CORE_SHAPES_CURVE_H_
+#define AXISCAL_CORE_SHAPES_CURVE_H_
+
+#include <array>
+
+#include "core/shapes/span.h"
+#include "core/shapes/state.h"
+
+namespace axiscal::shapes {
+
+struct Curve {
+  static constexpr char kName[] = "curve";
+  static constexpr int kNonlinearCount = 0;
+  static constexpr int kFirst = 1;  // order over an open span
+
+  int axis = 0;
+  Span span;
+  int functions = 16;
+
+  double PriorShare(int i) const { return SpectrumOf(span.OrderOf(i, kFirst)); }
+  double KeptAt(const State& state) const { return span.KeptAt(state.axes[axis].position); }
+  template <typename T>
+  void Basis(const State& state, const T*, T* basis) const {
+    std::array<double, kMaxBasisCount> values;
+    const double q = state.axes[axis].position, kept = span.KeptAt(q);
+    span.Values(q, kFirst, functions, values.data());
+    for (int i = 0; i < functions; ++i) basis[i] = T(kept * values[i]);
+  }
+  bool operator==(const Curve&) const = default;
+};
+
+struct TimeCurve {
+  static constexpr char kName[] = "time-curve";
+  static constexpr int kNonlinearCount = 0;
+  static constexpr int kFirst = 1;
+
+  Span span;  // s, open
+  int functions = 16;
+
+  double PriorShare(int i) const { return SpectrumOf(span.OrderOf(i, kFirst)); }
+  double KeptAt(const State& state) const { return state.time_s >= span.low && state.time_s <= span.high ? 1.0 : 0.0; }
+  template <typename T>
+  void Basis(const State& state, const T*, T* basis) const {
+    std::array<double, kMaxBasisCount> values;
+    const double kept = KeptAt(state);
+    span.Values(state.time_s, kFirst, functions, values.data());
+    for (int i = 0; i < functions; ++i) basis[i] = T(kept * values[i]);
+  }
+  bool operator==(const TimeCurve&) const = default;
+};
+
+struct Crossed {
+  static constexpr char kName[] = "crossed";
+  static constexpr int kNonlinearCount = 0;
+  static constexpr int kFirst = 1;
+
+  int axis = 0, second_axis = 0;
+  Span span, second;
+  int each = 4;  // functions of each axis; each * each amplitudes, the second axis' running fastest
+
+  double PriorShare(int i) const {
+    return SpectrumOf(span.OrderOf(i / each, kFirst)) * SpectrumOf(second.OrderOf(i % each, kFirst));
+  }
+  double KeptAt(const State& state) const {
+    return span.KeptAt(state.axes[axis].position) * second.KeptAt(state.axes[second_axis].position);
+  }
+  template <typename T>
+  void Basis(const State& state, const T*, T* basis) const {
+    std::array<double, kMaxBasisCount> first, other;
+    span.Values(state.axes[axis].position, kFirst, each, first.data());
+    second.Values(state.axes[second_axis].position, kFirst, each, other.data());
+    const double kept = KeptAt(state);
+    for (int i = 0; i < each; ++i) {
+      for (int j = 0; j < each; ++j) basis[i * each + j] = T(kept * first[i] * other[j]);
+    }
+  }
+  bool operator==(const Crossed&) const = default;
+};
+
+}  // namespace axiscal::shapes
+
+#endif  // AXISCAL_CORE_SHAPES_CURVE_H_
