@@ -55,6 +55,9 @@ enum class Meaning : uint8_t {
   kToolPoint,
   kTurnByVector,  // how tools turn under it; detail: 1 by a vector, 0 axis by axis
   kBlockerOn,     // a mode in which axis words are not axis positions; detail: a Blocker
+  // The same with what stands behind the keyword; without it, or with what states nothing (ROT+0, X+0), the mode
+  // ends.
+  kBlockerByRest,
   kBlockerOff,    // of mirroring: axis words of its block say which axes
   kToolChange,    // axes may have moved; detail: kBehindMove
   kAxesAway,      // the same without a new tool (a pallet change); detail: the Blockers that it ends
@@ -97,6 +100,10 @@ enum Blocker : uint32_t {
   kTiltCorrection = 1 << 19,       // M114
   kTiltedKinematics = 1 << 20,     // M144
   kWorkpieceRotation = 1 << 21,    // G68.5, G68.6, which G69.1 ends
+  kFrame = 1 << 22,                // TRANS, ROT, SCALE, MIRROR of Sinumerik, which any of them alone ends
+  kSwivel = 1 << 23,               // CYCLE800, which CYCLE800() ends
+  kWorkingPlane = 1 << 24,         // CYCL DEF 19
+  kDatumShift = 1 << 25,           // CYCL DEF 7
 };
 
 inline constexpr uint32_t kSelectsLength = 1u << 31;  // of kToolPoint

@@ -109,7 +109,7 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"TOOL CALL 5 Z S2000", "TOOL CALL 5: the tool's length is not stated"},
       {"TOOL CALL \"MILL\" Z S2000", "by name"},
       {"PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY", "tilted plane"},
-      {"CYCL DEF 7.0 DATUM SHIFT", "shift of coordinates"},
+      {"CYCL DEF 7.1 X+5", "shift of coordinates"},
       {"CYCL DEF 247 DATUM SETTING ~", "sets the datum"},
       {"CYCL CALL", "cycle"},
       {"L X+5 M128", "tool centre point control"},

@@ -187,6 +187,7 @@ void Interpreter::StartProgram() {
   may_carry_shift_ |= coordinates_.has_shift() || coordinates_.has_preset();
   BeginModal();
   if (modal_.blockers & kMirror) modal_.mirrored_axes = kAllAxes;
+  if (modal_.blockers & kDatumShift) modal_.shifted_axes = kAllAxes;
   if (may_carry_shift_) modal_.blockers |= kShift;
   coordinates_.Reset();
   needs_absolute_ = 0;
@@ -227,7 +228,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->is_consequence = step->is_tool_change = step->moves_away = step->ends_block = step->is_at_corner = false;
   step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
   step->jumps_back = step->is_curve = step->is_tangential = false;
-  step->frame.is_changed = false;
+  step->frame.is_changed = step->begins_definition = false;
   end_of_text_ = text + size;
   step->wrapped = step->downwards = 0;
   step->preset = PresetChange::kNone;
@@ -282,7 +283,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   before_ = {modal_, coordinates_.offsets(), pole_, rounds_corners_ || is_behind_corner_};
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
-  if (block->problem == LexProblem::kNone) return;
+  if (block->problem == LexProblem::kNone || step->kind == StepKind::kUntouched) return;
   if (MayHoldCodes(*dialect_, is_stated_harmless_, *block, begin + block->problem_at, text + size)) {
     NoteCall();
     step->leaves_text |= !BeginsWithMove(begin + block->problem_at, text + size);
@@ -389,6 +390,7 @@ void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before)
     LoseToolPoint();
   }
   modal_.mirrored_axes |= before.mirrored_axes;
+  modal_.shifted_axes |= before.shifted_axes;
   modal_.macro_depth = std::max(modal_.macro_depth, before.macro_depth);
   if (offsets_before == coordinates_.offsets()) return;
   MayHaveChanged(kOffsetGroup | kLengthGroup);
@@ -410,6 +412,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   request.tool_point_before = modal_.tool_point;
   request.length_before = coordinates_.active_length();
   ScanWords(block, &request, step);
+  if (request.by_rest != nullptr) SelectByRest(text, &request, step);
   if (step->is_tool_change) loaded_tool_ = called_tool_, has_changer_ = true;
   if (request.has_feed) modal_.lacks_feed = false;
   if (request.motion != nullptr) {
@@ -443,7 +446,9 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   if ((modal_.tool_point | request.tool_point_before) != 0) ChangeFrame(&request, step);
   // A pole of parameters moves nothing: it is not known.
-  if (block.problem != LexProblem::kNone && !request.is_pole) {
+  const bool is_read = block.problem == LexProblem::kNone || request.is_pole ||
+                       (request.machine_move != nullptr && NamesAxesOnly(text, block));
+  if (!is_read) {
     step->has_other_words = true;
     // o<name> of LinuxCNC calls or defines what stands elsewhere.
     request.is_jump |= text[block.problem_at] == 'o' || text[block.problem_at] == 'O';

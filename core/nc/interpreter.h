@@ -52,6 +52,7 @@ struct Step {
   bool may_be_skipped = false;  // block delete, switch unknown
   bool is_consequence = false;  // of a block reported before
   bool is_tool_change = false;
+  bool begins_definition = false;  // of a cycle: its next line may have to be passed, and nothing may stand between
   bool moves_away = false;  // a tool or pallet change: where the axes are behind it is not known
   bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
   bool sets_pole = false;
@@ -178,6 +179,10 @@ class Interpreter {
   // Whether no other code of the block takes its P word than one that selects a work offset.
   bool LeavesNumber(const Block& block) const;
   void NeedAbsoluteZ();
+  // TRANS X10, TRANS; CYCL DEF 10.1 ROT+30, ROT+0.
+  void SelectByRest(const char* text, Request* request, Step* step);
+  // Whether the rest of a move in machine coordinates is axis words of variables, and nothing else: Z=_Z_HOME.
+  bool NamesAxesOnly(const char* text, const Block& block) const;
   void BeginToolPoint(const char* text, const Block& block, Request* request);
   // Why the control's words cannot be followed under tool centre point control, or "".
   std::string WhyNoToolPoint(const char* text, const Block& block, const Request& request) const;

@@ -341,6 +341,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       if (code.detail == kModalMacro && modal_.macro_depth < 255) ++modal_.macro_depth;
       if (code.detail == kModalMacro) NoteCall(), request->is_call = true;
       return request->Refuse(named());
+    case Meaning::kBlockerByRest:
+      request->by_rest = &code;
+      request->by_rest_word = &word;
+      return;
     case Meaning::kBlockerOff:
       if (code.detail == kMirror) {
         request->owner = request->mirror_off = &code;

@@ -88,7 +88,8 @@ void Interpreter::DoMachineMove(const Request& request, Step* step) {
   // Under tool centre point control every axis that moves moves the tool point in all directions of the words.
   if (modal_.tool_point != 0) return ForgetPositions(true);
   for (int i = 0; i < axis_count_; ++i) {
-    if (step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0) ForgetPosition(i, true);
+    const bool is_named = step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0;
+    if (is_named || !request.is_whole) ForgetPosition(i, true);
   }
 }
 

@@ -49,6 +49,7 @@ struct Modal {
   uint32_t tool_point = 0;
   bool turns_by_vector = false;  // tools turn by a vector (ORIVECT, ORIWKS), not axis by axis
   uint16_t mirrored_axes = 0;  // of kMirror; bits of axes that are none of the machine's are set where it is not known
+  uint16_t shifted_axes = 0;   // of kDatumShift: letters in the order of "XYZABCUVW", bit 15: not known which
   uint8_t macro_depth = 0;     // of kModalMacro: how many calls are in force
   uint8_t uncertain = 0;       // ModalGroups
 

@@ -4,6 +4,19 @@
 
 namespace axiscal::nc {
 
+bool ProgramFrame::IsNumberedPercent(const char* at, const char* end) {
+  if (*at != 'N' && *at != 'n') return false;
+  const char* const number = ++at;
+  while (at != end && *at >= '0' && *at <= '9') ++at;
+  if (at == number) return false;
+  while (at != end && (*at == ' ' || *at == '\t')) ++at;
+  if (at == end || *at != '%') return false;
+  for (++at; at != end; ++at) {
+    if (*at != ' ' && *at != '\t' && *at != '\r') return false;
+  }
+  return true;
+}
+
 ProgramFrame::Kind ProgramFrame::ReadSlowly(int64_t line, const char** text, size_t* size) {
   if (line == 1 && *size >= 3 && std::memcmp(*text, "\xEF\xBB\xBF", 3) == 0) {
     *text += 3;
@@ -23,7 +36,7 @@ ProgramFrame::Kind ProgramFrame::ReadSlowly(int64_t line, const char** text, siz
     has_tail_ = true;
     return Kind::kTail;
   }
-  if (*at == '%') {
+  if (*at == '%' || IsNumberedPercent(at, end)) {
     has_ended_ = has_begun_;
     has_begun_ = true;
     is_cut_ = false;

@@ -22,7 +22,8 @@ class ProgramFrame {
   Kind Read(int64_t line, const char** text, size_t* size) {
     const char* const at = *text;
     // Nearly every line begins with a letter: only the others can be part of the frame.
-    if (has_begun_ && !has_ended_ && *size > 0 && at[0] >= 'A' && at[0] <= 'Z' && at[*size - 1] != kSubstitute)
+    if (has_begun_ && !has_ended_ && *size > 0 && at[0] >= 'A' && at[0] <= 'Z' && at[*size - 1] != kSubstitute &&
+        at[*size - 1] != '%')
       return Kind::kBlock;
     return ReadSlowly(line, text, size);
   }
@@ -32,6 +33,8 @@ class ProgramFrame {
  private:
   static constexpr char kSubstitute = 0x1A;  // end of file of old systems
 
+  // "N194 %".
+  static bool IsNumberedPercent(const char* at, const char* end);
   Kind ReadSlowly(int64_t line, const char** text, size_t* size);
 
   bool has_begun_ = false;  // a '%' or a block was read

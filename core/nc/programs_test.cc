@@ -61,7 +61,7 @@ const std::vector<Program>& Programs() {
        "CYCLE800()\nN90 SUPA G0 Z0\n"
        "N100 R1=R2+5\nN110 M30\n",
        {3, 6, 7, 9},  // X30 is told its G03 again
-       {8, 10, 12},
+       {8, 12},
        {"G01 X20.0000"}},
       {"heidenhain",
        "0 BEGIN PGM 12 MM\n1 BLK FORM 0.1 Z X+0 Y+0 Z-20\n2 BLK FORM 0.2 X+100 Y+100 Z+0\n3 L X+0 Y+0 Z+50 B+0 C+0 R0 "

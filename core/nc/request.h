@@ -9,6 +9,8 @@
 namespace axiscal::nc {
 
 std::string WordText(const Word& word);
+// The rest of a block behind a keyword: capitals, one blank between words, no comment.
+std::string RestOf(const char* begin, const char* end);
 
 struct Interpreter::Request {
   const Code* motion = nullptr;
@@ -27,6 +29,8 @@ struct Interpreter::Request {
   const Code* length = nullptr;  // G43, G44
   const Code* tool_point = nullptr;
   const Word* tool_point_word = nullptr;
+  const Code* by_rest = nullptr;
+  const Word* by_rest_word = nullptr;
   uint32_t tool_point_before = 0;
   int length_before = -1;
   const Word* length_number = nullptr;

@@ -124,7 +124,8 @@ void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence
 
 bool Rewriter::Impl::MustReturn() const {
   if (!passes()) return false;
-  if (step.kind == StepKind::kUnsupported || step.moves_away || step.ends_subprogram) return true;
+  if (step.kind == StepKind::kUnsupported || step.moves_away || step.ends_subprogram || step.begins_definition)
+    return true;
   if (step.kind == StepKind::kUntouched) return interpreter.positions().known == 0;
   return step.is_arc || (step.sets_pole && !interpreter.pole().is_known);
 }

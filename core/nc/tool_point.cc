@@ -6,21 +6,6 @@
 #include "core/nc/request.h"
 
 namespace axiscal::nc {
-namespace {
-
-// The rest of a block behind a keyword: capitals, one blank between words, no comment.
-std::string RestOf(const char* begin, const char* end) {
-  std::string rest;
-  for (const char* at = begin; at != end && *at != ';'; ++at) {
-    const bool is_blank = *at == ' ' || *at == '\t' || *at == '\r';
-    if (is_blank && (rest.empty() || rest.back() == ' ')) continue;
-    rest.push_back(is_blank ? ' ' : Capital(*at));
-  }
-  while (!rest.empty() && rest.back() == ' ') rest.pop_back();
-  return rest;
-}
-
-}  // namespace
 
 std::string Interpreter::WhyNoToolPoint(const char* text, const Block& block, const Request& request) const {
   if (!frame_of_words_.problem().empty()) return frame_of_words_.problem();

@@ -493,7 +493,7 @@ class Program(Writer):
 
     def f_g28(self):
         if self.dialect == "sinumerik":
-            self.plain(self.rng.choice(["SUPA G0 Z80", "G53 G0 Z60", "G0 G153 Z70", "SUPA G0 X0 Y0 D0"]))
+            self.plain(self.rng.choice(["SUPA G0 Z80", "G53 G0 Z60", "G0 G153 Z70", "SUPA G0 X0 Y0 D0", "SUPA G0 Z=_Z_HOME"]))
             if "D0" in self.lines[-1]:
                 self.length = 0.0
             self.motion = 0
@@ -720,6 +720,21 @@ class Program(Writer):
             if rng.random() < 0.5:
                 self.feed_move(self.targets(rng.sample(self.linear, 2)))
             self.rapid(self.targets(self.linear))
+
+    def f_resets(self):
+        """What posts write to be safe: ends of modes that were never begun."""
+        rng = self.rng
+        if self.dialect == "sinumerik":
+            for reset in rng.sample(["TRANS", "ROT", "SCALE", "MIRROR", "MCALL", "TRAFOOF", "CYCLE800()"], 3):
+                self.plain(reset)
+            self.restate()
+        elif self.dialect == "heidenhain":
+            for reset in rng.sample([("CYCL DEF 7.0 DATUM SHIFT", "CYCL DEF 7.1 X+0", "CYCL DEF 7.2 Y+0"),
+                                     ("CYCL DEF 8.0 MIRROR IMAGE", "CYCL DEF 8.1"), ("CYCL DEF 10.0 ROTATION", "CYCL DEF 10.1 ROT+0"),
+                                     ("CYCL DEF 19.0 WORKING PLANE", "CYCL DEF 19.1"), ("PLANE RESET STAY",), ("M129",)], 2):
+                for line in reset:
+                    self.plain(line)
+        self.f_lines()
 
     # -- features that the product refuses, or passes
     def recover(self):
@@ -1005,7 +1020,7 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5)]
+             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
@@ -1088,7 +1103,7 @@ def rng_value(rng, low, high):
 
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
-             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5)]
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]

@@ -159,6 +159,11 @@ class Iso(Control):
                     out.append(Word("#", (int(match.group(1)), float(match.group(2).replace(" ", "")))))
                     at = match.end()
                     continue
+                match = re.compile(r"([XYZABC])\s*=\s*([_A-Z$][\w$.]*[_A-Z]\w*)(?=\s|$)").match(text, at)
+                if match:  # a place that a variable of the machine says
+                    out.append(Word(match.group(1), match.group(2)))
+                    at = match.end()
+                    continue
                 match = re.compile(r"([A-Z]+\d*)\s*=\s*(?:(AC|IC|DC|ACP|ACN)\s*\(\s*)?(R\d+|\"[^\"]*\"|" + NUMBER + r")\s*(\))?").match(text, at)
                 if match and (match.group(2) is None) == (match.group(4) is None):
                     raw = match.group(3)
@@ -654,11 +659,12 @@ class Iso(Control):
                 self.code(a, w.value)
                 other.remove(w)
             elif a in FRAMES:
-                self.enter("frame")
                 self.code(a, w.value, tuple(sorted(axis_words.items())))
                 axis_words.clear()
-                if w.value.strip() == a:  # ROT alone: frames off
+                if w.value.strip() == a and a in ("TRANS", "ROT", "SCALE", "MIRROR"):  # alone: frames off
                     self.leave("frame")
+                else:
+                    self.enter("frame")
                 other.remove(w)
             elif a == "CYCLE800":
                 self.code(a, w.value)
@@ -714,6 +720,10 @@ class Iso(Control):
             words[a] = (value, incremental)
         special = [w for w in other if w.address in ("AP", "RP", "ANG", "AR", "TURN", "I1", "J1", "K1")]
         if "machine" in self.block_flags:
+            if any(isinstance(v, str) for v, _ in axis_words.values()):
+                self.code("machine", self.motion, tuple(sorted(axis_words.items())))
+                self.lose(self.axes)
+                return
             self.raw("machine", [self.motion], axis_words, other)
             for a, (v, how) in axis_words.items():
                 self.pos[a] = v * self.unit(a) if how != "IC" else self.pos[a] + v * self.unit(a)

@@ -22,6 +22,7 @@ class Klartext(Control):
         self.modal_cycle = False
         self.difference = 0.0
         self.calls_program = False
+        self.shifted = set()
 
     def run(self, text):
         blocks, labels = [], {}
@@ -157,8 +158,13 @@ class Klartext(Control):
             self.calls_program = number == 12
         values = [float(v) for v in re.findall(r"[A-Z]" + VALUE, rest)]
         if number == 7:
-            if part not in (None, "0"):
-                (self.enter if any(values) else self.leave)("shift")
+            if part not in (None, "0"):  # each line states one axis or more
+                named = re.findall(r"([A-Z])" + VALUE, rest)
+                for axis, value in named:
+                    (self.shifted.add if float(value) else self.shifted.discard)(axis)
+                if not named or re.search(r"I[A-Z]|Q|#", rest):
+                    self.shifted.add("?")
+                (self.enter if self.shifted else self.leave)("shift")
         elif number == 8:
             if part not in (None, "0"):
                 (self.enter if rest.strip() else self.leave)("mirror")
