@@ -83,6 +83,7 @@ Dialect Sinumerik() {
   dialect.distance_names = SinumerikDistances();
   dialect.takes_finer_words = true;
   dialect.g91_takes_new_offsets = true;
+  dialect.transformation_may_drop_offset = true;
   dialect.max_block_bytes = 512;  // 840D sl, Programming Manual Fundamentals, "Block length": comment and LF included
   dialect.variable = 'R';
   dialect.first_offset = "";

@@ -113,6 +113,7 @@ inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on
 inline constexpr uint32_t kTangential = 2;  // its shape follows the direction of the move in front of it
 inline constexpr uint32_t kBehindMove = 1;           // the block's own words are moved to first
 inline constexpr uint32_t kOffsetMayHaveNumber = 2;  // G54 P2 is G54.1 P2
+inline constexpr uint32_t kMaySetTransformation = 2;  // of harmless keywords
 inline constexpr uint32_t kReadsNumber = 1;          // of harmless M codes: a P word of their block is theirs
 inline constexpr uint32_t kPresetOrThread = 4;  // G92 with an F word is a thread on lathes of the same family
 
@@ -182,6 +183,9 @@ struct Dialect {
   bool has_poles = false;                   // arcs stand about a pole (CC), in XY, and say their sense (DR)
   bool takes_loaded_tool = false;           // G43 without H takes the length of the tool in the spindle
   bool g91_takes_new_offsets = false;       // G91 behind a change of the work offset moves by that too (SD42440)
+  // A transformation that begins or ends may drop the work offset (Sinumerik: MD10602), and how the tool turns under it
+  // is the builder's to choose: both must be stated.
+  bool transformation_may_drop_offset = false;
   bool integers_may_be_increments = false;  // X10 is 10 mm or 0.010 mm, as a parameter of the control says
   bool tool_call_sets_length = false;       // the tool's length acts from the tool change on, without a code
   // F is the speed in the space of all axes, degrees counted as mm: a rotary axis that moves alone goes on at its speed

@@ -104,7 +104,7 @@ std::vector<Keyword> SinumerikKeywords() {
       {"TRAANG", M::kBlockerOn, kTiltedPlane, true, "inclined axis"},
       {"TCARR", M::kBlockerOn, kKinematics, true, "tool carrier"},
       {"CYCLE800", M::kBlockerByRest, kSwivel, true, "tilted plane"},
-      {"CYCLE832", M::kHarmless, 0, true, "high-speed settings"},
+      {"CYCLE832", M::kHarmless, kMaySetTransformation, true, "high-speed settings"},
       {"CYCLE", M::kOneShot, 0, true, "cycle"},
       // Measuring cycles set work offsets and tool lengths.
       {"CYCLE961", M::kDataInput, 0, true, "measuring cycle"},

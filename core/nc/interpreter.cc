@@ -201,6 +201,7 @@ void Interpreter::BeginModal() {
   modal_ = Modal();
   const bool is_inch = options_->unit == ProgramUnit::kInch;
   modal_.is_inch = is_inch;
+  modal_.turns_by_vector = dialect_->transformation_may_drop_offset;
   // A code of an earlier program of this text may still be in force.
   const bool is_contradicted = is_inch ? says_mm_ : says_inch_;
   const bool is_unit_known = options_->unit != ProgramUnit::kUnstated && !is_contradicted;
@@ -217,6 +218,7 @@ void Interpreter::ReadOverlong(Step* step) {
   is_before_now_ = false;
   before_ = {modal_, coordinates_.offsets(), pole_, rounds_corners_ || is_behind_corner_};
   MayHaveChanged(kAllGroups);
+  LoseToolPoint();
   step->leaves_text = true;
   Unsupported("the block is too long to be one", false, step);
 }

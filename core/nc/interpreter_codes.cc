@@ -195,15 +195,18 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       if (word.letter == 'M') {
         NoteCall();
         const std::string name = WordText(word);
-        const std::string ask = word.number.decimals == 0
-                                    ? ", if it does neither, state --harmless-m " + name.substr(1)
-                                    : std::string();
+        const std::string ask =
+            word.number.decimals == 0 ? ", if it does neither, state --harmless-m " + name.substr(1) : std::string();
         return request->Refuse(absl::StrCat(name, ": it may start a macro or move axes", ask));
       }
       return request->Refuse(named() + ": it might move axes");
     case Meaning::kHarmless:
       // An M code of the machine's builder, which the user states as harmless: it may clamp the axis behind its move.
       step->ends_block |= word.letter == 'M' && *code.text == 0;
+      if (word.letter == 0 && code.detail == kMaySetTransformation) {
+        LoseToolPoint();
+        modal_.turns_by_vector = true;
+      }
       return;
     case Meaning::kLimits:
       request->owner = &code;
@@ -358,6 +361,9 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
         }
         modal_.macro_depth = 0;
       }
+      if (dialect_->transformation_may_drop_offset &&
+          (code.detail & (modal_.blockers | modal_.tool_point) & kToolControl) != 0)
+        modal_.uncertain |= kOffsetGroup;
       EndMode(code.detail);
       return;
     case Meaning::kScalingOffOrPreset:
@@ -373,6 +379,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return;
     case Meaning::kAxesAway:
       request->away = code.text;
+      LoseToolPoint();
       EndMode(code.detail);
       return;
     case Meaning::kEndOfProgram:
@@ -502,9 +509,8 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
     if (word.letter != 0) continue;
     // "REPEAT LABEL P=3" of Sinumerik runs what stands in front of it again.
     const bool has_label = word.end < end_of_text_ - text && text[word.end] == ' ' &&
-                           std::find_if(text + word.end, end_of_text_, [](char c) {
-                             return IsCapitalOrDigit(c) || c == ';';
-                           }) != end_of_text_;
+                           std::find_if(text + word.end, end_of_text_,
+                                        [](char c) { return IsCapitalOrDigit(c) || c == ';'; }) != end_of_text_;
     const char* const name = dialect_->keywords[static_cast<size_t>(word.keyword)].name;
     if (dialect_->has_equals && has_label && std::strcmp(name, "REPEAT") == 0) return true;
   }
@@ -528,6 +534,7 @@ void Interpreter::NoteCall() {
   has_called_ = true;
   blockers_at_calls_ |= modal_.blockers | modal_.tool_point;
   LoseToolPoint();  // what is called may end it
+  modal_.turns_by_vector = dialect_->transformation_may_drop_offset;
   if (coordinates_.has_shift() || coordinates_.has_preset()) blockers_at_calls_ |= kShift;
 }
 

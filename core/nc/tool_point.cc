@@ -7,6 +7,13 @@
 
 namespace axiscal::nc {
 
+namespace {
+
+// Of the sines and cosines on the way from one frame to the other, over metres.
+constexpr Ticks kRoundingTicks = kTicksPerMm / 1'000'000;
+
+}  // namespace
+
 std::string Interpreter::WhyNoToolPoint(const char* text, const Block& block, const Request& request) const {
   if (!frame_of_words_.problem().empty()) return frame_of_words_.problem();
   const Word& word = *request.tool_point_word;
@@ -46,7 +53,11 @@ void Interpreter::BeginToolPoint(const char* text, const Block& block, Request* 
   const uint32_t bit = request->tool_point->detail & ~kSelectsLength;
   EndMode(bit);
   blockers_seen_ |= bit;
-  const std::string problem = WhyNoToolPoint(text, block, *request);
+  std::string problem = WhyNoToolPoint(text, block, *request);
+  // P3 and L1 of G43.4 turn the tool otherwise.
+  const char stray = request->parameter != 0 ? request->parameter : request->has_centre ? 'I' : char{0};
+  if (problem.empty() && stray != 0)
+    problem = absl::StrCat("with a word ", std::string(1, stray), ": what it chooses is not followed");
   if (problem.empty() && modal_.tool_point == 0 && request->problem.empty()) {
     modal_.tool_point = bit;
     return;
@@ -87,15 +98,21 @@ void Interpreter::ChangeFrame(Request* request, Step* step) {
                  : is      ? FrameChange::To::kWords
                            : FrameChange::To::kAxes,
                  0, coordinates_.length()};
-  // A length that begins or changes here may move the tool along itself: only across it is known where it stands.
+  if (was != is && dialect_->transformation_may_drop_offset) modal_.uncertain |= kOffsetGroup;
+  // Words that the program does not name are inserted behind this block as absolute ones. Where the frame has turned or
+  // moved they would say what pivots, work offset and tool length were stated here, and millimetres beside it where the
+  // control's are others: so only where X and Y stay what they are does anybody know where the axes stand. A length
+  // that begins or changes here may move the tool along itself: Z is not known then.
   if (was != is && coordinates_.active_length() > 0 && modal_.blockers == 0) {
     AxisTicks ticks = positions_.ticks;
+    const auto stays = [&](int axis) { return std::abs(ticks[axis] - positions_.ticks[axis]) <= kRoundingTicks; };
     const bool keeps_z = is_same_length;
     uint16_t needed = static_cast<uint16_t>(~all_xyz & ((1u << axis_count_) - 1));
     needed |= keeps_z ? all_xyz : static_cast<uint16_t>(bit(xyz[0]) | bit(xyz[1]));
     const bool is_known = (positions_.known & needed) == needed;
-    if (is_known && (keeps_z || (is && frame_of_words_.IsUpright(ticks))) && ToFrame(step->frame, &ticks)) {
-      positions_.ticks = ticks;
+    if (is_known && (keeps_z || is) && frame_of_words_.IsUpright(ticks) && ToFrame(step->frame, &ticks) &&
+        stays(xyz[0]) && stays(xyz[1])) {
+      positions_.ticks[xyz[2]] = ticks[xyz[2]];
       step->frame.kept = needed & all_xyz;
     }
   }

@@ -52,8 +52,10 @@ TEST(ToolPoint, WordsAreCorrectedInTheWorkpiecesFrame) {
       "Z29.9583 F100\nG91 X1. B-90. Y-0.0417 Z0.0417\n");
   EXPECT_EQ(text("G90\nG234 H1 G1 X10. Y20. Z30. B0. C90. F100\n", Options("haas")),
             "G90\nG234 H1 G1 X10. Y19.9583 Z30. B0. C90. F100\n");
-  EXPECT_EQ(text("G90 G54 D1\nTRAORI\nG1 X10 Y20 Z30 B0 C90 F100\nTRAFOOF\nG0 X5 Y6 Z7 B0 C90\n", Options("sinumerik")),
-            "G90 G54 D1\nTRAORI\nG1 X10 Y19.9583 Z30 B0 C90 F100\nTRAFOOF\nG0 X5.0417 Y6 Z7 B0 C90\n");
+  EXPECT_EQ(
+      text("G90 G54 D1\nTRAORI\nG54 ORIAXES\nG1 X10 Y20 Z30 B0 C90 F100\nTRAFOOF\nG54\nG0 X5 Y6 Z7 B0 C90\n",
+           Options("sinumerik")),
+      "G90 G54 D1\nTRAORI\nG54 ORIAXES\nG1 X10 Y19.9583 Z30 B0 C90 F100\nTRAFOOF\nG54\nG0 X5.0417 Y6 Z7 B0 C90\n");
   EXPECT_EQ(
       text("BEGIN PGM A MM\nTOOL CALL 1 Z S100\nL X+0 Y+0 Z+0 B+0 C+0 FMAX\nL X+10 Y+20 Z+30 C+90 F100 M128\nL X+11\n"
            "M129\nL X+10 Y+20 Z+30 C+90 FMAX\nFUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\nL X+10 Y+20 Z+30 C+90\n"
@@ -64,14 +66,24 @@ TEST(ToolPoint, WordsAreCorrectedInTheWorkpiecesFrame) {
       "L X+10 Y+19.9583 Z+30 C+90\nFUNCTION RESET TCPM\nL X+0.0417 Y+0 Z+0 FMAX\nEND PGM A MM\n");
 }
 
-// Where the block names Z alone, X and Y stand where they stood: known while the length moves Z alone.
+// Where the block names Z alone, X and Y stand where they stood: known where their words are the same in both frames.
 TEST(ToolPoint, PositionsGoAlongWhereTheControlBeginsAndEnds) {
   const Outcome along =
-      Rewritten("G90 G54 G0 X10. Y20. B0. C90.\nG43.4 H1 Z30.\nG1 X11. F100\nG49\n", Options(), Leaning());
+      Rewritten("G90 G54 G0 X10. Y20. B0. C0.\nG43.4 H1 Z30.\nG1 Y21. F100\nG49\n", Options(), Leaning());
   ASSERT_TRUE(along.status.ok()) << along.status;
-  // The work offset is (100, -50, 30): the axes stand at (110, -30), which the table turns to the words -30 - 100 and
-  // -110 + 50. The head's lean needs 18.28 um of the axis X without the tool, 41.66 um with it.
-  EXPECT_EQ(along.text, "G90 G54 G0 X10.0183 Y20. B0. C90.\nG43.4 H1 Z30. Y-60.0417\nG1 X11. F100\nG49\n");
+  // The head's lean needs 18.28 um of the axis X without the tool, 41.66 um with it.
+  EXPECT_EQ(along.text, "G90 G54 G0 X10.0183 Y20. B0. C0.\nG43.4 H1 Z30. X10.0417\nG1 Y21. F100\nG49\n");
+  // With the table turned, a word of Y would be what the stated work offset makes of it: 0.98 mm beside it where the
+  // offset was measured anew by 1 mm since. Nothing is inserted.
+  const Outcome table = Rewritten("G90 G54 G0 X10. Y20. B0. C90.\nG43.4 H1 Z30.\nG1 X11. F100\n", Options(), Leaning());
+  EXPECT_THAT(std::string(table.status.message()),
+              HasSubstr("the position of Y is unknown: not programmed since line 2"));
+  const Outcome back = Rewritten(
+      "BEGIN PGM A MM\nTOOL CALL 1 Z S100\nM128\nL X+0 Y+0 Z+0 B+45 C+0 FMAX\nM129\n"
+      "L Z+200 FMAX\nEND PGM A MM\n",
+      Options("heidenhain"), Leaning());
+  ASSERT_TRUE(back.status.ok()) << back.status;
+  EXPECT_THAT(back.text, HasSubstr("\nL Z+200 FMAX\n"));  // a retract stays along Z
   // Turned, the length moves the tool along X too.
   const Outcome turned =
       Rewritten("G90 G54 G0 X10. Y20. B30. C90.\nG43.4 H1 Z30.\nG1 X11. F100\n", Options(), Leaning());
@@ -100,7 +112,12 @@ TEST(ToolPoint, WhatIsNotKnownIsRefusedByName) {
       {"fanuc", "G43.4 H1 X1. Y1. Z1.\nM98 P100\nG90 G21 G94 G54 G1 X1. Y1. Z1. B0. C0. F9\n", "M98 (subprogram call)"},
       {"sinumerik", "TRAORI\nG1 X1 Y1 Z1 F9\n", "no tool length is in force"},
       {"sinumerik", "D1\nTRAORI(2)\nG1 X1 Y1 Z1 F9\n", "with '(2)'"},
-      {"sinumerik", "D1\nTRAORI\nORIWKS\nG1 X1 Y1 Z1 B5 F9\n", "state ORIAXES"},
+      {"sinumerik", "D1\nTRAORI\nG54 ORIWKS\nG1 X1 Y1 Z1 B5 F9\n", "state ORIAXES"},
+      {"sinumerik", "D1\nTRAORI\nG54\nG1 X1 Y1 Z1 B5 F9\n", "state ORIAXES"},
+      {"sinumerik", "D1\nTRAORI\nORIAXES\nG1 X1 Y1 Z1 F9\n", "the work offset"},
+      {"sinumerik", "G54 D1\nTRAORI\nG54 ORIAXES\nG0 X1 Y1 Z1\nTRAFOOF\nG1 X1 Y1 Z1 F9\n", "the work offset"},
+      {"fanuc", "G43.4 H1 P3\nG1 X1. Y1. Z1. F9\n", "with a word P"},
+      {"fanuc", "G43.4 H1 X1. Y1. Z1. B0. C0.\nM60\nG1 X1. Y1. Z1. F9\n", "tool centre point control"},
       {"sinumerik", "D1\nTRAORI\nG1 X1 Y1 Z1 F9\nG1 X1 TRAFOOF\n", "which comes first is not known"},
       {"heidenhain", "TOOL CALL 1 Z DL+0.1\nL X+1 Y+1 Z+1 F9 M128\n", "a difference of the tool length (DL)"},
       {"heidenhain", "TOOL CALL 1 Z\nFUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS\nL X+1 Y+1 Z+1 F9\n", "AXIS SPAT"},

@@ -683,8 +683,9 @@ class Program(Writer):
             if rng.random() < 0.5:
                 self.restate()
             self.plain(rng.choice(["TRAORI", "TRAORI", "TRAORI(1)"]))
-            if rng.random() < 0.5:
-                self.plain("ORIAXES")
+            if rng.random() < 0.85:  # a control may drop the offset, and turn the tool otherwise
+                wcs = self.wcs or "G500"
+                self.plain(rng.choice(["ORIAXES", wcs + " ORIAXES", wcs + " ORIAXES", wcs]))
             self.tcp = True
             self.rapid(self.targets(self.axes))
             return "TRAFOOF"
@@ -717,6 +718,8 @@ class Program(Writer):
                 self.rapid(self.targets(["Z"]))
             self.rapid(self.targets(self.linear))
         else:
+            if end == "TRAFOOF" and rng.random() < 0.8:
+                self.plain(self.wcs or "G500")
             if rng.random() < 0.5:
                 self.feed_move(self.targets(rng.sample(self.linear, 2)))
             self.rapid(self.targets(self.linear))
