@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "core/effects/harmonic_scan.h"
 #include "core/effects/shaped.h"
 #include "core/identify/reduction.h"
 #include "core/loop/dictionary.h"
@@ -65,7 +66,8 @@ class Builder {
       if (one.family == Family::kStep) {
         Add(SlipSource(one.run, one.carrier, {one.first_reading}));
       } else {
-        Add(std::make_unique<Shaped>(linearised_, std::vector<ShapedItem>{ItemOf(one)}));
+        Add(std::make_unique<Shaped>(linearised_,
+                                     std::vector<ShapedItem>{ItemOf(one, LargestValueOf(one.term.shape))}));
       }
     }
     std::vector<int> rows;
@@ -87,13 +89,15 @@ class Builder {
   static objective::Group BadRowModel() {
     objective::Group model;
     model.family = kBadRowFamily;
+    model.is_counted = false;
     return model;
   }
 
-  ShapedItem ItemOf(const Candidate& one) {
+  // `largest_value`: of its shape (LargestValueOf).
+  ShapedItem ItemOf(const Candidate& one, double largest_value) {
     ShapedItem item{one.term.shape, SensitivityOf(linearised_, one.term), {}};
     item.group.family = static_cast<int>(one.family);
-    item.group.largest_amplitude = LargestAmplitudeOf(one);
+    item.group.largest_amplitude = LargestAmplitudeOf(one, largest_value);
     if (shapes::NonlinearParameter(one.term.shape) == nullptr) return item;
     // The same shape closer than that in its length, time constant or frequency is the same effect; the dictionary's
     // next one is at most a factor of two, or kPitchStep of a period over the range, away.
@@ -114,22 +118,27 @@ class Builder {
     return item;
   }
 
+  // The largest value that a shape with unit amplitudes takes in the readings.
+  double LargestValueOf(const shapes::Shape& shape) const {
+    constexpr int kLooks = 100;
+    double largest = 0.0, basis[shapes::kMaxBasisCount];
+    for (int at = 0; at < linearised_.count(); at += std::max(1, linearised_.count() / kLooks)) {
+      shapes::Basis(shape, linearised_.StateAt(at), basis);
+      for (int b = 0; b < shapes::BasisCount(shape); ++b) largest = std::max(largest, std::abs(basis[b]));
+    }
+    return largest;
+  }
+
   // An amplitude that no machine has: with one, a column that is nearly explained would fit anything.
-  double LargestAmplitudeOf(const Candidate& one) const {
+  static double LargestAmplitudeOf(const Candidate& one, double largest_value) {
     const bool is_large = one.family == Family::kConstant || one.family == Family::kLag;
     constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;  // where a tool or a table may stand, and how an axis may lag
     const bool is_play = one.family == Family::kBacklash || one.family == Family::kReversal;
     constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // of a machine that is in use
     const double most_mm = is_large ? kFarOffMm : is_play ? kPlayMm : identify::kLargestErrorMm;
     const double most_rad = is_large ? kFarOffRad : is_play ? kPlayRad : identify::kLargestErrorRad;
-    constexpr int kLooks = 100;
-    double largest = 0.0, basis[shapes::kMaxBasisCount];
-    for (int at = 0; at < linearised_.count(); at += std::max(1, linearised_.count() / kLooks)) {
-      shapes::Basis(one.term.shape, linearised_.StateAt(at), basis);
-      for (int b = 0; b < shapes::BasisCount(one.term.shape); ++b) largest = std::max(largest, std::abs(basis[b]));
-    }
     const double most = machine::IsAngle(one.term.component) ? most_rad : most_mm;
-    return largest > 0.0 ? most / largest : INFINITY;
+    return largest_value > 0.0 ? most / largest_value : INFINITY;
   }
 
   // A source for each stretch of one family and axis; items of one shape together.
@@ -137,30 +146,27 @@ class Builder {
     std::map<std::pair<Family, int>, std::vector<ShapedItem>> items;
     std::map<std::pair<Family, int>, std::vector<Effect>> effects;
     const shapes::Shape* last = nullptr;
-    double largest = INFINITY, largest_angle = INFINITY;
+    double largest = 0.0;
     bool is_worth = true;
     for (const Candidate& one : candidates) {
       // What depends on the shape alone is asked once per shape: its candidates stand together.
       if (last == nullptr || !(*last == one.term.shape)) {
-        Candidate shift = one, turn = one;
-        shift.term.component = machine::Component::kX;
-        turn.term.component = machine::Component::kA;
-        largest = LargestAmplitudeOf(shift);
-        largest_angle = LargestAmplitudeOf(turn);
+        largest = LargestValueOf(one.term.shape);
         is_worth = HasEnoughReadings(one.term.shape);
         last = &one.term.shape;
       }
       if (!is_worth) continue;
       const auto key = std::pair(one.family, shapes::VariableAxis(one.term.shape).value_or(-1));
-      ShapedItem item = ItemOf(one);
-      item.group.largest_amplitude = machine::IsAngle(one.term.component) ? largest_angle : largest;
-      items[key].push_back(std::move(item));
+      items[key].push_back(ItemOf(one, largest));
       effects[key].push_back({one});
     }
     for (auto& [key, its] : items) {
       // Local defects are wide: constants explain most of many.
       const bool is_scan = key.first == Family::kFineHarmonic || key.first == Family::kPitch;
-      Add(std::make_unique<Shaped>(linearised_, std::move(its), is_scan));
+      std::unique_ptr<Shaped> source;
+      if (is_scan) source = HarmonicScan::Make(linearised_, its);
+      if (source == nullptr) source = std::make_unique<Shaped>(linearised_, std::move(its), is_scan);
+      Add(std::move(source));
       catalogue_.effects.insert(catalogue_.effects.end(), effects[key].begin(), effects[key].end());
     }
   }

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/effects/catalogue.h"
+#include "core/effects/harmonic_scan.h"
 #include "core/effects/shaped.h"
 #include "core/identify/identify.h"
 #include "core/identify/reduction.h"
@@ -168,6 +169,64 @@ TEST(Effects, ShapedColumnsAreSensitivityTimesShape) {
     EXPECT_LT((grams[i] - gram).cwiseAbs().maxCoeff(), kTolerance * (1.0 + gram.maxCoeff()));
     at += width;
   }
+}
+
+// Trigonometric sums give the products and Gram matrices of the columns, without one frequency among others, in white
+// noise, in noise that remembers, and in noise with an echo.
+TEST(Effects, ScansByTrigonometricSumsAreTheirColumns) {
+  const std::vector<std::optional<std::pair<double, double>>> memories = {std::nullopt, {{0.6, 0.0}}, {{0.6, 0.2}}};
+  for (const auto& memory : memories) {
+    const identify::Fit fit = FitOf(Runs(), Declared(), memory);
+    const Linearised linearised = Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()));
+    const int x = machine::FindAxis(kMachine, "X");
+    std::vector<ShapedItem> items;
+    for (int periods = 9; periods <= 60; ++periods) {
+      if (periods == 20) continue;  // declared, or known
+      const double frequency = periods / 3.0 * 2.0 * M_PI / 300.0;
+      for (const int component : {0, 4})
+        items.push_back({shapes::Harmonic{x, frequency, true}, machine::kComponents * x + component, {}});
+    }
+    const std::unique_ptr<HarmonicScan> scan = HarmonicScan::Make(linearised, items);
+    ASSERT_NE(scan, nullptr);
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    const Eigen::MatrixXd u = Eigen::MatrixXd::NullaryExpr(linearised.count(), 2, [&] { return normal(random); });
+    const objective::Stretch& second = linearised.rows.stretches[1];
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(scan->column_count(), 2), some = products;
+    scan->AddProducts(0, u, products);
+    scan->AddProducts(second.begin, u.middleRows(second.begin, second.end - second.begin), some);
+    const std::vector<Eigen::MatrixXd> grams = scan->Grams(linearised.rows.whitening);
+    for (size_t i = 0; i < items.size(); ++i) {
+      Eigen::MatrixXd columns = scan->Columns(static_cast<int>(i));
+      constexpr double kTolerance = 2e-6;  // of the sum of magnitudes
+      const double magnitude = (columns.cwiseAbs().transpose() * u.cwiseAbs()).maxCoeff();
+      const auto rows = columns.middleRows(second.begin, second.end - second.begin);
+      const auto at = static_cast<Eigen::Index>(2 * i);
+      EXPECT_LT((products.middleRows(at, 2) - columns.transpose() * u).cwiseAbs().maxCoeff(), kTolerance * magnitude);
+      EXPECT_LT(
+          (some.middleRows(at, 2) - rows.transpose() * u.middleRows(second.begin, rows.rows())).cwiseAbs().maxCoeff(),
+          kTolerance * magnitude);
+      linearised.rows.whitening.Apply(0, columns);
+      const Eigen::MatrixXd gram = columns.transpose() * columns;
+      EXPECT_LT((grams[i] - gram).cwiseAbs().maxCoeff(), 10.0 * kTolerance * gram.maxCoeff()) << i;
+    }
+  }
+}
+
+// Frequencies that are no multiples of one step, or of two axes, are no scan.
+TEST(Effects, UnevenFrequenciesAreNoScan) {
+  const identify::Fit fit = FitOf(Runs(), Declared());
+  const Linearised linearised = Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()));
+  const int x = machine::FindAxis(kMachine, "X"), c = machine::FindAxis(kMachine, "C");
+  std::vector<ShapedItem> even;
+  for (int order = 5; order <= 30; ++order)
+    even.push_back({shapes::Harmonic{c, static_cast<double>(order)}, machine::kComponents * c, {}});
+  ASSERT_NE(HarmonicScan::Make(linearised, even), nullptr);
+  std::vector<ShapedItem> uneven = even, two_axes = even;
+  uneven.push_back({shapes::Harmonic{c, 31.3, true}, machine::kComponents * c, {}});
+  EXPECT_EQ(HarmonicScan::Make(linearised, uneven), nullptr);
+  two_axes.push_back({shapes::Harmonic{x, 31.0}, machine::kComponents * x, {}});
+  EXPECT_EQ(HarmonicScan::Make(linearised, two_axes), nullptr);
 }
 
 // A length between those of the dictionary is reached, and is another place of the same group.

@@ -19,7 +19,7 @@ shapes::Shape AtPlace(shapes::Shape shape, double place) {
 }
 
 Shaped::Shaped(const Linearised& linearised, std::vector<ShapedItem> items, bool is_scan)
-    : linearised_(linearised), is_scan_(is_scan), items_(std::move(items)) {
+    : linearised_(linearised), items_(std::move(items)), is_scan_(is_scan) {
   first_value_ = {0};
   for (const ShapedItem& item : items_) {
     if (shapes_.empty() || !(shapes_.back() == item.shape)) {
@@ -41,17 +41,6 @@ Shaped::Shaped(const Linearised& linearised, std::vector<ShapedItem> items, bool
   }
 }
 
-// Beyond six widths exp(-36) is left: nothing.
-void Shaped::FillBump(const shapes::Bump& bump, int begin, Eigen::Ref<Eigen::VectorXd> values) const {
-  constexpr double kReach = 6.0;
-  for (int i = 0; i < values.size(); ++i) {
-    const shapes::State state = linearised_.StateAt(begin + i);
-    values[i] = 0.0;
-    if (std::abs(state.axes[bump.axis].position - bump.at) < kReach * bump.width)
-      bump.Basis(state, static_cast<const double*>(nullptr), &values[i]);
-  }
-}
-
 void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::MatrixXd> values) const {
   const auto n = static_cast<int>(values.rows());
   if (kept_.size() > 0) {
@@ -63,11 +52,21 @@ void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::Matrix
   Eigen::ArrayXcd turn(n);
   double step = NAN;
   const shapes::Harmonic* before = nullptr;
+  int position_of = -1;  // axis
+  const auto take_positions = [&](int axis) {
+    if (axis == position_of) return;
+    for (int i = 0; i < n; ++i) position[i] = linearised_.StateAt(begin + i).axes[axis].position;
+    position_of = axis;
+  };
   for (size_t s = first; s < last; ++s) {
     const Eigen::Index at = first_value_[s] - first_value_[first];
     const auto* harmonic = std::get_if<shapes::Harmonic>(&shapes_[s]);
     if (const auto* bump = std::get_if<shapes::Bump>(&shapes_[s])) {
-      FillBump(*bump, begin, values.col(at));
+      take_positions(bump->axis);
+      // Beyond six widths exp(-36) is left: nothing, and numbers that small are slow.
+      constexpr double kReach = 36.0;
+      const Eigen::ArrayXd squares = ((position - bump->at) / bump->width).square();
+      values.col(at) = (squares < kReach).select((-squares.min(kReach)).exp(), 0.0);
       before = nullptr;
       continue;
     }
@@ -82,7 +81,7 @@ void Shaped::Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::Matrix
       continue;
     }
     if (before == nullptr || before->axis != harmonic->axis) {
-      for (int i = 0; i < n; ++i) position[i] = linearised_.StateAt(begin + i).axes[harmonic->axis].position;
+      take_positions(harmonic->axis);
       values.col(at) = (harmonic->frequency * position).cos();
       values.col(at + 1) = (harmonic->frequency * position).sin();
       step = NAN;

@@ -35,19 +35,21 @@ class Shaped : public objective::Source {
   void AddProducts(int begin, const Eigen::MatrixXd& u, Eigen::Ref<Eigen::MatrixXd> products) const override;
   std::vector<Eigen::MatrixXd> Grams(const objective::Whitening& whitening) const override;
 
+ protected:
+  const Linearised& linearised_;
+  std::vector<ShapedItem> items_;
+  std::vector<int> sensitivities_;      // that any item has
+  std::vector<size_t> sensitivity_of_;  // per item: of those
+
  private:
   // Values of the shapes first .. last at rows begin .. begin + values->rows(), side by side.
-  void FillBump(const shapes::Bump& bump, int begin, Eigen::Ref<Eigen::VectorXd> values) const;
   void Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::MatrixXd> values) const;
 
-  const Linearised& linearised_;
   const bool is_scan_;
   Eigen::MatrixXd kept_;  // values of all shapes at all rows, where they are few
-  std::vector<ShapedItem> items_;
   std::vector<shapes::Shape> shapes_;
   std::vector<Eigen::Index> first_value_;  // per shape, and behind the last one: where its values stand among all
-  std::vector<int> sensitivities_;         // that any item has
-  std::vector<size_t> shape_of_, sensitivity_of_;  // per item
+  std::vector<size_t> shape_of_;           // per item
 };
 
 }  // namespace axiscal::effects

@@ -13,7 +13,7 @@ namespace axiscal::loop {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kHalfPoints = 6;  // on either side of a position: 1e-6 with twice as many points as frequencies
+constexpr int kHalfPoints = 8;  // on either side of a position: 1e-7 with twice as many points as frequencies
 constexpr int kPoints = 2 * kHalfPoints;
 
 }  // namespace
@@ -28,6 +28,8 @@ TrigSums::TrigSums(const Eigen::ArrayXd& positions, double first, double step, i
   const double spacing = kTurn / grid_;
   // Frequencies are counted from the middle one.
   const double middle = first + step * (count / 2);
+  double falls[kPoints];
+  for (int p = 0; p < kPoints; ++p) falls[p] = std::exp(-std::pow(p * spacing, 2) / (4.0 * width));
   turned_.resize(positions.size());
   first_point_.resize(positions.size());
   spread_.resize(kPoints, positions.size());
@@ -38,9 +40,13 @@ TrigSums::TrigSums(const Eigen::ArrayXd& positions, double first, double step, i
     const double x = (turns - std::floor(turns)) * kTurn;
     const int nearest = static_cast<int>(x / spacing);
     first_point_[k] = nearest - kHalfPoints + 1;
+    // exp(-(x - p h)^2 / 4 w) = exp(-x^2 / 4 w) exp(x h / 2 w)^p exp(-(p h)^2 / 4 w), x from the lowest point
+    const double away = x - first_point_[k] * spacing;
+    const double growth = std::exp(away * spacing / (2.0 * width));
+    double value = std::exp(-away * away / (4.0 * width));
     for (int p = 0; p < kPoints; ++p) {
-      const double away = x - (first_point_[k] + p) * spacing;
-      spread_(p, k) = std::exp(-away * away / (4.0 * width));
+      spread_(p, k) = value * falls[p];
+      value *= growth;
     }
   }
   undone_.resize(count);
@@ -52,18 +58,26 @@ TrigSums::TrigSums(const Eigen::ArrayXd& positions, double first, double step, i
 
 Eigen::MatrixXcd TrigSums::Of(const Eigen::Ref<const Eigen::MatrixXd>& strengths) const {
   DEMAND(strengths.rows() == turned_.size());
-  Eigen::MatrixXcd sums(count_, strengths.cols());
-  Eigen::FFT<double> transform;
-  Eigen::VectorXcd points(grid_), turns(grid_);
-  for (Eigen::Index column = 0; column < strengths.cols(); ++column) {
-    points.setZero();
-    for (Eigen::Index k = 0; k < turned_.size(); ++k) {
-      const std::complex<double> value = strengths(k, column) * turned_[k];
-      for (int p = 0; p < kPoints; ++p) points[(first_point_[k] + p) & (grid_ - 1)] += value * spread_(p, k);
+  const Eigen::Index columns = strengths.cols();
+  // All columns' points side by side, real parts first: what a reading adds to a point stands together.
+  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(2 * columns, grid_);
+  Eigen::VectorXd values(2 * columns);
+  for (Eigen::Index k = 0; k < turned_.size(); ++k) {
+    for (Eigen::Index c = 0; c < columns; ++c) {
+      values[c] = strengths(k, c) * turned_[k].real();
+      values[columns + c] = strengths(k, c) * turned_[k].imag();
     }
+    for (int p = 0; p < kPoints; ++p) points.col((first_point_[k] + p) & (grid_ - 1)) += spread_(p, k) * values;
+  }
+  Eigen::MatrixXcd sums(count_, columns);
+  Eigen::FFT<double> transform;
+  Eigen::VectorXcd one(grid_), turns(grid_);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    one.real() = points.row(c).transpose();
+    one.imag() = points.row(columns + c).transpose();
     // The transform's kernel is exp(-i): frequency m stands at -m.
-    transform.fwd(turns, points);
-    for (int m = 0; m < count_; ++m) sums(m, column) = undone_[m] * turns[(count_ / 2 - m) & (grid_ - 1)];
+    transform.fwd(turns, one);
+    for (int m = 0; m < count_; ++m) sums(m, c) = undone_[m] * turns[(count_ / 2 - m) & (grid_ - 1)];
   }
   return sums;
 }

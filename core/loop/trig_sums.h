@@ -16,7 +16,7 @@ class TrigSums {
   // Frequencies in rad per unit of `positions`; step > 0, count > 0.
   TrigSums(const Eigen::ArrayXd& positions, double first, double step, int count);
 
-  // count x columns of `strengths` (one row per position), right to 1e-5 of the sum of a column's magnitudes.
+  // count x columns of `strengths` (one row per position), right to 1e-6 of the sum of a column's magnitudes.
   Eigen::MatrixXcd Of(const Eigen::Ref<const Eigen::MatrixXd>& strengths) const;
 
  private:

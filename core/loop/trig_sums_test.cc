@@ -20,7 +20,7 @@ void ExpectPlainSums(const Eigen::ArrayXd& positions, double first, double step,
       std::complex<double> plain = 0.0;
       for (Eigen::Index k = 0; k < positions.size(); ++k)
         plain += strengths(k, column) * std::polar(1.0, (first + m * step) * positions[k]);
-      EXPECT_LT(std::abs(sums(m, column) - plain), 1e-5 * magnitude) << "frequency " << m << " of " << count;
+      EXPECT_LT(std::abs(sums(m, column) - plain), 1e-6 * magnitude) << "frequency " << m << " of " << count;
     }
   }
 }

@@ -22,10 +22,24 @@ class DesignEffect {
   double OfGroup(int group, const Eigen::VectorXd& residual) const;
 
  private:
-  Eigen::VectorXd EffectsOf(const Eigen::MatrixXf& columns, const Eigen::VectorXd& residual,
-                            const std::vector<int>& clusters) const;
+  // Rows [begin, end) that follow each other in one cluster.
+  struct Stay {
+    Eigen::Index begin = 0, end = 0;
+    int cluster = 0;
+  };
+  struct Clustering {
+    std::vector<Stay> stays;
+    int count = 0;  // of clusters
+  };
+
+  // Of each column, under one clustering.
+  Eigen::VectorXf EffectsOf(const Eigen::MatrixXf& columns, const Eigen::VectorXf& residual, double variance,
+                            const Clustering& clustering) const;
+  // The largest of all clusterings: this quantile of the columns' effects.
+  double LargestOf(const Eigen::MatrixXf& columns, const Eigen::VectorXd& residual, double quantile) const;
 
   const Scorer& scorer_;
+  std::vector<Clustering> clusterings_;
   Eigen::MatrixXf columns_;  // projected; single precision: a quantile of their sums is asked for
 };
 

@@ -49,8 +49,9 @@ struct Policy {
   int trials = 3;
   // What explains as much within this could be it as well, chi-square units: odds of 20 to 1.
   double alike = 6.0;
-  // Effects of one state: no machine has more that one data set tells; bounds the time of a search.
-  int most_effects = 60;
+  // Effects of one state, bad rows not counted: no machine has more that one data set tells; bounds the time of a
+  // search.
+  int most_effects = 200;
   // Of the columns that are drawn for the design effect: the same data give the same result.
   uint32_t seed = 1;
 };

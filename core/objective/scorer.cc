@@ -191,13 +191,18 @@ bool Scorer::RefinePlace(size_t member, double design, State* state) {
   const int of = (*state)[member].group;
   const Group group_of = group(of);
   if (!(group_of.reach > 0.0)) return false;
+  // Asked for again, the same state gives the same answer.
+  std::vector<int> asked = {of};
+  for (const Member& one : *state) asked.push_back(one.group);
+  std::sort(asked.begin() + 1, asked.end());
+  if (at_best_.contains(asked)) return false;
   State others = *state;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(member));
   const auto objective_at = [&](double place) {
     const std::unique_ptr<Source> moved = MovedTo(of, place);
     return moved == nullptr ? std::numeric_limits<double>::infinity() : ObjectiveWith(others, *moved, of, design);
   };
-  constexpr double kGolden = 0.618033988749895, kNarrow = 1e-3;  // share of the reach: less than data ever tell
+  constexpr double kGolden = 0.618033988749895, kNarrow = 4e-3;  // share of the reach: the full fit finds the rest
   double low = group_of.place - group_of.reach, high = group_of.place + group_of.reach;
   double inner = high - kGolden * (high - low), outer = low + kGolden * (high - low);
   double at_inner = objective_at(inner), at_outer = objective_at(outer);
@@ -218,9 +223,15 @@ bool Scorer::RefinePlace(size_t member, double design, State* state) {
   }
   const double place = 0.5 * (low + high);
   constexpr double kGain = 0.1;  // chi-square units: less is no reason for one more group
-  if (!(objective_at(place) < ScoreOf(*state, design).objective - kGain)) return false;
-  (*state)[member].group = Append(MovedTo(of, place), of);
-  return true;
+  const bool is_better = objective_at(place) < ScoreOf(*state, design).objective - kGain;
+  if (is_better) {
+    const int moved = (*state)[member].group = Append(MovedTo(of, place), of);
+    std::erase(asked, of);   // from front and state
+    asked.push_back(moved);  // the last of all groups
+    asked.insert(asked.begin(), moved);
+  }
+  at_best_.insert(std::move(asked));
+  return is_better;
 }
 
 void Scorer::MakeExact(int which) {
@@ -231,7 +242,9 @@ void Scorer::MakeExact(int which) {
   const Eigen::VectorXd raw = columns.colwise().squaredNorm().transpose();
   Eigen::MatrixXd coefficients(nuisance_.size(), columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c) coefficients.col(c) = nuisance_.CoefficientsOf(columns.col(c));
+  gram_[which].noalias() = columns.transpose() * columns;
   gram_[which].noalias() -= coefficients.transpose() * coefficients;
+  with_y_.segment(first_column_[which], columns.cols()) = columns.transpose() * y_;
   is_exact_[which] = true;
   is_visible_[which] = IsSeen(group(which), raw, gram_[which].diagonal(), policy_.visible);
 }
@@ -415,44 +428,60 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
     if (is_exact && amplitude.cwiseAbs().maxCoeff() > one.largest_amplitude) return std::nullopt;
     return b.dot(amplitude);
   };
-  for (int g = 0; g < group_count(); ++g) {
-    if (!is_visible_[g] || (!allowed.empty() && !allowed[origin_[g]])) continue;
+  const auto gain = [&](double explained) {
+    return dof_ / design * LogRatio(factor.squares - explained, factor.squares);
+  };
+  const auto products = [&](int g) { return half.middleCols(first_column_[g], group(g).columns); };
+  const auto beyond = [&](int g) -> Eigen::MatrixXd {
+    if (state.empty()) return gram_[g];
+    const auto its = products(g);
+    return gram_[g] - its.transpose() * its;
+  };
+  const auto look_at = [&](int g) {
     const Group& one = group(g);
-    const bool is_there = std::any_of(state.begin(), state.end(), [&](const Member& member) {
-      return member.group == g || IsSameEffect(group(member.group), one);
-    });
-    if (is_there) continue;
-    const auto its = half.middleCols(first_column_[g], one.columns);
-    const auto beyond = [&]() -> Eigen::MatrixXd {
-      return state.empty() ? gram_[g] : Eigen::MatrixXd(gram_[g] - its.transpose() * its);
-    };
-    const auto gain = [&](double explained) {
-      return dof_ / design * LogRatio(factor.squares - explained, factor.squares);
-    };
-    if (!is_exact_[g]) {
-      const std::optional<double> explained = flat_explains(g, beyond(), false);
-      if (!explained || gain(*explained / policy_.scan_visible) + PriceOf(g) > limit()) continue;
-      MakeExact(g);
-      if (!is_visible_[g]) continue;
-    }
-    const Eigen::MatrixXd gram = beyond();
+    const Eigen::MatrixXd gram = beyond(g);
     Move move{{g, 0.0}};
     if (one.IsBlock()) {
       move = BestBlock(g, gram, right.segment(first_column_[g], one.columns), factor.squares, design);
     } else {
       const std::optional<double> explained = flat_explains(g, gram, true);
-      if (!explained) continue;
+      if (!explained) return;
       move.objective = gain(*explained);
       // What the new columns and the blocks share, the blocks need no longer explain.
       if (factor.flat < factor.half.size()) {
-        const auto by_flat = its.topRows(factor.flat);
+        const auto by_flat = products(g).topRows(factor.flat);
         move.objective += LogDeterminant(gram) - LogDeterminant(gram_[g] - by_flat.transpose() * by_flat);
       }
     }
     move.objective += PriceOf(g);
-    if (move.objective > limit()) continue;
+    if (move.objective > limit()) return;
     move.objective += base;
     visit(move, base);
+  };
+  // Members of scans with the least that their objective may be, beyond the state's.
+  std::vector<std::pair<double, int>> scanned;
+  for (int g = 0; g < group_count(); ++g) {
+    if (!is_visible_[g] || (!allowed.empty() && !allowed[origin_[g]])) continue;
+    const bool is_there = std::any_of(state.begin(), state.end(), [&](const Member& member) {
+      return member.group == g || IsSameEffect(group(member.group), group(g));
+    });
+    if (is_there) continue;
+    if (is_exact_[g]) {
+      look_at(g);
+      continue;
+    }
+    const std::optional<double> explained = flat_explains(g, beyond(g), false);
+    if (explained) scanned.emplace_back(gain(*explained / policy_.scan_visible) + PriceOf(g), g);
+  }
+  // The most promising first: what they are worth spares the projection of most others.
+  std::sort(scanned.begin(), scanned.end());
+  for (const auto& [least, g] : scanned) {
+    if (least > limit()) break;
+    MakeExact(g);
+    right.segment(first_column_[g], group(g).columns) = with_y_.segment(first_column_[g], group(g).columns);
+    if (!state.empty())
+      right.segment(first_column_[g], group(g).columns).noalias() -= products(g).transpose() * factor.half;
+    if (is_visible_[g]) look_at(g);
   }
 }
 

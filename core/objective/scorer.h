@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "core/objective/nuisance.h"
@@ -126,6 +127,7 @@ class Scorer {
   Eigen::VectorXd y_;                   // projected, at the rows
   double squares_ = 0.0, dof_ = 1.0;    // of y, projected
   std::map<int, Loaded> loaded_;
+  std::set<std::vector<int>> at_best_;  // a group, then all of its state in ascending order: no place is better
   std::map<std::pair<int, int>, Eigen::MatrixXd> cross_;  // of groups in ascending order
 };
 

@@ -31,6 +31,12 @@ double Searcher::DesignOf(const State& state, double design) { return design_->O
 
 bool Searcher::IsIt(int a, int b) const { return scorer_->OriginOf(a) == scorer_->OriginOf(b); }
 
+bool Searcher::HasRoom(const State& state) const {
+  return std::count_if(state.begin(), state.end(), [&](const Member& one) {
+           return scorer_->group(one.group).is_counted;
+         }) < scorer_->policy().most_effects;
+}
+
 // D of what is left now, and the objective at it.
 void Searcher::Settle(Found* found) {
   found->design = DesignOf(found->state, found->design);
@@ -81,7 +87,7 @@ void Searcher::RefinePlace(size_t member, Found* found) {
 // as true, it must explain that too: both states are compared at the D that the larger one leaves.
 bool Searcher::AddIfItExplainsTheDesign(const std::vector<bool>& allowed, Found* found) {
   constexpr double kNothingToExplain = 1.05;
-  if (found->design < kNothingToExplain) return false;
+  if (found->design < kNothingToExplain || !HasRoom(found->state)) return false;
   for (const Move& move : scorer_->Additions(found->state, found->design, allowed, scorer_->policy().trials)) {
     State more = With(found->state, move.member);
     if (!scorer_->ScoreOf(more, found->design).is_possible) continue;
@@ -137,8 +143,7 @@ bool Searcher::Merge(const std::vector<bool>& allowed, Found* found) {
 
 bool Searcher::Improve(const std::vector<bool>& allowed, Found* found) {
   bool any = false;
-  while (static_cast<int>(found->state.size()) < scorer_->policy().most_effects && !IsCancelled() &&
-         AddBest(allowed, found)) {
+  while (HasRoom(found->state) && !IsCancelled() && AddBest(allowed, found)) {
     any = true;
     Drop(found);
     // What is left goes together less with every effect that was found: faint ones show.

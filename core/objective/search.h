@@ -54,6 +54,8 @@ class Searcher {
   bool IsIt(int a, int b) const;
   double DesignOf(const State& state, double design);
   void Settle(Found* found);
+  // Whether one more counted effect may join.
+  bool HasRoom(const State& state) const;
   bool IsCancelled() const { return cancelled_ && cancelled_(); }
 
   Scorer* scorer_;

@@ -12,9 +12,13 @@ Whitening::Whitening(Eigen::ArrayXd weight, Eigen::ArrayXd correlation, Eigen::A
 
 void Whitening::Apply(int begin, Eigen::Ref<Eigen::MatrixXd> columns) const {
   const Eigen::Index n = columns.rows();
+  Eigen::ArrayXd before(std::max<Eigen::Index>(0, is_white_ ? 0 : n - 1));
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     auto x = columns.col(c);
-    for (Eigen::Index k = n - 1; !is_white_ && k > 0; --k) x[k] -= correlation_[begin + k] * x[k - 1];
+    if (!is_white_ && n > 1) {
+      before.head(n - 1) = x.head(n - 1).array();
+      x.tail(n - 1).array() -= correlation_.segment(begin + 1, n - 1) * before;
+    }
     for (Eigen::Index k = 1; has_echo_ && k < n; ++k) x[k] += echo_[begin + k] * x[k - 1];
     x.array() *= weight_.segment(begin, n);
   }

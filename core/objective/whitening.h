@@ -16,6 +16,10 @@ class Whitening {
   Whitening(Eigen::ArrayXd weight, Eigen::ArrayXd correlation, Eigen::ArrayXd echo);
 
   int rows() const { return static_cast<int>(weight_.size()); }
+  bool is_white() const { return is_white_; }  // rows do not remember each other
+  bool has_echo() const { return has_echo_; }
+  const Eigen::ArrayXd& weight() const { return weight_; }
+  const Eigen::ArrayXd& correlation() const { return correlation_; }
   // In place, the rows begin .. begin + columns.rows() of whole series; as if everything above them were zero.
   void Apply(int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
   // Vectors u of all rows with x' u = (whitened x)' v for every column x.
