@@ -20,6 +20,9 @@ using instruments::MeasuringRun;
 using loop::Candidate;
 using loop::Family;
 
+// Neighbouring moments of a slip are alike: so many of them are one look.
+constexpr int kMomentsPerLook = 4;
+
 class Builder {
  public:
   Builder(const Linearised& linearised, const machine::ErrorModel& declared, const std::vector<Candidate>& known)
@@ -98,7 +101,8 @@ class Builder {
     ShapedItem item{one.term.shape, SensitivityOf(linearised_, one.term), {}};
     item.group.family = static_cast<int>(one.family);
     item.group.largest_amplitude = LargestAmplitudeOf(one, largest_value);
-    if (shapes::NonlinearParameter(one.term.shape) == nullptr) return item;
+    const auto* bump = std::get_if<shapes::Bump>(&one.term.shape);
+    if (bump == nullptr && shapes::NonlinearParameter(one.term.shape) == nullptr) return item;
     // The same shape closer than that in its length, time constant or frequency is the same effect; the dictionary's
     // next one is at most a factor of two, or kPitchStep of a period over the range, away.
     constexpr double kApart = 0.26, kReach = 0.7;  // ln 1.3, ln 2
@@ -106,6 +110,16 @@ class Builder {
     const int axis = shapes::VariableAxis(one.term.shape).value_or(-1);
     const auto kin = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, item.sensitivity);
     item.group.kin = kins_.try_emplace(kin, static_cast<int>(kins_.size())).first->second;
+    if (bump != nullptr) {  // the dictionary's next one of its width is one width away
+      item.group.place = bump->at;
+      item.group.apart = bump->width;
+      item.group.reach = 0.5 * bump->width;
+      item.group.size = std::log(bump->width);
+      // Half way to the dictionary's next width, a factor of two away, and no wider than a local defect is.
+      constexpr double kHalfWay = 0.35;
+      item.group.size_reach = std::min(kHalfWay, std::log(loop::WidestBump(machine_, bump->axis) / bump->width));
+      return item;
+    }
     const auto form = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, -1);
     item.group.form = kins_.try_emplace(form, static_cast<int>(kins_.size())).first->second;
     item.group.place = PlaceOf(one.term.shape);
@@ -208,37 +222,37 @@ class Builder {
     }
     objective::Group model;
     model.family = carrier == instruments::Carrier::kTable ? static_cast<int>(Family::kStep) : kToolSlipFamily;
+    model.looks = 1.0 / kMomentsPerLook;
     model.precision = Eigen::VectorXd::Constant(3, 1.0 / (instruments::kSlipSigmaMm * instruments::kSlipSigmaMm));
     return std::make_unique<objective::Slips>(linearised_.count(), std::move(series), columns.topRows(count), model);
   }
 
   void AddSlips() {
+    // The dictionary says what may slip where; its moments are too far apart for a slip that is faint or that others
+    // hide.
     std::map<std::pair<int, instruments::Carrier>, std::vector<int>> moments;
-    for (const Candidate& one : loop::MakeDictionary(plain_, machine::ErrorModel())) {
-      if (one.family != Family::kStep) continue;
-      const bool is_near = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
-        return known.family == Family::kStep && known.run == one.run && known.carrier == one.carrier &&
-               known.first_reading == one.first_reading;
-      });
-      if (!is_near) moments[{one.run, one.carrier}].push_back(one.first_reading);
-    }
-    // Around a slip that is known every moment, of whatever slipped.
-    for (const Candidate& known : known_) {
-      if (known.family != Family::kStep) continue;
-      const MeasuringRun& run = plain_.runs[known.run];
-      const int stride = loop::StepStride(run);
-      for (auto& [of, its] : moments) {
-        if (of.first != known.run) continue;
-        for (int k = known.first_reading - stride; k <= known.first_reading + stride; ++k) {
-          const bool is_known = k == known.first_reading && of.second == known.carrier;
-          if (!is_known && k >= loop::kSlipReadings && k + loop::kSlipReadings <= run.reading_count() &&
-              std::find(its.begin(), its.end(), k) == its.end())
-            its.push_back(k);
-        }
+    for (const Candidate& one : loop::MakeDictionary(plain_, machine::ErrorModel()))
+      if (one.family == Family::kStep) moments[{one.run, one.carrier}];
+    for (auto& [of, its] : moments) {
+      const MeasuringRun& run = plain_.runs[of.first];
+      const int stride = std::max(1, loop::StepStride(run) / kMomentsPerLook);
+      const auto is_near_known = [&](int k) {  // of whatever slipped
+        return std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
+          return known.family == Family::kStep && known.run == of.first && std::abs(known.first_reading - k) <= stride;
+        });
+      };
+      const auto is_known = [&](int k) {
+        return std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
+          return known.family == Family::kStep && known.run == of.first && known.carrier == of.second &&
+                 known.first_reading == k;
+        });
+      };
+      for (int k = loop::kSlipReadings; k + loop::kSlipReadings <= run.reading_count(); ++k) {
+        const bool is_asked = (k - loop::kSlipReadings) % stride == 0 || is_near_known(k);
+        if (is_asked && !is_known(k)) its.push_back(k);
       }
     }
-    for (auto& [of, its] : moments) {
-      std::sort(its.begin(), its.end());
+    for (const auto& [of, its] : moments) {
       for (const int first : its) {
         Candidate one;
         one.family = Family::kStep;

@@ -250,5 +250,27 @@ TEST(Effects, AShapeMovesToAnotherLength) {
   EXPECT_EQ(Shaped(linearised, {item}).Moved(0, 1.0), nullptr);
 }
 
+// So is a place and a width of a local shape.
+TEST(Effects, ALocalShapeMovesAndGrows) {
+  const identify::Fit fit = FitOf(Runs(), Declared());
+  const Scored scored(fit, {});
+  const int x = machine::FindAxis(kMachine, "X");
+  ShapedItem item{shapes::Bump{x, 40.0, 20.0}, machine::kComponents * x, {}};
+  item.group.place = PlaceOf(item.shape);
+  item.group.reach = 10.0;
+  item.group.size = std::log(20.0);
+  const Shaped source(scored.linearised, {item});
+  EXPECT_EQ(source.Resized(0, std::log(25.0)), nullptr);  // of one size
+  item.group.size_reach = 0.35;
+  const std::unique_ptr<objective::Source> moved = Shaped(scored.linearised, {item}).Moved(0, 45.0);
+  ASSERT_NE(moved, nullptr);
+  const std::unique_ptr<objective::Source> wider = moved->Resized(0, std::log(25.0));
+  ASSERT_NE(wider, nullptr);
+  item.shape = shapes::Bump{x, 45.0, 25.0};
+  EXPECT_LT((wider->Columns(0) - Shaped(scored.linearised, {item}).Columns(0)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(AsIn(wider->groups()[0], shapes::Bump{x, 1.0, 1.0}), AsIn(wider->groups()[0], item.shape));
+  EXPECT_EQ(std::get<shapes::Bump>(AsIn(wider->groups()[0], item.shape)).at, 45.0);
+}
+
 }  // namespace
 }  // namespace axiscal::effects

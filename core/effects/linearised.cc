@@ -6,6 +6,7 @@
 #include "core/identify/reduction.h"
 #include "core/identify/rows.h"
 #include "core/identify/whitening.h"
+#include "core/instruments/resolution.h"
 
 namespace axiscal::effects {
 namespace {
@@ -98,6 +99,17 @@ std::vector<std::vector<int>> ClusteringsOf(const Linearised& linearised) {
   return all;
 }
 
+// Rounding of a smooth signal leaves a sawtooth, whose first harmonic has the amplitude resolution / pi.
+double RoundingSquares(const identify::Problem& problem) {
+  double squares = 0.0;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const double sawtooth = instruments::CoarseResolutionOf(problem.runs[i]) / (M_PI * problem.noise[i].sigma_mm);
+    const auto used = std::count(problem.is_used[i].begin(), problem.is_used[i].end(), true);
+    squares += 0.5 * sawtooth * sawtooth * static_cast<double>(used);
+  }
+  return squares;
+}
+
 }  // namespace
 
 int SensitivityOf(const Linearised& linearised, const machine::ErrorTerm& term) {
@@ -171,6 +183,7 @@ Linearised Linearise(const identify::Problem& problem, const identify::Point& po
     rows.common_precision[k] = 1.0 / (largest * largest);
   }
   rows.clusterings = ClusteringsOf(out);
+  rows.rounding_squares = RoundingSquares(problem);
   return out;
 }
 

@@ -7,15 +7,22 @@
 namespace axiscal::effects {
 
 double PlaceOf(const shapes::Shape& shape) {
+  if (const auto* bump = std::get_if<shapes::Bump>(&shape)) return bump->at;
   const double* parameter = shapes::NonlinearParameter(shape);
   if (parameter == nullptr) return 0.0;
   return std::holds_alternative<shapes::Harmonic>(shape) ? *parameter : std::log(*parameter);
 }
 
 shapes::Shape AtPlace(shapes::Shape shape, double place) {
+  if (auto* bump = std::get_if<shapes::Bump>(&shape)) bump->at = place;
   if (double* parameter = shapes::NonlinearParameter(shape))
     *parameter = std::holds_alternative<shapes::Harmonic>(shape) ? place : std::exp(place);
   return shape;
+}
+
+shapes::Shape AsIn(const objective::Group& group, shapes::Shape shape) {
+  if (auto* bump = std::get_if<shapes::Bump>(&shape)) bump->width = std::exp(group.size);
+  return AtPlace(std::move(shape), group.place);
 }
 
 Shaped::Shaped(const Linearised& linearised, std::vector<ShapedItem> items, bool is_scan)
@@ -115,6 +122,14 @@ std::unique_ptr<objective::Source> Shaped::Moved(int group, double place) const 
   ShapedItem item = items_[group];
   item.shape = AtPlace(item.shape, place);
   item.group.place = place;
+  return std::make_unique<Shaped>(linearised_, std::vector<ShapedItem>{item});
+}
+
+std::unique_ptr<objective::Source> Shaped::Resized(int group, double size) const {
+  if (!(groups_[group].size_reach > 0.0)) return nullptr;
+  ShapedItem item = items_[group];
+  item.group.size = size;
+  item.shape = AsIn(item.group, item.shape);
   return std::make_unique<Shaped>(linearised_, std::vector<ShapedItem>{item});
 }
 

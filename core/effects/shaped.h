@@ -17,10 +17,12 @@ struct ShapedItem {
   objective::Group group;
 };
 
-// A place of a group is that of its shape's non-linear parameter: a frequency, or the logarithm of a length or time.
+// A place of a group is that of its shape's non-linear parameter, a frequency or the logarithm of a length or time, or
+// where a local shape stands.
 double PlaceOf(const shapes::Shape& shape);
-// With the non-linear parameter of a place.
+// The same shape at a place; as a group has it, with its size, too.
 shapes::Shape AtPlace(shapes::Shape shape, double place);
+shapes::Shape AsIn(const objective::Group& group, shapes::Shape shape);
 
 class Shaped : public objective::Source {
  public:
@@ -32,6 +34,7 @@ class Shaped : public objective::Source {
 
   Eigen::MatrixXd Columns(int group) const override;
   std::unique_ptr<objective::Source> Moved(int group, double place) const override;
+  std::unique_ptr<objective::Source> Resized(int group, double size) const override;
   void AddProducts(int begin, const Eigen::MatrixXd& u, Eigen::Ref<Eigen::MatrixXd> products) const override;
   std::vector<Eigen::MatrixXd> Grams(const objective::Whitening& whitening) const override;
 

@@ -29,6 +29,10 @@ struct Rows {
   // number per row, from 0.
   std::vector<std::vector<int>> clusterings;
 
+  // Squares (whitened) that an effect may seem to explain although it is not there, as a coarse display rounds what it
+  // shows: none that explains less is claimed.
+  double rounding_squares = 0.0;
+
   int count() const { return static_cast<int>(y.size()); }
 };
 

@@ -59,7 +59,7 @@ Scorer::Scorer(const Rows& rows, std::vector<std::unique_ptr<Source>> sources, c
   for (size_t s = 0; s < sources_.size(); ++s) {
     Take(*sources_[s], s);
     for (const Group& group : sources_[s]->groups()) {
-      visible_members_[group.family] += is_visible_[origin_.size()];
+      if (is_visible_[origin_.size()]) visible_members_[group.family] += group.looks;
       origin_.push_back(static_cast<int>(origin_.size()));
     }
   }
@@ -111,11 +111,14 @@ const Source& Scorer::SourceOf(int group, int* within) const {
   return *sources_[at_[group].first];
 }
 
-double Scorer::PriceOf(int which) const {
+double Scorer::PriceOf(int which, double design) const {
   const Group& one = group(which);
-  const int members = visible_members_.at(one.family);
-  return policy_.evidence + policy_.per_look * std::log(std::max(1, members)) +
-         (one.IsBlock() ? 0.0 : policy_.per_column * (one.columns - 1)) + (one.is_exotic ? policy_.exotic : 0.0);
+  const auto members = visible_members_.find(one.family);
+  const double looks = members == visible_members_.end() ? 1.0 : std::max(1.0, members->second);
+  const double price = policy_.evidence + policy_.per_look * std::log(looks) +
+                       (one.IsBlock() ? 0.0 : policy_.per_column * (one.columns - 1)) +
+                       (one.is_exotic ? policy_.exotic : 0.0);
+  return one.is_counted ? std::max(price, rows_.rounding_squares / design) : price;
 }
 
 Eigen::MatrixXd Scorer::Projected(int group) const {
@@ -177,7 +180,7 @@ double Scorer::ObjectiveWith(const State& state, const Source& moved, int of, do
   if (cholesky.info() != Eigen::Success) return kNone;
   const double left = factor.squares - right.dot(cholesky.solve(right));
   return dof_ / design * (std::log(factor.squares / dof_) + LogRatio(left, factor.squares)) + factor.log_det +
-         factor.prices + PriceOf(of);
+         factor.prices + PriceOf(of, design);
 }
 
 std::unique_ptr<Source> Scorer::MovedTo(int group, double place) const {
@@ -186,27 +189,54 @@ std::unique_ptr<Source> Scorer::MovedTo(int group, double place) const {
   return source.Moved(within, place);
 }
 
-// Golden section search: within the reach the objective has one minimum, or the grid is too coarse.
 bool Scorer::RefinePlace(size_t member, double design, State* state) {
-  const int of = (*state)[member].group;
-  const Group group_of = group(of);
-  if (!(group_of.reach > 0.0)) return false;
+  const Group before = group((*state)[member].group);
+  if (!(before.reach > 0.0) && !(before.size_reach > 0.0)) return false;
   // Asked for again, the same state gives the same answer.
-  std::vector<int> asked = {of};
-  for (const Member& one : *state) asked.push_back(one.group);
-  std::sort(asked.begin() + 1, asked.end());
-  if (at_best_.contains(asked)) return false;
+  const auto question = [&] {
+    std::vector<int> asked;
+    for (const Member& one : *state) asked.push_back(one.group);
+    std::sort(asked.begin(), asked.end());
+    asked.insert(asked.begin(), (*state)[member].group);
+    return asked;
+  };
+  if (at_best_.contains(question())) return false;
+  bool any = false;
+  constexpr int kRounds = 2;  // a place that comes with another size
+  for (int round = 0; round < kRounds; ++round) {
+    bool is_moved = false;
+    const auto moved = [this](int of, double place) { return MovedTo(of, place); };
+    const auto resized = [this](int of, double size) {
+      int within = 0;
+      const Source& source = SourceOf(of, &within);
+      return source.Resized(within, size);
+    };
+    if (before.reach > 0.0)
+      is_moved = RefineAlong(member, design, group((*state)[member].group).place, before.reach, moved, state);
+    if (before.size_reach > 0.0)
+      is_moved |= RefineAlong(member, design, group((*state)[member].group).size, before.size_reach, resized, state);
+    any |= is_moved;
+    if (!is_moved || !(before.size_reach > 0.0)) break;
+  }
+  at_best_.insert(question());
+  return any;
+}
+
+// Golden section search: within the reach the objective has one minimum, or the grid is too coarse.
+template <typename Make>
+bool Scorer::RefineAlong(size_t member, double design, double middle, double reach, Make make, State* state) {
+  const int of = (*state)[member].group;
   State others = *state;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(member));
   const auto objective_at = [&](double place) {
-    const std::unique_ptr<Source> moved = MovedTo(of, place);
+    const std::unique_ptr<Source> moved = make(of, place);
     return moved == nullptr ? std::numeric_limits<double>::infinity() : ObjectiveWith(others, *moved, of, design);
   };
   constexpr double kGolden = 0.618033988749895, kNarrow = 4e-3;  // share of the reach: the full fit finds the rest
-  double low = group_of.place - group_of.reach, high = group_of.place + group_of.reach;
+  double low = middle - reach, high = middle + reach;
   double inner = high - kGolden * (high - low), outer = low + kGolden * (high - low);
   double at_inner = objective_at(inner), at_outer = objective_at(outer);
-  while (high - low > kNarrow * group_of.reach) {
+  while (high - low > kNarrow * reach) {
     if (at_inner < at_outer) {
       high = outer;
       outer = inner;
@@ -223,15 +253,9 @@ bool Scorer::RefinePlace(size_t member, double design, State* state) {
   }
   const double place = 0.5 * (low + high);
   constexpr double kGain = 0.1;  // chi-square units: less is no reason for one more group
-  const bool is_better = objective_at(place) < ScoreOf(*state, design).objective - kGain;
-  if (is_better) {
-    const int moved = (*state)[member].group = Append(MovedTo(of, place), of);
-    std::erase(asked, of);   // from front and state
-    asked.push_back(moved);  // the last of all groups
-    asked.insert(asked.begin(), moved);
-  }
-  at_best_.insert(std::move(asked));
-  return is_better;
+  if (!(objective_at(place) < ScoreOf(*state, design).objective - kGain)) return false;
+  (*state)[member].group = Append(make(of, place), of);
+  return true;
 }
 
 void Scorer::MakeExact(int which) {
@@ -338,7 +362,7 @@ Scorer::Factor Scorer::FactorOf(const State& state, double design) {
         own += kRidge * own + (one.precision.size() > 0 ? design * one.precision[c] : 0.0);
       }
     }
-    factor.prices += PriceOf(state[i].group);
+    factor.prices += PriceOf(state[i].group, design);
   }
   const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);
   factor.is_possible = cholesky.info() == Eigen::Success;
@@ -408,9 +432,8 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
   Eigen::VectorXd right = with_y_;
   if (!state.empty()) right.noalias() -= half.transpose() * factor.half;
   // What a flat group explains, or nothing where it is a combination of the state or has an amplitude that is none.
-  const auto flat_explains = [&](int g, const Eigen::MatrixXd& beyond, bool is_exact) -> std::optional<double> {
+  const auto explains = [&](int g, auto gram, bool is_exact) -> std::optional<double> {
     const Group& one = group(g);
-    Eigen::MatrixXd gram = beyond;
     for (int c = 0; c < one.columns; ++c) {
       if (one.precision.size() == 0 && gram(c, c) <= policy_.distinct * gram_[g](c, c)) return std::nullopt;
       gram(c, c) += kRidge * gram_[g](c, c) + (one.precision.size() > 0 ? design * one.precision[c] : 0.0);
@@ -420,11 +443,12 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
       if (is_exact && std::abs(b[0]) > one.largest_amplitude * gram(0, 0)) return std::nullopt;
       return b[0] * b[0] / gram(0, 0);
     }
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);
+    using Gram = decltype(gram);
+    const Eigen::LLT<Gram> cholesky(gram);
     const double last = cholesky.matrixLLT()(one.columns - 1, one.columns - 1);
     if (cholesky.info() != Eigen::Success || last * last < policy_.distinct * gram(one.columns - 1, one.columns - 1))
       return std::nullopt;
-    const Eigen::VectorXd amplitude = cholesky.solve(b);
+    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Gram::MaxRowsAtCompileTime, 1> amplitude = cholesky.solve(b);
     if (is_exact && amplitude.cwiseAbs().maxCoeff() > one.largest_amplitude) return std::nullopt;
     return b.dot(amplitude);
   };
@@ -437,23 +461,31 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
     const auto its = products(g);
     return gram_[g] - its.transpose() * its;
   };
+  const auto flat_explains = [&](int g, bool is_exact) {
+    constexpr int kSmall = 4;  // columns of nearly all groups: on the stack, as there are tens of thousands
+    const int columns = group(g).columns;
+    if (columns > kSmall) return explains(g, beyond(g), is_exact);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kSmall, kSmall> gram = gram_[g];
+    const auto its = products(g);
+    if (!state.empty()) gram -= its.transpose().lazyProduct(its);
+    return explains(g, gram, is_exact);
+  };
   const auto look_at = [&](int g) {
     const Group& one = group(g);
-    const Eigen::MatrixXd gram = beyond(g);
     Move move{{g, 0.0}};
     if (one.IsBlock()) {
-      move = BestBlock(g, gram, right.segment(first_column_[g], one.columns), factor.squares, design);
+      move = BestBlock(g, beyond(g), right.segment(first_column_[g], one.columns), factor.squares, design);
     } else {
-      const std::optional<double> explained = flat_explains(g, gram, true);
+      const std::optional<double> explained = flat_explains(g, true);
       if (!explained) return;
       move.objective = gain(*explained);
       // What the new columns and the blocks share, the blocks need no longer explain.
       if (factor.flat < factor.half.size()) {
         const auto by_flat = products(g).topRows(factor.flat);
-        move.objective += LogDeterminant(gram) - LogDeterminant(gram_[g] - by_flat.transpose() * by_flat);
+        move.objective += LogDeterminant(beyond(g)) - LogDeterminant(gram_[g] - by_flat.transpose() * by_flat);
       }
     }
-    move.objective += PriceOf(g);
+    move.objective += PriceOf(g, design);
     if (move.objective > limit()) return;
     move.objective += base;
     visit(move, base);
@@ -470,8 +502,8 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
       look_at(g);
       continue;
     }
-    const std::optional<double> explained = flat_explains(g, beyond(g), false);
-    if (explained) scanned.emplace_back(gain(*explained / policy_.scan_visible) + PriceOf(g), g);
+    const std::optional<double> explained = flat_explains(g, false);
+    if (explained) scanned.emplace_back(gain(*explained / policy_.scan_visible) + PriceOf(g, design), g);
   }
   // The most promising first: what they are worth spares the projection of most others.
   std::sort(scanned.begin(), scanned.end());

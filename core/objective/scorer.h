@@ -1,7 +1,8 @@
 // The objective: how well a set of effects explains the rows, less what it costs to have looked for them.
 //
 //   J(S) = dof/D ln(rss(S) / dof) + ln det(I + L^(1/2) (K / D) L^(1/2)) + sum over effects e in S of price(e)
-//   price(e) = evidence + per_look ln(visible members of its family) + per_column (columns - 1), the last not of blocks
+//   price(e) = evidence + per_look ln(visible members of its family) + per_column (columns - 1), the last not of
+//   blocks; at least what rounding may look like (Rows::rounding_squares), but for bad rows
 //
 // rss: squares left with the nuisance, the flat amplitudes and the blocks' posterior means taken off, their priors'
 // squares added. K: Gram matrix of the blocks' columns beyond nuisance and flat ones, L: the blocks' prior variances.
@@ -62,7 +63,8 @@ class Scorer {
   // The group that it was at first, itself where it was never moved.
   int OriginOf(int group) const { return origin_[group]; }
   bool IsVisible(int group) const { return is_visible_[group]; }
-  double PriceOf(int group) const;
+  // `design`: what rounding may look like is no less noise than others.
+  double PriceOf(int group, double design) const;
   double degrees_of_freedom() const { return dof_; }
 
   Score ScoreOf(const State& state, double design);
@@ -75,7 +77,7 @@ class Scorer {
   double ObjectiveWith(const State& state, const Source& moved, int of, double design);
   // A group alone at another place; null where it has none.
   std::unique_ptr<Source> MovedTo(int group, double place) const;
-  // A member at the place of least objective within its reach, the others given: true where it gained.
+  // A member at the place and of the size of least objective within its reach, the others given: true where it gained.
   bool RefinePlace(size_t member, double design, State* state);
   // The variance of each block at which the objective is least, the others given.
   void RefineVariances(double design, State* state);
@@ -103,6 +105,8 @@ class Scorer {
   const Eigen::MatrixXd& Cross(int group, int other);
   // Gram matrix of the state's columns, flat ones first; where each member's columns are in it.
   Factor FactorOf(const State& state, double design);
+  template <typename Make>
+  bool RefineAlong(size_t member, double design, double middle, double reach, Make make, State* state);
   // Projects a member of a scan.
   void MakeExact(int group);
   // Calls visit(move) for each addition whose objective may be at most base + limit(), base being that of the state.
@@ -120,12 +124,12 @@ class Scorer {
   Eigen::Index column_count_ = 0;
   std::vector<bool> is_visible_, is_exact_;
   std::vector<int> origin_;
-  std::map<int, int> visible_members_;  // per family
-  std::vector<Eigen::MatrixXd> gram_;   // per group, projected
-  Eigen::VectorXd with_y_;              // per column, projected
-  Eigen::MatrixXd own_, common_;        // nuisance columns for products with raw columns (Whitening::Adjoint)
-  Eigen::VectorXd y_;                   // projected, at the rows
-  double squares_ = 0.0, dof_ = 1.0;    // of y, projected
+  std::map<int, double> visible_members_;  // per family: their looks
+  std::vector<Eigen::MatrixXd> gram_;      // per group, projected
+  Eigen::VectorXd with_y_;                 // per column, projected
+  Eigen::MatrixXd own_, common_;           // nuisance columns for products with raw columns (Whitening::Adjoint)
+  Eigen::VectorXd y_;                      // projected, at the rows
+  double squares_ = 0.0, dof_ = 1.0;       // of y, projected
   std::map<int, Loaded> loaded_;
   std::set<std::vector<int>> at_best_;  // a group, then all of its state in ascending order: no place is better
   std::map<std::pair<int, int>, Eigen::MatrixXd> cross_;  // of groups in ascending order

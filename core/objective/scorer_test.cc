@@ -114,5 +114,32 @@ TEST(Scorer, CombinationsOfEachOtherAreNoState) {
   EXPECT_TRUE(scorer.Additions({{0, 0.0}}, 1.0, {}, 2).empty());
 }
 
+// A family pays for its looks, of which several alike members are one; what rounding may look like is the least that an
+// effect pays, and no bad row.
+TEST(Scorer, ThePriceCountsLooksAndIsNoLessThanRounding) {
+  Rows rows = MakeRows(3);
+  constexpr int kGroups = 16;
+  Group one, alike, bad;
+  one.columns = alike.columns = 2;
+  alike.family = 1;
+  alike.looks = 0.25;
+  bad.family = 2;
+  bad.is_counted = false;
+  const Policy policy;
+  constexpr double kDesign = 2.0;  // rounding that looks like an effect counts as any noise
+  const auto price_of = [&](const Group& group) {
+    std::vector<std::unique_ptr<Source>> sources;
+    const Eigen::MatrixXd columns = Harmonics(kGroups).leftCols(kGroups * group.columns);
+    sources.push_back(std::make_unique<DenseSource>(columns, std::vector<Group>(kGroups, group)));
+    return Scorer(rows, std::move(sources), policy).PriceOf(0, kDesign);
+  };
+  EXPECT_DOUBLE_EQ(price_of(one), policy.evidence + policy.per_look * std::log(16.0) + policy.per_column);
+  EXPECT_DOUBLE_EQ(price_of(alike), policy.evidence + policy.per_look * std::log(4.0) + policy.per_column);
+  const double of_row = price_of(bad);
+  rows.rounding_squares = 500.0;
+  EXPECT_DOUBLE_EQ(price_of(one), 500.0 / kDesign);
+  EXPECT_DOUBLE_EQ(price_of(bad), of_row);
+}
+
 }  // namespace
 }  // namespace axiscal::objective

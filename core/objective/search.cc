@@ -31,10 +31,9 @@ double Searcher::DesignOf(const State& state, double design) { return design_->O
 
 bool Searcher::IsIt(int a, int b) const { return scorer_->OriginOf(a) == scorer_->OriginOf(b); }
 
-bool Searcher::HasRoom(const State& state) const {
-  return std::count_if(state.begin(), state.end(), [&](const Member& one) {
-           return scorer_->group(one.group).is_counted;
-         }) < scorer_->policy().most_effects;
+int Searcher::CountedOf(const State& state) const {
+  return static_cast<int>(std::count_if(state.begin(), state.end(),
+                                        [&](const Member& one) { return scorer_->group(one.group).is_counted; }));
 }
 
 // D of what is left now, and the objective at it.
@@ -132,6 +131,7 @@ bool Searcher::Merge(const std::vector<bool>& allowed, Found* found) {
     double objective = scorer_->ScoreOf(more, found->design).objective;
     if (!std::isfinite(objective)) continue;
     DropAt(found->design, &more, &objective);
+    if (CountedOf(more) > scorer_->policy().most_effects) continue;
     if (objective < found->objective - scorer_->policy().replacement_gain) {
       found->state = std::move(more);
       found->objective = objective;
@@ -177,7 +177,7 @@ void Searcher::Prune(Found* found) {
     double worst = 0.0;
     size_t which = 0;
     for (size_t i = 0; i < found->state.size(); ++i) {
-      const double price = scorer_->PriceOf(found->state[i].group);
+      const double price = scorer_->PriceOf(found->state[i].group, found->design);
       const double own = std::max(1.0, design_->OfGroup(found->state[i].group, residual) / found->design);
       const double without = scorer_->ScoreOf(Without(found->state, i), found->design).objective;
       const double worth = (without - found->objective + price) / own - price;

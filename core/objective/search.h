@@ -54,8 +54,10 @@ class Searcher {
   bool IsIt(int a, int b) const;
   double DesignOf(const State& state, double design);
   void Settle(Found* found);
-  // Whether one more counted effect may join.
-  bool HasRoom(const State& state) const;
+  // Effects of a state that Policy::most_effects limits.
+  int CountedOf(const State& state) const;
+  // Whether one more may join.
+  bool HasRoom(const State& state) const { return CountedOf(state) < scorer_->policy().most_effects; }
   bool IsCancelled() const { return cancelled_ && cancelled_(); }
 
   Scorer* scorer_;

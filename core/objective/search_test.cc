@@ -234,5 +234,31 @@ TEST(Search, StartsByFamiliesEndWithAllFamilies) {
   EXPECT_THAT(GroupsOf(SearchAll(&scorer, {{{}, {0}}})), UnorderedElementsAre(3, kOrders + 5));
 }
 
+// Bad rows are no effects: a limit of one effect leaves room for all of them, and for the strongest effect.
+TEST(Search, ALimitCountsEffectsAndNoBadRows) {
+  std::mt19937 random(5);
+  Rows rows = MakeRows(6);
+  const Eigen::MatrixXd harmonics = Harmonics(kOrders);
+  rows.y += 2.0 * harmonics.col(4) + 0.8 * harmonics.col(20);
+  const std::vector<int> bad = {50, 220, 400};
+  for (const int row : bad) rows.y[row] += 15.0;
+  Group model;
+  model.family = 2;
+  model.is_counted = false;
+  std::vector<int> all(kRows);
+  for (int i = 0; i < kRows; ++i) all[i] = i;
+  const auto search = [&](int most) {
+    std::vector<std::unique_ptr<Source>> sources = Dictionary(&random);
+    sources.push_back(std::make_unique<SingleRows>(kRows, all, model));
+    Policy policy;
+    policy.most_effects = most;
+    Scorer scorer(rows, std::move(sources), policy);
+    return GroupsOf(SearchAll(&scorer));
+  };
+  const int first_row = kOrders + kRandom;
+  EXPECT_THAT(search(1), UnorderedElementsAre(2, first_row + bad[0], first_row + bad[1], first_row + bad[2]));
+  EXPECT_THAT(search(2), UnorderedElementsAre(2, 10, first_row + bad[0], first_row + bad[1], first_row + bad[2]));
+}
+
 }  // namespace
 }  // namespace axiscal::objective

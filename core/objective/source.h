@@ -22,6 +22,7 @@ struct Group {
   double largest_variance = std::numeric_limits<double>::infinity();  // of a block's `variance`
   // A flat effect with an amplitude beyond this is none that a machine has.
   double largest_amplitude = std::numeric_limits<double>::infinity();
+  double looks = 1.0;      // for how many its family counts it: less where neighbours are alike
   bool is_counted = true;  // among the effects of which a state holds so many at most
   bool is_exotic = false;  // a plain name rivals it (Policy::exotic)
   // Groups of one kin whose places are less than `apart` from each other are one effect: a state holds one of them.
@@ -30,6 +31,8 @@ struct Group {
   double place = 0.0, apart = 0.0;
   // A better place (length, frequency, moment ...) may be this far from it, as a grid holds only some: 0 where not.
   double reach = 0.0;
+  // Likewise of a second parameter (the logarithm of a local shape's width).
+  double size = 0.0, size_reach = 0.0;
   int form = -1;  // groups of one form are alike only at the same place; < 0: places do not compare
 
   bool IsBlock() const { return spectrum.size() > 0; }
@@ -53,6 +56,8 @@ class Source {
   virtual Eigen::MatrixXd Columns(int group) const = 0;
   // A source with this group alone at another place. Null where a group has no reach.
   virtual std::unique_ptr<Source> Moved(int group, double place) const { return nullptr; }
+  // The same of another size.
+  virtual std::unique_ptr<Source> Resized(int group, double size) const { return nullptr; }
   // products += X' u, X the raw columns of all groups in the rows begin .. begin + u.rows() (whole series);
   // column_count() x u.cols().
   virtual void AddProducts(int begin, const Eigen::MatrixXd& u, Eigen::Ref<Eigen::MatrixXd> products) const;
