@@ -6,11 +6,14 @@
 #include <set>
 #include <tuple>
 
+#include "core/base/units.h"
 #include "core/effects/catalogue.h"
 #include "core/effects/shaped.h"
+#include "core/identify/noise.h"
 #include "core/loop/check.h"
 #include "core/loop/describe.h"
 #include "core/loop/fitting.h"
+#include "core/loop/moved_datum.h"
 #include "core/loop/same_always.h"
 #include "core/objective/search.h"
 
@@ -32,25 +35,67 @@ constexpr double kLinear = 0.01;
 // What makes two sets of effects the same: names, and for slips and bad rows their places.
 using Key = std::tuple<std::string, int, int>;
 
+// Fitted sessions that scatter by more than noise may (identify::kMostScatter), and by more than that by chance.
+std::vector<loop::Unexplained> ScatteringSessions(const Fit& fit) {
+  constexpr double kBeyondChance = 6.0, kAtTheLimit = 1.0 - 1e-9;  // standard deviations
+  std::vector<loop::Unexplained> sessions;
+  for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
+    const MeasuringRun& run = fit.problem.runs[i];
+    if (fit.problem.noise[i].sigma_mm < kAtTheLimit * identify::kMostScatter * run.sigma_mm) continue;
+    const std::vector<bool>& used = fit.problem.is_used[i];
+    const auto count = static_cast<double>(std::count(used.begin(), used.end(), true));
+    if (identify::WhitenedSquaresOf(fit.problem, i, fit.residuals_mm[i]) <=
+        count + kBeyondChance * std::sqrt(2.0 * count))
+      continue;
+    double squares = 0.0;
+    for (Eigen::Index k = 0; k < fit.residuals_mm[i].size(); ++k)
+      if (used[static_cast<size_t>(k)]) squares += std::pow(fit.residuals_mm[i].data()[k], 2);
+    sessions.push_back({loop::Unexplained::kScatter, "t", run.time_s.front(), run.time_s.back(), run.session,
+                        std::sqrt(squares / count)});
+  }
+  return sessions;
+}
+
+// What would leave no trace. Constants are mostly only where a machine's zero is; crossed variables and fine scans
+// would flood the list.
+std::vector<machine::ErrorTerm> NotVisible(const objective::Scorer& scorer, const std::vector<Effect>& effects) {
+  std::vector<machine::ErrorTerm> terms, visible;  // at any time constant or length
+  for (size_t g = 0; g < effects.size(); ++g) {
+    const Family family = effects[g].candidate.family;
+    if (effects[g].bad_row >= 0 || IsUnnamed(family) || family == Family::kConstant || family == Family::kCross ||
+        family == Family::kFineHarmonic || family == Family::kPitch)
+      continue;
+    const machine::ErrorTerm& term = effects[g].candidate.term;
+    std::vector<machine::ErrorTerm>& list = scorer.IsVisible(static_cast<int>(g)) ? visible : terms;
+    if (std::none_of(list.begin(), list.end(), [&](const auto& one) { return loop::IsSameEffect(term, one); }))
+      list.push_back(term);
+  }
+  std::erase_if(terms, [&](const machine::ErrorTerm& term) {
+    return std::any_of(visible.begin(), visible.end(), [&](const auto& one) { return loop::IsSameEffect(term, one); });
+  });
+  return terms;
+}
+
 class Decider {
  public:
   Decider(const machine::Machine& machine, std::vector<MeasuringRun> fit, std::vector<MeasuringRun> check,
-          const loop::Options& options, const objective::Policy& policy)
+          const Options& options)
       : machine_(machine),
         runs_(std::move(fit)),
         options_(options),
-        policy_(policy),
+        policy_(options.policy),
         identify_options_(OptionsOf(options)),
         declared_(machine::DeclaredModel(machine)),
         check_(machine, std::move(check), identify_options_),
         all_(check_.After(runs_)) {
-    policy_.most_effects = std::min(policy_.most_effects, options.max_effects);
+    if (options.max_effects) policy_.most_effects = std::min(policy_.most_effects, *options.max_effects);
   }
 
   absl::StatusOr<loop::Report> Run() {
     loop::Report report;
     report.has_check = !check_.is_empty();
     Ending ending{Extension(machine_, runs_), {}};
+    if (options_.progress) options_.progress({"fitting the declared model", 0.0, ""});
     ASSIGN_OR_RETURN(ending.fit, FitExtension(machine_, ending.extension, identify_options_));
     report.fit_before = ending.fit.result.fit;
     report.declared = ending.fit.result.model;
@@ -80,7 +125,14 @@ class Decider {
       }
       report.unexplained.insert(report.unexplained.end(), sessions.begin(), sessions.end());
     }
+    ASSIGN_OR_RETURN(const std::vector<reports::WarningFacts> datum,
+                     loop::ProposeDatum(ending.fit, ending.extension, identify_options_));
+    report.fitted.warnings.insert(report.fitted.warnings.end(), datum.begin(), datum.end());
+    const std::vector<loop::Unexplained> scattering = ScatteringSessions(ending.fit);
+    report.unexplained.insert(report.unexplained.end(), scattering.begin(), scattering.end());
     if (!report.unexplained.empty()) report.verdict = loop::Verdict::kUnexplained;
+    // Steps are of fits of all sessions; what the last one left is said of those that amplitudes are fitted to.
+    if (!report.steps.empty()) report.steps.back().rms_mm = report.fit_after.rms_mm;
     report.last_fit = std::make_shared<Fit>(std::move(ending.fit));
     return report;
   }
@@ -93,7 +145,7 @@ class Decider {
 
   absl::Status Describe(const Ending& ending, const std::vector<MeasuringRun>& runs, loop::Report* report) {
     ASSIGN_OR_RETURN(report->check_after, CheckStatistics(ending.fit, &loop::SessionResiduals::after_mm, report));
-    loop::Describe(machine_, runs, ending.extension, ending.fit, options_.search, report);
+    loop::Describe(machine_, runs, ending.extension, ending.fit, {}, report);
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::after_mm, report);
     return absl::OkStatus();
   }
@@ -131,7 +183,7 @@ class Decider {
     return alone;
   }
 
-  static identify::Options OptionsOf(const loop::Options& options) {
+  static identify::Options OptionsOf(const Options& options) {
     identify::Options out;
     out.cancelled = options.cancelled;
     out.scale_uncertainties = true;
@@ -186,6 +238,11 @@ class Decider {
       if (absl::IsCancelled(fitted.status())) return fitted.status();
       if (!fitted.ok()) return absl::OkStatus();
       NoteChanges(*extension, next, *fitted, report);
+      if (options_.progress) {
+        options_.progress({"closing the loop", (round + 1.0) / (kRounds + 1.0),
+                           absl::StrFormat("%d candidates, %d effects, rms %.3f um", report->candidates,
+                                           next.effects.size(), fitted->result.fit.rms_mm * base::kUmPerMm)});
+      }
       *extension = std::move(next);
       *fit = *std::move(fitted);
       if (std::find(seen.begin(), seen.end(), keys) != seen.end()) return absl::OkStatus();
@@ -276,8 +333,26 @@ class Decider {
     std::vector<objective::Start> starts(1);
     for (const int group : catalogue.known) starts[0].state.push_back({group, 0.0});
     const objective::Found found = searcher.Search(starts);
-    if (is_first) report->candidates = scorer.group_count();
+    if (is_first) Rank(scorer, design, catalogue, report);
+    const auto counted = std::count_if(found.state.begin(), found.state.end(), [&](const objective::Member& member) {
+      return scorer.group(member.group).is_counted;
+    });
+    report->has_stopped_early = counted >= policy_.most_effects;
     Take(scorer, found, searcher.ClassesOf(found, kLinear), linearised, catalogue, next);
+  }
+
+  // What the declared model lacks at first sight.
+  static void Rank(objective::Scorer& scorer, const objective::DesignEffect& design,
+                   const effects::Catalogue& catalogue, loop::Report* report) {
+    report->candidates = scorer.group_count();
+    report->not_visible = NotVisible(scorer, catalogue.effects);
+    constexpr int kRanked = 20;
+    const double all = design.Of(scorer.ResidualOf({}, 1.0)), base = scorer.ScoreOf({}, all).objective;
+    for (const objective::Move& move : scorer.Additions({}, all, {}, kRanked)) {
+      const Effect& effect = catalogue.effects[scorer.OriginOf(move.member.group)];
+      if (effect.bad_row < 0)
+        report->ranking.push_back({effect.candidate, 0.0, base + scorer.policy().evidence - move.objective});
+    }
   }
 
   void Take(objective::Scorer& scorer, const objective::Found& found,
@@ -300,7 +375,7 @@ class Decider {
       added.candidate = effect.candidate;
       added.score = scorer.ScoreOf(without, found.design).objective - found.objective + policy_.evidence;
       if (effect.candidate.family != Family::kStep) {
-        added.candidate.term.shape = effects::AtPlace(added.candidate.term.shape, scorer.group(group).place);
+        added.candidate.term.shape = effects::AsIn(scorer.group(group), added.candidate.term.shape);
         for (Eigen::Index b = 0; b < score.amplitude[i].size(); ++b)
           added.candidate.term.amplitude[b] = score.amplitude[i][b];
       }
@@ -377,7 +452,7 @@ class Decider {
 
   const machine::Machine& machine_;
   const std::vector<MeasuringRun> runs_;
-  const loop::Options options_;
+  const Options options_;
   objective::Policy policy_;
   const identify::Options identify_options_;
   const machine::ErrorModel declared_;
@@ -388,9 +463,8 @@ class Decider {
 }  // namespace
 
 absl::StatusOr<loop::Report> Decide(const machine::Machine& machine, std::vector<MeasuringRun> fit,
-                                    std::vector<MeasuringRun> check, const loop::Options& options,
-                                    const objective::Policy& policy) {
-  return Decider(machine, std::move(fit), std::move(check), options, policy).Run();
+                                    std::vector<MeasuringRun> check, const Options& options) {
+  return Decider(machine, std::move(fit), std::move(check), options).Run();
 }
 
 }  // namespace axiscal::decide

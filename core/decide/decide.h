@@ -5,15 +5,13 @@
 
 #include <vector>
 
-#include "core/loop/close_loop.h"
-#include "core/objective/policy.h"
+#include "core/decide/close_loop.h"
 
 namespace axiscal::decide {
 
-// The report and errors of loop::CloseLoop.
+// CloseLoop without its questions to the sessions before and its simulation afterwards.
 absl::StatusOr<loop::Report> Decide(const machine::Machine& machine, std::vector<instruments::MeasuringRun> fit,
-                                    std::vector<instruments::MeasuringRun> check, const loop::Options& options = {},
-                                    const objective::Policy& policy = {});
+                                    std::vector<instruments::MeasuringRun> check, const Options& options = {});
 
 }  // namespace axiscal::decide
 

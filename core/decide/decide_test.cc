@@ -108,7 +108,7 @@ TEST(Decide, ASlipIsToldWithItsSessionAndMomentAndBadReadingsAreListed) {
 
 TEST(Decide, ASearchThatIsCancelledSaysSo) {
   const Sessions sessions = MeasureWith(R"({"symbol": "EXX", "shape": "backlash", "amplitude": -2.9})");
-  loop::Options options;
+  Options options;
   int asked = 0;
   options.cancelled = [&asked] { return ++asked > 25; };
   EXPECT_EQ(Decide(kMachine, sessions.fit, sessions.check, options).status().code(), absl::StatusCode::kCancelled);

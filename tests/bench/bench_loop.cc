@@ -2,6 +2,7 @@
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
+#include "core/decide/close_loop.h"
 #include "core/identify/testing/scenario.h"
 #include "core/loop/close_loop.h"
 
@@ -10,9 +11,8 @@ namespace {
 
 // Five ball-bar patterns of a multi-tasking machine that lacks a backlash, sampled until there are about `readings`.
 std::vector<instruments::MeasuringRun> Sessions(const machine::Machine& machine, int readings) {
-  const machine::ErrorModel truth = identify::testing::Errors(
-      machine,
-      R"({"EA0B": 40, "EX0C": -22.2, "EY0C": 15.3, "EZ0T": 29.9,
+  const machine::ErrorModel truth = identify::testing::Errors(machine,
+                                                              R"({"EA0B": 40, "EX0C": -22.2, "EY0C": 15.3, "EZ0T": 29.9,
            "terms": [{"symbol": "EXX", "shape": "backlash", "amplitude": -2.9}]})");
   constexpr double kDegrees = 2520.0;  // of all five patterns
   ballbar::PatternOptions options;
@@ -22,13 +22,14 @@ std::vector<instruments::MeasuringRun> Sessions(const machine::Machine& machine,
       .value();
 }
 
-void CloseTheLoop(benchmark::State& state) {
+template <typename Close>
+void Time(benchmark::State& state, Close close) {
   const machine::Machine machine = machine::testing::MultiTasking();
   const std::vector<instruments::MeasuringRun> runs = Sessions(machine, static_cast<int>(state.range(0)));
   int readings = 0, candidates = 0;
   for (const instruments::MeasuringRun& run : runs) readings += run.reading_count();
   for (auto _ : state) {
-    const loop::Report report = loop::CloseLoop(machine, runs, {}).value();
+    const loop::Report report = close(machine, runs).value();
     candidates = report.candidates;
     if (report.effects.size() != 1) state.SkipWithError("the lacking effect was not found");
   }
@@ -40,6 +41,14 @@ void CloseTheLoop(benchmark::State& state) {
       benchmark::Counter(readings * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.counters["peak_MiB"] = static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
+
+void CloseTheLoop(benchmark::State& state) {
+  Time(state, [](const auto& machine, const auto& runs) { return loop::CloseLoop(machine, runs, {}); });
+}
+void ByTheObjective(benchmark::State& state) {
+  Time(state, [](const auto& machine, const auto& runs) { return decide::CloseLoop(machine, runs, {}); });
+}
+BENCHMARK(ByTheObjective)->Arg(3000)->Arg(30000)->Arg(300000)->Unit(benchmark::kMillisecond);
 BENCHMARK(CloseTheLoop)->Arg(3000)->Arg(30000)->Arg(300000)->Unit(benchmark::kMillisecond);
 
 }  // namespace

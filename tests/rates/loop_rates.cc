@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/units.h"
-#include "core/decide/decide.h"
+#include "core/decide/close_loop.h"
 #include "core/loop/close_loop.h"
 #include "tests/rates/next_session.h"
 #include "tests/rates/physics_case.h"
@@ -60,7 +60,7 @@ Left JudgePhysics(const axiscal::rates::PhysicsCase& physics, bool by_objective)
   for (const std::string& name : physics.put_in) left.text += " " + name;
   const auto declared = axiscal::identify::Identify(physics.machine, physics.simulated.measured.fit);
   const auto start = std::chrono::steady_clock::now();
-  const auto closed = by_objective ? axiscal::decide::Decide(physics.machine, physics.fit, physics.check)
+  const auto closed = by_objective ? axiscal::decide::CloseLoop(physics.machine, physics.fit, physics.check)
                                    : loop::CloseLoop(physics.machine, physics.fit, physics.check);
   left.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto error_um = [&](const axiscal::machine::ErrorModel& model) {

@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "core/decide/decide.h"
+#include "core/decide/close_loop.h"
 #include "core/loop/close_loop.h"
 
 namespace axiscal::rates {
@@ -51,7 +51,7 @@ Score Judge(const SimulatedCase& simulated, Kind kind, bool by_objective) {
   const machine::Machine& machine = simulated.machine;
   Score score;
   const auto start = std::chrono::steady_clock::now();
-  const absl::StatusOr<loop::Report> run = by_objective ? decide::Decide(machine, simulated.fit, simulated.check)
+  const absl::StatusOr<loop::Report> run = by_objective ? decide::CloseLoop(machine, simulated.fit, simulated.check)
                                                         : loop::CloseLoop(machine, simulated.fit, simulated.check);
   score.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   score.effects = kind == Kind::kBump ? 0 : static_cast<int>(simulated.effects.terms.size());

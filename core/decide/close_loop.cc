@@ -1,0 +1,88 @@
+#include "core/decide/close_loop.h"
+
+#include <algorithm>
+
+#include "core/decide/decide.h"
+
+namespace axiscal::decide {
+namespace {
+
+using instruments::MeasuringRun;
+
+// The loop's share of the progress, where a simulation comes after it.
+constexpr double kLoopShare = 0.3;
+
+// A copy of a session under any name: fitted twice it would count twice, and as a check it would prove nothing.
+absl::Status CheckRepeated(const std::vector<MeasuringRun>& fit, const std::vector<MeasuringRun>& check) {
+  const auto run = [&](size_t i) -> const MeasuringRun& { return i < fit.size() ? fit[i] : check[i - fit.size()]; };
+  const auto name = [&](size_t i) {
+    return absl::StrCat(i < fit.size() ? "fit" : "check", " session '", run(i).session, "'");
+  };
+  for (size_t i = 0; i < fit.size() + check.size(); ++i) {
+    for (size_t k = 0; k < i; ++k) {
+      if (run(i).kind != run(k).kind || run(i).time_s != run(k).time_s || run(i).positions != run(k).positions ||
+          run(i).measured_mm != run(k).measured_mm)
+        continue;
+      return absl::InvalidArgumentError(
+          absl::StrCat(name(i), " holds the same readings as ", name(k),
+                       i < fit.size() ? ": they would count twice" : ": what was fitted or checked proves nothing"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Fit and check sessions: an effect that drifts is judged in both.
+absl::Status CheckClock(const machine::Machine& machine, const std::vector<MeasuringRun>& fit,
+                        const std::vector<MeasuringRun>& check) {
+  std::vector<MeasuringRun> first;  // what is compared, without readings
+  for (const std::vector<MeasuringRun>* runs : {&fit, &check}) {
+    for (const MeasuringRun& run : *runs) {
+      MeasuringRun& one = first.emplace_back();
+      one.session = run.session;
+      one.has_time = run.has_time;
+      one.path_readings = run.path_readings;
+    }
+  }
+  return identify::CheckClock(machine, first);
+}
+
+// Before any work: names of sessions that are not there.
+absl::Status CheckBudget(const std::vector<MeasuringRun>& fit, const Options& options) {
+  if (!options.monte_carlo) return absl::OkStatus();
+  std::vector<std::string> names;
+  for (const MeasuringRun& run : fit) names.push_back(run.session);
+  return identify::CheckSessions(options.monte_carlo->budget, names);
+}
+
+absl::Status Simulate(const Options& options, loop::Report* report) {
+  identify::MonteCarloOptions simulation = *options.monte_carlo;
+  simulation.cancelled = options.cancelled;
+  simulation.progress = [&options, runs = simulation.runs](double fraction) {
+    if (options.progress)
+      options.progress({"simulating", kLoopShare + (1.0 - kLoopShare) * fraction, absl::StrCat(runs, " runs")});
+  };
+  ASSIGN_OR_RETURN(report->monte_carlo, identify::MonteCarlo(*report->last_fit, simulation));
+  report->budget_json = options.budget_json;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<loop::Report> CloseLoop(const machine::Machine& machine, std::vector<MeasuringRun> fit,
+                                       std::vector<MeasuringRun> check, const Options& options) {
+  RETURN_IF_ERROR(CheckRepeated(fit, check));
+  RETURN_IF_ERROR(CheckClock(machine, fit, check));
+  RETURN_IF_ERROR(CheckBudget(fit, options));
+  Options own = options;
+  if (options.monte_carlo && options.progress) {
+    own.progress = [&options](identify::Progress one) {
+      one.fraction *= kLoopShare;
+      options.progress(one);
+    };
+  }
+  ASSIGN_OR_RETURN(loop::Report report, Decide(machine, std::move(fit), std::move(check), own));
+  if (options.monte_carlo) RETURN_IF_ERROR(Simulate(options, &report));
+  return report;
+}
+
+}  // namespace axiscal::decide
