@@ -452,7 +452,8 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   if (modal_.tool_point != 0 && modal_.turns_by_vector && !step->is_rapid) {
     for (int i = 0; i < axis_count_; ++i) {
       if (is_linear_[i] || step->start.ticks[i] == step->end.ticks[i]) continue;
-      return Unsupported("the tool turns by a vector (ORIVECT, ORIWKS), or nobody says how: state ORIAXES", false, step);
+      return Unsupported("the tool turns by a vector (ORIVECT, ORIWKS), or nobody says how: state ORIAXES", false,
+                         step);
     }
   }
   step->is_at_corner = rounds_corners_ || is_behind_corner_ || request.has_corner;
