@@ -163,6 +163,29 @@ TEST(Detector, ErrorsComeAndGoWithoutAlarm) {
 
 // The first calibration states sigmas ten times as large: what it makes of the unit must not stay in the season's
 // prior, where it would swing for years.
+// The error that was unseen for longest comes back with new ones: another gives way, not the one that was measured.
+TEST(Detector, WhereThereAreTooManyErrorsWhatWasMeasuredStays) {
+  const auto calibration = [](int week, const std::vector<std::string>& symbols) {
+    Calibration out;
+    out.at = Week(week);
+    for (const std::string& symbol : symbols) out.values.push_back({symbol, Unit::kUm, 1.0});
+    const auto count = static_cast<Eigen::Index>(symbols.size());
+    out.covariance = Eigen::MatrixXd::Identity(count, count);
+    return out;
+  };
+  std::vector<std::string> others;
+  for (int i = 1; i < kMostErrors; ++i) others.push_back("B" + std::to_string(i));
+  State state;
+  std::vector<Finding> all;
+  Tell(calibration(0, {"A"}), &state, &all);
+  Tell(calibration(1, others), &state, &all);
+  Tell(calibration(2, {"A", "C"}), &state, &all);
+  std::vector<std::string> followed;
+  for (const auto& error : state.errors) followed.push_back(error.symbol);
+  EXPECT_EQ(followed.size(), static_cast<size_t>(kMostErrors));
+  EXPECT_THAT(followed, ::testing::IsSupersetOf({"A", "C"}));
+}
+
 TEST(Detector, APoorFirstCalibrationLeavesNoWildSeason) {
   const Eigen::Vector3d unknown(40.0, -20.0, 30.0);
   State state;

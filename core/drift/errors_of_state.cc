@@ -85,15 +85,19 @@ void Move(const std::vector<int>& from, State* state) {
 
 // The places to keep: all but those long not seen, and the longest unseen where there would be too many.
 std::vector<int> Kept(const Calibration& calibration, const State& state, int added) {
+  const auto is_here = [&](int j) {
+    return std::any_of(calibration.values.begin(), calibration.values.end(),
+                       [&](const Value& value) { return value.symbol == state.errors[j].symbol; });
+  };
   std::vector<int> kept;
   for (int j = 0; j < static_cast<int>(state.errors.size()); ++j) {
-    const bool is_here = std::any_of(calibration.values.begin(), calibration.values.end(),
-                                     [&](const Value& value) { return value.symbol == state.errors[j].symbol; });
-    if (is_here || WeeksBetween(state.errors[j].last_seen, calibration.at) < kForgottenWeeks) kept.push_back(j);
+    if (is_here(j) || WeeksBetween(state.errors[j].last_seen, calibration.at) < kForgottenWeeks) kept.push_back(j);
   }
+  // A calibration has no more errors than may be kept: those that it holds are never in the way.
   while (static_cast<int>(kept.size()) + added > kMostErrors) {
-    kept.erase(std::min_element(kept.begin(), kept.end(),
-                                [&](int a, int b) { return state.errors[a].last_seen < state.errors[b].last_seen; }));
+    kept.erase(std::min_element(kept.begin(), kept.end(), [&](int a, int b) {
+      return std::pair(is_here(a), state.errors[a].last_seen) < std::pair(is_here(b), state.errors[b].last_seen);
+    }));
   }
   return kept;
 }

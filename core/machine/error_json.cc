@@ -82,6 +82,14 @@ absl::StatusOr<shapes::Shape> ReadHarmonic(const json& object, const std::string
 absl::StatusOr<shapes::Span> ReadSpan(const json& object, const std::string& where, const std::string& prefix,
                                       const std::string& unit, double factor, bool may_turn) {
   const std::string from = absl::StrCat(prefix, "from_", unit), to = absl::StrCat(prefix, "to_", unit);
+  for (const char* const other : {"mm", "deg", "s"}) {
+    for (const char* const end : {"from_", "to_"}) {
+      const std::string field = absl::StrCat(prefix, end, other);
+      if (other != unit && object.contains(field))
+        return Refuse(where,
+                      absl::StrCat("'", field, "', expected '", from, "' and '", to, "': the unit of its variable"));
+    }
+  }
   if (may_turn && !object.contains(from) && !object.contains(to)) return shapes::Span{.is_turn = true};
   ASSIGN_OR_RETURN(const double low, Number(object, where, from));
   ASSIGN_OR_RETURN(const double high, Number(object, where, to));

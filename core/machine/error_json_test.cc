@@ -84,6 +84,8 @@ TEST(ErrorJson, FreeCurvesAndLateWarmthComeBackAsTheyWereWritten) {
   for (const auto& [bad, why] : std::vector<std::pair<const char*, const char*>>{
            {R"({"symbol": "EYX", "shape": "curve", "from_mm": 3, "to_mm": 3, "amplitudes": [1]})", "'to_mm' = 3"},
            {R"({"symbol": "EYX", "shape": "curve", "amplitudes": [1]})", "'from_mm' is missing"},
+           {R"({"symbol": "EBC", "shape": "curve", "from_mm": 0, "to_mm": 90, "amplitudes": [1]})",
+            "'from_mm', expected 'from_deg' and 'to_deg'"},
            {R"({"symbol": "EYX", "shape": "curve", "from_mm": 0, "to_mm": 3, "amplitude": 2})", "'amplitudes'"},
            {R"({"symbol": "EYX", "shape": "curve", "from_mm": 0, "to_mm": 3, "amplitudes": []})", "1 to 24"},
            {R"({"symbol": "EYX", "shape": "linear", "amplitude": 3, "prior_sigma": 3})", "'prior_sigma'"},
