@@ -112,10 +112,15 @@ void FromCharsToChars(benchmark::State& state) {
 }
 BENCHMARK(FromCharsToChars)->Unit(benchmark::kMillisecond);
 
-void Rewrite(benchmark::State& state, bool with_scale, double tolerance_mm, bool orientation = false) {
-  const compensate::Compensator compensator = MakeCompensator(with_scale);
+nc::RewriteOptions InMillimetres() {
   nc::RewriteOptions options;
   options.unit = nc::ProgramUnit::kMillimetre;
+  return options;
+}
+
+void Rewrite(benchmark::State& state, bool with_scale, double tolerance_mm, bool orientation = false) {
+  const compensate::Compensator compensator = MakeCompensator(with_scale);
+  nc::RewriteOptions options = InMillimetres();
   options.tolerance_mm = tolerance_mm;
   options.orientation = orientation;
   options.max_correction_mm = 5.0;
@@ -169,7 +174,7 @@ void RewriteFileToFile(benchmark::State& state) {
       state.ResumeTiming();
     }
     nc::RewriteReport report;
-    const absl::Status status = nc::RewriteFile(input, output, compensator, {}, &report);
+    const absl::Status status = nc::RewriteFile(input, output, compensator, InMillimetres(), &report);
     if (!status.ok()) state.SkipWithError(std::string(status.message()).c_str());
   }
   getrusage(RUSAGE_SELF, &after);
