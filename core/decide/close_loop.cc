@@ -43,7 +43,7 @@ absl::Status CheckClock(const machine::Machine& machine, const std::vector<Measu
       one.path_readings = run.path_readings;
     }
   }
-  return identify::CheckClock(machine, first);
+  return identify::CheckRecorded(machine, first);
 }
 
 // Before any work: names of sessions that are not there.

@@ -139,9 +139,9 @@ absl::StatusOr<Fit> FitRuns(const machine::Machine& machine, std::vector<Measuri
   if (runs.empty()) return absl::InvalidArgumentError("no sessions to identify from");
   ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
   const machine::ErrorModel model = options.model ? *options.model : machine::DeclaredModel(machine);
-  RETURN_IF_ERROR(CheckClock(machine, problem.runs, model));
+  RETURN_IF_ERROR(CheckRecorded(machine, problem.runs, model));
   if (options.held_errors) {
-    RETURN_IF_ERROR(CheckClock(machine, problem.runs, options.held_errors->model));
+    RETURN_IF_ERROR(CheckRecorded(machine, problem.runs, options.held_errors->model));
     problem.fixed_model = options.held_errors->model;
     problem.fixed_covariance = options.held_errors->covariance;
   }
@@ -162,7 +162,7 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
   RETURN_IF_ERROR(Validate(options));
   if (runs.empty()) return absl::InvalidArgumentError("no sessions to check with");
   ASSIGN_OR_RETURN(Problem problem, MakeProblem(machine, std::move(runs)));
-  RETURN_IF_ERROR(CheckClock(machine, problem.runs, model));
+  RETURN_IF_ERROR(CheckRecorded(machine, problem.runs, model));
   problem.fixed_model = model;
   return FitProblem(std::move(problem), {}, options);
 }

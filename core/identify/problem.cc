@@ -5,11 +5,11 @@
 #include <set>
 
 #include "core/base/demand.h"
+#include "core/base/status.h"
 #include "core/base/units.h"
 #include "core/identify/rows.h"
 #include "core/identify/whitening.h"
 #include "core/instruments/resolution.h"
-#include "core/shapes/depends_on.h"
 
 namespace axiscal::identify {
 namespace {
@@ -110,7 +110,7 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
   return absl::OkStatus();
 }
 
-absl::Status CheckClock(const machine::Machine& machine, const std::vector<MeasuringRun>& runs,
+absl::Status CheckRecorded(const machine::Machine& machine, const std::vector<MeasuringRun>& runs,
                         const machine::ErrorModel& model) {
   const MeasuringRun* with = nullptr;
   const MeasuringRun* without = nullptr;
@@ -118,21 +118,22 @@ absl::Status CheckClock(const machine::Machine& machine, const std::vector<Measu
     if (run.path_readings != nullptr) continue;  // no moment belongs to a reading of a whole path
     (run.has_time ? with : without) = &run;
   }
-  if (without == nullptr) return absl::OkStatus();
-  if (with != nullptr)
+  if (with != nullptr && without != nullptr)
     return absl::InvalidArgumentError(absl::StrCat("session '", without->session, "' has no column t_s and session '",
                                                    with->session, "' has one: expected it in all of them, or in none"));
-  for (const machine::ErrorTerm& term : model.terms) {
-    if (shapes::DependsOnTime(term.shape))
-      return absl::InvalidArgumentError(absl::StrCat("session '", without->session,
-                                                     "' has no column t_s, and the error ",
-                                                     machine::NameOf(machine, term), " depends on the time"));
+  for (const MeasuringRun& run : runs) {
+    if (run.path_readings != nullptr) continue;
+    const std::vector<std::string> channels = instruments::TemperatureColumns(run);
+    for (const machine::ErrorTerm& term : model.terms) {
+      RETURN_IF_ERROR(base::Within(absl::StrCat("session '", run.session, "'"),
+                                   machine::RequireState(machine, term, run.has_time, channels)));
+    }
   }
   return absl::OkStatus();
 }
 
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<MeasuringRun> runs) {
-  RETURN_IF_ERROR(CheckClock(machine, runs));
+  RETURN_IF_ERROR(CheckRecorded(machine, runs));
   instruments::ShareTemperatures({&runs});
   Problem problem;
   problem.machine = &machine;

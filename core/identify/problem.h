@@ -72,9 +72,9 @@ struct Point {
 // tip.
 absl::Status CheckSameSetup(const instruments::MeasuringRun& first, const instruments::MeasuringRun& other);
 
-// One clock for all sessions of a fit, or none (no column t_s in any). INVALID_ARGUMENT naming two of which only one
-// has it, or an error of the model that depends on the time where none has it.
-absl::Status CheckClock(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
+// One clock for all sessions of a fit, or none (no column t_s in any), and in each of them what the errors of the model
+// depend on. INVALID_ARGUMENT naming two of which only one has a clock, or as machine::RequireState.
+absl::Status CheckRecorded(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
                         const machine::ErrorModel& model = {});
 
 // Trackers that share a setup start from one pose: the first session's. INVALID_ARGUMENT as CheckSameSetup, and when

@@ -213,7 +213,19 @@ TEST(Clock, IsOneForAllSessionsOrNone) {
   EXPECT_TRUE(fit->result.estimates[0].identifiable);
   const Options drifting = Fitting(R"({"EX0C": 0, "terms": [{"symbol": "EXT", "shape": "drift", "amplitude": 0}]})");
   EXPECT_THAT(std::string(FitSessions(kMachine, {front, back}, drifting).status().message()),
-              HasSubstr("has no column t_s, and the error EXT:drift depends on the time"));
+              HasSubstr("column t_s is missing: the error EXT:drift depends on the time"));
+}
+
+// Of a temperature that nobody recorded no error is known: nothing is taken for 20 degrees in silence.
+TEST(Temperature, IsRecordedWhereAnErrorDependsOnIt) {
+  const Session front = On("ball", Rtest("front", 0, "{}", {0, 0, 0}));
+  const Options warming = Fitting(R"({"EX0C": 0, "terms": [{"symbol": "EXT", "shape": "thermal", "amplitude": 0}]})");
+  EXPECT_THAT(std::string(FitSessions(kMachine, {front}, warming).status().message()),
+              HasSubstr("session 'front': column temp_C is missing: the error EXT:thermal depends on the temperature"));
+  const Options late = Fitting(R"({"EX0C": 0, "terms": [{"symbol": "EXT", "shape": "thermal-lag", "amplitude": 0,)"
+                               R"( "channel": "T_spindle_C", "tau_s": 600}]})");
+  EXPECT_THAT(std::string(FitSessions(kMachine, {front}, late).status().message()),
+              HasSubstr("session 'front': column T_spindle_C is missing: the error EXT:thermal-lag(T_spindle_C)"));
 }
 
 }  // namespace

@@ -126,6 +126,14 @@ void ShareTemperatures(const std::vector<std::vector<MeasuringRun>*>& sessions);
 // The column of a temperature by its name.
 inline std::string ColumnOf(const MeasuringRun::Channel& channel) { return "T_" + channel.name + "_C"; }
 
+// Columns of the temperatures that a session recorded: "temp_C", "T_spindle_C".
+inline std::vector<std::string> TemperatureColumns(const MeasuringRun& run) {
+  std::vector<std::string> columns;
+  if (run.has_temperature) columns.push_back(shapes::kTemperatureChannel);
+  for (const MeasuringRun::Channel& channel : run.temperatures) columns.push_back(ColumnOf(channel));
+  return columns;
+}
+
 // Frees the datum of a linear axis; before any slip is added.
 void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run);
 

@@ -80,7 +80,7 @@ class Loop {
         one.path_readings = run.path_readings;
       }
     }
-    return identify::CheckClock(machine_, first);
+    return identify::CheckRecorded(machine_, first);
   }
 
   // Before any work: names of sessions that are not there.

@@ -124,8 +124,10 @@ NamedNumber NameNumber(const Machine& machine, const ErrorModel& model, int term
   const ErrorTerm& its = model.terms[static_cast<size_t>(term)];
   const std::string name = NameOf(machine, its);
   int which = 1;
-  // Only a length or time constant makes two errors of one name.
-  for (int i = 0; shapes::NonlinearParameter(its.shape) != nullptr && i < term; ++i) {
+  // Only a length or time constant, which a name does not carry, makes two errors of one name.
+  const bool may_share =
+      shapes::NonlinearParameter(its.shape) != nullptr || std::holds_alternative<shapes::ThermalLag>(its.shape);
+  for (int i = 0; may_share && i < term; ++i) {
     const ErrorTerm& other = model.terms[static_cast<size_t>(i)];
     which += other.joint == its.joint && other.component == its.component && NameOf(machine, other) == name;
   }

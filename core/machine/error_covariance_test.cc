@@ -86,6 +86,31 @@ TEST(ErrorCovariance, ComesBackAsItWasWrittenAndIsNoError) {
   EXPECT_TRUE(ReadKnownErrors(WriteErrors(known->model, kMachine), kMachine)->covariance.is_empty());
 }
 
+// A second lag that is none (tau 0) took the name, and so the place, of the first one.
+TEST(ErrorCovariance, TwoLagsOfOneChannelHaveTwoNames) {
+  const ErrorModel model =
+      ReadErrors(R"({"terms": [{"symbol": "EZT", "shape": "thermal-lag", "tau_s": 900, "amplitude": 3},)"
+                 R"( {"symbol": "EZT", "shape": "thermal-lag", "tau_s": 0, "amplitude": 1}]})",
+                 kMachine)
+          .value();
+  EXPECT_NE(NameNumber(kMachine, model, 0, 0, false).name, NameNumber(kMachine, model, 1, 0, false).name);
+}
+
+// What is asked for again is the same curve: as many amplitudes, as far from zero beforehand.
+TEST(ErrorsToAskFor, KeepPriorAndNumberOfAmplitudes) {
+  const std::string text = R"({"terms": [{"symbol": "EYX", "shape": "curve", "variable": "X", "from_mm": -200,)"
+                           R"( "to_mm": 300, "amplitudes": [2.1, -0.4, 0.1, 0.5], "prior_sigma": 2.8, "unit": "um"}]})";
+  const auto listed = ListErrors(text);
+  ASSERT_TRUE(listed.ok()) << listed.status();
+  ASSERT_EQ(listed->size(), 1u);
+  const auto asked = ReadAskedError(listed->front(), kMachine);
+  ASSERT_TRUE(asked.ok()) << asked.status();
+  ASSERT_EQ(asked->terms.size(), 1u);
+  EXPECT_EQ(shapes::BasisCount(asked->terms[0].shape), 4);
+  EXPECT_DOUBLE_EQ(asked->terms[0].prior_sigma, 2.8e-3);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(asked->terms[0].amplitude[k], 0.0);
+}
+
 // A fit holds local defects too, which errors.json does not: it was written so that nothing could read it.
 TEST(ErrorCovariance, WithoutLocalDefectsTheFileIsReadAgain) {
   ErrorModel model = ReadErrors(R"({"EX0C": 53.1})", kMachine).value();

@@ -433,7 +433,7 @@ absl::StatusOr<ErrorModel> ReadAskedError(const std::string& text, const Machine
   json errors;
   if (text.starts_with('{')) {
     json term = json::parse(text, nullptr, /*allow_exceptions=*/false);
-    if (term.is_object()) term["amplitude"] = 0.0;
+    if (term.is_object() && !term.contains("amplitudes")) term["amplitude"] = 0.0;
     errors["terms"] = json::array({std::move(term)});
   } else {
     errors[text] = 0.0;
@@ -456,8 +456,9 @@ absl::StatusOr<std::vector<std::string>> ListErrors(const std::string& text) {
       if (!term.is_object()) return absl::InvalidArgumentError("terms: expected objects");
       term.erase("amplitude");
       term.erase("values");
-      term.erase("amplitudes");
-      term.erase("prior_sigma");
+      const auto amplitudes = term.find("amplitudes");  // how many, not which
+      if (amplitudes != term.end() && amplitudes->is_array())
+        *amplitudes = json(std::vector<double>(amplitudes->size(), 0.0));
       errors.push_back(term.dump());
     }
   }

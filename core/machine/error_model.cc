@@ -1,11 +1,13 @@
 #include "core/machine/error_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 
 #include "core/base/demand.h"
 #include "core/base/units.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::machine {
 namespace {
@@ -87,13 +89,30 @@ double UnknownAt(const ErrorTerm& term, const shapes::State& state) {
   if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape))
     return std::abs(term.amplitude[0] * lag->FactorOf(state)) * lag->BeyondSeen(state);
   const double kept = shapes::KeptAt(term.shape, state);
-  return kept < 1.0 ? term.prior_sigma * std::sqrt(1.0 - kept * kept) : 0.0;
+  if (kept >= 1.0) return 0.0;
+  // Functions have mean square 1: without a prior the curve's own size says how far it may go.
+  double square = 0.0;
+  for (int k = 0; k < shapes::BasisCount(term.shape); ++k) square += term.amplitude[k] * term.amplitude[k];
+  return (term.prior_sigma > 0.0 ? term.prior_sigma : std::sqrt(square)) * std::sqrt(1.0 - kept * kept);
 }
 
 JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, const shapes::State& state) {
   JointErrors<double> errors;
   for (const ErrorTerm& term : model.terms) AddErrors(term, state, &errors);
   return errors;
+}
+
+absl::Status RequireState(const Machine& machine, const ErrorTerm& term, bool has_time,
+                          const std::vector<std::string>& channels) {
+  const auto refuse = [&](const std::string& column, const char* what) {
+    return absl::InvalidArgumentError(absl::StrCat("column ", column, " is missing: the error ", NameOf(machine, term),
+                                                   " depends on the ", what));
+  };
+  const std::optional<std::string> channel = shapes::ChannelOf(term.shape);
+  if (channel && std::find(channels.begin(), channels.end(), *channel) == channels.end())
+    return refuse(*channel, "temperature");
+  if (!has_time && shapes::DependsOnTime(term.shape)) return refuse("t_s", "time");
+  return absl::OkStatus();
 }
 
 bool DependsOnMoreThanPosition(const ErrorTerm& term) {

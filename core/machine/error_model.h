@@ -2,6 +2,8 @@
 #ifndef AXISCAL_CORE_MACHINE_ERROR_MODEL_H_
 #define AXISCAL_CORE_MACHINE_ERROR_MODEL_H_
 
+#include <absl/status/status.h>
+
 #include <array>
 #include <string>
 #include <vector>
@@ -80,6 +82,11 @@ JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, co
 // its span, a late warmth beyond the temperatures seen; mm or rad. What is known there is in the covariance of its
 // numbers.
 double UnknownAt(const ErrorTerm& term, const shapes::State& state);
+
+// INVALID_ARGUMENT naming column and error where a term depends on what was not recorded: the clock (column t_s) or the
+// temperature of a channel; `channels` by column, "temp_C", "T_spindle_C".
+absl::Status RequireState(const Machine& machine, const ErrorTerm& term, bool has_time,
+                          const std::vector<std::string>& channels);
 
 // True when a term depends on something other than axis positions: sense, speed, time or temperature.
 bool DependsOnMoreThanPosition(const ErrorTerm& term);

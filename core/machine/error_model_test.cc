@@ -38,6 +38,26 @@ TEST(ErrorModel, NamesSayAxisComponentAndShape) {
   EXPECT_EQ(NameOf(machine, {x, Component::kB, shapes::Linear{z, 1000}, {}}), "EBX:linear(Z)");
 }
 
+// A curve that was fitted without a prior is as unknown far away as it is large, not known to be zero.
+TEST(ErrorModel, BeyondItsSpanACurveIsUnknownByPriorOrSize) {
+  const Machine machine = testing::MultiTasking();
+  const int x = FindAxis(machine, "X");
+  shapes::Curve curve;
+  curve.axis = x;
+  curve.span = {0.0, 100.0, false};
+  curve.functions = 2;
+  ErrorTerm term{x, Component::kY, curve, {0.003, 0.004}};
+  std::vector<shapes::AxisState> axes(machine.axis_count());
+  shapes::State state;
+  state.axes = axes;
+  axes[x].position = 50.0;
+  EXPECT_EQ(UnknownAt(term, state), 0.0);
+  axes[x].position = 1000.0;
+  EXPECT_NEAR(UnknownAt(term, state), 0.005, 1e-9);
+  term.prior_sigma = 0.002;
+  EXPECT_NEAR(UnknownAt(term, state), 0.002, 1e-9);
+}
+
 TEST(ErrorModel, TheDeclaredModelHoldsTheMachinesConstants) {
   const Machine machine = testing::SwivelHead();
   const ErrorModel model = DeclaredModel(machine);

@@ -111,9 +111,8 @@ absl::StatusOr<PredictedReadings> PredictReadings(session::Session session, cons
   ASSIGN_OR_RETURN(MeasuringRun run, instruments::BindSession(session, machine));
   if (is_plan) run.tracker_from_machine = {};
   const bool has_path = run.path_readings != nullptr;
-  std::vector<std::string> channels;
-  if (run.has_temperature || has_path) channels.push_back(shapes::kTemperatureChannel);
-  for (const MeasuringRun::Channel& one : run.temperatures) channels.push_back(instruments::ColumnOf(one));
+  std::vector<std::string> channels = instruments::TemperatureColumns(run);
+  if (has_path) channels.push_back(shapes::kTemperatureChannel);
   RETURN_IF_ERROR(base::Within(absl::StrCat("session '", run.session, "'"),
                                RequireState(machine, errors.model, run.has_time || has_path, channels)));
   std::vector<MeasuringRun> alone = {std::move(run)};

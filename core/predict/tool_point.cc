@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "core/shapes/depends_on.h"
+#include "core/base/status.h"
 
 namespace axiscal::predict {
 namespace {
@@ -108,15 +108,7 @@ std::vector<std::string> TakenForExact(const machine::Machine& machine, const ma
 absl::Status RequireState(const machine::Machine& machine, const machine::ErrorModel& model, bool has_time,
                           const std::vector<std::string>& channels) {
   for (const machine::ErrorTerm& term : model.terms) {
-    if (!DiffersFromZero(term)) continue;
-    const auto refuse = [&](const std::string& column, const char* what) {
-      return absl::InvalidArgumentError(absl::StrCat("column ", column, " is missing: the error ",
-                                                     machine::NameOf(machine, term), " depends on the ", what));
-    };
-    const std::optional<std::string> channel = shapes::ChannelOf(term.shape);
-    if (channel && std::find(channels.begin(), channels.end(), *channel) == channels.end())
-      return refuse(*channel, "temperature");
-    if (!has_time && shapes::DependsOnTime(term.shape)) return refuse("t_s", "time");
+    if (DiffersFromZero(term)) RETURN_IF_ERROR(machine::RequireState(machine, term, has_time, channels));
   }
   return absl::OkStatus();
 }

@@ -102,7 +102,7 @@ class ToolPoint {
 // Errors that differ from zero and of which the covariance does not tell how good they are: taken for exact.
 std::vector<std::string> TakenForExact(const machine::Machine& machine, const machine::KnownErrors& errors);
 
-// INVALID_ARGUMENT naming column and error where an error that differs from zero depends on what is not there.
+// machine::RequireState of the errors that differ from zero.
 absl::Status RequireState(const machine::Machine& machine, const machine::ErrorModel& model, bool has_time,
                           const std::vector<std::string>& channels);
 
