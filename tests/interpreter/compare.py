@@ -157,10 +157,12 @@ class Comparison:
         start, end = moves[0].start, moves[-1].end
         # G92 took its coordinates from where the control stood, which was the corrected position.
         near = self.limits.gross_mm if self.has_preset else 1.3 * self.limits.end_mm
+        def off(axis):
+            """Half a turn from where nobody knows may have gone the other way round: whole turns do not count (turn_to)."""
+            d = end[axis] - position[axis]
+            return abs(math.remainder(d, 360.0) if axis in self.machine.rotary else d)
         # An axis that somebody else has moved since stays where it is.
-        return (all(start[a] == end[a] or
-                    abs(end[a] - position[a]) <= near and abs(start[a] - end[a]) <= self.limits.gross_mm
-                    for a in end) and any(start[a] != end[a] for a in end) and
+        return (all(start[a] == end[a] or off(a) <= near and abs(start[a] - end[a]) <= self.limits.gross_mm for a in end) and any(start[a] != end[a] for a in end) and
                 all(m.number is None and m.arc is None for m in moves))
 
     def turn_to(self, place, pieces):
