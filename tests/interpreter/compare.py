@@ -22,7 +22,8 @@ def gross(a, b, machine):
     """The largest difference of axis positions, rotary axes in mm of 1000 mm radius per 57 deg (deg x 17)."""
     worst = 0.0
     for axis, value in a.items():
-        d = abs(value - b[axis]) * (1.0 if axis in machine.linear else 17.0)
+        d = value - b[axis]  # of rotary axes but for whole turns (Comparison.turn_to)
+        d = abs(d) if axis in machine.linear else 17.0 * abs(math.remainder(d, 360.0))
         worst = max(worst, d)
     return worst
 
@@ -62,7 +63,9 @@ def group(moves, others, machine):
             for k in range(j + 1, m - (n - i - 1) + 1):
                 if k > j + 1:
                     run += later[k - 1] + bent[i][k - 1] + 0.001
-                c = run + end[i][k - 1]
+                # An arc stays one, in some of its pieces at least: a block that brings the axes back is none.
+                is_straightened = moves[i].arc is not None and all(o.arc is None for o in others[j:k])
+                c = run + end[i][k - 1] + (20.0 if is_straightened else 0.0)
                 if c < new[k]:
                     new[k], origin[k] = c, j
         back.append(origin)
