@@ -112,6 +112,7 @@ void BlockWriter::WriteArcWord(const char* text, size_t size, const Word& word, 
     copy_to(begin);
     *copied = EndOf(text, size, word);
   };
+  if (!piece.is_arc && interpreter_->IsTurns(word)) return drop();
   if (word.letter == 0 && interpreter_->dialect().has_poles) {
     const Meaning meaning = interpreter_->dialect().keywords[static_cast<size_t>(word.keyword)].meaning;
     if (meaning == Meaning::kArcSense && !piece.is_arc) return drop();

@@ -72,6 +72,9 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
     }
     ends = is_part && stated.empty() && (mode == kMirror || mode == kWorkingPlane);
     if (is_part && mode == kRotation) ends = stated.rfind("ROT", 0) == 0 && IsZero(stated.substr(3));
+    // "CYCL DEF 7.1", "CYCL DEF 10.1 ROT": nothing is stated. Whether that ends what was stated before is not known.
+    const bool is_empty = is_part && (stated.empty() || (mode == kRotation && stated == "ROT"));
+    if (is_empty && (mode == kDatumShift || mode == kRotation) && (modal_.blockers & mode) == 0) return;
     if (mode == kDatumShift) {
       modal_.shifted_axes = is_part && !stated.empty() ? Shifted(stated, modal_.shifted_axes)
                                                        : static_cast<uint16_t>(modal_.shifted_axes | kAnyShift);
@@ -96,11 +99,21 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
   request->Refuse(absl::StrCat(name, " (", request->by_rest->text, ")"));
 }
 
-bool Interpreter::NamesAxesOnly(const char* text, const Block& block) const {
+bool Interpreter::NamesAxesOnly(const char* text, const Block& block) {
   if (!dialect_->has_equals) return false;
   const std::string rest = RestOf(text + block.problem_at, end_of_text_) + " ";
   for (size_t at = 0; at < rest.size();) {
     const size_t end = rest.find(' ', at), equals = rest.find('=', at);
+    // "SUPA G0 Z=_Z_HOME D0": what the length is behind it, a D word must say.
+    const bool is_length =
+        rest[at] == 'D' && end > at + 1 &&
+        std::all_of(rest.begin() + static_cast<ptrdiff_t>(at) + 1, rest.begin() + static_cast<ptrdiff_t>(end),
+                    [](char c) { return c >= '0' && c <= '9'; });
+    if (is_length) {
+      modal_.uncertain |= kLengthGroup;
+      at = end + 1;
+      continue;
+    }
     if (equals != at + 1 || AxisOf(rest[at]) < 0 || end < equals + 2) return false;
     for (size_t i = equals + 1; i < end; ++i) {
       const char c = rest[i];

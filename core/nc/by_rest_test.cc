@@ -47,7 +47,7 @@ TEST(ByRest, MachineMovesToVariablesAreNeverTouched) {
                    "G1 X1.0417 F100\nSUPA G0 Z=_Z_HOME\nG0 X2.0417 Y0 Z0 B0 C0\n");
   // Which axes moved is not known, and what else the block does is.
   EXPECT_REFUSED(In("sinumerik"), "SUPA G0 Z=_Z_HOME X=$P_X\nG1 X2 F100\n", "not programmed since line 1");
-  for (const std::string block : {"SUPA G0 Z=HOME(3)", "SUPA G0 Z=_Z D0", "G0 Z=_Z_HOME", "SUPA G0 Z=_Z M6"})
+  for (const std::string block : {"SUPA G0 Z=HOME(3)", "SUPA G0 Z=_Z D=R1", "G0 Z=_Z_HOME", "SUPA G0 Z=_Z M6"})
     EXPECT_REFUSED(In("sinumerik"), "G1 X1 F100\n" + block + "\n", "line 2");
 }
 

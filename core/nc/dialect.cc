@@ -53,14 +53,14 @@ Dialect Fanuc(const std::string& name) {
   // B-64484EN, "Linear interpolation (G01)": the feed of a linear and a rotary axis is the tangential one in their
   // plane, 40 deg taken as 40 mm.
   dialect.feeds_all_axes = true;
-  dialect.integers_may_be_increments = true;
+  dialect.integers_may_be_increments = dialect.tools_may_switch_offsets = true;
   return dialect;
 }
 
 Dialect Haas() {
   Dialect dialect = Make("haas", {IsoCodes(), FanucCodes(), HaasCodes(), HaasM()}, {MacroKeywords(), FanucCorners()});
   dialect.has_semicolon_ends = true;
-  dialect.integers_may_be_increments = true;
+  dialect.integers_may_be_increments = dialect.tools_may_switch_offsets = true;
   return dialect;
 }
 
@@ -149,6 +149,9 @@ const char* BlockerText(uint32_t blockers) {
       {kNormalDirection, "normal direction control is active"},
       {kKinematics, "another kinematic transformation may be active"},
       {kUnfollowedMode, "a function is active that is not followed"},
+      {kTurretOffset,
+       "a tool offset of a lathe may be active, which a T word of three digits or more switches (T0101), and no M06 in "
+       "front of it says that it is a mill's tool alone; its values cannot be stated"},
       {kUnstatedOffset, "a work offset is active whose values are not stated"},
   };
   DEMAND(blockers != 0);

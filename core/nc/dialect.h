@@ -71,6 +71,7 @@ enum class Meaning : uint8_t {
   kIncrementalAddress,  // IX+5; detail: the letter
   kPole,                // CC: the centre of arcs behind it
   kArcSense,            // DR+, DR-; detail: 1 clockwise
+  kTurns,               // TURN=1: whole turns of a helix beside its arc
   kCorner,  // RND=5; ,R5. of Fanuc: the control rounds or chamfers the corner at the block's end; detail 1: every
             // corner, until 0
 };
@@ -104,6 +105,7 @@ enum Blocker : uint32_t {
   kSwivel = 1 << 23,               // CYCLE800, which CYCLE800() ends
   kWorkingPlane = 1 << 24,         // CYCL DEF 19
   kDatumShift = 1 << 25,           // CYCL DEF 7
+  kTurretOffset = 1 << 26,         // T0101 of lathes, which M06 shows to be a tool's number alone
 };
 
 inline constexpr uint32_t kSelectsLength = 1u << 31;  // of kToolPoint
@@ -186,6 +188,8 @@ struct Dialect {
   // A transformation that begins or ends may drop the work offset (Sinumerik: MD10602), and how the tool turns under it
   // is the builder's to choose: both must be stated.
   bool transformation_may_drop_offset = false;
+  // On lathes of the family T0101 turns the turret and switches the offset of its last two digits at once.
+  bool tools_may_switch_offsets = false;
   bool integers_may_be_increments = false;  // X10 is 10 mm or 0.010 mm, as a parameter of the control says
   bool tool_call_sets_length = false;       // the tool's length acts from the tool change on, without a code
   // F is the speed in the space of all axes, degrees counted as mm: a rotary axis that moves alone goes on at its speed

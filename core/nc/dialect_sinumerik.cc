@@ -79,7 +79,7 @@ std::vector<Keyword> SinumerikKeywords() {
       {"RP", M::kOneShot, 0, true, "polar coordinates: no word of an axis could be corrected"},
       {"ANG", M::kOneShot, 0, true, "a line by its angle: no word of an axis could be corrected"},
       {"AR", M::kOneShot, kCurve, true, "an arc by its opening angle"},
-      {"TURN", M::kOneShot, kCurve, true, "a helix of several turns"},
+      {"TURN", M::kTurns, 0, false, "a helix of several turns"},
       {"SUPA", M::kMachineMove, 0, false, "move in machine coordinates"},
       {"TRAORI", M::kToolPoint, kToolControl, true, "tool centre point control"},
       {"TRACON", M::kBlockerOn, kToolControl, true, "concatenated transformation"},

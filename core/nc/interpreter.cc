@@ -415,7 +415,14 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   request.length_before = coordinates_.active_length();
   ScanWords(block, &request, step);
   if (request.by_rest != nullptr) SelectByRest(text, &request, step);
-  if (step->is_tool_change) loaded_tool_ = called_tool_, has_changer_ = true;
+  if (step->is_tool_change) {
+    loaded_tool_ = called_tool_, has_changer_ = true;
+    const bool is_done = !block.is_deletable || options_->block_delete != BlockDelete::kEither;
+    is_loaded_tool_known_ = is_done && is_called_tool_sure_ && called_tool_ > 0;
+    EndMode(kTurretOffset);
+  }
+  if (request.may_switch_offset && !has_changer_ && dialect_->tools_may_switch_offsets)
+    modal_.blockers |= kTurretOffset;
   if (request.has_feed) modal_.lacks_feed = false;
   if (request.motion != nullptr) {
     modal_.is_rapid_unsure = false;

@@ -108,6 +108,8 @@ class Interpreter {
   void Read(const char* text, size_t size, Block* block, Step* step);
   // The next line is longer than a block may be.
   void ReadOverlong(Step* step);
+  // The next line is no part of a program.
+  void SkipLine() { ++line_; }
 
   int64_t line() const { return line_; }  // of the last Read, from 1
   const Modal& modal() const { return modal_; }
@@ -146,6 +148,10 @@ class Interpreter {
   machine::RollOver WayOf(int axis, const Modal& modal) const;
   bool IsMotionCode(const Word& word) const;  // of the group of G00 to G03
   bool IsArcCode(const Word& word) const;
+  // TURN=0 of Sinumerik.
+  bool IsTurns(const Word& word) const {
+    return word.letter == 0 && dialect_->keywords[static_cast<size_t>(word.keyword)].meaning == Meaning::kTurns;
+  }
   // A word's value by the rule for words without a point. An angle's increment is that of mm programs in inch, too.
   Decimal Meant(const Decimal& written, Ticks ticks_per_unit) const {
     Decimal number = written;
@@ -182,7 +188,8 @@ class Interpreter {
   // TRANS X10, TRANS; CYCL DEF 10.1 ROT+30, ROT+0.
   void SelectByRest(const char* text, Request* request, Step* step);
   // Whether the rest of a move in machine coordinates is axis words of variables, and nothing else: Z=_Z_HOME.
-  bool NamesAxesOnly(const char* text, const Block& block) const;
+  // A D word among them leaves the tool length unknown.
+  bool NamesAxesOnly(const char* text, const Block& block);
   void BeginToolPoint(const char* text, const Block& block, Request* request);
   // Why the control's words cannot be followed under tool centre point control, or "".
   std::string WhyNoToolPoint(const char* text, const Block& block, const Request& request) const;
@@ -285,6 +292,8 @@ class Interpreter {
   uint16_t needs_absolute_ = 0;  // axes whose tool length or work offset changed: controllers differ on G91 then
   int last_length_number_ = -1;  // of H
   int64_t called_tool_ = 0, loaded_tool_ = 0;            // of the last T word, and of that before the last M6
+  bool is_called_tool_sure_ = true;
+  bool is_loaded_tool_known_ = false;                    // the number of the last M6, and nothing behind it changed it
   bool has_changer_ = false;                             // T words choose a tool for M6
   std::vector<std::pair<int, int64_t>> tool_of_length_;  // D numbers of Sinumerik that were used, with their tools
   bool has_noted_integers_ = false, has_noted_cut_ = false;

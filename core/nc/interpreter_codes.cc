@@ -111,6 +111,8 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
         break;
       case Role::kToolNumber:
         called_tool_ = word.number.mantissa;
+        is_called_tool_sure_ = !block.is_deletable || options_->block_delete != BlockDelete::kEither;
+        request->may_switch_offset = word.number.digits >= 3 && word.number.mantissa % 100 != 0;
         break;
     }
   }
@@ -203,6 +205,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kHarmless:
       // An M code of the machine's builder, which the user states as harmless: it may clamp the axis behind its move.
       step->ends_block |= word.letter == 'M' && *code.text == 0;
+      if (word.letter == 'M' && word.number.mantissa == 61) is_loaded_tool_known_ = false;  // M61 Q3 of LinuxCNC
       if (word.letter == 0 && code.detail == kMaySetTransformation) {
         LoseToolPoint();
         modal_.turns_by_vector = true;
@@ -221,6 +224,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kArcSense:
       request->sense = &code;
       return;
+    case Meaning::kTurns:
+      if (word.number.mantissa == 0) return;  // "TURN=0": the arc alone
+      step->is_curve = true;
+      return request->Refuse(named());
     case Meaning::kCorner:
       if (code.detail == 0) {
         request->has_corner = true;
@@ -532,6 +539,7 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
 void Interpreter::NoteCall() {
   MayHaveChanged(kCalledGroups);
   has_called_ = true;
+  is_loaded_tool_known_ = false;
   blockers_at_calls_ |= modal_.blockers | modal_.tool_point;
   LoseToolPoint();  // what is called may end it
   modal_.turns_by_vector = dialect_->transformation_may_drop_offset;
@@ -585,7 +593,10 @@ void Interpreter::SelectLength(Request* request) {
   if (request->length == nullptr && !acts_alone && !is_active) return;
   // "G43 H#1": its number was not read.
   if (request->length_number == nullptr && (dialect_->takes_loaded_tool || !request->is_whole))
-    last_length_number_ = -1;
+    last_length_number_ =
+        is_loaded_tool_known_ && dialect_->takes_loaded_tool && request->is_whole && loaded_tool_ <= 9999
+            ? static_cast<int>(loaded_tool_)
+            : -1;
   const int sign = request->length != nullptr && request->length->detail == 2 ? -1 : 1;
   NeedAbsoluteZ();
   if (acts_alone && last_length_number_ > 0 && !IsOfOneTool(last_length_number_)) {
@@ -604,7 +615,10 @@ void Interpreter::SelectLength(Request* request) {
   }
   modal_.blockers |= kUnstatedLength;
   request->Refuse(request->length_number == nullptr && last_length_number_ < 0
-                      ? "tool length offset without a number"
+                      ? dialect_->takes_loaded_tool
+                            ? "tool length offset without a number, and no T word and M6 in front of it say which tool "
+                              "is in the spindle"
+                            : "tool length offset without a number"
                       : absl::StrCat("tool length ", last_length_number_, ": its value is not stated"));
 }
 

@@ -148,7 +148,8 @@ class BlockLexer {
     if (found < 0) return false;
     const Keyword& keyword = dialect_.keywords[static_cast<size_t>(found)];
     takes_rest_ = keyword.takes_rest;
-    const bool is_corner = keyword.meaning == Meaning::kCorner && !keyword.takes_rest;
+    const bool is_corner =
+        (keyword.meaning == Meaning::kCorner || keyword.meaning == Meaning::kTurns) && !keyword.takes_rest;
     const bool is_address =
         is_corner || keyword.meaning == Meaning::kAddress || keyword.meaning == Meaning::kIncrementalAddress;
     if (is_address) {

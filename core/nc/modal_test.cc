@@ -90,7 +90,7 @@ TEST(Modal, LengthOfTheToolInTheSpindleIsNotThatOfTheLastNumber) {
   options.tool_lengths = {{1, 0.0}};
   EXPECT_REWRITTEN(options, "G43 H1 Z5.\nG49\nG43 Z5. X1.\n", "G43 H1 Z5. X0.0417\nG49\nG43 Z5. X1.0417\n");
   options.dialect = "linuxcnc";
-  EXPECT_REFUSED(options, "G43 H1 Z5.\nT2 M6\nG43 Z5.\n", "tool length offset without a number");
+  EXPECT_REFUSED(options, "G43 H1 Z5.\nT2 M6\nG43 Z5.\n", "tool length 2: its value is not stated");
 }
 
 TEST(Modal, WordsWithoutAPointAreNoted) {

@@ -14,10 +14,15 @@ absl::StatusOr<bool> MoveReader::Next(Event* event) {
   while (events_.empty()) {
     if (is_at_end_) return false;
     ASSIGN_OR_RETURN(const size_t size, reader_(buffer_.data(), buffer_.size()));
-    const auto line = [this](const char* text, size_t length, bool is_overlong) { Line(text, length, is_overlong); };
+    const auto read = [this](const char* text, size_t length, bool is_overlong) { Line(text, length, is_overlong); };
+    const auto line = [&](const char* text, size_t length, bool is_overlong) {
+      preamble_.Take(interpreter_.dialect(), text, length, is_overlong, read,
+                     [this](const char*, size_t) { interpreter_.SkipLine(); });
+    };
     if (size == 0) {
       is_at_end_ = true;
       splitter_.Finish(line);
+      preamble_.Finish(read);
     } else {
       splitter_.Feed(buffer_.data(), size, line, [](const char*, size_t) {});
     }

@@ -12,6 +12,7 @@
 #include "core/base/status.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/line_splitter.h"
+#include "core/nc/preamble.h"
 
 namespace axiscal::nc {
 
@@ -44,6 +45,7 @@ class MoveReader {
   const ByteReader& reader_;
   Interpreter interpreter_;
   LineSplitter splitter_;
+  Preamble preamble_;
   Block block_;
   Step step_;
   std::vector<char> buffer_ = std::vector<char>(1u << 16);

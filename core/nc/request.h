@@ -50,6 +50,7 @@ struct Interpreter::Request {
   const Word* radius = nullptr;
   const char* away = nullptr;  // what takes the axes away and back in this block: a tool change, a pallet change
   bool goes_away_behind = false;  // behind the block's own move
+  bool may_switch_offset = false;  // T0101
   bool is_dwell = false;
   bool is_end = false;
   bool is_subprogram_end = false;

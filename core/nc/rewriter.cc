@@ -99,6 +99,13 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   if (job.is_refused() && options.on_unsupported == OnUnsupported::kStop) status = job.Refusal();
 }
 
+void Rewriter::Impl::Skip(const char* text, size_t size) {
+  interpreter.SkipLine();
+  if (interpreter.line() == 1)
+    job.report().notes.push_back("line 1: text in front of the first '%' is left as it is: no control reads it");
+  if (status.ok() && !is_null()) out.append(text, size);
+}
+
 void Rewriter::Impl::Rest(const char* text, size_t size) {
   if (!status.ok() || is_null()) return;
   out.append(text, size);
@@ -455,7 +462,7 @@ absl::Status Rewriter::Feed(const char* bytes, size_t size) {
   if (impl_->is_null()) impl_->status = impl_->sink(bytes, size);
   impl_->splitter.Feed(
       bytes, size,
-      [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); },
+      [this](const char* text, size_t length, bool is_overlong) { impl_->Take(text, length, is_overlong); },
       [this](const char* text, size_t length) { impl_->Rest(text, length); });
   return impl_->status;
 }
@@ -464,6 +471,8 @@ absl::Status Rewriter::Finish() {
   if (impl_->is_finished) return impl_->status;
   impl_->is_finished = true;
   impl_->splitter.Finish(
+      [this](const char* text, size_t length, bool is_overlong) { impl_->Take(text, length, is_overlong); });
+  impl_->preamble.Finish(
       [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); });
   impl_->Flush();
   if (!impl_->is_null() && !impl_->is_mark_written && !impl_->job.is_refused())

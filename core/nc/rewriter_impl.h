@@ -15,6 +15,7 @@
 #include "core/nc/line_splitter.h"
 #include "core/nc/move_corrector.h"
 #include "core/nc/out_buffer.h"
+#include "core/nc/preamble.h"
 #include "core/nc/rewrite.h"
 
 namespace axiscal::nc {
@@ -56,6 +57,7 @@ struct Rewriter::Impl {
   const MoveCorrector base_corrector;
   std::vector<MoveCorrector> tool_correctors;  // of `tools`
   LineSplitter splitter;
+  Preamble preamble;
   Block block;
   BlockText now;
   Step step;
@@ -91,6 +93,14 @@ struct Rewriter::Impl {
   }
 
   void Line(const char* text, size_t size, bool is_overlong);
+  // A line of a listing in front of the first '%'.
+  void Skip(const char* text, size_t size);
+  void Take(const char* text, size_t size, bool is_overlong) {
+    preamble.Take(
+        interpreter.dialect(), text, size, is_overlong,
+        [this](const char* line, size_t length, bool is_long) { Line(line, length, is_long); },
+        [this](const char* line, size_t length) { Skip(line, length); });
+  }
   void Rest(const char* text, size_t size);
   void Flush();
   // A null correction: the bytes are out already, only the report is kept.
