@@ -55,6 +55,19 @@ std::string OrientationText(const std::optional<reports::Orientation>& orientati
   return text;
 }
 
+std::string HolesText(const std::optional<reports::Holes>& holes) {
+  constexpr size_t kShown = 5;
+  if (!holes) return "";
+  std::string text = absl::StrFormat("%d holes of drilling cycles, at most %.1f um left at the bottom\n",
+                                     holes->corrected, holes->left_max_um);
+  for (size_t i = 0; i < holes->left.size() && i < kShown; ++i) {
+    const reports::Finding& found = holes->left[i];
+    absl::StrAppend(&text, "  line ", found.line, ": ", found.block, "  (", found.reason, ")\n");
+  }
+  if (holes->not_exact > static_cast<int64_t>(kShown)) absl::StrAppend(&text, "  ... more in the report\n");
+  return text;
+}
+
 std::string RewriteReportText(const reports::Rewrite& report, const std::string& output) {
   std::string text =
       absl::StrFormat("%s: %d of %d blocks corrected, %d split, %d passed unchanged\n", output,
@@ -66,7 +79,7 @@ std::string RewriteReportText(const reports::Rewrite& report, const std::string&
   for (const auto& [axis, spread] : report.correction) row("correction of " + axis, spread);
   row("tool-point error before", report.error_before);
   row("tool-point error after", report.error_after);
-  absl::StrAppend(&text, Table(rows), OrientationText(report.orientation));
+  absl::StrAppend(&text, Table(rows), OrientationText(report.orientation), HolesText(report.holes));
   absl::StrAppend(&text, LineRangesText("not corrected", report.not_corrected, report.ranges_not_corrected));
   for (const std::string& note : report.notes) absl::StrAppend(&text, "note: ", note, "\n");
   return text;

@@ -153,6 +153,11 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
       .add_option("--tolerance-um", arguments.tolerance_um,
                   "a move is split where its correction departs from linear by more")
       ->capture_default_str();
+  command
+      .add_option("--cycle-tolerance-um", arguments.cycle_tolerance_um,
+                  "what may be left at the bottom of a hole of a drilling cycle, which the cycle's words cannot take "
+                  "away; more stops the job")
+      ->capture_default_str();
   command.add_flag("--orientation", arguments.orientation,
                    "correct rotary commands too, so that the tool's direction is the programmed one; what the axes "
                    "cannot turn is listed in the report");
@@ -239,6 +244,7 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   }
   options.max_correction_mm = arguments.max_correction_um * base::kMmPerUm;
   options.tolerance_mm = arguments.tolerance_um * base::kMmPerUm;
+  options.cycle_tolerance_mm = arguments.cycle_tolerance_um * base::kMmPerUm;
   options.orientation = arguments.orientation;
   options.max_rotary_correction_rad = arguments.max_rotary_correction_deg * base::kRadPerDeg;
   options.tolerance_rad = arguments.tolerance_urad * base::kRadPerUrad;

@@ -26,6 +26,7 @@ struct RewriteArguments {
   std::optional<int> decimals;
   double max_correction_um = 500;
   double tolerance_um = 1;
+  double cycle_tolerance_um = 20;
   bool orientation = false;
   double max_rotary_correction_deg = 0.05;
   double tolerance_urad = 10;

@@ -68,6 +68,7 @@ void BlockWriter::Pass(const Block& block, const Step& step) {
         !interpreter_->IsIncremental(block.words[static_cast<size_t>(step.word_of_axis[axis])]))
       adrift_ &= static_cast<uint16_t>(~(1u << axis));
   }
+  if (step.kind == StepKind::kHole) return PassHole(step);
   if (step.kind != StepKind::kMove) return;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] < 0) continue;
@@ -114,6 +115,7 @@ void BlockWriter::ChangeFrame(const FrameChange& change) {
 }
 
 void BlockWriter::ForgetChanges(const Commanded& before) {
+  is_cycle_known_ = false;
   for (const int axis : order_) {
     if (before.is_known(axis) && before.ticks[axis] == commanded_.ticks[axis]) continue;
     commanded_.known &= static_cast<uint16_t>(~(1u << axis));

@@ -31,6 +31,7 @@ class BlockWriter {
   const Commanded& commanded() const { return commanded_; }
   // The block stays as it is: what the controller does with it.
   void Pass(const Block& block, const Step& step);
+  void PassHole(const Step& step);
   // Before a move: axes that count from 0 to 360 deg are shifted by the same whole turns as the move's start.
   void Wrap(const Step& step);
   // The words of X, Y and Z stand in another frame from this block on.
@@ -81,6 +82,14 @@ class BlockWriter {
   // where an arc has straight pieces.
   void WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction, bool is_packed,
                   const std::string& line_end, OutBuffer* out);
+  // Appends the block of a hole: X and Y as `entry.targets`, the words of R and of the bottom (Z) as both pieces' Z.
+  // Words that the control keeps from an earlier block are inserted where they differ.
+  void WriteHole(const char* text, size_t size, const Block& block, const Step& step, const Piece& entry,
+                 const Piece& bottom, OutBuffer* out);
+  // Where the hole's words say that it begins and ends: axis positions of Z.
+  Ticks hole_entry() const { return hole_entry_; }
+  Ticks hole_bottom() const { return hole_bottom_; }
+  void ForgetCycle() { is_cycle_known_ = false; }
   // Appends a block that stays as it is. Where an arc was written as chords and the block relies on the arc's code, the
   // code is put in front of its words.
   void CopyBlock(const char* text, size_t size, const Block& block, const Step& step, OutBuffer* out);
@@ -106,6 +115,8 @@ class BlockWriter {
   Ticks BaseOf(const Block& block, const Step& step, int axis) const;
   // As WordFor; an axis that counts from 0 to 360 deg is told an angle of that range.
   CorrectedWord CorrectedOf(const Step& step, int axis, Ticks target, Ticks base, const WordForm& form) const;
+  // Where Z stands behind a hole.
+  void LeaveHole(const Step& step);
   void SetCommanded(const Step& step, int axis, const CorrectedWord& corrected, Ticks base, Ticks target);
   // Where the word ends, the ')' of X=IC(5) included.
   static uint32_t EndOf(const char* text, size_t size, const Word& word);
@@ -153,6 +164,9 @@ class BlockWriter {
   uint16_t adrift_ = 0;
   uint16_t wrapped_ = 0;        // axes that were last told the way to an angle from 0 to 360 deg
   bool is_last_rapid_ = false;  // of the corrected moves
+  // Of the drilling cycle in force: what the control keeps of its words, and where Z stood when it began.
+  bool is_cycle_known_ = false, is_cycle_level_known_ = false;
+  Ticks hole_entry_ = 0, hole_bottom_ = 0, cycle_level_ = 0;
   bool is_in_chords_ = false;                     // the controller is in G01 where the program is in G02 or G03
 };
 

@@ -23,6 +23,8 @@ enum class Meaning : uint8_t {
   kRapidBlock,    // rapid in this block only (FMAX)
   kArc,           // detail: 1 clockwise, 0 counterclockwise, seen against the plane's normal; with poles kArcWithRadius
   kCancelMotion,  // G80: axis words after it have no meaning
+  kDrillCycle,    // G81 ...: drills at each block with axis words until another motion code; detail: CycleWords
+  kReturnLevel,   // G98, G99; detail 1: cycles end at the R level
   kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code;
                   // detail: kCurve, kTangential
   kOneShot,       // moves axes or changes positions in this block only; detail likewise
@@ -109,6 +111,12 @@ enum Blocker : uint32_t {
 };
 
 inline constexpr uint32_t kSelectsLength = 1u << 31;  // of kToolPoint
+// Of kDrillCycle: words of its block beside those of axes, R, Q, P and F.
+enum CycleWords : uint32_t {
+  kCycleRepeatsK = 1,  // K: how often
+  kCycleRepeatsL = 2,
+  kCycleCentres = 4,  // I, J and K: pecks, or the shift of a fine boring tool
+};
 inline constexpr uint32_t kArcWithRadius = 2;   // Klartext's CR, whose R is a radius
 // Of kOneShot and kOtherMotion.
 inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on where it begins

@@ -52,8 +52,8 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'G', 921, M::kPreset, 1, "preset coordinates off"},
       {'G', 922, M::kPreset, 2, "preset coordinates suspended"},
       {'G', 923, M::kPreset, 3, "preset coordinates restored"},
-      {'G', 980, M::kHarmless, 0, "return to the initial level"},
-      {'G', 990, M::kHarmless, 0, "return to the R level"},
+      {'G', 980, M::kReturnLevel, 0, "return to the initial level"},
+      {'G', 990, M::kReturnLevel, 1, "return to the R level"},
       {'M', 4280, M::kBlockerOn, kKinematics, "switches the kinematics"},
       {'M', 4290, M::kBlockerOn, kKinematics, "switches the kinematics"},
       {'M', 4300, M::kBlockerOn, kKinematics, "switches the kinematics"},
@@ -61,8 +61,11 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'M', 980, M::kCall, 0, "subprogram call"},
       {'M', 990, M::kEndOfProgram, 1, "end of subprogram"},
   };
-  for (const int cycle : {70, 71, 72, 73, 74, 76, 81, 82, 83, 84, 85, 86, 87, 88, 89}) {
+  for (const int cycle : {70, 71, 72, 76, 87, 88}) {
     codes.push_back({'G', 10 * cycle, M::kOtherMotion, 0, "canned cycle"});
+  }
+  for (const int cycle : {73, 74, 81, 82, 83, 84, 85, 86, 89}) {
+    codes.push_back({'G', 10 * cycle, M::kDrillCycle, kCycleRepeatsL, "canned cycle"});
   }
   return codes;
 }

@@ -13,7 +13,7 @@ namespace {
 bool SameButRapid(Modal a, Modal b) {
   for (Modal* modal : {&a, &b}) {
     if (modal->motion == Meaning::kRapid) modal->motion = Meaning::kLinear;
-    if (modal->motion != Meaning::kOtherMotion) modal->motion_text = "";
+    if (modal->motion != Meaning::kOtherMotion && modal->motion != Meaning::kDrillCycle) modal->motion_text = "";
     modal->lacks_feed = modal->is_rapid_unsure = false;
   }
   return a == b;
@@ -205,6 +205,7 @@ void Interpreter::BeginModal() {
   // A code of an earlier program of this text may still be in force.
   const bool is_contradicted = is_inch ? says_mm_ : says_inch_;
   const bool is_unit_known = options_->unit != ProgramUnit::kUnstated && !is_contradicted;
+  modal_.is_return_unsure = has_called_;
   if (has_called_) modal_.uncertain = kCalledGroups & ~kUnitGroup, modal_.blockers = blockers_at_calls_;
   if (!is_unit_known) modal_.uncertain |= kUnitGroup;
   is_unit_asked_ = false;
@@ -230,7 +231,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->is_consequence = step->is_tool_change = step->moves_away = step->ends_block = step->is_at_corner = false;
   step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
   step->jumps_back = step->is_curve = step->is_tangential = false;
-  step->frame.is_changed = step->begins_definition = false;
+  step->frame.is_changed = step->begins_definition = step->defines_cycle = false;
   end_of_text_ = text + size;
   step->wrapped = step->downwards = 0;
   step->preset = PresetChange::kNone;
@@ -384,6 +385,8 @@ void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before)
   changed(before.plane_normal != modal_.plane_normal, kPlaneGroup);
   changed(before.feed_mode != modal_.feed_mode, kFeedGroup);
   if (before.way != modal_.way) modal_.way = Way::kUnknown;
+  modal_.is_return_unsure |= before.is_return_unsure || before.returns_to_entry != modal_.returns_to_entry;
+  if (before.cycle != modal_.cycle && modal_.motion == Meaning::kDrillCycle) modal_.motion = Meaning::kOtherMotion;
   changed(before.are_centres_absolute != modal_.are_centres_absolute, kCentreGroup);
   modal_.blockers |= before.blockers;
   modal_.turns_by_vector |= before.turns_by_vector;
@@ -429,6 +432,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     modal_.motion = request.motion->meaning;
     modal_.is_clockwise = request.motion->detail != 0;
     modal_.motion_text = request.motion->text;
+    if (modal_.motion != Meaning::kDrillCycle) modal_.cycle = DrillCycle();
     if (dialect_->has_poles) SelectSense(&request);
   } else if (request.sense != nullptr) {
     request.Refuse("the sense of an arc without one");

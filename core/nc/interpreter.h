@@ -26,6 +26,7 @@ namespace axiscal::nc {
 enum class StepKind : uint8_t {
   kNone,         // moves no axis
   kMove,         // a linear or circular move to `end`
+  kHole,         // a drilling cycle at the end of the block's own move, `hole` says where; Z stands at `end` behind it
   kUntouched,    // moves to machine positions: `reason` says how; the axes that it names are unknown now
   kUnsupported,  // may move axes otherwise, `reason` says why; all positions are unknown now
 };
@@ -40,6 +41,15 @@ struct FrameChange {
   To to = To::kSame;
   uint16_t kept = 0;  // of X, Y and Z: axes whose position is known in the new frame, from where they stood
   Ticks length = 0;   // of the tool
+};
+
+// A hole along Z at X and Y of Step::end; heights are axis positions of Z.
+struct Hole {
+  Ticks entry = 0, bottom = 0;    // where feeding begins and ends
+  bool is_first = false;          // of its cycle: the block states both
+  bool returns_to_entry = false;  // else to where Z stood when the cycle began
+  bool is_level_unsure = false;   // that is so near the entry that its correction may be above it
+  bool is_level_known = false;
 };
 
 // What one line does.
@@ -70,6 +80,8 @@ struct Step {
   uint16_t downwards = 0;     // of `wrapped`: axes whose word's sign says that they turn in the negative sense
   // Of `wrapped`: whole turns of the number that the word says, -1 for C-10.
   std::array<int16_t, machine::kMaxAxes> word_turns{};
+  Hole hole;                   // of kHole
+  bool defines_cycle = false;  // states R and Z of a cycle without drilling
   PresetChange preset = PresetChange::kNone;
   uint16_t preset_axes = 0;   // of kSet, where `end` is where they stand, and of kCleared
   int tool_length = -1;      // number of the length in force, -1: none
@@ -209,6 +221,7 @@ class Interpreter {
   }
   void MayHaveChanged(uint8_t groups) {
     modal_.uncertain |= groups;
+    modal_.is_return_unsure |= (groups & kMotionGroup) != 0;
     is_unit_asked_ |= (groups & kUnitGroup) != 0;  // its block is reported
   }
   // An N word, to know later where jumps lead.
@@ -246,6 +259,11 @@ class Interpreter {
   // Why lengths cannot be read: the unit is not known. "" when it is.
   std::string UnitProblem() const;
   void Move(const Block& block, const Request& request, Step* step);
+  // A block with axis words while a drilling cycle is in force.
+  void Drill(const Block& block, const Request& request, Step* step);
+  // Why such a block is not followed, or ""; fills R and the number of repeats, which is 1 where the block says none.
+  std::string ReadCycleWords(const Block& block, const Request& request, const Word** entry, int64_t* repeats) const;
+  void LoseCycle(const std::string& reason, Step* step);
   void GoTo(Step* step);
   // Whether a word may be a difference (G91) of the axis' position; Unsupported when not.
   bool MayMoveBy(int axis, Step* step);

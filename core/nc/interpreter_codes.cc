@@ -40,6 +40,7 @@ bool Interpreter::IsMotionCode(const Word& word) const {
     case Meaning::kLinear:
     case Meaning::kArc:
     case Meaning::kCancelMotion:
+    case Meaning::kDrillCycle:
     case Meaning::kOtherMotion:
       return true;
     default:
@@ -239,6 +240,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kLinear:
     case Meaning::kArc:
     case Meaning::kOtherMotion:
+    case Meaning::kDrillCycle:
     case Meaning::kCancelMotion:
       // G00 G80 at the begin of programs: the cycle ends, and the other code is in force.
       if (request->motion != nullptr && code.meaning == Meaning::kCancelMotion) return;
@@ -250,6 +252,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->is_curve = code.detail == kCurve;
       step->is_tangential = code.detail == kTangential;
       return request->Refuse(named());
+    case Meaning::kReturnLevel:
+      modal_.returns_to_entry = code.detail == 1;
+      modal_.is_return_unsure = false;
+      return;
     case Meaning::kRapidBlock:
       request->is_rapid_block = true;
       return;

@@ -46,6 +46,10 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
       Unsupported(absl::StrCat(request.owner->text, " and a motion code in one block"), false, step);
     return;
   }
+  const bool is_cycle = modal_.motion == Meaning::kDrillCycle;
+  const bool has_cycle_word = request.motion != nullptr || request.parameter != 0 || request.radius != nullptr;
+  if (is_cycle && has_cycle_word && !request.has_axis && request.foreign_axis == 0)
+    return LoseCycle("without words of X, Y or Z controls differ on whether it drills", step);
   if (!request.has_axis && request.foreign_axis == 0) {
     const bool moves_by_centre = modal_.motion == Meaning::kArc && request.has_centre;
     if (moves_by_centre) {
@@ -67,6 +71,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   bool is_consequence = false;
   std::string reason = WhyNoMove(request, &is_consequence);
   if (!reason.empty()) return Unsupported(std::move(reason), is_consequence, step);
+  if (is_cycle) return Drill(block, request, step);
   Move(block, request, step);
 }
 
@@ -85,6 +90,7 @@ void Interpreter::DoMachineMove(const Request& request, Step* step) {
   if (request.machine_move->detail == 1 && names_axis)
     return Unsupported(step->reason + " and words of axes in one block", false, step);
   step->kind = StepKind::kUntouched;
+  if (modal_.motion == Meaning::kDrillCycle) modal_.motion = Meaning::kOtherMotion;
   // Under tool centre point control every axis that moves moves the tool point in all directions of the words.
   if (modal_.tool_point != 0) return ForgetPositions(true);
   for (int i = 0; i < axis_count_; ++i) {
@@ -225,6 +231,7 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
     return absl::StrCat("word ", std::string(1, request.foreign_axis), ": machine '", machine_->id,
                         "' has no such axis");
   }
+  if (modal_.motion == Meaning::kDrillCycle) return "";
   const char* const kind = is_arc ? " in a circular move" : " in a linear move";
   if (request.parameter != 0) return absl::StrCat("word ", std::string(1, request.parameter), kind);
   if (is_arc && dialect_->has_poles && request.motion == nullptr) return "axis words without L or C behind an arc";

@@ -36,6 +36,8 @@ class JobReport {
   // One written piece that departs from the nominal path by at most `departure_mm` inside: its statistics, and limits,
   // which refuse.
   void Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm);
+  // A hole was written, and the tool point is off by so much at its bottom: `help` says what the cycle has no word for.
+  void Drilled(const BlockText& block, double left_mm, double rounding_mm, const std::string& help);
   // The tool's direction was not reached in this block: `turned` is the worst of its pieces.
   void Tilted(const BlockText& block, const compensate::Turned& turned);
   // The next piece does not begin where the last one ended.

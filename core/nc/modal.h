@@ -31,8 +31,24 @@ inline constexpr uint16_t kAllAxes = 0xFFFF;
 // Which way rotary axes that roll over go: M126 and M127 of Klartext.
 enum class Way : uint8_t { kOfAxis, kShorter, kUnknown };
 
+// A drilling cycle in force (kDrillCycle), along Z. Heights are axis positions.
+struct DrillCycle {
+  const CodeMeaning* code = nullptr;  // nullptr: none, or one that is not followed
+  Ticks entry = 0, bottom = 0;        // where feeding begins (R), and ends
+  Ticks level = 0;                    // where Z stood when the cycle began: G98 returns there
+  bool is_level_known = false;
+  Ticks z_offset = 0;  // of the coordinates in which R and Z were stated
+  bool is_inch = false;
+
+  bool operator==(const DrillCycle&) const = default;
+};
+
 struct Modal {
-  Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kArc, kCancelMotion or kOtherMotion. Power-on is linear.
+  Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kArc, kCancelMotion, kDrillCycle or kOtherMotion. Power-on is
+                                      // linear.
+  DrillCycle cycle;
+  bool returns_to_entry = false;  // G99
+  bool is_return_unsure = false;
   bool is_clockwise = false;          // of kArc
   const char* motion_text = "";       // of kOtherMotion
   bool is_inch = false;

@@ -36,6 +36,10 @@ absl::Status Validate(const RewriteOptions& options) {
   if (!(options.tolerance_mm > 0)) {
     return absl::InvalidArgumentError(absl::StrCat("tolerance_mm = ", options.tolerance_mm, ", must be > 0"));
   }
+  if (!(options.cycle_tolerance_mm > 0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cycle_tolerance_mm = ", options.cycle_tolerance_mm, ", must be > 0"));
+  }
   if (!(options.max_rotary_correction_rad > 0 && options.max_rotary_correction_rad <= kMaxRotaryCorrectionRad)) {
     return absl::InvalidArgumentError(absl::StrCat("max_rotary_correction_rad = ", options.max_rotary_correction_rad,
                                                    ", must be > 0 and at most ", kMaxRotaryCorrectionRad));

@@ -81,6 +81,9 @@ struct RewriteOptions {
   // A linear move is split where the correction along it departs from linear by more than this. > 0; infinity never
   // splits.
   double tolerance_mm = 0.001;
+  // What may be left at a hole of a drilling cycle: the tool point's error at its bottom, which the cycle's words
+  // cannot take away. More stops the job. > 0.
+  double cycle_tolerance_mm = 0.02;
   // Rotary commands are corrected too, where the machine's axes can turn the tool as programmed; what they cannot is
   // listed. The machine needs a rotary axis.
   bool orientation = false;

@@ -30,7 +30,7 @@ const std::vector<Program>& Programs() {
        "X5. Y5. Z50. B0. "
        "C0.\nN180 M9\nN190 G91 G28 Z0. M5\nN200 M30\n%\n",
        {8, 11, 12, 20},
-       {14, 17},
+       {14},
        {"G01 X60.0000"}},
       {"mazak",
        "<1010-1>(MEASURING)\nG0 G18 G21 G40 G80 G90 G94 G97\nPOPEN\nG17\nT23 M6(INTENEW)\nG91 G0 G28 X0 Y0\nG28 "

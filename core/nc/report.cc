@@ -54,6 +54,8 @@ reports::Rewrite ReportOf(const RewriteReport& found) {
   report.path_before_at_most_um = found.path_before_max_mm * base::kUmPerMm;
   report.path_after_at_most_um = found.path_after_max_mm * base::kUmPerMm;
   report.max_tilt_left_urad = found.max_tilt_left_rad * base::kUradPerRad;
+  if (found.holes > 0)
+    report.holes = {found.holes, found.max_hole_left_mm * base::kUmPerMm, found.holes_left, FindingsOf(found.left)};
   if (found.has_orientation) report.orientation = OrientationOf(found);
   report.max_departure_um = found.max_departure_mm * base::kUmPerMm;
   report.passed = FindingsOf(found.passed);

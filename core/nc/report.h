@@ -106,6 +106,11 @@ struct RewriteReport {
   AngleSpread tilt_before, tilt_after;
   int64_t blocks_tilted = 0;
   std::vector<Finding> tilted;
+  // Holes of drilling cycles: how far off the tool point is at the bottom with the correction as written, and the holes
+  // where that is more than their words' rounding (the first kMaxFindings).
+  int64_t holes = 0, holes_left = 0;
+  double max_hole_left_mm = 0;
+  std::vector<Finding> left;
   double max_departure_mm = 0;  // largest departure of the correction along a written piece, at most
   uint32_t source_crc32c = 0;
   bool has_source_crc32c = false;

@@ -87,6 +87,9 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   if (step.kind == StepKind::kMove) {
     is_last_split = false;
     Move();
+  } else if (step.kind == StepKind::kHole) {
+    is_last_split = false;
+    Drill();
   } else {
     if (step.kind == StepKind::kUnsupported) NotCorrected(step.reason, step.is_consequence);
     if (step.kind == StepKind::kUntouched) job.Passed(now, step.reason + ": never touched", false);
@@ -121,7 +124,8 @@ void Rewriter::Impl::Flush() {
 
 void Rewriter::Impl::Observe() {
   if (step.kind == StepKind::kNone) return;
-  job.Passed(now, step.reason, step.is_consequence || step.kind == StepKind::kMove);
+  const bool is_followed = step.kind == StepKind::kMove || step.kind == StepKind::kHole;
+  job.Passed(now, step.reason, step.is_consequence || is_followed);
 }
 
 void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence) {
@@ -131,7 +135,8 @@ void Rewriter::Impl::NotCorrected(const std::string& reason, bool is_consequence
 
 bool Rewriter::Impl::MustReturn() const {
   if (!passes()) return false;
-  if (step.kind == StepKind::kUnsupported || step.moves_away || step.ends_subprogram || step.begins_definition)
+  if (step.kind == StepKind::kUnsupported || step.kind == StepKind::kHole || step.moves_away || step.ends_subprogram ||
+      step.begins_definition)
     return true;
   if (step.kind == StepKind::kUntouched) return interpreter.positions().known == 0;
   return step.is_arc || (step.sets_pole && !interpreter.pole().is_known);
@@ -176,6 +181,7 @@ void Rewriter::Impl::Copy() {
   writer.CopyBlock(now.text, now.size, block, step, &out);
   CheckLength(begin);
   if (step.sets_pole) writer.TakePole(interpreter.pole());
+  if (step.defines_cycle) writer.ForgetCycle();
   if (step.kind != StepKind::kNone || step.preset != PresetChange::kNone) {
     writer.Pass(block, step);
     job.BreakPath();

@@ -126,6 +126,7 @@ struct Rewriter::Impl {
   std::string UnknownPosition(bool* is_consequence);
   void MoveFromUnknown(const std::string& unknown, bool is_consequence);
   void Move();
+  void Drill();
   // A control that takes rotary axes the shorter way round decides at half a turn, which a correction may cross. Noted
   // once for each axis.
   void NoteHalfTurns();

@@ -45,6 +45,11 @@ class Verifier {
     while (true) {
       ASSIGN_OR_RETURN(const bool has_wanted, original->Next(&wanted));
       if (!has_wanted) break;
+      if (wanted.step.kind == StepKind::kHole) {
+        RETURN_IF_ERROR(PairHole(wanted, compensated, &found));
+        last_end_ = wanted.step.end;
+        continue;
+      }
       if (wanted.step.kind != StepKind::kMove) {
         do {
           RETURN_IF_ERROR(NextOf(compensated, wanted, &found));
@@ -89,6 +94,47 @@ class Verifier {
   }
 
   bool IsKnown(const nc::Positions& positions) const { return positions.known == (1u << machine_.axis_count()) - 1; }
+
+  // A hole: the tool point where the drill goes in, and at the bottom.
+  absl::Status PairHole(const Event& wanted, MoveReader* compensated, Event* found) {
+    do {
+      RETURN_IF_ERROR(NextOf(compensated, wanted, found));
+    } while (IsReturn(last_end_, found->step));
+    if (found->step.kind != StepKind::kHole) return Mismatch(wanted, *found, "is not such a hole");
+    ++report_.moves;
+    ++report_.pieces;
+    TakeTool(wanted.step);
+    const int z = machine::FindAxis(machine_, "Z");
+    const auto at = [z](const Step& step, Ticks height) {
+      nc::Positions position = step.end;
+      position.ticks[z] = height;
+      position.known |= static_cast<uint16_t>(1u << z);
+      return position;
+    };
+    if (!IsKnown(at(wanted.step, 0))) {
+      ++report_.moves_unknown;
+      report_.not_judged.Add(wanted.line, "an axis position is unknown");
+      return absl::OkStatus();
+    }
+    report_.not_judged.End();
+    Step senses = wanted.step;
+    senses.end.sense[z] = -1;
+    for (const bool is_bottom : {false, true}) {
+      const auto height = [is_bottom](const Step& step) { return is_bottom ? step.hole.bottom : step.hole.entry; };
+      const nc::Positions nominal = at(wanted.step, height(wanted.step)), told = at(found->step, height(found->step));
+      if (!IsNear(nominal, told, static_cast<uint16_t>((1u << machine_.axis_count()) - 1)))
+        return Mismatch(wanted, *found, "does not drill at the same position");
+      const Tool end = Nominal(PositionsOf(nominal));
+      const Tool before = Actual(PositionsOf(nominal), senses), after = Actual(PositionsOf(told), senses);
+      report_.end_before.Add((before.tip_mm - end.tip_mm).norm());
+      const double after_mm = (after.tip_mm - end.tip_mm).norm();
+      report_.end_after.Add(after_mm);
+      report_.end_tilt_before.Add(AngleBetween(before, end));
+      report_.end_tilt_after.Add(AngleBetween(after, end));
+      AddWorst(after_mm, wanted.line);
+    }
+    return absl::OkStatus();
+  }
 
   // Brings a piece of a move whose axes count from 0 to 360 deg to the turns of that move.
   static void Unwrap(const Step& wanted, Step* found) {

@@ -48,6 +48,14 @@ struct Orientation {
   std::vector<Finding> not_reached = {};  // the first of them
 };
 
+// Holes of drilling cycles, where the program has any.
+struct Holes {
+  int64_t corrected = 0;
+  double left_max_um = 0.0;        // of the tool point, at a hole's bottom
+  int64_t not_exact = 0;           // holes at which more is left than the rounding of words
+  std::vector<Finding> left = {};  // the first of them
+};
+
 struct Rewrite {
   std::string calibration = {};
   bool null_correction = false;  // the output is the input, byte for byte
@@ -57,6 +65,7 @@ struct Rewrite {
   double path_before_at_most_um = 0.0, path_after_at_most_um = 0.0;
   double max_tilt_left_urad = 0.0;
   std::optional<Orientation> orientation = {};
+  std::optional<Holes> holes = {};
   double max_departure_um = 0.0;
   std::vector<Finding> passed = {}, refused = {};  // the first of each
   int64_t ranges_not_corrected = 0;

@@ -55,6 +55,14 @@ void Members(Io& io, base::Like<Io, Orientation> orientation) {
 }
 
 template <typename Io>
+void Members(Io& io, base::Like<Io, Holes> holes) {
+  io.Member("corrected", holes.corrected);
+  io.Member("left_max_um", holes.left_max_um);
+  io.Member("not_exact", holes.not_exact);
+  io.Member("left", holes.left);
+}
+
+template <typename Io>
 void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("calibration", report.calibration);
   io.Member("null_correction", report.null_correction);
@@ -70,6 +78,7 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
   });
   io.Member("max_tilt_left_urad", report.max_tilt_left_urad);
   io.Member("orientation", report.orientation);
+  io.Member("holes", report.holes);
   io.Member("max_departure_um", report.max_departure_um);
   io.Member("passed", report.passed);
   io.Member("refused", report.refused);

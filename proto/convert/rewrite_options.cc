@@ -89,6 +89,7 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
   message.set_decimals_inch(options.decimals_inch);
   message.set_max_correction_mm(options.max_correction_mm);
   message.set_tolerance_mm(options.tolerance_mm);
+  message.set_cycle_tolerance_mm(options.cycle_tolerance_mm);
   message.set_orientation(options.orientation);
   message.set_max_rotary_correction_rad(options.max_rotary_correction_rad);
   message.set_tolerance_rad(options.tolerance_rad);
@@ -118,6 +119,8 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
   if (message.has_tolerance_mm()) options.tolerance_mm = message.tolerance_mm();
   if (!(options.max_correction_mm > 0)) return FieldError("max_correction_mm", "must be > 0");
   if (!(options.tolerance_mm > 0)) return FieldError("tolerance_mm", "must be > 0");
+  if (message.has_cycle_tolerance_mm()) options.cycle_tolerance_mm = message.cycle_tolerance_mm();
+  if (!(options.cycle_tolerance_mm > 0)) return FieldError("cycle_tolerance_mm", "must be > 0");
   options.orientation = message.orientation();
   if (message.has_max_rotary_correction_rad()) options.max_rotary_correction_rad = message.max_rotary_correction_rad();
   if (message.has_tolerance_rad()) options.tolerance_rad = message.tolerance_rad();

@@ -9,6 +9,7 @@ class Limits:
     def __init__(self, end_mm, path_mm, gross_mm=0.5, gross_deg=1e-6, rounding_deg=0.6e-4):
         self.end_mm, self.path_mm, self.gross_mm, self.gross_deg = end_mm, path_mm, gross_mm, gross_deg
         self.rounding_deg = rounding_deg
+        self.lean_mm = 0.0  # what the report says is left at the bottom of holes
         self.tilt_rad = None  # where rotary axes are corrected too: how far the tool's direction may be off
 
 
@@ -95,7 +96,7 @@ class Comparison:
 
     def __init__(self, machine, limits, passed, strict, not_turned=()):
         self.machine, self.limits, self.passed, self.strict = machine, limits, passed, strict
-        self.corrected = self.unchanged = 0
+        self.corrected = self.unchanged = self.holes = 0
         self.worst_end = self.worst_path = 0.0
         self.is_corrected = False  # the position before the present move
         self.not_turned = not_turned
@@ -129,6 +130,8 @@ class Comparison:
             if s is None or o is None or s.kind != o.kind or not same(s.key, o.key):
                 raise Difference("other words than moves differ: %s, now %s" % (s and s.key, o and o.key), s,
                                  [o] if o else [])
+            if s.kind == "hole":
+                self.check_hole(s, o)
             self.has_preset |= s.kind == "raw" and s.key[0] == "G92"
             i += 1
             j += 1
@@ -230,6 +233,45 @@ class Comparison:
             raise Difference(problem, s, pieces)
         if self.strict and s.line not in self.passed and not (s.unsure and self.passed and min(self.passed) < s.line):
             raise Difference("not corrected, and the report does not list it: " + problem, s, pieces)
+        self.unchanged += 1
+
+    def check_hole(self, s, o):
+        """The tool is right where the drill goes in, and as deep as programmed; how far it leans between, the report says."""
+        machine, limits = self.machine, self.limits
+        self.place = s.end
+        self.is_corrected = False
+        for at, a, b in (("entry", s.entry, o.entry), ("bottom", s.bottom, o.bottom), ("end", s.end, o.end)):
+            for axis in a:
+                off = a[axis] - b[axis]
+                if axis in machine.rotary and axis in s.unsure_before:
+                    off = math.remainder(off, 360.0)
+                if abs(off) > (limits.gross_mm if axis in machine.linear else limits.gross_deg):
+                    raise Difference("%s of the hole: %s stands at %.4f, commanded by the source at %.4f" %
+                                     (at, axis, b[axis], a[axis]), s, [o])
+        problem = None
+        if s.opaque:
+            problem = "an axis stands where nobody knows (%s)" % " ".join(sorted(s.opaque))
+        else:
+            want = [machine.tip(p, s.length)[0] for p in (s.entry, s.bottom)]
+            have = [machine.tip(p, o.length, True)[0] for p in (o.entry, o.bottom)]
+            along = sub(want[1], want[0])
+            length = math.sqrt(dot(along, along))
+            left = sub(have[1], want[1])
+            depth = dot(left, along) / length
+            lean = math.sqrt(max(dot(left, left) - depth * depth, 0.0))
+            if math.dist(want[0], have[0]) > limits.end_mm:
+                problem = "the drill is %.5f mm off where it goes in" % math.dist(want[0], have[0])
+            elif abs(depth) > limits.end_mm + 1e-3 * lean:
+                problem = "the hole is %.5f mm too deep" % depth
+            elif lean > limits.lean_mm + limits.end_mm:
+                problem = "the hole is %.5f mm off at its bottom, and %.5f are reported" % (lean, limits.lean_mm)
+        if problem is None:
+            self.holes += 1
+            return
+        if not same(s.words, o.words):
+            raise Difference(problem, s, [o])
+        if self.strict and s.line not in self.passed:
+            raise Difference("not corrected, and the report does not list it: " + problem, s, [o])
         self.unchanged += 1
 
     def is_right_at_end(self, s, last):

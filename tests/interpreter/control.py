@@ -3,6 +3,8 @@ klartext.py. Nothing here knows of the product: the rules are those of the contr
 
 A trace is a list of events:
   move   axes go from `start` to `end` (axis positions, mm and deg), straight or on a circle
+  hole   a drilling cycle at `end`: `entry` and `bottom` are the axis positions between which the drill feeds; no other
+         key of it says where
   raw    words that something else than a plain move takes (a cycle, a rotated frame, TCP): they must not change
   code   what else the block says (M, S, T, dwell ...)
 """
@@ -15,7 +17,7 @@ class Alarm(Exception):
 
 class Event:
     __slots__ = ("frame", "kind", "line", "number", "key", "start", "end", "arc", "rapid", "words", "minutes", "opaque",
-                 "unsure_before", "unsure", "length", "named", "corner")
+                 "unsure_before", "unsure", "length", "named", "corner", "entry", "bottom")
 
     def __init__(self, kind, line, number, key=None):
         self.kind, self.line, self.number, self.key = kind, line, number, key
@@ -209,6 +211,25 @@ class Control:
         if arc:
             event.arc = self.circle(event, *arc)
         event.minutes = None if rapid else self.minutes(event)
+        return event
+
+    def hole(self, key, words, raw, entry, bottom, level):
+        """At the X and Y of `words`: heights are axis positions of Z; it stands at `level` behind it (None: nobody knows)."""
+        event = self.emit("hole", key)
+        event.start = dict(self.pos)
+        event.unsure_before = self.opaque | self.unsure
+        for axis, (value, incremental) in words.items():
+            self.pos[axis] = self.target(axis, value, incremental)
+            if not incremental:
+                self.opaque.discard(axis)
+                self.unsure.discard(axis)
+        event.entry, event.bottom = dict(self.pos, Z=entry), dict(self.pos, Z=bottom)
+        event.opaque, event.unsure = self.opaque - {"Z"}, (self.opaque | self.unsure) - {"Z"}
+        event.words = raw
+        event.length = self.length
+        if level is not None:
+            self.pos["Z"] = level
+        event.end = dict(self.pos)
         return event
 
     def minutes(self, event):

@@ -724,6 +724,60 @@ class Program(Writer):
                 self.feed_move(self.targets(rng.sample(self.linear, 2)))
             self.rapid(self.targets(self.linear))
 
+    def f_cycle(self):
+        """Holes along Z, each somewhere else, some with words of their own."""
+        rng, d = self.rng, self.dialect
+        if self.g93 or self.incremental or self.case.get("orientation") or d in ("sinumerik", "heidenhain"):
+            return
+        self.plane_xy()
+        self.restate()
+
+        def height(letter, want):
+            value = round((want - self.offset("Z")) / self.scale("Z"), self.places())
+            return letter + self.number(value), value * self.scale("Z") + self.offset("Z")
+        r = rng_value(rng, -40, 60)
+        self.rapid({"Z": r + rng.choice([0.0, 3.0, 20.0, 55.5])})
+        level, code, side = max(self.m["Z"], r), None, 98
+        if self.m["Z"] < r:
+            self.rapid({"Z": r + 1.0})
+            level = self.m["Z"]
+        codes = {"linuxcnc": [81, 82, 83, 85, 89], "haas": [73, 74, 76, 81, 82, 83, 84, 85, 86, 89]}.get(
+            d, [73, 74, 76, 81, 82, 83, 84, 85, 86, 89])
+        for k in range(rng.randrange(1, 6)):
+            words = []
+            is_new = code is None or rng.random() < 0.1
+            if is_new:
+                code = rng.choice(codes)
+            if is_new or rng.random() < 0.1:
+                words.append("G%d" % code)
+            if (k == 0 and rng.random() < 0.8) or rng.random() < 0.15:
+                side = rng.choice([98, 99])
+                words.insert(rng.randrange(len(words) + 1), "G%d" % side)
+            axes = rng.choice([["X"], ["Y"], ["X", "Y"], ["X", "Y"]])
+            words += self.go(self.targets(axes))
+            if is_new or rng.random() < 0.15:
+                words.append(height("Z", r - rng.choice([2.0, 8.0, 30.5, 60.0]))[0])
+            if is_new or rng.random() < 0.15:
+                text, at = height("R", min(r, level) - rng.choice([0.0, 0.0, 0.5]))
+                words.append(text)
+                self.m["R"] = at
+            if is_new:
+                words += {82: ["P0.5" if d == "linuxcnc" else "P500"], 89: ["P0.5" if d == "linuxcnc" else "P500"],
+                          73: ["Q3."], 83: ["Q3."], 76: ["Q0.2"]}.get(code, [])
+                words.append("F%d" % rng.choice([80, 120, 300]))
+            if rng.random() < 0.05:
+                words.append("M8")
+            self.block(words)
+            if rng.random() < 0.05:
+                self.plain("M9")
+        self.m["Z"] = level if side == 98 else self.m["R"]
+        del self.m["R"]
+        if rng.random() < 0.85:
+            self.plain("G80")
+        self.motion, self.feed = None, None
+        self.rapid(self.targets(self.some_axes()))
+        self.f_lines()
+
     def f_resets(self):
         """What posts write to be safe: ends of modes that were never begun."""
         rng = self.rng
@@ -1023,7 +1077,7 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7)]
+             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
@@ -1445,6 +1499,7 @@ def draw(seed, dialects=tuple(DIALECTS), without=(), with_known=()):
         "decimals": rng.choice([None, None, 3, 5]),
         "unit_option": rng.random() < 0.6,
         "start_option": rng.random() < 0.15,
+        "cycle_tolerance_um": rng.choice([None, 50.0, 50.0]),
         "orientation": len(axes) > 3 and rng.random() < 0.15,
     }
     if dialect in ("fanuc", "mazak", "haas") and rng.random() < 0.1:

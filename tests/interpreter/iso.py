@@ -35,6 +35,7 @@ class Iso(Control):
         self.centre_absolute = False
         self.variables = {}
         self.cycle = None
+        self.cycle_r = self.cycle_z = self.cycle_level = None
         self.return_level = 98
         self.saved_preset = None
         self.wcs = "" if dialect == "sinumerik" else "G54"
@@ -417,6 +418,10 @@ class Iso(Control):
         if not sin:
             code = has(*CYCLES)
             if code:
+                if self.cycle is None:
+                    self.cycle_level, self.level_is_known = self.pos["Z"], "Z" not in self.opaque
+                if self.cycle != int(code):
+                    self.cycle_r = self.cycle_z = None
                 self.cycle = self.motion = int(code)
             if has(80):
                 self.cycle, self.motion = None, 80
@@ -732,6 +737,8 @@ class Iso(Control):
             if self.tcp:
                 self.lose(self.axes)
             return
+        if self.cycle and not special and not self.foreign and not self.tcp and self.drills(axis_words, other):
+            return
         if self.cycle or special or self.motion in (33,):
             self.raw("cycle %s" % self.cycle, [self.motion], axis_words, other)
             for a, (v, inc) in words.items():
@@ -761,6 +768,39 @@ class Iso(Control):
         if corner or self.corner_all:
             event.corner = True
             event.words += tuple(sorted((a, w.value) for a, w in corner.items()))
+
+    # Cycles that feed along Z between R and Z, by the manuals of all these controls. Of the others (boring by hand, back
+    # boring, threads of lathes), of G91 and of other planes they say different things.
+    DRILLING = {73, 74, 76, 81, 82, 83, 84, 85, 86, 89}
+
+    def drills(self, axis_words, other):
+        d = self.dialect
+        if self.is_sinumerik or self.incremental or self.plane != 17 or self.feed_mode == 93 or \
+                self.cycle not in self.DRILLING - ({76} if d == "linuxcnc" else set()) or \
+                set(axis_words) - {"X", "Y", "Z"} or any(how for _, how in axis_words.values()):
+            return False
+        p = self.parameters(other)
+        if "R" in p:
+            self.cycle_r = p["R"] * self.length_unit() + self.offset("Z")
+        if "Z" in axis_words:
+            self.cycle_z = axis_words["Z"][0] * self.unit("Z") + self.offset("Z")
+        if self.cycle_r is None or self.cycle_z is None:
+            raise Alarm("a drilling cycle without R or Z")
+        repeats = p.get("L", p.get("K", 1) if d in ("fanuc", "mazak") else 1)
+        rest = tuple(sorted((a, v) for a, v in p.items() if a != "R"))
+        if repeats == 0:
+            self.code("cycle data", self.cycle, rest)
+            return True
+        level = self.cycle_r if self.return_level == 99 else self.cycle_level
+        if d == "linuxcnc":
+            level = max(level, self.cycle_r)
+        words = {a: (v, False) for a, (v, _) in axis_words.items() if a != "Z"}
+        raw = (tuple(sorted((a, round(v, 9)) for a, (v, _) in axis_words.items())), p.get("R"))
+        self.hole(("cycle", self.cycle, rest, self.return_level), words, raw, self.cycle_r, self.cycle_z, level)
+        known = self.return_level == 99 or self.level_is_known
+        (self.opaque.discard if known else self.opaque.add)("Z")
+        self.unsure.discard("Z")
+        return True
 
     def straight(self, words):
         raw = ("straight",)

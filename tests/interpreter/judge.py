@@ -104,6 +104,8 @@ def command(case, axiscal, folder, mode):
         out += ["--tool-length", "%s=%.6f" % (number, value)]
     if case.get("unit_option") and not states_unit(case):
         out += ["--unit", case["unit"]]
+    if case.get("cycle_tolerance_um"):
+        out += ["--cycle-tolerance-um", str(case["cycle_tolerance_um"])]
     if case.get("harmless"):
         out += ["--harmless-m", ",".join(str(code) for code in case["harmless"])]
     if case.get("start_option"):
@@ -168,6 +170,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
         end = 1.2 * resolution + 2e-5
         limits = Limits(end, case["tolerance_um"] * 1e-3 + end,
                         rounding_deg=0.6 * 10.0 ** -min(case.get("decimals") or 4, 4))
+        limits.lean_mm = 1e-3 * report.get("holes", {}).get("left_max_um", 0.0)
         if case.get("orientation"):
             limits.gross_deg = 0.0501
             limits.gross_mm = 1.0
@@ -190,6 +193,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
                 break
             finally:
                 counts[mode + ": moves found corrected"] += comparison.corrected
+                counts[mode + ": holes found corrected"] += comparison.holes
                 counts[mode + ": moves found unchanged"] += comparison.unchanged
                 counts[mode + ": ways back in front of passed blocks"] += comparison.brought_back
         if case["dialect"] == "linuxcnc" and linuxcnc.is_there() and not outcome.failures:
@@ -217,7 +221,8 @@ def ask_linuxcnc(case, text, written, mode, folder, outcome):
                 trace = interpret(case, program, scenario, still=True)
             except Alarm:
                 break
-            if any(e.kind == "raw" and e.key[0] not in ("G92", "G53") for e in trace):
+            pecks = any(e.kind == "hole" and e.key[1] in (73, 83) for e in trace)
+            if pecks or any(e.kind == "raw" and e.key[0] not in ("G92", "G53") for e in trace):
                 outcome.counts["LinuxCNC reads it (cycles, modes or reference moves: paths not compared)"] += 1
                 continue
             found = linuxcnc.differences(trace, calls, list(description["axes"]), tolerance)

@@ -5,6 +5,8 @@ import re
 import shutil
 import subprocess
 
+from control import Event
+
 AXES = "XYZABC"
 BASES = {"G54": 5221, "G55": 5241, "G56": 5261, "G57": 5281, "G58": 5301, "G59": 5321, "G59.1": 5341, "G59.2": 5361,
          "G59.3": 5381}
@@ -96,9 +98,21 @@ def places(case, text, folder, skip):
     return out
 
 
+def strokes(hole):
+    """The moves of a cycle that drills in one stroke, as the manual of LinuxCNC lists them."""
+    over = dict(hole.end, Z=max(hole.start["Z"], hole.entry["Z"]))
+    ways = [(over, True), (hole.entry, True), (hole.bottom, False), (hole.end, hole.key[1] not in (84, 85, 89, 74))]
+    parts = []
+    for end, rapid in ways:
+        part = Event("move", hole.line, hole.number)
+        part.end, part.rapid, part.unsure = end, rapid, hole.unsure
+        parts.append(part)
+    return parts
+
+
 def differences(trace, calls, axes, tolerance):
     """Where our trace of the moves differs from LinuxCNC's; None: nowhere. Moves of no length are left out."""
-    ours = [e for e in trace if e.kind == "move"]
+    ours = [part for e in trace for part in ([e] if e.kind == "move" else strokes(e) if e.kind == "hole" else [])]
 
     def moved(events, position, first):
         kept, last = [], None
