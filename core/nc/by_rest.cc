@@ -84,11 +84,23 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
   if (ends) {
     if (mode == kModalMacro && (modal_.blockers & mode) != 0) MayHaveChanged(kCalledGroups);  // by what it called
     if (mode == kModalMacro) modal_.macro_depth = 0;
+    if (mode == kModalMacro) modal_.calls_at_moves = false;
     if (mode == kMirror) modal_.mirrored_axes = 0;
     // The machine's builder may turn the axes home.
     if (mode == kSwivel) request->away = "end of a tilted plane";
     return EndMode(mode);
   }
+  // "MCALL CYCLE81(10,0,2,-20)": one of the cycles that are followed.
+  if (mode == kModalMacro && modal_.macro_depth == 0 && rest.size() > 8 && rest.rfind("CYCLE", 0) == 0) {
+    for (size_t i = 0; i < dialect_->keywords.size(); ++i) {
+      const Keyword& keyword = dialect_->keywords[i];
+      if (keyword.meaning != Meaning::kCallCycle || rest.compare(0, 7, keyword.name) != 0) continue;
+      if (!ReadArguments(rest.substr(7), &dialect_->keyword_codes[i], &modal_.called)) break;
+      modal_.calls_at_moves = true;
+      return;
+    }
+  }
+  modal_.calls_at_moves = false;
   modal_.blockers |= mode;
   if (mode == kMirror) modal_.mirrored_axes = kAllAxes;
   if (mode == kModalMacro) {

@@ -11,6 +11,7 @@ using testing::kAtZero;
 RewriteOptions In(const std::string& dialect) {
   RewriteOptions options = kAtZero;
   options.dialect = dialect;
+  options.tool_lengths = {{1, 10.0}};
   return options;
 }
 
@@ -65,7 +66,7 @@ TEST(Cycles, TheLeanIsSaidPerHoleAndRefusedAboveTheTolerance) {
   EXPECT_NEAR(outcome.report.max_hole_left_mm, 50 * kLeanRad, 2e-4);
   ASSERT_EQ(outcome.report.left.size(), 2u);
   EXPECT_EQ(outcome.report.left[1].line, 4);
-  EXPECT_THAT(outcome.report.left[0].reason, HasSubstr("um are left at the bottom of the hole: the drill leans"));
+  EXPECT_THAT(outcome.report.left[0].reason, HasSubstr("um are left at the hole: the drill leans"));
   options.cycle_tolerance_mm = 0.004;
   EXPECT_REFUSED_BY(LeaningZ(), options, program, "the limit is 4.0 um");
   EXPECT_REFUSED_BY(LeaningZ(), options, program, "--cycle-tolerance-um");
@@ -110,6 +111,67 @@ TEST(Cycles, DataWithoutAHoleAndHolesThatMayBeSkipped) {
                    corrected + "G81 Z-8. R2. L0 F200\nX20.0417 Z-8.0000 R2.0000\n");
   EXPECT_REWRITTEN(In("fanuc"), head + "G81 X10. Z-8. R2. F200\n/X15.\nX20. Y0.\n",
                    corrected + "G81 X10.0417 Z-8. R2. F200\n/X15.0417\nX20.0417 Y0. Z-8.0000 R2.0000\n");
+}
+
+TEST(Cycles, WhereZStandsBehindACycleMustBeStated) {
+  const std::string head = "G90 G17 G21 G94\nG0 X0. Y0. Z50. B0. C0.\n";
+  const std::string cycle = "G81 X10. Z-8. R2. F200\nG80\n";
+  EXPECT_REFUSED(In("linuxcnc"), head + cycle + "G1 X5. F100\n",
+                 "the position of Z is unknown: not programmed since line 3");
+  for (const char* level : {"G98\n", "G99\n"})
+    EXPECT_TRUE(testing::Rewritten(head + level + cycle + "G1 X5. F100\n", In("linuxcnc")).status.ok());
+}
+
+TEST(Cycles, CalledCyclesHaveXAndYCorrectedAndSayWhatIsLeft) {
+  RewriteOptions options = In("sinumerik");
+  const std::string head = "G71 G90 G17 G94\nG0 X0. Y0. Z50. B0. C0.\n",
+                    begin = "G71 G90 G17 G94\nG0 X0.0417 Y0. Z50. B0. C0.\n";
+  EXPECT_REWRITTEN(options, head + "MCALL CYCLE81(20,0,2,-10)\nX10. Y5.\nX20.\nMCALL\nG0 X30.\n",
+                   begin + "MCALL CYCLE81(20,0,2,-10)\nX10.0417 Y5.\nX20.0417\nMCALL\nG0 X30.0417\n");
+  EXPECT_REWRITTEN(options, head + "G0 X10.\nCYCLE83(20,0,2,,10)\nX20.\n",
+                   begin + "G0 X10.0417\nCYCLE83(20,0,2,,10)\nX20.0417\n");
+  RewriteOptions klartext = In("heidenhain");
+  const std::string definition =
+      "CYCL DEF 200 DRILLING ~\n Q200=+2 ;CLEARANCE ~\n Q201=-10 ;DEPTH ~\n Q203=+0 ~\n Q204=+20\n";
+  EXPECT_REWRITTEN(klartext, definition + "L X+10 Y+5 R0 FMAX M99\nL X+20 FMAX M99\nCYCL CALL\nL X+30 FMAX\n",
+                   definition + "L X+10.0417 Y+5 R0 FMAX M99\nL X+20.0417 FMAX M99\nCYCL CALL\nL X+30.0417 FMAX\n");
+  // Z leans by 100 urad, and the heights of all holes are those of the definition.
+  const testing::Outcome lean =
+      testing::Rewritten(head + "MCALL CYCLE81(60,0,2,-48)\nX10.\nMCALL\n", options, LeaningZ());
+  ASSERT_TRUE(lean.status.ok()) << lean.status;
+  EXPECT_NEAR(lean.report.max_hole_left_mm, 50 * kLeanRad, 3e-4);
+  // The tilt of Y lifts Y = 100 by 10 um: no word of the hole takes it away.
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
+  const auto tilted =
+      testing::MustCreate(machine, testing::ConstantErrors(machine, {{"EA0Y", 1e-4}}), {0, 0, -testing::kToolMm});
+  const testing::Outcome high = testing::Rewritten(definition + "L X+10 Y+100 R0 FMAX M99\n", klartext, tilted);
+  ASSERT_TRUE(high.status.ok()) << high.status;
+  EXPECT_NEAR(high.report.max_hole_left_mm, 0.010, 2e-3);
+  klartext.cycle_tolerance_mm = 0.005;
+  EXPECT_REFUSED_BY(tilted, klartext, definition + "L X+10 Y+100 R0 FMAX M99\n",
+                    "um are left at the hole, the limit is 5.0 um");
+}
+
+TEST(Cycles, CallsThatAreNotFollowedAreRefused) {
+  const std::string head = "G71 G90 G17 G94\nG0 X0. Y0. Z50. B0. C0.\n";
+  for (const std::string block :
+       {"CYCLE81(R1,0,2,-10)", "CYCLE81(20,0,2)", "CYCLE81(20,0,2,10)", "CYCLE81(1,0,2,-10)", "CYCLE81(20,0,2,-10,5)",
+        "CYCLE88(20,0,2,-10)", "G70\nCYCLE81(20,0,2,-10)", "CYCLE801(20,0,2,-10)",
+        "MCALL CYCLE81(20,0,2,-10)\nG1 X10. F100", "MCALL CYCLE81(20,0,2,-10)\nG91 X10.",
+        "MCALL CYCLE81(20,0,2,-10)\nG18\nX10.", "MCALL CYCLE81(20,0,2,-10)\nTRANS X10\nX10.",
+        "MCALL HOLES1(0,0,0,5,5,3)\nX10.", "/MCALL CYCLE81(20,0,2,-10)\nX10.", "MCALL CYCLE81(20,0,2,-10)\nSUPA G0 Z0"})
+    EXPECT_FALSE(testing::Rewritten(head + block + "\n", In("sinumerik")).status.ok()) << block;
+  const std::string definition = "CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10 ~\n Q203=+0\n",
+                    call = "L X+10 FMAX M99\n";
+  EXPECT_TRUE(testing::Rewritten(definition + call, In("heidenhain")).status.ok());
+  for (const std::string& text : std::vector<std::string>{
+           call, "CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10 ~\n Q203=Q5\n" + call,
+           "CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10\n" + call, definition + "Q203 = +5\n" + call,
+           definition + "FN 0: Q203 = +5\n" + call, definition + "CYCL DEF 252 POCKET ~\n Q201=-10\n" + call,
+           "/" + definition + call, definition + "TOOL CALL 1 Z S100\nL X+0 Y+0 Z+50 B+0 C+0 FMAX\n" + call,
+           definition + "L X+10 F200 M99\n", definition + "CYCL CALL POS X+10 Y+10 Z+0 FMAX\n",
+           definition + "CYCL DEF 221 PATTERN ~\n Q225=+10\n" + call})
+    EXPECT_FALSE(testing::Rewritten(text, In("heidenhain")).status.ok()) << text;
 }
 
 TEST(Cycles, PassedHolesBeginWhereTheProgramSays) {

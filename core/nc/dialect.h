@@ -24,6 +24,8 @@ enum class Meaning : uint8_t {
   kArc,           // detail: 1 clockwise, 0 counterclockwise, seen against the plane's normal; with poles kArcWithRadius
   kCancelMotion,  // G80: axis words after it have no meaning
   kDrillCycle,    // G81 ...: drills at each block with axis words until another motion code; detail: CycleWords
+  kCallCycle,     // drills at the place of the tool, or at the block's end; detail: kByArguments, kByDefinition
+  kDefineCycle,   // CYCL DEF 200: for calls behind it
   kReturnLevel,   // G98, G99; detail 1: cycles end at the R level
   kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code;
                   // detail: kCurve, kTangential
@@ -117,6 +119,12 @@ enum CycleWords : uint32_t {
   kCycleRepeatsL = 2,
   kCycleCentres = 4,  // I, J and K: pecks, or the shift of a fine boring tool
 };
+// Of kCallCycle.
+inline constexpr uint32_t kByArguments = 1;   // CYCLE81(10,0,2,-20)
+inline constexpr uint32_t kByDefinition = 2;  // CYCL CALL, M99: the last CYCL DEF
+// Of harmless keywords: defines another cycle than those that are followed, or writes Q parameters, which may be those
+// of a definition.
+inline constexpr uint32_t kDefines = 3;
 inline constexpr uint32_t kArcWithRadius = 2;   // Klartext's CR, whose R is a radius
 // Of kOneShot and kOtherMotion.
 inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on where it begins

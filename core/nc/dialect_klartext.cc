@@ -1,4 +1,6 @@
 // Words of Heidenhain Klartext: L, C, CR and CC blocks are read, everything else is recognised and reported.
+#include <cstring>
+
 #include "core/nc/dialect_tables.h"
 
 namespace axiscal::nc {
@@ -16,7 +18,7 @@ std::vector<CodeEntry> KlartextCodes() {
       {'M', 300, M::kEndOfProgram, 0, "end of program"},
       {'M', 910, M::kMachineMove, 0, "machine coordinates"},
       {'M', 920, M::kMachineMove, 0, "machine coordinates"},
-      {'M', 990, M::kOneShot, 0, "calls a cycle"},
+      {'M', 990, M::kCallCycle, kByDefinition, "calls a cycle"},
       {'M', 1280, M::kToolPoint, kToolControl, "tool centre point control"},
       {'M', 1290, M::kBlockerOff, kToolControl, "tool centre point control off"},
       {'M', 1300, M::kOneShot, 0, "position in the untilted system"},
@@ -41,14 +43,15 @@ constexpr const char* kCyclesThatWait[] = {
     "CYCL DEF 1",   "CYCL DEF 2",   "CYCL DEF 3",   "CYCL DEF 4",   "CYCL DEF 5",   "CYCL DEF 9",   "CYCL DEF 12",
     "CYCL DEF 13",  "CYCL DEF 14",  "CYCL DEF 17",  "CYCL DEF 18",  "CYCL DEF 20",  "CYCL DEF 21",  "CYCL DEF 22",
     "CYCL DEF 23",  "CYCL DEF 24",  "CYCL DEF 25",  "CYCL DEF 27",  "CYCL DEF 28",  "CYCL DEF 29",  "CYCL DEF 32",
-    "CYCL DEF 39",  "CYCL DEF 200", "CYCL DEF 201", "CYCL DEF 202", "CYCL DEF 203", "CYCL DEF 204", "CYCL DEF 205",
-    "CYCL DEF 206", "CYCL DEF 207", "CYCL DEF 208", "CYCL DEF 209", "CYCL DEF 210", "CYCL DEF 211", "CYCL DEF 212",
-    "CYCL DEF 213", "CYCL DEF 214", "CYCL DEF 215", "CYCL DEF 225", "CYCL DEF 230", "CYCL DEF 231", "CYCL DEF 232",
-    "CYCL DEF 233", "CYCL DEF 240", "CYCL DEF 241", "CYCL DEF 251", "CYCL DEF 252", "CYCL DEF 253", "CYCL DEF 254",
-    "CYCL DEF 256", "CYCL DEF 257", "CYCL DEF 258", "CYCL DEF 262", "CYCL DEF 263", "CYCL DEF 264", "CYCL DEF 265",
-    "CYCL DEF 267", "CYCL DEF 270", "CYCL DEF 271", "CYCL DEF 272", "CYCL DEF 273", "CYCL DEF 274", "CYCL DEF 275",
-    "CYCL DEF 276",
+    "CYCL DEF 39",  "CYCL DEF 204", "CYCL DEF 208", "CYCL DEF 210", "CYCL DEF 211", "CYCL DEF 212", "CYCL DEF 213",
+    "CYCL DEF 214", "CYCL DEF 215", "CYCL DEF 225", "CYCL DEF 230", "CYCL DEF 231", "CYCL DEF 232", "CYCL DEF 233",
+    "CYCL DEF 240", "CYCL DEF 241", "CYCL DEF 251", "CYCL DEF 252", "CYCL DEF 253", "CYCL DEF 254", "CYCL DEF 256",
+    "CYCL DEF 257", "CYCL DEF 258", "CYCL DEF 262", "CYCL DEF 263", "CYCL DEF 264", "CYCL DEF 265", "CYCL DEF 267",
+    "CYCL DEF 270", "CYCL DEF 271", "CYCL DEF 272", "CYCL DEF 273", "CYCL DEF 274", "CYCL DEF 275", "CYCL DEF 276",
 };
+
+constexpr const char* kDrillingCycles[] = {"CYCL DEF 200", "CYCL DEF 201", "CYCL DEF 202", "CYCL DEF 203",
+                                           "CYCL DEF 205", "CYCL DEF 206", "CYCL DEF 207", "CYCL DEF 209"};
 
 }  // namespace
 
@@ -91,7 +94,7 @@ std::vector<Keyword> KlartextKeywords() {
       {"CYCL DEF 8", M::kBlockerByRest, kMirror, true, "mirror"},
       {"CYCL DEF 7", M::kBlockerByRest, kDatumShift, true, "shift of coordinates"},
       {"CYCL DEF 247", M::kBlockerOn, kUnstatedOffset, true, "sets the datum"},
-      {"CYCL CALL", M::kOneShot, 0, true, "calls a cycle"},
+      {"CYCL CALL", M::kCallCycle, kByDefinition, true, "calls a cycle"},
       {"TCH PROBE 0", M::kOneShot, 0, true, "probing"},
       {"TCH PROBE 1", M::kOneShot, 0, true, "probing"},
       {"TCH PROBE 3", M::kOneShot, 0, true, "probing"},
@@ -132,23 +135,29 @@ std::vector<Keyword> KlartextKeywords() {
       {"IA", M::kIncrementalAddress, 'A', false, ""},
       {"IB", M::kIncrementalAddress, 'B', false, ""},
       {"IC", M::kIncrementalAddress, 'C', false, ""},
-      {"QL", M::kHarmless, 0, true, "parameter"},
-      {"QR", M::kHarmless, 0, true, "parameter"},
-      {"QS", M::kHarmless, 0, true, "parameter"},
+      {"QL", M::kHarmless, kDefines, true, "parameter"},
+      {"QR", M::kHarmless, kDefines, true, "parameter"},
+      {"QS", M::kHarmless, kDefines, true, "parameter"},
       // Arithmetic; the others jump, or write to the control.
-      {"FN 0", M::kHarmless, 0, true, "parameter"},
-      {"FN 1", M::kHarmless, 0, true, "parameter"},
-      {"FN 2", M::kHarmless, 0, true, "parameter"},
-      {"FN 3", M::kHarmless, 0, true, "parameter"},
-      {"FN 4", M::kHarmless, 0, true, "parameter"},
-      {"FN 5", M::kHarmless, 0, true, "parameter"},
-      {"FN 6", M::kHarmless, 0, true, "parameter"},
-      {"FN 7", M::kHarmless, 0, true, "parameter"},
-      {"FN 8", M::kHarmless, 0, true, "parameter"},
-      {"FN 18", M::kHarmless, 0, true, "reads a value of the control"},
+      {"FN 0", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 1", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 2", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 3", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 4", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 5", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 6", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 7", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 8", M::kHarmless, kDefines, true, "parameter"},
+      {"FN 18", M::kHarmless, kDefines, true, "reads a value of the control"},
       {"FN", M::kJump, 0, true, "parameters or a jump"},
   };
-  for (const char* const name : kCyclesThatWait) keywords.push_back({name, M::kHarmless, 0, true, "defines a cycle"});
+  for (const char* const name : kCyclesThatWait) {
+    const bool is_called = std::strcmp(name, "CYCL DEF 9") != 0 && std::strcmp(name, "CYCL DEF 32") != 0;
+    keywords.push_back({name, M::kHarmless, is_called ? kDefines : 0, true, "defines a cycle"});
+  }
+  // Drilling, reaming, boring, tapping: Q200, Q201, Q203 and Q204 say where.
+  for (const char* const name : kDrillingCycles)
+    keywords.push_back({name, M::kDefineCycle, 0, true, "defines a cycle"});
   return keywords;
 }
 

@@ -105,6 +105,15 @@ std::vector<Keyword> SinumerikKeywords() {
       {"TCARR", M::kBlockerOn, kKinematics, true, "tool carrier"},
       {"CYCLE800", M::kBlockerByRest, kSwivel, true, "tilted plane"},
       {"CYCLE832", M::kHarmless, kMaySetTransformation, true, "high-speed settings"},
+      // RTP, RFP, SDIS, DP and DPR are the first arguments of each: 840D sl, Programming Manual Cycles.
+      {"CYCLE81", M::kCallCycle, kByArguments, true, "cycle"},
+      {"CYCLE82", M::kCallCycle, kByArguments, true, "cycle"},
+      {"CYCLE83", M::kCallCycle, kByArguments, true, "cycle"},
+      {"CYCLE84", M::kCallCycle, kByArguments, true, "cycle"},
+      {"CYCLE85", M::kCallCycle, kByArguments, true, "cycle"},
+      {"CYCLE86", M::kCallCycle, kByArguments, true, "cycle"},
+      {"CYCLE87", M::kCallCycle, kByArguments, true, "cycle"},
+      {"CYCLE89", M::kCallCycle, kByArguments, true, "cycle"},
       {"CYCLE", M::kOneShot, 0, true, "cycle"},
       // Measuring cycles set work offsets and tool lengths.
       {"CYCLE961", M::kDataInput, 0, true, "measuring cycle"},

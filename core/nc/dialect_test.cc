@@ -50,7 +50,7 @@ TEST(Dialect, SinumerikModesAreReported) {
       {"TRAORI(2)", "tool centre point control"},
       {"TRAORI X5", "tool centre point control"},
       {"CYCLE800(1,\"TC1\",0,57,0,0,0,30,0,0,0,0,0,1)", "tilted plane"},
-      {"CYCLE81(10,0,2,-5)", "cycle"},
+      {"CYCLE81(R1,0,2,-5)", "cycle"},
       {"TRANS X10 Y5", "shift of coordinates"},
       {"AROT RPL=30", "rotation"},
       {"MIRROR X0", "mirror"},

@@ -25,8 +25,6 @@ std::string Interpreter::ReadCycleWords(const Block& block, const Request& reque
   if (modal_.is_incremental) return "in G91 controls differ on what R and Z count from: program it in G90";
   if (modal_.tool_point != 0) return "under tool centre point control it is not followed";
   if (modal_.feed_mode == FeedMode::kInverseTime) return "in G93";
-  if (modal_.is_return_unsure)
-    return "whether G98 or G99 is in force is not known behind a block that was not followed";
   if (options_->orientation) return "with --orientation it is not followed";
   const bool selects_length = request.length != nullptr || request.length_number != nullptr;
   if (selects_length || request.is_end || request.is_call || request.away != nullptr || request.has_corner ||
@@ -99,14 +97,15 @@ void Interpreter::Drill(const Block& block, const Request& request, Step* step) 
     return;
   }
   step->is_rapid = true;
-  step->hole = {cycle.entry, cycle.bottom, is_new, modal_.returns_to_entry, false, cycle.is_level_known};
+  step->hole = {cycle.entry, cycle.bottom, is_new, modal_.returns_to_entry, modal_.is_return_unsure, false};
   constexpr Ticks kNear = kTicksPerMm;  // corrections are smaller
   step->hole.is_level_unsure = cycle.is_level_known && cycle.level - cycle.entry < kNear;
   end.ticks[z] = modal_.returns_to_entry ? cycle.entry : cycle.level;
-  const bool is_known = modal_.returns_to_entry || cycle.is_level_known;
+  const bool is_known = !modal_.is_return_unsure && (modal_.returns_to_entry || cycle.is_level_known);
   end.known = static_cast<uint16_t>(is_known ? end.known | (1u << z) : end.known & ~(1u << z));
   end.sense[z] = 1;
   GoTo(step);
+  if (!is_known) ForgetPosition(z, false);
   step->kind = StepKind::kHole;
 }
 

@@ -6,7 +6,13 @@ namespace axiscal::nc {
 void BlockWriter::LeaveHole(const Step& step) {
   const int z = interpreter_->AxisOf('Z');
   const auto bit = static_cast<uint16_t>(1u << z);
-  const bool is_known = step.hole.returns_to_entry || (is_cycle_level_known_ && !step.hole.is_level_unsure);
+  if (step.hole.is_fixed) {
+    commanded_.ticks[z] = step.end.ticks[z] + preset_shift_[z];
+    commanded_.known |= bit;
+    return;
+  }
+  const bool is_known = !step.hole.is_return_unsure &&
+                        (step.hole.returns_to_entry || (is_cycle_level_known_ && !step.hole.is_level_unsure));
   commanded_.ticks[z] = step.hole.returns_to_entry ? hole_entry_ : cycle_level_;
   commanded_.known = static_cast<uint16_t>(is_known ? commanded_.known | bit : commanded_.known & ~bit);
 }
@@ -26,8 +32,58 @@ void BlockWriter::PassHole(const Step& step) {
   LeaveHole(step);
 }
 
+void BlockWriter::WriteFixedHole(const char* text, size_t size, const Block& block, const Step& step,
+                                 const Piece& entry, OutBuffer* out) {
+  const int z = interpreter_->AxisOf('Z');
+  const Word* last = nullptr;
+  for (const Word& word : block) {
+    if (interpreter_->AxisOf(word.letter) >= 0 && step.word_of_axis[interpreter_->AxisOf(word.letter)] >= 0)
+      last = &word;
+  }
+  uint32_t copied = 0;
+  const auto corrected_of = [&](int axis) {
+    const Ticks origin = BaseOf(block, step, axis);
+    return CorrectedOf(step, axis, entry.targets[axis], origin, FormOf(block, step, axis));
+  };
+  const auto go = [&](int axis, const CorrectedWord& corrected) {
+    SetCommanded(step, axis, corrected, BaseOf(block, step, axis), entry.targets[axis]);
+  };
+  for (const Word& word : block) {
+    const int axis = interpreter_->AxisOf(word.letter);
+    if (last == nullptr || axis < 0) continue;
+    if (axis != z) {
+      const CorrectedWord corrected = corrected_of(axis);
+      go(axis, corrected);
+      if (!IsSaid(corrected, word)) {
+        out->append(text + copied, word.number_at - copied);
+        AppendCorrected(corrected, &word, out);
+        copied = word.end;
+      }
+    }
+    if (&word != last) continue;
+    const uint32_t end = EndOf(text, size, word);
+    out->append(text + copied, end - copied);
+    copied = end;
+    for (const int other : order_) {
+      if (other == z || step.word_of_axis[other] >= 0) continue;
+      const CorrectedWord corrected = corrected_of(other);
+      if (!NeedsWord(other, entry.targets[other], corrected.form.grain)) continue;
+      if (!IsPacked(text, block)) out->push_back(' ');
+      const char letter = machine_->axes[other].name[0];
+      out->push_back(word.is_lower ? static_cast<char>(letter - 'A' + 'a') : letter);
+      AppendCorrected(corrected, nullptr, out);
+      go(other, corrected);
+    }
+  }
+  out->append(text + copied, size - copied);
+  hole_entry_ = step.hole.entry + preset_shift_[z];
+  hole_bottom_ = step.hole.bottom + preset_shift_[z];
+  LeaveHole(step);
+}
+
 void BlockWriter::WriteHole(const char* text, size_t size, const Block& block, const Step& step, const Piece& entry,
                             const Piece& bottom, OutBuffer* out) {
+  if (step.hole.is_fixed) return WriteFixedHole(text, size, block, step, entry, out);
   const int z = interpreter_->AxisOf('Z');
   if (step.hole.is_first) cycle_level_ = commanded_.ticks[z], is_cycle_level_known_ = commanded_.is_known(z);
   const Ticks unit = interpreter_->ticks_per_unit(z), base = interpreter_->offset(z) + preset_shift_[z];

@@ -205,7 +205,6 @@ void Interpreter::BeginModal() {
   // A code of an earlier program of this text may still be in force.
   const bool is_contradicted = is_inch ? says_mm_ : says_inch_;
   const bool is_unit_known = options_->unit != ProgramUnit::kUnstated && !is_contradicted;
-  modal_.is_return_unsure = has_called_;
   if (has_called_) modal_.uncertain = kCalledGroups & ~kUnitGroup, modal_.blockers = blockers_at_calls_;
   if (!is_unit_known) modal_.uncertain |= kUnitGroup;
   is_unit_asked_ = false;
@@ -232,7 +231,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
   step->jumps_back = step->is_curve = step->is_tangential = false;
   step->frame.is_changed = step->begins_definition = step->defines_cycle = false;
-  end_of_text_ = text + size;
+  text_ = text, end_of_text_ = text + size;
   step->wrapped = step->downwards = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
@@ -259,8 +258,10 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   }
   if (is_continued_ && !BeginsWithNumber(text, size)) {
     is_continued_ = IsContinued(text, size);
+    if (defined_ != nullptr) ReadDefinition(text, size);
     return;
   }
+  defined_ = nullptr;
   const size_t skipped = static_cast<size_t>(text - begin);
   Lex(begin + skipped, size, *dialect_, block);
   if (skipped > 0) {
@@ -286,6 +287,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   before_ = {modal_, coordinates_.offsets(), pole_, rounds_corners_ || is_behind_corner_};
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
+  if (defined_ != nullptr) ReadDefinition(text, size);
   if (block->problem == LexProblem::kNone || step->kind == StepKind::kUntouched) return;
   if (MayHoldCodes(*dialect_, is_stated_harmless_, *block, begin + block->problem_at, text + size)) {
     NoteCall();
@@ -350,6 +352,7 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
   const AxisTicks offsets = coordinates_.offsets();
   const bool rounded_corners = rounds_corners_, was_behind_corner = is_behind_corner_;
   Apply(text, block, step);
+  defined_ = nullptr;
   rounds_corners_ |= rounded_corners;
   is_behind_corner_ |= was_behind_corner;
   if (at_program_end_ && has_called_) MayHaveChanged(kCalledGroups);
@@ -385,6 +388,9 @@ void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before)
   changed(before.plane_normal != modal_.plane_normal, kPlaneGroup);
   changed(before.feed_mode != modal_.feed_mode, kFeedGroup);
   if (before.way != modal_.way) modal_.way = Way::kUnknown;
+  defined_ = nullptr;
+  if (before.called != modal_.called) modal_.called = DrillCycle();
+  if (before.calls_at_moves != modal_.calls_at_moves) modal_.blockers |= kModalMacro, modal_.calls_at_moves = false;
   modal_.is_return_unsure |= before.is_return_unsure || before.returns_to_entry != modal_.returns_to_entry;
   if (before.cycle != modal_.cycle && modal_.motion == Meaning::kDrillCycle) modal_.motion = Meaning::kOtherMotion;
   changed(before.are_centres_absolute != modal_.are_centres_absolute, kCentreGroup);
@@ -410,6 +416,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
                        step);
   }
   step->has_other_words |= block.has_assignment;
+  if (block.has_assignment && dialect_->has_poles) modal_.called = DrillCycle();
   Request request;
   request.is_whole = block.problem == LexProblem::kNone;
   request.blockers_before = modal_.blockers;

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,8 +49,9 @@ struct Hole {
   Ticks entry = 0, bottom = 0;    // where feeding begins and ends
   bool is_first = false;          // of its cycle: the block states both
   bool returns_to_entry = false;  // else to where Z stood when the cycle began
-  bool is_level_unsure = false;   // that is so near the entry that its correction may be above it
-  bool is_level_known = false;
+  bool is_return_unsure = false;  // to which of both
+  bool is_fixed = false;          // its heights are those of a definition, and no words of this block
+  bool is_level_unsure = false;   // that is so near the entry that the corrected entry may be above it
 };
 
 // What one line does.
@@ -263,6 +265,14 @@ class Interpreter {
   void Drill(const Block& block, const Request& request, Step* step);
   // Why such a block is not followed, or ""; fills R and the number of repeats, which is 1 where the block says none.
   std::string ReadCycleWords(const Block& block, const Request& request, const Word** entry, int64_t* repeats) const;
+  // The same of CYCLE81(10,0,2,-20) behind MCALL or alone: false where they are no plain numbers.
+  bool ReadArguments(const std::string& arguments, const Code* code, DrillCycle* cycle) const;
+  // "Q200=+2" of a line of CYCL DEF.
+  void ReadDefinition(const char* text, size_t size);
+  // Why what is called cannot be followed here, or "".
+  std::string WhyNoCall() const;
+  // The cycle that is called, at the end of the block's move or where the tool stands.
+  void CallCycle(const Request& request, Step* step);
   void LoseCycle(const std::string& reason, Step* step);
   void GoTo(Step* step);
   // Whether a word may be a difference (G91) of the axis' position; Unsupported when not.
@@ -322,7 +332,7 @@ class Interpreter {
   int64_t jump_line_ = 0;  // behind it the order of blocks is not known
   Pole pole_;
   StateBefore before_;
-  const char* end_of_text_ = nullptr;  // of the line that is read
+  const char *text_ = nullptr, *end_of_text_ = nullptr;  // of the line that is read
   std::vector<bool> numbers_seen_;     // N words, where blocks may be passed
   bool is_before_now_ = false;  // a plain move changes nothing of it
   int64_t programs_begun_ = 0;
@@ -334,6 +344,8 @@ class Interpreter {
   bool has_called_ = false;         // a program further on may be a subprogram, called in any modal state
   uint32_t blockers_at_calls_ = 0;  // that were in force at any call: its program has them too
   uint32_t blockers_seen_ = 0;      // that were ever in force
+  const Code* defined_ = nullptr;   // of CYCL DEF, whose lines are read
+  std::array<std::optional<Ticks>, 5> definition_;  // Q200 to Q204
   bool is_continued_ = false;       // Klartext: the next line belongs to this block ("~")
   bool at_program_end_ = false;     // M30: what follows is another program
 };

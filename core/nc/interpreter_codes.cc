@@ -207,6 +207,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       // An M code of the machine's builder, which the user states as harmless: it may clamp the axis behind its move.
       step->ends_block |= word.letter == 'M' && *code.text == 0;
       if (word.letter == 'M' && word.number.mantissa == 61) is_loaded_tool_known_ = false;  // M61 Q3 of LinuxCNC
+      if (word.letter == 0 && code.detail == kDefines) {
+        modal_.called = DrillCycle();  // or Q parameters, which may be those of the definition
+        defined_ = nullptr;
+      }
       if (word.letter == 0 && code.detail == kMaySetTransformation) {
         LoseToolPoint();
         modal_.turns_by_vector = true;
@@ -252,6 +256,15 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->is_curve = code.detail == kCurve;
       step->is_tangential = code.detail == kTangential;
       return request->Refuse(named());
+    case Meaning::kCallCycle:
+      request->cycle_call = &code;
+      request->cycle_call_word = &word;
+      return;
+    case Meaning::kDefineCycle:
+      modal_.called = DrillCycle();
+      defined_ = &code;
+      definition_ = {};
+      return;
     case Meaning::kReturnLevel:
       modal_.returns_to_entry = code.detail == 1;
       modal_.is_return_unsure = false;
@@ -543,6 +556,7 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
 }
 
 void Interpreter::NoteCall() {
+  modal_.called = DrillCycle();
   MayHaveChanged(kCalledGroups);
   has_called_ = true;
   is_loaded_tool_known_ = false;

@@ -46,6 +46,14 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
       Unsupported(absl::StrCat(request.owner->text, " and a motion code in one block"), false, step);
     return;
   }
+  if (request.cycle_call != nullptr && !request.has_axis && request.foreign_axis == 0) {
+    bool is_consequence = false;
+    if (std::string reason = WhyNoMove(request, &is_consequence); !reason.empty())
+      return Unsupported(std::move(reason), is_consequence, step);
+    step->start.CopyFrom(positions_, axis_count_);
+    step->end.CopyFrom(positions_, axis_count_);
+    return CallCycle(request, step);
+  }
   const bool is_cycle = modal_.motion == Meaning::kDrillCycle;
   const bool has_cycle_word = request.motion != nullptr || request.parameter != 0 || request.radius != nullptr;
   if (is_cycle && has_cycle_word && !request.has_axis && request.foreign_axis == 0)
@@ -73,6 +81,8 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   if (!reason.empty()) return Unsupported(std::move(reason), is_consequence, step);
   if (is_cycle) return Drill(block, request, step);
   Move(block, request, step);
+  if (step->kind == StepKind::kMove && (modal_.calls_at_moves || request.cycle_call != nullptr))
+    CallCycle(request, step);
 }
 
 void Interpreter::DoDwell(const Request& request, Step* step) {
@@ -89,6 +99,7 @@ void Interpreter::DoMachineMove(const Request& request, Step* step) {
   const bool names_axis = request.has_axis || request.foreign_axis != 0;
   if (request.machine_move->detail == 1 && names_axis)
     return Unsupported(step->reason + " and words of axes in one block", false, step);
+  if (modal_.calls_at_moves) return Unsupported(step->reason + " while MCALL is in force: it drills", false, step);
   step->kind = StepKind::kUntouched;
   if (modal_.motion == Meaning::kDrillCycle) modal_.motion = Meaning::kOtherMotion;
   // Under tool centre point control every axis that moves moves the tool point in all directions of the words.

@@ -145,12 +145,12 @@ void JobReport::Drilled(const BlockText& block, double left_mm, double rounding_
   report_.max_hole_left_mm = std::max(report_.max_hole_left_mm, left_mm);
   if (left_mm > rounding_mm) {
     ++report_.holes_left;
-    AddFinding(block, absl::StrFormat("%.1f um are left at the bottom of the hole: %s", left_mm * base::kUmPerMm, help),
+    AddFinding(block, absl::StrFormat("%.1f um are left at the hole: %s", left_mm * base::kUmPerMm, help),
                &report_.left);
   }
   if (left_mm <= options_.cycle_tolerance_mm) return;
   Refused(block,
-          absl::StrFormat("%.1f um are left at the bottom of the hole, the limit is %.1f um: %s; state "
+          absl::StrFormat("%.1f um are left at the hole, the limit is %.1f um: %s; state "
                           "--cycle-tolerance-um if that is good enough, or program the hole in moves",
                           left_mm * base::kUmPerMm, options_.cycle_tolerance_mm * base::kUmPerMm, help),
           false);

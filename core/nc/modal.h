@@ -47,8 +47,11 @@ struct Modal {
   Meaning motion = Meaning::kLinear;  // kRapid, kLinear, kArc, kCancelMotion, kDrillCycle or kOtherMotion. Power-on is
                                       // linear.
   DrillCycle cycle;
+  // What a call drills, of the last CYCL DEF or of MCALL; `level`: where Z stands behind it.
+  DrillCycle called;
+  bool calls_at_moves = false;    // MCALL: behind each move
   bool returns_to_entry = false;  // G99
-  bool is_return_unsure = false;
+  bool is_return_unsure = true;   // until the program states it: controls begin with either
   bool is_clockwise = false;          // of kArc
   const char* motion_text = "";       // of kOtherMotion
   bool is_inch = false;

@@ -93,8 +93,8 @@ std::string BlockWriter::Return(const StateBefore& before, const std::string& li
   if (departed != 0) {
     const Modal& modal = before.modal;
     const bool is_rapid = has_poles ? is_last_rapid_ : modal.motion == Meaning::kRapid;
-    if (modal.motion == Meaning::kDrillCycle)
-      return "the control stands at a corrected position, and a block in front of it would end the drilling cycle";
+    if (modal.motion == Meaning::kDrillCycle || modal.calls_at_moves)
+      return "the control stands at a corrected position, and a block in front of it would drill, or end the cycle";
     if (before.is_at_corner) return "the control rounds or chamfers the corner in front of it";
     constexpr uint8_t kNeeded = kMotionGroup | kDistanceGroup | kUnitGroup | kFeedGroup | kOffsetGroup | kLengthGroup;
     if (modal.blockers != 0 || (modal.uncertain & kNeeded) != 0 || modal.motion == Meaning::kOtherMotion)

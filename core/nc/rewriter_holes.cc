@@ -1,9 +1,22 @@
 // Holes of drilling cycles: X and Y are right where the drill goes in, Z at the bottom. What the drill leans between
 // them has no word in a cycle.
+#include <algorithm>
+#include <optional>
+
 #include "core/base/units.h"
 #include "core/nc/rewriter_impl.h"
 
 namespace axiscal::nc {
+
+double Rewriter::Impl::LeftAt(const Piece& wanted, const Commanded& at) const {
+  Eigen::Vector3d left_mm = Eigen::Vector3d::Zero();
+  const std::vector<int>& axes = compensator.linear_axes();
+  for (size_t k = 0; k < axes.size(); ++k) {
+    const double off_mm = static_cast<double>(at.ticks[axes[k]] - wanted.targets[axes[k]]) / kTicksPerUnit;
+    left_mm += wanted.correction.tip_per_mm[k] * off_mm;
+  }
+  return left_mm.norm() + wanted.correction.after_mm;
+}
 
 void Rewriter::Impl::Drill() {
   const int z = interpreter.AxisOf('Z');
@@ -44,18 +57,20 @@ void Rewriter::Impl::Drill() {
   at.ticks[z] = writer.hole_bottom();
   job.Account(now, bottom, at, 0.0);
   job.BreakPath();
-  Eigen::Vector3d left_mm = Eigen::Vector3d::Zero();
-  double rounding_mm = 0.0;
-  const std::vector<int>& axes = compensator.linear_axes();
-  for (size_t k = 0; k < axes.size(); ++k) {
-    const double off_mm = static_cast<double>(at.ticks[axes[k]] - bottom.targets[axes[k]]) / kTicksPerUnit;
-    left_mm += bottom.correction.tip_per_mm[k] * off_mm;
-    const Ticks grain = GrainTicks(interpreter.ticks_per_unit(axes[k]),
+  const bool is_fixed = step.hole.is_fixed;
+  double left_mm = LeftAt(bottom, at), rounding_mm = 0.0;
+  if (is_fixed) {  // its heights have no words here, nor has a call where the tool stands
+    at.ticks[z] = writer.hole_entry();
+    left_mm = std::max(left_mm, LeftAt(entry, at));
+  }
+  for (const int axis : compensator.linear_axes()) {
+    const Ticks grain = GrainTicks(interpreter.ticks_per_unit(axis),
                                    interpreter.modal().is_inch ? options.decimals_inch : options.decimals_mm);
     rounding_mm += static_cast<double>(grain) / kTicksPerUnit;
   }
-  job.Drilled(now, left_mm.norm() + bottom.correction.after_mm, rounding_mm,
-              "the drill leans, and the cycle has no word for it");
+  job.Drilled(now, left_mm, rounding_mm,
+              is_fixed ? "the heights of a called cycle hold for all its holes, and the drill leans"
+                       : "the drill leans, and the cycle has no word for it");
   if (passes()) writer.Arrive(step);
   if (before) writer.ForgetChanges(*before);
 }

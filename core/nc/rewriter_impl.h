@@ -127,6 +127,8 @@ struct Rewriter::Impl {
   void MoveFromUnknown(const std::string& unknown, bool is_consequence);
   void Move();
   void Drill();
+  // The tool point's error where the control is told `at` in place of the piece's targets, mm.
+  double LeftAt(const Piece& wanted, const Commanded& at) const;
   // A control that takes rotary axes the shorter way round decides at half a turn, which a correction may cross. Noted
   // once for each axis.
   void NoteHalfTurns();

@@ -243,7 +243,7 @@ class Comparison:
         for at, a, b in (("entry", s.entry, o.entry), ("bottom", s.bottom, o.bottom), ("end", s.end, o.end)):
             for axis in a:
                 off = a[axis] - b[axis]
-                if axis in machine.rotary and axis in s.unsure_before:
+                if axis in machine.rotary:  # whole turns do not count
                     off = math.remainder(off, 360.0)
                 if abs(off) > (limits.gross_mm if axis in machine.linear else limits.gross_deg):
                     raise Difference("%s of the hole: %s stands at %.4f, commanded by the source at %.4f" %
@@ -259,7 +259,16 @@ class Comparison:
             left = sub(have[1], want[1])
             depth = dot(left, along) / length
             lean = math.sqrt(max(dot(left, left) - depth * depth, 0.0))
-            if math.dist(want[0], have[0]) > limits.end_mm:
+            if s.key[0] == "called":  # its heights are no words of the hole
+                over = sub(have[0], want[0])
+                height = dot(over, along) / length
+                aside = math.sqrt(max(dot(over, over) - height * height, 0.0))
+                most = max(math.sqrt(dot(over, over)), math.sqrt(dot(left, left)))
+                if most > limits.lean_mm + limits.end_mm:
+                    problem = "the hole is %.5f mm off, and %.5f are reported" % (most, limits.lean_mm)
+                elif s.words and aside > limits.end_mm + 1e-3 * abs(height):
+                    problem = "the drill is %.5f mm off where it goes in" % aside
+            elif math.dist(want[0], have[0]) > limits.end_mm:
                 problem = "the drill is %.5f mm off where it goes in" % math.dist(want[0], have[0])
             elif abs(depth) > limits.end_mm + 1e-3 * lean:
                 problem = "the hole is %.5f mm too deep" % depth

@@ -727,10 +727,12 @@ class Program(Writer):
     def f_cycle(self):
         """Holes along Z, each somewhere else, some with words of their own."""
         rng, d = self.rng, self.dialect
-        if self.g93 or self.incremental or self.case.get("orientation") or d in ("sinumerik", "heidenhain"):
+        if self.g93 or self.incremental or self.case.get("orientation"):
             return
         self.plane_xy()
         self.restate()
+        if d in ("sinumerik", "heidenhain"):
+            return self.called_cycle()
 
         def height(letter, want):
             value = round((want - self.offset("Z")) / self.scale("Z"), self.places())
@@ -776,6 +778,30 @@ class Program(Writer):
             self.plain("G80")
         self.motion, self.feed = None, None
         self.rapid(self.targets(self.some_axes()))
+        self.f_lines()
+
+    def called_cycle(self):
+        """CYCLE81 alone or by MCALL; heights are program positions."""
+        rng = self.rng
+        entry, depth = round(rng.uniform(-30, 40), 2), rng.choice([5.0, 12.5, 40.0])
+        over = rng.choice([2.0, 25.0])
+        scale = self.scale("Z")
+        arguments = [self.number((entry + over) / scale), self.number((entry - 1.0) / scale), self.number(1.0 / scale),
+                     self.number((entry - depth) / scale)]
+        if rng.random() < 0.3:
+            arguments[3:] = ["", self.number((depth - 1.0) / scale)]
+        name = "CYCLE%d" % rng.choice([81, 82, 83, 84, 85, 86, 89])
+        call = "%s(%s)" % (name, ",".join(arguments))
+        if rng.random() < 0.3:
+            self.rapid(self.targets(["X", "Y"]))
+            self.lines.append(call)
+        else:
+            self.lines.append("MCALL " + call)
+            for _ in range(rng.randrange(1, 5)):
+                self.rapid(self.targets(rng.choice([["X"], ["Y"], ["X", "Y"]])))
+            self.plain("MCALL")
+        self.m["Z"] = None
+        self.rapid(self.targets(self.linear))
         self.f_lines()
 
     def f_resets(self):
@@ -1160,7 +1186,7 @@ def rng_value(rng, low, high):
 
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
-             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7)]
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]
@@ -1298,6 +1324,24 @@ class KlartextProgram(Program):
             self.m.update(X=None, Y=None, Z=None)
             self.rapid(self.targets(rng.sample(self.linear, 2)))
         return "M129"
+
+    def called_cycle(self):
+        rng, scale = self.rng, self.length_scale()
+        clearance, depth = 2.0, rng.choice([5.0, 12.5, 40.0])
+        surface, second = round(rng.uniform(-30, 40), 2), rng.choice([2.0, 50.0])
+        self.lines += ["%d CYCL DEF %d DRILLING ~" % (self.n, rng.choice([200, 201, 203, 205, 207])),
+                       " Q200=%s ;SET-UP CLEARANCE ~" % self.number(clearance / scale),
+                       " Q201=%s ;DEPTH ~" % self.number(-depth / scale), " Q203=%s ;SURFACE ~" % self.number(surface / scale),
+                       " Q204=%s ;2ND CLEARANCE" % self.number(second / scale)]
+        self.n += 1
+        if rng.random() < 0.2:
+            self.rapid(self.targets(["X", "Y"]))
+            self.plain(rng.choice(["CYCL CALL", "CYCL CALL M3"]))
+        for _ in range(rng.randrange(1, 5)):
+            self.block(["L"] + self.go(self.targets(rng.choice([["X"], ["Y"], ["X", "Y"]])), True) + ["R0 FMAX M99"])
+        self.m["Z"] = None
+        self.rapid(self.targets(self.linear))
+        self.f_lines()
 
     def f_roll(self):
         """M126: rotary axes take the shorter way."""

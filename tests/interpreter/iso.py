@@ -36,7 +36,7 @@ class Iso(Control):
         self.variables = {}
         self.cycle = None
         self.cycle_r = self.cycle_z = self.cycle_level = None
-        self.return_level = 98
+        self.return_level = 99 if dialect == "linuxcnc" else 98  # rs274 of 2.9 begins at the R level
         self.saved_preset = None
         self.wcs = "" if dialect == "sinumerik" else "G54"
         self.is_sinumerik = dialect == "sinumerik"
@@ -176,7 +176,7 @@ class Iso(Control):
                 match = re.compile(r"([A-Z_]{2,}\d*)(\s*\([^)]*\))?").match(text, at)
                 if match:
                     rest = match.group(0)
-                    if match.group(1) in FRAMES:  # takes the rest of the block
+                    if match.group(1) in FRAMES or match.group(1) == "MCALL":  # takes the rest of the block
                         rest = text[at:]
                     out.append(Word(match.group(1), rest.strip()))
                     at += len(rest)
@@ -679,6 +679,13 @@ class Iso(Control):
                     self.enter("tilt")
                     self.lose(self.axes)
                 other.remove(w)
+            elif re.fullmatch("CYCLE8[1-79]", a) and self.called(w.value) is not None:
+                self.code(a, w.value)
+                if self.plane == 17 and not self.incremental and not self.foreign and not self.tcp:
+                    self.call_cycle(a, self.called(w.value), {}, ())
+                else:
+                    self.lose(self.axes)
+                other.remove(w)
             elif a.startswith(("CYCLE", "POCKET", "HOLES", "SLOT")):
                 self.code(a, w.value)
                 self.lose(self.axes)
@@ -686,7 +693,9 @@ class Iso(Control):
             elif a == "MCALL":
                 rest = w.value.replace(" ", "")
                 self.code(a, rest)
-                (self.leave if rest == "MCALL" else self.enter)("modal call")
+                call = re.fullmatch(r"MCALL(CYCLE8[1-79])(\(.*\))", rest)
+                self.modal_cycle = self.called(rest[5:]) if call and "modal call" not in self.foreign else None
+                (self.leave if rest == "MCALL" or self.modal_cycle else self.enter)("modal call")
                 other.remove(w)
             elif re.fullmatch(r"L\d+|[A-Z_]\w*", a) and a not in ("CR", "RND", "CHF", "CHR", "RNDM", "ADIS", "SPOS",
                                                                  "AP", "RP", "ANG", "AR", "TURN", "CT", "CIP"):
@@ -737,6 +746,18 @@ class Iso(Control):
             if self.tcp:
                 self.lose(self.axes)
             return
+        if self.modal_cycle and not special and not self.foreign and not self.tcp and self.motion == 0 and self.plane == 17 and \
+                not self.incremental:
+            above = {a: v for a, v in words.items() if a == "Z"}
+            raw = tuple(sorted((a, round(v, 9), i) for a, (v, i) in words.items()))
+            if above:
+                self.pos["Z"] = self.target("Z", *above["Z"])
+            self.call_cycle("MCALL", self.modal_cycle, {a: v for a, v in words.items() if a != "Z"}, raw)
+            return
+        if self.modal_cycle:
+            self.raw("MCALL", [self.motion], axis_words, other)
+            self.lose(self.axes)
+            return
         if self.cycle and not special and not self.foreign and not self.tcp and self.drills(axis_words, other):
             return
         if self.cycle or special or self.motion in (33,):
@@ -768,6 +789,27 @@ class Iso(Control):
         if corner or self.corner_all:
             event.corner = True
             event.words += tuple(sorted((a, w.value) for a, w in corner.items()))
+
+    modal_cycle = None
+
+    def called(self, text):
+        """Heights of CYCLE81(RTP, RFP, SDIS, DP, DPR): where it feeds from and to, and where it retracts to (axis positions)."""
+        match = re.fullmatch(r"(?:CYCLE8\d)?\s*\(([-+.,\d\s]*)\)", text.strip())
+        if not match or self.inch:  # under G70 the arguments may be in the machine's unit
+            return None
+        a = [v.strip() for v in match.group(1).split(",")] + [""] * 5
+        number = [float(v) if v else None for v in a[:5]]
+        if number[0] is None or number[1] is None or (number[3] is None and number[4] is None):
+            return None
+        depth = number[3] if number[3] is not None else number[1] - abs(number[4])
+        heights = [number[1] + abs(number[2] or 0.0), depth, number[0]]
+        return [h * self.length_unit() + self.offset("Z") for h in heights]
+
+    def call_cycle(self, name, heights, words, raw):
+        entry, bottom, level = heights
+        self.hole(("called", name), words, raw, entry, bottom, level)
+        self.opaque.discard("Z")
+        self.unsure.discard("Z")
 
     # Cycles that feed along Z between R and Z, by the manuals of all these controls. Of the others (boring by hand, back
     # boring, threads of lathes), of G91 and of other planes they say different things.

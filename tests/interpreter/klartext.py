@@ -30,9 +30,10 @@ class Klartext(Control):
         i = 0
         while i < len(lines):
             first, line = i + 1, self.clean(lines[i])
-            while line.endswith("~") and i + 1 < len(lines):
+            while lines[i].rstrip().endswith("~") and i + 1 < len(lines):  # also behind a comment
                 i += 1
-                line = line[:-1] + " " + self.clean(lines[i])
+                line = line.rstrip("~ ") + " " + self.clean(lines[i])
+            line = line.rstrip("~ ")
             i += 1
             match = re.match(r"(/?)\s*(\d+)?\s*(/?)(.*)$", line)
             if match.group(4).strip():
@@ -112,6 +113,8 @@ class Klartext(Control):
             return None
         if body.startswith("CYCL CALL"):
             self.code("CYCL CALL", body)
+            if self.drilling and re.fullmatch(r"CYCL CALL( M(3|4|8|13|14))?", body) and self.drill({}, ()):
+                return None
             self.lose(self.axes if "POS" in body or "PAT" in body or self.calls_program else ["Z"])
             return None
         match = re.match(r"Q(\d+)\s*=\s*" + VALUE + "$", body)
@@ -154,6 +157,14 @@ class Klartext(Control):
 
     def cycle(self, number, part, rest, body):
         self.code("CYCL DEF", body)
+        if number not in (7, 8, 9, 10, 11, 19, 26, 32, 247):
+            self.drilling = None
+        if number in (200, 201, 202, 203, 205, 206, 207, 209):
+            q = {int(n): float(v) for n, v in re.findall(r"Q(\d+)\s*=\s*" + VALUE, rest)}
+            if {200, 201, 203} <= set(q) and q[201] < 0:
+                unit = self.length_unit()
+                self.drilling = [(q[203] + q[200]) * unit, (q[203] + q[201]) * unit,
+                                 (q[203] + max(q[200], q.get(204, 0.0))) * unit]
         if number not in (7, 8, 10, 11, 9, 26, 19, 32, 247):
             self.calls_program = number == 12
         values = [float(v) for v in re.findall(r"[A-Z]" + VALUE, rest)]
@@ -293,6 +304,10 @@ class Klartext(Control):
                     self.pos[a] = self.target(a, v, inc)
                 if (kind != "L" and not self.foreign) or self.tcp:
                     self.lose(self.linear)
+            elif kind == "L" and 99 in m and self.drilling and rapid and \
+                    self.drill(words, tuple(sorted((a, round(v, 9), i) for a, (v, i) in words.items()))):
+                m = [c for c in m if c != 99]
+                self.code("cycle call", 99)
             elif kind == "L":
                 self.move(words, bool(rapid), None, ("straight",) + raw)
             elif kind in ("C", "CR"):
@@ -333,6 +348,21 @@ class Klartext(Control):
                     code not in self.setup.get("harmless", ()):
                 self.lose(self.axes)
         return None
+
+    drilling = None
+
+    def drill(self, words, raw):
+        """The cycle that was defined last, at X and Y of `words`: heights count from the datum."""
+        if self.foreign or self.tcp:
+            return False
+        if "Z" in words:
+            self.pos["Z"] = self.target("Z", *words["Z"])
+        entry, bottom, level = [h + self.offset("Z") for h in self.drilling]
+        event = self.hole(("called", "CYCL"), {a: v for a, v in words.items() if a != "Z"}, raw, entry, bottom, level)
+        event.length -= self.difference
+        self.opaque.discard("Z")
+        self.unsure.discard("Z")
+        return True
 
     def move(self, words, rapid=False, arc=None, raw=()):
         event = super().move(words, rapid, arc, raw)

@@ -105,7 +105,10 @@ def strokes(hole):
     parts = []
     for end, rapid in ways:
         part = Event("move", hole.line, hole.number)
-        part.end, part.rapid, part.unsure = end, rapid, hole.unsure
+        # Where Z began is not known to both of us before a word of it was read.
+        is_level = end is over or (end is hole.end and hole.end["Z"] != hole.entry["Z"])
+        part.start, part.end, part.arc, part.rapid = hole.start, end, None, rapid
+        part.unsure = hole.unsure | (hole.unsure_before & {"Z"} if is_level else set())
         parts.append(part)
     return parts
 

@@ -1,0 +1,153 @@
+// Drilling cycles that are called: CYCLE81 to CYCLE89 of Sinumerik, alone or by MCALL; CYCL DEF 200 and its kin of
+// Klartext by CYCL CALL or M99. Their heights are arguments, the same for every hole.
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+
+#include "core/nc/char_class.h"
+#include "core/nc/request.h"
+
+namespace axiscal::nc {
+namespace {
+
+// A plain number: "-20.5", "+2".
+std::optional<Ticks> TicksOf(std::string_view text, Ticks unit) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  Decimal number;
+  const bool is_negative = !text.empty() && text[0] == '-';
+  if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
+  for (const char c : text) {
+    if (c == '.' && !number.has_point) {
+      number.has_point = true;
+    } else if (Class(c) == kDigit && number.digits < 12) {
+      number.mantissa = 10 * number.mantissa + (c - '0');
+      ++number.digits;
+      number.decimals = static_cast<int8_t>(number.decimals + number.has_point);
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (number.digits == 0 || number.digits - number.decimals > 5) return std::nullopt;
+  if (is_negative) number.mantissa = -number.mantissa;
+  return ToTicks(number, unit);
+}
+
+}  // namespace
+
+bool Interpreter::ReadArguments(const std::string& arguments, const Code* code, DrillCycle* cycle) const {
+  *cycle = DrillCycle();
+  const int z = AxisOf('Z');
+  // Under G70 arguments may be in the machine's unit.
+  if (modal_.is_inch) return false;
+  if (z < 0 || arguments.size() < 2 || arguments.front() != '(' || arguments.back() != ')') return false;
+  std::vector<std::string_view> parts;
+  for (std::string_view rest = std::string_view(arguments).substr(1, arguments.size() - 2); parts.size() < 5;) {
+    const size_t end = std::min(rest.find(','), rest.size());
+    parts.push_back(rest.substr(0, end));
+    if (end == rest.size()) break;
+    rest.remove_prefix(end + 1);
+  }
+  if (parts.size() < 4 || std::count(arguments.begin(), arguments.end(), '(') != 1) return false;
+  const auto is_empty = [](std::string_view part) { return part.find_first_not_of(' ') == std::string_view::npos; };
+  const Ticks unit = ticks_per_unit(z);
+  const auto retraction = TicksOf(parts[0], unit), surface = TicksOf(parts[1], unit);
+  const auto distance = is_empty(parts[2]) ? std::optional<Ticks>(0) : TicksOf(parts[2], unit);
+  if (!retraction || !surface || !distance) return false;
+  const bool has_relative = parts.size() > 4 && !is_empty(parts[4]);
+  const auto depth = TicksOf(is_empty(parts[3]) && has_relative ? parts[4] : parts[3], unit);
+  if (!depth || (!is_empty(parts[3]) && has_relative && TicksOf(parts[4], unit) != std::optional<Ticks>(0)))
+    return false;
+  const Ticks bottom = is_empty(parts[3]) ? *surface - std::abs(*depth) : *depth;
+  const Ticks entry = *surface + std::abs(*distance);
+  if (bottom >= entry || *retraction < entry) return false;
+  *cycle = {code, entry + offset(z), bottom + offset(z), *retraction + offset(z), true, offset(z), modal_.is_inch};
+  return true;
+}
+
+void Interpreter::ReadDefinition(const char* text, size_t size) {
+  const int z = AxisOf('Z');
+  const char* const end = std::find(text, text + size, ';');
+  for (const char* at = std::find(text, end, 'Q'); at != end; at = std::find(at + 1, end, 'Q')) {
+    const char* digit = at + 1;
+    size_t number = 0;
+    for (; digit != end && Class(*digit) == kDigit && number < 1000; ++digit)
+      number = 10 * number + static_cast<size_t>(*digit - '0');
+    while (digit != end && *digit == ' ') ++digit;
+    if (digit == end || *digit != '=' || number < 200 || number >= 200 + definition_.size()) continue;
+    const char* last = ++digit;
+    while (last != end && *last == ' ') ++last;
+    while (last != end && *last != ' ' && *last != '~') ++last;
+    definition_[number - 200] =
+        TicksOf({digit, static_cast<size_t>(last - digit)}, z < 0 ? kTicksPerMm : ticks_per_unit(z));
+    // "Q203=Q5": it is not known.
+    if (!definition_[number - 200]) {
+      defined_ = nullptr;
+      modal_.called = DrillCycle();
+      return;
+    }
+  }
+  const auto &clearance = definition_[0], &depth = definition_[1], &surface = definition_[3], &second = definition_[4];
+  if (z < 0 || !clearance || !depth || !surface || *clearance < 0 || *depth >= 0) return;
+  const Ticks entry = *surface + *clearance, level = *surface + std::max(*clearance, second.value_or(0));
+  modal_.called = {defined_,  entry + offset(z), *surface + *depth + offset(z), level + offset(z), true,
+                   offset(z), modal_.is_inch};
+}
+
+std::string Interpreter::WhyNoCall() const {
+  const DrillCycle& cycle = modal_.called;
+  if (cycle.code == nullptr) return "its definition is not followed, or holds more than plain numbers";
+  for (const char letter : {'X', 'Y', 'Z'}) {
+    if (AxisOf(letter) < 0 || !is_linear_[AxisOf(letter)]) return "the machine has not the linear axes X, Y and Z";
+  }
+  constexpr uint8_t kNeeded = kDistanceGroup | kPlaneGroup | kLengthGroup | kUnitGroup;
+  if ((modal_.uncertain & kNeeded) != 0) return "the modal state is not known behind a block that was not followed";
+  if (modal_.plane_normal != 2) return "in another plane than XY";
+  if (modal_.is_incremental) return "in G91";
+  if (modal_.tool_point != 0) return "under tool centre point control";
+  if (options_->orientation) return "with --orientation it is not followed";
+  if (cycle.z_offset != offset(AxisOf('Z')) || cycle.is_inch != modal_.is_inch)
+    return "the unit, work offset or tool length changed since its definition";
+  return "";
+}
+
+void Interpreter::CallCycle(const Request& request, Step* step) {
+  const Code* const call = request.cycle_call;
+  const std::string name = call != nullptr ? call->text : "modal call of a cycle";
+  std::string problem;
+  if (call != nullptr && request.cycle_call_word->letter == 0) {
+    const Word& word = *request.cycle_call_word;
+    const size_t size = std::strlen(dialect_->keywords[static_cast<size_t>(word.keyword)].name);
+    const std::string rest = RestOf(text_ + word.letter_at + size, end_of_text_);
+    if (call->detail == kByArguments) {
+      DrillCycle once;
+      if (modal_.calls_at_moves || !ReadArguments(rest, call, &once)) problem = "its arguments are not followed";
+      if (problem.empty()) modal_.called = once;
+    } else if (!rest.empty() && rest != "M3" && rest != "M4" && rest != "M8" && rest != "M13" && rest != "M14") {
+      problem = absl::StrCat("with '", rest, "'");
+    }
+  }
+  if (problem.empty()) problem = WhyNoCall();
+  const bool is_move = step->kind == StepKind::kMove;
+  if (is_move && (!step->is_rapid || step->is_arc || step->wrapped != 0 || step->is_at_corner || step->moves_away))
+    problem = "behind another move than a rapid one";
+  if (!problem.empty()) return Unsupported(absl::StrCat(name, ": ", problem), false, step);
+  const DrillCycle& cycle = modal_.called;
+  const int z = AxisOf('Z');
+  for (int i = 0; i < axis_count_ && !is_move; ++i) step->word_of_axis[i] = -1;
+  step->kind = StepKind::kHole;
+  step->is_rapid = true;
+  step->hole = {};
+  step->hole.entry = cycle.entry;
+  step->hole.bottom = cycle.bottom;
+  step->hole.is_fixed = true;
+  step->end.ticks[z] = cycle.level;
+  step->end.known |= static_cast<uint16_t>(1u << z);
+  step->end.sense[z] = 1;
+  step->tool_length = coordinates_.active_length();
+  step->is_tool_point = false;
+  positions_.CopyFrom(step->end, axis_count_);
+  if (call != nullptr && call->detail == kByArguments) modal_.called = DrillCycle();
+}
+
+}  // namespace axiscal::nc
