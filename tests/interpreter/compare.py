@@ -192,6 +192,7 @@ class Comparison:
             return
         # A block that was passed may have named some of the axes alone, so that others still stand corrected behind it.
         is_away = any(abs(pieces[0].start[a] - s.start[a]) > limits.end_mm for a in machine.linear)
+        is_away |= pieces[0].rapid != s.rapid  # however short: a way back at feed
         if len(pieces) > 1 and self.is_back(pieces[:1], s.start) and (self.is_corrected or is_away):
             self.brought_back += 1
             self.is_corrected = False

@@ -171,8 +171,10 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
         limits = Limits(end, case["tolerance_um"] * 1e-3 + end,
                         rounding_deg=0.6 * 10.0 ** -min(case.get("decimals") or 4, 4))
         limits.lean_mm = 1e-3 * report.get("holes", {}).get("left_max_um", 0.0)
+        if (case.get("decimals") or 4) < 4:  # fewer than the source has: an incremental word of a split move is rounded to them
+            limits.gross_deg = limits.rounding_deg
         if case.get("orientation"):
-            limits.gross_deg = 0.0501
+            limits.gross_deg = 0.05 + limits.rounding_deg
             limits.gross_mm = 1.0
             limits.tilt_rad = 1.5e-5 + math.radians(limits.rounding_deg) * 2
         not_turned = {finding["line"] for finding in report.get("orientation", {}).get("not_reached", ())}
