@@ -14,9 +14,9 @@ namespace axiscal::drift {
 namespace {
 
 constexpr double kGroupShare = 0.8;
-constexpr int kLeastToForetell = 3;       // values from which anything can be foretold
-constexpr int kLeastOfGroup = 10;   // values of an error that tell something of its group
-constexpr int kLeastForDates = 52;  // before, no two-sided interval of a date exists
+constexpr int kLeastToForetell = 3;  // values from which anything can be foretold
+constexpr int kLeastOfGroup = 10;    // values of an error that tell something of its group
+constexpr int kLeastForDates = 52;   // before, no two-sided interval of a date exists
 constexpr int kDraws = 1000;
 constexpr int kHorizonWeeks = 261;  // five years
 constexpr int kYearWeeks = 52;
@@ -33,8 +33,8 @@ absl::StatusOr<int> PlaceOf(const State& state, const std::string& symbol) {
   for (size_t j = 0; j < state.errors.size(); ++j) {
     if (state.errors[j].symbol != symbol) continue;
     if (state.errors[j].seen < kLeastToForetell)
-      return absl::FailedPreconditionError(
-          absl::StrCat(symbol, " was seen in ", state.errors[j].seen, " calibrations, a forecast needs ", kLeastToForetell));
+      return absl::FailedPreconditionError(absl::StrCat(symbol, " was seen in ", state.errors[j].seen,
+                                                        " calibrations, a forecast needs ", kLeastToForetell));
     return static_cast<int>(j);
   }
   return absl::NotFoundError(absl::StrCat("error '", symbol, "' is not in the machine's history"));
