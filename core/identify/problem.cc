@@ -111,7 +111,7 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
 }
 
 absl::Status CheckRecorded(const machine::Machine& machine, const std::vector<MeasuringRun>& runs,
-                        const machine::ErrorModel& model) {
+                           const machine::ErrorModel& model) {
   const MeasuringRun* with = nullptr;
   const MeasuringRun* without = nullptr;
   for (const MeasuringRun& run : runs) {

@@ -105,8 +105,8 @@ JointErrors<double> ErrorsAt(const Machine& machine, const ErrorModel& model, co
 absl::Status RequireState(const Machine& machine, const ErrorTerm& term, bool has_time,
                           const std::vector<std::string>& channels) {
   const auto refuse = [&](const std::string& column, const char* what) {
-    return absl::InvalidArgumentError(absl::StrCat("column ", column, " is missing: the error ", NameOf(machine, term),
-                                                   " depends on the ", what));
+    return absl::InvalidArgumentError(
+        absl::StrCat("column ", column, " is missing: the error ", NameOf(machine, term), " depends on the ", what));
   };
   const std::optional<std::string> channel = shapes::ChannelOf(term.shape);
   if (channel && std::find(channels.begin(), channels.end(), *channel) == channels.end())

@@ -86,6 +86,7 @@ TEST_F(Integrex, LengthsOfTheTwoProbesApart) {
   std::vector<instruments::MeasuringRun> runs = BRuns();
   for (instruments::MeasuringRun& run : runs) {
     const bool is_long = run.session.starts_with("B-long");
+    run.has_temperature = true;
     run.temperature_celsius.assign(run.temperature_celsius.size(),
                                    shapes::kReferenceTemperatureCelsius + (is_long ? 1.0 : 0.0));
   }
@@ -109,6 +110,7 @@ TEST_F(Integrex, DriftFromRunToRun) {
   EXPECT_NEAR(kUmPerMm * largest_mm, 10.6, 0.05);
   for (instruments::MeasuringRun& run : runs) {
     const bool is_long = run.session.starts_with("B-long");
+    run.has_temperature = true;
     run.temperature_celsius.assign(run.temperature_celsius.size(),
                                    shapes::kReferenceTemperatureCelsius + (is_long ? 1.0 : 0.0));
   }
