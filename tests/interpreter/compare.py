@@ -64,8 +64,10 @@ def group(moves, others, machine):
             for k in range(j + 1, m - (n - i - 1) + 1):
                 if k > j + 1:
                     run += later[k - 1] + bent[i][k - 1] + 0.001
-                # An arc stays one, in some of its pieces at least: a block that brings the axes back is none.
-                is_straightened = moves[i].arc is not None and all(o.arc is None for o in others[j:k])
+                # An arc stays one, in some of its pieces at least: a block that brings the axes back is none. (One of a tenth of
+                # a millimetre may become straight.)
+                is_long = moves[i].arc is not None and abs(moves[i].arc[4]) * moves[i].arc[5] > 0.1
+                is_straightened = is_long and all(o.arc is None for o in others[j:k])
                 c = run + end[i][k - 1] + (20.0 if is_straightened else 0.0)
                 if c < new[k]:
                     new[k], origin[k] = c, j

@@ -223,8 +223,8 @@ def ask_linuxcnc(case, text, written, mode, folder, outcome):
                 trace = interpret(case, program, scenario, still=True)
             except Alarm:
                 break
-            pecks = any(e.kind == "hole" and e.key[1] in (73, 83) for e in trace)
-            if pecks or any(e.kind == "raw" and e.key[0] not in ("G92", "G53") for e in trace):
+            # Where a cycle begins below R, LinuxCNC goes up to R first, by rules that are not written here; and it pecks.
+            if any(e.kind == "hole" for e in trace) or any(e.kind == "raw" and e.key[0] not in ("G92", "G53") for e in trace):
                 outcome.counts["LinuxCNC reads it (cycles, modes or reference moves: paths not compared)"] += 1
                 continue
             found = linuxcnc.differences(trace, calls, list(description["axes"]), tolerance)
