@@ -66,6 +66,8 @@ find_package(SQLite3 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(ISAL REQUIRED IMPORTED_TARGET libisal)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+# Its headers alone are used (server/config_toml.cc).
+pkg_check_modules(TOMLPLUSPLUS REQUIRED tomlplusplus)
 include(GoogleTest)
 # All tests with -pthread, as gRPC asks for it: with and without it no precompiled header is one.
 if(GTest_FOUND)

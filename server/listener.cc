@@ -41,6 +41,57 @@ std::string WithoutScheme(std::string address) {
 
 void Set(int socket, int level, int option, int value) { setsockopt(socket, level, option, &value, sizeof(value)); }
 
+// Where an address leads.
+struct Spot {
+  enum class Kind { kHost, kUnix, kAbstract };
+  Kind kind = Kind::kHost;
+  std::string name;  // host, without brackets, or name of the socket
+  std::string port;
+};
+
+absl::StatusOr<Spot> ReadAddress(const std::string& address) {
+  const std::string unix_socket = "unix:", abstract_socket = "unix-abstract:";
+  if (address.rfind(abstract_socket, 0) == 0)
+    return Spot{Spot::Kind::kAbstract, address.substr(abstract_socket.size()), ""};
+  if (address.rfind(unix_socket, 0) == 0) {
+    std::string path = address.substr(unix_socket.size());
+    if (path.rfind("///", 0) == 0) path.erase(0, 2);
+    return Spot{Spot::Kind::kUnix, path, ""};
+  }
+  const std::string place = WithoutScheme(address);
+  const size_t colon = place.rfind(':');
+  std::string host = place.substr(0, colon);
+  const bool is_bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  if (is_bracketed) host = host.substr(1, host.size() - 2);
+  int port = -1;
+  if (colon == std::string::npos || host.empty() || !absl::SimpleAtoi(place.substr(colon + 1), &port) || port < 0 ||
+      port > 65535 || (!is_bracketed && host.find(':') != std::string::npos)) {
+    return Failed(address, "expected HOST:PORT with a port of 0 to 65535 and IPv6 addresses in brackets, or unix:PATH");
+  }
+  return Spot{Spot::Kind::kHost, host, std::to_string(port)};
+}
+
+using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
+
+// What a name stands for; null with `why`.
+Addresses Resolve(const std::string& host, const std::string& port, std::string* why) {
+  addrinfo hints = {};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  if (const int code = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); code != 0) *why = gai_strerror(code);
+  return Addresses(found, &freeaddrinfo);
+}
+
+bool IsLoopback(const sockaddr* address) {
+  constexpr uint32_t kLoopbackNet = 127;
+  if (address->sa_family == AF_INET)
+    return ntohl(reinterpret_cast<const sockaddr_in*>(address)->sin_addr.s_addr) >> 24 == kLoopbackNet;
+  if (address->sa_family != AF_INET6) return false;
+  const in6_addr& v6 = reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr;
+  return IN6_IS_ADDR_LOOPBACK(&v6) || (IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == kLoopbackNet);
+}
+
 // A socket that listens there, or -1 with errno.
 int Listening(const sockaddr* address, socklen_t size) {
   const int made = socket(address->sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
@@ -82,50 +133,45 @@ int64_t RaiseDescriptorLimit() {
   return static_cast<int64_t>(limit.rlim_cur);
 }
 
+absl::StatusOr<bool> IsLocalOnly(const std::string& address) {
+  ASSIGN_OR_RETURN(const Spot spot, ReadAddress(address));
+  if (spot.kind != Spot::Kind::kHost) return true;
+  std::string why = "no address";
+  const Addresses found = Resolve(spot.name, spot.port, &why);
+  if (found == nullptr) return Failed(address, why);
+  for (const addrinfo* at = found.get(); at != nullptr; at = at->ai_next) {
+    if (!IsLoopback(at->ai_addr)) return false;
+  }
+  return true;
+}
+
+absl::Status Unprotected(const std::string& address) {
+  return base::Error(absl::StatusCode::kFailedPrecondition,
+                     address +
+                         ", can be reached from other machines, and whoever reaches it could approve calibrations: "
+                         "listen on 127.0.0.1:PORT, [::1]:PORT or unix:PATH, and let other machines in by ssh -L",
+                     {"LISTEN_UNPROTECTED", {{"address", address}}});
+}
+
 absl::StatusOr<std::unique_ptr<Listener>> Listener::Open(const std::string& address) {
   std::unique_ptr<Listener> listener(new Listener());
-  const std::string unix_socket = "unix:", abstract_socket = "unix-abstract:";
-  if (address.rfind(abstract_socket, 0) == 0) {
-    RETURN_IF_ERROR(listener->BindUnix(address, address.substr(abstract_socket.size()), true));
-  } else if (address.rfind(unix_socket, 0) == 0) {
-    std::string path = address.substr(unix_socket.size());
-    if (path.rfind("///", 0) == 0) path.erase(0, 2);
-    RETURN_IF_ERROR(listener->BindUnix(address, path, false));
-  } else {
-    const std::string place = WithoutScheme(address);
-    const size_t colon = place.rfind(':');
-    std::string host = place.substr(0, colon);
-    const bool is_bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
-    if (is_bracketed) host = host.substr(1, host.size() - 2);
-    int port = -1;
-    if (colon == std::string::npos || host.empty() || !absl::SimpleAtoi(place.substr(colon + 1), &port) || port < 0 ||
-        port > 65535 || (!is_bracketed && host.find(':') != std::string::npos)) {
-      return Failed(address,
-                    "expected HOST:PORT with a port of 0 to 65535 and IPv6 addresses in brackets, or unix:PATH");
-    }
-    RETURN_IF_ERROR(listener->BindHost(address, host, std::to_string(port)));
-  }
+  ASSIGN_OR_RETURN(const Spot spot, ReadAddress(address));
+  RETURN_IF_ERROR(spot.kind == Spot::Kind::kHost
+                      ? listener->BindHost(address, spot.name, spot.port)
+                      : listener->BindUnix(address, spot.name, spot.kind == Spot::Kind::kAbstract));
   listener->wake_ = eventfd(0, EFD_CLOEXEC);
   if (listener->wake_ < 0) return Failed(address, std::strerror(errno));
   return listener;
 }
 
 absl::Status Listener::BindHost(const std::string& address, const std::string& host, const std::string& port) {
-  addrinfo hints = {};
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
   // Both families where no address is stated; IPv4 alone on a machine without the other.
   const bool is_any = host == "0.0.0.0" || host == "::";
   const std::vector<std::string> hosts = is_any ? std::vector<std::string>{"::", "0.0.0.0"} : std::vector{host};
   std::string why = "no address";
   for (const std::string& name : hosts) {
-    addrinfo* found = nullptr;
-    if (const int code = getaddrinfo(name.c_str(), port.c_str(), &hints, &found); code != 0) {
-      why = gai_strerror(code);
-      continue;
-    }
-    const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owned(found, &freeaddrinfo);
-    for (const addrinfo* at = found; at != nullptr; at = at->ai_next) {
+    const Addresses found = Resolve(name, port, &why);
+    for (const addrinfo* at = found.get(); at != nullptr; at = at->ai_next) {
       if (port_ != 0) SetPort(at->ai_addr, port_);
       const int socket = Listening(at->ai_addr, at->ai_addrlen);
       if (socket < 0) {
@@ -135,6 +181,7 @@ absl::Status Listener::BindHost(const std::string& address, const std::string& h
         continue;
       }
       sockets_.push_back(socket);
+      is_local_only_ &= IsLoopback(at->ai_addr);
       port_ = PortOf(socket);
     }
     if (is_any && !sockets_.empty()) return absl::OkStatus();

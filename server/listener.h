@@ -19,6 +19,14 @@ namespace axiscal::server {
 // Raises this process' soft limit of descriptors to its hard limit; the limit that holds then.
 int64_t RaiseDescriptorLimit();
 
+// Whether this machine alone can reach an address as Listener::Open() takes it: a unix socket, or a host all of whose
+// addresses are loopback ones. Binds nothing. UNAVAILABLE LISTEN_FAILED.
+absl::StatusOr<bool> IsLocalOnly(const std::string& address);
+
+// The refusal of an address that others can reach by a server that asks nobody who he is: FAILED_PRECONDITION
+// LISTEN_UNPROTECTED, which says what to do.
+absl::Status Unprotected(const std::string& address);
+
 class Listener {
  public:
   // Gets each connection (non-blocking) with the socket that it came from, on the listener's thread, and owns it.
@@ -37,6 +45,8 @@ class Listener {
 
   // 0 for sockets without ports.
   int port() const { return port_; }
+  // As IsLocalOnly(), of what was bound: what a name stands for may change.
+  bool is_local_only() const { return is_local_only_; }
   // Once. A quarter of the descriptors that the process may have now is kept from connections.
   void Start(Take take, TellRefused tell_refused);
   // Takes no more; `take` is not called afterwards. Repeating is harmless.
@@ -52,6 +62,7 @@ class Listener {
 
   std::vector<int> sockets_;
   int port_ = 0;
+  bool is_local_only_ = true;
   std::string unlink_path_;       // of a socket in the file system
   struct stat unlink_file_ = {};  // what it was when it was made
   int wake_ = -1;                 // an eventfd that ends Loop()

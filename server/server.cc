@@ -105,8 +105,9 @@ absl::Status Validate(const ServerOptions& options) {
     if (time.count() >= 1 && time <= longest) continue;
     return refuse(absl::StrCat(name, " = ", time.count(), " ms, must be 1 to ", longest.count()));
   }
-  if (options.window_bytes < (64 << 10) || options.window_bytes > (16 << 20)) {
-    return refuse(absl::StrCat("window_bytes = ", options.window_bytes, ", must be 65536 to 16777216"));
+  if (options.window_bytes < kMinWindowBytes || options.window_bytes > kMaxWindowBytes) {
+    return refuse(absl::StrCat("window_bytes = ", options.window_bytes, ", must be ", kMinWindowBytes, " to ",
+                               kMaxWindowBytes));
   }
   if (options.session_expiry.count() < 1) return refuse("session_expiry must be > 0");
   if (options.drain.count() < 0) return refuse(absl::StrCat("drain = ", options.drain.count(), " ms, must be >= 0"));
@@ -140,6 +141,7 @@ class Server::Impl {
     SetChannelArguments(options_, builder);
     if (!options_.listen_address.empty()) {
       ASSIGN_OR_RETURN(listener_, Listener::Open(options_.listen_address));
+      if (!listener_->is_local_only()) return Unprotected(options_.listen_address);
       port_ = listener_->port();
       connections_ = builder.experimental().AddExternalConnectionAcceptor(
           grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, grpc::InsecureServerCredentials());

@@ -17,12 +17,13 @@ namespace axiscal::server {
 // More cores than the machines have on which it runs, and more uploads than a factory has cells.
 inline constexpr int kMaxWorkers = 1024;
 inline constexpr int kMaxUploads = 10'000;
+inline constexpr int kMinWindowBytes = 64 << 10, kMaxWindowBytes = 16 << 20;
 
 struct ServerOptions {
   // The SQLite file; made when it is not there.
   std::string database_path;
-  // Where to listen, as gRPC takes it ("127.0.0.1:7410", "0.0.0.0:7410", "unix:/run/axiscal.sock"). Port 0 picks a free
-  // one. Empty: on no port.
+  // Where to listen, as gRPC takes it ("127.0.0.1:7410", "unix:/run/axiscal.sock"). Port 0 picks a free one. Empty: on
+  // no port.
   std::string listen_address;
   // Jobs at once; each uses one core. 1 to kMaxWorkers.
   int workers = 2;
@@ -49,8 +50,9 @@ absl::Status Validate(const ServerOptions& options);
 // Safe from any thread.
 class Server {
  public:
-  // Opens the database, starts the workers, listens. The store's errors (STORE_LOCKED, SCHEMA_NEWER ...), or
-  // UNAVAILABLE LISTEN_FAILED when the address is taken.
+  // Opens the database, starts the workers, listens. The store's errors (STORE_LOCKED, SCHEMA_NEWER ...), UNAVAILABLE
+  // LISTEN_FAILED when the address is taken, or FAILED_PRECONDITION LISTEN_UNPROTECTED when other machines could reach
+  // it.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
   // Shuts down.
   ~Server();

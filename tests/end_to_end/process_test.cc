@@ -133,6 +133,40 @@ TEST_F(Process, MoreWorkersThanCoresExistAreRefusedWithTheRule) {
   EXPECT_NE(Log().find("workers = 100000, must be 1 to 1024"), std::string::npos) << Log();
 }
 
+// Whoever reaches the port can approve a calibration.
+TEST_F(Process, DoesNotListenWhereOtherMachinesReachIt) {
+  for (const std::string address : {"0.0.0.0:0", "[::]:0"}) {
+    EXPECT_FALSE(StartServer(address).ok()) << address;
+    EXPECT_NE(Log().find(address + ", can be reached from other machines"), std::string::npos) << Log();
+  }
+  EXPECT_FALSE(std::filesystem::exists(dir_.File("axiscal.db")));
+}
+
+TEST_F(Process, IsConfiguredByAFileThatFlagsOverride) {
+  std::ofstream(dir_.File("axiscald.toml")) << "[server]\nlisten = \"unix:" << dir_.File("socket")
+                                            << "\"\n[jobs]\nworkers = 7\n[limits]\nmax_uploads = 3\n";
+  absl::StatusOr<ServerProcess> server =
+      ServerProcess::Start(dir_.File("axiscal.db"), "127.0.0.1:0", dir_.File("log"),
+                           {"--config", dir_.File("axiscald.toml"), "--workers", "1"});
+  ASSERT_OK(server);
+  EXPECT_EQ(server->address().rfind("127.0.0.1:", 0), 0u) << server->address();
+  auto client = client::Client::Connect(server->address());
+  ASSERT_OK(client);
+  EXPECT_EQ(client->GetServerInfo()->max_uploads, 3);
+  EXPECT_EQ(client->GetServerInfo()->workers, 1);
+}
+
+TEST_F(Process, CheckConfigTellsWhatHoldsAndTouchesNothing) {
+  std::ofstream(dir_.File("axiscald.toml")) << "[store]\ndatabase = \"a.db\"\n[jobs]\nworkers = 7\n";
+  std::string output;
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "--config", dir_.File("axiscald.toml"), "--check-config"}, &output), 0);
+  EXPECT_NE(output.find("jobs.workers = 7 (" + dir_.File("axiscald.toml") + ":4)\n"), std::string::npos) << output;
+  EXPECT_NE(output.find("limits.max_uploads = 500 (default)\n"), std::string::npos) << output;
+  EXPECT_FALSE(std::filesystem::exists(dir_.File("a.db")));
+  std::ofstream(dir_.File("axiscald.toml")) << "[jobs]\nwrkers = 7\n";
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "--config", dir_.File("axiscald.toml"), "--check-config"}, &output), 1);
+}
+
 TEST_F(Process, ADatabaseThatEverybodyMayReadIsNamedInTheLog) {
   ASSERT_OK(StartServer());
   EXPECT_EQ(Log().find("event=readable_by_others"), std::string::npos) << Log();

@@ -21,7 +21,7 @@ std::set<std::string> ReasonsIn(const std::string& source) {
   static const std::regex reason("\"([A-Z]+(_[A-Z]+)+)\"");
   std::set<std::string> found;
   for (std::sregex_iterator match(source.begin(), source.end(), reason), end; match != end; ++match) {
-    if (!(*match)[1].str().starts_with("AXISCAL_")) found.insert((*match)[1]);
+    if (!std::regex_search((*match)[1].str(), std::regex("^AXISCALD?_"))) found.insert((*match)[1]);
   }
   return found;
 }

@@ -1,0 +1,122 @@
+#include "server/config.h"
+
+#include <algorithm>
+
+#include "absl/strings/numbers.h"
+#include "core/base/utf8.h"
+#include "server/listener.h"
+#include "server/server.h"
+
+namespace axiscal::server {
+namespace {
+
+constexpr int64_t kDaySeconds = 86'400;
+constexpr char kPrefix[] = "AXISCALD_";
+
+absl::Status Refuse(const std::string& place, const std::string& key, const std::string& value,
+                    const std::string& rule) {
+  return absl::InvalidArgumentError(absl::StrCat(place, ": ", key, " = ", value, ", ", rule));
+}
+
+// Reads `text` into the field of a setting.
+struct Assign {
+  const Setting& setting;
+  const std::string& text;
+  const std::string& place;
+  Config& config;
+
+  absl::Status operator()(std::string Config::*field) const {
+    if (text.empty() || !base::IsUtf8(text) || text.find('\0') != std::string::npos)
+      return Refuse(place, setting.key, "'" + text + "'", "must be a text that is not empty");
+    config.*field = text;
+    return absl::OkStatus();
+  }
+  absl::Status operator()(int64_t Config::*field) const {
+    int64_t number = 0;
+    if (!absl::SimpleAtoi(text, &number) || number < setting.least || number > setting.most)
+      return Refuse(place, setting.key, text, absl::StrCat("must be ", setting.least, " to ", setting.most));
+    config.*field = number;
+    return absl::OkStatus();
+  }
+  absl::Status operator()(bool Config::*field) const {
+    if (text != "true" && text != "false") return Refuse(place, setting.key, text, "must be true or false");
+    config.*field = text == "true";
+    return absl::OkStatus();
+  }
+};
+
+}  // namespace
+
+const std::vector<Setting>& Settings() {
+  static const auto* const settings = new std::vector<Setting>{
+      {"store.database", "--db", "Database file; made when it is not there, used by one process at a time",
+       &Config::database, 0, 0, true},
+      {"server.listen", "--listen", "HOST:PORT or unix:PATH; port 0 picks a free one", &Config::listen},
+      {"server.drain_seconds", "--drain-seconds", "How long calls and jobs may go on after SIGTERM",
+       &Config::drain_seconds, 0, kDaySeconds},
+      {"jobs.workers", "--workers", "Jobs at once; each uses one core", &Config::workers, 1, kMaxWorkers},
+      {"limits.max_uploads", "--max-uploads", "Streams that bring something, at a time", &Config::max_uploads, 1,
+       kMaxUploads},
+      {"limits.window_bytes", "--window-bytes", "Bytes a stream may run ahead of the server", &Config::window_bytes,
+       kMinWindowBytes, kMaxWindowBytes},
+      {"limits.silence_seconds", "--silence-seconds", "A caller silent for so long in a stream is cut off",
+       &Config::silence_seconds, 1, kDaySeconds},
+      {"limits.idle_seconds", "--idle-seconds", "A connection without a call for so long is closed",
+       &Config::idle_seconds, 1, kDaySeconds},
+      {"log.json", "--log-json", "Log lines as JSON instead of key=value", &Config::log_json},
+  };
+  return *settings;
+}
+
+std::string EnvironmentName(const Setting& setting) {
+  std::string name = kPrefix;
+  for (const char c : setting.flag.substr(2)) name += c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  return name;
+}
+
+std::string ValueText(const Setting& setting, const Config& config) {
+  if (const auto* text = std::get_if<std::string Config::*>(&setting.field)) return config.**text;
+  if (const auto* number = std::get_if<int64_t Config::*>(&setting.field)) return absl::StrCat(config.**number);
+  return config.*std::get<bool Config::*>(setting.field) ? "true" : "false";
+}
+
+absl::Status SetText(const Setting& setting, const std::string& text, const std::string& place,
+                     Configured& configured) {
+  RETURN_IF_ERROR(std::visit(Assign{setting, text, place, configured.config}, setting.field));
+  configured.place[setting.key] = place;
+  return absl::OkStatus();
+}
+
+absl::Status ReadEnvironment(const std::vector<std::string>& variables, Configured& configured) {
+  Configured read = configured;
+  for (const std::string& variable : variables) {
+    const size_t equals = variable.find('=');
+    const std::string name = variable.substr(0, equals);
+    if (name.rfind(kPrefix, 0) != 0 || equals == std::string::npos || name == "AXISCALD_CONFIG") continue;
+    const auto setting = std::find_if(Settings().begin(), Settings().end(),
+                                      [&](const Setting& one) { return EnvironmentName(one) == name; });
+    if (setting == Settings().end())
+      return absl::InvalidArgumentError("environment: " + name + " is no setting (docs/configuration.md)");
+    RETURN_IF_ERROR(SetText(*setting, variable.substr(equals + 1), name, read));
+  }
+  configured = std::move(read);
+  return absl::OkStatus();
+}
+
+absl::Status Check(const Configured& configured) {
+  const auto place = [&](const std::string& key) {
+    const auto found = configured.place.find(key);
+    return found == configured.place.end() ? std::string("default") : found->second;
+  };
+  const Config& config = configured.config;
+  if (config.database.empty()) {
+    return absl::InvalidArgumentError(
+        "store.database is not set: name the database file in axiscald.toml, AXISCALD_DB or --db");
+  }
+  const std::string listen = place("server.listen") + ": server.listen";
+  const absl::StatusOr<bool> is_local_only = IsLocalOnly(config.listen);
+  if (!is_local_only.ok()) return base::Within(listen, is_local_only.status());
+  return *is_local_only ? absl::OkStatus() : base::Within(listen, Unprotected(config.listen));
+}
+
+}  // namespace axiscal::server
