@@ -65,7 +65,8 @@ bool Interpreter::ReadArguments(const std::string& arguments, const Code* code, 
   return true;
 }
 
-void Interpreter::ReadDefinition(const char* text, size_t size) {
+void Interpreter::ReadDefinition(const char* text, size_t size, Step* step) {
+  if (defined_->meaning == Meaning::kSelectDatum) return ReadDatum(text, size, step);
   const int z = AxisOf('Z');
   const char* const end = std::find(text, text + size, ';');
   for (const char* at = std::find(text, end, 'Q'); at != end; at = std::find(at + 1, end, 'Q')) {

@@ -57,7 +57,7 @@ absl::StatusOr<Coordinates> Coordinates::Create(const machine::Machine& machine,
 void Coordinates::Reset() {
   selected_ = active_length_ = -1;
   length_ = length_difference_ = 0;
-  is_tool_point_ = false;
+  is_tool_point_ = has_selected_ = false;
   preset_ = suspended_ = shift_ = {};
   for (size_t i = 0; i < stated_.size(); ++i) {
     if (stated_[i].code == first_offset_) selected_ = static_cast<int>(i);
@@ -66,6 +66,7 @@ void Coordinates::Reset() {
 }
 
 bool Coordinates::Select(const std::string& code) {
+  has_selected_ = true;
   selected_ = -1;
   for (size_t i = 0; i < stated_.size(); ++i) {
     if (stated_[i].code == code) selected_ = static_cast<int>(i);
@@ -138,7 +139,28 @@ bool Coordinates::Shift(int axis, Ticks value) {
   return !has_preset();
 }
 
+bool Coordinates::IsStated(const std::string& code) const {
+  return std::any_of(stated_.begin(), stated_.end(), [&](const Stated& stated) { return stated.code == code; });
+}
+
+bool Coordinates::Restate(const std::string& code, uint16_t axes, const AxisTicks& ticks) {
+  const auto all = static_cast<uint16_t>((1u << axis_count_) - 1);
+  if (!IsStated(code)) {
+    if (axes != all) return false;
+    stated_.push_back({code, {}});
+    if (!has_selected_ && code == first_offset_) selected_ = static_cast<int>(stated_.size()) - 1;
+  }
+  for (Stated& stated : stated_) {
+    for (int i = 0; stated.code == code && i < axis_count_; ++i) {
+      if (axes >> i & 1) stated.ticks[i] = ticks[i];
+    }
+  }
+  Sum();
+  return true;
+}
+
 void Coordinates::ForgetStated() {
+  selected_ = -1;
   stated_.clear();
   lengths_.clear();
 }

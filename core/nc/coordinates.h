@@ -52,6 +52,10 @@ class Coordinates {
   bool has_preset() const;
   // G52. False: a preset is in force, controllers differ.
   bool Shift(int axis, Ticks value);
+  // G10 L2: the values of the axes in `axes` of a work offset, in force at once where it is selected. False, and nothing
+  // changed: it is not stated, and `axes` are not all.
+  bool Restate(const std::string& code, uint16_t axes, const AxisTicks& ticks);
+  bool IsStated(const std::string& code) const;
   // G10: what was stated holds no longer.
   void ForgetStated();
 
@@ -72,6 +76,7 @@ class Coordinates {
   std::vector<Length> lengths_;
   std::string first_offset_;
   int selected_ = -1;
+  bool has_selected_ = false;  // the program did, else the first one is in force if it is stated
   int active_length_ = -1;
   Ticks length_ = 0, length_difference_ = 0;
   bool is_tool_point_ = false;

@@ -32,7 +32,8 @@ enum class Meaning : uint8_t {
   kOneShot,       // moves axes or changes positions in this block only; detail likewise
   kMachineMove,  // moves to machine positions (G53, G28, SUPA, M91): never touched, also not refused; detail 1: without
                  // axis words
-  kDataInput,    // G10: stated offsets and lengths hold no longer
+  kDataInput,    // stated offsets and lengths hold no longer; detail kWorkOffsetInput: G10, which may state offsets
+  kSelectDatum,  // CYCL DEF 247: selects an offset by the number that its lines state
   kDwell,        // X and U of this block are times
   kSpeedMode,    // G5 P0, P2, P10000: look-ahead off and on; with another number it moves axes
   kInch,
@@ -131,6 +132,7 @@ inline constexpr uint32_t kCurve = 1;       // a circle or curve that depends on
 inline constexpr uint32_t kTangential = 2;  // its shape follows the direction of the move in front of it
 inline constexpr uint32_t kBehindMove = 1;           // the block's own words are moved to first
 inline constexpr uint32_t kOffsetMayHaveNumber = 2;  // G54 P2 is G54.1 P2
+inline constexpr uint32_t kWorkOffsetInput = 1;
 inline constexpr uint32_t kMaySetTransformation = 2;  // of harmless keywords
 inline constexpr uint32_t kReadsNumber = 1;          // of harmless M codes: a P word of their block is theirs
 inline constexpr uint32_t kPresetOrThread = 4;  // G92 with an F word is a thread on lathes of the same family
@@ -215,6 +217,9 @@ struct Dialect {
   double arc_radius_tolerance_mm = kRadiusToleranceMm;
   bool takes_finer_words = false;  // words may have more decimals than the machine's resolution, and mean them
   size_t max_block_bytes = 0;               // that the control reads, line end included; 0: no limit is known
+  // G10 L2 P1 to so many are G54 and those behind it; L20 P1 to `additional_offsets` are numbered_offset P1 and so on.
+  int plain_offsets = 6, additional_offsets = 0;
+  std::string numbered_offset;
   std::string first_offset = "G54";         // the work offset that is selected at the begin
   std::string piece_prefix;                 // what inserted pieces begin with: "L "
   std::string radius_address = "R";         // what a piece's radius word begins with

@@ -52,7 +52,7 @@ std::vector<CodeEntry> FanucCodes() {
       {'G', 62, M::kOtherMotion, kCurve, "splines"},
       {'G', 71, M::kBlockerOn, kCylinder, "cylindrical interpolation"},
       {'G', 80, M::kHarmless, 0, "look-ahead"},
-      {'G', 100, M::kDataInput, 0, "data input: changes offsets"},
+      {'G', 100, M::kDataInput, kWorkOffsetInput, "data input: changes offsets"},
       {'G', 110, M::kHarmless, 0, "data input off"},
       {'G', 120, M::kOtherMotion, kCurve, "circular pocket"},
       {'G', 121, M::kBlockerOn, kPolarInterpolation, "polar interpolation"},
@@ -164,7 +164,7 @@ std::vector<CodeEntry> HaasCodes() {
   using M = Meaning;
   std::vector<CodeEntry> codes = {
       {'G', 50, M::kUnknown, 0, "unknown code"},
-      {'G', 100, M::kDataInput, 0, "data input: changes offsets"},
+      {'G', 100, M::kDataInput, kWorkOffsetInput, "data input: changes offsets"},
       {'G', 350, M::kOneShot, 0, "tool diameter measurement"},
       {'G', 360, M::kDataInput, 0, "work offset measurement"},
       {'G', 370, M::kDataInput, 0, "tool length measurement"},

@@ -93,7 +93,7 @@ std::vector<Keyword> KlartextKeywords() {
       {"CYCL DEF 26", M::kBlockerOn, kScaling, true, "scaling"},
       {"CYCL DEF 8", M::kBlockerByRest, kMirror, true, "mirror"},
       {"CYCL DEF 7", M::kBlockerByRest, kDatumShift, true, "shift of coordinates"},
-      {"CYCL DEF 247", M::kBlockerOn, kUnstatedOffset, true, "sets the datum"},
+      {"CYCL DEF 247", M::kSelectDatum, 0, true, "sets the datum"},
       {"CYCL CALL", M::kCallCycle, kByDefinition, true, "calls a cycle"},
       {"TCH PROBE 0", M::kOneShot, 0, true, "probing"},
       {"TCH PROBE 1", M::kOneShot, 0, true, "probing"},

@@ -13,7 +13,7 @@ std::vector<CodeEntry> LinuxCncCodes() {
       {'G', 62, M::kOtherMotion, 0, "NURBS"},
       {'G', 70, M::kBlockerOn, kDiameter, "diameter programming"},
       {'G', 80, M::kBlockerOff, kDiameter, "diameter programming off"},
-      {'G', 100, M::kDataInput, 0, "data input: changes offsets"},
+      {'G', 100, M::kDataInput, kWorkOffsetInput, "data input: changes offsets"},
       {'G', 171, M::kUnknown, 0, "plane UV"},
       {'G', 181, M::kUnknown, 0, "plane WU"},
       {'G', 191, M::kUnknown, 0, "plane VW"},

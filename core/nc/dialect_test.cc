@@ -110,7 +110,7 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"TOOL CALL \"MILL\" Z S2000", "by name"},
       {"PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY", "tilted plane"},
       {"CYCL DEF 7.1 X+5", "shift of coordinates"},
-      {"CYCL DEF 247 DATUM SETTING ~", "sets the datum"},
+      {"CYCL DEF 247 DATUM SETTING Q339=1", "PRESET 1 is not stated"},
       {"CYCL CALL", "cycle"},
       {"L X+5 M128", "tool centre point control"},
       {"FUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS", "tool centre point control"},

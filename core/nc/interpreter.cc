@@ -258,9 +258,11 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   }
   if (is_continued_ && !BeginsWithNumber(text, size)) {
     is_continued_ = IsContinued(text, size);
-    if (defined_ != nullptr) ReadDefinition(text, size);
+    if (defined_ != nullptr) ReadDefinition(text, size, step);
     return;
   }
+  // The lines of CYCL DEF 247 ended without its number.
+  if (defined_ != nullptr && defined_->meaning == Meaning::kSelectDatum) modal_.blockers |= kUnstatedOffset;
   defined_ = nullptr;
   const size_t skipped = static_cast<size_t>(text - begin);
   Lex(begin + skipped, size, *dialect_, block);
@@ -287,7 +289,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   before_ = {modal_, coordinates_.offsets(), pole_, rounds_corners_ || is_behind_corner_};
   step->has_words = block->word_count > 0 || block->has_assignment || block->problem != LexProblem::kNone;
   if (step->has_words) ReadBlock(begin, *block, step);
-  if (defined_ != nullptr) ReadDefinition(text, size);
+  if (defined_ != nullptr) ReadDefinition(text, size, step);
   if (block->problem == LexProblem::kNone || step->kind == StepKind::kUntouched) return;
   if (MayHoldCodes(*dialect_, is_stated_harmless_, *block, begin + block->problem_at, text + size)) {
     NoteCall();
@@ -423,6 +425,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   request.uncertain_before = modal_.uncertain;
   request.tool_point_before = modal_.tool_point;
   request.length_before = coordinates_.active_length();
+  block_may_be_skipped_ = block.is_deletable && options_->block_delete == BlockDelete::kEither;
   ScanWords(block, &request, step);
   if (request.by_rest != nullptr) SelectByRest(text, &request, step);
   if (step->is_tool_change) {
@@ -477,6 +480,12 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   if (request.is_end && request.parameter != 0) {
     request.is_jump = true;
     request.Refuse("return to another block (M99 P)");
+  }
+  if (request.data_input != nullptr) {
+    if (const std::string problem = InputData(block, request, *step); !problem.empty()) {
+      ForgetStated();
+      request.Refuse(absl::StrCat("G10 (", request.data_input->text, "): ", problem));
+    }
   }
   step->moves_away = request.away != nullptr;
   // What runs in between may take the words as its arguments, and move from where it likes.

@@ -240,6 +240,12 @@ class Interpreter {
   bool MayJumpBack(const char* text, const Block& block, const Request& request) const;
   // A program is called: the modes in force are its too, and it may change modal groups.
   void NoteCall();
+  // "G10 L2 P1 X5. Y0.": the values of a work offset. Why it is not followed, or "".
+  std::string InputData(const Block& block, const Request& request, const Step& step);
+  // The offsets that it states: two names may mean one. INVALID_ARGUMENT says why none is followed.
+  absl::StatusOr<std::vector<std::string>> OffsetsOfInput(const Block& block) const;
+  // "Q339=+2" of CYCL DEF 247, whose last line it may be: selects PRESET 2.
+  void ReadDatum(const char* text, size_t size, Step* step);
   // Work offsets and tool lengths are no longer those that were stated.
   void ForgetStated();
   // G51.1 and G50.1 act on the axes that their block names; a mirror is off when none is left. `is_whole`: the block
@@ -268,7 +274,7 @@ class Interpreter {
   // The same of CYCLE81(10,0,2,-20) behind MCALL or alone: false where they are no plain numbers.
   bool ReadArguments(const std::string& arguments, const Code* code, DrillCycle* cycle) const;
   // "Q200=+2" of a line of CYCL DEF.
-  void ReadDefinition(const char* text, size_t size);
+  void ReadDefinition(const char* text, size_t size, Step* step);
   // Why what is called cannot be followed here, or "".
   std::string WhyNoCall() const;
   // The cycle that is called, at the end of the block's move or where the tool stands.
@@ -346,6 +352,7 @@ class Interpreter {
   uint32_t blockers_seen_ = 0;      // that were ever in force
   const Code* defined_ = nullptr;   // of CYCL DEF, whose lines are read
   std::array<std::optional<Ticks>, 5> definition_;  // Q200 to Q204
+  bool block_may_be_skipped_ = false;
   bool is_continued_ = false;       // Klartext: the next line belongs to this block ("~")
   bool at_program_end_ = false;     // M30: what follows is another program
 };

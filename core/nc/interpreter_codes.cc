@@ -265,6 +265,14 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       defined_ = &code;
       definition_ = {};
       return;
+    case Meaning::kSelectDatum:
+      if (block_may_be_skipped_) {
+        modal_.blockers |= kUnstatedOffset;
+        return request->Refuse(named() + " in a block that may be skipped: which datum is in force is not known");
+      }
+      step->begins_definition = true;
+      defined_ = &code;
+      return;
     case Meaning::kReturnLevel:
       modal_.returns_to_entry = code.detail == 1;
       modal_.is_return_unsure = false;
@@ -286,6 +294,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       request->is_jump = true;
       return request->Refuse(named());
     case Meaning::kDataInput:
+      if (code.detail == kWorkOffsetInput) {
+        request->data_input = &code;
+        return;
+      }
       ForgetStated();
       return request->Refuse(named());
     case Meaning::kMachineMove:

@@ -38,6 +38,7 @@ const char* NameOf(ModalGroup group) {
 void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   if (request.is_pole) return SetPole(block, request, step);
   if (request.machine_move != nullptr) return DoMachineMove(request, step);
+  if (request.data_input != nullptr) return;  // its words are values
   if (request.preset != nullptr) return DoPreset(block, request, step);
   if (request.shift != nullptr) return DoShift(block, request, step);
   if (request.is_dwell) return DoDwell(request, step);

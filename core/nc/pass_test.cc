@@ -133,10 +133,10 @@ TEST(Passed, AModeStaysUntilItsOwnCodeEndsIt) {
 }
 
 TEST(Passed, WhatWritesOffsetsOrLengthsForgetsThoseStated) {
-  for (const Case& known : {Case{"fanuc", "G10 L2 P1 X100."}, {"fanuc", "G10 L2 P1 X100.\nG54"},
+  for (const Case& known : {Case{"fanuc", "G10 L2 P0 X100."}, {"fanuc", "G10 L2 P0 X100.\nG54"},
                             {"fanuc", "#5221=100."}, {"fanuc", "#5221 = #1\nG54 G49"},
                             {"haas", "#[5221]=100.\nG54 G49"},
-                            {"fanuc", "G43 H1 Z5.\nG10 L11 P1 R5."}, {"linuxcnc", "G10 L2 P1 X100\nG54 G49"},
+                            {"fanuc", "G43 H1 Z5.\nG10 L11 P1 R5."}, {"linuxcnc", "G10 L2 P1 X100 R5\nG54 G49"},
                             {"sinumerik", "$P_UIFR[1,X,TR]=100\nG54 D1 G71 G17 G90 G94"}})
     EXPECT_FALSE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
   for (const Case& known : {Case{"fanuc", "#1=#5221"}, {"fanuc", "#1=#[#2]"}, {"fanuc", "#3006=1"}})

@@ -31,6 +31,7 @@ struct Interpreter::Request {
   const Word* tool_point_word = nullptr;
   const Code* by_rest = nullptr;
   const Word* by_rest_word = nullptr;
+  const Code* data_input = nullptr;  // G10
   const Code* cycle_call = nullptr;
   const Word* cycle_call_word = nullptr;
   uint32_t tool_point_before = 0;

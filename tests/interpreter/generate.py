@@ -1,5 +1,6 @@
 """Random programs of six dialects, with the shop floor that they run on. A program is a list of lines; everything that a
 run needs beside them stands in a dictionary (see `draw`), so that a failure can be written down and tried again."""
+import copy
 import math
 import os
 import random
@@ -108,6 +109,7 @@ class Writer:
         self.rotary = [a for a in self.axes if a in "ABC"]
         self.lines = []
         self.features = case["features"]
+        self.offsets = copy.deepcopy(case["offsets"])  # as the program leaves them
         self.inch = False
         self.incremental = False
         self.m = {a: None for a in self.axes}
@@ -144,7 +146,7 @@ class Writer:
         return self.decimals + 1 if self.inch else self.decimals
 
     def offset(self, axis):
-        value = self.case["offsets"].get(self.wcs, {}).get(axis, 0.0) + self.preset[axis]
+        value = self.offsets.get(self.wcs, {}).get(axis, 0.0) + self.preset[axis]
         return value + (self.length if axis == "Z" and not self.tcp else 0.0)
 
     def number(self, value, places=None, is_axis=False):
@@ -436,6 +438,39 @@ class Program(Writer):
         self.wcs = name
         self.plain(name)
         if self.dialect == "sinumerik" or self.rng.random() < 0.6:
+            self.restate()
+        else:
+            self.feed_move(self.targets(self.axes))
+
+    def f_data_input(self):
+        """G10 L2 or L20: the program states a work offset itself."""
+        rng, d = self.rng, self.dialect
+        if d == "sinumerik":
+            return
+        kinds = [("L2 P%d" % n, "G%d" % (53 + n)) for n in range(1, 7)]
+        if d == "linuxcnc":
+            kinds += [("L2 P%d" % (6 + n), "G59.%d" % n) for n in (1, 2, 3)]
+        elif d == "haas":
+            kinds += [("L20 P1", "G110"), ("L20 P3", "G154 P3"), ("L20 P40", "G154 P40")]
+        else:
+            kinds += [("L20 P%d" % n, "G54.1 P%d" % n) for n in (5, 12)]
+        text, name = rng.choice(kinds)
+        is_stated = name in self.case["offsets"] and name not in self.case["unstated"]
+        axes = self.axes if not is_stated or rng.random() < 0.4 else rng.sample(self.axes, rng.randrange(1, len(self.axes)))
+        values = {}
+        for axis in axes:
+            value = rng_value(rng, -60, 60) if axis in self.linear else rng.choice([0.0, 0.0, 12.5])
+            if axis == "C" and self.case.get("roll_over") == "sign":
+                value = 0.0
+            values[axis] = round(value / self.scale(axis), self.places(axis))
+        self.block(["G90"] * (rng.random() < 0.2) + ["G10"] + text.split() +
+                   [a + self.number(v, self.places(a), True) for a, v in values.items()])
+        table = self.offsets.setdefault(name, {})
+        table.update({a: v * self.scale(a) for a, v in values.items()})
+        if rng.random() < 0.7:
+            self.wcs = name
+            self.plain(name)
+        if rng.random() < 0.5:
             self.restate()
         else:
             self.feed_move(self.targets(self.axes))
@@ -1028,7 +1063,10 @@ class Program(Writer):
     def r_data_input(self):
         if self.dialect in ("sinumerik",):
             return
-        self.plain("G10 L2 P1 X5. Y-3.")
+        kinds = ["G10 L2 P0 X5. Y-3.", "G10 L10 P1 R10.", "/G10 L2 P1 X5."]
+        if self.dialect == "linuxcnc":
+            kinds = ["G10 L20 P1 X5. Y-3.", "G10 L2 P0 X5.", "/G10 L2 P1 X5."]
+        self.plain(self.rng.choice(kinds))
         self.motion = None
         self.feed_move(self.targets(["X"]))
         self.recover()
@@ -1056,7 +1094,7 @@ class Program(Writer):
                 words[-1] = "I#101"
             self.block(words + ["F400"])
         elif form == 1:  # a mode that is passed begins in front of it
-            self.plain({"sinumerik": "TRANS X0", "linuxcnc": "G10 L2 P1 X0."}.get(d, "G10 L2 P1 X0."))
+            self.plain({"sinumerik": "TRANS X0"}.get(d, "G10 L2 P0 X0."))
             self.block([self.g(3), "I" + self.number(r / scale), "F400"])
         else:
             self.plain(self.call_elsewhere())
@@ -1103,7 +1141,7 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5)]
+             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
@@ -1186,8 +1224,8 @@ def rng_value(rng, low, high):
 
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
-             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5)]
-    REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("offset", 1)]
+    REFUSED = [("tcp", 2), ("unstated_offset", 0.7), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]
 
@@ -1299,6 +1337,29 @@ class KlartextProgram(Program):
         self.plain(self.rng.choice(["RND R2", "CHF 1", "RND R1.5 F100"]))
         self.feed_move({"Y": y + 25})
         self.feed_move({"X": x})
+
+    def datum(self, name):
+        """CYCL DEF 247."""
+        self.wcs = name
+        number = name.split()[1]
+        kind = self.rng.randrange(3)
+        if kind == 0:
+            self.plain("CYCL DEF 247 DATUM SETTING Q339=%s" % number)
+        else:
+            self.lines += ["%d CYCL DEF 247 DATUM SETTING ~" % self.n, "  Q339=+%s ;DATUM NUMBER" % number]
+            self.n += 1
+
+    def f_offset(self):
+        self.datum(self.rng.choice([n for n in self.case["offsets"] if " " in n and n not in self.case["unstated"]]))
+        if self.rng.random() < 0.5:
+            self.restate()
+        else:
+            self.feed_move(self.targets(self.axes))
+
+    def r_unstated_offset(self):
+        self.datum(self.case["unstated"][0])
+        self.feed_move(self.targets(self.rng.sample(self.linear, 2)))
+        self.recover()
 
     def f_long_line(self):
         self.lines.append("%d L X%s ; %s" % (self.n, self.number(5.0 / self.length_scale()), "L" * 200))
@@ -1526,8 +1587,9 @@ def draw(seed, dialects=tuple(DIALECTS), without=(), with_known=()):
         return {a: round(rng.uniform(-80, 80), 3) if a in linear else rng.choice([0.0, 0.0, round(rng.uniform(-20, 20), 3)]) for a in axes}
     names = {"fanuc": ["G54", "G55", "G59", "G54.1 P5"], "mazak": ["G54", "G56", "G54.1 P12"],
              "haas": ["G54", "G57", "G110", "G154 P3"], "linuxcnc": ["G54", "G58", "G59.2"],
-             "sinumerik": ["G500", "G54", "G57", "G505"], "heidenhain": ["PRESET"]}[dialect]
-    unstated = {"fanuc": "G58", "mazak": "G58", "haas": "G59", "linuxcnc": "G59.1", "sinumerik": "G56"}.get(dialect)
+             "sinumerik": ["G500", "G54", "G57", "G505"], "heidenhain": ["PRESET", "PRESET 2", "PRESET 11"]}[dialect]
+    unstated = {"fanuc": "G58", "mazak": "G58", "haas": "G59", "linuxcnc": "G59.1", "sinumerik": "G56",
+                "heidenhain": "PRESET 5"}.get(dialect)
     names = names + ([unstated] if unstated else [])
     case = {
         "seed": seed, "dialect": dialect, "machine": name, "features": [], "mixed": rng.random() < 0.4,

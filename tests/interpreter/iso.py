@@ -619,16 +619,30 @@ class Iso(Control):
     def data_input(self, axis_words, other):
         """G10 L2 P1 X..: the offset itself changes."""
         p = self.parameters(other)
-        if p.get("L") == 2:
-            name = {1: "G54", 2: "G55", 3: "G56", 4: "G57", 5: "G58", 6: "G59"}.get(int(p.get("P", 0)))
-            if name is None:
-                name = self.wcs
+        kind, number = p.get("L"), int(p.get("P", 0))
+        plain = ["G54", "G55", "G56", "G57", "G58", "G59"]
+        names = []
+        if self.dialect == "linuxcnc":
+            plain += ["G59.1", "G59.2", "G59.3"]
+        if kind in (2, 20) and self.dialect == "linuxcnc":
+            names = [self.wcs if number == 0 else plain[number - 1]]
+        elif kind == 2 and number > 0:
+            names = [plain[number - 1]]
+        elif kind == 20:
+            names = ["G54.1 P%d" % number]
+            if self.dialect == "haas":  # G154 P1 to P20 are G110 to G129
+                names = ["G154 P%d" % number] + ["G%d" % (109 + number)] * (number <= 20)
+        for name in names:
             table = self.setup["offsets"].setdefault(name, {})
             for a, (v, _) in axis_words.items():
-                if self.incremental and self.dialect != "linuxcnc":
-                    table[a] = table.get(a, 0.0) + v * self.unit(a)
-                else:
-                    table[a] = v * self.unit(a)
+                value = v * self.unit(a)
+                if kind == 20 and self.dialect == "linuxcnc":  # counted from where the control stands
+                    value = self.pos[a] - value - self.preset[a] - self.shift[a] - (self.length if a == "Z" else 0.0)
+                elif self.incremental and self.dialect != "linuxcnc":
+                    value += table.get(a, 0.0)
+                table[a] = value
+        if not names:  # the external offset, tools
+            self.enter("data")
         self.raw("G10", [], axis_words, other, moves=False)
 
     block_flags = frozenset()

@@ -189,7 +189,14 @@ class Klartext(Control):
             if part not in (None, "0"):
                 (self.enter if any(values) else self.leave)("tilt19")
         elif number == 247:
-            self.enter("datum")
+            match = re.search(r"Q339\s*=\s*\+?(\d+)\s*$", rest)
+            name = "PRESET " + match.group(1) if match else None
+            self.pole = None
+            if name in self.setup["offsets"]:
+                self.wcs = name
+                self.leave("datum")
+            else:
+                self.enter("datum")
         elif number in (220, 221, 12, 14) or 400 <= number < 500:
             # Pattern cycles run where they are defined (so says their page: "DEF active"); 12 and 14 only name contours.
             if number not in (12, 14):
