@@ -5,6 +5,7 @@
 
 #include "client/client_impl.h"
 #include "core/base/error_detail.h"
+#include "core/base/files.h"
 
 namespace axiscal::client {
 namespace {
@@ -23,17 +24,52 @@ grpc::ChannelArguments ChannelArguments() {
   return arguments;
 }
 
+constexpr size_t kMaxPemBytes = 16 << 20;
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsOf(const Identity& identity) {
+  if (!identity.has_tls()) return grpc::InsecureChannelCredentials();
+  grpc::SslCredentialsOptions ssl;
+  ASSIGN_OR_RETURN(ssl.pem_root_certs, base::ReadFile(identity.ca, kMaxPemBytes));
+  if (!identity.certificate.empty()) {
+    ASSIGN_OR_RETURN(ssl.pem_cert_chain, base::ReadFile(identity.certificate, kMaxPemBytes));
+    ASSIGN_OR_RETURN(ssl.pem_private_key, base::ReadFile(identity.key, kMaxPemBytes));
+  }
+  return grpc::SslCredentials(ssl);
+}
+
+// Nobody between can read what goes there.
+bool IsThisMachine(const std::string& address) {
+  for (const std::string start : {"unix:", "unix-abstract:", "127.", "ipv4:127.",
+                                  "[::1]:", "ipv6:[::1]:", "localhost:", "dns:localhost:", "dns:///localhost:"}) {
+    if (address.rfind(start, 0) == 0) return true;
+  }
+  return false;
+}
+
+// gRPC tells no more than that there is no connection.
+std::string WhyNot(const std::string& address, const Options& options) {
+  const std::string no_server =
+      absl::StrCat("no server at ", address, " within ", options.connect_deadline.count(), " ms");
+  return no_server + (options.identity.has_tls()
+                          ? "; or its certificate is not from " + options.identity.ca +
+                                ", has another name, or it wants a certificate (or another one) from here"
+                          : "; one with TLS answers only to clients that name its authority (--ca)");
+}
+
 }  // namespace
 
 absl::StatusOr<Client> Client::Connect(const std::string& address, const Options& options) {
   RETURN_IF_ERROR(Validate(options));
-  std::shared_ptr<grpc::Channel> channel =
-      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), ChannelArguments());
+  if (!options.identity.token_file.empty()) RETURN_IF_ERROR(ReadToken(options.identity.token_file).status());
+  if (!options.identity.token_file.empty() && !options.identity.has_tls() && !IsThisMachine(address)) {
+    return absl::InvalidArgumentError("a token for " + address +
+                                      " would go over the network readable: name the server's authority (--ca)");
+  }
+  ASSIGN_OR_RETURN(const std::shared_ptr<grpc::ChannelCredentials> credentials, CredentialsOf(options.identity));
+  std::shared_ptr<grpc::Channel> channel = grpc::CreateCustomChannel(address, credentials, ChannelArguments());
   const auto deadline = std::chrono::system_clock::now() + options.connect_deadline;
   if (options.connect_deadline.count() > 0 && !channel->WaitForConnected(deadline)) {
-    return base::Error(absl::StatusCode::kUnavailable,
-                       absl::StrCat("no server at ", address, " within ", options.connect_deadline.count(), " ms"),
-                       {"NO_CONNECTION", {}});
+    return base::Error(absl::StatusCode::kUnavailable, WhyNot(address, options), {"NO_CONNECTION", {}});
   }
   return Client(std::make_unique<Impl>(std::move(channel), address, options));
 }

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "core/base/error_detail.h"
+#include "core/base/files.h"
 #include "google/rpc/status.pb.h"
 #include "proto/convert/status.h"
 
@@ -23,6 +24,11 @@ std::unique_ptr<grpc::ClientContext> Connection::NewContext(base::SteadyTime dea
       std::chrono::system_clock::now() +
       std::chrono::duration_cast<std::chrono::system_clock::duration>(deadline - base::SystemClock().SteadyNow()));
   context->AddMetadata("axiscal-user", options_.user);
+  if (!options_.identity.token_file.empty()) {
+    // A file that cannot be read now is as no token: the server says what it misses.
+    const absl::StatusOr<std::string> token = ReadToken(options_.identity.token_file);
+    if (token.ok()) context->AddMetadata("authorization", "Bearer " + *token);
+  }
   return context;
 }
 
@@ -70,6 +76,16 @@ absl::Status Connection::FromGrpc(const grpc::Status& status) const {
 }
 
 bool IsBroken(const absl::Status& status) { return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status); }
+
+absl::StatusOr<std::string> ReadToken(const std::string& file) {
+  constexpr size_t kMaxTokenBytes = 4096;
+  ASSIGN_OR_RETURN(std::string token, base::ReadFile(file, kMaxTokenBytes));
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r' || token.back() == ' ')) token.pop_back();
+  const bool is_one_word =
+      !token.empty() && std::all_of(token.begin(), token.end(), [](char c) { return c > 0x20 && c < 0x7f; });
+  if (is_one_word) return token;
+  return absl::InvalidArgumentError(file + ": must hold one token on one line");
+}
 
 std::string NewRequestId() {
   std::random_device random;

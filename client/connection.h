@@ -63,6 +63,9 @@ class Connection {
 // Worth another attempt: the server is not there now, or cut the stream off.
 bool IsBroken(const absl::Status& status);
 
+// The token that a file holds. NOT_FOUND, INVALID_ARGUMENT.
+absl::StatusOr<std::string> ReadToken(const std::string& file);
+
 // An id for one call whose caller did not choose one: 32 random hexadecimal digits.
 std::string NewRequestId();
 

@@ -15,6 +15,11 @@ absl::Status Validate(const Options& options) {
   for (const char c : options.user) {
     RETURN_IF_ERROR(require(c >= 0x20 && c < 0x7f, "user must be printable ASCII"));
   }
+  const Identity& identity = options.identity;
+  RETURN_IF_ERROR(require(identity.certificate.empty() == identity.key.empty(),
+                          "identity.certificate and identity.key must be set together"));
+  RETURN_IF_ERROR(require(!identity.has_tls() || !identity.ca.empty(),
+                          "identity.ca must name the authority of the server's certificate"));
   RETURN_IF_ERROR(require(options.connect_deadline.count() >= 0, "connect_deadline must be >= 0"));
   RETURN_IF_ERROR(positive("call_deadline", options.call_deadline));
   RETURN_IF_ERROR(positive("stream_deadline", options.stream_deadline));

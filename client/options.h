@@ -10,7 +10,20 @@
 
 namespace axiscal::client {
 
+// How a client reaches a server with TLS, and shows who it is. PEM files; all empty: no TLS.
+struct Identity {
+  std::string ca;           // authorities that the server's certificate must be from
+  std::string certificate;  // of this client, with its key; empty: none is shown
+  std::string key;
+  // A file with a token on one line; read again for each call, so that it can be replaced. Sent by TLS, to this machine
+  // or into this process only.
+  std::string token_file;
+
+  bool has_tls() const { return !ca.empty() || !certificate.empty() || !key.empty(); }
+};
+
 struct Options {
+  Identity identity = {};
   // Who asks, as written into created_by and the audit. Request ids of jobs and programs are this user's own.
   std::string user = "anonymous";
   // How long Connect() waits for the server; 0 connects when the first call needs it.

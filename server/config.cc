@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/numbers.h"
+#include "core/base/clock.h"
 #include "core/base/utf8.h"
 #include "server/listener.h"
 #include "server/server.h"
@@ -54,6 +55,11 @@ const std::vector<Setting>& Settings() {
       {"server.listen", "--listen", "HOST:PORT or unix:PATH; port 0 picks a free one", &Config::listen},
       {"server.drain_seconds", "--drain-seconds", "How long calls and jobs may go on after SIGTERM",
        &Config::drain_seconds, 0, kDaySeconds},
+      {"tls.certificate", "--tls-certificate", "The server's certificate, PEM; read again when it changes",
+       &Config::tls_certificate, 0, 0, true},
+      {"tls.key", "--tls-key", "Its key, PEM, without a password", &Config::tls_key, 0, 0, true},
+      {"tls.client_ca", "--tls-client-ca", "Authorities of the callers' certificates, PEM", &Config::tls_client_ca, 0,
+       0, true},
       {"jobs.workers", "--workers", "Jobs at once; each uses one core", &Config::workers, 1, kMaxWorkers},
       {"limits.max_uploads", "--max-uploads", "Streams that bring something, at a time", &Config::max_uploads, 1,
        kMaxUploads},
@@ -103,6 +109,8 @@ absl::Status ReadEnvironment(const std::vector<std::string>& variables, Configur
   return absl::OkStatus();
 }
 
+TlsFiles TlsFilesOf(const Config& config) { return {config.tls_certificate, config.tls_key, config.tls_client_ca}; }
+
 absl::Status Check(const Configured& configured) {
   const auto place = [&](const std::string& key) {
     const auto found = configured.place.find(key);
@@ -113,10 +121,25 @@ absl::Status Check(const Configured& configured) {
     return absl::InvalidArgumentError(
         "store.database is not set: name the database file in axiscald.toml, AXISCALD_DB or --db");
   }
+  const TlsFiles tls = TlsFilesOf(config);
+  if (tls.is_set() != !tls.key.empty()) {
+    const std::string set = tls.is_set() ? "tls.certificate" : "tls.key";
+    return absl::InvalidArgumentError(absl::StrCat(place(set), ": ", set,
+                                                   " is set, tls.certificate and tls.key must "
+                                                   "be set together"));
+  }
+  if (!tls.client_ca.empty() && !tls.is_set()) {
+    return absl::InvalidArgumentError(place("tls.client_ca") +
+                                      ": tls.client_ca is set, must come with tls.certificate and tls.key");
+  }
+  if (tls.is_set()) {
+    const absl::Status fits = ReadTls(tls, base::SystemClock().UtcNow()).status();
+    if (!fits.ok()) return base::Within(place("tls.certificate") + ": tls", fits);
+  }
   const std::string listen = place("server.listen") + ": server.listen";
   const absl::StatusOr<bool> is_local_only = IsLocalOnly(config.listen);
   if (!is_local_only.ok()) return base::Within(listen, is_local_only.status());
-  return *is_local_only ? absl::OkStatus() : base::Within(listen, Unprotected(config.listen));
+  return *is_local_only || !tls.client_ca.empty() ? absl::OkStatus() : base::Within(listen, Unprotected(config.listen));
 }
 
 }  // namespace axiscal::server

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "server/certificates.h"
 
 namespace axiscal::server {
 
@@ -19,6 +20,7 @@ struct Config {
   std::string database;
   std::string listen = "127.0.0.1:7410";
   int64_t drain_seconds = 20;
+  std::string tls_certificate, tls_key, tls_client_ca;
   int64_t workers = 2;
   int64_t max_uploads = 500;
   int64_t window_bytes = 1 << 20;
@@ -54,6 +56,8 @@ struct Configured {
   std::map<std::string, std::string> place;
 };
 
+TlsFiles TlsFilesOf(const Config& config);
+
 // All of the following refuse with INVALID_ARGUMENT that names place, key, value and rule, and change nothing then.
 
 // The text of an axiscald.toml; `path` is for messages and relative files.
@@ -62,8 +66,8 @@ absl::Status ReadToml(const std::string& text, const std::string& path, Configur
 absl::Status ReadEnvironment(const std::vector<std::string>& variables, Configured& configured);
 // One value as text, from the command line. A switch takes "true" and "false".
 absl::Status SetText(const Setting& setting, const std::string& text, const std::string& place, Configured& configured);
-// What must hold for all of it: there is a database, and nobody else's machine can reach a server that asks nobody who
-// he is.
+// What must hold for all of it: there is a database, the files of TLS are whole and fit, and nobody else's machine can
+// reach a server that asks nobody who he is.
 absl::Status Check(const Configured& configured);
 
 }  // namespace axiscal::server

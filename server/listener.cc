@@ -149,7 +149,8 @@ absl::Status Unprotected(const std::string& address) {
   return base::Error(absl::StatusCode::kFailedPrecondition,
                      address +
                          ", can be reached from other machines, and whoever reaches it could approve calibrations: "
-                         "listen on 127.0.0.1:PORT, [::1]:PORT or unix:PATH, and let other machines in by ssh -L",
+                         "set tls.certificate, tls.key and tls.client_ca (deploy/make-certs makes them), or listen on "
+                         "127.0.0.1:PORT, [::1]:PORT or unix:PATH",
                      {"LISTEN_UNPROTECTED", {{"address", address}}});
 }
 

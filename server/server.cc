@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
+#include <optional>
 #include <thread>
 
 #include "absl/strings/str_join.h"
@@ -24,6 +25,7 @@
 #include "server/service.h"
 #include "server/storage/file_mode.h"
 #include "server/storage/sqlite_database.h"
+#include "server/tls.h"
 
 namespace axiscal::server {
 namespace {
@@ -72,6 +74,15 @@ void LogJob(const jobs::JobEvent& event) {
   Log(LevelOf(event.outcome), !is_over ? "job_start" : is_lost ? "job_lost" : "job_end", fields);
 }
 
+void LogTls(const absl::Status& taken) {
+  if (taken.ok()) {
+    Log(LogLevel::kInfo, "tls_reloaded", {{"text", "new certificate, key and authorities hold for new connections"}});
+  } else {
+    Log(LogLevel::kWarning, "tls_kept",
+        {{"text", std::string(taken.message())}, {"then", "what was in use stays in use until all files fit"}});
+  }
+}
+
 void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& builder) {
   // The bandwidth probe lets gRPC read megabytes ahead of us per stream; a fixed window bounds memory and latency.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
@@ -106,8 +117,8 @@ absl::Status Validate(const ServerOptions& options) {
     return refuse(absl::StrCat(name, " = ", time.count(), " ms, must be 1 to ", longest.count()));
   }
   if (options.window_bytes < kMinWindowBytes || options.window_bytes > kMaxWindowBytes) {
-    return refuse(absl::StrCat("window_bytes = ", options.window_bytes, ", must be ", kMinWindowBytes, " to ",
-                               kMaxWindowBytes));
+    return refuse(
+        absl::StrCat("window_bytes = ", options.window_bytes, ", must be ", kMinWindowBytes, " to ", kMaxWindowBytes));
   }
   if (options.session_expiry.count() < 1) return refuse("session_expiry must be > 0");
   if (options.drain.count() < 0) return refuse(absl::StrCat("drain = ", options.drain.count(), " ms, must be >= 0"));
@@ -141,10 +152,15 @@ class Server::Impl {
     SetChannelArguments(options_, builder);
     if (!options_.listen_address.empty()) {
       ASSIGN_OR_RETURN(listener_, Listener::Open(options_.listen_address));
-      if (!listener_->is_local_only()) return Unprotected(options_.listen_address);
+      if (!listener_->is_local_only() && options_.tls.client_ca.empty()) return Unprotected(options_.listen_address);
+      std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+      if (options_.tls.is_set()) {
+        ASSIGN_OR_RETURN(tls_, Tls::Create(options_.tls, LogTls));
+        credentials = Tls::Credentials(tls_);
+      }
       port_ = listener_->port();
       connections_ = builder.experimental().AddExternalConnectionAcceptor(
-          grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, grpc::InsecureServerCredentials());
+          grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
     }
     services_ = MakeServices(core_);
     for (const std::unique_ptr<grpc::Service>& service : services_) builder.RegisterService(service.get());
@@ -186,6 +202,7 @@ class Server::Impl {
   handlers::Core core_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Listener> listener_;
+  std::shared_ptr<Tls> tls_;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> server_;
   base::Mutex shutdown_mutex_;
@@ -211,11 +228,22 @@ class Server::Impl {
     const base::MutexLock lock(housekeeper_mutex_);
     while (!stop_housekeeper_) {
       LogExpired("sessions", database_->ExpireSessions(options_.session_expiry));
+      WarnOfCertificates();
       LogExpired("programs", database_->ExpirePrograms(options_.session_expiry));
       const base::SteadyTime next = base::SystemClock().SteadyNow() + kHousekeeping;
       while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
         wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
       }
+    }
+  }
+
+  // Once a day for each.
+  void WarnOfCertificates() {
+    const base::UtcTime now = base::SystemClock().UtcNow();
+    if (tls_ == nullptr || (warned_at_ && now - *warned_at_ < std::chrono::days(1))) return;
+    for (const std::string& sentence : EndingSoon(tls_->certificates(), now, kWarnAhead)) {
+      warned_at_ = now;
+      Log(LogLevel::kWarning, "certificate_ends", {{"text", sentence}});
     }
   }
 
@@ -239,6 +267,7 @@ class Server::Impl {
   base::Mutex housekeeper_mutex_;
   base::CondVar wake_housekeeper_;
   bool stop_housekeeper_ AXISCAL_GUARDED_BY(housekeeper_mutex_) = false;
+  std::optional<base::UtcTime> warned_at_;  // of certificates; the housekeeper's alone
   std::thread housekeeper_;
 
   static jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/status.h"
+#include "server/certificates.h"
 
 namespace grpc {
 class Channel;
@@ -25,6 +26,8 @@ struct ServerOptions {
   // Where to listen, as gRPC takes it ("127.0.0.1:7410", "unix:/run/axiscal.sock"). Port 0 picks a free one. Empty: on
   // no port.
   std::string listen_address;
+  // Without certificates of callers, other machines must not reach the address.
+  TlsFiles tls;
   // Jobs at once; each uses one core. 1 to kMaxWorkers.
   int workers = 2;
   // Streams that bring sessions or programs at a time, each holding two threads; more are refused. 1 to kMaxUploads.
@@ -51,8 +54,8 @@ absl::Status Validate(const ServerOptions& options);
 class Server {
  public:
   // Opens the database, starts the workers, listens. The store's errors (STORE_LOCKED, SCHEMA_NEWER ...), UNAVAILABLE
-  // LISTEN_FAILED when the address is taken, or FAILED_PRECONDITION LISTEN_UNPROTECTED when other machines could reach
-  // it.
+  // LISTEN_FAILED when the address is taken, FAILED_PRECONDITION LISTEN_UNPROTECTED when other machines could reach
+  // it, or ReadTls()'s.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
   // Shuts down.
   ~Server();

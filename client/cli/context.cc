@@ -26,6 +26,7 @@ absl::StatusOr<client::Client*> Context::Connect() {
     if (server.empty()) {
       ASSIGN_OR_RETURN(connection_, start_service_(database, options));
     } else {
+      options.identity = identity;
       ASSIGN_OR_RETURN(client::Client client, client::Client::Connect(server, options));
       connection_ = Connection{nullptr, std::move(client)};
     }

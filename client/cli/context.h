@@ -30,6 +30,7 @@ struct Context {
 
   std::string server;  // address; empty: the service runs in this process on `database`
   std::string database = "axiscal.db";
+  client::Identity identity;  // for a server
   std::string user;
   bool json = false;
 

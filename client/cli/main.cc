@@ -23,6 +23,13 @@ void AddGlobalOptions(CLI::App& app, Context& context) {
       ->envname("AXISCAL_DB")
       ->capture_default_str()
       ->excludes(server);
+  app.add_option("--ca", context.identity.ca, "of a server with TLS: the authority of its certificate, a PEM file")
+      ->envname("AXISCAL_CA");
+  app.add_option("--certificate", context.identity.certificate, "your certificate, a PEM file, with --key")
+      ->envname("AXISCAL_CERTIFICATE");
+  app.add_option("--key", context.identity.key, "its key, a PEM file")->envname("AXISCAL_KEY");
+  app.add_option("--token-file", context.identity.token_file, "a file with your token, read again for each call")
+      ->envname("AXISCAL_TOKEN_FILE");
   app.add_option("--user", context.user, "who is asking, as it is written down")
       ->envname("AXISCAL_USER")
       ->capture_default_str();

@@ -1,0 +1,48 @@
+// The files of TLS: the server's certificate with its key, and the authority whose certificates name callers. Read
+// whole, or not at all.
+#ifndef AXISCAL_SERVER_CERTIFICATES_H_
+#define AXISCAL_SERVER_CERTIFICATES_H_
+
+#include <string>
+#include <vector>
+
+#include "core/base/clock.h"
+#include "core/base/status.h"
+
+namespace axiscal::server {
+
+// PEM files. Without `certificate` there is no TLS.
+struct TlsFiles {
+  std::string certificate;  // the server's, with those between it and its authority behind it
+  std::string key;          // of the first certificate, without a password
+  std::string client_ca;    // authorities of the callers' certificates; empty: callers show none
+
+  bool is_set() const { return !certificate.empty(); }
+};
+
+struct Certificate {
+  std::string file;
+  std::string subject;  // "CN = axiscal.shop"
+  base::UtcTime begins, ends;
+};
+
+// What the files hold.
+struct TlsMaterial {
+  std::string certificate_pem, key_pem, client_ca_pem;
+  std::vector<Certificate> certificates;  // all of them, the server's own first
+};
+
+// INVALID_ARGUMENT that names the file: it cannot be read, holds no certificate, the key is not the certificate's or
+// has a password, or the server's own certificate is not valid at `now`.
+absl::StatusOr<TlsMaterial> ReadTls(const TlsFiles& files, base::UtcTime now);
+
+// Those that end within `ahead` of `now` or have ended, each as a sentence.
+std::vector<std::string> EndingSoon(const std::vector<Certificate>& certificates, base::UtcTime now,
+                                    std::chrono::hours ahead);
+
+// How long before its end a certificate is warned of.
+inline constexpr std::chrono::hours kWarnAhead = std::chrono::hours(24 * 30);
+
+}  // namespace axiscal::server
+
+#endif  // AXISCAL_SERVER_CERTIFICATES_H_
