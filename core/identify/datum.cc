@@ -25,7 +25,7 @@ struct Extended {
 bool MayBeFreed(const Problem& problem, const SetupGroup& group) {
   return std::all_of(group.runs.begin(), group.runs.end(), [&](int run) {
     const MeasuringRun& one = problem.runs[static_cast<size_t>(run)];
-    return one.path_readings == nullptr && one.free_datum.empty() && one.slips.empty();
+    return one.path_readings == nullptr && one.free_datum.empty() && one.distortions.empty() && one.slips.empty();
   });
 }
 

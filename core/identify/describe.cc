@@ -87,7 +87,7 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
       const double sigma = judgement.covariance.setup_sigma[group][k];
       const bool is_told = IsTold(parameter, sigma / judgement.sigma_scale);
       session.setup.push_back(
-          {parameter.name, is_told ? point.setup[group][k] : kNone, is_told ? sigma : kNone, parameter.is_angle});
+          {parameter.name, is_told ? parameter.centre + point.setup[group][k] : kNone, is_told ? sigma : kNone, parameter.is_angle});
     }
     sessions.push_back(std::move(session));
   }

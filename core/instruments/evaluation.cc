@@ -5,6 +5,7 @@
 
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/distortion.h"
 #include "core/instruments/eccentricity/eccentricity_model.h"
 #include "core/instruments/rtest/rtest_model.h"
 #include "core/instruments/touch/touch_model.h"
@@ -19,11 +20,12 @@ namespace {
 template <typename Errors>
 struct Moved {
   Errors errors;
-  double setup[kMaxSetupParameters];
+  double setup[kMaxInstrumentParameters];
 };
 
-int OwnSetupCount(const MeasuringRun& run) {
-  return static_cast<int>(run.setup.size() - run.free_datum.size() - 3 * run.slips.size());
+// Without the datum's.
+int InstrumentSetupCount(const MeasuringRun& run) {
+  return OwnSetupCount(run) - static_cast<int>(run.free_datum.size());
 }
 
 void Shift(int joint, const Eigen::Vector3d& by_mm, machine::JointErrors<double>* errors) {
@@ -33,6 +35,16 @@ void Shift(int joint, const Eigen::Vector3d& by_mm, machine::JointErrors<double>
 void Shift(int joint, const Eigen::Vector3d& by_mm, machine::JointTransforms* errors) {
   machine::ErrorVector<double> error = errors->ErrorOf(joint);
   error.head<3>() += by_mm;
+  errors->Set(joint, error);
+}
+
+void Turn(int joint, const Eigen::Vector3d& by_rad, machine::JointErrors<double>* errors) {
+  (*errors)[joint].tail<3>() += by_rad;
+}
+
+void Turn(int joint, const Eigen::Vector3d& by_rad, machine::JointTransforms* errors) {
+  machine::ErrorVector<double> error = errors->ErrorOf(joint);
+  error.tail<3>() += by_rad;
   errors->Set(joint, error);
 }
 
@@ -50,14 +62,47 @@ Eigen::Vector3d TurnedDirection(const machine::Machine& machine, int axis, const
   return geometry::RotationXyz(error[3], error[4], error[5]) * machine.axes[axis].direction;
 }
 
+// What moves while the instrument reads, or has moved on since it did.
+template <typename Errors>
+void Distort(const machine::Machine& machine, const MeasuringRun& run, int reading, const Distortion& distortion,
+             const double* amplitude, Moved<Errors>* out) {
+  if (distortion.kind == Distortion::kMotion) {
+    double weights[kMotionFunctions];
+    MotionWeights(distortion, run.time_s[reading], weights);
+    Eigen::Vector3d moved_mm = Eigen::Vector3d::Zero();
+    for (int j = 0; j < kMotionFunctions; ++j)
+      moved_mm += weights[j] * Eigen::Map<const Eigen::Vector3d>(amplitude + 3 * j);
+    if (distortion.carrier == Carrier::kTool) return Shift(machine.tool_joint(), moved_mm, &out->errors);
+    for (int k = 0; k < 3; ++k) out->setup[k] += moved_mm[k];
+  } else if (distortion.kind == Distortion::kClock) {
+    const double delay_s = *amplitude / kClockSpeedMmPerS;
+    for (int axis = 0; axis < machine.axis_count(); ++axis) {
+      const double behind = -delay_s * run.StateOf(reading).axes[axis].speed;
+      if (machine.axes[axis].kind == machine::AxisKind::kLinear) {
+        Shift(axis, behind * TurnedDirection(machine, axis, out->errors), &out->errors);
+      } else {
+        Turn(axis, behind * machine.axes[axis].direction, &out->errors);
+      }
+    }
+  }
+}
+
 template <typename Errors>
 Moved<Errors> AfterMoves(const machine::Machine& machine, const MeasuringRun& run, int reading, const Errors& errors,
                          const double* setup) {
   Moved<Errors> out{errors, {}};
-  const int own = OwnSetupCount(run);
+  const int own = InstrumentSetupCount(run);
   std::copy(setup, setup + own, out.setup);
   const double* by_mm = setup + own;
   for (const int axis : run.free_datum) Shift(axis, *by_mm++ * TurnedDirection(machine, axis, errors), &out.errors);
+  double amplitudes[kMaxDistortionAmplitudes];
+  if (!run.distortions.empty()) TotalAmplitudes(run, setup, amplitudes);
+  const double* amplitude = amplitudes;
+  for (const Distortion& distortion : run.distortions) {
+    Distort(machine, run, reading, distortion, amplitude, &out);
+    amplitude += AmplitudeCount(distortion, run.row_count);
+  }
+  by_mm += amplitude - amplitudes;
   for (const Slip& slip : run.slips) {
     if (reading < slip.first_reading) {
       by_mm += 3;
@@ -73,13 +118,15 @@ Moved<Errors> AfterMoves(const machine::Machine& machine, const MeasuringRun& ru
   return out;
 }
 
-bool IsMoved(const MeasuringRun& run) { return !run.slips.empty() || !run.free_datum.empty(); }
+bool IsMoved(const MeasuringRun& run) {
+  return !run.slips.empty() || !run.free_datum.empty() || !run.distortions.empty();
+}
 
 // Columns of the datum's constants, and what they add to the derivatives by the turns of their axes' errors: a constant
 // of a millimetre is turned along.
 void DifferentiateDatum(const machine::Machine& machine, const MeasuringRun& run,
                         const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
-  int column = OwnSetupCount(run);
+  int column = InstrumentSetupCount(run);
   for (const int axis : run.free_datum) {
     const Eigen::Vector3d along = TurnedDirection(machine, axis, errors);
     const Eigen::Index first = machine::kComponents * Eigen::Index{axis};
@@ -132,12 +179,95 @@ void PredictInstrument(const machine::Machine& machine, const MeasuringRun& run,
   }
 }
 
+bool NeedsContact(const MeasuringRun& run) {
+  return std::any_of(run.distortions.begin(), run.distortions.end(),
+                     [](const Distortion& one) { return NeedsContact(one.kind); });
+}
+
+bool IsReadWrong(const MeasuringRun& run) {
+  return std::any_of(run.distortions.begin(), run.distortions.end(),
+                     [](const Distortion& one) { return ActsOnReading(one.kind); });
+}
+
+// Adds what distortions make of a sound reading.
+void Misread(const machine::Machine& machine, const MeasuringRun& run, int reading, const double* setup,
+             double* reading_mm) {
+  SoundRow rows[kMaxRows];
+  FillMoment(run, reading, rows);
+  if (NeedsContact(run)) FillContact(machine, run, reading, rows);
+  double basis[kMaxDistortionAmplitudes], amplitudes[kMaxDistortionAmplitudes], added_mm[kMaxRows] = {};
+  TotalAmplitudes(run, setup, amplitudes);
+  for (int i = 0; i < run.row_count; ++i) {
+    std::copy(reading_mm, reading_mm + run.row_count, rows[i].sound_mm);
+    const double* amplitude = amplitudes;
+    for (const Distortion& one : run.distortions) {
+      const int count = AmplitudeCount(one, run.row_count);
+      if (ActsOnReading(one.kind)) {
+        DistortionBasis(one, rows[i], basis);
+        for (int k = 0; k < count; ++k) added_mm[i] += basis[k] * amplitude[k];
+      }
+      amplitude += count;
+    }
+  }
+  for (int i = 0; i < run.row_count; ++i) reading_mm[i] += added_mm[i];
+}
+
+// The derivatives of a sound reading become those of the distorted one.
+void DifferentiateDistortions(const machine::Machine& machine, const MeasuringRun& run, int reading,
+                              const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
+  SoundRow rows[kMaxRows];
+  FillSoundRows(machine, run, reading, errors, *out, NeedsContact(run), rows);
+  const int rows_count = run.row_count;
+  using Factor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxRows, kMaxRows>;
+  Factor factor = Factor::Identity(rows_count, rows_count);  // d(reading) / d(sound reading)
+  double amplitudes[kMaxDistortionAmplitudes];
+  TotalAmplitudes(run, setup, amplitudes);
+  const double* amplitude = amplitudes;
+  for (const Distortion& one : run.distortions) {
+    if (one.kind == Distortion::kGain) {
+      for (int i = 0; i < rows_count; ++i) {
+        for (int j = 0; j < rows_count; ++j) factor(i, j) += amplitude[i * rows_count + j] / kGainReadingMm;
+      }
+    } else if (one.kind == Distortion::kScale) {
+      factor.diagonal().array() += amplitude[0] * rows[0].warmer_kelvin / kScaleLengthMm;
+    }
+    amplitude += AmplitudeCount(one, rows_count);
+  }
+  double basis[kMaxDistortionAmplitudes];
+  for (int i = 0; i < rows_count; ++i) {
+    Eigen::Index column = OwnSetupCount(run);
+    for (const Distortion& one : run.distortions) {
+      DistortionBasis(one, rows[i], basis);
+      for (int k = 0; k < AmplitudeCount(one, rows_count); ++k) out->by_setup(i, column++) = basis[k];
+    }
+  }
+  if (!IsReadWrong(run)) return;
+  out->by_error = factor * out->by_error;
+  Eigen::Index column = 0;
+  const auto pass_on = [&](Eigen::Index count) {
+    out->by_setup.middleCols(column, count) = factor * out->by_setup.middleCols(column, count);
+    column += count;
+  };
+  pass_on(OwnSetupCount(run));
+  for (const Distortion& one : run.distortions) {
+    const Eigen::Index count = AmplitudeCount(one, rows_count);
+    if (ActsOnReading(one.kind)) {
+      column += count;
+    } else {
+      pass_on(count);
+    }
+  }
+  pass_on(out->by_setup.cols() - column);
+  Misread(machine, run, reading, setup, out->predicted_mm.data());
+}
+
 template <typename Errors>
 void PredictAny(const machine::Machine& machine, const MeasuringRun& run, int reading, const Errors& errors,
                 const double* setup, double* predicted_mm) {
   if (!IsMoved(run)) return PredictInstrument(machine, run, reading, errors, setup, predicted_mm);
   const auto moved = AfterMoves(machine, run, reading, errors, setup);
   PredictInstrument(machine, run, reading, moved.errors, moved.setup, predicted_mm);
+  if (IsReadWrong(run)) Misread(machine, run, reading, setup, predicted_mm);
 }
 
 }  // namespace
@@ -149,7 +279,7 @@ void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int read
   EvaluateInstrument(machine, run, reading, moved.errors, moved.setup, out);
   out->by_setup.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(run.setup.size()));
   DifferentiateDatum(machine, run, errors, setup, out);
-  Eigen::Index column = OwnSetupCount(run) + static_cast<Eigen::Index>(run.free_datum.size());
+  Eigen::Index column = OwnSetupCount(run) + DistortionAmplitudes(run);
   for (const Slip& slip : run.slips) {
     if (reading < slip.first_reading) {
       out->by_setup.middleCols<3>(column).setZero();
@@ -161,6 +291,7 @@ void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int read
     }
     column += 3;
   }
+  if (!run.distortions.empty()) DifferentiateDistortions(machine, run, reading, moved.errors, setup, out);
 }
 
 void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,

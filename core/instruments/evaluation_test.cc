@@ -8,6 +8,7 @@
 
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/distortion.h"
 #include "core/instruments/eccentricity/eccentricity_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/rtest/rtest_model.h"
@@ -23,7 +24,7 @@ using machine::kComponents;
 using machine::Machine;
 
 constexpr int kErrorColumns = kComponents * 7;
-constexpr int kColumns = kErrorColumns + kMaxSetupParameters;
+constexpr int kColumns = kErrorColumns + kMaxInstrumentParameters;
 using Jet = ceres::Jet<double, kColumns>;
 
 // One reading at a typical pose; linear commands bring the tool ball a bar's length from the table ball.
@@ -288,6 +289,165 @@ TEST(Evaluation, ASlipMovesWhatItsCarrierBearsFromItsReadingOn) {
       }
     }
   }
+}
+
+// Two readings at one pose, 100 s and 3 K apart; every axis moves at the second.
+MeasuringRun TwoReadings(const Machine& machine, const Instrument& instrument, std::mt19937* random) {
+  MeasuringRun run = OneReading(machine, instrument, random);
+  run.has_time = run.has_temperature = true;
+  const std::vector<double> positions = run.positions;
+  run.positions.insert(run.positions.end(), positions.begin(), positions.end());
+  run.time_s = {0.0, 100.0};
+  run.temperature_celsius = {20.0, 23.0};
+  run.measured_mm = Eigen::MatrixXd::Zero(run.row_count, 2);
+  DeriveMotion(&run);
+  for (int axis = 0; axis < machine.axis_count(); ++axis)
+    run.axis_states[machine.axis_count() + axis].speed =
+        machine.axes[axis].kind == machine::AxisKind::kRotary ? 0.05 * (axis + 1) : 10.0 - 3.0 * axis;
+  return run;
+}
+
+std::vector<Distortion> EveryDistortion(Kind instrument) {
+  return {{.kind = Distortion::kGain, .instrument = instrument},
+          {.kind = Distortion::kScale, .instrument = instrument},
+          {.kind = Distortion::kBall, .instrument = instrument},
+          {.kind = Distortion::kLobes, .instrument = instrument, .carrier = Carrier::kTable, .order = 3},
+          {.kind = Distortion::kLobes, .instrument = instrument, .order = 5},
+          {.kind = Distortion::kGrowth, .instrument = instrument, .tau_s = 60.0},
+          {.kind = Distortion::kMotion, .instrument = instrument, .from_s = -20.0, .length_s = 300.0},
+          {.kind = Distortion::kMotion, .instrument = instrument, .carrier = Carrier::kTable, .length_s = 300.0},
+          {.kind = Distortion::kClock, .instrument = instrument}};
+}
+
+double* SetupBehind(const MeasuringRun& run, double* setup) { return setup + run.setup.size(); }
+
+// An instrument at fault in every way at once: the derivatives by errors and by all set-up offsets are those of
+// differences.
+TEST(Evaluation, DerivativesOfDistortedReadingsAreThoseOfDifferences) {
+  std::mt19937 random(11);
+  for (const Machine& machine : {machine::testing::MultiTasking(), machine::testing::TiltingTable()}) {
+    for (const char* name : {"ballbar", "rtest", "tracker"}) {
+      MeasuringRun run = TwoReadings(machine, *FindInstrument(name), &random);
+      for (const Distortion& one : EveryDistortion(run.kind))
+        if (CanHave(run, one)) AddDistortion(one, &run);
+      AddSlip({Carrier::kTool, 1}, &run);
+      ASSERT_GE(run.distortions.size(), 5u) << name;
+      double setup[kMaxSetupParameters] = {};
+      std::uniform_real_distribution<double> uniform(-0.02, 0.02);
+      for (size_t k = 0; k < run.setup.size(); ++k) setup[k] = uniform(random);
+      JointErrors<double> errors;
+      for (int joint = 0; joint < machine.joint_count(); ++joint) errors[joint] << 0.01, -0.02, 0.03, 1e-4, -2e-4, 3e-4;
+      Evaluation evaluation;
+      Evaluate(machine, run, 1, errors, setup, &evaluation);
+      ASSERT_EQ(evaluation.by_setup.cols(), static_cast<Eigen::Index>(run.setup.size()));
+      double predicted[kMaxRows];
+      machine::JointTransforms transforms(machine);
+      transforms.Set(errors);
+      Predict(machine, run, 1, transforms, setup, predicted);
+      for (int row = 0; row < run.row_count; ++row)
+        EXPECT_NEAR(evaluation.predicted_mm[row], predicted[row], 1e-9) << name;
+      constexpr double kStep = 1e-5;
+      const auto differ = [&](double* at, int row) {
+        const double was = *at;
+        double low[kMaxRows], high[kMaxRows];
+        *at = was - kStep;
+        Predict(machine, run, 1, errors, setup, low);
+        *at = was + kStep;
+        Predict(machine, run, 1, errors, setup, high);
+        *at = was;
+        return (high[row] - low[row]) / (2.0 * kStep);
+      };
+      for (int row = 0; row < run.row_count; ++row) {
+        // Balls are touched in the nominal direction, and a clock's turns are small: of second order both.
+        for (size_t k = 0; k < run.setup.size(); ++k)
+          EXPECT_NEAR(evaluation.by_setup(row, static_cast<Eigen::Index>(k)), differ(setup + k, row), 2e-3)
+              << name << ' ' << run.setup[k].name;
+        for (int joint = 0; joint < machine.joint_count(); ++joint) {
+          for (int c = 0; c < kComponents; ++c) {
+            const double slope = differ(&errors[joint][c], row);
+            EXPECT_NEAR(evaluation.by_error(row, kComponents * joint + c), slope, 1e-3 * (1.0 + std::abs(slope)))
+                << name << ' ' << joint << ' ' << c;
+          }
+        }
+      }
+    }
+  }
+}
+
+// What each fault makes of a reading, in closed form.
+TEST(Evaluation, KnownAnswersOfDistortions) {
+  std::mt19937 random(13);
+  const Machine machine = machine::testing::TiltingTable();
+  JointErrors<double> errors;
+  errors[machine.tool_joint()] << 0.03, -0.02, 0.05, 0, 0, 0;
+  const auto read = [&](const MeasuringRun& run, const double* setup) {
+    Eigen::Vector3d out(NAN, NAN, NAN);
+    Predict(machine, run, 1, errors, setup, out.data());
+    return out;
+  };
+  const double none[kMaxSetupParameters] = {};
+  const MeasuringRun rtest = TwoReadings(machine, *FindInstrument("rtest"), &random);
+  const Eigen::Vector3d sound = read(rtest, none);
+  {  // x reads 2 % of itself and 1 % of y too much
+    MeasuringRun run = rtest;
+    AddDistortion({.kind = Distortion::kGain}, &run);
+    EXPECT_EQ(run.setup[3].name, "gain_xx");
+    EXPECT_EQ(run.setup[4].name, "gain_xy");
+    double setup[kMaxSetupParameters] = {};
+    SetupBehind(rtest, setup)[0] = 0.02 * kGainReadingMm;
+    SetupBehind(rtest, setup)[1] = 0.01 * kGainReadingMm;
+    const Eigen::Vector3d added = read(run, setup) - sound;
+    EXPECT_NEAR(added.x(), 0.02 * sound.x() + 0.01 * sound.y(), 1e-12);
+    EXPECT_EQ(added.tail<2>(), Eigen::Vector2d::Zero());
+  }
+  {  // the axes stand where they did 0.03 s before
+    MeasuringRun run = rtest;
+    AddDistortion({.kind = Distortion::kClock}, &run);
+    double setup[kMaxSetupParameters] = {};
+    *SetupBehind(rtest, setup) = 0.03 * kClockSpeedMmPerS;
+    MeasuringRun late = rtest;
+    const auto axes = static_cast<size_t>(machine.axis_count());
+    for (size_t i = 0; i < axes; ++i) late.positions[axes + i] -= 0.03 * late.axis_states[axes + i].speed;
+    EXPECT_LT((read(run, setup) - read(late, none)).norm(), 1e-9);
+  }
+  {  // z has grown by 1 - 1 / e after one time constant
+    MeasuringRun run = rtest;
+    AddDistortion({.kind = Distortion::kGrowth, .tau_s = 100.0}, &run);
+    double setup[kMaxSetupParameters] = {};
+    SetupBehind(rtest, setup)[2] = 0.01;
+    EXPECT_LT((read(run, setup) - sound - Eigen::Vector3d(0, 0, 0.01 * (1.0 - std::exp(-1.0)))).norm(), 1e-12);
+  }
+  {  // a bar of 100 mm that is 1 um/m/K longer by 3 K
+    const MeasuringRun bar = TwoReadings(machine, *FindInstrument("ballbar"), &random);
+    MeasuringRun run = bar;
+    AddDistortion({.kind = Distortion::kScale, .instrument = Kind::kBallbar}, &run);
+    double setup[kMaxSetupParameters] = {}, before = NAN, after = NAN;
+    *SetupBehind(bar, setup) = 1e-6 * kScaleLengthMm;
+    Predict(machine, bar, 1, errors, none, &before);
+    Predict(machine, run, 1, errors, setup, &after);
+    EXPECT_NEAR(after - before, 1e-6 * 3.0 * (100.0 + before), 1e-12);
+  }
+  {  // half of the motion's first cosine: what stands on the table is there
+    MeasuringRun run = rtest;
+    AddDistortion({.kind = Distortion::kMotion, .carrier = Carrier::kTable, .length_s = 300.0}, &run);
+    double setup[kMaxSetupParameters] = {}, there[kMaxSetupParameters] = {};
+    SetupBehind(rtest, setup)[1] = 0.02;
+    there[1] = 0.02 * 0.5;  // cos(pi / 3)
+    EXPECT_LT((read(run, setup) - read(rtest, there)).norm(), 1e-12);
+  }
+}
+
+// Two of the other kinds of instruments are no matter of theirs; without a clock nothing grows.
+TEST(Evaluation, OnlyWhatAnInstrumentCanHaveIsAsked) {
+  std::mt19937 random(17);
+  MeasuringRun run = TwoReadings(machine::testing::TiltingTable(), *FindInstrument("rtest"), &random);
+  EXPECT_TRUE(CanHave(run, {.kind = Distortion::kGain}));
+  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kGain, .instrument = Kind::kBallbar}));
+  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kBall, .carrier = Carrier::kTable}));
+  EXPECT_TRUE(CanHave(run, {.kind = Distortion::kGrowth, .tau_s = 60.0}));
+  run.has_time = false;
+  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kGrowth, .tau_s = 60.0}));
+  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kClock}));
 }
 
 }  // namespace

@@ -28,7 +28,11 @@ inline constexpr int kMaxDatumAxes = 6;      // of one session
 // Weak prior of where a work offset that is set anew goes: wide beside what readings tell of it, narrow beside what
 // they leave open, which stays where it is. It judges nothing (SetupParameter::is_placed).
 inline constexpr double kDatumSigmaMm = 1.0;
-inline constexpr int kMaxSetupParameters = 9 + kMaxDatumAxes + 3 * kMaxSlips;  // setup offsets of one session
+inline constexpr int kMaxDistortionAmplitudes = 128;  // of one session: four of the widest kinds
+inline constexpr int kMaxInstrumentParameters = 9;    // setup offsets that an instrument has itself
+// Setup offsets of one session.
+inline constexpr int kMaxSetupParameters =
+    kMaxInstrumentParameters + kMaxDatumAxes + kMaxDistortionAmplitudes + 3 * kMaxSlips;
 
 // One setup offset: refitted with its session, never taken for a machine error.
 struct SetupParameter {
@@ -43,6 +47,8 @@ struct SetupParameter {
   bool is_placed = true;
   // Known from elsewhere (the fit that its set-up was found with), mm or rad: not fitted.
   std::optional<double> held = std::nullopt;
+  // Of an amplitude of a distortion, mm: what sessions have in common; the offset is the session's deviation from it.
+  double centre = 0.0;
 };
 
 // Something in the setup slipped: from `first_reading` on the artefact on the table, or what the tool holder carries
@@ -51,6 +57,31 @@ enum class Carrier { kTable, kTool };
 struct Slip {
   Carrier carrier = Carrier::kTable;
   int first_reading = 0;
+};
+
+// A way in which an instrument is at fault (distortion.h): its sessions share it, each deviates by amplitudes of its own.
+struct Distortion {
+  enum Kind {
+    kGain,    // channels that read too much or too little, and each other
+    kScale,   // a length that grows with the temperature
+    kBall,    // a ball that is not round
+    kLobes,   // so many lobes about the tool (ball in the spindle) or about the table's z (ball on the table)
+    kGrowth,  // it warms up after each session's start
+    kMotion,  // what the table or the tool holder carries moves slowly
+    kClock    // it reads late
+  };
+  Kind kind = kGain;
+  instruments::Kind instrument = instruments::Kind::kRtest;
+  Carrier carrier = Carrier::kTool;     // of kBall, kLobes: of the ball; of kMotion
+  int order = 0;                        // of kLobes
+  double tau_s = 0.0;                   // of kGrowth: time constant
+  double from_s = 0.0, length_s = 0.0;  // of kMotion: the time in which it moves
+  double variance_mm2 = 0.0;  // of an amplitude of spectrum 1, where it is known: then its prior, else a weak one
+
+  // Once found: the amplitudes that all its sessions have in common, and how far one session's may be from them, mm.
+  std::vector<double> amplitude_mm, sigma_mm;
+
+  bool operator==(const Distortion&) const = default;
 };
 
 struct MeasuringRun {
@@ -70,8 +101,10 @@ struct MeasuringRun {
   // Linear axes whose work offset was set anew for this session (`# datum: free X Z`): the true position is the
   // commanded one plus a constant, mm, a setup offset each (datum_X ...) behind the instrument's own.
   std::vector<int> free_datum;
+  // Faults of the instrument: their amplitudes are setup offsets behind the datum's.
+  std::vector<Distortion> distortions;
   // How far each slip moved (x, y, z; table or tool frame, mm) is three more setup offsets, in this order behind the
-  // instrument's own and the datum's. None for readings along a path.
+  // instrument's own, the datum's and the distortions'. None for readings along a path.
   std::vector<Slip> slips;
   std::vector<size_t> bad_rows;  // reading * row_count + row: known to be bad, set aside in every fit
 
@@ -134,7 +167,7 @@ inline std::vector<std::string> TemperatureColumns(const MeasuringRun& run) {
   return columns;
 }
 
-// Frees the datum of a linear axis; before any slip is added.
+// Frees the datum of a linear axis; before any distortion or slip is added.
 void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run);
 
 // Adds a slip with its offsets. A session with a slip no longer shares its setup: it gets a setup of its own.

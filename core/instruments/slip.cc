@@ -5,7 +5,8 @@
 namespace axiscal::instruments {
 
 void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run) {
-  DEMAND(run->free_datum.size() < kMaxDatumAxes && run->slips.empty() && run->path_readings == nullptr);
+  DEMAND(run->free_datum.size() < kMaxDatumAxes && run->distortions.empty() && run->slips.empty() &&
+         run->path_readings == nullptr);
   run->free_datum.push_back(axis);
   run->setup.push_back({absl::StrCat("datum_", machine.axes[axis].name), kDatumSigmaMm, true, false, false});
 }
