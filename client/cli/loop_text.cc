@@ -113,13 +113,33 @@ std::string PartText(const reports::Unexplained& part) {
                          part.from, part.to, part.unit, part.rms_um);
 }
 
-const char* VerdictText(reports::Verdict verdict) {
-  switch (verdict) {
+const char* KindText(reports::CauseKind kind) {
+  switch (kind) {
+    case reports::CauseKind::kInstrument:
+      return "the instrument";
+    case reports::CauseKind::kNominal:
+      return "nominal data";
+    case reports::CauseKind::kNotRepeatable:
+      return "not repeatable";
+  }
+  return "";
+}
+
+bool HasNominal(const reports::Loop& report) {
+  return std::any_of(report.causes.begin(), report.causes.end(),
+                     [](const reports::Cause& cause) { return cause.kind == reports::CauseKind::kNominal; });
+}
+
+const char* VerdictText(const reports::Loop& report) {
+  switch (report.verdict) {
     case reports::Verdict::kAdequate:
+      if (!report.causes.empty())
+        return "the declared model is adequate: what the readings show beside it is no error of the machine";
       return "the declared model is adequate: nothing significant is left in the readings";
     case reports::Verdict::kExtended:
       return "the model was extended";
     case reports::Verdict::kUnexplained:
+      if (report.unexplained.empty() && HasNominal(report)) return "nominal data are wrong: no errors were looked for";
       return "there is structure in the readings that has no name";
   }
   return "";
@@ -192,6 +212,18 @@ std::string VolumetricText(const reports::Volumetric& volumetric) {
   return text;
 }
 
+std::string CausesText(const reports::Loop& report) {
+  if (report.causes.empty()) return "";
+  std::string text = "no errors of the machine, and never compensated:\n";
+  for (const reports::Cause& cause : report.causes) {
+    absl::StrAppend(&text, "  ", KindText(cause.kind), ": ", cause.subject);
+    if (std::isfinite(cause.evidence)) absl::StrAppend(&text, absl::StrFormat(" (chi-square %.0f)", cause.evidence));
+    absl::StrAppend(&text, "\n");
+    if (!cause.correction.empty()) absl::StrAppend(&text, "      ", cause.correction, "\n");
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string UnexplainedText(const reports::Loop& report) {
@@ -206,9 +238,10 @@ std::string LoopText(const reports::Loop& report) {
   for (const reports::Warning& warning : report.fitted.warnings) {
     if (reports::ComesFirst(warning.kind)) absl::StrAppend(&text, "warning: ", warning.text, "\n");
   }
-  absl::StrAppend(&text, "verdict: ", VerdictText(report.verdict), "\n");
+  absl::StrAppend(&text, "verdict: ", VerdictText(report), "\n");
   if (!report.effects.empty()) absl::StrAppend(&text, "effects that the declared model lacked:\n");
   for (const reports::Effect& effect : report.effects) text += EffectText(effect);
+  text += CausesText(report);
   text += UnexplainedText(report);
   for (const std::string& name : report.withdrawn)
     absl::StrAppend(&text, "withdrawn: ", name, " does not help on the check sessions\n");

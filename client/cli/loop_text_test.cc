@@ -47,6 +47,27 @@ TEST(LoopText, AmplitudesSayWhatTheyAreTheAmplitudeOf) {
   EXPECT_THAT(LoopText(ReportOf(Effect("EB0B", "constant", "urad"))), HasSubstr("+- 0.02 urad, 0.9 um rms"));
 }
 
+TEST(LoopText, SaysWhatIsNoErrorOfTheMachine) {
+  reports::Loop report;
+  EXPECT_THAT(LoopText(report), Not(HasSubstr("no errors of the machine")));
+  report.causes = {{reports::CauseKind::kInstrument, "rtest: the gain of its channels; sessions R1, R2", 812.4,
+                    "calibrate the instrument; it reads too much: x by x +2.1 +- 0.1 %"}};
+  EXPECT_THAT(LoopText(report),
+              HasSubstr("verdict: the declared model is adequate: what the readings show beside it is no error of the "
+                        "machine\nno errors of the machine, and never compensated:\n"
+                        "  the instrument: rtest: the gain of its channels; sessions R1, R2 (chi-square 812)\n"
+                        "      calibrate the instrument; it reads too much: x by x +2.1 +- 0.1 %\n"));
+}
+
+TEST(LoopText, SaysThatNominalDataAreWrong) {
+  reports::Loop report;
+  report.verdict = reports::Verdict::kUnexplained;
+  report.causes = {{reports::CauseKind::kNominal, "machine.json: axis C turns the other way", 5e4, "axis C: ..."}};
+  EXPECT_THAT(LoopText(report), HasSubstr("verdict: nominal data are wrong: no errors were looked for\n"));
+  EXPECT_THAT(LoopText(report),
+              HasSubstr("  nominal data: machine.json: axis C turns the other way (chi-square 50000)\n"));
+}
+
 TEST(LoopText, BadReadingsDoNotHideWhatTheModelGained) {
   reports::Loop report = ReportOf(Effect("EB0B", "constant", "urad"));
   EXPECT_THAT(LoopText(report), Not(HasSubstr("set aside")));

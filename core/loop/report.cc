@@ -59,6 +59,18 @@ reports::Slip SlipOf(const Slipped& slipped) {
   return slip;
 }
 
+reports::CauseKind KindOf(Cause::Kind kind) {
+  switch (kind) {
+    case Cause::kInstrument:
+      return reports::CauseKind::kInstrument;
+    case Cause::kNominal:
+      return reports::CauseKind::kNominal;
+    case Cause::kNotRepeatable:
+      return reports::CauseKind::kNotRepeatable;
+  }
+  return reports::CauseKind::kInstrument;
+}
+
 reports::PartKind KindOf(Unexplained::Kind kind) {
   switch (kind) {
     case Unexplained::kLocal:
@@ -192,6 +204,8 @@ reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
   reports::Loop report;
   report.verdict = VerdictOf(found.verdict);
   for (const Effect& effect : found.effects) report.effects.push_back(EffectOf(machine, effect));
+  for (const Cause& cause : found.causes)
+    report.causes.push_back({KindOf(cause.kind), cause.subject, cause.evidence, cause.correction});
   report.fitted = FittedOf(found);
   report.fit = {StatisticsOf(found.fit_before), StatisticsOf(found.fit_after)};
   if (found.has_check) {

@@ -37,6 +37,15 @@ struct Slipped {
   std::array<double, 3> sigma_mm{};
 };
 
+// What is no error of the machine and reads like some: never compensated.
+struct Cause {
+  enum Kind { kInstrument, kNominal, kNotRepeatable };
+  Kind kind = kInstrument;
+  std::string subject;     // which instrument in which sessions, which entry of machine.json ...
+  double evidence = 0.0;   // likelihood ratio beyond the model without it, chi-square units
+  std::string correction;  // what to do about it, with the values that were found
+};
+
 // Structure that was found but has no name.
 struct Unexplained {
   // a local defect along an axis; a slipped artefact or probe; a check session that reads more than chance under the
@@ -82,6 +91,7 @@ struct SessionResiduals {
 struct Report {
   Verdict::Kind verdict = Verdict::kAdequate;
   std::vector<Effect> effects;
+  std::vector<Cause> causes;
   std::vector<Unexplained> unexplained;
   std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
   std::vector<SelectionStep> steps;             // from fit_before to fit_after

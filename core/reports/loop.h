@@ -23,7 +23,7 @@ struct Effect {
   std::string unit = {};
   std::optional<double> phase_deg = {};  // of shapes that have one
   std::vector<int> alias_orders = {};    // of a harmonic: orders beyond Nyquist that would read the same
-  double rms_um = kNoNumber;        // what it does to the readings
+  double rms_um = kNoNumber;             // what it does to the readings
   double evidence = kNoNumber;
   std::vector<NamedTerm> equivalent = {};     // what the sessions cannot tell from it
   std::vector<std::string> same_always = {};  // of those, the effect by other names: no measurement tells them
@@ -41,13 +41,22 @@ struct Slip {
   std::array<double, 3> moved_um = {kNoNumber, kNoNumber, kNoNumber}, sigma_um = moved_um;
 };
 
+// What is no error of the machine: an instrument at fault, wrong nominal data, what does not repeat. Never compensated.
+enum class CauseKind { kInstrument, kNominal, kNotRepeatable };
+struct Cause {
+  CauseKind kind = CauseKind::kInstrument;
+  std::string subject = {};     // which instrument in which sessions, which entry of a file ...
+  double evidence = kNoNumber;  // likelihood ratio, chi-square units
+  std::string correction = {};  // what to do about it, with the values that were found
+};
+
 // Structure that was found but has no name.
 struct Unexplained {
   PartKind kind = PartKind::kLocal;
-  std::string variable = {};                         // axis, or "t" for a moment
-  double from = kNoNumber, to = kNoNumber;      // in `unit`
-  std::string unit = {};                             // mm, deg, s
-  std::string session = {};                          // where it shows most
+  std::string variable = {};                // axis, or "t" for a moment
+  double from = kNoNumber, to = kNoNumber;  // in `unit`
+  std::string unit = {};                    // mm, deg, s
+  std::string session = {};                 // where it shows most
   double rms_um = kNoNumber;
   std::optional<Slip> slip = {};
 };
@@ -64,7 +73,7 @@ struct ProposedTest {
   std::string session = {}, test = {}, text = {};
   double correlation_before = kNoNumber, correlation_after = kNoNumber, expected_chi2 = kNoNumber;
   bool needs_next = false;  // tells them together with the next one
-  std::string beyond = {};       // how it leaves the measured poses; empty: it does not
+  std::string beyond = {};  // how it leaves the measured poses; empty: it does not
 };
 struct Proposal {
   std::string effect = {};
@@ -110,6 +119,7 @@ struct Volumetric {
 struct Loop {
   Verdict verdict = Verdict::kAdequate;
   std::vector<Effect> effects = {};
+  std::vector<Cause> causes = {};
   Fitted fitted = {};
   BeforeAfter fit = {};
   std::optional<Check> check = {};
@@ -118,8 +128,8 @@ struct Loop {
   std::vector<Unexplained> unexplained = {};
   std::vector<Proposal> next_measurement = {};
   std::vector<SessionNoise> noise = {};
-  std::vector<std::string> withdrawn = {};   // effects that did not help on the check sessions
-  std::vector<NamedTerm> not_visible = {};   // effects that would leave no trace in the fit sessions
+  std::vector<std::string> withdrawn = {};  // effects that did not help on the check sessions
+  std::vector<NamedTerm> not_visible = {};  // effects that would leave no trace in the fit sessions
   std::vector<std::string> axes_at_rest = {};
   bool stopped_early = false;  // at the most effects allowed
   int candidates = 0;

@@ -18,6 +18,11 @@ const char* const* WordsOf(PartKind) {
   return kWords;
 }
 
+const char* const* WordsOf(CauseKind) {
+  static constexpr const char* kWords[] = {"instrument", "nominal", "not-repeatable", nullptr};
+  return kWords;
+}
+
 const char* const* WordsOf(Change) {
   static constexpr const char* kWords[] = {"added", "dropped", "replaced", "withdrawn", "refused", nullptr};
   return kWords;
@@ -41,6 +46,14 @@ void Members(Io& io, base::Like<Io, Effect> effect) {
   io.Member("evidence", effect.evidence);
   io.Member("equivalent", effect.equivalent);
   io.Member("same_always", effect.same_always);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Cause> cause) {
+  io.Required("kind", cause.kind);
+  io.Required("subject", cause.subject);
+  io.Member("evidence", cause.evidence);
+  io.Member("correction", cause.correction);
 }
 
 template <typename Io>
@@ -143,6 +156,7 @@ template <typename Io>
 void Members(Io& io, base::Like<Io, Loop> report) {
   io.Required("verdict", report.verdict);
   io.Member("effects", report.effects);
+  io.IfAny("causes", report.causes);
   io.Member("errors", report.fitted.errors);
   io.Member("coverage_factor", report.fitted.coverage_factor);
   io.Member("not_separable", report.fitted.not_separable);
