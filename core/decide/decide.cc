@@ -14,6 +14,7 @@
 #include "core/loop/describe.h"
 #include "core/loop/fitting.h"
 #include "core/loop/moved_datum.h"
+#include "core/loop/nominal.h"
 #include "core/loop/same_always.h"
 #include "core/objective/search.h"
 
@@ -96,11 +97,25 @@ class Decider {
     report.has_check = !check_.is_empty();
     Ending ending{Extension(machine_, runs_), {}};
     if (options_.progress) options_.progress({"fitting the declared model", 0.0, ""});
-    ASSIGN_OR_RETURN(ending.fit, FitExtension(machine_, ending.extension, identify_options_));
+    absl::StatusOr<Fit> declared = FitExtension(machine_, ending.extension, identify_options_);
+    ASSIGN_OR_RETURN(const std::optional<loop::Cause> nominal,
+                     loop::FindNominalFault(machine_, runs_, declared, identify_options_));
+    if (nominal && !declared.ok())
+      return absl::FailedPreconditionError(
+          absl::StrCat("nominal data are wrong: ", nominal->subject, "; ", nominal->correction));
+    RETURN_IF_ERROR(declared.status());
+    ending.fit = *std::move(declared);
     report.fit_before = ending.fit.result.fit;
     report.declared = ending.fit.result.model;
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::before_mm, &report);
     ASSIGN_OR_RETURN(report.check_before, CheckStatistics(ending.fit, &loop::SessionResiduals::before_mm, &report));
+    if (nominal) {  // errors that are looked for now would stand for it
+      RETURN_IF_ERROR(Describe(ending, runs_, &report));
+      report.causes.push_back(*nominal);
+      report.verdict = loop::Verdict::kUnexplained;
+      report.last_fit = std::make_shared<Fit>(std::move(ending.fit));
+      return report;
+    }
     // Names are those that all sessions ask for.
     if (!check_.is_empty()) {
       ending.extension = Extension(machine_, all_);
@@ -133,6 +148,7 @@ class Decider {
     if (!report.unexplained.empty()) report.verdict = loop::Verdict::kUnexplained;
     // Steps are of fits of all sessions; what the last one left is said of those that amplitudes are fitted to.
     if (!report.steps.empty()) report.steps.back().rms_mm = report.fit_after.rms_mm;
+    for (loop::Cause& cause : loop::NominalConstants(machine_, ending.fit)) report.causes.push_back(std::move(cause));
     report.last_fit = std::make_shared<Fit>(std::move(ending.fit));
     return report;
   }
@@ -157,11 +173,15 @@ class Decider {
     constexpr double kNoWorse = 1.02;  // of the check sessions' rms: what a fit of them too would gain
     const auto fitted = static_cast<int>(runs_.size());
     Ending alone{Extension(machine_, runs_), {}};
+    const auto is_of_check = [&](const Candidate& one) {
+      const auto can_have = [&](const MeasuringRun& run) { return instruments::CanHave(run, one.distortion); };
+      if (one.family == Family::kInstrument) return std::none_of(runs_.begin(), runs_.end(), can_have);
+      return one.family == Family::kStep && one.run >= fitted;
+    };
     for (size_t i = 0; i < whole.extension.effects.size(); ++i) {
       Added one = whole.extension.effects[i];
-      if (one.candidate.family == Family::kStep && one.candidate.run >= fitted) return std::nullopt;
-      if (one.candidate.family != Family::kStep)
-        one.candidate.term = whole.fit.point.model.terms[whole.extension.TermOf(i)];
+      if (is_of_check(one.candidate)) return std::nullopt;
+      if (IsTerm(one.candidate.family)) one.candidate.term = whole.fit.point.model.terms[whole.extension.TermOf(i)];
       alone.extension.effects.push_back(std::move(one));
     }
     for (const loop::BadRow& bad : whole.extension.bad_rows)
@@ -193,6 +213,9 @@ class Decider {
 
   Key KeyOf(const Candidate& one) const {
     if (one.family == Family::kStep) return {"slip", one.run, one.first_reading};
+    if (one.family == Family::kInstrument)
+      return {absl::StrCat(one.distortion.kind, " ", one.distortion.instrument),
+              static_cast<int>(one.distortion.carrier), one.distortion.order};
     machine::ErrorTerm term = one.term;
     // Fitted lengths move a little in every fit.
     if (double* parameter = shapes::NonlinearParameter(term.shape)) *parameter = 1.0;
@@ -211,7 +234,7 @@ class Decider {
     std::vector<Candidate> fitted;
     for (size_t i = 0; i < extension.effects.size(); ++i) {
       Candidate one = extension.effects[i].candidate;
-      if (one.family != Family::kStep) one.term = fit.point.model.terms[extension.TermOf(i)];
+      if (IsTerm(one.family)) one.term = fit.point.model.terms[extension.TermOf(i)];
       fitted.push_back(one);
     }
     return fitted;
@@ -229,6 +252,14 @@ class Decider {
       const bool stays = keys == seen.back();
       if (stays) {
         TakeOver(next, extension);
+        const bool any_fault = std::any_of(extension->effects.begin(), extension->effects.end(), [](const Added& one) {
+          return one.candidate.family == Family::kInstrument;
+        });
+        if (any_fault) {  // its amplitudes moved a little
+          absl::StatusOr<Fit> again = FitExtension(machine_, *extension, identify_options_);
+          if (absl::IsCancelled(again.status())) return again.status();
+          if (again.ok()) *fit = *std::move(again);
+        }
         ASSIGN_OR_RETURN(const bool is_replaced, AskExactly(extension, fit, report));
         if (!is_replaced || round + 1 == kRounds) return absl::OkStatus();
         seen.push_back(KeysOf(*extension));
@@ -331,7 +362,8 @@ class Decider {
     const objective::DesignEffect design(scorer);
     objective::Searcher searcher(&scorer, &design, options_.cancelled);
     std::vector<objective::Start> starts(1);
-    for (const int group : catalogue.known) starts[0].state.push_back({group, 0.0});
+    for (const int group : catalogue.known)
+      starts[0].state.push_back({group, catalogue.effects[group].candidate.distortion.variance_mm2});
     const objective::Found found = searcher.Search(starts);
     if (is_first) Rank(scorer, design, catalogue, report);
     const auto counted = std::count_if(found.state.begin(), found.state.end(), [&](const objective::Member& member) {
@@ -359,6 +391,7 @@ class Decider {
             const std::vector<std::vector<objective::Move>>& classes, const effects::Linearised& linearised,
             const effects::Catalogue& catalogue, Extension* next) const {
     const objective::Score score = scorer.ScoreOf(found.state, found.design);
+    const std::vector<Eigen::VectorXd> variances = scorer.VariancesOf(found.state, found.design);
     for (size_t i = 0; i < found.state.size(); ++i) {
       const int group = found.state[i].group;
       const Effect& effect = catalogue.effects[scorer.OriginOf(group)];
@@ -374,7 +407,13 @@ class Decider {
       Added added;
       added.candidate = effect.candidate;
       added.score = scorer.ScoreOf(without, found.design).objective - found.objective + policy_.evidence;
-      if (effect.candidate.family != Family::kStep) {
+      if (effect.candidate.family == Family::kInstrument) {
+        added.candidate.distortion.variance_mm2 = found.state[i].variance;
+        if (added.candidate.distortion.tau_s > 0.0)
+          added.candidate.distortion.tau_s = std::exp(scorer.group(group).place);
+        TakeAmplitudes(score.amplitude[i], variances[i], linearised, &added.candidate.distortion);
+        if (!HasRoom(*next, added.candidate.distortion)) continue;
+      } else if (effect.candidate.family != Family::kStep) {
         added.candidate.term.shape = effects::AsIn(scorer.group(group), added.candidate.term.shape);
         for (Eigen::Index b = 0; b < score.amplitude[i].size(); ++b)
           added.candidate.term.amplitude[b] = score.amplitude[i][b];
@@ -384,9 +423,32 @@ class Decider {
     }
   }
 
+  // What all sessions of the instrument have in common. Each may deviate by as much as lets their mean deviate as the
+  // readings allow, twice its variance, as the readings are used again.
+  static void TakeAmplitudes(const Eigen::VectorXd& amplitude, const Eigen::VectorXd& variance,
+                             const effects::Linearised& linearised, instruments::Distortion* distortion) {
+    double sessions = 0.0;
+    for (const MeasuringRun& run : linearised.problem->runs) sessions += instruments::CanHave(run, *distortion);
+    distortion->amplitude_mm.assign(amplitude.begin(), amplitude.end());
+    distortion->sigma_mm.clear();
+    constexpr double kLeastMm = 1e-7;  // far below any reading
+    for (const double one : variance) distortion->sigma_mm.push_back(std::max(kLeastMm, std::sqrt(2.0 * sessions * one)));
+  }
+
+  // Whether a session's set-up holds one more fault.
+  bool HasRoom(const Extension& extension, const instruments::Distortion& distortion) const {
+    const std::vector<MeasuringRun> runs = extension.Runs();
+    return std::all_of(runs.begin(), runs.end(), [&](const MeasuringRun& run) {
+      return !instruments::CanHave(run, distortion) ||
+             instruments::DistortionAmplitudes(run) + instruments::AmplitudeCount(distortion, run.row_count) <=
+                 instruments::kMaxDistortionAmplitudes;
+    });
+  }
+
   static void TakeClass(const objective::Scorer& scorer, const std::vector<objective::Move>& members,
                         const effects::Catalogue& catalogue, Added* added) {
     Candidate& own = added->candidate;
+    if (own.family == Family::kInstrument) return;
     if (own.family == Family::kStep) {
       own.earliest = own.latest = own.first_reading;
       // Where no rotary axis turns table and tool look alike: only one of them is in the catalogue.

@@ -106,6 +106,80 @@ TEST(Decide, ASlipIsToldWithItsSessionAndMomentAndBadReadingsAreListed) {
   EXPECT_EQ(report.fitted.outliers.size(), 2u);
 }
 
+// What is read late, or too long as it warms up, is told as a fault of the ball bar; no error of the machine stands for
+// it, and the report of it says so.
+TEST(Decide, AnInstrumentAtFaultIsNotBlamedOnTheMachine) {
+  Sessions sessions = MeasureWith("");
+  for (std::vector<MeasuringRun>* runs : {&sessions.fit, &sessions.check}) {
+    for (MeasuringRun& run : *runs) {
+      for (int k = 0; k < run.reading_count(); ++k)
+        run.measured_mm(0, k) -= 3e-3 * std::expm1(-(run.time_s[k] - run.time_s[0]) / 20.0);
+    }
+  }
+  const Report report = Close(sessions);
+  EXPECT_TRUE(report.effects.empty()) << NamesOf(report);
+  ASSERT_EQ(report.causes.size(), 1u) << NamesOf(report);
+  const loop::Cause& cause = report.causes[0];
+  EXPECT_EQ(cause.kind, loop::Cause::kInstrument);
+  EXPECT_EQ(cause.subject.find("ballbar: its growth after each session's start, within "), 0u) << cause.subject;
+  EXPECT_NE(cause.subject.find(sessions.fit[0].session), std::string::npos) << cause.subject;
+  EXPECT_EQ(cause.correction.find("let the instrument warm up; it grows by: +"), 0u) << cause.correction;
+  EXPECT_GT(cause.evidence, 100.0);
+  EXPECT_EQ(report.verdict, Verdict::kAdequate);
+  const reports::Loop written = loop::ReportOf(kMachine, report);
+  const auto read = reports::ReadLoop(reports::ToJson(written));
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->causes.size(), 1u);
+  EXPECT_EQ(read->causes[0].subject, cause.subject);
+  EXPECT_EQ(read->causes[0].kind, reports::CauseKind::kInstrument);
+}
+
+// An axis that machine.json has turn the other way, and columns that have each other's numbers in one session, are told
+// with their correction before any error is looked for.
+TEST(Decide, WrongNominalDataAreToldBeforeAnyErrorIsLookedFor) {
+  const Sessions sessions = MeasureWith("");
+  machine::Machine described = kMachine;
+  const int b = machine::FindAxis(described, "B");
+  described.axes[b].direction = -described.axes[b].direction;
+  const auto flipped = Decide(described, sessions.fit, sessions.check);
+  ASSERT_TRUE(flipped.ok()) << flipped.status();
+  ASSERT_EQ(flipped->causes.size(), 1u) << flipped->fit_before.rms_mm << " mm; " << NamesOf(*flipped);
+  EXPECT_EQ(flipped->causes[0].kind, loop::Cause::kNominal);
+  EXPECT_EQ(flipped->causes[0].subject, "machine.json: axis B turns the other way");
+  EXPECT_EQ(flipped->causes[0].correction, "axis B: \"direction\": [0, -1, 0], or turn the sign of column B");
+  EXPECT_TRUE(flipped->effects.empty());
+  EXPECT_TRUE(flipped->steps.empty());
+  EXPECT_EQ(flipped->verdict, Verdict::kUnexplained);
+
+  Sessions swapped = sessions;
+  MeasuringRun& run = swapped.fit[3];
+  const int x = machine::FindAxis(kMachine, "X"), y = machine::FindAxis(kMachine, "Y");
+  for (int k = 0; k < run.reading_count(); ++k)
+    std::swap(run.positions[static_cast<size_t>(k * run.axis_count + x)],
+              run.positions[static_cast<size_t>(k * run.axis_count + y)]);
+  instruments::DeriveMotion(&run);
+  const auto exchanged = Decide(kMachine, swapped.fit, swapped.check);
+  ASSERT_TRUE(exchanged.ok()) << exchanged.status();
+  ASSERT_EQ(exchanged->causes.size(), 1u) << NamesOf(*exchanged);
+  EXPECT_EQ(exchanged->causes[0].subject, "session '" + run.session + "': columns X and Y have each other's numbers");
+  EXPECT_TRUE(exchanged->effects.empty());
+}
+
+// A tool that is shorter than its session states is an error like others, and a cause.
+TEST(Decide, AConstantThatIsLargerThanAnyErrorIsANominalOne) {
+  Sessions sessions = MeasureWith("");
+  for (std::vector<MeasuringRun>* runs : {&sessions.fit, &sessions.check})
+    for (MeasuringRun& run : *runs) run.tip_mm.z() -= 0.8;
+  const auto report = Decide(kMachine, sessions.fit, sessions.check);
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_EQ(report->causes.size(), 1u) << NamesOf(*report);
+  EXPECT_EQ(report->causes[0].subject, "the sessions' headers: the tool point along the tool");
+  // By 0.8 mm and the tool's own error of 0.0299 mm.
+  EXPECT_EQ(report->causes[0].correction.find("add 0.82"), 0u) << report->causes[0].correction;
+  EXPECT_NE(report->causes[0].correction.find("to coordinate Z of \"tool_tip_mm\""), std::string::npos);
+  EXPECT_TRUE(report->effects.empty()) << NamesOf(*report);
+}
+
 TEST(Decide, ASearchThatIsCancelledSaysSo) {
   const Sessions sessions = MeasureWith(R"({"symbol": "EXX", "shape": "backlash", "amplitude": -2.9})");
   Options options;

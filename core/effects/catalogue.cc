@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/effects/harmonic_scan.h"
+#include "core/effects/instrumental.h"
 #include "core/effects/shaped.h"
 #include "core/identify/reduction.h"
 #include "core/loop/dictionary.h"
@@ -33,25 +34,27 @@ class Builder {
         spans_(loop::SpansOf(plain_)) {
     model_ = declared;
     for (const Candidate& one : known)
-      if (one.family != Family::kStep) model_.terms.push_back(one.term);
+      if (loop::IsTerm(one.family)) model_.terms.push_back(one.term);
   }
 
   Catalogue Build(const std::vector<loop::BadRow>& bad_rows) {
     AddKnown(bad_rows);
     std::vector<Candidate> candidates = loop::MakeDictionary(plain_, model_);
-    std::erase_if(candidates, [](const Candidate& one) { return one.family == Family::kStep; });
+    std::erase_if(candidates, [](const Candidate& one) { return !loop::IsTerm(one.family); });
     AddShaped(candidates);
+    AddInstruments();
     AddSlips();
     AddRows();
     return std::move(catalogue_);
   }
 
  private:
-  // The problem as if nothing had slipped.
+  // The problem as if nothing had slipped and instruments were sound.
   static identify::Problem Plain(const identify::Problem& problem) {
     identify::Problem plain = problem;
     for (MeasuringRun& run : plain.runs) {
-      run.setup.resize(run.setup.size() - 3 * run.slips.size());
+      run.setup.resize(static_cast<size_t>(instruments::OwnSetupCount(run)));
+      run.distortions.clear();
       run.slips.clear();
     }
     return plain;
@@ -66,7 +69,9 @@ class Builder {
     for (const Candidate& one : known_) {
       catalogue_.known.push_back(static_cast<int>(catalogue_.effects.size()));
       catalogue_.effects.push_back({one});
-      if (one.family == Family::kStep) {
+      if (one.family == Family::kInstrument) {
+        Add(std::make_unique<Instrumental>(linearised_, std::vector<Instrumental::Item>{ItemOf(one.distortion)}));
+      } else if (one.family == Family::kStep) {
         Add(SlipSource(one.run, one.carrier, {one.first_reading}));
       } else {
         Add(std::make_unique<Shaped>(linearised_,
@@ -141,6 +146,30 @@ class Builder {
       for (int b = 0; b < shapes::BasisCount(shape); ++b) largest = std::max(largest, std::abs(basis[b]));
     }
     return largest;
+  }
+
+  Instrumental::Item ItemOf(const instruments::Distortion& one) {
+    if (one.kind != instruments::Distortion::kGrowth) return {one, -1};
+    constexpr int kNoShape = -1;  // where terms have their shape's index
+    const auto kin = std::make_tuple(kNoShape, static_cast<int>(one.kind), static_cast<int>(one.instrument));
+    return {one, kins_.try_emplace(kin, static_cast<int>(kins_.size())).first->second};
+  }
+
+  void AddInstruments() {
+    std::vector<Instrumental::Item> items;
+    for (const instruments::Distortion& one : DistortionsOf(plain_.runs)) {
+      const bool is_known = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
+        return known.family == Family::kInstrument && IsSameFault(known.distortion, one) &&
+               known.distortion.tau_s == one.tau_s;
+      });
+      if (is_known) continue;
+      items.push_back(ItemOf(one));
+      Candidate candidate;
+      candidate.family = Family::kInstrument;
+      candidate.distortion = one;
+      catalogue_.effects.push_back({candidate});
+    }
+    Add(std::make_unique<Instrumental>(linearised_, std::move(items)));
   }
 
   // An amplitude that no machine has: with one, a column that is nearly explained would fit anything.

@@ -12,7 +12,7 @@
 
 namespace axiscal::effects {
 
-// A bad reading or what the loop knows: an error term or a slip.
+// A bad reading or what the loop knows: an error term, an instrument's fault or a slip.
 struct Effect {
   loop::Candidate candidate;
   int bad_row = -1;  // of Linearised; then `candidate` has no meaning

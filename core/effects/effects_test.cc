@@ -5,7 +5,9 @@
 
 #include "core/effects/catalogue.h"
 #include "core/effects/harmonic_scan.h"
+#include "core/effects/instrumental.h"
 #include "core/effects/shaped.h"
+#include "core/identify/errors_of_run.h"
 #include "core/identify/identify.h"
 #include "core/identify/reduction.h"
 #include "core/identify/testing/scenario.h"
@@ -65,7 +67,7 @@ struct Scored {
   int Find(const std::string& name) const {
     for (size_t g = 0; g < catalogue.effects.size(); ++g) {
       const Effect& effect = catalogue.effects[g];
-      if (effect.bad_row < 0 && effect.candidate.family != loop::Family::kStep &&
+      if (effect.bad_row < 0 && loop::IsTerm(effect.candidate.family) &&
           machine::NameOf(kMachine, effect.candidate.term) == name)
         return static_cast<int>(g);
     }
@@ -270,6 +272,53 @@ TEST(Effects, ALocalShapeMovesAndGrows) {
   EXPECT_LT((wider->Columns(0) - Shaped(scored.linearised, {item}).Columns(0)).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_EQ(AsIn(wider->groups()[0], shapes::Bump{x, 1.0, 1.0}), AsIn(wider->groups()[0], item.shape));
   EXPECT_EQ(std::get<shapes::Bump>(AsIn(wider->groups()[0], item.shape)).at, 45.0);
+}
+
+// A fault's columns are the derivatives of a run that has it; their products are those of the columns; and a fit with
+// the fault, linearised, has its readings as they were.
+TEST(Effects, AnInstrumentsFaultHasTheColumnsOfARunThatHasIt) {
+  std::vector<instruments::MeasuringRun> runs = Runs();
+  const identify::Fit plain = FitOf(runs, Declared());
+  const Linearised linearised = Linearise(plain.problem, plain.point, static_cast<int>(Declared().terms.size()));
+  const std::vector<instruments::Distortion> faults = DistortionsOf(runs);
+  ASSERT_GT(faults.size(), 20u);
+  std::vector<Instrumental::Item> items;
+  for (const instruments::Distortion& one : faults) items.push_back({one});
+  const Instrumental source(linearised, items);
+  const Eigen::MatrixXd u = Eigen::MatrixXd::Random(linearised.count(), 2);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(source.column_count(), 2);
+  source.AddProducts(0, u, products);
+  Eigen::Index at = 0;
+  for (size_t g = 0; g < faults.size(); ++g) {
+    const Eigen::MatrixXd columns = source.Columns(static_cast<int>(g));
+    EXPECT_LT((columns.transpose() * u - products.middleRows(at, columns.cols())).cwiseAbs().maxCoeff(), 1e-9);
+    at += columns.cols();
+    instruments::MeasuringRun run = runs[0];
+    const Eigen::Index own = static_cast<Eigen::Index>(run.setup.size());
+    instruments::AddDistortion(faults[g], &run);
+    Eigen::VectorXd setup = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(run.setup.size()));
+    setup.head(own) = plain.point.setup[0];
+    identify::ErrorsOfRun errors(plain.problem, plain.point);
+    instruments::Evaluation evaluation;
+    constexpr int kReading = 20;
+    instruments::Evaluate(kMachine, run, kReading, errors.At(run.StateOf(kReading)), setup.data(), &evaluation);
+    ASSERT_EQ(linearised.run[kReading], 0);
+    ASSERT_EQ(linearised.reading[kReading], kReading);
+    EXPECT_LT((evaluation.by_setup.row(0).tail(columns.cols()) - columns.row(kReading)).cwiseAbs().maxCoeff(), 1e-12)
+        << instruments::TextOf(faults[g]);
+  }
+  for (instruments::MeasuringRun& run : runs)
+    instruments::AddDistortion({.kind = instruments::Distortion::kGrowth, .instrument = run.kind, .tau_s = 60.0}, &run);
+  const identify::Fit fit = FitOf(runs, Declared());
+  const Linearised with = Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()));
+  EXPECT_EQ(with.rows.own.cols(), linearised.rows.own.cols());
+  // At one reading: what was measured less what is predicted without the fault.
+  Eigen::VectorXd setup = fit.point.setup[0];
+  setup[setup.size() - 1] = 0.0;
+  double sound_mm = NAN;
+  identify::ErrorsOfRun errors(fit.problem, fit.point);
+  instruments::Predict(kMachine, runs[0], 0, errors.At(runs[0].StateOf(0)), setup.data(), &sound_mm);
+  EXPECT_NEAR(with.rows.y[0], (runs[0].measured_mm(0, 0) - sound_mm) / fit.problem.noise[0].sigma_mm, 1e-6);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/identify/errors_of_run.h"
 #include "core/identify/reduction.h"
 #include "core/identify/rows.h"
 #include "core/identify/whitening.h"
@@ -13,9 +14,14 @@ namespace {
 
 using instruments::MeasuringRun;
 
-// Set-up offsets of a run that are no slips.
-Eigen::Index OwnCount(const MeasuringRun& run) {
-  return static_cast<Eigen::Index>(run.setup.size() - 3 * run.slips.size());
+// Set-up offsets of a run that are neither distortions nor slips.
+Eigen::Index OwnCount(const MeasuringRun& run) { return instruments::OwnSetupCount(run); }
+
+// The last `count` offsets, those of distortions with what sessions have in common.
+Eigen::VectorXd Fitted(const MeasuringRun& run, const Eigen::VectorXd& setup, Eigen::Index count) {
+  Eigen::VectorXd fitted = setup.tail(count);
+  for (Eigen::Index k = 0; k < count; ++k) fitted[k] += run.setup[static_cast<size_t>(setup.size() - count + k)].centre;
+  return fitted;
 }
 
 // Places the rows of one run.
@@ -25,8 +31,8 @@ class Sink {
        Eigen::ArrayXd* weight, Eigen::ArrayXd* correlation, Eigen::ArrayXd* echo, Linearised* out)
       : run_(run),
         own_(OwnCount(problem.runs[run])),
-        slips_(setup.size() - own_),
-        slipped_(setup.tail(slips_)),
+        found_(setup.size() - own_),
+        fitted_(Fitted(problem.runs[run], setup, found_)),
         next_(std::move(next)),
         whiteners_(problem.runs[run].row_count, identify::SeriesWhitener(problem.noise[run], 0)),
         row_(setup.size() + errors + 1),
@@ -50,14 +56,14 @@ class Sink {
     objective::Rows& rows = out_->rows;
     rows.own.row(at).head(own_) = stored.head(own_);
     const Eigen::Index p = rows.common.cols();
-    rows.common.row(at) = stored.segment(own_ + slips_, p);
-    rows.y[at] = stored.segment(own_, slips_).dot(slipped_) - stored[stored.size() - 1];
+    rows.common.row(at) = stored.segment(own_ + found_, p);
+    rows.y[at] = stored.segment(own_, found_).dot(fitted_) - stored[stored.size() - 1];
   }
 
  private:
   const int run_;
-  const Eigen::Index own_, slips_;
-  const Eigen::VectorXd slipped_;
+  const Eigen::Index own_, found_;  // set-up offsets; behind them those of distortions and slips
+  const Eigen::VectorXd fitted_;
   std::vector<int> next_;
   std::vector<identify::SeriesWhitener> whiteners_;
   Eigen::RowVectorXd row_;
@@ -110,6 +116,43 @@ double RoundingSquares(const identify::Problem& problem) {
   return squares;
 }
 
+// What a sound instrument would have read in each row that is used.
+std::vector<instruments::SoundRow> SoundRows(const Linearised& linearised, const identify::Point& point) {
+  const identify::Problem& problem = *linearised.problem;
+  std::vector<instruments::SoundRow> out(linearised.run.size());
+  std::vector<std::vector<int>> at(problem.runs.size());  // by reading * row_count + row; -1: not used
+  for (size_t i = 0; i < problem.runs.size(); ++i)
+    at[i].assign(static_cast<size_t>(problem.runs[i].reading_count()) * problem.runs[i].row_count, -1);
+  for (int n = 0; n < linearised.count(); ++n) {
+    const int run = linearised.run[n];
+    at[run][static_cast<size_t>(linearised.reading[n]) * problem.runs[run].row_count + linearised.channel[n]] = n;
+  }
+  identify::ErrorsOfRun errors_of_run(problem, point);
+  instruments::Evaluation evaluation;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    const MeasuringRun& run = problem.runs[i];
+    if (run.path_readings != nullptr || run.row_count > instruments::kMaxRows) continue;
+    MeasuringRun sound = run;
+    const Eigen::VectorXd& fitted = point.setup[problem.group_of_run[i]];
+    const Eigen::Index own = OwnCount(run), distortions = instruments::DistortionAmplitudes(run);
+    Eigen::VectorXd setup(fitted.size() - distortions);
+    setup << fitted.head(own), fitted.tail(fitted.size() - own - distortions);
+    sound.setup.erase(sound.setup.begin() + own, sound.setup.begin() + own + distortions);
+    sound.distortions.clear();
+    instruments::SoundRow rows[instruments::kMaxRows];
+    for (int k = 0; k < run.reading_count(); ++k) {
+      const int* const its = &at[i][static_cast<size_t>(k) * run.row_count];
+      if (std::all_of(its, its + run.row_count, [](int n) { return n < 0; })) continue;
+      const machine::JointErrors<double>& errors = errors_of_run.At(sound.StateOf(k));
+      instruments::Evaluate(*problem.machine, sound, k, errors, setup.data(), &evaluation);
+      instruments::FillSoundRows(*problem.machine, sound, k, errors, evaluation, true, rows);
+      for (int r = 0; r < run.row_count; ++r)
+        if (its[r] >= 0) out[its[r]] = rows[r];
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 int SensitivityOf(const Linearised& linearised, const machine::ErrorTerm& term) {
@@ -159,6 +202,7 @@ Linearised Linearise(const identify::Problem& problem, const identify::Point& po
               &weight, &correlation, &echo, &out);
     identify::VisitRows(problem, static_cast<int>(i), point, parameters, &sink);
   }
+  out.sound = SoundRows(out, point);
   const int tool = machine::kComponents * problem.machine->tool_joint();
   for (int at = 0; at < count; ++at) {
     const shapes::State state = out.StateAt(at);

@@ -1,5 +1,6 @@
-// A fit, linearised for the objective: what each used reading says once the effects that were found are taken out of
-// the model again (they are groups of columns like all others), with its sensitivity to every error component.
+// A fit, linearised for the objective: what each used reading says once the effects, slips and distortions that were
+// found are taken out of the model again (they are groups of columns like all others), with its sensitivity to every
+// error component.
 #ifndef AXISCAL_CORE_EFFECTS_LINEARISED_H_
 #define AXISCAL_CORE_EFFECTS_LINEARISED_H_
 
@@ -7,19 +8,22 @@
 #include <vector>
 
 #include "core/identify/problem.h"
+#include "core/instruments/distortion.h"
 #include "core/objective/rows.h"
 
 namespace axiscal::effects {
 
 struct Linearised {
   const identify::Problem* problem = nullptr;
-  objective::Rows rows;  // y: measured - predicted, without effects and slips; common: declared errors
+  objective::Rows rows;  // y: measured - predicted, without effects, slips and distortions; common: declared errors
   // Per row; rows of one series (one run, one reading column) stand together in time order.
   std::vector<int> run, reading, channel;
   // Raw, mm per mm or rad: column 6 j + c of component c of joint j; the last one of a move back along the approach of
   // a touch.
   Eigen::MatrixXd sensitivity;
   Eigen::MatrixXd artefact;  // rows x 3, raw: by the first three set-up offsets, where the artefact on the table stands
+
+  std::vector<instruments::SoundRow> sound;  // what a sound instrument would have read; by errors and effects as fitted
 
   int count() const { return static_cast<int>(run.size()); }
   int along_approach() const { return static_cast<int>(sensitivity.cols()) - 1; }
@@ -29,8 +33,8 @@ struct Linearised {
 // The sensitivity column of a term.
 int SensitivityOf(const Linearised& linearised, const machine::ErrorTerm& term);
 
-// At a fitted point, whose model holds `declared` terms first, then the effects. The slips of its runs count as effects
-// too. `problem` must outlive the result.
+// At a fitted point, whose model holds `declared` terms first, then the effects. The slips and distortions of its runs
+// count as effects too. `problem` must outlive the result.
 Linearised Linearise(const identify::Problem& problem, const identify::Point& point, int declared);
 
 }  // namespace axiscal::effects

@@ -197,8 +197,9 @@ void Misread(const machine::Machine& machine, const MeasuringRun& run, int readi
   if (NeedsContact(run)) FillContact(machine, run, reading, rows);
   double basis[kMaxDistortionAmplitudes], amplitudes[kMaxDistortionAmplitudes], added_mm[kMaxRows] = {};
   TotalAmplitudes(run, setup, amplitudes);
-  for (int i = 0; i < run.row_count; ++i) {
-    std::copy(reading_mm, reading_mm + run.row_count, rows[i].sound_mm);
+  const int row_count = std::min(run.row_count, kMaxRows);
+  for (int i = 0; i < row_count; ++i) {
+    for (int j = 0; j < row_count; ++j) rows[i].sound_mm[j] = reading_mm[j];
     const double* amplitude = amplitudes;
     for (const Distortion& one : run.distortions) {
       const int count = AmplitudeCount(one, run.row_count);
@@ -209,7 +210,7 @@ void Misread(const machine::Machine& machine, const MeasuringRun& run, int readi
       amplitude += count;
     }
   }
-  for (int i = 0; i < run.row_count; ++i) reading_mm[i] += added_mm[i];
+  for (int i = 0; i < row_count; ++i) reading_mm[i] += added_mm[i];
 }
 
 // The derivatives of a sound reading become those of the distorted one.

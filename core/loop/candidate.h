@@ -28,20 +28,25 @@ enum class Family {
   kThermalLag,  // of core/effects only: the dictionary has none
   kBump,  // unnamed structure along an axis
   kStep,  // unnamed: artefact or probe slipped in one session
+  kInstrument,  // an instrument at fault, in all its sessions
 };
 
 // Amplitudes of an effect of the dictionary.
 inline constexpr int kMostAmplitudes = 2;
 
+// No error of the machine that has a name.
 inline bool IsUnnamed(Family family) { return family >= Family::kBump; }
+// A term of the error model.
+inline bool IsTerm(Family family) { return family < Family::kStep; }
 
 struct Candidate {
   Family family = Family::kConstant;
-  machine::ErrorTerm term;          // all but kStep
+  machine::ErrorTerm term;          // where IsTerm()
   int run = -1, first_reading = 0;  // kStep: from this reading on what `carrier` bears stands elsewhere
   int earliest = 0, latest = 0;     // kStep, once found: the first reading that may be the first_reading, the last one
   instruments::Carrier carrier = instruments::Carrier::kTable;  // kStep
   bool may_be_other = false;                                    // kStep, once found: the other carrier is as likely
+  instruments::Distortion distortion = {};                      // kInstrument
 };
 
 // The same component, shape and variable; decay lengths and time constants may differ, pitches by a twentieth.

@@ -6,6 +6,7 @@
 #include "core/base/demand.h"
 #include "core/identify/noise.h"
 #include "core/identify/reduction.h"
+#include "core/instruments/distortion.h"
 
 namespace axiscal::loop {
 
@@ -15,9 +16,15 @@ absl::StatusOr<identify::Fit> Check::Under(const identify::Fit& fit) {
   DEMAND(!runs_.empty());
   // A model is asked for when an attempt ends, when its figures are stated and when it is compared.
   const bool is_known = last_model_.has_value() && last_model_->terms == fit.result.model.terms;
-  if (is_known && (!SharesSetup(fit.problem) || last_setup_ == fit.point.setup)) return under_last_model_;
+  const bool any_fault = std::any_of(fit.problem.runs.begin(), fit.problem.runs.end(),
+                                     [](const MeasuringRun& run) { return !run.distortions.empty(); });
+  if (is_known && ((!SharesSetup(fit.problem) && !any_fault) || last_setup_ == fit.point.setup))
+    return under_last_model_;
   last_model_.reset();
-  ASSIGN_OR_RETURN(under_last_model_, identify::CheckRuns(machine_, runs_, fit, options_));
+  // An instrument that is at fault is so here, too.
+  std::vector<MeasuringRun> runs = runs_;
+  instruments::AddDistortionsOf(fit.problem.runs, &runs);
+  ASSIGN_OR_RETURN(under_last_model_, identify::CheckRuns(machine_, std::move(runs), fit, options_));
   last_model_ = fit.result.model;
   last_setup_ = fit.point.setup;
   return under_last_model_;
@@ -58,6 +65,8 @@ std::vector<MeasuringRun> Check::After(std::vector<MeasuringRun> runs) const {
         });
     if (!is_shared) runs.back().setup_name = prefix + run.setup_name;
   }
+  instruments::AddDistortionsOf(
+      std::vector<MeasuringRun>(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(fitted)), &runs);
   return runs;
 }
 

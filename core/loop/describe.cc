@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/loop/aliases.h"
+#include "core/loop/causes.h"
 #include "core/loop/clustered_readings.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/same_always.h"
@@ -85,6 +86,10 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
   const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
   for (size_t a = 0; a < effects.size(); ++a) {
     const Added& added = effects[a];
+    if (added.candidate.family == Family::kInstrument) {
+      report->causes.push_back(CauseOf(extension, a, fit));
+      continue;
+    }
     if (added.candidate.family == Family::kStep) {
       report->unexplained.push_back(
           SlipOf(runs[added.candidate.run], added.candidate, extension.SetupOf(a), fit, signatures));

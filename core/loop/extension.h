@@ -35,13 +35,15 @@ class Extension {
   machine::ErrorModel Model() const;
   // Which term of Model() an effect is.
   int TermOf(size_t effect) const;
-  // The fit sessions, with the slips and the bad readings found in them.
+  // The fit sessions, with the distortions, slips and bad readings found in them.
   std::vector<instruments::MeasuringRun> Runs() const;
   // Index, in the session's setup, of the offsets of its first slip.
-  size_t FirstSlipOf(int run) const { return (*runs_)[run].setup.size(); }
+  size_t FirstSlipOf(int run) const;
   // Index, in its session's setup, of the three offsets of an effect that is a slip.
   size_t SetupOf(size_t effect) const;
-  // As in error model and report; slips by their session.
+  // The same of a session's first amplitude of an effect that is an instrument's fault.
+  size_t AmplitudesOf(size_t effect, int run) const;
+  // As in error model and report; slips by their session, faults of instruments by their kind.
   std::string NameOf(size_t effect) const;
 
  private:

@@ -393,6 +393,18 @@ Score Scorer::ScoreOf(const State& state, double design) {
   return score;
 }
 
+std::vector<Eigen::VectorXd> Scorer::VariancesOf(const State& state, double design) {
+  const Factor factor = FactorOf(state, design);
+  const Eigen::Index n = factor.lower.rows();
+  const Eigen::MatrixXd inverse =
+      factor.lower.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::VectorXd variance = design * factor.squares / dof_ * inverse.colwise().squaredNorm().transpose();
+  std::vector<Eigen::VectorXd> out;
+  for (size_t i = 0; i < state.size(); ++i)
+    out.emplace_back(variance.segment(factor.first[i], group(state[i].group).columns));
+  return out;
+}
+
 // With g the products and k the eigenvalues of the block's columns times the root of its spectrum:
 //   2 ln evidence = -dof/D ln(1 - q / rss) - sum ln(1 + v k / D),   q = sum v g^2 / (D + v k)
 Move Scorer::BestBlock(int which, const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double squares,

@@ -68,6 +68,8 @@ class Scorer {
   double degrees_of_freedom() const { return dof_; }
 
   Score ScoreOf(const State& state, double design);
+  // Variance of each amplitude of a possible state, per member; of blocks with what their priors say.
+  std::vector<Eigen::VectorXd> VariancesOf(const State& state, double design);
   // The best `most` additions, of those that cost at most Policy::evidence more than they gain, among groups that
   // `allowed` holds (by group; empty: all), best first; their blocks' variances are those of the most evidence.
   std::vector<Move> Additions(const State& state, double design, const std::vector<bool>& allowed, int most);

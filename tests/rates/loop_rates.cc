@@ -72,6 +72,8 @@ Left JudgePhysics(const axiscal::rates::PhysicsCase& physics, bool by_objective)
   if (!closed.ok()) left.text += " " + std::string(closed.status().message());
   for (size_t i = 0; closed.ok() && i < closed->effects.size(); ++i)
     left.text += " " + axiscal::machine::NameOf(physics.machine, closed->effects[i].term);
+  for (size_t i = 0; closed.ok() && i < closed->causes.size(); ++i)
+    left.text += " [" + closed->causes[i].subject.substr(0, closed->causes[i].subject.find(';')) + "]";
   return left;
 }
 

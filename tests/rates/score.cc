@@ -89,6 +89,10 @@ Score Judge(const SimulatedCase& simulated, Kind kind, bool by_objective) {
                                   Describe(machine, report.effects[i].term), report.effects[i].evidence,
                                   report.effects[i].equivalent.size());
   }
+  for (const loop::Cause& cause : report.causes) {
+    ++score.spurious;  // none of these machines has one
+    score.text += absl::StrCat(" SPURIOUS cause: ", cause.subject);
+  }
   for (const loop::Unexplained& part : report.unexplained) {
     bool is_right = false;
     if (kind == Kind::kBump) {

@@ -1,0 +1,214 @@
+#include "core/loop/nominal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "core/base/units.h"
+#include "core/instruments/tracker/tracker_model.h"
+
+namespace axiscal::loop {
+namespace {
+
+using instruments::MeasuringRun;
+using machine::AxisKind;
+using machine::Machine;
+
+// One thing that may have been stated wrong.
+struct Alternative {
+  std::string subject, correction;
+  Machine machine;
+  std::vector<MeasuringRun> runs;
+  double squares = INFINITY;  // of the readings less those of the machine without errors, mm^2
+};
+
+using Change = std::function<void(std::vector<double>* positions, size_t first)>;  // of one reading
+
+void Apply(const Change& change, MeasuringRun* run) {
+  for (int k = 0; k < run->reading_count(); ++k)
+    change(&run->positions, static_cast<size_t>(k) * static_cast<size_t>(run->axis_count));
+  instruments::DeriveMotion(run);
+}
+
+bool Moves(const std::vector<MeasuringRun>& runs, int axis) {
+  return std::any_of(runs.begin(), runs.end(), [axis](const MeasuringRun& run) {
+    for (int k = 1; k < run.reading_count(); ++k)
+      if (run.PositionsOf(k)[axis] != run.PositionsOf(0)[axis]) return true;
+    return false;
+  });
+}
+
+// Chi-square by the stated sigmas, of what is not set aside, and of what set-ups are pulled from their places by: where
+// nominal data are wrong they take up what they can.
+double ScoreOf(const identify::Fit& fit) {
+  double score = identify::PriorSquares(fit.problem, fit.point);
+  for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
+    const MeasuringRun& run = fit.problem.runs[i];
+    const Eigen::MatrixXd& residual_mm = fit.residuals_mm[i];
+    for (Eigen::Index k = 0; k < residual_mm.size(); ++k)
+      if (fit.problem.is_used[i][static_cast<size_t>(k)]) score += std::pow(residual_mm.data()[k] / run.sigma_mm, 2);
+  }
+  return score;
+}
+
+class Finder {
+ public:
+  Finder(const Machine& machine, const std::vector<MeasuringRun>& runs, const identify::Options& options)
+      : machine_(machine), runs_(runs), options_(options) {
+    options_.judge_correlation = options_.profile_intervals = options_.raise_noise = false;
+  }
+
+  // `stated`: ScoreOf the declared fit.
+  absl::StatusOr<std::optional<Cause>> Find(double stated) {
+    stated_squares_ = NominalSquares(machine_, runs_).value_or(INFINITY);
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) {
+      if (!Moves(runs_, axis)) continue;
+      TryDirection(axis);
+      TryColumns(axis);
+    }
+    // Of chi-square: no error of a machine, and no chance, takes 99 of 100 parts.
+    constexpr double kShare = 0.01;
+    std::optional<Cause> best;
+    double least = kShare * stated;
+    for (const Alternative& one : nearest_) {
+      identify::Options options = options_;
+      options.model = machine::DeclaredModel(one.machine);
+      const absl::StatusOr<identify::Fit> fit = identify::FitRuns(one.machine, one.runs, options);
+      if (absl::IsCancelled(fit.status())) return fit.status();
+      if (!fit.ok() || !(ScoreOf(*fit) < least)) continue;
+      least = ScoreOf(*fit);
+      best = Cause{Cause::kNominal, one.subject, stated - least, one.correction};
+    }
+    return best;
+  }
+
+ private:
+  // Of the readings less those of a machine without errors, mm^2.
+  static std::optional<double> NominalSquares(const Machine& machine, const std::vector<MeasuringRun>& runs) {
+    const absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, runs);
+    if (!problem.ok()) return std::nullopt;
+    double squares = 0.0;
+    for (const Eigen::MatrixXd& one : identify::ResidualsOf(*problem, identify::StartingPoint(*problem, {})))
+      squares += one.squaredNorm();
+    return std::isfinite(squares) ? std::optional<double>(squares) : std::nullopt;
+  }
+
+  // Keeps the few that come nearest to the readings without any errors, and far nearer than what is stated: of a fault
+  // that is worth being looked for all others are millimetres away.
+  void Try(Alternative alternative) {
+    constexpr size_t kKept = 3;
+    constexpr double kNearer = 0.1;  // of the squares
+    for (MeasuringRun& run : alternative.runs)
+      if (run.kind == instruments::Kind::kTracker)
+        run.tracker_from_machine = tracker::StartingPose(alternative.machine, run);
+    const std::optional<double> squares = NominalSquares(alternative.machine, alternative.runs);
+    if (!squares || !(*squares < kNearer * stated_squares_)) return;
+    alternative.squares = *squares;
+    const auto at = std::find_if(nearest_.begin(), nearest_.end(),
+                                 [&](const Alternative& other) { return *squares < other.squares; });
+    nearest_.insert(at, std::move(alternative));
+    if (nearest_.size() > kKept) nearest_.pop_back();
+  }
+
+  void TryDirection(int axis) {
+    Alternative other{{}, {}, machine_, runs_, INFINITY};
+    Eigen::Vector3d& direction = other.machine.axes[axis].direction;
+    direction = -direction;
+    const std::string& name = machine_.axes[axis].name;
+    const bool is_rotary = machine_.axes[axis].kind == AxisKind::kRotary;
+    const auto number = [](double value) { return value == 0.0 ? 0.0 : value; };  // no minus zero
+    other.subject = absl::StrCat("machine.json: axis ", name, is_rotary ? " turns" : " moves", " the other way");
+    other.correction = absl::StrFormat("axis %s: \"direction\": [%.10g, %.10g, %.10g], or turn the sign of column %s",
+                                       name, number(direction.x()), number(direction.y()), number(direction.z()), name);
+    Try(std::move(other));
+  }
+
+  // `change` in all sessions, then in each alone.
+  void TryChange(const std::string& what, const std::string& correction, const Change& change) {
+    Alternative all{"", correction, machine_, runs_, INFINITY};
+    for (MeasuringRun& run : all.runs) Apply(change, &run);
+    all.subject = absl::StrCat("all sessions: ", what);
+    Try(std::move(all));
+    for (size_t i = 0; runs_.size() > 1 && i < runs_.size(); ++i) {
+      Alternative one{absl::StrCat("session '", runs_[i].session, "': ", what), correction, machine_, runs_, INFINITY};
+      Apply(change, &one.runs[i]);
+      Try(std::move(one));
+    }
+  }
+
+  void TryColumns(int axis) {
+    const std::string& name = machine_.axes[axis].name;
+    const AxisKind kind = machine_.axes[axis].kind;
+    const auto at = static_cast<size_t>(axis);
+    for (int with = axis + 1; with < machine_.axis_count(); ++with) {
+      if (machine_.axes[with].kind != kind) continue;
+      const std::string& other = machine_.axes[with].name;
+      TryChange(absl::StrCat("columns ", name, " and ", other, " have each other's numbers"),
+                "exchange the names of these columns",
+                [at, by = static_cast<size_t>(with)](std::vector<double>* positions, size_t first) {
+                  std::swap((*positions)[first + at], (*positions)[first + by]);
+                });
+    }
+    const auto scaled = [&](const char* unit, double factor) {
+      TryChange(absl::StrCat("column ", name, " is in ", unit),
+                absl::StrFormat("multiply column %s by %.10g", name, factor),
+                [at, factor](std::vector<double>* positions, size_t first) { (*positions)[first + at] *= factor; });
+    };
+    if (kind == AxisKind::kRotary) return scaled("radians", base::kDegPerRad);
+    constexpr double kMmPerInch = 25.4, kMmPerUm = 1e-3, kMmPerM = 1e3;
+    scaled("inches", kMmPerInch);
+    scaled("micrometres", kMmPerUm);
+    scaled("metres", kMmPerM);
+  }
+
+  const Machine& machine_;
+  const std::vector<MeasuringRun>& runs_;
+  identify::Options options_;
+  double stated_squares_ = INFINITY;  // NominalSquares as stated
+  std::vector<Alternative> nearest_;  // the nearest first
+};
+
+}  // namespace
+
+absl::StatusOr<std::optional<Cause>> FindNominalFault(const Machine& machine, const std::vector<MeasuringRun>& runs,
+                                                      const absl::StatusOr<identify::Fit>& declared,
+                                                      const identify::Options& options) {
+  if (absl::IsCancelled(declared.status())) return declared.status();
+  // Without a fit whatever fits is better.
+  return Finder(machine, runs, options).Find(declared.ok() ? ScoreOf(*declared) : INFINITY);
+}
+
+std::vector<Cause> NominalConstants(const Machine& machine, const identify::Fit& fit) {
+  // A machine that is aligned and a tool that was measured are off by less.
+  constexpr double kFarMm = 0.2;
+  std::vector<Cause> causes;
+  const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const machine::ErrorTerm& term = fit.point.model.terms[parameters[i].term];
+    if (!std::holds_alternative<shapes::Constant>(term.shape) || machine::IsAngle(term.component)) continue;
+    const identify::Estimate& estimate = fit.result.estimates[i];
+    if (!estimate.identifiable || !(std::abs(estimate.value) > kFarMm + 3.0 * estimate.sigma)) continue;
+    const auto along = Eigen::Vector3d::Unit(static_cast<int>(term.component));
+    const double evidence = std::pow(estimate.value / estimate.sigma, 2);
+    if (term.joint == machine.tool_joint()) {
+      if (std::abs(along.dot(machine.tool_direction)) < 0.9) continue;
+      causes.push_back(
+          {Cause::kNominal, "the sessions' headers: the tool point along the tool", evidence,
+           absl::StrFormat("add %.4f +- %.4f mm to coordinate %c of \"tool_tip_mm\", or measure the tool "
+                           "again; without that, %s corrects for it",
+                           estimate.value, estimate.sigma, "XYZ"[static_cast<int>(term.component)], estimate.name)});
+    } else if (term.joint < machine.axis_count() && machine.axes[term.joint].kind == AxisKind::kRotary) {
+      const std::string& axis = machine.axes[term.joint].name;
+      causes.push_back({Cause::kNominal, absl::StrCat("machine.json: where axis ", axis, " stands"), evidence,
+                        absl::StrFormat("axis %s: add %.4f +- %.4f mm to coordinate %c of \"point_mm\"; without that, "
+                                        "%s corrects for it",
+                                        axis, estimate.value, estimate.sigma, "XYZ"[static_cast<int>(term.component)],
+                                        estimate.name)});
+    }
+  }
+  return causes;
+}
+
+}  // namespace axiscal::loop
