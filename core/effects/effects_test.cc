@@ -308,7 +308,12 @@ TEST(Effects, AnInstrumentsFaultHasTheColumnsOfARunThatHasIt) {
         << instruments::TextOf(faults[g]);
   }
   for (instruments::MeasuringRun& run : runs)
-    instruments::AddDistortion({.kind = instruments::Distortion::kGrowth, .instrument = run.kind, .tau_s = 60.0}, &run);
+    instruments::AddDistortion({.kind = instruments::Distortion::kGrowth,
+                                .instrument = run.kind,
+                                .tau_s = 60.0,
+                                .amplitude_mm = {},
+                                .sigma_mm = {}},
+                               &run);
   const identify::Fit fit = FitOf(runs, Declared());
   const Linearised with = Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()));
   EXPECT_EQ(with.rows.own.cols(), linearised.rows.own.cols());

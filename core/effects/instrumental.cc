@@ -39,18 +39,23 @@ std::vector<Distortion> DistortionsOf(const std::vector<MeasuringRun>& runs) {
                                    [&](const MeasuringRun& run) { return instruments::CanHave(run, one); });
       if (any) out.push_back(one);
     };
-    add({.kind = Distortion::kGain});
-    add({.kind = Distortion::kScale});
+    add({.kind = Distortion::kGain, .amplitude_mm = {}, .sigma_mm = {}});
+    add({.kind = Distortion::kScale, .amplitude_mm = {}, .sigma_mm = {}});
     for (const Carrier carrier : {Carrier::kTool, Carrier::kTable}) {
-      add({.kind = Distortion::kBall, .carrier = carrier});
+      add({.kind = Distortion::kBall, .carrier = carrier, .amplitude_mm = {}, .sigma_mm = {}});
       for (int order = kFewestLobes; order <= kMostLobes; ++order)
-        add({.kind = Distortion::kLobes, .carrier = carrier, .order = order});
+        add({.kind = Distortion::kLobes, .carrier = carrier, .order = order, .amplitude_mm = {}, .sigma_mm = {}});
       if (to_s > from_s)
-        add({.kind = Distortion::kMotion, .carrier = carrier, .from_s = from_s, .length_s = to_s - from_s});
+        add({.kind = Distortion::kMotion,
+             .carrier = carrier,
+             .from_s = from_s,
+             .length_s = to_s - from_s,
+             .amplitude_mm = {},
+             .sigma_mm = {}});
     }
     for (const double tau_s : kTimeConstantsS)
-      if (to_s > from_s) add({.kind = Distortion::kGrowth, .tau_s = tau_s});
-    add({.kind = Distortion::kClock});
+      if (to_s > from_s) add({.kind = Distortion::kGrowth, .tau_s = tau_s, .amplitude_mm = {}, .sigma_mm = {}});
+    add({.kind = Distortion::kClock, .amplitude_mm = {}, .sigma_mm = {}});
   }
   return out;
 }

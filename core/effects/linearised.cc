@@ -146,7 +146,7 @@ std::vector<instruments::SoundRow> SoundRows(const Linearised& linearised, const
       const machine::JointErrors<double>& errors = errors_of_run.At(sound.StateOf(k));
       instruments::Evaluate(*problem.machine, sound, k, errors, setup.data(), &evaluation);
       instruments::FillSoundRows(*problem.machine, sound, k, errors, evaluation, true, rows);
-      for (int r = 0; r < run.row_count; ++r)
+      for (int r = 0; r < std::min(run.row_count, instruments::kMaxRows); ++r)
         if (its[r] >= 0) out[its[r]] = rows[r];
     }
   }

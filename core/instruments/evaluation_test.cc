@@ -308,15 +308,30 @@ MeasuringRun TwoReadings(const Machine& machine, const Instrument& instrument, s
 }
 
 std::vector<Distortion> EveryDistortion(Kind instrument) {
-  return {{.kind = Distortion::kGain, .instrument = instrument},
-          {.kind = Distortion::kScale, .instrument = instrument},
-          {.kind = Distortion::kBall, .instrument = instrument},
-          {.kind = Distortion::kLobes, .instrument = instrument, .carrier = Carrier::kTable, .order = 3},
-          {.kind = Distortion::kLobes, .instrument = instrument, .order = 5},
-          {.kind = Distortion::kGrowth, .instrument = instrument, .tau_s = 60.0},
-          {.kind = Distortion::kMotion, .instrument = instrument, .from_s = -20.0, .length_s = 300.0},
-          {.kind = Distortion::kMotion, .instrument = instrument, .carrier = Carrier::kTable, .length_s = 300.0},
-          {.kind = Distortion::kClock, .instrument = instrument}};
+  return {{.kind = Distortion::kGain, .instrument = instrument, .amplitude_mm = {}, .sigma_mm = {}},
+          {.kind = Distortion::kScale, .instrument = instrument, .amplitude_mm = {}, .sigma_mm = {}},
+          {.kind = Distortion::kBall, .instrument = instrument, .amplitude_mm = {}, .sigma_mm = {}},
+          {.kind = Distortion::kLobes,
+           .instrument = instrument,
+           .carrier = Carrier::kTable,
+           .order = 3,
+           .amplitude_mm = {},
+           .sigma_mm = {}},
+          {.kind = Distortion::kLobes, .instrument = instrument, .order = 5, .amplitude_mm = {}, .sigma_mm = {}},
+          {.kind = Distortion::kGrowth, .instrument = instrument, .tau_s = 60.0, .amplitude_mm = {}, .sigma_mm = {}},
+          {.kind = Distortion::kMotion,
+           .instrument = instrument,
+           .from_s = -20.0,
+           .length_s = 300.0,
+           .amplitude_mm = {},
+           .sigma_mm = {}},
+          {.kind = Distortion::kMotion,
+           .instrument = instrument,
+           .carrier = Carrier::kTable,
+           .length_s = 300.0,
+           .amplitude_mm = {},
+           .sigma_mm = {}},
+          {.kind = Distortion::kClock, .instrument = instrument, .amplitude_mm = {}, .sigma_mm = {}}};
 }
 
 double* SetupBehind(const MeasuringRun& run, double* setup) { return setup + run.setup.size(); }
@@ -390,7 +405,7 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
   const Eigen::Vector3d sound = read(rtest, none);
   {  // x reads 2 % of itself and 1 % of y too much
     MeasuringRun run = rtest;
-    AddDistortion({.kind = Distortion::kGain}, &run);
+    AddDistortion({.kind = Distortion::kGain, .amplitude_mm = {}, .sigma_mm = {}}, &run);
     EXPECT_EQ(run.setup[3].name, "gain_xx");
     EXPECT_EQ(run.setup[4].name, "gain_xy");
     double setup[kMaxSetupParameters] = {};
@@ -402,7 +417,7 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
   }
   {  // the axes stand where they did 0.03 s before
     MeasuringRun run = rtest;
-    AddDistortion({.kind = Distortion::kClock}, &run);
+    AddDistortion({.kind = Distortion::kClock, .amplitude_mm = {}, .sigma_mm = {}}, &run);
     double setup[kMaxSetupParameters] = {};
     *SetupBehind(rtest, setup) = 0.03 * kClockSpeedMmPerS;
     MeasuringRun late = rtest;
@@ -412,7 +427,7 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
   }
   {  // z has grown by 1 - 1 / e after one time constant
     MeasuringRun run = rtest;
-    AddDistortion({.kind = Distortion::kGrowth, .tau_s = 100.0}, &run);
+    AddDistortion({.kind = Distortion::kGrowth, .tau_s = 100.0, .amplitude_mm = {}, .sigma_mm = {}}, &run);
     double setup[kMaxSetupParameters] = {};
     SetupBehind(rtest, setup)[2] = 0.01;
     EXPECT_LT((read(run, setup) - sound - Eigen::Vector3d(0, 0, 0.01 * (1.0 - std::exp(-1.0)))).norm(), 1e-12);
@@ -420,7 +435,7 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
   {  // a bar of 100 mm that is 1 um/m/K longer by 3 K
     const MeasuringRun bar = TwoReadings(machine, *FindInstrument("ballbar"), &random);
     MeasuringRun run = bar;
-    AddDistortion({.kind = Distortion::kScale, .instrument = Kind::kBallbar}, &run);
+    AddDistortion({.kind = Distortion::kScale, .instrument = Kind::kBallbar, .amplitude_mm = {}, .sigma_mm = {}}, &run);
     double setup[kMaxSetupParameters] = {}, before = NAN, after = NAN;
     *SetupBehind(bar, setup) = 1e-6 * kScaleLengthMm;
     Predict(machine, bar, 1, errors, none, &before);
@@ -429,7 +444,12 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
   }
   {  // half of the motion's first cosine: what stands on the table is there
     MeasuringRun run = rtest;
-    AddDistortion({.kind = Distortion::kMotion, .carrier = Carrier::kTable, .length_s = 300.0}, &run);
+    AddDistortion({.kind = Distortion::kMotion,
+                   .carrier = Carrier::kTable,
+                   .length_s = 300.0,
+                   .amplitude_mm = {},
+                   .sigma_mm = {}},
+                  &run);
     double setup[kMaxSetupParameters] = {}, there[kMaxSetupParameters] = {};
     SetupBehind(rtest, setup)[1] = 0.02;
     there[1] = 0.02 * 0.5;  // cos(pi / 3)
@@ -441,13 +461,15 @@ TEST(Evaluation, KnownAnswersOfDistortions) {
 TEST(Evaluation, OnlyWhatAnInstrumentCanHaveIsAsked) {
   std::mt19937 random(17);
   MeasuringRun run = TwoReadings(machine::testing::TiltingTable(), *FindInstrument("rtest"), &random);
-  EXPECT_TRUE(CanHave(run, {.kind = Distortion::kGain}));
-  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kGain, .instrument = Kind::kBallbar}));
-  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kBall, .carrier = Carrier::kTable}));
-  EXPECT_TRUE(CanHave(run, {.kind = Distortion::kGrowth, .tau_s = 60.0}));
+  EXPECT_TRUE(CanHave(run, {.kind = Distortion::kGain, .amplitude_mm = {}, .sigma_mm = {}}));
+  EXPECT_FALSE(
+      CanHave(run, {.kind = Distortion::kGain, .instrument = Kind::kBallbar, .amplitude_mm = {}, .sigma_mm = {}}));
+  EXPECT_FALSE(
+      CanHave(run, {.kind = Distortion::kBall, .carrier = Carrier::kTable, .amplitude_mm = {}, .sigma_mm = {}}));
+  EXPECT_TRUE(CanHave(run, {.kind = Distortion::kGrowth, .tau_s = 60.0, .amplitude_mm = {}, .sigma_mm = {}}));
   run.has_time = false;
-  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kGrowth, .tau_s = 60.0}));
-  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kClock}));
+  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kGrowth, .tau_s = 60.0, .amplitude_mm = {}, .sigma_mm = {}}));
+  EXPECT_FALSE(CanHave(run, {.kind = Distortion::kClock, .amplitude_mm = {}, .sigma_mm = {}}));
 }
 
 }  // namespace

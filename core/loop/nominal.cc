@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/base/units.h"
+#include "core/identify/reduction.h"
 #include "core/instruments/tracker/tracker_model.h"
 
 namespace axiscal::loop {
