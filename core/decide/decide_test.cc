@@ -146,7 +146,7 @@ TEST(Decide, WrongNominalDataAreToldBeforeAnyErrorIsLookedFor) {
   ASSERT_EQ(flipped->causes.size(), 1u) << flipped->fit_before.rms_mm << " mm; " << NamesOf(*flipped);
   EXPECT_EQ(flipped->causes[0].kind, loop::Cause::kNominal);
   EXPECT_EQ(flipped->causes[0].subject, "machine.json: axis B turns the other way");
-  EXPECT_EQ(flipped->causes[0].correction, "axis B: \"direction\": [0, -1, 0], or turn the sign of column B");
+  EXPECT_EQ(flipped->causes[0].correction, "axis B: \"direction\": [0, 1, 0], or turn the sign of column B");
   EXPECT_TRUE(flipped->effects.empty());
   EXPECT_TRUE(flipped->steps.empty());
   EXPECT_EQ(flipped->verdict, Verdict::kUnexplained);
@@ -161,7 +161,7 @@ TEST(Decide, WrongNominalDataAreToldBeforeAnyErrorIsLookedFor) {
   const auto exchanged = Decide(kMachine, swapped.fit, swapped.check);
   ASSERT_TRUE(exchanged.ok()) << exchanged.status();
   ASSERT_EQ(exchanged->causes.size(), 1u) << NamesOf(*exchanged);
-  EXPECT_EQ(exchanged->causes[0].subject, "session '" + run.session + "': columns X and Y have each other's numbers");
+  EXPECT_EQ(exchanged->causes[0].subject, "session '" + run.session + "': columns Y and X have each other's numbers");
   EXPECT_TRUE(exchanged->effects.empty());
 }
 
