@@ -145,6 +145,7 @@ class Decider {
     report.fitted.warnings.insert(report.fitted.warnings.end(), datum.begin(), datum.end());
     const std::vector<loop::Unexplained> scattering = ScatteringSessions(ending.fit);
     report.unexplained.insert(report.unexplained.end(), scattering.begin(), scattering.end());
+    KeepToTemperaturesSeen(&report);
     if (!report.unexplained.empty()) report.verdict = loop::Verdict::kUnexplained;
     // Steps are of fits of all sessions; what the last one left is said of those that amplitudes are fitted to.
     if (!report.steps.empty()) report.steps.back().rms_mm = report.fit_after.rms_mm;
@@ -154,6 +155,27 @@ class Decider {
   }
 
  private:
+  // Late warmths are known for the temperatures that the readings saw, not beyond.
+  void KeepToTemperaturesSeen(loop::Report* report) const {
+    for (machine::ErrorTerm& term : report->fitted.model.terms) {
+      auto* const lag = std::get_if<shapes::ThermalLag>(&term.shape);
+      if (lag == nullptr) continue;
+      const shapes::Shape found = *lag;
+      double coldest = INFINITY, warmest = -INFINITY;
+      for (const MeasuringRun& run : report->is_check_fitted ? all_ : runs_) {
+        for (int k = 0; k < run.reading_count(); ++k) {
+          const double late = lag->LateAt(run.StateOf(k), lag->tau_s).celsius;
+          coldest = std::min(coldest, late);
+          warmest = std::max(warmest, late);
+        }
+      }
+      lag->from_celsius = coldest;
+      lag->to_celsius = warmest;
+      for (loop::Effect& effect : report->effects)
+        if (effect.term.shape == found) effect.term.shape = term.shape;
+    }
+  }
+
   struct Ending {
     Extension extension;
     Fit fit;
@@ -222,8 +244,8 @@ class Decider {
     return {machine::NameOf(machine_, term), term.joint, static_cast<int>(term.component)};
   }
 
-  std::set<Key> KeysOf(const Extension& extension) const {
-    std::set<Key> keys;
+  std::multiset<Key> KeysOf(const Extension& extension) const {
+    std::multiset<Key> keys;
     for (const Added& one : extension.effects) keys.insert(KeyOf(one.candidate));
     for (const loop::BadRow& bad : extension.bad_rows) keys.insert({"row", bad.run, static_cast<int>(bad.row)});
     return keys;
@@ -243,12 +265,12 @@ class Decider {
   // Searches and fits until the set of effects stays.
   absl::Status Settle(Extension* extension, Fit* fit, loop::Report* report) {
     constexpr int kRounds = 5;
-    std::vector<std::set<Key>> seen = {KeysOf(*extension)};
+    std::vector<std::multiset<Key>> seen = {KeysOf(*extension)};
     for (int round = 0; round < kRounds; ++round) {
       Extension next(machine_, check_.is_empty() ? runs_ : all_);
       Search(*extension, *fit, round == 0, &next, report);
       if (options_.cancelled && options_.cancelled()) return absl::CancelledError("cancelled");
-      const std::set<Key> keys = KeysOf(next);
+      const std::multiset<Key> keys = KeysOf(next);
       const bool stays = keys == seen.back();
       if (stays) {
         TakeOver(next, extension);
@@ -526,6 +548,8 @@ class Decider {
 
 absl::StatusOr<loop::Report> Decide(const machine::Machine& machine, std::vector<MeasuringRun> fit,
                                     std::vector<MeasuringRun> check, const Options& options) {
+  // What a machine remembers of temperatures runs on from the fit sessions into the check sessions.
+  instruments::ShareTemperatures({&fit, &check});
   return Decider(machine, std::move(fit), std::move(check), options).Run();
 }
 

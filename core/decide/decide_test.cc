@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/identify/testing/scenario.h"
+#include "core/instruments/evaluation.h"
 
 namespace axiscal::decide {
 namespace {
@@ -82,6 +86,46 @@ TEST(Decide, EffectsAreNamedWithTheirAmplitudesAndNothingBeside) {
   EXPECT_NEAR(report.check_after.rms_mm, kSigmaMm, 0.07 * kSigmaMm);
   EXPECT_LT(report.check_after.rms_mm, report.check_before.rms_mm);
   EXPECT_GE(report.steps.size(), 2u);
+}
+
+// The tool grows by 3 um per K of a body that follows the recorded temperature with 1500 s. Neither a drift nor the
+// temperature itself does so.
+TEST(Decide, ALateWarmthIsNamedWithItsChannelAndItsTimeConstant) {
+  Sessions sessions = MeasureWith("");
+  for (std::vector<MeasuringRun>* part : {&sessions.fit, &sessions.check}) {
+    for (MeasuringRun& run : *part) {
+      run.has_temperature = true;
+      for (int k = 0; k < run.reading_count(); ++k)
+        run.temperature_celsius[k] =
+            20.0 + 4.0 * (1.0 - std::exp(-run.time_s[k] / 1200.0)) + std::sin(run.time_s[k] / 500.0);
+    }
+  }
+  instruments::ShareTemperatures({&sessions.fit, &sessions.check});
+  constexpr double kTauS = 1500.0, kPerKelvinMm = 3e-3;
+  const shapes::ThermalLag late{"temp_C", kTauS};
+  const int along_z = machine::kComponents * kMachine.tool_joint() + static_cast<int>(machine::Component::kZ);
+  for (std::vector<MeasuringRun>* part : {&sessions.fit, &sessions.check}) {
+    for (MeasuringRun& run : *part) {
+      const std::vector<double> setup(run.setup.size(), 0.0);
+      instruments::Evaluation evaluation;
+      for (int k = 0; k < run.reading_count(); ++k) {
+        instruments::Evaluate(kMachine, run, k, {}, setup.data(), &evaluation);
+        run.measured_mm.col(k) +=
+            kPerKelvinMm * (late.LateAt(run.StateOf(k), kTauS).celsius - 20.0) * evaluation.by_error.col(along_z);
+      }
+    }
+  }
+  const Report report = Close(sessions);
+  ASSERT_EQ(report.effects.size(), 1u) << NamesOf(report);
+  const loop::Effect& effect = report.effects[0];
+  EXPECT_TRUE(Names(effect, "EZT:thermal-lag(temp_C)")) << NamesOf(report);
+  const auto* found = std::get_if<shapes::ThermalLag>(&effect.term.shape);
+  ASSERT_NE(found, nullptr) << NamesOf(report);
+  EXPECT_NEAR(found->tau_s, kTauS, 0.15 * kTauS);
+  EXPECT_NEAR(std::abs(effect.amplitude), kPerKelvinMm, std::max(4.0 * effect.amplitude_sigma, 0.05 * kPerKelvinMm));
+  EXPECT_GT(found->from_celsius, 19.0);
+  EXPECT_LT(found->to_celsius, 25.0);
+  EXPECT_LT(report.check_after.rms_mm, 0.33e-3);
 }
 
 // The ball on the table moved by 2 um in a part of one session, in which two readings are bad, too.

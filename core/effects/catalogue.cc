@@ -24,6 +24,9 @@ using loop::Family;
 // Neighbouring moments of a slip are alike: so many of them are one look.
 constexpr int kMomentsPerLook = 4;
 
+// The same shape closer than that in the logarithm of its length or time constant is the same effect: ln 1.3.
+constexpr double kApart = 0.26;
+
 class Builder {
  public:
   Builder(const Linearised& linearised, const machine::ErrorModel& declared, const std::vector<Candidate>& known)
@@ -41,6 +44,7 @@ class Builder {
     AddKnown(bad_rows);
     std::vector<Candidate> candidates = loop::MakeDictionary(plain_, model_);
     std::erase_if(candidates, [](const Candidate& one) { return !loop::IsTerm(one.family); });
+    AddThermalLags(&candidates);
     AddShaped(candidates);
     AddInstruments();
     AddSlips();
@@ -106,14 +110,16 @@ class Builder {
     ShapedItem item{one.term.shape, SensitivityOf(linearised_, one.term), {}};
     item.group.family = static_cast<int>(one.family);
     item.group.largest_amplitude = LargestAmplitudeOf(one, largest_value);
+    item.group.is_exotic = one.family == Family::kThermalLag;
     const auto* bump = std::get_if<shapes::Bump>(&one.term.shape);
     if (bump == nullptr && shapes::NonlinearParameter(one.term.shape) == nullptr) return item;
-    // The same shape closer than that in its length, time constant or frequency is the same effect; the dictionary's
-    // next one is at most a factor of two, or kPitchStep of a period over the range, away.
-    constexpr double kApart = 0.26, kReach = 0.7;  // ln 1.3, ln 2
+    // The dictionary's next one is at most a factor of two, or kPitchStep of a period over the range, away.
+    constexpr double kReach = 0.7;  // ln 2
     const auto* pitch = std::get_if<shapes::Harmonic>(&one.term.shape);
     const int axis = shapes::VariableAxis(one.term.shape).value_or(-1);
-    const auto kin = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, item.sensitivity);
+    const auto* lag = std::get_if<shapes::ThermalLag>(&one.term.shape);
+    const std::string channel = lag == nullptr ? "" : lag->channel;
+    const auto kin = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, item.sensitivity, channel);
     item.group.kin = kins_.try_emplace(kin, static_cast<int>(kins_.size())).first->second;
     if (bump != nullptr) {  // the dictionary's next one of its width is one width away
       item.group.place = bump->at;
@@ -125,7 +131,7 @@ class Builder {
       item.group.size_reach = std::min(kHalfWay, std::log(loop::WidestBump(machine_, bump->axis) / bump->width));
       return item;
     }
-    const auto form = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, -1);
+    const auto form = std::make_tuple(static_cast<int>(one.term.shape.index()), axis, -1, channel);
     item.group.form = kins_.try_emplace(form, static_cast<int>(kins_.size())).first->second;
     item.group.place = PlaceOf(one.term.shape);
     item.group.apart = kApart;
@@ -151,7 +157,8 @@ class Builder {
   Instrumental::Item ItemOf(const instruments::Distortion& one) {
     if (one.kind != instruments::Distortion::kGrowth) return {one, -1};
     constexpr int kNoShape = -1;  // where terms have their shape's index
-    const auto kin = std::make_tuple(kNoShape, static_cast<int>(one.kind), static_cast<int>(one.instrument));
+    const auto kin =
+        std::make_tuple(kNoShape, static_cast<int>(one.kind), static_cast<int>(one.instrument), std::string());
     return {one, kins_.try_emplace(kin, static_cast<int>(kins_.size())).first->second};
   }
 
@@ -178,11 +185,63 @@ class Builder {
     constexpr double kFarOffMm = 30.0, kFarOffRad = 0.1;  // where a tool or a table may stand, and how an axis may lag
     const bool is_play = one.family == Family::kBacklash || one.family == Family::kReversal;
     constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // of a machine that is in use
-    const double most_mm = is_large ? kFarOffMm : is_play ? kPlayMm : identify::kLargestErrorMm;
-    const double most_rad = is_large ? kFarOffRad : is_play ? kPlayRad : identify::kLargestErrorRad;
+    constexpr double kWarmMm = 0.5, kWarmRad = 2e-3;  // of what warms up late: beyond, it is a lag longer than the data
+    const bool is_warm = one.family == Family::kThermalLag;
+    const double most_mm = is_large  ? kFarOffMm
+                           : is_warm ? kWarmMm
+                           : is_play ? kPlayMm
+                                     : identify::kLargestErrorMm;
+    const double most_rad = is_large  ? kFarOffRad
+                            : is_warm ? kWarmRad
+                            : is_play ? kPlayRad
+                                      : identify::kLargestErrorRad;
     const double most = machine::IsAngle(one.term.component) ? most_rad : most_mm;
     return largest_value > 0.0 ? most / largest_value : INFINITY;
   }
+
+  void AddAtJoint(Family family, int joint, const shapes::Shape& shape, std::vector<Candidate>* candidates) const {
+    for (int component = 0; component < machine::kComponents; ++component) {
+      Candidate one;
+      one.family = family;
+      one.term = {joint, static_cast<machine::Component>(component), shape, {}};
+      const bool is_known = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
+        return known.family == family && loop::IsSameEffect(known.term, one.term) &&
+               std::abs(PlaceOf(known.term.shape) - PlaceOf(shape)) < kApart;
+      });
+      if (!is_known) candidates->push_back(one);
+    }
+  }
+
+  // What remembers temperatures, which the dictionary does not have: any channel at any joint, and times the position
+  // of an axis at that axis.
+  void AddThermalLags(std::vector<Candidate>* candidates) const {
+    const shapes::Temperatures* history = plain_.runs.front().history.get();
+    if (history == nullptr) return;
+    const double elapsed_s = history->time_s().back() - history->time_s().front();
+    std::vector<double> taus_s;  // 0: at once, what the dictionary has of one channel
+    constexpr double kShortest = 60.0;
+    for (const double share : {0.01, 0.02, 0.04, 0.08, 0.16, 0.32})
+      if (elapsed_s > kShortest) taus_s.push_back(share * elapsed_s);
+    taus_s.push_back(0.0);
+    for (const shapes::Temperatures::Channel& channel : history->channels()) {
+      const auto [coldest, warmest] = std::minmax_element(channel.celsius.begin(), channel.celsius.end());
+      constexpr double kSmallestWarming = 0.05;
+      if (!(*warmest - *coldest > kSmallestWarming)) continue;
+      for (const double tau_s : taus_s) {
+        const bool is_plain = tau_s == 0.0 && channel.name == shapes::kTemperatureChannel;
+        for (int joint = 0; !is_plain && joint < machine_.joint_count(); ++joint)
+          AddAtJoint(Family::kThermalLag, joint, shapes::ThermalLag{channel.name, tau_s}, candidates);
+        for (int axis = 0; axis < machine_.axis_count(); ++axis) {
+          if (spans_[axis].finest_step == 0.0) continue;
+          const double reference =
+              IsRotary(axis) ? shapes::ThermalLag::kReferenceRad : shapes::ThermalLag::kReferenceMm;
+          AddAtJoint(Family::kThermalLag, axis, shapes::ThermalLag{channel.name, tau_s, axis, reference}, candidates);
+        }
+      }
+    }
+  }
+
+  bool IsRotary(int axis) const { return machine_.axes[axis].kind == machine::AxisKind::kRotary; }
 
   // A source for each stretch of one family and axis; items of one shape together.
   void AddShaped(const std::vector<Candidate>& candidates) {
@@ -310,7 +369,7 @@ class Builder {
   const identify::Problem plain_;
   const std::vector<loop::AxisSpan> spans_;
   machine::ErrorModel model_;
-  std::map<std::tuple<int, int, int>, int> kins_;
+  std::map<std::tuple<int, int, int, std::string>, int> kins_;
   std::set<int> bad_;
   Catalogue catalogue_;
 };
