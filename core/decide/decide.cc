@@ -324,6 +324,12 @@ class Decider {
     for (size_t i = 0; i < extension->effects.size(); ++i) {
       Added& added = extension->effects[i];
       if (IsUnnamed(added.candidate.family) || added.equivalent.empty()) continue;
+      if (shapes::IsFree(added.candidate.term.shape)) continue;  // of free curves the evidence is asked, not chi-square
+      const auto is_free = [](const Candidate& one) { return shapes::IsFree(one.term.shape); };
+      const auto first_free = std::stable_partition(added.equivalent.begin(), added.equivalent.end(),
+                                                    [&](const Candidate& one) { return !is_free(one); });
+      const std::vector<Candidate> free(first_free, added.equivalent.end());
+      added.equivalent.erase(first_free, added.equivalent.end());
       const int term = extension->TermOf(i);
       std::vector<machine::ErrorTerm> terms = {fit->result.model.terms[term]};
       for (const Candidate& one : added.equivalent) terms.push_back(one.term);
@@ -363,6 +369,7 @@ class Decider {
       added.equivalent.clear();
       for (size_t m = 0; m < members.size(); ++m)
         if (m != which && squares[m] < squares[which] + policy_.alike) added.equivalent.push_back(members[m]);
+      added.equivalent.insert(added.equivalent.end(), free.begin(), free.end());
       if (which == 0) continue;
       any |= squares[0] > least + policy_.replacement_gain;
       added.candidate = members[which];
@@ -384,8 +391,12 @@ class Decider {
     const objective::DesignEffect design(scorer);
     objective::Searcher searcher(&scorer, &design, options_.cancelled);
     std::vector<objective::Start> starts(1);
-    for (const int group : catalogue.known)
-      starts[0].state.push_back({group, catalogue.effects[group].candidate.distortion.variance_mm2});
+    for (const int group : catalogue.known) {
+      const Candidate& known = catalogue.effects[group].candidate;
+      const double variance = known.family == Family::kInstrument ? known.distortion.variance_mm2
+                                                                  : known.term.prior_sigma * known.term.prior_sigma;
+      starts[0].state.push_back({group, variance});
+    }
     const objective::Found found = searcher.Search(starts);
     if (is_first) Rank(scorer, design, catalogue, report);
     const auto counted = std::count_if(found.state.begin(), found.state.end(), [&](const objective::Member& member) {
@@ -439,6 +450,8 @@ class Decider {
         added.candidate.term.shape = effects::AsIn(scorer.group(group), added.candidate.term.shape);
         for (Eigen::Index b = 0; b < score.amplitude[i].size(); ++b)
           added.candidate.term.amplitude[b] = score.amplitude[i][b];
+        if (shapes::IsFree(added.candidate.term.shape))
+          added.candidate.term.prior_sigma = std::sqrt(found.state[i].variance);
       }
       TakeClass(scorer, classes[i], catalogue, &added);
       next->effects.push_back(std::move(added));
@@ -491,6 +504,7 @@ class Decider {
         continue;
       }
       one.term.shape = effects::AtPlace(one.term.shape, scorer.group(move.member.group).place);
+      if (shapes::IsFree(one.term.shape)) one.term.prior_sigma = std::sqrt(move.member.variance);
       const auto is_it = [&](const Candidate& known) { return loop::IsSameEffect(known.term, one.term); };
       if (IsUnnamed(one.family) || is_it(own) || std::any_of(added->equivalent.begin(), added->equivalent.end(), is_it))
         continue;

@@ -44,7 +44,7 @@ class Builder {
     AddKnown(bad_rows);
     std::vector<Candidate> candidates = loop::MakeDictionary(plain_, model_);
     std::erase_if(candidates, [](const Candidate& one) { return !loop::IsTerm(one.family); });
-    AddThermalLags(&candidates);
+    AddFurther(&candidates);
     AddShaped(candidates);
     AddInstruments();
     AddSlips();
@@ -110,7 +110,17 @@ class Builder {
     ShapedItem item{one.term.shape, SensitivityOf(linearised_, one.term), {}};
     item.group.family = static_cast<int>(one.family);
     item.group.largest_amplitude = LargestAmplitudeOf(one, largest_value);
-    item.group.is_exotic = one.family == Family::kThermalLag;
+    item.group.is_exotic = loop::IsFurther(one.family);
+    if (shapes::IsFree(one.term.shape)) {
+      item.group.spectrum.resize(shapes::BasisCount(one.term.shape));
+      for (int i = 0; i < item.group.spectrum.size(); ++i) {
+        const double root = shapes::PriorRoot(one.term.shape, i);
+        item.group.spectrum[i] = root * root;
+      }
+      item.group.largest_amplitude = INFINITY;
+      item.group.largest_variance = LargestCurveOf(one.term) * LargestCurveOf(one.term);
+      return item;
+    }
     const auto* bump = std::get_if<shapes::Bump>(&one.term.shape);
     if (bump == nullptr && shapes::NonlinearParameter(one.term.shape) == nullptr) return item;
     // The dictionary's next one is at most a factor of two, or kPitchStep of a period over the range, away.
@@ -179,6 +189,13 @@ class Builder {
     Add(std::make_unique<Instrumental>(linearised_, std::move(items)));
   }
 
+  // Prior standard deviation of a free curve, at most: far more than guides and gears have. Without a cap curves took
+  // up set-ups that stood a millimetre off.
+  static double LargestCurveOf(const machine::ErrorTerm& term) {
+    constexpr double kMostMm = 0.1, kMostRad = 300e-6;
+    return machine::IsAngle(term.component) ? kMostRad : kMostMm;
+  }
+
   // An amplitude that no machine has: with one, a column that is nearly explained would fit anything.
   static double LargestAmplitudeOf(const Candidate& one, double largest_value) {
     const bool is_large = one.family == Family::kConstant || one.family == Family::kLag;
@@ -212,6 +229,14 @@ class Builder {
     }
   }
 
+  // Free curves and what remembers temperatures, which the dictionary does not have.
+  void AddFurther(std::vector<Candidate>* candidates) const {
+    if (std::any_of(plain_.runs.begin(), plain_.runs.end(),
+                    [](const MeasuringRun& run) { return run.path_readings != nullptr; }))
+      return;
+    AddThermalLags(candidates);
+  }
+
   // What remembers temperatures, which the dictionary does not have: any channel at any joint, and times the position
   // of an axis at that axis.
   void AddThermalLags(std::vector<Candidate>* candidates) const {
@@ -242,6 +267,48 @@ class Builder {
   }
 
   bool IsRotary(int axis) const { return machine_.axes[axis].kind == machine::AxisKind::kRotary; }
+
+  shapes::Span SpanOf(int axis) const {
+    // Twelve poses 30 deg apart go around, although the last is 330 deg from the first.
+    constexpr double kNearlyATurn = 0.99 * 2.0 * std::numbers::pi;
+    const loop::AxisSpan& span = spans_[axis];
+    if (IsRotary(axis) && span.highest - span.lowest + span.finest_step > kNearlyATurn) return {.is_turn = true};
+    return {span.lowest, span.highest};
+  }
+
+  // Curves of an axis over its own position, and over those of two axes.
+  void AddCurves(std::vector<Candidate>* candidates) const {
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) {
+      const loop::AxisSpan& span = spans_[axis];
+      if (span.finest_step == 0.0) continue;
+      shapes::Curve curve{axis, SpanOf(axis)};
+      // Nothing finer than the readings of the finest session tell.
+      const double highest = loop::kBelowNyquist * std::numbers::pi / span.finest_step;
+      const double told =
+          curve.span.is_turn ? 2.0 * std::floor(highest) : highest * (span.highest - span.lowest) / std::numbers::pi;
+      if (told < 4.0) continue;
+      curve.functions = static_cast<int>(std::min<double>(curve.functions, told));
+      AddAtJoint(Family::kCurve, axis, curve, candidates);
+      for (int other = 0; other < machine_.axis_count(); ++other) {
+        if (other == axis || spans_[other].finest_step == 0.0) continue;
+        AddAtJoint(Family::kCrossed, axis, shapes::Crossed{axis, other, SpanOf(axis), SpanOf(other)}, candidates);
+      }
+    }
+  }
+
+  void AddTimeCurves(std::vector<Candidate>* candidates) const {
+    double first_s = INFINITY, last_s = -INFINITY;
+    for (const MeasuringRun& run : plain_.runs) {
+      if (!run.has_time) return;
+      const auto [first, last] = std::minmax_element(run.time_s.begin(), run.time_s.end());
+      first_s = std::min(first_s, *first);
+      last_s = std::max(last_s, *last);
+    }
+    constexpr double kShortest = 60.0;
+    if (!(last_s - first_s > kShortest)) return;
+    for (int joint = 0; joint < machine_.joint_count(); ++joint)
+      AddAtJoint(Family::kTimeCurve, joint, shapes::TimeCurve{{first_s, last_s}}, candidates);
+  }
 
   // A source for each stretch of one family and axis; items of one shape together.
   void AddShaped(const std::vector<Candidate>& candidates) {

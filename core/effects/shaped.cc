@@ -158,11 +158,11 @@ void Shaped::AddProducts(int begin, const Eigen::MatrixXd& u, Eigen::Ref<Eigen::
 }
 
 std::vector<Eigen::MatrixXd> Shaped::Grams(const objective::Whitening& whitening) const {
-  constexpr size_t kShapesAtOnce = 8;  // all rows of them are held
+  constexpr Eigen::Index kColumnsAtOnce = 16;  // all rows of them are held
   std::vector<Eigen::MatrixXd> grams;
   size_t item = 0;
-  for (size_t s = 0; s < shapes_.size(); s += kShapesAtOnce) {
-    const size_t end = std::min(shapes_.size(), s + kShapesAtOnce);
+  for (size_t s = 0, end = 0; s < shapes_.size(); s = end) {
+    for (end = s + 1; end < shapes_.size() && first_value_[end + 1] - first_value_[s] <= kColumnsAtOnce;) ++end;
     Eigen::MatrixXd values(linearised_.count(), first_value_[end] - first_value_[s]), columns;
     Fill(s, end, 0, values);
     for (; item < items_.size() && shape_of_[item] < end; ++item) {

@@ -25,7 +25,11 @@ enum class Family {
   kThermal,
   kLag,
   kLobe,  // pre-travel of a touch probe
-  kThermalLag,  // of core/effects only: the dictionary has none
+  // Of core/effects only: the dictionary has none.
+  kThermalLag,
+  kCurve,
+  kCrossed,
+  kTimeCurve,
   kBump,  // unnamed structure along an axis
   kStep,  // unnamed: artefact or probe slipped in one session
   kInstrument,  // an instrument at fault, in all its sessions
@@ -36,6 +40,8 @@ inline constexpr int kMostAmplitudes = 2;
 
 // No error of the machine that has a name.
 inline bool IsUnnamed(Family family) { return family >= Family::kBump; }
+// Wide families, which a plain name rivals.
+inline bool IsFurther(Family family) { return family >= Family::kThermalLag && family <= Family::kTimeCurve; }
 // A term of the error model.
 inline bool IsTerm(Family family) { return family < Family::kStep; }
 
