@@ -18,9 +18,9 @@
 #include "core/base/files.h"
 #include "core/base/json_limits.h"
 #include "core/base/mutex.h"
+#include "core/decide/close_loop.h"
 #include "core/identify/residuals_csv.h"
 #include "core/instruments/plausible.h"
-#include "core/loop/close_loop.h"
 #include "core/loop/pictures.h"
 #include "core/machine/error_json.h"
 #include "core/session/case.h"
@@ -31,7 +31,7 @@ namespace {
 struct CloseLoopArguments {
   std::string folder, machine, report, errors, residuals, plot, request_id;
   std::vector<std::string> fit, check;
-  int max_effects = loop::Options().max_effects;
+  std::optional<int> max_effects;
   std::string budget;
   std::optional<int> monte_carlo;
   std::optional<uint64_t> seed;
@@ -91,7 +91,7 @@ void OnAllCores(int count, const std::function<void(int)>& body) {
 }
 
 absl::Status AddSimulation(const CloseLoopArguments& arguments, const machine::Machine& machine,
-                           loop::Options* options) {
+                           decide::Options* options) {
   if (!arguments.monte_carlo) return absl::OkStatus();
   options->monte_carlo.emplace();
   options->monte_carlo->runs = *arguments.monte_carlo;
@@ -139,7 +139,7 @@ absl::Status CloseLoopOfFiles(Context& context, const CloseLoopArguments& argume
   if (!arguments.plot.empty()) RETURN_IF_ERROR(MakeFolder(arguments.plot));
   ASSIGN_OR_RETURN(auto fit, identify::BindSessions(measured.machine, measured.fit));
   ASSIGN_OR_RETURN(auto check, identify::BindSessions(measured.machine, measured.check));
-  loop::Options options;
+  decide::Options options;
   options.max_effects = arguments.max_effects;
   RETURN_IF_ERROR(AddSimulation(arguments, measured.machine, &options));
   ProgressBar bar = context.Bar("closing the loop");
@@ -148,7 +148,7 @@ absl::Status CloseLoopOfFiles(Context& context, const CloseLoopArguments& argume
     const base::MutexLock lock(mutex);
     bar.Show(progress.fraction, progress.detail);
   };
-  ASSIGN_OR_RETURN(const loop::Report report, loop::CloseLoop(measured.machine, fit, check, options));
+  ASSIGN_OR_RETURN(const loop::Report report, decide::CloseLoop(measured.machine, fit, check, options));
   const reports::Loop said = loop::ReportOf(measured.machine, report);
   const std::string json = reports::ToJson(said);
   RETURN_IF_ERROR(WriteOutputs(arguments, json,
@@ -237,9 +237,8 @@ void AddCloseLoopCommand(CLI::App& app, Context& context) {
       "--plot", arguments->plot,
       "write pictures (SVG) into this folder: residuals against each variable and ball-bar traces, before "
       "and after, and the ranking of candidates; of a case folder only");
-  command->add_option("--max-effects", arguments->max_effects, "stop after this many effects")
-      ->check(CLI::Range(1, records::kMaxEffects))
-      ->capture_default_str();
+  command->add_option("--max-effects", arguments->max_effects, "stop after this many effects (none: after all)")
+      ->check(CLI::Range(1, records::kMaxEffects));
   command
       ->add_option(
           "--monte-carlo", arguments->monte_carlo,

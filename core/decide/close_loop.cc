@@ -31,19 +31,21 @@ absl::Status CheckRepeated(const std::vector<MeasuringRun>& fit, const std::vect
   return absl::OkStatus();
 }
 
-// Fit and check sessions: an effect that drifts is judged in both.
-absl::Status CheckClock(const machine::Machine& machine, const std::vector<MeasuringRun>& fit,
-                        const std::vector<MeasuringRun>& check) {
+// Fit and check sessions: errors that drift or follow a temperature are judged in both.
+absl::Status CheckAllRecorded(const machine::Machine& machine, const std::vector<MeasuringRun>& fit,
+                              const std::vector<MeasuringRun>& check) {
   std::vector<MeasuringRun> first;  // what is compared, without readings
   for (const std::vector<MeasuringRun>* runs : {&fit, &check}) {
     for (const MeasuringRun& run : *runs) {
       MeasuringRun& one = first.emplace_back();
       one.session = run.session;
       one.has_time = run.has_time;
+      one.has_temperature = run.has_temperature;
+      for (const MeasuringRun::Channel& channel : run.temperatures) one.temperatures.push_back({channel.name, {}});
       one.path_readings = run.path_readings;
     }
   }
-  return identify::CheckRecorded(machine, first);
+  return identify::CheckRecorded(machine, first, machine::DeclaredModel(machine));
 }
 
 // Before any work: names of sessions that are not there.
@@ -71,7 +73,7 @@ absl::Status Simulate(const Options& options, loop::Report* report) {
 absl::StatusOr<loop::Report> CloseLoop(const machine::Machine& machine, std::vector<MeasuringRun> fit,
                                        std::vector<MeasuringRun> check, const Options& options) {
   RETURN_IF_ERROR(CheckRepeated(fit, check));
-  RETURN_IF_ERROR(CheckClock(machine, fit, check));
+  RETURN_IF_ERROR(CheckAllRecorded(machine, fit, check));
   RETURN_IF_ERROR(CheckBudget(fit, options));
   Options own = options;
   if (options.monte_carlo && options.progress) {

@@ -183,7 +183,7 @@ class Decider {
 
   absl::Status Describe(const Ending& ending, const std::vector<MeasuringRun>& runs, loop::Report* report) {
     ASSIGN_OR_RETURN(report->check_after, CheckStatistics(ending.fit, &loop::SessionResiduals::after_mm, report));
-    loop::Describe(machine_, runs, ending.extension, ending.fit, {}, report);
+    loop::Describe(machine_, runs, ending.extension, ending.fit, report);
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::after_mm, report);
     return absl::OkStatus();
   }
@@ -290,7 +290,7 @@ class Decider {
       absl::StatusOr<Fit> fitted = FitExtension(machine_, next, identify_options_);
       if (absl::IsCancelled(fitted.status())) return fitted.status();
       if (!fitted.ok()) return absl::OkStatus();
-      NoteChanges(*extension, next, *fitted, report);
+      NoteChanges(*extension, next, *fitted, report->fit_before.rms_mm, report);
       if (options_.progress) {
         options_.progress({"closing the loop", (round + 1.0) / (kRounds + 1.0),
                            absl::StrFormat("%d candidates, %d effects, rms %.3f um", report->candidates,
@@ -354,6 +354,9 @@ class Decider {
       }
       std::vector<Candidate> members = {added.candidate};
       members.insert(members.end(), added.equivalent.begin(), added.equivalent.end());
+      // A plain name wins a tie here as it does in the search, or each would undo what the other did.
+      for (size_t m = 0; m < members.size(); ++m)
+        if (loop::IsFurther(members[m].family)) squares[m] += policy_.exotic;
       // The simplest of those that fit best.
       const double least = *std::min_element(squares.begin(), squares.end());
       size_t which = terms.size();
@@ -410,13 +413,14 @@ class Decider {
   static void Rank(objective::Scorer& scorer, const objective::DesignEffect& design,
                    const effects::Catalogue& catalogue, loop::Report* report) {
     report->candidates = scorer.group_count();
+    report->evidence = scorer.policy().evidence;
     report->not_visible = NotVisible(scorer, catalogue.effects);
     constexpr int kRanked = 20;
     const double all = design.Of(scorer.ResidualOf({}, 1.0)), base = scorer.ScoreOf({}, all).objective;
     for (const objective::Move& move : scorer.Additions({}, all, {}, kRanked)) {
       const Effect& effect = catalogue.effects[scorer.OriginOf(move.member.group)];
       if (effect.bad_row < 0)
-        report->ranking.push_back({effect.candidate, 0.0, base + scorer.policy().evidence - move.objective});
+        report->ranking.push_back({effect.candidate, base + scorer.policy().evidence - move.objective});
     }
   }
 
@@ -425,9 +429,12 @@ class Decider {
             const effects::Catalogue& catalogue, Extension* next) const {
     const objective::Score score = scorer.ScoreOf(found.state, found.design);
     const std::vector<Eigen::VectorXd> variances = scorer.VariancesOf(found.state, found.design);
+    const double all = scorer.ScoreOf({}, found.design).squares;
+    objective::State before;
     for (size_t i = 0; i < found.state.size(); ++i) {
       const int group = found.state[i].group;
       const Effect& effect = catalogue.effects[scorer.OriginOf(group)];
+      before.push_back(found.state[i]);
       if (effect.bad_row >= 0) {
         const int run = linearised.run[effect.bad_row];
         const int rows = linearised.problem->runs[run].row_count;
@@ -440,6 +447,7 @@ class Decider {
       Added added;
       added.candidate = effect.candidate;
       added.score = scorer.ScoreOf(without, found.design).objective - found.objective + policy_.evidence;
+      added.left = std::sqrt(scorer.ScoreOf(before, found.design).squares / all);
       if (effect.candidate.family == Family::kInstrument) {
         added.candidate.distortion.variance_mm2 = found.state[i].variance;
         if (added.candidate.distortion.tau_s > 0.0)
@@ -467,7 +475,8 @@ class Decider {
     distortion->amplitude_mm.assign(amplitude.begin(), amplitude.end());
     distortion->sigma_mm.clear();
     constexpr double kLeastMm = 1e-7;  // far below any reading
-    for (const double one : variance) distortion->sigma_mm.push_back(std::max(kLeastMm, std::sqrt(2.0 * sessions * one)));
+    for (const double one : variance)
+      distortion->sigma_mm.push_back(std::max(kLeastMm, std::sqrt(2.0 * sessions * one)));
   }
 
   // Whether a session's set-up holds one more fault.
@@ -512,7 +521,9 @@ class Decider {
     }
   }
 
-  static void NoteChanges(const Extension& before, const Extension& after, const Fit& fit, loop::Report* report) {
+  // What each effect leaves of the readings is that of the linearised model: nothing is fitted for it.
+  static void NoteChanges(const Extension& before, const Extension& after, const Fit& fit, double declared_rms_mm,
+                          loop::Report* report) {
     const auto names_of = [](const Extension& extension) {
       std::vector<std::string> names;
       for (size_t i = 0; i < extension.effects.size(); ++i) names.push_back(extension.NameOf(i));
@@ -524,8 +535,11 @@ class Decider {
     };
     for (const std::string& name : old_names)
       if (!has(new_names, name)) report->steps.push_back({loop::SelectionStep::kDropped, name, fit.result.fit.rms_mm});
-    for (const std::string& name : new_names)
-      if (!has(old_names, name)) report->steps.push_back({loop::SelectionStep::kAdded, name, fit.result.fit.rms_mm});
+    for (size_t i = 0; i < new_names.size(); ++i) {
+      if (has(old_names, new_names[i])) continue;
+      const double rms_mm = i + 1 < new_names.size() ? after.effects[i].left * declared_rms_mm : fit.result.fit.rms_mm;
+      report->steps.push_back({loop::SelectionStep::kAdded, new_names[i], rms_mm});
+    }
   }
 
   void KeepResiduals(const Fit& fit, const std::vector<MeasuringRun>& runs, size_t offset,

@@ -88,16 +88,51 @@ TEST(Decide, EffectsAreNamedWithTheirAmplitudesAndNothingBeside) {
   EXPECT_GE(report.steps.size(), 2u);
 }
 
+// Without the column a session has 20 degrees in its place: an error is not told from that, whoever lacks it.
+TEST(Decide, NoErrorFollowsATemperatureThatASessionDidNotRecord) {
+  Sessions sessions = MeasureWith(R"({"symbol": "EZT", "shape": "drift", "amplitude": 40})");
+  for (std::vector<MeasuringRun>* part : {&sessions.fit, &sessions.check}) {
+    for (MeasuringRun& run : *part) {
+      run.has_temperature = true;
+      for (int k = 0; k < run.reading_count(); ++k) run.temperature_celsius[k] = 22.0 + 1e-3 * run.time_s[k];
+    }
+  }
+  const auto follows = [](const Report& report) {
+    bool any = false;
+    for (const loop::Effect& effect : report.effects) {
+      any |= machine::NameOf(kMachine, effect.term).find("thermal") != std::string::npos;
+      for (const machine::ErrorTerm& term : effect.equivalent)
+        any |= machine::NameOf(kMachine, term).find("thermal") != std::string::npos;
+    }
+    return any;
+  };
+  EXPECT_TRUE(follows(Close(sessions)));
+  for (MeasuringRun* const lacks : {&sessions.fit[1], &sessions.check[0]}) {
+    const MeasuringRun whole = *lacks;
+    lacks->has_temperature = false;
+    std::fill(lacks->temperature_celsius.begin(), lacks->temperature_celsius.end(), 20.0);
+    const Report report = Close(sessions);
+    ASSERT_FALSE(report.effects.empty());
+    EXPECT_FALSE(follows(report)) << NamesOf(report);
+    *lacks = whole;
+  }
+}
+
 // The tool grows by 3 um per K of a body that follows the recorded temperature with 1500 s. Neither a drift nor the
-// temperature itself does so.
+// temperature itself does so. Sessions last up to twelve minutes: what stays the same through a session is set-up.
 TEST(Decide, ALateWarmthIsNamedWithItsChannelAndItsTimeConstant) {
   Sessions sessions = MeasureWith("");
   for (std::vector<MeasuringRun>* part : {&sessions.fit, &sessions.check}) {
     for (MeasuringRun& run : *part) {
       run.has_temperature = true;
-      for (int k = 0; k < run.reading_count(); ++k)
+      constexpr double kSlower = 7.5;
+      const double start_s = run.time_s.front();
+      for (int k = 0; k < run.reading_count(); ++k) {
+        run.time_s[k] = start_s + kSlower * (run.time_s[k] - start_s);
         run.temperature_celsius[k] =
-            20.0 + 4.0 * (1.0 - std::exp(-run.time_s[k] / 1200.0)) + std::sin(run.time_s[k] / 500.0);
+            20.0 + 8.0 * (1.0 - std::exp(-run.time_s[k] / 1200.0)) + 3.0 * std::sin(run.time_s[k] / 300.0);
+      }
+      instruments::DeriveMotion(&run);
     }
   }
   instruments::ShareTemperatures({&sessions.fit, &sessions.check});
@@ -124,32 +159,8 @@ TEST(Decide, ALateWarmthIsNamedWithItsChannelAndItsTimeConstant) {
   EXPECT_NEAR(found->tau_s, kTauS, 0.15 * kTauS);
   EXPECT_NEAR(std::abs(effect.amplitude), kPerKelvinMm, std::max(4.0 * effect.amplitude_sigma, 0.05 * kPerKelvinMm));
   EXPECT_GT(found->from_celsius, 19.0);
-  EXPECT_LT(found->to_celsius, 25.0);
+  EXPECT_LT(found->to_celsius, 32.0);
   EXPECT_LT(report.check_after.rms_mm, 0.33e-3);
-}
-
-// A smooth straightness that no harmonic or power is: one curve, and what it is beyond its numbers.
-TEST(Decide, ASmoothErrorOfNoNamedShapeIsOneCurve) {
-  std::string nodes, values;
-  for (int i = 0; i <= 40; ++i) {
-    const double x = -200.0 + 10.0 * i,
-                 value = 6.0 * std::tanh(x / 25.0) - 3.0 * std::exp(-(x - 60) * (x - 60) / 900.0);
-    absl::StrAppend(&nodes, i == 0 ? "" : ", ", x);
-    absl::StrAppend(&values, i == 0 ? "" : ", ", value);
-  }
-  const std::string map = absl::StrCat(R"({"symbol": "EYX", "shape": "tabulated", "nodes_mm": [)", nodes,
-                                       R"(], "values": [)", values, "]}");
-  const Report report = Close(MeasureWith(map));
-  ASSERT_FALSE(report.effects.empty()) << NamesOf(report);
-  EXPECT_LE(report.effects.size(), 3u) << NamesOf(report);
-  const auto curve = std::find_if(report.effects.begin(), report.effects.end(),
-                                  [](const loop::Effect& one) { return shapes::IsFree(one.term.shape); });
-  ASSERT_NE(curve, report.effects.end()) << NamesOf(report);
-  EXPECT_EQ(machine::NameOf(kMachine, curve->term), "EYX:curve") << NamesOf(report);
-  EXPECT_GT(curve->term.prior_sigma, 0.3e-3);
-  EXPECT_LT(curve->term.prior_sigma, 0.1);
-  EXPECT_GT(curve->amplitude, 10.0 * curve->amplitude_sigma);
-  EXPECT_LT(report.check_after.rms_mm, 0.45e-3) << report.check_before.rms_mm;
 }
 
 // The ball on the table moved by 2 um in a part of one session, in which two readings are bad, too.

@@ -21,9 +21,6 @@ using instruments::MeasuringRun;
 using loop::Candidate;
 using loop::Family;
 
-// Neighbouring moments of a slip are alike: so many of them are one look.
-constexpr int kMomentsPerLook = 4;
-
 // The same shape closer than that in the logarithm of its length or time constant is the same effect: ln 1.3.
 constexpr double kApart = 0.26;
 
@@ -204,10 +201,7 @@ class Builder {
     constexpr double kPlayMm = 1.0, kPlayRad = 0.01;  // of a machine that is in use
     constexpr double kWarmMm = 0.5, kWarmRad = 2e-3;  // of what warms up late: beyond, it is a lag longer than the data
     const bool is_warm = one.family == Family::kThermalLag;
-    const double most_mm = is_large  ? kFarOffMm
-                           : is_warm ? kWarmMm
-                           : is_play ? kPlayMm
-                                     : identify::kLargestErrorMm;
+    const double most_mm = is_large ? kFarOffMm : is_warm ? kWarmMm : is_play ? kPlayMm : identify::kLargestErrorMm;
     const double most_rad = is_large  ? kFarOffRad
                             : is_warm ? kWarmRad
                             : is_play ? kPlayRad
@@ -249,6 +243,11 @@ class Builder {
       if (elapsed_s > kShortest) taus_s.push_back(share * elapsed_s);
     taus_s.push_back(0.0);
     for (const shapes::Temperatures::Channel& channel : history->channels()) {
+      const bool is_recorded = std::all_of(plain_.runs.begin(), plain_.runs.end(), [&](const MeasuringRun& run) {
+        const std::vector<std::string> columns = instruments::TemperatureColumns(run);
+        return std::find(columns.begin(), columns.end(), channel.name) != columns.end();
+      });
+      if (!is_recorded) continue;
       const auto [coldest, warmest] = std::minmax_element(channel.celsius.begin(), channel.celsius.end());
       constexpr double kSmallestWarming = 0.05;
       if (!(*warmest - *coldest > kSmallestWarming)) continue;
@@ -377,7 +376,7 @@ class Builder {
     }
     objective::Group model;
     model.family = carrier == instruments::Carrier::kTable ? static_cast<int>(Family::kStep) : kToolSlipFamily;
-    model.looks = 1.0 / kMomentsPerLook;
+    model.looks = 1.0 / loop::kMomentsPerLook;
     model.precision = Eigen::VectorXd::Constant(3, 1.0 / (instruments::kSlipSigmaMm * instruments::kSlipSigmaMm));
     return std::make_unique<objective::Slips>(linearised_.count(), std::move(series), columns.topRows(count), model);
   }
@@ -390,7 +389,7 @@ class Builder {
       if (one.family == Family::kStep) moments[{one.run, one.carrier}];
     for (auto& [of, its] : moments) {
       const MeasuringRun& run = plain_.runs[of.first];
-      const int stride = std::max(1, loop::StepStride(run) / kMomentsPerLook);
+      const int stride = loop::StepStride(run);
       const auto is_near_known = [&](int k) {  // of whatever slipped
         return std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
           return known.family == Family::kStep && known.run == of.first && std::abs(known.first_reading - k) <= stride;

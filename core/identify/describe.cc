@@ -86,8 +86,8 @@ std::vector<SessionFit> ListSessions(const Problem& problem, const Point& point,
       constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
       const double sigma = judgement.covariance.setup_sigma[group][k];
       const bool is_told = IsTold(parameter, sigma / judgement.sigma_scale);
-      session.setup.push_back(
-          {parameter.name, is_told ? parameter.centre + point.setup[group][k] : kNone, is_told ? sigma : kNone, parameter.is_angle});
+      session.setup.push_back({parameter.name, is_told ? parameter.centre + point.setup[group][k] : kNone,
+                               is_told ? sigma : kNone, parameter.is_angle});
     }
     sessions.push_back(std::move(session));
   }

@@ -178,8 +178,8 @@ void AddDistortion(const Distortion& distortion, MeasuringRun* run) {
     }
     // Not weak: an instrument that is in use is known to be off by no more, and that may separate errors from it.
     const auto at = static_cast<size_t>(k);
-    run->setup.push_back({std::move(name), is_found ? distortion.sigma_mm[at] : sigma_mm * std::sqrt(spectrum[at]), false,
-                          false, false, std::nullopt, is_found ? distortion.amplitude_mm[at] : 0.0});
+    run->setup.push_back({std::move(name), is_found ? distortion.sigma_mm[at] : sigma_mm * std::sqrt(spectrum[at]),
+                          false, false, false, std::nullopt, is_found ? distortion.amplitude_mm[at] : 0.0});
   }
 }
 

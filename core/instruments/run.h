@@ -59,7 +59,8 @@ struct Slip {
   int first_reading = 0;
 };
 
-// A way in which an instrument is at fault (distortion.h): its sessions share it, each deviates by amplitudes of its own.
+// A way in which an instrument is at fault (distortion.h): its sessions share it, each deviates by amplitudes of its
+// own.
 struct Distortion {
   enum Kind {
     kGain,    // channels that read too much or too little, and each other

@@ -30,8 +30,8 @@ enum class Family {
   kCurve,
   kCrossed,
   kTimeCurve,
-  kBump,  // unnamed structure along an axis
-  kStep,  // unnamed: artefact or probe slipped in one session
+  kBump,        // unnamed structure along an axis
+  kStep,        // unnamed: artefact or probe slipped in one session
   kInstrument,  // an instrument at fault, in all its sessions
 };
 

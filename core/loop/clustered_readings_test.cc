@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "core/decide/close_loop.h"
 #include "core/identify/testing/scenario.h"
-#include "core/loop/close_loop.h"
 
 namespace axiscal::loop {
 namespace {
@@ -18,7 +18,7 @@ const machine::Machine kMachine = machine::testing::MultiTasking();
 constexpr char kTruth[] = R"({"EA0B": 82.1, "EC0B": -61.0, "EX0C": -22.2, "EY0C": 15.3, "EX0T": -2.0, "EZ0T": 29.9})";
 
 Report Close(const std::vector<session::Session>& sessions) {
-  return CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value();
+  return decide::CloseLoop(kMachine, *identify::BindSessions(kMachine, sessions), {}).value();
 }
 
 // A burr on the rotary axis throws one reading of each pass over it, far beyond the noise and never two at once: each

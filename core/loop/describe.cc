@@ -8,6 +8,7 @@
 #include "core/loop/clustered_readings.h"
 #include "core/loop/dictionary.h"
 #include "core/loop/same_always.h"
+#include "core/loop/signatures.h"
 
 namespace axiscal::loop {
 
@@ -80,7 +81,7 @@ Unexplained SlipOf(const MeasuringRun& run, const Candidate& candidate, size_t s
 }  // namespace
 
 void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, const Extension& extension, const Fit& fit,
-              const SearchOptions& search, Report* report) {
+              Report* report) {
   const std::vector<Added>& effects = extension.effects;
   const Signatures signatures(fit.problem, fit.point, {});
   const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);

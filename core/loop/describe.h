@@ -13,7 +13,7 @@ namespace axiscal::loop {
 // Fills effects with their classes, structure without a name, verdict, noise, proposed sessions and the fitted model.
 // `runs`: the fit sessions; `fit`: of the extension.
 void Describe(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
-              const Extension& extension, const identify::Fit& fit, const SearchOptions& search, Report* report);
+              const Extension& extension, const identify::Fit& fit, Report* report);
 
 }  // namespace axiscal::loop
 

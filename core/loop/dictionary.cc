@@ -164,7 +164,11 @@ class Builder {
       for (const double share : {0.04, 0.08, 0.16, 0.32, kSlowestWarming})
         AddAtAllJoints(Family::kDriftExp, shapes::DriftExp{share * last_s});
     }
-    if (warmest - coldest > kSmallestWarming) AddAtAllJoints(Family::kThermal, shapes::Thermal{});
+    // A session without temperatures has 20 degrees in their place: nothing is told from that.
+    const bool is_recorded = std::all_of(problem_.runs.begin(), problem_.runs.end(), [](const MeasuringRun& run) {
+      return run.path_readings != nullptr || run.has_temperature;
+    });
+    if (is_recorded && warmest - coldest > kSmallestWarming) AddAtAllJoints(Family::kThermal, shapes::Thermal{});
   }
 
   void AddAtAllJoints(Family family, const shapes::Shape& shape) {
@@ -254,16 +258,6 @@ class Builder {
   std::vector<Candidate> candidates_;
 };
 
-// ISO 230-1 names location errors of rotary axes and squareness of linear ones; the constant shift of a linear axis is
-// only where its zero is.
-int ConstantComplexity(const Machine& machine, const ErrorTerm& term) {
-  const bool is_angle = machine::IsAngle(term.component);
-  if (term.joint == machine.tool_joint()) return is_angle ? 4 : 1;
-  if (term.joint == machine.work_joint()) return is_angle ? 5 : 3;
-  if (IsRotary(machine, term.joint)) return 0;
-  return is_angle ? 2 : 6;
-}
-
 // The component along which the axis itself moves: EXX, ECC.
 bool IsPositioning(const Machine& machine, const ErrorTerm& term) {
   if (term.joint >= machine.axis_count()) return false;
@@ -271,6 +265,20 @@ bool IsPositioning(const Machine& machine, const ErrorTerm& term) {
   int along = 0;
   axis.direction.cwiseAbs().maxCoeff(&along);
   return static_cast<int>(term.component) == along + (axis.kind == machine::AxisKind::kRotary ? 3 : 0);
+}
+
+// ISO 230-1 names location errors of rotary axes and squareness of linear ones, which no turn about their own direction
+// is; the constant shift of a linear axis is only where its zero is.
+int ConstantComplexity(const Machine& machine, const ErrorTerm& term) {
+  const bool is_angle = machine::IsAngle(term.component);
+  if (term.joint == machine.tool_joint()) return is_angle ? 4 : 1;
+  if (term.joint == machine.work_joint()) return is_angle ? 5 : 3;
+  const machine::Axis& axis = machine.axes[term.joint];
+  if (IsRotary(machine, term.joint)) return 0;
+  if (!is_angle) return 6;
+  int along = 0;
+  axis.direction.cwiseAbs().maxCoeff(&along);
+  return static_cast<int>(term.component) - 3 == along ? 3 : 2;
 }
 
 }  // namespace
@@ -328,22 +336,12 @@ double LastReadingS(const identify::Problem& problem) {
 }
 
 int StepStride(const MeasuringRun& run) {
-  constexpr int kMoments = 48;
+  constexpr int kMoments = 48 * kMomentsPerLook;
   return std::max(1, run.reading_count() / kMoments);
 }
 
 std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const machine::ErrorModel& model) {
   return Builder(problem, model).Build();
-}
-
-std::vector<Candidate> SiblingsOf(const identify::Problem& problem, const machine::ErrorModel& model,
-                                  const Candidate& effect, const std::vector<Candidate>& known) {
-  std::vector<Candidate> siblings = MakeDictionary(problem, model);
-  std::erase_if(siblings, [&](const Candidate& one) {
-    return IsUnnamed(one.family) || one.term.shape != effect.term.shape ||
-           std::any_of(known.begin(), known.end(), [&](const Candidate& k) { return IsSameEffect(k.term, one.term); });
-  });
-  return siblings;
 }
 
 bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
@@ -370,7 +368,7 @@ int Complexity(const Machine& machine, const Candidate& candidate) {
   }
   // Among the joints that may drift the tool comes first (heat acts there first), then the table, then the axes.
   const bool is_time = candidate.family == Family::kDrift || candidate.family == Family::kDriftExp ||
-                       candidate.family == Family::kThermal;
+                       candidate.family == Family::kThermal || candidate.family == Family::kThermalLag;
   if (is_time && candidate.term.joint != machine.tool_joint())
     complexity += candidate.term.joint == machine.work_joint() ? 1 : 2;
   // Backlash and friction act first along the axis' own motion.

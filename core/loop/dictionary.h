@@ -37,6 +37,9 @@ inline constexpr double kSlowestWarming = 0.64;
 inline constexpr double kBelowNyquist = 0.9;  // of the frequency at which two readings per period are left
 inline constexpr int kHighestOrder = 400;     // of harmonics of a rotary axis
 
+// Neighbouring moments of a slip are alike: so many of them are one look.
+inline constexpr int kMomentsPerLook = 4;
+
 // Readings between the moments at which the dictionary looks for a slip in a run.
 int StepStride(const instruments::MeasuringRun& run);
 
@@ -49,10 +52,6 @@ std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const ma
 // Half width beyond which structure along a rotary axis is not a local defect but the form of the axis, which harmonics
 // of low order describe. Infinite on linear axes.
 double WidestBump(const machine::Machine& machine, int axis);
-
-// The dictionary's effects of the same shape over the same variable on any joint, but for `known` ones.
-std::vector<Candidate> SiblingsOf(const identify::Problem& problem, const machine::ErrorModel& model,
-                                  const Candidate& effect, const std::vector<Candidate>& known);
 
 }  // namespace axiscal::loop
 

@@ -68,21 +68,4 @@ std::string Extension::NameOf(size_t effect) const {
   return absl::StrCat("a slip in session ", (*runs_)[candidate.run].session);
 }
 
-void SetClass(const Finding& finding, Added* added) {
-  const auto fill = [&](const std::vector<Scored>& from, std::vector<Candidate>* to) {
-    for (const Scored& other : from) {
-      const auto is_listed = [&](const Candidate& one) { return IsSameEffect(one.term, other.candidate.term); };
-      if (IsUnnamed(other.candidate.family) || is_listed(added->candidate) ||
-          std::any_of(added->equivalent.begin(), added->equivalent.end(), is_listed) ||
-          std::any_of(to->begin(), to->end(), is_listed))
-        continue;
-      to->push_back(other.candidate);
-    }
-  };
-  added->equivalent.clear();
-  added->rivals.clear();
-  fill(finding.equivalent, &added->equivalent);
-  fill(finding.rivals, &added->rivals);
-}
-
 }  // namespace axiscal::loop

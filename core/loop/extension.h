@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "core/identify/problem.h"
-#include "core/loop/search.h"
+#include "core/loop/candidate.h"
 
 namespace axiscal::loop {
 
 struct Added {
   Candidate candidate;
   double score = 0.0;
-  std::vector<Candidate> equivalent, rivals;
+  // Root of the share of the readings' squares that this effect and those before it leave; 1 where nothing is found.
+  double left = 1.0;
+  std::vector<Candidate> equivalent;
 };
 
 // A row of a reading that counts as bad, whatever the running median of its series says.
@@ -50,9 +52,6 @@ class Extension {
   const machine::Machine* machine_;
   const std::vector<instruments::MeasuringRun>* runs_;
 };
-
-// Sets the class of `added`: without the effect itself, each effect once, without unnamed structure.
-void SetClass(const Finding& finding, Added* added);
 
 }  // namespace axiscal::loop
 

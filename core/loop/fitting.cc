@@ -26,18 +26,6 @@ absl::StatusOr<Fit> FitExtension(const machine::Machine& machine, const Extensio
   return fit;
 }
 
-absl::StatusOr<bool> FitChanged(const machine::Machine& machine, const identify::Options& options,
-                                const Extension& before, Extension* extension, Fit* fit) {
-  absl::StatusOr<Fit> changed = FitExtension(machine, *extension, options);
-  if (absl::IsCancelled(changed.status())) return changed.status();
-  if (!changed.ok()) {
-    *extension = before;
-    return false;
-  }
-  *fit = *std::move(changed);
-  return true;
-}
-
 namespace {
 
 // Of fits that are compared.
@@ -55,38 +43,8 @@ absl::StatusOr<Fit> Refit(const Fit& fit, const machine::ErrorModel& model, cons
   return identify::FitProblem(fit.problem, model, ToCompare(options), fit.point.setup);
 }
 
-absl::StatusOr<Fit> RefitRuns(const Fit& fit, std::vector<instruments::MeasuringRun> runs,
-                              const identify::Options& options) {
-  ASSIGN_OR_RETURN(identify::Problem problem, identify::MakeProblem(*fit.problem.machine, std::move(runs)));
-  problem.noise = fit.problem.noise;
-  problem.is_used = fit.problem.is_used;
-  return identify::FitProblem(std::move(problem), fit.result.model, ToCompare(options));
-}
-
-absl::StatusOr<Fit> RefitWithout(const Fit& fit, int run, int first, int last, const identify::Options& options) {
-  identify::Problem problem = fit.problem;
-  const int rows = problem.runs[run].row_count;
-  std::fill(problem.is_used[run].begin() + std::ptrdiff_t{first} * rows,
-            problem.is_used[run].begin() + std::ptrdiff_t{last} * rows, false);
-  return identify::FitProblem(std::move(problem), fit.result.model, ToCompare(options), fit.point.setup);
-}
-
 double SquaresOf(const Fit& fit) {
   return identify::WhitenedSquares(fit.problem, fit.residuals_mm) + identify::PriorSquares(fit.problem, fit.point);
-}
-
-double ComparableSquaresOf(const Fit& fit) {
-  constexpr double kSetAside = 25.0;  // a chip is worth five standard deviations, or it would pay to have more of them
-  double squares = SquaresOf(fit);
-  for (size_t i = 0; i < fit.problem.runs.size(); ++i) {
-    const identify::Noise& noise = fit.problem.noise[i];
-    const std::vector<bool>& used = fit.problem.is_used[i];
-    const auto count = static_cast<double>(std::count(used.begin(), used.end(), true));
-    const auto all = static_cast<double>(used.size());
-    squares += 2.0 * all * std::log(noise.sigma_mm / fit.problem.runs[i].sigma_mm) +
-               count * std::log(identify::InnovationShare(noise)) + kSetAside * (all - count);
-  }
-  return squares;
 }
 
 double EvidenceOf(const Fit& fit, int term) {

@@ -53,16 +53,16 @@ class Painter {
     for (const std::string& key : order) AddTrace(groups[key]);
   }
 
-  void AddRanking(const SearchOptions& options) {
+  void AddRanking() {
     std::vector<plot::Bar> bars;
-    for (const Scored& scored : report_.ranking) {
+    for (const Ranked& scored : report_.ranking) {
       bars.push_back({NameOf(scored.candidate), scored.score});
     }
     if (bars.empty()) return;
     pictures_.push_back(
         {"ranking.svg",
          plot::BarChart(absl::StrFormat("What the declared model lacks: the best of %d candidates", report_.candidates),
-                        "score: chi-square gained, less the penalty for looking", bars, options.evidence,
+                        "score: chi-square gained, less the penalty for looking", bars, report_.evidence,
                         "significant beyond here")});
   }
 
@@ -247,12 +247,11 @@ class Painter {
 }  // namespace
 
 std::vector<Picture> Pictures(const Machine& machine, const std::vector<MeasuringRun>& fit,
-                              const std::vector<MeasuringRun>& check, const Report& report,
-                              const SearchOptions& options) {
+                              const std::vector<MeasuringRun>& check, const Report& report) {
   Painter painter(machine, fit, check, report);
   painter.AddResiduals();
   painter.AddTraces();
-  painter.AddRanking(options);
+  painter.AddRanking();
   return painter.Finish();
 }
 

@@ -22,8 +22,7 @@ struct Picture {
 //                         sessions over the same positions share a picture
 //   ranking.svg           the first search's candidates by score
 std::vector<Picture> Pictures(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& fit,
-                              const std::vector<instruments::MeasuringRun>& check, const Report& report,
-                              const SearchOptions& options = {});
+                              const std::vector<instruments::MeasuringRun>& check, const Report& report);
 
 }  // namespace axiscal::loop
 

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <set>
 
+#include "core/decide/close_loop.h"
 #include "core/identify/testing/scenario.h"
-#include "core/loop/close_loop.h"
 
 namespace axiscal::loop {
 namespace {
@@ -54,7 +54,7 @@ TEST(Pictures, ShowEveryVariableTheTracesAndTheRanking) {
                                                          {{"BX", ballbar::Pattern::kBX, 356.4}}, options);
   const auto fit = *identify::BindSessions(machine, sessions);
   const auto check = *identify::BindSessions(machine, check_sessions);
-  const Report report = CloseLoop(machine, fit, check).value();
+  const Report report = decide::CloseLoop(machine, fit, check).value();
 
   ASSERT_EQ(report.residuals.size(), 3u);
   EXPECT_TRUE(report.residuals[2].is_check);
@@ -91,7 +91,7 @@ TEST(Pictures, SessionsWhoseNamesDifferByOneSignHaveTheirOwn) {
                                  {{"B/1", ballbar::Pattern::kBX, 356.4}, {"B-1", ballbar::Pattern::kBY, 356.4}});
   const auto fit = *identify::BindSessions(machine, sessions);
   std::set<std::string> files;
-  for (const Picture& picture : Pictures(machine, fit, {}, CloseLoop(machine, fit, {}).value()))
+  for (const Picture& picture : Pictures(machine, fit, {}, decide::CloseLoop(machine, fit, {}).value()))
     EXPECT_TRUE(files.insert(picture.file).second) << picture.file;
   EXPECT_TRUE(files.count("trace-B-1.svg") && files.count("trace-B-1-2.svg"));
 }

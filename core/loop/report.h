@@ -10,8 +10,8 @@
 
 #include "core/identify/identify.h"
 #include "core/identify/monte_carlo.h"
+#include "core/loop/candidate.h"
 #include "core/loop/next_measurement.h"
-#include "core/loop/search.h"
 #include "core/predict/volumetric.h"
 #include "core/reports/loop.h"
 
@@ -73,6 +73,12 @@ struct Verdict {
   enum Kind { kAdequate, kExtended, kUnexplained };
 };
 
+// A candidate of the first search: what it is worth less what looking for it costs, chi-square units.
+struct Ranked {
+  Candidate candidate;
+  double score = 0.0;
+};
+
 // What one session's readings scatter by, judged from themselves.
 struct SessionNoise {
   std::string session;
@@ -94,7 +100,7 @@ struct Report {
   std::vector<Cause> causes;
   std::vector<Unexplained> unexplained;
   std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
-  std::vector<SelectionStep> steps;             // from fit_before to fit_after
+  std::vector<SelectionStep> steps;    // from fit_before to fit_after
   machine::ErrorModel declared;        // as fitted alone
   identify::Result fitted;             // extended model
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
@@ -105,7 +111,8 @@ struct Report {
   std::vector<SessionNoise> noise;          // of the fit sessions, under the extended model
   std::vector<SessionResiduals> residuals;  // fit sessions, then check sessions, in the order given
   std::vector<Proposal> next_measurement;   // sessions that would tell the effects' classes apart
-  std::vector<Scored> ranking;              // candidates of the first search
+  std::vector<Ranked> ranking;              // candidates of the first search, best first
+  double evidence = 0.0;                    // a score beyond this is more than chance
   int candidates = 0;
   // Effects that would leave no trace in the fit sessions: setup offsets and declared errors take them up. One of each
   // component, shape and variable, crossed variables left out.

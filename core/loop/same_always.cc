@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
+#include <set>
+#include <string>
 
 #include "core/identify/problem.h"
 #include "core/instruments/rtest/rtest_model.h"
@@ -12,10 +15,11 @@
 namespace axiscal::loop {
 namespace {
 
-// An R-test that no machine could run: every axis anywhere, moving either way at any speed, at any time and
-// temperature, the nest anywhere, tools of any length. Its three readings are the tool point in the table's frame.
-instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen::Vector3d& tip_mm, int number,
-                                   std::mt19937_64* random) {
+// An R-test that no machine could run: every axis anywhere, moving either way at any speed, at any time and any
+// temperature of each of `channels`, the nest anywhere, tools of any length. Its three readings are the tool point in
+// the table's frame.
+instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen::Vector3d& tip_mm,
+                                   const std::set<std::string>& channels, int number, std::mt19937_64* random) {
   const auto uniform = [random](double low, double high) {
     return low + (high - low) * (static_cast<double>((*random)() >> 11) * 0x1p-53);
   };
@@ -46,6 +50,15 @@ instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen:
     run.time_s.push_back(uniform(0.0, 2e4));
     run.temperature_celsius.push_back(uniform(10.0, 30.0));
   }
+  // What remembers temperatures needs a past: moments in their order, and all channels by themselves.
+  std::sort(run.time_s.begin(), run.time_s.end());
+  std::vector<shapes::Temperatures::Channel> history;
+  for (const std::string& name : channels) {
+    history.push_back({name, run.temperature_celsius});
+    if (name == shapes::kTemperatureChannel) continue;
+    for (double& celsius : history.back().celsius) celsius = uniform(10.0, 30.0);
+  }
+  run.history = std::make_shared<const shapes::Temperatures>(run.time_s, std::move(history));
   run.measured_mm = Eigen::MatrixXd::Zero(3, kReadings);
   return run;
 }
@@ -55,8 +68,11 @@ instruments::MeasuringRun AnyState(const machine::Machine& machine, const Eigen:
 std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Vector3d& tip_mm,
                                 const std::vector<machine::ErrorTerm>& terms) {
   std::mt19937_64 random(1);
+  std::set<std::string> channels;
+  for (const machine::ErrorTerm& term : terms)
+    if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape)) channels.insert(lag->channel);
   std::vector<instruments::MeasuringRun> runs;
-  for (int i = 0; i < 3; ++i) runs.push_back(AnyState(machine, tip_mm, i, &random));
+  for (int i = 0; i < 3; ++i) runs.push_back(AnyState(machine, tip_mm, channels, i, &random));
   const absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, std::move(runs));
   machine::ErrorModel model;
   std::vector<Member> members;

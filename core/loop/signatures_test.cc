@@ -8,7 +8,6 @@
 #include "core/identify/testing/scenario.h"
 #include "core/instruments/evaluation.h"
 #include "core/loop/dictionary.h"
-#include "core/loop/search.h"
 
 namespace axiscal::loop {
 namespace {
@@ -168,9 +167,8 @@ TEST(Signatures, TwoNamesOfOneMotionCorrelateFully) {
 // A fine harmonic of an axis that rests in most sessions is mostly a constant there, which declared errors explain:
 // screening must look past that part.
 TEST(Signatures, NothingThatMattersIsScreenedOut) {
-  const machine::ErrorModel truth = Errors(
-      kMachine,
-      R"({"EX0C": 20,
+  const machine::ErrorModel truth = Errors(kMachine,
+                                           R"({"EX0C": 20,
            "terms": [{"symbol": "EBB", "shape": "harmonic", "order": 45, "amplitude": 4, "phase_deg": 12}]})");
   for (const Memory memory : {Memory{0.0, 0.0}, Memory{0.6, 0.0}, Memory{0.8, 0.5}}) {
     identify::Fit fit = FitOf(machine::DeclaredModel(kMachine), truth, 1.0);
@@ -202,12 +200,6 @@ TEST(Signatures, NothingThatMattersIsScreenedOut) {
     EXPECT_GT(explain_much, 1);
     EXPECT_GT(screened, static_cast<int>(candidates.size()) / 3);
   }
-}
-
-TEST(Search, TheLikelihoodRatioForgetsTheScaleOfTheNoise) {
-  EXPECT_DOUBLE_EQ(LikelihoodRatio(100.0, 10.0, 50), LikelihoodRatio(400.0, 40.0, 50));
-  EXPECT_EQ(LikelihoodRatio(100.0, 0.0, 50), 0.0);
-  EXPECT_NEAR(LikelihoodRatio(1e6, 10.0, 1000000), 10.0, 1e-3);  // many readings: the usual chi-square difference
 }
 
 }  // namespace

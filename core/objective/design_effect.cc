@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <set>
 
 namespace axiscal::objective {
 namespace {
@@ -26,6 +27,8 @@ DesignEffect::DesignEffect(const Scorer& scorer) : scorer_(scorer) {
       one.stays.back().end = row + 1;
       one.count = std::max(one.count, clusters[i] + 1);
     }
+    // Those that hold rows: of a few readings most blocks of time are empty.
+    one.held = static_cast<int>(std::set<int>(clusters.begin(), clusters.end()).size());
   }
   std::map<int, std::vector<int>> of_family;
   for (int g = 0; g < scorer.group_count(); ++g)
@@ -74,7 +77,7 @@ double DesignEffect::LargestOf(const Eigen::MatrixXf& columns, const Eigen::Vect
   const Eigen::VectorXf single = residual.cast<float>();
   double largest = 1.0;
   for (const Clustering& clustering : clusterings_) {
-    if (clustering.count < scorer_.policy().fewest_clusters) continue;
+    if (clustering.held < scorer_.policy().fewest_clusters) continue;
     largest = std::max(largest, QuantileOf(EffectsOf(columns, single, variance, clustering), quantile));
   }
   return largest;

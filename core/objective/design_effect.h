@@ -29,7 +29,8 @@ class DesignEffect {
   };
   struct Clustering {
     std::vector<Stay> stays;
-    int count = 0;  // of clusters
+    int count = 0;  // numbers of clusters
+    int held = 0;   // of which hold rows
   };
 
   // Of each column, under one clustering.

@@ -38,8 +38,9 @@ struct Policy {
   // Quantile of the columns' design effects that counts: above the median, as too small a design effect names what is
   // not there; below the largest, which is the effect that is looked for.
   double design_quantile = 0.7;
-  // Fewer clusters say nothing about how a column's products scatter over them.
-  int fewest_clusters = 8;
+  // Fewer clusters say nothing about how a column's products scatter over them: a variance from n of them is off by
+  // sqrt(2 / n) of itself, here a third; with half as many one error that is still missing stops the search.
+  int fewest_clusters = 16;
 
   // A replacement must gain this much, chi-square units: less is a matter of rounding and could go back and forth.
   double replacement_gain = 0.5;

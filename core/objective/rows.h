@@ -32,6 +32,9 @@ struct Rows {
   // Squares (whitened) that an effect may seem to explain although it is not there, as a coarse display rounds what it
   // shows: none that explains less is claimed.
   double rounding_squares = 0.0;
+  // Squares (whitened) that noise leaves at least: what explains more of readings without noise explains rounding and
+  // what is left of linearising, and would never end.
+  double least_squares = 0.0;
 
   int count() const { return static_cast<int>(y.size()); }
 };

@@ -32,9 +32,13 @@ bool IsSeen(const Group& group, const Eigen::VectorXd& raw, const Eigen::VectorX
   return (group.IsBlock() || group.precision.size() > 0 ? most : least) > visible;
 }
 
-double LogRatio(double left, double squares) { return std::log(std::max(left / squares, kLeft)); }
-
 }  // namespace
+
+double Scorer::LogSquares(double squares) const { return std::log(std::max(squares, rows_.least_squares) / dof_); }
+
+double Scorer::LogRatio(double left, double squares) const {
+  return LogSquares(std::max(left, kLeft * squares)) - LogSquares(squares);
+}
 
 // Cholesky factor of K + D (precision of the priors), flat members' columns first.
 struct Scorer::Factor {
@@ -179,7 +183,7 @@ double Scorer::ObjectiveWith(const State& state, const Source& moved, int of, do
   const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);
   if (cholesky.info() != Eigen::Success) return kNone;
   const double left = factor.squares - right.dot(cholesky.solve(right));
-  return dof_ / design * (std::log(factor.squares / dof_) + LogRatio(left, factor.squares)) + factor.log_det +
+  return dof_ / design * (LogSquares(factor.squares) + LogRatio(left, factor.squares)) + factor.log_det +
          factor.prices + PriceOf(of, design);
 }
 
@@ -382,7 +386,7 @@ Score Scorer::ScoreOf(const State& state, double design) {
   if (!factor.is_possible) return score;
   score.is_possible = true;
   score.squares = factor.squares;
-  score.objective = dof_ / design * std::log(factor.squares / dof_) + factor.log_det + factor.prices;
+  score.objective = dof_ / design * LogSquares(factor.squares) + factor.log_det + factor.prices;
   const Eigen::VectorXd amplitudes = factor.lower.triangularView<Eigen::Lower>().transpose().solve(factor.half);
   for (size_t i = 0; i < state.size(); ++i) {
     const Group& one = group(state[i].group);
@@ -432,7 +436,7 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
                              Visit visit) {
   const Factor factor = FactorOf(state, design);
   if (!factor.is_possible) return;
-  const double base = dof_ / design * std::log(factor.squares / dof_) + factor.log_det + factor.prices;
+  const double base = dof_ / design * LogSquares(factor.squares) + factor.log_det + factor.prices;
   // lower^-1 times the products of the state's columns with all others: what the state explains of them.
   LoadProducts(state);
   Eigen::MatrixXd half(factor.half.size(), column_count_);

@@ -95,6 +95,9 @@ class Scorer {
   };
   struct Factor;
 
+  // ln(rss / dof), rss at least Rows::least_squares; and what is left of it.
+  double LogSquares(double squares) const;
+  double LogRatio(double left, double squares) const;
   const Source& SourceOf(int group, int* within) const;
   void Take(const Source& source, size_t number);
   // Of whitened columns.

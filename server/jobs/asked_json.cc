@@ -31,10 +31,10 @@ std::string AskedJson(const records::IdentifyParams& params) {
   return asked.dump();
 }
 
-std::string AskedJson(const records::CloseLoopParams& params, int max_effects,
-                      const std::vector<records::SessionRecord>& fit,
+std::string AskedJson(const records::CloseLoopParams& params, const std::vector<records::SessionRecord>& fit,
                       const std::vector<records::SessionRecord>& check) {
-  json asked = {{"max_effects", max_effects}, {"fit", SessionsJson(fit)}, {"check", SessionsJson(check)}};
+  json asked = {{"fit", SessionsJson(fit)}, {"check", SessionsJson(check)}};
+  if (params.max_effects) asked["max_effects"] = *params.max_effects;
   AddSimulation(params, &asked);
   return asked.dump();
 }

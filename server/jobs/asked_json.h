@@ -12,8 +12,7 @@ namespace axiscal::jobs {
 
 std::string AskedJson(const records::IdentifyParams& params);
 // Sessions with names and checksums: what the result can be computed again from.
-std::string AskedJson(const records::CloseLoopParams& params, int max_effects,
-                      const std::vector<records::SessionRecord>& fit,
+std::string AskedJson(const records::CloseLoopParams& params, const std::vector<records::SessionRecord>& fit,
                       const std::vector<records::SessionRecord>& check);
 
 }  // namespace axiscal::jobs

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <memory>
 
-#include "core/loop/close_loop.h"
+#include "core/decide/close_loop.h"
 #include "proto/convert/job_params.h"
 #include "server/inputs/job_inputs.h"
 #include "server/jobs/asked_json.h"
@@ -14,10 +14,10 @@
 namespace axiscal::jobs {
 namespace {
 
-absl::StatusOr<loop::Options> CloseLoopOptions(const machine::Machine& machine, const records::CloseLoopParams& params,
-                                               JobContext& context) {
-  loop::Options options;
-  options.max_effects = params.max_effects.value_or(options.max_effects);
+absl::StatusOr<decide::Options> CloseLoopOptions(const machine::Machine& machine,
+                                                 const records::CloseLoopParams& params, JobContext& context) {
+  decide::Options options;
+  options.max_effects = params.max_effects;
   options.cancelled = [&context] { return context.cancelled(); };
   // A backward step takes an effect out again; the job's progress does not fall for it.
   // A simulation reports from every worker.
@@ -54,16 +54,16 @@ absl::StatusOr<storage::JobProduct> RunCloseLoop(storage::Database& database, co
   ASSIGN_OR_RETURN(const MachineInput input, LoadMachine(database, params.machine));
   ASSIGN_OR_RETURN(MeasuredSessions fit, LoadSessions(database, params.fit, input.machine, context));
   ASSIGN_OR_RETURN(MeasuredSessions check, LoadSessions(database, params.check, input.machine, context));
-  ASSIGN_OR_RETURN(const loop::Options options, CloseLoopOptions(input.machine, params, context));
+  ASSIGN_OR_RETURN(const decide::Options options, CloseLoopOptions(input.machine, params, context));
   ASSIGN_OR_RETURN(const loop::Report report,
-                   loop::CloseLoop(input.machine, std::move(fit.runs), std::move(check.runs), options));
+                   decide::CloseLoop(input.machine, std::move(fit.runs), std::move(check.runs), options));
 
   storage::JobProduct product;
   product.result = reports::ToJson(loop::ReportOf(input.machine, report));
   product.calibration =
       MakeCalibration(input, report.is_check_fitted ? Both(fit, check) : fit, report.fit_before, report.fitted, job);
   product.calibration->report_json = product.result;
-  product.calibration->options_json = AskedJson(params, options.max_effects, fit.records, check.records);
+  product.calibration->options_json = AskedJson(params, fit.records, check.records);
   return product;
 }
 

@@ -4,7 +4,6 @@
 
 #include "core/decide/close_loop.h"
 #include "core/identify/testing/scenario.h"
-#include "core/loop/close_loop.h"
 
 namespace axiscal {
 namespace {
@@ -22,14 +21,13 @@ std::vector<instruments::MeasuringRun> Sessions(const machine::Machine& machine,
       .value();
 }
 
-template <typename Close>
-void Time(benchmark::State& state, Close close) {
+void CloseTheLoop(benchmark::State& state) {
   const machine::Machine machine = machine::testing::MultiTasking();
   const std::vector<instruments::MeasuringRun> runs = Sessions(machine, static_cast<int>(state.range(0)));
   int readings = 0, candidates = 0;
   for (const instruments::MeasuringRun& run : runs) readings += run.reading_count();
   for (auto _ : state) {
-    const loop::Report report = close(machine, runs).value();
+    const loop::Report report = decide::CloseLoop(machine, runs, {}).value();
     candidates = report.candidates;
     if (report.effects.size() != 1) state.SkipWithError("the lacking effect was not found");
   }
@@ -42,13 +40,6 @@ void Time(benchmark::State& state, Close close) {
   state.counters["peak_MiB"] = static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-void CloseTheLoop(benchmark::State& state) {
-  Time(state, [](const auto& machine, const auto& runs) { return loop::CloseLoop(machine, runs, {}); });
-}
-void ByTheObjective(benchmark::State& state) {
-  Time(state, [](const auto& machine, const auto& runs) { return decide::CloseLoop(machine, runs, {}); });
-}
-BENCHMARK(ByTheObjective)->Arg(3000)->Arg(30000)->Arg(300000)->Unit(benchmark::kMillisecond);
 BENCHMARK(CloseTheLoop)->Arg(3000)->Arg(30000)->Arg(300000)->Unit(benchmark::kMillisecond);
 
 }  // namespace

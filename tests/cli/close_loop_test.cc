@@ -153,7 +153,7 @@ TEST_F(CloseLoop, TheCandidateHoldsItsProvenanceAndCompensationUsesItOnceApprove
   ASSERT_EQ(calibration["options"]["check"].size(), 4u);
   EXPECT_EQ(calibration["options"]["check"][0]["session"], "BZ");
   EXPECT_EQ(calibration["options"]["fit"][0]["hash"].get<std::string>().size(), 64u);
-  EXPECT_EQ(calibration["options"]["max_effects"], 8);
+  EXPECT_FALSE(calibration["options"].contains("max_effects"));  // nobody capped it
   EXPECT_FALSE(calibration["engine_version"].get<std::string>().empty());
   EXPECT_EQ(calibration["report"]["steps"].size(), loop.Json()["steps"].size());
   EXPECT_THAT(Run("calibration show 1").out, HasSubstr("verdict: the model was extended"));
@@ -271,7 +271,10 @@ TEST_F(CloseLoop, MeasuredSphereCentresLeadToTheToolLengthAndTheTilts) {
   EXPECT_EQ(report["steps"][0]["name"], "EZ0T");
   EXPECT_NEAR(report["steps"][0]["rms_um"].get<double>(), 19.6, 0.2);
   EXPECT_LT(report["fit"]["after"]["rms_um"].get<double>(), 3.3);
-  EXPECT_NEAR(report["effects"][0]["amplitude"].get<double>(), 3182.5, 5.0);
+  // With B's location error EB0B, which these sessions do not tell from the squareness, it is 3182.5 um.
+  EXPECT_NEAR(report["effects"][0]["amplitude"].get<double>(), 3145.0, 5.0);
+  EXPECT_EQ(report["effects"][1]["symbol"], "EB0X");
+  EXPECT_NE(report["effects"][1]["equivalent"].dump().find("EB0B"), std::string::npos);
 }
 
 }  // namespace

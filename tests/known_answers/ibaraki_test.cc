@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/identify/identify.h"
-#include "core/loop/close_loop.h"
+#include "core/decide/close_loop.h"
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
 #include "tests/known_answers/ibaraki_columns.h"
@@ -325,7 +325,7 @@ TEST(Ibaraki, TheLoopTellsWhenTheColumnsMoved) {
   }
   const auto runs = identify::BindSessions(TiltingTableAc(), {session});
   ASSERT_TRUE(runs.ok()) << runs.status();
-  const auto report = loop::CloseLoop(TiltingTableAc(), *runs, {});
+  const auto report = decide::CloseLoop(TiltingTableAc(), *runs, {});
   ASSERT_TRUE(report.ok()) << report.status();
   ASSERT_EQ(report->unexplained.size(), 1u);
   EXPECT_EQ(report->unexplained[0].variable, "t");

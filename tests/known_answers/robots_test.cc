@@ -8,7 +8,7 @@
 #include "core/base/testing/source_path.h"
 #include "core/base/units.h"
 #include "core/identify/identify.h"
-#include "core/loop/close_loop.h"
+#include "core/decide/close_loop.h"
 #include "core/session/case.h"
 
 namespace axiscal::known_answers {
@@ -59,7 +59,7 @@ TEST_P(Robots, LackWhatTheirGearsAndCablesDo) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
   const auto c = session::ReadCase(folder);
   ASSERT_TRUE(c.ok()) << c.status();
-  const auto report = loop::CloseLoop(c->machine, identify::BindSessions(c->machine, c->fit).value(),
+  const auto report = decide::CloseLoop(c->machine, identify::BindSessions(c->machine, c->fit).value(),
                                       identify::BindSessions(c->machine, c->check).value());
   ASSERT_TRUE(report.ok()) << report.status();
   const bool is_named = std::any_of(report->effects.begin(), report->effects.end(), [](const loop::Effect& effect) {

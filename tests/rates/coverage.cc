@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/decide/close_loop.h"
 #include "core/identify/gauge.h"
 #include "core/identify/identify.h"
-#include "core/loop/close_loop.h"
 #include "tests/rates/score.h"
 
 namespace axiscal::rates {
@@ -92,7 +92,7 @@ bool AddIdentified(const SimulatedCase& simulated, int keep_every, CoverageByKin
 }
 
 void AddClosed(const SimulatedCase& simulated, CoverageByKind* coverage) {
-  const absl::StatusOr<loop::Report> report = loop::CloseLoop(simulated.machine, simulated.fit, simulated.check);
+  const absl::StatusOr<loop::Report> report = decide::CloseLoop(simulated.machine, simulated.fit, simulated.check);
   if (!report.ok()) return;
   for (const loop::Effect& effect : report->effects) {
     for (const machine::ErrorTerm& truth : simulated.effects.terms) {

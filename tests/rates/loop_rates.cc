@@ -3,7 +3,7 @@
 // the sessions that it proposes leave the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`,
 // COUNT machines with one effect; or what the loop leaves of the error over the box of machines with other physics:
 // `loop_rates physics KIND COUNT [FIRST_SEED] [-v]`, KIND one of physics_case.h. -v prints every case, otherwise those
-// that went wrong; --objective in front of all others judges core/decide instead of core/loop.
+// that went wrong.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -14,7 +14,6 @@
 
 #include "core/base/units.h"
 #include "core/decide/close_loop.h"
-#include "core/loop/close_loop.h"
 #include "tests/rates/next_session.h"
 #include "tests/rates/physics_case.h"
 #include "tests/rates/score.h"
@@ -54,14 +53,13 @@ struct Left {
   bool IsHarmed() const { return after_um > 1.1 * before_um && after_um > before_um + 0.2; }
 };
 
-Left JudgePhysics(const axiscal::rates::PhysicsCase& physics, bool by_objective) {
+Left JudgePhysics(const axiscal::rates::PhysicsCase& physics) {
   namespace loop = axiscal::loop;
   Left left;
   for (const std::string& name : physics.put_in) left.text += " " + name;
   const auto declared = axiscal::identify::Identify(physics.machine, physics.simulated.measured.fit);
   const auto start = std::chrono::steady_clock::now();
-  const auto closed = by_objective ? axiscal::decide::CloseLoop(physics.machine, physics.fit, physics.check)
-                                   : loop::CloseLoop(physics.machine, physics.fit, physics.check);
+  const auto closed = axiscal::decide::CloseLoop(physics.machine, physics.fit, physics.check);
   left.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto error_um = [&](const axiscal::machine::ErrorModel& model) {
     return axiscal::base::kUmPerMm * axiscal::rates::ErrorOverBox(physics, model);
@@ -77,7 +75,7 @@ Left JudgePhysics(const axiscal::rates::PhysicsCase& physics, bool by_objective)
   return left;
 }
 
-int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool by_objective) {
+int PhysicsRates(const char* word, int count, int first, bool is_verbose) {
   const char* const* const words = axiscal::rates::PhysicsWords();
   int kind = 0;
   while (words[kind] != nullptr && std::strcmp(words[kind], word) != 0) ++kind;
@@ -90,8 +88,7 @@ int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool b
   std::vector<double> before, after, seconds;
   int harmed = 0;
   for (int seed = first; seed < first + count; ++seed) {
-    const Left left =
-        JudgePhysics(axiscal::rates::DrawPhysics(static_cast<axiscal::rates::Physics>(kind), seed), by_objective);
+    const Left left = JudgePhysics(axiscal::rates::DrawPhysics(static_cast<axiscal::rates::Physics>(kind), seed));
     before.push_back(left.before_um);
     after.push_back(left.after_um);
     seconds.push_back(left.seconds);
@@ -111,11 +108,6 @@ int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool b
 
 int main(int argc, char** argv) {
   using axiscal::rates::Kind;
-  const bool by_objective = argc > 1 && std::strcmp(argv[1], "--objective") == 0;
-  if (by_objective) {
-    --argc;
-    ++argv;
-  }
   const std::map<std::string, Kind> kinds = {{"null", Kind::kNull},
                                              {"one", Kind::kOne},
                                              {"pair", Kind::kPair},
@@ -133,14 +125,14 @@ int main(int argc, char** argv) {
   const bool is_verbose = std::strcmp(argv[argc - 1], "-v") == 0;
   if (argc >= 4 && std::strcmp(argv[1], "physics") == 0) {
     const int first_seed = argc > 4 ? std::max(1, std::atoi(argv[4])) : 1;
-    return PhysicsRates(argv[2], std::atoi(argv[3]), first_seed, is_verbose, by_objective);
+    return PhysicsRates(argv[2], std::atoi(argv[3]), first_seed, is_verbose);
   }
   if (argc < 3 || (!is_next && !kinds.contains(argv[1]))) {
     std::fprintf(stderr,
-                 "usage: loop_rates [--objective] "
+                 "usage: loop_rates "
                  "null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|wander|wander-null|coarse|coarse-null|"
                  "next COUNT "
-                 "[FIRST_SEED] [-v]\n       loop_rates [--objective] physics KIND COUNT [FIRST_SEED] [-v]\n");
+                 "[FIRST_SEED] [-v]\n       loop_rates physics KIND COUNT [FIRST_SEED] [-v]\n");
     return 2;
   }
   const int count = std::atoi(argv[2]);
@@ -151,7 +143,7 @@ int main(int argc, char** argv) {
   int spurious_cases = 0, noticed = 0, left_alone = 0;
   std::vector<double> check_ratio, sigma_ratio, seconds;
   for (int seed = first; seed < first + count; ++seed) {
-    const axiscal::rates::Score score = axiscal::rates::Judge(axiscal::rates::Draw(kind, seed), kind, by_objective);
+    const axiscal::rates::Score score = axiscal::rates::Judge(axiscal::rates::Draw(kind, seed), kind);
     total.effects += score.effects;
     total.named += score.named;
     total.first += score.first;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/loop/close_loop.h"
+#include "core/decide/close_loop.h"
 #include "core/loop/same_always.h"
 #include "core/synthetic/simulate.h"
 #include "tests/rates/score.h"
@@ -61,7 +61,7 @@ NextScore JudgeNext(uint64_t seed) {
   score.text = absl::StrFormat("%s in %s (%.1f)", machine.id, machine::NameOf(machine, simulated.effects.terms[0]),
                                simulated.signal_to_noise[0]);
   const auto start = std::chrono::steady_clock::now();
-  const absl::StatusOr<loop::Report> before = loop::CloseLoop(machine, simulated.fit, simulated.check);
+  const absl::StatusOr<loop::Report> before = decide::CloseLoop(machine, simulated.fit, simulated.check);
   score.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!before.ok()) {
     score.text += " " + std::string(before.status().message());
@@ -70,6 +70,7 @@ NextScore JudgeNext(uint64_t seed) {
   const std::vector<ErrorTerm> members = ClassOfTruth(simulated, *before);
   score.held_others = members.size() > 1;
   score.text += " before" + ReportedIn(machine, *before);
+  score.is_alone = members.size() == 1;
   if (!score.held_others) return score;
 
   machine::ErrorModel truth = simulated.declared;
@@ -92,7 +93,7 @@ NextScore JudgeNext(uint64_t seed) {
   if (measured.empty()) return score;
   std::vector<instruments::MeasuringRun> runs = identify::BindSessions(machine, measured).value();
   for (instruments::MeasuringRun& run : runs) simulated.fit.push_back(std::move(run));
-  const absl::StatusOr<loop::Report> after = loop::CloseLoop(machine, simulated.fit, simulated.check);
+  const absl::StatusOr<loop::Report> after = decide::CloseLoop(machine, simulated.fit, simulated.check);
   if (!after.ok()) {
     score.text += " " + std::string(after.status().message());
     return score;

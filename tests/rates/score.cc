@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "core/decide/close_loop.h"
-#include "core/loop/close_loop.h"
 
 namespace axiscal::rates {
 namespace {
@@ -47,12 +46,11 @@ bool IsSame(const ErrorTerm& a, const ErrorTerm& b) {
          std::abs(one->frequency - other->frequency) < (one->is_frequency_free ? 0.05 * other->frequency : 1e-9);
 }
 
-Score Judge(const SimulatedCase& simulated, Kind kind, bool by_objective) {
+Score Judge(const SimulatedCase& simulated, Kind kind) {
   const machine::Machine& machine = simulated.machine;
   Score score;
   const auto start = std::chrono::steady_clock::now();
-  const absl::StatusOr<loop::Report> run = by_objective ? decide::CloseLoop(machine, simulated.fit, simulated.check)
-                                                        : loop::CloseLoop(machine, simulated.fit, simulated.check);
+  const absl::StatusOr<loop::Report> run = decide::CloseLoop(machine, simulated.fit, simulated.check);
   score.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   score.effects = kind == Kind::kBump ? 0 : static_cast<int>(simulated.effects.terms.size());
   if (!run.ok()) {

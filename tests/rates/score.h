@@ -24,8 +24,7 @@ struct Score {
 // The same effect; a pitch's frequency is told to within half a period over the measured range (about 1 in 20 here).
 bool IsSame(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
 
-// By core/decide where `by_objective`, else by core/loop.
-Score Judge(const SimulatedCase& simulated, Kind kind, bool by_objective = false);
+Score Judge(const SimulatedCase& simulated, Kind kind);
 
 }  // namespace axiscal::rates
 

@@ -5,12 +5,17 @@
 #include <numbers>
 #include <random>
 
+#include "core/decide/close_loop.h"
 #include "core/identify/testing/scenario.h"
-#include "core/loop/close_loop.h"
 #include "core/plan/session_builder.h"
 
-namespace axiscal::loop {
+namespace axiscal::decide {
 namespace {
+
+using loop::Effect;
+using loop::Report;
+using loop::Unexplained;
+using loop::Verdict;
 
 using ballbar::Pattern;
 using identify::testing::Errors;
@@ -221,4 +226,4 @@ TEST(NotKnown, BacklashNeedsBothSenses) {
 }
 
 }  // namespace
-}  // namespace axiscal::loop
+}  // namespace axiscal::decide

@@ -1,13 +1,14 @@
-#include "core/loop/settle_classes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/decide/close_loop.h"
 #include "core/identify/testing/scenario.h"
-#include "core/loop/close_loop.h"
 
-namespace axiscal::loop {
+namespace axiscal::decide {
 namespace {
+
+using loop::Report;
 
 using ::testing::Contains;
 using ::testing::IsSupersetOf;
@@ -33,13 +34,13 @@ std::vector<std::string> ClassFoundIn(const std::string& effect, double amplitud
 
 // A drift of the tool holder's place and of its tilt are 0.98 alike while two tools are 50 mm apart in length; ten
 // times as much of it and the second tool tells them.
-TEST(SettleClasses, AStrongDriftIsNoTilt) {
+TEST(Classes, AStrongDriftIsNoTilt) {
   const std::string drift = R"("symbol": "EXT", "shape": "drift")";
   EXPECT_THAT(ClassFoundIn(drift, 20.0), IsSupersetOf({"EXT:drift", "EBT:drift"}));
   EXPECT_THAT(ClassFoundIn(drift, 200.0), ::testing::ElementsAre("EXT:drift"));
 }
 
-TEST(SettleClasses, AStrongStraightnessIsNoRoll) {
+TEST(Classes, AStrongStraightnessIsNoRoll) {
   const std::string straightness = R"("symbol": "EYY", "shape": "quadratic")";
   EXPECT_THAT(ClassFoundIn(straightness, 20.0), IsSupersetOf({"EYY:quadratic", "EAT:quadratic(Y)"}));
   const std::vector<std::string> strong = ClassFoundIn(straightness, 200.0);
@@ -48,4 +49,4 @@ TEST(SettleClasses, AStrongStraightnessIsNoRoll) {
 }
 
 }  // namespace
-}  // namespace axiscal::loop
+}  // namespace axiscal::decide

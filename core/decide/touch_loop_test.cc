@@ -5,12 +5,16 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "core/decide/close_loop.h"
 #include "core/identify/testing/scenario.h"
-#include "core/loop/close_loop.h"
 #include "core/plan/test.h"
 
-namespace axiscal::loop {
+namespace axiscal::decide {
 namespace {
+
+using loop::Effect;
+using loop::Report;
+using loop::Verdict;
 
 using ::testing::HasSubstr;
 
@@ -82,7 +86,7 @@ TEST(TouchLoop, LobesOfTheProbeAreFoundAgain) {
   EXPECT_LT(effect.amplitude_sigma, 0.3e-3);
   EXPECT_NEAR(std::atan2(effect.term.amplitude[1], effect.term.amplitude[0]) * base::kDegPerRad, 40.0, 10.0);
   EXPECT_EQ(report.verdict, Verdict::kExtended);
-  EXPECT_THAT(reports::ToJson(ReportOf(Declaring(), report)), HasSubstr("\"variable\": \"approach\""));
+  EXPECT_THAT(reports::ToJson(loop::ReportOf(Declaring(), report)), HasSubstr("\"variable\": \"approach\""));
 }
 
 // Pre-travel alike in all directions: a stylus that is smaller than stated.
@@ -100,4 +104,4 @@ TEST(TouchLoop, AnErrorOfTheMachineIsNotTakenForTheProbes) {
 }
 
 }  // namespace
-}  // namespace axiscal::loop
+}  // namespace axiscal::decide
