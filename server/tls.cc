@@ -19,7 +19,8 @@ grpc_ssl_certificate_config_reload_status Fetch(void* tls, grpc_ssl_server_certi
   if (!material) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
   const grpc_ssl_pem_key_cert_pair pair = {material->key_pem.c_str(), material->certificate_pem.c_str()};
   // gRPC insists on authorities, also where callers are asked for no certificate.
-  const std::string& authorities = material->client_ca_pem.empty() ? material->certificate_pem : material->client_ca_pem;
+  const std::string& authorities =
+      material->client_ca_pem.empty() ? material->certificate_pem : material->client_ca_pem;
   *config = grpc_ssl_server_certificate_config_create(authorities.c_str(), &pair, 1);
   return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
 }

@@ -52,8 +52,8 @@ class Coordinates {
   bool has_preset() const;
   // G52. False: a preset is in force, controllers differ.
   bool Shift(int axis, Ticks value);
-  // G10 L2: the values of the axes in `axes` of a work offset, in force at once where it is selected. False, and nothing
-  // changed: it is not stated, and `axes` are not all.
+  // G10 L2: the values of the axes in `axes` of a work offset, in force at once where it is selected. False, and
+  // nothing changed: it is not stated, and `axes` are not all.
   bool Restate(const std::string& code, uint16_t axes, const AxisTicks& ticks);
   bool IsStated(const std::string& code) const;
   // G10: what was stated holds no longer.
