@@ -22,6 +22,7 @@
 #include "client/options.h"
 #include "core/base/ids.h"
 #include "core/base/status.h"
+#include "core/records/access.h"
 #include "core/records/calibration.h"
 #include "core/records/history.h"
 #include "core/records/job.h"
@@ -47,11 +48,20 @@ using records::DriftSeries;
 using records::FleetRow;
 using records::JobRecord;
 using records::JobState;
+using records::MachineAccess;
 using records::MachineRecord;
 using records::Page;
 using records::PageRequest;
+using records::PrincipalRecord;
 using records::ProgramRecord;
 using records::SessionRecord;
+using records::TokenRecord;
+
+// A token's secret is handed out once.
+struct NewToken {
+  std::string secret;
+  TokenRecord record;
+};
 
 struct UploadResult {
   SessionRecord session;         // COMPLETE
@@ -137,7 +147,7 @@ class Client {
   absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine);
   // Puts it in use; the machine's former one retires. Approving an older version is the way back. ABORTED
   // ETAG_MISMATCH.
-  absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t etag, const std::string& approved_by);
+  absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t etag);
   absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t etag);
 
   // ---- programs, byte for byte; resumed when the stream breaks
@@ -171,6 +181,22 @@ class Client {
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query);
   // The newest estimate of each symbol (none named: all) of every machine.
   absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page = {});
+
+  // ---- who may do what: all but GetIdentity() for admins of all machines
+  // Whom the server takes this client for: name and roles.
+  absl::StatusOr<PrincipalRecord> GetIdentity();
+  absl::StatusOr<PrincipalRecord> CreatePrincipal(const std::string& name, const std::string& note = "");
+  // With its tokens, for ever.
+  absl::StatusOr<PrincipalRecord> RevokePrincipal(const std::string& name);
+  absl::StatusOr<Page<PrincipalRecord>> ListPrincipals(const PageRequest& page = {});
+  absl::StatusOr<NewToken> CreateToken(const std::string& principal, const std::string& note = "",
+                                       const std::optional<base::UtcTime>& expires_at = std::nullopt);
+  absl::StatusOr<TokenRecord> RevokeToken(int64_t id);
+  absl::StatusOr<PrincipalRecord> ChangeRole(const std::string& principal, const records::Grant& grant, bool holds);
+  absl::StatusOr<MachineAccess> ChangeGroup(const std::string& group, const MachineId& machine, bool belongs);
+  // Whether another person must approve a calibration of the machine than the one that identified it.
+  absl::StatusOr<MachineAccess> SetFourEyes(const MachineId& machine, bool four_eyes);
+  absl::StatusOr<Page<MachineAccess>> ListMachineAccess(const PageRequest& page = {});
 
   // ---- the server
   absl::StatusOr<ServerInfo> GetServerInfo();

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "axiscal/v1/access_service.grpc.pb.h"
 #include "axiscal/v1/admin_service.grpc.pb.h"
 #include "axiscal/v1/calibrations_service.grpc.pb.h"
 #include "axiscal/v1/history_service.grpc.pb.h"
@@ -15,6 +16,7 @@
 #include "client/client.h"
 #include "client/connection.h"
 #include "grpc/health/v1/health.grpc.pb.h"
+#include "proto/convert/access.h"
 #include "proto/convert/calibration.h"
 #include "proto/convert/history.h"
 #include "proto/convert/job.h"
@@ -38,6 +40,7 @@ class Client::Impl {
         history(v1::History::NewStub(channel)),
         tables(v1::Tables::NewStub(channel)),
         admin(v1::Admin::NewStub(channel)),
+        access(v1::Access::NewStub(channel)),
         health(grpc::health::v1::Health::NewStub(channel)) {}
 
   // One unary call: Call<v1::GetJobResponse>(*jobs, &v1::Jobs::Stub::GetJob, request).
@@ -60,6 +63,7 @@ class Client::Impl {
   const std::unique_ptr<v1::History::Stub> history;
   const std::unique_ptr<v1::Tables::Stub> tables;
   const std::unique_ptr<v1::Admin::Stub> admin;
+  const std::unique_ptr<v1::Access::Stub> access;
   const std::unique_ptr<grpc::health::v1::Health::Stub> health;
 };
 

@@ -133,12 +133,10 @@ absl::StatusOr<CalibrationRecord> Client::GetApprovedCalibration(const MachineId
   return convert::FromProto(response.calibration());
 }
 
-absl::StatusOr<CalibrationRecord> Client::ApproveCalibration(CalibrationId id, int64_t etag,
-                                                             const std::string& approved_by) {
+absl::StatusOr<CalibrationRecord> Client::ApproveCalibration(CalibrationId id, int64_t etag) {
   v1::ApproveCalibrationRequest request;
   request.set_calibration_id(id.number());
   request.set_etag(etag);
-  request.set_approved_by(approved_by);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::ApproveCalibrationResponse>(*impl_->calibrations,
                                                                &v1::Calibrations::Stub::ApproveCalibration, request));

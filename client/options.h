@@ -24,7 +24,7 @@ struct Identity {
 
 struct Options {
   Identity identity = {};
-  // Who asks, as written into created_by and the audit. Request ids of jobs and programs are this user's own.
+  // A name for the server's log. Who asks is decided by the server (`identity`), and so is what it may do.
   std::string user = "anonymous";
   // How long Connect() waits for the server; 0 connects when the first call needs it.
   std::chrono::milliseconds connect_deadline = std::chrono::seconds(5);

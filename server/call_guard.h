@@ -1,5 +1,5 @@
 // What gRPC does with a call before our handler and after it: a thread of the server waits until the caller has taken
-// the reply, or serves a stream of gRPC's own (reflection). Nothing but this ends it where the connection lives.
+// the reply, or serves a call of gRPC's own (health). Nothing but this ends it where the connection lives.
 #ifndef AXISCAL_SERVER_CALL_GUARD_H_
 #define AXISCAL_SERVER_CALL_GUARD_H_
 

@@ -108,6 +108,14 @@ absl::StatusOr<TlsMaterial> ReadTls(const TlsFiles& files, base::UtcTime now) {
   return material;
 }
 
+std::optional<base::UtcTime> EndOfCertificate(const std::string& pem) {
+  const Bio bio = Open(pem);
+  const X509Pointer one(PEM_read_bio_X509(bio.get(), nullptr, &NoPassword, nullptr), &X509_free);
+  ERR_clear_error();
+  if (one == nullptr) return std::nullopt;
+  return TimeOf(X509_get0_notAfter(one.get()));
+}
+
 std::vector<std::string> EndingSoon(const std::vector<Certificate>& certificates, base::UtcTime now,
                                     std::chrono::hours ahead) {
   std::vector<std::string> sentences;

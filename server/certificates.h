@@ -3,6 +3,7 @@
 #ifndef AXISCAL_SERVER_CERTIFICATES_H_
 #define AXISCAL_SERVER_CERTIFICATES_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct TlsMaterial {
 // INVALID_ARGUMENT that names the file: it cannot be read, holds no certificate, the key is not the certificate's or
 // has a password, or the server's own certificate is not valid at `now`.
 absl::StatusOr<TlsMaterial> ReadTls(const TlsFiles& files, base::UtcTime now);
+
+// When a certificate ends; nothing where it cannot be read.
+std::optional<base::UtcTime> EndOfCertificate(const std::string& pem);
 
 // Those that end within `ahead` of `now` or have ended, each as a sentence.
 std::vector<std::string> EndingSoon(const std::vector<Certificate>& certificates, base::UtcTime now,

@@ -55,6 +55,8 @@ const std::vector<Setting>& Settings() {
       {"server.listen", "--listen", "HOST:PORT or unix:PATH; port 0 picks a free one", &Config::listen},
       {"server.drain_seconds", "--drain-seconds", "How long calls and jobs may go on after SIGTERM",
        &Config::drain_seconds, 0, kDaySeconds},
+      {"server.ask_identity", "--ask-identity", "Callers must show a certificate or a token; always so with TLS",
+       &Config::asks_identity},
       {"tls.certificate", "--tls-certificate", "The server's certificate, PEM; read again when it changes",
        &Config::tls_certificate, 0, 0, true},
       {"tls.key", "--tls-key", "Its key, PEM, without a password", &Config::tls_key, 0, 0, true},
@@ -139,7 +141,7 @@ absl::Status Check(const Configured& configured) {
   const std::string listen = place("server.listen") + ": server.listen";
   const absl::StatusOr<bool> is_local_only = IsLocalOnly(config.listen);
   if (!is_local_only.ok()) return base::Within(listen, is_local_only.status());
-  return *is_local_only || !tls.client_ca.empty() ? absl::OkStatus() : base::Within(listen, Unprotected(config.listen));
+  return *is_local_only || tls.is_set() ? absl::OkStatus() : base::Within(listen, Unprotected(config.listen));
 }
 
 }  // namespace axiscal::server

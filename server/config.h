@@ -20,6 +20,7 @@ struct Config {
   std::string database;
   std::string listen = "127.0.0.1:7410";
   int64_t drain_seconds = 20;
+  bool asks_identity = false;
   std::string tls_certificate, tls_key, tls_client_ca;
   int64_t workers = 2;
   int64_t max_uploads = 500;

@@ -60,7 +60,7 @@ TEST(Config, RelativeFilesStandBesideTheConfiguration) {
 
 TEST(Config, RefusalsNameFileLineKeyAndRule) {
   EXPECT_EQ(Refusal("\n[server]\nlisen = 'x'\n"),
-            "etc/axiscald.toml:3: unknown key server.lisen; known keys here: listen, drain_seconds");
+            "etc/axiscald.toml:3: unknown key server.lisen; known keys here: listen, drain_seconds, ask_identity");
   EXPECT_THAT(Refusal("[sever]\nlisten = 'x'\n"), HasSubstr("etc/axiscald.toml:1: unknown key sever; known tables "
                                                             "here: store, server, tls, jobs, limits, log"));
   EXPECT_THAT(Refusal("jobs = 3"), HasSubstr("etc/axiscald.toml:1: jobs must be a table with the keys workers"));

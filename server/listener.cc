@@ -149,7 +149,7 @@ absl::Status Unprotected(const std::string& address) {
   return base::Error(absl::StatusCode::kFailedPrecondition,
                      address +
                          ", can be reached from other machines, and whoever reaches it could approve calibrations: "
-                         "set tls.certificate, tls.key and tls.client_ca (deploy/make-certs makes them), or listen on "
+                         "set tls.certificate and tls.key (deploy/make-certs makes them), or listen on "
                          "127.0.0.1:PORT, [::1]:PORT or unix:PATH",
                      {"LISTEN_UNPROTECTED", {{"address", address}}});
 }
@@ -277,8 +277,19 @@ void Listener::AcceptAll(int listening) {
     }
     is_refusing_ = false;
     Set(connection, IPPROTO_TCP, TCP_NODELAY, 1);
+    ucred peer = {};
+    socklen_t size = sizeof(peer);
+    if (port_ == 0 && getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0) {
+      const base::MutexLock lock(users_mutex_);
+      users_.insert(peer.uid);
+    }
     take_(listening, connection);
   }
+}
+
+std::set<uid_t> Listener::users() const {
+  const base::MutexLock lock(users_mutex_);
+  return users_;
 }
 
 void Listener::Refuse(int connection) {

@@ -8,10 +8,12 @@
 
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/base/mutex.h"
 #include "core/base/status.h"
 
 namespace axiscal::server {
@@ -47,6 +49,8 @@ class Listener {
   int port() const { return port_; }
   // As IsLocalOnly(), of what was bound: what a name stands for may change.
   bool is_local_only() const { return is_local_only_; }
+  // Of a unix socket: the users whose processes have connected so far.
+  std::set<uid_t> users() const;
   // Once. A quarter of the descriptors that the process may have now is kept from connections.
   void Start(Take take, TellRefused tell_refused);
   // Takes no more; `take` is not called afterwards. Repeating is harmless.
@@ -71,6 +75,8 @@ class Listener {
   int64_t first_kept_descriptor_ = 0;  // a connection with this number or a higher one is closed
   int64_t refused_ = 0;
   bool is_refusing_ = false;
+  mutable base::Mutex users_mutex_;
+  std::set<uid_t> users_ AXISCAL_GUARDED_BY(users_mutex_);
   std::thread thread_;
 };
 

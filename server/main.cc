@@ -124,6 +124,7 @@ ServerOptions OptionsOf(const axiscal::server::Config& config) {
   ServerOptions options;
   options.database_path = config.database;
   options.listen_address = config.listen;
+  options.asks_identity = config.asks_identity;
   options.tls = axiscal::server::TlsFilesOf(config);
   options.workers = static_cast<int>(config.workers);
   options.max_uploads = static_cast<int>(config.max_uploads);

@@ -1,10 +1,10 @@
 #include "server/server.h"
 
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
 #include <optional>
+#include <set>
 #include <thread>
 
 #include "absl/strings/str_join.h"
@@ -21,6 +21,7 @@
 #include "server/jobs/job_runner.h"
 #include "server/jobs/tool_setter_job.h"
 #include "server/listener.h"
+#include "server/local_login.h"
 #include "server/log.h"
 #include "server/service.h"
 #include "server/storage/file_mode.h"
@@ -40,15 +41,17 @@ constexpr int kMinPingIntervalMs = 10'000;
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
-// Health and reflection are plugins of the process, to be chosen before the first server is built.
+// Health is a plugin of the process, to be chosen before the first server is built. Server reflection is one, too, and
+// on in every process that links its library: this one does not, as it would tell anybody the API.
 void ChoosePlugins() {
   static const bool chosen = [] {
     grpc::EnableDefaultHealthCheckService(true);
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     return true;
   }();
   static_cast<void>(chosen);
 }
+
+bool Asks(const ServerOptions& options) { return options.asks_identity || options.tls.is_set(); }
 
 LogLevel LevelOf(const std::string& outcome) {
   if (outcome == "DEAD") return LogLevel::kError;
@@ -133,6 +136,7 @@ class Server::Impl {
         runner_(*database_, RunnerOptions(options)),
         core_{.database = *database_,
               .jobs = runner_,
+              .gate = {*database_, Asks(options)},
               .limits = {.held = {.max_uploads = options.max_uploads,
                                   .max_rewrites = options.workers,
                                   .silence = options.silence}},
@@ -152,7 +156,7 @@ class Server::Impl {
     SetChannelArguments(options_, builder);
     if (!options_.listen_address.empty()) {
       ASSIGN_OR_RETURN(listener_, Listener::Open(options_.listen_address));
-      if (!listener_->is_local_only() && options_.tls.client_ca.empty()) return Unprotected(options_.listen_address);
+      if (!listener_->is_local_only() && !options_.tls.is_set()) return Unprotected(options_.listen_address);
       std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
       if (options_.tls.is_set()) {
         ASSIGN_OR_RETURN(tls_, Tls::Create(options_.tls, LogTls));
@@ -168,7 +172,9 @@ class Server::Impl {
     if (server_ == nullptr) {
       return base::Error(absl::StatusCode::kUnavailable, "gRPC does not start", {"LISTEN_FAILED", {}});
     }
+    core_.login_of = [this](const std::string& peer) { return LoginOf(peer); };
     if (listener_ != nullptr) StartListening();
+    if (core_.gate.asks()) asker_ = std::thread([this] { AskAgain(); });
     runner_.Start();
     housekeeper_ = std::thread([this] { KeepHouse(); });
     return absl::OkStatus();
@@ -237,6 +243,38 @@ class Server::Impl {
     }
   }
 
+  // Cuts off open calls of principals that were revoked or have lost a role.
+  void AskAgain() {
+    const base::MutexLock lock(housekeeper_mutex_);
+    while (!stop_housekeeper_) {
+      const base::SteadyTime next = base::SystemClock().SteadyNow() + options_.ask_again;
+      while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
+        wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
+      }
+      if (stop_housekeeper_) return;
+      housekeeper_mutex_.Unlock();
+      const int count = core_.open.CutOffRefused();
+      if (count > 0)
+        Log(LogLevel::kWarning, "cut_off",
+            {{"calls", absl::StrCat(count)}, {"text", "their callers may no longer make them"}});
+      housekeeper_mutex_.Lock();
+    }
+  }
+
+  // Of a caller within this process, or on this machine.
+  std::string LoginOf(const std::string& peer) const {
+    if (listener_ == nullptr) return LoginOfProcess();
+    if (listener_->port() != 0) {
+      const std::optional<uid_t> user = UserOfPeer(peer, listener_->port());
+      return user ? LoginOfUser(*user) : "unknown";
+    }
+    // The connections of a unix socket have no names: as long as one user alone has connected, it is he.
+    const std::set<uid_t> users = listener_->users();
+    return users.size() == 1
+               ? LoginOfUser(*users.begin())
+               : "one-of-" + absl::StrJoin(users, "-", [](std::string* out, uid_t user) { *out += LoginOfUser(user); });
+  }
+
   // Once a day for each.
   void WarnOfCertificates() {
     const base::UtcTime now = base::SystemClock().UtcNow();
@@ -262,6 +300,7 @@ class Server::Impl {
       wake_housekeeper_.NotifyAll();
     }
     if (housekeeper_.joinable()) housekeeper_.join();
+    if (asker_.joinable()) asker_.join();
   }
 
   base::Mutex housekeeper_mutex_;
@@ -269,6 +308,7 @@ class Server::Impl {
   bool stop_housekeeper_ AXISCAL_GUARDED_BY(housekeeper_mutex_) = false;
   std::optional<base::UtcTime> warned_at_;  // of certificates; the housekeeper's alone
   std::thread housekeeper_;
+  std::thread asker_;
 
   static jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {
     jobs::JobRunnerOptions runner;

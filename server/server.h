@@ -26,8 +26,12 @@ struct ServerOptions {
   // Where to listen, as gRPC takes it ("127.0.0.1:7410", "unix:/run/axiscal.sock"). Port 0 picks a free one. Empty: on
   // no port.
   std::string listen_address;
-  // Without certificates of callers, other machines must not reach the address.
   TlsFiles tls;
+  // Callers must show who they are, by a certificate or a token (server/access). Without it everybody is "local:LOGIN"
+  // and may do everything, and other machines must not reach the address. Always so with TLS.
+  bool asks_identity = false;
+  // Open calls are asked again so often whether they may go on. > 0.
+  std::chrono::milliseconds ask_again = std::chrono::seconds(15);
   // Jobs at once; each uses one core. 1 to kMaxWorkers.
   int workers = 2;
   // Streams that bring sessions or programs at a time, each holding two threads; more are refused. 1 to kMaxUploads.

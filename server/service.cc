@@ -1,11 +1,13 @@
 #include "server/service.h"
 
+#include "axiscal/v1/access_service.grpc.pb.h"
 #include "axiscal/v1/admin_service.grpc.pb.h"
 #include "axiscal/v1/calibrations_service.grpc.pb.h"
 #include "axiscal/v1/history_service.grpc.pb.h"
 #include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
 #include "axiscal/v1/tables_service.grpc.pb.h"
+#include "server/handlers/access.h"
 #include "server/handlers/approve_calibration.h"
 #include "server/handlers/cancel_job.h"
 #include "server/handlers/create_job.h"
@@ -39,31 +41,31 @@ class MachinesService final : public v1::Machines::Service {
   grpc::Status CreateMachine(grpc::ServerContext* context, const v1::CreateMachineRequest* request,
                              v1::CreateMachineResponse* response) override {
     return Respond(
-        core_, context, "Machines.CreateMachine",
+        core_, context, "Machines.CreateMachine", request,
         [&](const auto& call) { return handlers::CreateMachine(core_, call, *request); }, response);
   }
   grpc::Status GetMachine(grpc::ServerContext* context, const v1::GetMachineRequest* request,
                           v1::GetMachineResponse* response) override {
     return Respond(
-        core_, context, "Machines.GetMachine",
+        core_, context, "Machines.GetMachine", request,
         [&](const auto& call) { return handlers::GetMachine(core_, call, *request); }, response);
   }
   grpc::Status ListMachines(grpc::ServerContext* context, const v1::ListMachinesRequest* request,
                             v1::ListMachinesResponse* response) override {
     return Respond(
-        core_, context, "Machines.ListMachines",
+        core_, context, "Machines.ListMachines", request,
         [&](const auto& call) { return handlers::ListMachines(core_, call, *request); }, response);
   }
   grpc::Status UpdateMachine(grpc::ServerContext* context, const v1::UpdateMachineRequest* request,
                              v1::UpdateMachineResponse* response) override {
     return Respond(
-        core_, context, "Machines.UpdateMachine",
+        core_, context, "Machines.UpdateMachine", request,
         [&](const auto& call) { return handlers::UpdateMachine(core_, call, *request); }, response);
   }
   grpc::Status DeleteMachine(grpc::ServerContext* context, const v1::DeleteMachineRequest* request,
                              v1::DeleteMachineResponse* response) override {
     return Respond(
-        core_, context, "Machines.DeleteMachine",
+        core_, context, "Machines.DeleteMachine", request,
         [&](const auto& call) { return handlers::DeleteMachine(core_, call, *request); }, response);
   }
 
@@ -78,37 +80,37 @@ class JobsService final : public v1::Jobs::Service {
   grpc::Status CreateJob(grpc::ServerContext* context, const v1::CreateJobRequest* request,
                          v1::CreateJobResponse* response) override {
     return Respond(
-        core_, context, "Jobs.CreateJob", [&](const auto& call) { return handlers::CreateJob(core_, call, *request); },
-        response);
+        core_, context, "Jobs.CreateJob", request,
+        [&](const auto& call) { return handlers::CreateJob(core_, call, *request); }, response);
   }
   grpc::Status GetJob(grpc::ServerContext* context, const v1::GetJobRequest* request,
                       v1::GetJobResponse* response) override {
     return Respond(
-        core_, context, "Jobs.GetJob", [&](const auto& call) { return handlers::GetJob(core_, call, *request); },
-        response);
+        core_, context, "Jobs.GetJob", request,
+        [&](const auto& call) { return handlers::GetJob(core_, call, *request); }, response);
   }
   grpc::Status ListJobs(grpc::ServerContext* context, const v1::ListJobsRequest* request,
                         v1::ListJobsResponse* response) override {
     return Respond(
-        core_, context, "Jobs.ListJobs", [&](const auto& call) { return handlers::ListJobs(core_, call, *request); },
-        response);
+        core_, context, "Jobs.ListJobs", request,
+        [&](const auto& call) { return handlers::ListJobs(core_, call, *request); }, response);
   }
   grpc::Status CancelJob(grpc::ServerContext* context, const v1::CancelJobRequest* request,
                          v1::CancelJobResponse* response) override {
     return Respond(
-        core_, context, "Jobs.CancelJob", [&](const auto& call) { return handlers::CancelJob(core_, call, *request); },
-        response);
+        core_, context, "Jobs.CancelJob", request,
+        [&](const auto& call) { return handlers::CancelJob(core_, call, *request); }, response);
   }
   grpc::Status RequeueJob(grpc::ServerContext* context, const v1::RequeueJobRequest* request,
                           v1::RequeueJobResponse* response) override {
     return Respond(
-        core_, context, "Jobs.RequeueJob",
+        core_, context, "Jobs.RequeueJob", request,
         [&](const auto& call) { return handlers::RequeueJob(core_, call, *request); }, response);
   }
   grpc::Status WaitJob(grpc::ServerContext* context, const v1::WaitJobRequest* request,
                        v1::WaitJobResponse* response) override {
     return Respond(
-        core_, context, "Jobs.WaitJob",
+        core_, context, "Jobs.WaitJob", request,
         [&](const auto& call) -> absl::StatusOr<v1::WaitJobResponse> {
           const handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off);
           RETURN_IF_ERROR(held.status());
@@ -118,7 +120,7 @@ class JobsService final : public v1::Jobs::Service {
   }
   grpc::Status WatchJob(grpc::ServerContext* context, const v1::WatchJobRequest* request,
                         grpc::ServerWriter<v1::WatchJobResponse>* writer) override {
-    return RespondStream(core_, context, "Jobs.WatchJob", [&](const auto& call) -> absl::Status {
+    return RespondStream(core_, context, "Jobs.WatchJob", request, [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off);
       RETURN_IF_ERROR(held.status());
       return handlers::WatchJob(core_, call, *request, [&](const auto& message) {
@@ -138,25 +140,25 @@ class CalibrationsService final : public v1::Calibrations::Service {
   grpc::Status ListCalibrations(grpc::ServerContext* context, const v1::ListCalibrationsRequest* request,
                                 v1::ListCalibrationsResponse* response) override {
     return Respond(
-        core_, context, "Calibrations.ListCalibrations",
+        core_, context, "Calibrations.ListCalibrations", request,
         [&](const auto& call) { return handlers::ListCalibrations(core_, call, *request); }, response);
   }
   grpc::Status GetCalibration(grpc::ServerContext* context, const v1::GetCalibrationRequest* request,
                               v1::GetCalibrationResponse* response) override {
     return Respond(
-        core_, context, "Calibrations.GetCalibration",
+        core_, context, "Calibrations.GetCalibration", request,
         [&](const auto& call) { return handlers::GetCalibration(core_, call, *request); }, response);
   }
   grpc::Status ApproveCalibration(grpc::ServerContext* context, const v1::ApproveCalibrationRequest* request,
                                   v1::ApproveCalibrationResponse* response) override {
     return Respond(
-        core_, context, "Calibrations.ApproveCalibration",
+        core_, context, "Calibrations.ApproveCalibration", request,
         [&](const auto& call) { return handlers::ApproveCalibration(core_, call, *request); }, response);
   }
   grpc::Status RetireCalibration(grpc::ServerContext* context, const v1::RetireCalibrationRequest* request,
                                  v1::RetireCalibrationResponse* response) override {
     return Respond(
-        core_, context, "Calibrations.RetireCalibration",
+        core_, context, "Calibrations.RetireCalibration", request,
         [&](const auto& call) { return handlers::RetireCalibration(core_, call, *request); }, response);
   }
 
@@ -171,13 +173,13 @@ class HistoryService final : public v1::History::Service {
   grpc::Status QueryDrift(grpc::ServerContext* context, const v1::QueryDriftRequest* request,
                           v1::QueryDriftResponse* response) override {
     return Respond(
-        core_, context, "History.QueryDrift",
+        core_, context, "History.QueryDrift", request,
         [&](const auto& call) { return handlers::QueryDrift(core_, call, *request); }, response);
   }
   grpc::Status LatestFleet(grpc::ServerContext* context, const v1::LatestFleetRequest* request,
                            v1::LatestFleetResponse* response) override {
     return Respond(
-        core_, context, "History.LatestFleet",
+        core_, context, "History.LatestFleet", request,
         [&](const auto& call) { return handlers::LatestFleet(core_, call, *request); }, response);
   }
 
@@ -192,13 +194,13 @@ class TablesService final : public v1::Tables::Service {
   grpc::Status ListTableFormats(grpc::ServerContext* context, const v1::ListTableFormatsRequest* request,
                                 v1::ListTableFormatsResponse* response) override {
     return Respond(
-        core_, context, "Tables.ListTableFormats",
+        core_, context, "Tables.ListTableFormats", request,
         [&](const auto& call) { return handlers::ListTableFormats(core_, call, *request); }, response);
   }
   grpc::Status MakeTable(grpc::ServerContext* context, const v1::MakeTableRequest* request,
                          v1::MakeTableResponse* response) override {
     return Respond(
-        core_, context, "Tables.MakeTable",
+        core_, context, "Tables.MakeTable", request,
         [&](const auto& call) { return handlers::MakeTable(core_, call, *request); }, response);
   }
 
@@ -213,8 +215,77 @@ class AdminService final : public v1::Admin::Service {
   grpc::Status GetServerInfo(grpc::ServerContext* context, const v1::GetServerInfoRequest* request,
                              v1::GetServerInfoResponse* response) override {
     return Respond(
-        core_, context, "Admin.GetServerInfo",
+        core_, context, "Admin.GetServerInfo", request,
         [&](const auto& call) { return handlers::GetServerInfo(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class AccessService final : public v1::Access::Service {
+ public:
+  explicit AccessService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status GetIdentity(grpc::ServerContext* context, const v1::GetIdentityRequest* request,
+                           v1::GetIdentityResponse* response) override {
+    return Respond(
+        core_, context, "Access.GetIdentity", request,
+        [&](const auto& call) { return handlers::GetIdentity(core_, call, *request); }, response);
+  }
+  grpc::Status CreatePrincipal(grpc::ServerContext* context, const v1::CreatePrincipalRequest* request,
+                               v1::CreatePrincipalResponse* response) override {
+    return Respond(
+        core_, context, "Access.CreatePrincipal", request,
+        [&](const auto& call) { return handlers::CreatePrincipal(core_, call, *request); }, response);
+  }
+  grpc::Status RevokePrincipal(grpc::ServerContext* context, const v1::RevokePrincipalRequest* request,
+                               v1::RevokePrincipalResponse* response) override {
+    return Respond(
+        core_, context, "Access.RevokePrincipal", request,
+        [&](const auto& call) { return handlers::RevokePrincipal(core_, call, *request); }, response);
+  }
+  grpc::Status ListPrincipals(grpc::ServerContext* context, const v1::ListPrincipalsRequest* request,
+                              v1::ListPrincipalsResponse* response) override {
+    return Respond(
+        core_, context, "Access.ListPrincipals", request,
+        [&](const auto& call) { return handlers::ListPrincipals(core_, call, *request); }, response);
+  }
+  grpc::Status CreateToken(grpc::ServerContext* context, const v1::CreateTokenRequest* request,
+                           v1::CreateTokenResponse* response) override {
+    return Respond(
+        core_, context, "Access.CreateToken", request,
+        [&](const auto& call) { return handlers::CreateToken(core_, call, *request); }, response);
+  }
+  grpc::Status RevokeToken(grpc::ServerContext* context, const v1::RevokeTokenRequest* request,
+                           v1::RevokeTokenResponse* response) override {
+    return Respond(
+        core_, context, "Access.RevokeToken", request,
+        [&](const auto& call) { return handlers::RevokeToken(core_, call, *request); }, response);
+  }
+  grpc::Status ChangeRole(grpc::ServerContext* context, const v1::ChangeRoleRequest* request,
+                          v1::ChangeRoleResponse* response) override {
+    return Respond(
+        core_, context, "Access.ChangeRole", request,
+        [&](const auto& call) { return handlers::ChangeRole(core_, call, *request); }, response);
+  }
+  grpc::Status ChangeGroup(grpc::ServerContext* context, const v1::ChangeGroupRequest* request,
+                           v1::ChangeGroupResponse* response) override {
+    return Respond(
+        core_, context, "Access.ChangeGroup", request,
+        [&](const auto& call) { return handlers::ChangeGroup(core_, call, *request); }, response);
+  }
+  grpc::Status SetFourEyes(grpc::ServerContext* context, const v1::SetFourEyesRequest* request,
+                           v1::SetFourEyesResponse* response) override {
+    return Respond(
+        core_, context, "Access.SetFourEyes", request,
+        [&](const auto& call) { return handlers::SetFourEyes(core_, call, *request); }, response);
+  }
+  grpc::Status ListMachineAccess(grpc::ServerContext* context, const v1::ListMachineAccessRequest* request,
+                                 v1::ListMachineAccessResponse* response) override {
+    return Respond(
+        core_, context, "Access.ListMachineAccess", request,
+        [&](const auto& call) { return handlers::ListMachineAccess(core_, call, *request); }, response);
   }
 
  private:
@@ -233,6 +304,7 @@ std::vector<std::unique_ptr<grpc::Service>> MakeServices(handlers::Core& core) {
   services.push_back(std::make_unique<HistoryService>(core));
   services.push_back(std::make_unique<TablesService>(core));
   services.push_back(std::make_unique<AdminService>(core));
+  services.push_back(std::make_unique<AccessService>(core));
   return services;
 }
 

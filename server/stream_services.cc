@@ -19,11 +19,15 @@ namespace axiscal::server {
 namespace {
 
 // Messages until the caller ends its side, or sends what cannot be read: gRPC tells the two apart no more than we can.
+// What the first one names, the caller must be allowed.
 template <typename Request, typename Stream, typename Receiver>
-absl::Status ReceiveAll(handlers::HeldCall& held, Stream& stream, Receiver& receiver) {
+absl::Status ReceiveAll(handlers::HeldCall& held, const handlers::Call& call, Stream& stream, Receiver& receiver) {
   RETURN_IF_ERROR(held.status());
   Request request;
-  while (held.Await([&] { return stream.Read(&request); })) RETURN_IF_ERROR(receiver.Receive(request));
+  for (bool is_first = true; held.Await([&] { return stream.Read(&request); }); is_first = false) {
+    if (is_first) RETURN_IF_ERROR(call.admit(request));
+    RETURN_IF_ERROR(receiver.Receive(request));
+  }
   return held.status();
 }
 
@@ -34,36 +38,36 @@ class IngestService final : public v1::Ingest::Service {
   grpc::Status CreateSession(grpc::ServerContext* context, const v1::CreateSessionRequest* request,
                              v1::CreateSessionResponse* response) override {
     return Respond(
-        core_, context, "Ingest.CreateSession",
+        core_, context, "Ingest.CreateSession", request,
         [&](const auto& call) { return handlers::CreateSession(core_, call, *request); }, response);
   }
   grpc::Status GetSession(grpc::ServerContext* context, const v1::GetSessionRequest* request,
                           v1::GetSessionResponse* response) override {
     return Respond(
-        core_, context, "Ingest.GetSession",
+        core_, context, "Ingest.GetSession", request,
         [&](const auto& call) { return handlers::GetSession(core_, call, *request); }, response);
   }
   grpc::Status FinishSession(grpc::ServerContext* context, const v1::FinishSessionRequest* request,
                              v1::FinishSessionResponse* response) override {
     return Respond(
-        core_, context, "Ingest.FinishSession",
+        core_, context, "Ingest.FinishSession", request,
         [&](const auto& call) { return handlers::FinishSession(core_, call, *request); }, response);
   }
   grpc::Status AbortSession(grpc::ServerContext* context, const v1::AbortSessionRequest* request,
                             v1::AbortSessionResponse* response) override {
     return Respond(
-        core_, context, "Ingest.AbortSession",
+        core_, context, "Ingest.AbortSession", request,
         [&](const auto& call) { return handlers::AbortSession(core_, call, *request); }, response);
   }
   grpc::Status ListSessions(grpc::ServerContext* context, const v1::ListSessionsRequest* request,
                             v1::ListSessionsResponse* response) override {
     return Respond(
-        core_, context, "Ingest.ListSessions",
+        core_, context, "Ingest.ListSessions", request,
         [&](const auto& call) { return handlers::ListSessions(core_, call, *request); }, response);
   }
   grpc::Status DownloadSession(grpc::ServerContext* context, const v1::DownloadSessionRequest* request,
                                grpc::ServerWriter<v1::DownloadSessionResponse>* writer) override {
-    return RespondStream(core_, context, "Ingest.DownloadSession", [&](const auto& call) -> absl::Status {
+    return RespondStream(core_, context, "Ingest.DownloadSession", request, [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off);
       RETURN_IF_ERROR(held.status());
       return handlers::DownloadSession(core_, call, *request, [&](const auto& message) {
@@ -73,7 +77,7 @@ class IngestService final : public v1::Ingest::Service {
   }
   grpc::Status Upload(grpc::ServerContext* context,
                       grpc::ServerReaderWriter<v1::UploadResponse, v1::UploadRequest>* stream) override {
-    return RespondStream(core_, context, "Ingest.Upload", [&](const auto& call) -> absl::Status {
+    return RespondStream(core_, context, "Ingest.Upload", nullptr, [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
       // An acknowledgement is written while the caller sends: only who does neither is silent.
       handlers::UploadStream upload(core_, call,
@@ -84,17 +88,17 @@ class IngestService final : public v1::Ingest::Service {
                                          return true;
                                        });
                                      }});
-      RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, *stream, upload));
+      RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, call, *stream, upload));
       RETURN_IF_ERROR(upload.End());
       return held.status();
     });
   }
   grpc::Status UploadOnce(grpc::ServerContext* context, grpc::ServerReader<v1::UploadRequest>* reader,
                           v1::UploadOnceResponse* response) override {
-    return RespondStream(core_, context, "Ingest.UploadOnce", [&](const auto& call) -> absl::Status {
+    return RespondStream(core_, context, "Ingest.UploadOnce", nullptr, [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
       handlers::UploadStream upload(core_, call, {});
-      RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, *reader, upload));
+      RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, call, *reader, upload));
       RETURN_IF_ERROR(upload.End());
       return handlers::Summarise(upload, response);
     });
@@ -111,12 +115,12 @@ class ProgramsService final : public v1::Programs::Service {
   grpc::Status ListPrograms(grpc::ServerContext* context, const v1::ListProgramsRequest* request,
                             v1::ListProgramsResponse* response) override {
     return Respond(
-        core_, context, "Programs.ListPrograms",
+        core_, context, "Programs.ListPrograms", request,
         [&](const auto& call) { return handlers::ListPrograms(core_, call, *request); }, response);
   }
   grpc::Status GetProgram(grpc::ServerContext* context, const v1::GetProgramRequest* request,
                           grpc::ServerWriter<v1::GetProgramResponse>* writer) override {
-    return RespondStream(core_, context, "Programs.GetProgram", [&](const auto& call) -> absl::Status {
+    return RespondStream(core_, context, "Programs.GetProgram", request, [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off);
       RETURN_IF_ERROR(held.status());
       return handlers::GetProgram(core_, call, *request, [&](const auto& message) {
@@ -127,11 +131,11 @@ class ProgramsService final : public v1::Programs::Service {
   grpc::Status PutProgram(grpc::ServerContext* context, grpc::ServerReader<v1::PutProgramRequest>* reader,
                           v1::PutProgramResponse* response) override {
     return Respond(
-        core_, context, "Programs.PutProgram",
+        core_, context, "Programs.PutProgram", nullptr,
         [&](const auto& call) -> absl::StatusOr<v1::PutProgramResponse> {
           handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
           handlers::PutProgramStream program(core_, call);
-          RETURN_IF_ERROR(ReceiveAll<v1::PutProgramRequest>(held, *reader, program));
+          RETURN_IF_ERROR(ReceiveAll<v1::PutProgramRequest>(held, call, *reader, program));
           return program.End();
         },
         response);
@@ -139,11 +143,11 @@ class ProgramsService final : public v1::Programs::Service {
   grpc::Status RewriteProgram(
       grpc::ServerContext* context,
       grpc::ServerReaderWriter<v1::RewriteProgramResponse, v1::RewriteProgramRequest>* stream) override {
-    return RespondStream(core_, context, "Programs.RewriteProgram", [&](const auto& call) -> absl::Status {
+    return RespondStream(core_, context, "Programs.RewriteProgram", nullptr, [&](const auto& call) -> absl::Status {
       handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kRewrite, call.cut_off);
       handlers::RewriteProgramStream program(
           core_, call, [&](const auto& message) { return held.Await([&] { return stream->Write(message); }); });
-      RETURN_IF_ERROR(ReceiveAll<v1::RewriteProgramRequest>(held, *stream, program));
+      RETURN_IF_ERROR(ReceiveAll<v1::RewriteProgramRequest>(held, call, *stream, program));
       return program.End();
     });
   }

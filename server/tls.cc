@@ -38,7 +38,7 @@ class TlsCredentials final : public grpc::ServerCredentials {
 
  private:
   static constexpr grpc_ssl_client_certificate_request_type kRequest =
-      GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY;
+      GRPC_SSL_REQUEST_CLIENT_CERTIFICATE_AND_VERIFY;
 
   int AddPortToServer(const std::string& address, grpc_server* server) override {
     return grpc_server_add_http2_port(server, address.c_str(), credentials_);

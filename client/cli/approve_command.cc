@@ -21,7 +21,7 @@ absl::Status Approve(Context& context, const ApproveArguments& arguments) {
     ASSIGN_OR_RETURN(const records::CalibrationRecord present, client->GetCalibration(id));
     etag = present.etag;
   }
-  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->ApproveCalibration(id, etag, context.user));
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->ApproveCalibration(id, etag));
   context.Print(ToJson(record),
                 absl::StrCat("calibration ", record.id.number(), " (version ", record.version, ") of machine ",
                              record.content.machine.text(), " is approved by ", record.approved_by,
@@ -38,8 +38,8 @@ void AddApproveCommand(CLI::App& app, Context& context) {
   approve->add_option("--etag", arguments->etag, "refuse when it changed since this etag was read")
       ->check(CLI::PositiveNumber);
   approve->footer(
-      "Approving an older version is the way back. --user is written down as who approved.\nExample: axiscal approve "
-      "3");
+      "Approving an older version is the way back. Whom the server takes you for is written down as who approved.\n"
+      "Example: axiscal approve 3");
   SetAction(approve, context, [&context, arguments] { return Approve(context, *arguments); });
 }
 

@@ -29,6 +29,7 @@ void AddToolSetterCommand(CLI::App& app, Context& context);
 void AddPublishedCommand(CLI::App& app, Context& context);
 void AddHistoryCommand(CLI::App& app, Context& context);
 void AddJobsCommand(CLI::App& app, Context& context);
+void AddAdminCommand(CLI::App& app, Context& context);
 
 }  // namespace axiscal::cli
 

@@ -30,7 +30,7 @@ void AddGlobalOptions(CLI::App& app, Context& context) {
   app.add_option("--key", context.identity.key, "its key, a PEM file")->envname("AXISCAL_KEY");
   app.add_option("--token-file", context.identity.token_file, "a file with your token, read again for each call")
       ->envname("AXISCAL_TOKEN_FILE");
-  app.add_option("--user", context.user, "who is asking, as it is written down")
+  app.add_option("--user", context.user, "a name for the server's log; whom it takes you for: axiscal admin whoami")
       ->envname("AXISCAL_USER")
       ->capture_default_str();
   app.add_flag("--json", context.json, "print one JSON document; errors as JSON on standard error");
@@ -57,6 +57,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddPublishedCommand(app, context);
   AddHistoryCommand(app, context);
   AddJobsCommand(app, context);
+  AddAdminCommand(app, context);
 }
 
 void PrintError(const absl::Status& status, bool json) {

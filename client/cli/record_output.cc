@@ -336,4 +336,41 @@ std::string CautionText(const records::CalibrationRecord& record) {
          PoorFitText(record, loop != nullptr);
 }
 
+std::string GrantText(const records::Grant& grant) {
+  return records::NameOf(grant.role) + " of " + records::TextOf(grant.scope);
+}
+
+Json GrantsJson(const std::vector<records::Grant>& grants) {
+  Json rows = Json::Array();
+  for (const records::Grant& grant : grants) rows.push_back(GrantText(grant));
+  return rows;
+}
+
+Json ToJson(const records::TokenRecord& token) {
+  return {{"id", token.id},
+          {"principal", token.principal},
+          {"note", token.note},
+          {"created_by", token.created_by},
+          {"created_utc", TimeJson(token.created_at)},
+          {"expires_utc", TimeJson(token.expires_at)},
+          {"last_used_utc", TimeJson(token.last_used_at)},
+          {"revoked_utc", TimeJson(token.revoked_at)}};
+}
+
+Json ToJson(const records::PrincipalRecord& principal) {
+  Json tokens = Json::Array();
+  for (const records::TokenRecord& token : principal.tokens) tokens.push_back(ToJson(token));
+  return {{"name", principal.name},
+          {"note", principal.note},
+          {"created_by", principal.created_by},
+          {"created_utc", TimeJson(principal.created_at)},
+          {"revoked_utc", TimeJson(principal.revoked_at)},
+          {"roles", GrantsJson(principal.grants)},
+          {"tokens", tokens}};
+}
+
+Json ToJson(const records::MachineAccess& access) {
+  return {{"machine", access.machine.text()}, {"groups", access.groups}, {"four_eyes", access.four_eyes}};
+}
+
 }  // namespace axiscal::cli

@@ -25,6 +25,12 @@ Json ToJson(const records::CalibrationRecord& record);
 Json ToJson(const records::ProgramRecord& record);
 Json ToJson(const records::DriftSeries& series);
 Json ToJson(const records::FleetRow& row);
+Json ToJson(const records::TokenRecord& token);
+Json ToJson(const records::PrincipalRecord& principal);
+Json ToJson(const records::MachineAccess& access);
+// "cell of machine mt".
+std::string GrantText(const records::Grant& grant);
+Json GrantsJson(const std::vector<records::Grant>& grants);
 
 // {"NAME": [...], "next_page": "..."}.
 template <typename Row>

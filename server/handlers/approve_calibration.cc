@@ -9,14 +9,13 @@ namespace axiscal::handlers {
 absl::StatusOr<v1::ApproveCalibrationResponse> ApproveCalibration(Core& core, const Call& call,
                                                                   const v1::ApproveCalibrationRequest& request) {
   RETURN_IF_ERROR(convert::RequirePositive("etag", request.etag()));
-  RETURN_IF_ERROR(convert::RequireText("approved_by", request.approved_by(), 1, 200));
   ASSIGN_OR_RETURN(const records::CalibrationRecord present,
                    core.database.GetCalibration(CalibrationId(request.calibration_id())));
   if (present.state != records::CalibrationState::kApproved)
     RETURN_IF_ERROR(inputs::CheckUsable(core.database, present));
-  ASSIGN_OR_RETURN(const records::CalibrationRecord record,
-                   core.database.ApproveCalibration(CalibrationId(request.calibration_id()), request.etag(),
-                                                    {request.approved_by(), ""}));
+  ASSIGN_OR_RETURN(
+      const records::CalibrationRecord record,
+      core.database.ApproveCalibration(CalibrationId(request.calibration_id()), request.etag(), {call.user, ""}));
   v1::ApproveCalibrationResponse response;
   *response.mutable_calibration() = convert::ToProto(record);
   return response;

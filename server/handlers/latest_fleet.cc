@@ -10,7 +10,7 @@ absl::StatusOr<v1::LatestFleetResponse> LatestFleet(Core& core, const Call& call
   RETURN_IF_ERROR(convert::RequireAtMost("symbols", request.symbols_size(), convert::kMaxSymbols));
   ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
   ASSIGN_OR_RETURN(const records::Page<records::FleetRow> rows,
-                   core.database.LatestFleet({request.symbols().begin(), request.symbols().end()}, page));
+                   core.database.LatestFleet({request.symbols().begin(), request.symbols().end()}, page, call.visible));
   v1::LatestFleetResponse response;
   for (const records::FleetRow& row : rows.rows) *response.add_machines() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);

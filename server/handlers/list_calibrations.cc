@@ -12,7 +12,8 @@ absl::StatusOr<v1::ListCalibrationsResponse> ListCalibrations(Core& core, const 
     ASSIGN_OR_RETURN(filter.state, convert::FromProto(request.state()));
   }
   ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
-  ASSIGN_OR_RETURN(const records::Page<records::CalibrationRecord> rows, core.database.ListCalibrations(filter, page));
+  ASSIGN_OR_RETURN(const records::Page<records::CalibrationRecord> rows,
+                   core.database.ListCalibrations(filter, page, call.visible));
   v1::ListCalibrationsResponse response;
   for (const records::CalibrationRecord& row : rows.rows) *response.add_calibrations() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);

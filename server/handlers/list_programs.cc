@@ -8,7 +8,7 @@ absl::StatusOr<v1::ListProgramsResponse> ListPrograms(Core& core, const Call& ca
                                                       const v1::ListProgramsRequest& request) {
   ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
   ASSIGN_OR_RETURN(const records::Page<records::ProgramRecord> rows,
-                   core.database.ListPrograms({request.kind()}, page));
+                   core.database.ListPrograms({request.kind()}, page, call.visible));
   v1::ListProgramsResponse response;
   for (const records::ProgramRecord& row : rows.rows) {
     if (row.state == records::ProgramState::kComplete) *response.add_programs() = convert::ToProto(row);

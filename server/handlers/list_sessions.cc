@@ -12,7 +12,8 @@ absl::StatusOr<v1::ListSessionsResponse> ListSessions(Core& core, const Call& ca
     ASSIGN_OR_RETURN(filter.state, convert::FromProto(request.state()));
   }
   ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
-  ASSIGN_OR_RETURN(const records::Page<records::SessionRecord> rows, core.database.ListSessions(filter, page));
+  ASSIGN_OR_RETURN(const records::Page<records::SessionRecord> rows,
+                   core.database.ListSessions(filter, page, call.visible));
   v1::ListSessionsResponse response;
   for (const records::SessionRecord& row : rows.rows) *response.add_sessions() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);

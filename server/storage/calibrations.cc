@@ -1,5 +1,6 @@
 #include "server/storage/calibrations.h"
 
+#include "server/storage/access.h"
 #include "server/storage/audit.h"
 #include "server/storage/calibration_checksum.h"
 #include "server/storage/estimates.h"
@@ -208,7 +209,7 @@ absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection,
 }
 
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
-                                                         const PageRequest& request) {
+                                                         const PageRequest& request, const Visible& visible) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
   ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, absl::StrCat("calibrations|", machine, "|", state)));
@@ -219,8 +220,14 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
     sql += " AND c.machine_id = ?2";
   }
   if (filter.state.has_value()) sql += " AND c.state = ?3";
+  std::string ids;
+  if (!visible.everything && !filter.machine.has_value()) {
+    ASSIGN_OR_RETURN(
+        ids, NewestOfMachines(connection, "calibration", visible.scopes, state, start.before_id, start.row_limit()));
+    sql += " AND c.id IN (SELECT value FROM json_each(?5))";
+  }
   ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY c.id DESC LIMIT ?4", start.before_id, machine_key,
-                                                 state, start.row_limit()));
+                                                 state, start.row_limit(), ids));
   Page<CalibrationRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

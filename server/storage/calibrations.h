@@ -16,7 +16,7 @@ absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcT
 absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id);
 absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection, const MachineId& machine);
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
-                                                         const PageRequest& request);
+                                                         const PageRequest& request, const Visible& visible);
 absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,
                                                      int64_t expected_etag, const Caller& caller);
 absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcTime now, CalibrationId id,

@@ -51,14 +51,20 @@ class Database {
   // Hides it from lists and takes no new sessions for it (FAILED_PRECONDITION MACHINE_DELETED). Repeating is OK.
   virtual absl::StatusOr<MachineRecord> DeleteMachine(const MachineId& id, int64_t expected_revision,
                                                       const Caller& caller) = 0;
-  virtual absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page) = 0;
+  virtual absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page, const Visible& visible) = 0;
+  absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page) { return ListMachines(page, Visible()); }
 
   // ---- sessions
   // A session is its machine and content: the same request id and body give the same session, whoever asks, unless it
   // was given up (ABORTED, EXPIRED) or anything of it is damaged, which is looked for; then they make a new one.
   virtual absl::StatusOr<SessionRecord> CreateSession(const NewSession& session) = 0;
   virtual absl::StatusOr<SessionRecord> GetSession(SessionId id) = 0;
-  virtual absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) = 0;
+  // `visible` counts where the filter names no machine; so in the lists below.
+  virtual absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page,
+                                                           const Visible& visible) = 0;
+  absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) {
+    return ListSessions(filter, page, Visible());
+  }
 
   // Appends a chunk with the session's columns, in its order; seq runs from 0 without gaps. Returns when the chunk is
   // durable; concurrent calls share a commit.
@@ -96,7 +102,11 @@ class Database {
   virtual absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) = 0;
   virtual absl::StatusOr<JobRecord> GetJob(JobId id) = 0;
   // Without `result`.
-  virtual absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) = 0;
+  virtual absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page,
+                                                   const Visible& visible) = 0;
+  absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) {
+    return ListJobs(filter, page, Visible());
+  }
   // The best waiting job whose time has come and whose params are those that were stored (others FAIL with
   // JOB_DAMAGED), now RUNNING as a new attempt (ClaimOf), or nothing.
   virtual absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) = 0;
@@ -126,7 +136,11 @@ class Database {
   // CALIBRATION_DAMAGED (facts calibration, machine). Lists and history, which move no machine, do not.
   // In lists `content` comes without model_json, options_json, report_json.
   virtual absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter,
-                                                                   const PageRequest& page) = 0;
+                                                                   const PageRequest& page,
+                                                                   const Visible& visible) = 0;
+  absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter, const PageRequest& page) {
+    return ListCalibrations(filter, page, Visible());
+  }
   // A candidate, or a retired one (roll back), becomes the approved one; the machine's former one retires.
   // `expected_etag` 0: whatever it is, else ABORTED ETAG_MISMATCH. Repeating is OK.
   virtual absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t expected_etag,
@@ -140,8 +154,11 @@ class Database {
   virtual absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) = 0;
   // The newest estimate of each symbol (empty: all) of each machine, a page of machines at a time; of calibrations that
   // are approved or candidates, never of retired ones.
-  virtual absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols,
-                                                     const PageRequest& page) = 0;
+  virtual absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page,
+                                                     const Visible& visible) = 0;
+  absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page) {
+    return LatestFleet(symbols, page, Visible());
+  }
 
   // ---- programs: begin, append parts at increasing offsets, finish; never the whole in memory
   // The same request gives the same program, unless it was given up or is damaged, which is looked for: then a new one,
@@ -156,7 +173,11 @@ class Database {
   virtual absl::StatusOr<ProgramRecord> FinishProgram(ProgramId id, int64_t byte_count, const std::string& sha256) = 0;
   // For an id that was merged into equal content, the program that has it.
   virtual absl::StatusOr<ProgramRecord> GetProgram(ProgramId id) = 0;
-  virtual absl::StatusOr<Page<ProgramRecord>> ListPrograms(const ProgramFilter& filter, const PageRequest& page) = 0;
+  virtual absl::StatusOr<Page<ProgramRecord>> ListPrograms(const ProgramFilter& filter, const PageRequest& page,
+                                                           const Visible& visible) = 0;
+  absl::StatusOr<Page<ProgramRecord>> ListPrograms(const ProgramFilter& filter, const PageRequest& page) {
+    return ListPrograms(filter, page, Visible());
+  }
   // The bytes from `offset` to the end in pieces, checksums verified (DATA_LOSS PART_DAMAGED). Only complete programs
   // (PROGRAM_NOT_COMPLETE).
   virtual absl::Status ReadProgram(ProgramId id, int64_t offset,
@@ -165,6 +186,32 @@ class Database {
   // Open programs that were left for longer than `idle` are given up, their parts dropped. How many; what counts is as
   // for sessions.
   virtual absl::StatusOr<int> ExpirePrograms(std::chrono::microseconds idle) = 0;
+
+  // ---- access: who may do what (server/access decides; here it is written down)
+  // The same name and note again give what is there; another note, or a name that was revoked: ALREADY_EXISTS
+  // PRINCIPAL_EXISTS. A name that is none: INVALID_ARGUMENT NAME_INVALID; so of groups.
+  virtual absl::StatusOr<PrincipalRecord> CreatePrincipal(const std::string& name, const std::string& note,
+                                                          const Caller& caller) = 0;
+  // With its tokens. Repeating is OK. NOT_FOUND PRINCIPAL_NOT_FOUND.
+  virtual absl::StatusOr<PrincipalRecord> RevokePrincipal(const std::string& name, const Caller& caller) = 0;
+  virtual absl::StatusOr<Page<PrincipalRecord>> ListPrincipals(const PageRequest& page) = 0;
+  // FAILED_PRECONDITION PRINCIPAL_REVOKED.
+  virtual absl::StatusOr<TokenRecord> CreateToken(const NewToken& token, const Caller& caller) = 0;
+  // Repeating is OK. NOT_FOUND TOKEN_NOT_FOUND.
+  virtual absl::StatusOr<TokenRecord> RevokeToken(int64_t id, const Caller& caller) = 0;
+  // It was used now.
+  virtual absl::Status TouchToken(int64_t id) = 0;
+  virtual absl::StatusOr<PrincipalRecord> ChangeRole(const std::string& principal, const Grant& grant, bool holds,
+                                                     const Caller& caller) = 0;
+  virtual absl::StatusOr<MachineAccess> ChangeGroup(const std::string& group, const MachineId& machine, bool belongs,
+                                                    const Caller& caller) = 0;
+  virtual absl::StatusOr<MachineAccess> SetFourEyes(const MachineId& machine, bool four_eyes, const Caller& caller) = 0;
+  virtual absl::StatusOr<Page<MachineAccess>> ListMachineAccess(const PageRequest& page) = 0;
+  // Nothing when nobody has that token, or that name.
+  virtual absl::StatusOr<std::optional<Holder>> FindHolderOfToken(const std::string& sha256) = 0;
+  virtual absl::StatusOr<std::optional<Holder>> FindHolderOfName(const std::string& name) = 0;
+  // NOT_FOUND as Missing() has it.
+  virtual absl::StatusOr<Belonging> WhereBelongs(const Resource& resource, const std::string& principal) = 0;
 
   // ---- audit: append only. Changes of machines, calibrations and jobs by callers are entered by the store itself.
   virtual absl::Status AppendAudit(const AuditEntry& entry) = 0;

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "server/storage/access.h"
 #include "server/storage/estimates.h"
 #include "server/storage/machines.h"
 #include "server/storage/page_token.h"
@@ -226,15 +227,17 @@ absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, cons
 }
 
 absl::StatusOr<Page<FleetRow>> LatestFleet(Connection& connection, const std::vector<std::string>& symbols,
-                                           const PageRequest& request) {
+                                           const PageRequest& request, const Visible& visible) {
   std::vector<std::string> ordered = symbols;
   std::sort(ordered.begin(), ordered.end());
   ordered.erase(std::unique(ordered.begin(), ordered.end()), ordered.end());
   ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "fleet|" + absl::StrJoin(ordered, ",")));
+  ASSIGN_OR_RETURN(const std::vector<int64_t> machines, MachinesIn(connection, visible.scopes));
+  const std::string seen = visible.everything ? "" : "AND +id IN (SELECT value FROM json_each(?3)) ";
   ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask("SELECT id, name FROM machine WHERE name > ?1 AND deleted_at_utc_us IS NULL "
-                                  "ORDER BY name LIMIT ?2",
-                                  start.after.value_or(""), start.row_limit()));
+                   connection.Ask("SELECT id, name FROM machine WHERE name > ?1 AND deleted_at_utc_us IS NULL " + seen +
+                                      "ORDER BY name LIMIT ?2",
+                                  start.after.value_or(""), start.row_limit(), JsonOf(machines)));
   Page<FleetRow> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

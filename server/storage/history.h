@@ -16,7 +16,7 @@ namespace axiscal::storage {
 absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, const DriftQuery& query);
 
 absl::StatusOr<Page<FleetRow>> LatestFleet(Connection& connection, const std::vector<std::string>& symbols,
-                                           const PageRequest& request);
+                                           const PageRequest& request, const Visible& visible);
 
 }  // namespace axiscal::storage
 

@@ -80,6 +80,7 @@ absl::Status InsertPrograms(Connection& connection, JobId id, const std::vector<
     }
     RETURN_IF_ERROR(connection.Run("INSERT INTO job_program (job_id, position, program_id) VALUES (?1, ?2, ?3)", id,
                                    static_cast<int64_t>(i), programs[i]));
+    RETURN_IF_ERROR(LinkProgram(connection, id, programs[i]));
   }
   return absl::OkStatus();
 }

@@ -1,5 +1,6 @@
 #include "server/storage/jobs.h"
 
+#include "server/storage/access.h"
 #include "server/storage/audit.h"
 #include "server/storage/machines.h"
 #include "server/storage/page_token.h"
@@ -105,7 +106,17 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, c
                      "version) VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1)",
                      job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts,
                      job.caller.principal, RequestId(job.caller), body_sha256, now.utc, now.up_us));
-  return GetJob(connection, JobId(connection.last_insert_id()));
+  const JobId id(connection.last_insert_id());
+  if (job.program) RETURN_IF_ERROR(LinkProgram(connection, id, *job.program));
+  return GetJob(connection, id);
+}
+
+absl::Status LinkProgram(Connection& connection, JobId job, ProgramId program) {
+  return connection.Run(
+      "INSERT OR IGNORE INTO program_machine (machine_id, program_id) "
+      "SELECT j.machine_id, coalesce(p.same_as, p.id) FROM job AS j CROSS JOIN program AS p "
+      "WHERE j.id = ?1 AND p.id = ?2 AND j.machine_id IS NOT NULL",
+      job, program);
 }
 
 std::string JobResultChecksum(JobId id, const std::string& result) {
@@ -140,7 +151,8 @@ absl::Status CheckJobBody(Connection& connection, const JobRecord& job) {
                      {"JOB_DAMAGED", {{"job", id}}});
 }
 
-absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request) {
+absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request,
+                                         const Visible& visible) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
   ASSIGN_OR_RETURN(const PageStart start,
@@ -150,8 +162,14 @@ absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter
   if (filter.machine.has_value()) sql += " AND j.machine_id = ?2";
   if (filter.state.has_value()) sql += " AND j.state = ?3";
   if (!filter.input_hash.empty()) sql += " AND j.input_hash = ?4 AND j.input_hash <> ''";
+  std::string ids;
+  if (!visible.everything && !filter.machine.has_value()) {
+    ASSIGN_OR_RETURN(ids,
+                     NewestOfMachines(connection, "job", visible.scopes, state, start.before_id, start.row_limit()));
+    sql += " AND j.id IN (SELECT value FROM json_each(?6))";
+  }
   ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY j.id DESC LIMIT ?5", start.before_id, machine_key,
-                                                 state, filter.input_hash, start.row_limit()));
+                                                 state, filter.input_hash, start.row_limit(), ids));
   Page<JobRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

@@ -27,7 +27,10 @@ std::string JobResultChecksum(JobId id, const std::string& result);
 absl::Status CheckJobBody(Connection& connection, const JobRecord& job);
 // DATA_LOSS JOB_DAMAGED unless its result is what was stored.
 absl::StatusOr<JobRecord> GetJob(Connection& connection, JobId id);
-absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request);
+// Whoever sees the job's machine sees the program from now on.
+absl::Status LinkProgram(Connection& connection, JobId job, ProgramId program);
+absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request,
+                                         const Visible& visible);
 absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller);
 absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, int max_queued,
                                      const Caller& caller);

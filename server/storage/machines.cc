@@ -1,6 +1,7 @@
 #include "server/storage/machines.h"
 
 #include "core/base/sha256.h"
+#include "server/storage/access.h"
 #include "server/storage/audit.h"
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
@@ -114,12 +115,16 @@ absl::StatusOr<MachineRecord> DeleteMachine(Connection& connection, UtcTime now,
   return std::move(deleted.record);
 }
 
-absl::StatusOr<Page<MachineRecord>> ListMachines(Connection& connection, const PageRequest& request) {
+absl::StatusOr<Page<MachineRecord>> ListMachines(Connection& connection, const PageRequest& request,
+                                                 const Visible& visible) {
   ASSIGN_OR_RETURN(const PageStart start, StartPage(request, "machines"));
-  ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask(std::string(kSelectMachine) + "AND r.revision = m.revision WHERE m.name > ?1 AND "
-                                                                "m.deleted_at_utc_us IS NULL ORDER BY m.name LIMIT ?2",
-                                  start.after.value_or(""), start.row_limit()));
+  ASSIGN_OR_RETURN(const std::vector<int64_t> machines, MachinesIn(connection, visible.scopes));
+  const std::string seen = visible.everything ? "" : "AND +m.id IN (SELECT value FROM json_each(?3)) ";
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelectMachine) +
+                                                     "AND r.revision = m.revision WHERE m.name > ?1 AND "
+                                                     "m.deleted_at_utc_us IS NULL " +
+                                                     seen + "ORDER BY m.name LIMIT ?2",
+                                                 start.after.value_or(""), start.row_limit(), JsonOf(machines)));
   Page<MachineRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

@@ -18,7 +18,8 @@ absl::StatusOr<MachineRecord> UpdateMachine(Connection& connection, UtcTime now,
                                             const Caller& caller);
 absl::StatusOr<MachineRecord> DeleteMachine(Connection& connection, UtcTime now, const MachineId& id,
                                             int64_t expected_revision, const Caller& caller);
-absl::StatusOr<Page<MachineRecord>> ListMachines(Connection& connection, const PageRequest& request);
+absl::StatusOr<Page<MachineRecord>> ListMachines(Connection& connection, const PageRequest& request,
+                                                 const Visible& visible);
 
 // The number by which other tables name the machine. NOT_FOUND MACHINE_NOT_FOUND.
 absl::StatusOr<int64_t> MachineKey(Connection& connection, const MachineId& id);

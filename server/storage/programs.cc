@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/crc32c.h"
+#include "server/storage/access.h"
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
 #include "server/storage/request.h"
@@ -38,6 +39,24 @@ absl::Status CheckRepeat(Connection& connection, ProgramId id, const EncodedPart
   if (found && row.Int(0) == part.byte_count && row.Int(1) == part.crc32c) return absl::OkStatus();
   return base::Error(absl::StatusCode::kAlreadyExists,
                      absl::StrCat(Place(id), " has other content at byte ", part.first_byte), {"PART_CONFLICT", {}});
+}
+
+// Those that the principal sent, and those of the machines that it sees.
+absl::StatusOr<std::string> NewestVisible(Connection& connection, const Visible& visible, const std::string& kind,
+                                          const PageStart& start) {
+  const auto sql = [](const std::string& table, const std::string& key) {
+    return absl::StrCat(
+        "SELECT v.program_id FROM ", table, " AS v CROSS JOIN program AS p ON p.id = v.program_id WHERE v.", key,
+        " = ?1 AND v.program_id < ?2 AND v.program_id > ?3 AND p.state = 2 AND (?5 = '' OR p.kind = ?5) "
+        "ORDER BY v.program_id DESC LIMIT ?4");
+  };
+  ASSIGN_OR_RETURN(std::vector<int64_t> ids,
+                   NewestIds(connection, sql("program_holder", "holder"), std::vector<std::string>{visible.principal},
+                             start.before_id, start.row_limit(), kind));
+  ASSIGN_OR_RETURN(const std::vector<int64_t> machines, MachinesIn(connection, visible.scopes));
+  ASSIGN_OR_RETURN(ids, NewestIds(connection, sql("program_machine", "machine_id"), machines, start.before_id,
+                                  start.row_limit(), kind, std::move(ids)));
+  return JsonOf(ids);
 }
 
 absl::Status DropParts(Connection& connection, ProgramId id) {
@@ -82,7 +101,10 @@ absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment&
       "VALUES (?1, ?2, 1, 0, ?3, ?4, ?5, ?6, ?6, ?7)",
       program.kind, program.name, program.caller.principal, RequestId(program.caller), body_sha256, now.utc,
       now.up_us));
-  return GetProgram(connection, ProgramId(connection.last_insert_id()));
+  const ProgramId id(connection.last_insert_id());
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO program_holder (holder, program_id) VALUES (?1, ?2)", program.caller.principal, id));
+  return GetProgram(connection, id);
 }
 
 absl::StatusOr<ProgramRecord> AppendProgram(Connection& connection, const Moment& now, ProgramId id,
@@ -129,6 +151,13 @@ absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id
       RETURN_IF_ERROR(DropParts(connection, id));
     }
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 3, same_as = ?2 WHERE id = ?1", id, *same));
+    // Who sent it has what it was merged into.
+    RETURN_IF_ERROR(
+        connection.Run("INSERT OR IGNORE INTO program_holder (holder, program_id) "
+                       "SELECT holder, ?2 FROM program_holder WHERE holder = ?3 AND program_id = ?1",
+                       id, *same, program.created_by));
+    RETURN_IF_ERROR(
+        connection.Run("DELETE FROM program_holder WHERE holder = ?2 AND program_id = ?1", id, program.created_by));
   } else {
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 2, sha256 = ?2 WHERE id = ?1", id, sha256));
   }
@@ -147,12 +176,17 @@ absl::StatusOr<ProgramRecord> GetProgram(Connection& connection, ProgramId id) {
 }
 
 absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const ProgramFilter& filter,
-                                                 const PageRequest& request) {
+                                                 const PageRequest& request, const Visible& visible) {
   ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, "programs|" + filter.kind));
   std::string sql = std::string(kSelectProgram) + "WHERE p.id < ?1 AND p.state = 2";
   if (!filter.kind.empty()) sql += " AND p.kind = ?2";
+  std::string ids;
+  if (!visible.everything) {
+    ASSIGN_OR_RETURN(ids, NewestVisible(connection, visible, filter.kind, start));
+    sql += " AND p.id IN (SELECT value FROM json_each(?4))";
+  }
   ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY p.id DESC LIMIT ?3", start.before_id, filter.kind,
-                                                 start.row_limit()));
+                                                 start.row_limit(), ids));
   Page<ProgramRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -180,6 +214,9 @@ absl::StatusOr<int> ExpirePrograms(Connection& connection, const Moment& now, st
   for (const ProgramId id : left) {
     RETURN_IF_ERROR(DropParts(connection, id));
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 4, byte_count = 0 WHERE id = ?1", id));
+    RETURN_IF_ERROR(connection.Run(
+        "DELETE FROM program_holder WHERE program_id = ?1 AND holder = (SELECT created_by FROM program WHERE id = ?1)",
+        id));
   }
   return static_cast<int>(left.size());
 }

@@ -38,7 +38,7 @@ absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id
                                             const std::string& sha256, std::optional<ProgramId> damaged);
 absl::StatusOr<ProgramRecord> GetProgram(Connection& connection, ProgramId id);
 absl::StatusOr<Page<ProgramRecord>> ListPrograms(Connection& connection, const ProgramFilter& filter,
-                                                 const PageRequest& request);
+                                                 const PageRequest& request, const Visible& visible);
 absl::StatusOr<int> ExpirePrograms(Connection& connection, const Moment& now, std::chrono::microseconds idle);
 
 // The part that holds byte `offset`, from that byte on; nothing at the end.

@@ -10,6 +10,7 @@
 
 #include "core/base/clock.h"
 #include "core/base/ids.h"
+#include "core/records/access.h"
 #include "core/records/calibration.h"
 #include "core/records/history.h"
 #include "core/records/job.h"
@@ -33,21 +34,25 @@ using records::DriftSeries;
 using records::Estimate;
 using records::EstimateUnit;
 using records::FleetRow;
+using records::Grant;
 using records::IsTerminal;
 using records::JobError;
 using records::JobProgress;
 using records::JobRecord;
 using records::JobState;
 using records::LatestEstimate;
+using records::MachineAccess;
 using records::MachineRecord;
 using records::NewCalibration;
 using records::Page;
 using records::PageRequest;
+using records::PrincipalRecord;
 using records::ProgramRecord;
 using records::ProgramState;
 using records::SessionRecord;
 using records::SessionState;
 using records::SessionTotals;
+using records::TokenRecord;
 
 // When something happens: for people, by a clock that may be set; and for how long, as microseconds that a server has
 // had the file open (up_time.h).
@@ -91,6 +96,7 @@ struct SessionFilter {
 struct NewJob {
   std::string kind;                  // "identify", "compensate", ...
   std::optional<MachineId> machine;  // the machine it works on, for lists
+  std::optional<ProgramId> program;  // that it rewrites: whoever sees the machine sees it from then on
   std::string params;                // what the kind's function needs, opaque
   std::string input_hash;            // of all inputs and the engine's version; empty: not comparable
   int priority = 0;                  // larger runs first
@@ -128,6 +134,50 @@ struct JobProduct {
   std::string result;
   std::optional<NewCalibration> calibration;
   std::vector<ProgramId> programs;  // complete ones
+};
+
+// ---- access
+
+// What a list may show. By default everything; else rows of the machines in these scopes, and programs that this
+// principal sent.
+struct Visible {
+  bool everything = true;
+  std::vector<records::Scope> scopes;
+  std::string principal;
+};
+
+struct NewToken {
+  std::string principal;
+  std::string sha256;  // of the token, which is not stored
+  std::string note;
+  std::optional<UtcTime> expires_at;
+};
+
+// Whom a token or the name of a certificate stands for.
+struct Holder {
+  std::string principal;
+  bool is_revoked = false;  // it, or its token
+  std::vector<Grant> grants;
+  std::optional<int64_t> token;
+  std::optional<UtcTime> token_expires_at, token_last_used_at;
+};
+
+enum class ResourceKind { kMachine, kSession, kJob, kCalibration, kProgram };
+
+// One row, as a call names it: a machine by its name, others by their number.
+struct Resource {
+  ResourceKind kind = ResourceKind::kMachine;
+  std::string name;
+  int64_t number = 0;
+
+  auto operator<=>(const Resource&) const = default;
+};
+
+// To which machines a row belongs: a program to those that it was rewritten for, others to theirs.
+struct Belonging {
+  std::vector<MachineAccess> machines;
+  bool is_own = false;     // a program that the principal sent
+  std::string created_by;  // of sessions, jobs and calibrations
 };
 
 // ---- audit

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/error_detail.h"
+#include "server/storage/records.h"
 
 namespace axiscal::storage {
 
@@ -12,6 +13,23 @@ namespace axiscal::storage {
 inline absl::Status NotFound(const std::string& kind, const std::string& reason_kind, const std::string& id) {
   return base::Error(absl::StatusCode::kNotFound, absl::StrCat(kind, " ", id, " does not exist"),
                      {reason_kind + "_NOT_FOUND", {{kind, id}}});
+}
+
+// The same of any row: also what a caller hears of one that is none of its business.
+inline absl::Status Missing(const Resource& resource) {
+  switch (resource.kind) {
+    case ResourceKind::kMachine:
+      return NotFound("machine", "MACHINE", resource.name);
+    case ResourceKind::kSession:
+      return NotFound("session", "SESSION", std::to_string(resource.number));
+    case ResourceKind::kJob:
+      return NotFound("job", "JOB", std::to_string(resource.number));
+    case ResourceKind::kCalibration:
+      return NotFound("calibration", "CALIBRATION", std::to_string(resource.number));
+    case ResourceKind::kProgram:
+      return NotFound("program", "PROGRAM", std::to_string(resource.number));
+  }
+  return absl::NotFoundError("does not exist");
 }
 
 // ABORTED ETAG_MISMATCH unless `expected` is 0 or what is there.

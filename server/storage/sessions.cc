@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/session/checksum.h"
+#include "server/storage/access.h"
 #include "server/storage/machines.h"
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
@@ -213,7 +214,7 @@ absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection
 }
 
 absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const SessionFilter& filter,
-                                                 const PageRequest& request) {
+                                                 const PageRequest& request, const Visible& visible) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
   ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, absl::StrCat("sessions|", machine, "|", state)));
@@ -224,8 +225,14 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
     sql += " AND s.machine_id = ?2";
   }
   if (filter.state.has_value()) sql += " AND s.state = ?3";
+  std::string ids;
+  if (!visible.everything && !filter.machine.has_value()) {
+    ASSIGN_OR_RETURN(
+        ids, NewestOfMachines(connection, "session", visible.scopes, state, start.before_id, start.row_limit()));
+    sql += " AND s.id IN (SELECT value FROM json_each(?5))";
+  }
   ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY s.id DESC LIMIT ?4", start.before_id, machine_key,
-                                                 state, start.row_limit()));
+                                                 state, start.row_limit(), ids));
   Page<SessionRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

@@ -18,7 +18,7 @@ absl::Status CheckSessionBody(Connection& connection, const SessionRecord& sessi
 absl::StatusOr<SessionRecord> GetSession(Connection& connection, SessionId id);
 absl::StatusOr<std::vector<ColumnSpec>> GetSessionColumns(Connection& connection, SessionId id);
 absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const SessionFilter& filter,
-                                                 const PageRequest& request);
+                                                 const PageRequest& request, const Visible& visible);
 absl::StatusOr<SessionRecord> FinishSession(Connection& connection, UtcTime now, SessionId id,
                                             const SessionTotals& totals);
 absl::StatusOr<SessionRecord> AbortSession(Connection& connection, UtcTime now, SessionId id);

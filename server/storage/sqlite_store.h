@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/mutex.h"
+#include "server/storage/access.h"
 #include "server/storage/audit.h"
 #include "server/storage/calibrations.h"
 #include "server/storage/chunks.h"
@@ -69,8 +70,8 @@ class SqliteStore final : public Database {
     return Write<MachineRecord>(
         Growth::kStays, [&](Connection& c) { return storage::DeleteMachine(c, Now(), id, expected_revision, caller); });
   }
-  absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page) override {
-    return readers_.Run([&](Connection& c) { return storage::ListMachines(c, page); });
+  absl::StatusOr<Page<MachineRecord>> ListMachines(const PageRequest& page, const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListMachines(c, page, visible); });
   }
 
   // ---- sessions
@@ -78,8 +79,9 @@ class SqliteStore final : public Database {
   absl::StatusOr<SessionRecord> GetSession(SessionId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetSession(c, id); });
   }
-  absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page) override {
-    return readers_.Run([&](Connection& c) { return storage::ListSessions(c, filter, page); });
+  absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter, const PageRequest& page,
+                                                   const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListSessions(c, filter, page, visible); });
   }
   absl::StatusOr<AppendResult> AppendChunk(SessionId id, const records::Chunk& chunk) override;
   void AppendChunkAsync(SessionId id, const records::Chunk& chunk,
@@ -106,8 +108,9 @@ class SqliteStore final : public Database {
   absl::StatusOr<JobRecord> GetJob(JobId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetJob(c, id); });
   }
-  absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) override {
-    return readers_.Run([&](Connection& c) { return storage::ListJobs(c, filter, page); });
+  absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page,
+                                           const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListJobs(c, filter, page, visible); });
   }
   absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) override {
     return Write<std::optional<JobRecord>>(Growth::kStays,
@@ -153,9 +156,9 @@ class SqliteStore final : public Database {
   absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine) override {
     return readers_.Run([&](Connection& c) { return storage::GetApprovedCalibration(c, machine); });
   }
-  absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter,
-                                                           const PageRequest& page) override {
-    return readers_.Run([&](Connection& c) { return storage::ListCalibrations(c, filter, page); });
+  absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter, const PageRequest& page,
+                                                           const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListCalibrations(c, filter, page, visible); });
   }
   absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t expected_etag,
                                                        const Caller& caller) override {
@@ -173,9 +176,9 @@ class SqliteStore final : public Database {
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) override {
     return readers_.Run([&](Connection& c) { return storage::QueryDrift(c, query); });
   }
-  absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols,
-                                             const PageRequest& page) override {
-    return readers_.Run([&](Connection& c) { return storage::LatestFleet(c, symbols, page); });
+  absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page,
+                                             const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::LatestFleet(c, symbols, page, visible); });
   }
 
   // ---- programs
@@ -189,13 +192,65 @@ class SqliteStore final : public Database {
   absl::StatusOr<ProgramRecord> GetProgram(ProgramId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetProgram(c, id); });
   }
-  absl::StatusOr<Page<ProgramRecord>> ListPrograms(const ProgramFilter& filter, const PageRequest& page) override {
-    return readers_.Run([&](Connection& c) { return storage::ListPrograms(c, filter, page); });
+  absl::StatusOr<Page<ProgramRecord>> ListPrograms(const ProgramFilter& filter, const PageRequest& page,
+                                                   const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListPrograms(c, filter, page, visible); });
   }
   absl::Status ReadProgram(ProgramId id, int64_t offset,
                            const std::function<absl::Status(const std::string& bytes)>& visit) override;
   absl::StatusOr<int> ExpirePrograms(std::chrono::microseconds idle) override {
     return Expire([&](Connection& c) { return storage::ExpirePrograms(c, Present(), idle); });
+  }
+
+  // ---- access
+  absl::StatusOr<PrincipalRecord> CreatePrincipal(const std::string& name, const std::string& note,
+                                                  const Caller& caller) override {
+    return Write<PrincipalRecord>(
+        Growth::kGrows, [&](Connection& c) { return storage::CreatePrincipal(c, Now(), name, note, caller); });
+  }
+  absl::StatusOr<PrincipalRecord> RevokePrincipal(const std::string& name, const Caller& caller) override {
+    return Write<PrincipalRecord>(Growth::kStays,
+                                  [&](Connection& c) { return storage::RevokePrincipal(c, Now(), name, caller); });
+  }
+  absl::StatusOr<Page<PrincipalRecord>> ListPrincipals(const PageRequest& page) override {
+    return readers_.Run([&](Connection& c) { return storage::ListPrincipals(c, page); });
+  }
+  absl::StatusOr<TokenRecord> CreateToken(const NewToken& token, const Caller& caller) override {
+    return Write<TokenRecord>(Growth::kGrows,
+                              [&](Connection& c) { return storage::CreateToken(c, Now(), token, caller); });
+  }
+  absl::StatusOr<TokenRecord> RevokeToken(int64_t id, const Caller& caller) override {
+    return Write<TokenRecord>(Growth::kStays,
+                              [&](Connection& c) { return storage::RevokeToken(c, Now(), id, caller); });
+  }
+  absl::Status TouchToken(int64_t id) override {
+    return writer_.Run([&](Connection& c) { return storage::TouchToken(c, Now(), id); });
+  }
+  absl::StatusOr<PrincipalRecord> ChangeRole(const std::string& principal, const Grant& grant, bool holds,
+                                             const Caller& caller) override {
+    return Write<PrincipalRecord>(
+        Growth::kStays, [&](Connection& c) { return storage::ChangeRole(c, Now(), principal, grant, holds, caller); });
+  }
+  absl::StatusOr<MachineAccess> ChangeGroup(const std::string& group, const MachineId& machine, bool belongs,
+                                            const Caller& caller) override {
+    return Write<MachineAccess>(
+        Growth::kStays, [&](Connection& c) { return storage::ChangeGroup(c, Now(), group, machine, belongs, caller); });
+  }
+  absl::StatusOr<MachineAccess> SetFourEyes(const MachineId& machine, bool four_eyes, const Caller& caller) override {
+    return Write<MachineAccess>(
+        Growth::kStays, [&](Connection& c) { return storage::SetFourEyes(c, Now(), machine, four_eyes, caller); });
+  }
+  absl::StatusOr<Page<MachineAccess>> ListMachineAccess(const PageRequest& page) override {
+    return readers_.Run([&](Connection& c) { return storage::ListMachineAccess(c, page); });
+  }
+  absl::StatusOr<std::optional<Holder>> FindHolderOfToken(const std::string& sha256) override {
+    return readers_.Run([&](Connection& c) { return storage::FindHolderOfToken(c, sha256); });
+  }
+  absl::StatusOr<std::optional<Holder>> FindHolderOfName(const std::string& name) override {
+    return readers_.Run([&](Connection& c) { return storage::FindHolderOfName(c, name); });
+  }
+  absl::StatusOr<Belonging> WhereBelongs(const Resource& resource, const std::string& principal) override {
+    return readers_.Run([&](Connection& c) { return storage::WhereBelongs(c, resource, principal); });
   }
 
   // ---- audit

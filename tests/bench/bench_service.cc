@@ -59,7 +59,7 @@ struct Service {
     ASSIGN_OR_RETURN(const client::JobRecord job,
                      Run(records::IdentifyParams{MachineId(kMachine), {upload.session.id}, {}}));
     ASSIGN_OR_RETURN(calibration, client->GetCalibration(job.calibration.value_or(CalibrationId())));
-    return client->ApproveCalibration(calibration.id, calibration.etag, "bench").status();
+    return client->ApproveCalibration(calibration.id, calibration.etag).status();
   }
 
   absl::StatusOr<client::JobRecord> Run(const records::JobParams& params) {

@@ -4,6 +4,7 @@
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "core/base/error_detail.h"
 #include "proto/convert/job_params.h"
+#include "server/local_login.h"
 #include "tests/end_to_end/testing/job_fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
@@ -99,12 +100,12 @@ TEST_F(Job, ApprovingRetiresTheOneBeforeAndTheWayBackIsTheSame) {
   ASSERT_NE(first, second);
   EXPECT_EQ(base::ErrorReason(client().GetApprovedCalibration(MachineId("mt")).status()), "CALIBRATION_NOT_FOUND");
 
-  const auto stale = client().ApproveCalibration(first, 77, "ann");
+  const auto stale = client().ApproveCalibration(first, 77);
   EXPECT_EQ(base::ErrorReason(stale.status()), "ETAG_MISMATCH");
   const auto approve = [&](CalibrationId id) {
     const auto calibration = client().GetCalibration(id);
     EXPECT_TRUE(calibration.ok());
-    return client().ApproveCalibration(id, calibration->etag, "ann");
+    return client().ApproveCalibration(id, calibration->etag);
   };
   ASSERT_OK(approve(first));
   EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->id, first);
@@ -113,7 +114,7 @@ TEST_F(Job, ApprovingRetiresTheOneBeforeAndTheWayBackIsTheSame) {
   EXPECT_EQ(client().GetCalibration(first)->state, CalibrationState::kRetired);
   ASSERT_OK(approve(first));
   EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->id, first);
-  EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->approved_by, "ann");
+  EXPECT_EQ(client().GetApprovedCalibration(MachineId("mt"))->approved_by, "local:" + server::LoginOfProcess());
   EXPECT_EQ(client().GetCalibration(second)->state, CalibrationState::kRetired);
 
   const auto all = client().ListCalibrations({.machine = MachineId("mt"), .state = {}});
@@ -135,7 +136,7 @@ TEST_F(Job, CompensateRewritesForTheApprovedCalibration) {
   const client::JobRecord by_name = RunJob(params);
   ASSERT_EQ(by_name.state, JobState::kSucceeded) << (by_name.error ? by_name.error->message : "");
 
-  ASSERT_OK(client().ApproveCalibration(calibration, client().GetCalibration(calibration)->etag, "ann"));
+  ASSERT_OK(client().ApproveCalibration(calibration, client().GetCalibration(calibration)->etag));
   params.calibration.reset();
   const client::JobRecord job = RunJob(params);
   ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");

@@ -12,6 +12,7 @@
 
 #include "core/base/error_detail.h"
 #include "core/session/write_session.h"
+#include "server/local_login.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
@@ -142,9 +143,20 @@ TEST_F(Process, DoesNotListenWhereOtherMachinesReachIt) {
   EXPECT_FALSE(std::filesystem::exists(dir_.File("axiscal.db")));
 }
 
+// Where nobody is asked, the audit has the login that the operating system tells, whatever the client states.
+TEST_F(Process, WhoeverIsNotAskedIsTheUserOfTheOtherEnd) {
+  for (const std::string& listen : std::vector<std::string>{"127.0.0.1:0", "[::1]:0", "unix:" + dir_.File("socket")}) {
+    absl::StatusOr<ServerProcess> server = StartServer(listen);
+    ASSERT_OK(server);
+    auto client = client::Client::Connect(server->address(), {.user = "somebody-else"});
+    ASSERT_OK(client);
+    EXPECT_EQ(client->GetIdentity()->name, "local:" + server::LoginOfProcess()) << listen;
+  }
+}
+
 TEST_F(Process, IsConfiguredByAFileThatFlagsOverride) {
-  std::ofstream(dir_.File("axiscald.toml")) << "[server]\nlisten = \"unix:" << dir_.File("socket")
-                                            << "\"\n[jobs]\nworkers = 7\n[limits]\nmax_uploads = 3\n";
+  std::ofstream(dir_.File("axiscald.toml"))
+      << "[server]\nlisten = \"unix:" << dir_.File("socket") << "\"\n[jobs]\nworkers = 7\n[limits]\nmax_uploads = 3\n";
   absl::StatusOr<ServerProcess> server =
       ServerProcess::Start(dir_.File("axiscal.db"), "127.0.0.1:0", dir_.File("log"),
                            {"--config", dir_.File("axiscald.toml"), "--workers", "1"});

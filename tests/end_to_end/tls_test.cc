@@ -10,6 +10,8 @@
 #include "core/base/error_detail.h"
 #include "core/base/testing/fake_clock.h"
 #include "core/base/testing/source_path.h"
+#include "server/access/gate.h"
+#include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/process.h"
 
@@ -27,6 +29,14 @@ class TlsPort : public ::testing::Test {
       MakeCerts(authority, "client cell-7");
     }
     for (const std::string part : {".crt", ".key"}) Use("pki", part);
+    storage::SqliteOptions options;
+    options.path = dir_.File("axiscal.db");
+    auto database = storage::OpenSqlite(options);
+    ASSERT_OK(database);
+    ASSERT_OK((*database)->CreatePrincipal("cell-7", "", {"setup", ""}));
+    ASSERT_OK((*database)->ChangeRole("cell-7", {records::Role::kAdmin, {}}, true, {"setup", ""}));
+    ASSERT_OK((*database)->CreateToken({"cell-7", access::HashOfToken(kToken), "", {}}, {"setup", ""}));
+    std::ofstream(dir_.File("token")) << kToken << "\n";
   }
   void MakeCerts(const std::string& authority, const std::string& words) {
     const std::string command =
@@ -61,6 +71,7 @@ class TlsPort : public ::testing::Test {
     return {std::istreambuf_iterator<char>(log), {}};
   }
 
+  static constexpr char kToken[] = "axt_of-a-test";
   testing::TempDir dir_;
 };
 
@@ -84,13 +95,45 @@ TEST_F(TlsPort, CallersShowACertificateOfThePlantsAuthority) {
   EXPECT_TRUE(Reach(server->address(), Shown("pki", "pki")).ok());
 }
 
-TEST_F(TlsPort, OtherMachinesAreLetInWithCertificatesOnly) {
-  EXPECT_FALSE(StartServer("0.0.0.0:0", Flags(false)).ok());
+TEST_F(TlsPort, OtherMachinesAreLetInByTlsOnly) {
+  EXPECT_FALSE(StartServer("0.0.0.0:0", {}).ok());
   EXPECT_NE(Log().find("0.0.0.0:0, can be reached from other machines"), std::string::npos) << Log();
   EXPECT_TRUE(StartServer("0.0.0.0:0", Flags()).ok()) << Log();
-  absl::StatusOr<ServerProcess> local = StartServer("127.0.0.1:0", Flags(false));
-  ASSERT_OK(local);
-  EXPECT_TRUE(Reach(local->address(), {dir_.File("pki/ca.crt"), "", "", ""}).ok());
+  // Without authorities of callers' certificates they show tokens.
+  absl::StatusOr<ServerProcess> tokens = StartServer("0.0.0.0:0", Flags(false));
+  ASSERT_OK(tokens);
+  const std::string address = "127.0.0.1" + tokens->address().substr(tokens->address().rfind(':'));
+  const client::Identity nobody = {dir_.File("pki/ca.crt"), "", "", ""};
+  EXPECT_EQ(base::ErrorReason(Reach(address, nobody)), "IDENTITY_MISSING");
+  EXPECT_TRUE(Reach(address, {dir_.File("pki/ca.crt"), "", "", dir_.File("token")}).ok());
+  EXPECT_EQ(base::ErrorReason(Reach(address, Shown("pki", "pki"))), "IDENTITY_MISSING");
+}
+
+TEST_F(TlsPort, ATokenCountsBeforeACertificateAndNobodyIsWhomTheServerDoesNotKnow) {
+  MakeCerts("pki", "client stranger");
+  absl::StatusOr<ServerProcess> server = StartServer("127.0.0.1:0", Flags());
+  ASSERT_OK(server);
+  client::Identity stranger = {dir_.File("pki/ca.crt"), dir_.File("pki/client/stranger.crt"),
+                               dir_.File("pki/client/stranger.key"), ""};
+  EXPECT_EQ(base::ErrorReason(Reach(server->address(), stranger)), "PRINCIPAL_UNKNOWN");
+  stranger.token_file = dir_.File("token");
+  EXPECT_TRUE(Reach(server->address(), stranger).ok());
+  client::Identity cell = Shown("pki", "pki");
+  std::ofstream(dir_.File("wrong")) << "axt_wrong\n";
+  cell.token_file = dir_.File("wrong");
+  EXPECT_EQ(base::ErrorReason(Reach(server->address(), cell)), "TOKEN_INVALID");
+  EXPECT_EQ(base::ErrorReason(Reach(server->address(), {dir_.File("pki/ca.crt"), "", "", ""})), "IDENTITY_MISSING");
+}
+
+// Revoked over TLS: the connection lives on, its principal does not.
+TEST_F(TlsPort, ARevokedPrincipalIsOutOnAConnectionThatIsOpen) {
+  absl::StatusOr<ServerProcess> server = StartServer("127.0.0.1:0", Flags());
+  ASSERT_OK(server);
+  auto client = client::Client::Connect(server->address(), {.identity = Shown("pki", "pki")});
+  ASSERT_OK(client);
+  EXPECT_EQ(client->GetIdentity()->name, "cell-7");
+  ASSERT_OK(client->RevokePrincipal("cell-7"));
+  EXPECT_EQ(base::ErrorReason(client->GetIdentity().status()), "PRINCIPAL_UNKNOWN");
 }
 
 TEST_F(TlsPort, NewFilesAreTakenTogetherAndWithoutARestart) {

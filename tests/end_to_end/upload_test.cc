@@ -3,6 +3,7 @@
 
 #include "core/base/error_detail.h"
 #include "proto/convert/session.h"
+#include "server/local_login.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
@@ -64,7 +65,7 @@ TEST_F(Upload, ComesBackBitForBitAndReportsItsProgress) {
   EXPECT_EQ(upload->session.reading_count, 10'500);
   EXPECT_EQ(upload->session.name, "BX");
   EXPECT_EQ(upload->session.instrument, "ballbar");
-  EXPECT_EQ(upload->session.created_by, "test");
+  EXPECT_EQ(upload->session.created_by, "local:" + server::LoginOfProcess());  // not the name that the client states
   EXPECT_FALSE(upload->was_there);
   ASSERT_FALSE(done.empty());
   EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));

@@ -63,9 +63,10 @@ RawResult SendAll(v1::Ingest::Stub& stub, const std::vector<v1::UploadRequest>& 
 }
 
 grpc::Status SendBytes(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
-                       const std::vector<std::string>& messages) {
+                       const std::vector<std::string>& messages, const std::string& authorization) {
   grpc::GenericStub stub(channel);
   grpc::ClientContext context;
+  if (!authorization.empty()) context.AddMetadata("authorization", authorization);
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
   grpc::CompletionQueue queue;
   void* tag = nullptr;
@@ -81,6 +82,11 @@ grpc::Status SendBytes(const std::shared_ptr<grpc::Channel>& channel, const std:
   }
   call->WritesDone(nullptr);
   queue.Next(&tag, &ok);
+  do {
+    grpc::ByteBuffer answer;
+    call->Read(&answer, nullptr);
+    queue.Next(&tag, &ok);
+  } while (ok);
   grpc::Status status;
   call->Finish(&status, nullptr);
   queue.Next(&tag, &ok);

@@ -29,9 +29,9 @@ struct RawResult {
 RawResult SendAll(v1::Ingest::Stub& stub, const std::vector<v1::UploadRequest>& messages);
 
 // Sends bytes as messages of a stream to a method ("/axiscal.v1.Ingest/UploadOnce"), half-closes and returns the call's
-// status.
+// status. `authorization`, unless empty, is the metadata of that name.
 grpc::Status SendBytes(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
-                       const std::vector<std::string>& messages);
+                       const std::vector<std::string>& messages, const std::string& authorization = "");
 
 // ErrorInfo.reason and the first BadRequest field of a status' details; empty when there are none.
 std::string ReasonOf(const grpc::Status& status);

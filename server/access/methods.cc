@@ -1,0 +1,81 @@
+#include "server/access/methods.h"
+
+#include <algorithm>
+
+namespace axiscal::access {
+
+using records::Role;
+
+bool Includes(Role held, Role needed) {
+  if (held == needed) return true;
+  if (held == Role::kAdmin) return needed != Role::kApprover;
+  return needed == Role::kViewer && (held == Role::kTechnician || held == Role::kApprover);
+}
+
+const std::vector<MethodRule>& Methods() {
+  constexpr Role kViewer = Role::kViewer, kCell = Role::kCell, kTechnician = Role::kTechnician,
+                 kApprover = Role::kApprover, kAdmin = Role::kAdmin;
+  constexpr bool kFourEyes = true;
+  static const auto* const methods = new std::vector<MethodRule>{
+      {"Machines.CreateMachine", Reach::kService, {kAdmin}},
+      {"Machines.GetMachine", Reach::kNamed, {kViewer, kCell}},
+      {"Machines.ListMachines", Reach::kList, {kViewer, kCell}},
+      {"Machines.UpdateMachine", Reach::kNamed, {kAdmin}},
+      {"Machines.DeleteMachine", Reach::kNamed, {kAdmin}},
+
+      {"Ingest.CreateSession", Reach::kNamed, {kCell}},
+      {"Ingest.Upload", Reach::kNamed, {kCell}},
+      {"Ingest.UploadOnce", Reach::kNamed, {kCell}},
+      {"Ingest.GetSession", Reach::kNamed, {kViewer, kCell}},
+      {"Ingest.FinishSession", Reach::kNamed, {kCell}},
+      {"Ingest.AbortSession", Reach::kNamed, {kCell}},
+      {"Ingest.ListSessions", Reach::kList, {kViewer}},
+      {"Ingest.DownloadSession", Reach::kNamed, {kViewer}},
+
+      {"Jobs.CreateJob", Reach::kNamed, {kTechnician}},
+      {"Jobs.GetJob", Reach::kNamed, {kViewer}},
+      {"Jobs.ListJobs", Reach::kList, {kViewer}},
+      {"Jobs.CancelJob", Reach::kNamed, {kTechnician}},
+      {"Jobs.RequeueJob", Reach::kNamed, {kTechnician}},
+      {"Jobs.WaitJob", Reach::kNamed, {kViewer}},
+      {"Jobs.WatchJob", Reach::kNamed, {kViewer}},
+
+      {"Calibrations.ListCalibrations", Reach::kList, {kViewer}},
+      {"Calibrations.GetCalibration", Reach::kNamed, {kViewer}},
+      {"Calibrations.ApproveCalibration", Reach::kNamed, {kApprover}, kFourEyes},
+      {"Calibrations.RetireCalibration", Reach::kNamed, {kApprover}},
+
+      {"Programs.ListPrograms", Reach::kList, {kViewer}},
+      {"Programs.PutProgram", Reach::kNamed, {kTechnician}},
+      {"Programs.GetProgram", Reach::kNamed, {kViewer}},
+      {"Programs.RewriteProgram", Reach::kNamed, {kTechnician}},
+
+      {"Tables.ListTableFormats", Reach::kAnyone, {}},
+      {"Tables.MakeTable", Reach::kNamed, {kTechnician}},
+
+      {"History.QueryDrift", Reach::kNamed, {kViewer}},
+      {"History.LatestFleet", Reach::kList, {kViewer}},
+
+      {"Admin.GetServerInfo", Reach::kAnyone, {}},
+
+      {"Access.GetIdentity", Reach::kAnyone, {}},
+      {"Access.CreatePrincipal", Reach::kService, {kAdmin}},
+      {"Access.RevokePrincipal", Reach::kService, {kAdmin}},
+      {"Access.ListPrincipals", Reach::kService, {kAdmin}},
+      {"Access.CreateToken", Reach::kService, {kAdmin}},
+      {"Access.RevokeToken", Reach::kService, {kAdmin}},
+      {"Access.ChangeRole", Reach::kService, {kAdmin}},
+      {"Access.ChangeGroup", Reach::kService, {kAdmin}},
+      {"Access.SetFourEyes", Reach::kService, {kAdmin}},
+      {"Access.ListMachineAccess", Reach::kService, {kAdmin}},
+  };
+  return *methods;
+}
+
+const MethodRule* FindMethod(const std::string& method) {
+  const auto found =
+      std::find_if(Methods().begin(), Methods().end(), [&](const MethodRule& rule) { return rule.method == method; });
+  return found == Methods().end() ? nullptr : &*found;
+}
+
+}  // namespace axiscal::access

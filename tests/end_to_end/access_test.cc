@@ -1,0 +1,477 @@
+// Who may do what, over the wire: every method of the API for every role in every scope, found in the descriptors, so
+// that a new method fails here until somebody has said whose it is.
+#include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
+
+#include <map>
+#include <regex>
+#include <set>
+
+#include "axiscal/v1/access_service.grpc.pb.h"
+#include "axiscal/v1/admin_service.grpc.pb.h"
+#include "axiscal/v1/calibrations_service.grpc.pb.h"
+#include "axiscal/v1/history_service.grpc.pb.h"
+#include "axiscal/v1/ingest_service.grpc.pb.h"
+#include "axiscal/v1/jobs_service.grpc.pb.h"
+#include "axiscal/v1/machines_service.grpc.pb.h"
+#include "axiscal/v1/programs_service.grpc.pb.h"
+#include "axiscal/v1/tables_service.grpc.pb.h"
+#include "core/base/error_detail.h"
+#include "core/base/files.h"
+#include "grpc/health/v1/health.grpc.pb.h"
+#include "server/access/gate.h"
+#include "server/storage/sqlite_database.h"
+#include "tests/end_to_end/testing/fixture.h"
+#include "tests/end_to_end/testing/raw_upload.h"
+
+namespace axiscal {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::MethodDescriptor;
+using records::Role;
+using records::Scope;
+using ::testing::HasSubstr;
+using testing::MachineJson;
+
+// As somebody of the shop would say it, apart from the server's own table. A technician, an approver and an admin are
+// viewers; an admin is a technician and a cell.
+const std::set<Role> kViewers = {Role::kViewer, Role::kTechnician, Role::kApprover, Role::kAdmin};
+const std::set<Role> kCells = {Role::kCell, Role::kAdmin};
+const std::set<Role> kAnyRole = {Role::kViewer, Role::kCell, Role::kTechnician, Role::kApprover, Role::kAdmin};
+const std::set<Role> kTechnicians = {Role::kTechnician, Role::kAdmin};
+const std::set<Role> kApprovers = {Role::kApprover};
+const std::set<Role> kAdmins = {Role::kAdmin};
+
+enum class For { kAnybody, kWhatIsNamed, kLists, kAdminsOfAll };
+struct Expected {
+  For what;
+  std::set<Role> roles;
+};
+const std::map<std::string, Expected>& AllExpected() {
+  static const auto* const expected = new std::map<std::string, Expected>{
+      {"Machines.CreateMachine", {For::kAdminsOfAll, kAdmins}},
+      {"Machines.GetMachine", {For::kWhatIsNamed, kAnyRole}},
+      {"Machines.ListMachines", {For::kLists, kAnyRole}},
+      {"Machines.UpdateMachine", {For::kWhatIsNamed, kAdmins}},
+      {"Machines.DeleteMachine", {For::kWhatIsNamed, kAdmins}},
+      {"Ingest.CreateSession", {For::kWhatIsNamed, kCells}},
+      {"Ingest.Upload", {For::kWhatIsNamed, kCells}},
+      {"Ingest.UploadOnce", {For::kWhatIsNamed, kCells}},
+      {"Ingest.GetSession", {For::kWhatIsNamed, kAnyRole}},
+      {"Ingest.FinishSession", {For::kWhatIsNamed, kCells}},
+      {"Ingest.AbortSession", {For::kWhatIsNamed, kCells}},
+      {"Ingest.ListSessions", {For::kLists, kViewers}},
+      {"Ingest.DownloadSession", {For::kWhatIsNamed, kViewers}},
+      {"Jobs.CreateJob", {For::kWhatIsNamed, kTechnicians}},
+      {"Jobs.GetJob", {For::kWhatIsNamed, kViewers}},
+      {"Jobs.ListJobs", {For::kLists, kViewers}},
+      {"Jobs.CancelJob", {For::kWhatIsNamed, kTechnicians}},
+      {"Jobs.RequeueJob", {For::kWhatIsNamed, kTechnicians}},
+      {"Jobs.WaitJob", {For::kWhatIsNamed, kViewers}},
+      {"Jobs.WatchJob", {For::kWhatIsNamed, kViewers}},
+      {"Calibrations.ListCalibrations", {For::kLists, kViewers}},
+      {"Calibrations.GetCalibration", {For::kWhatIsNamed, kViewers}},
+      {"Calibrations.ApproveCalibration", {For::kWhatIsNamed, kApprovers}},
+      {"Calibrations.RetireCalibration", {For::kWhatIsNamed, kApprovers}},
+      {"Programs.ListPrograms", {For::kLists, kViewers}},
+      {"Programs.PutProgram", {For::kWhatIsNamed, kTechnicians}},
+      {"Programs.GetProgram", {For::kWhatIsNamed, kViewers}},
+      {"Programs.RewriteProgram", {For::kWhatIsNamed, kTechnicians}},
+      {"Tables.ListTableFormats", {For::kAnybody, {}}},
+      {"Tables.MakeTable", {For::kWhatIsNamed, kTechnicians}},
+      {"History.QueryDrift", {For::kWhatIsNamed, kViewers}},
+      {"History.LatestFleet", {For::kLists, kViewers}},
+      {"Admin.GetServerInfo", {For::kAnybody, {}}},
+      {"Access.GetIdentity", {For::kAnybody, {}}},
+      {"Access.CreatePrincipal", {For::kAdminsOfAll, kAdmins}},
+      {"Access.RevokePrincipal", {For::kAdminsOfAll, kAdmins}},
+      {"Access.ListPrincipals", {For::kAdminsOfAll, kAdmins}},
+      {"Access.CreateToken", {For::kAdminsOfAll, kAdmins}},
+      {"Access.RevokeToken", {For::kAdminsOfAll, kAdmins}},
+      {"Access.ChangeRole", {For::kAdminsOfAll, kAdmins}},
+      {"Access.ChangeGroup", {For::kAdminsOfAll, kAdmins}},
+      {"Access.SetFourEyes", {For::kAdminsOfAll, kAdmins}},
+      {"Access.ListMachineAccess", {For::kAdminsOfAll, kAdmins}},
+  };
+  return *expected;
+}
+
+// The methods of all files of the API that this program links.
+std::vector<const MethodDescriptor*> AllMethods() {
+  const google::protobuf::FileDescriptor* const files[] = {
+      v1::GetIdentityRequest::descriptor()->file(),      v1::GetServerInfoRequest::descriptor()->file(),
+      v1::GetCalibrationRequest::descriptor()->file(),   v1::QueryDriftRequest::descriptor()->file(),
+      v1::CreateSessionRequest::descriptor()->file(),    v1::CreateJobRequest::descriptor()->file(),
+      v1::GetMachineRequest::descriptor()->file(),       v1::PutProgramRequest::descriptor()->file(),
+      v1::ListTableFormatsRequest::descriptor()->file(),
+  };
+  std::vector<const MethodDescriptor*> methods;
+  for (const auto* const file : files) {
+    for (int s = 0; s < file->service_count(); ++s) {
+      for (int m = 0; m < file->service(s)->method_count(); ++m) methods.push_back(file->service(s)->method(m));
+    }
+  }
+  return methods;
+}
+
+// One machine with a row of each kind.
+struct Rows {
+  std::string machine;
+  int64_t session = 0, job = 0, calibration = 0, program = 0;
+};
+
+// Sets every field that names a row, as a client would; whether there was one. Of a choice between messages the first.
+bool Fill(Message& message, const Rows& rows) {
+  const auto& reflection = *message.GetReflection();
+  const Descriptor& type = *message.GetDescriptor();
+  std::set<const google::protobuf::OneofDescriptor*> chosen;
+  bool is_named = false;
+  for (int i = 0; i < type.field_count(); ++i) {
+    const FieldDescriptor& field = *type.field(i);
+    const std::string& name = field.name();
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      if (field.is_repeated() ||
+          (field.real_containing_oneof() && !chosen.insert(field.real_containing_oneof()).second))
+        continue;
+      is_named |= Fill(*reflection.MutableMessage(&message, &field), rows);
+      continue;
+    }
+    if (name == "description_json") {
+      reflection.SetString(&message, &field, MachineJson(rows.machine));
+      is_named = true;
+    } else if (name == "machine_id" || name == "approved_of_machine_id") {
+      reflection.SetString(&message, &field, rows.machine);
+      is_named = true;
+    } else if (name.ends_with("_id") || name.ends_with("_ids")) {
+      const int64_t number = name.find("session") != std::string::npos       ? rows.session
+                             : name.find("calibration") != std::string::npos ? rows.calibration
+                             : name == "job_id"                              ? rows.job
+                             : name == "program_id"                          ? rows.program
+                                                                             : 0;
+      if (number == 0) continue;
+      field.is_repeated() ? reflection.AddInt64(&message, &field, number)
+                          : reflection.SetInt64(&message, &field, number);
+      is_named = true;
+    }
+  }
+  return is_named;
+}
+
+class Access : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    storage::SqliteOptions options;
+    options.path = dir_.File("axiscal.db");
+    auto opened = storage::OpenSqlite(options);
+    ASSERT_OK(opened);
+    storage::Database& database = **opened;
+    for (Rows* const rows : {&here_, &there_}) Store(database, *rows);
+    ASSERT_OK(database.ChangeGroup("turning", MachineId("here"), true, kAdmin));
+    for (const Role role : records::kAllRoles) {
+      const std::string name = records::NameOf(role);
+      Add(database, name + "-all", {{role, {}}});
+      Add(database, name + "-group", {{role, {Scope::Kind::kGroup, "turning"}}});
+      Add(database, name + "-here", {{role, {Scope::Kind::kMachine, "here"}}});
+      Add(database, name + "-there", {{role, {Scope::Kind::kMachine, "there"}}});
+    }
+    Add(database, "nothing", {});
+    opened->reset();
+    StartServer();
+  }
+  void StartServer() {
+    server::ServerOptions options;
+    options.database_path = dir_.File("axiscal.db");
+    options.asks_identity = true;
+    options.ask_again = std::chrono::milliseconds(20);
+    options.drain = std::chrono::milliseconds(200);
+    auto started = server::Server::Start(options);
+    ASSERT_OK(started);
+    server_ = *std::move(started);
+    channel_ = server_->InProcessChannel();
+  }
+  void Store(storage::Database& database, Rows& rows) {
+    const MachineId machine(rows.machine);
+    ASSERT_OK(database.CreateMachine(machine, MachineJson(rows.machine), kAdmin));
+    storage::NewSession session;
+    session.machine = machine;
+    session.name = "S";
+    session.instrument = "ballbar";
+    const session::Session measured = testing::BallbarSession(rows.machine, "S", 1);
+    session.header = measured.header;
+    for (const session::Column& column : measured.columns) session.columns.push_back({column.name, false});
+    rows.session = database.CreateSession(session)->id.number();
+    const ProgramId program = database.BeginProgram({"nc", "O1", kAdmin})->id;
+    const std::string text = "(" + rows.machine + ")\n";
+    ASSERT_OK(database.AppendProgram(program, 0, text));
+    rows.program = database.FinishProgram(program, static_cast<int64_t>(text.size()), "")->id.number();
+    storage::NewJob job;
+    job.kind = records::kIdentify;
+    job.machine = machine;
+    job.caller = kAdmin;
+    rows.job = database.CreateJob(job, 10)->id.number();
+    const auto claimed = database.ClaimJob(std::chrono::seconds(30));
+    ASSERT_OK(claimed);
+    storage::NewCalibration calibration;
+    calibration.machine = machine;
+    calibration.machine_revision = 1;
+    calibration.model_json = calibration.options_json = calibration.report_json = "{}";
+    calibration.created_by = "technician-all";
+    const auto done = database.SucceedJob(storage::ClaimOf(**claimed), {"{}", calibration, {ProgramId(rows.program)}});
+    ASSERT_OK(done);
+    rows.calibration = done->calibration->number();
+  }
+  void Add(storage::Database& database, const std::string& name, const std::vector<records::Grant>& grants) {
+    ASSERT_OK(database.CreatePrincipal(name, "", kAdmin));
+    for (const records::Grant& grant : grants) ASSERT_OK(database.ChangeRole(name, grant, true, kAdmin));
+    tokens_[name] = access::NewToken();
+    ASSERT_OK(database.CreateToken({name, access::HashOfToken(tokens_[name]), "", {}}, kAdmin));
+  }
+
+  // The call with one message, as `name` makes it ("": shows nothing).
+  grpc::Status Call(const std::string& name, const MethodDescriptor& method, const Message& request) {
+    return testing::SendBytes(channel_, "/" + method.service()->full_name() + "/" + method.name(),
+                              {request.SerializeAsString()}, name.empty() ? "" : "Bearer " + tokens_.at(name));
+  }
+  static std::unique_ptr<Message> NewRequest(const MethodDescriptor& method) {
+    return std::unique_ptr<Message>(
+        google::protobuf::MessageFactory::generated_factory()->GetPrototype(method.input_type())->New());
+  }
+  std::unique_ptr<grpc::ClientContext> ContextOf(const std::string& name) {
+    auto context = std::make_unique<grpc::ClientContext>();
+    context->AddMetadata("authorization", "Bearer " + tokens_.at(name));
+    context->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
+    return context;
+  }
+  client::Client ClientOf(const std::string& name) {
+    const std::string file = dir_.File(name + ".token");
+    EXPECT_TRUE(base::WriteFileAtomically(file, tokens_.at(name) + "\n").ok());
+    client::Options options;
+    options.identity.token_file = file;
+    return *client::Client::InProcess(channel_, options);
+  }
+
+  static inline const storage::Caller kAdmin = {"setup", ""};
+  testing::TempDir dir_;
+  Rows here_{.machine = "here"}, there_{.machine = "there"};
+  const Rows none_{.machine = "none", .session = 991, .job = 992, .calibration = 993, .program = 994};
+  std::map<std::string, std::string> tokens_;
+  std::unique_ptr<server::Server> server_;
+  std::shared_ptr<grpc::Channel> channel_;
+};
+
+std::string NameOf(const MethodDescriptor& method) { return method.service()->name() + "." + method.name(); }
+
+bool IsLetIn(const grpc::Status& status) {
+  return status.error_code() != grpc::StatusCode::PERMISSION_DENIED &&
+         status.error_code() != grpc::StatusCode::UNAUTHENTICATED;
+}
+
+TEST_F(Access, EveryMethodOfTheApiIsPlaced) {
+  std::set<std::string> methods, expected;
+  for (const MethodDescriptor* const method : AllMethods()) methods.insert(NameOf(*method));
+  for (const auto& [method, what] : AllExpected()) expected.insert(method);
+  EXPECT_EQ(methods, expected);
+}
+
+TEST_F(Access, NobodyIsLetInWithoutIdentity) {
+  for (const MethodDescriptor* const method : AllMethods()) {
+    const std::unique_ptr<Message> request = NewRequest(*method);
+    Fill(*request, here_);
+    const grpc::Status nobody = Call("", *method, *request);
+    EXPECT_EQ(nobody.error_code(), grpc::StatusCode::UNAUTHENTICATED) << NameOf(*method);
+    EXPECT_EQ(testing::ReasonOf(nobody), "IDENTITY_MISSING") << NameOf(*method);
+    const grpc::Status wrong = testing::SendBytes(channel_, "/" + method->service()->full_name() + "/" + method->name(),
+                                                  {request->SerializeAsString()}, "Bearer axt_wrong");
+    EXPECT_EQ(testing::ReasonOf(wrong), "TOKEN_INVALID") << NameOf(*method);
+  }
+  // Health is open.
+  const auto health = grpc::health::v1::Health::NewStub(channel_);
+  grpc::ClientContext context;
+  grpc::health::v1::HealthCheckResponse response;
+  EXPECT_TRUE(health->Check(&context, {}, &response).ok());
+  // What the API is, is told to nobody.
+  EXPECT_EQ(
+      testing::SendBytes(channel_, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", {""}).error_code(),
+      grpc::StatusCode::UNIMPLEMENTED);
+}
+
+// Role x method x scope. What a call that is let in answers is its handler's business.
+TEST_F(Access, EachRoleMayDoWhatItIsFor) {
+  for (const MethodDescriptor* const method : AllMethods()) {
+    const std::string what = NameOf(*method);
+    const auto found = AllExpected().find(what);
+    ASSERT_NE(found, AllExpected().end()) << what;
+    const Expected& expected = found->second;
+    const std::unique_ptr<Message> request = NewRequest(*method), missing = NewRequest(*method);
+    const bool names_rows = Fill(*request, here_);
+    Fill(*missing, none_);
+    for (const Role role : records::kAllRoles) {
+      const std::string name = records::NameOf(role);
+      const bool is_role = expected.what == For::kAnybody || expected.roles.contains(role);
+      for (const std::string scope : {"-all", "-group", "-here"}) {
+        const grpc::Status status = Call(name + scope, *method, *request);
+        const bool is_for_all = expected.what == For::kAdminsOfAll;
+        const bool may = is_role && (!is_for_all || scope == "-all");
+        EXPECT_EQ(IsLetIn(status), may) << name << scope << " " << what << ": " << status.error_message();
+        if (may) continue;
+        EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED) << name << scope << " " << what;
+        EXPECT_EQ(testing::ReasonOf(status), "ROLE_MISSING") << name << scope << " " << what;
+        EXPECT_THAT(status.error_message(), HasSubstr("needs the role ")) << what;
+      }
+      const grpc::Status outside = Call(name + "-there", *method, *request);
+      if (expected.what == For::kAnybody) {
+        EXPECT_TRUE(IsLetIn(outside)) << name << " " << what;
+      } else if (expected.what == For::kAdminsOfAll) {
+        EXPECT_EQ(testing::ReasonOf(outside), "ROLE_MISSING") << name << " " << what;
+      } else if (!names_rows) {
+        EXPECT_EQ(IsLetIn(outside), is_role) << name << " " << what << ": " << outside.error_message();
+      } else {
+        // Outside its scope nothing exists, whatever the role: as for what is nowhere.
+        const grpc::Status nowhere = Call(name + "-there", *method, *missing);
+        EXPECT_EQ(outside.error_code(), grpc::StatusCode::NOT_FOUND) << name << " " << what;
+        EXPECT_EQ(nowhere.error_code(), grpc::StatusCode::NOT_FOUND) << name << " " << what;
+        EXPECT_EQ(testing::ReasonOf(outside), testing::ReasonOf(nowhere)) << name << " " << what;
+        const std::regex row("(machine|session|job|calibration|program) [a-z0-9]+");
+        EXPECT_EQ(std::regex_replace(outside.error_message(), row, "$1 #"),
+                  std::regex_replace(nowhere.error_message(), row, "$1 #"));
+        EXPECT_THAT(outside.error_message(), HasSubstr(" does not exist")) << what;
+      }
+    }
+    const grpc::Status nothing = Call("nothing", *method, *request);
+    EXPECT_EQ(nothing.error_code(), expected.what == For::kAnybody ? nothing.error_code()
+                                    : names_rows && expected.what != For::kAdminsOfAll
+                                        ? grpc::StatusCode::NOT_FOUND
+                                        : grpc::StatusCode::PERMISSION_DENIED)
+        << what << ": " << nothing.error_message();
+    EXPECT_TRUE(IsLetIn(nothing) || expected.what != For::kAnybody) << what;
+  }
+}
+
+TEST_F(Access, ListsHoldWhatTheCallerMaySeeAndNothingElse) {
+  for (const std::string name : {"viewer-here", "technician-group", "approver-here"}) {
+    client::Client client = ClientOf(name);
+    ASSERT_EQ(client.ListMachines()->rows.size(), 1u) << name;
+    EXPECT_EQ(client.ListMachines()->rows[0].id.text(), "here");
+    ASSERT_EQ(client.ListSessions()->rows.size(), 1u) << name;
+    EXPECT_EQ(client.ListSessions()->rows[0].id.number(), here_.session);
+    ASSERT_EQ(client.ListJobs()->rows.size(), 1u) << name;
+    EXPECT_EQ(client.ListJobs()->rows[0].id.number(), here_.job);
+    ASSERT_EQ(client.ListCalibrations()->rows.size(), 1u) << name;
+    EXPECT_EQ(client.ListCalibrations()->rows[0].id.number(), here_.calibration);
+    ASSERT_EQ(client.ListPrograms()->rows.size(), 1u) << name;
+    EXPECT_EQ(client.ListPrograms()->rows[0].id.number(), here_.program);
+    ASSERT_EQ(client.LatestFleet({})->rows.size(), 1u) << name;
+    EXPECT_EQ(client.LatestFleet({})->rows[0].machine.text(), "here");
+    EXPECT_EQ(client.ListSessions({MachineId("there"), {}}).status().code(), absl::StatusCode::kNotFound);
+  }
+  EXPECT_EQ(ClientOf("viewer-all").ListSessions()->rows.size(), 2u);
+  EXPECT_EQ(ClientOf("cell-here").ListSessions().status().code(), absl::StatusCode::kPermissionDenied);
+}
+
+// A job of one's own machine may not draw on another's sessions, calibrations and programs, nor learn that they are
+// there.
+TEST_F(Access, AJobNamesNothingOutsideTheScope) {
+  client::Client client = ClientOf("technician-here");
+  const absl::Status session = client
+                                   .CreateJob(records::IdentifyParams{
+                                       MachineId("here"), {SessionId(here_.session), SessionId(there_.session)}, {}})
+                                   .status();
+  EXPECT_EQ(session.code(), absl::StatusCode::kNotFound) << session;
+  records::CompensateParams compensate;
+  compensate.machine = MachineId("here");
+  compensate.program = ProgramId(there_.program);
+  EXPECT_THAT(client.CreateJob(compensate).status().message(), HasSubstr("program"));
+  EXPECT_EQ(client.CreateJob(compensate).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(Access, NoNameThatIsStatedIsTrusted) {
+  const auto stub = v1::Access::NewStub(channel_);
+  const auto context = ContextOf("viewer-here");
+  context->AddMetadata("axiscal-user", "admin-all");
+  v1::GetIdentityResponse identity;
+  ASSERT_TRUE(stub->GetIdentity(context.get(), {}, &identity).ok());
+  EXPECT_EQ(identity.name(), "viewer-here");
+  ASSERT_EQ(identity.grants_size(), 1);
+  EXPECT_EQ(identity.grants(0).role(), v1::ROLE_VIEWER);
+  // Who approves is who calls.
+  client::Client approver = ClientOf("approver-here");
+  v1::ApproveCalibrationRequest request;
+  request.set_calibration_id(here_.calibration);
+  request.set_etag(approver.GetCalibration(CalibrationId(here_.calibration))->etag);
+  request.set_approved_by("technician-all");
+  const auto calibrations = v1::Calibrations::NewStub(channel_);
+  v1::ApproveCalibrationResponse approved;
+  const grpc::Status status = calibrations->ApproveCalibration(ContextOf("approver-here").get(), request, &approved);
+  EXPECT_EQ(status.ok() ? approved.calibration().approved_by() : "approver-here", "approver-here");
+}
+
+TEST_F(Access, ARevokedPrincipalIsCutOffInTheMidstOfAStream) {
+  const auto stub = v1::Ingest::NewStub(channel_);
+  const auto context = ContextOf("cell-here");
+  const auto stream = stub->Upload(context.get());
+  v1::UploadRequest header;
+  header.mutable_header()->set_session_id(here_.session);
+  ASSERT_TRUE(stream->Write(header));
+  v1::UploadResponse response;
+  ASSERT_TRUE(stream->Read(&response));  // it is open
+  ASSERT_OK(ClientOf("admin-all").RevokePrincipal("cell-here"));
+  EXPECT_FALSE(stream->Read(&response));
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(ClientOf("cell-here").GetServerInfo().status().code(), absl::StatusCode::kUnauthenticated);
+}
+
+TEST_F(Access, ARoleThatIsTakenAwayEndsTheStreamsThatNeedIt) {
+  const auto stub = v1::Ingest::NewStub(channel_);
+  const auto context = ContextOf("cell-here"), other_context = ContextOf("cell-group");
+  const auto stream = stub->Upload(context.get());
+  const auto other = stub->Upload(other_context.get());
+  v1::UploadRequest header;
+  header.mutable_header()->set_session_id(here_.session);
+  v1::UploadResponse response;
+  for (const auto* const one : {&stream, &other}) {
+    ASSERT_TRUE((*one)->Write(header));
+    ASSERT_TRUE((*one)->Read(&response));
+  }
+  ASSERT_OK(ClientOf("admin-all").ChangeRole("cell-here", {Role::kCell, {Scope::Kind::kMachine, "here"}}, false));
+  EXPECT_FALSE(stream->Read(&response));
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  // Who has it still goes on.
+  EXPECT_TRUE(other->WritesDone());
+  EXPECT_TRUE(other->Finish().ok());
+}
+
+TEST_F(Access, ATokenFileThatIsReplacedHoldsFromTheNextCallOn) {
+  client::Client client = ClientOf("viewer-here");
+  ASSERT_EQ(client.GetIdentity()->name, "viewer-here");
+  ASSERT_TRUE(base::WriteFileAtomically(dir_.File("viewer-here.token"), tokens_["viewer-there"] + "\n").ok());
+  EXPECT_EQ(client.GetIdentity()->name, "viewer-there");
+}
+
+TEST_F(Access, AdminsAddPrincipalsWhoseTokensWork) {
+  client::Client admin = ClientOf("admin-all");
+  ASSERT_OK(admin.CreatePrincipal("ann", "the desk"));
+  ASSERT_OK(admin.ChangeRole("ann", {Role::kTechnician, {Scope::Kind::kGroup, "turning"}}, true));
+  const auto token = admin.CreateToken("ann", "desk", base::SystemClock().UtcNow() + std::chrono::hours(1));
+  ASSERT_OK(token);
+  tokens_["ann"] = token->secret;
+  EXPECT_EQ(ClientOf("ann").GetIdentity()->name, "ann");
+  EXPECT_EQ(ClientOf("ann").ListJobs()->rows.size(), 1u);
+  const auto principals = admin.ListPrincipals();
+  ASSERT_OK(principals);
+  EXPECT_EQ(principals->rows.front().name, "admin-all");
+  for (const records::PrincipalRecord& record : principals->rows) {
+    if (record.name != "ann") continue;
+    EXPECT_EQ(record.created_by, "admin-all");
+    ASSERT_EQ(record.tokens.size(), 1u);
+    EXPECT_TRUE(record.tokens[0].last_used_at.has_value());
+  }
+  ASSERT_OK(admin.RevokeToken(token->record.id));
+  EXPECT_EQ(ClientOf("ann").GetServerInfo().status().code(), absl::StatusCode::kUnauthenticated);
+  EXPECT_EQ(base::ErrorReason(admin.CreateToken("ann", "", base::SystemClock().UtcNow()).status()), "FIELD_INVALID");
+}
+
+}  // namespace
+}  // namespace axiscal
