@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CompensateArguments {
-  std::string machine, errors, input, output, report;
+  std::string machine, errors, input, output, report, subprograms_out;
   int64_t calibration = 0;
   bool keep = false;
   RewriteArguments rewrite;
@@ -123,7 +123,36 @@ std::string MarkName(const std::string& path) {
   return name;
 }
 
+// Where corrected subprograms go: a folder of their own, so that no source is written over.
+absl::Status CheckSubprograms(const CompensateArguments& arguments) {
+  const std::string &in = arguments.rewrite.subprograms, &out = arguments.subprograms_out;
+  if (in.empty() && out.empty()) return absl::OkStatus();
+  if (in.empty() || out.empty()) {
+    return absl::InvalidArgumentError(
+        "--subprograms and --subprograms-out: state both, where subprograms are read and where they are written");
+  }
+  if (arguments.errors.empty()) {
+    return absl::InvalidArgumentError(
+        "--subprograms: with a calibration of the service a program comes alone; state --errors, or put the "
+        "subprograms behind the program's end in its file");
+  }
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error)
+    return absl::UnavailableError(absl::StrCat("--subprograms-out: cannot make '", out, "': ", error.message()));
+  if (fs::equivalent(in, out, error))
+    return absl::InvalidArgumentError("--subprograms-out: '" + out + "' is the folder of --subprograms");
+  return absl::OkStatus();
+}
+
+absl::Status WriteSubprograms(const CompensateArguments& arguments, const std::vector<nc::Subprogram>& files) {
+  for (const nc::Subprogram& file : files)
+    RETURN_IF_ERROR(base::WriteFileAtomically((fs::path(arguments.subprograms_out) / file.name).string(), file.text));
+  return absl::OkStatus();
+}
+
 absl::Status CompensateFiles(Context& context, const CompensateArguments& arguments) {
+  RETURN_IF_ERROR(CheckSubprograms(arguments));
   ASSIGN_OR_RETURN(const MachineWithErrors model, ReadModelFiles(arguments.machine, arguments.errors));
   ASSIGN_OR_RETURN(nc::RewriteOptions options, ToRewriteOptions(arguments.rewrite, model.machine));
   options.calibration = MarkName(arguments.errors);
@@ -143,6 +172,7 @@ absl::Status CompensateFiles(Context& context, const CompensateArguments& argume
   RETURN_IF_ERROR(WriteReport(arguments, report_json, &report_file));
   if (!status.ok())
     return absl::Status(status.code(), absl::StrCat(arguments.input, ": ", status.message(), RefusedText(report)));
+  RETURN_IF_ERROR(WriteSubprograms(arguments, report.subprograms));
   context.Print(Json::Document(report_json), RewriteReportText(said, arguments.output));
   return absl::OkStatus();
 }
@@ -219,6 +249,7 @@ absl::Status CompensateOnService(Context& context, const CompensateArguments& ar
 
 absl::Status Compensate(Context& context, const CompensateArguments& arguments) {
   RETURN_IF_ERROR(CheckPaths(context, arguments));
+  if (arguments.errors.empty()) RETURN_IF_ERROR(CheckSubprograms(arguments));
   if (arguments.keep && !arguments.errors.empty())
     return absl::InvalidArgumentError("--keep stores programs on the service, which --errors does without");
   return arguments.errors.empty() ? CompensateOnService(context, arguments) : CompensateFiles(context, arguments);
@@ -237,6 +268,8 @@ void AddCompensateCommand(CLI::App& app, Context& context) {
   compensate->add_flag("--keep", arguments->keep,
                        "as a job: the program, the rewritten one and the report stay on the service");
   AddRewriteOptions(*compensate, arguments->rewrite);
+  compensate->add_option("--subprograms-out", arguments->subprograms_out,
+                         "with --subprograms: a folder for those that the program calls, corrected");
   compensate->footer(
       "Every byte that is not a corrected axis word stays. A program that cannot be corrected safely, or was corrected "
       "before, is\n"

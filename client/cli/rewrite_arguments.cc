@@ -3,9 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <sstream>
 
+#include "client/cli/tool_table.h"
+#include "core/base/files.h"
 #include "core/base/units.h"
 #include "core/session/text.h"
 
@@ -208,9 +211,15 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
                   "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: "
                   "H1=120.5; may be given again")
       ->allow_extra_args(false);
+  command.add_option("--tool-table", arguments.tool_table,
+                     "the control's table of tools, for the lengths that --tool-length does not state: of LinuxCNC "
+                     "(T5 P5 Z120.5), Fanuc and Haas (G10 L10 P5 R120.5), Sinumerik ($TC_DP3[5,1]=120.5) or "
+                     "Heidenhain (TOOL.T)");
   command.add_option("--harmless-m", arguments.harmless_m,
                      "M codes of the machine's builder that start no macro and move no axis, beside those of the "
                      "dialect's table (docs/nc.md): 47,120-129");
+  command.add_option("--subprograms", arguments.subprograms,
+                     "a folder with the subprograms that the program calls and does not hold itself");
   command.add_option("--time-s", arguments.time_s,
                      "when the program runs, s of the sessions' clock; needed for errors that drift");
   command.add_option("--temperature-c", arguments.temperature_celsius,
@@ -224,6 +233,30 @@ absl::StatusOr<Eigen::Vector3d> ToolTip(const RewriteArguments& arguments) {
         absl::StrCat("--tool-tip: '", arguments.tool_tip, "', expected three numbers in mm: \"0 0 -350\""));
   }
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+absl::StatusOr<std::vector<nc::Subprogram>> ReadSubprograms(const std::string& option, const std::string& folder) {
+  namespace fs = std::filesystem;
+  constexpr uintmax_t kMostBytes = uintmax_t{1} << 28;
+  std::vector<nc::Subprogram> files;
+  if (folder.empty()) return files;
+  std::error_code error;
+  uintmax_t bytes = 0;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (!at->is_regular_file(error)) continue;
+    bytes += at->file_size(error);
+    if (error) break;
+    if (bytes > kMostBytes) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(option, ": the files of '", folder, "' have more than 256 MB: expected subprograms alone"));
+    }
+    ASSIGN_OR_RETURN(std::string text, base::ReadFile(at->path().string(), kMostBytes));
+    files.push_back({at->path().filename().string(), std::move(text)});
+  }
+  if (error) return absl::NotFoundError(absl::StrCat(option, ": cannot read folder '", folder, "': ", error.message()));
+  std::sort(files.begin(), files.end(),
+            [](const nc::Subprogram& a, const nc::Subprogram& b) { return a.name < b.name; });
+  return files;
 }
 
 absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& arguments,
@@ -249,6 +282,7 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   options.max_rotary_correction_rad = arguments.max_rotary_correction_deg * base::kRadPerDeg;
   options.tolerance_rad = arguments.tolerance_urad * base::kRadPerUrad;
   ASSIGN_OR_RETURN(options.harmless_m, ParseCodes(arguments.harmless_m));
+  ASSIGN_OR_RETURN(options.subprograms, ReadSubprograms("--subprograms", arguments.subprograms));
   std::istringstream start(arguments.start);
   ASSIGN_OR_RETURN(options.initial_position, ParseAxisValues("--start", start, machine));
   for (const std::string& text : arguments.offsets) {
@@ -264,6 +298,16 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
       if (known.number == length.number) return Twice("--tool-length", absl::StrCat("H", length.number));
     }
     options.tool_lengths.push_back(length);
+  }
+  if (!arguments.tool_table.empty()) {
+    constexpr size_t kMostBytes = size_t{1} << 24;
+    ASSIGN_OR_RETURN(const std::string table, base::ReadFile(arguments.tool_table, kMostBytes));
+    ASSIGN_OR_RETURN(const std::vector<nc::ToolLength> lengths, ParseToolTable(table, arguments.tool_table));
+    for (const nc::ToolLength& length : lengths) {
+      const bool is_stated = std::any_of(options.tool_lengths.begin(), options.tool_lengths.end(),
+                                         [&](const nc::ToolLength& known) { return known.number == length.number; });
+      if (!is_stated) options.tool_lengths.push_back(length);
+    }
   }
   return options;
 }

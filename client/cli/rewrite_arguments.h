@@ -34,6 +34,8 @@ struct RewriteArguments {
   std::vector<std::string> offsets;       // "G54 X=-490 C=90" or "G54=-490 0 0 0 90"
   std::vector<std::string> tool_lengths;  // "H1=120.5"
   std::string harmless_m;                 // "47,120-129"
+  std::string subprograms;                // a folder
+  std::string tool_table;                 // a file
   std::optional<double> time_s, temperature_celsius;
 };
 
@@ -45,6 +47,8 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments);
 
 // INVALID_ARGUMENT naming the option, its value and what was expected.
 absl::StatusOr<Eigen::Vector3d> ToolTip(const RewriteArguments& arguments);
+// The files of a folder, in the order of their names; none for "".
+absl::StatusOr<std::vector<nc::Subprogram>> ReadSubprograms(const std::string& option, const std::string& folder);
 absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& arguments, const machine::Machine& machine);
 
 }  // namespace axiscal::cli

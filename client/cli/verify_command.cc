@@ -17,7 +17,7 @@ namespace axiscal::cli {
 namespace {
 
 struct VerifyArguments {
-  std::string original, compensated, machine, errors, report;
+  std::string original, compensated, machine, errors, report, subprograms_out;
   int64_t calibration = 0;
   RewriteArguments rewrite;
 };
@@ -69,6 +69,8 @@ absl::Status Verify(Context& context, const VerifyArguments& arguments) {
                                                       ? FetchModel(context, arguments.machine, arguments.calibration)
                                                       : ReadModelFiles(arguments.machine, arguments.errors));
   ASSIGN_OR_RETURN(options.reading, ToRewriteOptions(arguments.rewrite, model.machine));
+  ASSIGN_OR_RETURN(options.compensated_subprograms,
+                   ReadSubprograms("--subprograms-out", arguments.subprograms_out));
   options.time_s = arguments.rewrite.time_s.value_or(options.time_s);
   options.temperature_celsius = arguments.rewrite.temperature_celsius.value_or(options.temperature_celsius);
   ASSIGN_OR_RETURN(const nc::VerifyReport report,
@@ -93,6 +95,8 @@ void AddVerifyCommand(CLI::App& app, Context& context) {
   AddModelOptions(*verify, arguments->machine, arguments->errors, arguments->calibration);
   verify->add_option("--report", arguments->report, "write the report as JSON");
   AddRewriteOptions(*verify, arguments->rewrite);
+  verify->add_option("--subprograms-out", arguments->subprograms_out,
+                     "the folder of the rewritten subprograms; --subprograms: of those as they were");
   verify->footer(
       "Independent of how the correction was computed: both programs are read and every move is evaluated on the chain "
       "with the\n"

@@ -5,6 +5,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/nc/decimal.h"
 
@@ -69,6 +73,9 @@ struct Block {
   bool is_deletable = false;    // begins with '/'
   bool has_assignment = false;  // #100=5 and no other use of it: moves nothing
   bool is_marked = false;       // a comment carries our mark
+  bool has_expression = false;  // a word's number is the value of variables
+  // Variables that the block sets, by name, with their values; none: not known.
+  std::vector<std::pair<std::string, std::optional<double>>> assigned;
   LexProblem problem = LexProblem::kNone;
   uint32_t problem_at = 0;
   // Of a block with TOOL CALL: what stands behind DL; digits = 0: nothing.

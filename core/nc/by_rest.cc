@@ -26,18 +26,38 @@ bool IsZero(const std::string& text) {
   return has_digit;
 }
 
-// "X+0 Y+5" of CYCL DEF 7: what is shifted then.
-uint16_t Shifted(const std::string& words, uint16_t shifted) {
-  for (size_t at = 0; at < words.size();) {
-    const size_t end = std::min(words.find(' ', at), words.size());
-    const std::string word = words.substr(at, end - at);
-    at = end + 1;
-    const char* const letter = std::strchr(kShiftedLetters, word[0]);
-    if (letter == nullptr || word.size() < 2) return shifted | kAnyShift;
-    const auto bit = static_cast<uint16_t>(1u << (letter - kShiftedLetters));
-    shifted = static_cast<uint16_t>(IsZero(word.substr(1)) ? shifted & ~bit : shifted | bit);
+// "X10", "X=10", "X+10" of a line: the axis' letter and the value in ticks. False for anything else.
+bool ReadShift(const std::string& word, Ticks unit, char* letter, Ticks* ticks) {
+  if (word.empty() || std::strchr(kShiftedLetters, word[0]) == nullptr) return false;
+  *letter = word[0];
+  size_t at = 1 + (word.size() > 1 && word[1] == '=');
+  Decimal number;
+  const bool is_negative = at < word.size() && word[at] == '-';
+  at += at < word.size() && (word[at] == '-' || word[at] == '+');
+  for (; at < word.size(); ++at) {
+    if (word[at] == '.' && !number.has_point) {
+      number.has_point = true;
+    } else if (word[at] >= '0' && word[at] <= '9' && number.digits < 12) {
+      number.mantissa = 10 * number.mantissa + (word[at] - '0');
+      ++number.digits;
+      number.decimals = static_cast<int8_t>(number.decimals + number.has_point);
+    } else {
+      return false;
+    }
   }
-  return shifted;
+  if (number.digits == 0 || number.digits - number.decimals > 5) return false;
+  if (is_negative) number.mantissa = -number.mantissa;
+  return ToTicks(number, unit, ticks);
+}
+
+std::vector<std::string> WordsOf(const std::string& text) {
+  std::vector<std::string> words;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find(' ', at), text.size());
+    if (end > at) words.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return words;
 }
 
 }  // namespace
@@ -58,7 +78,7 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
   const Word& word = *request->by_rest_word;
   const char* const name = dialect_->keywords[static_cast<size_t>(word.keyword)].name;
   const std::string rest = RestOf(text + word.letter_at + std::strlen(name), end_of_text_);
-  bool ends = rest.empty() || (mode == kSwivel && rest == "()");
+  bool ends = (rest.empty() && std::strcmp(name, "ATRANS") != 0) || (mode == kSwivel && rest == "()");
   if (dialect_->has_poles) {
     // TNC 640, User's Manual for Cycle Programming: ".0" names the cycle, the lines behind it state it.
     const size_t behind = rest.find_first_not_of("0123456789", 1);
@@ -76,7 +96,7 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
     const bool is_empty = is_part && (stated.empty() || (mode == kRotation && stated == "ROT"));
     if (is_empty && (mode == kDatumShift || mode == kRotation) && (modal_.blockers & mode) == 0) return;
     if (mode == kDatumShift) {
-      modal_.shifted_axes = is_part && !stated.empty() ? Shifted(stated, modal_.shifted_axes)
+      modal_.shifted_axes = is_part && !stated.empty() ? ShiftDatum(stated, modal_.shifted_axes)
                                                        : static_cast<uint16_t>(modal_.shifted_axes | kAnyShift);
       ends = modal_.shifted_axes == 0;
     }
@@ -86,6 +106,8 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
     if (mode == kModalMacro) modal_.macro_depth = 0;
     if (mode == kModalMacro) modal_.calls_at_moves = false;
     if (mode == kMirror) modal_.mirrored_axes = 0;
+    // Any of TRANS, ROT, SCALE and MIRROR replaces what all of them stated.
+    for (int i = 0; mode == kFrame && i < axis_count_; ++i) ShiftFrame(i, 0);
     // The machine's builder may turn the axes home.
     if (mode == kSwivel) request->away = "end of a tilted plane";
     return EndMode(mode);
@@ -100,6 +122,8 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
       return;
     }
   }
+  const bool adds = std::strcmp(name, "ATRANS") == 0;
+  if ((adds || std::strcmp(name, "TRANS") == 0) && Translate(rest, adds)) return;
   modal_.calls_at_moves = false;
   modal_.blockers |= mode;
   if (mode == kMirror) modal_.mirrored_axes = kAllAxes;
@@ -109,6 +133,55 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
     request->is_call = true;
   }
   request->Refuse(absl::StrCat(name, " (", request->by_rest->text, ")"));
+}
+
+void Interpreter::ShiftFrame(int axis, Ticks value) {
+  if (coordinates_.frame(axis) == value) return;
+  coordinates_.SetFrame(axis, value);
+  pole_.is_known = false;
+  if (dialect_->g91_takes_new_offsets) needs_absolute_ |= static_cast<uint16_t>(1u << axis);
+}
+
+// 840D sl, Programming Manual Fundamentals, "Programmable zero offset (TRANS, ATRANS)": TRANS replaces all that frames
+// stated before, ATRANS adds to it.
+bool Interpreter::Translate(const std::string& words, bool adds) {
+  const uint32_t others = modal_.blockers & ~(adds ? 0u : static_cast<uint32_t>(kFrame));
+  if (others != 0 || modal_.tool_point != 0 || block_may_be_skipped_ || modal_.is_inch ||
+      (modal_.uncertain & (kUnitGroup | kOffsetGroup)) != 0)
+    return false;
+  AxisTicks shift{};
+  uint16_t named = 0;
+  for (const std::string& word : WordsOf(words)) {
+    char letter = 0;
+    Ticks ticks = 0;
+    const bool is_read = ReadShift(word, kTicksPerMm, &letter, &ticks);
+    const int axis = is_read ? AxisOf(letter) : -1;
+    if (axis < 0 || (named >> axis & 1)) return false;
+    named |= static_cast<uint16_t>(1u << axis);
+    shift[axis] = ticks;
+  }
+  if (named == 0) return false;
+  EndMode(kFrame);
+  for (int i = 0; i < axis_count_; ++i) ShiftFrame(i, shift[i] + (adds ? coordinates_.frame(i) : 0));
+  return true;
+}
+
+// TNC 640, User's Manual for Cycle Programming, "Datum shift (cycle 7)": an axis that is not named keeps its shift.
+uint16_t Interpreter::ShiftDatum(const std::string& words, uint16_t shifted) {
+  for (const std::string& word : WordsOf(words)) {
+    char letter = word[0];
+    Ticks ticks = 0;
+    const char* const known = std::strchr(kShiftedLetters, letter);
+    if (known == nullptr || word.size() < 2) return shifted | kAnyShift;
+    const int axis = AxisOf(letter);
+    const auto bit = static_cast<uint16_t>(1u << (known - kShiftedLetters));
+    const Ticks unit = axis >= 0 ? ticks_per_unit(axis) : kTicksPerMm;
+    const bool is_read = ReadShift(word, unit, &letter, &ticks) && (ticks == 0 || axis >= 0);
+    const bool is_followed = is_read && modal_.tool_point == 0 && !block_may_be_skipped_ && UnitProblem().empty();
+    if (axis >= 0) ShiftFrame(axis, is_followed ? ticks : 0);
+    shifted = static_cast<uint16_t>(is_followed || (is_read && ticks == 0) ? shifted & ~bit : shifted | bit);
+  }
+  return shifted;
 }
 
 bool Interpreter::NamesAxesOnly(const char* text, const Block& block) {

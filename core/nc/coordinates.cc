@@ -58,7 +58,7 @@ void Coordinates::Reset() {
   selected_ = active_length_ = -1;
   length_ = length_difference_ = 0;
   is_tool_point_ = has_selected_ = false;
-  preset_ = suspended_ = shift_ = {};
+  preset_ = suspended_ = shift_ = frame_ = {};
   for (size_t i = 0; i < stated_.size(); ++i) {
     if (stated_[i].code == first_offset_) selected_ = static_cast<int>(i);
   }
@@ -119,6 +119,10 @@ bool Coordinates::has_shift() const {
   return std::any_of(shift_.begin(), shift_.end(), [](Ticks ticks) { return ticks != 0; });
 }
 
+bool Coordinates::has_frame() const {
+  return std::any_of(frame_.begin(), frame_.end(), [](Ticks ticks) { return ticks != 0; });
+}
+
 bool Coordinates::has_preset() const {
   return std::any_of(suspended_.begin(), suspended_.end(), [](Ticks ticks) { return ticks != 0; });
 }
@@ -167,7 +171,8 @@ void Coordinates::ForgetStated() {
 
 void Coordinates::Sum() {
   for (int i = 0; i < axis_count_; ++i) {
-    total_[i] = preset_[i] + shift_[i] + (selected_ < 0 ? 0 : stated_[static_cast<size_t>(selected_)].ticks[i]);
+    const Ticks of_offset = selected_ < 0 ? 0 : stated_[static_cast<size_t>(selected_)].ticks[i];
+    total_[i] = preset_[i] + shift_[i] + frame_[i] + of_offset;
   }
   if (length_axis_ >= 0 && !is_tool_point_) total_[length_axis_] += length_ + length_difference_;
 }

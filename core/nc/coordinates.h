@@ -50,6 +50,13 @@ class Coordinates {
   bool has_shift() const;
   // Preset coordinates are in force or suspended.
   bool has_preset() const;
+  // A programmable frame that only shifts: TRANS, CYCL DEF 7.
+  void SetFrame(int axis, Ticks value) {
+    frame_[axis] = value;
+    Sum();
+  }
+  Ticks frame(int axis) const { return frame_[axis]; }
+  bool has_frame() const;
   // G52. False: a preset is in force, controllers differ.
   bool Shift(int axis, Ticks value);
   // G10 L2: the values of the axes in `axes` of a work offset, in force at once where it is selected. False, and
@@ -80,7 +87,7 @@ class Coordinates {
   int active_length_ = -1;
   Ticks length_ = 0, length_difference_ = 0;
   bool is_tool_point_ = false;
-  AxisTicks preset_{}, suspended_{}, shift_{}, total_{};
+  AxisTicks preset_{}, suspended_{}, shift_{}, frame_{}, total_{};
 };
 
 }  // namespace axiscal::nc

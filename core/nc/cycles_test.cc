@@ -158,7 +158,7 @@ TEST(Cycles, CallsThatAreNotFollowedAreRefused) {
        {"CYCLE81(R1,0,2,-10)", "CYCLE81(20,0,2)", "CYCLE81(20,0,2,10)", "CYCLE81(1,0,2,-10)", "CYCLE81(20,0,2,-10,5)",
         "CYCLE88(20,0,2,-10)", "G70\nCYCLE81(20,0,2,-10)", "CYCLE801(20,0,2,-10)",
         "MCALL CYCLE81(20,0,2,-10)\nG1 X10. F100", "MCALL CYCLE81(20,0,2,-10)\nG91 X10.",
-        "MCALL CYCLE81(20,0,2,-10)\nG18\nX10.", "MCALL CYCLE81(20,0,2,-10)\nTRANS X10\nX10.",
+        "MCALL CYCLE81(20,0,2,-10)\nG18\nX10.", "MCALL CYCLE81(20,0,2,-10)\nROT Z30\nX10.",
         "MCALL HOLES1(0,0,0,5,5,3)\nX10.", "/MCALL CYCLE81(20,0,2,-10)\nX10.", "MCALL CYCLE81(20,0,2,-10)\nSUPA G0 Z0"})
     EXPECT_FALSE(testing::Rewritten(head + block + "\n", In("sinumerik")).status.ok()) << block;
   const std::string definition = "CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10 ~\n Q203=+0\n",

@@ -113,6 +113,7 @@ void Interpreter::ReadDatum(const char* text, size_t size, Step* step) {
   const bool is_number = at != digits && (at == end || Class(*at) == kBlank || *at == '~' || *at == '\r');
   if (!is_number) return refuse("Q339 is no plain number");
   if (modal_.tool_point != 0) return refuse("under tool centre point control it is not followed");
+  if (coordinates_.has_frame()) return refuse("with a datum shift (cycle 7) in force: end it in front");
   const std::string code = absl::StrCat("PRESET ", number);
   modal_.uncertain &= static_cast<uint8_t>(~kOffsetGroup);
   if (!coordinates_.Select(code))

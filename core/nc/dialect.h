@@ -209,6 +209,7 @@ struct Dialect {
   // On lathes of the family T0101 turns the turret and switches the offset of its last two digits at once.
   bool tools_may_switch_offsets = false;
   bool integers_may_be_increments = false;  // X10 is 10 mm or 0.010 mm, as a parameter of the control says
+  bool lengths_along_z = false;  // G43 and G44 act along Z in every plane
   bool tool_call_sets_length = false;       // the tool's length acts from the tool change on, without a code
   // F is the speed in the space of all axes, degrees counted as mm: a rotary axis that moves alone goes on at its speed
   // when a linear one moves a little with it. Else F is that of the linear axes as soon as one of them moves.
@@ -217,6 +218,7 @@ struct Dialect {
   double arc_radius_tolerance_mm = kRadiusToleranceMm;
   bool takes_finer_words = false;  // words may have more decimals than the machine's resolution, and mean them
   size_t max_block_bytes = 0;               // that the control reads, line end included; 0: no limit is known
+  bool packs_repeats = false;  // M98 P51002 runs O1002 five times
   // G10 L2 P1 to so many are G54 and those behind it; L20 P1 to `additional_offsets` are numbered_offset P1 and so on.
   int plain_offsets = 6, additional_offsets = 0;
   std::string numbered_offset;

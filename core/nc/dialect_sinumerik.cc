@@ -134,7 +134,7 @@ std::vector<Keyword> SinumerikKeywords() {
       {"SLOT", M::kOneShot, 0, true, "cycle"},
       {"LONGHOLE", M::kOneShot, 0, true, "cycle"},
       {"MCALL", M::kBlockerByRest, kModalMacro, true, "modal call"},
-      {"ATRANS", M::kBlockerOn, kFrame, true, "shift of coordinates"},
+      {"ATRANS", M::kBlockerByRest, kFrame, true, "shift of coordinates"},
       {"TRANS", M::kBlockerByRest, kFrame, true, "shift of coordinates"},
       {"AROTS", M::kBlockerOn, kFrame, true, "rotation"},
       {"AROT", M::kBlockerOn, kFrame, true, "rotation"},

@@ -51,7 +51,7 @@ TEST(Dialect, SinumerikModesAreReported) {
       {"TRAORI X5", "tool centre point control"},
       {"CYCLE800(1,\"TC1\",0,57,0,0,0,30,0,0,0,0,0,1)", "tilted plane"},
       {"CYCLE81(R1,0,2,-5)", "cycle"},
-      {"TRANS X10 Y5", "shift of coordinates"},
+      {"TRANS X=R5", "shift of coordinates"},
       {"AROT RPL=30", "rotation"},
       {"MIRROR X0", "mirror"},
       {"R1=R2+5", "macro or expression"},
@@ -109,7 +109,7 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"TOOL CALL 5 Z S2000", "TOOL CALL 5: the tool's length is not stated"},
       {"TOOL CALL \"MILL\" Z S2000", "by name"},
       {"PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY", "tilted plane"},
-      {"CYCL DEF 7.1 X+5", "shift of coordinates"},
+      {"CYCL DEF 7.1 IX+5", "shift of coordinates"},
       {"CYCL DEF 247 DATUM SETTING Q339=1", "PRESET 1 is not stated"},
       {"CYCL CALL", "cycle"},
       {"L X+5 M128", "tool centre point control"},
@@ -146,7 +146,7 @@ TEST(Dialect, LinuxCncWords) {
   EXPECT_REWRITTEN(In("linuxcnc"), "G1 X1. (MSG, hello)\nG64 P0.01 Q0.01\nM62 P1\nG8\nX2.\n",
                    "G1 X1.0417 (MSG, hello)\nG64 P0.01 Q0.01\nM62 P1\nG8\nX2.0417\n");
   for (const std::string block :
-       {"o100 sub", "o<probe> call [5]", "O100 if [#1 EQ 0]", "#<x>=[5]", "G1 X#<x>", "G5 X1 Y1 I1 J1", "G76 P1 Z-5 I1",
+       {"o100 sub", "o<probe> call [5]", "O100 if [#1 EQ 0]", "#<x>=#<y>", "X#<x>", "G5 X1 Y1 I1 J1", "G76 P1 Z-5 I1",
         "G7", "M429", "G38.2 Z-5 F10", "G33 Z-5 K1", "M72"}) {
     const Outcome outcome = Rewritten("G1 X1.\n" + block + "\nG1 X2.\n", In("linuxcnc"));
     EXPECT_THAT(std::string(outcome.status.message()), HasSubstr("line 2")) << block;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/nc/calls.h"
 #include "core/nc/char_class.h"
 #include "core/nc/lexer.h"
 #include "core/nc/request.h"
@@ -84,10 +85,25 @@ bool MayHoldCodes(const Dialect& dialect, const std::vector<bool>& is_stated_har
   return false;
 }
 
+// Whether G10 stands there, which sets work offsets and tool lengths: "G10", "G 010".
+bool HoldsDataInput(const char* begin, const char* end) {
+  for (const char* at = begin; at != end; ++at) {
+    if (Capital(*at) != 'G') continue;
+    int64_t number = 0;
+    const char* digit = at + 1;
+    while (digit != end && *digit == ' ') ++digit;
+    for (; digit != end && *digit >= '0' && *digit <= '9' && number < kCodes; ++digit)
+      number = 10 * number + (*digit - '0');
+    if (number == 10) return true;
+  }
+  return false;
+}
+
 // Whether a block that is no plain assignment may write variables of the control that hold work offsets or tool
 // lengths: "#5221=10.", "#[#1]=0", "$P_UIFR[1,X,TR]=10". Numbers of the program's own variables are below 1000; from
 // 3000 to 4999 stand alarms, clocks and the modal state.
 bool MayWriteOffsets(const Dialect& dialect, const char* begin, const char* end) {
+  if (dialect.has_parenthesis_comments && HoldsDataInput(begin, end)) return true;
   if (dialect.variable == 'Q' || std::find(begin, end, '=') == end) return false;  // Klartext writes them by FN 17
   if (dialect.variable == 'R') return std::find(begin, end, '$') != end;
   for (const char* at = std::find(begin, end, '#'); at != end; at = std::find(at + 1, end, '#')) {
@@ -179,12 +195,13 @@ void Interpreter::Unsupported(std::string reason, bool is_consequence, Step* ste
 }
 
 void Interpreter::StartProgram() {
+  variables_.ForgetAll();
   const bool is_first = !has_moved_ && !at_program_end_;
   at_program_end_ = takes_plain_moves_ = false;
   if (is_first) return;
   ++programs_begun_;
   // Controls differ on whether the end of a program ends them.
-  may_carry_shift_ |= coordinates_.has_shift() || coordinates_.has_preset();
+  may_carry_shift_ |= coordinates_.has_shift() || coordinates_.has_preset() || coordinates_.has_frame();
   BeginModal();
   if (modal_.blockers & kMirror) modal_.mirrored_axes = kAllAxes;
   if (modal_.blockers & kDatumShift) modal_.shifted_axes = kAllAxes;
@@ -230,7 +247,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->is_consequence = step->is_tool_change = step->moves_away = step->ends_block = step->is_at_corner = false;
   step->sets_pole = step->is_corner = step->leaves_text = step->ends_program = step->ends_subprogram = false;
   step->jumps_back = step->is_curve = step->is_tangential = false;
-  step->frame.is_changed = step->begins_definition = step->defines_cycle = false;
+  step->frame.is_changed = step->begins_definition = step->defines_cycle = step->begins_structure = false;
   text_ = text, end_of_text_ = text + size;
   step->wrapped = step->downwards = 0;
   step->preset = PresetChange::kNone;
@@ -265,7 +282,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   if (defined_ != nullptr && defined_->meaning == Meaning::kSelectDatum) modal_.blockers |= kUnstatedOffset;
   defined_ = nullptr;
   const size_t skipped = static_cast<size_t>(text - begin);
-  Lex(begin + skipped, size, *dialect_, block);
+  Lex(begin + skipped, size, *dialect_, block, &variables_);
   if (skipped > 0) {
     const auto shift = static_cast<uint32_t>(skipped);
     for (int i = 0; i < block->word_count; ++i) {
@@ -283,6 +300,11 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
     step->is_rapid = modal_.motion == Meaning::kRapid;
     if (ReadTargets(*block, step)) GoTo(step);
     takes_plain_moves_ = step->kind == StepKind::kMove;
+    return;
+  }
+  if (stops_at_calls_ && BeginsStructure(begin, static_cast<size_t>(text + size - begin), *block)) {
+    --line_;
+    step->begins_structure = true;
     return;
   }
   takes_plain_moves_ = is_before_now_ = false;
@@ -344,6 +366,37 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) {
   modal_.lacks_feed &= !has_feed;
   modal_.is_rapid_unsure &= !has_code;
   return true;
+}
+
+void Interpreter::TakeVariables(const Block& block) {
+  const bool may_be_skipped = block.is_deletable && options_->block_delete == BlockDelete::kEither;
+  for (const auto& [name, value] : block.has_assignment ? block.assigned : decltype(block.assigned)())
+    variables_.Set(name, may_be_skipped ? std::nullopt : value);
+  // What is not read may set them, and so may cycles and functions of Klartext, which have parameters of their own.
+  const bool may_set = block.problem != LexProblem::kNone ||
+                       (dialect_->has_poles && std::any_of(block.begin(), block.end(),
+                                                           [this](const Word& word) { return TakesRest(word); }));
+  if (may_set) variables_.ForgetAll();
+}
+
+bool Interpreter::BeginsStructure(const char* text, size_t size, const Block& block) const {
+  if (std::memchr(text, 0x1A, size) != nullptr) return false;  // the program ends there
+  const Word* first = block.begin();
+  while (first != block.end() && first->letter == 'N' && !dialect_->has_poles) ++first;
+  const bool is_empty = first == block.end();
+  bool may_call = is_empty && block.problem != LexProblem::kNone && !dialect_->has_poles;
+  if (!is_empty && first->letter == 0) {
+    const Meaning meaning = dialect_->keyword_codes[static_cast<size_t>(first->keyword)].meaning;
+    may_call = meaning == Meaning::kCall || meaning == Meaning::kJump;
+  }
+  for (const Word* word = first; word != block.end() && !may_call && !dialect_->has_poles; ++word) {
+    const int64_t value = word->number.mantissa;
+    may_call = (word->letter == 'M' && (value == 98 || value == 97)) || (word->letter == 'G' && value == 65) ||
+               (word->letter == 'O' && dialect_->takes_loaded_tool) || (word->letter == 'L' && dialect_->has_equals);
+  }
+  if (!may_call) return false;
+  const FlowLine flow = ReadFlow(std::string(text, size), *dialect_);
+  return flow.kind == FlowLine::Kind::kCall || (flow.kind == FlowLine::Kind::kHead && flow.is_alone);
 }
 
 void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
@@ -417,6 +470,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     return Unsupported(absl::StrCat("the order of blocks is not known: macro or jump in line ", jump_line_), true,
                        step);
   }
+  TakeVariables(block);
   step->has_other_words |= block.has_assignment;
   if (block.has_assignment && dialect_->has_poles) modal_.called = DrillCycle();
   Request request;
@@ -501,6 +555,8 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   if (request.is_jump) jump_line_ = line_;
   if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetPositions(false);
+  if (step->kind == StepKind::kUnsupported && !call_problem_.empty() && !step->is_consequence)
+    absl::StrAppend(&step->reason, ": ", call_problem_);
   at_program_end_ = step->ends_program = request.is_end;
   step->ends_subprogram = request.is_subprogram_end;
   step->leaves_text |= request.is_call || request.is_jump;

@@ -21,6 +21,7 @@
 #include "core/nc/options.h"
 #include "core/nc/program_frame.h"
 #include "core/nc/tool_point_frame.h"
+#include "core/nc/variables.h"
 
 namespace axiscal::nc {
 
@@ -64,6 +65,7 @@ struct Step {
   bool may_be_skipped = false;  // block delete, switch unknown
   bool is_consequence = false;  // of a block reported before
   bool is_tool_change = false;
+  bool begins_structure = false;  // it calls or is called: nothing of it was read, what follows is for calls.h to order
   bool begins_definition = false;  // of a cycle: its next line may have to be passed, and nothing may stand between
   bool moves_away = false;  // a tool or pallet change: where the axes are behind it is not known
   bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
@@ -124,10 +126,24 @@ class Interpreter {
   void ReadOverlong(Step* step);
   // The next line is no part of a program.
   void SkipLine() { ++line_; }
+  // The first line that calls a subprogram, or begins one that is read over, ends the reading (Step::begins_structure).
+  void StopAtCalls() { stops_at_calls_ = true; }
+  // From such a line on: the next line's number, whether its return to what called it is followed, and why a call in it
+  // is not.
+  void SetLine(int64_t next, bool is_followed_return, const std::string& call_problem) {
+    stops_at_calls_ = false;
+    line_ = next - 1;
+    is_followed_return_ = is_followed_return;
+    if (!call_problem_.empty() || !call_problem.empty()) call_problem_ = call_problem;
+  }
+
+  // A subprogram begins or ends: variables of one of them alone are not known in the other.
+  void ChangeLevel() { variables_.ForgetLocals(); }
 
   int64_t line() const { return line_; }  // of the last Read, from 1
   const Modal& modal() const { return modal_; }
   const Dialect& dialect() const { return *dialect_; }
+  const RewriteOptions& options() const { return *options_; }
   const Coordinates& coordinates() const { return coordinates_; }
   Ticks ticks_per_unit(int axis) const { return modal_.is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm; }
   Ticks offset(int axis) const { return coordinates_.Offset(axis); }
@@ -188,6 +204,9 @@ class Interpreter {
   // fills step->word_of_axis then. Any other block takes the way through ReadBlock, which most do not need.
   bool IsPlainMove(const Block& block, Step* step);
   void ReadBlock(const char* text, const Block& block, Step* step);
+  // What the block sets, or may set.
+  void TakeVariables(const Block& block);
+  bool BeginsStructure(const char* text, size_t size, const Block& block) const;
   void Apply(const char* text, const Block& block, Step* step);
   void ScanWords(const Block& block, Request* request, Step* step);
   void ScanCode(const Word& word, const Code& code, Request* request, Step* step);
@@ -201,6 +220,13 @@ class Interpreter {
   void NeedAbsoluteZ();
   // TRANS X10, TRANS; CYCL DEF 10.1 ROT+30, ROT+0.
   void SelectByRest(const char* text, Request* request, Step* step);
+  // "TRANS X10 Y5": the shift of coordinates that it states. False where its words are not plain numbers of axes, or
+  // something is in force with which it is not followed.
+  bool Translate(const std::string& words, bool adds);
+  // "X+10 Y+5" of CYCL DEF 7: axes that are shifted by what is not known, in bits of shifted_axes.
+  uint16_t ShiftDatum(const std::string& words, uint16_t shifted);
+  // A change of offsets: on some controls G91 behind it moves by it too.
+  void ShiftFrame(int axis, Ticks value);
   // Whether the rest of a move in machine coordinates is axis words of variables, and nothing else: Z=_Z_HOME.
   // A D word among them leaves the tool length unknown.
   bool NamesAxesOnly(const char* text, const Block& block);
@@ -353,6 +379,10 @@ class Interpreter {
   const Code* defined_ = nullptr;   // of CYCL DEF, whose lines are read
   std::array<std::optional<Ticks>, 5> definition_;  // Q200 to Q204
   bool block_may_be_skipped_ = false;
+  bool stops_at_calls_ = false;
+  bool is_followed_return_ = false;  // of the line that is read
+  std::string call_problem_;
+  Variables variables_;
   bool is_continued_ = false;       // Klartext: the next line belongs to this block ("~")
   bool at_program_end_ = false;     // M30: what follows is another program
 };

@@ -421,6 +421,10 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       EndMode(code.detail);
       return;
     case Meaning::kEndOfProgram:
+      if (code.detail == 1 && is_followed_return_) {
+        step->ends_block = true;
+        return;
+      }
       request->is_end = step->ends_block = true;
       request->is_subprogram_end |= code.detail == 1;
       return;
@@ -522,6 +526,8 @@ void Interpreter::SelectOffset(const char* text, const Block& block, Request* re
       request->parameter = 0;
     }
   }
+  // Whether a programmable frame goes on with another work offset is not known.
+  if (coordinates_.has_frame()) modal_.blockers |= kFrame;
   const AxisTicks before = coordinates_.offsets();
   const bool is_stated = coordinates_.Select(name);
   for (int i = 0; i < axis_count_ && dialect_->g91_takes_new_offsets; ++i) {
@@ -568,14 +574,19 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
 }
 
 void Interpreter::NoteCall() {
+  variables_.ForgetAll();
   modal_.called = DrillCycle();
   MayHaveChanged(kCalledGroups);
   has_called_ = true;
   is_loaded_tool_known_ = false;
   blockers_at_calls_ |= modal_.blockers | modal_.tool_point;
   LoseToolPoint();  // what is called may end it
+  if (coordinates_.has_frame()) {
+    modal_.blockers |= dialect_->has_poles ? kDatumShift : kFrame;
+    modal_.shifted_axes = kAllAxes;
+  }
   modal_.turns_by_vector = dialect_->transformation_may_drop_offset;
-  if (coordinates_.has_shift() || coordinates_.has_preset()) blockers_at_calls_ |= kShift;
+  if (coordinates_.has_shift() || coordinates_.has_preset() || coordinates_.has_frame()) blockers_at_calls_ |= kShift;
 }
 
 void Interpreter::ForgetStated() {
@@ -639,7 +650,7 @@ void Interpreter::SelectLength(Request* request) {
   }
   if (last_length_number_ >= 0 && coordinates_.SelectLength(last_length_number_, sign)) {
     EndMode(kUnstatedLength);  // tool centre point control goes on with another length
-    if (modal_.plane_normal != 2 && last_length_number_ != 0) {
+    if (modal_.plane_normal != 2 && last_length_number_ != 0 && !dialect_->lengths_along_z) {
       modal_.blockers |= kUnstatedLength;
       request->Refuse("a tool length in another plane than XY: controllers differ on its axis");
     }

@@ -73,7 +73,9 @@ void JobReport::Note(const BlockText& block, const std::string& text) {
 }
 
 void JobReport::AddFinding(const BlockText& block, const std::string& reason, std::vector<Finding>* findings) {
-  if (findings->size() < kMaxFindings) findings->push_back({block.line, Shown(block), reason});
+  if (findings->size() >= kMaxFindings) return;
+  const std::string where = source_.empty() ? "" : absl::StrCat("in ", source_, ": ");
+  findings->push_back({block.line, Shown(block), where + reason});
 }
 
 void JobReport::Passed(const BlockText& block, const std::string& reason, bool is_consequence) {

@@ -27,6 +27,8 @@ class JobReport {
   bool is_refused() const { return report_.blocks_refused > 0; }
 
   // "line 7: " and the text.
+  // Of the blocks that follow: the file of a subprogram, "": the program itself.
+  void SetSource(const std::string& name) { source_ = name; }
   void Note(const BlockText& block, const std::string& text);
   // The block stays as it is: listed unless it follows from another one, counted always.
   void Passed(const BlockText& block, const std::string& reason, bool is_consequence);
@@ -58,6 +60,7 @@ class JobReport {
   double last_before_mm_ = 0, last_after_mm_ = 0;  // at the end of the last piece
   bool has_travel_limits_ = false;
   bool has_exceeded_limit_ = false;  // listed once, counted on
+  std::string source_;
 };
 
 // Of a block in a message: its first bytes, as UTF-8 without control characters ('?' stands for what is none), whatever

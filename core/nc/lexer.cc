@@ -1,6 +1,7 @@
 #include "core/nc/lexer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 
@@ -15,8 +16,8 @@ namespace {
 
 class BlockLexer {
  public:
-  BlockLexer(const char* text, size_t size, const Dialect& dialect, Block* block)
-      : text_(text), end_(text + size), at_(text), dialect_(dialect), block_(*block) {}
+  BlockLexer(const char* text, size_t size, const Dialect& dialect, Block* block, const Variables* variables)
+      : text_(text), end_(text + size), at_(text), dialect_(dialect), block_(*block), variables_(variables) {}
 
   void Run() {
     block_.length_difference = Decimal();
@@ -98,9 +99,12 @@ class BlockLexer {
 
   // What assigns a number moves nothing; where the variable stands in a word, that word is refused.
   bool SkipAssignment() {
-    const char* const end = EndOfAssignment(at_, end_, block_.word_count == 0, dialect_);
+    Assigned assigned;
+    const char* const end =
+        EndOfAssignment(at_, end_, block_.word_count == 0, dialect_, variables_, &assigned);
     if (end == nullptr) return false;
     block_.has_assignment = true;
+    block_.assigned.push_back(std::move(assigned));
     at_ = end;
     return true;
   }
@@ -355,6 +359,7 @@ class BlockLexer {
     if (digits > 18) return Fail(LexProblem::kNumberTooLong, letter);
     if (digits == 0) {
       at_ = at;
+      if (ReadExpression(letter, negative, word)) return true;
       return Fail(at != end && Class(*at) == kMacro ? LexProblem::kExpression : LexProblem::kNoNumber, letter);
     }
     at_ = last;
@@ -368,17 +373,56 @@ class BlockLexer {
     return true;
   }
 
+  // "X#100", "X=R1+2", "X-Q1" behind the sign: the value in place of a number. What selects or counts is a whole one.
+  bool ReadExpression(const char* letter, bool is_negative, Word* word) {
+    constexpr int kMostDecimals = 5;
+    if (variables_ == nullptr || std::strchr("GMNO", word->letter) != nullptr) return false;
+    const bool may_begin = at_ != end_ && (Capital(*at_) == dialect_.variable || *at_ == '[' || *at_ == '_' ||
+                                           (*at_ == '(' && dialect_.has_equals));
+    // "RX" is no sum in Klartext; in Sinumerik an expression stands behind '='.
+    if (!may_begin || (dialect_.has_equals && std::find(letter, at_, '=') == at_)) return false;
+    const char* last = at_;
+    const std::optional<double> value = Evaluate(&last, end_, dialect_, *variables_);
+    if (!value) return false;
+    const char* next = last;
+    while (next != end_ && Class(*next) == kBlank) ++next;
+    if (next != end_ && std::strchr("+-*/#[]=", *next) != nullptr) return false;
+    Decimal& number = word->number;
+    number = Decimal();
+    number.mantissa = std::llround((is_negative ? -*value : *value) * static_cast<double>(kPowersOfTen[kMostDecimals]));
+    number.decimals = kMostDecimals;
+    for (; number.decimals > 0 && number.mantissa % 10 == 0; --number.decimals) number.mantissa /= 10;
+    const bool counts = std::strchr("PHDTLQ", word->letter) != nullptr && number.decimals == 0;
+    number.has_point = !counts;
+    number.has_plus = dialect_.writes_plus;
+    number.digits = static_cast<int8_t>(number.decimals + 1);
+    for (int64_t whole = std::abs(number.mantissa) / kPowersOfTen[number.decimals]; whole >= 10; whole /= 10)
+      ++number.digits;
+    block_.has_expression = true;
+    at_ = last;
+    word->end = Offset(last);
+    return true;
+  }
+
   const char* const text_;
   const char* end_;
   const char* at_;
   const Dialect& dialect_;
   Block& block_;
+  const Variables* const variables_;
   bool takes_rest_ = false;
 };
 
 // Apart from Lex, whose common case needs little room.
-[[gnu::noinline]] void LexAnyBlock(const char* text, size_t size, const Dialect& dialect, Block* block) {
-  BlockLexer(text, size, dialect, block).Run();
+[[gnu::noinline]] void LexAnyBlock(const char* text, size_t size, const Dialect& dialect, const Variables* variables,
+                                   Block* block) {
+  block->assigned.clear();
+  block->has_expression = false;
+  BlockLexer(text, size, dialect, block, variables).Run();
+  // Whether the word has the value of before or behind the assignment, controls differ.
+  if (!block->has_expression || block->assigned.empty() || block->problem != LexProblem::kNone) return;
+  block->problem = LexProblem::kExpression;
+  block->problem_at = 0;
 }
 
 // "CR X+20 Y+10 R+20 DR- R0": the first R is the radius, and called Q from here on.
@@ -394,7 +438,7 @@ void NameRadius(const Dialect& dialect, Block* block) {
 
 }  // namespace
 
-void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
+void Lex(const char* text, size_t size, const Dialect& dialect, Block* block, const Variables* variables) {
   block->word_count = 0;
   block->is_deletable = block->is_marked = block->has_assignment = false;
   block->problem = LexProblem::kNone;
@@ -403,7 +447,7 @@ void Lex(const char* text, size_t size, const Dialect& dialect, Block* block) {
   const bool begins_with_word = size > 0 && *text >= 'A' && *text <= 'Z' && *text != 'O' && !dialect.has_bare_keywords;
   if (begins_with_word && ReadPlainBlock(text, text + size, block)) return;
   block->word_count = block->layout_count = 0;  // the words' other fields are no longer those of the layouts
-  LexAnyBlock(text, size, dialect, block);
+  LexAnyBlock(text, size, dialect, variables, block);
   if (dialect.has_poles) NameRadius(dialect, block);
 }
 

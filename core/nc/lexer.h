@@ -10,12 +10,14 @@
 
 #include "core/nc/block.h"
 #include "core/nc/dialect.h"
+#include "core/nc/variables.h"
 
 namespace axiscal::nc {
 
 // `text` is the line without its end ("\n", "\r\n"); text[size] is that end, or the NUL behind a string. Every field of
 // `block` is set, words beyond word_count excepted. Never fails.
-void Lex(const char* text, size_t size, const Dialect& dialect, Block* block);
+// `variables`: values of those that words may name; nullptr: none is known.
+void Lex(const char* text, size_t size, const Dialect& dialect, Block* block, const Variables* variables = nullptr);
 
 // Whether what follows the ';' at `at` is words and nothing else, a code or a position among them.
 bool IsBlockBehind(const char* at, const char* end);

@@ -12,6 +12,7 @@ namespace axiscal::nc {
 
 absl::StatusOr<bool> MoveReader::Next(Event* event) {
   while (events_.empty()) {
+    if (is_at_end_ && is_waiting_ && RunNext()) continue;
     if (is_at_end_) return false;
     ASSIGN_OR_RETURN(const size_t size, reader_(buffer_.data(), buffer_.size()));
     const auto read = [this](const char* text, size_t length, bool is_overlong) { Line(text, length, is_overlong); };
@@ -24,7 +25,9 @@ absl::StatusOr<bool> MoveReader::Next(Event* event) {
       splitter_.Finish(line);
       preamble_.Finish(read);
     } else {
-      splitter_.Feed(buffer_.data(), size, line, [](const char*, size_t) {});
+      splitter_.Feed(buffer_.data(), size, line, [this](const char* text, size_t length) {
+        if (is_waiting_) waiting_.back().append(text, length);
+      });
     }
   }
   *event = std::move(events_.front());
@@ -32,11 +35,38 @@ absl::StatusOr<bool> MoveReader::Next(Event* event) {
   return true;
 }
 
+bool MoveReader::RunNext() {
+  if (execution_ == nullptr) {
+    execution_ = std::make_unique<Execution>(interpreter_.dialect(), interpreter_.options(), std::move(waiting_),
+                                             first_waiting_);
+  }
+  Execution::Event event;
+  if (!execution_->Next(&event)) return false;
+  if (event.kind != Execution::Event::Kind::kLine) {
+    interpreter_.ChangeLevel();
+    return true;
+  }
+  interpreter_.SetLine(execution_->line_number(event.text, event.line), event.is_followed_return, event.call_problem);
+  const std::string& text = execution_->lines(event.text)[event.line];
+  Line(text.data(), text.size(), text.size() > kMaxLineBytes);
+  return true;
+}
+
 void MoveReader::Line(const char* text, size_t size, bool is_overlong) {
+  if (is_waiting_ && execution_ == nullptr) {
+    waiting_.emplace_back(text, size);
+    return;
+  }
   if (is_overlong) {
     interpreter_.ReadOverlong(&step_);
   } else {
     interpreter_.Read(text, TextSize(text, size), &block_, &step_);
+  }
+  if (step_.begins_structure) {
+    is_waiting_ = true;
+    first_waiting_ = interpreter_.line() + 1;
+    waiting_.emplace_back(text, size);
+    return;
   }
   const bool is_event = step_.kind != StepKind::kNone || step_.is_tool_change || step_.ends_program;
   if (is_event) events_.push_back({interpreter_.line(), step_});

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/nc/calls.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/line_splitter.h"
 #include "core/nc/preamble.h"
@@ -34,13 +36,17 @@ class MoveReader {
  public:
   // `reader` must outlive it.
   MoveReader(const ByteReader& reader, Interpreter interpreter)
-      : reader_(reader), interpreter_(std::move(interpreter)) {}
+      : reader_(reader), interpreter_(std::move(interpreter)) {
+    interpreter_.StopAtCalls();
+  }
 
   // False at the end of the program. Errors of the reader.
   absl::StatusOr<bool> Next(Event* event);
 
  private:
   void Line(const char* text, size_t size, bool is_overlong);
+  // The next block of those that waited, in the order of the control. False behind the last one.
+  bool RunNext();
 
   const ByteReader& reader_;
   Interpreter interpreter_;
@@ -51,6 +57,11 @@ class MoveReader {
   std::vector<char> buffer_ = std::vector<char>(1u << 16);
   std::deque<Event> events_;
   bool is_at_end_ = false;
+  // From the first line on that calls a subprogram.
+  bool is_waiting_ = false;
+  int64_t first_waiting_ = 1;
+  std::vector<std::string> waiting_;
+  std::unique_ptr<Execution> execution_;
 };
 
 }  // namespace axiscal::nc

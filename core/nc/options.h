@@ -62,6 +62,12 @@ struct ToolLength {
   double length_mm = 0;
 };
 
+// A file of subprograms: its name without folder, as calls or its first block name it, and its bytes.
+struct Subprogram {
+  std::string name;
+  std::string text;
+};
+
 inline constexpr int kMaxHarmlessM = 9999;
 inline constexpr double kMaxRotaryCorrectionRad = 0.1;  // far beyond what errors of machines need
 
@@ -101,6 +107,8 @@ struct RewriteOptions {
   std::vector<WorkOffset> work_offsets;
   // Lengths that the program may select. A program that selects another one is refused.
   std::vector<ToolLength> tool_lengths;
+  // Files in which calls find what does not stand in the program itself.
+  std::vector<Subprogram> subprograms;
   // Nominal tool point at home without the stated lengths, machine frame: from here the control counts them. Filled by
   // Rewriter (from its compensator) and Verify; programs under tool centre point control need it.
   Eigen::Vector3d tool_tip_mm = Eigen::Vector3d::Zero();

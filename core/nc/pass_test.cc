@@ -136,6 +136,7 @@ TEST(Passed, WhatWritesOffsetsOrLengthsForgetsThoseStated) {
   for (const Case& known : {Case{"fanuc", "G10 L2 P0 X100."}, {"fanuc", "G10 L2 P0 X100.\nG54"},
                             {"fanuc", "#5221=100."}, {"fanuc", "#5221 = #1\nG54 G49"},
                             {"haas", "#[5221]=100.\nG54 G49"},
+                            {"fanuc", "N1 /G10 L2 P1 X5.\nG54 G49 G90 G17 G21 G94 G1"},
                             {"fanuc", "G43 H1 Z5.\nG10 L11 P1 R5."}, {"linuxcnc", "G10 L2 P1 X100 R5\nG54 G49"},
                             {"sinumerik", "$P_UIFR[1,X,TR]=100\nG54 D1 G71 G17 G90 G94"}})
     EXPECT_FALSE(IsCorrectedBehind(known.dialect, known.blocks)) << known.blocks;
@@ -154,7 +155,7 @@ TEST(Passed, WhatABlockDoesWhoseNumbersAreNotReadIsNotKnown) {
                             {"fanuc", "G52 X#1"},
                             {"fanuc", "G92 X#1"},
                             {"fanuc", "G50 X#1"},
-                            {"linuxcnc", "G92 X[1+1]"},
+                            {"linuxcnc", "G92 X[#1+1]"},
                             {"fanuc", "G18 G43 H2 Z5.\nG17"},
                             {"fanuc", "G54 G55"},
                             {"fanuc", "G53.5"},

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/nc/options.h"
 #include "core/reports/rewrite.h"
 
 namespace axiscal::nc {
@@ -67,7 +68,8 @@ struct LineRanges {
   bool is_open = false;
 
   void Add(int64_t line, const std::string& reason) {
-    if (!is_open) {
+    const bool goes_back = is_open && static_cast<int64_t>(listed.size()) == count && line < listed.back().last;
+    if (!is_open || goes_back) {
       ++count;
       is_open = true;
       if (listed.size() < kMaxRanges) listed.push_back({line, line, reason});
@@ -112,6 +114,8 @@ struct RewriteReport {
   double max_hole_left_mm = 0;
   std::vector<Finding> left;
   double max_departure_mm = 0;  // largest departure of the correction along a written piece, at most
+  // Files of RewriteOptions::subprograms that the program runs, corrected, and copies for calls that need others.
+  std::vector<Subprogram> subprograms;
   uint32_t source_crc32c = 0;
   bool has_source_crc32c = false;
 };

@@ -30,6 +30,10 @@ absl::Status RequireRotaryAxis(const machine::Machine& machine) {
 
 void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   if (!status.ok()) return;
+  if (is_waiting && !is_running) {
+    waiting.emplace_back(text, size);
+    return;
+  }
   if (interpreter.line() == 0 && size >= 3 && std::memcmp(text, "\xEF\xBB\xBF", 3) == 0) {
     if (!is_null()) out.append(text, 3);  // a byte-order mark stays in front of ours
     text += 3;
@@ -45,6 +49,12 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     interpreter.ReadOverlong(&step);
   } else {
     interpreter.Read(text, now.text_size, &block, &step);
+  }
+  if (step.begins_structure) {
+    is_waiting = true;
+    first_waiting = now.line;
+    waiting.emplace_back(text, size);
+    return;
   }
   job.report().blocks_read += step.has_words;
   has_changed_frame = false;
@@ -110,12 +120,17 @@ void Rewriter::Impl::Skip(const char* text, size_t size) {
 }
 
 void Rewriter::Impl::Rest(const char* text, size_t size) {
+  if (is_waiting) {
+    waiting.back().append(text, size);
+    return;
+  }
   if (!status.ok() || is_null()) return;
   out.append(text, size);
   if (out.size() >= kOutBytes) Flush();
 }
 
 void Rewriter::Impl::Flush() {
+  if (is_running) return;
   if (!job.is_refused() && status.ok() && !out.empty()) status = sink(out.data(), out.size());
   is_flushed |= has_mark_place && !out.empty();
   mark_place = 0;
@@ -193,6 +208,7 @@ bool Rewriter::Impl::IsWrittenAsItWas(size_t begin) const {
 }
 
 void Rewriter::Impl::KeepMarkPlace() {
+  if (is_running) return;
   has_mark_place = true;
   mark_place = out.size();
   mark_line_end.assign(now.text + now.text_size, now.size - now.text_size);
@@ -202,6 +218,10 @@ void Rewriter::Impl::KeepMarkPlace() {
 void Rewriter::Impl::WriteMark(size_t block_begin) {
   if (is_mark_written || job.is_refused()) return;  // a refused program has no output
   is_mark_written = true;
+  if (is_running) {
+    wants_mark = true;
+    return;
+  }
   std::string mark = MarkComment(interpreter.dialect(), options.calibration, *options.source_crc32c);
   mark += mark_line_end;
   out.insert(is_flushed ? block_begin : mark_place, mark);
@@ -454,6 +474,7 @@ absl::StatusOr<Rewriter> Rewriter::Create(const Compensator& compensator, const 
   complete->tool_tip_mm = compensator.tool_tip_mm();
   std::unique_ptr<const RewriteOptions> owned_options = std::move(complete);
   ASSIGN_OR_RETURN(Interpreter interpreter, Interpreter::Create(compensator.machine(), *owned_options));
+  interpreter.StopAtCalls();
   return Rewriter(std::make_unique<Impl>(compensator, std::move(tools), std::move(owned_options), std::move(sink),
                                          std::move(interpreter)));
 }
@@ -480,6 +501,7 @@ absl::Status Rewriter::Finish() {
       [this](const char* text, size_t length, bool is_overlong) { impl_->Take(text, length, is_overlong); });
   impl_->preamble.Finish(
       [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); });
+  if (impl_->is_waiting && impl_->status.ok()) impl_->RunCalls();
   impl_->Flush();
   if (!impl_->is_null() && !impl_->is_mark_written && !impl_->job.is_refused())
     impl_->job.report().notes.push_back("no word changed: the program stays byte for byte, without a mark");

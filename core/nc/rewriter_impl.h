@@ -10,6 +10,7 @@
 
 #include "core/compensate/compensator.h"
 #include "core/nc/block_writer.h"
+#include "core/nc/calls.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/job_report.h"
 #include "core/nc/line_splitter.h"
@@ -82,6 +83,12 @@ struct Rewriter::Impl {
   int64_t programs_begun = 0;   // as the writer knows
   bool has_ended = false;       // the program that is read now
 
+  // From the first line on that calls a subprogram the lines wait for the end of the text, where they are run in the
+  // order of the control.
+  bool is_waiting = false, is_running = false, wants_mark = false;
+  std::vector<std::string> waiting;
+  int64_t first_waiting = 1;  // its line number
+
   bool is_null() const { return job.report().is_null_correction; }
 
   const MoveCorrector& corrector() const {
@@ -93,6 +100,11 @@ struct Rewriter::Impl {
   }
 
   void Line(const char* text, size_t size, bool is_overlong);
+  // What waits: each run of a subprogram is written for itself, and texts that agree are one.
+  void RunCalls();
+  struct Run;
+  struct Version;
+  class Written;
   // A line of a listing in front of the first '%'.
   void Skip(const char* text, size_t size);
   void Take(const char* text, size_t size, bool is_overlong) {

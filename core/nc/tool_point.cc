@@ -32,8 +32,8 @@ std::string Interpreter::WhyNoToolPoint(const char* text, const Block& block, co
     }
   }
   if ((modal_.uncertain & (kOffsetGroup | kLengthGroup)) != 0) return "the work offset or the tool length is not known";
-  if (coordinates_.has_preset() || coordinates_.has_shift())
-    return "with preset or shifted coordinates (G92, G52) in force controllers differ";
+  if (coordinates_.has_preset() || coordinates_.has_shift() || coordinates_.has_frame())
+    return "with preset or shifted coordinates (G92, G52, TRANS, cycle 7) in force controllers differ";
   if (coordinates_.has_length_difference())
     return "with a difference of the tool length (DL) the tool point is not that of the stated length";
   return RotaryOffsetProblem();

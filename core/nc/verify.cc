@@ -455,7 +455,9 @@ absl::StatusOr<VerifyReport> Verify(const ByteReader& original, const ByteReader
   RewriteOptions reading = options.reading;
   reading.tool_tip_mm = options.tool_tip_mm;
   ASSIGN_OR_RETURN(Interpreter of_original, Interpreter::Create(machine, reading));
-  ASSIGN_OR_RETURN(Interpreter of_compensated, Interpreter::Create(machine, reading));
+  RewriteOptions reading_compensated = reading;
+  reading_compensated.subprograms = options.compensated_subprograms;
+  ASSIGN_OR_RETURN(Interpreter of_compensated, Interpreter::Create(machine, reading_compensated));
   MoveReader original_moves(original, std::move(of_original));
   MoveReader compensated_moves(compensated, std::move(of_compensated));
   return Verifier(machine, errors, options).Run(&original_moves, &compensated_moves);

@@ -17,6 +17,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/status.h"
 #include "core/machine/error_model.h"
@@ -32,6 +33,8 @@ struct VerifyOptions {
   // How both programs are read: dialect, initial position, offsets, block delete, integer words, max_correction_mm (how
   // far apart two ends may be to be the same), with orientation max_rotary_correction_rad too.
   RewriteOptions reading;
+  // Files in which calls of the compensated program find what is not in it; reading.subprograms: the original's.
+  std::vector<Subprogram> compensated_subprograms;
   double time_s = 0;
   double temperature_celsius = shapes::kReferenceTemperatureCelsius;
 };

@@ -67,6 +67,7 @@ class Control:
         self.wcs = None
         self.preset = {a: 0.0 for a in axes}
         self.shift = {a: 0.0 for a in axes}
+        self.trans = {a: 0.0 for a in axes}  # TRANS, CYCL DEF 7
         self.length = 0.0
         self.length_number = None
         self.feed = 0.0
@@ -89,7 +90,7 @@ class Control:
 
     def offset(self, axis):
         value = self.setup["offsets"].get(self.wcs, {}).get(axis, 0.0) if self.wcs else 0.0
-        value += self.preset[axis] + self.shift[axis]
+        value += self.preset[axis] + self.shift[axis] + self.trans[axis]
         if axis == "Z" and not self.tcp:  # in the workpiece's frame words say where the tool point is
             value += self.length
         return value
@@ -100,7 +101,7 @@ class Control:
         self.foreign.discard("tcp")
         rotary = [a for a in self.axes if a not in self.linear]
         if not rotary or not self.length or any(self.offset(a) for a in rotary) or any(self.preset.values()) or \
-                any(self.shift.values()):
+                any(self.shift.values()) or any(self.trans.values()):
             self.tcp = False
             return self.enter("tcp")  # which frame that is, nobody said
         self.tcp = True

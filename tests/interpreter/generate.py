@@ -115,6 +115,7 @@ class Writer:
         self.m = {a: None for a in self.axes}
         self.wcs = "" if self.dialect == "sinumerik" else "PRESET" if self.dialect == "heidenhain" else "G54"
         self.preset = {a: 0.0 for a in self.axes}
+        self.trans = {a: 0.0 for a in self.axes}
         self.length = 0.0
         self.tcp = False
         self.motion = None
@@ -146,7 +147,7 @@ class Writer:
         return self.decimals + 1 if self.inch else self.decimals
 
     def offset(self, axis):
-        value = self.offsets.get(self.wcs, {}).get(axis, 0.0) + self.preset[axis]
+        value = self.offsets.get(self.wcs, {}).get(axis, 0.0) + self.preset[axis] + self.trans[axis]
         return value + (self.length if axis == "Z" and not self.tcp else 0.0)
 
     def number(self, value, places=None, is_axis=False):
@@ -474,6 +475,24 @@ class Program(Writer):
             self.restate()
         else:
             self.feed_move(self.targets(self.axes))
+
+    def f_shift(self):
+        """TRANS, ATRANS: a frame that only shifts."""
+        rng = self.rng
+        if self.dialect != "sinumerik" or self.inch:
+            return
+        for word in rng.choice([["TRANS"], ["TRANS", "ATRANS"], ["TRANS", "TRANS"]]):
+            values = {a: round(rng.uniform(-20, 20), 2) for a in rng.sample(self.linear, rng.randrange(1, 4))}
+            self.plain(word + " " + " ".join(a + rng.choice(["", "", "="]) + self.number(v, 2) for a, v in values.items()))
+            if word == "TRANS":
+                self.trans = {a: 0.0 for a in self.axes}
+            for a, v in values.items():
+                self.trans[a] += float(self.number(v, 2))
+            self.restate()
+            self.f_lines()
+        self.plain(rng.choice(["TRANS", "TRANS", "ROT"]))
+        self.trans = {a: 0.0 for a in self.axes}
+        self.restate()
 
     def f_length(self):
         if not self.case["lengths"]:
@@ -1010,6 +1029,60 @@ class Program(Writer):
                 self.plain("M98 P%d%s" % (number, rng.choice(["", "", " L2"])))
         self.recover()
 
+    def body(self):
+        """Lines of a subprogram that runs from wherever the axes stand."""
+        lines, self.lines, numbering = self.lines, [], self.numbering
+        self.motion, self.feed, self.numbering = None, None, "none"
+        if self.rng.random() < 0.5:
+            self.f_lines()
+        else:
+            self.distances(True)
+            for _ in range(self.rng.randrange(1, 4)):
+                axes = self.rng.sample(self.linear, self.rng.choice([1, 2]))
+                if self.rotary and self.dialect not in ("linuxcnc", "heidenhain") and self.rng.random() < 0.3:
+                    axes.append(self.rng.choice(self.rotary))
+                self.feed_move({a: self.m[a] + rng_value(self.rng, -8, 8) for a in axes})
+            self.distances(False)
+        found, self.lines, self.numbering = self.lines, lines, numbering
+        self.motion = self.feed = None
+        return found
+
+    def f_call(self):
+        """A subprogram of this text that is called several times."""
+        rng, d = self.rng, self.dialect
+        if d == "sinumerik" or self.g93:
+            return
+        self.sub_number += 1
+        number = self.sub_number
+        body = self.body()
+        if rng.random() < 0.3:  # one in another
+            inner = number + 137
+            self.tail += self.subprogram(inner, body)
+            body = [self.call(inner, "")]
+        if d == "linuxcnc" and rng.random() < 0.5:
+            self.lines += self.subprogram(number, body)
+        else:
+            self.tail += self.subprogram(number, body)
+        for k in range(rng.choice([1, 2, 2])):
+            if k > 0:
+                self.f_lines()
+            repeats = "" if d == "linuxcnc" else rng.choice(["", "", " L2"])
+            self.block([self.call(number, repeats)])
+            self.motion = self.feed = None
+        self.restate()
+
+    def subprogram(self, number, body):
+        if self.dialect == "linuxcnc":
+            return ["O%d sub" % number] + body + ["O%d endsub" % number]
+        return ["O%d" % number + self.rng.choice(["", " (SUB)"])] + body + ["M99"]
+
+    def call(self, number, repeats):
+        if self.dialect == "linuxcnc":
+            return "O%d call" % number
+        if self.rng.random() < 0.15:
+            return "G65 P%d%s A1." % (number, repeats)
+        return "M98 P%d%s" % (number, repeats)
+
     def r_macro(self):
         rng = self.rng
         d = self.dialect
@@ -1141,7 +1214,7 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1)]
+             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1), ("call", 1.5), ("shift", 1)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
@@ -1224,7 +1297,7 @@ def rng_value(rng, low, high):
 
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
-             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("offset", 1)]
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("offset", 1), ("call", 1.5), ("section", 0.7), ("shift", 1)]
     REFUSED = [("tcp", 2), ("unstated_offset", 0.7), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]
@@ -1501,6 +1574,41 @@ class KlartextProgram(Program):
         self.lines, self.m = lines, m
         self.plain("CALL LBL %d" % label)
         self.recover()
+
+    def subprogram(self, number, body):
+        return ["LBL %d" % (number % 500 + 1)] + body + ["LBL 0"]
+
+    def call(self, number, repeats):
+        return "CALL LBL %d" % (number % 500 + 1)
+
+    def f_shift(self):
+        """CYCL DEF 7: axes that are not named keep their shift."""
+        rng = self.rng
+        for _ in range(rng.randrange(1, 3)):
+            values = {a: round(rng.uniform(-20, 20), 2) for a in rng.sample(self.linear, rng.randrange(1, 4))}
+            self.plain("CYCL DEF 7.0 DATUM SHIFT")
+            for i, (axis, value) in enumerate(values.items()):
+                text = self.number(value / self.scale(axis), 3)
+                self.plain("CYCL DEF 7.%d %s%s" % (i + 1, axis, text))
+                self.trans[axis] = float(text) * self.scale(axis)
+            if rng.random() < 0.5:
+                self.restate()
+            else:
+                self.feed_move(self.targets(self.axes))
+            self.f_lines()
+        self.plain("CYCL DEF 7.0 DATUM SHIFT")
+        for i, axis in enumerate(self.linear):
+            self.plain("CYCL DEF 7.%d %s+0" % (i + 1, axis))
+            self.trans[axis] = 0.0
+        self.feed_move(self.targets(self.axes))
+
+    def f_section(self):
+        """A part that runs again: CALL LBL REP."""
+        self.sub_number += 1
+        self.plain("LBL %d" % (self.sub_number % 500 + 1))
+        self.lines += self.body()
+        self.plain("CALL LBL %d REP %s" % (self.sub_number % 500 + 1, self.rng.choice(["1", "1/1", "2"])))
+        self.restate()
 
     def r_macro(self):
         self.plain("Q1 = +%d" % self.rng.randrange(1, 40))

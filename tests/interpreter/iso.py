@@ -205,7 +205,7 @@ class Iso(Control):
         match = re.match(r"\s*[O:]\s*(\d+)\s*(.*)$", text, re.I)
         if match:
             return self.o_word(int(match.group(1)), match.group(2).strip().upper())
-        g, m, axis_words, other, counted = [], [], {}, [], []
+        g, m, axis_words, other, counted, foreign = [], [], {}, [], [], None
         for word in self.words(text):
             a = word.address
             if a == "#":
@@ -225,11 +225,16 @@ class Iso(Control):
                     counted.append(a)
                 axis_words[a] = (value, word.how)
             elif len(a) == 1 and a in "XYZABCUVW":
-                raise Alarm("no axis " + a)
+                foreign = a
             else:
                 if a in "IJKR" and not word.has_point and self.setup.get("increment"):
                     counted.append(word)
                 other.append(word)
+        call = self.call_of(g, m, other)
+        if call:  # its other words are the control's and the macro's
+            return call
+        if foreign:
+            raise Alarm("no axis " + foreign)
         inch = 20 in g or (self.inch and 21 not in g)
         for word in counted:  # 0.001 mm, 0.0001 inch, 0.001 deg
             if isinstance(word, Word):
@@ -238,6 +243,16 @@ class Iso(Control):
                 value, how = axis_words[word]
                 axis_words[word] = (value * self.setup["increment"] * (0.1 if inch and word in self.linear else 1.0), how)
         return self.execute(g, m, axis_words, other)
+
+    def call_of(self, g, m, other):
+        """M98 or G65 of a program of this text; M97 of Haas."""
+        p = self.parameters(other)
+        number = int(p.get("P", 0))
+        if not self.is_sinumerik and (98 in m or 65 in g) and number in self.programs:
+            return ("call", self.programs[number], int(p.get("L", 1)))
+        if self.dialect == "haas" and 97 in m:
+            return ("call", self.labels[number] - 1, int(p.get("L", 1)))
+        return None
 
     def o_word(self, number, rest):
         if self.dialect == "linuxcnc":
@@ -334,6 +349,9 @@ class Iso(Control):
             self.machine_codes(m, before=False)
             return self.flow(m, [])
         if has(65):
+            p = self.parameters(other)
+            if int(p.get("P", 0)) in self.programs:
+                return ("call", self.programs[int(p["P"])], int(p.get("L", 1)))
             self.raw("G65", [], axis_words, other)
             self.lose(self.axes)
             return None
@@ -680,8 +698,18 @@ class Iso(Control):
             elif a in FRAMES:
                 self.code(a, w.value, tuple(sorted(axis_words.items())))
                 axis_words.clear()
+                words = re.findall(r"([XYZABC])=?([-+]?(?:\d+\.?\d*|\.\d+))(?:\s+|$)", w.value.strip()[len(a):].strip() + " ")
+                is_shift = a in ("TRANS", "ATRANS") and words and "".join(x + y for x, y in words) == \
+                    re.sub(r"[\s=]", "", w.value.strip()[len(a):])
                 if w.value.strip() == a and a in ("TRANS", "ROT", "SCALE", "MIRROR"):  # alone: frames off
                     self.leave("frame")
+                    self.trans = {x: 0.0 for x in self.axes}
+                elif is_shift and not (a == "ATRANS" and "frame" in self.foreign):
+                    if a == "TRANS":  # replaces all that frames stated
+                        self.leave("frame")
+                        self.trans = {x: 0.0 for x in self.axes}
+                    for x, y in words:
+                        self.trans[x] += float(y) * self.unit(x)
                 else:
                     self.enter("frame")
                 other.remove(w)

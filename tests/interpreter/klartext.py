@@ -172,7 +172,12 @@ class Klartext(Control):
             if part not in (None, "0"):  # each line states one axis or more
                 named = re.findall(r"([A-Z])" + VALUE, rest)
                 for axis, value in named:
-                    (self.shifted.add if float(value) else self.shifted.discard)(axis)
+                    if axis in self.axes:
+                        self.trans[axis] = float(value) * self.unit(axis)
+                        self.pole = None
+                        self.shifted.discard(axis)
+                    else:
+                        (self.shifted.add if float(value) else self.shifted.discard)(axis)
                 if not named or re.search(r"I[A-Z]|Q|#", rest):
                     self.shifted.add("?")
                 (self.enter if self.shifted else self.leave)("shift")

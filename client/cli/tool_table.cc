@@ -1,0 +1,225 @@
+#include "client/cli/tool_table.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "core/session/text.h"
+
+namespace axiscal::cli {
+namespace {
+
+constexpr double kMmPerInch = 25.4;
+constexpr int kMostNumber = 9999;
+
+std::string Upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::optional<double> NumberOf(const std::string& text) {
+  std::vector<double> numbers;
+  if (text.empty() || !session::ParseNumbers(text, &numbers) || numbers.size() != 1) return std::nullopt;
+  return numbers[0];
+}
+
+// The text of a line without what stands in comments.
+std::string WithoutComment(const std::string& line) {
+  std::string text;
+  int depth = 0;
+  for (const char c : line) {
+    if (c == ';') break;
+    depth += c == '(';
+    if (depth == 0) text += c;
+    depth -= c == ')' && depth > 0;
+  }
+  return Upper(text);
+}
+
+// "G10 L10 P5 R120.5": letters with their numbers. False: it is no such line.
+bool ReadWords(const std::string& line, std::map<char, std::vector<double>>* words) {
+  words->clear();
+  for (size_t at = 0; at < line.size();) {
+    const char letter = line[at];
+    if (std::isspace(static_cast<unsigned char>(letter))) {
+      ++at;
+      continue;
+    }
+    size_t end = at + 1;
+    while (end < line.size() && (std::isdigit(static_cast<unsigned char>(line[end])) || line[end] == '.' ||
+                                 ((line[end] == '-' || line[end] == '+') && end == at + 1)))
+      ++end;
+    const std::string digits = line.substr(at + 1, end - at - 1);
+    const std::optional<double> number = NumberOf(!digits.empty() && digits[0] == '+' ? digits.substr(1) : digits);
+    if (!std::isalpha(static_cast<unsigned char>(letter)) || !number) return false;
+    (*words)[letter].push_back(*number);
+    at = end;
+  }
+  return !words->empty();
+}
+
+class ToolTable {
+ public:
+  explicit ToolTable(const std::string& path) : path_(path) {}
+
+  absl::Status Error(int line, const std::string& what) const {
+    return absl::InvalidArgumentError(absl::StrCat("--tool-table: ", path_, ", line ", line, ": ", what));
+  }
+  // Length and wear add up; `part` tells them apart, `tool` the tools that share a number.
+  absl::Status Add(int line, double number, double value_mm, int part, double tool) {
+    if (number != std::floor(number) || number < 1 || number > kMostNumber)
+      return Error(line, absl::StrCat("number ", number, ", expected a whole one from 1 to ", kMostNumber));
+    Parts& parts = parts_[static_cast<int>(number)];
+    const auto known = parts.find({tool, part});
+    if (known != parts.end()) return Error(line, absl::StrCat("number ", number, " stands there twice"));
+    parts[{tool, part}] = value_mm;
+    return absl::OkStatus();
+  }
+  absl::StatusOr<std::vector<nc::ToolLength>> Lengths() const {
+    std::vector<nc::ToolLength> lengths;
+    for (const auto& [number, parts] : parts_) {
+      std::map<double, double> of_tool;
+      for (const auto& [key, value_mm] : parts) of_tool[key.first] += value_mm;
+      for (const auto& [tool, length_mm] : of_tool) {
+        const auto& [first_tool, first_mm] = *of_tool.begin();
+        if (length_mm != first_mm) {
+          return absl::InvalidArgumentError(absl::StrCat(
+              "--tool-table: ", path_, ": D", number, " has two lengths, ", first_mm, " mm of tool ", first_tool,
+              " and ", length_mm, " mm of tool ", tool, "; state those of this program with --tool-length D", number,
+              "=..., or give each tool a number of its own"));
+        }
+      }
+      if (of_tool.begin()->second != 0) lengths.push_back({number, of_tool.begin()->second});
+    }
+    return lengths;
+  }
+  bool is_empty() const { return parts_.empty(); }
+
+ private:
+  using Parts = std::map<std::pair<double, int>, double>;
+  const std::string path_;
+  std::map<int, Parts> parts_;
+};
+
+// "$TC_DP3[5,1]=120.5": length 1; $TC_DP12 is its wear.
+absl::Status AddSinumerik(const std::string& line, int number, ToolTable* table) {
+  for (const auto& [name, part] : {std::pair<std::string, int>{"$TC_DP3[", 0}, {"$TC_DP12[", 1}}) {
+    if (line.compare(0, name.size(), name) != 0) continue;
+    const size_t comma = line.find(','), close = line.find(']'), equals = line.find('=');
+    if (comma == std::string::npos || close == std::string::npos || equals == std::string::npos || comma > close ||
+        close > equals)
+      return table->Error(number, "expected $TC_DP3[T,D]=LENGTH");
+    const auto tool = NumberOf(line.substr(name.size(), comma - name.size()));
+    const auto edge = NumberOf(line.substr(comma + 1, close - comma - 1));
+    const auto length = NumberOf(line.substr(equals + 1));
+    if (!tool || !edge || !length) return table->Error(number, "expected plain numbers: $TC_DP3[5,1]=120.5");
+    return table->Add(number, *edge, *length, part, *tool);
+  }
+  return absl::OkStatus();
+}
+
+// Where a column begins and ends, by the line of names.
+struct Column {
+  size_t begin = std::string::npos, end = std::string::npos;
+
+  std::string Of(const std::string& line) const {
+    if (begin == std::string::npos || begin >= line.size()) return "";
+    std::string text = line.substr(begin, end == std::string::npos ? end : end - begin);
+    const size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+  }
+};
+
+Column FindColumn(const std::string& names, const std::string& name) {
+  Column column;
+  for (size_t at = 0; at < names.size();) {
+    const size_t begin = names.find_first_not_of(" \t\r", at);
+    if (begin == std::string::npos) break;
+    const size_t end = std::min(names.find_first_of(" \t\r", begin), names.size());
+    const size_t next = names.find_first_not_of(" \t\r", end);
+    if (names.substr(begin, end - begin) == name) {
+      column.begin = begin;
+      column.end = next;
+      return column;
+    }
+    at = end;
+  }
+  return column;
+}
+
+absl::Status AddHeidenhain(const std::string& line, const std::string& names, double unit_mm, int number,
+                           ToolTable* table) {
+  const std::string tool = FindColumn(names, "T").Of(line), length = FindColumn(names, "L").Of(line),
+                    wear = FindColumn(names, "DL").Of(line);
+  if (tool.empty() || length.empty()) return absl::OkStatus();
+  const auto number_of_tool = NumberOf(tool), length_of_tool = NumberOf(length[0] == '+' ? length.substr(1) : length);
+  if (!number_of_tool || !length_of_tool)
+    return table->Error(number, absl::StrCat("T = '", tool, "', L = '", length, "', expected numbers"));
+  if (*number_of_tool == 0) return absl::OkStatus();
+  RETURN_IF_ERROR(table->Add(number, *number_of_tool, *length_of_tool * unit_mm, 0, 0));
+  if (wear.empty()) return absl::OkStatus();
+  const auto wear_of_tool = NumberOf(wear[0] == '+' ? wear.substr(1) : wear);
+  if (!wear_of_tool) return table->Error(number, absl::StrCat("DL = '", wear, "', expected a number"));
+  return table->Add(number, *number_of_tool, *wear_of_tool * unit_mm, 1, 0);
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<nc::ToolLength>> ParseToolTable(const std::string& text, const std::string& path) {
+  ToolTable table(path);
+  std::istringstream lines(text);
+  std::string names;
+  bool is_heidenhain = false;
+  double unit_mm = 1.0;
+  int number = 0;
+  std::map<char, std::vector<double>> words;
+  const auto one = [&](char letter) { return words.count(letter) == 1 && words[letter].size() == 1; };
+  for (std::string source; std::getline(lines, source);) {
+    ++number;
+    const std::string line = is_heidenhain ? Upper(source) : WithoutComment(source);
+    if (line.compare(0, 10, "BEGIN TOOL") == 0 || line.compare(0, 5, "BEGIN") == 0) {
+      is_heidenhain = true;
+      if (line.find("INCH") != std::string::npos) unit_mm = kMmPerInch;
+      continue;
+    }
+    if (is_heidenhain) {
+      if (line.find("[END]") != std::string::npos || line.compare(0, 3, "END") == 0) break;
+      if (names.empty()) {
+        names = line;
+        if (FindColumn(names, "T").begin == std::string::npos || FindColumn(names, "L").begin == std::string::npos)
+          return table.Error(number, "expected the names of the columns, T and L among them");
+        continue;
+      }
+      RETURN_IF_ERROR(AddHeidenhain(line, names, unit_mm, number, &table));
+      continue;
+    }
+    if (line.compare(0, 4, "$TC_") == 0) {
+      RETURN_IF_ERROR(AddSinumerik(line, number, &table));
+      continue;
+    }
+    if (!ReadWords(line, &words)) continue;
+    const auto has_g = [&](double code) {
+      return words.count('G') == 1 && std::find(words['G'].begin(), words['G'].end(), code) != words['G'].end();
+    };
+    if (has_g(20)) unit_mm = kMmPerInch;
+    if (has_g(10)) {
+      const double kind = one('L') ? words['L'][0] : 0;
+      if (kind != 10 && kind != 11) continue;
+      if (!one('P') || !one('R') || has_g(91))
+        return table.Error(number, "expected G10 L10 P5 R120.5 with one P and one R, in G90");
+      RETURN_IF_ERROR(table.Add(number, words['P'][0], words['R'][0] * unit_mm, kind == 11, 0));
+    } else if (one('T') && (one('P') || one('Z')) && words.count('G') == 0 && words.count('M') == 0) {
+      RETURN_IF_ERROR(table.Add(number, words['T'][0], one('Z') ? words['Z'][0] * unit_mm : 0.0, 0, 0));
+    }
+  }
+  if (!table.is_empty()) return table.Lengths();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--tool-table: ", path,
+                   " holds no tool: expected lines of LinuxCNC (T5 P5 Z120.5), Fanuc (G10 L10 "
+                   "P5 R120.5), Sinumerik ($TC_DP3[5,1]=120.5) or Heidenhain (TOOL.T)"));
+}
+
+}  // namespace axiscal::cli
