@@ -147,6 +147,15 @@ TEST(Calls, WhatIsNotFollowedIsRefusedWithWhatHelps) {
   EXPECT_REFUSED(In("heidenhain"), "0 BEGIN PGM A MM\n1 L X+1\n2 CALL LBL 7 REP 2\n", "does not stand in front of it");
 }
 
+// What was corrected holds for one order of blocks: a jump back to a call of it must not be passed.
+TEST(Calls, JumpsBackToFollowedCallsAreNotPassed) {
+  RewriteOptions options = kAtZero;
+  options.on_unsupported = OnUnsupported::kPass;
+  const std::string sub = "M30\nO7\nG1 X1. F100\nM99\n";
+  EXPECT_REFUSED(options, "G1 X5. F100\nN3 M98 P7\nIF[#1EQ0]GOTO3\n" + sub, "it may lead back to blocks");
+  EXPECT_REFUSED(options, "G1 X5. F100\nN3 M98 P7\nX6.\nGOTO 3\n" + sub, "it may lead back to blocks");
+}
+
 TEST(Calls, ANullCorrectionReturnsTheBytes) {
   const std::string program = "G1 X1. F100\nM98 P1000\nM98 P9 (NONE)\nM30\nO1000\nX2.\nM99";
   RewriteReport report;

@@ -544,6 +544,8 @@ void Interpreter::SelectOffset(const char* text, const Block& block, Request* re
 
 bool Interpreter::MayJumpBack(const char* text, const Block& block, const Request& request) const {
   if (numbers_seen_.empty()) return false;
+  // Blocks that call are not read here: their numbers are not among those seen.
+  const bool may_be_call = !stops_at_calls_;
   // M99 P10, M97 P10 of Haas.
   if (request.number_of_parameter != nullptr && (request.is_end || request.is_local_call)) {
     const Decimal& number = request.number_of_parameter->number;
@@ -568,7 +570,7 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
     const char* digit = at;
     for (; digit != end_of_text_ && *digit >= '0' && *digit <= '9' && number < 1'000'000; ++digit)
       number = 10 * number + (*digit - '0');
-    if (digit == at || MayBeSeen(number)) return true;
+    if (digit == at || may_be_call || MayBeSeen(number)) return true;
   }
   return false;
 }
