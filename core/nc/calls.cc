@@ -734,6 +734,13 @@ bool Execution::Next(Event* event) {
   if (body >= 0 && problem.empty() && (repeats < 1 || repeats > kMostRepeats))
     problem = "its number of repeats is not followed";
   if (!problem.empty()) {
+    // M97 P500 of Haas, with N500 in front of it.
+    const bool leads_back = std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& of) {
+      return of.name == flow.target && of.name[0] == 'N' && !dialect_.has_equals && of.text == frame.text &&
+             of.head <= line;
+    });
+    if (leads_back && options_.on_unsupported == OnUnsupported::kPass)
+      event->problem = "it leads back to blocks that may be corrected, and these hold for their order only";
     // A name that is no subprogram may be a word of the control.
     const bool is_name =
         dialect_.has_equals && !(flow.target.size() > 1 && flow.target[0] == 'L' && IsDigitAt(flow.target, 1));

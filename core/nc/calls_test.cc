@@ -156,6 +156,15 @@ TEST(Calls, JumpsBackToFollowedCallsAreNotPassed) {
   EXPECT_REFUSED(options, "G1 X5. F100\nN3 M98 P7\nX6.\nGOTO 3\n" + sub, "it may lead back to blocks");
 }
 
+TEST(Calls, OtherWaysBackAreNotPassedEither) {
+  RewriteOptions options = kAtZero;
+  options.on_unsupported = OnUnsupported::kPass;
+  EXPECT_REFUSED(options, "G1 X5. F100\nN3 M98 P7\nM99 P3\nO7\nG1 X1. F100\nM99\n", "it may lead back to blocks");
+  options.dialect = "haas";
+  EXPECT_REFUSED(options, "G1 X5. F100\nN3 M98 P7\nX6.\nM97 P3\nM30\nO7\nG1 X1. F100\nM99\n",
+                 "it leads back to blocks");
+}
+
 TEST(Calls, ANullCorrectionReturnsTheBytes) {
   const std::string program = "G1 X1. F100\nM98 P1000\nM98 P9 (NONE)\nM30\nO1000\nX2.\nM99";
   RewriteReport report;

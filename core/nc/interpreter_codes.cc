@@ -549,7 +549,7 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
   // M99 P10, M97 P10 of Haas.
   if (request.number_of_parameter != nullptr && (request.is_end || request.is_local_call)) {
     const Decimal& number = request.number_of_parameter->number;
-    if (number.decimals > 0 || MayBeSeen(number.mantissa)) return true;
+    if (number.decimals > 0 || (may_be_call && request.is_end) || MayBeSeen(number.mantissa)) return true;
   }
   for (const Word& word : block) {
     if (word.letter != 0) continue;
