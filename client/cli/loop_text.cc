@@ -207,6 +207,9 @@ std::string VolumetricText(const reports::Volumetric& volumetric) {
   }
   if (!volumetric.weakest.empty())
     absl::StrAppend(&text, "  most of what is left: how well ", Names(volumetric.weakest), " is known\n");
+  if (!volumetric.undecided.empty())
+    absl::StrAppend(&text, "  most of what is left: whether it is ", Names(volumetric.undecided),
+                    " or what these sessions cannot tell from it\n");
   if (!volumetric.unknown.empty())
     absl::StrAppend(&text, "  without what nobody knows there: ", Names(volumetric.unknown), "\n");
   return text;

@@ -107,14 +107,17 @@ TEST(LoopText, TheBoxIsSaidAndNoGainThatIsNotHeld) {
                        .after = {0.31, 0.2, 0.5},
                        .gain_is_held = true,
                        .weakest = {"EY0C", "EA0C"},
+                       .undecided = {"EB0B"},
                        .unknown = {"EX0C"}};
   EXPECT_THAT(
       LoopText(report),
-      HasSubstr("tool point over the measured box (X -200 to 200 mm, C 0 to 360 deg), less work offset and tool, "
-                "[95 % interval]:\n  machine as it is 31.4 um rms [30, 33]\n  corrected for the declared errors "
-                "5.2 um rms [5, 5.4], for what was found too 0.31 um rms [0.2, 0.5]\n  most of what is left: how well "
-                "EY0C, EA0C is known\n  without what nobody knows "
-                "there: EX0C\n"));
+      HasSubstr(
+          "tool point over the measured box (X -200 to 200 mm, C 0 to 360 deg), less work offset and tool, "
+          "[95 % interval]:\n  machine as it is 31.4 um rms [30, 33]\n  corrected for the declared errors "
+          "5.2 um rms [5, 5.4], for what was found too 0.31 um rms [0.2, 0.5]\n  most of what is left: how well "
+          "EY0C, EA0C is known\n  most of what is left: whether it is EB0B or what these sessions cannot tell from "
+          "it\n  without what nobody knows "
+          "there: EX0C\n"));
   report.volumetric->gain_is_held = false;
   EXPECT_THAT(LoopText(report),
               HasSubstr("\n  corrected 0.31 um rms [0.2, 0.5]: no gain over the declared errors alone "

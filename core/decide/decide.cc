@@ -335,6 +335,8 @@ class Decider {
       for (const Candidate& one : added.equivalent) terms.push_back(one.term);
       const std::vector<int> first = loop::FirstOfTheSame(machine_, fit->problem.runs.front().tip_mm, terms);
       std::vector<double> squares(terms.size(), INFINITY);
+      std::vector<std::optional<machine::ErrorModel>> models(terms.size());
+      models[0] = fit->result.model;
       squares[0] = loop::SquaresOf(*fit);
       const auto fit_with = [&](size_t m) {
         machine::ErrorModel model = fit->result.model;
@@ -349,7 +351,9 @@ class Decider {
         } else if (++asked <= kMostAsked) {
           const absl::StatusOr<Fit> other = fit_with(m);
           if (absl::IsCancelled(other.status())) return other.status();
-          if (other.ok()) squares[m] = loop::SquaresOf(*other);
+          if (!other.ok()) continue;
+          squares[m] = loop::SquaresOf(*other);
+          models[m] = other->result.model;
         }
       }
       std::vector<Candidate> members = {added.candidate};
@@ -370,8 +374,17 @@ class Decider {
       if (absl::IsCancelled(best.status())) return best.status();
       if (!best.ok()) which = 0;
       added.equivalent.clear();
-      for (size_t m = 0; m < members.size(); ++m)
-        if (m != which && squares[m] < squares[which] + policy_.alike) added.equivalent.push_back(members[m]);
+      added.choice = {
+          loop::IsTerm(members[which].family) ? machine::NameOf(machine_, members[which].term) : "", {}, {}};
+      // The simplest of names of one error everywhere may be another than the one that was fitted.
+      const int fitted = first[which];
+      if (models[fitted]) added.choice.as_found = *models[fitted];
+      for (size_t m = 0; m < members.size(); ++m) {
+        if (m == which || !(squares[m] < squares[which] + policy_.alike)) continue;
+        added.equivalent.push_back(members[m]);
+        if (models[m] && models[fitted] && static_cast<int>(m) != fitted)
+          added.choice.rivals.push_back({*models[m], std::exp(-0.5 * (squares[m] - squares[which]))});
+      }
       added.equivalent.insert(added.equivalent.end(), free.begin(), free.end());
       if (which == 0) continue;
       any |= squares[0] > least + policy_.replacement_gain;

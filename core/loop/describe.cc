@@ -114,6 +114,7 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     effect.rms_mm = rms_mm;
     effect.evidence = added.score;
     for (const Candidate& other : added.equivalent) effect.equivalent.push_back(other.term);
+    if (!added.choice.rivals.empty()) report->choices.push_back(added.choice);
     effect.alias_orders = AliasesOf(fit, term);
     double variance = 0.0;
     // Of a free curve the rms over what was measured.

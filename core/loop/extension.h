@@ -7,6 +7,7 @@
 
 #include "core/identify/problem.h"
 #include "core/loop/candidate.h"
+#include "core/predict/volumetric.h"
 
 namespace axiscal::loop {
 
@@ -16,6 +17,7 @@ struct Added {
   // Root of the share of the readings' squares that this effect and those before it leave; 1 where nothing is found.
   double left = 1.0;
   std::vector<Candidate> equivalent;
+  predict::OpenChoice choice;  // of the class, as far as it was fitted in full
 };
 
 // A row of a reading that counts as bad, whatever the running median of its series says.

@@ -177,8 +177,8 @@ std::optional<reports::Volumetric> VolumetricOf(const machine::Machine& machine,
   std::vector<std::string> unknown;
   for (const identify::Estimate& estimate : found.fitted.estimates)
     if (!estimate.identifiable) unknown.push_back(estimate.name);
-  const std::optional<predict::VolumetricError> error =
-      predict::VolumetricErrorOver(machine, found.last_fit->problem.runs, found.declared, errors, unknown);
+  const std::optional<predict::VolumetricError> error = predict::VolumetricErrorOver(
+      machine, found.last_fit->problem.runs, found.declared, errors, unknown, found.choices);
   if (!error) return std::nullopt;
   reports::Volumetric out;
   for (int i = 0; i < machine.axis_count(); ++i) {
@@ -194,6 +194,7 @@ std::optional<reports::Volumetric> VolumetricOf(const machine::Machine& machine,
   out.after = FigureOf(error->after);
   out.gain_is_held = error->is_gain_held;
   out.weakest = error->weakest;
+  out.undecided = error->undecided;
   out.unknown = error->unknown;
   return out;
 }

@@ -119,6 +119,7 @@ struct Report {
   std::vector<machine::ErrorTerm> not_visible;
   std::vector<std::string> axes_at_rest;                  // that the fit sessions never moved: nothing is known of them
   bool has_stopped_early = false;                         // at the most effects allowed: more may be there
+  std::vector<predict::OpenChoice> choices;               // between members of the effects' classes
   std::shared_ptr<const identify::Fit> last_fit;          // that of `fitted`, with its runs
   std::string budget_json;                                // of the simulation, as it was given
   std::optional<identify::MonteCarloResult> monte_carlo;  // of the fit sessions under the extended model

@@ -83,15 +83,94 @@ class Over {
   Eigen::MatrixXd taken_up_;
 };
 
-// Root mean square of d + A z over the poses, z standard normal, for one d: by the eigenvectors of A' A.
+// What a machine may be off by beyond a number's uncertainty: by a rival of each choice, drawn by its odds.
+class Choices {
+ public:
+  // Columns: errors of each rival less those of what was found, mm.
+  Choices(const Over& over, const std::vector<OpenChoice>& choices) {
+    Eigen::Index count = 0;
+    for (const OpenChoice& choice : choices) count += static_cast<Eigen::Index>(choice.rivals.size());
+    columns_.resize(over.rows(), count);
+    Eigen::Index at = 0;
+    for (const OpenChoice& choice : choices) {
+      const Eigen::VectorXd as_found = over.ErrorsOf(choice.as_found);
+      double odds = 1.0;
+      for (const OpenChoice::Rival& rival : choice.rivals) odds += rival.odds;
+      One& one = choices_.emplace_back(One{choice.name, at, {}, 0.0});
+      Eigen::VectorXd mean = Eigen::VectorXd::Zero(over.rows());
+      double squares = 0.0;
+      for (const OpenChoice::Rival& rival : choice.rivals) {
+        columns_.col(at) = over.ErrorsOf(rival.model) - as_found;
+        const double probability = rival.odds / odds;
+        one.probability.push_back(probability);
+        mean += probability * columns_.col(at);
+        squares += probability * columns_.col(at).squaredNorm();
+        ++at;
+      }
+      one.squares = squares;
+      scatter_ += squares - mean.squaredNorm();
+      mean_ = mean_.size() == 0 ? mean : Eigen::VectorXd(mean_ + mean);
+    }
+    if (mean_.size() == 0) mean_.setZero(over.rows());
+  }
+
+  const Eigen::MatrixXd& columns() const { return columns_; }
+  const Eigen::VectorXd& mean() const { return mean_; }
+  // Of all choices, sum over the poses, mm^2: what their draws scatter about the mean.
+  double scatter() const { return scatter_; }
+  // One where its rival acts.
+  Eigen::VectorXd Draw(base::Random* random) const {
+    Eigen::VectorXd acts = Eigen::VectorXd::Zero(columns_.cols());
+    for (const One& one : choices_) {
+      double left = random->Uniform();
+      for (size_t k = 0; k < one.probability.size(); ++k) {
+        left -= one.probability[k];
+        if (left >= 0.0) continue;
+        acts[one.first + static_cast<Eigen::Index>(k)] = 1.0;
+        break;
+      }
+    }
+    return acts;
+  }
+  // Those that make at least kWeak of this sum of squares, the largest first.
+  std::vector<std::string> Weak(double squares) const {
+    std::vector<std::pair<double, std::string>> shares;
+    for (const One& one : choices_)
+      if (one.squares > 0.0 && one.squares >= kWeak * squares) shares.emplace_back(-one.squares, one.name);
+    std::sort(shares.begin(), shares.end());
+    std::vector<std::string> names;
+    for (const auto& [share, name] : shares) names.push_back(name);
+    return names;
+  }
+
+ private:
+  struct One {
+    std::string name;
+    Eigen::Index first = 0;
+    std::vector<double> probability;
+    double squares = 0.0;  // expected
+  };
+  Eigen::MatrixXd columns_;
+  std::vector<One> choices_;
+  Eigen::VectorXd mean_;
+  double scatter_ = 0.0;
+};
+
+// Root mean square of d + V a + A z over the poses, z standard normal, a by the choices, for one d: by the eigenvectors
+// of A' A.
 struct Spread {
   double constant = 0.0;            // d' d / poses
+  double mean_square = 0.0;         // expectation of |d + V a|^2 / poses
   Eigen::VectorXd linear, squares;  // of the rotated z
+  Eigen::VectorXd with_choices;     // V' d / poses
 
-  double At(const Eigen::VectorXd& z) const {
-    return std::sqrt(std::max(0.0, constant + 2.0 * linear.dot(z) + squares.dot(z.cwiseAbs2())));
+  // `choices`: |V a|^2 / poses; `linear_choices`: the rotated A' V a / poses.
+  double At(const Eigen::VectorXd& z, const Eigen::VectorXd& acts, double choices,
+            const Eigen::VectorXd& linear_choices) const {
+    return std::sqrt(std::max(0.0, constant + choices + 2.0 * with_choices.dot(acts) +
+                                       2.0 * (linear + linear_choices).dot(z) + squares.dot(z.cwiseAbs2())));
   }
-  double Expected() const { return std::sqrt(constant + squares.sum()); }
+  double Expected() const { return std::sqrt(mean_square + squares.sum()); }
 };
 
 double Quantile(std::vector<double>* values, double share) {
@@ -194,7 +273,8 @@ shapes::State BoxStates::At(int pose) const {
 std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machine,
                                                    const std::vector<MeasuringRun>& runs,
                                                    const machine::ErrorModel& before, const machine::KnownErrors& found,
-                                                   const std::vector<std::string>& unknown) {
+                                                   const std::vector<std::string>& unknown,
+                                                   const std::vector<OpenChoice>& choices) {
   if (found.covariance.is_empty() || Positioned(runs).empty()) return std::nullopt;
   const BoxStates states(runs, kPoses);
   if (states.box().low == states.box().high) return std::nullopt;
@@ -209,11 +289,17 @@ std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machi
   const Eigen::VectorXd as_found = over.ErrorsOf(found.model);
   const Eigen::VectorXd missed = as_found - over.ErrorsOf(before);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain.transpose() * uncertain / kPoses);
+  const Choices open_choices(over, choices);
+  out.undecided = open_choices.Weak(uncertain.squaredNorm() + open_choices.scatter());
   const auto spread_of = [&](const Eigen::VectorXd& offset) {
     return Spread{offset.squaredNorm() / kPoses,
+                  ((offset + open_choices.mean()).squaredNorm() + open_choices.scatter()) / kPoses,
                   eigen.eigenvectors().transpose() * (uncertain.transpose() * offset) / kPoses,
-                  eigen.eigenvalues().cwiseMax(0.0)};
+                  eigen.eigenvalues().cwiseMax(0.0), open_choices.columns().transpose() * offset / kPoses};
   };
+  const Eigen::MatrixXd of_choices =
+      eigen.eigenvectors().transpose() * (uncertain.transpose() * open_choices.columns()) / kPoses;
+  const Eigen::MatrixXd choices_gram = open_choices.columns().transpose() * open_choices.columns() / kPoses;
   const Spread uncorrected = spread_of(as_found), of_before = spread_of(missed),
                of_after = spread_of(Eigen::VectorXd::Zero(over.rows()));
   std::vector<double> at_uncorrected, at_before, at_after, gain;
@@ -221,9 +307,11 @@ std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machi
   Eigen::VectorXd z(uncertain.cols());
   for (int i = 0; i < kDraws; ++i) {
     for (double& one : z) one = random.Normal();
-    at_uncorrected.push_back(uncorrected.At(z));
-    at_before.push_back(of_before.At(z));
-    at_after.push_back(of_after.At(z));
+    const Eigen::VectorXd acts = open_choices.Draw(&random), linear = of_choices * acts;
+    const double squares = acts.dot(choices_gram * acts);
+    at_uncorrected.push_back(uncorrected.At(z, acts, squares, linear));
+    at_before.push_back(of_before.At(z, acts, squares, linear));
+    at_after.push_back(of_after.At(z, acts, squares, linear));
     gain.push_back(at_before.back() - at_after.back());
   }
   out.uncorrected = IntervalOf(uncorrected, std::move(at_uncorrected));

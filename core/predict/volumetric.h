@@ -49,29 +49,42 @@ struct RootMeanSquare {
   double expected_mm = 0.0, low_mm = 0.0, high_mm = 0.0;
 };
 
+// An error that the readings do not tell from others: one of these models may hold in place of what was found.
+struct OpenChoice {
+  struct Rival {
+    machine::ErrorModel model;
+    double odds = 0.0;  // against what was found
+  };
+  std::string name;              // of the error that was found
+  machine::ErrorModel as_found;  // what the rivals were fitted beside
+  std::vector<Rival> rivals;
+};
+
 struct VolumetricError {
   Box box;
   int poses = 0;
   // Of the machine as it is; where it is corrected for the errors of `before`, whose values count as they are; where it
-  // is corrected for those that were found. Their covariance is what the expectation is over: what they do not model is
-  // in none of these.
+  // is corrected for those that were found. Their covariance and the open choices are what the expectation is over:
+  // what they do not model is in none of these.
   RootMeanSquare uncorrected, before, after;
   // The interval of the difference of `before` and `after` is above zero.
   bool is_gain_held = false;
   // Numbers (machine::NameNumber) whose uncertainty makes most of `after`, each a quarter of its square or more; the
-  // largest first.
-  std::vector<std::string> weakest;
+  // largest first. Of the open choices the same.
+  std::vector<std::string> weakest, undecided;
   // Of the numbers `unknown`: those that move the tool point over the box. What they do is in none of the figures.
   std::vector<std::string> unknown;
 };
 
 // `found`: errors with their covariance, as they were fitted to `runs`; `before`: the errors that would be corrected
-// without them. `unknown`: names (machine::NameNumber) of numbers of `found` that nothing is known of. Nothing where
-// there is no covariance or the runs moved no axis.
+// without them. `unknown`: names (machine::NameNumber) of numbers of `found` that nothing is known of. `choices`: which
+// rival acts is drawn by its odds, each choice by itself. Nothing where there is no covariance or the runs moved no
+// axis.
 std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machine,
                                                    const std::vector<instruments::MeasuringRun>& runs,
                                                    const machine::ErrorModel& before, const machine::KnownErrors& found,
-                                                   const std::vector<std::string>& unknown = {});
+                                                   const std::vector<std::string>& unknown = {},
+                                                   const std::vector<OpenChoice>& choices = {});
 
 }  // namespace axiscal::predict
 

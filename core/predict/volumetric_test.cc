@@ -91,6 +91,30 @@ TEST(Volumetric, AGainWithinItsOwnUncertaintyIsNotHeld) {
   EXPECT_GT(error.uncorrected.expected_mm, 10 * kUm);  // 80 urad at up to 250 mm from the axis
 }
 
+// Another error that the readings like as much: half of the draws are those of a machine that has it.
+TEST(Volumetric, WhatCannotBeToldIsInTheInterval) {
+  const std::string found = R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 100}],
+      "covariance": {"of": ["EXX:linear"], "sigma": [2], "correlation": [[]]}})";
+  const VolumetricError alone = Over("{}", found);
+  const machine::ErrorModel as_found = Known(found).model;
+  const auto over = [&](double odds) {
+    return VolumetricErrorOver(machine::testing::MultiTasking(), {Measured()}, {}, Known(found), {},
+                               {{"EXX:linear", as_found, {{machine::ErrorModel(), odds}}}})
+        .value();
+  };
+  const VolumetricError as_good = over(1.0);
+  // The rival is a machine without the error: corrected for what was found it is as far off as that.
+  EXPECT_NEAR(as_good.after.high_mm, alone.uncorrected.high_mm, 0.02 * alone.uncorrected.high_mm);
+  EXPECT_NEAR(as_good.after.expected_mm, std::sqrt(0.5) * alone.uncorrected.expected_mm,
+              0.01 * alone.uncorrected.expected_mm);
+  EXPECT_LT(as_good.before.low_mm, 0.1 * alone.before.low_mm);
+  EXPECT_FALSE(as_good.is_gain_held);
+  EXPECT_THAT(as_good.undecided, ElementsAre("EXX:linear"));
+  const VolumetricError unlikely = over(0.01);
+  EXPECT_TRUE(unlikely.is_gain_held);
+  EXPECT_NEAR(unlikely.after.high_mm, alone.after.high_mm, 0.3 * alone.after.high_mm);
+}
+
 // Where the tool's point is and where the work stands is set anew for each part.
 TEST(Volumetric, WorkOffsetAndToolCentreAreLeftOut) {
   const VolumetricError error = Over("{}", R"({"EZ0T": 500, "EX0T": 200,

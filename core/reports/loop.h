@@ -111,9 +111,10 @@ struct Volumetric {
   std::vector<AxisRange> box = {};
   int poses = 0;
   VolumetricFigure uncorrected = {}, before = {}, after = {};
-  bool gain_is_held = false;              // the interval of before - after is above zero
-  std::vector<std::string> weakest = {};  // errors whose uncertainty makes most of `after`
-  std::vector<std::string> unknown = {};  // errors without a number that act over the box: in none of the figures
+  bool gain_is_held = false;                // the interval of before - after is above zero
+  std::vector<std::string> weakest = {};    // errors whose uncertainty makes most of `after`
+  std::vector<std::string> undecided = {};  // effects of which the readings do not tell rivals that make as much of it
+  std::vector<std::string> unknown = {};    // errors without a number that act over the box: in none of the figures
 };
 
 struct Loop {

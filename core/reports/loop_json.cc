@@ -149,6 +149,7 @@ void Members(Io& io, base::Like<Io, Volumetric> volumetric) {
   io.Member("after", volumetric.after);
   io.Member("gain_is_held", volumetric.gain_is_held);
   io.Member("weakest", volumetric.weakest);
+  io.IfAny("undecided", volumetric.undecided);
   io.Member("unknown", volumetric.unknown);
 }
 
