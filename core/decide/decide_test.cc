@@ -163,6 +163,30 @@ TEST(Decide, ALateWarmthIsNamedWithItsChannelAndItsTimeConstant) {
   EXPECT_LT(report.check_after.rms_mm, 0.33e-3);
 }
 
+// A smooth straightness that no harmonic or power is: one curve, and what it is beyond its numbers.
+TEST(Decide, ASmoothErrorOfNoNamedShapeIsOneCurve) {
+  std::string nodes, values;
+  for (int i = 0; i <= 40; ++i) {
+    const double x = -200.0 + 10.0 * i,
+                 value = 6.0 * std::tanh(x / 25.0) - 3.0 * std::exp(-(x - 60) * (x - 60) / 900.0);
+    absl::StrAppend(&nodes, i == 0 ? "" : ", ", x);
+    absl::StrAppend(&values, i == 0 ? "" : ", ", value);
+  }
+  const std::string map = absl::StrCat(R"({"symbol": "EYX", "shape": "tabulated", "nodes_mm": [)", nodes,
+                                       R"(], "values": [)", values, "]}");
+  const Report report = Close(MeasureWith(map));
+  ASSERT_FALSE(report.effects.empty()) << NamesOf(report);
+  EXPECT_LE(report.effects.size(), 3u) << NamesOf(report);
+  const auto curve = std::find_if(report.effects.begin(), report.effects.end(),
+                                  [](const loop::Effect& one) { return shapes::IsFree(one.term.shape); });
+  ASSERT_NE(curve, report.effects.end()) << NamesOf(report);
+  EXPECT_EQ(machine::NameOf(kMachine, curve->term), "EYX:curve") << NamesOf(report);
+  EXPECT_GT(curve->term.prior_sigma, 0.3e-3);
+  EXPECT_LT(curve->term.prior_sigma, 0.1);
+  EXPECT_GT(curve->evidence, 100.0);  // its line is a squareness, too: the amplitude is not known as well as the shape
+  EXPECT_LT(report.check_after.rms_mm, 0.45e-3) << report.check_before.rms_mm;
+}
+
 // The ball on the table moved by 2 um in a part of one session, in which two readings are bad, too.
 TEST(Decide, ASlipIsToldWithItsSessionAndMomentAndBadReadingsAreListed) {
   Sessions sessions = MeasureWith("");

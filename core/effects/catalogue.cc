@@ -223,12 +223,14 @@ class Builder {
     }
   }
 
-  // Free curves and what remembers temperatures, which the dictionary does not have.
+  // Free curves and what remembers temperatures, which the dictionary does not have. Crossed errors and time curves are
+  // not offered: on machines with curves of single axes they won, and were wrong where nothing was measured.
   void AddFurther(std::vector<Candidate>* candidates) const {
     if (std::any_of(plain_.runs.begin(), plain_.runs.end(),
                     [](const MeasuringRun& run) { return run.path_readings != nullptr; }))
       return;
     AddThermalLags(candidates);
+    AddCurves(candidates);
   }
 
   // What remembers temperatures, which the dictionary does not have: any channel at any joint, and times the position
@@ -275,7 +277,7 @@ class Builder {
     return {span.lowest, span.highest};
   }
 
-  // Curves of an axis over its own position, and over those of two axes.
+  // Curves of an axis over its own position.
   void AddCurves(std::vector<Candidate>* candidates) const {
     for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       const loop::AxisSpan& span = spans_[axis];
@@ -286,10 +288,20 @@ class Builder {
       const double told =
           curve.span.is_turn ? 2.0 * std::floor(highest) : highest * (span.highest - span.lowest) / std::numbers::pi;
       if (told < 4.0) continue;
-      curve.functions = static_cast<int>(std::min<double>(curve.functions, told));
+      curve.functions = static_cast<int>(std::min<double>(shapes::kMaxBasisCount, told));
       AddAtJoint(Family::kCurve, axis, curve, candidates);
+      if (curve.span.is_turn) {  // what does not close, as of a cable or a scale that was wound on
+        curve.span = {span.lowest, span.highest};
+        AddAtJoint(Family::kCurve, axis, curve, candidates);
+      }
+    }
+  }
+
+  // Errors over the positions of two axes.
+  void AddCrossed(std::vector<Candidate>* candidates) const {
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       for (int other = 0; other < machine_.axis_count(); ++other) {
-        if (other == axis || spans_[other].finest_step == 0.0) continue;
+        if (other == axis || spans_[axis].finest_step == 0.0 || spans_[other].finest_step == 0.0) continue;
         AddAtJoint(Family::kCrossed, axis, shapes::Crossed{axis, other, SpanOf(axis), SpanOf(other)}, candidates);
       }
     }
