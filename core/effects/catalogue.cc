@@ -108,6 +108,8 @@ class Builder {
     item.group.family = static_cast<int>(one.family);
     item.group.largest_amplitude = LargestAmplitudeOf(one, largest_value);
     item.group.is_exotic = loop::IsFurther(one.family);
+    // Where a tool or a table stands is nominal data; of a lag only differences bend a path.
+    item.group.has_usual_size = one.family != Family::kConstant && one.family != Family::kLag;
     if (shapes::IsFree(one.term.shape)) {
       item.group.spectrum.resize(shapes::BasisCount(one.term.shape));
       for (int i = 0; i < item.group.spectrum.size(); ++i) {

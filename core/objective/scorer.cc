@@ -89,11 +89,13 @@ void Scorer::Take(const Source& source, size_t number) {
   source.AddProducts(0, y, with_y);
   const Eigen::Index before = with_y_.size();
   with_y_.conservativeResize(before + width);
+  raw_.conservativeResize(before + width);
   with_y_.tail(width) = with_y.col(0);
   std::vector<Eigen::MatrixXd> grams = source.Grams(rows_.whitening);
   Eigen::Index at = 0;
   for (size_t g = 0; g < grams.size(); ++g) {
     const Eigen::VectorXd raw = grams[g].diagonal();
+    raw_.segment(before + at, raw.size()) = raw;
     Eigen::MatrixXd& gram = gram_.emplace_back(std::move(grams[g]));
     if (!source.IsScan()) {
       const auto own_coefficients = coefficients.middleRows(at, gram.rows());
@@ -123,6 +125,12 @@ double Scorer::PriceOf(int which, double design) const {
                        (one.IsBlock() ? 0.0 : policy_.per_column * (one.columns - 1)) +
                        (one.is_exotic ? policy_.exotic : 0.0);
   return one.is_counted ? std::max(price, rows_.rounding_squares / design) : price;
+}
+
+double Scorer::PrecisionOf(const Group& group, int column, double raw) const {
+  const double own = group.precision.size() > 0 ? group.precision[column] : 0.0;
+  if (!group.has_usual_size) return own;
+  return own + raw / (policy_.largest_hidden * policy_.largest_hidden * std::max(squares_, dof_));
 }
 
 Eigen::MatrixXd Scorer::Projected(int group) const {
@@ -177,7 +185,7 @@ double Scorer::ObjectiveWith(const State& state, const Source& moved, int of, do
   }
   const Group& one = moved.groups().front();
   for (int c = 0; c < one.columns; ++c) {
-    if (one.precision.size() > 0) gram(c, c) += design * one.precision[c];
+    gram(c, c) += design * PrecisionOf(one, c, whitened.col(c).squaredNorm());
     gram(c, c) *= 1.0 + kRidge;
   }
   const Eigen::LLT<Eigen::MatrixXd> cholesky(gram);
@@ -363,7 +371,7 @@ Scorer::Factor Scorer::FactorOf(const State& state, double design) {
         own += design / variance;
         factor.log_det += std::log(variance / design);
       } else {
-        own += kRidge * own + (one.precision.size() > 0 ? design * one.precision[c] : 0.0);
+        own += kRidge * own + design * PrecisionOf(one, c, raw_[first_column_[state[i].group] + c]);
       }
     }
     factor.prices += PriceOf(state[i].group, design);
@@ -400,8 +408,7 @@ Score Scorer::ScoreOf(const State& state, double design) {
 std::vector<Eigen::VectorXd> Scorer::VariancesOf(const State& state, double design) {
   const Factor factor = FactorOf(state, design);
   const Eigen::Index n = factor.lower.rows();
-  const Eigen::MatrixXd inverse =
-      factor.lower.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd inverse = factor.lower.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(n, n));
   const Eigen::VectorXd variance = design * factor.squares / dof_ * inverse.colwise().squaredNorm().transpose();
   std::vector<Eigen::VectorXd> out;
   for (size_t i = 0; i < state.size(); ++i)
@@ -452,7 +459,7 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
     const Group& one = group(g);
     for (int c = 0; c < one.columns; ++c) {
       if (one.precision.size() == 0 && gram(c, c) <= policy_.distinct * gram_[g](c, c)) return std::nullopt;
-      gram(c, c) += kRidge * gram_[g](c, c) + (one.precision.size() > 0 ? design * one.precision[c] : 0.0);
+      gram(c, c) += kRidge * gram_[g](c, c) + design * PrecisionOf(one, c, raw_[first_column_[g] + c]);
     }
     const auto b = right.segment(first_column_[g], one.columns);
     if (one.columns == 1) {

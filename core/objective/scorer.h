@@ -103,6 +103,8 @@ class Scorer {
   // Of whitened columns.
   Eigen::MatrixXd ProjectedOf(Eigen::MatrixXd columns) const;
   Eigen::MatrixXd WhitenedOf(const Source& source, int within) const;
+  // Of a flat group's columns: what holds its amplitudes beside the rows; `raw`: their squares before projection.
+  double PrecisionOf(const Group& group, int column, double raw) const;
   const Loaded& Load(int group);
   // Products of the columns of all members with all columns: one pass over the sources for those that have none yet.
   void LoadProducts(const State& state);
@@ -132,6 +134,7 @@ class Scorer {
   std::map<int, double> visible_members_;  // per family: their looks
   std::vector<Eigen::MatrixXd> gram_;      // per group, projected
   Eigen::VectorXd with_y_;                 // per column, projected
+  Eigen::VectorXd raw_;                    // per column: its squares before projection
   Eigen::MatrixXd own_, common_;           // nuisance columns for products with raw columns (Whitening::Adjoint)
   Eigen::VectorXd y_;                      // projected, at the rows
   double squares_ = 0.0, dof_ = 1.0;       // of y, projected

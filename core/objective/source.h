@@ -22,9 +22,10 @@ struct Group {
   double largest_variance = std::numeric_limits<double>::infinity();  // of a block's `variance`
   // A flat effect with an amplitude beyond this is none that a machine has.
   double largest_amplitude = std::numeric_limits<double>::infinity();
-  double looks = 1.0;      // for how many its family counts it: less where neighbours are alike
-  bool is_counted = true;  // among the effects of which a state holds so many at most
-  bool is_exotic = false;  // a plain name rivals it (Policy::exotic)
+  bool has_usual_size = false;  // of a flat effect: Policy::largest_hidden holds for it
+  double looks = 1.0;           // for how many its family counts it: less where neighbours are alike
+  bool is_counted = true;       // among the effects of which a state holds so many at most
+  bool is_exotic = false;       // a plain name rivals it (Policy::exotic)
   // Groups of one kin whose places are less than `apart` from each other are one effect: a state holds one of them.
   // kin < 0: none.
   int kin = -1;
