@@ -413,6 +413,13 @@ class Decider {
                                                                   : known.term.prior_sigma * known.term.prior_sigma;
       starts[0].state.push_back({group, variance});
     }
+    // A curve of many amplitudes comes before the plain name that it resembles, as names stand on a grid until they are
+    // refined: the plain names are followed by themselves, too.
+    objective::Start plain;
+    plain.without = {static_cast<int>(Family::kCurve)};
+    for (const objective::Member& member : starts[0].state)
+      if (scorer.group(member.group).family != plain.without[0]) plain.state.push_back(member);
+    starts.push_back(std::move(plain));
     const objective::Found found = searcher.Search(starts);
     if (is_first) Rank(scorer, design, catalogue, report);
     const auto counted = std::count_if(found.state.begin(), found.state.end(), [&](const objective::Member& member) {
