@@ -145,7 +145,7 @@ class Decider {
     report.fitted.warnings.insert(report.fitted.warnings.end(), datum.begin(), datum.end());
     const std::vector<loop::Unexplained> scattering = ScatteringSessions(ending.fit);
     report.unexplained.insert(report.unexplained.end(), scattering.begin(), scattering.end());
-    KeepToTemperaturesSeen(&report);
+    KeepToWhatWasSeen(&report);
     if (!report.unexplained.empty()) report.verdict = loop::Verdict::kUnexplained;
     // Steps are of fits of all sessions; what the last one left is said of those that amplitudes are fitted to.
     if (!report.steps.empty()) report.steps.back().rms_mm = report.fit_after.rms_mm;
@@ -155,22 +155,32 @@ class Decider {
   }
 
  private:
-  // Late warmths are known for the temperatures that the readings saw, not beyond.
-  void KeepToTemperaturesSeen(loop::Report* report) const {
-    for (machine::ErrorTerm& term : report->fitted.model.terms) {
-      auto* const lag = std::get_if<shapes::ThermalLag>(&term.shape);
-      if (lag == nullptr) continue;
-      const shapes::Shape found = *lag;
-      double coldest = INFINITY, warmest = -INFINITY;
-      for (const MeasuringRun& run : report->is_check_fitted ? all_ : runs_) {
+  // Late warmths are known for the temperatures that the readings saw, drifts for their time, not beyond.
+  void KeepToWhatWasSeen(loop::Report* report) const {
+    const std::vector<MeasuringRun>& runs = report->is_check_fitted ? all_ : runs_;
+    // The least and the greatest value in all readings.
+    const auto keep_to = [&](const auto& value, double* from, double* to) {
+      double least = INFINITY, greatest = -INFINITY;
+      for (const MeasuringRun& run : runs) {
+        if (run.path_readings != nullptr) continue;
         for (int k = 0; k < run.reading_count(); ++k) {
-          const double late = lag->LateAt(run.StateOf(k), lag->tau_s).celsius;
-          coldest = std::min(coldest, late);
-          warmest = std::max(warmest, late);
+          least = std::min(least, value(run.StateOf(k)));
+          greatest = std::max(greatest, value(run.StateOf(k)));
         }
       }
-      lag->from_celsius = coldest;
-      lag->to_celsius = warmest;
+      *from = least;
+      *to = greatest;
+    };
+    for (machine::ErrorTerm& term : report->fitted.model.terms) {
+      const shapes::Shape found = term.shape;
+      if (auto* const lag = std::get_if<shapes::ThermalLag>(&term.shape)) {
+        const auto late = [&](const shapes::State& state) { return lag->LateAt(state, lag->tau_s).celsius; };
+        keep_to(late, &lag->from_celsius, &lag->to_celsius);
+      } else if (auto* const drift = std::get_if<shapes::Drift>(&term.shape)) {
+        keep_to([](const shapes::State& state) { return state.time_s; }, &drift->from_s, &drift->to_s);
+      } else {
+        continue;
+      }
       for (loop::Effect& effect : report->effects)
         if (effect.term.shape == found) effect.term.shape = term.shape;
     }

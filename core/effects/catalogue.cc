@@ -225,14 +225,15 @@ class Builder {
     }
   }
 
-  // Free curves and what remembers temperatures, which the dictionary does not have. Crossed errors and time curves are
-  // not offered: on machines with curves of single axes they won, and were wrong where nothing was measured.
+  // Free curves and what remembers temperatures, which the dictionary does not have. Crossed errors are not offered: on
+  // machines with curves of single axes they won, and were wrong where nothing was measured.
   void AddFurther(std::vector<Candidate>* candidates) const {
     if (std::any_of(plain_.runs.begin(), plain_.runs.end(),
                     [](const MeasuringRun& run) { return run.path_readings != nullptr; }))
       return;
     AddThermalLags(candidates);
     AddCurves(candidates);
+    AddTimeCurves(candidates);
   }
 
   // What remembers temperatures, which the dictionary does not have: any channel at any joint, and times the position
@@ -309,6 +310,7 @@ class Builder {
     }
   }
 
+  // What moves tool or table over hours that no channel recorded. The joints between would be further names for it.
   void AddTimeCurves(std::vector<Candidate>* candidates) const {
     double first_s = INFINITY, last_s = -INFINITY;
     for (const MeasuringRun& run : plain_.runs) {
@@ -319,7 +321,7 @@ class Builder {
     }
     constexpr double kShortest = 60.0;
     if (!(last_s - first_s > kShortest)) return;
-    for (int joint = 0; joint < machine_.joint_count(); ++joint)
+    for (const int joint : {machine_.tool_joint(), machine_.work_joint()})
       AddAtJoint(Family::kTimeCurve, joint, shapes::TimeCurve{{first_s, last_s}}, candidates);
   }
 

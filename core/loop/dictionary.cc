@@ -353,6 +353,13 @@ bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
     return pitch->axis == other_pitch->axis && apart < kOnePitch * other_pitch->frequency;
   }
   shapes::Shape one = a.shape, other = b.shape;
+  for (shapes::Shape* shape : {&one, &other}) {  // what the readings saw of it is no part of its name
+    if (auto* drift = std::get_if<shapes::Drift>(shape)) *drift = {};
+    if (auto* lag = std::get_if<shapes::ThermalLag>(shape)) {
+      lag->from_celsius = shapes::ThermalLag().from_celsius;
+      lag->to_celsius = shapes::ThermalLag().to_celsius;
+    }
+  }
   double *of_one = shapes::NonlinearParameter(one), *of_other = shapes::NonlinearParameter(other);
   if (of_one != nullptr && of_other != nullptr) *of_one = *of_other = 1.0;
   return one == other;
@@ -366,11 +373,15 @@ int Complexity(const Machine& machine, const Candidate& candidate) {
     const int axis = *shapes::VariableAxis(candidate.term.shape);
     return complexity + (IsRotary(machine, axis) ? 2 : 0) + (candidate.term.joint == axis ? 0 : 1);
   }
-  // Among the joints that may drift the tool comes first (heat acts there first), then the table, then the axes.
+  // Among the joints that may drift the tool comes first (heat acts there first), then the table, then the axes; bodies
+  // grow before they tilt, which with one tool length reads the same.
   const bool is_time = candidate.family == Family::kDrift || candidate.family == Family::kDriftExp ||
                        candidate.family == Family::kThermal || candidate.family == Family::kThermalLag;
-  if (is_time && candidate.term.joint != machine.tool_joint())
-    complexity += candidate.term.joint == machine.work_joint() ? 1 : 2;
+  if (is_time) {
+    const int joint = candidate.term.joint;
+    complexity += joint == machine.tool_joint() ? 0 : joint == machine.work_joint() ? 2 : 4;
+    complexity += machine::IsAngle(candidate.term.component);
+  }
   // Backlash and friction act first along the axis' own motion.
   const bool is_motion = candidate.family == Family::kBacklash || candidate.family == Family::kReversal ||
                          candidate.family == Family::kLag;

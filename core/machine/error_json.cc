@@ -119,6 +119,17 @@ absl::StatusOr<shapes::Shape> ReadTimeCurve(const json& object, const std::strin
   return curve;
 }
 
+absl::StatusOr<shapes::Shape> ReadDrift(const json& object, const std::string& where) {
+  shapes::Drift drift;
+  if (object.contains("from_s") || object.contains("to_s")) {
+    ASSIGN_OR_RETURN(drift.from_s, Number(object, where, "from_s"));
+    ASSIGN_OR_RETURN(drift.to_s, Number(object, where, "to_s"));
+    if (drift.to_s < drift.from_s)
+      return Refuse(where, absl::StrCat("'to_s' = ", drift.to_s, ", must be >= 'from_s' = ", drift.from_s));
+  }
+  return drift;
+}
+
 absl::StatusOr<shapes::Shape> ReadThermalLag(const json& object, const std::string& where, const Machine& machine,
                                              const ErrorSymbol& symbol) {
   shapes::ThermalLag lag;
@@ -164,7 +175,7 @@ absl::StatusOr<shapes::Shape> ReadShape(const json& object, const std::string& w
                                         const ErrorSymbol& symbol) {
   ASSIGN_OR_RETURN(const std::string name, Text(object, where, "shape"));
   if (name == shapes::Constant::kName) return shapes::Constant{};
-  if (name == shapes::Drift::kName) return shapes::Drift{};
+  if (name == shapes::Drift::kName) return ReadDrift(object, where);
   if (name == shapes::Thermal::kName) return shapes::Thermal{};
   if (name == shapes::DriftExp::kName) {
     ASSIGN_OR_RETURN(const double tau_s, PositiveNumber(object, where, "tau_s"));
@@ -363,6 +374,10 @@ WrittenTerm Written(const ErrorTerm& term, const Machine& machine) {
   if (const auto* curve = std::get_if<shapes::TimeCurve>(&term.shape)) {
     written.from_s = curve->span.low;
     written.to_s = curve->span.high;
+  }
+  if (const auto* drift = std::get_if<shapes::Drift>(&term.shape)) {
+    if (std::isfinite(drift->from_s)) written.from_s = drift->from_s;
+    if (std::isfinite(drift->to_s)) written.to_s = drift->to_s;
   }
   if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape)) {
     written.channel = lag->channel;

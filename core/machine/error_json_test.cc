@@ -93,6 +93,8 @@ TEST(ErrorJson, FreeCurvesAndLateWarmthComeBackAsTheyWereWritten) {
             "over 'X'"},
            {R"({"symbol": "EYX", "shape": "crossed", "over": "C", "from_mm": 0, "to_mm": 3, "amplitudes": [1, 2]})",
             "2 numbers"},
+           {R"({"symbol": "EZT", "shape": "drift", "from_s": 10, "to_s": 5, "amplitude": 1})", "'to_s' = 5"},
+           {R"({"symbol": "EZT", "shape": "drift", "to_s": 5, "amplitude": 1})", "from_s"},
            {R"({"symbol": "EZT", "shape": "thermal-lag", "tau_s": -1, "amplitude": 1})", "'tau_s' = -1"},
            {R"({"symbol": "EZT", "shape": "time-curve", "from_s": 0, "amplitudes": [1]})", "'to_s' is missing"}}) {
     const auto refused = ReadErrors(std::string(R"({"terms": [)") + bad + "]}", kMachine);

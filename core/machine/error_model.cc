@@ -88,6 +88,8 @@ std::vector<std::string> NamesOf(const Machine& machine, const ErrorModel& model
 double UnknownAt(const ErrorTerm& term, const shapes::State& state) {
   if (const auto* lag = std::get_if<shapes::ThermalLag>(&term.shape))
     return std::abs(term.amplitude[0] * lag->FactorOf(state)) * lag->BeyondSeen(state);
+  if (const auto* drift = std::get_if<shapes::Drift>(&term.shape))
+    return std::abs(term.amplitude[0]) * drift->BeyondSeen(state) / shapes::Drift::kReferenceS;
   const double kept = shapes::KeptAt(term.shape, state);
   if (kept >= 1.0) return 0.0;
   // Functions have mean square 1: without a prior the curve's own size says how far it may go.

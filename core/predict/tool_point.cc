@@ -27,7 +27,9 @@ Eigen::Matrix3d ToolInTable(const machine::ChainPose<double>& pose) {
 Propagation::Propagation(const machine::ErrorModel& model, const machine::ErrorCovariance& covariance)
     : root_(covariance.root) {
   for (const machine::ErrorTerm& term : model.terms) {
-    if (shapes::IsFree(term.shape) || std::holds_alternative<shapes::ThermalLag>(term.shape)) reaching_.push_back(term);
+    if (shapes::IsFree(term.shape) || std::holds_alternative<shapes::ThermalLag>(term.shape) ||
+        std::holds_alternative<shapes::Drift>(term.shape))
+      reaching_.push_back(term);
   }
   for (const machine::ErrorCovariance::Number& of : covariance.of) {
     const machine::ErrorTerm& term = model.terms[of.term];

@@ -55,6 +55,23 @@ TEST(ToolPoint, IsWhatAReaderComputesByHand) {
   EXPECT_TRUE(ToolPoint(machine, Known("{}", machine), kTip).ErrorAt({turned}).isZero(1e-12));
 }
 
+// 36 um in an hour, of which the readings saw a half: it stays there, and its sigma grows by as much as it would have
+// gone on.
+TEST(ToolPoint, ADriftStaysWhereItWasSeenLast) {
+  const Machine machine = machine::testing::MultiTasking();
+  const machine::KnownErrors errors = Known(
+      R"({"terms": [{"symbol": "EZT", "shape": "drift", "amplitude": -36, "from_s": 0, "to_s": 1800}],
+          "covariance": {"of": ["EZT:drift"], "sigma": [0.5], "correlation": [[]]}})",
+      machine);
+  EXPECT_EQ(std::get<shapes::Drift>(errors.model.terms[0].shape).to_s, 1800.0);
+  ToolPoint tool(machine, errors, kTip);
+  const auto home = At({20, 10, -300, 0, 0});
+  EXPECT_NEAR(tool.ErrorAt({home, 900.0, 20.0})[2], -9e-3, 1e-6);
+  EXPECT_NEAR(tool.SigmaAt({home, 900.0, 20.0})[2], 0.125e-3, 1e-6);
+  EXPECT_NEAR(tool.ErrorAt({home, 5400.0, 20.0})[2], -18e-3, 1e-6);
+  EXPECT_NEAR(tool.SigmaAt({home, 5400.0, 20.0})[2], std::hypot(36e-3, 0.25e-3), 1e-6);
+}
+
 // What the readings did not reach is as unknown as the prior, or as the warmth that was not seen.
 TEST(ToolPoint, TheBandOpensBeyondWhatWasMeasured) {
   const Machine machine = machine::testing::MultiTasking();
