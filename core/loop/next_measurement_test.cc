@@ -158,6 +158,9 @@ TEST(NextMeasurement, WhatNoMeasurementTellsIsNotPromised) {
   body_z.shape = shapes::ThermalLag{shapes::kTemperatureChannel, 900.0};
   EXPECT_EQ(FirstOfTheSame(machine, {0, 0, -350}, {in_z, late_z, late_x, later_z, body_z}),
             (std::vector<int>{0, 1, 2, 1, 4}));
+  const ErrorTerm curve{c, machine::Component::kX, shapes::Curve{c, {.is_turn = true}}, {}};
+  EXPECT_EQ(FirstOfTheSame(machine, {0, 0, -350}, {curve, across, curve, other_across}),
+            (std::vector<int>{0, 1, 2, 1}));
   machine::ErrorModel truth;
   truth.terms.push_back(in_x);
   const auto sessions = identify::testing::Measure(machine, truth, {});

@@ -76,9 +76,13 @@ std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Ve
   const absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, std::move(runs));
   machine::ErrorModel model;
   std::vector<Member> members;
+  std::vector<size_t> asked;  // whose members they are: a free curve is nothing else by another name
   int column = 0;
   constexpr double kTauS = 3600.0, kLength = 1.0;
-  for (machine::ErrorTerm term : terms) {
+  for (size_t i = 0; i < terms.size(); ++i) {
+    if (shapes::IsFree(terms[i].shape)) continue;
+    asked.push_back(i);
+    machine::ErrorTerm term = terms[i];
     term.amplitude = {};
     // Another decay length or time constant does not make another effect.
     if (double* parameter = shapes::NonlinearParameter(term.shape))
@@ -98,16 +102,17 @@ std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Ve
   }
   std::vector<int> first(terms.size());
   for (size_t i = 0; i < terms.size(); ++i) first[i] = static_cast<int>(i);
-  if (!problem.ok()) return first;
+  if (!problem.ok() || asked.empty()) return first;
   const Separation separation(
       InformationOf(*problem, identify::StartingPoint(*problem, model), identify::ListParameters(model, false)),
       members);
   constexpr double kSame = 1.0 - 1e-7;
-  for (size_t i = 0; i < terms.size(); ++i) {
-    for (size_t j = 0; j < i && first[i] == static_cast<int>(i); ++j) {
-      if (first[j] == static_cast<int>(j) && members[i].columns.size() == members[j].columns.size() &&
+  for (size_t i = 0; i < asked.size(); ++i) {
+    int& own = first[asked[i]];
+    for (size_t j = 0; j < i && own == static_cast<int>(asked[i]); ++j) {
+      if (first[asked[j]] == static_cast<int>(asked[j]) && members[i].columns.size() == members[j].columns.size() &&
           separation.Correlation(static_cast<int>(i), static_cast<int>(j)) > kSame)
-        first[i] = static_cast<int>(j);
+        own = static_cast<int>(asked[j]);
     }
   }
   return first;
