@@ -121,8 +121,8 @@ TEST(Scenario, DrawsOfOneThingDoNotMoveOthers) {
   const Scenario one = Read(R"("effects": [{"kind": "curve", "symbol": "EYX", "rms": 3}])");
   const Scenario two = Read(
       R"("effects": [{"kind": "curve", "symbol": "EYX", "rms": 3}, {"kind": "curve", "symbol": "EZX", "rms": 1e-6}])");
-  const std::vector<double>&a = Column(Simulated(one).measured.fit[0], "dx_mm"),
-        &b = Column(Simulated(two).measured.fit[0], "dx_mm");
+  const std::vector<double> a = Column(Simulated(one).measured.fit[0], "dx_mm"),
+                            b = Column(Simulated(two).measured.fit[0], "dx_mm");
   for (size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k], b[k], 1e-7);
 }
 
