@@ -335,11 +335,6 @@ class Decider {
       Added& added = extension->effects[i];
       if (IsUnnamed(added.candidate.family) || added.equivalent.empty()) continue;
       if (shapes::IsFree(added.candidate.term.shape)) continue;  // of free curves the evidence is asked, not chi-square
-      const auto is_free = [](const Candidate& one) { return shapes::IsFree(one.term.shape); };
-      const auto first_free = std::stable_partition(added.equivalent.begin(), added.equivalent.end(),
-                                                    [&](const Candidate& one) { return !is_free(one); });
-      const std::vector<Candidate> free(first_free, added.equivalent.end());
-      added.equivalent.erase(first_free, added.equivalent.end());
       const int term = extension->TermOf(i);
       std::vector<machine::ErrorTerm> terms = {fit->result.model.terms[term]};
       for (const Candidate& one : added.equivalent) terms.push_back(one.term);
@@ -395,7 +390,6 @@ class Decider {
         if (models[m] && models[fitted] && static_cast<int>(m) != fitted)
           added.choice.rivals.push_back({*models[m], std::exp(-0.5 * (squares[m] - squares[which]))});
       }
-      added.equivalent.insert(added.equivalent.end(), free.begin(), free.end());
       if (which == 0) continue;
       any |= squares[0] > least + policy_.replacement_gain;
       added.candidate = members[which];
@@ -543,7 +537,11 @@ class Decider {
         continue;
       }
       one.term.shape = effects::AtPlace(one.term.shape, scorer.group(move.member.group).place);
-      if (shapes::IsFree(one.term.shape)) one.term.prior_sigma = std::sqrt(move.member.variance);
+      if (shapes::IsFree(one.term.shape)) {
+        // What can take any form explains whatever a name explains: no news about the name.
+        if (!shapes::IsFree(own.term.shape)) continue;
+        one.term.prior_sigma = std::sqrt(move.member.variance);
+      }
       const auto is_it = [&](const Candidate& known) { return loop::IsSameEffect(known.term, one.term); };
       if (IsUnnamed(one.family) || is_it(own) || std::any_of(added->equivalent.begin(), added->equivalent.end(), is_it))
         continue;

@@ -55,6 +55,9 @@ struct Candidate {
   instruments::Distortion distortion = {};                      // kInstrument
 };
 
+// Without the times and temperatures that readings saw of it, which are no part of its name.
+shapes::Shape Everywhere(shapes::Shape shape);
+
 // The same component, shape and variable; decay lengths and time constants may differ, pitches by a twentieth.
 bool IsSameEffect(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
 

@@ -344,6 +344,15 @@ std::vector<Candidate> MakeDictionary(const identify::Problem& problem, const ma
   return Builder(problem, model).Build();
 }
 
+shapes::Shape Everywhere(shapes::Shape shape) {
+  if (auto* drift = std::get_if<shapes::Drift>(&shape)) *drift = {};
+  if (auto* lag = std::get_if<shapes::ThermalLag>(&shape)) {
+    lag->from_celsius = shapes::ThermalLag().from_celsius;
+    lag->to_celsius = shapes::ThermalLag().to_celsius;
+  }
+  return shape;
+}
+
 bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
   if (a.joint != b.joint || a.component != b.component) return false;
   const auto *pitch = std::get_if<shapes::Harmonic>(&a.shape), *other_pitch = std::get_if<shapes::Harmonic>(&b.shape);
@@ -352,14 +361,7 @@ bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
     const double apart = std::abs(pitch->frequency - other_pitch->frequency);
     return pitch->axis == other_pitch->axis && apart < kOnePitch * other_pitch->frequency;
   }
-  shapes::Shape one = a.shape, other = b.shape;
-  for (shapes::Shape* shape : {&one, &other}) {  // what the readings saw of it is no part of its name
-    if (auto* drift = std::get_if<shapes::Drift>(shape)) *drift = {};
-    if (auto* lag = std::get_if<shapes::ThermalLag>(shape)) {
-      lag->from_celsius = shapes::ThermalLag().from_celsius;
-      lag->to_celsius = shapes::ThermalLag().to_celsius;
-    }
-  }
+  shapes::Shape one = Everywhere(a.shape), other = Everywhere(b.shape);
   double *of_one = shapes::NonlinearParameter(one), *of_other = shapes::NonlinearParameter(other);
   if (of_one != nullptr && of_other != nullptr) *of_one = *of_other = 1.0;
   return one == other;

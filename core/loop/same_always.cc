@@ -83,6 +83,7 @@ std::vector<int> FirstOfTheSame(const machine::Machine& machine, const Eigen::Ve
     if (shapes::IsFree(terms[i].shape)) continue;
     asked.push_back(i);
     machine::ErrorTerm term = terms[i];
+    term.shape = Everywhere(term.shape);
     term.amplitude = {};
     // Another decay length or time constant does not make another effect.
     if (double* parameter = shapes::NonlinearParameter(term.shape))
