@@ -125,7 +125,8 @@ TEST_F(Tables, AnApprovedLoopBecomesATableOnEveryWay) {
   EXPECT_EQ(Run(at + "table --machine nobody --format general -o z.comp").exit_code, 4);
 
   // Every format, written or refused alike.
-  for (const auto& format : Run("table --list --json").Json()["formats"]) {
+  const auto listed = Run("table --list --json").Json();
+  for (const auto& format : listed["formats"]) {
     const std::string make = "table --machine mt --format " + format["name"].get<std::string>() + " -o ";
     const Outcome here = Run(make + "here.txt"), there = Run(at + make + "there.txt");
     EXPECT_EQ(here.exit_code, there.exit_code) << make << there.err;
