@@ -168,6 +168,7 @@ class Decider {
           greatest = std::max(greatest, value(run.StateOf(k)));
         }
       }
+      if (least > greatest) return;  // readings along a path alone: no moment belongs to them
       *from = least;
       *to = greatest;
     };

@@ -290,7 +290,8 @@ std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machi
   const Eigen::VectorXd missed = as_found - over.ErrorsOf(before);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain.transpose() * uncertain / kPoses);
   const Choices open_choices(over, choices);
-  out.undecided = open_choices.Weak(uncertain.squaredNorm() + open_choices.scatter());
+  out.undecided =
+      open_choices.Weak(uncertain.squaredNorm() + open_choices.mean().squaredNorm() + open_choices.scatter());
   const auto spread_of = [&](const Eigen::VectorXd& offset) {
     return Spread{offset.squaredNorm() / kPoses,
                   ((offset + open_choices.mean()).squaredNorm() + open_choices.scatter()) / kPoses,
