@@ -14,8 +14,13 @@ constexpr int kKeepaliveMs = 30'000, kKeepaliveTimeoutMs = 10'000;
 // gRPC's own wait between attempts to connect would grow to two minutes.
 constexpr int kFirstReconnectMs = 100, kMaxReconnectMs = 1'000;
 
+// gRPC's own limit would be 4 MiB: reports of thousands of readings set aside, models with thousands of values and
+// their covariances are longer.
+constexpr int kMaxAnswerBytes = 256 << 20;
+
 grpc::ChannelArguments ChannelArguments() {
   grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMaxAnswerBytes);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
@@ -139,6 +144,35 @@ absl::StatusOr<std::vector<DriftSeries>> Client::QueryDrift(const DriftQuery& qu
                                             *impl_->history, &v1::History::Stub::QueryDrift, convert::ToProto(query)));
   ASSIGN_OR_RETURN(Page<DriftSeries> all, ReadPage<DriftSeries>(response.series(), ""));
   return std::move(all.rows);
+}
+
+absl::StatusOr<records::DriftReport> Client::FindDrift(const records::DriftSearch& search) {
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::FindDriftResponse>(
+                                            *impl_->history, &v1::History::Stub::FindDrift, convert::ToProto(search)));
+  return convert::FromProto(response);
+}
+
+absl::StatusOr<records::Mark> Client::PutMark(const records::NewMark& mark, const std::string& request_id) {
+  const v1::PutMarkRequest request = convert::ToProto(mark, request_id.empty() ? NewRequestId() : request_id);
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::PutMarkResponse>(*impl_->history, &v1::History::Stub::PutMark, request));
+  return convert::FromProto(response.mark());
+}
+
+absl::StatusOr<Page<records::Mark>> Client::ListMarks(const MachineId& machine, const PageRequest& page) {
+  auto request = PageOf<v1::ListMarksRequest>(page);
+  request.set_machine_id(machine.text());
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::ListMarksResponse>(*impl_->history, &v1::History::Stub::ListMarks, request));
+  return ReadPage<records::Mark>(response.marks(), response.next_page_token());
+}
+
+absl::StatusOr<records::Mark> Client::WithdrawMark(MarkId id) {
+  v1::WithdrawMarkRequest request;
+  request.set_mark_id(id.number());
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::WithdrawMarkResponse>(*impl_->history, &v1::History::Stub::WithdrawMark, request));
+  return convert::FromProto(response.mark());
 }
 
 absl::StatusOr<Page<FleetRow>> Client::LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page) {

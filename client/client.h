@@ -24,14 +24,19 @@
 #include "core/base/status.h"
 #include "core/records/access.h"
 #include "core/records/calibration.h"
+#include "core/records/drift.h"
+#include "core/records/event.h"
 #include "core/records/history.h"
 #include "core/records/job.h"
 #include "core/records/job_params.h"
 #include "core/records/machine.h"
+#include "core/records/mark.h"
 #include "core/records/page.h"
 #include "core/records/program.h"
+#include "core/records/routine.h"
 #include "core/records/session.h"
 #include "core/records/table.h"
+#include "core/records/webhook.h"
 #include "core/session/session.h"
 
 namespace grpc {
@@ -61,6 +66,38 @@ using records::TokenRecord;
 struct NewToken {
   std::string secret;
   TokenRecord record;
+};
+
+struct NewWebhook {
+  records::WebhookRecord record;
+  std::string secret;  // that letters are signed with, shown once; empty where it is not new
+};
+
+// An entry of the audit, texts as proto/axiscal/v1/access_service.proto has them.
+struct AuditEntry {
+  int64_t number = 0;
+  base::UtcTime at;
+  std::string principal, peer, action, resource, outcome, was, became, detail;
+};
+
+struct AuditFilter {
+  std::optional<base::UtcTime> from, to;  // at or after, before
+  std::string principal, resource;        // empty: any
+};
+
+// The last entry's number and hash.
+struct AuditHead {
+  int64_t last_entry = 0;
+  std::string sha256;
+};
+
+// A copy of the server's database.
+struct Backup {
+  std::string file;  // its name in the server's folder; empty when it was sent
+  int64_t size_bytes = 0;
+  std::string sha256;
+  int64_t damage_count = 0;                                  // 0: it is whole
+  std::vector<std::pair<std::string, std::string>> damages;  // the first: what, and what is wrong with it
 };
 
 struct UploadResult {
@@ -146,9 +183,11 @@ class Client {
   // NOT_FOUND CALIBRATION_NOT_FOUND when the machine has none.
   absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine);
   // Puts it in use; the machine's former one retires. Approving an older version is the way back. ABORTED
-  // ETAG_MISMATCH.
-  absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t etag);
-  absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t etag);
+  // ETAG_MISMATCH. `reason`: why, kept in the audit, at most 200 bytes of UTF-8 without control characters; may be
+  // empty.
+  absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t etag, const std::string& reason = "");
+  // Takes it out of use, or gives a candidate up; likewise.
+  absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t etag, const std::string& reason = "");
 
   // ---- programs, byte for byte; resumed when the stream breaks
   absl::StatusOr<ProgramRecord> PutProgram(const std::string& name, const std::string& bytes,
@@ -179,8 +218,66 @@ class Client {
 
   // ---- history
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query);
+  // What happened to a machine, in words, and when errors leave their limits (docs/drift.md).
+  absl::StatusOr<records::DriftReport> FindDrift(const records::DriftSearch& search);
+  // What has happened to a machine, as a person says it: it ends what its history said before.
+  absl::StatusOr<records::Mark> PutMark(const records::NewMark& mark, const std::string& request_id = "");
+  // Newest first, withdrawn ones too.
+  absl::StatusOr<Page<records::Mark>> ListMarks(const MachineId& machine, const PageRequest& page = {});
+  // One that was a mistake counts no more.
+  absl::StatusOr<records::Mark> WithdrawMark(MarkId id);
   // The newest estimate of each symbol (none named: all) of every machine.
   absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page = {});
+
+  // ---- what is expected of machines, and events (docs/events.md)
+  absl::StatusOr<records::ExpectationsRecord> GetExpectations(const MachineId& machine);
+  // Replaces all of it. `etag` is what was edited, 0: whatever is there; ABORTED ETAG_MISMATCH.
+  absl::StatusOr<records::ExpectationsRecord> SetExpectations(const records::Expectations& expected, int64_t etag = 0);
+  // Newest first.
+  absl::StatusOr<Page<records::Event>> ListEvents(const records::EventFilter& filter = {},
+                                                  const PageRequest& page = {});
+  // Calls `on_news` with every change of an event, once and in order: those after change `after` (0: from the
+  // beginning; absent: from now on), of one machine or of all that the caller may see. First, and where nothing has
+  // happened for long, without a change: then `up_to` alone is news. Keep it, and go on from it after a crash of your
+  // own. Ends when `on_news` returns false; resumes over restarts of the server without a gap and without giving a
+  // change twice. OUT_OF_RANGE CHANGE_UNKNOWN where the server's database is older than `after`.
+  absl::Status WatchEvents(const std::optional<MachineId>& machine, std::optional<int64_t> after,
+                           const std::function<bool(const records::EventNews&)>& on_news);
+  // `note` may not be empty.
+  absl::StatusOr<records::Event> AcknowledgeEvent(EventId id, const std::string& note);
+  // Absent: it is back at once.
+  absl::StatusOr<records::Event> ShelveEvent(EventId id, const std::optional<base::UtcTime>& until,
+                                             const std::string& note = "");
+
+  // ---- what runs by itself when sessions have come (docs/routines.md)
+  // Makes it, or replaces the one of that name. `etag` as in SetExpectations(). For admins of all machines; so the
+  // next.
+  absl::StatusOr<records::RoutineRecord> PutRoutine(const records::Routine& routine, int64_t etag = 0);
+  absl::StatusOr<records::RoutineRecord> RemoveRoutine(const std::string& name, int64_t etag = 0);
+  // In order of names: those that work for a machine, or for any that the caller may see.
+  absl::StatusOr<std::vector<records::RoutineRecord>> ListRoutines(const std::optional<MachineId>& machine = {});
+  // Whether it begins nothing on one machine; what it runs there is stopped.
+  absl::StatusOr<records::RoutineRecord> StopRoutine(const std::string& name, const MachineId& machine, bool stopped,
+                                                     const std::string& note = "");
+  // Again on the sessions of its newest run there, which failed or was stopped; else FAILED_PRECONDITION
+  // RUN_NOT_FAILED.
+  absl::StatusOr<records::RoutineRun> RetryRoutine(const std::string& name, const MachineId& machine);
+  // Newest first.
+  absl::StatusOr<Page<records::RoutineRun>> ListRoutineRuns(const records::RunFilter& filter = {},
+                                                            const PageRequest& page = {});
+
+  // ---- addresses that are told of events (docs/events.md); all for admins of all machines
+  // Makes it, or changes the one of that name; `new_secret`: another one takes the place of its secret.
+  absl::StatusOr<NewWebhook> PutWebhook(const records::Webhook& webhook, bool new_secret = false, int64_t etag = 0);
+  absl::StatusOr<records::WebhookRecord> RemoveWebhook(const std::string& name, int64_t etag = 0);
+  // In order of names; without ids and secrets.
+  absl::StatusOr<std::vector<records::WebhookRecord>> ListWebhooks();
+  // Sends a test letter and says what came of it.
+  absl::StatusOr<records::WebhookTrial> TestWebhook(const std::string& name);
+  // Newest first.
+  absl::StatusOr<Page<records::DeadLetter>> ListDeadLetters(const std::string& name, const PageRequest& page = {});
+  // That one, or all, are tried once more; how many.
+  absl::StatusOr<int64_t> ResendDeadLetters(const std::string& name, std::optional<int64_t> change = {});
 
   // ---- who may do what: all but GetIdentity() for admins of all machines
   // Whom the server takes this client for: name and roles.
@@ -197,9 +294,16 @@ class Client {
   // Whether another person must approve a calibration of the machine than the one that identified it.
   absl::StatusOr<MachineAccess> SetFourEyes(const MachineId& machine, bool four_eyes);
   absl::StatusOr<Page<MachineAccess>> ListMachineAccess(const PageRequest& page = {});
+  // Who changed what, and which calls were denied; newest first.
+  absl::StatusOr<Page<AuditEntry>> ListAudit(const AuditFilter& filter = {}, const PageRequest& page = {});
+  // DATA_LOSS AUDIT_DAMAGED names the first entry that was changed or is missing.
+  absl::StatusOr<AuditHead> CheckAudit();
 
   // ---- the server
   absl::StatusOr<ServerInfo> GetServerInfo();
+  // Made while others write. With `take`, which gets its bytes in order, it is sent (DATA_LOSS when the checksum does
+  // not fit at the end); else it stays in the server's folder. For admins of all machines.
+  absl::StatusOr<Backup> MakeBackup(const std::function<absl::Status(const std::string& bytes)>& take = nullptr);
   // OK while the server takes work, UNAVAILABLE (DRAINING) while it stops.
   absl::Status CheckHealth();
 

@@ -99,4 +99,28 @@ absl::StatusOr<Page<MachineAccess>> Client::ListMachineAccess(const PageRequest&
   return ReadPage<MachineAccess>(response.machines(), response.next_page_token());
 }
 
+absl::StatusOr<Page<AuditEntry>> Client::ListAudit(const AuditFilter& filter, const PageRequest& page) {
+  auto request = PageOf<v1::ListAuditRequest>(page);
+  if (filter.from) request.set_from_utc_us(base::ToUtcUs(*filter.from));
+  if (filter.to) request.set_to_utc_us(base::ToUtcUs(*filter.to));
+  request.set_principal(filter.principal);
+  request.set_resource(filter.resource);
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::ListAuditResponse>(*impl_->access, &v1::Access::Stub::ListAudit, request));
+  Page<AuditEntry> entries;
+  entries.next_token = response.next_page_token();
+  for (const v1::AuditEntry& entry : response.entries()) {
+    entries.rows.push_back({entry.entry_number(), base::FromUtcUs(entry.at_utc_us()), entry.principal(), entry.peer(),
+                            entry.action(), entry.resource(), entry.outcome(), entry.was(), entry.became(),
+                            entry.detail()});
+  }
+  return entries;
+}
+
+absl::StatusOr<AuditHead> Client::CheckAudit() {
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::CheckAuditResponse>(
+                                            *impl_->access, &v1::Access::Stub::CheckAudit, v1::CheckAuditRequest()));
+  return AuditHead{response.last_entry_number(), response.sha256()};
+}
+
 }  // namespace axiscal::client

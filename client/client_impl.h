@@ -7,24 +7,30 @@
 #include "axiscal/v1/access_service.grpc.pb.h"
 #include "axiscal/v1/admin_service.grpc.pb.h"
 #include "axiscal/v1/calibrations_service.grpc.pb.h"
+#include "axiscal/v1/events_service.grpc.pb.h"
 #include "axiscal/v1/history_service.grpc.pb.h"
 #include "axiscal/v1/ingest_service.grpc.pb.h"
 #include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
+#include "axiscal/v1/routines_service.grpc.pb.h"
 #include "axiscal/v1/tables_service.grpc.pb.h"
+#include "axiscal/v1/webhooks_service.grpc.pb.h"
 #include "client/client.h"
 #include "client/connection.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "proto/convert/access.h"
 #include "proto/convert/calibration.h"
+#include "proto/convert/event.h"
 #include "proto/convert/history.h"
 #include "proto/convert/job.h"
 #include "proto/convert/job_params.h"
 #include "proto/convert/machine.h"
 #include "proto/convert/program.h"
+#include "proto/convert/routine.h"
 #include "proto/convert/session.h"
 #include "proto/convert/table.h"
+#include "proto/convert/webhook.h"
 
 namespace axiscal::client {
 
@@ -41,7 +47,10 @@ class Client::Impl {
         tables(v1::Tables::NewStub(channel)),
         admin(v1::Admin::NewStub(channel)),
         access(v1::Access::NewStub(channel)),
-        health(grpc::health::v1::Health::NewStub(channel)) {}
+        health(grpc::health::v1::Health::NewStub(channel)),
+        events(v1::Events::NewStub(channel)),
+        routines(v1::Routines::NewStub(channel)),
+        webhooks(v1::Webhooks::NewStub(channel)) {}
 
   // One unary call: Call<v1::GetJobResponse>(*jobs, &v1::Jobs::Stub::GetJob, request).
   template <typename Response, typename Stub, typename Method, typename Request>
@@ -65,6 +74,9 @@ class Client::Impl {
   const std::unique_ptr<v1::Admin::Stub> admin;
   const std::unique_ptr<v1::Access::Stub> access;
   const std::unique_ptr<grpc::health::v1::Health::Stub> health;
+  const std::unique_ptr<v1::Events::Stub> events;
+  const std::unique_ptr<v1::Routines::Stub> routines;
+  const std::unique_ptr<v1::Webhooks::Stub> webhooks;
 };
 
 // A page of rows that convert::FromProto reads.

@@ -133,20 +133,23 @@ absl::StatusOr<CalibrationRecord> Client::GetApprovedCalibration(const MachineId
   return convert::FromProto(response.calibration());
 }
 
-absl::StatusOr<CalibrationRecord> Client::ApproveCalibration(CalibrationId id, int64_t etag) {
+absl::StatusOr<CalibrationRecord> Client::ApproveCalibration(CalibrationId id, int64_t etag,
+                                                             const std::string& reason) {
   v1::ApproveCalibrationRequest request;
   request.set_calibration_id(id.number());
   request.set_etag(etag);
+  request.set_reason(reason);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::ApproveCalibrationResponse>(*impl_->calibrations,
                                                                &v1::Calibrations::Stub::ApproveCalibration, request));
   return convert::FromProto(response.calibration());
 }
 
-absl::StatusOr<CalibrationRecord> Client::RetireCalibration(CalibrationId id, int64_t etag) {
+absl::StatusOr<CalibrationRecord> Client::RetireCalibration(CalibrationId id, int64_t etag, const std::string& reason) {
   v1::RetireCalibrationRequest request;
   request.set_calibration_id(id.number());
   request.set_etag(etag);
+  request.set_reason(reason);
   ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::RetireCalibrationResponse>(
                                             *impl_->calibrations, &v1::Calibrations::Stub::RetireCalibration, request));
   return convert::FromProto(response.calibration());

@@ -4,14 +4,19 @@
 
 #include "absl/strings/numbers.h"
 #include "core/base/clock.h"
+#include "core/base/files.h"
 #include "core/base/utf8.h"
 #include "server/listener.h"
 #include "server/server.h"
+#include "server/webhooks/addresses.h"
 
 namespace axiscal::server {
 namespace {
 
 constexpr int64_t kDaySeconds = 86'400;
+constexpr int64_t kMaxSize = int64_t{1} << 40;  // more than a disk of the shop has
+constexpr int64_t kMaxDays = 36'500;            // a hundred years
+constexpr size_t kMaxAuthorityBytes = size_t{16} << 20;
 constexpr char kPrefix[] = "AXISCALD_";
 
 absl::Status Refuse(const std::string& place, const std::string& key, const std::string& value,
@@ -53,6 +58,8 @@ const std::vector<Setting>& Settings() {
       {"store.database", "--db", "Database file; made when it is not there, used by one process at a time",
        &Config::database, 0, 0, true},
       {"server.listen", "--listen", "HOST:PORT or unix:PATH; port 0 picks a free one", &Config::listen},
+      {"server.http", "--http",
+       "HOST:PORT or unix:PATH where the same is served by HTTP (docs/http.md); nowhere when not set", &Config::http},
       {"server.drain_seconds", "--drain-seconds", "How long calls and jobs may go on after SIGTERM",
        &Config::drain_seconds, 0, kDaySeconds},
       {"server.ask_identity", "--ask-identity", "Callers must show a certificate or a token; always so with TLS",
@@ -65,12 +72,36 @@ const std::vector<Setting>& Settings() {
       {"jobs.workers", "--workers", "Jobs at once; each uses one core", &Config::workers, 1, kMaxWorkers},
       {"limits.max_uploads", "--max-uploads", "Streams that bring something, at a time", &Config::max_uploads, 1,
        kMaxUploads},
+      {"limits.streams_per_principal", "--streams-per-principal", "Streams of one principal, of each kind, at a time",
+       &Config::streams_per_principal, 1, kMaxUploads},
+      {"limits.calls_per_second", "--calls-per-second", "Calls of one principal a second", &Config::calls_per_second, 1,
+       kMaxCallsPerSecond},
+      {"limits.jobs_per_principal", "--jobs-per-principal", "Jobs of one principal that wait or run",
+       &Config::jobs_per_principal, 1, kMaxJobs},
+      {"limits.jobs_per_machine", "--jobs-per-machine", "Jobs of one machine that wait or run",
+       &Config::jobs_per_machine, 1, kMaxJobs},
+      {"limits.session_readings", "--session-readings", "Readings of one session", &Config::session_readings, 1,
+       kMaxSize},
+      {"limits.program_bytes", "--program-bytes", "Bytes of one program", &Config::program_bytes, 1, kMaxSize},
       {"limits.window_bytes", "--window-bytes", "Bytes a stream may run ahead of the server", &Config::window_bytes,
        kMinWindowBytes, kMaxWindowBytes},
       {"limits.silence_seconds", "--silence-seconds", "A caller silent for so long in a stream is cut off",
        &Config::silence_seconds, 1, kDaySeconds},
       {"limits.idle_seconds", "--idle-seconds", "A connection without a call for so long is closed",
        &Config::idle_seconds, 1, kDaySeconds},
+      {"webhooks.allowed", "--webhooks-allowed",
+       "Addresses of this machine and its cable that webhooks may call all the same: 127.0.0.1:8080, [::1]:80",
+       &Config::webhooks_allowed},
+      {"webhooks.ca", "--webhooks-ca",
+       "Authorities of the receivers of webhooks, PEM; else those that the system trusts", &Config::webhooks_ca, 0, 0,
+       true},
+      {"backup.folder", "--backup-folder", "Where backups stay that admins ask for", &Config::backup_folder, 0, 0,
+       true},
+      {"retention.readings_days", "--keep-readings-days",
+       "Readings that no calibration stands on are kept for so many days of up time; 0: for ever",
+       &Config::keep_readings_days, 0, kMaxDays},
+      {"retention.audit_days", "--keep-audit-days",
+       "Entries of the audit are kept for so many days of up time; 0: for ever", &Config::keep_audit_days, 0, kMaxDays},
       {"log.json", "--log-json", "Log lines as JSON instead of key=value", &Config::log_json},
   };
   return *settings;
@@ -138,10 +169,20 @@ absl::Status Check(const Configured& configured) {
     const absl::Status fits = ReadTls(tls, base::SystemClock().UtcNow()).status();
     if (!fits.ok()) return base::Within(place("tls.certificate") + ": tls", fits);
   }
-  const std::string listen = place("server.listen") + ": server.listen";
-  const absl::StatusOr<bool> is_local_only = IsLocalOnly(config.listen);
-  if (!is_local_only.ok()) return base::Within(listen, is_local_only.status());
-  return *is_local_only || tls.is_set() ? absl::OkStatus() : base::Within(listen, Unprotected(config.listen));
+  for (const auto& [key, address] :
+       {std::pair<std::string, std::string>("server.listen", config.listen), {"server.http", config.http}}) {
+    if (address.empty()) continue;
+    const std::string where = place(key) + ": " + key;
+    const absl::StatusOr<bool> is_local_only = IsLocalOnly(address);
+    if (!is_local_only.ok()) return base::Within(where, is_local_only.status());
+    if (!*is_local_only && !tls.is_set()) return base::Within(where, Unprotected(address));
+  }
+  const auto within = [&](const std::string& key, const absl::Status& status) {
+    return status.ok() ? status : base::Within(place(key) + ": " + key, status);
+  };
+  RETURN_IF_ERROR(within("webhooks.allowed", webhooks::AddressRule::Allowing(config.webhooks_allowed).status()));
+  if (config.webhooks_ca.empty()) return absl::OkStatus();
+  return within("webhooks.ca", base::ReadFile(config.webhooks_ca, kMaxAuthorityBytes).status());
 }
 
 }  // namespace axiscal::server

@@ -19,14 +19,24 @@ namespace axiscal::server {
 struct Config {
   std::string database;
   std::string listen = "127.0.0.1:7410";
+  std::string http;  // empty: not by HTTP
   int64_t drain_seconds = 20;
   bool asks_identity = false;
   std::string tls_certificate, tls_key, tls_client_ca;
   int64_t workers = 2;
   int64_t max_uploads = 500;
+  int64_t streams_per_principal = 100;
+  int64_t calls_per_second = 1000;
+  int64_t jobs_per_principal = 200, jobs_per_machine = 500;
+  int64_t session_readings = 50'000'000;
+  int64_t program_bytes = int64_t{1} << 30;
   int64_t window_bytes = 1 << 20;
   int64_t silence_seconds = 300;
   int64_t idle_seconds = 300;
+  std::string webhooks_allowed, webhooks_ca;
+  std::string backup_folder;
+  int64_t keep_readings_days = 0;
+  int64_t keep_audit_days = 0;
   bool log_json = false;
 };
 

@@ -50,6 +50,16 @@ TEST(Config, FileEnvironmentAndFlagsOverrideEachOther) {
   EXPECT_TRUE(Check(configured).ok());
 }
 
+TEST(Config, LettersOutsideOfTextsAreRefusedWithTheirLine) {
+  for (const std::string letter :
+       {"\xC2\xA1", "\xC3\xBC", "\xC9\xBF", "\xE2\x82\xAC", "\xEF\xBB\xBF", "\xF0\x9F\x98\x80"}) {
+    for (const std::string& text :
+         {"jobs.workers = 3" + letter, letter + " = 3", "jobs." + letter + " = 3", "jobs.workers = 0" + letter + "1",
+          "[jobs" + letter + "]", "a = 1979-05-27T0" + letter})
+      EXPECT_THAT(Refusal("store.database = 'a.db'\n" + text + "\n"), HasSubstr("axiscald.toml:2")) << text;
+  }
+}
+
 TEST(Config, RelativeFilesStandBesideTheConfiguration) {
   Configured configured;
   ASSERT_TRUE(ReadToml("store.database = 'a.db'", "/etc/axiscal/x.toml", configured).ok());
@@ -59,10 +69,12 @@ TEST(Config, RelativeFilesStandBesideTheConfiguration) {
 }
 
 TEST(Config, RefusalsNameFileLineKeyAndRule) {
-  EXPECT_EQ(Refusal("\n[server]\nlisen = 'x'\n"),
-            "etc/axiscald.toml:3: unknown key server.lisen; known keys here: listen, drain_seconds, ask_identity");
-  EXPECT_THAT(Refusal("[sever]\nlisten = 'x'\n"), HasSubstr("etc/axiscald.toml:1: unknown key sever; known tables "
-                                                            "here: store, server, tls, jobs, limits, log"));
+  EXPECT_EQ(
+      Refusal("\n[server]\nlisen = 'x'\n"),
+      "etc/axiscald.toml:3: unknown key server.lisen; known keys here: listen, http, drain_seconds, ask_identity");
+  EXPECT_THAT(Refusal("[sever]\nlisten = 'x'\n"),
+              HasSubstr("etc/axiscald.toml:1: unknown key sever; known tables "
+                        "here: store, server, tls, jobs, limits, webhooks, backup, retention, log"));
   EXPECT_THAT(Refusal("jobs = 3"), HasSubstr("etc/axiscald.toml:1: jobs must be a table with the keys workers"));
   EXPECT_THAT(Refusal("[[jobs]]\nworkers = 3"), HasSubstr("jobs must be a table"));
   EXPECT_EQ(Refusal("[jobs]\n\nworkers = 0"), "etc/axiscald.toml:3: jobs.workers = 0, must be 1 to 1024");
@@ -116,6 +128,17 @@ TEST(Config, AddressesThatOtherMachinesReachAreRefusedWithTheWayOut) {
   }
 }
 
+TEST(Config, HttpIsHeldToTheSameRule) {
+  Configured configured;
+  configured.config.database = "a.db";
+  ASSERT_TRUE(ReadToml("[server]\nhttp = '0.0.0.0:7480'", "x.toml", configured).ok());
+  const absl::Status status = Check(configured);
+  EXPECT_EQ(base::ErrorReason(status), "LISTEN_UNPROTECTED") << status;
+  EXPECT_THAT(status.message(), HasSubstr("x.toml:2: server.http: 0.0.0.0:7480, can be reached"));
+  configured.config.http = "[::1]:7480";
+  EXPECT_TRUE(Check(configured).ok()) << Check(configured);
+}
+
 TEST(Config, CertificateAndKeyComeTogether) {
   const std::pair<std::string, std::string> wrong[] = {
       {"tls.certificate = 'a.crt'", "etc/x.toml:1: tls.certificate is set, tls.certificate and tls.key must be set"},
@@ -128,6 +151,17 @@ TEST(Config, CertificateAndKeyComeTogether) {
     ASSERT_TRUE(ReadToml(toml, "etc/x.toml", configured).ok()) << toml;
     EXPECT_THAT(Check(configured).message(), HasSubstr(text)) << toml;
   }
+}
+
+TEST(Config, WebhooksMayCallAddressesAndNoNames) {
+  Configured configured;
+  configured.config.database = "a.db";
+  ASSERT_TRUE(ReadToml("[webhooks]\nallowed = '127.0.0.1:8080, localhost'", "x.toml", configured).ok());
+  EXPECT_THAT(Check(configured).message(), HasSubstr("x.toml:2: webhooks.allowed: 'localhost' is no address"));
+  configured.config.webhooks_allowed = "127.0.0.1:8080, ::1";
+  EXPECT_TRUE(Check(configured).ok()) << Check(configured);
+  configured.config.webhooks_ca = "none.crt";
+  EXPECT_THAT(Check(configured).message(), HasSubstr("webhooks.ca: none.crt"));
 }
 
 TEST(Config, TheDatabaseMustBeNamed) { EXPECT_THAT(Check({}).message(), HasSubstr("store.database is not set")); }
@@ -147,8 +181,8 @@ TEST(Config, TheShippedFileIsRightAndNamesEveryKey) {
   ASSERT_TRUE(ReadToml(shown, "/etc/axiscald.toml", configured).ok());
   for (const Setting& setting : Settings()) {
     EXPECT_TRUE(configured.place.contains(setting.key)) << setting.key;
-    // Files have no default.
-    if (setting.is_path) continue;
+    // Files have no default, and what is off has none.
+    if (setting.is_path || ValueText(setting, Config()).empty()) continue;
     EXPECT_EQ(ValueText(setting, configured.config), ValueText(setting, Config())) << setting.key;
   }
 }

@@ -1,6 +1,7 @@
 #include "server/local_login.h"
 
 #include <pwd.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
@@ -33,6 +34,13 @@ std::string LoginOfUser(uid_t user) {
 }
 
 std::string LoginOfProcess() { return LoginOfUser(getuid()); }
+
+std::optional<uid_t> UserOfUnixPeer(int connection) {
+  ucred peer = {};
+  socklen_t size = sizeof(peer);
+  if (getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return std::nullopt;
+  return peer.uid;
+}
 
 std::optional<uid_t> UserOfPeer(const std::string& peer, int port) {
   const int peer_port = PortIn(peer, 10);

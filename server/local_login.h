@@ -17,6 +17,8 @@ std::string LoginOfProcess();
 // The user whose process holds the other end of a TCP connection within this machine. `peer` as gRPC has it
 // ("ipv4:127.0.0.1:51234", "ipv6:%5B::1%5D:51234"), `port` is the server's. Nothing where the system does not tell.
 std::optional<uid_t> UserOfPeer(const std::string& peer, int port);
+// The user whose process connected to a unix socket; `connection` is our end.
+std::optional<uid_t> UserOfUnixPeer(int connection);
 
 }  // namespace axiscal::server
 

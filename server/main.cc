@@ -1,4 +1,4 @@
-// axiscald: the server. Flags to options, signals to an orderly end.
+// axiscald: the server. Flags to options, signals to an orderly end. Its sub-commands do what needs the file alone.
 #include <pthread.h>
 #include <signal.h>
 #include <unistd.h>
@@ -14,7 +14,10 @@
 #include "server/config.h"
 #include "server/listener.h"
 #include "server/log.h"
+#include "server/offline.h"
 #include "server/server.h"
+#include "server/service_manager.h"
+#include "server/webhooks/addresses.h"
 
 namespace {
 
@@ -70,6 +73,8 @@ constexpr size_t kMaxConfigBytes = 1 << 20;
 struct CommandLine {
   std::string config_path;
   bool is_check = false;
+  std::string file, backup;  // of sub-commands
+  bool take_damaged = false;
   std::map<std::string, std::string> texts;
   std::map<std::string, bool> switches;
 };
@@ -93,6 +98,24 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   }
 }
 
+void AddCommands(CLI::App& app, CommandLine& line) {
+  app.require_subcommand(0, 1);
+  app.fallthrough();
+  const char* const file = "the database; without it that of the configuration";
+  CLI::App* const check = app.add_subcommand(
+      "check", "Say whether a database that no server has is what was stored: structure, references, checksums, audit");
+  check->add_option("FILE", line.file, file);
+  check->footer("Exit code 0: whole; 2: damaged, with a line for each damage; 1: it could not be looked at.");
+  CLI::App* const restore = app.add_subcommand(
+      "restore", "Put a backup in the place of the database; what was there is kept as FILE.replaced");
+  restore->add_option("BACKUP", line.backup, "a file that `axiscal backup` has made")->required();
+  restore->add_option("FILE", line.file, file);
+  restore->add_flag("--take-damaged", line.take_damaged, "also a backup in which something is damaged");
+  CLI::App* const compact =
+      app.add_subcommand("compact", "Write the database anew without the space of what was removed");
+  compact->add_option("FILE", line.file, file);
+}
+
 absl::StatusOr<Configured> ReadConfiguration(const CLI::App& app, const CommandLine& line) {
   Configured configured;
   if (!line.config_path.empty()) {
@@ -108,6 +131,30 @@ absl::StatusOr<Configured> ReadConfiguration(const CLI::App& app, const CommandL
         setting.is_switch() ? (line.switches.at(setting.flag) ? "true" : "false") : line.texts.at(setting.flag);
     RETURN_IF_ERROR(axiscal::server::SetText(setting, text, setting.flag, configured));
   }
+  return configured;
+}
+
+absl::StatusOr<std::string> DatabaseOf(const CLI::App& app, const CommandLine& line) {
+  if (!line.file.empty()) return line.file;
+  ASSIGN_OR_RETURN(const Configured configured, ReadConfiguration(app, line));
+  if (!configured.config.database.empty()) return configured.config.database;
+  return absl::InvalidArgumentError("which database? Name it, or a configuration (--config)");
+}
+
+int RunOffline(const CLI::App& app, const CommandLine& line) {
+  const absl::StatusOr<std::string> file = DatabaseOf(app, line);
+  if (!file.ok()) {
+    std::fprintf(stderr, "axiscald: %s\n", std::string(file.status().message()).c_str());
+    return 1;
+  }
+  const std::string command = app.get_subcommands().front()->get_name();
+  if (command == "check") return axiscal::server::CheckOffline(*file);
+  if (command == "compact") return axiscal::server::CompactOffline(*file);
+  return axiscal::server::RestoreOffline(line.backup, *file, line.take_damaged);
+}
+
+absl::StatusOr<Configured> ReadAndCheck(const CLI::App& app, const CommandLine& line) {
+  ASSIGN_OR_RETURN(Configured configured, ReadConfiguration(app, line));
   RETURN_IF_ERROR(axiscal::server::Check(configured));
   return configured;
 }
@@ -124,13 +171,26 @@ ServerOptions OptionsOf(const axiscal::server::Config& config) {
   ServerOptions options;
   options.database_path = config.database;
   options.listen_address = config.listen;
+  options.http_address = config.http;
   options.asks_identity = config.asks_identity;
   options.tls = axiscal::server::TlsFilesOf(config);
   options.workers = static_cast<int>(config.workers);
   options.max_uploads = static_cast<int>(config.max_uploads);
+  options.streams_per_principal = static_cast<int>(config.streams_per_principal);
+  options.calls_per_second = static_cast<int>(config.calls_per_second);
+  options.jobs_per_principal = static_cast<int>(config.jobs_per_principal);
+  options.jobs_per_machine = static_cast<int>(config.jobs_per_machine);
+  options.session_readings = config.session_readings;
+  options.program_bytes = config.program_bytes;
   options.window_bytes = static_cast<int>(config.window_bytes);
   options.drain = std::chrono::seconds(config.drain_seconds);
   options.silence = std::chrono::seconds(config.silence_seconds);
+  options.backup_folder = config.backup_folder;
+  options.webhook_posts.emplace();
+  options.webhook_posts->addresses = *axiscal::webhooks::AddressRule::Allowing(config.webhooks_allowed);
+  options.webhook_posts->ca_file = config.webhooks_ca;
+  options.keep_readings = std::chrono::hours(24 * config.keep_readings_days);
+  options.keep_audit = std::chrono::hours(24 * config.keep_audit_days);
   options.connection_idle = std::chrono::seconds(config.idle_seconds);
   return options;
 }
@@ -139,6 +199,23 @@ std::string Address(const std::string& listen_address, int port) {
   const size_t colon = listen_address.rfind(':');
   if (port == 0 || colon == std::string::npos || listen_address.rfind("unix:", 0) == 0) return listen_address;
   return listen_address.substr(0, colon + 1) + std::to_string(port);
+}
+
+// To systemd, where it has started us.
+void Tell(const std::string& state) {
+  const absl::Status status = axiscal::server::NotifyServiceManager(state);
+  if (!status.ok()) Log(LogLevel::kWarning, "not_notified", {{"text", std::string(status.message())}});
+}
+
+std::unique_ptr<axiscal::server::Watchdog> StartWatchdog(Server& server) {
+  const auto time = axiscal::server::WatchdogTime(std::getenv("WATCHDOG_USEC"), std::getenv("WATCHDOG_PID"));
+  if (!time) return nullptr;
+  return std::make_unique<axiscal::server::Watchdog>(
+      *time, [&server] { return server.Check(); }, axiscal::server::NotifyServiceManager,
+      [](const absl::Status& status) {
+        Log(status.ok() ? LogLevel::kInfo : LogLevel::kError, "watchdog",
+            {{"ok", status.ok() ? "true" : "false"}, {"text", std::string(status.message())}});
+      });
 }
 
 }  // namespace
@@ -153,8 +230,10 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", AXISCAL_VERSION);
   CommandLine line;
   AddOptions(app, line);
+  AddCommands(app, line);
   CLI11_PARSE(app, argc, argv);
-  const absl::StatusOr<Configured> configured = ReadConfiguration(app, line);
+  if (!app.get_subcommands().empty()) return RunOffline(app, line);
+  const absl::StatusOr<Configured> configured = ReadAndCheck(app, line);
   if (!configured.ok()) {
     std::fprintf(stderr, "axiscald: %s\n", std::string(configured.status().message()).c_str());
     return 1;
@@ -172,6 +251,7 @@ int main(int argc, char** argv) {
       {{"version", AXISCAL_VERSION},
        {"db", options.database_path},
        {"listen", options.listen_address},
+       {"http", options.http_address},
        {"workers", std::to_string(options.workers)},
        {"max_descriptors", std::to_string(descriptors)}});
   absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(options);
@@ -180,10 +260,18 @@ int main(int argc, char** argv) {
     return 1;
   }
   std::printf("axiscald listens on %s\n", Address(options.listen_address, (*server)->port()).c_str());
+  if (!options.http_address.empty()) {
+    std::printf("axiscald serves HTTP on %s\n", Address(options.http_address, (*server)->http_port()).c_str());
+  }
   std::fflush(stdout);
+  Tell("READY=1\nSTATUS=listens on " + Address(options.listen_address, (*server)->port()));
+  std::unique_ptr<axiscal::server::Watchdog> watchdog = StartWatchdog(**server);
 
   int received = 0;
   sigwait(&signals, &received);
+  Tell("STOPPING=1\nSTATUS=finishes what it can");
+  // From here on systemd counts TimeoutStopSec.
+  watchdog.reset();
   {
     const EndAtOnce second(signals);
     (*server)->Shutdown();

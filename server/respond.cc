@@ -39,19 +39,28 @@ std::optional<std::string> Property(const grpc::AuthContext& connection, const s
   return std::string(values[0].data(), values[0].size());
 }
 
-access::Credentials CredentialsOf(const handlers::Core& core, const grpc::ServerContext& context) {
-  access::Credentials credentials;
+// Who calls: where the call was forwarded, as whoever forwarded it has seen.
+absl::StatusOr<access::ForwardedCaller> CallerOf(const handlers::Core& core, const grpc::ServerContext& context) {
+  if (const std::optional<std::string> ticket = Metadata(context, access::kTicketKey)) {
+    std::optional<access::ForwardedCaller> forwarded = core.forwarded.Find(*ticket);
+    if (forwarded) return *std::move(forwarded);
+    return base::Error(absl::StatusCode::kUnauthenticated,
+                       std::string(access::kTicketKey) + " names no call that this server forwards",
+                       {"IDENTITY_MISSING", {}});
+  }
+  access::ForwardedCaller caller{{}, context.peer()};
+  access::Credentials& credentials = caller.credentials;
   if (!core.gate.asks()) {
-    credentials.login = core.login_of(context.peer());
-    return credentials;
+    credentials.login = core.login_of(caller.peer);
+    return caller;
   }
   credentials.authorization = Metadata(context, "authorization");
   // The connection's properties are what TLS has verified; tokens, which are of one call, are not among them.
   const std::shared_ptr<const grpc::AuthContext> connection = context.auth_context();
-  if (connection == nullptr || !connection->IsPeerAuthenticated()) return credentials;
+  if (connection == nullptr || !connection->IsPeerAuthenticated()) return caller;
   credentials.certificate_name = Property(*connection, "x509_common_name");
   if (const auto pem = Property(*connection, "x509_pem_cert")) credentials.certificate_ends = EndOfCertificate(*pem);
-  return credentials;
+  return caller;
 }
 
 // One call's way through the gate, at its begin and again while it is open. Safe from any thread.
@@ -61,22 +70,32 @@ class Admission {
       : gate_(gate), credentials_(std::move(credentials)), method_(std::move(method)) {}
 
   absl::StatusOr<access::Identity> Identify() const { return gate_.Identify(credentials_); }
-  // With what the request names, once it is there.
+  // With what the request names, once it is there. What is refused is told by the handler's status, and is not asked
+  // again meanwhile: the call would be cut off before its caller reads why.
   absl::StatusOr<storage::Visible> Admit(const access::Identity& identity, const google::protobuf::Message* request) {
     std::optional<std::vector<storage::Resource>> named;
     if (request != nullptr) named = access::NamedIn(*request);
+    ASSIGN_OR_RETURN(storage::Visible visible, gate_.Admit(identity, method_, named));
     const base::MutexLock lock(mutex_);
-    named_ = named;
-    return gate_.Admit(identity, method_, named_);
+    named_ = std::move(named);
+    visible_ = visible;
+    return visible;
   }
   absl::Status AskAgain() {
     ASSIGN_OR_RETURN(const access::Identity identity, Identify());
     std::optional<std::vector<storage::Resource>> named;
+    storage::Visible before;
     {
       const base::MutexLock lock(mutex_);
       named = named_;
+      before = visible_;
     }
-    return gate_.Admit(identity, method_, named).status();
+    ASSIGN_OR_RETURN(const storage::Visible now, gate_.Admit(identity, method_, named));
+    // A stream that shows what may be seen begins anew when that has changed.
+    const access::MethodRule* const rule = access::FindMethod(method_);
+    const bool is_same = now.everything == before.everything && now.scopes == before.scopes;
+    if (is_same || rule == nullptr || rule->reach != access::Reach::kList) return absl::OkStatus();
+    return absl::PermissionDeniedError("what " + identity.name + " may see has changed");
   }
 
  private:
@@ -85,6 +104,7 @@ class Admission {
   const std::string method_;
   base::Mutex mutex_;
   std::optional<std::vector<storage::Resource>> named_ AXISCAL_GUARDED_BY(mutex_);
+  storage::Visible visible_ AXISCAL_GUARDED_BY(mutex_);
 };
 
 // Our bug: the caller gets the id, the log the rest.
@@ -114,8 +134,18 @@ absl::Status Run(const std::function<absl::Status(const handlers::Call&)>& handl
 absl::Status Pass(handlers::Core& core, const std::shared_ptr<Admission>& admission,
                   const google::protobuf::Message* request, handlers::Call& call,
                   const std::function<absl::Status(const handlers::Call&)>& handler) {
-  ASSIGN_OR_RETURN(const access::Identity identity, admission->Identify());
+  const absl::StatusOr<access::Identity> identified = admission->Identify();
+  if (!identified.ok()) {
+    // Who tries one token after the other is counted by where he is.
+    RETURN_IF_ERROR(core.rates.Take(call.peer));
+    return identified.status();
+  }
+  const access::Identity& identity = *identified;
   call.user = identity.name;
+  if (!identity.is_local) {
+    RETURN_IF_ERROR(core.rates.Take(identity.name));
+    call.counted_as = identity.name;
+  }
   call.grants = identity.grants;
   ASSIGN_OR_RETURN(call.visible, admission->Admit(identity, request));
   call.admit = [&](const google::protobuf::Message& first) { return admission->Admit(identity, &first).status(); };
@@ -141,19 +171,28 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
   call.cut_off = [context] { context->TryCancel(); };
   const std::string says = Metadata(*context, kUserKey).value_or("anonymous");
   ++core.open_calls;
-  absl::Status status = CheckUser(says);
+  core.metrics->CallStarted(method);
+  const absl::StatusOr<access::ForwardedCaller> caller = CallerOf(core, *context);
+  call.peer = access::PeerHost(caller.ok() ? caller->peer : context->peer());
+  absl::Status status = caller.ok() ? CheckUser(says) : caller.status();
   if (status.ok()) {
-    const auto admission = std::make_shared<Admission>(core.gate, CredentialsOf(core, *context), method);
+    const auto admission = std::make_shared<Admission>(core.gate, caller->credentials, method);
     status = Pass(core, admission, request, call, handler);
   }
+  core.denied(call, method, status);
   --core.open_calls;
   const std::chrono::duration<double, std::milli> took = base::SystemClock().SteadyNow() - start;
+  core.metrics->CallEnded(method, status.code(), took);
+  if (base::ErrorReason(status) == "RATE_EXCEEDED" && !core.told_refusals.Take("log").ok()) return ToGrpc(status);
   LogFields fields = {{"method", method},
-                      {"peer", context->peer()},
+                      {"peer", caller.ok() ? caller->peer : context->peer()},
                       {"user", call.user},
                       {"says", says.substr(0, kMaxUserBytes)},
                       {"code", absl::StatusCodeToString(status.code())},
                       {"ms", absl::StrFormat("%.3f", took.count())}};
+  // W3C Trace Context: which call of whoever called this one belongs to.
+  if (const std::string trace = Metadata(*context, handlers::kTraceKey).value_or(""); handlers::IsTraceParent(trace))
+    fields.push_back({"trace", trace});
   if (!status.ok()) {
     fields.push_back({"reason", base::ErrorReason(status)});
     fields.push_back({"text", std::string(status.message())});

@@ -12,9 +12,13 @@
 #include "core/base/demand.h"
 #include "core/base/error_detail.h"
 #include "core/base/mutex.h"
+#include "core/base/utf8.h"
 #include "proto/convert/job_params.h"
 #include "server/call_guard.h"
+#include "server/denials.h"
+#include "server/handlers/get_metrics.h"
 #include "server/handlers/get_server_info.h"
+#include "server/http/http_server.h"
 #include "server/jobs/close_loop_job.h"
 #include "server/jobs/compensate_job.h"
 #include "server/jobs/identify_job.h"
@@ -23,10 +27,13 @@
 #include "server/listener.h"
 #include "server/local_login.h"
 #include "server/log.h"
+#include "server/routines/keeper.h"
 #include "server/service.h"
 #include "server/storage/file_mode.h"
 #include "server/storage/sqlite_database.h"
 #include "server/tls.h"
+#include "server/watch/watcher.h"
+#include "server/webhooks/sender.h"
 
 namespace axiscal::server {
 namespace {
@@ -38,6 +45,8 @@ constexpr std::chrono::milliseconds kLookAgain(5), kGoodbye(100);
 constexpr std::chrono::minutes kHousekeeping(10);
 // Clients may ask so often whether we are there; more often they are sent away.
 constexpr int kMinPingIntervalMs = 10'000;
+// Of one answer to a call within this process, by HTTP or embedded: reports are longer than what callers may send.
+constexpr int kMaxAnswerBytes = 256 << 20;
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
@@ -49,6 +58,12 @@ void ChoosePlugins() {
     return true;
   }();
   static_cast<void>(chosen);
+}
+
+// "axiscal.shop" of "axiscal.shop:7480".
+std::string HostOf(const std::string& address) {
+  const size_t colon = address.rfind(':');
+  return address.rfind("unix", 0) == 0 || colon == std::string::npos ? "" : address.substr(0, colon);
 }
 
 bool Asks(const ServerOptions& options) { return options.asks_identity || options.tls.is_set(); }
@@ -113,6 +128,19 @@ absl::Status Validate(const ServerOptions& options) {
   if (options.max_uploads < 1 || options.max_uploads > kMaxUploads) {
     return refuse(absl::StrCat("max_uploads = ", options.max_uploads, ", must be 1 to ", kMaxUploads));
   }
+  if (options.streams_per_principal < 1 || options.streams_per_principal > kMaxUploads) {
+    return refuse(
+        absl::StrCat("streams_per_principal = ", options.streams_per_principal, ", must be 1 to ", kMaxUploads));
+  }
+  if (options.calls_per_second < 1 || options.calls_per_second > kMaxCallsPerSecond) {
+    return refuse(absl::StrCat("calls_per_second = ", options.calls_per_second, ", must be 1 to ", kMaxCallsPerSecond));
+  }
+  for (const auto& [name, jobs] :
+       {std::pair("jobs_per_principal", options.jobs_per_principal), {"jobs_per_machine", options.jobs_per_machine}}) {
+    if (jobs < 1 || jobs > kMaxJobs) return refuse(absl::StrCat(name, " = ", jobs, ", must be 1 to ", kMaxJobs));
+  }
+  if (options.session_readings < 1 || options.program_bytes < 1)
+    return refuse("session_readings and program_bytes must be > 0");
   const std::chrono::milliseconds longest = std::chrono::hours(24);
   for (const auto& [name, time] :
        {std::pair("silence", options.silence), {"connection_idle", options.connection_idle}}) {
@@ -133,20 +161,38 @@ class Server::Impl {
   Impl(const ServerOptions& options, std::unique_ptr<storage::Database> database)
       : options_(options),
         database_(std::move(database)),
+        watcher_(*database_, events_, WatcherOptions()),
         runner_(*database_, RunnerOptions(options)),
+        keeper_gate_(*database_, Asks(options)),
+        keeper_(*database_, runner_, keeper_gate_, KeeperOptions()),
         core_{.database = *database_,
               .jobs = runner_,
               .gate = {*database_, Asks(options)},
               .limits = {.held = {.max_uploads = options.max_uploads,
                                   .max_rewrites = options.workers,
-                                  .silence = options.silence}},
-              .workers = options.workers} {
+                                  .max_of_one = options.streams_per_principal,
+                                  .silence = options.silence},
+                         .max_session_readings = options.session_readings,
+                         .max_program_bytes = options.program_bytes,
+                         .backup_folder = options.backup_folder,
+                         .scratch_path = options.database_path},
+              .workers = options.workers,
+              .rates = handlers::CallRates(options.calls_per_second),
+              .events = events_,
+              .metrics = metrics_,
+              .look_soon = [this](const MachineId& machine) { watcher_.LookSoon(machine); },
+              .run_soon = [this](const MachineId& machine) { keeper_.LookSoon(machine); },
+              .run_all_soon = [this] { keeper_.LookAtAllSoon(); }} {
     // Monte Carlo of a hundred thousand runs.
     runner_.Register(records::kIdentify, {jobs::IdentifyJob(*database_), std::chrono::hours(1)});
     runner_.Register(records::kCompensate, {jobs::CompensateJob(*database_)});
     runner_.Register(records::kToolSetter, {jobs::ToolSetterJob(*database_), std::chrono::minutes(10)});
     // Thousands of candidates, and a full refit after each effect.
     runner_.Register(records::kCloseLoop, {jobs::CloseLoopJob(*database_), std::chrono::hours(1)});
+    if (options.webhook_posts) {
+      sender_ = std::make_unique<webhooks::Sender>(*database_, events_, SenderOptions(*options.webhook_posts));
+      core_.webhook_sender = sender_.get();
+    }
   }
 
   absl::Status Start() {
@@ -166,16 +212,30 @@ class Server::Impl {
       connections_ = builder.experimental().AddExternalConnectionAcceptor(
           grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
     }
+    if (!options_.http_address.empty()) RETURN_IF_ERROR(OpenHttp());
     services_ = MakeServices(core_);
     for (const std::unique_ptr<grpc::Service>& service : services_) builder.RegisterService(service.get());
     server_ = builder.BuildAndStart();
     if (server_ == nullptr) {
       return base::Error(absl::StatusCode::kUnavailable, "gRPC does not start", {"LISTEN_FAILED", {}});
     }
+    core_.denied = [this](const handlers::Call& call, const std::string& method, const absl::Status& status) {
+      denials_.Add(call.user, call.peer, method, status);
+    };
     core_.login_of = [this](const std::string& peer) { return LoginOf(peer); };
+    core_.certificates = [this] {
+      std::vector<std::pair<std::string, base::UtcTime>> ends;
+      if (tls_ == nullptr) return ends;
+      for (const Certificate& certificate : tls_->certificates()) ends.emplace_back(certificate.file, certificate.ends);
+      return ends;
+    };
     if (listener_ != nullptr) StartListening();
+    if (http_listener_ != nullptr) StartHttp();
     if (core_.gate.asks()) asker_ = std::thread([this] { AskAgain(); });
     runner_.Start();
+    watcher_.Start();
+    keeper_.Start();
+    if (sender_ != nullptr) sender_->Start();
     housekeeper_ = std::thread([this] { KeepHouse(); });
     return absl::OkStatus();
   }
@@ -189,28 +249,43 @@ class Server::Impl {
     server_->GetHealthCheckService()->SetServingStatus(false);
     core_.draining = true;
     const base::SteadyTime deadline = base::SystemClock().SteadyNow() + options_.drain;
+    keeper_.Stop();
     // Jobs first: those who watch them see how they end.
     runner_.Drain(options_.drain);
+    watcher_.Stop();
+    if (sender_ != nullptr) sender_->Stop();
     while (core_.open_calls > 0 && base::SystemClock().SteadyNow() < deadline) std::this_thread::sleep_for(kLookAgain);
     if (listener_ != nullptr) listener_->Stop();
+    if (http_listener_ != nullptr) http_listener_->Stop();
     // What is still open is cut off; its callers resume elsewhere or later. Without calls a connection alone would hold
     // the shutdown up to its deadline: an idle client hears of the end only when it calls again.
     server_->Shutdown(std::chrono::system_clock::now() + kGoodbye);
+    http_.reset();
     server_.reset();
     StopHousekeeper();
+    WriteDenials(true);
     Log(LogLevel::kInfo, "stopped", {});
   }
 
   const ServerOptions options_;
-  int port_ = 0;
+  int port_ = 0, http_port_ = 0;
   std::unique_ptr<storage::Database> database_;
+  const std::shared_ptr<metrics::Metrics> metrics_ = std::make_shared<metrics::Metrics>(
+      AXISCAL_VERSION, handlers::CountedMethods(),
+      std::vector<std::string>{records::kIdentify, records::kCompensate, records::kToolSetter, records::kCloseLoop});
+  const std::shared_ptr<watch::EventBoard> events_ = std::make_shared<watch::EventBoard>();
+  watch::Watcher watcher_;
   jobs::JobRunner runner_;
+  const access::Gate keeper_gate_;
+  routines::Keeper keeper_;
+  std::unique_ptr<webhooks::Sender> sender_;  // where webhooks are sent
   handlers::Core core_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
-  std::unique_ptr<Listener> listener_;
-  std::shared_ptr<Tls> tls_;
+  std::unique_ptr<Listener> listener_, http_listener_;
+  std::shared_ptr<Tls> tls_, http_tls_;  // each port asks by itself what is new
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<http::HttpServer> http_;
   base::Mutex shutdown_mutex_;
 
  private:
@@ -222,11 +297,53 @@ class Server::Impl {
           parameters.fd = connection;
           connections_->HandleNewConnection(&parameters);
         },
-        [](int64_t refused) {
-          Log(LogLevel::kWarning, "connections_refused",
-              {{"so_far", absl::StrCat(refused)},
-               {"text", "too few descriptors: close idle clients or raise the limit"}});
-        });
+        TellRefused);
+  }
+
+  static void TellRefused(int64_t refused) {
+    Log(LogLevel::kWarning, "connections_refused",
+        {{"so_far", absl::StrCat(refused)}, {"text", "too few descriptors: close idle clients or raise the limit"}});
+  }
+
+  absl::Status OpenHttp() {
+    ASSIGN_OR_RETURN(http_listener_, Listener::Open(options_.http_address));
+    if (!http_listener_->is_local_only() && !options_.tls.is_set()) return Unprotected(options_.http_address);
+    if (options_.tls.is_set()) {
+      ASSIGN_OR_RETURN(http_tls_, Tls::Create(options_.tls, LogTls));
+    }
+    http_port_ = http_listener_->port();
+    return absl::OkStatus();
+  }
+
+  void StartHttp() {
+    http::HttpOptions http;
+    http.own_host = HostOf(options_.http_address);
+    http.silence = options_.silence;
+    http.idle = options_.connection_idle;
+    http.end_of_certificate = EndOfCertificate;
+    if (http_tls_ != nullptr) {
+      http.new_tls = [tls = http_tls_]() -> std::optional<http::TlsText> {
+        const std::optional<TlsMaterial> material = tls->TakeNew();
+        if (!material) return std::nullopt;
+        return http::TlsText{material->certificate_pem, material->key_pem, material->client_ca_pem};
+      };
+    }
+    http.login_of = [port = http_port_](int connection, const std::string& peer) {
+      const std::optional<uid_t> user = port == 0 ? UserOfUnixPeer(connection) : UserOfPeer(peer, port);
+      return user ? LoginOfUser(*user) : std::string("unknown");
+    };
+    http.tell_refused = [](const http::Request& request, const http::Answer& answer) {
+      Log(LogLevel::kWarning, "http_refused",
+          {{"method", base::ToUtf8(request.method)},
+           {"path", base::ToUtf8(request.path)},
+           {"peer", request.peer.address},
+           {"status", absl::StrCat(answer.status)},
+           {"text", answer.body}});
+    };
+    grpc::ChannelArguments arguments;
+    arguments.SetMaxReceiveMessageSize(kMaxAnswerBytes);
+    http_ = std::make_unique<http::HttpServer>(http, core_, server_->InProcessChannel(arguments));
+    http_listener_->Start([this](int, int connection) { http_->Take(connection); }, TellRefused);
   }
 
   // Drops what uploaders have left, now and every kHousekeeping.
@@ -236,10 +353,22 @@ class Server::Impl {
       LogExpired("sessions", database_->ExpireSessions(options_.session_expiry));
       WarnOfCertificates();
       LogExpired("programs", database_->ExpirePrograms(options_.session_expiry));
+      if (options_.keep_readings.count() > 0) LogExpired("readings", database_->ExpireReadings(options_.keep_readings));
+      ExpireAudit();
       const base::SteadyTime next = base::SystemClock().SteadyNow() + kHousekeeping;
       while (!stop_housekeeper_ && base::SystemClock().SteadyNow() < next) {
         wake_housekeeper_.WaitUntil(housekeeper_mutex_, next);
       }
+    }
+  }
+
+  // Some at a time, so that other writes go on between.
+  void ExpireAudit() {
+    if (options_.keep_audit.count() == 0) return;
+    absl::StatusOr<int> count = 1;
+    for (int total = 0; count.ok() && *count > 0; total += *count) {
+      count = database_->ExpireAudit(options_.keep_audit);
+      if (!count.ok() || *count == 0) LogExpired("audit", count.ok() ? total : count);
     }
   }
 
@@ -254,11 +383,43 @@ class Server::Impl {
       if (stop_housekeeper_) return;
       housekeeper_mutex_.Unlock();
       const int count = core_.open.CutOffRefused();
+      CancelRefusedJobs();
+      WriteDenials(false);
       if (count > 0)
         Log(LogLevel::kWarning, "cut_off",
             {{"calls", absl::StrCat(count)}, {"text", "their callers may no longer make them"}});
       housekeeper_mutex_.Lock();
     }
+  }
+
+  // Jobs whose creators may no longer create them.
+  void CancelRefusedJobs() {
+    for (const records::JobState state : {records::JobState::kRunning, records::JobState::kQueued}) {
+      records::PageRequest page{1000, ""};
+      do {
+        const auto jobs = database_->ListJobs({{}, state, ""}, page);
+        if (!jobs.ok()) return Log(LogLevel::kWarning, "ask_again", {{"text", std::string(jobs.status().message())}});
+        for (const records::JobRecord& job : jobs->rows) CancelIfRefused(job);
+        page.token = jobs->next_token;
+      } while (!page.token.empty());
+    }
+  }
+  void CancelIfRefused(const records::JobRecord& job) {
+    if (job.cancel_requested) return;
+    std::vector<storage::Resource> named;
+    if (job.machine) named.push_back({storage::ResourceKind::kMachine, job.machine->text(), 0});
+    const absl::Status may = core_.gate.MayStill(job.created_by, "Jobs.CreateJob", named);
+    if (!absl::IsNotFound(may) && !absl::IsPermissionDenied(may) && !absl::IsUnauthenticated(may)) return;
+    const absl::Status cancelled = runner_.Cancel(job.id, {"axiscald", ""}).status();
+    Log(LogLevel::kWarning, "cut_off",
+        {{"job", absl::StrCat(job.id.number())},
+         {"text", cancelled.ok() ? "its creator, " + job.created_by + ", may no longer create it"
+                                 : std::string(cancelled.message())}});
+  }
+
+  void WriteDenials(bool all) {
+    const absl::Status written = denials_.Write(*database_, all);
+    if (!written.ok()) Log(LogLevel::kWarning, "audit", {{"text", std::string(written.message())}});
   }
 
   // Of a caller within this process, or on this machine.
@@ -309,11 +470,66 @@ class Server::Impl {
   std::optional<base::UtcTime> warned_at_;  // of certificates; the housekeeper's alone
   std::thread housekeeper_;
   std::thread asker_;
+  Denials denials_;
 
-  static jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {
+  static watch::WatcherOptions WatcherOptions() {
+    watch::WatcherOptions watcher;
+    watcher.version = AXISCAL_VERSION;
+    watcher.tell = [](const MachineId& machine, const absl::Status& status) {
+      Log(LogLevel::kWarning, "look_failed",
+          {{"machine", machine.text()},
+           {"reason", base::ErrorReason(status)},
+           {"text", std::string(status.message())},
+           {"then", "its events stay as they are; it is looked at again"}});
+    };
+    return watcher;
+  }
+  static webhooks::SenderOptions SenderOptions(const webhooks::PosterOptions& post) {
+    webhooks::SenderOptions sender;
+    sender.post = post;
+    sender.tell = [](const records::WebhookRecord& webhook, const std::string& error, bool is_dead) {
+      Log(LogLevel::kWarning, "webhook_failed",
+          {{"webhook", webhook.content.name},
+           {"tries", absl::StrCat(webhook.tries + 1)},
+           {"text", error},
+           {"then", is_dead ? "it is a dead letter: axiscal admin webhook dead" : "it is tried again"}});
+    };
+    return sender;
+  }
+  routines::KeeperOptions KeeperOptions() {
+    routines::KeeperOptions keeper;
+    keeper.tell = [](const MachineId& machine, const std::string& routine, const absl::Status& status) {
+      Log(LogLevel::kWarning, "routine_held_up",
+          {{"machine", machine.text()},
+           {"routine", routine},
+           {"reason", base::ErrorReason(status)},
+           {"text", std::string(status.message())},
+           {"then", "it is tried again"}});
+    };
+    keeper.ended = [this](const records::RoutineRun& run) {
+      Log(run.state == records::RunState::kFailed ? LogLevel::kWarning : LogLevel::kInfo, "routine_end",
+          {{"routine", run.routine},
+           {"machine", run.machine.text()},
+           {"run", absl::StrCat(run.id.number())},
+           {"outcome", records::NameOf(run.state)},
+           {"text", run.text}});
+      watcher_.LookSoon(run.machine);
+    };
+    return keeper;
+  }
+  jobs::JobRunnerOptions RunnerOptions(const ServerOptions& options) {
     jobs::JobRunnerOptions runner;
     runner.workers = options.workers;
-    runner.tell = LogJob;
+    runner.max_of_principal = options.jobs_per_principal;
+    runner.max_of_machine = options.jobs_per_machine;
+    runner.tell = [this](const jobs::JobEvent& event) {
+      LogJob(event);
+      if (event.what != jobs::JobEvent::What::kStarted)
+        metrics_->JobEnded(event.job.kind, event.outcome, event.took);
+      const bool has_changed = event.job.machine && event.job.state == records::JobState::kSucceeded;
+      if (has_changed) watcher_.LookSoon(*event.job.machine);
+      if (event.job.machine && records::IsTerminal(event.job.state)) keeper_.LookSoon(*event.job.machine);
+    };
     return runner;
   }
 };
@@ -347,11 +563,18 @@ Server::~Server() = default;
 std::shared_ptr<grpc::Channel> Server::InProcessChannel() {
   DEMAND(impl_->server_ != nullptr);
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(handlers::kMaxMessageBytes);
+  arguments.SetMaxReceiveMessageSize(kMaxAnswerBytes);
   return impl_->server_->InProcessChannel(arguments);
 }
 
 int Server::port() const { return impl_->port_; }
+int Server::http_port() const { return impl_->http_port_; }
+absl::Status Server::Check() {
+  records::PageRequest one;
+  one.size = 1;
+  RETURN_IF_ERROR(impl_->database_->ListMachines(one).status());
+  return impl_->database_->NextJobWait().status();
+}
 void Server::Shutdown() { impl_->Shutdown(); }
 
 }  // namespace axiscal::server

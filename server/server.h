@@ -4,10 +4,12 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/base/status.h"
 #include "server/certificates.h"
+#include "server/webhooks/poster.h"
 
 namespace grpc {
 class Channel;
@@ -18,6 +20,8 @@ namespace axiscal::server {
 // More cores than the machines have on which it runs, and more uploads than a factory has cells.
 inline constexpr int kMaxWorkers = 1024;
 inline constexpr int kMaxUploads = 10'000;
+inline constexpr int kMaxJobs = 1'000'000;
+inline constexpr int kMaxCallsPerSecond = 1'000'000;
 inline constexpr int kMinWindowBytes = 64 << 10, kMaxWindowBytes = 16 << 20;
 
 struct ServerOptions {
@@ -26,6 +30,9 @@ struct ServerOptions {
   // Where to listen, as gRPC takes it ("127.0.0.1:7410", "unix:/run/axiscal.sock"). Port 0 picks a free one. Empty: on
   // no port.
   std::string listen_address;
+  // Where to serve the same by HTTP (server/http), as above. Empty: nowhere. TLS and who must say who he is are the
+  // same.
+  std::string http_address;
   TlsFiles tls;
   // Callers must show who they are, by a certificate or a token (server/access). Without it everybody is "local:LOGIN"
   // and may do everything, and other machines must not reach the address. Always so with TLS.
@@ -36,6 +43,16 @@ struct ServerOptions {
   int workers = 2;
   // Streams that bring sessions or programs at a time, each holding two threads; more are refused. 1 to kMaxUploads.
   int max_uploads = 500;
+  // Of one principal: streams of a kind at a time, and calls a second (twice as many at once). 1 to kMaxUploads, 1 to
+  // kMaxCallsPerSecond. Where nobody is asked who he is, there are no such limits.
+  int streams_per_principal = 100;
+  int calls_per_second = 1000;
+  // Jobs that wait or run, of one principal and of one machine. 1 to kMaxJobs.
+  int jobs_per_principal = 200;
+  int jobs_per_machine = 500;
+  // Of one session (14 hours at 1 kHz), and of one program. > 0.
+  int64_t session_readings = 50'000'000;
+  int64_t program_bytes = int64_t{1} << 30;
   // A caller that neither sends nor takes anything in the midst of a stream is cut off after so long, as is one that
   // does not take a reply (there the last server of the process that was started decides). > 0.
   std::chrono::milliseconds silence = std::chrono::minutes(5);
@@ -47,6 +64,15 @@ struct ServerOptions {
   // A session or program whose upload was left for so long is given up and what came of it is dropped. Only time that a
   // server was up counts. > 0.
   std::chrono::hours session_expiry = std::chrono::hours(24 * 7);
+  // Where backups stay that callers ask for; empty: they can only be sent.
+  std::string backup_folder;
+  // How webhooks are sent; absent: not at all.
+  std::optional<webhooks::PosterOptions> webhook_posts = {};
+  // Readings of complete sessions older than this are removed, unless a calibration stands on them; 0: never. Counted
+  // as session_expiry. >= 0.
+  std::chrono::hours keep_readings = std::chrono::hours(0);
+  // Entries of the audit older than this are removed; 0: never. Counted as session_expiry. >= 0.
+  std::chrono::hours keep_audit = std::chrono::hours(0);
   // How long Shutdown() lets calls and jobs go on before it cuts them off. >= 0.
   std::chrono::milliseconds drain = std::chrono::seconds(20);
 };
@@ -57,9 +83,9 @@ absl::Status Validate(const ServerOptions& options);
 // Safe from any thread.
 class Server {
  public:
-  // Opens the database, starts the workers, listens. The store's errors (STORE_LOCKED, SCHEMA_NEWER ...), UNAVAILABLE
-  // LISTEN_FAILED when the address is taken, FAILED_PRECONDITION LISTEN_UNPROTECTED when other machines could reach
-  // it, or ReadTls()'s.
+  // Opens the database, starts the workers, listens on both addresses. The store's errors (STORE_LOCKED, SCHEMA_NEWER
+  // ...), UNAVAILABLE LISTEN_FAILED when the address is taken, FAILED_PRECONDITION LISTEN_UNPROTECTED when other
+  // machines could reach it, or ReadTls()'s.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
   // Shuts down.
   ~Server();
@@ -68,8 +94,13 @@ class Server {
 
   // A channel to this server without a port; not after Shutdown().
   std::shared_ptr<grpc::Channel> InProcessChannel();
-  // The port that was bound; 0 without one.
+  // The ports that were bound; 0 without one.
   int port() const;
+  int http_port() const;
+
+  // OK where the store reads: a machine, and the queue of jobs. Its errors otherwise; blocks for as long as the store
+  // does. Not after Shutdown().
+  absl::Status Check();
 
   // NOT_SERVING, no new work, lets calls and jobs finish for as long as options say, parks jobs that did not. Repeating
   // is harmless.

@@ -3,19 +3,27 @@
 #include "axiscal/v1/access_service.grpc.pb.h"
 #include "axiscal/v1/admin_service.grpc.pb.h"
 #include "axiscal/v1/calibrations_service.grpc.pb.h"
+#include "axiscal/v1/events_service.grpc.pb.h"
 #include "axiscal/v1/history_service.grpc.pb.h"
 #include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
+#include "axiscal/v1/routines_service.grpc.pb.h"
 #include "axiscal/v1/tables_service.grpc.pb.h"
+#include "axiscal/v1/webhooks_service.grpc.pb.h"
 #include "server/handlers/access.h"
 #include "server/handlers/approve_calibration.h"
+#include "server/handlers/backup.h"
 #include "server/handlers/cancel_job.h"
 #include "server/handlers/create_job.h"
 #include "server/handlers/create_machine.h"
 #include "server/handlers/delete_machine.h"
+#include "server/handlers/draw_calibration.h"
+#include "server/handlers/events.h"
+#include "server/handlers/find_drift.h"
 #include "server/handlers/get_calibration.h"
 #include "server/handlers/get_job.h"
 #include "server/handlers/get_machine.h"
+#include "server/handlers/get_metrics.h"
 #include "server/handlers/get_server_info.h"
 #include "server/handlers/latest_fleet.h"
 #include "server/handlers/list_calibrations.h"
@@ -23,12 +31,16 @@
 #include "server/handlers/list_machines.h"
 #include "server/handlers/list_table_formats.h"
 #include "server/handlers/make_table.h"
+#include "server/handlers/marks.h"
 #include "server/handlers/query_drift.h"
 #include "server/handlers/requeue_job.h"
 #include "server/handlers/retire_calibration.h"
+#include "server/handlers/routines.h"
 #include "server/handlers/update_machine.h"
 #include "server/handlers/wait_job.h"
+#include "server/handlers/watch_events.h"
 #include "server/handlers/watch_job.h"
+#include "server/handlers/webhooks.h"
 #include "server/respond.h"
 
 namespace axiscal::server {
@@ -112,7 +124,8 @@ class JobsService final : public v1::Jobs::Service {
     return Respond(
         core_, context, "Jobs.WaitJob", request,
         [&](const auto& call) -> absl::StatusOr<v1::WaitJobResponse> {
-          const handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off);
+          const handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off,
+                                        call.counted_as);
           RETURN_IF_ERROR(held.status());
           return handlers::WaitJob(core_, call, *request);
         },
@@ -121,7 +134,7 @@ class JobsService final : public v1::Jobs::Service {
   grpc::Status WatchJob(grpc::ServerContext* context, const v1::WatchJobRequest* request,
                         grpc::ServerWriter<v1::WatchJobResponse>* writer) override {
     return RespondStream(core_, context, "Jobs.WatchJob", request, [&](const auto& call) -> absl::Status {
-      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off);
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off, call.counted_as);
       RETURN_IF_ERROR(held.status());
       return handlers::WatchJob(core_, call, *request, [&](const auto& message) {
         return held.Await([&] { return writer->Write(message); });
@@ -161,6 +174,12 @@ class CalibrationsService final : public v1::Calibrations::Service {
         core_, context, "Calibrations.RetireCalibration", request,
         [&](const auto& call) { return handlers::RetireCalibration(core_, call, *request); }, response);
   }
+  grpc::Status DrawCalibration(grpc::ServerContext* context, const v1::DrawCalibrationRequest* request,
+                               v1::DrawCalibrationResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.DrawCalibration", request,
+        [&](const auto& call) { return handlers::DrawCalibration(core_, call, *request); }, response);
+  }
 
  private:
   handlers::Core& core_;
@@ -181,6 +200,169 @@ class HistoryService final : public v1::History::Service {
     return Respond(
         core_, context, "History.LatestFleet", request,
         [&](const auto& call) { return handlers::LatestFleet(core_, call, *request); }, response);
+  }
+  grpc::Status FindDrift(grpc::ServerContext* context, const v1::FindDriftRequest* request,
+                         v1::FindDriftResponse* response) override {
+    return Respond(
+        core_, context, "History.FindDrift", request,
+        [&](const auto& call) { return handlers::FindDrift(core_, call, *request); }, response);
+  }
+  grpc::Status PutMark(grpc::ServerContext* context, const v1::PutMarkRequest* request,
+                       v1::PutMarkResponse* response) override {
+    return Respond(
+        core_, context, "History.PutMark", request,
+        [&](const auto& call) { return handlers::PutMark(core_, call, *request); }, response);
+  }
+  grpc::Status ListMarks(grpc::ServerContext* context, const v1::ListMarksRequest* request,
+                         v1::ListMarksResponse* response) override {
+    return Respond(
+        core_, context, "History.ListMarks", request,
+        [&](const auto& call) { return handlers::ListMarks(core_, call, *request); }, response);
+  }
+  grpc::Status WithdrawMark(grpc::ServerContext* context, const v1::WithdrawMarkRequest* request,
+                            v1::WithdrawMarkResponse* response) override {
+    return Respond(
+        core_, context, "History.WithdrawMark", request,
+        [&](const auto& call) { return handlers::WithdrawMark(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class EventsService final : public v1::Events::Service {
+ public:
+  explicit EventsService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status GetExpectations(grpc::ServerContext* context, const v1::GetExpectationsRequest* request,
+                               v1::GetExpectationsResponse* response) override {
+    return Respond(
+        core_, context, "Events.GetExpectations", request,
+        [&](const auto& call) { return handlers::GetExpectations(core_, call, *request); }, response);
+  }
+  grpc::Status SetExpectations(grpc::ServerContext* context, const v1::SetExpectationsRequest* request,
+                               v1::SetExpectationsResponse* response) override {
+    return Respond(
+        core_, context, "Events.SetExpectations", request,
+        [&](const auto& call) { return handlers::SetExpectations(core_, call, *request); }, response);
+  }
+  grpc::Status ListEvents(grpc::ServerContext* context, const v1::ListEventsRequest* request,
+                          v1::ListEventsResponse* response) override {
+    return Respond(
+        core_, context, "Events.ListEvents", request,
+        [&](const auto& call) { return handlers::ListEvents(core_, call, *request); }, response);
+  }
+  grpc::Status AcknowledgeEvent(grpc::ServerContext* context, const v1::AcknowledgeEventRequest* request,
+                                v1::AcknowledgeEventResponse* response) override {
+    return Respond(
+        core_, context, "Events.AcknowledgeEvent", request,
+        [&](const auto& call) { return handlers::AcknowledgeEvent(core_, call, *request); }, response);
+  }
+  grpc::Status ShelveEvent(grpc::ServerContext* context, const v1::ShelveEventRequest* request,
+                           v1::ShelveEventResponse* response) override {
+    return Respond(
+        core_, context, "Events.ShelveEvent", request,
+        [&](const auto& call) { return handlers::ShelveEvent(core_, call, *request); }, response);
+  }
+  grpc::Status WatchEvents(grpc::ServerContext* context, const v1::WatchEventsRequest* request,
+                           grpc::ServerWriter<v1::WatchEventsResponse>* writer) override {
+    return RespondStream(core_, context, "Events.WatchEvents", request, [&](const auto& call) -> absl::Status {
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kWatch, call.cut_off, call.counted_as);
+      RETURN_IF_ERROR(held.status());
+      return handlers::WatchEvents(core_, call, *request, [&](const auto& message) {
+        return held.Await([&] { return writer->Write(message); });
+      });
+    });
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class RoutinesService final : public v1::Routines::Service {
+ public:
+  explicit RoutinesService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status PutRoutine(grpc::ServerContext* context, const v1::PutRoutineRequest* request,
+                          v1::PutRoutineResponse* response) override {
+    return Respond(
+        core_, context, "Routines.PutRoutine", request,
+        [&](const auto& call) { return handlers::PutRoutine(core_, call, *request); }, response);
+  }
+  grpc::Status RemoveRoutine(grpc::ServerContext* context, const v1::RemoveRoutineRequest* request,
+                             v1::RemoveRoutineResponse* response) override {
+    return Respond(
+        core_, context, "Routines.RemoveRoutine", request,
+        [&](const auto& call) { return handlers::RemoveRoutine(core_, call, *request); }, response);
+  }
+  grpc::Status ListRoutines(grpc::ServerContext* context, const v1::ListRoutinesRequest* request,
+                            v1::ListRoutinesResponse* response) override {
+    return Respond(
+        core_, context, "Routines.ListRoutines", request,
+        [&](const auto& call) { return handlers::ListRoutines(core_, call, *request); }, response);
+  }
+  grpc::Status StopRoutine(grpc::ServerContext* context, const v1::StopRoutineRequest* request,
+                           v1::StopRoutineResponse* response) override {
+    return Respond(
+        core_, context, "Routines.StopRoutine", request,
+        [&](const auto& call) { return handlers::StopRoutine(core_, call, *request); }, response);
+  }
+  grpc::Status RetryRoutine(grpc::ServerContext* context, const v1::RetryRoutineRequest* request,
+                            v1::RetryRoutineResponse* response) override {
+    return Respond(
+        core_, context, "Routines.RetryRoutine", request,
+        [&](const auto& call) { return handlers::RetryRoutine(core_, call, *request); }, response);
+  }
+  grpc::Status ListRoutineRuns(grpc::ServerContext* context, const v1::ListRoutineRunsRequest* request,
+                               v1::ListRoutineRunsResponse* response) override {
+    return Respond(
+        core_, context, "Routines.ListRoutineRuns", request,
+        [&](const auto& call) { return handlers::ListRoutineRuns(core_, call, *request); }, response);
+  }
+
+ private:
+  handlers::Core& core_;
+};
+
+class WebhooksService final : public v1::Webhooks::Service {
+ public:
+  explicit WebhooksService(handlers::Core& core) : core_(core) {}
+
+  grpc::Status PutWebhook(grpc::ServerContext* context, const v1::PutWebhookRequest* request,
+                          v1::PutWebhookResponse* response) override {
+    return Respond(
+        core_, context, "Webhooks.PutWebhook", request,
+        [&](const auto& call) { return handlers::PutWebhook(core_, call, *request); }, response);
+  }
+  grpc::Status RemoveWebhook(grpc::ServerContext* context, const v1::RemoveWebhookRequest* request,
+                             v1::RemoveWebhookResponse* response) override {
+    return Respond(
+        core_, context, "Webhooks.RemoveWebhook", request,
+        [&](const auto& call) { return handlers::RemoveWebhook(core_, call, *request); }, response);
+  }
+  grpc::Status ListWebhooks(grpc::ServerContext* context, const v1::ListWebhooksRequest* request,
+                            v1::ListWebhooksResponse* response) override {
+    return Respond(
+        core_, context, "Webhooks.ListWebhooks", request,
+        [&](const auto& call) { return handlers::ListWebhooks(core_, call, *request); }, response);
+  }
+  grpc::Status TestWebhook(grpc::ServerContext* context, const v1::TestWebhookRequest* request,
+                           v1::TestWebhookResponse* response) override {
+    return Respond(
+        core_, context, "Webhooks.TestWebhook", request,
+        [&](const auto& call) { return handlers::TestWebhook(core_, call, *request); }, response);
+  }
+  grpc::Status ListDeadLetters(grpc::ServerContext* context, const v1::ListDeadLettersRequest* request,
+                               v1::ListDeadLettersResponse* response) override {
+    return Respond(
+        core_, context, "Webhooks.ListDeadLetters", request,
+        [&](const auto& call) { return handlers::ListDeadLetters(core_, call, *request); }, response);
+  }
+  grpc::Status ResendDeadLetters(grpc::ServerContext* context, const v1::ResendDeadLettersRequest* request,
+                                 v1::ResendDeadLettersResponse* response) override {
+    return Respond(
+        core_, context, "Webhooks.ResendDeadLetters", request,
+        [&](const auto& call) { return handlers::ResendDeadLetters(core_, call, *request); }, response);
   }
 
  private:
@@ -217,6 +399,22 @@ class AdminService final : public v1::Admin::Service {
     return Respond(
         core_, context, "Admin.GetServerInfo", request,
         [&](const auto& call) { return handlers::GetServerInfo(core_, call, *request); }, response);
+  }
+  grpc::Status GetMetrics(grpc::ServerContext* context, const v1::GetMetricsRequest* request,
+                          v1::GetMetricsResponse* response) override {
+    return Respond(
+        core_, context, "Admin.GetMetrics", request,
+        [&](const auto& call) { return handlers::GetMetrics(core_, call, *request); }, response);
+  }
+  grpc::Status Backup(grpc::ServerContext* context, const v1::BackupRequest* request,
+                      grpc::ServerWriter<v1::BackupResponse>* writer) override {
+    return RespondStream(core_, context, "Admin.Backup", request, [&](const auto& call) -> absl::Status {
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off,
+                              call.counted_as);
+      RETURN_IF_ERROR(held.status());
+      return handlers::Backup(core_, call, *request,
+                              [&](const auto& message) { return held.Await([&] { return writer->Write(message); }); });
+    });
   }
 
  private:
@@ -287,6 +485,18 @@ class AccessService final : public v1::Access::Service {
         core_, context, "Access.ListMachineAccess", request,
         [&](const auto& call) { return handlers::ListMachineAccess(core_, call, *request); }, response);
   }
+  grpc::Status ListAudit(grpc::ServerContext* context, const v1::ListAuditRequest* request,
+                         v1::ListAuditResponse* response) override {
+    return Respond(
+        core_, context, "Access.ListAudit", request,
+        [&](const auto& call) { return handlers::ListAudit(core_, call, *request); }, response);
+  }
+  grpc::Status CheckAudit(grpc::ServerContext* context, const v1::CheckAuditRequest* request,
+                          v1::CheckAuditResponse* response) override {
+    return Respond(
+        core_, context, "Access.CheckAudit", request,
+        [&](const auto& call) { return handlers::CheckAudit(core_, call, *request); }, response);
+  }
 
  private:
   handlers::Core& core_;
@@ -302,6 +512,9 @@ std::vector<std::unique_ptr<grpc::Service>> MakeServices(handlers::Core& core) {
   services.push_back(std::make_unique<CalibrationsService>(core));
   services.push_back(MakeProgramsService(core));
   services.push_back(std::make_unique<HistoryService>(core));
+  services.push_back(std::make_unique<EventsService>(core));
+  services.push_back(std::make_unique<RoutinesService>(core));
+  services.push_back(std::make_unique<WebhooksService>(core));
   services.push_back(std::make_unique<TablesService>(core));
   services.push_back(std::make_unique<AdminService>(core));
   services.push_back(std::make_unique<AccessService>(core));

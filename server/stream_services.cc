@@ -68,7 +68,8 @@ class IngestService final : public v1::Ingest::Service {
   grpc::Status DownloadSession(grpc::ServerContext* context, const v1::DownloadSessionRequest* request,
                                grpc::ServerWriter<v1::DownloadSessionResponse>* writer) override {
     return RespondStream(core_, context, "Ingest.DownloadSession", request, [&](const auto& call) -> absl::Status {
-      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off);
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off,
+                              call.counted_as);
       RETURN_IF_ERROR(held.status());
       return handlers::DownloadSession(core_, call, *request, [&](const auto& message) {
         return held.Await([&] { return writer->Write(message); });
@@ -78,7 +79,8 @@ class IngestService final : public v1::Ingest::Service {
   grpc::Status Upload(grpc::ServerContext* context,
                       grpc::ServerReaderWriter<v1::UploadResponse, v1::UploadRequest>* stream) override {
     return RespondStream(core_, context, "Ingest.Upload", nullptr, [&](const auto& call) -> absl::Status {
-      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off,
+                              call.counted_as);
       // An acknowledgement is written while the caller sends: only who does neither is silent.
       handlers::UploadStream upload(core_, call,
                                     {[&](const auto& response) { return stream->Write(response); },
@@ -96,7 +98,8 @@ class IngestService final : public v1::Ingest::Service {
   grpc::Status UploadOnce(grpc::ServerContext* context, grpc::ServerReader<v1::UploadRequest>* reader,
                           v1::UploadOnceResponse* response) override {
     return RespondStream(core_, context, "Ingest.UploadOnce", nullptr, [&](const auto& call) -> absl::Status {
-      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off,
+                              call.counted_as);
       handlers::UploadStream upload(core_, call, {});
       RETURN_IF_ERROR(ReceiveAll<v1::UploadRequest>(held, call, *reader, upload));
       RETURN_IF_ERROR(upload.End());
@@ -121,7 +124,8 @@ class ProgramsService final : public v1::Programs::Service {
   grpc::Status GetProgram(grpc::ServerContext* context, const v1::GetProgramRequest* request,
                           grpc::ServerWriter<v1::GetProgramResponse>* writer) override {
     return RespondStream(core_, context, "Programs.GetProgram", request, [&](const auto& call) -> absl::Status {
-      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off);
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kDownload, call.cut_off,
+                              call.counted_as);
       RETURN_IF_ERROR(held.status());
       return handlers::GetProgram(core_, call, *request, [&](const auto& message) {
         return held.Await([&] { return writer->Write(message); });
@@ -133,7 +137,8 @@ class ProgramsService final : public v1::Programs::Service {
     return Respond(
         core_, context, "Programs.PutProgram", nullptr,
         [&](const auto& call) -> absl::StatusOr<v1::PutProgramResponse> {
-          handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off);
+          handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off,
+                                  call.counted_as);
           handlers::PutProgramStream program(core_, call);
           RETURN_IF_ERROR(ReceiveAll<v1::PutProgramRequest>(held, call, *reader, program));
           return program.End();
@@ -144,7 +149,8 @@ class ProgramsService final : public v1::Programs::Service {
       grpc::ServerContext* context,
       grpc::ServerReaderWriter<v1::RewriteProgramResponse, v1::RewriteProgramRequest>* stream) override {
     return RespondStream(core_, context, "Programs.RewriteProgram", nullptr, [&](const auto& call) -> absl::Status {
-      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kRewrite, call.cut_off);
+      handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kRewrite, call.cut_off,
+                              call.counted_as);
       handlers::RewriteProgramStream program(
           core_, call, [&](const auto& message) { return held.Await([&] { return stream->Write(message); }); });
       RETURN_IF_ERROR(ReceiveAll<v1::RewriteProgramRequest>(held, call, *stream, program));

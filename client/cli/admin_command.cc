@@ -1,7 +1,8 @@
-// axiscal admin whoami|principal|token|role|group|four-eyes
+// axiscal admin whoami|principal|token|role|group|four-eyes|audit; webhooks: webhook_command.cc
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <memory>
 
 #include "client/cli/commands.h"
@@ -13,9 +14,9 @@ namespace axiscal::cli {
 namespace {
 
 struct AdminArguments {
-  std::string name, note, role, group, machine, page, output, on_off;
+  std::string name, note, role, group, machine, page, output, on_off, resource, from, to;
   std::vector<std::string> machines;
-  bool all = false;
+  bool all = false, lines = false, check = false;
   int page_size = 0, days = 0;
   int64_t token = 0;
 };
@@ -152,6 +153,51 @@ absl::Status FourEyes(Context& context, const AdminArguments& arguments) {
   return absl::OkStatus();
 }
 
+absl::Status CheckAudit(Context& context) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const client::AuditHead head, client->CheckAudit());
+  context.Print(
+      {{"last_entry", head.last_entry}, {"sha256", head.sha256}},
+      absl::StrCat("the chain is whole; the last entry is ", head.last_entry, ", its hash ", head.sha256, "\n"));
+  return absl::OkStatus();
+}
+
+// All entries, one JSON document a line: a log collector's.
+absl::Status PrintAuditLines(Context& context, const client::AuditFilter& filter) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  client::PageRequest page{1000, ""};
+  do {
+    ASSIGN_OR_RETURN(const auto entries, client->ListAudit(filter, page));
+    for (const client::AuditEntry& entry : entries.rows) std::printf("%s\n", ToJson(entry).Line().c_str());
+    page.token = entries.next_token;
+  } while (!page.token.empty());
+  return absl::OkStatus();
+}
+
+absl::Status ListAudit(Context& context, const AdminArguments& arguments) {
+  client::AuditFilter filter;
+  filter.principal = arguments.name;
+  filter.resource = arguments.resource;
+  if (!arguments.from.empty()) {
+    ASSIGN_OR_RETURN(filter.from, ParseTime("--from", arguments.from));
+  }
+  if (!arguments.to.empty()) {
+    ASSIGN_OR_RETURN(filter.to, ParseTime("--to", arguments.to));
+  }
+  if (arguments.check) return CheckAudit(context);
+  if (arguments.lines) return PrintAuditLines(context, filter);
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const auto page, client->ListAudit(filter, {arguments.page_size, arguments.page}));
+  std::vector<std::vector<std::string>> rows = {
+      {"entry", "at (UTC)", "principal", "from", "action", "resource", "outcome", "was", "became", "detail"}};
+  for (const client::AuditEntry& entry : page.rows) {
+    rows.push_back({absl::StrCat(entry.number), TimeText(entry.at), entry.principal, entry.peer, entry.action,
+                    entry.resource, entry.outcome, entry.was, entry.became, entry.detail});
+  }
+  context.Print(PageJson("entries", page), Table(rows) + PageText(page));
+  return absl::OkStatus();
+}
+
 using Arguments = std::shared_ptr<AdminArguments>;
 
 void AddPageOptions(CLI::App* command, const Arguments& arguments) {
@@ -207,6 +253,18 @@ void AddRoleCommands(CLI::App* admin, Context& context, const Arguments& argumen
   }
 }
 
+void AddAuditCommand(CLI::App* admin, Context& context, const Arguments& arguments) {
+  CLI::App* audit = admin->add_subcommand("audit", "Who changed what, and which calls were denied; newest first");
+  audit->add_option("--principal", arguments->name, "only of this principal");
+  audit->add_option("--resource", arguments->resource, "only of this resource: calibrations/12, machines/mt");
+  audit->add_option("--from", arguments->from, "at or after this time (UTC): 2026-05-31 or 2026-05-31T14:03:07");
+  audit->add_option("--to", arguments->to, "before this time (UTC)");
+  AddPageOptions(audit, arguments);
+  audit->add_flag("--lines", arguments->lines, "all of them, each as one line of JSON");
+  audit->add_flag("--check", arguments->check, "compare every entry with its hash; the first damaged one is named");
+  SetAction(audit, context, [&context, arguments] { return ListAudit(context, *arguments); });
+}
+
 void AddGroupCommands(CLI::App* admin, Context& context, const Arguments& arguments) {
   CLI::App* group = admin->add_subcommand("group", "Groups of machines: add, remove, list");
   group->require_subcommand(1);
@@ -238,6 +296,8 @@ void AddAdminCommand(CLI::App& app, Context& context) {
   AddTokenCommands(admin, context, arguments);
   AddRoleCommands(admin, context, arguments);
   AddGroupCommands(admin, context, arguments);
+  AddAuditCommand(admin, context, arguments);
+  AddWebhookCommands(admin, context);
   admin->footer(
       "The first admin is made on the database file while no server has it:\n"
       "  axiscal --db FILE admin principal add ann && axiscal --db FILE admin role add ann admin --all\n"

@@ -11,6 +11,7 @@ namespace {
 
 struct ApproveArguments {
   int64_t calibration = 0, etag = 0;
+  std::string reason;
 };
 
 absl::Status Approve(Context& context, const ApproveArguments& arguments) {
@@ -21,7 +22,7 @@ absl::Status Approve(Context& context, const ApproveArguments& arguments) {
     ASSIGN_OR_RETURN(const records::CalibrationRecord present, client->GetCalibration(id));
     etag = present.etag;
   }
-  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->ApproveCalibration(id, etag));
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->ApproveCalibration(id, etag, arguments.reason));
   context.Print(ToJson(record),
                 absl::StrCat("calibration ", record.id.number(), " (version ", record.version, ") of machine ",
                              record.content.machine.text(), " is approved by ", record.approved_by,
@@ -37,9 +38,10 @@ void AddApproveCommand(CLI::App& app, Context& context) {
   approve->add_option("CALIBRATION", arguments->calibration, "its number")->required()->check(CLI::PositiveNumber);
   approve->add_option("--etag", arguments->etag, "refuse when it changed since this etag was read")
       ->check(CLI::PositiveNumber);
+  approve->add_option("--reason", arguments->reason, "why, for the audit");
   approve->footer(
       "Approving an older version is the way back. Whom the server takes you for is written down as who approved.\n"
-      "Example: axiscal approve 3");
+      "Example: axiscal approve 3 --reason \"measured twice after the service\"");
   SetAction(approve, context, [&context, arguments] { return Approve(context, *arguments); });
 }
 

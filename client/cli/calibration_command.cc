@@ -1,4 +1,4 @@
-// axiscal calibration list|show
+// axiscal calibration list|show|retire
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -10,9 +10,9 @@ namespace axiscal::cli {
 namespace {
 
 struct CalibrationArguments {
-  std::string machine, page, approved_of;
+  std::string machine, page, approved_of, reason;
   int page_size = 0;
-  int64_t id = 0;
+  int64_t id = 0, etag = 0;
 };
 
 absl::Status List(Context& context, const CalibrationArguments& arguments) {
@@ -43,11 +43,26 @@ absl::Status Show(Context& context, const CalibrationArguments& arguments) {
   return absl::OkStatus();
 }
 
+absl::Status Retire(Context& context, const CalibrationArguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  const CalibrationId id(arguments.id);
+  ASSIGN_OR_RETURN(const records::CalibrationRecord present, client->GetCalibration(id));
+  const int64_t etag = arguments.etag != 0 ? arguments.etag : present.etag;
+  ASSIGN_OR_RETURN(const records::CalibrationRecord record, client->RetireCalibration(id, etag, arguments.reason));
+  const bool was_in_use = present.state == records::CalibrationState::kApproved;
+  context.Print(
+      ToJson(record),
+      absl::StrCat("calibration ", record.id.number(), " (version ", record.version, ") of machine ",
+                   record.content.machine.text(), " is retired",
+                   was_in_use ? "; nothing of this machine is corrected until another one is approved" : "", "\n"));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddCalibrationCommand(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<CalibrationArguments>();
-  CLI::App* calibration = app.add_subcommand("calibration", "What was identified: list, show");
+  CLI::App* calibration = app.add_subcommand("calibration", "What was identified: list, show, retire");
   calibration->require_subcommand(1);
 
   CLI::App* list = calibration->add_subcommand("list", "List calibrations, newest first");
@@ -64,6 +79,16 @@ void AddCalibrationCommand(CLI::App& app, Context& context) {
   show->footer(
       "With --json also the model, the whole report (correlations, set-ups, outliers) and where it comes from.");
   SetAction(show, context, [&context, arguments] { return Show(context, *arguments); });
+
+  CLI::App* retire = calibration->add_subcommand("retire", "Take a calibration out of use, or give a candidate up");
+  retire->add_option("ID", arguments->id, "its number")->required()->check(CLI::PositiveNumber);
+  retire->add_option("--etag", arguments->etag, "refuse when it changed since this etag was read")
+      ->check(CLI::PositiveNumber);
+  retire->add_option("--reason", arguments->reason, "why, for the audit");
+  retire->footer(
+      "It stays readable, and approve puts it back in use.\n"
+      "Example: axiscal calibration retire 4 --reason \"the ball was loose\"");
+  SetAction(retire, context, [&context, arguments] { return Retire(context, *arguments); });
 }
 
 }  // namespace axiscal::cli

@@ -45,8 +45,14 @@ absl::Status WriteOutputs(const CloseLoopArguments& arguments, const std::string
 }
 
 absl::Status WritePictures(const std::string& folder, const std::vector<loop::Picture>& pictures) {
-  for (const loop::Picture& picture : pictures)
-    RETURN_IF_ERROR(base::WriteFileAtomically(absl::StrCat(folder, "/", picture.file), picture.svg));
+  for (const loop::Picture& picture : pictures) {
+    const std::string path = absl::StrCat(folder, "/", picture.file);
+    RETURN_IF_ERROR(base::WriteFileAtomically(path, picture.svg));
+    if (picture.panels.empty()) continue;
+    // What it shows, beside it.
+    RETURN_IF_ERROR(base::WriteFileAtomically(path.substr(0, path.rfind('.')) + ".csv",
+                                              plot::Csv(picture.x_label, picture.y_label, picture.panels)));
+  }
   return absl::OkStatus();
 }
 

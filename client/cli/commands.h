@@ -21,14 +21,24 @@ void AddCloseLoopCommand(CLI::App& app, Context& context);
 void AddCompensateCommand(CLI::App& app, Context& context);
 void AddVerifyCommand(CLI::App& app, Context& context);
 void AddPredictCommand(CLI::App& app, Context& context);
+void AddCompareCommand(CLI::App& app, Context& context);
+void AddReportCommand(CLI::App& app, Context& context);
+void AddFiguresCommand(CLI::App& app, Context& context);
 void AddTableCommand(CLI::App& app, Context& context);
 void AddProgramCommand(CLI::App& app, Context& context);
 void AddPlanCommand(CLI::App& app, Context& context);
 void AddSimulateCommand(CLI::App& app, Context& context);
 void AddToolSetterCommand(CLI::App& app, Context& context);
 void AddPublishedCommand(CLI::App& app, Context& context);
+void AddDriftCommand(CLI::App& app, Context& context);
+void AddExpectCommand(CLI::App& app, Context& context);
+void AddEventsCommand(CLI::App& app, Context& context);
+void AddRoutineCommand(CLI::App& app, Context& context);
+void AddWebhookCommands(CLI::App* admin, Context& context);
+void AddMarkCommand(CLI::App& app, Context& context);
 void AddHistoryCommand(CLI::App& app, Context& context);
 void AddJobsCommand(CLI::App& app, Context& context);
+void AddBackupCommand(CLI::App& app, Context& context);
 void AddAdminCommand(CLI::App& app, Context& context);
 
 }  // namespace axiscal::cli

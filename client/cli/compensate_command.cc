@@ -1,19 +1,23 @@
 // axiscal compensate: with a calibration of the service, sent and rewritten in one stream or kept there as a job, or
 // with machine.json and errors.json and no database at all.
 #include <CLI/CLI.hpp>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/dialect_choice.h"
 #include "client/cli/error_model_source.h"
 #include "client/cli/job_wait.h"
-#include "client/cli/line_ranges.h"
 #include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
+#include "client/cli/rewrite_text.h"
+#include "core/base/crc32c.h"
 #include "core/base/files.h"
+#include "core/base/json_limits.h"
 #include "core/compensate/compensator.h"
 #include "core/machine/machine_json.h"
 #include "core/nc/rewrite.h"
@@ -29,61 +33,6 @@ struct CompensateArguments {
   bool keep = false;
   RewriteArguments rewrite;
 };
-
-// The part of a report that --orientation adds: the first blocks whose direction was not reached by line.
-std::string OrientationText(const std::optional<reports::Orientation>& orientation) {
-  constexpr size_t kShown = 5;
-  if (!orientation) return "";
-  const auto row = [](const std::string& name, const reports::AngleSpread& spread) {
-    return std::vector<std::string>{name, NumberText(spread.max_urad), NumberText(spread.rms_urad)};
-  };
-  std::vector<std::vector<std::string>> rows = {{"", "max urad", "rms urad"}};
-  for (const auto& [axis, spread] : orientation->correction) rows.push_back(row("correction of " + axis, spread));
-  rows.push_back(row("tool direction error before", orientation->error_before));
-  rows.push_back(row("tool direction error after", orientation->error_after));
-  std::string text = Table(rows);
-  const int64_t count = orientation->blocks_not_reached;
-  if (count == 0) return text;
-  absl::StrAppend(&text, "direction not reached in ", count, count == 1 ? " block" : " blocks",
-                  " (no rotary command changes by more than ",
-                  absl::StrFormat("%g", orientation->max_rotary_correction_deg), " deg):\n");
-  const std::vector<reports::Finding>& findings = orientation->not_reached;
-  for (size_t i = 0; i < findings.size() && i < kShown; ++i) {
-    absl::StrAppend(&text, "  line ", findings[i].line, ": ", findings[i].block, "  (", findings[i].reason, ")\n");
-  }
-  if (count > static_cast<int64_t>(kShown)) absl::StrAppend(&text, "  ... more in the report\n");
-  return text;
-}
-
-std::string HolesText(const std::optional<reports::Holes>& holes) {
-  constexpr size_t kShown = 5;
-  if (!holes) return "";
-  std::string text = absl::StrFormat("%d holes of drilling cycles, at most %.1f um left at the bottom\n",
-                                     holes->corrected, holes->left_max_um);
-  for (size_t i = 0; i < holes->left.size() && i < kShown; ++i) {
-    const reports::Finding& found = holes->left[i];
-    absl::StrAppend(&text, "  line ", found.line, ": ", found.block, "  (", found.reason, ")\n");
-  }
-  if (holes->not_exact > static_cast<int64_t>(kShown)) absl::StrAppend(&text, "  ... more in the report\n");
-  return text;
-}
-
-std::string RewriteReportText(const reports::Rewrite& report, const std::string& output) {
-  std::string text =
-      absl::StrFormat("%s: %d of %d blocks corrected, %d split, %d passed unchanged\n", output,
-                      report.blocks.corrected, report.blocks.read, report.blocks.split, report.blocks.passed);
-  std::vector<std::vector<std::string>> rows = {{"", "max um", "rms um"}};
-  const auto row = [&rows](const std::string& name, const reports::Spread& spread) {
-    rows.push_back({name, NumberText(spread.max_um), NumberText(spread.rms_um)});
-  };
-  for (const auto& [axis, spread] : report.correction) row("correction of " + axis, spread);
-  row("tool-point error before", report.error_before);
-  row("tool-point error after", report.error_after);
-  absl::StrAppend(&text, Table(rows), OrientationText(report.orientation), HolesText(report.holes));
-  absl::StrAppend(&text, LineRangesText("not corrected", report.not_corrected, report.ranges_not_corrected));
-  for (const std::string& note : report.notes) absl::StrAppend(&text, "note: ", note, "\n");
-  return text;
-}
 
 // What was refused, one line each, for the error's text.
 std::string RefusedText(const nc::RewriteReport& report) {
@@ -151,11 +100,61 @@ absl::Status WriteSubprograms(const CompensateArguments& arguments, const std::v
   return absl::OkStatus();
 }
 
-absl::Status CompensateFiles(Context& context, const CompensateArguments& arguments) {
-  RETURN_IF_ERROR(CheckSubprograms(arguments));
+// What a program became, for comparison: length and checksum of its lines. Of our own comments only how they begin
+// counts: not every dialect has them at one place.
+class Fingerprint {
+ public:
+  absl::Status Take(const char* data, size_t size) {
+    while (size > 0) {
+      const void* const found = std::memchr(data, '\n', size);
+      const size_t count = found == nullptr ? size : static_cast<size_t>(static_cast<const char*>(found) - data) + 1;
+      line_.append(data, count);
+      data += count, size -= count;
+      if (found != nullptr) EndLine();
+    }
+    return absl::OkStatus();
+  }
+  std::string Text() {
+    EndLine();
+    return absl::StrFormat("%d %08x %c", bytes_, crc32c_, comment_);
+  }
+
+ private:
+  void EndLine() {
+    if (line_.size() > 9 && line_.compare(1, 8, "AXISCAL ") == 0 && (line_[0] == '(' || line_[0] == ';')) {
+      comment_ = line_[0];
+    } else {
+      bytes_ += line_.size();
+      crc32c_ = base::Crc32c(crc32c_, line_.data(), line_.size());
+    }
+    line_.clear();
+  }
+
+  std::string line_;
+  size_t bytes_ = 0;
+  uint32_t crc32c_ = 0;
+  char comment_ = ' ';
+};
+
+std::string ProfileNote(const std::string& taken) {
+  return taken.empty() ? "" : "of the machine's profile: " + taken + "\n";
+}
+
+// Where the dialect is said, for the output.
+std::string DialectSource(const RewriteArguments& typed) {
+  return typed.dialect.empty() ? "the machine's profile" : "--dialect";
+}
+
+absl::Status CompensateFiles(Context& context, const CompensateArguments& typed) {
+  RETURN_IF_ERROR(CheckSubprograms(typed));
+  CompensateArguments arguments = typed;
   ASSIGN_OR_RETURN(const MachineWithErrors model, ReadModelFiles(arguments.machine, arguments.errors));
+  ASSIGN_OR_RETURN(const std::string description, base::ReadFile(arguments.machine, base::kMaxJsonBytes));
+  ASSIGN_OR_RETURN(const machine::ProgramProfile profile, machine::ProgramProfileFromJson(description));
+  ASSIGN_OR_RETURN(const std::string taken, TakeProfile(profile, &arguments.rewrite));
   ASSIGN_OR_RETURN(nc::RewriteOptions options, ToRewriteOptions(arguments.rewrite, model.machine));
   options.calibration = MarkName(arguments.errors);
+  options.machine = MarkName(model.machine.id);
   compensate::Options compensator_options;
   ASSIGN_OR_RETURN(compensator_options.tool_tip_mm, ToolTip(arguments.rewrite));
   compensator_options.time_s = arguments.rewrite.time_s;
@@ -164,16 +163,34 @@ absl::Status CompensateFiles(Context& context, const CompensateArguments& argume
                    compensate::Compensator::Create(model.machine, model.errors, compensator_options));
   base::AtomicFile report_file;
   RETURN_IF_ERROR(OpenReport(arguments, &report_file));
+  const DialectTrial trial = [&](const std::string& dialect) -> absl::StatusOr<std::string> {
+    nc::RewriteOptions trial_options = options;
+    trial_options.dialect = dialect;
+    Fingerprint fingerprint;
+    nc::RewriteReport trial_report;
+    RETURN_IF_ERROR(nc::RewriteFileTo(
+        arguments.input, [&](const char* bytes, size_t size) { return fingerprint.Take(bytes, size); }, compensator,
+        trial_options, &trial_report));
+    for (const nc::Subprogram& file : trial_report.subprograms)
+      RETURN_IF_ERROR(fingerprint.Take(file.text.data(), file.text.size()));
+    return fingerprint.Text();
+  };
+  ASSIGN_OR_RETURN(const DialectChoice dialect, ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite),
+                                                              arguments.input, trial));
+  options.dialect = dialect.name;
   nc::RewriteReport report;
   const absl::Status status = nc::RewriteFile(arguments.input, arguments.output, compensator, options, &report);
   const reports::Rewrite said = nc::ReportOf(report);
   const std::string report_json = reports::ToJson(said);
   // The report tells also why a program was refused.
   RETURN_IF_ERROR(WriteReport(arguments, report_json, &report_file));
-  if (!status.ok())
-    return absl::Status(status.code(), absl::StrCat(arguments.input, ": ", status.message(), RefusedText(report)));
+  if (!status.ok()) {
+    return WithDialect(dialect, absl::Status(status.code(), absl::StrCat(arguments.input, ": ", status.message(),
+                                                                         RefusedText(report))));
+  }
   RETURN_IF_ERROR(WriteSubprograms(arguments, report.subprograms));
-  context.Print(Json::Document(report_json), RewriteReportText(said, arguments.output));
+  context.Print(Json::Document(report_json),
+                RewriteReportText(said, arguments.output, dialect.why) + ProfileNote(taken));
   return absl::OkStatus();
 }
 
@@ -184,12 +201,11 @@ absl::Status FetchProgram(client::Client& client, ProgramId id, const std::strin
   return file.Commit();
 }
 
-absl::StatusOr<records::CompensateParams> ParamsOf(const CompensateArguments& arguments, client::Client& client) {
+absl::StatusOr<records::CompensateParams> ParamsOf(const CompensateArguments& arguments,
+                                                   const machine::Machine& machine) {
   records::CompensateParams params;
   ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
   params.machine = MachineId(arguments.machine);
-  ASSIGN_OR_RETURN(const records::MachineRecord record, client.GetMachine(params.machine));
-  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
   ASSIGN_OR_RETURN(params.options, ToRewriteOptions(arguments.rewrite, machine));
   params.time_s = arguments.rewrite.time_s;
   params.temperature_celsius = arguments.rewrite.temperature_celsius;
@@ -228,14 +244,33 @@ absl::StatusOr<OnService> RewriteAsJob(const Context& context, client::Client& c
   return OnService{done.result, done.id, done.programs[0]};
 }
 
-absl::Status CompensateOnService(Context& context, const CompensateArguments& arguments) {
-  RETURN_IF_ERROR(ToolTip(arguments.rewrite).status());
+absl::Status CompensateOnService(Context& context, const CompensateArguments& typed) {
+  if (!typed.rewrite.tool_tip.empty()) RETURN_IF_ERROR(ToolTip(typed.rewrite).status());
+  CompensateArguments arguments = typed;
   base::AtomicFile report_file;
   RETURN_IF_ERROR(OpenReport(arguments, &report_file));
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const records::CompensateParams params, ParamsOf(arguments, *client));
-  ASSIGN_OR_RETURN(const OnService made, arguments.keep ? RewriteAsJob(context, *client, params, arguments)
-                                                        : RewriteInStream(*client, params, arguments));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(MachineId(arguments.machine)));
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
+  ASSIGN_OR_RETURN(const machine::ProgramProfile profile, machine::ProgramProfileFromJson(record.description_json));
+  ASSIGN_OR_RETURN(const std::string taken, TakeProfile(profile, &arguments.rewrite));
+  ASSIGN_OR_RETURN(records::CompensateParams params, ParamsOf(arguments, machine));
+  const DialectTrial trial = [&](const std::string& name) -> absl::StatusOr<std::string> {
+    records::CompensateParams trial_params = params;
+    trial_params.options.dialect = name;
+    Fingerprint fingerprint;
+    RETURN_IF_ERROR(client->RewriteProgramFile(trial_params, arguments.input, [&](const std::string& bytes) {
+      return fingerprint.Take(bytes.data(), bytes.size());
+    }).status());
+    return fingerprint.Text();
+  };
+  ASSIGN_OR_RETURN(const DialectChoice dialect, ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite),
+                                                              arguments.input, trial));
+  params.options.dialect = dialect.name;
+  const absl::StatusOr<OnService> done = arguments.keep ? RewriteAsJob(context, *client, params, arguments)
+                                                        : RewriteInStream(*client, params, arguments);
+  if (!done.ok()) return WithDialect(dialect, done.status());
+  const OnService& made = *done;
   RETURN_IF_ERROR(WriteReport(arguments, made.report, &report_file));
   ASSIGN_OR_RETURN(const reports::Rewrite report, reports::ReadRewrite(made.report));
   Json json = Json::Document(made.report);
@@ -243,7 +278,7 @@ absl::Status CompensateOnService(Context& context, const CompensateArguments& ar
     json["job"] = made.job->number();
     json["program"] = made.program.number();
   }
-  context.Print(json, RewriteReportText(report, arguments.output));
+  context.Print(json, RewriteReportText(report, arguments.output, dialect.why) + ProfileNote(taken));
   return absl::OkStatus();
 }
 

@@ -72,4 +72,8 @@ std::string Json::Dump() const {
   return JsonDump::Of(*this).dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+std::string Json::Line() const {
+  return JsonDump::Of(*this).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 }  // namespace axiscal::cli

@@ -21,8 +21,7 @@ class Json {
   Json(bool value) : value_(std::in_place_type<bool>, value) {}
   Json(double number) : value_(std::in_place_type<double>, number) {}  // null where it is not finite
   template <std::integral T>
-    requires(!std::same_as<T, bool>)
-  Json(T number) : value_(Whole(number)) {}
+  requires(!std::same_as<T, bool>) Json(T number) : value_(Whole(number)) {}
   Json(const char* text) : value_(std::string(text)) {}
   Json(std::string text) : value_(std::move(text)) {}
   template <typename T>
@@ -42,6 +41,8 @@ class Json {
 
   // Every member and element on a line of its own; what is no UTF-8 is replaced.
   std::string Dump() const;
+  // The same on one line.
+  std::string Line() const;
 
  private:
   friend class JsonDump;

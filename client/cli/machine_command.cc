@@ -5,6 +5,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/record_output.h"
+#include "client/cli/rewrite_arguments.h"
 #include "core/base/files.h"
 #include "core/base/json_limits.h"
 #include "core/machine/explain.h"
@@ -14,6 +15,7 @@ namespace axiscal::cli {
 namespace {
 
 struct MachineArguments {
+  RewriteArguments rewrite;
   std::string file, id, page;
   int page_size = 0;
   int64_t revision = 0;
@@ -99,6 +101,40 @@ absl::Status Explain(Context& context, const MachineArguments& arguments) {
   return absl::OkStatus();
 }
 
+absl::Status PutProfile(Context& context, const MachineArguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const records::MachineRecord present, client->GetMachine(MachineId(arguments.id)));
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(present.description_json));
+  ASSIGN_OR_RETURN(const machine::ProgramProfile profile, ToProfile(arguments.rewrite, machine));
+  ASSIGN_OR_RETURN(const std::string description, machine::WithProgramProfile(present.description_json, profile));
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->UpdateMachine(description, present.revision));
+  const std::string text = ProfileText(profile);
+  context.Print(ToJson(record), absl::StrCat("machine ", record.id.text(), " is now revision ", record.revision, ", ",
+                                             text.empty() ? "without a profile\n" : "with the profile\n", text));
+  return absl::OkStatus();
+}
+
+absl::Status ShowProfile(Context& context, const MachineArguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(MachineId(arguments.id)));
+  ASSIGN_OR_RETURN(const machine::ProgramProfile profile, machine::ProgramProfileFromJson(record.description_json));
+  const std::string text = ProfileText(profile);
+  context.Print({{"machine", arguments.id},
+                 {"tool_tip", profile.tool_tip},
+                 {"dialect", profile.dialect},
+                 {"unit", profile.unit},
+                 {"integer_words", profile.integer_words},
+                 {"decimals", profile.decimals},
+                 {"block_delete", profile.block_delete},
+                 {"harmless_m", profile.harmless_m},
+                 {"start", profile.start},
+                 {"offsets", profile.offsets},
+                 {"tool_lengths", profile.tool_lengths},
+                 {"tool_radii", profile.tool_radii}},
+                text.empty() ? absl::StrCat("machine ", arguments.id, " has no profile\n") : text);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddMachineCommand(CLI::App& app, Context& context) {
@@ -131,6 +167,22 @@ void AddMachineCommand(CLI::App& app, Context& context) {
   explain->add_option("--file", arguments->file, "a machine.json instead, without any database");
   explain->footer("Example: axiscal machine explain --file machine.json");
   SetAction(explain, context, [&context, arguments] { return Explain(context, *arguments); });
+
+  CLI::App* profile = machine->add_subcommand(
+      "profile", "Options of `compensate` and `verify` that hold for all programs of a machine: put, show");
+  profile->require_subcommand(1);
+  CLI::App* put = profile->add_subcommand("put", "State them, all anew; without any the profile ends");
+  put->add_option("ID", arguments->id, "the machine")->required();
+  AddProfileOptions(*put, arguments->rewrite);
+  put->footer(
+      "They stand in the machine's description (\"programs\"), as a new revision; options of the command line go "
+      "before them.\n"
+      "Example: axiscal machine profile put mt --dialect haas --unit mm --tool-tip \"0 0 -350\" --offset \"G54 "
+      "X=-490\" --tool-table tools.t");
+  SetAction(put, context, [&context, arguments] { return PutProfile(context, *arguments); });
+  CLI::App* show_profile = profile->add_subcommand("show", "Print them as they would be typed");
+  show_profile->add_option("ID", arguments->id, "the machine")->required();
+  SetAction(show_profile, context, [&context, arguments] { return ShowProfile(context, *arguments); });
 }
 
 }  // namespace axiscal::cli

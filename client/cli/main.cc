@@ -49,6 +49,9 @@ void AddCommands(CLI::App& app, Context& context) {
   AddCompensateCommand(app, context);
   AddVerifyCommand(app, context);
   AddPredictCommand(app, context);
+  AddCompareCommand(app, context);
+  AddReportCommand(app, context);
+  AddFiguresCommand(app, context);
   AddTableCommand(app, context);
   AddProgramCommand(app, context);
   AddPlanCommand(app, context);
@@ -56,7 +59,13 @@ void AddCommands(CLI::App& app, Context& context) {
   AddToolSetterCommand(app, context);
   AddPublishedCommand(app, context);
   AddHistoryCommand(app, context);
+  AddDriftCommand(app, context);
+  AddMarkCommand(app, context);
+  AddExpectCommand(app, context);
+  AddEventsCommand(app, context);
+  AddRoutineCommand(app, context);
   AddJobsCommand(app, context);
+  AddBackupCommand(app, context);
   AddAdminCommand(app, context);
 }
 

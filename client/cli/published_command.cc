@@ -1,6 +1,5 @@
 // axiscal published: what a publication's own formulas make of sessions, beside the exact model, with its errata.
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 
 #include "client/cli/commands.h"
@@ -13,7 +12,6 @@
 #include "core/base/files.h"
 #include "core/base/json_limits.h"
 #include "core/published/comparison.h"
-#include "core/session/case.h"
 
 namespace axiscal::cli {
 namespace {
@@ -37,18 +35,6 @@ absl::Status ListPublished(Context& context) {
   return absl::OkStatus();
 }
 
-// A file of that name, else a stored session.
-absl::StatusOr<session::Session> SessionFrom(Context& context, const machine::Machine& machine,
-                                             const std::string& file_or_name) {
-  if (std::filesystem::exists(file_or_name)) return session::ReadSessionFileOf(file_or_name, machine);
-  const bool is_path = file_or_name.find_first_of("/.") != std::string::npos;
-  if (is_path) return absl::NotFoundError(file_or_name + ": no such file");
-  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
-  ASSIGN_OR_RETURN(const std::vector<SessionId> ids,
-                   NamedSessions(*client, MachineId(machine.id), "published", {file_or_name}));
-  return client->DownloadSession(ids[0]);
-}
-
 Json NumberOrNull(double number) { return std::isfinite(number) ? Json(number) : Json(nullptr); }
 
 std::string Cell(double number) {
@@ -66,7 +52,7 @@ absl::StatusOr<published::Comparison> OfSessions(Context& context, const publish
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
   std::vector<session::Session> sessions;
   for (const std::string& name : arguments.inputs) {
-    ASSIGN_OR_RETURN(sessions.emplace_back(), SessionFrom(context, machine, name));
+    ASSIGN_OR_RETURN(sessions.emplace_back(), SessionFrom(context, machine, "published", name));
   }
   return source.compare(machine, sessions);
 }

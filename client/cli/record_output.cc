@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "absl/strings/str_join.h"
 #include "client/cli/loop_text.h"
 #include "core/reports/calibration.h"
 
@@ -165,6 +166,152 @@ Json ToJson(const records::DriftSeries& series) {
           {"unit", UnitName(series.unit)},
           {"not_identifiable", series.not_identifiable_count},
           {"points", points}};
+}
+
+const char* MarkKindName(records::MarkKind kind) {
+  switch (kind) {
+    case records::MarkKind::kCollision:
+      return "collision";
+    case records::MarkKind::kService:
+      return "service";
+    case records::MarkKind::kRefixturing:
+      return "re-fixturing";
+  }
+  return "unknown";
+}
+
+Json ToJson(const records::Mark& mark) {
+  return {{"id", mark.id.number()},
+          {"machine", mark.content.machine.text()},
+          {"at", TimeJson(mark.content.at)},
+          {"kind", MarkKindName(mark.content.kind)},
+          {"symbols", mark.content.symbols},
+          {"note", mark.content.note},
+          {"created_by", mark.created_by},
+          {"created", TimeJson(mark.created_at)},
+          {"withdrawn_by", mark.withdrawn_by},
+          {"withdrawn", TimeJson(mark.withdrawn_at)}};
+}
+
+std::string MarkText(const records::Mark& mark) {
+  std::string text =
+      absl::StrCat("mark ", mark.id.number(), " of ", mark.content.machine.text(), ": ",
+                   MarkKindName(mark.content.kind), " at ", TimeText(mark.content.at), " of ",
+                   mark.content.symbols.empty() ? "all errors" : absl::StrJoin(mark.content.symbols, ", "),
+                   ", put in by ", mark.created_by);
+  if (mark.withdrawn_at) absl::StrAppend(&text, ", withdrawn by ", mark.withdrawn_by);
+  if (!mark.content.note.empty()) absl::StrAppend(&text, ": ", mark.content.note);
+  return text + "\n";
+}
+
+const char* EventKindName(records::EventKind kind) {
+  switch (kind) {
+    case records::EventKind::kOutOfTolerance:
+      return "out-of-tolerance";
+    case records::EventKind::kLimitForecast:
+      return "limit-forecast";
+    case records::EventKind::kStep:
+      return "step";
+    case records::EventKind::kSuspect:
+      return "suspect";
+    case records::EventKind::kUnstable:
+      return "unstable";
+    case records::EventKind::kWear:
+      return "wear";
+    case records::EventKind::kScatter:
+      return "scatter";
+    case records::EventKind::kCalibrationOld:
+      return "calibration-old";
+    case records::EventKind::kSessionMissed:
+      return "session-missed";
+    case records::EventKind::kModelLacks:
+      return "model-lacks";
+    case records::EventKind::kRoutineFailed:
+      return "routine-failed";
+    case records::EventKind::kRoutineProposes:
+      return "routine-proposes";
+  }
+  return "unknown";
+}
+
+Json ToJson(const records::Event& event) {
+  const records::EventContent& content = event.content;
+  Json amounts = Json::Array();
+  for (const records::DriftAmount& amount : content.amounts) {
+    amounts.push_back(
+        {{"symbol", amount.symbol}, {"size", amount.size}, {"sigma", amount.sigma}, {"unit", UnitName(amount.unit)}});
+  }
+  return {{"id", event.id.number()},
+          {"machine", event.machine.text()},
+          {"kind", EventKindName(content.kind)},
+          {"subject", content.subject},
+          {"text", content.text},
+          {"advice", content.advice},
+          {"amounts", amounts},
+          {"certainty", NumberJson(content.certainty)},
+          {"calibration", content.calibration ? Json(content.calibration->number()) : Json()},
+          {"from", TimeJson(content.from)},
+          {"to", TimeJson(content.to)},
+          {"raised", TimeJson(event.raised_at)},
+          {"cleared", TimeJson(event.cleared_at)},
+          {"cleared_why", event.cleared_why},
+          {"acknowledged", TimeJson(event.acknowledged_at)},
+          {"acknowledged_by", event.acknowledged_by},
+          {"acknowledged_note", event.acknowledged_note},
+          {"shelved_until", TimeJson(event.shelved_until)},
+          {"shelved_by", event.shelved_by},
+          {"shelved_note", event.shelved_note}};
+}
+
+std::string EventText(const records::Event& event) {
+  std::string text = absl::StrCat("event ", event.id.number(), " of ", event.machine.text(), ", ",
+                                  EventKindName(event.content.kind), ", raised ", TimeText(event.raised_at),
+                                  " UTC: ", event.content.text, "\n  do: ", event.content.advice, "\n");
+  if (event.acknowledged_at) {
+    absl::StrAppend(&text, "  acknowledged ", TimeText(event.acknowledged_at), " by ", event.acknowledged_by, ": ",
+                    event.acknowledged_note, "\n");
+  }
+  if (event.shelved_until) {
+    absl::StrAppend(&text, "  shelved until ", TimeText(event.shelved_until), " by ", event.shelved_by,
+                    event.shelved_note.empty() ? "" : ": ", event.shelved_note, "\n");
+  }
+  if (event.cleared_at) absl::StrAppend(&text, "  cleared ", TimeText(event.cleared_at), ": ", event.cleared_why, "\n");
+  return text;
+}
+
+namespace {
+
+const char* ChangeName(records::EventChangeKind what) {
+  switch (what) {
+    case records::EventChangeKind::kRaised:
+      return "raised";
+    case records::EventChangeKind::kUpdated:
+      return "updated";
+    case records::EventChangeKind::kCleared:
+      return "cleared";
+    case records::EventChangeKind::kAcknowledged:
+      return "acknowledged";
+    case records::EventChangeKind::kShelved:
+      return "shelved";
+    case records::EventChangeKind::kBack:
+      return "back";
+  }
+  return "changed";
+}
+
+}  // namespace
+
+Json ToJson(const records::EventChange& change) {
+  return {{"change", change.id}, {"what", ChangeName(change.what)}, {"at", TimeJson(change.at)}, {"by", change.by},
+          {"note", change.note}, {"event", ToJson(change.event)}};
+}
+
+std::string ChangeText(const records::EventChange& change) {
+  std::string text =
+      absl::StrCat(change.id, " ", TimeText(change.at), " ", change.event.machine.text(), " ", ChangeName(change.what),
+                   " event ", change.event.id.number(), " (", EventKindName(change.event.content.kind), ")");
+  if (!change.by.empty()) absl::StrAppend(&text, " by ", change.by);
+  return absl::StrCat(text, ": ", change.note.empty() ? change.event.content.text : change.note, "\n");
 }
 
 Json ToJson(const records::FleetRow& row) {
@@ -371,6 +518,13 @@ Json ToJson(const records::PrincipalRecord& principal) {
 
 Json ToJson(const records::MachineAccess& access) {
   return {{"machine", access.machine.text()}, {"groups", access.groups}, {"four_eyes", access.four_eyes}};
+}
+
+Json ToJson(const client::AuditEntry& entry) {
+  return {
+      {"entry", entry.number},  {"at_utc", TimeJson(entry.at)}, {"principal", entry.principal}, {"peer", entry.peer},
+      {"action", entry.action}, {"resource", entry.resource},   {"outcome", entry.outcome},     {"was", entry.was},
+      {"became", entry.became}, {"detail", entry.detail}};
 }
 
 }  // namespace axiscal::cli

@@ -28,6 +28,18 @@ Json ToJson(const records::FleetRow& row);
 Json ToJson(const records::TokenRecord& token);
 Json ToJson(const records::PrincipalRecord& principal);
 Json ToJson(const records::MachineAccess& access);
+Json ToJson(const client::AuditEntry& entry);
+Json ToJson(const records::Mark& mark);
+const char* EventKindName(records::EventKind kind);
+Json ToJson(const records::Event& event);
+// What it says, what to do, and what people said to it; some lines.
+std::string EventText(const records::Event& event);
+Json ToJson(const records::EventChange& change);
+// One line: "12 2026-05-12 14:00:00 mt raised event 7 (out-of-tolerance): EX0C is ...".
+std::string ChangeText(const records::EventChange& change);
+const char* MarkKindName(records::MarkKind kind);
+// "mark 3 of mt: collision at 2026-05-12 14:00:00 of all errors, put in by ann: hit the chuck".
+std::string MarkText(const records::Mark& mark);
 // "cell of machine mt".
 std::string GrantText(const records::Grant& grant);
 Json GrantsJson(const std::vector<records::Grant>& grants);

@@ -64,22 +64,47 @@ absl::StatusOr<std::vector<nc::AxisValue>> ParseAxisValues(const std::string& op
   return values;
 }
 
+// The spelling of a work offset's code by which it is known: "g54  " is "G54", "G54.1P05" and "G54 P5" are "G54.1 P5".
+std::string OffsetCode(const std::string& text) {
+  std::string code;
+  for (const char c : text) {
+    const char capital = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    const bool is_blank = capital == ' ' || capital == '\t';
+    const bool ends_word =
+        !code.empty() && code.back() >= '0' && code.back() <= '9' && capital >= 'A' && capital <= 'Z';
+    if ((is_blank || ends_word) && !code.empty() && code.back() != ' ') code += ' ';
+    if (!is_blank) code += capital;
+  }
+  while (!code.empty() && code.back() == ' ') code.pop_back();
+  const size_t number = code.find(" P");
+  if (number == std::string::npos) return code;
+  while (code.size() > number + 3 && code[number + 2] == '0') code.erase(number + 2, 1);
+  return code.substr(0, number) == "G54" ? "G54.1" + code.substr(number) : code;
+}
+
+// Of "G54 X=1 Y=2", "G54.1 P5 X=1" or "G54=1 2 3": the code, and where its values begin.
+std::pair<std::string, size_t> SplitOffset(const std::string& text) {
+  const size_t equals = std::min(text.find('='), text.size());
+  const size_t blank = text.substr(0, equals).rfind(' ');
+  const bool names_axis = blank != std::string::npos && blank + 1 < equals &&
+                          std::string("XYZABCUVWxyzabcuvw").find(text[blank + 1]) != std::string::npos &&
+                          blank + 2 == equals;
+  return {OffsetCode(text.substr(0, names_axis ? blank : equals)), names_axis ? blank : equals};
+}
+
 // "G54 X=-490 C=90", "G54.1 P5 X=1", or with all axes "G54=-490 0 0 0 90".
 absl::StatusOr<nc::WorkOffset> ParseOffset(const std::string& text, const machine::Machine& machine) {
-  const std::string head = text.substr(0, text.find('='));
-  const size_t blank = head.rfind(' ');
+  const auto [code, begin] = SplitOffset(text);
   nc::WorkOffset offset;
-  const bool names_axes = blank != std::string::npos && machine::FindAxis(machine, head.substr(blank + 1)) >= 0;
-  if (names_axes || head.size() == text.size()) {
-    offset.code = names_axes ? head.substr(0, blank) : text;
-    std::istringstream words(names_axes ? text.substr(blank) : "");
+  offset.code = code;
+  if (begin == text.size() || text[begin] == ' ') {
+    std::istringstream words(text.substr(begin));
     ASSIGN_OR_RETURN(offset.offsets, ParseAxisValues("--offset", words, machine));
     return offset;
   }
-  offset.code = head;
   std::string names;
   std::vector<double> numbers;
-  const bool are_numbers = session::ParseNumbers(text.substr(head.size() + 1), &numbers);
+  const bool are_numbers = session::ParseNumbers(text.substr(begin + 1), &numbers);
   for (const char letter : std::string("XYZABCUVW")) {
     const int axis = machine::FindAxis(machine, std::string(1, letter));
     if (axis < 0) continue;
@@ -95,18 +120,58 @@ absl::StatusOr<nc::WorkOffset> ParseOffset(const std::string& text, const machin
   return offset;
 }
 
-// "H1=120.5"; the letter may be H, D, T or nothing.
-absl::StatusOr<nc::ToolLength> ParseToolLength(const std::string& text) {
+// "H1=120.5": one of the option's letters, or none, in front of the number. False where it is no number and no value.
+bool ReadNumbered(const std::string& text, const char* letters, int* number_of, double* value_of) {
   const size_t equals = text.find('=');
-  const size_t begin = text.find_first_not_of("HDThdt");
-  std::vector<double> number, length;
+  const size_t begin = text.find_first_not_of(letters);
+  std::vector<double> number, value;
   if (equals == std::string::npos || begin > 1 || !session::ParseNumbers(text.substr(begin, equals - begin), &number) ||
-      !session::ParseNumbers(text.substr(equals + 1), &length) || number.size() != 1 || length.size() != 1 ||
+      !session::ParseNumbers(text.substr(equals + 1), &value) || number.size() != 1 || value.size() != 1 ||
       !(number[0] >= 1 && number[0] <= 9999)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--tool-length: '", text, "', expected a number and a length in mm: H1=120.5"));
+    return false;
   }
-  return nc::ToolLength{static_cast<int>(number[0]), length[0]};
+  *number_of = static_cast<int>(number[0]);
+  *value_of = value[0];
+  return true;
+}
+
+// An offset that is stated in part would lose what the machine's profile knows of its other axes.
+absl::Status CheckAxesOfBoth(const std::string& stated, const std::string& kept) {
+  const auto [code, begin] = SplitOffset(stated);
+  const auto [kept_code, kept_begin] = SplitOffset(kept);
+  if (code != kept_code || (begin < stated.size() && stated[begin] == '=')) return absl::OkStatus();
+  const auto axes_of = [](const std::string& text, size_t from) {
+    std::string axes;
+    for (size_t at = text.find('=', from); at != std::string::npos && at > 0; at = text.find('=', at + 1))
+      if (const char letter = text[at - 1] & ~0x20; letter >= 'A' && letter <= 'Z') axes += letter;
+    return axes;
+  };
+  const std::string named = axes_of(stated, begin);
+  // "G54=1 2 3" states all axes.
+  std::string missing = kept[kept_begin] == '=' ? "others" : "";
+  for (const char axis : axes_of(kept, kept_begin)) {
+    if (named.find(axis) == std::string::npos)
+      absl::StrAppend(&missing, missing.empty() ? "" : ", ", std::string(1, axis));
+  }
+  if (missing.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("--offset: '", stated,
+                                                 "' does not state all that the machine's profile "
+                                                 "states of ",
+                                                 code, " (", missing, "): state all of it"));
+}
+
+absl::StatusOr<nc::ToolLength> ParseToolLength(const std::string& text) {
+  nc::ToolLength length;
+  if (ReadNumbered(text, "HDThdt", &length.number, &length.length_mm)) return length;
+  return absl::InvalidArgumentError(
+      absl::StrCat("--tool-length: '", text, "', expected a number and a length in mm: H1=120.5"));
+}
+
+absl::StatusOr<nc::ToolRadius> ParseToolRadius(const std::string& text) {
+  nc::ToolRadius radius;
+  if (ReadNumbered(text, "DTdt", &radius.number, &radius.radius_mm) && radius.radius_mm >= 0) return radius;
+  return absl::InvalidArgumentError(
+      absl::StrCat("--tool-radius: '", text, "', expected a number and a radius in mm, at least 0: D1=5"));
 }
 
 // "47,120-129": numbers and ranges.
@@ -144,11 +209,57 @@ void AddUnitOption(CLI::App& command, RewriteArguments& arguments) {
       ->check(CLI::IsMember(NamesOf(kUnits)));
 }
 
-void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
+void AddProfileOptions(CLI::App& command, RewriteArguments& arguments) {
+  command.add_option("--tool-tip", arguments.tool_tip,
+                     "nominal tool point with all axes at zero, machine coordinates: \"X Y Z\" in mm; required where "
+                     "the machine's profile does not state it");
+  command.add_option("--dialect", arguments.dialect,
+                     "of the controller: fanuc, mazak, haas, linuxcnc, sinumerik, heidenhain; without it the program's "
+                     "words say it, and you are asked where they do not");
   command
-      .add_option("--tool-tip", arguments.tool_tip,
-                  "nominal tool point with all axes at zero, machine coordinates: \"X Y Z\" in mm")
-      ->required();
+      .add_option(
+          "--decimals", arguments.decimals,
+          "least number of decimals of corrected words in mm and deg, one more in inch (4); the control's least "
+          "increment")
+      ->check(CLI::Range(0, 6));
+  command
+      .add_option("--block-delete", arguments.block_delete,
+                  "blocks that begin with /: executed, skipped, or either (not known, the default)")
+      ->check(CLI::IsMember(NamesOf(kBlockDelete)));
+  command
+      .add_option("--integer-words", arguments.integer_words,
+                  "X10 means 10 mm (units, the default) or 10 least increments, of --decimals: with 3 it is 0.010 mm")
+      ->check(CLI::IsMember(NamesOf(kIntegerWords)));
+  AddUnitOption(command, arguments);
+  command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
+  // One value each time: the program's name may follow.
+  command
+      .add_option(
+          "--offset", arguments.offsets,
+          "a work offset that the program selects, mm and deg: \"G54 X=-490 C=90\" or, of all axes in the order "
+          "XYZABC, \"G54=-490 0 0 0 90\"; may be given again")
+      ->allow_extra_args(false);
+  command
+      .add_option("--tool-length", arguments.tool_lengths,
+                  "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: "
+                  "H1=120.5; may be given again")
+      ->allow_extra_args(false);
+  command
+      .add_option("--tool-radius", arguments.tool_radii,
+                  "the radius of a cutter that the program selects by number for cutter compensation, mm, wear "
+                  "included: D1=5; may be given again")
+      ->allow_extra_args(false);
+  command.add_option("--tool-table", arguments.tool_table,
+                     "the control's table of tools, for the lengths and radii that --tool-length and --tool-radius do "
+                     "not state: of LinuxCNC (T5 P5 D10 Z120.5), Fanuc and Haas (G10 L10 P5 R120.5, L12), Sinumerik "
+                     "($TC_DP3[5,1]=120.5, $TC_DP6) or Heidenhain (TOOL.T)");
+  command.add_option("--harmless-m", arguments.harmless_m,
+                     "M codes of the machine's builder that start no macro and move no axis, beside those of the "
+                     "dialect's table (docs/nc.md): 47,120-129");
+}
+
+void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
+  AddProfileOptions(command, arguments);
   command
       .add_option("--max-correction-um", arguments.max_correction_um, "a larger correction of one axis stops the job")
       ->capture_default_str();
@@ -160,6 +271,11 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
       .add_option("--cycle-tolerance-um", arguments.cycle_tolerance_um,
                   "what may be left at the bottom of a hole of a drilling cycle, which the cycle's words cannot take "
                   "away; more stops the job")
+      ->capture_default_str();
+  command
+      .add_option("--cutter-tolerance-um", arguments.cutter_tolerance_um,
+                  "what may be left along a contour under cutter compensation (G41, G42), where errors differ between "
+                  "the contour and the cutter's centre; more stops the job")
       ->capture_default_str();
   command.add_flag("--orientation", arguments.orientation,
                    "correct rotary commands too, so that the tool's direction is the programmed one; what the axes "
@@ -180,44 +296,6 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
                   "block unchanged")
       ->check(CLI::IsMember(NamesOf(kOnUnsupported)))
       ->capture_default_str();
-  command.add_option("--dialect", arguments.dialect, "of the controller")->capture_default_str();
-  command
-      .add_option(
-          "--decimals", arguments.decimals,
-          "least number of decimals of corrected words in mm and deg, one more in inch (4); the control's least "
-          "increment")
-      ->check(CLI::Range(0, 6));
-  command
-      .add_option("--block-delete", arguments.block_delete,
-                  "blocks that begin with /: executed, skipped, or either (not known)")
-      ->check(CLI::IsMember(NamesOf(kBlockDelete)))
-      ->capture_default_str();
-  command
-      .add_option("--integer-words", arguments.integer_words,
-                  "X10 means 10 mm (units) or 10 least increments, of --decimals: with 3 it is 0.010 mm")
-      ->check(CLI::IsMember(NamesOf(kIntegerWords)))
-      ->capture_default_str();
-  AddUnitOption(command, arguments);
-  command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
-  // One value each time: the program's name may follow.
-  command
-      .add_option(
-          "--offset", arguments.offsets,
-          "a work offset that the program selects, mm and deg: \"G54 X=-490 C=90\" or, of all axes in the order "
-          "XYZABC, \"G54=-490 0 0 0 90\"; may be given again")
-      ->allow_extra_args(false);
-  command
-      .add_option("--tool-length", arguments.tool_lengths,
-                  "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: "
-                  "H1=120.5; may be given again")
-      ->allow_extra_args(false);
-  command.add_option("--tool-table", arguments.tool_table,
-                     "the control's table of tools, for the lengths that --tool-length does not state: of LinuxCNC "
-                     "(T5 P5 Z120.5), Fanuc and Haas (G10 L10 P5 R120.5), Sinumerik ($TC_DP3[5,1]=120.5) or "
-                     "Heidenhain (TOOL.T)");
-  command.add_option("--harmless-m", arguments.harmless_m,
-                     "M codes of the machine's builder that start no macro and move no axis, beside those of the "
-                     "dialect's table (docs/nc.md): 47,120-129");
   command.add_option("--subprograms", arguments.subprograms,
                      "a folder with the subprograms that the program calls and does not hold itself");
   command.add_option("--time-s", arguments.time_s,
@@ -226,8 +304,130 @@ void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments) {
                      "at which temperature; needed for thermal errors");
 }
 
+absl::StatusOr<std::string> TakeProfile(const machine::ProgramProfile& profile, RewriteArguments* arguments) {
+  std::string taken;
+  const auto note = [&taken](const std::string& option) { absl::StrAppend(&taken, taken.empty() ? "" : ", ", option); };
+  const auto take = [&](const char* option, const std::string& from, std::string* to) {
+    if (!to->empty() || from.empty()) return;
+    *to = from;
+    note(option);
+  };
+  // Values that the command line states go before those of the profile with the same name.
+  const auto add = [&](const char* option, const std::vector<std::string>& from, const auto& name_of,
+                       std::vector<std::string>* to) {
+    std::vector<std::string> stated;
+    for (const std::string& text : *to) stated.push_back(name_of(text));
+    std::string names;
+    for (const std::string& text : from) {
+      const std::string name = name_of(text);
+      if (std::find(stated.begin(), stated.end(), name) != stated.end()) continue;
+      to->push_back(text);
+      absl::StrAppend(&names, names.empty() ? " " : ", ", name);
+    }
+    if (!names.empty()) note(option + names);
+  };
+  take("--tool-tip", profile.tool_tip, &arguments->tool_tip);
+  take("--dialect", profile.dialect, &arguments->dialect);
+  take("--unit", profile.unit, &arguments->unit);
+  // What an integer stands for is the two together.
+  const bool states_decimals = arguments->decimals.has_value(), states_integers = !arguments->integer_words.empty();
+  const std::string& integers = states_integers ? arguments->integer_words : profile.integer_words;
+  if (integers == "increments" && states_decimals != states_integers &&
+      !(states_decimals ? profile.integer_words : profile.decimals).empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(states_decimals ? "--decimals" : "--integer-words",
+                                                   " is stated and ",
+                                                   states_decimals ? "--integer-words increments" : "--decimals",
+                                                   " is of the machine's profile: with increments "
+                                                   "they say together what X100 means, state both"));
+  }
+  take("--integer-words", profile.integer_words, &arguments->integer_words);
+  take("--block-delete", profile.block_delete, &arguments->block_delete);
+  take("--harmless-m", profile.harmless_m, &arguments->harmless_m);
+  take("--start", profile.start, &arguments->start);
+  if (!arguments->decimals && !profile.decimals.empty()) {
+    std::vector<double> numbers;
+    if (!session::ParseNumbers(profile.decimals, &numbers) || numbers.size() != 1 || numbers[0] < 0 || numbers[0] > 6 ||
+        numbers[0] != static_cast<int>(numbers[0])) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("programs.decimals: '", profile.decimals, "', expected a whole number from 0 to 6"));
+    }
+    arguments->decimals = static_cast<int>(numbers[0]);
+    note("--decimals");
+  }
+  const auto known = [](const char* member, const auto& choices, const std::string& value) -> absl::Status {
+    const std::vector<std::string> names = NamesOf(choices);
+    if (value.empty() || std::find(names.begin(), names.end(), value) != names.end()) return absl::OkStatus();
+    std::string list;
+    for (const std::string& name : names) absl::StrAppend(&list, list.empty() ? "" : ", ", name);
+    return absl::InvalidArgumentError(absl::StrCat("programs.", member, ": '", value, "', expected one of ", list));
+  };
+  RETURN_IF_ERROR(known("unit", kUnits, arguments->unit));
+  RETURN_IF_ERROR(known("integer_words", kIntegerWords, arguments->integer_words));
+  RETURN_IF_ERROR(known("block_delete", kBlockDelete, arguments->block_delete));
+  for (const std::string& stated : arguments->offsets) {
+    for (const std::string& kept : profile.offsets) RETURN_IF_ERROR(CheckAxesOfBoth(stated, kept));
+  }
+  const auto offset_name = [](const std::string& text) { return SplitOffset(text).first; };
+  const auto number_name = [](const std::string& text) {
+    const std::string head = text.substr(0, text.find('='));
+    const size_t digits = head.find_first_of("123456789");
+    return digits == std::string::npos ? head : head.substr(digits);
+  };
+  add("--offset", profile.offsets, offset_name, &arguments->offsets);
+  if (!arguments->tool_table.empty()) return taken;  // it holds the tools as they are now
+  add("--tool-length", profile.tool_lengths, number_name, &arguments->tool_lengths);
+  add("--tool-radius", profile.tool_radii, number_name, &arguments->tool_radii);
+  return taken;
+}
+
+absl::StatusOr<machine::ProgramProfile> ToProfile(const RewriteArguments& arguments, const machine::Machine& machine) {
+  if (!arguments.tool_tip.empty()) RETURN_IF_ERROR(ToolTip(arguments).status());
+  ASSIGN_OR_RETURN(const nc::RewriteOptions options, ToRewriteOptions(arguments, machine));
+  RETURN_IF_ERROR(nc::Validate(options));
+  machine::ProgramProfile profile;
+  profile.tool_tip = arguments.tool_tip;
+  profile.dialect = arguments.dialect;
+  profile.unit = arguments.unit;
+  profile.integer_words = arguments.integer_words;
+  profile.block_delete = arguments.block_delete;
+  profile.harmless_m = arguments.harmless_m;
+  profile.start = arguments.start;
+  if (arguments.decimals) profile.decimals = absl::StrCat(*arguments.decimals);
+  profile.offsets = arguments.offsets;
+  for (const nc::ToolLength& length : options.tool_lengths)
+    profile.tool_lengths.push_back(absl::StrFormat("H%d=%.10g", length.number, length.length_mm));
+  for (const nc::ToolRadius& radius : options.tool_radii)
+    profile.tool_radii.push_back(absl::StrFormat("D%d=%.10g", radius.number, radius.radius_mm));
+  return profile;
+}
+
+std::string ProfileText(const machine::ProgramProfile& profile) {
+  std::string text;
+  const auto add = [&text](const char* option, const std::string& value) {
+    const bool is_quoted = value.find(' ') != std::string::npos;
+    if (!value.empty()) absl::StrAppend(&text, option, " ", is_quoted ? "\"" : "", value, is_quoted ? "\"" : "", "\n");
+  };
+  add("--tool-tip", profile.tool_tip);
+  add("--dialect", profile.dialect);
+  add("--unit", profile.unit);
+  add("--integer-words", profile.integer_words);
+  add("--decimals", profile.decimals);
+  add("--block-delete", profile.block_delete);
+  add("--harmless-m", profile.harmless_m);
+  add("--start", profile.start);
+  for (const std::string& offset : profile.offsets) add("--offset", offset);
+  for (const std::string& length : profile.tool_lengths) add("--tool-length", length);
+  for (const std::string& radius : profile.tool_radii) add("--tool-radius", radius);
+  return text;
+}
+
 absl::StatusOr<Eigen::Vector3d> ToolTip(const RewriteArguments& arguments) {
   std::vector<double> numbers;
+  if (arguments.tool_tip.empty()) {
+    return absl::InvalidArgumentError(
+        "--tool-tip: '', expected the nominal tool point at home, in mm: \"0 0 -350\", here or in the machine's "
+        "profile");
+  }
   if (!session::ParseNumbers(arguments.tool_tip, &numbers) || numbers.size() != 3) {
     return absl::InvalidArgumentError(
         absl::StrCat("--tool-tip: '", arguments.tool_tip, "', expected three numbers in mm: \"0 0 -350\""));
@@ -262,10 +462,10 @@ absl::StatusOr<std::vector<nc::Subprogram>> ReadSubprograms(const std::string& o
 absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& arguments,
                                                     const machine::Machine& machine) {
   nc::RewriteOptions options;
-  options.dialect = arguments.dialect;
+  if (!arguments.dialect.empty()) options.dialect = arguments.dialect;
   options.on_unsupported = kOnUnsupported.at(arguments.on_unsupported);
-  options.block_delete = kBlockDelete.at(arguments.block_delete);
-  options.integer_words = kIntegerWords.at(arguments.integer_words);
+  if (!arguments.block_delete.empty()) options.block_delete = kBlockDelete.at(arguments.block_delete);
+  if (!arguments.integer_words.empty()) options.integer_words = kIntegerWords.at(arguments.integer_words);
   if (options.integer_words == nc::IntegerWords::kLeastIncrement && !arguments.decimals) {
     return absl::InvalidArgumentError(
         "--integer-words increments: needs --decimals, the least increment: with 3 X10 is 0.010 mm, with 4 0.0010 mm");
@@ -278,6 +478,7 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   options.max_correction_mm = arguments.max_correction_um * base::kMmPerUm;
   options.tolerance_mm = arguments.tolerance_um * base::kMmPerUm;
   options.cycle_tolerance_mm = arguments.cycle_tolerance_um * base::kMmPerUm;
+  options.cutter_tolerance_mm = arguments.cutter_tolerance_um * base::kMmPerUm;
   options.orientation = arguments.orientation;
   options.max_rotary_correction_rad = arguments.max_rotary_correction_deg * base::kRadPerDeg;
   options.tolerance_rad = arguments.tolerance_urad * base::kRadPerUrad;
@@ -299,11 +500,23 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
     }
     options.tool_lengths.push_back(length);
   }
+  for (const std::string& text : arguments.tool_radii) {
+    ASSIGN_OR_RETURN(const nc::ToolRadius radius, ParseToolRadius(text));
+    for (const nc::ToolRadius& known : options.tool_radii) {
+      if (known.number == radius.number) return Twice("--tool-radius", absl::StrCat("D", radius.number));
+    }
+    options.tool_radii.push_back(radius);
+  }
   if (!arguments.tool_table.empty()) {
     constexpr size_t kMostBytes = size_t{1} << 24;
     ASSIGN_OR_RETURN(const std::string table, base::ReadFile(arguments.tool_table, kMostBytes));
-    ASSIGN_OR_RETURN(const std::vector<nc::ToolLength> lengths, ParseToolTable(table, arguments.tool_table));
-    for (const nc::ToolLength& length : lengths) {
+    ASSIGN_OR_RETURN(const ToolTable tools, ParseToolTable(table, arguments.tool_table));
+    for (const nc::ToolRadius& radius : tools.radii) {
+      const bool is_stated = std::any_of(options.tool_radii.begin(), options.tool_radii.end(),
+                                         [&](const nc::ToolRadius& known) { return known.number == radius.number; });
+      if (!is_stated) options.tool_radii.push_back(radius);
+    }
+    for (const nc::ToolLength& length : tools.lengths) {
       const bool is_stated = std::any_of(options.tool_lengths.begin(), options.tool_lengths.end(),
                                          [&](const nc::ToolLength& known) { return known.number == length.number; });
       if (!is_stated) options.tool_lengths.push_back(length);

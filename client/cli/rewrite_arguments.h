@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/machine/machine.h"
+#include "core/machine/program_profile.h"
 #include "core/nc/options.h"
 
 namespace CLI {
@@ -18,21 +19,22 @@ namespace axiscal::cli {
 
 struct RewriteArguments {
   std::string tool_tip;  // "0 0 -350"
-  std::string dialect = "fanuc";
+  std::string dialect;  // "": the program's words say it (dialect_choice.h)
   std::string on_unsupported = "refuse";
-  std::string block_delete = "either";
-  std::string integer_words = "units";
+  std::string block_delete;   // "": either
+  std::string integer_words;  // "": units
   std::string unit;  // "mm", "inch"; "": the program states it
   std::optional<int> decimals;
   double max_correction_um = 500;
   double tolerance_um = 1;
-  double cycle_tolerance_um = 20;
+  double cycle_tolerance_um = 20, cutter_tolerance_um = 20;
   bool orientation = false;
   double max_rotary_correction_deg = 0.05;
   double tolerance_urad = 10;
   std::string start;                      // "X=0 Y=0 B=90"
   std::vector<std::string> offsets;       // "G54 X=-490 C=90" or "G54=-490 0 0 0 90"
   std::vector<std::string> tool_lengths;  // "H1=120.5"
+  std::vector<std::string> tool_radii;    // "D1=5"
   std::string harmless_m;                 // "47,120-129"
   std::string subprograms;                // a folder
   std::string tool_table;                 // a file
@@ -44,8 +46,17 @@ void AddModelOptions(CLI::App& command, std::string& machine, std::string& error
 // --unit alone, for commands that only read programs.
 void AddUnitOption(CLI::App& command, RewriteArguments& arguments);
 void AddRewriteOptions(CLI::App& command, RewriteArguments& arguments);
+// Those of them that a machine's profile may hold.
+void AddProfileOptions(CLI::App& command, RewriteArguments& arguments);
 
-// INVALID_ARGUMENT naming the option, its value and what was expected.
+// What the options do not say and the machine's profile does. Says which of them it took, in words; "": none.
+absl::StatusOr<std::string> TakeProfile(const machine::ProgramProfile& profile, RewriteArguments* arguments);
+// The profile that the options make; a tool table is read and stands as lengths and radii. Errors of ToRewriteOptions.
+absl::StatusOr<machine::ProgramProfile> ToProfile(const RewriteArguments& arguments, const machine::Machine& machine);
+// The options of a profile as they are typed, a line each.
+std::string ProfileText(const machine::ProgramProfile& profile);
+
+// INVALID_ARGUMENT naming the option, its value and what was expected. Without --dialect: that of "fanuc".
 absl::StatusOr<Eigen::Vector3d> ToolTip(const RewriteArguments& arguments);
 // The files of a folder, in the order of their names; none for "".
 absl::StatusOr<std::vector<nc::Subprogram>> ReadSubprograms(const std::string& option, const std::string& folder);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
+
+#include "core/session/case.h"
 
 namespace axiscal::cli {
 namespace {
@@ -59,6 +62,17 @@ absl::StatusOr<std::vector<SessionId>> NamedSessions(client::Client& client, con
     chosen.push_back(id);
   }
   return chosen;
+}
+
+absl::StatusOr<session::Session> SessionFrom(Context& context, const machine::Machine& machine,
+                                             const std::string& option, const std::string& file_or_name) {
+  if (std::filesystem::exists(file_or_name)) return session::ReadSessionFileOf(file_or_name, machine);
+  const bool is_path = file_or_name.find_first_of("/.") != std::string::npos;
+  if (is_path) return absl::NotFoundError(file_or_name + ": no such file");
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  ASSIGN_OR_RETURN(const std::vector<SessionId> ids,
+                   NamedSessions(*client, MachineId(machine.id), option, {file_or_name}));
+  return client->DownloadSession(ids[0]);
 }
 
 }  // namespace axiscal::cli

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/context.h"
 #include "client/client.h"
+#include "core/machine/machine.h"
 
 namespace axiscal::cli {
 
@@ -16,6 +18,11 @@ absl::StatusOr<std::vector<records::SessionRecord>> CompleteSessions(client::Cli
 // complete session of that name, INVALID_ARGUMENT with their numbers when it has several.
 absl::StatusOr<std::vector<SessionId>> NamedSessions(client::Client& client, const MachineId& machine,
                                                      const std::string& option, const std::vector<std::string>& texts);
+
+// A session file of that name, checked against the machine, else a stored session of it by number or name. NOT_FOUND
+// for a path without a file, and as above.
+absl::StatusOr<session::Session> SessionFrom(Context& context, const machine::Machine& machine,
+                                             const std::string& option, const std::string& file_or_name);
 
 }  // namespace axiscal::cli
 

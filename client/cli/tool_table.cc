@@ -61,9 +61,10 @@ bool ReadWords(const std::string& line, std::map<char, std::vector<double>>* wor
   return !words->empty();
 }
 
-class ToolTable {
+// Numbers of one kind.
+class Values {
  public:
-  explicit ToolTable(const std::string& path) : path_(path) {}
+  Values(const std::string& path, const std::string& what) : path_(path), what_(what) {}
 
   absl::Status Error(int line, const std::string& what) const {
     return absl::InvalidArgumentError(absl::StrCat("--tool-table: ", path_, ", line ", line, ": ", what));
@@ -78,45 +79,58 @@ class ToolTable {
     parts[{tool, part}] = value_mm;
     return absl::OkStatus();
   }
-  absl::StatusOr<std::vector<nc::ToolLength>> Lengths() const {
-    std::vector<nc::ToolLength> lengths;
+  // By number, in its order.
+  absl::StatusOr<std::map<int, double>> Sums() const {
+    std::map<int, double> sums;
     for (const auto& [number, parts] : parts_) {
       std::map<double, double> of_tool;
       for (const auto& [key, value_mm] : parts) of_tool[key.first] += value_mm;
-      for (const auto& [tool, length_mm] : of_tool) {
+      for (const auto& [tool, value_mm] : of_tool) {
         const auto& [first_tool, first_mm] = *of_tool.begin();
-        if (length_mm != first_mm) {
-          return absl::InvalidArgumentError(absl::StrCat(
-              "--tool-table: ", path_, ": D", number, " has two lengths, ", first_mm, " mm of tool ", first_tool,
-              " and ", length_mm, " mm of tool ", tool, "; state those of this program with --tool-length D", number,
-              "=..., or give each tool a number of its own"));
-        }
+        if (value_mm == first_mm) continue;
+        return absl::InvalidArgumentError(absl::StrCat(
+            "--tool-table: ", path_, ": D", number, " has two values of the ", what_, ", ", first_mm, " mm of tool ",
+            first_tool, " and ", value_mm, " mm of tool ", tool, "; state those of this program with --tool-", what_,
+            " D", number, "=..., or give each tool a number of its own"));
       }
-      if (of_tool.begin()->second != 0) lengths.push_back({number, of_tool.begin()->second});
+      sums[number] = of_tool.begin()->second;
     }
-    return lengths;
+    return sums;
   }
   bool is_empty() const { return parts_.empty(); }
 
  private:
   using Parts = std::map<std::pair<double, int>, double>;
-  const std::string path_;
+  const std::string path_, what_;
   std::map<int, Parts> parts_;
 };
 
-// "$TC_DP3[5,1]=120.5": length 1; $TC_DP12 is its wear.
-absl::Status AddSinumerik(const std::string& line, int number, ToolTable* table) {
-  for (const auto& [name, part] : {std::pair<std::string, int>{"$TC_DP3[", 0}, {"$TC_DP12[", 1}}) {
+struct Tables {
+  Values lengths, radii;
+};
+
+// "$TC_DP3[5,1]=120.5": length 1; $TC_DP12 is its wear. $TC_DP6 and $TC_DP15 are those of the radius.
+absl::Status AddSinumerik(const std::string& line, int number, Tables* tables) {
+  const struct {
+    std::string name;
+    int part;
+    Values* values;
+  } kinds[] = {{"$TC_DP3[", 0, &tables->lengths},
+               {"$TC_DP12[", 1, &tables->lengths},
+               {"$TC_DP6[", 0, &tables->radii},
+               {"$TC_DP15[", 1, &tables->radii}};
+  for (const auto& [name, part, values] : kinds) {
     if (line.compare(0, name.size(), name) != 0) continue;
     const size_t comma = line.find(','), close = line.find(']'), equals = line.find('=');
     if (comma == std::string::npos || close == std::string::npos || equals == std::string::npos || comma > close ||
         close > equals)
-      return table->Error(number, "expected $TC_DP3[T,D]=LENGTH");
+      return values->Error(number, absl::StrCat("expected ", name, "T,D]=NUMBER"));
     const auto tool = NumberOf(line.substr(name.size(), comma - name.size()));
     const auto edge = NumberOf(line.substr(comma + 1, close - comma - 1));
-    const auto length = NumberOf(line.substr(equals + 1));
-    if (!tool || !edge || !length) return table->Error(number, "expected plain numbers: $TC_DP3[5,1]=120.5");
-    return table->Add(number, *edge, *length, part, *tool);
+    const auto value = NumberOf(line.substr(equals + 1));
+    if (!tool || !edge || !value)
+      return values->Error(number, absl::StrCat("expected plain numbers: ", name, "5,1]=120.5"));
+    return values->Add(number, *edge, *value, part, *tool);
   }
   return absl::OkStatus();
 }
@@ -150,26 +164,39 @@ Column FindColumn(const std::string& names, const std::string& name) {
   return column;
 }
 
+// "+1.5", "1.5".
+std::optional<double> SignedOf(const std::string& text) {
+  return NumberOf(!text.empty() && text[0] == '+' ? text.substr(1) : text);
+}
+
 absl::Status AddHeidenhain(const std::string& line, const std::string& names, double unit_mm, int number,
-                           ToolTable* table) {
-  const std::string tool = FindColumn(names, "T").Of(line), length = FindColumn(names, "L").Of(line),
-                    wear = FindColumn(names, "DL").Of(line);
-  if (tool.empty() || length.empty()) return absl::OkStatus();
-  const auto number_of_tool = NumberOf(tool), length_of_tool = NumberOf(length[0] == '+' ? length.substr(1) : length);
-  if (!number_of_tool || !length_of_tool)
-    return table->Error(number, absl::StrCat("T = '", tool, "', L = '", length, "', expected numbers"));
-  if (*number_of_tool == 0) return absl::OkStatus();
-  RETURN_IF_ERROR(table->Add(number, *number_of_tool, *length_of_tool * unit_mm, 0, 0));
-  if (wear.empty()) return absl::OkStatus();
-  const auto wear_of_tool = NumberOf(wear[0] == '+' ? wear.substr(1) : wear);
-  if (!wear_of_tool) return table->Error(number, absl::StrCat("DL = '", wear, "', expected a number"));
-  return table->Add(number, *number_of_tool, *wear_of_tool * unit_mm, 1, 0);
+                           Tables* tables) {
+  const std::string tool = FindColumn(names, "T").Of(line);
+  const struct {
+    const char* name;
+    int part;
+    Values* values;
+  } columns[] = {
+      {"L", 0, &tables->lengths}, {"DL", 1, &tables->lengths}, {"R", 0, &tables->radii}, {"DR", 1, &tables->radii}};
+  if (tool.empty() || FindColumn(names, "L").Of(line).empty()) return absl::OkStatus();
+  const auto number_of_tool = NumberOf(tool);
+  for (const auto& [name, part, values] : columns) {
+    const std::string text = FindColumn(names, name).Of(line);
+    if (text.empty()) continue;
+    const auto value = SignedOf(text);
+    if (!number_of_tool || !value)
+      return values->Error(number, absl::StrCat("T = '", tool, "', ", name, " = '", text, "', expected numbers"));
+    if (*number_of_tool == 0) return absl::OkStatus();
+    RETURN_IF_ERROR(values->Add(number, *number_of_tool, *value * unit_mm, part, 0));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
 
-absl::StatusOr<std::vector<nc::ToolLength>> ParseToolTable(const std::string& text, const std::string& path) {
-  ToolTable table(path);
+absl::StatusOr<ToolTable> ParseToolTable(const std::string& text, const std::string& path) {
+  Tables tables{{path, "length"}, {path, "radius"}};
+  Values& lengths = tables.lengths;
   std::istringstream lines(text);
   std::string names;
   bool is_heidenhain = false;
@@ -190,14 +217,14 @@ absl::StatusOr<std::vector<nc::ToolLength>> ParseToolTable(const std::string& te
       if (names.empty()) {
         names = line;
         if (FindColumn(names, "T").begin == std::string::npos || FindColumn(names, "L").begin == std::string::npos)
-          return table.Error(number, "expected the names of the columns, T and L among them");
+          return lengths.Error(number, "expected the names of the columns, T and L among them");
         continue;
       }
-      RETURN_IF_ERROR(AddHeidenhain(line, names, unit_mm, number, &table));
+      RETURN_IF_ERROR(AddHeidenhain(line, names, unit_mm, number, &tables));
       continue;
     }
     if (line.compare(0, 4, "$TC_") == 0) {
-      RETURN_IF_ERROR(AddSinumerik(line, number, &table));
+      RETURN_IF_ERROR(AddSinumerik(line, number, &tables));
       continue;
     }
     if (!ReadWords(line, &words)) continue;
@@ -207,15 +234,26 @@ absl::StatusOr<std::vector<nc::ToolLength>> ParseToolTable(const std::string& te
     if (has_g(20)) unit_mm = kMmPerInch;
     if (has_g(10)) {
       const double kind = one('L') ? words['L'][0] : 0;
-      if (kind != 10 && kind != 11) continue;
+      if (kind < 10 || kind > 13) continue;
       if (!one('P') || !one('R') || has_g(91))
-        return table.Error(number, "expected G10 L10 P5 R120.5 with one P and one R, in G90");
-      RETURN_IF_ERROR(table.Add(number, words['P'][0], words['R'][0] * unit_mm, kind == 11, 0));
+        return lengths.Error(number, "expected G10 L10 P5 R120.5 with one P and one R, in G90");
+      Values& values = kind < 12 ? lengths : tables.radii;
+      RETURN_IF_ERROR(values.Add(number, words['P'][0], words['R'][0] * unit_mm, kind == 11 || kind == 13, 0));
     } else if (one('T') && (one('P') || one('Z')) && words.count('G') == 0 && words.count('M') == 0) {
-      RETURN_IF_ERROR(table.Add(number, words['T'][0], one('Z') ? words['Z'][0] * unit_mm : 0.0, 0, 0));
+      RETURN_IF_ERROR(lengths.Add(number, words['T'][0], one('Z') ? words['Z'][0] * unit_mm : 0.0, 0, 0));
+      if (one('D')) RETURN_IF_ERROR(tables.radii.Add(number, words['T'][0], 0.5 * words['D'][0] * unit_mm, 0, 0));
     }
   }
-  if (!table.is_empty()) return table.Lengths();
+  if (!lengths.is_empty() || !tables.radii.is_empty()) {
+    ToolTable tools;
+    ASSIGN_OR_RETURN(const auto lengths_mm, lengths.Sums());
+    ASSIGN_OR_RETURN(const auto radii_mm, tables.radii.Sums());
+    for (const auto& [known, length_mm] : lengths_mm) {
+      if (length_mm != 0) tools.lengths.push_back({known, length_mm});
+    }
+    for (const auto& [known, radius_mm] : radii_mm) tools.radii.push_back({known, radius_mm});
+    return tools;
+  }
   return absl::InvalidArgumentError(
       absl::StrCat("--tool-table: ", path,
                    " holds no tool: expected lines of LinuxCNC (T5 P5 Z120.5), Fanuc (G10 L10 "

@@ -9,10 +9,11 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string Shown(const std::string& text) {
-  const auto lengths = ParseToolTable(text, "tools");
-  if (!lengths.ok()) return std::string(lengths.status().message());
+  const auto tools = ParseToolTable(text, "tools");
+  if (!tools.ok()) return std::string(tools.status().message());
   std::string shown;
-  for (const nc::ToolLength& length : *lengths) absl::StrAppend(&shown, length.number, "=", length.length_mm, " ");
+  for (const nc::ToolLength& length : tools->lengths)
+    absl::StrAppend(&shown, length.number, "=", length.length_mm, " ");
   return shown;
 }
 
@@ -34,9 +35,27 @@ TEST(ToolTable, BadTablesAreRefusedWithTheLine) {
   EXPECT_THAT(Shown("G10 L10 P1\n"), HasSubstr("expected G10 L10 P5 R120.5"));
   EXPECT_THAT(Shown("G91 G10 L10 P1 R5\n"), HasSubstr("in G90"));
   EXPECT_THAT(Shown("$TC_DP3[1,1]=R5\n"), HasSubstr("expected plain numbers"));
-  EXPECT_THAT(Shown("$TC_DP3[1,1]=5\n$TC_DP3[2,1]=6\n"), HasSubstr("D1 has two lengths, 5 mm of tool 1 and 6 mm"));
+  EXPECT_THAT(Shown("$TC_DP3[1,1]=5\n$TC_DP3[2,1]=6\n"),
+              HasSubstr("D1 has two values of the length, 5 mm of tool 1 and 6 mm"));
   EXPECT_THAT(Shown("BEGIN TOOL .T MM\nNAME R\n"), HasSubstr("line 2: expected the names of the columns"));
   EXPECT_THAT(Shown("BEGIN TOOL .T MM\nT  L\n1  ABC\n"), HasSubstr("L = 'ABC'"));
+}
+
+std::string ShownRadii(const std::string& text) {
+  const auto tools = ParseToolTable(text, "tools");
+  if (!tools.ok()) return std::string(tools.status().message());
+  std::string shown;
+  for (const nc::ToolRadius& radius : tools->radii) absl::StrAppend(&shown, radius.number, "=", radius.radius_mm, " ");
+  return shown;
+}
+
+TEST(ToolTable, RadiiStandBesideLengths) {
+  EXPECT_EQ(ShownRadii("T1 P1 D6.0 Z+120.5\nT2 P2 Z0.0\n"), "1=3 ");
+  EXPECT_EQ(ShownRadii("G10 L10 P1 R120.5\nG10 L12 P1 R6.\nG10 L13 P1 R-.5\n"), "1=5.5 ");
+  EXPECT_EQ(ShownRadii("$TC_DP3[1,1]=80.25\n$TC_DP6[1,1]=4\n$TC_DP15[1,1]=0.25\n"), "1=4.25 ");
+  EXPECT_EQ(ShownRadii("BEGIN TOOL .T INCH\nT  L   R     DR\n1  +2  +0.5  -0.1\n2  +3\n"), "1=10.16 ");
+  EXPECT_THAT(ShownRadii("$TC_DP6[1,1]=5\n$TC_DP6[2,1]=6\n"),
+              HasSubstr("D1 has two values of the radius, 5 mm of tool 1"));
 }
 
 }  // namespace

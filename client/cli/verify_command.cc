@@ -1,16 +1,20 @@
 // axiscal verify: an original and its compensated program through the machine model.
 #include <CLI/CLI.hpp>
+#include <fstream>
 #include <memory>
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/dialect_choice.h"
 #include "client/cli/error_model_source.h"
 #include "client/cli/line_ranges.h"
 #include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
 #include "client/cli/rewrite_arguments.h"
 #include "core/base/files.h"
+#include "core/base/json_limits.h"
 #include "core/base/units.h"
+#include "core/nc/mark.h"
 #include "core/nc/verify.h"
 
 namespace axiscal::cli {
@@ -54,7 +58,22 @@ std::string ReportText(const nc::VerifyReport& report, bool with_directions) {
   return text;
 }
 
-absl::Status Verify(Context& context, const VerifyArguments& arguments) {
+// The machine that the program was corrected for, from its head.
+absl::Status CheckMachine(const std::string& path, const std::string& machine) {
+  RETURN_IF_ERROR(base::RequireFile(path));
+  std::string head(size_t{1} << 18, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(file.gcount()));
+  const std::string marked = nc::MarkedMachine(head);
+  if (marked.empty() || marked == machine) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(path, ": was corrected for machine ", marked,
+                                                    ", and --machine is ", machine,
+                                                    ": on another machine its words are wrong"));
+}
+
+absl::Status Verify(Context& context, const VerifyArguments& typed) {
+  VerifyArguments arguments = typed;
   std::vector<NamedPath> inputs = {{"the original", arguments.original},
                                    {"the compensated program", arguments.compensated}};
   if (context.server.empty()) inputs.push_back({"the database", context.database});
@@ -64,20 +83,48 @@ absl::Status Verify(Context& context, const VerifyArguments& arguments) {
   }
   RETURN_IF_ERROR(CheckOutputs(inputs, {{"--report", arguments.report}}));
   nc::VerifyOptions options;
-  ASSIGN_OR_RETURN(options.tool_tip_mm, ToolTip(arguments.rewrite));
+  if (!typed.rewrite.tool_tip.empty()) RETURN_IF_ERROR(ToolTip(typed.rewrite).status());
   ASSIGN_OR_RETURN(const MachineWithErrors model, arguments.errors.empty()
                                                       ? FetchModel(context, arguments.machine, arguments.calibration)
                                                       : ReadModelFiles(arguments.machine, arguments.errors));
+  // The profile of now, not of when the calibration was made.
+  std::string description;
+  if (arguments.errors.empty()) {
+    ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+    ASSIGN_OR_RETURN(const records::MachineRecord record, client->GetMachine(MachineId(arguments.machine)));
+    description = record.description_json;
+  } else {
+    ASSIGN_OR_RETURN(description, base::ReadFile(arguments.machine, base::kMaxJsonBytes));
+  }
+  ASSIGN_OR_RETURN(const machine::ProgramProfile profile, machine::ProgramProfileFromJson(description));
+  RETURN_IF_ERROR(TakeProfile(profile, &arguments.rewrite).status());
+  ASSIGN_OR_RETURN(options.tool_tip_mm, ToolTip(arguments.rewrite));
+  RETURN_IF_ERROR(CheckMachine(arguments.compensated, model.machine.id));
   ASSIGN_OR_RETURN(options.reading, ToRewriteOptions(arguments.rewrite, model.machine));
   ASSIGN_OR_RETURN(options.compensated_subprograms,
                    ReadSubprograms("--subprograms-out", arguments.subprograms_out));
   options.time_s = arguments.rewrite.time_s.value_or(options.time_s);
   options.temperature_celsius = arguments.rewrite.temperature_celsius.value_or(options.temperature_celsius);
-  ASSIGN_OR_RETURN(const nc::VerifyReport report,
-                   nc::VerifyFiles(arguments.original, arguments.compensated, model.machine, model.errors, options));
+  const auto verify = [&](const std::string& name) {
+    nc::VerifyOptions in = options;
+    in.reading.dialect = name;
+    return nc::VerifyFiles(arguments.original, arguments.compensated, model.machine, model.errors, in);
+  };
+  const DialectTrial trial = [&](const std::string& name) -> absl::StatusOr<std::string> {
+    ASSIGN_OR_RETURN(const nc::VerifyReport found, verify(name));
+    return nc::ToJson(found);
+  };
+  ASSIGN_OR_RETURN(const DialectChoice dialect,
+                   ChooseDialect(arguments.rewrite.dialect,
+                                 typed.rewrite.dialect.empty() ? "the machine's profile" : "--dialect",
+                                 arguments.original, trial));
+  const absl::StatusOr<nc::VerifyReport> verified = verify(dialect.name);
+  if (!verified.ok()) return WithDialect(dialect, verified.status());
+  const nc::VerifyReport& report = *verified;
   const std::string report_json = nc::ToJson(report);
   if (!arguments.report.empty()) RETURN_IF_ERROR(base::WriteFileAtomically(arguments.report, report_json));
-  context.Print(Json::Document(report_json), ReportText(report, arguments.rewrite.orientation));
+  context.Print(Json::Document(report_json),
+                ReportText(report, arguments.rewrite.orientation) + "dialect: " + dialect.why + "\n");
   if (report.blocks_passed == 0) return absl::OkStatus();
   return absl::FailedPreconditionError(
       absl::StrCat("not all is judged: ", report.blocks_passed, report.blocks_passed == 1 ? " block is" : " blocks are",

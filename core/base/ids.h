@@ -46,6 +46,11 @@ using SessionId = base::NumberId<struct SessionIdTag>;
 using CalibrationId = base::NumberId<struct CalibrationIdTag>;
 using JobId = base::NumberId<struct JobIdTag>;
 using ProgramId = base::NumberId<struct ProgramIdTag>;
+using MarkId = base::NumberId<struct MarkIdTag>;
+using EventId = base::NumberId<struct EventIdTag>;
+using RoutineId = base::NumberId<struct RoutineIdTag>;
+using RunId = base::NumberId<struct RunIdTag>;
+using WebhookId = base::NumberId<struct WebhookIdTag>;
 
 }  // namespace axiscal
 

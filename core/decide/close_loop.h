@@ -25,6 +25,8 @@ struct Options {
   std::function<bool()> cancelled;
   std::function<void(const identify::Progress&)> progress;  // of a simulation from any thread
   objective::Policy policy;
+  // Of what can be wrong, what the search may name; bad readings always. Empty: everything.
+  std::function<bool(const loop::Candidate&)> may_name;
 };
 
 // INVALID_ARGUMENT or FAILED_PRECONDITION as Identify and MonteCarlo; CANCELLED.

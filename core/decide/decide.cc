@@ -409,6 +409,10 @@ class Decider {
     effects::Catalogue catalogue =
         effects::MakeCatalogue(linearised, declared_, FittedEffects(extension, fit), extension.bad_rows);
     objective::Scorer scorer(linearised.rows, std::move(catalogue.sources), policy_);
+    for (size_t g = 0; options_.may_name && g < catalogue.effects.size(); ++g) {
+      const Effect& effect = catalogue.effects[g];
+      if (effect.bad_row < 0 && !options_.may_name(effect.candidate)) scorer.Exclude(static_cast<int>(g));
+    }
     const objective::DesignEffect design(scorer);
     objective::Searcher searcher(&scorer, &design, options_.cancelled);
     std::vector<objective::Start> starts(1);
@@ -418,12 +422,15 @@ class Decider {
                                                                   : known.term.prior_sigma * known.term.prior_sigma;
       starts[0].state.push_back({group, variance});
     }
-    // A curve of many amplitudes comes before the plain name that it resembles, as names stand on a grid until they are
+    // A block of many amplitudes comes before the plain name that it resembles, as names stand on a grid until they are
     // refined: the plain names are followed by themselves, too.
     objective::Start plain;
-    plain.without = {static_cast<int>(Family::kCurve)};
-    for (const objective::Member& member : starts[0].state)
-      if (scorer.group(member.group).family != plain.without[0]) plain.state.push_back(member);
+    plain.without = {static_cast<int>(Family::kCurve), static_cast<int>(Family::kCrossed)};
+    for (const objective::Member& member : starts[0].state) {
+      const int family = scorer.group(member.group).family;
+      if (std::find(plain.without.begin(), plain.without.end(), family) == plain.without.end())
+        plain.state.push_back(member);
+    }
     starts.push_back(std::move(plain));
     const objective::Found found = searcher.Search(starts);
     if (is_first) Rank(scorer, design, catalogue, report);
@@ -473,6 +480,7 @@ class Decider {
       added.candidate = effect.candidate;
       added.score = scorer.ScoreOf(without, found.design).objective - found.objective + policy_.evidence;
       added.left = std::sqrt(scorer.ScoreOf(before, found.design).squares / all);
+      if (effect.candidate.family == Family::kStep && !HasRoomForSlip(*next, effect.candidate.run)) continue;
       if (effect.candidate.family == Family::kInstrument) {
         added.candidate.distortion.variance_mm2 = found.state[i].variance;
         if (added.candidate.distortion.tau_s > 0.0)
@@ -512,6 +520,13 @@ class Decider {
              instruments::DistortionAmplitudes(run) + instruments::AmplitudeCount(distortion, run.row_count) <=
                  instruments::kMaxDistortionAmplitudes;
     });
+  }
+
+  // Whether a session's set-up holds one more slip; those that were found first stay.
+  static bool HasRoomForSlip(const Extension& extension, int run) {
+    return std::count_if(extension.effects.begin(), extension.effects.end(), [run](const Added& one) {
+             return one.candidate.family == Family::kStep && one.candidate.run == run;
+           }) < instruments::kMaxSlips;
   }
 
   static void TakeClass(const objective::Scorer& scorer, const std::vector<objective::Move>& members,

@@ -209,6 +209,22 @@ TEST(Decide, ASlipIsToldWithItsSessionAndMomentAndBadReadingsAreListed) {
   EXPECT_EQ(report.fitted.outliers.size(), 2u);
 }
 
+// A ball that moves six times in one session, to and fro: a session holds three slips, the others stay as what the
+// model does not explain.
+TEST(Decide, ASessionInWhichTheBallSlipsAgainAndAgainIsUnexplained) {
+  Sessions sessions = MeasureWith("");
+  MeasuringRun& run = sessions.fit[2];
+  const double steps_mm[] = {4e-3, -7e-3, 9e-3, -8e-3, 6e-3, -9e-3};
+  const int part = run.reading_count() / 7;
+  for (int i = 0; i < 6; ++i)
+    for (int k = (i + 1) * part; k < run.reading_count(); ++k) run.measured_mm(0, k) += steps_mm[i];
+  const Report report = Close(sessions);
+  EXPECT_EQ(report.verdict, Verdict::kUnexplained);
+  int slips = 0;
+  for (const loop::Unexplained& one : report.unexplained) slips += one.kind == loop::Unexplained::kSlip;
+  EXPECT_LE(slips, instruments::kMaxSlips);
+}
+
 // What is read late, or too long as it warms up, is told as a fault of the ball bar; no error of the machine stands for
 // it, and the report of it says so.
 TEST(Decide, AnInstrumentAtFaultIsNotBlamedOnTheMachine) {

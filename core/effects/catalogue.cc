@@ -225,14 +225,14 @@ class Builder {
     }
   }
 
-  // Free curves and what remembers temperatures, which the dictionary does not have. Crossed errors are not offered: on
-  // machines with curves of single axes they won, and were wrong where nothing was measured.
+  // Free curves and what remembers temperatures, which the dictionary does not have.
   void AddFurther(std::vector<Candidate>* candidates) const {
     if (std::any_of(plain_.runs.begin(), plain_.runs.end(),
                     [](const MeasuringRun& run) { return run.path_readings != nullptr; }))
       return;
     AddThermalLags(candidates);
     AddCurves(candidates);
+    AddCrossed(candidates);
     AddTimeCurves(candidates);
   }
 

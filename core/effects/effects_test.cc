@@ -231,6 +231,73 @@ TEST(Effects, UnevenFrequenciesAreNoScan) {
   EXPECT_EQ(HarmonicScan::Make(linearised, two_axes), nullptr);
 }
 
+// Of two axes that go along a circle together the position of one is a function of the other's: an error of both is one
+// of either. Beside another pattern it is more.
+TEST(Effects, CrossedErrorsAreWhatSingleAxesLeave) {
+  const int y = machine::FindAxis(kMachine, "Y"), c = machine::FindAxis(kMachine, "C");
+  const std::vector<instruments::MeasuringRun> runs = Runs();
+  const auto share_left = [&](const std::vector<instruments::MeasuringRun>& some) {
+    const identify::Fit fit = FitOf(some, Declared());
+    const Linearised linearised = Linearise(fit.problem, fit.point, static_cast<int>(Declared().terms.size()));
+    double lowest = INFINITY, highest = -INFINITY;
+    for (int at = 0; at < linearised.count(); ++at) {
+      lowest = std::min(lowest, linearised.StateAt(at).axes[y].position);
+      highest = std::max(highest, linearised.StateAt(at).axes[y].position);
+    }
+    const shapes::Crossed crossed{c, y, {.is_turn = true}, {lowest, highest}};
+    const Shaped source(linearised, {{crossed, machine::kComponents * c, {}}});
+    double whole = 0.0, left = source.Columns(0).squaredNorm();
+    for (int at = 0; at < linearised.count(); ++at) {
+      double basis[shapes::kMaxBasisCount];
+      shapes::Basis(crossed, linearised.StateAt(at), basis);
+      for (int b = 0; b < shapes::BasisCount(crossed); ++b)
+        whole += std::pow(basis[b] * linearised.sensitivity(at, machine::kComponents * c), 2);
+    }
+    return left / whole;
+  };
+  int circles = 0;
+  for (const instruments::MeasuringRun& run : runs) {
+    const auto moves = [&](int axis) {
+      for (int k = 1; k < run.reading_count(); ++k)
+        if (run.PositionsOf(k)[axis] != run.PositionsOf(0)[axis]) return true;
+      return false;
+    };
+    if (!moves(y) || !moves(c)) continue;
+    ++circles;
+    EXPECT_LT(share_left({run}), 1e-6) << run.session;
+  }
+  EXPECT_GT(circles, 0);
+  EXPECT_GT(share_left(runs), 0.01);
+}
+
+// What was moved to the same place before is that group, and what a state knew before of all others holds of it too.
+TEST(Effects, AGroupAtAnotherPlaceIsAddedOnce) {
+  const identify::Fit fit = FitOf(Runs(), Declared());
+  Scored scored(fit, {});
+  objective::Scorer& scorer = *scored.scorer;
+  const int backlash = scored.Find("EXX:backlash");
+  int reversal = 0;
+  while (scorer.group(reversal).family != static_cast<int>(loop::Family::kReversal) || !scorer.IsVisible(reversal))
+    ASSERT_LT(++reversal, scorer.group_count());
+  const objective::State state = {{backlash, 0.0}};
+  scorer.Additions(state, 1.0, {}, 1);  // its products with all groups are kept
+  const int count = scorer.group_count();
+  const double place = scorer.group(reversal).place + 0.1;
+  const int moved = scorer.Append(scorer.MovedTo(reversal, place), reversal);
+  EXPECT_EQ(moved, count);
+  EXPECT_EQ(scorer.Append(scorer.MovedTo(reversal, place), reversal), moved);
+  EXPECT_EQ(scorer.Append(scorer.MovedTo(moved, place), moved), moved);
+  EXPECT_EQ(scorer.group_count(), count + 1);
+  const double enlarged = scorer.ScoreOf({{backlash, 0.0}, {moved, 0.0}}, 1.0).objective;
+  bool is_there = false;
+  for (const objective::Move& move : scorer.AdditionsWithin(state, 1.0, INFINITY)) {
+    if (move.member.group != moved) continue;
+    is_there = true;
+    EXPECT_NEAR(move.objective, enlarged, 1e-6);
+  }
+  EXPECT_TRUE(is_there);
+}
+
 // A length between those of the dictionary is reached, and is another place of the same group.
 TEST(Effects, AShapeMovesToAnotherLength) {
   const identify::Fit fit = FitOf(Runs(), Declared());

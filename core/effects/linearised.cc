@@ -52,7 +52,7 @@ class Sink {
     (*correlation_)[at] = factors.correlation;
     (*echo_)[at] = factors.echo;
     out_->sensitivity.row(at).head(evaluation.by_error.cols()) = evaluation.by_error.row(row);
-    out_->artefact.row(at) = stored.head<3>();
+    if (own_ >= 3) out_->artefact.row(at) = stored.head<3>();  // a direction has no place
     objective::Rows& rows = out_->rows;
     rows.own.row(at).head(own_) = stored.head(own_);
     const Eigen::Index p = rows.common.cols();

@@ -45,6 +45,9 @@ class Shaped : public objective::Source {
   std::vector<size_t> sensitivity_of_;  // per item: of those
 
  private:
+  // What errors of one axis alone take up of an error of two, by ordinary least squares over all rows: of axes that
+  // move together nothing is left, and neither passes for the other.
+  void TakeOffSingleAxes(size_t shape);
   // Values of the shapes first .. last at rows begin .. begin + values->rows(), side by side.
   void Fill(size_t first, size_t last, int begin, Eigen::Ref<Eigen::MatrixXd> values) const;
 
@@ -53,6 +56,11 @@ class Shaped : public objective::Source {
   std::vector<shapes::Shape> shapes_;
   std::vector<Eigen::Index> first_value_;  // per shape, and behind the last one: where its values stand among all
   std::vector<size_t> shape_of_;           // per item
+  struct SingleAxes {
+    std::vector<shapes::Shape> curves;  // one per axis, and a constant
+    Eigen::MatrixXd coefficients;       // values of the curves x values of the shape
+  };
+  std::vector<SingleAxes> taken_off_;  // per shape; without curves: nothing is
 };
 
 }  // namespace axiscal::effects

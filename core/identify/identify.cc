@@ -182,7 +182,7 @@ absl::StatusOr<Fit> CheckRuns(const machine::Machine& machine, std::vector<Measu
     if (!group) continue;
     const MeasuringRun& first = fitted.problem.runs[fitted.problem.groups[*group].runs[0]];
     RETURN_IF_ERROR(CheckSameSetup(first, run));
-    run.tracker_from_machine = first.tracker_from_machine;
+    StartAs(first, &run);
     for (size_t k = 0; k < run.setup.size(); ++k)
       run.setup[k].held = fitted.point.setup[*group][static_cast<Eigen::Index>(k)];
   }

@@ -75,6 +75,11 @@ void SetKnownAside(const MeasuringRun& run, std::vector<bool>* is_used) {
   for (const size_t row : run.bad_rows) (*is_used)[row] = false;
 }
 
+void StartAs(const MeasuringRun& first, MeasuringRun* run) {
+  run->tracker_from_machine = first.tracker_from_machine;
+  run->length.zero_mm = first.length.zero_mm;
+}
+
 absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other) {
   const auto refuse = [&](const std::string& what) {
     return absl::InvalidArgumentError(absl::StrCat("sessions '", first.session, "' and '", other.session,
@@ -88,7 +93,14 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
   const auto text = [](const Eigen::Vector3d& point) {
     return absl::StrFormat("%.10g %.10g %.10g", point.x(), point.y(), point.z());
   };
-  if (first.ball_mm != other.ball_mm) return differs("table_ball_mm", text(first.ball_mm), text(other.ball_mm));
+  if (first.ball_mm != other.ball_mm)
+    return differs(first.kind == instruments::Kind::kLength ? "anchor_mm" : "table_ball_mm", text(first.ball_mm),
+                   text(other.ball_mm));
+  if (first.length.is_beam != other.length.is_beam || first.length.beam != other.length.beam ||
+      first.length.is_on_bed != other.length.is_on_bed)
+    return refuse("anchor or beam, expected the same anchor_mm or beam and anchor_on in both");
+  if (first.direction.about != other.direction.about || first.direction.is_on_bed != other.direction.is_on_bed)
+    return refuse("the direction, expected the same about and reference in both");
   if (first.bar_length_mm != other.bar_length_mm)
     return differs("bar_length_mm", absl::StrCat(first.bar_length_mm), absl::StrCat(other.bar_length_mm));
   // Offsets of what the spindle carries belong to one tool.
@@ -150,7 +162,7 @@ absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector
     SetupGroup& group = problem.groups[at];
     if (!group.runs.empty()) {
       RETURN_IF_ERROR(CheckSameSetup(runs[group.runs[0]], run));
-      runs[i].tracker_from_machine = runs[group.runs[0]].tracker_from_machine;
+      StartAs(runs[group.runs[0]], &runs[i]);
     }
     group.runs.push_back(static_cast<int>(i));
     problem.group_of_run.push_back(at);

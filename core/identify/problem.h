@@ -68,17 +68,20 @@ struct Point {
 };
 
 // Sessions that share a setup are measured with one mounting. INVALID_ARGUMENT naming both, the key and its values when
-// they differ in instrument, datum, nominal ball, bar, features, stated sigmas or, where offsets are of the tool, its
-// tip.
+// they differ in instrument, datum, nominal ball, bar, anchor, beam, features, stated sigmas or, where offsets are of
+// the tool, its tip.
 absl::Status CheckSameSetup(const instruments::MeasuringRun& first, const instruments::MeasuringRun& other);
+
+// What the set-up offsets of a session that shares those of `first` start from: a tracker's frame, a length's zero.
+void StartAs(const instruments::MeasuringRun& first, instruments::MeasuringRun* run);
 
 // One clock for all sessions of a fit, or none (no column t_s in any), and in each of them what the errors of the model
 // depend on. INVALID_ARGUMENT naming two of which only one has a clock, or as machine::RequireState.
 absl::Status CheckRecorded(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs,
                         const machine::ErrorModel& model = {});
 
-// Trackers that share a setup start from one pose: the first session's. INVALID_ARGUMENT as CheckSameSetup, and when
-// two sessions have one name.
+// Sessions that share a setup start as the first of them (StartAs). INVALID_ARGUMENT as CheckSameSetup, and when two
+// sessions have one name.
 absl::StatusOr<Problem> MakeProblem(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs);
 
 // Entries of Problem::is_used of one run that are bad whatever is fitted: touches that were rejected, rows that stand

@@ -6,6 +6,7 @@
 #include "core/instruments/bind_readings.h"
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/eccentricity/eccentricity_bind.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/run.h"
 #include "core/instruments/touch/touch_bind.h"
@@ -41,6 +42,8 @@ class Binder {
     if (!for_fit) return std::move(run_);
     DeriveMotion(&run_);
     if (run_.kind == Kind::kTracker) run_.tracker_from_machine = tracker::StartingPose(machine_, run_);
+    if (run_.kind == Kind::kLength && !length::HasStatedZero(run_))
+      run_.length.zero_mm = length::StartingZero(machine_, run_);
     return std::move(run_);
   }
 
@@ -100,6 +103,43 @@ class Binder {
     return absl::OkStatus();
   }
 
+  absl::StatusOr<Eigen::Vector3d> UnitVector(const std::string& key) const {
+    ASSIGN_OR_RETURN(const Eigen::Vector3d vector, Point(key));
+    constexpr double kRounding = 1e-3;  // written with a few decimals
+    if (std::abs(vector.norm() - 1.0) > kRounding)
+      return Refuse(absl::StrCat("header '", key, "' has length ", vector.norm(), ", expected a unit vector"));
+    return vector.normalized();
+  }
+
+  // Where what a reading counts from stands: `key: table`, the default, or `key: bed`.
+  absl::Status ReadCarrier(const std::string& key, bool* is_on_bed) const {
+    const std::string on = session::FindHeader(session_, key).value_or("table");
+    if (on != "table" && on != "bed")
+      return Refuse(absl::StrCat("header '", key, ": ", on, "', expected table or bed"));
+    *is_on_bed = on == "bed";
+    return absl::OkStatus();
+  }
+
+  absl::Status BindLength() {
+    const bool has_anchor = session::FindHeader(session_, "anchor_mm").has_value();
+    run_.length.is_beam = session::FindHeader(session_, "beam").has_value();
+    if (has_anchor == run_.length.is_beam)
+      return Refuse("expected either the header 'anchor_mm: x y z' or the header 'beam: ux uy uz'");
+    RETURN_IF_ERROR(ReadCarrier("anchor_on", &run_.length.is_on_bed));
+    if (has_anchor) {
+      ASSIGN_OR_RETURN(run_.ball_mm, Point("anchor_mm"));
+      return absl::OkStatus();
+    }
+    ASSIGN_OR_RETURN(run_.length.beam, UnitVector("beam"));
+    run_.setup = length::BeamSetupParameters();
+    return absl::OkStatus();
+  }
+
+  absl::Status BindDirection() {
+    ASSIGN_OR_RETURN(run_.direction.about, UnitVector("about"));
+    return ReadCarrier("reference", &run_.direction.is_on_bed);
+  }
+
   absl::Status BindDatum() {
     const std::optional<std::string> text = session::FindHeader(session_, "datum");
     if (!text) return absl::OkStatus();
@@ -143,6 +183,8 @@ class Binder {
     if (instrument_->has_bar) {
       ASSIGN_OR_RETURN(run_.bar_length_mm, PositiveNumber("bar_length_mm"));
     }
+    if (run_.kind == Kind::kLength) RETURN_IF_ERROR(BindLength());
+    if (run_.kind == Kind::kDirection) RETURN_IF_ERROR(BindDirection());
     if (session::FindHeader(session_, "payload_kg")) {
       ASSIGN_OR_RETURN(const std::vector<double> payload, Numbers("payload_kg", 1));
       run_.payload_kg = payload[0];
@@ -240,6 +282,7 @@ class Binder {
         run_.temperatures.push_back({named.name.substr(2, named.name.size() - 4), column->values});
       }
       if (rule->IsEncoder()) RETURN_IF_ERROR(BindEncoder(*rule));
+      if (rule->IsSense()) RETURN_IF_ERROR(BindSense(*rule));
     }
     return absl::OkStatus();
   }
@@ -254,6 +297,16 @@ class Binder {
     const double unit = rule.IsLinear() ? 1.0 : kRadPerDeg;
     for (size_t k = 0; k < column->values.size(); ++k)
       run_.encoder_positions[k * run_.axis_count + axis] = column->values[k] * unit;
+    return absl::OkStatus();
+  }
+
+  absl::Status BindSense(const session::ColumnRule& rule) {
+    const int axis = machine::FindAxis(machine_, rule.axis);
+    if (axis < 0) return Refuse(absl::StrCat("column '", rule.name, "': no such axis of machine ", machine_.id));
+    ASSIGN_OR_RETURN(const session::Column* column, ColumnOf(rule.name));
+    if (run_.stated_senses.empty()) run_.stated_senses.assign(run_.positions.size(), 0.0);
+    for (size_t k = 0; k < column->values.size(); ++k)
+      run_.stated_senses[k * run_.axis_count + axis] = column->values[k];
     return absl::OkStatus();
   }
 

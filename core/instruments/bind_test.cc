@@ -54,6 +54,17 @@ TEST(BindSession, CarriesWhatIsRecordedBesideCommandsAndTime) {
   EXPECT_FALSE(bare->payload_kg || bare->gravity_direction || bare->is_setup_stated);
 }
 
+TEST(BindSession, ASenseIsThatOfItsAxis) {
+  const auto session = Read("", ",X_sense,B_sense", ",-1,0");
+  ASSERT_TRUE(session::CheckAgainstMachine(session, kMachine).ok());
+  const auto run = BindSession(session, kMachine);
+  ASSERT_TRUE(run.ok()) << run.status();
+  EXPECT_EQ(run->axis_states[machine::FindAxis(kMachine, "X")].sense, -1.0);
+  EXPECT_EQ(run->axis_states[machine::FindAxis(kMachine, "B")].sense, 0.0);
+  EXPECT_THAT(std::string(session::CheckAgainstMachine(Read("", ",A_sense", ",1"), kMachine).message()),
+              HasSubstr("column 9 (A_sense): machine mt has no axis A"));
+}
+
 TEST(BindSession, AnEncoderIsOfAnAxisOfTheMachine) {
   EXPECT_THAT(std::string(session::CheckAgainstMachine(Read("", ",A_enc_deg", ",1"), kMachine).message()),
               HasSubstr("column 9 (A_enc_deg): machine mt has no axis A"));

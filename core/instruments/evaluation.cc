@@ -5,8 +5,10 @@
 
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/direction/direction_model.h"
 #include "core/instruments/distortion.h"
 #include "core/instruments/eccentricity/eccentricity_model.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/rtest/rtest_model.h"
 #include "core/instruments/touch/touch_model.h"
 #include "core/instruments/tracker/tracker_model.h"
@@ -156,6 +158,10 @@ void EvaluateInstrument(const machine::Machine& machine, const MeasuringRun& run
       return touch::Evaluate(machine, run, reading, errors, setup, out);
     case Kind::kEccentricity:
       return eccentricity::Evaluate(machine, run, reading, errors, setup, out);
+    case Kind::kLength:
+      return length::Evaluate(machine, run, reading, errors, setup, out);
+    case Kind::kDirection:
+      return direction::Evaluate(machine, run, reading, errors, setup, out);
   }
 }
 
@@ -176,6 +182,10 @@ void PredictInstrument(const machine::Machine& machine, const MeasuringRun& run,
       return touch::Predict<double>(machine, run, reading, positions, errors, setup, predicted_mm);
     case Kind::kEccentricity:
       return eccentricity::Predict<double>(machine, run, reading, errors, setup, predicted_mm);
+    case Kind::kLength:
+      return length::Predict<double>(machine, run, positions, errors, setup, predicted_mm);
+    case Kind::kDirection:
+      return direction::Predict<double>(machine, run, positions, errors, setup, predicted_mm);
   }
 }
 

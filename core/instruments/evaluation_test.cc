@@ -8,8 +8,10 @@
 
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/direction/direction_model.h"
 #include "core/instruments/distortion.h"
 #include "core/instruments/eccentricity/eccentricity_model.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/rtest/rtest_model.h"
 #include "core/instruments/touch/touch_model.h"
@@ -78,6 +80,17 @@ MeasuringRun OneReading(const Machine& machine, const Instrument& instrument, st
   run.time_s = {0.0};
   run.temperature_celsius = {20.0};
   DeriveMotion(&run);
+  if (run.kind == Kind::kLength) {
+    run.length.is_on_bed = uniform(*random) > 0.0;
+    run.length.is_beam = uniform(*random) > 0.0;
+    run.length.beam = Eigen::Vector3d(uniform(*random), uniform(*random), 1.0).normalized();
+    if (run.length.is_beam) run.setup = length::BeamSetupParameters();
+    run.ball_mm += Eigen::Vector3d(400, -300, 200);  // a wire has a length
+  }
+  if (run.kind == Kind::kDirection) {
+    run.direction.is_on_bed = uniform(*random) > 0.0;
+    run.direction.about = Eigen::Vector3d(uniform(*random), 1.0, uniform(*random)).normalized();
+  }
   if (run.kind == Kind::kTracker) {
     run.tracker_from_machine.rotation = geometry::RotationXyz(0.4, -1.0, 2.0);
     run.tracker_from_machine.translation_mm = Eigen::Vector3d(2000, -500, 300);
@@ -101,6 +114,10 @@ void PredictJets(const Machine& machine, const MeasuringRun& run, const JointErr
       return touch::Predict<Jet>(machine, run, 0, positions.data(), errors, setup, out);
     case Kind::kEccentricity:
       return eccentricity::Predict<Jet>(machine, run, 0, errors, setup, out);
+    case Kind::kLength:
+      return length::Predict<Jet>(machine, run, positions.data(), errors, setup, out);
+    case Kind::kDirection:
+      return direction::Predict<Jet>(machine, run, positions.data(), errors, setup, out);
   }
 }
 
@@ -112,7 +129,11 @@ TEST_P(EvaluationTest, DerivativesAgreeWithAutomaticOnes) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (const Machine& machine :
        {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()}) {
-    for (const Instrument& instrument : Instruments()) {
+    std::vector<Instrument> instruments = Instruments();
+    // Bed and table, anchor and beam are drawn: several of each.
+    for (int more = 0; more < 8; ++more)
+      for (const char* const name : {"length", "direction"}) instruments.push_back(*FindInstrument(name));
+    for (const Instrument& instrument : instruments) {
       const MeasuringRun run = OneReading(machine, instrument, &random);
       JointErrors<double> errors;
       JointErrors<Jet> jet_errors;
@@ -126,7 +147,8 @@ TEST_P(EvaluationTest, DerivativesAgreeWithAutomaticOnes) {
       Jet jet_setup[kMaxSetupParameters], reference[kMaxRows];
       for (int i = 0; i < kMaxSetupParameters; ++i) {
         setup[i] = scale * uniform(random);
-        jet_setup[i] = Jet(setup[i], kErrorColumns + i);
+        // What was appended to an instrument's own setup takes no part here.
+        jet_setup[i] = i < kMaxInstrumentParameters ? Jet(setup[i], kErrorColumns + i) : Jet(setup[i]);
       }
       PredictJets(machine, run, jet_errors, jet_setup, reference);
       Evaluation evaluation;
@@ -248,7 +270,7 @@ TEST(Evaluation, ASlipMovesWhatItsCarrierBearsFromItsReadingOn) {
   const Eigen::Vector3d by_mm(0.3, -0.2, 0.5);
   for (const Machine& machine : {machine::testing::MultiTasking(), machine::testing::TiltingTable()}) {
     for (const Instrument& instrument : Instruments()) {
-      if (instrument.kind == Kind::kEccentricity) continue;
+      if (instrument.kind == Kind::kEccentricity || instrument.kind == Kind::kDirection) continue;  // no place
       const MeasuringRun whole = OneReading(machine, instrument, &random);
       for (const Carrier carrier : {Carrier::kTable, Carrier::kTool}) {
         double moved[kMaxSetupParameters] = {};

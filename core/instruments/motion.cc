@@ -8,18 +8,18 @@ namespace axiscal::instruments {
 namespace {
 
 // 0 where nothing moves or no time has passed.
-double SpeedOf(double change, const double* time_s, double last_time_s) {
-  const double elapsed_s = time_s != nullptr ? *time_s - last_time_s : 0.0;
-  return change != 0.0 && elapsed_s > 0.0 ? change / elapsed_s : 0.0;
-}
+double SpeedOf(double change, double elapsed_s) { return change != 0.0 && elapsed_s > 0.0 ? change / elapsed_s : 0.0; }
 
 }  // namespace
 
 void FirstMotion::Add(const double* positions, const double* time_s) {
+  const double elapsed_s = time_s != nullptr ? *time_s - last_time_s_ : 0.0;
+  still_ = 0;
   for (size_t axis = 0; axis < starts_.size(); ++axis) {
     const double change = count_ == 0 ? 0.0 : positions[axis] - last_[axis];
     if (starts_[axis].sense == 0.0 && change != 0.0) starts_[axis].sense = change > 0.0 ? 1.0 : -1.0;
-    if (count_ == 1) starts_[axis].speed = SpeedOf(change, time_s, last_time_s_);
+    if (starts_[axis].sense == 0.0) ++still_;
+    if (count_ == 1) starts_[axis].speed = SpeedOf(change, elapsed_s);
     last_[axis] = positions[axis];
   }
   if (time_s != nullptr) last_time_s_ = *time_s;
@@ -30,12 +30,18 @@ Motion::Motion(const std::vector<FirstMotion::Start>& starts) : starts_(starts),
   for (size_t axis = 0; axis < now_.size(); ++axis) now_[axis].sense = starts_[axis].sense;
 }
 
-void Motion::Next(const double* positions, const double* time_s, shapes::AxisState* states) {
+void Motion::Next(const Moment& now, const Moment& after, shapes::AxisState* states) {
+  const double elapsed_s = now.time_s != nullptr ? *now.time_s - last_time_s_ : 0.0;
+  const double to_next_s = after.time_s != nullptr && now.time_s != nullptr ? *after.time_s - *now.time_s : 0.0;
   for (size_t axis = 0; axis < now_.size(); ++axis) {
-    shapes::AxisState& state = now_[axis];
-    const double change = is_first_ ? 0.0 : positions[axis] - state.position;
-    state.position = positions[axis];
-    state.speed = is_first_ ? starts_[axis].speed : SpeedOf(change, time_s, last_time_s_);
+    shapes::AxisState state = now_[axis];
+    const double change = is_first_ ? 0.0 : now.positions[axis] - state.position;
+    state.position = now.positions[axis];
+    state.speed = is_first_ ? starts_[axis].speed : SpeedOf(change, elapsed_s);
+    if (!is_first_ && elapsed_s > 0.0 && to_next_s > 0.0) {
+      const double next_speed = (after.positions[axis] - now.positions[axis]) / to_next_s;
+      state.speed = (state.speed * to_next_s + next_speed * elapsed_s) / (elapsed_s + to_next_s);
+    }
     if (change != 0.0) {
       const double sense = change > 0.0 ? 1.0 : -1.0;
       // A reversal happened at the position before: its travel is what has been covered since. Breaking away from rest
@@ -44,21 +50,32 @@ void Motion::Next(const double* positions, const double* time_s, shapes::AxisSta
       state.travel_since_reversal = (is_reversal ? 0.0 : state.travel_since_reversal) + std::abs(change);
       state.sense = sense;
     }
+    const double stated = now.senses != nullptr ? now.senses[axis] : 0.0;
+    if (stated != 0.0 && stated != state.sense) {
+      state.sense = stated;
+      state.travel_since_reversal = 0.0;
+    }
+    now_[axis] = state;
     states[axis] = state;
   }
-  if (time_s != nullptr) last_time_s_ = *time_s;
+  if (now.time_s != nullptr) last_time_s_ = *now.time_s;
   is_first_ = false;
 }
 
 void DeriveMotion(MeasuringRun* run) {
   const int axes = run->axis_count, readings = run->reading_count();
   run->axis_states.assign(static_cast<size_t>(axes) * readings, {});
-  const auto time_of = [run](int k) { return run->has_time ? &run->time_s[k] : nullptr; };
+  const auto moment = [&](int k) {
+    if (k >= readings) return Moment();
+    const double* const senses =
+        run->stated_senses.empty() ? nullptr : &run->stated_senses[static_cast<size_t>(k) * axes];
+    return Moment{run->PositionsOf(k), run->has_time ? &run->time_s[k] : nullptr, senses};
+  };
   FirstMotion first(axes);
-  for (int k = 0; k < readings; ++k) first.Add(run->PositionsOf(k), time_of(k));
+  for (int k = 0; k < readings && !first.is_known(); ++k) first.Add(run->PositionsOf(k), moment(k).time_s);
   Motion motion(first.starts());
   for (int k = 0; k < readings; ++k)
-    motion.Next(run->PositionsOf(k), time_of(k), &run->axis_states[static_cast<size_t>(k) * axes]);
+    motion.Next(moment(k), moment(k + 1), &run->axis_states[static_cast<size_t>(k) * axes]);
 }
 
 }  // namespace axiscal::instruments

@@ -25,6 +25,21 @@ TEST(Motion, SenseIsThatOfTheLastChangeAndOfTheFirstOneBeforeIt) {
   EXPECT_EQ(OneAxis({5, 5, 5}).axis_states[2].sense, 0.0);
 }
 
+// Up to a target, beyond it and back: no position shows it, the session says it.
+TEST(Motion, AStatedSenseIsWhereTheAxisCameFrom) {
+  MeasuringRun run;
+  run.axis_count = 1;
+  run.positions = {0, 5, 5, 5, 2, 3};
+  run.stated_senses = {0, 0, -1, 0, 0, -1};
+  run.measured_mm = Eigen::MatrixXd::Zero(1, 6);
+  DeriveMotion(&run);
+  const double senses[] = {1, 1, -1, -1, -1, -1}, travel[] = {INFINITY, 5, 0, 0, 3, 0};
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_EQ(run.axis_states[k].sense, senses[k]) << k;
+    EXPECT_EQ(run.axis_states[k].travel_since_reversal, travel[k]) << k;
+  }
+}
+
 TEST(Motion, TravelCountsFromTheLastReversalOrTheStart) {
   const MeasuringRun run = OneAxis({0, 2, 4, 3, 1, 1, 2});
   EXPECT_TRUE(std::isinf(run.axis_states[0].travel_since_reversal));
@@ -36,13 +51,27 @@ TEST(Motion, TravelCountsFromTheLastReversalOrTheStart) {
 }
 
 TEST(Motion, SpeedIsSignedZeroAtRestAndThatOfTheFirstMoveBeforeIt) {
-  const MeasuringRun run = OneAxis({0, 2, 2, -1});
+  const MeasuringRun run = OneAxis({0, 2, 2, 2, -1});
   EXPECT_EQ(run.axis_states[0].speed, 4.0);
   EXPECT_EQ(OneAxis({5, 5, 7}).axis_states[0].speed, 0.0);
   EXPECT_EQ(OneAxis({5}).axis_states[0].speed, 0.0);
-  EXPECT_EQ(run.axis_states[1].speed, 4.0);
+  EXPECT_EQ(run.axis_states[1].speed, 2.0);  // comes to rest
   EXPECT_EQ(run.axis_states[2].speed, 0.0);
-  EXPECT_EQ(run.axis_states[3].speed, -6.0);
+  EXPECT_EQ(run.axis_states[3].speed, -3.0);
+  EXPECT_EQ(run.axis_states[4].speed, -6.0);
+}
+
+// q = t^2 - 2 t turns round at 1 s: the way to a position is slower or faster than the axis is there.
+TEST(Motion, SpeedIsThatAtThePositionWhereverTheReadingsStand) {
+  MeasuringRun run;
+  run.axis_count = 1;
+  run.has_time = true;
+  run.time_s = {0.0, 0.5, 1.0, 1.25, 4.0, 4.5};
+  for (const double t : run.time_s) run.positions.push_back(t * t - 2.0 * t);
+  run.measured_mm = Eigen::MatrixXd::Zero(1, 6);
+  DeriveMotion(&run);
+  for (const int k : {1, 2, 3, 4}) EXPECT_NEAR(run.axis_states[k].speed, 2.0 * run.time_s[k] - 2.0, 1e-12) << k;
+  EXPECT_NEAR(run.axis_states[5].speed, (11.25 - 8.0) / 0.5, 1e-12);  // the last: of the way to it
 }
 
 }  // namespace

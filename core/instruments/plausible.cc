@@ -8,6 +8,7 @@
 #include "core/instruments/bind_readings.h"
 #include "core/instruments/eccentricity/eccentricity_bind.h"
 #include "core/instruments/evaluation.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/registry.h"
 #include "core/session/column_rules.h"
 
@@ -32,8 +33,8 @@ class NominalReach {
     double farthest_mm = run.tip_mm.norm() + run.ball_mm.norm();
     for (int i = 0; i < run.axis_count; ++i) {
       const machine::Axis& axis = machine.axes[i];
-      farthest_mm += axis.kind == machine::AxisKind::kLinear ? positions.row(i).cwiseAbs().maxCoeff()
-                                                             : 3.0 * axis.point_mm.norm();
+      farthest_mm +=
+          axis.kind == machine::AxisKind::kLinear ? positions.row(i).cwiseAbs().maxCoeff() : 3.0 * axis.point_mm.norm();
     }
     for (int i = 0; i < run.axis_count; ++i) {
       if (machine.axes[i].kind == machine::AxisKind::kRotary) mm_per_unit_[i] = farthest_mm;
@@ -68,10 +69,11 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
   if (instrument == nullptr) return absl::OkStatus();
   // Eccentricities without paths are stored, but nothing is identified from them.
   if (instrument->kind == Kind::kEccentricity && !eccentricity::HasPaths(session)) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const MeasuringRun run, BindReadings(session, machine, readings_before));
+  ASSIGN_OR_RETURN(MeasuringRun run, BindReadings(session, machine, readings_before));
   if (run.kind == Kind::kTouch || run.kind == Kind::kEccentricity) return absl::OkStatus();  // gated when bound
   RETURN_IF_ERROR(CheckAlive(session, run));
-  if (run.kind == Kind::kTracker) return absl::OkStatus();
+  if (run.kind == Kind::kTracker || run.kind == Kind::kDirection) return absl::OkStatus();
+  if (run.kind == Kind::kLength && !length::HasStatedZero(run)) run.length.zero_mm = length::StartingZero(machine, run);
   const machine::JointErrors<double> no_errors;
   const double no_setup[kMaxSetupParameters] = {};
   const NominalReach reach(machine, run);
@@ -88,9 +90,10 @@ absl::Status CheckPlausible(const session::Session& session, const machine::Mach
       return absl::InvalidArgumentError(absl::StrFormat(
           "line %d: reading %d of session '%s': %s = %g mm, but at these positions the nominal machine would read %g "
           "mm, expected within %g mm: are the units (mm, deg), the signs of machine %s, tool_tip_mm and table_ball_mm "
-          "right?",
+          "right?%s",
           session::ReadingLine(session.header.size(), place), place + 1, run.session, instrument->reading_columns[row],
-          measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id));
+          measured_mm, predicted_mm[row], kMaxDisagreementMm, machine.id,
+          run.kind == Kind::kLength ? " (and anchor_mm or beam; the zero is the middle reading's)" : ""));
     }
   }
   return absl::OkStatus();

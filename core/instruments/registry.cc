@@ -2,6 +2,8 @@
 
 #include "core/instruments/ballbar/ballbar_model.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/direction/direction_model.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/rtest/rtest_model.h"
 #include "core/instruments/touch/touch_model.h"
 #include "core/instruments/tracker/tracker_model.h"
@@ -16,6 +18,8 @@ const std::vector<Instrument>& Instruments() {
       {Kind::kTracker, "tracker", {"px_mm", "py_mm", "pz_mm"}, false, false, true, tracker::SetupParameters},
       {Kind::kTouch, "touch", {}, false, false, true, touch::SetupParameters},
       {Kind::kEccentricity, "eccentricity", {}, true, true, false, ballbar::SetupParameters},
+      {Kind::kLength, "length", {"L_mm"}, false, false, true, length::SetupParameters},
+      {Kind::kDirection, "direction", {"turn_mm_per_m"}, false, false, true, direction::SetupParameters},
   };
   return rows;
 }

@@ -19,7 +19,7 @@
 
 namespace axiscal::instruments {
 
-enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch, kEccentricity };
+enum class Kind { kBallbar, kRtest, kCentres, kTracker, kTouch, kEccentricity, kLength, kDirection };
 
 inline constexpr int kMaxRows = 3;           // readings that one line of a session holds
 inline constexpr int kMaxSlips = 3;          // of one session
@@ -85,6 +85,21 @@ struct Distortion {
   bool operator==(const Distortion&) const = default;
 };
 
+// Of a length (length/length_model.h): from the anchor MeasuringRun::ball_mm or along a beam, which stands on the bed
+// or on the table.
+struct Length {
+  bool is_on_bed = false;
+  bool is_beam = false;
+  Eigen::Vector3d beam = Eigen::Vector3d::Zero();  // unit, machine axes at home
+  double zero_mm = 0.0;                            // where the setup offset `zero` starts from
+};
+
+// Of a direction (direction/direction_model.h).
+struct Direction {
+  bool is_on_bed = false;
+  Eigen::Vector3d about = Eigen::Vector3d::Zero();  // unit, machine axes at home
+};
+
 struct MeasuringRun {
   std::string session;
   std::string setup_name;        // sessions with the same name share their setup offsets
@@ -95,6 +110,8 @@ struct MeasuringRun {
   Eigen::Vector3d ball_mm = Eigen::Vector3d::Zero();  // nominal table ball at home, machine frame
   double bar_length_mm = 0.0;
   geometry::Rigid<double> tracker_from_machine;  // tracker only: where its setup offsets start from
+  Length length;                                 // length only
+  Direction direction;                           // direction only
   touch::Touches touches;                        // touch only
   // Eccentricity only: a reading is taken along a path, not at a state; positions and states of this run are zero then.
   std::shared_ptr<const eccentricity::Eccentricities> path_readings;
@@ -131,6 +148,8 @@ struct MeasuringRun {
   int first_moment = 0;
   // What encoders showed beside the commands: as `positions`, NaN where an axis has no such column; empty without any.
   std::vector<double> encoder_positions;
+  // From which side each axis came, where it is stated (X_sense): as `positions`, 1, -1 or 0; empty without any.
+  std::vector<double> stated_senses;
   std::optional<double> payload_kg;                  // what the machine carried, where it is stated
   std::optional<Eigen::Vector3d> gravity_direction;  // unit, downwards, machine frame, where it is stated
   Eigen::MatrixXd measured_mm;                       // row_count x readings; column k = reading k
@@ -171,7 +190,8 @@ inline std::vector<std::string> TemperatureColumns(const MeasuringRun& run) {
 // Frees the datum of a linear axis; before any distortion or slip is added.
 void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run);
 
-// Adds a slip with its offsets. A session with a slip no longer shares its setup: it gets a setup of its own.
+// Adds a slip with its offsets; a direction, which has no place, has none. A session with a slip no longer shares its
+// setup: it gets a setup of its own.
 void AddSlip(const Slip& slip, MeasuringRun* run);
 
 // Fills run->axis_states from positions and times (motion.h).

@@ -12,7 +12,7 @@ void AddDatum(const machine::Machine& machine, int axis, MeasuringRun* run) {
 }
 
 void AddSlip(const Slip& slip, MeasuringRun* run) {
-  DEMAND(run->slips.size() < kMaxSlips && run->path_readings == nullptr);
+  DEMAND(run->slips.size() < kMaxSlips && run->path_readings == nullptr && run->kind != Kind::kDirection);
   run->slips.push_back(slip);
   run->setup_name = run->session;
   run->is_setup_stated = false;

@@ -23,12 +23,19 @@ double StandsStill(const Machine& machine, int axis) {
   return IsRotary(machine, axis) ? kStandsStillRad : kStandsStillMm;
 }
 
-// Median distance of positions that all sessions together take, next to each other.
-double GapOf(const identify::Problem& problem, int axis) {
-  std::vector<double> positions, gaps;
+// That all sessions together take, in ascending order.
+std::vector<double> PositionsOf(const identify::Problem& problem, int axis) {
+  std::vector<double> positions;
   for (const MeasuringRun& run : problem.runs)
     for (int k = 0; k < run.reading_count(); ++k) positions.push_back(run.PositionsOf(k)[axis]);
   std::sort(positions.begin(), positions.end());
+  return positions;
+}
+
+// Median distance of such positions next to each other.
+double GapOf(const identify::Problem& problem, int axis) {
+  const std::vector<double> positions = PositionsOf(problem, axis);
+  std::vector<double> gaps;
   for (size_t k = 1; k < positions.size(); ++k) {
     const double gap = positions[k] - positions[k - 1];
     if (gap > StandsStill(*problem.machine, axis)) gaps.push_back(gap);
@@ -210,13 +217,19 @@ class Builder {
   void AddBumps(int axis) {
     const AxisSpan& span = spans_[axis];
     const double range = span.highest - span.lowest, gap = GapOf(problem_, axis);
+    const std::vector<double> positions = PositionsOf(problem_, axis);
+    // Of one between the places where readings stand they would see its foot alone, and any height would fit them.
+    const auto is_seen = [&](double at, double width) {
+      const auto next = std::lower_bound(positions.begin(), positions.end(), at - 0.5 * width);
+      return next != positions.end() && *next <= at + 0.5 * width;
+    };
     for (const double share : {0.16, 0.08, 0.04, 0.02}) {
       const double width = share * range;
       // An R-test visits its poses in jumps; sorted, they lie as close as those of a sweep.
       if (width < std::min(gap, span.finest_step)) break;
       if (width > WidestBump(machine_, axis)) continue;
       for (double at = span.lowest; at <= span.highest; at += width)
-        Add(Family::kBump, axis, shapes::Bump{axis, at, width});
+        if (is_seen(at, width)) Add(Family::kBump, axis, shapes::Bump{axis, at, width});
     }
   }
 
@@ -224,8 +237,10 @@ class Builder {
     for (size_t i = 0; i < problem_.runs.size(); ++i) {
       const MeasuringRun& run = problem_.runs[i];
       if (run.slips.size() == instruments::kMaxSlips) continue;
-      // A tracker does not see the table, and a tracker that slips may turn too.
-      const bool has_table = run.kind != instruments::Kind::kTracker;
+      if (run.kind == instruments::Kind::kDirection) continue;  // no shift is seen
+      // A tracker does not see the table, and a tracker that slips may turn too; nor does a beam have a place.
+      const bool has_table =
+          run.kind != instruments::Kind::kTracker && !(run.kind == instruments::Kind::kLength && run.length.is_beam);
       if (has_table) AddSteps(static_cast<int>(i), instruments::Carrier::kTable);
       if (!has_table || TurnsAny(run)) AddSteps(static_cast<int>(i), instruments::Carrier::kTool);
     }

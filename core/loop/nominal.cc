@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/units.h"
 #include "core/identify/reduction.h"
+#include "core/instruments/length/length_model.h"
 #include "core/instruments/tracker/tracker_model.h"
 
 namespace axiscal::loop {
@@ -101,9 +102,12 @@ class Finder {
   void Try(Alternative alternative) {
     constexpr size_t kKept = 3;
     constexpr double kNearer = 0.1;  // of the squares
-    for (MeasuringRun& run : alternative.runs)
+    for (MeasuringRun& run : alternative.runs) {
       if (run.kind == instruments::Kind::kTracker)
         run.tracker_from_machine = tracker::StartingPose(alternative.machine, run);
+      if (run.kind == instruments::Kind::kLength && !length::HasStatedZero(run))
+        run.length.zero_mm = length::StartingZero(alternative.machine, run);
+    }
     const std::optional<double> squares = NominalSquares(alternative.machine, alternative.runs);
     if (!squares || !(*squares < kNearer * stated_squares_)) return;
     alternative.squares = *squares;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <set>
 
 #include "core/base/units.h"
-#include "core/plot/charts.h"
 
 namespace axiscal::loop {
 namespace {
@@ -41,6 +41,11 @@ class Painter {
                 [](const MeasuringRun& run, int k) { return run.temperature_celsius[k]; });
   }
 
+  // The order of what is periodic, which a curve hardly shows.
+  void AddSpectra() {
+    for (int axis = 0; axis < machine_.axis_count(); ++axis) AddSpectrum(axis);
+  }
+
   void AddTraces() {
     std::map<std::string, std::vector<size_t>> groups;
     std::vector<std::string> order;
@@ -63,7 +68,10 @@ class Painter {
         {"ranking.svg",
          plot::BarChart(absl::StrFormat("What the declared model lacks: the best of %d candidates", report_.candidates),
                         "score: chi-square gained, less the penalty for looking", bars, report_.evidence,
-                        "significant beyond here")});
+                        "significant beyond here"),
+         {},
+         {},
+         {}});
   }
 
   std::vector<Picture> Finish() { return std::move(pictures_); }
@@ -116,13 +124,74 @@ class Painter {
         }
         sum += residuals_um.squaredNorm();
         count += static_cast<double>(residuals_um.size());
+        series.points = plot::Thinned(std::move(series.points));
         panel.series.push_back(std::move(series));
       }
       panel.title = absl::StrCat(is_after ? "after: " : "before: ", RmsText(sum, count));
       panels.push_back(std::move(panel));
     }
+    constexpr char kResidual[] = "measured - predicted, um";
+    pictures_.push_back({file + ".svg", plot::ScatterChart("Residuals against " + name, label, kResidual, panels),
+                         label, kResidual, panels});
+  }
+
+  // How many different positions of an axis a run has.
+  static int PositionCount(const MeasuringRun& run, int axis) {
+    constexpr double kApart = 1e-6;  // mm or rad
+    std::set<int64_t> found;
+    for (int k = 0; k < run.reading_count(); ++k) found.insert(std::llround(run.PositionsOf(k)[axis] / kApart));
+    return static_cast<int>(found.size());
+  }
+
+  // Amplitudes of orders 1, 2 ... of a run's residuals over an axis, um.
+  plot::Series OrdersOf(size_t run, int axis, double period, bool is_after) const {
+    constexpr int kMostOrders = 36, kPositionsPerOrder = 3;
+    const MeasuringRun& measured = *runs_[run];
+    const Eigen::MatrixXd& residuals_mm = ResidualsOf(run, is_after);
+    plot::Series series = {report_.residuals[run].session, {}};
+    const int most = std::min(kMostOrders, PositionCount(measured, axis) / kPositionsPerOrder);
+    Eigen::MatrixXd columns(measured.reading_count(), 3);
+    for (int order = 1; order <= most; ++order) {
+      for (int k = 0; k < measured.reading_count(); ++k) {
+        const double angle = 2.0 * M_PI * order * measured.PositionsOf(k)[axis] / period;
+        columns.row(k) << 1.0, std::cos(angle), std::sin(angle);
+      }
+      const Eigen::MatrixXd fitted = columns.colPivHouseholderQr().solve(residuals_mm.transpose());  // 3 x rows
+      series.points.push_back({static_cast<double>(order), kUmPerMm * fitted.bottomRows(2).norm()});
+    }
+    return series;
+  }
+
+  void AddSpectrum(int axis) {
+    const bool is_rotary = IsRotary(machine_, axis);
+    const std::string& name = machine_.axes[axis].name;
+    double lowest = INFINITY, highest = -INFINITY;
+    for (const MeasuringRun* run : runs_) {
+      const auto [low, high] = RangeOf(*run, axis);
+      lowest = std::min(lowest, low);
+      highest = std::max(highest, high);
+    }
+    const double period = is_rotary ? 2.0 * M_PI : highest - lowest;
+    constexpr double kMostOfIt = 0.8;
+    constexpr int kFewPositions = 12;
+    std::vector<plot::Panel> panels = {{"before", {}}, {"after", {}}};
+    for (size_t i = 0; i < runs_.size(); ++i) {
+      const auto [low, high] = RangeOf(*runs_[i], axis);
+      // Readings at rest are left to the drift; over a part of the period orders are not told apart.
+      const bool has_many = high > low && PositionCount(*runs_[i], axis) >= kFewPositions;
+      if (!has_many || high - low < kMostOfIt * period || ResidualsOf(i, false).cols() != runs_[i]->reading_count())
+        continue;
+      for (const bool is_after : {false, true}) panels[is_after].series.push_back(OrdersOf(i, axis, period, is_after));
+    }
+    if (panels[0].series.empty()) return;
+    const std::string label =
+        is_rotary ? absl::StrCat("order: cycles per turn of ", name)
+                  : absl::StrFormat("order: cycles over the %.4g mm of %s that were measured", period, name);
+    constexpr char kAmplitude[] = "amplitude, um";
     pictures_.push_back(
-        {file + ".svg", plot::ScatterChart("Residuals against " + name, label, "measured - predicted, um", panels)});
+        {"spectrum-" + name + ".svg",
+         plot::ScatterChart("Spectrum of the residuals over " + name, label, kAmplitude, panels, plot::Ground::kBottom),
+         label, kAmplitude, panels});
   }
 
   std::vector<int> MovingAxes(const MeasuringRun& run) const {
@@ -215,9 +284,17 @@ class Painter {
       panel.title = absl::StrCat(is_after ? "after: " : "before: ", RmsText(sum, count));
     }
     const SessionResiduals& first = report_.residuals[group[0]];
+    std::vector<plot::Panel> in_degrees = panels;
+    for (plot::Panel& panel : in_degrees) {
+      for (plot::Series& series : panel.series) {
+        for (plot::Point& point : series.points) point.x *= kDegPerRad;
+        series.points = plot::Thinned(std::move(series.points));
+      }
+    }
     pictures_.push_back(
         {NewFile(absl::StrCat("trace-", first.is_check ? "check-" : "", FileName(first.session))),
-         plot::PolarChart(absl::StrCat("Ball bar ", names, ": measured - predicted, ", text), "um", panels)});
+         plot::PolarChart(absl::StrCat("Ball bar ", names, ": measured - predicted, ", text), "um", panels), text,
+         "measured - predicted, um", in_degrees});
   }
 
   // The name with .svg, counted on where sessions whose names differ by other characters alone came before.
@@ -250,6 +327,7 @@ std::vector<Picture> Pictures(const Machine& machine, const std::vector<Measurin
                               const std::vector<MeasuringRun>& check, const Report& report) {
   Painter painter(machine, fit, check, report);
   painter.AddResiduals();
+  painter.AddSpectra();
   painter.AddTraces();
   painter.AddRanking();
   return painter.Finish();

@@ -7,16 +7,22 @@
 #include <vector>
 
 #include "core/loop/report.h"
+#include "core/plot/charts.h"
 
 namespace axiscal::loop {
 
 struct Picture {
   std::string file;  // "residual-X.svg": letters, digits, '-', '.'
   std::string svg;
+  // What it shows; of the ranking nothing, which the report holds.
+  std::string x_label, y_label;
+  std::vector<plot::Panel> panels;
 };
 
 // `fit` and `check`: the runs that the report was made of, in the same order.
 //   residual-AXIS.svg, residual-time.svg, residual-temperature.svg   of variables that vary; um, mm, deg, s, deg C
+//   spectrum-AXIS.svg     of what goes once about a rotary axis or over the most of a linear axis' way: amplitude of
+//                         each order, fitted one by one (root of the sum of squares over the rows of a reading)
 //   trace-SESSION.svg     ball-bar sessions: deviation of the bar from its base circle (measured - predicted),
 //                         by sense of motion;
 //                         sessions over the same positions share a picture

@@ -73,9 +73,12 @@ TEST(Pictures, ShowEveryVariableTheTracesAndTheRanking) {
     EXPECT_EQ(XmlError(picture.svg), "") << picture.file;
     EXPECT_LT(picture.svg.size(), 200000u) << picture.file;
     EXPECT_TRUE(files.insert(picture.file).second) << picture.file;
+    // What is shown is at hand as numbers, but for the ranking.
+    EXPECT_EQ(picture.panels.empty(), picture.file == "ranking.svg") << picture.file;
+    for (const plot::Panel& panel : picture.panels) EXPECT_FALSE(panel.series.empty()) << picture.file;
   }
-  for (const char* file : {"residual-X.svg", "residual-B.svg", "residual-time.svg", "trace-BX.svg", "trace-C-R--1-.svg",
-                           "trace-check-BX.svg", "ranking.svg"}) {
+  for (const char* file : {"residual-X.svg", "residual-B.svg", "residual-time.svg", "spectrum-C.svg", "trace-BX.svg",
+                           "trace-C-R--1-.svg", "trace-check-BX.svg", "ranking.svg"}) {
     EXPECT_TRUE(files.count(file)) << file;
   }
   EXPECT_FALSE(files.count("residual-temperature.svg"));  // nothing varies

@@ -197,9 +197,7 @@ absl::StatusOr<ErrorCovariance> CovarianceOf(const WrittenCovariance& written, c
 }
 
 WrittenCovariance OfWritten(const WrittenCovariance& covariance, const Machine& machine, const ErrorModel& model) {
-  ErrorModel written = model;
-  std::erase_if(written.terms, [](const ErrorTerm& term) { return std::holds_alternative<shapes::Bump>(term.shape); });
-  const std::map<std::string, KnownNumber> numbers = NumbersOf(machine, written);
+  const std::map<std::string, KnownNumber> numbers = NumbersOf(machine, NamedErrors(model));
   std::vector<Eigen::Index> kept;
   WrittenCovariance out;
   for (size_t i = 0; i < covariance.of.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "core/base/json_members.h"
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
+#include "core/base/utf8.h"
 #include "core/machine/error_covariance_json.h"
 #include "core/machine/error_map_json.h"
 
@@ -447,10 +448,11 @@ absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& ma
 absl::StatusOr<ErrorModel> ReadAskedError(const std::string& text, const Machine& machine) {
   json errors;
   if (text.starts_with('{')) {
-    json term = json::parse(text, nullptr, /*allow_exceptions=*/false);
+    ASSIGN_OR_RETURN(json term, base::ParseStrictJson(text));
     if (term.is_object() && !term.contains("amplitudes")) term["amplitude"] = 0.0;
     errors["terms"] = json::array({std::move(term)});
   } else {
+    if (!base::IsUtf8(text)) return Refuse(base::ToUtf8(text), "expected the symbol of an error in UTF-8");
     errors[text] = 0.0;
   }
   return ReadErrors(errors.dump(), machine);
@@ -489,13 +491,13 @@ std::string WriteErrors(const ErrorModel& model, const Machine& machine, const W
   return absl::StrCat(text, ",\n \"", kCovarianceKey, "\": ", CovarianceText(known), "\n}\n");
 }
 
-std::string WriteErrors(const ErrorModel& model, const Machine& machine) {
+std::string WriteErrors(const ErrorModel& found, const Machine& machine) {
+  const ErrorModel model = NamedErrors(found);
   json root = json::object();
   json terms = json::array();
   for (size_t i = 0; i < model.terms.size(); ++i) {
     const ErrorTerm& term = model.terms[i];
     const double factor = AmplitudeFactor(term);
-    if (std::holds_alternative<shapes::Bump>(term.shape)) continue;
     if (std::holds_alternative<shapes::Tabulated>(term.shape)) {
       const auto map = std::span(model.terms).subspan(i, MapSize(std::span(model.terms).subspan(i)));
       terms.push_back(ErrorMapToJson(map, machine));

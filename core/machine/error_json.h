@@ -25,8 +25,7 @@ inline constexpr char kCovarianceKey[] = "covariance";
 // INVALID_ARGUMENT naming the entry, its value and what was expected: no JSON object, a symbol or axis that the machine
 // has not, a number that is not finite, an unknown shape or field, the same error twice.
 absl::StatusOr<ErrorModel> ReadErrors(const std::string& text, const Machine& machine);
-// Every digit is kept: ReadErrors gives the same model to rounding of the unit factors, without local defects
-// (shapes::Bump): structure without a name is nothing to compensate.
+// Every digit of NamedErrors() is kept: ReadErrors gives the same model to rounding of the unit factors.
 std::string WriteErrors(const ErrorModel& model, const Machine& machine);
 // With how well its numbers are known; left out where that is of none, or of more than kMostCovarianceNumbers.
 std::string WriteErrors(const ErrorModel& model, const Machine& machine, const WrittenCovariance& covariance);

@@ -135,6 +135,15 @@ TEST(ErrorJson, EveryShapeComesBackAsItWasWritten) {
   }
 }
 
+TEST(ErrorJson, WhatIsAskedForIsReadAsStrictlyAsAFile) {
+  for (const std::string& text : {std::string("EZ\x82T"), std::string(R"({"symbol": "EBB", "shape": )"),
+                                  std::string(R"({"symbol": "EBB", "symbol": "EAB", "shape": "backlash"})"),
+                                  R"({"symbol": )" + std::string(100'000, '[')}) {
+    const absl::Status status = ReadAskedError(text, testing::MultiTasking()).status();
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << text.substr(0, 100) << ": " << status;
+  }
+}
+
 TEST(ErrorJson, BadInputNamesTheEntryAndTheRule) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "errors: is empty"},

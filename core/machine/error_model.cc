@@ -49,6 +49,11 @@ ErrorModel DeclaredModel(const Machine& machine) {
   return model;
 }
 
+ErrorModel NamedErrors(ErrorModel model) {
+  std::erase_if(model.terms, [](const ErrorTerm& term) { return std::holds_alternative<shapes::Bump>(term.shape); });
+  return model;
+}
+
 std::string SymbolOf(const Machine& machine, const ErrorTerm& term) {
   if (shapes::IsAlongApproach(term.shape)) return kAlongApproachSymbol;
   const bool is_constant = std::holds_alternative<shapes::Constant>(term.shape);

@@ -37,6 +37,9 @@ struct ErrorModel {
 ErrorTerm ConstantTerm(const Machine& machine, const ErrorSymbol& symbol, double amplitude = 0.0);
 // The declared constant errors, all zero.
 ErrorModel DeclaredModel(const Machine& machine);
+// What is written and corrected of a model: all but local defects (shapes::Bump), as structure without a name is
+// nothing to compensate.
+ErrorModel NamedErrors(ErrorModel model);
 
 // "EX0C" for a constant term, "EXC" for the others; "ERT" along the approach of a touch (R: as the probe radiates).
 std::string SymbolOf(const Machine& machine, const ErrorTerm& term);

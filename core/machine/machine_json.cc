@@ -7,6 +7,7 @@
 #include "core/base/files.h"
 #include "core/base/strict_json.h"
 #include "core/base/units.h"
+#include "core/machine/program_profile.h"
 #include "core/machine/redundant_facts.h"
 
 namespace axiscal::machine {
@@ -170,6 +171,56 @@ absl::StatusOr<std::vector<int>> ReadBranch(const Json& root, const std::string&
   return branch;
 }
 
+struct ProfileText {
+  const char* name;
+  std::string ProgramProfile::*text;
+};
+constexpr ProfileText kProfileTexts[] = {
+    {"tool_tip", &ProgramProfile::tool_tip},           {"dialect", &ProgramProfile::dialect},
+    {"unit", &ProgramProfile::unit},                   {"integer_words", &ProgramProfile::integer_words},
+    {"decimals", &ProgramProfile::decimals},           {"block_delete", &ProgramProfile::block_delete},
+    {"harmless_m", &ProgramProfile::harmless_m},       {"start", &ProgramProfile::start},
+};
+struct ProfileList {
+  const char* name;
+  std::vector<std::string> ProgramProfile::*texts;
+};
+constexpr ProfileList kProfileLists[] = {{"offsets", &ProgramProfile::offsets},
+                                         {"tool_lengths", &ProgramProfile::tool_lengths},
+                                         {"tool_radii", &ProgramProfile::tool_radii}};
+
+absl::StatusOr<ProgramProfile> ReadPrograms(const Json& root) {
+  ProgramProfile profile;
+  const auto found = root.find("programs");
+  if (found == root.end()) return profile;
+  if (!found->is_object()) return Refuse("programs", *found, "expected an object");
+  RETURN_IF_ERROR(OnlyMembers(*found, "programs.",
+                              {"tool_tip", "dialect", "unit", "integer_words", "decimals", "block_delete", "harmless_m",
+                               "start", "offsets", "tool_lengths", "tool_radii"}));
+  for (const ProfileText& known : kProfileTexts) {
+    if (!found->contains(known.name)) continue;
+    ASSIGN_OR_RETURN(profile.*known.text,
+                     ReadText((*found)[known.name], absl::StrCat("programs.", known.name)));
+  }
+  for (const ProfileList& known : kProfileLists) {
+    if (!found->contains(known.name)) continue;
+    ASSIGN_OR_RETURN(profile.*known.texts,
+                     ReadTexts((*found)[known.name], absl::StrCat("programs.", known.name)));
+  }
+  return profile;
+}
+
+Json ProgramsJson(const ProgramProfile& profile) {
+  Json json = Json::object();
+  for (const ProfileText& known : kProfileTexts) {
+    if (!(profile.*known.text).empty()) json[known.name] = profile.*known.text;
+  }
+  for (const ProfileList& known : kProfileLists) {
+    if (!(profile.*known.texts).empty()) json[known.name] = profile.*known.texts;
+  }
+  return json;
+}
+
 absl::Status ReadDeclared(const Json& root, Machine& machine) {
   const auto found = root.find("declared");
   if (found == root.end()) return absl::OkStatus();
@@ -245,7 +296,8 @@ absl::StatusOr<Machine> MachineFromJson(const std::string& text) {
   if (!root.is_object()) return Refuse("machine", root, "expected a JSON object");
   RETURN_IF_ERROR(OnlyMembers(
       root, "",
-      {"id", "structure", "axes", "tool_branch", "work_branch", "tool_direction", "declared", "note", "source"}));
+      {"id", "structure", "axes", "tool_branch", "work_branch", "tool_direction", "declared", "note", "source",
+       "programs"}));
   Machine machine;
   ASSIGN_OR_RETURN(const Json* id, Member(root, "", "id"));
   ASSIGN_OR_RETURN(machine.id, ReadText(*id, "id"));
@@ -274,6 +326,7 @@ absl::StatusOr<Machine> MachineFromJson(const std::string& text) {
   ASSIGN_OR_RETURN(const Json* tool_direction, Member(root, "", "tool_direction"));
   ASSIGN_OR_RETURN(machine.tool_direction, ReadDirection(*tool_direction, "tool_direction"));
   RETURN_IF_ERROR(ReadDeclared(root, machine));
+  RETURN_IF_ERROR(ReadPrograms(root).status());
   RETURN_IF_ERROR(Validate(machine));
   RETURN_IF_ERROR(CheckStructure(machine));
   return machine;
@@ -284,6 +337,32 @@ absl::StatusOr<Machine> ReadMachineFile(const std::string& path) {
   auto machine = MachineFromJson(text);
   if (!machine.ok()) return base::Within(path, machine.status());
   return machine;
+}
+
+absl::StatusOr<ProgramProfile> ProgramProfileFromJson(const std::string& description_json) {
+  RETURN_IF_ERROR(MachineFromJson(description_json).status());
+  ASSIGN_OR_RETURN(const Json root, base::ParseStrictJson(description_json));
+  return ReadPrograms(root);
+}
+
+absl::StatusOr<std::string> WithProgramProfile(const std::string& description_json, const ProgramProfile& profile) {
+  RETURN_IF_ERROR(MachineFromJson(description_json).status());
+  ASSIGN_OR_RETURN(Json root, base::ParseStrictJson(description_json));
+  root.erase("programs");
+  if (!(profile == ProgramProfile())) root["programs"] = ProgramsJson(profile);
+  std::string text;
+  for (const auto& [name, value] : root.items()) {
+    absl::StrAppend(&text, text.empty() ? "{\n" : ",\n", " ", Json(name).dump(), ": ");
+    if (name != "axes" && name != "programs") {
+      absl::StrAppend(&text, Text(value));
+      continue;
+    }
+    std::string members;
+    for (const auto& [member, of_it] : value.items())
+      absl::StrAppend(&members, members.empty() ? "{\n" : ",\n", "  ", Json(member).dump(), ": ", Text(of_it));
+    absl::StrAppend(&text, members, "\n }");
+  }
+  return text + "\n}\n";
 }
 
 std::string MachineToJson(const Machine& machine) {

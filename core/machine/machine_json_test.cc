@@ -9,6 +9,7 @@
 
 #include "core/base/testing/source_path.h"
 #include "core/base/units.h"
+#include "core/machine/program_profile.h"
 
 namespace axiscal::machine {
 namespace {
@@ -195,6 +196,39 @@ TEST(MachineJson, TooManyAxesAreRefusedBeforeTheyAreRead) {
   const auto machine = MachineFromJson(absl::StrCat(R"({"id": "mt", "axes": {)", axes, R"(}, "tool_branch": [)", names,
                                                     R"(], "work_branch": [], "tool_direction": [0, 0, -1]})"));
   EXPECT_EQ(machine.status().message(), "axes: 15 axes, expected 1 to 14");
+}
+
+TEST(ProgramProfile, StandsInTheDescriptionAndLeavesTheRestOfIt) {
+  EXPECT_EQ(*ProgramProfileFromJson(kMachine), ProgramProfile());
+  ProgramProfile profile;
+  profile.tool_tip = "0 0 -350";
+  profile.dialect = "haas";
+  profile.decimals = "3";
+  profile.offsets = {"G54 X=-490 C=90", "G55=0 0 0 0 0"};
+  profile.tool_lengths = {"H1=120.5"};
+  const auto with = WithProgramProfile(kMachine, profile);
+  ASSERT_TRUE(with.ok()) << with.status();
+  EXPECT_EQ(*ProgramProfileFromJson(*with), profile);
+  EXPECT_THAT(*with, HasSubstr("\n \"note\": \"as delivered\",\n"));
+  EXPECT_EQ(MachineToJson(*MachineFromJson(*with)), MachineToJson(*MachineFromJson(kMachine)));
+  // Anew, and none.
+  profile.offsets.clear();
+  profile.dialect = "fanuc";
+  EXPECT_EQ(*ProgramProfileFromJson(*WithProgramProfile(*with, profile)), profile);
+  EXPECT_EQ(WithProgramProfile(*with, {})->find("programs"), std::string::npos);
+  EXPECT_FALSE(WithProgramProfile("{}", profile).ok());
+}
+
+TEST(ProgramProfile, WhatIsNoneIsRefused) {
+  const auto refusal = [](const std::string& programs) {
+    std::string text = kMachine;
+    text.insert(text.find("\"note\""), "\"programs\": " + programs + ", ");
+    return std::string(MachineFromJson(text).status().message());
+  };
+  EXPECT_THAT(refusal("[]"), HasSubstr("programs: [], expected an object"));
+  EXPECT_THAT(refusal(R"({"unit": 5})"), HasSubstr("programs.unit: 5, expected a text"));
+  EXPECT_THAT(refusal(R"({"offsets": "G54"})"), HasSubstr("programs.offsets: \"G54\", expected a list of texts"));
+  EXPECT_THAT(refusal(R"({"units": "mm"})"), HasSubstr("programs.units: unknown field, expected one of tool_tip,"));
 }
 
 }  // namespace

@@ -70,16 +70,18 @@ absl::Status MoveCorrector::CorrectOnArc(const Step& step, double fraction, cons
       nominal[i] = grain.Held(i, nominal[i]);
   }
   piece->end_fraction = fraction;
-  piece->is_arc = false;
+  Begin(step, piece);
   return CorrectAt(nominal, senses, grain, piece);
 }
 
 int MoveCorrector::ArcSamples(const Step& step, double share) const {
   double samples = kLeastSamples;
   for (int i = 0; i < axis_count_; ++i) {
-    const bool is_in_plane = i == step.arc.first || i == step.arc.second;
+    // In a turned frame the arc may move each linear axis.
+    const bool is_linear = compensator_->machine().axes[i].kind == machine::AxisKind::kLinear;
+    const bool is_in_plane = i == step.arc.first || i == step.arc.second || (is_linear && step.placed != nullptr);
     const double travel =
-        is_in_plane ? std::abs(step.arc.sweep_rad) * step.arc.radius_mm()
+        is_in_plane ? std::abs(step.arc.sweep_rad) * step.arc.radius_mm() * ScaleOf(step.placed.get())
                     : std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) * unit_per_tick_[i];
     samples = std::max(samples, std::ceil(kSamplesPerTravel * share * travel / compensator_->smooth_travel(i)));
   }
@@ -155,6 +157,7 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
   std::vector<Effect> effects(static_cast<size_t>(orientation_ ? count : 1));
   Eigen::Matrix2Xd in_plane(2, count);
   Piece sample;
+  Begin(step, &sample);
   for (int k = 0; k < count; ++k) {
     const double t = (k + 1.0) / (count + 1);
     RETURN_IF_ERROR(CorrectAt(Between(step, first + t * (last - first)), senses, WordGrain(), &sample));
@@ -175,7 +178,7 @@ absl::StatusOr<bool> MoveCorrector::FitArc(const Step& step, const AxisTicks& at
       const auto at = static_cast<size_t>(k);
       largest = std::max(largest, Weight(ChangeOf(reached, points[at]), effects[orientation_ ? at : 0]));
     }
-    return largest;
+    return largest * ScaleOf(step.placed.get());
   };
   const Eigen::Vector2d centre_mm = FitCentre(start_mm, end_mm, is_full, in_plane);
   if (!centre_mm.allFinite()) return false;
@@ -267,6 +270,7 @@ absl::Status MoveCorrector::PiecesBetween(const Step& step, double first, double
     std::vector<Piece> chords(static_cast<size_t>(count));
     bool fits = true;
     Piece sample;
+    Begin(step, &sample);
     for (int k = 0; k < count && fits; ++k) {
       const double from = first + (last - first) * k / count;
       const double to = k + 1 == count ? last : first + (last - first) * (k + 1) / count;
@@ -276,7 +280,8 @@ absl::Status MoveCorrector::PiecesBetween(const Step& step, double first, double
       for (const double t : {0.25, 0.5, 0.75}) {
         RETURN_IF_ERROR(CorrectAt(Between(step, from + t * (to - from)), senses, WordGrain(), &sample));
         const Change apart = ChangeOf(Mean(begin, chord.targets, t), sample.targets);
-        fits &= Weight(apart, orientation_ ? EffectAt(sample) : Effect()) <= tolerance_mm_;
+        const double off_mm = Weight(apart, orientation_ ? EffectAt(sample) : Effect()) * ScaleOf(sample.placed);
+        fits &= off_mm <= tolerance_mm_;
       }
     }
     if (fits) {

@@ -80,6 +80,9 @@ struct Block {
   uint32_t problem_at = 0;
   // Of a block with TOOL CALL: what stands behind DL; digits = 0: nothing.
   Decimal length_difference;
+  // The same of DR; `has_odd_radius`: what stands there is no number.
+  Decimal radius_difference;
+  bool has_odd_radius = false;
 
   const Word* begin() const { return words.data(); }
   const Word* end() const { return words.data() + word_count; }

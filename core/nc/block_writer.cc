@@ -8,6 +8,7 @@ namespace axiscal::nc {
 namespace {
 
 constexpr int kFeedDecimals = 4;      // of a scaled G93 feed; its own decimals when there are more
+constexpr int kVectorDecimals = 7;    // of the tool's direction between pieces: 0.1 urad
 constexpr double kLeastShare = 1e-3;  // of the time of a move: for pieces that only take up a reversal
 
 std::string LineEndOf(const char* text, size_t size) {
@@ -71,6 +72,7 @@ void BlockWriter::Pass(const Block& block, const Step& step) {
   if (step.kind == StepKind::kHole) return PassHole(step);
   if (step.kind != StepKind::kMove) return;
   for (const int axis : order_) {
+    if (step.has_vector && !is_linear_[axis]) TurnByVector(axis, step.end.ticks[axis]);
     if (step.word_of_axis[axis] < 0) continue;
     programmed_[axis] = step.end.ticks[axis];
     if (interpreter_->IsIncremental(block.words[static_cast<size_t>(step.word_of_axis[axis])])) {
@@ -99,9 +101,21 @@ void BlockWriter::ChangeFrame(const FrameChange& change) {
     if (!is_linear_[axis]) rotary |= static_cast<uint16_t>(1u << axis);
   }
   const auto needed = static_cast<uint16_t>(rotary | kept);
-  if ((commanded_.known & needed) != needed || kept == 0 || !interpreter_->ToFrame(change, &commanded) ||
-      !interpreter_->ToFrame(change, &programmed))
+  // Rotary axes that the control itself turned to a tilted plane.
+  for (const int axis : order_) {
+    const auto bit = static_cast<uint16_t>(1u << axis);
+    if ((change.turned & bit) == 0) continue;
+    commanded_.ticks[axis] = programmed_[axis] = interpreter_->positions().ticks[axis];
+    const bool is_known = interpreter_->positions().is_known(axis);
+    commanded_.known = static_cast<uint16_t>(is_known ? commanded_.known | bit : commanded_.known & ~bit);
+    adrift_ &= static_cast<uint16_t>(~bit);
+  }
+  if (change.to == FrameChange::To::kSame) {
+    // Words of these axes say the same as before.
+  } else if ((commanded_.known & needed) != needed || kept == 0 || !interpreter_->ToFrame(change, &commanded) ||
+             !interpreter_->ToFrame(change, &programmed)) {
     kept = 0;
+  }
   for (const int axis : interpreter_->frame().xyz()) {
     const auto bit = static_cast<uint16_t>(1u << axis);
     if ((kept & bit) == 0) {
@@ -235,6 +249,10 @@ void BlockWriter::InsertWords(const char* text, const Block& block, const Step& 
                               bool is_lower, OutBuffer* out) {
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
+    if (step.takes_no_rotary_words && !is_linear_[axis]) {
+      TurnByVector(axis, targets[axis]);
+      continue;
+    }
     const Ticks base = BaseOf(block, step, axis);
     const CorrectedWord corrected = CorrectedOf(step, axis, targets[axis], base, FormOf(block, step, axis));
     if (!NeedsWord(axis, targets[axis], corrected.form.grain)) continue;
@@ -253,6 +271,10 @@ bool BlockWriter::WriteSimple(const char* text, size_t size, const Block& block,
     return false;
   for (const int axis : order_) {
     if (step.word_of_axis[axis] >= 0) continue;
+    if (step.takes_no_rotary_words && !is_linear_[axis]) {
+      TurnByVector(axis, piece.targets[axis]);
+      continue;
+    }
     if (NeedsWord(axis, piece.targets[axis], FormOf(block, step, axis).grain)) return false;
   }
   // Local copies: the compiler must assume that a write through `to` can change any member of this object.
@@ -311,6 +333,10 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
     last = &word;
     if (first == nullptr) first = &word;
   }
+  // A block of the tool's direction alone; in LN X, Y and Z stand in front of it.
+  if (last == nullptr && step.has_vector && interpreter_->dialect().has_poles) last = block.begin();
+  if (last == nullptr && step.has_vector)
+    last = &block.words[static_cast<size_t>(*std::max_element(step.word_of_vector.begin(), step.word_of_vector.end()))];
   const std::string motion = step.is_arc || is_in_chords_ ? MotionFor(block, piece.is_arc) : std::string();
   for (const Word& word : block) {
     if (&word == first && !motion.empty()) {
@@ -320,8 +346,7 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
     const int axis = interpreter_->AxisOf(word.letter);
     if (axis >= 0) {
       const Ticks base = BaseOf(block, step, axis);
-      const CorrectedWord corrected =
-          CorrectedOf(step, axis, piece.targets[axis], base, FormOf(block, step, axis));
+      const CorrectedWord corrected = CorrectedOf(step, axis, piece.targets[axis], base, FormOf(block, step, axis));
       SetCommanded(step, axis, corrected, base, piece.targets[axis]);
       if (!IsSaid(corrected, word)) {
         copy_to(word.number_at);
@@ -331,6 +356,10 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
     } else if (word.letter == 'F' && scales_feed) {
       copy_to(word.number_at);
       AppendFeed(word, feed_fraction, out);
+      copied = word.end;
+    } else if (const int component = piece.end_fraction < 1.0 ? VectorOf(block, step, word) : -1; component >= 0) {
+      copy_to(word.number_at);
+      AppendComponent(word, piece, component, out);
       copied = word.end;
     } else if (step.is_arc) {
       WriteArcWord(text, size, word, piece, start, &copied, out);
@@ -349,8 +378,47 @@ void BlockWriter::WriteBlock(const char* text, size_t size, const Block& block, 
   }
 }
 
-void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction,
-                             bool is_packed, const std::string& line_end, OutBuffer* out) {
+int BlockWriter::VectorOf(const Block& block, const Step& step, const Word& word) {
+  for (int k = 0; step.has_vector && k < 3; ++k) {
+    if (&block.words[static_cast<size_t>(step.word_of_vector[static_cast<size_t>(k)])] == &word) return k;
+  }
+  return -1;
+}
+
+void BlockWriter::AppendComponent(const Word& word, const Piece& piece, int component, OutBuffer* out) const {
+  const int decimals = std::clamp<int>(word.number.decimals, kVectorDecimals, kMaxDecimals);
+  const double value = interpreter_->frame().Up(piece.nominal)[component];
+  AppendFixed(std::llround(value * static_cast<double>(kPowersOfTen[decimals])), decimals,
+              interpreter_->dialect().writes_plus, true, out);
+}
+
+void BlockWriter::AppendVector(const char* text, const Block& block, const Step& step, const Piece& piece,
+                               bool is_packed, bool is_first, OutBuffer* out) const {
+  const auto blank = [&] {
+    if (!is_first && !is_packed) out->push_back(' ');
+    is_first = false;
+  };
+  for (const Word& word : block) {  // they count for every piece
+    if (word.letter != 0 ||
+        interpreter_->dialect().keywords[static_cast<size_t>(word.keyword)].meaning != Meaning::kSurfaceNormal)
+      continue;
+    blank();
+    out->append(text + word.letter_at, word.end - word.letter_at);
+  }
+  for (size_t k = 0; k < 3; ++k) {
+    const Word& word = block.words[static_cast<size_t>(step.word_of_vector[k])];
+    blank();
+    out->append(interpreter_->dialect().vector_addresses[k]);
+    if (piece.end_fraction < 1.0) {
+      AppendComponent(word, piece, static_cast<int>(k), out);
+    } else {
+      out->append(text + word.number_at, word.end - word.number_at);
+    }
+  }
+}
+
+void BlockWriter::WritePiece(const char* text, const Block& block, const Step& step, const Piece& piece,
+                             double feed_fraction, bool is_packed, const std::string& line_end, OutBuffer* out) {
   const AxisTicks start = commanded_.ticks;
   bool is_first = true;
   const bool has_poles = interpreter_->dialect().has_poles;
@@ -358,7 +426,7 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
     AppendPole(block, piece, line_end, out);
     out->append(RadiusOf(block) != nullptr ? "CR " : "C ");
   } else {
-    out->append(interpreter_->dialect().piece_prefix);
+    out->append(step.has_vector && has_poles ? "LN " : interpreter_->dialect().piece_prefix);
   }
   if (step.is_arc && !has_poles && piece.is_arc == is_in_chords_) {
     out->append(piece.is_arc ? interpreter_->modal().is_clockwise ? "G02" : "G03" : "G01");
@@ -366,13 +434,21 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
     is_in_chords_ = !piece.is_arc;
   }
   for (const int axis : order_) {
+    if (step.takes_no_rotary_words && !is_linear_[axis]) {
+      TurnByVector(axis, piece.targets[axis]);
+      continue;
+    }
     const int index = step.word_of_axis[axis];
     const bool is_of_arc = piece.is_arc && (axis == piece.arc.first || axis == piece.arc.second);
     const bool is_wrapped = step.wrapped >> axis & 1;  // such words are absolute, and say so in G91
     const Ticks base = interpreter_->modal().is_incremental && !is_wrapped
                            ? commanded_.ticks[axis]
                            : interpreter_->offset(axis) + preset_shift_[axis];
-    const CorrectedWord corrected = CorrectedOf(step, axis, piece.targets[axis], base, FormOf(block, step, axis));
+    WordForm form = FormOf(block, step, axis);
+    // A rotary word that is not corrected says the program's own position, where it is absolute too.
+    if (!is_linear_[axis] && !is_followed_[axis])
+      form = ExactForm(form, piece.targets[axis] - base, interpreter_->ticks_per_unit(axis));
+    const CorrectedWord corrected = CorrectedOf(step, axis, piece.targets[axis], base, form);
     if (index < 0 && !is_of_arc && !NeedsWord(axis, piece.targets[axis], corrected.form.grain)) continue;
     if (!is_first && !is_packed) out->push_back(' ');
     is_first = false;
@@ -384,6 +460,7 @@ void BlockWriter::WritePiece(const Block& block, const Step& step, const Piece& 
     if (says_distance) out->push_back(')');
     SetCommanded(step, axis, corrected, base, piece.targets[axis]);
   }
+  if (step.has_vector) AppendVector(text, block, step, piece, is_packed, is_first, out);
   if (piece.is_arc) AppendArcWords(block, piece, start, is_packed, out);
   if (piece.is_arc && has_poles) out->append(interpreter_->modal().is_clockwise ? " DR-" : " DR+");
   if (interpreter_->modal().feed_mode == FeedMode::kInverseTime) {

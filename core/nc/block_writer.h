@@ -78,10 +78,10 @@ class BlockWriter {
   // `feed_fraction` < 1: the block is a piece of its move and G93 scales its F word.
   void WriteBlock(const char* text, size_t size, const Block& block, const Step& step, const Piece& piece,
                   double feed_fraction, OutBuffer* out);
-  // Appends a piece of the same move: axis words, the F word in G93, line end; no N, no other words but the motion code
-  // where an arc has straight pieces.
-  void WritePiece(const Block& block, const Step& step, const Piece& piece, double feed_fraction, bool is_packed,
-                  const std::string& line_end, OutBuffer* out);
+  // Appends a piece of the same move, whose block is `text`: axis words, those of the tool's direction, the F word in
+  // G93, line end; no N, no other words but the motion code where an arc has straight pieces.
+  void WritePiece(const char* text, const Block& block, const Step& step, const Piece& piece, double feed_fraction,
+                  bool is_packed, const std::string& line_end, OutBuffer* out);
   // Appends the block of a hole: X and Y as `entry.targets`, the words of R and of the bottom (Z) as both pieces' Z.
   // Words that the control keeps from an earlier block are inserted where they differ.
   void WriteHole(const char* text, size_t size, const Block& block, const Step& step, const Piece& entry,
@@ -126,6 +126,18 @@ class BlockWriter {
   // `word`: that it is written in place of, nullptr: it is inserted.
   void AppendCorrected(const CorrectedWord& corrected, const Word* word, OutBuffer* out) const;
   void AppendDistance(Distance distance, OutBuffer* out) const;
+  // A rotary axis that turns by words of the tool's direction.
+  void TurnByVector(int axis, Ticks at) {
+    commanded_.ticks[axis] = programmed_[axis] = at;
+    commanded_.known |= static_cast<uint16_t>(1u << axis);
+    adrift_ &= static_cast<uint16_t>(~(1u << axis));
+  }
+  // Which component of the tool's direction the word states, or -1.
+  static int VectorOf(const Block& block, const Step& step, const Word& word);
+  // Of the direction at the piece's end.
+  void AppendComponent(const Word& word, const Piece& piece, int component, OutBuffer* out) const;
+  void AppendVector(const char* text, const Block& block, const Step& step, const Piece& piece, bool is_packed,
+                    bool is_first, OutBuffer* out) const;
   void AppendFeed(const Word& word, double fraction, OutBuffer* out) const;
   void InsertWords(const char* text, const Block& block, const Step& step, const AxisTicks& targets, bool is_lower,
                    OutBuffer* out);
@@ -157,7 +169,7 @@ class BlockWriter {
   const machine::Machine* machine_;
   const Interpreter* interpreter_;
   WordRule rule_;
-  std::vector<int> order_;                             // axes in the order in which inserted words are written
+  std::vector<int> order_;  // axes in the order in which inserted words are written
   std::array<bool, machine::kMaxAxes> is_followed_{}, is_linear_{};  // rotary axes with orientation
   Commanded commanded_;
   Pole pole_;                                     // of the controller
@@ -170,7 +182,7 @@ class BlockWriter {
   // Of the drilling cycle in force: what the control keeps of its words, and where Z stood when it began.
   bool is_cycle_known_ = false, is_cycle_level_known_ = false;
   Ticks hole_entry_ = 0, hole_bottom_ = 0, cycle_level_ = 0;
-  bool is_in_chords_ = false;                     // the controller is in G01 where the program is in G02 or G03
+  bool is_in_chords_ = false;  // the controller is in G01 where the program is in G02 or G03
 };
 
 }  // namespace axiscal::nc

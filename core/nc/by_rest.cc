@@ -3,7 +3,9 @@
 #include <cstring>
 #include <string>
 
+#include "absl/strings/str_split.h"
 #include "core/nc/char_class.h"
+#include "core/nc/plain_number.h"
 #include "core/nc/request.h"
 
 namespace axiscal::nc {
@@ -30,34 +32,10 @@ bool IsZero(const std::string& text) {
 bool ReadShift(const std::string& word, Ticks unit, char* letter, Ticks* ticks) {
   if (word.empty() || std::strchr(kShiftedLetters, word[0]) == nullptr) return false;
   *letter = word[0];
-  size_t at = 1 + (word.size() > 1 && word[1] == '=');
-  Decimal number;
-  const bool is_negative = at < word.size() && word[at] == '-';
-  at += at < word.size() && (word[at] == '-' || word[at] == '+');
-  for (; at < word.size(); ++at) {
-    if (word[at] == '.' && !number.has_point) {
-      number.has_point = true;
-    } else if (word[at] >= '0' && word[at] <= '9' && number.digits < 12) {
-      number.mantissa = 10 * number.mantissa + (word[at] - '0');
-      ++number.digits;
-      number.decimals = static_cast<int8_t>(number.decimals + number.has_point);
-    } else {
-      return false;
-    }
-  }
-  if (number.digits == 0 || number.digits - number.decimals > 5) return false;
-  if (is_negative) number.mantissa = -number.mantissa;
-  return ToTicks(number, unit, ticks);
-}
-
-std::vector<std::string> WordsOf(const std::string& text) {
-  std::vector<std::string> words;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find(' ', at), text.size());
-    if (end > at) words.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return words;
+  const bool has_equals = word.size() > 1 && word[1] == '=';
+  const std::optional<Ticks> value = PlainTicks(std::string_view(word).substr(has_equals ? 2 : 1), unit);
+  if (value) *ticks = *value;
+  return value.has_value();
 }
 
 }  // namespace
@@ -78,8 +56,9 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
   const Word& word = *request->by_rest_word;
   const char* const name = dialect_->keywords[static_cast<size_t>(word.keyword)].name;
   const std::string rest = RestOf(text + word.letter_at + std::strlen(name), end_of_text_);
-  bool ends = (rest.empty() && std::strcmp(name, "ATRANS") != 0) || (mode == kSwivel && rest == "()");
-  if (dialect_->has_poles) {
+  bool ends = (rest.empty() && name[0] != 'A' && mode != kTiltedPlane) || (mode == kSwivel && rest == "()");
+  std::string words_of_frame = rest;
+  if (dialect_->has_poles && mode != kTiltedPlane) {
     // TNC 640, User's Manual for Cycle Programming: ".0" names the cycle, the lines behind it state it.
     const size_t behind = rest.find_first_not_of("0123456789", 1);
     const std::string part = rest.substr(0, behind), words = behind == std::string::npos ? "" : rest.substr(behind);
@@ -92,9 +71,22 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
     }
     ends = is_part && stated.empty() && (mode == kMirror || mode == kWorkingPlane);
     if (is_part && mode == kRotation) ends = stated.rfind("ROT", 0) == 0 && IsZero(stated.substr(3));
+    if (is_part && mode == kScaling && stated.rfind("SCL", 0) == 0) {
+      const std::optional<Decimal> factor = PlainNumber(std::string_view(stated).substr(3));
+      ends = factor && ValueOf(*factor) == 1.0;
+    }
+    // Without rotary axes nothing can be tilted by zero.
+    if (is_part && mode == kWorkingPlane && !stated.empty() && frame_of_words_.has_xyz() && !HasRotaryAxis()) {
+      const std::vector<std::string> angles = absl::StrSplit(stated, ' ', absl::SkipEmpty());
+      ends = std::all_of(angles.begin(), angles.end(), [](const std::string& angle) {
+        return angle.size() > 1 && angle[0] >= 'A' && angle[0] <= 'C' && IsZero(angle.substr(1));
+      });
+    }
+    words_of_frame = is_part ? stated : std::string("~");
     // "CYCL DEF 7.1", "CYCL DEF 10.1 ROT": nothing is stated. Whether that ends what was stated before is not known.
     const bool is_empty = is_part && (stated.empty() || (mode == kRotation && stated == "ROT"));
-    if (is_empty && (mode == kDatumShift || mode == kRotation) && (modal_.blockers & mode) == 0) return;
+    const bool is_off = ((modal_.blockers | modal_.tool_point) & mode) == 0;
+    if (is_empty && (mode == kDatumShift || mode == kRotation) && is_off) return;
     if (mode == kDatumShift) {
       modal_.shifted_axes = is_part && !stated.empty() ? ShiftDatum(stated, modal_.shifted_axes)
                                                        : static_cast<uint16_t>(modal_.shifted_axes | kAnyShift);
@@ -124,6 +116,11 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
   }
   const bool adds = std::strcmp(name, "ATRANS") == 0;
   if ((adds || std::strcmp(name, "TRANS") == 0) && Translate(rest, adds)) return;
+  std::string problem;
+  if ((mode & kPlacedFrames) != 0 && std::strstr(name, "TRANS") == nullptr &&
+      FrameByRest(name, words_of_frame, mode, step, &problem))
+    return;
+  if ((modal_.tool_point & mode) != 0) LoseToolPoint();
   modal_.calls_at_moves = false;
   modal_.blockers |= mode;
   if (mode == kMirror) modal_.mirrored_axes = kAllAxes;
@@ -132,7 +129,7 @@ void Interpreter::SelectByRest(const char* text, Request* request, Step* step) {
     NoteCall();
     request->is_call = true;
   }
-  request->Refuse(absl::StrCat(name, " (", request->by_rest->text, ")"));
+  request->Refuse(absl::StrCat(name, " (", request->by_rest->text, ")", problem.empty() ? "" : ": ", problem));
 }
 
 void Interpreter::ShiftFrame(int axis, Ticks value) {
@@ -146,12 +143,12 @@ void Interpreter::ShiftFrame(int axis, Ticks value) {
 // stated before, ATRANS adds to it.
 bool Interpreter::Translate(const std::string& words, bool adds) {
   const uint32_t others = modal_.blockers & ~(adds ? 0u : static_cast<uint32_t>(kFrame));
-  if (others != 0 || modal_.tool_point != 0 || block_may_be_skipped_ || modal_.is_inch ||
+  if (others != 0 || (modal_.tool_point & ~(kFrame | kSwivel)) != 0 || block_may_be_skipped_ || modal_.is_inch ||
       (modal_.uncertain & (kUnitGroup | kOffsetGroup)) != 0)
     return false;
   AxisTicks shift{};
   uint16_t named = 0;
-  for (const std::string& word : WordsOf(words)) {
+  for (const std::string& word : std::vector<std::string>(absl::StrSplit(words, ' ', absl::SkipEmpty()))) {
     char letter = 0;
     Ticks ticks = 0;
     const bool is_read = ReadShift(word, kTicksPerMm, &letter, &ticks);
@@ -161,6 +158,19 @@ bool Interpreter::Translate(const std::string& words, bool adds) {
     shift[axis] = ticks;
   }
   if (named == 0) return false;
+  if (adds && (modal_.tool_point & kFrame) != 0) {
+    // Behind a rotation, a mirror or a scale it is counted along what these turned.
+    Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();
+    for (int i = 0; i < axis_count_; ++i) {
+      if (shift[i] == 0) continue;
+      const std::array<int, 3>& xyz = frame_of_words_.xyz();
+      const auto k = std::find(xyz.begin(), xyz.end(), i) - xyz.begin();
+      if (k == 3) return false;
+      shift_mm[k] = static_cast<double>(shift[i]) / kTicksPerUnit;
+    }
+    frames_.inner_at_mm += frames_.inner * shift_mm;
+    return true;
+  }
   EndMode(kFrame);
   for (int i = 0; i < axis_count_; ++i) ShiftFrame(i, shift[i] + (adds ? coordinates_.frame(i) : 0));
   return true;
@@ -168,7 +178,7 @@ bool Interpreter::Translate(const std::string& words, bool adds) {
 
 // TNC 640, User's Manual for Cycle Programming, "Datum shift (cycle 7)": an axis that is not named keeps its shift.
 uint16_t Interpreter::ShiftDatum(const std::string& words, uint16_t shifted) {
-  for (const std::string& word : WordsOf(words)) {
+  for (const std::string& word : std::vector<std::string>(absl::StrSplit(words, ' ', absl::SkipEmpty()))) {
     char letter = word[0];
     Ticks ticks = 0;
     const char* const known = std::strchr(kShiftedLetters, letter);

@@ -23,7 +23,7 @@ TEST(ByRest, SinumerikFramesAloneEndThemAll) {
   RewriteOptions passing = In("sinumerik");
   passing.on_unsupported = OnUnsupported::kPass;
   const std::string all = "G1 X1 Y0 Z0 B0 C0 F100\n", corrected = "G1 X1.0417 Y0 Z0 B0 C0 F100\n";
-  for (const std::string on : {"ROT Z30", "TRANS X10 ROT", "ATRANS X=R1", "MIRROR X0"})
+  for (const std::string on : {"ROT Z30", "TRANS X10 ROT", "ATRANS X=R1", "MIRROR Z0"})
     EXPECT_REWRITTEN(passing, on + "\nX5\nTRANS\n" + all, on + "\nX5\nTRANS\n" + corrected);
   for (const std::string stays : {"ROT Z30\nX5\nATRANS", "ROT Z30\nX5\nMCALL", "TRANS X=R1\nX5\nCYCLE800()",
                                   "CYCLE800(1,\"TC\",0,57,0,0,0,30,0,0,0,0,0,1)\nX5\nTRANS", "TRANS X10\n/TRANS"}) {
@@ -107,8 +107,8 @@ TEST(ByRest, KlartextCyclesThatStateNothingEndTheirMode) {
   const std::string called = all + shift + "CALL PGM A\nEND PGM B MM\nBEGIN PGM A MM\nCYCL DEF 7.1 X+0\n" + all;
   EXPECT_REWRITTEN(passing, called, back + called.substr(all.size()));
   for (const std::string on :
-       {"CYCL DEF 7.1 X+Q1", "CYCL DEF 7.1 #5", "CYCL DEF 7.1 IX+0", "CYCL DEF 7.0 DATUM SHIFT ~", "CYCL DEF 8.1 X",
-        "CYCL DEF 10.1 ROT+30", "CYCL DEF 10.1 IROT+0", "CYCL DEF 10.1 ROT+Q1", "CYCL DEF 19.1 B+0",
+       {"CYCL DEF 7.1 X+Q1", "CYCL DEF 7.1 #5", "CYCL DEF 7.1 IX+0", "CYCL DEF 7.0 DATUM SHIFT ~", "CYCL DEF 8.1 Z",
+        "CYCL DEF 10.1 ROT+30", "CYCL DEF 10.1 IROT+0", "CYCL DEF 10.1 ROT+Q1", "CYCL DEF 19.1 B+Q1",
         "CYCL DEF 10 ROTATION"})
     EXPECT_REFUSED(options, on + "\nL X+1 F100\n", "line 1");
 }

@@ -5,35 +5,10 @@
 #include <string_view>
 
 #include "core/nc/char_class.h"
+#include "core/nc/plain_number.h"
 #include "core/nc/request.h"
 
 namespace axiscal::nc {
-namespace {
-
-// A plain number: "-20.5", "+2".
-std::optional<Ticks> TicksOf(std::string_view text, Ticks unit) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  Decimal number;
-  const bool is_negative = !text.empty() && text[0] == '-';
-  if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
-  for (const char c : text) {
-    if (c == '.' && !number.has_point) {
-      number.has_point = true;
-    } else if (Class(c) == kDigit && number.digits < 12) {
-      number.mantissa = 10 * number.mantissa + (c - '0');
-      ++number.digits;
-      number.decimals = static_cast<int8_t>(number.decimals + number.has_point);
-    } else {
-      return std::nullopt;
-    }
-  }
-  if (number.digits == 0 || number.digits - number.decimals > 5) return std::nullopt;
-  if (is_negative) number.mantissa = -number.mantissa;
-  return ToTicks(number, unit);
-}
-
-}  // namespace
 
 bool Interpreter::ReadArguments(const std::string& arguments, const Code* code, DrillCycle* cycle) const {
   *cycle = DrillCycle();
@@ -51,12 +26,12 @@ bool Interpreter::ReadArguments(const std::string& arguments, const Code* code, 
   if (parts.size() < 4 || std::count(arguments.begin(), arguments.end(), '(') != 1) return false;
   const auto is_empty = [](std::string_view part) { return part.find_first_not_of(' ') == std::string_view::npos; };
   const Ticks unit = ticks_per_unit(z);
-  const auto retraction = TicksOf(parts[0], unit), surface = TicksOf(parts[1], unit);
-  const auto distance = is_empty(parts[2]) ? std::optional<Ticks>(0) : TicksOf(parts[2], unit);
+  const auto retraction = PlainTicks(parts[0], unit), surface = PlainTicks(parts[1], unit);
+  const auto distance = is_empty(parts[2]) ? std::optional<Ticks>(0) : PlainTicks(parts[2], unit);
   if (!retraction || !surface || !distance) return false;
   const bool has_relative = parts.size() > 4 && !is_empty(parts[4]);
-  const auto depth = TicksOf(is_empty(parts[3]) && has_relative ? parts[4] : parts[3], unit);
-  if (!depth || (!is_empty(parts[3]) && has_relative && TicksOf(parts[4], unit) != std::optional<Ticks>(0)))
+  const auto depth = PlainTicks(is_empty(parts[3]) && has_relative ? parts[4] : parts[3], unit);
+  if (!depth || (!is_empty(parts[3]) && has_relative && PlainTicks(parts[4], unit) != std::optional<Ticks>(0)))
     return false;
   const Ticks bottom = is_empty(parts[3]) ? *surface - std::abs(*depth) : *depth;
   const Ticks entry = *surface + std::abs(*distance);
@@ -80,7 +55,7 @@ void Interpreter::ReadDefinition(const char* text, size_t size, Step* step) {
     while (last != end && *last == ' ') ++last;
     while (last != end && *last != ' ' && *last != '~') ++last;
     definition_[number - 200] =
-        TicksOf({digit, static_cast<size_t>(last - digit)}, z < 0 ? kTicksPerMm : ticks_per_unit(z));
+        PlainTicks({digit, static_cast<size_t>(last - digit)}, z < 0 ? kTicksPerMm : ticks_per_unit(z));
     // "Q203=Q5": it is not known.
     if (!definition_[number - 200]) {
       defined_ = nullptr;
@@ -98,15 +73,7 @@ void Interpreter::ReadDefinition(const char* text, size_t size, Step* step) {
 std::string Interpreter::WhyNoCall() const {
   const DrillCycle& cycle = modal_.called;
   if (cycle.code == nullptr) return "its definition is not followed, or holds more than plain numbers";
-  for (const char letter : {'X', 'Y', 'Z'}) {
-    if (AxisOf(letter) < 0 || !is_linear_[AxisOf(letter)]) return "the machine has not the linear axes X, Y and Z";
-  }
-  constexpr uint8_t kNeeded = kDistanceGroup | kPlaneGroup | kLengthGroup | kUnitGroup;
-  if ((modal_.uncertain & kNeeded) != 0) return "the modal state is not known behind a block that was not followed";
-  if (modal_.plane_normal != 2) return "in another plane than XY";
-  if (modal_.is_incremental) return "in G91";
-  if (modal_.tool_point != 0) return "under tool centre point control";
-  if (options_->orientation) return "with --orientation it is not followed";
+  if (std::string problem = WhyNoDrilling(kUnitGroup); !problem.empty()) return problem;
   if (cycle.z_offset != offset(AxisOf('Z')) || cycle.is_inch != modal_.is_inch)
     return "the unit, work offset or tool length changed since its definition";
   return "";
@@ -145,8 +112,7 @@ void Interpreter::CallCycle(const Request& request, Step* step) {
   step->end.ticks[z] = cycle.level;
   step->end.known |= static_cast<uint16_t>(1u << z);
   step->end.sense[z] = 1;
-  step->tool_length = coordinates_.active_length();
-  step->is_tool_point = false;
+  TakeFrame(step);
   positions_.CopyFrom(step->end, axis_count_);
   if (call != nullptr && call->detail == kByArguments) modal_.called = DrillCycle();
 }

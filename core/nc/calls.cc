@@ -564,11 +564,12 @@ void Execution::FindBodies(int index) {
     AddBody(index, "O" + stem, begin, begin, end, false);
   }
   for (Body& body : bodies_) {
+    if (body.text != index) continue;
     const bool returns = std::any_of(text.flow.begin() + static_cast<ptrdiff_t>(body.begin),
                                      text.flow.begin() + static_cast<ptrdiff_t>(body.end), [](const FlowLine& flow) {
                                        return flow.kind == Kind::kReturn || flow.kind == Kind::kProgramEnd;
                                      });
-    if (body.text == index && !returns && body.problem.empty()) body.problem = "it does not end with a return";
+    if (!returns && body.problem.empty()) body.problem = "it does not end with a return";
   }
   // M97 P500 of Haas: N500 to M99.
   for (size_t i = 0; i < count; ++i) {

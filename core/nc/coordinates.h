@@ -26,6 +26,10 @@ class Coordinates {
   const AxisTicks& offsets() const { return total_; }
   // The number of the tool length in force, -1: none.
   int active_length() const { return active_length_; }
+  // Which of the stated work offsets is in force, by an option or by G10 of the program; "": none.
+  const std::string& active_offset() const {
+    return selected_ < 0 ? no_offset_ : stated_[static_cast<size_t>(selected_)].code;
+  }
 
   // The state at the begin of a program.
   void Reset();
@@ -39,6 +43,10 @@ class Coordinates {
   // While words stand in the workpiece's frame they say where the tool point is: no length is added to Z.
   void SetToolPoint(bool is_tool_point);
   Ticks length() const { return length_; }
+  // Offset(axis) without the tool length.
+  Ticks WithoutLength(int axis) const {
+    return total_[axis] - (axis == length_axis_ && !is_tool_point_ ? length_ + length_difference_ : 0);
+  }
   bool has_length_difference() const { return length_difference_ != 0; }
   // G92: the axis' present position gets the programmed value.
   void Preset(int axis, Ticks position, Ticks value);
@@ -82,6 +90,7 @@ class Coordinates {
   std::vector<Stated> stated_;
   std::vector<Length> lengths_;
   std::string first_offset_;
+  std::string no_offset_;  // stays empty
   int selected_ = -1;
   bool has_selected_ = false;  // the program did, else the first one is in force if it is stated
   int active_length_ = -1;

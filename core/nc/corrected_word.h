@@ -63,6 +63,13 @@ inline WordForm AtLeast(int decimals, const WordForm& form, Ticks ticks_per_unit
   return {decimals, GrainTicks(ticks_per_unit, decimals), false};
 }
 
+// The form with the decimals at which `value` is said exactly; increments have theirs.
+inline WordForm ExactForm(WordForm form, Ticks value, Ticks ticks_per_unit) {
+  while (!form.is_increments && form.decimals < kMaxDecimals && value % form.grain != 0)
+    form.grain = GrainTicks(ticks_per_unit, ++form.decimals);
+  return form;
+}
+
 inline CorrectedWord WordFor(Ticks target, Ticks base, const WordForm& form) {
   return {RoundToGrains(target - base, form.grain), form};
 }

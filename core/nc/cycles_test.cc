@@ -183,5 +183,37 @@ TEST(Cycles, PassedHolesBeginWhereTheProgramSays) {
                    "Z50. B0. C0.\n");
 }
 
+// Behind a block that states a cycle and is not followed, nobody knows which cycle drills how deep.
+TEST(Cycles, APassedBlockOfACycleEndsIt) {
+  RewriteOptions options = In("fanuc");
+  options.on_unsupported = OnUnsupported::kPass;
+  const std::string head = "G90 G17 G21 G94\nG0 X0. Y0. Z50. B0. C0.\n",
+                    begin = "G90 G17 G21 G94\nG0 X0.0417 Y0. Z50. B0. C0.\n";
+  for (const char* unread : {"G81 X1 Z-M8\n", "G81 X1. Z#5 R2.\n"}) {
+    EXPECT_REWRITTEN(options, head + unread + "X20. Y5.\nG80\n",
+                     begin + "G00 X0.0000\n" + unread + "X20. Y5.\nG80\n");
+    EXPECT_REFUSED(options, head + "G83 X10. Z-8. R2. Q1. F200\n" + unread + "X20. Y5.\nG80\n",
+                   "it must begin where the program says, and cannot");
+  }
+}
+
+// The words of the block are those of the other code: nothing states the cycle's heights.
+TEST(Cycles, ACycleThatBeginsBesideAnotherCodeIsRefused) {
+  for (const char* const beside : {"G92 X0.", "G52 X1.", "G92 S2000", "G92.1", "G50 S100"}) {
+    for (const char* const dialect : {"fanuc", "haas", "linuxcnc"}) {
+      RewriteOptions options = testing::kAtZero;
+      options.dialect = dialect;
+      for (const OnUnsupported what : {OnUnsupported::kRefuse, OnUnsupported::kPass}) {
+        options.on_unsupported = what;
+        RewriteReport report;
+        const auto text = RewriteText(std::string(beside) + " G81\nX5.\nX6. Z-3. R2.\nG80\n", testing::LeaningHead(),
+                                      options, &report);
+        EXPECT_EQ(report.blocks_corrected, 0) << beside << " " << dialect;
+        EXPECT_EQ(text.ok(), what == OnUnsupported::kPass) << beside << " " << dialect << text.status();
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace axiscal::nc

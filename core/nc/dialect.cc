@@ -35,13 +35,14 @@ Dialect Make(const std::string& name, std::initializer_list<std::vector<CodeEntr
   dialect.roles.fill(Role::kParameter);
   SetRole("XYZABCUVW", Role::kAxis, &dialect);
   SetRole("GM", Role::kCode, &dialect);
-  SetRole("SD", Role::kPassive, &dialect);
+  SetRole("S", Role::kPassive, &dialect);
   SetRole("IJK", Role::kCentre, &dialect);
   SetRole("N", Role::kLineNumber, &dialect);
   SetRole("O", Role::kProgramNumber, &dialect);
   SetRole("F", Role::kFeed, &dialect);
   SetRole("T", Role::kToolNumber, &dialect);
   SetRole("H", Role::kToolLength, &dialect);
+  SetRole("D", Role::kToolRadius, &dialect);
   SetRole("R", Role::kRadius, &dialect);
   return dialect;
 }
@@ -99,6 +100,7 @@ Dialect Sinumerik() {
   SetRole("HOLR", Role::kParameter, &dialect);  // R is a variable
   SetRole("Q", Role::kRadius, &dialect);        // stands for CR
   dialect.radius_address = "CR=";
+  dialect.vector_addresses = {"A3=", "B3=", "C3="};
   return dialect;
 }
 
@@ -113,6 +115,7 @@ Dialect Heidenhain() {
   dialect.tool_call_sets_length = true;
   dialect.first_offset = "PRESET";
   dialect.piece_prefix = "L ";
+  dialect.vector_addresses = {"TX", "TY", "TZ"};
   dialect.writes_plus = true;
   SetRole("GNOHTDIJK", Role::kParameter, &dialect);
   SetRole("R", Role::kRadiusCompensation, &dialect);

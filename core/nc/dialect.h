@@ -59,7 +59,17 @@ enum class Meaning : uint8_t {
   // too where its block states the tool length (G43.4 H1).
   kToolPoint,
   kTurnByVector,  // how tools turn under it; detail: 1 by a vector, 0 axis by axis
+  kToolVector,    // a component of the tool's direction, from its tip to the spindle (A3=, TX); detail: 0 to 2
+  kSurfaceNormal,  // NX of LN: where differences of the tool's radius would move the path to
+  kCutterSide,    // cutter compensation; detail: 1 the tool stands left of the contour, 2 right
   kBlockerOn,     // a mode in which axis words are not axis positions; detail: a Blocker
+  // The same, followed where its words are plain numbers (tilt.cc); detail: its Blocker.
+  kRotate,       // G68
+  kTilt,         // G68.2: three angles about Z, X and Z; of Haas' G268 about X, Y and Z, with kAnglesXyz
+  kScale,        // G51
+  kMirrorOn,     // G51.1
+  kMoveOrigin,   // G254: the work offset goes with the turned table
+  kTurnToPlane,  // G53.1: the rotary axes turn the tool to the tilted plane
   // The same with what stands behind the keyword; without it, or with what states nothing (ROT+0, X+0), the mode
   // ends.
   kBlockerByRest,
@@ -97,7 +107,7 @@ enum Blocker : uint32_t {
   kDiameter = 1024,
   kUnstatedLength = 2048,
   kUnfollowedMode = 4096,
-  kRotation = 1 << 13,             // Haas G68, which G69 ends, not G269; CYCL DEF 10, which PLANE RESET does not end
+  kRotation = 1 << 13,             // G68, which G69 ends, of Haas not G269; CYCL DEF 10, which PLANE RESET does not end
   kKinematics = 1 << 14,           // M428, TCARR: no code that is read here ends it
   kPolarInterpolation = 1 << 15,   // G12.1, TRANSMIT
   kNormalDirection = 1 << 16,      // G41.1 of Fanuc
@@ -113,7 +123,16 @@ enum Blocker : uint32_t {
   kTurretOffset = 1 << 26,         // T0101 of lathes, which M06 shows to be a tool's number alone
 };
 
+// Modes that are followed by placing the words of X, Y and Z (word_frame.h): tilted planes, and what turns words in
+// their plane.
+inline constexpr uint32_t kTiltedPlanes = kTiltedPlane | kSwivel | kWorkingPlane | kDynamicOffset;
+inline constexpr uint32_t kTurnedFrames = kRotation | kFrame | kMirror | kScaling;
+inline constexpr uint32_t kPlacedFrames = kTiltedPlanes | kTurnedFrames;
+
 inline constexpr uint32_t kSelectsLength = 1u << 31;  // of kToolPoint
+inline constexpr uint32_t kStatesVectors = 1u << 30;  // likewise: I, J and K say how the tool stands (G43.5)
+inline constexpr uint32_t kWithNormals = 1;           // of kLinear: LN
+inline constexpr uint32_t kAnglesXyz = 1u << 31;      // of kTilt
 // Of kDrillCycle: words of its block beside those of axes, R, Q, P and F.
 enum CycleWords : uint32_t {
   kCycleRepeatsK = 1,  // K: how often
@@ -172,6 +191,7 @@ enum class Role : uint8_t {
   kFeed,
   kToolNumber,
   kToolLength,        // H: number of the length that G43 adds
+  kToolRadius,        // D: number of the radius of G41
   kActiveToolLength,  // D of Sinumerik: the length acts as soon as it is named
   kCentre,            // I, J, K
   kRadius,
@@ -225,6 +245,8 @@ struct Dialect {
   std::string first_offset = "G54";         // the work offset that is selected at the begin
   std::string piece_prefix;                 // what inserted pieces begin with: "L "
   std::string radius_address = "R";         // what a piece's radius word begins with
+  // What the words of the tool's direction begin with.
+  std::array<std::string, 3> vector_addresses = {"I", "J", "K"};
   bool writes_plus = false;                 // inserted words carry their sign
 
   std::vector<CodeMeaning> keyword_codes;  // of `keywords`, in their order

@@ -1,4 +1,4 @@
-// Words of Heidenhain Klartext: L, C, CR and CC blocks are read, everything else is recognised and reported.
+// Words of Heidenhain Klartext: L, LN, C, CR and CC blocks are read, everything else is recognised and reported.
 #include <cstring>
 
 #include "core/nc/dialect_tables.h"
@@ -50,6 +50,9 @@ constexpr const char* kCyclesThatWait[] = {
     "CYCL DEF 270", "CYCL DEF 271", "CYCL DEF 272", "CYCL DEF 273", "CYCL DEF 274", "CYCL DEF 275", "CYCL DEF 276",
 };
 
+constexpr const char* kPattern =
+    "runs the last cycle at the points of a pattern, which no word states: call it at each (L X Y FMAX M99)";
+
 constexpr const char* kDrillingCycles[] = {"CYCL DEF 200", "CYCL DEF 201", "CYCL DEF 202", "CYCL DEF 203",
                                            "CYCL DEF 205", "CYCL DEF 206", "CYCL DEF 207", "CYCL DEF 209"};
 
@@ -58,12 +61,18 @@ constexpr const char* kDrillingCycles[] = {"CYCL DEF 200", "CYCL DEF 201", "CYCL
 std::vector<Keyword> KlartextKeywords() {
   using M = Meaning;
   std::vector<Keyword> keywords = {
-      {"CYCL DEF 220", M::kOneShot, 0, true, "runs the last cycle at the points of a pattern"},
-      {"CYCL DEF 221", M::kOneShot, 0, true, "runs the last cycle at the points of a pattern"},
+      {"CYCL DEF 220", M::kOneShot, 0, true, kPattern},
+      {"CYCL DEF 221", M::kOneShot, 0, true, kPattern},
       {"CYCL DEF", M::kBlockerOn, kUnfollowedMode, true, "cycle that may act where it is defined"},
       {"FUNCTION COUNT REPEAT", M::kJump, 0, true, "jumps back while parts are left"},
       {"L", M::kLinear, 0, false, "linear move"},
-      {"LN", M::kOneShot, 0, true, "linear move with surface normals"},
+      {"LN", M::kLinear, kWithNormals, false, "linear move with surface normals"},
+      {"TX", M::kToolVector, 0, false, "tool vector"},
+      {"TY", M::kToolVector, 1, false, "tool vector"},
+      {"TZ", M::kToolVector, 2, false, "tool vector"},
+      {"NX", M::kSurfaceNormal, 0, false, "surface normal"},
+      {"NY", M::kSurfaceNormal, 1, false, "surface normal"},
+      {"NZ", M::kSurfaceNormal, 2, false, "surface normal"},
       {"LP", M::kOneShot, 0, true, "polar linear move: no word of an axis could be corrected"},
       {"LBL", M::kJump, 0, true, "label"},
       {"CALL", M::kCall, 0, true, "call"},
@@ -89,8 +98,8 @@ std::vector<Keyword> KlartextKeywords() {
       {"DEP", M::kOneShot, kTangential, true, "departure"},
       {"CYCL DEF 19", M::kBlockerByRest, kWorkingPlane, true, "tilted plane"},
       {"CYCL DEF 10", M::kBlockerByRest, kRotation, true, "rotation"},
-      {"CYCL DEF 11", M::kBlockerOn, kScaling, true, "scaling"},
-      {"CYCL DEF 26", M::kBlockerOn, kScaling, true, "scaling"},
+      {"CYCL DEF 11", M::kBlockerByRest, kScaling, true, "scaling"},
+      {"CYCL DEF 26", M::kBlockerOn, kUnfollowedMode, true, "scaling"},
       {"CYCL DEF 8", M::kBlockerByRest, kMirror, true, "mirror"},
       {"CYCL DEF 7", M::kBlockerByRest, kDatumShift, true, "shift of coordinates"},
       {"CYCL DEF 247", M::kSelectDatum, 0, true, "sets the datum"},
@@ -105,6 +114,7 @@ std::vector<Keyword> KlartextKeywords() {
       {"PLANE RESET TURN", M::kAxesAway, kTiltedPlane | kWorkingPlane, true, "turns the tilting axes home"},
       {"PLANE RESET MOVE", M::kAxesAway, kTiltedPlane | kWorkingPlane, true, "turns the tilting axes home"},
       {"PLANE RESET", M::kBlockerOff, kTiltedPlane | kWorkingPlane, true, "tilted plane off"},
+      {"PLANE SPATIAL", M::kBlockerByRest, kTiltedPlane, true, "tilted plane"},
       {"PLANE", M::kBlockerOn, kTiltedPlane, true, "tilted plane"},
       {"FUNCTION TCPM", M::kToolPoint, kToolControlFunction, true, "tool centre point control"},
       {"FUNCTION RESET TCPM", M::kBlockerOff, kToolControlFunction, true, "tool centre point control off"},
@@ -127,8 +137,8 @@ std::vector<Keyword> KlartextKeywords() {
       {"FMAX", M::kRapidBlock, 0, false, "rapid move"},
       {"F MAX", M::kRapidBlock, 0, false, "rapid move"},  // of older controls
       {"FAUTO", M::kHarmless, 0, false, "feed of the tool"},
-      {"RL", M::kBlockerOn, kCutterCompensation, false, "cutter compensation"},
-      {"RR", M::kBlockerOn, kCutterCompensation, false, "cutter compensation"},
+      {"RL", M::kCutterSide, 1, false, "cutter compensation"},
+      {"RR", M::kCutterSide, 2, false, "cutter compensation"},
       {"IX", M::kIncrementalAddress, 'X', false, ""},
       {"IY", M::kIncrementalAddress, 'Y', false, ""},
       {"IZ", M::kIncrementalAddress, 'Z', false, ""},

@@ -52,8 +52,8 @@ TEST(Dialect, SinumerikModesAreReported) {
       {"CYCLE800(1,\"TC1\",0,57,0,0,0,30,0,0,0,0,0,1)", "tilted plane"},
       {"CYCLE81(R1,0,2,-5)", "cycle"},
       {"TRANS X=R5", "shift of coordinates"},
-      {"AROT RPL=30", "rotation"},
-      {"MIRROR X0", "mirror"},
+      {"AROT X30", "rotation"},
+      {"MIRROR Z0", "mirror"},
       {"R1=R2+5", "macro or expression"},
       {"X=R1", "without a number"},
       {"L140(2)", "unexpected character"},
@@ -108,7 +108,7 @@ TEST(Dialect, KlartextIsReportedWhereItIsNoLBlock) {
       {"LP PR+10 PA+30", "polar linear move"},
       {"TOOL CALL 5 Z S2000", "TOOL CALL 5: the tool's length is not stated"},
       {"TOOL CALL \"MILL\" Z S2000", "by name"},
-      {"PLANE SPATIAL SPA+0 SPB+45 SPC+0 STAY", "tilted plane"},
+      {"PLANE PROJECTED PROPR+24 PROMIN+24 ROT+30 STAY", "tilted plane"},
       {"CYCL DEF 7.1 IX+5", "shift of coordinates"},
       {"CYCL DEF 247 DATUM SETTING Q339=1", "PRESET 1 is not stated"},
       {"CYCL CALL", "cycle"},
@@ -158,7 +158,7 @@ TEST(Dialect, HaasWords) {
   EXPECT_REWRITTEN(In("haas"), "G1 X1.\nG187 P3 E0.001\nG103 P1\nX2.\n",
                    "G1 X1.0417\nG187 P3 E0.001\nG103 P1\nX2.0417\n");
   for (const std::string block :
-       {"G12 I5. F10.", "G234 H1", "G254", "G154 P3", "G110", "G150 P100", "M97 P100", "G5 P1"})
+       {"G12 I5. F10.", "G234 H1", "G254 X1.", "G154 P3", "G110", "G150 P100", "M97 P100", "G5 P1"})
     EXPECT_REFUSED(In("haas"), block + "\nG1 X1.\n", "line 1: '" + block + "'");
 }
 

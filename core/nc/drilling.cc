@@ -7,25 +7,27 @@
 namespace axiscal::nc {
 
 void Interpreter::LoseCycle(const std::string& reason, Step* step) {
-  modal_.motion = Meaning::kOtherMotion;
-  const std::string text = absl::StrCat(modal_.motion_text, ": ", reason);
-  modal_.cycle = DrillCycle();
-  Unsupported(text, false, step);
+  Unsupported(absl::StrCat(modal_.motion_text, ": ", reason), false, step);
+}
+
+std::string Interpreter::WhyNoDrilling(uint8_t needed) const {
+  for (const char letter : {'X', 'Y', 'Z'}) {
+    if (AxisOf(letter) < 0 || !is_linear_[AxisOf(letter)]) return "the machine has not the linear axes X, Y and Z";
+  }
+  if ((modal_.uncertain & (kDistanceGroup | kPlaneGroup | kLengthGroup | needed)) != 0)
+    return "the modal state is not known behind a block that was not followed";
+  if (modal_.plane_normal != 2) return "in another plane than XY controls differ on the axis that drills";
+  if (modal_.is_incremental) return "in G91 controls differ on what its heights count from: program it in G90";
+  if ((modal_.tool_point & ~kPlacedFrames) != 0) return "under tool centre point control it is not followed";
+  if (options_->orientation) return "with --orientation it is not followed";
+  return "";
 }
 
 std::string Interpreter::ReadCycleWords(const Block& block, const Request& request, const Word** entry,
                                         int64_t* repeats) const {
   const uint32_t words = modal_.cycle.code->detail;
-  for (const char letter : {'X', 'Y', 'Z'}) {
-    if (AxisOf(letter) < 0 || !is_linear_[AxisOf(letter)]) return "the machine has not the linear axes X, Y and Z";
-  }
-  constexpr uint8_t kNeeded = kDistanceGroup | kPlaneGroup | kLengthGroup | kFeedGroup;
-  if ((modal_.uncertain & kNeeded) != 0) return "the modal state is not known behind a block that was not followed";
-  if (modal_.plane_normal != 2) return "in another plane than XY controls differ on the axis that drills";
-  if (modal_.is_incremental) return "in G91 controls differ on what R and Z count from: program it in G90";
-  if (modal_.tool_point != 0) return "under tool centre point control it is not followed";
+  if (const std::string problem = WhyNoDrilling(kFeedGroup); !problem.empty()) return problem;
   if (modal_.feed_mode == FeedMode::kInverseTime) return "in G93";
-  if (options_->orientation) return "with --orientation it is not followed";
   const bool selects_length = request.length != nullptr || request.length_number != nullptr;
   if (selects_length || request.is_end || request.is_call || request.away != nullptr || request.has_corner ||
       request.is_rapid_block)
@@ -66,6 +68,7 @@ void Interpreter::Drill(const Block& block, const Request& request, Step* step) 
   }
   const bool is_new = !is_in_cycle || (request.motion != nullptr && request.motion != cycle.code);
   if (request.motion != nullptr) cycle.code = request.motion;
+  if (cycle.code == nullptr) return LoseCycle("no block in front of it that was followed states R and Z", step);
   const Word* entry = nullptr;
   int64_t repeats = 1;
   if (std::string problem = ReadCycleWords(block, request, &entry, &repeats); !problem.empty())
@@ -97,6 +100,10 @@ void Interpreter::Drill(const Block& block, const Request& request, Step* step) 
     return;
   }
   step->is_rapid = true;
+  if (is_in_table() && !KeepsPlane(step)) {
+    modal_.motion = Meaning::kOtherMotion;
+    return;
+  }
   step->hole = {cycle.entry, cycle.bottom, is_new, modal_.returns_to_entry, modal_.is_return_unsure, false};
   constexpr Ticks kNear = kTicksPerMm;  // corrections are smaller
   step->hole.is_level_unsure = cycle.is_level_known && cycle.level - cycle.entry < kNear;

@@ -6,6 +6,7 @@
 #include "core/nc/calls.h"
 #include "core/nc/char_class.h"
 #include "core/nc/lexer.h"
+#include "core/nc/line_splitter.h"
 #include "core/nc/request.h"
 
 namespace axiscal::nc {
@@ -176,6 +177,7 @@ int Interpreter::PlaneAxis(int index) const {
 void Interpreter::ForgetPosition(int axis, bool is_reported) {
   const auto bit = static_cast<uint16_t>(1u << axis);
   positions_.known &= static_cast<uint16_t>(~bit);
+  traced_ &= static_cast<uint16_t>(~bit);
   positions_.sense[axis] = 0;
   unknown_reported_ = static_cast<uint16_t>(is_reported ? unknown_reported_ | bit : unknown_reported_ & ~bit);
   unknown_since_[axis] = line_;
@@ -191,6 +193,8 @@ void Interpreter::Unsupported(std::string reason, bool is_consequence, Step* ste
   step->is_consequence = is_consequence;
   step->preset = PresetChange::kNone;
   pole_.is_known = takes_plain_moves_ = false;
+  // The block may have begun another drilling cycle, or stated other heights of the one in force.
+  if (modal_.motion == Meaning::kDrillCycle) modal_.motion = Meaning::kOtherMotion, modal_.cycle = DrillCycle();
   ForgetPositions(true);
 }
 
@@ -208,7 +212,7 @@ void Interpreter::StartProgram() {
   if (may_carry_shift_) modal_.blockers |= kShift;
   coordinates_.Reset();
   needs_absolute_ = 0;
-  last_length_number_ = -1;
+  last_length_number_ = last_radius_number_ = -1;
   rounds_corners_ = is_behind_corner_ = false;
   pole_.is_known = false;
   ForgetPositions(false);
@@ -216,6 +220,8 @@ void Interpreter::StartProgram() {
 
 void Interpreter::BeginModal() {
   modal_ = Modal();
+  frames_ = Frames();
+  word_frame_.reset();
   const bool is_inch = options_->unit == ProgramUnit::kInch;
   modal_.is_inch = is_inch;
   modal_.turns_by_vector = dialect_->transformation_may_drop_offset;
@@ -249,7 +255,8 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->jumps_back = step->is_curve = step->is_tangential = false;
   step->frame.is_changed = step->begins_definition = step->defines_cycle = step->begins_structure = false;
   text_ = text, end_of_text_ = text + size;
-  step->wrapped = step->downwards = 0;
+  step->has_vector = step->takes_no_rotary_words = false;
+  step->wrapped = step->downwards = step->frame.turned = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
   if (!step->note.empty()) step->note.clear();
@@ -320,6 +327,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   const char *const rest = begin + block->problem_at, *const end = text + size;
   if (MayWriteOffsets(*dialect_, rest, end)) ForgetStated();
   rounds_corners_ |= dialect_->has_equals && Holds(rest, end, "RNDM");
+  if (roles_['D' - 'A'] == Role::kToolRadius && Holds(rest, end, "D")) last_radius_number_ = -1;
   // "X#1 H2": the length in force, or that of the next G43, may be another.
   if (roles_['H' - 'A'] == Role::kToolLength && Holds(rest, end, "H")) {
     last_length_number_ = -1;
@@ -368,10 +376,63 @@ bool Interpreter::IsPlainMove(const Block& block, Step* step) {
   return true;
 }
 
-void Interpreter::TakeVariables(const Block& block) {
+// B-64484EN, "Macro call (G65)", argument specification I. Without a point a number counts by the address.
+void Interpreter::EnterLevel() {
+  static constexpr int kVariables[] = {1, 2, 3, 7,  8,  9,  0,  11, 4,  5,  6,  0,  13,
+                                       0, 0, 0, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26};
+  Block call;
+  std::vector<std::pair<std::string, std::optional<double>>> arguments;
+  bool is_macro = false, is_twice = false;
+  Lex(call_block_.data(), TextSize(call_block_.data(), call_block_.size()), *dialect_, &call, &variables_);
+  for (const Word& word : call) {
+    is_macro |= word.letter == 'G' && word.number.mantissa == 65 && word.number.decimals == 0;
+    const int variable = word.letter >= 'A' && word.letter <= 'Z' ? kVariables[word.letter - 'A'] : 0;
+    if (variable == 0) continue;
+    const std::string name = absl::StrCat("#", variable);
+    for (const auto& other : arguments) is_twice |= other.first == name;  // I, J and K again are other variables
+    const bool is_known = word.number.has_point || word.number.mantissa == 0;
+    arguments.emplace_back(name, is_known ? std::optional<double>(ValueOf(word.number)) : std::nullopt);
+  }
+  variables_.ForgetLocals();
+  for (const auto& [name, value] : arguments) {
+    if (is_macro && !is_twice && call.problem == LexProblem::kNone) variables_.Set(name, value);
+  }
+  call_blocks_.push_back(call_block_);
+}
+
+void Interpreter::LeaveLevel() {
+  variables_.ForgetLocals();
+  if (call_blocks_.empty()) return;
+  call_block_ = call_blocks_.back();
+  call_blocks_.pop_back();
+}
+
+// TNC 640, User's Manual for Klartext Programming, "Describing contours with mathematical functions".
+bool Interpreter::TakeFunction(const char* text, const Block& block, bool may_be_skipped) {
+  if (!dialect_->has_poles || block.word_count != 1 || block.words[0].letter != 0) return false;
+  const Word& word = block.words[0];
+  const std::string keyword = dialect_->keywords[static_cast<size_t>(word.keyword)].name;
+  if (keyword.size() != 4 || keyword.rfind("FN ", 0) != 0 || keyword[3] < '0' || keyword[3] > '4') return false;
+  std::string rest = RestOf(text + word.letter_at + keyword.size(), end_of_text_);
+  if (const size_t at = rest.find(" DIV "); at != std::string::npos) rest.replace(at, 5, " / ");
+  size_t begin = 0;
+  while (begin < rest.size() && (rest[begin] == ':' || rest[begin] == ' ')) ++begin;
+  const char *at = rest.data() + begin, *const end = rest.data() + rest.size();
+  std::string name;
+  at = EndOfVariable(at, end, *dialect_, &name);
+  if (at == nullptr) return false;
+  while (at != end && *at == ' ') ++at;
+  if (at == end || *at++ != '=') return false;
+  const std::optional<double> value = EvaluateSum(&at, end, *dialect_, variables_);
+  variables_.Set(name, at == end && !may_be_skipped ? value : std::nullopt);
+  return true;
+}
+
+void Interpreter::TakeVariables(const char* text, const Block& block) {
   const bool may_be_skipped = block.is_deletable && options_->block_delete == BlockDelete::kEither;
   for (const auto& [name, value] : block.has_assignment ? block.assigned : decltype(block.assigned)())
     variables_.Set(name, may_be_skipped ? std::nullopt : value);
+  if (TakeFunction(text, block, may_be_skipped)) return;
   // What is not read may set them, and so may cycles and functions of Klartext, which have parameters of their own.
   const bool may_set = block.problem != LexProblem::kNone ||
                        (dialect_->has_poles && std::any_of(block.begin(), block.end(),
@@ -424,6 +485,13 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
   modal_.is_rapid_unsure |= modal.is_rapid_unsure;
   modal_.is_rapid_unsure |= (modal.motion == Meaning::kRapid) != (modal_.motion == Meaning::kRapid);
   if (step->kind == StepKind::kUnsupported || step->moves_away) return;
+  if (step->kind == StepKind::kMove && modal_.cutter_side != 0) {
+    LoseCutter();
+    return Unsupported(
+        "a move along a contour, while cutter compensation is active, that may be skipped: which contour "
+        "the control offsets is not known, state --block-delete",
+        false, step);
+  }
   step->may_be_skipped = true;
   for (int i = 0; i < axis_count_; ++i) {
     const bool was_known = positions.is_known(i), is_known = positions_.is_known(i);
@@ -445,13 +513,17 @@ void Interpreter::KeepBoth(const Modal& before, const AxisTicks& offsets_before)
   if (before.way != modal_.way) modal_.way = Way::kUnknown;
   defined_ = nullptr;
   if (before.called != modal_.called) modal_.called = DrillCycle();
+  if (before.cutter_side != modal_.cutter_side || before.cutter_radius != modal_.cutter_radius) {
+    modal_.blockers |= kCutterCompensation;
+    modal_.cutter_side = 0, modal_.cutter_radius = 0;
+  }
   if (before.calls_at_moves != modal_.calls_at_moves) modal_.blockers |= kModalMacro, modal_.calls_at_moves = false;
   modal_.is_return_unsure |= before.is_return_unsure || before.returns_to_entry != modal_.returns_to_entry;
   if (before.cycle != modal_.cycle && modal_.motion == Meaning::kDrillCycle) modal_.motion = Meaning::kOtherMotion;
   changed(before.are_centres_absolute != modal_.are_centres_absolute, kCentreGroup);
   modal_.blockers |= before.blockers;
   modal_.turns_by_vector |= before.turns_by_vector;
-  if (before.tool_point != modal_.tool_point) {
+  if (before.tool_point != modal_.tool_point || before.states_vectors != modal_.states_vectors) {
     modal_.blockers |= before.tool_point;
     LoseToolPoint();
   }
@@ -470,7 +542,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     return Unsupported(absl::StrCat("the order of blocks is not known: macro or jump in line ", jump_line_), true,
                        step);
   }
-  TakeVariables(block);
+  TakeVariables(text, block);
   step->has_other_words |= block.has_assignment;
   if (block.has_assignment && dialect_->has_poles) modal_.called = DrillCycle();
   Request request;
@@ -478,7 +550,11 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   request.blockers_before = modal_.blockers;
   request.uncertain_before = modal_.uncertain;
   request.tool_point_before = modal_.tool_point;
+  request.word_frame_before = word_frame_;
   request.length_before = coordinates_.active_length();
+  request.cutter_side_before = modal_.cutter_side;
+  const AxisTicks offsets_before = modal_.cutter_side != 0 ? coordinates_.offsets() : AxisTicks();
+  const Modal modal_before = modal_;
   block_may_be_skipped_ = block.is_deletable && options_->block_delete == BlockDelete::kEither;
   ScanWords(block, &request, step);
   if (request.by_rest != nullptr) SelectByRest(text, &request, step);
@@ -514,14 +590,41 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   if (request.speed_mode != nullptr) SelectSpeedMode(&request);
   if (request.offset != nullptr) SelectOffset(text, block, &request);
   if (request.length != nullptr || request.length_number != nullptr) SelectLength(&request);
+  if (request.radius_number != nullptr) {
+    const Decimal& number = request.radius_number->number;
+    const bool is_number = number.decimals == 0 && number.mantissa >= 0 && number.mantissa <= 9999;
+    last_radius_number_ = is_number && !block_may_be_skipped_ ? static_cast<int>(number.mantissa) : -1;
+  }
   if (request.tool_point != nullptr) BeginToolPoint(text, block, &request);
-  if (modal_.tool_point != 0 && request.offset != nullptr) {
+  if (StatesVectors() && modal_.motion != Meaning::kArc && request.has_centre) {
+    request.vector = request.centre;
+    request.has_centre = false;
+  }
+  if (request.frame != nullptr) BeginFrame(block, &request, step);
+  if (((modal_.tool_point | request.tool_point_before) & kPlacedFrames) != 0) PlaceWords(&request, step);
+  if (request.turn_to_plane != nullptr) {
+    std::string problem;
+    if ((modal_.tool_point & kTiltedPlane) == 0) {
+      problem = "no tilted plane is in force that is followed";
+    } else if (request.has_axis || request.foreign_axis != 0 || request.parameter != 0 || request.motion != nullptr ||
+               !request.is_whole) {
+      problem = "with other words in its block";
+    } else {
+      problem = TurnToPlane(0, true, step);
+    }
+    if (!problem.empty()) request.Refuse(absl::StrCat(step->reason, ": ", problem));
+    step->reason.clear();
+  }
+  if ((modal_.tool_point & ~kPlacedFrames) != 0 && request.offset != nullptr) {
     if (const std::string reason = RotaryOffsetProblem(); !reason.empty()) {
       LoseToolPoint();
       request.Refuse(reason);
     }
   }
-  if ((modal_.tool_point | request.tool_point_before) != 0) ChangeFrame(&request, step);
+  if (((modal_.tool_point | request.tool_point_before) & ~kPlacedFrames) != 0) ChangeFrame(&request, step);
+  if (request.cutter_side_before != 0) KeepCutter(offsets_before, modal_before, &request);
+  if (request.cutter_side != nullptr || (request.radius_number != nullptr && modal_.cutter_side != 0))
+    BeginCutter(&request);
   // A pole of parameters moves nothing: it is not known.
   const bool is_read = block.problem == LexProblem::kNone || request.is_pole ||
                        (request.machine_move != nullptr && NamesAxesOnly(text, block));
@@ -529,7 +632,13 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     step->has_other_words = true;
     // o<name> of LinuxCNC calls or defines what stands elsewhere.
     request.is_jump |= text[block.problem_at] == 'o' || text[block.problem_at] == 'O';
-    request.Refuse(ToString(block.problem, block.problem_at));
+    // Q120 to Q122: where a tilted plane needs the rotary axes.
+    const bool is_of_plane = (modal_.tool_point & kTiltedPlanes) != 0 && dialect_->has_poles &&
+                             Holds(text + block.problem_at, end_of_text_, "Q12");
+    request.Refuse(absl::StrCat(ToString(block.problem, block.problem_at),
+                                is_of_plane ? ": which of several positions of the rotary axes the plane takes is not "
+                                              "known, state travel limits in machine.json that leave one, or SEQ"
+                                            : ""));
   }
   if (request.is_end && request.parameter != 0) {
     request.is_jump = true;
@@ -554,6 +663,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     Act(block, request, step);
   }
   if (request.is_jump) jump_line_ = line_;
+  if (step->moves_away) modal_.is_cutter_ending = false;
   if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetPositions(false);
   if (step->kind == StepKind::kUnsupported && !call_problem_.empty() && !step->is_consequence)
     absl::StrAppend(&step->reason, ": ", call_problem_);
@@ -566,7 +676,8 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   takes_plain_moves_ = step->kind == StepKind::kMove && !step->is_arc && step->wrapped == 0 && !is_corner_pending &&
                        !step->moves_away && !request.is_jump && !request.is_end && !request.is_rapid_block &&
                        !dialect_->has_bare_keywords && !dialect_->has_poles &&
-                       !(modal_.tool_point != 0 && modal_.turns_by_vector);
+                       !(modal_.tool_point != 0 && modal_.turns_by_vector) && !StatesVectors() && !is_in_table() &&
+                       modal_.cutter_side == 0 && !modal_.is_cutter_ending;
 }
 
 }  // namespace axiscal::nc

@@ -5,8 +5,10 @@
 #ifndef AXISCAL_CORE_NC_INTERPRETER_H_
 #define AXISCAL_CORE_NC_INTERPRETER_H_
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +24,7 @@
 #include "core/nc/program_frame.h"
 #include "core/nc/tool_point_frame.h"
 #include "core/nc/variables.h"
+#include "core/nc/word_frame.h"
 
 namespace axiscal::nc {
 
@@ -43,6 +46,7 @@ struct FrameChange {
   To to = To::kSame;
   uint16_t kept = 0;  // of X, Y and Z: axes whose position is known in the new frame, from where they stood
   Ticks length = 0;   // of the tool
+  uint16_t turned = 0;  // rotary axes that the control turned, to where they stand now, or to where is not known
 };
 
 // A hole along Z at X and Y of Step::end; heights are axis positions of Z.
@@ -78,7 +82,14 @@ struct Step {
   bool ends_subprogram = false;  // likewise, and the control goes on where this one may have been called
   bool is_corner = false;     // the control rounds or chamfers the corner between the moves before and behind
   bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
-  bool is_tool_point = false;  // of a move: `start`, `end` of X, Y and Z are words in the workpiece's frame
+  bool is_tool_point = false;  // of a move: `start`, `end` of X, Y and Z are words in another frame than the axes'
+  // Of a move: words of the tool's direction say where `end` has the rotary axes; they are these of Block::words.
+  bool has_vector = false;
+  std::array<int8_t, 3> word_of_vector{};
+  bool takes_no_rotary_words = false;  // of a move: its rotary axes turn by such words alone
+  int8_t cutter_side = 0;     // of a move: Modal::cutter_side
+  Ticks cutter_radius = 0;    // likewise
+  std::shared_ptr<const WordFrame> placed;  // which, nullptr: that of tool centre point control; valid with the former
   FrameChange frame;
   uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
   uint16_t downwards = 0;     // of `wrapped`: axes whose word's sign says that they turn in the negative sense
@@ -137,14 +148,19 @@ class Interpreter {
     if (!call_problem_.empty() || !call_problem.empty()) call_problem_ = call_problem;
   }
 
-  // A subprogram begins or ends: variables of one of them alone are not known in the other.
-  void ChangeLevel() { variables_.ForgetLocals(); }
+  // The block whose call is followed next, and the subprogram that it calls begins or ends: variables of one of them
+  // alone are not known in the other, but for the arguments of G65.
+  void NoteCallBlock(const std::string& call) { call_block_ = call; }
+  void EnterLevel();
+  void LeaveLevel();
 
   int64_t line() const { return line_; }  // of the last Read, from 1
   const Modal& modal() const { return modal_; }
   const Dialect& dialect() const { return *dialect_; }
   const RewriteOptions& options() const { return *options_; }
   const Coordinates& coordinates() const { return coordinates_; }
+  // Number of the tool in the spindle as T words say it; 0: none was named, below 0: by a name.
+  int64_t tool() const { return has_changer_ ? loaded_tool_ : called_tool_; }
   Ticks ticks_per_unit(int axis) const { return modal_.is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm; }
   Ticks offset(int axis) const { return coordinates_.Offset(axis); }
   const Pole& pole() const { return pole_; }
@@ -205,7 +221,9 @@ class Interpreter {
   bool IsPlainMove(const Block& block, Step* step);
   void ReadBlock(const char* text, const Block& block, Step* step);
   // What the block sets, or may set.
-  void TakeVariables(const Block& block);
+  void TakeVariables(const char* text, const Block& block);
+  // "FN 1: Q5 = +Q2 + +3", of FN 0 to 4: what it sets. False: it is none of these, or not read.
+  bool TakeFunction(const char* text, const Block& block, bool may_be_skipped);
   bool BeginsStructure(const char* text, size_t size, const Block& block) const;
   void Apply(const char* text, const Block& block, Step* step);
   void ScanWords(const Block& block, Request* request, Step* step);
@@ -235,15 +253,92 @@ class Interpreter {
   std::string WhyNoToolPoint(const char* text, const Block& block, const Request& request) const;
   // Why rotary axes are offset, of which the words' frame is not known, or "".
   std::string RotaryOffsetProblem() const;
+  // Whether I, J and K of linear moves state the tool's direction (G43.5).
+  bool StatesVectors() const { return modal_.states_vectors && (modal_.tool_point & ~kPlacedFrames) != 0; }
+  // Why the tool's direction cannot be followed that a block states, or "" (also where it states none).
+  std::string WhyNoVector(const Request& request, const Step& step) const;
+  // Turns the rotary axes of step->end to it. Why it is not known where they go, or "".
+  std::string TurnToVector(const Block& block, const Request& request, Step* step);
   // Takes the positions along when the frame of the words, or the tool length under tool centre point control, changed.
   void ChangeFrame(Request* request, Step* step);
-  // Whether tool centre point control goes on is not known.
+  // Whether tool centre point control goes on is not known, nor any other frame of words.
   void LoseToolPoint() {
     modal_.blockers |= modal_.tool_point;
     modal_.tool_point = 0;
     coordinates_.SetToolPoint(false);
+    frames_ = Frames();
+    word_frame_.reset();
   }
+  // Cutter compensation goes on, and nobody knows how: where it was followed, nothing is corrected until it ends.
+  void LoseCutter() {
+    if (modal_.cutter_side == 0) return;
+    modal_.cutter_side = 0, modal_.cutter_radius = 0;
+    modal_.blockers |= kCutterCompensation;
+  }
+  // G41, G42, RL, RR.
+  void BeginCutter(Request* request);
+  // Why the control's offset of the contour cannot be followed, or ""; fills the radius.
+  std::string WhyNoCutter(const Request& request, Ticks* radius) const;
+  // While it is in force: what the block does to the contour beside moving along it.
+  void KeepCutter(const AxisTicks& offsets_before, const Modal& before, Request* request);
+  // Why a move is not one of the contour, or "".
+  std::string WhyNoContour(const Request& request, const Step& step) const;
+  // The same of tool centre point control alone.
+  void LoseControl() {
+    if ((modal_.tool_point & ~kPlacedFrames) != 0) LoseToolPoint();
+  }
+  // What turns, mirrors, scales and tilts words. base = plane (inner words + inner_at_mm) + plane_at_mm, each counted
+  // from the work offset.
+  struct Frames {
+    bool is_tilted = false;     // `plane` is one to which the tool stands upright
+    bool moves_origin = false;  // G254
+    Eigen::Matrix3d plane = Eigen::Matrix3d::Identity(), inner = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d plane_at_mm = Eigen::Vector3d::Zero(), inner_at_mm = Eigen::Vector3d::Zero();
+  };
+  // Why a frame cannot be followed that begins in this block, or "". `in_table`: it stands on the workpiece.
+  std::string WhyNoFrame(uint32_t mode, bool in_table) const;
+  // G68, G68.2, G51, G51.1, G254 with their words.
+  void BeginFrame(const Block& block, Request* request, Step* step);
+  std::string ReadFrame(const Block& block, const Request& request);
+  // ROT Z30, AMIRROR X0, CYCLE800(...); CYCL DEF 8.1 X, PLANE SPATIAL ... : false where it is not followed, and why.
+  bool FrameByRest(const std::string& name, const std::string& rest, uint32_t mode, Step* step, std::string* problem);
+  std::string TurnFrame(const std::string& name, const std::string& words);
+  std::string Swivel(const std::string& arguments, Step* step);
+  std::string TiltKlartext(const std::string& name, const std::string& words, Step* step);
+  // A tilted plane begins.
+  void Tilt(const Eigen::Matrix3d& plane, const Eigen::Vector3d& at_mm);
+  // Where the control turns the rotary axes for the tilted plane: fills `at` (ticks) and `free`, an axis whose place is
+  // open. `sign`: of the axis nearest to the tool, 0: any. `goes_shorter`: of several places it takes the one that is
+  // nearer in every axis. Why that is not known, or "".
+  std::string AxesOfPlane(int sign, bool goes_shorter, AxisTicks* at, int* free_axis) const;
+  // Of the places of the rotary axes in `found` the only one; with `goes_shorter` else the one that is nearer than all
+  // others in every axis. Why there is none, with the places, or "".
+  std::string ChoosePlace(const std::vector<AxisTicks>& found, bool goes_shorter, AxisTicks* at) const;
+  // The control turns them.
+  std::string TurnToPlane(int sign, bool goes_shorter, Step* step);
+  // Behind what may have changed them: where words stand now.
+  void PlaceWords(Request* request, Step* step);
+  // Where X, Y and Z stand, from the frame `before` to word_frame_. False where that is not known.
+  bool Trace(const Request& request, const WordFrame* before, AxisTicks* ticks) const;
+  // Whether a move in a tilted plane is followed; Unsupported when not.
+  bool KeepsPlane(Step* step);
+  // The frame and the tool of a move.
+  void TakeFrame(Step* step) const {
+    step->is_tool_point = modal_.tool_point != 0;
+    if (step->placed != word_frame_) step->placed = word_frame_;
+    step->tool_length = coordinates_.active_length();
+    step->cutter_side = modal_.cutter_side;
+    step->cutter_radius = modal_.cutter_radius;
+  }
+  bool HasRotaryAxis() const {
+    return !std::all_of(is_linear_.begin(), is_linear_.begin() + axis_count_, [](bool is_linear) { return is_linear; });
+  }
+  bool is_in_table() const { return word_frame_ != nullptr && word_frame_->base != WordFrame::Base::kAxes; }
   void EndMode(uint32_t blockers) {
+    if ((blockers & kCutterCompensation) != 0) {
+      modal_.is_cutter_ending |= modal_.cutter_side != 0;
+      modal_.cutter_side = 0, modal_.cutter_radius = 0;
+    }
     modal_.blockers &= ~blockers;
     modal_.tool_point &= ~blockers;
   }
@@ -295,6 +390,8 @@ class Interpreter {
   void Move(const Block& block, const Request& request, Step* step);
   // A block with axis words while a drilling cycle is in force.
   void Drill(const Block& block, const Request& request, Step* step);
+  // Why no hole is followed in the present state, or ""; `needed`: modal groups that must be known beside those of all.
+  std::string WhyNoDrilling(uint8_t needed) const;
   // Why such a block is not followed, or ""; fills R and the number of repeats, which is 1 where the block says none.
   std::string ReadCycleWords(const Block& block, const Request& request, const Word** entry, int64_t* repeats) const;
   // The same of CYCLE81(10,0,2,-20) behind MCALL or alone: false where they are no plain numbers.
@@ -346,11 +443,21 @@ class Interpreter {
   std::vector<bool> is_stated_harmless_;  // by number of the M code; as long as it must be
   ProgramFrame frame_;
   Modal modal_;
+  Frames frames_;
+  std::shared_ptr<const WordFrame> word_frame_;  // of `frames_`, nullptr: none is in force
+  std::array<Ticks, 3> placed_offsets_{},
+      placed_origins_{};  // of X, Y and Z from which it counts; with tool length, TRANS
+  bool has_noted_tilt_ = false, has_noted_vector_ = false;
   Positions positions_;
+  // Axes whose position is unknown to the program's words, though their ticks say where they stand in the frame that
+  // began: the path of the move that names them all is known.
+  uint16_t traced_ = 0;
   std::array<int64_t, machine::kMaxAxes> unknown_since_{};
   uint16_t unknown_reported_ = 0;
   uint16_t needs_absolute_ = 0;  // axes whose tool length or work offset changed: controllers differ on G91 then
   int last_length_number_ = -1;  // of H
+  int last_radius_number_ = -1;  // of D
+  std::optional<Ticks> radius_difference_ = 0;  // DR of TOOL CALL; nothing: not known
   int64_t called_tool_ = 0, loaded_tool_ = 0;            // of the last T word, and of that before the last M6
   bool is_called_tool_sure_ = true;
   bool is_loaded_tool_known_ = false;                    // the number of the last M6, and nothing behind it changed it
@@ -383,6 +490,8 @@ class Interpreter {
   bool is_followed_return_ = false;  // of the line that is read
   std::string call_problem_;
   Variables variables_;
+  std::string call_block_;                // that calls next
+  std::vector<std::string> call_blocks_;  // of the subprograms that run
   bool is_continued_ = false;       // Klartext: the next line belongs to this block ("~")
   bool at_program_end_ = false;     // M30: what follows is another program
 };

@@ -92,8 +92,12 @@ void Interpreter::ScanWords(const Block& block, Request* request, Step* step) {
       case Role::kActiveToolLength:
         request->length_number = &word;
         break;
+      case Role::kToolRadius:
+        request->radius_number = &word;
+        break;
       case Role::kCentre:
         request->has_centre = true;
+        request->centre[letter - ('I' - 'A')] = &word;
         break;
       case Role::kRadius:
         request->radius = &word;
@@ -140,13 +144,16 @@ void Interpreter::ScanKeyword(const Block& block, const Word& word, Request* req
 void Interpreter::CallTool(const Block& block, const Word& word, Request* request, Step* step) {
   const bool names_tool = word.number.digits > 0 || word.number.has_plus;
   const bool has_difference = block.length_difference.digits > 0;
-  if (!names_tool && !has_difference && !word.number.has_point) return;
+  const bool has_radius = block.radius_difference.digits > 0 || block.has_odd_radius;
+  if (has_radius) LoseCutter();
+  if (!names_tool && !has_difference && !has_radius && !word.number.has_point) return;
   const int number =
       word.number.digits == 0 || word.number.mantissa > 9999 ? -1 : static_cast<int>(word.number.mantissa);
   const std::optional<Ticks> difference =
       ToTicks(block.length_difference, modal_.is_inch ? kTicksPerInch : kTicksPerMm);
   step->is_tool_change |= names_tool;
-  if (names_tool || has_difference) LoseToolPoint();
+  // Whether a tilted plane goes on with another tool is not known.
+  if ((names_tool || has_difference) && (modal_.tool_point & ~kTurnedFrames) != 0) LoseToolPoint();
   if (names_tool) request->away = "tool change";
   std::string problem;
   if (word.number.has_point || !difference || std::abs(*difference) > kTicksPerMm * 1000) {
@@ -159,6 +166,12 @@ void Interpreter::CallTool(const Block& block, const Word& word, Request* reques
     }
   }
   if (problem.empty() && has_difference) problem = UnitProblem();
+  if (names_tool) radius_difference_ = 0;
+  if (block.has_odd_radius) {
+    radius_difference_ = std::nullopt;
+  } else if (block.radius_difference.digits > 0) {
+    radius_difference_ = ToTicks(block.radius_difference, modal_.is_inch ? kTicksPerInch : kTicksPerMm);
+  }
   if (problem.empty()) {
     if (has_difference) coordinates_.SetLengthDifference(*difference);
     return;
@@ -350,7 +363,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       request->stated |= kOffsetGroup;
       return;
     case Meaning::kToolLength:
-      LoseToolPoint();  // whether it goes on with the length is not known
+      LoseControl();  // whether it goes on with the length is not known
       request->length = &code;
       request->stated |= kLengthGroup;
       return;
@@ -367,6 +380,13 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       request->length = &code;
       request->stated |= kLengthGroup;
       return;
+    case Meaning::kToolVector:
+      if (request->vector[code.detail] != nullptr) request->Refuse("two words " + named() + " in one block");
+      request->vector[code.detail] = &word;
+      return;
+    case Meaning::kSurfaceNormal:
+      request->has_normal = true;
+      return;
     case Meaning::kTurnByVector:
       modal_.turns_by_vector = code.detail == 1;
       return;
@@ -376,12 +396,30 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
     case Meaning::kLocalShift:
       request->shift = &code;
       return;
+    case Meaning::kCutterSide:
+      request->Choose(&request->cutter_side, code, "side of cutter compensation");
+      if (request->cutter_side->detail != code.detail) request->Refuse("two sides of cutter compensation in one block");
+      return;
     case Meaning::kBlockerOn:
       modal_.blockers |= code.detail;
       if (code.detail == kMirror) request->mirror_on = &code;
       if (code.detail == kModalMacro && modal_.macro_depth < 255) ++modal_.macro_depth;
       if (code.detail == kModalMacro) NoteCall(), request->is_call = true;
       return request->Refuse(named());
+    case Meaning::kMirrorOn:
+      request->mirror_on = &code;
+      [[fallthrough]];
+    case Meaning::kRotate:
+    case Meaning::kTilt:
+    case Meaning::kScale:
+    case Meaning::kMoveOrigin:
+      request->Choose(&request->frame, code, "frame");
+      request->frame_word = &word;
+      return;
+    case Meaning::kTurnToPlane:
+      request->turn_to_plane = &code;
+      step->reason = named();
+      return;
     case Meaning::kBlockerByRest:
       request->by_rest = &code;
       request->by_rest_word = &word;
@@ -576,6 +614,8 @@ bool Interpreter::MayJumpBack(const char* text, const Block& block, const Reques
 }
 
 void Interpreter::NoteCall() {
+  LoseCutter();
+  last_radius_number_ = -1;
   variables_.ForgetAll();
   modal_.called = DrillCycle();
   MayHaveChanged(kCalledGroups);
@@ -633,7 +673,7 @@ void Interpreter::SelectLength(Request* request) {
     last_length_number_ = is_number ? static_cast<int>(number.mantissa) : -1;
     if (acts_alone) modal_.uncertain &= static_cast<uint8_t>(~kLengthGroup);
   }
-  const bool is_active = coordinates_.active_length() >= 0 || modal_.tool_point != 0 ||
+  const bool is_active = coordinates_.active_length() >= 0 || (modal_.tool_point & ~kPlacedFrames) != 0 ||
                          (modal_.blockers & (kToolControl | kUnstatedLength)) != 0;
   if (request->length == nullptr && !acts_alone && !is_active) return;
   // "G43 H#1": its number was not read.

@@ -38,7 +38,13 @@ const char* NameOf(ModalGroup group) {
 void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   if (request.is_pole) return SetPole(block, request, step);
   if (request.machine_move != nullptr) return DoMachineMove(request, step);
-  if (request.data_input != nullptr) return;  // its words are values
+  if (request.data_input != nullptr || request.frame != nullptr) return;  // its words are values
+  if (request.turn_to_plane != nullptr) return;
+  const bool begins_cycle = request.motion != nullptr && request.motion->meaning == Meaning::kDrillCycle;
+  if (begins_cycle && (request.preset != nullptr || request.shift != nullptr)) {
+    modal_.blockers |= kShift;
+    return Unsupported("a drilling cycle that begins beside G52, G92 or G50: its heights are not stated", false, step);
+  }
   if (request.preset != nullptr) return DoPreset(block, request, step);
   if (request.shift != nullptr) return DoShift(block, request, step);
   if (request.is_dwell) return DoDwell(request, step);
@@ -47,7 +53,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
       Unsupported(absl::StrCat(request.owner->text, " and a motion code in one block"), false, step);
     return;
   }
-  if (request.cycle_call != nullptr && !request.has_axis && request.foreign_axis == 0) {
+  if (request.cycle_call != nullptr && !request.has_axis && request.foreign_axis == 0 && !request.HasVector()) {
     bool is_consequence = false;
     if (std::string reason = WhyNoMove(request, &is_consequence); !reason.empty())
       return Unsupported(std::move(reason), is_consequence, step);
@@ -59,7 +65,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   const bool has_cycle_word = request.motion != nullptr || request.parameter != 0 || request.radius != nullptr;
   if (is_cycle && has_cycle_word && !request.has_axis && request.foreign_axis == 0)
     return LoseCycle("without words of X, Y or Z controls differ on whether it drills", step);
-  if (!request.has_axis && request.foreign_axis == 0) {
+  if (!request.has_axis && request.foreign_axis == 0 && !request.HasVector()) {
     const bool moves_by_centre = modal_.motion == Meaning::kArc && request.has_centre;
     if (moves_by_centre) {
       bool is_consequence = false;
@@ -79,6 +85,7 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
   }
   bool is_consequence = false;
   std::string reason = WhyNoMove(request, &is_consequence);
+  if (reason.empty()) reason = WhyNoVector(request, *step);
   if (!reason.empty()) return Unsupported(std::move(reason), is_consequence, step);
   if (is_cycle) return Drill(block, request, step);
   Move(block, request, step);
@@ -100,13 +107,21 @@ void Interpreter::DoMachineMove(const Request& request, Step* step) {
   const bool names_axis = request.has_axis || request.foreign_axis != 0;
   if (request.machine_move->detail == 1 && names_axis)
     return Unsupported(step->reason + " and words of axes in one block", false, step);
+  if (modal_.cutter_side != 0) {
+    LoseCutter();
+    return Unsupported(step->reason + " while cutter compensation is active: end that in front of it", false, step);
+  }
   if (modal_.calls_at_moves) return Unsupported(step->reason + " while MCALL is in force: it drills", false, step);
   step->kind = StepKind::kUntouched;
   if (modal_.motion == Meaning::kDrillCycle) modal_.motion = Meaning::kOtherMotion;
   // Under tool centre point control every axis that moves moves the tool point in all directions of the words.
-  if (modal_.tool_point != 0) return ForgetPositions(true);
+  if ((modal_.tool_point & ~kPlacedFrames) != 0) return ForgetPositions(true);
+  for (const int axis : frame_of_words_.xyz()) {
+    if (word_frame_ != nullptr) ForgetPosition(axis, true);
+  }
   for (int i = 0; i < axis_count_; ++i) {
-    const bool is_named = step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0;
+    const bool is_named =
+        step->word_of_axis[i] >= 0 || !request.has_axis || request.foreign_axis != 0 || request.HasVector();
     if (is_named || !request.is_whole) ForgetPosition(i, true);
   }
 }
@@ -216,14 +231,21 @@ std::string Interpreter::WhyNoMove(const Request& request, bool* is_consequence)
   }
   if (modal_.motion == Meaning::kCancelMotion) return "axis words while no motion code is in force (G80)";
   const bool is_arc = modal_.motion == Meaning::kArc;
-  if (modal_.tool_point != 0) {
-    if (is_arc) return "a circular move under tool centre point control";
+  const bool is_control = (modal_.tool_point & ~kPlacedFrames) != 0;
+  if (is_arc && is_control) return "a circular move under tool centre point control";
+  if (is_arc && word_frame_ != nullptr && !word_frame_->keeps_circles)
+    return "a circular move while the axes of its plane are scaled otherwise";
+  if (is_arc && word_frame_ != nullptr && modal_.plane_normal != 2 &&
+      (frames_.inner - Eigen::Matrix3d::Identity()).norm() > 0)
+    return "a circular move in another plane than XY of turned or mirrored coordinates";
+  if (is_control || is_in_table()) {
     if (coordinates_.active_length() <= 0 || (modal_.uncertain & kLengthGroup) != 0) {
       *is_consequence = is_tool_length_asked_;
       is_tool_length_asked_ = true;
-      return absl::StrCat(BlockerText(modal_.tool_point),
-                          ", and no tool length is in force: the words lead a tool point that is not known; call the "
-                          "tool's length in front of it, and state it with --tool-length");
+      return absl::StrCat(
+          is_control ? BlockerText(modal_.tool_point) : "a tilted plane or a dynamic work offset is active",
+          ", and no tool length is in force: the words lead a tool point that is not known; call the "
+          "tool's length in front of it, and state it with --tool-length");
     }
   }
   // While the tool length is unknown, so is where Z words lead.
@@ -468,23 +490,41 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
   step->is_rapid = modal_.motion == Meaning::kRapid || request.is_rapid_block;
   if (!ReadTargets(block, step)) return;
   if (modal_.motion == Meaning::kArc && !ReadArc(block, request, step)) return;
-  if (modal_.tool_point != 0 && modal_.turns_by_vector && !step->is_rapid) {
+  if (modal_.cutter_side != 0 || request.cutter_side_before != 0) {
+    if (std::string reason = WhyNoContour(request, *step); !reason.empty()) {
+      LoseCutter();
+      return Unsupported(std::move(reason), false, step);
+    }
+  }
+  if (is_in_table() && !KeepsPlane(step)) return;
+  step->takes_no_rotary_words = StatesVectors();
+  if (request.HasVector()) {
+    if (std::string reason = TurnToVector(block, request, step); !reason.empty())
+      return Unsupported(std::move(reason), false, step);
+  }
+  if ((modal_.tool_point & ~kPlacedFrames) != 0 && modal_.turns_by_vector && !step->is_rapid) {
     for (int i = 0; i < axis_count_; ++i) {
       if (is_linear_[i] || step->start.ticks[i] == step->end.ticks[i]) continue;
       return Unsupported("the tool turns by a vector (ORIVECT, ORIWKS), or nobody says how: state ORIAXES", false,
                          step);
     }
   }
+  if (traced_ != 0 && step->end.known == (1u << axis_count_) - 1) step->start.known |= traced_;
   step->is_at_corner = rounds_corners_ || is_behind_corner_ || request.has_corner;
   is_behind_corner_ = request.has_corner;
+  for (const int axis : {frame_of_words_.xyz()[0], frame_of_words_.xyz()[1]}) {
+    if (modal_.cutter_side == 0 && axis >= 0 && step->word_of_axis[axis] >= 0 &&
+        (step->is_arc || !step->start.is_known(axis) || step->start.ticks[axis] != step->end.ticks[axis]))
+      modal_.is_cutter_ending = false;
+  }
   GoTo(step);
 }
 
 void Interpreter::GoTo(Step* step) {
   step->kind = StepKind::kMove;
-  step->is_tool_point = modal_.tool_point != 0;
-  step->tool_length = coordinates_.active_length();
+  TakeFrame(step);
   positions_.CopyFrom(step->end, axis_count_);
+  traced_ &= static_cast<uint16_t>(~positions_.known);
   has_moved_ = true;
 }
 

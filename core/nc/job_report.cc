@@ -5,6 +5,7 @@
 
 #include "core/base/units.h"
 #include "core/compensate/compensator.h"
+#include "core/nc/advice.h"
 
 namespace axiscal::nc {
 namespace {
@@ -50,6 +51,8 @@ std::string Shown(const BlockText& block) {
 JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOptions& options)
     : compensator_(compensator), options_(options) {
   report_.calibration = options.calibration;
+  report_.dialect = options.dialect;
+  for (const machine::Axis& axis : compensator.machine().axes) report_.axis_names.push_back(axis.name);
   for (const machine::Axis& axis : compensator.machine().axes)
     has_travel_limits_ |= axis.min_position.has_value() || axis.max_position.has_value();
   report_.is_null_correction = compensator.is_null();
@@ -80,13 +83,58 @@ void JobReport::AddFinding(const BlockText& block, const std::string& reason, st
 
 void JobReport::Passed(const BlockText& block, const std::string& reason, bool is_consequence) {
   ++report_.blocks_passed;
-  if (!is_consequence) AddFinding(block, reason, &report_.passed);
+  if (!is_consequence) {
+    AddFinding(block, reason, &report_.passed);
+    for (const std::string& option : MissingOptions(reason, compensator_.machine())) Ask(option);
+  }
   if (!report_.is_null_correction) report_.not_corrected.Add(block.line, reason);
 }
 
 void JobReport::Refused(const BlockText& block, const std::string& reason, bool is_consequence) {
   ++report_.blocks_refused;
-  if (!is_consequence || report_.refused.empty()) AddFinding(block, reason, &report_.refused);
+  if (is_consequence && !report_.refused.empty()) return;
+  AddFinding(block, reason, &report_.refused);
+  for (const std::string& option : MissingOptions(reason, compensator_.machine())) Ask(option);
+}
+
+void JobReport::Ask(const std::string& option) {
+  std::vector<std::string>& missing = report_.missing;
+  if (missing.size() < kMaxAdvice && std::find(missing.begin(), missing.end(), option) == missing.end())
+    missing.push_back(option);
+}
+
+void JobReport::AskStart(const std::vector<int>& axes) {
+  for (const int axis : axes) {
+    if (std::find(start_axes_.begin(), start_axes_.end(), axis) == start_axes_.end()) start_axes_.push_back(axis);
+  }
+}
+
+void JobReport::FindPlace(int64_t tool, const std::string& work_offset) {
+  place_tool_ = tool;
+  place_offset_ = work_offset;
+  std::vector<Shift>& shifts = report_.shifts;
+  for (place_ = 0; place_ < shifts.size(); ++place_) {
+    if (shifts[place_].tool == tool && shifts[place_].work_offset == work_offset) return;
+  }
+  if (shifts.size() < kMaxShifts) {
+    shifts.emplace_back();
+    shifts.back().tool = tool;
+    shifts.back().work_offset = work_offset;
+  } else {
+    place_ = kNowhere;
+  }
+}
+
+void JobReport::Finish() {
+  const machine::Machine& machine = compensator_.machine();
+  std::string start;
+  for (const int i : InWordOrder(machine)) {
+    if (std::find(start_axes_.begin(), start_axes_.end(), i) != start_axes_.end())
+      absl::StrAppend(&start, start.empty() ? "" : " ", machine.axes[i].name, "=...");
+  }
+  if (!start.empty()) Ask("--start \"" + start + "\"");
+  std::erase_if(report_.shifts, [](const Shift& shift) { return shift.count == 0; });
+  MergeHarmless(&report_.missing);
 }
 
 void JobReport::Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm) {
@@ -94,10 +142,12 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
   const machine::Machine& machine = compensator_.machine();
   const std::vector<int>& axes = compensator_.linear_axes();
   Eigen::Vector3d after = Eigen::Vector3d::Zero();
+  double shift_mm2 = 0;
   for (size_t k = 0; k < axes.size(); ++k) {
     const int axis = axes[k];
     const double correction_mm = static_cast<double>(piece.targets[axis] - piece.nominal[axis]) / kTicksPerUnit;
     report_.axes[k].correction.Add(correction_mm);
+    shift_mm2 += correction_mm * correction_mm;
     if (std::abs(correction_mm) > options_.max_correction_mm) {
       Refused(block,
               absl::StrFormat("correction of %s = %.1f um, the limit is %.1f um", machine.axes[axis].name,
@@ -108,6 +158,7 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
     const double rounding_mm = static_cast<double>(commanded.ticks[axis] - piece.targets[axis]) / kTicksPerUnit;
     after += piece.correction.tip_per_mm[k] * rounding_mm;
   }
+  if (place_ != kNowhere) AddShift(block, piece, shift_mm2);
   for (int i = 0; has_travel_limits_ && i < machine.axis_count(); ++i) {
     const machine::Axis& axis = machine.axes[i];
     if (axis.min_position || axis.max_position)
@@ -128,6 +179,17 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
   last_after_mm_ = after_mm;
   report_.max_departure_mm = std::max(report_.max_departure_mm, departure_mm);
   report_.max_tilt_left_rad = std::max(report_.max_tilt_left_rad, piece.correction.tilt_left_rad);
+}
+
+void JobReport::AddShift(const BlockText& block, const Piece& piece, double shift_mm2) {
+  Shift& shift = report_.shifts[place_];
+  shift.sum_squares_mm2 += shift_mm2;
+  if (++shift.count > 1 && shift_mm2 <= shift.max_mm * shift.max_mm) return;
+  shift.max_mm = std::sqrt(shift_mm2);
+  shift.line = block.line;
+  shift.at.resize(report_.axis_names.size());
+  for (size_t i = 0; i < shift.at.size(); ++i)
+    shift.at[i] = static_cast<double>(piece.nominal[i]) / kTicksPerUnit;
 }
 
 void JobReport::AccountRotary(const Piece& piece, const Commanded& commanded) {
@@ -158,6 +220,23 @@ void JobReport::Drilled(const BlockText& block, double left_mm, double rounding_
           false);
 }
 
+void JobReport::Contoured(const BlockText& block, double left_mm, double rounding_mm, bool is_limited,
+                          const std::string& help) {
+  ++report_.contour_moves;
+  report_.max_contour_left_mm = std::max(report_.max_contour_left_mm, left_mm);
+  if (left_mm > rounding_mm) {
+    ++report_.contour_moves_left;
+    AddFinding(block, absl::StrFormat("%.1f um are left: %s", left_mm * base::kUmPerMm, help), &report_.contour_left);
+  }
+  if (!is_limited || left_mm <= options_.cutter_tolerance_mm) return;
+  Refused(
+      block,
+      absl::StrFormat("%.1f um are left along the contour, the limit is %.1f um: %s; state --cutter-tolerance-um if "
+                      "that is good enough, or program the path of the cutter's centre",
+                      left_mm * base::kUmPerMm, options_.cutter_tolerance_mm * base::kUmPerMm, help),
+      false);
+}
+
 void JobReport::Tilted(const BlockText& block, const compensate::Turned& turned) {
   ++report_.blocks_tilted;
   AddFinding(block,
@@ -184,10 +263,12 @@ void JobReport::CheckTravel(const BlockText& block, int index, double commanded)
 absl::Status JobReport::Refusal() const {
   const std::string count =
       absl::StrCat(report_.blocks_refused, report_.blocks_refused == 1 ? " block" : " blocks", " refused");
-  if (report_.refused.empty()) return absl::FailedPreconditionError(count);
+  std::string add;
+  for (const std::string& option : report_.missing) absl::StrAppend(&add, add.empty() ? "; add " : " ", option);
+  if (report_.refused.empty()) return absl::FailedPreconditionError(count + add);
   const Finding& first = report_.refused.front();
   return absl::FailedPreconditionError(
-      absl::StrCat(count, "; line ", first.line, ": '", first.block, "': ", first.reason));
+      absl::StrCat(count, "; line ", first.line, ": '", first.block, "': ", first.reason, add));
 }
 
 }  // namespace axiscal::nc

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/nc/block_writer.h"
+#include "core/nc/coordinates.h"
 #include "core/nc/move_corrector.h"
 #include "core/nc/report.h"
 
@@ -26,20 +27,32 @@ class JobReport {
   RewriteReport& report() { return report_; }
   bool is_refused() const { return report_.blocks_refused > 0; }
 
-  // "line 7: " and the text.
   // Of the blocks that follow: the file of a subprogram, "": the program itself.
   void SetSource(const std::string& name) { source_ = name; }
+  // "line 7: " and the text.
   void Note(const BlockText& block, const std::string& text);
   // The block stays as it is: listed unless it follows from another one, counted always.
   void Passed(const BlockText& block, const std::string& reason, bool is_consequence);
   // Because of this block the program is refused.
   void Refused(const BlockText& block, const std::string& reason, bool is_consequence);
 
+  // The moves that follow are of this tool in the work offset that is in force (Shift).
+  void SetPlace(int64_t tool, const Coordinates& coordinates) {
+    const std::string& work_offset = coordinates.active_offset();
+    if (tool != place_tool_ || work_offset != place_offset_ || place_ == kNowhere) FindPlace(tool, work_offset);
+  }
+  // An option is missing, in the words to add.
+  void Ask(const std::string& option);
+  // Axes whose position a move needs, and that nothing states.
+  void AskStart(const std::vector<int>& axes);
   // One written piece that departs from the nominal path by at most `departure_mm` inside: its statistics, and limits,
   // which refuse.
   void Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm);
   // A hole was written, and the tool point is off by so much at its bottom: `help` says what the cycle has no word for.
   void Drilled(const BlockText& block, double left_mm, double rounding_mm, const std::string& help);
+  // A move of a contour that the control offsets (G41), and what is left along it. `is_limited`: more than
+  // cutter_tolerance_mm refuses.
+  void Contoured(const BlockText& block, double left_mm, double rounding_mm, bool is_limited, const std::string& help);
   // The tool's direction was not reached in this block: `turned` is the worst of its pieces.
   void Tilted(const BlockText& block, const compensate::Turned& turned);
   // The next piece does not begin where the last one ended.
@@ -48,15 +61,25 @@ class JobReport {
   // FAILED_PRECONDITION with the number of refused blocks and the first of them.
   absl::Status Refusal() const;
 
+  // The program is read.
+  void Finish();
+
  private:
+  static constexpr size_t kNowhere = static_cast<size_t>(-1);
+  void FindPlace(int64_t tool, const std::string& work_offset);
   void AddFinding(const BlockText& block, const std::string& reason, std::vector<Finding>* findings);
+  void AddShift(const BlockText& block, const Piece& piece, double shift_mm2);
   void AccountRotary(const Piece& piece, const Commanded& commanded);
   void CheckTravel(const BlockText& block, int axis, double commanded);
 
   const compensate::Compensator& compensator_;
   const RewriteOptions& options_;
   RewriteReport report_;
-  std::vector<int> rotary_axes_;                   // with orientation
+  std::vector<int> rotary_axes_;  // with orientation
+  int64_t place_tool_ = 0;
+  std::string place_offset_;
+  size_t place_ = kNowhere;                        // among report_.shifts
+  std::vector<int> start_axes_;                    // asked for
   double last_before_mm_ = 0, last_after_mm_ = 0;  // at the end of the last piece
   bool has_travel_limits_ = false;
   bool has_exceeded_limit_ = false;  // listed once, counted on

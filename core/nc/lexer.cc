@@ -20,7 +20,8 @@ class BlockLexer {
       : text_(text), end_(text + size), at_(text), dialect_(dialect), block_(*block), variables_(variables) {}
 
   void Run() {
-    block_.length_difference = Decimal();
+    block_.length_difference = block_.radius_difference = Decimal();
+    block_.has_odd_radius = false;
     SkipReturns();
     SkipBlanks();
     if (at_ != end_ && *at_ == '/') ReadBlockDelete();
@@ -120,6 +121,8 @@ class BlockLexer {
   bool MayBeKeyword() const {
     if ((dialect_.keyword_letters >> ((*at_ - 'A') & 31) & 1) == 0 || *at_ == ':') return false;
     const uint8_t next = at_ + 1 == end_ ? static_cast<uint8_t>(kBlank) : Class(at_[1]);
+    // "A3=0.5" beside the axis word "A3".
+    if (next == kDigit) return dialect_.has_equals && end_ - at_ > 2 && at_[2] == '=';
     return next == kUpper || next == kLower || (dialect_.has_bare_keywords && next == kBlank);
   }
 
@@ -154,8 +157,9 @@ class BlockLexer {
     takes_rest_ = keyword.takes_rest;
     const bool is_corner =
         (keyword.meaning == Meaning::kCorner || keyword.meaning == Meaning::kTurns) && !keyword.takes_rest;
-    const bool is_address =
-        is_corner || keyword.meaning == Meaning::kAddress || keyword.meaning == Meaning::kIncrementalAddress;
+    const bool is_vector = keyword.meaning == Meaning::kToolVector || keyword.meaning == Meaning::kSurfaceNormal;
+    const bool is_address = is_corner || is_vector || keyword.meaning == Meaning::kAddress ||
+                            keyword.meaning == Meaning::kIncrementalAddress;
     if (is_address) {
       const char* const begin = at_;
       at_ = longest - 1;
@@ -164,7 +168,7 @@ class BlockLexer {
         return true;
       }
       Word& word = block_.words[block_.word_count - 1];
-      word.letter = is_corner ? char{0} : static_cast<char>(keyword.detail);
+      word.letter = is_corner || is_vector ? char{0} : static_cast<char>(keyword.detail);
       word.keyword = static_cast<int16_t>(found);
       word.letter_at = Offset(begin);
       if (keyword.meaning == Meaning::kIncrementalAddress) word.distance = Distance::kIncremental;
@@ -217,6 +221,9 @@ class BlockLexer {
       if (word.size() > 2 && Capital(word[0]) == 'D' && Capital(word[1]) == 'L' &&
           !ReadDifference(word.substr(2), &block_.length_difference))
         return true;
+      if (word.size() > 2 && Capital(word[0]) == 'D' && Capital(word[1]) == 'R' &&
+          !ReadDifference(word.substr(2), &block_.radius_difference))
+        block_.has_odd_radius = true;
       while (at != end_ && Class(*at) == kBlank) ++at;
     }
     return false;

@@ -1,11 +1,35 @@
 #include "core/nc/mark.h"
 
 #include "absl/strings/str_format.h"
+#include "core/base/units.h"
 
 namespace axiscal::nc {
 namespace {
 constexpr char kMark[] = "AXISCAL COMPENSATED";
+constexpr char kMachine[] = "AXISCAL MACHINE ";
+constexpr size_t kMostListed = 20;  // of offsets, and of tools
+
+std::string Comment(const Dialect& dialect, const std::string& text) {
+  return dialect.has_parenthesis_comments ? "(" + text + ")" : std::string(1, dialect.line_comment) + text;
 }
+
+// Without an exponent; never -0.
+std::string Number(double value) {
+  std::string text = absl::StrFormat("%.4f", value);
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+// What may stand in a comment of any control.
+std::string Plain(std::string text) {
+  for (char& c : text) {
+    const bool is_letter = (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (!is_letter && c != '.' && c != ' ' && c != '-') c = '_';
+  }
+  return text;
+}
+}  // namespace
 
 bool HasMark(const char* begin, const char* end) {
   while (begin != end && (*begin == ' ' || *begin == '\t')) ++begin;
@@ -19,7 +43,51 @@ bool HasMark(const char* begin, const char* end) {
 
 std::string MarkComment(const Dialect& dialect, const std::string& calibration, uint32_t source_crc32c) {
   const std::string text = absl::StrFormat("%s BY %s SOURCE CRC32C %08X", kMark, calibration, source_crc32c);
-  return dialect.has_parenthesis_comments ? "(" + text + ")" : std::string(1, dialect.line_comment) + text;
+  return Comment(dialect, text);
+}
+
+std::string HeadComments(const Dialect& dialect, const machine::Machine& machine, const RewriteOptions& options,
+                         uint32_t source_crc32c, const std::string& line_end) {
+  std::string head = MarkComment(dialect, options.calibration, source_crc32c) + line_end;
+  if (options.machine.empty()) return head;
+  const auto add = [&](const std::string& text) { absl::StrAppend(&head, Comment(dialect, text), line_end); };
+  add(absl::StrCat(kMachine, options.machine));
+  const auto& tip = options.tool_tip_mm;
+  add(absl::StrFormat("AXISCAL TOOL POINT AT HOME %s %s %s MM", Number(tip.x()), Number(tip.y()), Number(tip.z())));
+  size_t listed = 0;
+  for (const WorkOffset& offset : options.work_offsets) {
+    if (++listed > kMostListed) break;
+    std::string text = "AXISCAL OFFSET " + Plain(offset.code);
+    bool has_linear = false, has_rotary = false;
+    for (const AxisValue& value : offset.offsets) {
+      const int axis = machine::FindAxis(machine, value.axis);
+      const bool is_rotary = axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kRotary;
+      (is_rotary ? has_rotary : has_linear) = true;
+      absl::StrAppend(&text, " ", value.axis, Number(is_rotary ? value.value * base::kDegPerRad : value.value));
+    }
+    add(absl::StrCat(text, has_linear ? " MM" : "", has_rotary ? " DEG" : ""));
+  }
+  if (listed > kMostListed) add(absl::StrCat("AXISCAL OFFSETS OF ", options.work_offsets.size()));
+  listed = 0;
+  for (const ToolLength& length : options.tool_lengths) {
+    if (++listed > kMostListed) break;
+    add(absl::StrFormat("AXISCAL TOOL LENGTH %d IS %s MM", length.number, Number(length.length_mm)));
+  }
+  if (listed > kMostListed) add(absl::StrCat("AXISCAL TOOL LENGTHS OF ", options.tool_lengths.size(), " TOOLS"));
+  add("AXISCAL ERROR TABLES AND VOLUMETRIC COMPENSATION OF THE CONTROL MUST BE OFF");
+  return head;
+}
+
+std::string MarkedMachine(std::string_view program) {
+  const size_t mark = program.find(kMark);
+  if (mark == std::string_view::npos) return "";
+  // Its line is the next one.
+  const size_t line = program.find('\n', mark);
+  if (line == std::string_view::npos) return "";
+  const size_t begin = line + 1 + (line + 1 < program.size() && (program[line + 1] == '(' || program[line + 1] == ';'));
+  if (program.substr(begin, sizeof(kMachine) - 1) != kMachine) return "";
+  const std::string_view rest = program.substr(begin + sizeof(kMachine) - 1);
+  return std::string(rest.substr(0, rest.find_first_of(")\r\n")));
 }
 
 }  // namespace axiscal::nc

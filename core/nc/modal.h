@@ -64,11 +64,17 @@ struct Modal {
   Way way = Way::kOfAxis;
   uint32_t blockers = 0;
   // The Blocker of the tool centre point control that is in force and followed: words of X, Y and Z stand in the
-  // workpiece's frame (tool_point_frame.h). 0: none.
+  // workpiece's frame (tool_point_frame.h); or those of kPlacedFrames that are (word_frame.h). 0: none.
   uint32_t tool_point = 0;
+  // Of `tool_point`: I, J and K state the tool's direction, and no word turns a rotary axis.
+  bool states_vectors = false;
   bool turns_by_vector = false;  // tools turn by a vector (ORIVECT, ORIWKS), not axis by axis
   uint16_t mirrored_axes = 0;  // of kMirror; bits of axes that are none of the machine's are set where it is not known
   uint16_t shifted_axes = 0;   // of kDatumShift: letters in the order of "XYZABCUVW", bit 15: not known which
+  // Cutter compensation that is followed: 0 none, 1 the tool stands left of the contour, 2 right; its radius.
+  int8_t cutter_side = 0;
+  Ticks cutter_radius = 0;
+  bool is_cutter_ending = false;  // it ended, and the move in X or Y that leads away is still to come
   uint8_t macro_depth = 0;     // of kModalMacro: how many calls are in force
   uint8_t uncertain = 0;       // ModalGroups
 

@@ -31,7 +31,7 @@ double MoveCorrector::ChordDeparture(const Samples& samples, int first, int last
     const Change difference = samples.changes[static_cast<size_t>(i)] - ((1.0 - t) * from + t * to);
     largest = std::max(largest, Weight(difference, orientation_ ? samples.effects[static_cast<size_t>(i)] : kNone));
   }
-  return largest;
+  return largest * samples.scale;
 }
 
 MoveCorrector::MoveCorrector(const compensate::Compensator& compensator, const RewriteOptions& options,
@@ -87,15 +87,13 @@ absl::Status MoveCorrector::CorrectAt(const AxisTicks& nominal, const Senses& se
 
 absl::Status MoveCorrector::CorrectEnd(const Step& step, const WordGrain& grain, Piece* piece) const {
   piece->end_fraction = 1.0;
-  piece->is_arc = false;
-  piece->is_tool_point = step.is_tool_point;
+  Begin(step, piece);
   return CorrectAt(step.end.ticks, step.end.sense, grain, piece);
 }
 
 absl::Status MoveCorrector::CorrectStart(const Step& step, const WordGrain& grain, Piece* piece) const {
   piece->end_fraction = 0.0;
-  piece->is_arc = false;
-  piece->is_tool_point = step.is_tool_point;
+  Begin(step, piece);
   return CorrectAt(step.start.ticks, step.is_arc ? SensesOfArc(step, 0.0) : step.end.sense, grain, piece);
 }
 
@@ -117,7 +115,8 @@ absl::Status MoveCorrector::Sample(const Step& step, int intervals, Samples* sam
   samples->changes.clear();
   samples->effects.clear();
   Piece piece;
-  piece.is_tool_point = step.is_tool_point;
+  Begin(step, &piece);
+  samples->scale = ScaleOf(piece.placed);
   for (int k = 0; k <= intervals; ++k) {
     RETURN_IF_ERROR(CorrectAt(Between(step, static_cast<double>(k) / intervals), step.end.sense, WordGrain(), &piece));
     samples->changes.push_back(ChangeOf(piece.targets, piece.nominal));
@@ -190,7 +189,7 @@ absl::StatusOr<std::vector<Piece>> MoveCorrector::Split(const Step& step, const 
   for (size_t k = 0; k < ends.size(); ++k) {
     Piece& piece = pieces[k];
     piece.end_fraction = static_cast<double>(ends[k]) / intervals;
-    piece.is_tool_point = step.is_tool_point;
+    Begin(step, &piece);
     AxisTicks nominal = Between(step, piece.end_fraction);
     // Rotary axes are written as nominal, and linear ones at such numbers are short where no correction changes them.
     for (int i = 0; i < axis_count_ && k + 1 < ends.size(); ++i) nominal[i] = grain.Held(i, nominal[i]);

@@ -25,6 +25,7 @@ struct Piece {
   // Words of X, Y and Z stand in the workpiece's frame: in `nominal` and `targets`; `pose` and `correction` are of
   // axes.
   bool is_tool_point = false;
+  const WordFrame* placed = nullptr;     // with is_tool_point: Step::placed, which must outlive the piece's correction
   compensate::AxisValues axis_change{};  // with is_tool_point: correction.corrected - pose.position
   bool is_arc = false;
   Arc arc;  // in corrected positions; valid with is_arc
@@ -101,10 +102,19 @@ class MoveCorrector {
   struct Samples {
     std::vector<Change> changes;
     std::vector<Effect> effects;
+    double scale = 1.0;  // ScaleOf the move
   };
   using Senses = std::array<int8_t, machine::kMaxAxes>;
 
   double ChordDeparture(const Samples& samples, int first, int last) const;
+  // The frame in which the words of the move stand.
+  static void Begin(const Step& step, Piece* piece) {
+    piece->is_arc = false;
+    piece->is_tool_point = step.is_tool_point;
+    piece->placed = step.placed.get();
+  }
+  // How far the tool point goes at most per mm of words.
+  static double ScaleOf(const WordFrame* placed) { return placed == nullptr ? 1.0 : placed->scale; }
   // The effect of a difference of commands on the tool, mm.
   double Weight(const Change& difference, const Effect& effect) const;
   Effect EffectAt(const Piece& piece) const;

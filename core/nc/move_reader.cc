@@ -42,13 +42,13 @@ bool MoveReader::RunNext() {
   }
   Execution::Event event;
   if (!execution_->Next(&event)) return false;
-  if (event.kind != Execution::Event::Kind::kLine) {
-    interpreter_.ChangeLevel();
-    return true;
-  }
+  const std::string& block = execution_->lines(event.text)[event.line];
+  if (event.is_call) interpreter_.NoteCallBlock(block);
+  if (event.kind == Execution::Event::Kind::kEnter) interpreter_.EnterLevel();
+  if (event.kind == Execution::Event::Kind::kLeave) interpreter_.LeaveLevel();
+  if (event.kind != Execution::Event::Kind::kLine) return true;
   interpreter_.SetLine(execution_->line_number(event.text, event.line), event.is_followed_return, event.call_problem);
-  const std::string& text = execution_->lines(event.text)[event.line];
-  Line(text.data(), text.size(), text.size() > kMaxLineBytes);
+  Line(block.data(), block.size(), block.size() > kMaxLineBytes);
   return true;
 }
 

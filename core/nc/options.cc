@@ -1,5 +1,6 @@
 #include "core/nc/options.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 
@@ -9,6 +10,7 @@ namespace axiscal::nc {
 namespace {
 
 constexpr int kMaxWordDecimals = 6;
+constexpr size_t kMaxMachineLength = 100;  // as machine.json allows
 constexpr size_t kMaxNameLength = 80;  // a mark must fit a block of the narrowest controllers
 
 bool IsNameCharacter(unsigned char c) {
@@ -40,6 +42,10 @@ absl::Status Validate(const RewriteOptions& options) {
     return absl::InvalidArgumentError(
         absl::StrCat("cycle_tolerance_mm = ", options.cycle_tolerance_mm, ", must be > 0"));
   }
+  if (!(options.cutter_tolerance_mm > 0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cutter_tolerance_mm = ", options.cutter_tolerance_mm, ", must be > 0"));
+  }
   if (!(options.max_rotary_correction_rad > 0 && options.max_rotary_correction_rad <= kMaxRotaryCorrectionRad)) {
     return absl::InvalidArgumentError(absl::StrCat("max_rotary_correction_rad = ", options.max_rotary_correction_rad,
                                                    ", must be > 0 and at most ", kMaxRotaryCorrectionRad));
@@ -54,6 +60,11 @@ absl::Status Validate(const RewriteOptions& options) {
                                                      " mm, must be a number from 1 to 9999 and at most 1e4 mm"));
     }
   }
+  for (const ToolRadius& radius : options.tool_radii) {
+    if (radius.number >= 1 && radius.number <= 9999 && radius.radius_mm >= 0 && radius.radius_mm <= 1e3) continue;
+    return absl::InvalidArgumentError(absl::StrCat("tool_radii: number ", radius.number, " = ", radius.radius_mm,
+                                                   " mm, must be a number from 1 to 9999 and 0 to 1e3 mm"));
+  }
   for (const int number : options.harmless_m) {
     if (number < 0 || number > kMaxHarmlessM)
       return absl::InvalidArgumentError(absl::StrCat("harmless_m: ", number, ", must be 0 to ", kMaxHarmlessM));
@@ -67,6 +78,12 @@ absl::Status Validate(const RewriteOptions& options) {
   if (options.calibration.empty() || options.calibration.size() > kMaxNameLength) {
     return absl::InvalidArgumentError(
         absl::StrCat("calibration: a name of 1 to ", kMaxNameLength, " characters is expected"));
+  }
+  const bool is_name = std::all_of(options.machine.begin(), options.machine.end(),
+                                   [](char c) { return IsNameCharacter(static_cast<unsigned char>(c)); });
+  if (!is_name || options.machine.size() > kMaxMachineLength) {
+    return absl::InvalidArgumentError(absl::StrCat("machine = '", options.machine, "', must be at most ",
+                                                   kMaxMachineLength, " letters, digits, blanks and \"._-+:/\""));
   }
   for (const char c : options.calibration) {
     if (IsNameCharacter(static_cast<unsigned char>(c))) continue;

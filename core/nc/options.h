@@ -14,7 +14,7 @@
 
 namespace axiscal::nc {
 
-// What to do with a block that moves axes in a way that cannot be corrected (cycles, cutter compensation, macros,
+// What to do with a block that moves axes in a way that cannot be corrected (cycles that are not followed, macros,
 // unknown codes ...). Moves to machine positions (G28, G53 ...) are not of them: they are never touched, and listed.
 enum class OnUnsupported {
   kRefuse,  // the job fails with all of them, by line, block and reason; nothing that was written may be used
@@ -62,6 +62,13 @@ struct ToolLength {
   double length_mm = 0;
 };
 
+// The radius of a cutter that programs select by number (G41 D1, D1 of Sinumerik, TOOL CALL 1): the one by which the
+// control leads the tool beside a contour, wear included.
+struct ToolRadius {
+  int number = 0;  // 1 to 9999
+  double radius_mm = 0;
+};
+
 // A file of subprograms: its name without folder, as calls or its first block name it, and its bytes.
 struct Subprogram {
   std::string name;
@@ -74,6 +81,9 @@ inline constexpr double kMaxRotaryCorrectionRad = 0.1;  // far beyond what error
 struct RewriteOptions {
   // Name and version of the calibration, for the mark; letters, digits, blanks and "._-+:/".
   std::string calibration = "unnamed";
+  // Name of the machine, for the program's head, which then also says what of the options its words hold for. "": no
+  // such head.
+  std::string machine;
   std::string dialect = "fanuc";  // a name of Dialects()
   OnUnsupported on_unsupported = OnUnsupported::kRefuse;
   BlockDelete block_delete = BlockDelete::kEither;
@@ -90,6 +100,9 @@ struct RewriteOptions {
   // What may be left at a hole of a drilling cycle: the tool point's error at its bottom, which the cycle's words
   // cannot take away. More stops the job. > 0.
   double cycle_tolerance_mm = 0.02;
+  // What may be left along a contour that the control offsets by the cutter's radius (G41, G42): words of the contour
+  // say nothing of how errors differ between the contour and the cutter's centre. More stops the job. > 0.
+  double cutter_tolerance_mm = 0.02;
   // Rotary commands are corrected too, where the machine's axes can turn the tool as programmed; what they cannot is
   // listed. The machine needs a rotary axis.
   bool orientation = false;
@@ -107,6 +120,8 @@ struct RewriteOptions {
   std::vector<WorkOffset> work_offsets;
   // Lengths that the program may select. A program that selects another one is refused.
   std::vector<ToolLength> tool_lengths;
+  // Radii that the program may select. Cutter compensation with another one is refused.
+  std::vector<ToolRadius> tool_radii;
   // Files in which calls find what does not stand in the program itself.
   std::vector<Subprogram> subprograms;
   // Nominal tool point at home without the stated lengths, machine frame: from here the control counts them. Filled by

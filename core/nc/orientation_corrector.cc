@@ -80,7 +80,7 @@ double MoveCorrector::Apart(const Piece& piece, const AxisTicks& commanded) cons
   for (const int axis : compensator_->linear_axes()) {
     apart = std::max(apart, std::abs(static_cast<double>(piece.targets[axis] - commanded[axis])));
   }
-  return apart / kTicksPerUnit;
+  return apart / kTicksPerUnit * ScaleOf(piece.placed);
 }
 
 double MoveCorrector::TurnedDepartureBound(const compensate::AxisValues& from, const compensate::AxisValues& to,

@@ -83,13 +83,13 @@ TEST(Passed, AModeStaysUntilItsOwnCodeEndsIt) {
       {"heidenhain", "L Z+5 M144\nL Z+6 M129"},
       {"heidenhain", "L Z+5 M114\nL Z+6 M129"},
       {"heidenhain", "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS\nL Z+5 M129"},
-      {"heidenhain", "CYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+30\nPLANE RESET STAY"},
+      {"heidenhain", "CYCL DEF 10.0 ROTATION\nCYCL DEF 10.1 ROT+Q1\nPLANE RESET STAY"},
       {"sinumerik", "TRAORI\nTRAFOOF"},
       {"haas", "G268 X0 Y0 Z0 I30\nG69"},
-      {"haas", "G68 X0 Y0 R30.\nG269"},
+      {"haas", "G68 R30.\nG269"},
       {"haas", "G254\nG92 A5.\nG255"},
       {"fanuc", "G68.5\nG69"},
-      {"fanuc", "G68 X0 Y0 R30.\nG69.1"},
+      {"fanuc", "G68 R30.\nG69.1"},
       {"fanuc", "G12.1\nG15"},
       {"fanuc", "G16\nG13.1"},
       {"fanuc", "G41.1 D1\nG40"},
@@ -185,7 +185,7 @@ TEST(Passed, CodesOfBlocksThatMayBeSkippedLeaveBothStates) {
 TEST(Passed, CalledProgramsHaveTheModesOfTheirCaller) {
   const std::string restated = "\nG90 G54 G49 G94 G17 G21";
   EXPECT_TRUE(IsCorrectedBehind("fanuc", "G1 X1.\nM98 P2\nM30\nO2" + restated));
-  for (const std::string mode : {"G68 X0 Y0 R30.", "G43.4 H1", "G92 X5.", "G52 X5.", "G51.1 X0"}) {
+  for (const std::string mode : {"G68 R30.", "G43.4 H1", "G92 X5.", "G52 X5.", "G51.1 Z0"}) {
     const std::string called = "G1 X1.\n" + mode + "\nM98 P2\nG69 G49 G52 X0 Y0\nM30\nO2\nG90 G54 G94 G17 G21";
     EXPECT_FALSE(IsCorrectedBehind("fanuc", called)) << mode;
   }

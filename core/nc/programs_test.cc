@@ -70,7 +70,7 @@ const std::vector<Program>& Programs() {
        "SPA+0 SPB+30 SPC+0 "
        "STAY\n10 L X+5\n11 L Z+0 R0 FMAX M91\n12 END PGM 12 MM\n",
        {4, 5, 7, 9},
-       {10},
+       {11},  // no tool length is stated
        {"L X+0.0000 FMAX"}},
   };
   return *programs;

@@ -34,6 +34,20 @@ reports::Orientation OrientationOf(const RewriteReport& report) {
   return orientation;
 }
 
+reports::Shift ShiftOf(const Shift& shift, const RewriteReport& report) {
+  reports::Shift said;
+  if (shift.tool > 0) said.tool = absl::StrFormat("T%d", shift.tool);
+  if (shift.tool < 0) said.tool = "called by name";
+  said.work_offset = shift.work_offset;
+  said.moves = shift.count;
+  said.max_um = shift.max_mm * base::kUmPerMm;
+  said.rms_um =
+      shift.count == 0 ? 0.0 : std::sqrt(shift.sum_squares_mm2 / static_cast<double>(shift.count)) * base::kUmPerMm;
+  said.line = shift.line;
+  for (size_t i = 0; i < shift.at.size(); ++i) said.at.emplace_back(report.axis_names[i], shift.at[i]);
+  return said;
+}
+
 }  // namespace
 
 double Spread::rms_mm() const { return count == 0 ? 0.0 : std::sqrt(sum_squares_mm2 / static_cast<double>(count)); }
@@ -45,10 +59,14 @@ double AngleSpread::rms_rad() const {
 reports::Rewrite ReportOf(const RewriteReport& found) {
   reports::Rewrite report;
   report.calibration = found.calibration;
+  report.dialect = found.dialect;
   report.null_correction = found.is_null_correction;
   report.blocks = {found.blocks_read,     found.blocks_corrected, found.blocks_split,
                    found.blocks_inserted, found.blocks_passed,    found.blocks_refused};
   for (const AxisSpread& axis : found.axes) report.correction.emplace_back(axis.axis, SpreadOf(axis.correction));
+  for (const Shift& shift : found.shifts) report.shifts.push_back(ShiftOf(shift, found));
+  report.missing = found.missing;
+  report.rotary_stood_deg.assign(found.rotary_stood.begin(), found.rotary_stood.end());
   report.error_before = SpreadOf(found.error_before);
   report.error_after = SpreadOf(found.error_after);
   report.path_before_at_most_um = found.path_before_max_mm * base::kUmPerMm;
@@ -56,6 +74,10 @@ reports::Rewrite ReportOf(const RewriteReport& found) {
   report.max_tilt_left_urad = found.max_tilt_left_rad * base::kUradPerRad;
   if (found.holes > 0)
     report.holes = {found.holes, found.max_hole_left_mm * base::kUmPerMm, found.holes_left, FindingsOf(found.left)};
+  if (found.contour_moves > 0) {
+    report.contours = {found.contour_moves, found.max_contour_left_mm * base::kUmPerMm, found.contour_moves_left,
+                       FindingsOf(found.contour_left)};
+  }
   if (found.has_orientation) report.orientation = OrientationOf(found);
   report.max_departure_um = found.max_departure_mm * base::kUmPerMm;
   report.passed = FindingsOf(found.passed);

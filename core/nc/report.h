@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/nc/options.h"
@@ -33,6 +34,18 @@ struct Spread {
   double rms_mm() const;
 };
 
+// What moves of one tool in one work offset are shifted by, all linear axes together.
+struct Shift {
+  int64_t tool = 0;         // Interpreter::tool
+  std::string work_offset;  // its code; "": none that is stated
+  int64_t count = 0;
+  double max_mm = 0, sum_squares_mm2 = 0;
+  int64_t line = 0;        // of the largest
+  std::vector<double> at;  // where, per axis of the machine, mm or deg
+};
+
+inline constexpr size_t kMaxShifts = 200;  // listed
+
 struct AxisSpread {
   std::string axis;  // linear axes only
   Spread correction;
@@ -59,7 +72,7 @@ struct RotaryAxisSpread {
 };
 
 inline constexpr size_t kMaxRanges = 1000;  // listed; the count goes on
-inline constexpr int kMaxFindings = 100;  // listed per kind; the counts go on
+inline constexpr int kMaxFindings = 100;    // listed per kind; the counts go on
 
 // Blocks in ranges of lines: a range ends with the last of them in front of a block that is none of them.
 struct LineRanges {
@@ -93,6 +106,13 @@ struct RewriteReport {
   LineRanges not_corrected;              // of a null correction: empty
   std::vector<std::string>
       notes;  // what the reader must know: tool changes, text after the program's end, effects not carried
+  std::string dialect;
+  std::vector<Shift> shifts;            // the first kMaxShifts tools and offsets
+  std::vector<std::string> axis_names;  // of `shifts`
+  // Options that were missing, in the words to add: --offset "G54 X=... Y=..."; the first kMaxAdvice.
+  std::vector<std::string> missing;
+  // Rotary axes that the program never names, and where they were stated to stand, deg.
+  std::vector<std::pair<std::string, double>> rotary_stood;
   std::vector<AxisSpread> axes;
   // Predicted tool-point error at block ends, in the table's frame, without the correction, and with it as written
   // (rounding included).
@@ -113,6 +133,10 @@ struct RewriteReport {
   int64_t holes = 0, holes_left = 0;
   double max_hole_left_mm = 0;
   std::vector<Finding> left;
+  // Moves of contours that the control offsets by the cutter's radius (G41), as the same.
+  int64_t contour_moves = 0, contour_moves_left = 0;
+  double max_contour_left_mm = 0;
+  std::vector<Finding> contour_left;
   double max_departure_mm = 0;  // largest departure of the correction along a written piece, at most
   // Files of RewriteOptions::subprograms that the program runs, corrected, and copies for calls that need others.
   std::vector<Subprogram> subprograms;

@@ -2,6 +2,7 @@
 #ifndef AXISCAL_CORE_NC_REQUEST_H_
 #define AXISCAL_CORE_NC_REQUEST_H_
 
+#include <array>
 #include <string>
 
 #include "core/nc/interpreter.h"
@@ -27,8 +28,15 @@ struct Interpreter::Request {
   const Code* shift = nullptr;   // G52
   const Code* owner = nullptr;   // whose words axis words are (G22, G50.1)
   const Code* length = nullptr;  // G43, G44
+  const Code* cutter_side = nullptr;  // G41, G42
+  const Word* radius_number = nullptr;  // D
+  int8_t cutter_side_before = 0;
   const Code* tool_point = nullptr;
   const Word* tool_point_word = nullptr;
+  const Code* frame = nullptr;  // G68, G68.2, G51, G51.1, G254
+  const Word* frame_word = nullptr;
+  std::shared_ptr<const WordFrame> word_frame_before;
+  const Code* turn_to_plane = nullptr;  // G53.1
   const Code* by_rest = nullptr;
   const Word* by_rest_word = nullptr;
   const Code* data_input = nullptr;  // G10
@@ -47,6 +55,9 @@ struct Interpreter::Request {
   bool has_axis = false;
   bool has_code = false;
   bool has_centre = false;
+  // Of I, J and K, and of the tool's direction: the words, nullptr: none.
+  std::array<const Word*, 3> centre{}, vector{};
+  bool has_normal = false;
   bool has_feed = false;
   bool has_two_offsets = false;
   bool is_whole = true;  // read to its end
@@ -67,6 +78,7 @@ struct Interpreter::Request {
   char parameter = 0;
   const Word* number_of_parameter = nullptr;  // P
 
+  bool HasVector() const { return vector[0] != nullptr || vector[1] != nullptr || vector[2] != nullptr; }
   void Refuse(const std::string& reason) {
     if (problem.empty()) problem = reason;
   }

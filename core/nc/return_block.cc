@@ -57,9 +57,7 @@ void BlockWriter::LeaveAdrift(const char* text, size_t size, const StateBefore& 
 
 void BlockWriter::AppendExact(int axis, Ticks target, Ticks base, bool is_inch, OutBuffer* out) const {
   const Ticks unit = is_inch && is_linear_[axis] ? kTicksPerInch : kTicksPerMm;
-  WordForm form = rule_.Inserted(unit);
-  while (form.decimals < kMaxDecimals && (target - base) % form.grain != 0)
-    form.grain = GrainTicks(unit, ++form.decimals);
+  const WordForm form = ExactForm(rule_.Inserted(unit), target - base, unit);
   out->push_back(' ');
   out->push_back(machine_->axes[axis].name[0]);
   CorrectedWord word = WordFor(target, base, form);

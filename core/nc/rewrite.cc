@@ -76,6 +76,14 @@ absl::StatusOr<std::string> RewriteText(const std::string& program, const compen
   return output;
 }
 
+absl::Status RewriteFileTo(const std::string& input_path, const ByteSink& sink,
+                           const compensate::Compensator& compensator, const RewriteOptions& options,
+                           RewriteReport* report) {
+  const ByteSource source = [&input_path](const ByteSink& take) { return ReadAll(input_path, take); };
+  RETURN_IF_ERROR(base::RequireFile(input_path));
+  return RewriteProgram(source, sink, compensator, options, report);
+}
+
 absl::Status RewriteFile(const std::string& input_path, const std::string& output_path,
                          const compensate::Compensator& compensator, const RewriteOptions& options,
                          RewriteReport* report) {

@@ -68,6 +68,11 @@ absl::Status RewriteFile(const std::string& input_path, const std::string& outpu
                          const compensate::Compensator& compensator, const RewriteOptions& options,
                          RewriteReport* report);
 
+// The same to a sink. What was taken before an error must not be used.
+absl::Status RewriteFileTo(const std::string& input_path, const ByteSink& sink,
+                           const compensate::Compensator& compensator, const RewriteOptions& options,
+                           RewriteReport* report);
+
 }  // namespace axiscal::nc
 
 #endif  // AXISCAL_CORE_NC_REWRITE_H_

@@ -76,6 +76,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   if (programs_begun != interpreter.programs_begun()) {
     writer.BeginProgram(has_ended);
     programs_begun = interpreter.programs_begun();
+    contour_state = ContourState::kOff;
   }
   has_ended = step.ends_program || (has_ended && !step.has_other_words);
   if (step.has_other_words && !has_mark_place) KeepMarkPlace();
@@ -106,7 +107,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     if (MustReturn()) Return();
     Copy();
   }
-  if (step.moves_away) writer.ForgetAll();
+  if (step.moves_away) writer.ForgetAll(), contour_state = ContourState::kOff;
   if (job.is_refused()) out.clear();
   if (out.size() >= kOutBytes) Flush();
   if (job.is_refused() && options.on_unsupported == OnUnsupported::kStop) status = job.Refusal();
@@ -158,6 +159,12 @@ bool Rewriter::Impl::MustReturn() const {
 }
 
 void Rewriter::Impl::Return() {
+  if (contour_state != ContourState::kOff) {
+    return job.Refused(now,
+                       "cutter compensation is active, or its end waits for a move in X or Y: what is not corrected "
+                       "there cannot stand beside corrected moves",
+                       false);
+  }
   const size_t begin = out.size();
   const std::string problem =
       step.is_tangential ? ""
@@ -222,8 +229,8 @@ void Rewriter::Impl::WriteMark(size_t block_begin) {
     wants_mark = true;
     return;
   }
-  std::string mark = MarkComment(interpreter.dialect(), options.calibration, *options.source_crc32c);
-  mark += mark_line_end;
+  const std::string mark =
+      HeadComments(interpreter.dialect(), compensator.machine(), options, *options.source_crc32c, mark_line_end);
   out.insert(is_flushed ? block_begin : mark_place, mark);
 }
 
@@ -247,14 +254,38 @@ std::string Rewriter::Impl::UnknownPosition(bool* is_consequence) {
 }
 
 void Rewriter::Impl::MoveFromUnknown(const std::string& unknown, bool is_consequence) {
+  if (contour_role == ContourRole::kExit) contour_state = ContourState::kOff;
+  if (contour_state != ContourState::kOff) {
+    job.Refused(now, unknown + ", while cutter compensation is active", is_consequence);
+    return Copy();
+  }
   // A rapid does not cut: behind G28 or a tool change it brings back what is known of the axes.
   if (step.is_rapid) {
     job.Passed(now, "rapid move left as it is, " + unknown, is_consequence);
   } else {
+    AskStart();
     NotCorrected(unknown, is_consequence);
     if (MustReturn()) Return();
   }
   Copy();
+}
+
+void Rewriter::Impl::AskStart() {
+  std::vector<int> axes;
+  for (int i = 0; i < compensator.machine().axis_count(); ++i) {
+    if (!step.end.is_known(i) && interpreter.unknown_since(i) == 0) axes.push_back(i);
+  }
+  job.AskStart(axes);
+}
+
+void Rewriter::Impl::NoteRotaryStood() {
+  RewriteReport& report = job.report();
+  if (report.blocks_corrected == 0) return;
+  for (const AxisValue& stated : options.initial_position) {
+    const int axis = machine::FindAxis(compensator.machine(), stated.axis);
+    if (compensator.machine().axes[axis].kind != machine::AxisKind::kRotary || (named_rotary >> axis & 1)) continue;
+    report.rotary_stood.emplace_back(stated.axis, stated.value * base::kDegPerRad);
+  }
 }
 
 void Rewriter::Impl::Move() {
@@ -264,6 +295,10 @@ void Rewriter::Impl::Move() {
     return Copy();
   }
   if (step.wrapped != 0) writer.Wrap(step);
+  if (const std::string reason = TakeContour(); !reason.empty()) {
+    job.Refused(now, reason, false);
+    return Copy();
+  }
   if (step.end.known != all_axes || writer.commanded().known != all_axes) [[unlikely]] {
     bool is_consequence = false;
     const std::string unknown = UnknownPosition(&is_consequence);
@@ -274,6 +309,9 @@ void Rewriter::Impl::Move() {
     if (passes()) Return();
     return Copy();
   }
+  job.SetPlace(interpreter.tool(), interpreter.coordinates());
+  for (const int axis : rotary_axes)
+    named_rotary |= static_cast<uint16_t>((step.word_of_axis[axis] >= 0 || step.has_vector) << axis);
   if (options.orientation) block_grain = writer.GrainOf(block, step);
   const absl::Status corrected = corrector().CorrectEnd(step, block_grain, &piece);
   if (!corrected.ok()) {
@@ -282,7 +320,9 @@ void Rewriter::Impl::Move() {
   }
   ++job.report().blocks_corrected;
   if (options.orientation) NoteHalfTurns();
-  const double departure_mm = step.is_arc ? 0.0 : MoveDeparture();
+  if (contour_role == ContourRole::kHeld) return WriteHeld();
+  const bool is_at_contour = contour_role != ContourRole::kNone && contour_role != ContourRole::kPiece;
+  const double departure_mm = step.is_arc || is_at_contour ? 0.0 : MoveDeparture();
   if (const std::string reason = WhyNoFeed(departure_mm); !reason.empty()) {
     --job.report().blocks_corrected;
     NotCorrected(reason, false);
@@ -296,9 +336,11 @@ void Rewriter::Impl::Move() {
     if (!WriteSplit(departure_mm)) return;
   } else {
     const size_t begin = out.size();
+    const AxisTicks commanded = writer.commanded().ticks;
     writer.WriteBlock(now.text, now.size, block, step, piece, 1.0, &out);
     CheckLength(begin);
     if (!is_mark_written && !IsWrittenAsItWas(begin)) WriteMark(begin);
+    FollowContour(commanded, 0.0, piece);
     job.Account(now, piece, writer.commanded(), departure_mm);
     if (piece.turned.limit != compensate::DirectionLimit::kNone) job.Tilted(now, piece.turned);
   }
@@ -310,7 +352,8 @@ void Rewriter::Impl::Move() {
 std::string Rewriter::Impl::WhyNoToolPoint() const {
   for (const int axis : interpreter.frame().xyz()) {
     if (!compensator.uses_sense(axis)) continue;
-    return absl::StrCat("under tool centre point control ", compensator.machine().axes[axis].name,
+    return absl::StrCat(step.placed == nullptr ? "under tool centre point control " : "in a turned frame ",
+                        compensator.machine().axes[axis].name,
                         " turns back inside moves, and its lost motion cannot be taken up there");
   }
   return "";
@@ -502,6 +545,8 @@ absl::Status Rewriter::Finish() {
   impl_->preamble.Finish(
       [this](const char* text, size_t length, bool is_overlong) { impl_->Line(text, length, is_overlong); });
   if (impl_->is_waiting && impl_->status.ok()) impl_->RunCalls();
+  impl_->NoteRotaryStood();
+  impl_->job.Finish();
   impl_->Flush();
   if (!impl_->is_null() && !impl_->is_mark_written && !impl_->job.is_refused())
     impl_->job.report().notes.push_back("no word changed: the program stays byte for byte, without a mark");

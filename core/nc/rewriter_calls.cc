@@ -312,9 +312,8 @@ class Rewriter::Impl::Written {
   void InsertMark(int text, size_t head, const std::string& source, std::string* bytes) const {
     size_t at = 0;
     for (size_t line = 0; line < head; ++line) at = std::min(bytes->find('\n', at), bytes->size() - 1) + 1;
-    bytes->insert(at, MarkComment(impl_.interpreter.dialect(), impl_.options.calibration,
-                                  base::Crc32c(0, source.data(), source.size())) +
-                          LineEnd(text));
+    bytes->insert(at, HeadComments(impl_.interpreter.dialect(), impl_.compensator.machine(), impl_.options,
+                                   base::Crc32c(0, source.data(), source.size()), LineEnd(text)));
   }
 
   Subprogram Copy(int text, const Body& body, const Version& version, const std::string& source) const {
@@ -378,12 +377,12 @@ void Rewriter::Impl::RunCalls() {
         run.text = body.text, run.body = event.body, run.begin = body.begin;
         run.written.resize(body.end - body.begin);
         runs.push_back(std::move(run));
-        interpreter.ChangeLevel();
+        interpreter.EnterLevel();
         call_lines.push_back(call_line);
         break;
       }
       case Execution::Event::Kind::kLeave: {
-        interpreter.ChangeLevel();
+        interpreter.LeaveLevel();
         if (!event.problem.empty()) refuse(event.problem);
         Run::Callee callee;
         if (!is_null() && !job.is_refused()) callee = written.Take(runs.back());
@@ -399,6 +398,7 @@ void Rewriter::Impl::RunCalls() {
         if (!event.problem.empty()) refuse(event.problem);
         if (!event.is_call) break;
         call_line = event.line;
+        interpreter.NoteCallBlock(lines[event.line]);
         runs.back().calls[call_line].clear();
         runs.back().is_packed[call_line] = event.is_packed;
         break;
@@ -430,8 +430,9 @@ void Rewriter::Impl::RunCalls() {
   job.report().subprograms = std::move(files);
   for (std::string& note : written.Notes()) job.report().notes.push_back(std::move(note));
   if (wants_mark) {
-    const std::string mark = MarkComment(interpreter.dialect(), options.calibration, *options.source_crc32c);
-    out.insert(is_flushed ? out.size() : mark_place, mark + mark_line_end);
+    out.insert(is_flushed ? out.size() : mark_place,
+               HeadComments(interpreter.dialect(), compensator.machine(), options, *options.source_crc32c,
+                            mark_line_end));
   }
   out.append(text);
 }

@@ -18,6 +18,16 @@ double Rewriter::Impl::LeftAt(const Piece& wanted, const Commanded& at) const {
   return left_mm.norm() + wanted.correction.after_mm;
 }
 
+double Rewriter::Impl::RoundingMm() const {
+  double rounding_mm = 0.0;
+  for (const int axis : compensator.linear_axes()) {
+    const Ticks grain = GrainTicks(interpreter.ticks_per_unit(axis),
+                                   interpreter.modal().is_inch ? options.decimals_inch : options.decimals_mm);
+    rounding_mm += static_cast<double>(grain) / kTicksPerUnit;
+  }
+  return rounding_mm;
+}
+
 void Rewriter::Impl::Drill() {
   const int z = interpreter.AxisOf('Z');
   const Positions behind = step.end;
@@ -27,9 +37,11 @@ void Rewriter::Impl::Drill() {
   step.end.sense[z] = -1;
   bool is_consequence = false;
   const std::string unknown = UnknownPosition(&is_consequence);
-  if (!unknown.empty()) {
+  const std::string turns_back = step.is_tool_point ? WhyNoToolPoint() : "";
+  if (!unknown.empty() || !turns_back.empty()) {
+    AskStart();
     step.end = behind;
-    NotCorrected(unknown, is_consequence);
+    NotCorrected(unknown.empty() ? turns_back : unknown, is_consequence);
     if (MustReturn()) Return();
     return Copy();
   }
@@ -42,6 +54,7 @@ void Rewriter::Impl::Drill() {
     job.Refused(now, std::string(corrected.message()), false);
     return Copy();
   }
+  job.SetPlace(interpreter.tool(), interpreter.coordinates());
   ++job.report().blocks_corrected;
   std::optional<Commanded> before;
   if (step.may_be_skipped) before = writer.commanded();
@@ -58,17 +71,12 @@ void Rewriter::Impl::Drill() {
   job.Account(now, bottom, at, 0.0);
   job.BreakPath();
   const bool is_fixed = step.hole.is_fixed;
-  double left_mm = LeftAt(bottom, at), rounding_mm = 0.0;
+  double left_mm = LeftAt(bottom, at);
   if (is_fixed) {  // its heights have no words here, nor has a call where the tool stands
     at.ticks[z] = writer.hole_entry();
     left_mm = std::max(left_mm, LeftAt(entry, at));
   }
-  for (const int axis : compensator.linear_axes()) {
-    const Ticks grain = GrainTicks(interpreter.ticks_per_unit(axis),
-                                   interpreter.modal().is_inch ? options.decimals_inch : options.decimals_mm);
-    rounding_mm += static_cast<double>(grain) / kTicksPerUnit;
-  }
-  job.Drilled(now, left_mm, rounding_mm,
+  job.Drilled(now, left_mm, RoundingMm(),
               is_fixed ? "the heights of a called cycle hold for all its holes, and the drill leans"
                        : "the drill leans, and the cycle has no word for it");
   if (passes()) writer.Arrive(step);

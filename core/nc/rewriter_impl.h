@@ -11,6 +11,7 @@
 #include "core/compensate/compensator.h"
 #include "core/nc/block_writer.h"
 #include "core/nc/calls.h"
+#include "core/nc/cutter_contour.h"
 #include "core/nc/interpreter.h"
 #include "core/nc/job_report.h"
 #include "core/nc/line_splitter.h"
@@ -45,6 +46,9 @@ struct Rewriter::Impl {
     for (const Tool& tool : tools) tool_correctors.emplace_back(tool.compensator, options, tool.length_mm);
     unknown_reported.fill(-1);
     all_axes = static_cast<uint16_t>((1u << compensator.machine().axis_count()) - 1);
+    for (int i = 0; i < compensator.machine().axis_count(); ++i) {
+      if (compensator.machine().axes[i].kind == machine::AxisKind::kRotary) rotary_axes.push_back(i);
+    }
   }
 
   const compensate::Compensator& compensator;
@@ -68,6 +72,8 @@ struct Rewriter::Impl {
   absl::Status status;
   std::array<int64_t, machine::kMaxAxes> unknown_reported;  // line since which an axis' unknown position was reported
   uint16_t all_axes = 0;
+  std::vector<int> rotary_axes;
+  uint16_t named_rotary = 0;  // rotary axes of which a corrected block has a word, or that turn otherwise
   uint16_t half_turns = 0;  // axes of which a half turn was noted
   // The mark goes in front of the first block of words, once a word has changed; in front of that word's block where
   // the first one is on its way already.
@@ -80,6 +86,13 @@ struct Rewriter::Impl {
   bool is_finished = false;
   bool has_noted_tool_point = false;
   bool has_changed_frame = false;  // the block that is read
+  // Cutter compensation (G41, G42): its moves to the contour and away from it may stand in later blocks than its codes.
+  enum class ContourState { kOff, kStarting, kOn, kEnding };
+  ContourState contour_state = ContourState::kOff;
+  // What the move that is read is to the contour: kHeld has no part in X and Y, and must not get one.
+  enum class ContourRole { kNone, kHeld, kEntry, kPiece, kExit };
+  ContourRole contour_role = ContourRole::kNone;
+  CutterContour contour;
   int64_t programs_begun = 0;   // as the writer knows
   bool has_ended = false;       // the program that is read now
 
@@ -100,6 +113,10 @@ struct Rewriter::Impl {
   }
 
   void Line(const char* text, size_t size, bool is_overlong);
+  // The axes whose position the move needs, and that nothing in front of it states, are asked for.
+  void AskStart();
+  // Rotary axes that no block names, for the report.
+  void NoteRotaryStood();
   // What waits: each run of a subprogram is written for itself, and texts that agree are one.
   void RunCalls();
   struct Run;
@@ -139,6 +156,16 @@ struct Rewriter::Impl {
   void MoveFromUnknown(const std::string& unknown, bool is_consequence);
   void Move();
   void Drill();
+  // Fills contour_role. Why the move cannot be one of a contour, or "".
+  std::string TakeContour();
+  // A move without a part in X and Y: it moves there with no correction either, since the control would offset that.
+  void WriteHeld();
+  // Behind each piece of a move of a contour, which began at `from` (commanded) and at the fraction `first`.
+  void FollowContour(const AxisTicks& from, double first, const Piece& written);
+  // What is left along it: across the contour, and along Z, mm.
+  absl::StatusOr<double> LeftAlong(const ContourPiece& nominal, const ContourPiece& as_written, const AxisTicks& from,
+                                   double first, const Piece& written);
+  double RoundingMm() const;  // of the words of linear axes, all together
   // The tool point's error where the control is told `at` in place of the piece's targets, mm.
   double LeftAt(const Piece& wanted, const Commanded& at) const;
   // A control that takes rotary axes the shorter way round decides at half a turn, which a correction may cross. Noted

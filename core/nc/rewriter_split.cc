@@ -1,4 +1,5 @@
 // A move in pieces: an arc, a reversal whose lost motion is taken up first, or a correction that bends too much.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -11,7 +12,7 @@ absl::StatusOr<std::vector<Piece>> Rewriter::Impl::Pieces() {
   const WordGrain grain = writer.GrainOf(block, step);
   if (step.is_arc) return corrector().SplitArc(step, writer.commanded().ticks, grain);
   std::vector<Piece> pieces;
-  if (TakesUpReversal()) {
+  if (TakesUpReversal()) {  // of no contour: TakeContour refuses machines that have any
     pieces.emplace_back();
     RETURN_IF_ERROR(corrector().CorrectStart(step, grain, &pieces.back()));
   }
@@ -35,6 +36,15 @@ bool Rewriter::Impl::WriteSplit(double departure_mm) {
     }
     last = &next;
   }
+  const bool is_straight = std::any_of(pieces->begin(), pieces->end(), [](const Piece& next) { return !next.is_arc; });
+  if (contour_role == ContourRole::kPiece && step.is_arc && is_straight) {
+    job.Refused(now,
+                "the correction makes no arcs of it within the tolerance, and a straight piece would lead the cutter "
+                "aside: state a larger --tolerance-um, or end cutter compensation in front of it",
+                false);
+    Copy();
+    return false;
+  }
   if (std::string reason = pieces->size() > 1 ? WhyNotSplit() : ""; !reason.empty()) {
     const std::string departs =
         std::isfinite(departure_mm) && !step.is_arc
@@ -56,6 +66,7 @@ bool Rewriter::Impl::WriteSplit(double departure_mm) {
     if (next.turned.limit != compensate::DirectionLimit::kNone && next.turned.tilt_left_rad > worst.tilt_left_rad)
       worst = next.turned;
     const double fraction = next.end_fraction - from;
+    const AxisTicks commanded = writer.commanded().ticks;
     if (&next == pieces->data()) {
       const size_t begin = out.size();
       writer.WriteBlock(now.text, now.size, block, step, next, fraction, &out);
@@ -64,8 +75,9 @@ bool Rewriter::Impl::WriteSplit(double departure_mm) {
       if (now.text_size == now.size && pieces->size() > 1) out.append(line_end);
     } else {
       out.append(SkipPrefix());
-      writer.WritePiece(block, step, next, fraction, is_packed, line_end, &out);
+      writer.WritePiece(now.text, block, step, next, fraction, is_packed, line_end, &out);
     }
+    FollowContour(commanded, from, next);
     from = next.end_fraction;
     job.Account(now, next, writer.commanded(), std::isfinite(options.tolerance_mm) ? options.tolerance_mm : 0.0);
     if (out.size() >= kOutBytes) Flush();

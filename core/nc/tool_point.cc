@@ -31,6 +31,7 @@ std::string Interpreter::WhyNoToolPoint(const char* text, const Block& block, co
       return absl::StrCat("with '", rest, "': followed is the machine's first transformation, alone in its block");
     }
   }
+  if ((modal_.tool_point & kPlacedFrames) != 0) return "together with a turned frame or a tilted plane";
   if ((modal_.uncertain & (kOffsetGroup | kLengthGroup)) != 0) return "the work offset or the tool length is not known";
   if (coordinates_.has_preset() || coordinates_.has_shift() || coordinates_.has_frame())
     return "with preset or shifted coordinates (G92, G52, TRANS, cycle 7) in force controllers differ";
@@ -50,16 +51,21 @@ std::string Interpreter::RotaryOffsetProblem() const {
 }
 
 void Interpreter::BeginToolPoint(const char* text, const Block& block, Request* request) {
-  const uint32_t bit = request->tool_point->detail & ~kSelectsLength;
+  const bool states_vectors = (request->tool_point->detail & kStatesVectors) != 0;
+  const uint32_t bit = request->tool_point->detail & ~(kSelectsLength | kStatesVectors);
   EndMode(bit);
   blockers_seen_ |= bit;
   std::string problem = WhyNoToolPoint(text, block, *request);
   // P3 and L1 of G43.4 turn the tool otherwise.
-  const char stray = request->parameter != 0 ? request->parameter : request->has_centre ? 'I' : char{0};
+  const bool has_stray_centre = request->has_centre && !states_vectors;
+  const char stray = request->parameter != 0 ? request->parameter : has_stray_centre ? 'I' : char{0};
   if (problem.empty() && stray != 0)
     problem = absl::StrCat("with a word ", std::string(1, stray), ": what it chooses is not followed");
+  if (problem.empty() && states_vectors && options_->orientation)
+    problem = "with --orientation it is not followed: a correction of the tool's direction would change I, J and K";
   if (problem.empty() && modal_.tool_point == 0 && request->problem.empty()) {
     modal_.tool_point = bit;
+    modal_.states_vectors = states_vectors;
     return;
   }
   LoseToolPoint();
@@ -82,7 +88,8 @@ bool Interpreter::IsKept(const FrameChange& change) const {
 }
 
 void Interpreter::ChangeFrame(Request* request, Step* step) {
-  const bool was = request->tool_point_before != 0, is = modal_.tool_point != 0;
+  const bool was = (request->tool_point_before & ~kPlacedFrames) != 0;
+  const bool is = (modal_.tool_point & ~kPlacedFrames) != 0;
   const bool is_same_length = request->length_before == coordinates_.active_length();
   coordinates_.SetToolPoint(is);
   if (was == is && is_same_length) return;

@@ -24,7 +24,7 @@ absl::Status MoveCorrector::CorrectWords(const WordGrain& grain, Piece* piece) c
     piece->targets[i] = piece->nominal[i];
   }
   ToolPointFrame::Map map;
-  if (!frame_.At(pose.position.data(), length_mm_, &map))
+  if (!frame_.At(pose.position.data(), length_mm_, piece->placed, &map))
     return absl::FailedPreconditionError("X, Y and Z do not reach three directions at this pose");
   const std::array<int, 3>& xyz = frame_.xyz();
   const Eigen::Vector3d words_mm(pose.position[xyz[0]], pose.position[xyz[1]], pose.position[xyz[2]]);
@@ -52,12 +52,22 @@ absl::Status MoveCorrector::CorrectWords(const WordGrain& grain, Piece* piece) c
       piece->targets[xyz[static_cast<size_t>(k)]] += NearestTick(change_of_words_mm[k] * kTicksPerUnit);
     }
   }
-  for (size_t i = 0; i < compensator_->linear_axes().size(); ++i) {
-    const int axis = compensator_->linear_axes()[i];
-    piece->axis_change[axis] = piece->correction.corrected[axis] - pose.position[axis];
-    for (int k = 0; k < 3; ++k) {
-      if (xyz[static_cast<size_t>(k)] == axis) piece->correction.tip_per_mm[i] = frame_.InTable(k);
-    }
+  const std::vector<int>& linear = compensator_->linear_axes();
+  const auto index_of = [&](int k) {
+    return std::find(linear.begin(), linear.end(), xyz[static_cast<size_t>(k)]) - linear.begin();
+  };
+  for (const int axis : linear) piece->axis_change[axis] = piece->correction.corrected[axis] - pose.position[axis];
+  if (piece->placed == nullptr) {
+    for (int k = 0; k < 3; ++k) piece->correction.tip_per_mm[static_cast<size_t>(index_of(k))] = frame_.InTable(k);
+    return absl::OkStatus();
+  }
+  std::array<Eigen::Vector3d, 3> of_axis;
+  for (int k = 0; k < 3; ++k)
+    of_axis[static_cast<size_t>(k)] = piece->correction.tip_per_mm[static_cast<size_t>(index_of(k))];
+  for (int k = 0; k < 3; ++k) {
+    piece->correction.tip_per_mm[static_cast<size_t>(index_of(k))] = of_axis[0] * map.axes_of_words(0, k) +
+                                                                     of_axis[1] * map.axes_of_words(1, k) +
+                                                                     of_axis[2] * map.axes_of_words(2, k);
   }
   return absl::OkStatus();
 }
@@ -69,7 +79,8 @@ absl::Status MoveCorrector::ToWords(const compensate::AxisValues& turned, Piece*
     if (compensator_->machine().axes[i].kind == machine::AxisKind::kRotary)
       piece->axis_change[i] = turned[i] - piece->pose.position[i];
   }
-  if (!frame_.ToWords(length_mm_, before.data()) || !frame_.ToWords(length_mm_, after.data()))
+  if (!frame_.ToWords(length_mm_, piece->placed, before.data()) ||
+      !frame_.ToWords(length_mm_, piece->placed, after.data()))
     return absl::FailedPreconditionError("X, Y and Z do not reach three directions at this pose");
   for (const int axis : frame_.xyz()) {
     const double change_mm = after[axis] - before[axis];
@@ -109,7 +120,7 @@ compensate::AxisValues MoveCorrector::AxisTravels(const Step& step) const {
     const AxisTicks words = Between(step, static_cast<double>(part) / kTravelParts);
     compensate::AxisValues at{};
     for (int i = 0; i < axis_count_; ++i) at[i] = static_cast<double>(words[i]) * unit_per_tick_[i];
-    if (!frame_.ToAxes(length_mm_, at.data())) continue;  // Correct says why
+    if (!frame_.ToAxes(length_mm_, step.placed.get(), at.data())) continue;  // Correct says why
     for (int i = 0; i < axis_count_ && part > 0; ++i) travels[i] += std::abs(at[i] - last[i]);
     last = at;
   }
@@ -128,8 +139,9 @@ double MoveCorrector::ToolPointDepartureBound(const Step& step) const {
     to[i] = static_cast<double>(step.end.ticks[i]) * unit_per_tick_[i];
     turns |= compensator_->machine().axes[i].kind == machine::AxisKind::kRotary && from[i] != to[i];
   }
-  if (compensator_->is_constant()) return compensator_->DepartureBound(from, to);
-  if (turns || !frame_.ToAxes(length_mm_, from.data()) || !frame_.ToAxes(length_mm_, to.data()))
+  if (compensator_->is_constant() && step.placed == nullptr) return compensator_->DepartureBound(from, to);
+  if (turns || !frame_.ToAxes(length_mm_, step.placed.get(), from.data()) ||
+      !frame_.ToAxes(length_mm_, step.placed.get(), to.data()))
     return std::numeric_limits<double>::infinity();
   return compensator_->DepartureBound(from, to);
 }

@@ -1,7 +1,10 @@
 #include "core/nc/tool_point_frame.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/status.h"
 #include "core/base/units.h"
@@ -77,7 +80,13 @@ void ToolPointFrame::Evaluate(const double* positions, double length_mm, Eigen::
   *direction = table_from_bed * (ends[0].rotation * machine_->tool_direction);
 }
 
-bool ToolPointFrame::At(const double* positions, double length_mm, Map* map) const {
+bool ToolPointFrame::At(const double* positions, double length_mm, const WordFrame* placed, Map* map) const {
+  if (placed != nullptr && placed->base == WordFrame::Base::kAxes) {
+    map->axes_of_words = placed->linear;
+    map->words_of_axes = placed->inverse;
+    map->at_zero_mm = -(placed->inverse * placed->shift_mm);
+    return true;
+  }
   Eigen::Matrix3d columns;
   Eigen::Vector3d tip_mm, direction;
   Evaluate(positions, length_mm, &columns, &tip_mm, &direction);
@@ -87,21 +96,53 @@ bool ToolPointFrame::At(const double* positions, double length_mm, Map* map) con
   const double volume = map->words_of_axes.determinant();
   if (!(std::abs(volume) > kLeastVolume)) return false;
   map->axes_of_words = map->words_of_axes.inverse();
+  if (placed == nullptr) return true;
+  if (placed->base == WordFrame::Base::kOrigin) {
+    const Eigen::Vector3d carried_mm = map->axes_of_words * (placed->shift_mm - map->at_zero_mm);
+    map->at_zero_mm = placed->shift_mm - carried_mm;
+    map->words_of_axes = map->axes_of_words = Eigen::Matrix3d::Identity();
+    return true;
+  }
+  map->at_zero_mm = placed->inverse * (map->at_zero_mm - placed->shift_mm);
+  map->words_of_axes = placed->inverse * map->words_of_axes;
+  map->axes_of_words = map->axes_of_words * placed->linear;
   return true;
 }
 
-bool ToolPointFrame::ToWords(double length_mm, double* values) const {
+bool ToolPointFrame::has_xyz() const {
+  return std::all_of(xyz_.begin(), xyz_.end(),
+                     [this](int axis) { return axis >= 0 && machine_->axes[axis].kind == machine::AxisKind::kLinear; });
+}
+
+double ToolPointFrame::Lean(const AxisTicks& ticks, const WordFrame& placed) const {
+  std::array<double, machine::kMaxAxes> values{};
+  ToValues(*machine_, ticks, values.data());
   Map map;
-  if (!At(values, length_mm, &map)) return false;
+  if (!At(values.data(), 0.0, nullptr, &map)) return std::numeric_limits<double>::infinity();
+  return std::atan2(map.direction.cross(placed.up).norm(), -map.direction.dot(placed.up));
+}
+
+Eigen::Vector3d ToolPointFrame::Up(const AxisTicks& ticks) const {
+  std::array<double, machine::kMaxAxes> values{};
+  ToValues(*machine_, ticks, values.data());
+  Eigen::Matrix3d columns;
+  Eigen::Vector3d tip_mm, direction;
+  Evaluate(values.data(), 0.0, &columns, &tip_mm, &direction);
+  return home_.transpose() * -direction;
+}
+
+bool ToolPointFrame::ToWords(double length_mm, const WordFrame* placed, double* values) const {
+  Map map;
+  if (!At(values, length_mm, placed, &map)) return false;
   const Eigen::Vector3d axes(values[xyz_[0]], values[xyz_[1]], values[xyz_[2]]);
   const Eigen::Vector3d words = map.at_zero_mm + map.words_of_axes * axes;
   for (size_t k = 0; k < 3; ++k) values[xyz_[k]] = words[static_cast<Eigen::Index>(k)];
   return true;
 }
 
-bool ToolPointFrame::ToAxes(double length_mm, double* values) const {
+bool ToolPointFrame::ToAxes(double length_mm, const WordFrame* placed, double* values) const {
   Map map;
-  if (!At(values, length_mm, &map)) return false;
+  if (!At(values, length_mm, placed, &map)) return false;
   const Eigen::Vector3d words(values[xyz_[0]], values[xyz_[1]], values[xyz_[2]]);
   const Eigen::Vector3d axes = map.axes_of_words * (words - map.at_zero_mm);
   for (size_t k = 0; k < 3; ++k) values[xyz_[k]] = axes[static_cast<Eigen::Index>(k)];
@@ -111,7 +152,7 @@ bool ToolPointFrame::ToAxes(double length_mm, double* values) const {
 bool ToolPointFrame::ToWords(double length_mm, AxisTicks* ticks) const {
   std::array<double, machine::kMaxAxes> values{};
   ToValues(*machine_, *ticks, values.data());
-  if (!ToWords(length_mm, values.data())) return false;
+  if (!ToWords(length_mm, nullptr, values.data())) return false;
   for (const int axis : xyz_) (*ticks)[axis] = std::llround(values[axis] * kTicksPerUnit);
   return true;
 }
@@ -119,9 +160,17 @@ bool ToolPointFrame::ToWords(double length_mm, AxisTicks* ticks) const {
 bool ToolPointFrame::ToAxes(double length_mm, AxisTicks* ticks) const {
   std::array<double, machine::kMaxAxes> values{};
   ToValues(*machine_, *ticks, values.data());
-  if (!ToAxes(length_mm, values.data())) return false;
+  if (!ToAxes(length_mm, nullptr, values.data())) return false;
   for (const int axis : xyz_) (*ticks)[axis] = std::llround(values[axis] * kTicksPerUnit);
   return true;
+}
+
+bool ToolPointFrame::IsAlongZ(const AxisTicks& ticks) const {
+  std::array<double, machine::kMaxAxes> values{};
+  ToValues(*machine_, ticks, values.data());
+  Map map;
+  constexpr double kMostLeanRad = 5e-4;  // words of rotary axes have three decimals
+  return At(values.data(), 0.0, nullptr, &map) && (map.direction + map.words_of_axes.col(2)).norm() <= kMostLeanRad;
 }
 
 bool ToolPointFrame::IsUpright(const AxisTicks& ticks) const {
@@ -129,7 +178,7 @@ bool ToolPointFrame::IsUpright(const AxisTicks& ticks) const {
   ToValues(*machine_, ticks, values.data());
   Map map;
   const Eigen::Vector3d up(0, 0, 1);
-  return At(values.data(), 0.0, &map) && (map.words_of_axes.col(2) - up).isZero(kUpright) &&
+  return At(values.data(), 0.0, nullptr, &map) && (map.words_of_axes.col(2) - up).isZero(kUpright) &&
          (map.direction + up).isZero(kUpright);
 }
 

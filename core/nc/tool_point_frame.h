@@ -15,6 +15,7 @@
 
 #include "core/machine/machine.h"
 #include "core/nc/modal.h"
+#include "core/nc/word_frame.h"
 
 namespace axiscal::nc {
 
@@ -35,20 +36,30 @@ class ToolPointFrame {
     Eigen::Vector3d direction;  // of the tool, in the axes of the words
   };
   // `positions` by machine.axes, those of rotary axes are read. False: the linear axes do not reach three directions
-  // there.
-  bool At(const double* positions, double length_mm, Map* map) const;
+  // there. `placed`: where the words stand in the workpiece's frame, or over the axes; nullptr: as the frame is. Of
+  // words over the axes `direction` is not filled, and `problem` does not matter.
+  bool At(const double* positions, double length_mm, const WordFrame* placed, Map* map) const;
 
   // In `values`, by machine.axes (mm, rad): X, Y and Z from the one to the other. False as above.
-  bool ToWords(double length_mm, double* values) const;
-  bool ToAxes(double length_mm, double* values) const;
+  bool ToWords(double length_mm, const WordFrame* placed, double* values) const;
+  bool ToAxes(double length_mm, const WordFrame* placed, double* values) const;
   // The same of ticks.
   bool ToWords(double length_mm, AxisTicks* ticks) const;
   bool ToAxes(double length_mm, AxisTicks* ticks) const;
+  // Whether the tool stands along the way of the axis Z, to 0.03 deg. Of machines without a problem().
+  bool IsAlongZ(const AxisTicks& ticks) const;
   // Whether Z moves the tool along the Z of the words there, and the tool stands along it.
   bool IsUpright(const AxisTicks& ticks) const;
+  // The angle between the tool and the direction along which it must stand in a tilted plane, rad.
+  double Lean(const AxisTicks& ticks, const WordFrame& placed) const;
+  // From the tool's tip to the spindle, along the axes of the words. Of machines without a problem().
+  Eigen::Vector3d Up(const AxisTicks& ticks) const;
+  // Whether the machine has linear axes X, Y and Z.
+  bool has_xyz() const;
 
-  // The direction of word `index` (0 to 2) in the table's frame.
+  // The direction of word `index` (0 to 2) in the table's frame, and that of a vector of words.
   Eigen::Vector3d InTable(int index) const { return home_.col(index); }
+  Eigen::Vector3d InTable(const Eigen::Vector3d& words) const { return home_ * words; }
 
  private:
   // Without D: columns in the table's frame, and the tool point there with X = Y = Z = 0.

@@ -70,7 +70,7 @@ TEST(Trigger, CyclesThatActWhereTheyAreDefined) {
   const std::string begin = "L X+1 R0 FMAX\nCYCL DEF 200 DRILLING ~\nQ200=+2 ~\nQ201=-20\n";
   // 221 drills its pattern at once.
   EXPECT_REFUSED(In("heidenhain"), begin + "CYCL DEF 221 CARTESIAN PATTERN ~\nQ225=+15\nL Z+50 R0 FMAX\n",
-                 "CYCL DEF 221 (runs the last cycle at the points of a pattern)");
+                 "CYCL DEF 221 (runs the last cycle at the points of a pattern, which no word states: call it at each");
   EXPECT_REFUSED(In("heidenhain"), "CYCL DEF 359 OF THE BUILDER\n", "may act where it is defined");
   EXPECT_REFUSED(In("heidenhain"), "TCH PROBE 410 DATUM INSIDE RECTAN.\n", "it may set the datum");
   EXPECT_REFUSED(In("heidenhain"), "FUNCTION COUNT REPEAT LBL 3\n", "jumps back");

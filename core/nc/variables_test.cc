@@ -42,11 +42,28 @@ TEST(Variables, WhatIsNotKnownIsRefused) {
         "#100=1/0\nG1 X#100 F100\n", "#100=5.\n#[#1]=7.\nG1 X#100 F100\n", "#1=5.\nM98 P8\nM30\nO8\nM99\nO9\nX#1\n"})
     EXPECT_REFUSED(kAtZero, blocks, "refused");
   EXPECT_REFUSED(In("heidenhain"), "1 Q200 = +5\n2 CYCL DEF 200 DRILL ~\n Q200=+2\n3 L X+Q200 F100\n", "line 4");
-  EXPECT_REFUSED(In("heidenhain"), "1 Q1 = +5\n2 FN 1: Q1 = +Q1 + +2\n3 L X+Q1 F100\n", "line 3");
+  EXPECT_REFUSED(In("heidenhain"), "1 Q1 = +5\n2 FN 5: Q1 = SQRT +4\n3 L X+Q1 F100\n", "line 3");
+  EXPECT_REFUSED(In("heidenhain"), "1 Q1 = +5\n2 FN 1: Q1 = +Q1 + +Q9\n3 L X+Q1 F100\n", "line 3");
   // Locals of a macro are its own.
-  EXPECT_REFUSED(kAtZero, "#1=5.\nG65 P8 A7.\nM30\nO8\nG1 X#1 F100\nM99\n", "line 5");
+  EXPECT_REFUSED(kAtZero, "#1=5.\nG65 P8 B7.\nM30\nO8\nG1 X#1 F100\nM99\n", "line 5");
+  EXPECT_REFUSED(kAtZero, "G65 P8 A7\nM30\nO8\nG1 X#1 F100\nM99\n", "line 4");  // 7 of which unit?
+  EXPECT_REFUSED(kAtZero, "G65 P8 I7. I8.\nM30\nO8\nG1 X#4 F100\nM99\n", "line 4");
+  EXPECT_REFUSED(kAtZero, "M98 P8\nM30\nO8\nG65 P9 A7.\nG1 X#1 F100\nM99\nO9\nM99\n", "line 5");
   EXPECT_REWRITTEN(kAtZero, "#101=5.\nM98 P8\nM30\nO8\nG1 X#101 F100\nM99\n",
                    "#101=5.\nM98 P8\nM30\nO8\nG1 X5.0417 F100\nM99\n");
+}
+
+TEST(Variables, ArgumentsOfMacrosAreKnownInThem) {
+  EXPECT_REWRITTEN(kAtZero, "G65 P8 A7. X2. L2\nM30\nO8\nG1 X[#1+#24] F100\nM99\n",
+                   "G65 P8 A7. X2. L2\nM30\nO8\nG1 X9.0417 F100\nM99\n");
+}
+
+TEST(Variables, ArithmeticOfKlartextIsFollowed) {
+  EXPECT_REWRITTEN(In("heidenhain"),
+                   "1 FN 0: Q1 = +5\n2 FN 1: Q2 = +Q1 + +2\n3 FN 4: Q3 = +Q2 DIV +2\n4 FN 3: Q4 = +Q3 * -Q1\n"
+                   "5 FN 2: Q5 = +Q4 - -20\n6 L X+Q5 F100\n",
+                   "1 FN 0: Q1 = +5\n2 FN 1: Q2 = +Q1 + +2\n3 FN 4: Q3 = +Q2 DIV +2\n4 FN 3: Q4 = +Q3 * -Q1\n"
+                   "5 FN 2: Q5 = +Q4 - -20\n6 L X+2.5417 F100\n");
 }
 
 TEST(Variables, VerifyReadsThem) {

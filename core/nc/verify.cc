@@ -101,6 +101,8 @@ class Verifier {
       RETURN_IF_ERROR(NextOf(compensated, wanted, found));
     } while (IsReturn(last_end_, found->step));
     if (found->step.kind != StepKind::kHole) return Mismatch(wanted, *found, "is not such a hole");
+    if (found->step.is_tool_point != wanted.step.is_tool_point)
+      return Mismatch(wanted, *found, "does not stand in the same frame");
     ++report_.moves;
     ++report_.pieces;
     TakeTool(wanted.step);
@@ -124,8 +126,9 @@ class Verifier {
       const nc::Positions nominal = at(wanted.step, height(wanted.step)), told = at(found->step, height(found->step));
       if (!IsNear(nominal, told, static_cast<uint16_t>((1u << machine_.axis_count()) - 1)))
         return Mismatch(wanted, *found, "does not drill at the same position");
-      const Tool end = Nominal(PositionsOf(nominal));
-      const Tool before = Actual(PositionsOf(nominal), senses), after = Actual(PositionsOf(told), senses);
+      const Values nominal_axes = AxesOf(wanted.step, PositionsOf(nominal));
+      const Tool end = Nominal(nominal_axes), before = Actual(nominal_axes, senses);
+      const Tool after = Actual(AxesOf(found->step, PositionsOf(told)), senses);
       report_.end_before.Add((before.tip_mm - end.tip_mm).norm());
       const double after_mm = (after.tip_mm - end.tip_mm).norm();
       report_.end_after.Add(after_mm);
@@ -196,20 +199,22 @@ class Verifier {
     return false;
   }
 
-  // Whether the piece ends the arc: from `fraction` on there is no room for another piece.
+  // Whether the piece ends the arc: from `fraction` on there is no room for another piece. Along an arc of more than
+  // half a turn the tool first goes away from its end, so that a piece near the end may be one of its first.
   bool IsAtEnd(const Event& wanted, const Event& found, double fraction) const {
-    if (std::abs(wanted.step.arc.sweep_rad) < 6.0) return true;  // its ends are far apart
+    constexpr double kLastChordBegins = 0.4;  // of the arc at least: it has two chords or more, and words are rounded
+    if (std::abs(wanted.step.arc.sweep_rad) <= std::numbers::pi) return true;
     if (found.step.is_arc) {
       return fraction + std::abs(found.step.arc.sweep_rad / wanted.step.arc.sweep_rad) > 0.99;
     }
-    return fraction > 0.5;
+    return fraction > kLastChordBegins;
   }
 
   Values PositionsOf(const nc::Positions& axes) const { return AxisValuesOf(machine_, axes); }
 
   // Axis positions of what the words of a move say, in the frame in which they stand.
   Values AxesOf(const Step& step, Values words) const {
-    if (step.is_tool_point) frame_.ToAxes(LengthMm(step), words.data());
+    if (step.is_tool_point) frame_.ToAxes(LengthMm(step), step.placed.get(), words.data());
     return words;
   }
 

@@ -238,6 +238,27 @@ TEST(Verify, PiecesShorterThanTheLargestCorrectionPairToo) {
   EXPECT_LT(verified->path_after.max_mm, 0.001);
 }
 
+// The ends of 300 deg are as near as the largest correction; the first chord is not the last one for that.
+TEST(Verify, ChordsOfAnArcWhoseEndsAreNearPairToo) {
+  const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
+  VerifyOptions options;
+  options.reading.unit = ProgramUnit::kMillimetre;
+  options.reading.max_correction_mm = 5.0;
+  options.reading.initial_position = {{"X", 0}, {"Y", 0}, {"Z", 0}, {"B", 0}, {"C", 0}};
+  for (const int count : {2, 3, 4, 60}) {
+    std::string chords = "G1 F100\n";
+    for (int k = 1; k <= count; ++k) {  // about (1.5, 2.598), from X0 Y0 with the clock to X3 Y0
+      const double angle = (-120.0 - 300.0 * k / count) * std::numbers::pi / 180.0;
+      absl::StrAppendFormat(&chords, "X%.6f Y%.6f\n", 1.5 + 3.0 * std::cos(angle), 2.598076 + 3.0 * std::sin(angle));
+    }
+    const auto verified = VerifyText("G2 X3. Y0 R-3. F100\nG1 X3.2\n", chords + "X3.2\n", machine, {}, options);
+    ASSERT_TRUE(verified.ok()) << verified.status() << count;
+    EXPECT_EQ(verified->moves, 2);
+    EXPECT_EQ(verified->pieces, count + 1);
+    EXPECT_LT(verified->end_after.max_mm, 1e-5) << count;
+  }
+}
+
 // Between two reversals an arc stays an arc: a straight piece takes up the lost motion, also right before its begin.
 TEST(Verify, ArcsWithLostMotionStayArcs) {
   const machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
@@ -350,8 +371,8 @@ TEST(Verify, WhatIsPassedIsNotJudged) {
   EXPECT_THAT(verified->not_judged.listed[0].reason, HasSubstr("expression"));
   EXPECT_EQ(lines(report.not_corrected), "2-3 7-7 9-10 12-12 ");
   EXPECT_THAT(ToJson(*verified), HasSubstr("\"ranges_not_judged\": 3"));
-  // With tool vectors nothing is judged, whatever the words say.
-  const std::string tcp = "G90 G1 X1. Y0. Z0. B0. C0. F100\nG43.5 H1\nH1\nX2. Y0. Z0. B0. C0.\n";
+  // Under a control that turns the tool otherwise nothing is judged, whatever the words say.
+  const std::string tcp = "G90 G1 X1. Y0. Z0. B0. C0. F100\nG43.5 H1 P3\nH1\nX2. Y0. Z0. B0. C0.\n";
   options.reading.tool_lengths = {{1, 0.0}};
   const auto ranges = VerifyText(tcp, tcp, machine, errors, options);
   ASSERT_TRUE(ranges.ok()) << ranges.status();

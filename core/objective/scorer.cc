@@ -112,6 +112,11 @@ void Scorer::Take(const Source& source, size_t number) {
 
 const Group& Scorer::group(int group) const { return sources_[at_[group].first]->groups()[at_[group].second]; }
 
+void Scorer::Exclude(int group) {
+  is_visible_[group] = false;
+  is_exact_[group] = true;  // of a scan too: nobody looks closer
+}
+
 const Source& Scorer::SourceOf(int group, int* within) const {
   *within = at_[group].second;
   return *sources_[at_[group].first];
@@ -152,18 +157,13 @@ Eigen::MatrixXd Scorer::ProjectedOf(Eigen::MatrixXd columns) const {
 }
 
 int Scorer::Append(std::unique_ptr<Source> source, int of) {
-  const Eigen::Index before = column_count_;
+  const Group& moved = source->groups().front();
+  const auto [known, is_new] = moved_.try_emplace({origin_[of], moved.place, moved.size}, group_count());
+  if (!is_new) return known->second;
   Take(*source, sources_.size());
-  const int added = static_cast<int>(at_.size()) - 1;
   origin_.push_back(origin_[of]);
-  const Eigen::MatrixXd columns = WhitenedOf(*source, 0);
-  for (auto& [group, loaded] : loaded_) {
-    if (loaded.products.size() == 0) continue;
-    loaded.products.conservativeResize(column_count_, Eigen::NoChange);
-    loaded.products.bottomRows(column_count_ - before) = columns.transpose() * loaded.columns;
-  }
   sources_.push_back(std::move(source));
-  return added;
+  return known->second;
 }
 
 double Scorer::ObjectiveWith(const State& state, const Source& moved, int of, double design) {
@@ -263,7 +263,8 @@ bool Scorer::RefineAlong(size_t member, double design, double middle, double rea
       at_outer = objective_at(outer);
     }
   }
-  const double place = 0.5 * (low + high);
+  // On a grid of its own: what is found again is the same group.
+  const double step = kNarrow * reach, place = step * std::round(0.5 * (low + high) / step);
   constexpr double kGain = 0.1;  // chi-square units: less is no reason for one more group
   if (!(objective_at(place) < ScoreOf(*state, design).objective - kGain)) return false;
   (*state)[member].group = Append(make(of, place), of);
@@ -305,20 +306,42 @@ const Eigen::MatrixXd& Scorer::Cross(int group, int other) {
 }
 
 void Scorer::LoadProducts(const State& state) {
-  std::vector<int> missing;
-  Eigen::Index width = 0;
+  std::vector<Loaded*> missing, short_of;
+  Eigen::Index width = 0, fewest = column_count_;
   for (const Member& member : state) {
-    if (Load(member.group).products.size() > 0) continue;
-    missing.push_back(member.group);
-    width += group(member.group).columns;
+    Load(member.group);
+    Loaded& loaded = loaded_[member.group];
+    if (loaded.products.size() == 0) {
+      missing.push_back(&loaded);
+      width += loaded.columns.cols();
+    } else if (loaded.products.rows() < column_count_) {
+      short_of.push_back(&loaded);
+      fewest = std::min(fewest, loaded.products.rows());
+    }
+  }
+  if (!short_of.empty()) {  // of groups that were appended since
+    std::vector<Eigen::Index> had;
+    for (Loaded* one : short_of) {
+      had.push_back(one->products.rows());
+      one->products.conservativeResize(column_count_, Eigen::NoChange);
+    }
+    Eigen::Index first = column_count_;
+    for (size_t s = sources_.size(); s-- > 0;) {
+      const Eigen::Index count = sources_[s]->column_count();
+      first -= count;
+      if (first < fewest) break;
+      const Eigen::MatrixXd columns = WhitenedOf(*sources_[s], 0);
+      for (size_t k = 0; k < short_of.size(); ++k)
+        if (first >= had[k])
+          short_of[k]->products.middleRows(first, count) = columns.transpose() * short_of[k]->columns;
+    }
   }
   if (missing.empty()) return;
   Eigen::MatrixXd vectors(rows_.count(), width), products = Eigen::MatrixXd::Zero(column_count_, width);
   Eigen::Index at = 0;
-  for (const int one : missing) {
-    const Eigen::MatrixXd& columns = loaded_[one].columns;
-    vectors.middleCols(at, columns.cols()) = columns;
-    at += columns.cols();
+  for (const Loaded* one : missing) {
+    vectors.middleCols(at, one->columns.cols()) = one->columns;
+    at += one->columns.cols();
   }
   vectors = rows_.whitening.Adjoint(std::move(vectors));
   Eigen::Index first = 0;
@@ -328,10 +351,9 @@ void Scorer::LoadProducts(const State& state) {
     first += count;
   }
   at = 0;
-  for (const int one : missing) {
-    const Eigen::Index count = group(one).columns;
-    loaded_[one].products = products.middleCols(at, count);
-    at += count;
+  for (Loaded* one : missing) {
+    one->products = products.middleCols(at, one->columns.cols());
+    at += one->columns.cols();
   }
 }
 
@@ -438,20 +460,85 @@ Move Scorer::BestBlock(int which, const Eigen::MatrixXd& gram, const Eigen::Vect
   return best;
 }
 
+// Without the row and column k of what it is the factor of, L has one number too many in each row behind it; rotations
+// of its columns take them off, and the same rotations of the rows of L^-1 P give those of the smaller factor
+// (Golub and Van Loan, Matrix Computations, "Updating matrix factorizations").
+void Scorer::Without(const Ground& ground, Eigen::Index first, Eigen::Index count, Eigen::MatrixXd* half) {
+  struct Turn {
+    Eigen::Index row;  // and the next one
+    double cosine, sine;
+  };
+  std::vector<Turn> turns;
+  Eigen::MatrixXd lower = ground.lower;
+  for (Eigen::Index k = first + count - 1; k >= first; --k) {
+    const Eigen::Index n = lower.rows();
+    Eigen::MatrixXd rest(n - 1, n);
+    rest << lower.topRows(k), lower.bottomRows(n - 1 - k);
+    for (Eigen::Index j = k; j + 1 < n; ++j) {
+      const double length = std::hypot(rest(j, j), rest(j, j + 1));
+      const Turn turn{j, rest(j, j) / length, rest(j, j + 1) / length};
+      const Eigen::VectorXd here = rest.col(j), next = rest.col(j + 1);
+      rest.col(j) = turn.cosine * here + turn.sine * next;
+      rest.col(j + 1) = turn.cosine * next - turn.sine * here;
+      turns.push_back(turn);
+    }
+    lower = rest.leftCols(n - 1);
+  }
+  // Column by column: all turns of one stay in cache.
+  half->resize(lower.rows(), ground.half.cols());
+  std::vector<double> column(static_cast<size_t>(ground.half.rows()));
+  for (Eigen::Index c = 0; c < half->cols(); ++c) {
+    std::copy_n(ground.half.col(c).data(), column.size(), column.begin());
+    for (const Turn& turn : turns) {
+      double &here = column[static_cast<size_t>(turn.row)], &next = column[static_cast<size_t>(turn.row) + 1];
+      const double turned = turn.cosine * here + turn.sine * next;
+      next = turn.cosine * next - turn.sine * here;
+      here = turned;
+    }
+    std::copy_n(column.begin(), half->rows(), half->col(c).data());
+  }
+}
+
+const Eigen::MatrixXd& Scorer::Explained(const State& state, double design, const Factor& factor) {
+  if (state.empty()) {
+    explained_.resize(0, column_count_);
+    return explained_;
+  }
+  const bool is_fresh = ground_ && ground_->design == design && ground_->half.cols() == column_count_;
+  if (is_fresh && ground_->state == state) return ground_->half;
+  if (is_fresh && ground_->state.size() == state.size() + 1) {
+    const auto gone = std::mismatch(state.begin(), state.end(), ground_->state.begin()).second;
+    const auto which = gone - ground_->state.begin();
+    if (std::equal(gone + 1, ground_->state.end(), state.begin() + which)) {
+      Without(*ground_, ground_->first[static_cast<size_t>(which)], group(gone->group).columns, &explained_);
+      return explained_;
+    }
+  }
+  LoadProducts(state);
+  explained_.resize(factor.half.size(), column_count_);
+  for (size_t i = 0; i < state.size(); ++i) {
+    const Eigen::MatrixXd& products = Load(state[i].group).products;
+    explained_.middleRows(factor.first[i], products.cols()) = products.transpose();
+  }
+  factor.lower.triangularView<Eigen::Lower>().solveInPlace(explained_);
+  return explained_;
+}
+
+void Scorer::Keep(const State& state, double design) {
+  const Factor factor = FactorOf(state, design);
+  if (!factor.is_possible || state.empty()) return;
+  const Eigen::MatrixXd& half = Explained(state, design, factor);
+  if (ground_ && &half == &ground_->half) return;
+  ground_ = Ground{state, design, factor.first, factor.lower, half};
+}
+
 template <typename Limit, typename Visit>
 void Scorer::ForEachAddition(const State& state, double design, const std::vector<bool>& allowed, Limit limit,
                              Visit visit) {
   const Factor factor = FactorOf(state, design);
   if (!factor.is_possible) return;
   const double base = dof_ / design * LogSquares(factor.squares) + factor.log_det + factor.prices;
-  // lower^-1 times the products of the state's columns with all others: what the state explains of them.
-  LoadProducts(state);
-  Eigen::MatrixXd half(factor.half.size(), column_count_);
-  for (size_t i = 0; i < state.size(); ++i) {
-    const Eigen::MatrixXd& products = Load(state[i].group).products;
-    half.middleRows(factor.first[i], products.cols()) = products.transpose();
-  }
-  if (!state.empty()) factor.lower.triangularView<Eigen::Lower>().solveInPlace(half);
+  const Eigen::MatrixXd& half = Explained(state, design, factor);
   Eigen::VectorXd right = with_y_;
   if (!state.empty()) right.noalias() -= half.transpose() * factor.half;
   // What a flat group explains, or nothing where it is a combination of the state or has an amplitude that is none.
@@ -568,13 +655,27 @@ std::vector<Move> Scorer::AdditionsWithin(const State& state, double design, dou
 
 void Scorer::RefineVariances(double design, State* state) {
   for (size_t i = 0; i < state->size(); ++i) {
-    if (!group((*state)[i].group).IsBlock()) continue;
+    const int block = (*state)[i].group;
+    if (!group(block).IsBlock()) continue;
     State others = *state;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    std::vector<bool> only(group_count(), false);
-    only[origin_[(*state)[i].group]] = true;
-    const std::vector<Move> moves = Additions(others, design, only, 1);
-    if (!moves.empty() && moves[0].member.variance > 0.0) (*state)[i].variance = moves[0].member.variance;
+    const Factor factor = FactorOf(others, design);
+    if (!factor.is_possible) continue;
+    Load(block);
+    Eigen::MatrixXd gram = gram_[block], half(factor.half.size(), gram.cols());
+    Eigen::VectorXd right = with_y_.segment(first_column_[block], gram.cols());
+    if (!others.empty()) {
+      for (size_t k = 0; k < others.size(); ++k) {
+        const int other = others[k].group;
+        half.middleRows(factor.first[k], group(other).columns) =
+            other < block ? Cross(other, block) : Eigen::MatrixXd(Cross(block, other).transpose());
+      }
+      factor.lower.triangularView<Eigen::Lower>().solveInPlace(half);
+      gram.noalias() -= half.transpose() * half;
+      right.noalias() -= half.transpose() * factor.half;
+    }
+    const Move best = BestBlock(block, gram, right, factor.squares, design);
+    if (best.member.variance > 0.0) (*state)[i].variance = best.member.variance;
   }
 }
 

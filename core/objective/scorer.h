@@ -18,7 +18,9 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "core/objective/nuisance.h"
@@ -58,11 +60,13 @@ class Scorer {
   const Rows& rows() const { return rows_; }
   int group_count() const { return static_cast<int>(at_.size()); }
   const Group& group(int group) const;
-  // One more group, alone in its source, which is group `of` at another place; its number.
+  // A group alone in its source, which is group `of` at another place; its number: that of before where it is known.
   int Append(std::unique_ptr<Source> source, int of);
   // The group that it was at first, itself where it was never moved.
   int OriginOf(int group) const { return origin_[group]; }
   bool IsVisible(int group) const { return is_visible_[group]; }
+  // Takes no part in any search; the looks of its family stay what they were.
+  void Exclude(int group);
   // `design`: what rounding may look like is no less noise than others.
   double PriceOf(int group, double design) const;
   double degrees_of_freedom() const { return dof_; }
@@ -73,6 +77,8 @@ class Scorer {
   // The best `most` additions, of those that cost at most Policy::evidence more than they gain, among groups that
   // `allowed` holds (by group; empty: all), best first; their blocks' variances are those of the most evidence.
   std::vector<Move> Additions(const State& state, double design, const std::vector<bool>& allowed, int most);
+  // Makes additions to this state, and to what is left of it without one member, cheap until another one is kept.
+  void Keep(const State& state, double design);
   // All additions whose objective is at most `limit`.
   std::vector<Move> AdditionsWithin(const State& state, double design, double limit);
   // The objective with a flat group that is at another place than all that are known here.
@@ -91,9 +97,17 @@ class Scorer {
  private:
   struct Loaded {
     Eigen::MatrixXd whitened, columns;  // before projection and after it, rows x columns of the group
-    Eigen::MatrixXd products;           // all columns x columns of the group, projected; empty until asked for
+    // Columns of all groups x columns of this one, projected; empty until asked for, without what was appended since.
+    Eigen::MatrixXd products;
   };
   struct Factor;
+  // A state's factor with what the state explains of all columns: lower^-1 times their products with its own.
+  struct Ground {
+    State state;
+    double design = 1.0;
+    std::vector<Eigen::Index> first;  // per member: where its columns stand
+    Eigen::MatrixXd lower, half;
+  };
 
   // ln(rss / dof), rss at least Rows::least_squares; and what is left of it.
   double LogSquares(double squares) const;
@@ -112,6 +126,10 @@ class Scorer {
   const Eigen::MatrixXd& Cross(int group, int other);
   // Gram matrix of the state's columns, flat ones first; where each member's columns are in it.
   Factor FactorOf(const State& state, double design);
+  // `half` of a state, from what is kept where it can be; until the next call.
+  const Eigen::MatrixXd& Explained(const State& state, double design, const Factor& factor);
+  // The same of a ground without some of its columns.
+  static void Without(const Ground& ground, Eigen::Index first, Eigen::Index count, Eigen::MatrixXd* half);
   template <typename Make>
   bool RefineAlong(size_t member, double design, double middle, double reach, Make make, State* state);
   // Projects a member of a scan.
@@ -131,6 +149,7 @@ class Scorer {
   Eigen::Index column_count_ = 0;
   std::vector<bool> is_visible_, is_exact_;
   std::vector<int> origin_;
+  std::map<std::tuple<int, double, double>, int> moved_;  // what was appended, by origin, place and size
   std::map<int, double> visible_members_;  // per family: their looks
   std::vector<Eigen::MatrixXd> gram_;      // per group, projected
   Eigen::VectorXd with_y_;                 // per column, projected
@@ -139,6 +158,8 @@ class Scorer {
   Eigen::VectorXd y_;                      // projected, at the rows
   double squares_ = 0.0, dof_ = 1.0;       // of y, projected
   std::map<int, Loaded> loaded_;
+  std::optional<Ground> ground_;
+  Eigen::MatrixXd explained_;
   std::set<std::vector<int>> at_best_;  // a group, then all of its state in ascending order: no place is better
   std::map<std::pair<int, int>, Eigen::MatrixXd> cross_;  // of groups in ascending order
 };

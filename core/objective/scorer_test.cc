@@ -84,6 +84,27 @@ TEST(Scorer, AdditionsAreScoredAsTheEnlargedStatesAre) {
   }
 }
 
+// What is kept of a state serves it and what is left of it without any one member.
+TEST(Scorer, AKeptStateGivesTheSameAdditionsWithoutAnyMember) {
+  Rows rows = MakeRows(12);
+  rows.y += Harmonics(3).col(2) + 0.3 * Harmonics(3).col(4);
+  Scorer fresh(rows, PairsAndCurve(8), Policy()), kept(rows, PairsAndCurve(8), Policy());
+  const State whole = {{1, 0.0}, {8, 0.05}, {3, 0.0}, {6, 0.0}};
+  constexpr double kDesign = 1.4;
+  kept.Keep(whole, kDesign);
+  for (size_t gone = 0; gone <= whole.size(); ++gone) {
+    State state = whole;
+    if (gone < whole.size()) state.erase(state.begin() + static_cast<std::ptrdiff_t>(gone));
+    const std::vector<Move> expected = fresh.AdditionsWithin(state, kDesign, 1e9);
+    const std::vector<Move> moves = kept.AdditionsWithin(state, kDesign, 1e9);
+    ASSERT_EQ(moves.size(), expected.size());
+    for (size_t i = 0; i < moves.size(); ++i) {
+      EXPECT_EQ(moves[i].member.group, expected[i].member.group);
+      EXPECT_NEAR(moves[i].objective, expected[i].objective, kTolerance);
+    }
+  }
+}
+
 TEST(Scorer, WhatTheNuisanceExplainsOrAPriorForbidsIsNoEffect) {
   Rows rows = MakeRows(13);
   Eigen::MatrixXd columns(kRows, 2);

@@ -19,13 +19,13 @@ State With(State state, const Member& member) {
   return state;
 }
 
-std::set<int> GroupsOf(const State& state) {
+}  // namespace
+
+std::set<int> Searcher::GroupsOf(const State& state) {
   std::set<int> groups;
   for (const Member& one : state) groups.insert(one.group);
   return groups;
 }
-
-}  // namespace
 
 double Searcher::DesignOf(const State& state, double design) { return design_->Of(scorer_->ResidualOf(state, design)); }
 
@@ -106,6 +106,7 @@ bool Searcher::Replace(const std::vector<bool>& allowed, Found* found) {
   bool any = false;
   for (size_t i = 0; i < found->state.size(); ++i) {
     const State others = Without(found->state, i);
+    scorer_->Keep(found->state, found->design);
     for (const Move& move : scorer_->Additions(others, found->design, allowed, 2)) {
       if (IsIt(move.member.group, found->state[i].group)) continue;
       if (!(move.objective < found->objective - scorer_->policy().replacement_gain)) break;
@@ -143,11 +144,13 @@ bool Searcher::Merge(const std::vector<bool>& allowed, Found* found) {
 
 bool Searcher::Improve(const std::vector<bool>& allowed, Found* found) {
   bool any = false;
+  Passed passed;  // as D changes with the state, two could each be better in the other's place
   while (HasRoom(found->state) && !IsCancelled() && AddBest(allowed, found)) {
     any = true;
     Drop(found);
     // What is left goes together less with every effect that was found: faint ones show.
     Settle(found);
+    if (!passed.insert(GroupsOf(found->state)).second) break;
   }
   for (size_t i = 0; i < found->state.size(); ++i) RefinePlace(i, found);
   any |= Drop(found);
@@ -156,17 +159,25 @@ bool Searcher::Improve(const std::vector<bool>& allowed, Found* found) {
   return any;
 }
 
-Found Searcher::Climb(State state, const std::vector<bool>& allowed) {
+std::optional<Found> Searcher::Climb(State state, const std::vector<bool>& allowed, Passed* passed) {
   Found found{std::move(state)};
   Settle(&found);
+  Passed own = {GroupsOf(found.state)};
   constexpr int kRounds = 30;  // each must lower the objective or D: a bound for rounding
   for (int round = 0; round < kRounds && !IsCancelled(); ++round) {
+    // Where another climb has been this one ends as that did.
+    if (passed->contains(GroupsOf(found.state))) return std::nullopt;
     const bool any = Improve(allowed, &found);
     Settle(&found);
-    if (any) continue;
+    if (any) {
+      if (!own.insert(GroupsOf(found.state)).second) break;
+      continue;
+    }
     if (!AddIfItExplainsTheDesign(allowed, &found)) break;
     Settle(&found);
+    own.insert(GroupsOf(found.state));
   }
+  passed->merge(own);
   return found;
 }
 
@@ -193,6 +204,7 @@ void Searcher::Prune(Found* found) {
 
 Found Searcher::Search(const std::vector<Start>& starts) {
   std::vector<Found> ends;
+  Passed passed_with_all;
   const auto is_known = [&ends](const State& state) {
     return std::any_of(ends.begin(), ends.end(),
                        [&](const Found& end) { return GroupsOf(end.state) == GroupsOf(state); });
@@ -222,13 +234,20 @@ Found Searcher::Search(const std::vector<Start>& starts) {
       });
       if (!is_known_by_name) begins.push_back(other);
     }
+    Passed passed;
     for (State& begin : begins) {
       if (IsCancelled()) break;
-      Found found = Climb(std::move(begin), allowed);
-      if (!start.without.empty()) found = Climb(found.state, {});
-      Prune(&found);
-      if (!is_known(found.state)) ends.push_back(std::move(found));
+      std::optional<Found> found = Climb(std::move(begin), allowed, &passed);
+      if (found && !start.without.empty()) found = Climb(found->state, {}, &passed_with_all);
+      if (!found) continue;
+      Prune(&*found);
+      if (!is_known(found->state)) ends.push_back(*std::move(found));
     }
+    if (start.without.empty()) passed_with_all.merge(passed);
+  }
+  if (ends.empty()) {  // cancelled
+    Found& start = ends.emplace_back(Found{starts.front().state});
+    Settle(&start);
   }
   double design = std::numeric_limits<double>::infinity();
   for (const Found& end : ends) design = std::min(design, end.design);
@@ -271,6 +290,7 @@ std::vector<std::vector<Move>> Searcher::ClassesOf(const Found& found, double sh
   std::vector<std::vector<Move>> classes;
   for (size_t i = 0; i < found.state.size(); ++i) {
     const State others = Without(found.state, i);
+    scorer_->Keep(found.state, found.design);  // anew where groups were appended
     const double worth = scorer_->ScoreOf(others, found.design).objective - found.objective;
     const double limit = found.objective + scorer_->policy().alike + share * std::max(0.0, worth);
     std::vector<Move> members = scorer_->AdditionsWithin(others, found.design, limit);

@@ -3,6 +3,8 @@
 #define AXISCAL_CORE_OBJECTIVE_SEARCH_H_
 
 #include <functional>
+#include <optional>
+#include <set>
 #include <vector>
 
 #include "core/objective/design_effect.h"
@@ -37,7 +39,10 @@ class Searcher {
   std::vector<std::vector<Move>> ClassesOf(const Found& found, double share = 0.0);
 
  private:
-  Found Climb(State state, const std::vector<bool>& allowed);
+  using Passed = std::set<std::set<int>>;  // groups of states
+  static std::set<int> GroupsOf(const State& state);
+  // Nothing where it comes to a state that an earlier climb passed; adds what it passes.
+  std::optional<Found> Climb(State state, const std::vector<bool>& allowed, Passed* passed);
   bool Improve(const std::vector<bool>& allowed, Found* found);
   bool AddBest(const std::vector<bool>& allowed, Found* found);
   bool AddIfItExplainsTheDesign(const std::vector<bool>& allowed, Found* found);

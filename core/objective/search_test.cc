@@ -234,6 +234,18 @@ TEST(Search, StartsByFamiliesEndWithAllFamilies) {
   EXPECT_THAT(GroupsOf(SearchAll(&scorer, {{{}, {0}}})), UnorderedElementsAre(3, kOrders + 5));
 }
 
+// A search that is cancelled before its first step ends where it began.
+TEST(Search, ACancelledSearchEndsWithItsStart) {
+  std::mt19937 random(8100);
+  Rows rows = MakeRows(700);
+  std::vector<std::unique_ptr<Source>> sources = Dictionary(&random);
+  rows.y += 0.6 * sources[0]->Columns(3).col(0);
+  Scorer scorer(rows, std::move(sources), Policy());
+  const DesignEffect design(scorer);
+  Searcher searcher(&scorer, &design, [] { return true; });
+  EXPECT_THAT(GroupsOf(searcher.Search({{{{5, 0.0}}, {}}})), ElementsAre(5));
+}
+
 // Bad rows are no effects: a limit of one effect leaves room for all of them, and for the strongest effect.
 TEST(Search, ALimitCountsEffectsAndNoBadRows) {
   std::mt19937 random(5);

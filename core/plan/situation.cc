@@ -102,7 +102,8 @@ Situation SituationOf(const machine::Machine& machine, const std::vector<Measuri
     }
     readings += run.reading_count();
     AddPoint(run.tip_mm, &situation.tips_mm);
-    if (run.kind != Kind::kTracker) AddPoint(run.ball_mm, &situation.balls_mm);
+    const bool has_ball = run.kind != Kind::kTracker && run.kind != Kind::kLength && run.kind != Kind::kDirection;
+    if (has_ball) AddPoint(run.ball_mm, &situation.balls_mm);
     if (run.kind == Kind::kBallbar) {
       AddUse(run, &situation.ballbar);
       const auto is_same = [&](double length_mm) { return std::abs(length_mm - run.bar_length_mm) < kSameMm; };

@@ -53,6 +53,9 @@ struct Span {
 
 bool IsDrawn(const Point& point) { return std::isfinite(point.x) && std::isfinite(point.y); }
 
+// Of a series; a chart is not read more finely.
+constexpr size_t kMostPoints = 5000;
+
 double LargestOf(const Panel& panel) {
   double largest = 0.0;
   for (const Series& series : panel.series) {
@@ -117,8 +120,44 @@ std::vector<Pixel> Decimated(const std::vector<Pixel>& points, size_t most, doub
   return kept;
 }
 
+std::string Csv(const std::string& x_label, const std::string& y_label, const std::vector<Panel>& panels) {
+  const auto cell = [](const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + "\"";
+  };
+  std::string csv = absl::StrCat("panel,series,", cell(x_label), ",", cell(y_label), "\r\n");
+  for (const Panel& panel : panels) {
+    for (const Series& series : panel.series) {
+      const std::string names = absl::StrCat(cell(panel.title), ",", cell(series.name), ",");
+      for (const Point& point : series.points) {
+        if (IsDrawn(point)) absl::StrAppend(&csv, names, NumberText(point.x), ",", NumberText(point.y), "\r\n");
+      }
+    }
+  }
+  return csv;
+}
+
+std::vector<Point> Thinned(std::vector<Point> points) {
+  if (points.size() <= kMostPoints) return points;
+  Span span;
+  for (const Point& point : points) {
+    if (IsDrawn(point)) span.Add(point.x);
+  }
+  if (!(span.high > span.low)) return points;
+  std::vector<Pixel> pixels;
+  const double columns = kWidth - kLeft - kRight, scale = columns / (span.high - span.low);
+  for (const Point& point : points) {
+    if (IsDrawn(point)) pixels.push_back({(point.x - span.low) * scale, point.y});
+  }
+  points.clear();
+  for (const Pixel& kept : Decimated(pixels, 0, 0.0, columns)) points.push_back({span.low + kept.x / scale, kept.y});
+  return points;
+}
+
 std::string ScatterChart(const std::string& title, const std::string& x_label, const std::string& y_label,
-                         const std::vector<Panel>& panels) {
+                         const std::vector<Panel>& panels, Ground ground) {
   const double height = kTop + static_cast<double>(panels.size()) * (kPanelHeight + kGap) + 40.0;
   Svg svg(kWidth, height);
   svg.Text({kLeft, 24.0}, title, Anchor::kStart, 16.0, true);
@@ -137,9 +176,12 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
   for (size_t p = 0; p < panels.size(); ++p) {
     const double top = kTop + 20.0 + static_cast<double>(p) * (kPanelHeight + kGap), bottom = top + kPanelHeight;
     const double reach = 1.08 * scales[p];
-    const auto y_of = [&](double y) { return 0.5 * (top + bottom) - y / reach * 0.5 * kPanelHeight; };
+    const bool is_up = ground == Ground::kBottom;
+    const auto y_of = [&](double y) {
+      return is_up ? bottom - y / reach * kPanelHeight : 0.5 * (top + bottom) - y / reach * 0.5 * kPanelHeight;
+    };
     svg.Text({kLeft, top - 7.0}, TitleOf(panels[p], scales[p], scales), Anchor::kStart, 13.0, true);
-    for (const double tick : Ticks(-reach, reach, 6)) {
+    for (const double tick : Ticks(is_up ? 0.0 : -reach, reach, 6)) {
       svg.Line({kLeft, y_of(tick)}, {right, y_of(tick)}, tick == 0.0 ? kInk : kGrid);
       svg.Text({kLeft - 8.0, y_of(tick) + 4.0}, NumberText(tick), Anchor::kEnd);
     }
@@ -154,7 +196,9 @@ std::string ScatterChart(const std::string& title, const std::string& x_label, c
       for (const Point& point : panels[p].series[s].points) {
         if (IsDrawn(point)) pixels.push_back({x_of(point.x), y_of(point.y)});
       }
-      constexpr size_t kMostPoints = 5000;
+      for (const Pixel& pixel : pixels) {
+        if (is_up) svg.Line({pixel.x, bottom}, pixel, ColorOf(s), 1.5);
+      }
       svg.Dots(Decimated(pixels, kMostPoints, kLeft, right), ColorOf(s));
     }
   }
@@ -185,7 +229,6 @@ std::string PolarChart(const std::string& title, const std::string& unit, const 
     for (size_t s = 0; s < panels[p].series.size(); ++s) {
       std::vector<Pixel> trace;
       const std::vector<Point>& points = panels[p].series[s].points;
-      constexpr size_t kMostPoints = 5000;
       const size_t stride = points.size() / kMostPoints + 1;
       for (size_t i = 0; i < points.size(); i += stride) {
         if (!IsDrawn(points[i])) continue;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace axiscal::plot {
@@ -45,6 +46,37 @@ TEST(Charts, APanelThatWouldBeFlatGetsItsOwnScaleAndSaysSo) {
       ScatterChart("t", "x", "y", {{"before", {big}}, {"after", {small}}}).find("after (drawn 10.0 times larger)"),
       std::string::npos);
   EXPECT_EQ(ScatterChart("t", "x", "y", {{"before", {big}}, {"after", {half}}}).find("drawn"), std::string::npos);
+}
+
+TEST(Charts, WhatAPictureShowsIsATableToo) {
+  EXPECT_EQ(
+      Csv("X, mm", "um", {{"before", {{"a \"b\"", {{1.5, -2.0}, {NAN, 1.0}}}}}, {"after", {{"c", {{1e-7, 3.0}}}}}}),
+      "panel,series,\"X, mm\",um\r\nbefore,\"a \"\"b\"\"\",1.5,-2\r\nafter,c,1e-07,3\r\n");
+}
+
+TEST(Charts, AThinnedSeriesKeepsItsPeaks) {
+  std::vector<Point> points;
+  for (int i = 0; i < 20000; ++i) points.push_back({0.1 * i, i == 777 ? 9.0 : std::sin(i)});
+  const std::vector<Point> kept = Thinned(points);
+  EXPECT_LT(kept.size(), 2000u);
+  const auto is_peak = [](const Point& point) { return point.y == 9.0 && std::abs(point.x - 77.7) < 1e-9; };
+  EXPECT_EQ(std::count_if(kept.begin(), kept.end(), is_peak), 1);
+  EXPECT_EQ(Thinned({{1.0, 2.0}}).size(), 1u);
+}
+
+TEST(Charts, FromTheBottomEveryPointStandsOnALine) {
+  const Series orders = {"s", {{1, 3.0}, {2, 1.0}}};
+  const std::string up = ScatterChart("t", "order", "um", {{"before", {orders}}}, Ground::kBottom);
+  const std::string middle = ScatterChart("t", "order", "um", {{"before", {orders}}});
+  const auto lines = [](const std::string& svg) {
+    size_t count = 0;
+    for (size_t at = svg.find("stroke-width=\"1.5\""); at != std::string::npos;
+         at = svg.find("stroke-width=\"1.5\"", at + 1))
+      ++count;
+    return count;
+  };
+  EXPECT_EQ(lines(up), 2u);
+  EXPECT_EQ(lines(middle), 0u);
 }
 
 TEST(Charts, NamesAreEscaped) {

@@ -107,16 +107,23 @@ absl::StatusOr<PredictedPoses> PredictPoses(const std::string& poses, const std:
   std::vector<shapes::AxisState> axes(machine.axes.size());
   Sums sums;
   sums.made.has_sigma = !errors.covariance.is_empty();
-  PoseBlock block;
+  PoseBlock block, following;  // how fast an axis is at a row its next one says, too
+  const auto moment_of = [&](const PoseBlock& of, size_t k) {
+    return k < of.count ? instruments::Moment{&of.positions[k * axes.size()],
+                                              reader->has_time() ? &of.time_s[k] : nullptr, nullptr}
+                        : instruments::Moment();
+  };
   int moment = 0;
   std::string text;
-  while (true) {
-    RETURN_IF_ERROR(reader->Next(&block));
-    if (block.count == 0) break;
+  RETURN_IF_ERROR(reader->Next(&following));
+  while (following.count > 0) {
+    std::swap(block, following);
+    RETURN_IF_ERROR(reader->Next(&following));
     text.clear();
     for (size_t k = 0; k < block.count; ++k) {
-      const double* const time_s = reader->has_time() ? &block.time_s[k] : nullptr;
-      motion.Next(&block.positions[k * axes.size()], time_s, axes.data());
+      const double* const time_s = moment_of(block, k).time_s;
+      motion.Next(moment_of(block, k), k + 1 < block.count ? moment_of(block, k + 1) : moment_of(following, 0),
+                  axes.data());
       shapes::State state{axes};
       if (time_s != nullptr) state.time_s = *time_s;
       if (reader->has_temperature()) state.temperature_celsius = block.temperature_celsius[k];

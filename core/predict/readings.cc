@@ -109,7 +109,10 @@ absl::StatusOr<PredictedReadings> PredictReadings(session::Session session, cons
   const size_t lines = session.reading_count();
   ASSIGN_OR_RETURN(const bool is_plan, AddMissingReadings(machine, &session));
   ASSIGN_OR_RETURN(MeasuringRun run, instruments::BindSession(session, machine));
-  if (is_plan) run.tracker_from_machine = {};
+  if (is_plan) {
+    run.tracker_from_machine = {};
+    run.length.zero_mm = 0.0;
+  }
   const bool has_path = run.path_readings != nullptr;
   std::vector<std::string> channels = instruments::TemperatureColumns(run);
   if (has_path) channels.push_back(shapes::kTemperatureChannel);

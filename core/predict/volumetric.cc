@@ -1,11 +1,11 @@
 #include "core/predict/volumetric.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/predict/taken_up.h"
 
 namespace axiscal::predict {
 namespace {
@@ -44,15 +44,7 @@ class Over {
  public:
   Over(const machine::Machine& machine, const BoxStates& states, const Eigen::Vector3d& tip_mm)
       : machine_(machine), states_(states), tip_mm_(tip_mm) {
-    Eigen::MatrixXd taken(rows(), 6);
-    for (int k = 0; k < states.count(); ++k) {
-      const machine::ChainPose<double> pose =
-          machine::EvaluateChain<double>(machine, states.PositionsOf(k), machine::JointErrors<double>());
-      taken.block<3, 3>(3 * k, 0).setIdentity();
-      taken.block<3, 3>(3 * k, 3) = pose.bed_from_table.rotation.transpose() * pose.bed_from_tool.rotation;
-    }
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(taken);
-    taken_up_ = qr.householderQ() * Eigen::MatrixXd::Identity(rows(), qr.rank());
+    taken_up_ = TakenUp(machine, states.count(), [&](int k) { return states.PositionsOf(k); });
   }
 
   Eigen::Index rows() const { return 3 * states_.count(); }
@@ -302,7 +294,7 @@ std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machi
       eigen.eigenvectors().transpose() * (uncertain.transpose() * open_choices.columns()) / kPoses;
   const Eigen::MatrixXd choices_gram = open_choices.columns().transpose() * open_choices.columns() / kPoses;
   const Spread uncorrected = spread_of(as_found), of_before = spread_of(missed),
-               of_after = spread_of(Eigen::VectorXd::Zero(over.rows()));
+               of_after = spread_of(as_found - over.ErrorsOf(machine::NamedErrors(found.model)));
   std::vector<double> at_uncorrected, at_before, at_after, gain;
   base::Random random(kSeed);
   Eigen::VectorXd z(uncertain.cols());

@@ -64,8 +64,8 @@ struct VolumetricError {
   Box box;
   int poses = 0;
   // Of the machine as it is; where it is corrected for the errors of `before`, whose values count as they are; where it
-  // is corrected for those that were found. Their covariance and the open choices are what the expectation is over:
-  // what they do not model is in none of these.
+  // is corrected for those that were found and have a name. Their covariance and the open choices are what the
+  // expectation is over: what they do not model is in none of these.
   RootMeanSquare uncorrected, before, after;
   // The interval of the difference of `before` and `after` is above zero.
   bool is_gain_held = false;

@@ -14,6 +14,10 @@ constexpr double kThird = 1.0 / 3.0;  // no short decimal writes it
 
 Rewrite ARewrite() {
   Rewrite report;
+  report.dialect = "haas";
+  report.shifts = {{"T5", "G54", 12, 41.5, 10.0 * kThird, 7, {{"X", 10.0 * kThird}, {"B", -90.0}}}, {}};
+  report.rotary_stood_deg = {{"C", 90.0}};
+  report.missing = {"--offset \"G55 X=...\""};
   report.calibration = "mt v3";
   report.blocks = {10, 8, 2, 5, 1, 1};
   report.correction = {{"X", {10.0 * kThird, kThird, 8}}, {"Z", {1.0, 0.5, 8}}};
@@ -98,6 +102,11 @@ TEST(Reports, SayAllThatWasWritten) {
   const auto rewrite = ReadRewrite(ToJson(ARewrite()));
   ASSERT_TRUE(rewrite.ok()) << rewrite.status();
   EXPECT_EQ(rewrite->blocks.refused, 1);
+  ASSERT_EQ(rewrite->shifts.size(), 2u);
+  EXPECT_EQ(rewrite->shifts[0].line, 7);
+  EXPECT_EQ(rewrite->shifts[0].at[1].second, -90.0);
+  EXPECT_EQ(rewrite->rotary_stood_deg[0].first, "C");
+  EXPECT_EQ(rewrite->missing, ARewrite().missing);
   EXPECT_EQ(rewrite->correction[0].second.max_um, 10.0 * kThird);
   EXPECT_EQ(rewrite->orientation->not_reached[0].block, "N70 X1");
   EXPECT_EQ(rewrite->notes[1], "not UTF-8: \xEF\xBF\xBD");

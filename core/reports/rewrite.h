@@ -48,24 +48,40 @@ struct Orientation {
   std::vector<Finding> not_reached = {};  // the first of them
 };
 
-// Holes of drilling cycles, where the program has any.
-struct Holes {
-  int64_t corrected = 0;
-  double left_max_um = 0.0;        // of the tool point, at a hole's bottom
-  int64_t not_exact = 0;           // holes at which more is left than the rounding of words
+// What words cannot take away, where the program has any: at the bottom of holes of drilling cycles; along contours
+// that the control offsets by the cutter's radius.
+struct Leftovers {
+  int64_t corrected = 0;           // holes, or moves
+  double left_max_um = 0.0;        // of the tool point
+  int64_t not_exact = 0;           // of them, at which more is left than the rounding of words
   std::vector<Finding> left = {};  // the first of them
+};
+
+// By how much moves of one tool in one work offset are shifted, all linear axes together.
+struct Shift {
+  std::string tool = {};         // "T5"; "": the program names none
+  std::string work_offset = {};  // "G54"; "": none is stated
+  int64_t moves = 0;
+  double max_um = 0.0, rms_um = 0.0;
+  int64_t line = 0;                // of the largest
+  base::Named<double> at = {};     // where: programmed axis positions, mm and deg
 };
 
 struct Rewrite {
   std::string calibration = {};
+  std::string dialect = {};      // as which the program was read
   bool null_correction = false;  // the output is the input, byte for byte
   Blocks blocks = {};
   base::Named<Spread> correction = {};              // of each linear axis
+  std::vector<Shift> shifts = {};
+  // Rotary axes that the program never names, and where the options say that they stand.
+  base::Named<double> rotary_stood_deg = {};
+  std::vector<std::string> missing = {};  // options, in the words to add: --tool-length H5=...
   Spread error_before = {}, error_after = {};       // of the tool point, at block ends
   double path_before_at_most_um = 0.0, path_after_at_most_um = 0.0;
   double max_tilt_left_urad = 0.0;
   std::optional<Orientation> orientation = {};
-  std::optional<Holes> holes = {};
+  std::optional<Leftovers> holes = {}, contours = {};
   double max_departure_um = 0.0;
   std::vector<Finding> passed = {}, refused = {};  // the first of each
   int64_t ranges_not_corrected = 0;

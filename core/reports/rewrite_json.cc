@@ -55,19 +55,34 @@ void Members(Io& io, base::Like<Io, Orientation> orientation) {
 }
 
 template <typename Io>
-void Members(Io& io, base::Like<Io, Holes> holes) {
-  io.Member("corrected", holes.corrected);
-  io.Member("left_max_um", holes.left_max_um);
-  io.Member("not_exact", holes.not_exact);
-  io.Member("left", holes.left);
+void Members(Io& io, base::Like<Io, Leftovers> leftovers) {
+  io.Member("corrected", leftovers.corrected);
+  io.Member("left_max_um", leftovers.left_max_um);
+  io.Member("not_exact", leftovers.not_exact);
+  io.Member("left", leftovers.left);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Shift> shift) {
+  io.Member("tool", shift.tool);
+  io.Member("work_offset", shift.work_offset);
+  io.Member("moves", shift.moves);
+  io.Member("max_um", shift.max_um);
+  io.Member("rms_um", shift.rms_um);
+  io.Member("line", shift.line);
+  io.IfAny("at", shift.at);
 }
 
 template <typename Io>
 void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("calibration", report.calibration);
+  io.Member("dialect", report.dialect);
   io.Member("null_correction", report.null_correction);
   io.Member("blocks", report.blocks);
   io.IfAny("correction", report.correction);
+  io.Member("shifts", report.shifts);
+  io.IfAny("rotary_stood_deg", report.rotary_stood_deg);
+  io.Member("missing", report.missing);
   io.Group("tool_point_error", [&](auto& error) {
     error.Member("before", report.error_before);
     error.Member("after", report.error_after);
@@ -79,6 +94,7 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("max_tilt_left_urad", report.max_tilt_left_urad);
   io.Member("orientation", report.orientation);
   io.Member("holes", report.holes);
+  io.Member("contours", report.contours);
   io.Member("max_departure_um", report.max_departure_um);
   io.Member("passed", report.passed);
   io.Member("refused", report.refused);

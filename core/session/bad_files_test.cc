@@ -99,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"temp_C", "T_2nd_C", "line 9, column 7 (T_2nd_C): unknown column"},
         BadFile{"temp_C", "T_spindle_K", "line 9, column 7 (T_spindle_K): unknown column"},
         BadFile{"temp_C", "Z_enc_deg,Z_enc_mm", "line 9, column 8 (Z_enc_mm): the same encoder as column 7"},
+        BadFile{"temp_C", "Z_sense,Z_sense", "line 9, column 8 (Z_sense): the same sense as column 7"},
+        BadFile{"temp_C", "Z_sense", "line 10, column 7 (Z_sense): '20.000', expected 1 or -1, or 0"},
         BadFile{",dL_mm", "", "line 9: column dL_mm is missing, instrument ballbar needs it"},
         BadFile{"Y_mm", "Y_cm",
                 "line 9, column 3 (Y_cm): unknown column for instrument ballbar, expected t_s, axis columns"},

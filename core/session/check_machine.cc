@@ -73,7 +73,7 @@ absl::StatusOr<Axis> AxisOf(const ColumnRule& rule, const machine::Machine& mach
   if (found < 0)
     return absl::InvalidArgumentError(absl::StrCat(place, ": machine ", machine.id, " has no axis ", rule.axis));
   const Axis& axis = machine.axes[found];
-  if ((axis.kind == AxisKind::kLinear) != rule.IsLinear()) {
+  if (!rule.IsSense() && (axis.kind == AxisKind::kLinear) != rule.IsLinear()) {
     std::string expected = ColumnName(axis);
     if (rule.IsEncoder()) expected.insert(axis.name.size(), "_enc");
     return absl::InvalidArgumentError(absl::StrCat(
@@ -109,7 +109,7 @@ absl::StatusOr<MachineCheck> MachineCheck::Create(const std::vector<HeaderEntry>
   check.wrong_machine_ = CheckMachineName(header, machine);
   for (size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].axis.empty()) continue;
-    check.axis_columns_.push_back({i, AxisOf(rules[i], machine, header.size(), i), rules[i].IsEncoder()});
+    check.axis_columns_.push_back({i, AxisOf(rules[i], machine, header.size(), i), rules[i].IsAxis()});
   }
   RETURN_IF_ERROR(CheckDatum(header, machine));
   check.missing_axis_ = CheckAxesAreThere(header, columns, machine);
@@ -120,7 +120,7 @@ absl::Status MachineCheck::Check(const std::vector<Column>& columns) const {
   RETURN_IF_ERROR(wrong_machine_);
   for (const AxisColumn& column : axis_columns_) {
     RETURN_IF_ERROR(column.axis.status());
-    if (column.is_encoder) continue;  // it may stand beyond the limit of the command
+    if (!column.is_position) continue;  // an encoder may stand beyond the limit of the command
     RETURN_IF_ERROR(CheckTravel(columns[column.index], *column.axis, header_entries_, column.index));
   }
   return missing_axis_;

@@ -26,7 +26,7 @@ class MachineCheck {
   struct AxisColumn {
     size_t index = 0;                    // of the column
     absl::StatusOr<machine::Axis> axis;  // an error: the machine has no such axis, whatever the readings
-    bool is_encoder = false;             // what it shows beside the command
+    bool is_position = true;             // the command; else what the encoder shows beside it, or the sense
   };
 
   size_t header_entries_ = 0;

@@ -81,7 +81,8 @@ TEST(CheckAgainstMachine, CentresHaveTheRotaryAxesOnly) {
   EXPECT_EQ(
       std::string(ReadSessionText(Replaced(kCentres, "C_deg", "X_mm"), "a").status().message()),
       "a: line 7, column 3 (X_mm): unknown column for instrument centres, expected t_s, rotary axis columns such as "
-      "B_deg, encoder columns such as X_enc_mm or B_enc_deg, temp_C, T_NAME_C, cx_mm, cy_mm, cz_mm");
+      "B_deg, encoder columns such as X_enc_mm or B_enc_deg, senses such as X_sense, temp_C, T_NAME_C, cx_mm, cy_mm, "
+      "cz_mm");
 }
 
 }  // namespace

@@ -51,6 +51,13 @@ bool AxisOfEncoder(const std::string& column, std::string* axis, ColumnKind* kin
   return true;
 }
 
+// "X_sense".
+bool AxisOfSense(const std::string& column, std::string* axis) {
+  ColumnKind kind;
+  constexpr std::string_view kEnd = "_sense";
+  return column.ends_with(kEnd) && ParseAxisColumn(column.substr(0, column.size() - kEnd.size()) + "_mm", axis, &kind);
+}
+
 // A reading of a plan: nothing is there yet.
 bool IsUnread(const ReadingColumn& column, SessionKind kind) {
   return kind == SessionKind::kPlan && column.source != ColumnSource::kPlan;
@@ -78,7 +85,8 @@ std::string KnownColumns(const InstrumentFormat& format) {
   std::string known = format.has_time ? "t_s, " : "";
   if (format.axes == AxisColumns::kAll) known += "axis columns such as X_mm or B_deg, ";
   if (format.axes == AxisColumns::kRotaryOnly) known += "rotary axis columns such as B_deg, ";
-  if (format.axes != AxisColumns::kNone) known += "encoder columns such as X_enc_mm or B_enc_deg, ";
+  if (format.axes != AxisColumns::kNone)
+    known += "encoder columns such as X_enc_mm or B_enc_deg, senses such as X_sense, ";
   known += "temp_C, T_NAME_C";
   for (const ReadingColumn& column : format.columns) known += ", " + column.name;
   return known;
@@ -106,6 +114,10 @@ std::optional<ColumnRule> StateColumnRule(const std::string& name) {
     return RangeRule(name, ColumnKind::kTemperature, kMinTemperatureC, kMaxTemperatureC, "deg C");
   std::string axis;
   ColumnKind kind;
+  if (AxisOfSense(name, &axis)) {
+    ColumnRule rule{name, ColumnKind::kSense, axis, -1.0, 1.0, "1 or -1, or 0 where the positions show it", false, {}};
+    return rule;
+  }
   const bool is_encoder = AxisOfEncoder(name, &axis, &kind);
   if (!is_encoder && !ParseAxisColumn(name, &axis, &kind)) return std::nullopt;
   const bool linear = kind == ColumnKind::kLinearAxis || kind == ColumnKind::kLinearEncoder;
@@ -155,7 +167,7 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
   for (size_t i = 0; i < columns.size(); ++i) {
     const std::string place = Place(line, i, columns[i].empty() ? "no name" : Printable(columns[i]));
     std::optional<ColumnRule> rule = RuleOf(columns[i], format, feature_names, session_kind);
-    const bool is_of_axis = rule && (rule->IsAxis() || rule->IsEncoder());
+    const bool is_of_axis = rule && !rule->axis.empty();
     const bool wrong_axis = is_of_axis && (format.axes == AxisColumns::kNone ||
                                            (format.axes == AxisColumns::kRotaryOnly && rule->IsLinear()));
     if (!rule || wrong_axis) {
@@ -164,7 +176,7 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
           absl::StrCat(place, ": unknown column for instrument ", format.name, ", expected ",
                        other_separator ? "names separated by commas" : KnownColumns(format)));
     }
-    const std::string of = rule->IsAxis() ? "axis " : "encoder ";
+    const std::string of = rule->IsAxis() ? "axis " : rule->IsSense() ? "sense " : "encoder ";
     const auto [first, is_new] = seen.emplace(rule->axis.empty() ? rule->name : of + rule->axis, i);
     if (!is_new) {
       return absl::InvalidArgumentError(absl::StrCat(place, ": the same ",

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_SESSION_COLUMN_RULES_H_
 #define AXISCAL_CORE_SESSION_COLUMN_RULES_H_
 
+#include <cmath>
 #include <optional>
 #include <set>
 #include <string>
@@ -23,6 +24,7 @@ enum class ColumnKind {
   kRotaryAxis,
   kLinearEncoder,
   kRotaryEncoder,
+  kSense,
   kReading,
   kName
 };
@@ -31,16 +33,21 @@ enum class ColumnKind {
 struct ColumnRule {
   std::string name;
   ColumnKind kind = ColumnKind::kReading;
-  std::string axis;  // of the column of an axis or its encoder: "X"
+  std::string axis;  // of the column of an axis, its encoder or its sense: "X"
   double min = 0, max = 0;
   std::string expected;
   bool may_be_empty = false;
   std::set<std::string> names;  // kName: the names it may have, any when empty
 
-  bool Fits(double number) const { return number >= min && number <= max; }  // NaN fits nothing
+  // NaN fits nothing.
+  bool Fits(double number) const {
+    return number >= min && number <= max && (!IsSense() || number == std::trunc(number));
+  }
   // Of a commanded (or latched) position, in contrast to what an encoder shows beside it.
   bool IsAxis() const { return kind == ColumnKind::kLinearAxis || kind == ColumnKind::kRotaryAxis; }
   bool IsEncoder() const { return kind == ColumnKind::kLinearEncoder || kind == ColumnKind::kRotaryEncoder; }
+  // Of the side from which an axis came to where it stands.
+  bool IsSense() const { return kind == ColumnKind::kSense; }
   bool IsLinear() const { return kind == ColumnKind::kLinearAxis || kind == ColumnKind::kLinearEncoder; }
 };
 
@@ -59,7 +66,7 @@ absl::StatusOr<std::vector<ColumnRule>> ColumnRules(const std::vector<HeaderEntr
                                                     SessionKind kind = SessionKind::kMeasured);
 
 // The rule of a column that says in which state a reading is taken, whatever the instrument: t_s, temp_C, T_NAME_C,
-// X_mm, B_deg, X_enc_mm, B_enc_deg. Nothing for any other.
+// X_mm, B_deg, X_enc_mm, B_enc_deg, X_sense. Nothing for any other.
 std::optional<ColumnRule> StateColumnRule(const std::string& name);
 
 // OK when `text` may stand in a name column of this rule; the message has no place.

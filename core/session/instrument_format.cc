@@ -46,6 +46,7 @@ ReadingColumn Position(const std::string& name) { return Number(name, "mm", kMax
 
 std::vector<InstrumentFormat> Table() {
   constexpr double kMaxEccentricityUm = 1e4;
+  constexpr double kMaxTurnMmPerM = 100;  // 0.1 rad: more is another unit
   return {
       {"ballbar",
        {PointMm("table_ball_mm"), LengthMm("bar_length_mm", kMinBarLengthMm, kMaxBarLengthMm)},
@@ -74,6 +75,8 @@ std::vector<InstrumentFormat> Table() {
        {FromTouches(Position("cx_mm")), FromTouches(Position("cy_mm")), FromTouches(Position("cz_mm"))},
        AxisColumns::kRotaryOnly,
        true},
+      {"length", {}, {}, {Position("L_mm")}, AxisColumns::kAll, true},
+      {"direction", {PointMm("about")}, {}, {Number("turn_mm_per_m", "mm/m", kMaxTurnMmPerM)}, AxisColumns::kAll, true},
       {"eccentricity",
        {},
        {},

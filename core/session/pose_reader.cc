@@ -54,7 +54,7 @@ absl::StatusOr<std::unique_ptr<PoseReader>> PoseReader::Open(const std::string& 
 
 absl::StatusOr<ColumnRule> PoseReader::RuleOf(const std::string& name, const std::string& place) const {
   std::optional<ColumnRule> rule = StateColumnRule(name);
-  if (!rule)
+  if (!rule || rule->IsSense())
     return absl::InvalidArgumentError(
         absl::StrCat(place, ": unknown column for poses, expected ", PoseColumns(machine_)));
   if (rule->axis.empty()) return *rule;

@@ -84,6 +84,7 @@ std::vector<Effect> AllKinds() {
   }
   effects[15].is_of_speed = false;
   effects[15].delay_s = 0.3;
+  effects[14].delay_s = 1.0;  // long enough for a servo to show that its error is not of speed alone
   return effects;
 }
 

@@ -254,29 +254,41 @@ std::vector<ToolPointError> ErrorsAlong(const Truth& truth, const Eigen::Vector3
 History BoxPoses(const SimulatedCase& simulated, int count, uint64_t seed) {
   base::Random random(SeedOf(seed, Stream::kBox));
   const History& measured = simulated.history;
-  std::vector<Range> ranges;
-  for (int axis = 0; axis < measured.axis_count; ++axis) ranges.push_back(RangeOf(measured, axis));
+  const int axes = measured.axis_count;
   MeasuringRun run;
-  run.axis_count = measured.axis_count;
+  run.axis_count = axes;
   run.has_time = true;
   run.measured_mm.setZero(1, count);
   constexpr double kStepS = 10.0, kPauseS = 100.0;
   const std::vector<double> fastest = FastestOf(measured);
-  double time_s = std::ceil(measured.time_s.back()) + kPauseS;
-  for (int k = 0; k < count; ++k) {
-    for (int axis = 0; axis < measured.axis_count; ++axis) {
-      const bool is_rotary = simulated.described.axes[axis].kind == machine::AxisKind::kRotary;
-      const double unit = is_rotary ? base::kRadPerDeg : 1.0;
-      const double position = ranges[axis].low + ranges[axis].length() * random.Uniform();
-      run.positions.push_back(std::round(1e4 * position / unit) / 1e4 * unit);
+  const auto anywhere = [&] {
+    std::vector<double> target;
+    for (int axis = 0; axis < axes; ++axis) {
+      const Range range = RangeOf(measured, axis);
+      target.push_back(range.low + range.length() * random.Uniform());
     }
-    double needs_s = 0.0;
-    for (int axis = 0; k > 0 && axis < measured.axis_count; ++axis) {
-      const double move = std::abs(run.PositionsOf(k)[axis] - run.PositionsOf(k - 1)[axis]);
-      needs_s = std::max({needs_s, kStepS, fastest[axis] > 0.0 ? std::ceil(move / fastest[axis]) : 0.0});
+    return target;
+  };
+  double time_s = std::ceil(measured.time_s.back()) + kPauseS;
+  std::vector<double> from = anywhere();
+  while (static_cast<int>(run.time_s.size()) < count) {
+    const std::vector<double> to = anywhere();
+    double needs_s = kStepS;
+    for (int axis = 0; axis < axes; ++axis) {
+      if (fastest[axis] > 0.0) needs_s = std::max(needs_s, std::ceil(std::abs(to[axis] - from[axis]) / fastest[axis]));
+    }
+    for (int k = 0; k < kPosesPerWay && static_cast<int>(run.time_s.size()) < count; ++k) {
+      const double part = static_cast<double>(k) / kPosesPerWay;
+      for (int axis = 0; axis < axes; ++axis) {
+        const bool is_rotary = simulated.described.axes[axis].kind == machine::AxisKind::kRotary;
+        const double unit = is_rotary ? base::kRadPerDeg : 1.0;
+        const double position = from[axis] + part * (to[axis] - from[axis]);
+        run.positions.push_back(std::round(1e6 * position / unit) / 1e6 * unit);
+      }
+      run.time_s.push_back(time_s + part * needs_s);
     }
     time_s += needs_s;
-    run.time_s.push_back(time_s);
+    from = to;
   }
   instruments::DeriveMotion(&run);
   std::map<std::string, std::vector<double>> celsius;

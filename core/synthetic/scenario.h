@@ -87,8 +87,10 @@ struct ToolPointError {
 // At every moment of a motion, which begins anew (settled heat, no memory of the sessions).
 std::vector<ToolPointError> ErrorsAlong(const Truth& truth, const Eigen::Vector3d& tip_mm, const History& motion);
 
-// `count` poses anywhere in the box of positions that the sessions covered, from 100 s after them on, 10 s apart or as
-// much more as it takes to go there no faster than the sessions went, with the temperatures of then.
+// `count` poses along straight ways between points anywhere in the box of positions that the sessions covered,
+// kPosesPerWay on each way at equal steps, its first point first: from 100 s after the sessions on, 10 s a way or as
+// much more as it takes to go no faster than the sessions went, with the temperatures of then.
+inline constexpr int kPosesPerWay = 8;
 History BoxPoses(const SimulatedCase& simulated, int count, uint64_t seed);
 
 // Columns of a file of poses: t_s, axes, recorded temperatures.

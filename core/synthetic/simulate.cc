@@ -136,6 +136,7 @@ absl::StatusOr<session::Session> Measure(const machine::Machine& machine, const 
   const NoiseOptions& noise = measuring.noise;
   ASSIGN_OR_RETURN(session::Session session, WithReadingColumns(machine, planned));
   ASSIGN_OR_RETURN(instruments::MeasuringRun run, instruments::BindSession(session, machine));
+  run.length.zero_mm = 0.0;  // of readings that are not there yet; sessions of one set-up count from one place
   instruments::MeasuringRun read = run;
   if (!measuring.read_positions.empty()) read.positions = measuring.read_positions;
 

@@ -4,9 +4,7 @@
 #include "proto/convert/time.h"
 
 namespace axiscal::convert {
-namespace {
-
-absl::StatusOr<records::Scope> ScopeFrom(const v1::Scope& message) {
+absl::StatusOr<records::Scope> FromProto(const v1::Scope& message) {
   switch (message.of_case()) {
     case v1::Scope::kAll:
       if (!message.all()) break;
@@ -23,23 +21,26 @@ absl::StatusOr<records::Scope> ScopeFrom(const v1::Scope& message) {
   return FieldError("scope", "exactly one of all (true), group and machine must be set");
 }
 
-}  // namespace
+v1::Scope ToProto(const records::Scope& scope) {
+  v1::Scope message;
+  switch (scope.kind) {
+    case records::Scope::Kind::kAll:
+      message.set_all(true);
+      break;
+    case records::Scope::Kind::kGroup:
+      message.set_group(scope.name);
+      break;
+    case records::Scope::Kind::kMachine:
+      message.set_machine(scope.name);
+      break;
+  }
+  return message;
+}
 
 v1::Grant ToProto(const records::Grant& grant) {
   v1::Grant message;
   message.set_role(static_cast<v1::Role>(grant.role));
-  v1::Scope& scope = *message.mutable_scope();
-  switch (grant.scope.kind) {
-    case records::Scope::Kind::kAll:
-      scope.set_all(true);
-      break;
-    case records::Scope::Kind::kGroup:
-      scope.set_group(grant.scope.name);
-      break;
-    case records::Scope::Kind::kMachine:
-      scope.set_machine(grant.scope.name);
-      break;
-  }
+  *message.mutable_scope() = ToProto(grant.scope);
   return message;
 }
 
@@ -79,7 +80,7 @@ v1::MachineAccess ToProto(const records::MachineAccess& access) {
 absl::StatusOr<records::Grant> FromProto(const v1::Grant& message) {
   if (!v1::Role_IsValid(message.role()) || message.role() == v1::ROLE_UNSPECIFIED)
     return FieldError("role", absl::StrCat(static_cast<int>(message.role()), " is no role"));
-  ASSIGN_OR_RETURN(records::Scope scope, ScopeFrom(message.scope()));
+  ASSIGN_OR_RETURN(records::Scope scope, FromProto(message.scope()));
   return records::Grant{static_cast<records::Role>(message.role()), std::move(scope)};
 }
 

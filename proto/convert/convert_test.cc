@@ -123,6 +123,8 @@ TEST(JobParamsOnTheWire, ComeBack) {
   params.temperature_celsius = 22.5;
   params.options.on_unsupported = nc::OnUnsupported::kPass;
   params.options.tool_lengths = {{3, 120.5}};
+  params.options.tool_radii = {{4, 6.25}};
+  params.options.cutter_tolerance_mm = 0.007;
   params.options.decimals_mm = 3;
   params.options.initial_position = {{"X", 1.5}};
   params.options.work_offsets = {{"G54", {{"Z", -20}}}};
@@ -139,6 +141,10 @@ TEST(JobParamsOnTheWire, ComeBack) {
   ASSERT_EQ(got.options.tool_lengths.size(), 1u);
   EXPECT_EQ(got.options.tool_lengths[0].number, 3);
   EXPECT_EQ(got.options.tool_lengths[0].length_mm, 120.5);
+  ASSERT_EQ(got.options.tool_radii.size(), 1u);
+  EXPECT_EQ(got.options.tool_radii[0].number, 4);
+  EXPECT_EQ(got.options.tool_radii[0].radius_mm, 6.25);
+  EXPECT_EQ(got.options.cutter_tolerance_mm, 0.007);
   EXPECT_EQ(got.options.decimals_mm, 3);
   EXPECT_EQ(got.options.initial_position[0].value, 1.5);
   EXPECT_EQ(got.options.work_offsets[0].offsets[0].axis, "Z");

@@ -1,7 +1,10 @@
 #include "proto/convert/history.h"
 
+#include <set>
+
 #include "proto/convert/calibration.h"
 #include "proto/convert/field.h"
+#include "proto/convert/time.h"
 
 namespace axiscal::convert {
 namespace {
@@ -37,6 +40,16 @@ v1::DriftPoint PointToProto(const records::DriftPoint& point) {
   if (point.sigma) message.set_sigma(*point.sigma);
   message.set_last_calibration_id(point.last_calibration.number());
   return message;
+}
+
+// As many errors as drift follows (core/drift/calibration.h), and what a person writes in one go.
+constexpr int kMaxMarkSymbols = 64;
+constexpr size_t kMaxNoteBytes = 1000;
+
+absl::StatusOr<records::MarkKind> KindFromProto(v1::MarkKind kind) {
+  if (kind < v1::MARK_KIND_COLLISION || kind > v1::MARK_KIND_REFIXTURING)
+    return FieldError("kind", absl::StrCat(static_cast<int>(kind), ", must be a known kind"));
+  return static_cast<records::MarkKind>(kind);
 }
 
 }  // namespace
@@ -118,6 +131,122 @@ absl::StatusOr<records::FleetRow> FromProto(const v1::MachineLatest& message) {
     ASSIGN_OR_RETURN(one.state, FromProto(latest.state()));
   }
   return row;
+}
+
+v1::Mark ToProto(const records::Mark& mark) {
+  v1::Mark message;
+  message.set_mark_id(mark.id.number());
+  message.set_machine_id(mark.content.machine.text());
+  message.set_at_utc_us(base::ToUtcUs(mark.content.at));
+  message.set_kind(static_cast<v1::MarkKind>(mark.content.kind));
+  for (const std::string& symbol : mark.content.symbols) message.add_symbols(symbol);
+  message.set_note(mark.content.note);
+  message.set_created_by(mark.created_by);
+  message.set_created_utc_us(base::ToUtcUs(mark.created_at));
+  message.set_withdrawn_by(mark.withdrawn_by);
+  SET_OPTIONAL_UTC(message, withdrawn_utc_us, mark.withdrawn_at);
+  return message;
+}
+
+absl::StatusOr<records::Mark> FromProto(const v1::Mark& message) {
+  records::Mark mark;
+  mark.id = MarkId(message.mark_id());
+  ASSIGN_OR_RETURN(const records::MarkKind kind, KindFromProto(message.kind()));
+  mark.content = {MachineId(message.machine_id()),
+                  base::FromUtcUs(message.at_utc_us()),
+                  kind,
+                  {message.symbols().begin(), message.symbols().end()},
+                  message.note()};
+  mark.created_by = message.created_by();
+  mark.created_at = base::FromUtcUs(message.created_utc_us());
+  mark.withdrawn_by = message.withdrawn_by();
+  mark.withdrawn_at = OPTIONAL_UTC(message, withdrawn_utc_us);
+  return mark;
+}
+
+v1::PutMarkRequest ToProto(const records::NewMark& mark, const std::string& request_id) {
+  v1::PutMarkRequest message;
+  message.set_request_id(request_id);
+  message.set_machine_id(mark.machine.text());
+  message.set_at_utc_us(base::ToUtcUs(mark.at));
+  message.set_kind(static_cast<v1::MarkKind>(mark.kind));
+  for (const std::string& symbol : mark.symbols) message.add_symbols(symbol);
+  message.set_note(mark.note);
+  return message;
+}
+
+absl::StatusOr<records::NewMark> FromProto(const v1::PutMarkRequest& message) {
+  RETURN_IF_ERROR(RequireText("machine_id", message.machine_id(), 1, 255));
+  ASSIGN_OR_RETURN(const records::MarkKind kind, KindFromProto(message.kind()));
+  RETURN_IF_ERROR(RequireAtMost("symbols", message.symbols_size(), kMaxMarkSymbols));
+  std::set<std::string> seen;
+  for (int i = 0; i < message.symbols_size(); ++i) {
+    const std::string field = absl::StrCat("symbols[", i, "]");
+    RETURN_IF_ERROR(RequireText(field, message.symbols(i), 1, 200));
+    if (!seen.insert(message.symbols(i)).second) return FieldError(field, message.symbols(i) + " stands twice");
+  }
+  RETURN_IF_ERROR(RequireText("note", message.note(), 0, kMaxNoteBytes));
+  return records::NewMark{MachineId(message.machine_id()),
+                          base::FromUtcUs(message.at_utc_us()),
+                          kind,
+                          {message.symbols().begin(), message.symbols().end()},
+                          message.note()};
+}
+
+v1::FindDriftRequest ToProto(const records::DriftSearch& search) {
+  v1::FindDriftRequest message;
+  message.set_machine_id(search.machine.text());
+  message.set_counts_candidates(search.counts_candidates);
+  for (const records::DriftLimit& limit : search.limits) {
+    v1::DriftLimit& added = *message.add_limits();
+    added.set_symbol(limit.symbol);
+    added.set_low(limit.low);
+    added.set_high(limit.high);
+  }
+  return message;
+}
+
+absl::StatusOr<records::DriftReport> FromProto(const v1::FindDriftResponse& message) {
+  records::DriftReport report;
+  const auto time_of = [](bool is_there, int64_t utc_us) {
+    return is_there ? std::optional(base::FromUtcUs(utc_us)) : std::nullopt;
+  };
+  for (const v1::DriftFinding& finding : message.findings()) {
+    if (finding.kind() < v1::DRIFT_FINDING_KIND_STEP || finding.kind() > v1::DRIFT_FINDING_KIND_UNSTABLE)
+      return FieldError("findings.kind", absl::StrCat(static_cast<int>(finding.kind()), ", must be a known kind"));
+    records::DriftFinding& added = report.findings.emplace_back();
+    added.kind = static_cast<records::DriftKind>(finding.kind());
+    added.text = finding.text();
+    added.at = base::FromUtcUs(finding.at_utc_us());
+    added.after = time_of(finding.has_after_utc_us(), finding.after_utc_us());
+    added.by = time_of(finding.has_by_utc_us(), finding.by_utc_us());
+    if (finding.has_certainty()) added.certainty = finding.certainty();
+    added.is_revision = finding.is_revision();
+    added.is_over = finding.is_over();
+    for (const v1::DriftAmount& amount : finding.amounts()) {
+      RETURN_IF_ERROR(RequireFinite("findings.amounts.size", amount.size()));
+      ASSIGN_OR_RETURN(const records::EstimateUnit unit, FromProto(amount.unit()));
+      added.amounts.push_back({amount.symbol(), unit, amount.size(), amount.sigma()});
+    }
+  }
+  for (const v1::LimitForecast& forecast : message.limits()) {
+    records::LimitForecast& added = report.limits.emplace_back();
+    added.limit = {forecast.limit().symbol(), forecast.limit().low(), forecast.limit().high()};
+    added.text = forecast.text();
+    if (forecast.has_probability_now()) added.probability_now = forecast.probability_now();
+    if (forecast.has_probability_within_year()) added.probability_within_year = forecast.probability_within_year();
+    added.earliest = time_of(forecast.has_earliest_utc_us(), forecast.earliest_utc_us());
+    added.median = time_of(forecast.has_median_utc_us(), forecast.median_utc_us());
+    added.latest = time_of(forecast.has_latest_utc_us(), forecast.latest_utc_us());
+  }
+  for (const int64_t id : message.calibration_ids()) report.counted.push_back(CalibrationId(id));
+  report.calibrations = message.calibrations();
+  for (const v1::NotCounted& left_out : message.not_counted()) report.left_out.push_back(left_out.text());
+  for (const v1::Mark& mark : message.marks()) {
+    ASSIGN_OR_RETURN(records::Mark read, FromProto(mark));
+    report.marks.push_back(std::move(read));
+  }
+  return report;
 }
 
 }  // namespace axiscal::convert

@@ -4,7 +4,9 @@
 
 #include "axiscal/v1/history_service.pb.h"
 #include "core/base/status.h"
+#include "core/records/drift.h"
 #include "core/records/history.h"
+#include "core/records/mark.h"
 
 namespace axiscal::convert {
 
@@ -23,6 +25,19 @@ absl::StatusOr<records::DriftSeries> FromProto(const v1::DriftSeries& message);
 
 v1::MachineLatest ToProto(const records::FleetRow& row);
 absl::StatusOr<records::FleetRow> FromProto(const v1::MachineLatest& message);
+
+v1::Mark ToProto(const records::Mark& mark);
+// FIELD_INVALID: no known kind.
+absl::StatusOr<records::Mark> FromProto(const v1::Mark& message);
+
+v1::PutMarkRequest ToProto(const records::NewMark& mark, const std::string& request_id);
+// FIELD_INVALID: no machine, no known kind, more than 64 symbols, one that is empty or there twice, a note that is too
+// long.
+absl::StatusOr<records::NewMark> FromProto(const v1::PutMarkRequest& message);
+
+v1::FindDriftRequest ToProto(const records::DriftSearch& search);
+// FIELD_INVALID: a finding of no known kind, a number that is none.
+absl::StatusOr<records::DriftReport> FromProto(const v1::FindDriftResponse& message);
 
 }  // namespace axiscal::convert
 

@@ -201,6 +201,10 @@ v1::JobParams ToProto(const records::JobParams& params) {
   return message;
 }
 
+absl::StatusOr<records::JobParams> FromProto(const v1::IdentifyParams& message) { return IdentifyFromProto(message); }
+
+absl::StatusOr<records::JobParams> FromProto(const v1::CloseLoopParams& message) { return CloseLoopFromProto(message); }
+
 absl::StatusOr<records::JobParams> FromProto(const v1::JobParams& message) {
   switch (message.kind_case()) {
     case v1::JobParams::kIdentify: {

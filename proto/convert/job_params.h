@@ -15,6 +15,9 @@ v1::JobParams ToProto(const records::JobParams& params);
 // FIELD_INVALID: no kind, no machine, no session or one twice (also once to fit and once to check), a tool tip of other
 // than three finite numbers, unknown choices. Symbols, dialects and the like are judged by the engine that uses them.
 absl::StatusOr<records::JobParams> FromProto(const v1::JobParams& message);
+// The same of one kind.
+absl::StatusOr<records::JobParams> FromProto(const v1::IdentifyParams& message);
+absl::StatusOr<records::JobParams> FromProto(const v1::CloseLoopParams& message);
 
 v1::CompensateParams ToProto(const records::CompensateParams& params);
 // Of a program that is stored (`needs_program`), or of one that comes with the call and has no id.

@@ -90,6 +90,7 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
   message.set_max_correction_mm(options.max_correction_mm);
   message.set_tolerance_mm(options.tolerance_mm);
   message.set_cycle_tolerance_mm(options.cycle_tolerance_mm);
+  message.set_cutter_tolerance_mm(options.cutter_tolerance_mm);
   message.set_orientation(options.orientation);
   message.set_max_rotary_correction_rad(options.max_rotary_correction_rad);
   message.set_tolerance_rad(options.tolerance_rad);
@@ -103,6 +104,11 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
     v1::ToolLength* const out = message.add_tool_lengths();
     out->set_number(length.number);
     out->set_length_mm(length.length_mm);
+  }
+  for (const nc::ToolRadius& radius : options.tool_radii) {
+    v1::ToolRadius* const out = message.add_tool_radii();
+    out->set_number(radius.number);
+    out->set_radius_mm(radius.radius_mm);
   }
   return message;
 }
@@ -121,6 +127,8 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
   if (!(options.tolerance_mm > 0)) return FieldError("tolerance_mm", "must be > 0");
   if (message.has_cycle_tolerance_mm()) options.cycle_tolerance_mm = message.cycle_tolerance_mm();
   if (!(options.cycle_tolerance_mm > 0)) return FieldError("cycle_tolerance_mm", "must be > 0");
+  if (message.has_cutter_tolerance_mm()) options.cutter_tolerance_mm = message.cutter_tolerance_mm();
+  if (!(options.cutter_tolerance_mm > 0)) return FieldError("cutter_tolerance_mm", "must be > 0");
   options.orientation = message.orientation();
   if (message.has_max_rotary_correction_rad()) options.max_rotary_correction_rad = message.max_rotary_correction_rad();
   if (message.has_tolerance_rad()) options.tolerance_rad = message.tolerance_rad();
@@ -144,6 +152,13 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
     const v1::ToolLength& length = message.tool_lengths(i);
     RETURN_IF_ERROR(RequireFinite(absl::StrCat("tool_lengths[", i, "].length_mm"), length.length_mm()));
     options.tool_lengths.push_back({length.number(), length.length_mm()});
+  }
+  for (int i = 0; i < message.tool_radii_size(); ++i) {
+    const v1::ToolRadius& radius = message.tool_radii(i);
+    const std::string field = absl::StrCat("tool_radii[", i, "].radius_mm");
+    RETURN_IF_ERROR(RequireFinite(field, radius.radius_mm()));
+    if (radius.radius_mm() < 0) return FieldError(field, "must be >= 0");
+    options.tool_radii.push_back({radius.number(), radius.radius_mm()});
   }
   return options;
 }

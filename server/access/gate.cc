@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/cord.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_join.h"
 #include "core/base/demand.h"
@@ -63,11 +64,48 @@ std::string TextOf(const Resource& named) {
       return absl::StrCat("calibration ", named.number);
     case storage::ResourceKind::kProgram:
       return absl::StrCat("program ", named.number);
+    case storage::ResourceKind::kMark:
+      return absl::StrCat("mark ", named.number);
+    case storage::ResourceKind::kEvent:
+      return absl::StrCat("event ", named.number);
   }
   return "";
 }
 
+constexpr char kDeniedUrl[] = "axiscal/denied-resource";
+
+std::string PlaceOf(const Resource& named) {
+  switch (named.kind) {
+    case storage::ResourceKind::kMachine:
+      return "machines/" + named.name;
+    case storage::ResourceKind::kSession:
+      return absl::StrCat("sessions/", named.number);
+    case storage::ResourceKind::kJob:
+      return absl::StrCat("jobs/", named.number);
+    case storage::ResourceKind::kCalibration:
+      return absl::StrCat("calibrations/", named.number);
+    case storage::ResourceKind::kProgram:
+      return absl::StrCat("programs/", named.number);
+    case storage::ResourceKind::kMark:
+      return absl::StrCat("marks/", named.number);
+    case storage::ResourceKind::kEvent:
+      return absl::StrCat("events/", named.number);
+  }
+  return "";
+}
+
+absl::Status Denied(const Resource& named, absl::Status status) {
+  status.SetPayload(kDeniedUrl, absl::Cord(PlaceOf(named)));
+  return status;
+}
+
 }  // namespace
+
+std::optional<std::string> DeniedResource(const absl::Status& status) {
+  const absl::optional<absl::Cord> resource = status.GetPayload(kDeniedUrl);
+  if (!resource) return std::nullopt;
+  return std::string(*resource);
+}
 
 std::string NewToken() {
   std::string bytes(32, '\0');
@@ -132,6 +170,14 @@ absl::StatusOr<storage::Visible> Gate::Admit(const Identity& identity, const std
   return visible;
 }
 
+absl::Status Gate::MayStill(const std::string& name, const std::string& method,
+                            const std::vector<Resource>& named) const {
+  ASSIGN_OR_RETURN(const std::optional<storage::Holder> holder, database_.FindHolderOfName(name));
+  if (!holder) return absl::OkStatus();
+  if (holder->is_revoked) return Unauthenticated(name + " was revoked", "PRINCIPAL_UNKNOWN");
+  return Admit({name, false, holder->grants}, method, named).status();
+}
+
 absl::Status Gate::AdmitNamed(const Identity& identity, const MethodRule& rule, const Resource& named) const {
   ASSIGN_OR_RETURN(const Belonging belonging, database_.WhereBelongs(named, identity.name));
   bool is_in_scope = identity.is_local, is_enough = identity.is_local;
@@ -140,16 +186,16 @@ absl::Status Gate::AdmitNamed(const Identity& identity, const MethodRule& rule, 
     is_in_scope = true;
     is_enough |= IsEnough(rule, grant.role);
   }
-  if (!is_in_scope) return storage::Missing(named);
-  if (!is_enough) return RoleMissing(identity, rule, TextOf(named));
+  if (!is_in_scope) return Denied(named, storage::Missing(named));
+  if (!is_enough) return Denied(named, RoleMissing(identity, rule, TextOf(named)));
   const bool is_calibration = named.kind == storage::ResourceKind::kCalibration;
   if (!rule.four_eyes || !is_calibration || belonging.machines.empty()) return absl::OkStatus();
   const records::MachineAccess& machine = belonging.machines.front();
   if (!machine.four_eyes || belonging.created_by != identity.name) return absl::OkStatus();
-  return base::Error(absl::StatusCode::kPermissionDenied,
-                     absl::StrCat(TextOf(named), " was identified by ", identity.name, ": machine ",
-                                  machine.machine.text(), " asks that another person approves it"),
-                     {"FOUR_EYES", {{"machine", machine.machine.text()}, {"principal", identity.name}}});
+  return Denied(named, base::Error(absl::StatusCode::kPermissionDenied,
+                                   absl::StrCat(TextOf(named), " was identified by ", identity.name, ": machine ",
+                                                machine.machine.text(), " asks that another person approves it"),
+                                   {"FOUR_EYES", {{"machine", machine.machine.text()}, {"principal", identity.name}}}));
 }
 
 }  // namespace axiscal::access

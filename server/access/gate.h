@@ -33,6 +33,10 @@ std::string NewToken();
 // As it is stored.
 std::string HashOfToken(const std::string& token);
 
+// What a refusal of Gate::Admit() was about ("calibrations/12", "machines/mt"), for the audit: also of a NOT_FOUND that
+// hides what is there. It stays in this process; nothing of it is sent. Nothing of other statuses.
+std::optional<std::string> DeniedResource(const absl::Status& status);
+
 // Safe from any thread.
 class Gate {
  public:
@@ -49,6 +53,10 @@ class Gate {
   // in scope with too small a role: PERMISSION_DENIED ROLE_MISSING, which names the role, or FOUR_EYES.
   absl::StatusOr<storage::Visible> Admit(const Identity& identity, const std::string& method,
                                          const std::optional<std::vector<storage::Resource>>& named) const;
+  // Whether a principal may still do what it was let do before, as Admit(). A name that is no principal's may: it is
+  // from a time in which nobody was asked.
+  absl::Status MayStill(const std::string& name, const std::string& method,
+                        const std::vector<storage::Resource>& named) const;
   bool asks() const { return asks_; }
 
  private:

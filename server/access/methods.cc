@@ -42,6 +42,7 @@ const std::vector<MethodRule>& Methods() {
 
       {"Calibrations.ListCalibrations", Reach::kList, {kViewer}},
       {"Calibrations.GetCalibration", Reach::kNamed, {kViewer}},
+      {"Calibrations.DrawCalibration", Reach::kNamed, {kViewer}},
       {"Calibrations.ApproveCalibration", Reach::kNamed, {kApprover}, kFourEyes},
       {"Calibrations.RetireCalibration", Reach::kNamed, {kApprover}},
 
@@ -54,9 +55,35 @@ const std::vector<MethodRule>& Methods() {
       {"Tables.MakeTable", Reach::kNamed, {kTechnician}},
 
       {"History.QueryDrift", Reach::kNamed, {kViewer}},
+      {"History.FindDrift", Reach::kNamed, {kViewer}},
       {"History.LatestFleet", Reach::kList, {kViewer}},
+      {"History.PutMark", Reach::kNamed, {kTechnician, kApprover}},
+      {"History.ListMarks", Reach::kNamed, {kViewer}},
+      {"History.WithdrawMark", Reach::kNamed, {kTechnician, kApprover}},
+
+      {"Events.GetExpectations", Reach::kNamed, {kViewer}},
+      {"Events.SetExpectations", Reach::kNamed, {kTechnician, kApprover}},
+      {"Events.ListEvents", Reach::kList, {kViewer}},
+      {"Events.WatchEvents", Reach::kList, {kViewer}},
+      {"Events.AcknowledgeEvent", Reach::kNamed, {kTechnician, kApprover}},
+      {"Events.ShelveEvent", Reach::kNamed, {kTechnician, kApprover}},
+
+      {"Routines.PutRoutine", Reach::kService, {kAdmin}},
+      {"Routines.RemoveRoutine", Reach::kService, {kAdmin}},
+      {"Routines.ListRoutines", Reach::kList, {kViewer}},
+      {"Routines.StopRoutine", Reach::kNamed, {kTechnician, kApprover}},
+      {"Routines.RetryRoutine", Reach::kNamed, {kTechnician}},
+      {"Routines.ListRoutineRuns", Reach::kList, {kViewer}},
+
+      {"Webhooks.PutWebhook", Reach::kService, {kAdmin}},
+      {"Webhooks.RemoveWebhook", Reach::kService, {kAdmin}},
+      {"Webhooks.ListWebhooks", Reach::kService, {kAdmin}},
+      {"Webhooks.TestWebhook", Reach::kService, {kAdmin}},
+      {"Webhooks.ListDeadLetters", Reach::kService, {kAdmin}},
+      {"Webhooks.ResendDeadLetters", Reach::kService, {kAdmin}},
 
       {"Admin.GetServerInfo", Reach::kAnyone, {}},
+      {"Admin.GetMetrics", Reach::kService, {kViewer}},
 
       {"Access.GetIdentity", Reach::kAnyone, {}},
       {"Access.CreatePrincipal", Reach::kService, {kAdmin}},
@@ -68,6 +95,9 @@ const std::vector<MethodRule>& Methods() {
       {"Access.ChangeGroup", Reach::kService, {kAdmin}},
       {"Access.SetFourEyes", Reach::kService, {kAdmin}},
       {"Access.ListMachineAccess", Reach::kService, {kAdmin}},
+      {"Admin.Backup", Reach::kService, {kAdmin}},
+      {"Access.ListAudit", Reach::kService, {kAdmin}},
+      {"Access.CheckAudit", Reach::kService, {kAdmin}},
   };
   return *methods;
 }

@@ -23,10 +23,12 @@ const std::map<std::string, ResourceKind>& Kinds() {
       {"approved_of_machine_id", ResourceKind::kMachine},
       {"calibration_id", ResourceKind::kCalibration},
       {"check_session_ids", ResourceKind::kSession},
+      {"event_id", ResourceKind::kEvent},
       {"fit_session_ids", ResourceKind::kSession},
       {"held_calibration_id", ResourceKind::kCalibration},
       {"job_id", ResourceKind::kJob},
       {"machine_id", ResourceKind::kMachine},
+      {"mark_id", ResourceKind::kMark},
       {"program_id", ResourceKind::kProgram},
       {"session_id", ResourceKind::kSession},
       {"session_ids", ResourceKind::kSession},
@@ -82,7 +84,8 @@ std::optional<ResourceKind> KindOf(const std::string& field_name) {
 }
 
 bool IsKnownId(const std::string& field_name) {
-  return KindOf(field_name).has_value() || field_name == "request_id" || field_name == "token_id";
+  return KindOf(field_name).has_value() || field_name == "request_id" || field_name == "token_id" ||
+         field_name == "after_change_id" || field_name == "change_id" || field_name == "up_to_change_id";
 }
 
 std::vector<Resource> NamedIn(const Message& request) {

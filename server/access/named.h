@@ -13,8 +13,9 @@
 
 namespace axiscal::access {
 
-// What a field of this name names. Nothing for `request_id` and `token_id`, which are no places, and for fields that
-// name nothing. Every field of a request whose name ends in "_id" or "_ids" must be known here (a test holds that).
+// What a field of this name names. Nothing for `request_id`, `token_id` and `after_change_id`, which are no places, and
+// for fields that name nothing. Every field of a request whose name ends in "_id" or "_ids" must be known here (a test
+// holds that).
 std::optional<storage::ResourceKind> KindOf(const std::string& field_name);
 bool IsKnownId(const std::string& field_name);
 

@@ -8,12 +8,15 @@
 #include "axiscal/v1/access_service.pb.h"
 #include "axiscal/v1/admin_service.pb.h"
 #include "axiscal/v1/calibrations_service.pb.h"
+#include "axiscal/v1/events_service.pb.h"
 #include "axiscal/v1/history_service.pb.h"
 #include "axiscal/v1/ingest_service.pb.h"
 #include "axiscal/v1/jobs_service.pb.h"
 #include "axiscal/v1/machines_service.pb.h"
 #include "axiscal/v1/programs_service.pb.h"
+#include "axiscal/v1/routines_service.pb.h"
 #include "axiscal/v1/tables_service.pb.h"
+#include "axiscal/v1/webhooks_service.pb.h"
 #include "server/access/methods.h"
 
 namespace axiscal::access {
@@ -34,7 +37,8 @@ std::vector<const MethodDescriptor*> AllMethods() {
       v1::GetCalibrationRequest::descriptor()->file(),   v1::QueryDriftRequest::descriptor()->file(),
       v1::CreateSessionRequest::descriptor()->file(),    v1::CreateJobRequest::descriptor()->file(),
       v1::GetMachineRequest::descriptor()->file(),       v1::PutProgramRequest::descriptor()->file(),
-      v1::ListTableFormatsRequest::descriptor()->file(),
+      v1::ListTableFormatsRequest::descriptor()->file(), v1::ListEventsRequest::descriptor()->file(),
+      v1::ListRoutinesRequest::descriptor()->file(),     v1::ListWebhooksRequest::descriptor()->file(),
   };
   std::vector<const MethodDescriptor*> methods;
   for (const FileDescriptor* const file : files) {

@@ -23,7 +23,7 @@ absl::StatusOr<v1::CreatePrincipalResponse> CreatePrincipal(Core& core, const Ca
                                                             const v1::CreatePrincipalRequest& request) {
   RETURN_IF_ERROR(convert::RequireText("note", request.note(), 0, kMaxNoteBytes));
   ASSIGN_OR_RETURN(const records::PrincipalRecord record,
-                   core.database.CreatePrincipal(request.name(), request.note(), {call.user, ""}));
+                   core.database.CreatePrincipal(request.name(), request.note(), call.By()));
   v1::CreatePrincipalResponse response;
   *response.mutable_principal() = convert::ToProto(record);
   return response;
@@ -31,8 +31,7 @@ absl::StatusOr<v1::CreatePrincipalResponse> CreatePrincipal(Core& core, const Ca
 
 absl::StatusOr<v1::RevokePrincipalResponse> RevokePrincipal(Core& core, const Call& call,
                                                             const v1::RevokePrincipalRequest& request) {
-  ASSIGN_OR_RETURN(const records::PrincipalRecord record,
-                   core.database.RevokePrincipal(request.name(), {call.user, ""}));
+  ASSIGN_OR_RETURN(const records::PrincipalRecord record, core.database.RevokePrincipal(request.name(), call.By()));
   v1::RevokePrincipalResponse response;
   *response.mutable_principal() = convert::ToProto(record);
   return response;
@@ -61,7 +60,7 @@ absl::StatusOr<v1::CreateTokenResponse> CreateToken(Core& core, const Call& call
   }
   const std::string secret = access::NewToken();
   token.sha256 = access::HashOfToken(secret);
-  ASSIGN_OR_RETURN(const records::TokenRecord record, core.database.CreateToken(token, {call.user, ""}));
+  ASSIGN_OR_RETURN(const records::TokenRecord record, core.database.CreateToken(token, call.By()));
   v1::CreateTokenResponse response;
   response.set_secret(secret);
   *response.mutable_token() = convert::ToProto(record);
@@ -70,7 +69,7 @@ absl::StatusOr<v1::CreateTokenResponse> CreateToken(Core& core, const Call& call
 
 absl::StatusOr<v1::RevokeTokenResponse> RevokeToken(Core& core, const Call& call,
                                                     const v1::RevokeTokenRequest& request) {
-  ASSIGN_OR_RETURN(const records::TokenRecord record, core.database.RevokeToken(request.token_id(), {call.user, ""}));
+  ASSIGN_OR_RETURN(const records::TokenRecord record, core.database.RevokeToken(request.token_id(), call.By()));
   v1::RevokeTokenResponse response;
   *response.mutable_token() = convert::ToProto(record);
   return response;
@@ -80,7 +79,7 @@ absl::StatusOr<v1::ChangeRoleResponse> ChangeRole(Core& core, const Call& call, 
   const absl::StatusOr<records::Grant> grant = convert::FromProto(request.grant());
   if (!grant.ok()) return convert::InField("grant", grant.status());
   ASSIGN_OR_RETURN(const records::PrincipalRecord record,
-                   core.database.ChangeRole(request.principal(), *grant, request.holds(), {call.user, ""}));
+                   core.database.ChangeRole(request.principal(), *grant, request.holds(), call.By()));
   v1::ChangeRoleResponse response;
   *response.mutable_principal() = convert::ToProto(record);
   return response;
@@ -90,7 +89,7 @@ absl::StatusOr<v1::ChangeGroupResponse> ChangeGroup(Core& core, const Call& call
                                                     const v1::ChangeGroupRequest& request) {
   ASSIGN_OR_RETURN(
       const records::MachineAccess access,
-      core.database.ChangeGroup(request.group(), MachineId(request.machine_id()), request.belongs(), {call.user, ""}));
+      core.database.ChangeGroup(request.group(), MachineId(request.machine_id()), request.belongs(), call.By()));
   v1::ChangeGroupResponse response;
   *response.mutable_machine() = convert::ToProto(access);
   return response;
@@ -99,7 +98,7 @@ absl::StatusOr<v1::ChangeGroupResponse> ChangeGroup(Core& core, const Call& call
 absl::StatusOr<v1::SetFourEyesResponse> SetFourEyes(Core& core, const Call& call,
                                                     const v1::SetFourEyesRequest& request) {
   ASSIGN_OR_RETURN(const records::MachineAccess access,
-                   core.database.SetFourEyes(MachineId(request.machine_id()), request.four_eyes(), {call.user, ""}));
+                   core.database.SetFourEyes(MachineId(request.machine_id()), request.four_eyes(), call.By()));
   v1::SetFourEyesResponse response;
   *response.mutable_machine() = convert::ToProto(access);
   return response;
@@ -112,6 +111,40 @@ absl::StatusOr<v1::ListMachineAccessResponse> ListMachineAccess(Core& core, cons
   v1::ListMachineAccessResponse response;
   for (const records::MachineAccess& row : rows.rows) *response.add_machines() = convert::ToProto(row);
   response.set_next_page_token(rows.next_token);
+  return response;
+}
+
+absl::StatusOr<v1::ListAuditResponse> ListAudit(Core& core, const Call& call, const v1::ListAuditRequest& request) {
+  storage::AuditFilter filter;
+  if (request.has_from_utc_us()) filter.from = base::FromUtcUs(request.from_utc_us());
+  if (request.has_to_utc_us()) filter.to = base::FromUtcUs(request.to_utc_us());
+  filter.principal = request.principal();
+  filter.resource = request.resource();
+  ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
+  ASSIGN_OR_RETURN(const records::Page<storage::AuditEntry> rows, core.database.ListAudit(filter, page));
+  v1::ListAuditResponse response;
+  for (const storage::AuditEntry& row : rows.rows) {
+    v1::AuditEntry& entry = *response.add_entries();
+    entry.set_entry_number(row.id);
+    entry.set_at_utc_us(base::ToUtcUs(row.at));
+    entry.set_principal(row.principal);
+    entry.set_peer(row.peer);
+    entry.set_action(row.action);
+    entry.set_resource(row.resource);
+    entry.set_outcome(row.outcome);
+    entry.set_was(row.was);
+    entry.set_became(row.became);
+    entry.set_detail(row.detail);
+  }
+  response.set_next_page_token(rows.next_token);
+  return response;
+}
+
+absl::StatusOr<v1::CheckAuditResponse> CheckAudit(Core& core, const Call& call, const v1::CheckAuditRequest& request) {
+  ASSIGN_OR_RETURN(const storage::AuditHead head, core.database.CheckAudit());
+  v1::CheckAuditResponse response;
+  response.set_last_entry_number(head.id);
+  response.set_sha256(head.sha256);
   return response;
 }
 

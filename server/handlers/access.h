@@ -27,6 +27,9 @@ absl::StatusOr<v1::SetFourEyesResponse> SetFourEyes(Core& core, const Call& call
 absl::StatusOr<v1::ListMachineAccessResponse> ListMachineAccess(Core& core, const Call& call,
                                                                 const v1::ListMachineAccessRequest& request);
 
+absl::StatusOr<v1::ListAuditResponse> ListAudit(Core& core, const Call& call, const v1::ListAuditRequest& request);
+absl::StatusOr<v1::CheckAuditResponse> CheckAudit(Core& core, const Call& call, const v1::CheckAuditRequest& request);
+
 }  // namespace axiscal::handlers
 
 #endif  // AXISCAL_SERVER_HANDLERS_ACCESS_H_

@@ -5,6 +5,24 @@
 
 namespace axiscal::handlers {
 
+bool IsTraceParent(const std::string& text) {
+  if (text.size() != 55) return false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const bool is_dash = i == 2 || i == 35 || i == 52;
+    const bool is_digit = (text[i] >= '0' && text[i] <= '9') || (text[i] >= 'a' && text[i] <= 'f');
+    if (is_dash ? text[i] != '-' : !is_digit) return false;
+  }
+  return true;
+}
+
+absl::StatusOr<storage::Caller> ByWithReason(const Call& call, const std::string& reason) {
+  constexpr size_t kMaxReasonBytes = 200;  // a sentence
+  RETURN_IF_ERROR(convert::RequireText("reason", reason, 0, kMaxReasonBytes));
+  storage::Caller caller = call.By();
+  caller.reason = reason;
+  return caller;
+}
+
 absl::Status RequireAccepting(const Core& core) {
   if (!core.draining) return absl::OkStatus();
   return base::Error(absl::StatusCode::kUnavailable, "the server is stopping and takes no new work", {"DRAINING", {}});

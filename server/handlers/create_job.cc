@@ -17,7 +17,7 @@ absl::StatusOr<v1::CreateJobResponse> CreateJob(Core& core, const Call& call, co
   job.machine = records::MachineOf(*params);
   if (const auto* compensate = std::get_if<records::CompensateParams>(&*params)) job.program = compensate->program;
   job.params = convert::Serialize(*params);
-  job.caller = {call.user, request.request_id()};
+  job.caller = call.By(request.request_id());
   ASSIGN_OR_RETURN(const records::JobRecord record, core.jobs.Create(job));
   v1::CreateJobResponse response;
   *response.mutable_job() = convert::ToProto(record);

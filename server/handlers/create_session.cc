@@ -22,7 +22,7 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(Core& core, const Call& 
   session.header = schema->header;
   session.measured_at = StartedAt(head);
   session.columns = schema->columns;
-  session.caller = {call.user, request.request_id()};
+  session.caller = call.By(request.request_id());
   ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.CreateSession(session));
   v1::CreateSessionResponse response;
   *response.mutable_session() = convert::ToProto(record);

@@ -70,25 +70,46 @@ void HeldCalls::CutOffSilent() {
   }
 }
 
-bool HeldCalls::MakeRoom(HeldKind kind, std::chrono::milliseconds at_least) {
-  const auto longest =
-      std::find_if(silent_.begin(), silent_.end(), [kind](const HeldCall* call) { return call->kind_ == kind; });
+void HeldCalls::Count(const HeldCall& call, int more) {
+  counts_[static_cast<size_t>(call.kind_)] += more;
+  if (call.who_.empty()) return;
+  int& of_one = of_one_[{call.kind_, call.who_}];
+  of_one += more;
+  if (of_one == 0) of_one_.erase({call.kind_, call.who_});
+}
+
+bool HeldCalls::MakeRoom(HeldKind kind, const std::string& who, std::chrono::milliseconds at_least) {
+  const auto longest = std::find_if(silent_.begin(), silent_.end(), [&](const HeldCall* call) {
+    return call->kind_ == kind && (who.empty() || call->who_ == who);
+  });
   if (longest == silent_.end() || clock_.SteadyNow() - (*longest)->silent_since_ < at_least) return false;
   (*longest)->CutOff("the caller was silent while others waited");
   return true;
 }
 
-HeldCall::HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, std::function<void()> cut_off)
-    : calls_(calls), kind_(kind), cut_off_(std::move(cut_off)) {
+HeldCall::HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, std::function<void()> cut_off,
+                   std::string who)
+    : calls_(calls), kind_(kind), who_(std::move(who)), cut_off_(std::move(cut_off)) {
   const base::MutexLock lock(calls_.mutex_);
-  int& count = calls_.counts_[static_cast<size_t>(kind)];
+  if (!who_.empty()) {
+    const auto found = calls_.of_one_.find({kind_, who_});
+    if (found != calls_.of_one_.end() && found->second >= limits.max_of_one &&
+        !calls_.MakeRoom(kind, who_, limits.gives_way)) {
+      status_ =
+          base::Error(absl::StatusCode::kResourceExhausted,
+                      absl::StrCat("more than ", limits.max_of_one, " ", WordsOf(kind), " of ", who_, " at a time"),
+                      {"QUEUE_FULL", {{"principal", who_}}});
+      return;
+    }
+  }
+  const int count = calls_.counts_[static_cast<size_t>(kind)];
   const int most = MostOf(limits, kind);
-  if (count >= most && !calls_.MakeRoom(kind, limits.gives_way) && kind != HeldKind::kReply) {
+  if (count >= most && !calls_.MakeRoom(kind, "", limits.gives_way) && kind != HeldKind::kReply) {
     status_ = base::Error(absl::StatusCode::kResourceExhausted,
                           absl::StrCat("more than ", most, " ", WordsOf(kind), " at a time"), {"QUEUE_FULL", {}});
     return;
   }
-  ++count;
+  calls_.Count(*this, 1);
   is_counted_ = true;
   calls_.silence_ = limits.silence;
   if (!calls_.thread_.joinable()) calls_.thread_ = std::thread([&calls] { calls.CutOffSilent(); });
@@ -97,7 +118,7 @@ HeldCall::HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, st
 HeldCall::~HeldCall() {
   const base::MutexLock lock(calls_.mutex_);
   if (is_silent_) calls_.silent_.erase(place_);
-  if (is_counted_) --calls_.counts_[static_cast<size_t>(kind_)];
+  if (is_counted_) calls_.Count(*this, -1);
 }
 
 absl::Status HeldCall::status() const {
@@ -123,7 +144,7 @@ void HeldCall::EndSilence() {
 void HeldCall::CutOff(const std::string& why) {
   calls_.silent_.erase(place_);
   is_silent_ = false;
-  if (is_counted_) --calls_.counts_[static_cast<size_t>(kind_)];
+  if (is_counted_) calls_.Count(*this, -1);
   is_counted_ = false;
   status_ = base::Error(absl::StatusCode::kDeadlineExceeded, why, {"DEADLINE", {}});
   cut_off_();

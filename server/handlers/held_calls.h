@@ -8,7 +8,10 @@
 #include <chrono>
 #include <functional>
 #include <list>
+#include <map>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "core/base/clock.h"
 #include "core/base/status.h"
@@ -26,6 +29,8 @@ struct HeldLimits {
   int max_downloads = 500;
   int max_watches = 1000;
   int max_rewrites = 1;
+  // Of one principal, of each of these kinds.
+  int max_of_one = 100;
   // Calls beside those at a time: none is refused, but the one whose caller is silent longest gives way.
   int max_replies = 500;
   // A caller that neither sends nor takes anything for so long is cut off.
@@ -49,8 +54,10 @@ class HeldCalls {
  private:
   friend class HeldCall;
   void CutOffSilent();
-  // The one of that kind that is silent longest, if for as long; whether there was one.
-  bool MakeRoom(HeldKind kind, std::chrono::milliseconds at_least) AXISCAL_REQUIRES(mutex_);
+  // The one of that kind, and of that principal unless `who` is empty, that is silent longest, if for as long; whether
+  // there was one.
+  bool MakeRoom(HeldKind kind, const std::string& who, std::chrono::milliseconds at_least) AXISCAL_REQUIRES(mutex_);
+  void Count(const HeldCall& call, int more) AXISCAL_REQUIRES(mutex_);
 
   base::Clock& clock_;
   mutable base::Mutex mutex_;
@@ -58,6 +65,7 @@ class HeldCalls {
   bool stopping_ AXISCAL_GUARDED_BY(mutex_) = false;
   std::chrono::milliseconds silence_ AXISCAL_GUARDED_BY(mutex_){0};
   std::array<int, 5> counts_ AXISCAL_GUARDED_BY(mutex_) = {};
+  std::map<std::pair<HeldKind, std::string>, int> of_one_ AXISCAL_GUARDED_BY(mutex_);  // by principal
   std::list<HeldCall*> silent_ AXISCAL_GUARDED_BY(mutex_);  // who is silent longest comes first
   std::thread thread_;                                      // from the first call on
 };
@@ -65,8 +73,10 @@ class HeldCalls {
 // One call while it runs. Its handler asks status() before it begins and when Await() gave false.
 class HeldCall {
  public:
-  // `cut_off` ends the call from another thread: what it waits for then returns false.
-  HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, std::function<void()> cut_off);
+  // `cut_off` ends the call from another thread: what it waits for then returns false. `who`: the principal, for
+  // max_of_one; empty: nobody in particular.
+  HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, std::function<void()> cut_off,
+           std::string who = "");
   ~HeldCall();
   HeldCall(const HeldCall&) = delete;
   HeldCall& operator=(const HeldCall&) = delete;
@@ -92,6 +102,7 @@ class HeldCall {
 
   HeldCalls& calls_;
   const HeldKind kind_;
+  const std::string who_;
   const std::function<void()> cut_off_;
   // Guarded by the mutex of calls_.
   absl::Status status_;

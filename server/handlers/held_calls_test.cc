@@ -79,6 +79,28 @@ TEST_F(HeldCallsTest, MoreThanTheLimitOfAKindAreRefused) {
   EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kWatch, [] {}).status().ok());
 }
 
+TEST_F(HeldCallsTest, OnePrincipalLeavesPlacesToOthers) {
+  HeldLimits limits = kLimits;
+  limits.max_uploads = 10;
+  limits.max_of_one = 2;
+  const auto of = [&](const std::string& who) {
+    return std::make_unique<HeldCall>(
+        calls_, limits, HeldKind::kUpload, [] {}, who);
+  };
+  std::unique_ptr<HeldCall> first = of("eve"), second = of("eve");
+  const std::unique_ptr<HeldCall> third = of("eve");
+  EXPECT_EQ(third->status().message(), "more than 2 uploads of eve at a time");
+  EXPECT_EQ(base::ErrorReason(third->status()), "QUEUE_FULL");
+  EXPECT_TRUE(of("bob")->status().ok());
+  EXPECT_EQ(calls_.count(HeldKind::kUpload), 2);
+  EXPECT_TRUE(HeldCall(
+                  calls_, limits, HeldKind::kDownload, [] {}, "eve")
+                  .status()
+                  .ok());
+  first.reset();
+  EXPECT_TRUE(of("eve")->status().ok());
+}
+
 TEST_F(HeldCallsTest, TheOneSilentLongestGivesWayWhereAllPlacesAreTaken) {
   SilentCall first(calls_, HeldKind::kUpload);
   clock_.Advance(milliseconds(1));

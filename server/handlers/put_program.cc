@@ -27,9 +27,15 @@ absl::Status PutProgramStream::Begin(const v1::PutProgramHeader& header) {
     return convert::FieldError("header.name", "must be a file name without folders");
   }
   RETURN_IF_ERROR(convert::RequireNotNegative("header.size_bytes", header.size_bytes()));
+  if (header.size_bytes() > core_.limits.max_program_bytes) {
+    return base::Error(absl::StatusCode::kResourceExhausted,
+                       absl::StrCat("header.size_bytes = ", header.size_bytes(), ", at most ",
+                                    core_.limits.max_program_bytes, " may be (limits.program_bytes)"),
+                       {"PROGRAM_TOO_LARGE", {}});
+  }
   RETURN_IF_ERROR(convert::RequireSha256("header.sha256", header.sha256()));
   RETURN_IF_ERROR(convert::RequireText("header.request_id", header.request_id(), 1, 64));
-  ASSIGN_OR_RETURN(program_, core_.database.BeginProgram({"nc", header.name(), {call_.user, header.request_id()}}));
+  ASSIGN_OR_RETURN(program_, core_.database.BeginProgram({"nc", header.name(), call_.By(header.request_id())}));
   header_ = header;
   return absl::OkStatus();
 }

@@ -37,7 +37,7 @@ session::Session WithoutReadings(const records::SessionSchema& schema) {
 
 // Whether nothing is wrong with any of them, told faster than what is wrong with which. Empty cells may look wrong.
 bool AllFit(const session::ColumnRule& rule, const std::vector<double>& values, double earlier_s) {
-  bool all_fit = true;
+  bool all_fit = !rule.IsSense();
   for (const double number : values) all_fit &= (number >= rule.min) & (number <= rule.max);
   if (rule.kind != session::ColumnKind::kTime || values.empty()) return all_fit;
   all_fit &= values[0] >= earlier_s;
@@ -140,7 +140,9 @@ absl::StatusOr<records::SessionRecord> FinishChecked(Core& core, SessionId id, c
   if (totals.reading_count == 0) {
     return Invalid(absl::InvalidArgumentError("no readings, expected at least one"), "totals.readings");
   }
-  return core.database.FinishSession(id, totals);
+  ASSIGN_OR_RETURN(records::SessionRecord record, core.database.FinishSession(id, totals));
+  core.run_soon(record.machine);
+  return record;
 }
 
 std::optional<base::UtcTime> StartedAt(const session::Session& session) {

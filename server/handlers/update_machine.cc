@@ -12,7 +12,7 @@ absl::StatusOr<v1::UpdateMachineResponse> UpdateMachine(Core& core, const Call& 
   RETURN_IF_ERROR(convert::RequirePositive("etag", request.etag()));
   ASSIGN_OR_RETURN(
       const records::MachineRecord record,
-      core.database.UpdateMachine(MachineId(machine.id), request.etag(), request.description_json(), {call.user, ""}));
+      core.database.UpdateMachine(MachineId(machine.id), request.etag(), request.description_json(), call.By()));
   v1::UpdateMachineResponse response;
   *response.mutable_machine() = convert::ToProto(record);
   return response;

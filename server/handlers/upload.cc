@@ -72,6 +72,13 @@ absl::Status UploadStream::Append(const v1::Chunk& message) {
   if (chunk.seq() == expected_seq_) {
     // A closed session only compares what comes again.
     if (check_) RETURN_IF_ERROR(check_->Check(chunk));
+    if (chunk.seq() >= session_->next_seq) readings_ += chunk.reading_count();
+    if (session_->reading_count + readings_ > core_.limits.max_session_readings) {
+      return base::Error(absl::StatusCode::kResourceExhausted,
+                         absl::StrCat("chunk ", chunk.seq(), ": more than ", core_.limits.max_session_readings,
+                                      " readings in a session (limits.session_readings)"),
+                         {"SESSION_TOO_LARGE", {}});
+    }
     ++expected_seq_;
   }
   {
@@ -81,7 +88,10 @@ absl::Status UploadStream::Append(const v1::Chunk& message) {
     ++under_way_;
   }
   core_.database.AppendChunkAsync(session_->id, chunk,
-                                  [this](absl::StatusOr<storage::AppendResult> result) { Stored(result); });
+                                  [this, count = chunk.reading_count()](absl::StatusOr<storage::AppendResult> result) {
+                                    if (result.ok() && !result->duplicate) core_.metrics->ReadingsStored(count);
+                                    Stored(result);
+                                  });
   return absl::OkStatus();
 }
 

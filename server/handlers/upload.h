@@ -57,6 +57,7 @@ class UploadStream {
   std::optional<records::SessionRecord> session_;
   std::optional<ReadingCheck> check_;
   int64_t expected_seq_ = 0;
+  int64_t readings_ = 0;  // that came behind those that the session had
   std::optional<records::SessionRecord> completed_;
 
   base::Mutex mutex_;

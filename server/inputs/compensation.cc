@@ -16,6 +16,7 @@ absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const 
                    compensate::Compensator::Create(machine, errors,
                                                    {params.tool_tip_mm, params.time_s, params.temperature_celsius}));
   nc::RewriteOptions options = params.options;
+  options.machine = params.machine.text();
   options.calibration = absl::StrCat(params.machine.text(), " v", calibration.version);
   return Compensation{std::move(calibration), std::move(compensator), std::move(options)};
 }

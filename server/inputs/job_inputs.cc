@@ -25,7 +25,10 @@ absl::Status CheckSessions(storage::Database& database, const MachineId& machine
           absl::StrCat(name, " is of machine ", session.machine.text(), ", must be of ", machine.text()));
     }
     if (session.state != records::SessionState::kComplete) {
-      return Unmet("SESSION_NOT_COMPLETE", name + " is not complete");
+      const bool is_expired = session.state == records::SessionState::kExpired;
+      return Unmet(
+          "SESSION_NOT_COMPLETE",
+          name + (is_expired ? " has expired: it was left, or its readings were removed by age" : " is not complete"));
     }
   }
   return absl::OkStatus();

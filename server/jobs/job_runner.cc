@@ -74,6 +74,7 @@ class JobRunner::Impl {
   void UpdateProgress(JobId id, const records::JobProgress& progress);
 
   absl::Status CheckNotDraining();
+  storage::JobRoom Room() const { return {options_.max_queued, options_.max_of_principal, options_.max_of_machine}; }
   // Tells it where the job had not begun: nobody else would.
   absl::StatusOr<JobRecord> StoreCancel(JobId id, const storage::Caller& caller);
   void Wake();
@@ -307,7 +308,7 @@ absl::StatusOr<JobRecord> JobRunner::Impl::Create(const storage::NewJob& job) {
     return base::Error(absl::StatusCode::kInvalidArgument, "no jobs of kind " + job.kind,
                        {"JOB_KIND_UNKNOWN", {{"kind", job.kind}}});
   }
-  ASSIGN_OR_RETURN(const JobRecord record, database_.CreateJob(job, options_.max_queued));
+  ASSIGN_OR_RETURN(const JobRecord record, database_.CreateJob(job, Room()));
   Publish(record);
   Wake();
   return record;
@@ -343,7 +344,7 @@ absl::StatusOr<JobRecord> JobRunner::Impl::Cancel(JobId id, const storage::Calle
 
 absl::StatusOr<JobRecord> JobRunner::Impl::Requeue(JobId id, const storage::Caller& caller) {
   RETURN_IF_ERROR(CheckNotDraining());
-  ASSIGN_OR_RETURN(const JobRecord record, database_.RequeueJob(id, options_.max_queued, caller));
+  ASSIGN_OR_RETURN(const JobRecord record, database_.RequeueJob(id, Room(), caller));
   Publish(record);
   Wake();
   return record;

@@ -34,8 +34,10 @@ struct JobEvent {
 std::string OutcomeOf(const records::JobRecord& job);
 
 struct JobRunnerOptions {
-  int workers = 2;                                                    // jobs at once, > 0; a job uses one core
-  int max_queued = 1000;                                              // waiting jobs, > 0; more are refused
+  int workers = 2;           // jobs at once, > 0; a job uses one core
+  int max_queued = 1000;     // waiting jobs, > 0; more are refused
+  int max_of_principal = 0;  // as storage::JobRoom
+  int max_of_machine = 0;
   std::chrono::milliseconds lease = std::chrono::seconds(30);         // a worker silent for this long loses its job
   std::chrono::milliseconds heartbeat = std::chrono::seconds(5);      // < lease / 2
   std::chrono::milliseconds first_backoff = std::chrono::seconds(5);  // then 4 times longer each attempt

@@ -25,7 +25,7 @@ absl::StatusOr<MachineInput> LoadMachine(storage::Database& database, const Mach
 }
 
 absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
-                                              const machine::Machine& machine, JobContext& context) {
+                                              const machine::Machine& machine, const std::function<bool()>& cancelled) {
   MeasuredSessions stored;
   stored.measured_at = base::UtcTime::min();
   std::map<std::string, int> uses;
@@ -34,7 +34,7 @@ absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const
     ++uses[stored.records.back().name];
   }
   for (const records::SessionRecord& record : stored.records) {
-    if (context.cancelled()) return absl::CancelledError("stopped");
+    if (cancelled()) return absl::CancelledError("stopped");
     ASSIGN_OR_RETURN(session::Session session, database.ReadSession(record.id));
     const std::string name = absl::StrCat(record.name, "#", record.id.number());
     // The machine may have been described anew since the upload.
@@ -45,6 +45,11 @@ absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const
     stored.measured_at = std::max(stored.measured_at, record.measured_at.value_or(record.created_at));
   }
   return stored;
+}
+
+absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
+                                              const machine::Machine& machine, JobContext& context) {
+  return LoadSessions(database, ids, machine, [&context] { return context.cancelled(); });
 }
 
 }  // namespace axiscal::jobs

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_SERVER_JOBS_JOB_SESSIONS_H_
 #define AXISCAL_SERVER_JOBS_JOB_SESSIONS_H_
 
+#include <functional>
 #include <vector>
 
 #include "core/instruments/run.h"
@@ -25,8 +26,10 @@ struct MeasuredSessions {
   base::UtcTime measured_at;                    // of the newest
 };
 
-// In the order of `ids`. SESSION_NOT_FOUND; INVALID_ARGUMENT naming the session when the machine, described anew since
-// the upload, does not fit it; as identify::BindMeasured; CANCELLED.
+// In the order of `ids`. `cancelled` is polled between sessions. SESSION_NOT_FOUND; INVALID_ARGUMENT naming the session
+// when the machine, described anew since the upload, does not fit it; as identify::BindMeasured; CANCELLED.
+absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
+                                              const machine::Machine& machine, const std::function<bool()>& cancelled);
 absl::StatusOr<MeasuredSessions> LoadSessions(storage::Database& database, const std::vector<SessionId>& ids,
                                               const machine::Machine& machine, JobContext& context);
 

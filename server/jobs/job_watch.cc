@@ -1,14 +1,29 @@
 #include "server/jobs/job_watch.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace axiscal::jobs {
 
+JobWatch::Clock::time_point JobWatch::Due() const {
+  const bool is_progress_alone = unseen_->version == given_version_ && !closed_;
+  return is_progress_alone ? given_at_ + kProgressEvery : Clock::time_point::min();
+}
+
 std::optional<records::JobRecord> JobWatch::Next(std::chrono::milliseconds timeout) {
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  const Clock::time_point deadline = Clock::now() + timeout;
   const base::MutexLock lock(mutex_);
-  while (!unseen_ && !closed_ && std::chrono::steady_clock::now() < deadline) changed_.WaitUntil(mutex_, deadline);
-  return std::exchange(unseen_, std::nullopt);
+  while (unseen_ || !closed_) {
+    const Clock::time_point now = Clock::now();
+    if (unseen_ && Due() <= now) {
+      given_version_ = unseen_->version;
+      given_at_ = now;
+      return std::exchange(unseen_, std::nullopt);
+    }
+    if (now >= deadline) break;
+    changed_.WaitUntil(mutex_, unseen_ ? std::min(deadline, Due()) : deadline);
+  }
+  return std::nullopt;
 }
 
 bool JobWatch::done() {

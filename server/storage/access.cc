@@ -25,6 +25,13 @@ absl::Status CheckAccessName(const std::string& what, const std::string& name) {
 
 std::string PlaceOf(const std::string& principal) { return "principals/" + principal; }
 
+std::string RolesText(const std::vector<Grant>& grants) {
+  if (grants.empty()) return "no role";
+  return absl::StrJoin(grants, "; ", [](std::string* out, const Grant& grant) {
+    absl::StrAppend(out, records::NameOf(grant.role), " of ", records::TextOf(grant.scope));
+  });
+}
+
 absl::StatusOr<int64_t> PrincipalKey(Connection& connection, const std::string& name) {
   ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id FROM principal WHERE name = ?1", name));
   ASSIGN_OR_RETURN(const bool found, row.Step());
@@ -133,6 +140,10 @@ std::string OwnerSql(ResourceKind kind) {
       return "SELECT coalesce(same_as, id), created_by FROM program WHERE id = ?1";
     case ResourceKind::kMachine:
       return "SELECT id, '' FROM machine WHERE name = ?1";
+    case ResourceKind::kMark:
+      return "SELECT machine_id, created_by FROM mark WHERE id = ?1";
+    case ResourceKind::kEvent:
+      return "SELECT machine_id, '' FROM event WHERE id = ?1";
   }
   return "";
 }
@@ -176,7 +187,7 @@ absl::StatusOr<PrincipalRecord> CreatePrincipal(Connection& connection, UtcTime 
   RETURN_IF_ERROR(
       connection.Run("INSERT INTO principal (name, note, created_by, created_at_utc_us) VALUES (?1, ?2, ?3, ?4)", name,
                      note, caller.principal, now));
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "principal.create", PlaceOf(name)));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "principal.create", PlaceOf(name), "", "no role"));
   return GetPrincipal(connection, name);
 }
 
@@ -197,7 +208,8 @@ absl::StatusOr<PrincipalRecord> RevokePrincipal(Connection& connection, UtcTime 
   RETURN_IF_ERROR(connection.Run("UPDATE principal SET revoked_at_utc_us = ?2 WHERE id = ?1", key, now));
   RETURN_IF_ERROR(connection.Run(
       "UPDATE token SET revoked_at_utc_us = ?2 WHERE principal_id = ?1 AND revoked_at_utc_us IS NULL", key, now));
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "principal.revoke", PlaceOf(name)));
+  RETURN_IF_ERROR(
+      AuditChange(connection, now, caller, "principal.revoke", PlaceOf(name), RolesText(present.grants), "revoked"));
   return GetPrincipal(connection, name);
 }
 
@@ -252,6 +264,7 @@ absl::Status TouchToken(Connection& connection, UtcTime now, int64_t id) {
 absl::StatusOr<PrincipalRecord> ChangeRole(Connection& connection, UtcTime now, const std::string& name,
                                            const Grant& grant, bool holds, const Caller& caller) {
   ASSIGN_OR_RETURN(const int64_t key, LivePrincipalKey(connection, name));
+  ASSIGN_OR_RETURN(const std::vector<Grant> before, ReadGrants(connection, key));
   if (grant.scope.kind == Scope::Kind::kMachine && holds)
     RETURN_IF_ERROR(MachineKey(connection, MachineId(grant.scope.name)).status());
   if (grant.scope.kind == Scope::Kind::kGroup) RETURN_IF_ERROR(CheckAccessName("group", grant.scope.name));
@@ -264,9 +277,9 @@ absl::StatusOr<PrincipalRecord> ChangeRole(Connection& connection, UtcTime now, 
                   "DELETE FROM principal_role WHERE principal_id = ?1 AND role = ?2 AND scope = ?3 AND scope_name = ?4",
                   key, role, scope, grant.scope.name));
   if (connection.changed_rows() > 0) {
-    RETURN_IF_ERROR(AuditChange(
-        connection, now, caller, holds ? "role.grant" : "role.take",
-        absl::StrCat(PlaceOf(name), "/roles/", records::NameOf(grant.role), " of ", records::TextOf(grant.scope))));
+    ASSIGN_OR_RETURN(const std::vector<Grant> after, ReadGrants(connection, key));
+    RETURN_IF_ERROR(AuditChange(connection, now, caller, holds ? "role.grant" : "role.take", PlaceOf(name),
+                                RolesText(before), RolesText(after)));
   }
   return GetPrincipal(connection, name);
 }
@@ -292,7 +305,8 @@ absl::StatusOr<MachineAccess> SetFourEyes(Connection& connection, UtcTime now, c
   if (present.four_eyes == four_eyes) return present;
   RETURN_IF_ERROR(connection.Run("UPDATE machine SET four_eyes = ?2 WHERE id = ?1", key, four_eyes));
   RETURN_IF_ERROR(AuditChange(connection, now, caller, four_eyes ? "machine.four_eyes_on" : "machine.four_eyes_off",
-                              "machines/" + machine.text()));
+                              "machines/" + machine.text(), four_eyes ? "one may do" : "four eyes",
+                              four_eyes ? "four eyes" : "one may do"));
   return AccessOf(connection, key);
 }
 

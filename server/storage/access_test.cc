@@ -42,12 +42,11 @@ TEST(AccessRows, RolesAreGivenAndTakenAndWrittenDown) {
   const auto audit = database->ListAudit({});
   ASSERT_TRUE(audit.ok());
   for (const AuditEntry& entry : audit->rows) {
-    if (entry.principal == "root") actions.push_back(entry.action + " " + entry.resource);
+    if (entry.principal == "root") actions.push_back(absl::StrCat(entry.action, ": ", entry.was, " > ", entry.became));
   }
-  EXPECT_THAT(actions,
-              ElementsAre("role.take principals/ann/roles/viewer of all machines",
-                          "role.grant principals/ann/roles/viewer of all machines",
-                          "role.grant principals/ann/roles/cell of machine mt", "principal.create principals/ann"));
+  EXPECT_THAT(actions, ElementsAre("role.take: viewer of all machines; cell of machine mt > cell of machine mt",
+                                   "role.grant: cell of machine mt > viewer of all machines; cell of machine mt",
+                                   "role.grant: no role > cell of machine mt", "principal.create:  > no role"));
 }
 
 TEST(AccessRows, AFileKeepsThem) {

@@ -4,6 +4,7 @@
 #include "server/storage/audit.h"
 #include "server/storage/calibration_checksum.h"
 #include "server/storage/estimates.h"
+#include "server/storage/events.h"
 #include "server/storage/machines.h"
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
@@ -18,6 +19,18 @@ constexpr char kColumns[] =
     "c.condition, c.chi2_per_dof, c.rms_before_um, c.rms_after_um, c.created_by, c.created_at_utc_us, c.approved_by, "
     "c.approved_at_utc_us, c.retired_at_utc_us, c.machine_id";
 constexpr char kFrom[] = " FROM calibration AS c JOIN machine AS m ON m.id = c.machine_id ";
+
+std::string NameOf(CalibrationState state) {
+  switch (state) {
+    case CalibrationState::kCandidate:
+      return "candidate";
+    case CalibrationState::kApproved:
+      return "approved";
+    case CalibrationState::kRetired:
+      return "retired";
+  }
+  return "";
+}
 
 std::string Place(CalibrationId id) { return absl::StrCat("calibration ", id.number()); }
 
@@ -190,9 +203,10 @@ absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcT
   RETURN_IF_ERROR(InsertSessions(connection, machine_key, id, calibration.sessions));
   RETURN_IF_ERROR(InsertEstimates(connection, machine_key, calibration.measured_at, id, calibration.estimates));
   RETURN_IF_ERROR(SealCalibration(connection, id));
+  RETURN_IF_ERROR(NoteChange(connection, machine_key));
   const Caller caller = {calibration.created_by, ""};
-  RETURN_IF_ERROR(
-      AuditChange(connection, now, caller, "calibration.create", absl::StrCat("calibrations/", id.number())));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "calibration.create", absl::StrCat("calibrations/", id.number()),
+                              "", "candidate"));
   return GetCalibration(connection, id);
 }
 
@@ -247,12 +261,19 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
 }
 
 absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,
-                                                     int64_t expected_etag, const Caller& caller) {
+                                                     int64_t expected_etag, std::optional<CalibrationId> in_use,
+                                                     const Caller& caller) {
   ASSIGN_OR_RETURN(const CalibrationRecord present, GetCalibration(connection, id));
   if (present.state == CalibrationState::kApproved) return present;
   RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.etag));
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, present.content.machine));
   ASSIGN_OR_RETURN(const std::optional<CalibrationId> former, FindApproved(connection, machine_key));
+  if (in_use.has_value() && in_use != former) {
+    return base::Error(absl::StatusCode::kAborted,
+                       absl::StrCat(Place(id), " was judged against ", Place(*in_use), "; now ",
+                                    former ? Place(*former) : "none", " is in use"),
+                       {"ETAG_MISMATCH", {{"calibration", std::to_string(id.number())}}});
+  }
   if (former.has_value()) RETURN_IF_ERROR(Retire(connection, now, *former));
   RETURN_IF_ERROR(ChangeState(connection, id, [&] {
     return connection.Run(
@@ -261,9 +282,11 @@ absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, Utc
         id, caller.principal, now);
   }));
   const bool was_rejected = present.state == CalibrationState::kRetired && !present.approved_at;
+  RETURN_IF_ERROR(NoteChange(connection, machine_key));
   if (was_rejected) RETURN_IF_ERROR(SumWeekAgain(connection, machine_key, present.content.measured_at));
-  RETURN_IF_ERROR(
-      AuditChange(connection, now, caller, "calibration.approve", absl::StrCat("calibrations/", id.number())));
+  RETURN_IF_ERROR(AuditChange(
+      connection, now, caller, "calibration.approve", absl::StrCat("calibrations/", id.number()), NameOf(present.state),
+      absl::StrCat("approved", former ? absl::StrCat("; calibrations/", former->number(), " retired") : "")));
   return GetCalibration(connection, id);
 }
 
@@ -274,12 +297,12 @@ absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcT
   if (present.record.state == CalibrationState::kRetired) return present.record;
   RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.record.etag));
   RETURN_IF_ERROR(Retire(connection, now, id));
-  if (!present.record.approved_at) {
-    ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, present.record.content.machine));
+  ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, present.record.content.machine));
+  RETURN_IF_ERROR(NoteChange(connection, machine_key));
+  if (!present.record.approved_at)
     RETURN_IF_ERROR(SumWeekAgain(connection, machine_key, present.record.content.measured_at));
-  }
-  RETURN_IF_ERROR(
-      AuditChange(connection, now, caller, "calibration.retire", absl::StrCat("calibrations/", id.number())));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "calibration.retire", absl::StrCat("calibrations/", id.number()),
+                              NameOf(present.record.state), "retired"));
   ASSIGN_OR_RETURN(Sealed retired, Find(connection, id));
   return std::move(retired.record);
 }

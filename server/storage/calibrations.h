@@ -18,7 +18,8 @@ absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection,
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
                                                          const PageRequest& request, const Visible& visible);
 absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,
-                                                     int64_t expected_etag, const Caller& caller);
+                                                     int64_t expected_etag, std::optional<CalibrationId> in_use,
+                                                     const Caller& caller);
 absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcTime now, CalibrationId id,
                                                     int64_t expected_etag, const Caller& caller);
 

@@ -63,6 +63,27 @@ TEST_F(Calibrations, ApprovingAnOldStateIsRefused) {
   EXPECT_EQ(base::ErrorReason(database->ApproveCalibration(made.id, made.etag, Cell("")).status()), "ETAG_MISMATCH");
 }
 
+TEST_F(Calibrations, ApprovingInThePlaceOfAnotherThanIsInUseIsRefused) {
+  const CalibrationId judged = database->CreateCalibration(New())->id;
+  const CalibrationId faster = database->CreateCalibration(New())->id;
+  const CalibrationId late = database->CreateCalibration(New())->id;
+  const auto approve = [&](CalibrationId id, std::optional<CalibrationId> former) {
+    return database->ApproveCalibration(id, 0, former, Cell("")).status();
+  };
+  const absl::Status none = approve(late, judged);
+  EXPECT_TRUE(absl::IsAborted(none)) << none;
+  EXPECT_EQ(base::ErrorReason(none), "ETAG_MISMATCH");
+  ASSERT_TRUE(approve(judged, std::nullopt).ok());
+  ASSERT_TRUE(approve(faster, judged).ok());
+  const absl::Status other = approve(late, judged);
+  EXPECT_EQ(base::ErrorReason(other), "ETAG_MISMATCH");
+  EXPECT_EQ(other.message(), "calibration 3 was judged against calibration 1; now calibration 2 is in use");
+  EXPECT_EQ(database->GetApprovedCalibration(MachineId("mt"))->id, faster);
+  EXPECT_EQ(database->GetCalibration(late)->state, CalibrationState::kCandidate);
+  EXPECT_TRUE(approve(faster, judged).ok());  // repeated
+  EXPECT_TRUE(approve(late, faster).ok());
+}
+
 TEST_F(Calibrations, BadOnesAreRefusedWhole) {
   const auto reason = [&](auto change) {
     NewCalibration calibration = New();

@@ -5,9 +5,9 @@
 //   RESOURCE_EXHAUSTED DISK_LOW (refused before the disk is full) or DISK_FULL, UNAVAILABLE STORE_BUSY / STORE_DOWN
 //   (try again), FAILED_PRECONDITION STORE_READ_ONLY, DATA_LOSS STORE_DAMAGED / CHUNK_DAMAGED.
 //   MACHINE_, SESSION_, CALIBRATION_DAMAGED: the row read is not the one that was stored. A failed write changed
-//   nothing. NOT_FOUND comes with MACHINE_, SESSION_, JOB_, CALIBRATION_, PROGRAM_NOT_FOUND; a bad page with
-//   INVALID_ARGUMENT PAGE_INVALID. A request_id seen before with another body: INVALID_ARGUMENT REQUEST_ID_REUSED; with
-//   the same body: the row made then.
+//   nothing. NOT_FOUND comes with MACHINE_, SESSION_, JOB_, CALIBRATION_, PROGRAM_, MARK_, EVENT_, ROUTINE_NOT_FOUND; a
+//   bad page with INVALID_ARGUMENT PAGE_INVALID. A request_id seen before with another body: INVALID_ARGUMENT
+//   REQUEST_ID_REUSED; with the same body: the row made then.
 #ifndef AXISCAL_SERVER_STORAGE_DATABASE_H_
 #define AXISCAL_SERVER_STORAGE_DATABASE_H_
 
@@ -89,6 +89,10 @@ class Database {
   // loses what went by since this or ExpirePrograms() was called last.
   virtual absl::StatusOr<int> ExpireSessions(std::chrono::microseconds idle) = 0;
 
+  // Complete sessions of at least this age become EXPIRED and their chunks go, except where a calibration stands on
+  // them or a job of their machine has not ended. How many. Age is as in ExpireAudit().
+  virtual absl::StatusOr<int> ExpireReadings(std::chrono::microseconds age) = 0;
+
   // Only complete sessions have data: else FAILED_PRECONDITION SESSION_NOT_COMPLETE. Every chunk's checksum is
   // verified; a damaged one is DATA_LOSS CHUNK_DAMAGED (facts session, seq).
   virtual absl::StatusOr<session::Session> ReadSession(SessionId id) = 0;
@@ -98,8 +102,8 @@ class Database {
                                   const std::function<absl::Status(const records::Chunk&)>& visit) = 0;
 
   // ---- jobs (use jobs::JobRunner: it tells watchers; these calls do not)
-  // RESOURCE_EXHAUSTED QUEUE_FULL when `max_queued` jobs wait.
-  virtual absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) = 0;
+  // RESOURCE_EXHAUSTED QUEUE_FULL where there is no room for it.
+  virtual absl::StatusOr<JobRecord> CreateJob(const NewJob& job, const JobRoom& room) = 0;
   virtual absl::StatusOr<JobRecord> GetJob(JobId id) = 0;
   // Without `result`.
   virtual absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page,
@@ -107,22 +111,26 @@ class Database {
   absl::StatusOr<Page<JobRecord>> ListJobs(const JobFilter& filter, const PageRequest& page) {
     return ListJobs(filter, page, Visible());
   }
-  // The best waiting job whose time has come and whose params are those that were stored (others FAIL with
-  // JOB_DAMAGED), now RUNNING as a new attempt (ClaimOf), or nothing.
+  // Of the principals that have waiting jobs of the highest priority, the one with the fewest that run, and of these
+  // the one whose turn was longest ago, has its turn: its first waiting job whose time has come and whose params are
+  // those that were stored (others FAIL with JOB_DAMAGED, those of a principal that was revoked with
+  // PRINCIPAL_REVOKED), now RUNNING as a new attempt (ClaimOf), or nothing.
   virtual absl::StatusOr<std::optional<JobRecord>> ClaimJob(std::chrono::microseconds lease) = 0;
   // How long from now until a waiting job may be claimed; nothing when none waits.
   virtual absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() = 0;
+  virtual absl::StatusOr<JobQueue> CountJobs() = 0;
   // Prolongs the lease and stores the progress. The record tells whether to cancel.
   virtual absl::StatusOr<JobRecord> HeartbeatJob(const JobClaim& claim, std::chrono::microseconds lease,
                                                  const JobProgress& progress) = 0;
-  // Stores all that the job made and its success, or nothing of it.
+  // Stores all that the job made and its success, or nothing of it. PERMISSION_DENIED PRINCIPAL_REVOKED where whoever
+  // created it was revoked meanwhile.
   virtual absl::StatusOr<JobRecord> SucceedJob(const JobClaim& claim, const JobProduct& product) = 0;
   virtual absl::StatusOr<JobRecord> EndJob(const JobClaim& claim, JobEnd end, const JobError& error,
                                            std::chrono::microseconds retry_after) = 0;
   // A waiting job is CANCELLED at once, a running one gets cancel_requested, a finished one is returned as it is.
   virtual absl::StatusOr<JobRecord> CancelJob(JobId id, const Caller& caller) = 0;
   // FAILED, CANCELLED or DEAD: QUEUED again with all attempts. Others: FAILED_PRECONDITION JOB_NOT_ENDED.
-  virtual absl::StatusOr<JobRecord> RequeueJob(JobId id, int max_queued, const Caller& caller) = 0;
+  virtual absl::StatusOr<JobRecord> RequeueJob(JobId id, const JobRoom& room, const Caller& caller) = 0;
   // RUNNING jobs whose lease is over go back to QUEUED, or DEAD after max_attempts. What changed. (Jobs of a dead
   // process are rescued on open.)
   virtual absl::StatusOr<std::vector<JobRecord>> RescueJobs() = 0;
@@ -136,15 +144,19 @@ class Database {
   // CALIBRATION_DAMAGED (facts calibration, machine). Lists and history, which move no machine, do not.
   // In lists `content` comes without model_json, options_json, report_json.
   virtual absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter,
-                                                                   const PageRequest& page,
-                                                                   const Visible& visible) = 0;
+                                                                   const PageRequest& page, const Visible& visible) = 0;
   absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter, const PageRequest& page) {
     return ListCalibrations(filter, page, Visible());
   }
   // A candidate, or a retired one (roll back), becomes the approved one; the machine's former one retires.
-  // `expected_etag` 0: whatever it is, else ABORTED ETAG_MISMATCH. Repeating is OK.
+  // `expected_etag` 0: whatever it is, else ABORTED ETAG_MISMATCH. So where `former` is given and another calibration,
+  // or none, is in use: it was judged against one that nobody uses any more. Repeating is OK.
   virtual absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t expected_etag,
+                                                               std::optional<CalibrationId> former,
                                                                const Caller& caller) = 0;
+  absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t expected_etag, const Caller& caller) {
+    return ApproveCalibration(id, expected_etag, std::nullopt, caller);
+  }
   virtual absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t expected_etag,
                                                               const Caller& caller) = 0;
 
@@ -215,10 +227,128 @@ class Database {
 
   // ---- audit: append only. Changes of machines, calibrations and jobs by callers are entered by the store itself.
   virtual absl::Status AppendAudit(const AuditEntry& entry) = 0;
-  virtual absl::StatusOr<Page<AuditEntry>> ListAudit(const PageRequest& page) = 0;
+  // Newest first.
+  virtual absl::StatusOr<Page<AuditEntry>> ListAudit(const AuditFilter& filter, const PageRequest& page) = 0;
+  absl::StatusOr<Page<AuditEntry>> ListAudit(const PageRequest& page) { return ListAudit(AuditFilter(), page); }
+  // Compares every entry with its hash, which covers those before it. DATA_LOSS AUDIT_DAMAGED (fact audit) names the
+  // first that was changed or is missing.
+  virtual absl::StatusOr<AuditHead> CheckAudit() = 0;
+  // Removes the oldest entries, of at least this age, some at a time; how many, 0 when there are none. The chain keeps
+  // its anchor. Age is time that the file was open, in days: marks are made by ExpireSessions().
+  virtual absl::StatusOr<int> ExpireAudit(std::chrono::microseconds age) = 0;
+
+  // A copy of what the database is now, in a new file, synced and looked through, while others go on reading and
+  // writing. `go_on`, which may be empty, is asked between pieces: an error ends the copying, and is returned. Where
+  // something is damaged the copy is made, and the damages are named. ALREADY_EXISTS where there is a file,
+  // FAILED_PRECONDITION FOLDER_NOT_WRITABLE; on failure there is none.
+  virtual absl::StatusOr<BackupResult> Backup(const std::string& path, const std::function<absl::Status()>& go_on) = 0;
 
   // Schema version of the file, for GetServerInfo.
   virtual int schema_version() const = 0;
+
+  // ---- marks of people in histories
+  // Repeatable by its request id. INVALID_ARGUMENT MARK_INVALID: a time before 1970 or in the future.
+  virtual absl::StatusOr<Mark> PutMark(const NewMark& mark, const Caller& caller) = 0;
+  // It counts no more, and stays in lists. Repeating is OK. NOT_FOUND MARK_NOT_FOUND.
+  virtual absl::StatusOr<Mark> WithdrawMark(MarkId id, const Caller& caller) = 0;
+  // Newest first, withdrawn ones too.
+  virtual absl::StatusOr<Page<Mark>> ListMarks(const MachineId& machine, const PageRequest& page) = 0;
+
+  // ---- what is expected of machines, and events (only server/watch raises and clears them)
+  // Of a machine for which none were set: empty, etag 0.
+  virtual absl::StatusOr<ExpectationsRecord> GetExpectations(const MachineId& machine) = 0;
+  // ABORTED ETAG_MISMATCH unless `expected_etag` is 0 or what is there. The same again changes nothing.
+  virtual absl::StatusOr<ExpectationsRecord> SetExpectations(const Expectations& expected, int64_t expected_etag,
+                                                             const Caller& caller) = 0;
+  // NOT_FOUND EVENT_NOT_FOUND.
+  virtual absl::StatusOr<Event> GetEvent(EventId id) = 0;
+  virtual absl::StatusOr<Page<Event>> ListEvents(const EventFilter& filter, const PageRequest& page,
+                                                 const Visible& visible) = 0;
+  // Those that are not cleared, and steps that a person's word has cleared.
+  virtual absl::StatusOr<std::vector<Event>> StandingEvents(const MachineId& machine) = 0;
+  // The first word stays: repeating is OK and changes nothing. A step, which stays in the history, is cleared by it.
+  virtual absl::StatusOr<Event> AcknowledgeEvent(EventId id, const std::string& note, const Caller& caller) = 0;
+  // Until then, or back at once where `until` is absent. INVALID_ARGUMENT EVENT_INVALID: a time that is over, or more
+  // than a year ahead; FAILED_PRECONDITION EVENT_CLEARED.
+  virtual absl::StatusOr<Event> ShelveEvent(EventId id, std::optional<UtcTime> until, const std::string& note,
+                                            const Caller& caller) = 0;
+  // Those whose time on the shelf is over; how many.
+  virtual absl::StatusOr<int> BringBackEvents() = 0;
+  // How many events it has changed: what was cleared or raised meanwhile is passed over.
+  virtual absl::StatusOr<int> ChangeEvents(const EventChanges& changes) = 0;
+  // In order, from the first after `after` on. OUT_OF_RANGE CHANGE_UNKNOWN where there was never so great a number: the
+  // database is an older one than that which gave it.
+  virtual absl::StatusOr<EventChangePage> ReadEventChanges(int64_t after, const std::optional<MachineId>& machine,
+                                                           const Visible& visible) = 0;
+  // The number of the newest; 0: there is none.
+  virtual absl::StatusOr<int64_t> LastEventChange() = 0;
+  virtual absl::StatusOr<LookStand> GetLookStand(const MachineId& machine) = 0;
+  // Machines that have changed since they were looked at last, or were looked at by another version than this, and
+  // those of which sessions or young calibrations are expected. No deleted ones.
+  virtual absl::StatusOr<std::vector<MachineId>> MachinesToLookAt(const std::string& version) = 0;
+  // When the newest complete session of that name was measured, or came where its file does not say; nothing where
+  // there is none.
+  virtual absl::StatusOr<std::optional<UtcTime>> NewestSession(const MachineId& machine, const std::string& name) = 0;
+
+  // ---- routines (docs/routines.md; server/routines runs them)
+  // Makes one, or replaces the one of that name; an equal one stays as it is. `expected_etag` 0: whatever is there,
+  // else ABORTED ETAG_MISMATCH. Sessions that were begun before a routine was made, enabled again, or given another
+  // scope or other sessions are none of its business. NOT_FOUND PRINCIPAL_NOT_FOUND, MACHINE_NOT_FOUND, GROUP_NOT_FOUND
+  // (a group without a machine is none), FAILED_PRECONDITION PRINCIPAL_REVOKED, RESOURCE_EXHAUSTED TOO_MANY_ROUTINES.
+  virtual absl::StatusOr<RoutineRecord> PutRoutine(const Routine& routine, int64_t expected_etag,
+                                                   const Caller& caller) = 0;
+  // Its runs stay; its name is free again. As it was. NOT_FOUND ROUTINE_NOT_FOUND; so below.
+  virtual absl::StatusOr<RoutineRecord> RemoveRoutine(const std::string& name, int64_t expected_etag,
+                                                      const Caller& caller) = 0;
+  // Whether a routine begins nothing on one machine. Repeating is OK.
+  virtual absl::StatusOr<RoutineRecord> StopRoutine(const std::string& name, const MachineId& machine, bool stops,
+                                                    const std::string& note, const Caller& caller) = 0;
+  // All, in order of names: those that work for a machine that may be seen.
+  virtual absl::StatusOr<std::vector<RoutineRecord>> ListRoutines(const Visible& visible) = 0;
+  // Those for which an enabled routine works, and those on which a run is open.
+  virtual absl::StatusOr<std::vector<MachineId>> MachinesWithRoutines() = 0;
+  // Those that work for this machine, enabled, stopped or not.
+  virtual absl::StatusOr<std::vector<RoutineRecord>> RoutinesOf(const MachineId& machine) = 0;
+  // The newest run of each routine on this machine, and what is open of routines that were removed.
+  virtual absl::StatusOr<std::vector<RoutineRun>> NewestRuns(const MachineId& machine) = 0;
+  // The newest complete session of that name that a routine has not used yet, and that is not older than it.
+  virtual absl::StatusOr<std::optional<NamedSession>> NewSessionFor(RoutineId routine, const MachineId& machine,
+                                                                    const std::string& name) = 0;
+  // A run that waits, of the routine as it stands: ABORTED ETAG_MISMATCH where it has changed.
+  virtual absl::StatusOr<RoutineRun> BeginRun(const RoutineRecord& routine, const MachineId& machine,
+                                              const std::vector<SessionId>& sessions,
+                                              const std::vector<SessionId>& check_sessions) = 0;
+  virtual absl::StatusOr<RoutineRun> ChangeRun(const RunChange& change) = 0;
+  // A new run on the sessions of the newest one. FAILED_PRECONDITION RUN_NOT_FAILED unless that failed or was stopped.
+  virtual absl::StatusOr<RoutineRun> RetryRoutine(const std::string& name, const MachineId& machine,
+                                                  const Caller& caller) = 0;
+  // Newest first.
+  virtual absl::StatusOr<Page<RoutineRun>> ListRuns(const RunFilter& filter, const PageRequest& page,
+                                                    const Visible& visible) = 0;
+
+  // ---- webhooks (docs/events.md; server/webhooks sends)
+  // Makes one, which begins with what happens after that, or changes the one of that name; an equal one stays as it is.
+  // `expected_etag` as in PutRoutine(). NOT_FOUND MACHINE_NOT_FOUND, GROUP_NOT_FOUND, RESOURCE_EXHAUSTED
+  // TOO_MANY_WEBHOOKS.
+  virtual absl::StatusOr<WebhookRecord> PutWebhook(const Webhook& webhook, const NewSecret& secret,
+                                                   int64_t expected_etag, const Caller& caller) = 0;
+  // With its dead letters. As it was. NOT_FOUND WEBHOOK_NOT_FOUND; so below.
+  virtual absl::StatusOr<WebhookRecord> RemoveWebhook(const std::string& name, int64_t expected_etag,
+                                                      const Caller& caller) = 0;
+  virtual absl::StatusOr<WebhookRecord> GetWebhook(const std::string& name) = 0;
+  // All, in order of names.
+  virtual absl::StatusOr<std::vector<WebhookRecord>> ListWebhooks() = 0;
+  // Whether it was written down: not where the webhook was changed or removed meanwhile, or is elsewhere already.
+  virtual absl::StatusOr<bool> StepWebhook(const WebhookStep& step) = 0;
+  // Newest first.
+  virtual absl::StatusOr<Page<DeadLetter>> ListDeadLetters(const std::string& name, const PageRequest& page) = 0;
+  // That one, or all of them, shall be tried once more; how many. NOT_FOUND DEAD_LETTER_NOT_FOUND.
+  virtual absl::StatusOr<int64_t> ResendDeadLetters(const std::string& name, std::optional<int64_t> change,
+                                                    const Caller& caller) = 0;
+  // The oldest dead letter that shall be tried once more, if there is one.
+  virtual absl::StatusOr<std::optional<EventChange>> WantedLetter(WebhookId webhook) = 0;
+  // What came of that; `error` empty: it was taken, and is no dead letter any more.
+  virtual absl::StatusOr<bool> EndWantedLetter(WebhookId webhook, int64_t change, const std::string& error) = 0;
 };
 
 }  // namespace axiscal::storage

@@ -101,6 +101,36 @@ absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, UtcTime m
   return connection.Run(SumWeekAgainSql(), machine_key, base::ToUtcUs(measured_at) / kWeekUs, kWeekUs);
 }
 
+absl::Status CheckWeeks(Connection& connection, int64_t machine_key,
+                        const std::function<void(const std::string& week)>& tell) {
+  // Both ways, so that a week without its row is found too.
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(absl::Substitute(R"(WITH counted AS (
+  SELECT e.symbol, e.measured_at_utc_us / ?2 AS week, count(e.estimated_um_urad) AS known, count(*) AS rows,
+    min(e.estimated_um_urad) AS low, max(e.estimated_um_urad) AS high, sum(e.estimated_um_urad) AS total,
+    total(abs(e.estimated_um_urad)) AS size,
+    min(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us)) AS first,
+    max(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us)) AS last
+  FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
+  WHERE e.machine_id = ?1 AND $0 GROUP BY e.symbol, week)
+SELECT w.symbol, w.week FROM estimate_week AS w LEFT JOIN counted AS n ON n.symbol = w.symbol AND n.week = w.week
+WHERE w.machine_id = ?1 AND (w.estimate_count <> coalesce(n.known, 0)
+  OR w.not_identifiable_count <> coalesce(n.rows - n.known, 0) OR w.min_um_urad IS NOT n.low
+  OR w.max_um_urad IS NOT n.high OR w.first_at_utc_us IS NOT n.first OR w.last_at_utc_us IS NOT n.last
+  OR abs(coalesce(w.sum_um_urad, 0.0) - coalesce(n.total, 0.0)) > 1e-9 * coalesce(n.size, 0.0)
+  OR (w.last_calibration_id IS NOT NULL AND NOT EXISTS (SELECT 1 FROM estimate AS e WHERE e.machine_id = ?1
+    AND e.symbol = w.symbol AND e.measured_at_utc_us = w.last_at_utc_us AND e.calibration_id = w.last_calibration_id
+    AND e.sigma_um_urad IS w.last_sigma_um_urad AND e.unit = w.unit)))
+UNION SELECT n.symbol, n.week FROM counted AS n WHERE NOT EXISTS (SELECT 1 FROM estimate_week AS w
+  WHERE w.machine_id = ?1 AND w.symbol = n.symbol AND w.week = n.week) ORDER BY 1, 2)",
+                                                                  kIsPoint),
+                                                 machine_key, kWeekUs));
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return absl::OkStatus();
+    tell(absl::StrCat(row.Text(0), ", week ", row.Int(1)));
+  }
+}
+
 absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,
                                                     CalibrationId id) {
   // By whole keys of the clustered table, a symbol at a time: an index by calibration would grow the history by half

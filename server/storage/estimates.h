@@ -2,6 +2,7 @@
 #ifndef AXISCAL_SERVER_STORAGE_ESTIMATES_H_
 #define AXISCAL_SERVER_STORAGE_ESTIMATES_H_
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTim
 // After a calibration of that moment was rejected (retired without ever having been approved), or is no longer: what is
 // rejected is no part of the sums over weeks.
 absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, UtcTime measured_at);
+// Told of each week of which the sums are not those of its estimates ("EX0C, week 2812"). Sums of numbers that were
+// added in another order may differ in their last digits.
+absl::Status CheckWeeks(Connection& connection, int64_t machine_key,
+                        const std::function<void(const std::string& week)>& tell);
 // The estimates of one calibration, in the order in which they were given.
 absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,
                                                     CalibrationId id);

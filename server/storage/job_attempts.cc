@@ -1,5 +1,8 @@
 // The half of jobs.h that workers use: an attempt at a job from its claim to its end.
 #include <algorithm>
+#include <compare>
+#include <string>
+#include <vector>
 
 #include "core/base/error_detail.h"
 #include "server/storage/calibrations.h"
@@ -85,24 +88,97 @@ absl::Status InsertPrograms(Connection& connection, JobId id, const std::vector<
   return absl::OkStatus();
 }
 
+// PERMISSION_DENIED PRINCIPAL_REVOKED: whoever was revoked leaves nothing behind.
+absl::Status CheckCreator(Connection& connection, const JobRecord& job) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT 1 FROM principal WHERE name = ?1 AND revoked_at_utc_us IS NOT NULL", job.created_by));
+  ASSIGN_OR_RETURN(const bool is_revoked, row.Step());
+  if (!is_revoked) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kPermissionDenied,
+                     absl::StrCat("job ", job.id.number(), " was created by ", job.created_by,
+                                  ", who was revoked: create it again under another name"),
+                     {"PRINCIPAL_REVOKED", {{"principal", job.created_by}}});
+}
+
 }  // namespace
 
 namespace {
 
+// Those whose jobs wait, each once: a seek for each, however many jobs they have.
+absl::StatusOr<std::vector<std::string>> WhoWaits(Connection& connection) {
+  std::vector<std::string> names;
+  std::string after;
+  for (bool is_first = true;; is_first = false) {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask(absl::StrCat("SELECT created_by FROM job INDEXED BY job_waiting_of WHERE state = 1 AND "
+                                    "created_by ",
+                                    is_first ? ">=" : ">", " ?1 ORDER BY created_by LIMIT 1"),
+                       after));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return names;
+    after = row.Text(0);
+    names.push_back(after);
+  }
+}
+
+// What decides whose turn it is; the least one has it.
+struct Turn {
+  int64_t priority = 0;  // negative: the highest comes first
+  int64_t running = 0, last_turn = 0, job = 0;
+
+  auto operator<=>(const Turn&) const = default;
+};
+
+absl::StatusOr<std::optional<Turn>> TurnOf(Connection& connection, const Moment& now, const std::string& name) {
+  Turn turn;
+  {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT id, priority FROM job INDEXED BY job_waiting_of WHERE state = 1 "
+                                    "AND created_by = ?1 AND waits_from_up_us + wait_us <= ?2 ORDER BY "
+                                    "priority DESC, id LIMIT 1",
+                                    name, now.up_us));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return std::nullopt;
+    turn.job = row.Int(0);
+    turn.priority = -row.Int(1);
+  }
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT (SELECT count(*) FROM job WHERE created_by = ?1 AND state = 2), "
+                                  "coalesce((SELECT turn FROM job_turn WHERE created_by = ?1), 0)",
+                                  name));
+  RETURN_IF_ERROR(row.Step().status());
+  turn.running = row.Int(0);
+  turn.last_turn = row.Int(1);
+  return turn;
+}
+
+absl::StatusOr<std::optional<JobId>> NextJob(Connection& connection, const Moment& now) {
+  ASSIGN_OR_RETURN(const std::vector<std::string> names, WhoWaits(connection));
+  std::optional<Turn> best;
+  std::string whose;
+  for (const std::string& name : names) {
+    ASSIGN_OR_RETURN(const std::optional<Turn> turn, TurnOf(connection, now, name));
+    if (!turn.has_value() || (best.has_value() && *best < *turn)) continue;
+    best = turn;
+    whose = name;
+  }
+  if (!best.has_value()) return std::nullopt;
+  RETURN_IF_ERROR(
+      connection.Run("INSERT INTO job_turn (created_by, turn) VALUES (?1, (SELECT coalesce(max(turn), 0) + 1 FROM "
+                     "job_turn)) ON CONFLICT "
+                     "(created_by) DO UPDATE SET turn = excluded.turn",
+                     whose));
+  return JobId(best->job);
+}
+
 // The next waiting job, now RUNNING.
 absl::StatusOr<std::optional<JobRecord>> ClaimNext(Connection& connection, const JobOwner& owner,
                                                    std::chrono::microseconds lease) {
-  JobId id;
-  {
-    ASSIGN_OR_RETURN(
-        Statement row,
-        connection.Ask("SELECT id FROM job INDEXED BY job_waiting WHERE state = 1 AND waits_from_up_us + wait_us <= ?1 "
-                       "ORDER BY priority DESC, id LIMIT 1",
-                       owner.now.up_us));
-    ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (!found) return std::nullopt;
-    id = JobId(row.Int(0));
-  }
+  ASSIGN_OR_RETURN(const std::optional<JobId> next, NextJob(connection, owner.now));
+  if (!next.has_value()) return std::nullopt;
+  const JobId id = *next;
   RETURN_IF_ERROR(
       connection.Run("UPDATE job SET state = 2, attempt = attempt + 1, owner = ?2, lease_token = lease_token + 1, "
                      "lease_until_steady_us = ?3, "
@@ -124,10 +200,11 @@ absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const 
   while (true) {
     ASSIGN_OR_RETURN(std::optional<JobRecord> job, ClaimNext(connection, owner, lease));
     if (!job.has_value()) return std::nullopt;
-    const absl::Status body = CheckJobBody(connection, *job);
-    if (body.ok()) return job;
-    if (!absl::IsDataLoss(body)) return body;
-    const JobError error = {body.code(), base::ErrorReason(body), std::string(body.message())};
+    absl::Status status = CheckJobBody(connection, *job);
+    if (status.ok()) status = CheckCreator(connection, *job);
+    if (status.ok()) return job;
+    if (!absl::IsDataLoss(status) && !absl::IsPermissionDenied(status)) return status;
+    const JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
     RETURN_IF_ERROR(Leave(connection, owner.now, *job, JobEnd::kFailed, Name(JobEnd::kFailed), error,
                           std::chrono::microseconds(0)));
   }
@@ -138,6 +215,17 @@ absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait(Connection&
   RETURN_IF_ERROR(row.Step().status());
   if (row.IsNull(0)) return std::nullopt;
   return std::chrono::microseconds(std::max<int64_t>(row.Int(0) - now.up_us, 0));
+}
+
+absl::StatusOr<JobQueue> CountJobs(Connection& connection) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT (SELECT count(*) FROM job WHERE state = 1), "
+                                                 "(SELECT count(*) FROM job WHERE state = 2), "
+                                                 "(SELECT created_at_utc_us FROM job WHERE id = "
+                                                 "(SELECT min(id) FROM job WHERE state = 1))"));
+  RETURN_IF_ERROR(row.Step().status());
+  JobQueue queue{row.Int(0), row.Int(1), {}};
+  if (!row.IsNull(2)) queue.oldest_queued = base::FromUtcUs(row.Int(2));
+  return queue;
 }
 
 absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
@@ -153,7 +241,8 @@ absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& o
 
 absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
                                      const JobProduct& product) {
-  RETURN_IF_ERROR(CheckClaim(connection, owner, claim).status());
+  ASSIGN_OR_RETURN(const JobRecord job, CheckClaim(connection, owner, claim));
+  RETURN_IF_ERROR(CheckCreator(connection, job));
   if (product.calibration.has_value()) {
     RETURN_IF_ERROR(CreateCalibration(connection, owner.now.utc, *product.calibration, claim.id).status());
   }

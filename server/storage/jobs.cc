@@ -71,13 +71,38 @@ std::string HashBody(const Job& job) {
   return hash.Add(job.priority).Add(job.max_attempts).Hex();
 }
 
-absl::Status CheckRoom(Connection& connection, int max_queued) {
-  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT count(*) FROM job WHERE state = 1"));
+absl::StatusOr<int64_t> Count(Connection& connection, const std::string& sql, const auto& whose) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql, whose));
   RETURN_IF_ERROR(row.Step().status());
-  if (row.Int(0) < max_queued) return absl::OkStatus();
-  return base::Error(absl::StatusCode::kResourceExhausted,
-                     absl::StrCat(row.Int(0), " jobs wait, at most ", max_queued, " may"),
-                     {"QUEUE_FULL", {{"max_queued", std::to_string(max_queued)}}});
+  return row.Int(0);
+}
+
+absl::Status QueueFull(int64_t jobs, const std::string& whose, int most) {
+  return base::Error(
+      absl::StatusCode::kResourceExhausted,
+      absl::StrCat(jobs, " jobs", whose, " wait", whose.empty() ? "" : " or run", ", at most ", most, " may"),
+      {"QUEUE_FULL", {{"max_queued", std::to_string(most)}}});
+}
+
+absl::Status CheckRoom(Connection& connection, const JobRoom& room, const std::string& principal,
+                       const std::optional<MachineId>& machine) {
+  ASSIGN_OR_RETURN(const int64_t waiting, Count(connection, "SELECT count(*) FROM job WHERE state = ?1", 1));
+  if (waiting >= room.max_waiting) return QueueFull(waiting, "", room.max_waiting);
+  if (room.max_of_principal > 0 && records::IsAccessName(principal)) {
+    ASSIGN_OR_RETURN(
+        const int64_t of_principal,
+        Count(connection, "SELECT count(*) FROM job WHERE created_by = ?1 AND state IN (1, 2)", principal));
+    if (of_principal >= room.max_of_principal)
+      return QueueFull(of_principal, " of " + principal, room.max_of_principal);
+  }
+  if (room.max_of_machine > 0 && machine.has_value()) {
+    ASSIGN_OR_RETURN(const int64_t key, MachineKey(connection, *machine));
+    ASSIGN_OR_RETURN(const int64_t of_machine,
+                     Count(connection, "SELECT count(*) FROM job WHERE machine_id = ?1 AND state IN (1, 2)", key));
+    if (of_machine >= room.max_of_machine)
+      return QueueFull(of_machine, " of machine " + machine->text(), room.max_of_machine);
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::optional<int64_t>> OptionalMachineKey(Connection& connection,
@@ -89,14 +114,14 @@ absl::StatusOr<std::optional<int64_t>> OptionalMachineKey(Connection& connection
 
 }  // namespace
 
-absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, int max_queued) {
+absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, const JobRoom& room) {
   if (job.max_attempts < 1) {
     return InvalidArgument(absl::StrCat("max_attempts = ", job.max_attempts, ", must be > 0"), "JOB_INVALID");
   }
   const std::string body_sha256 = HashBody(job);
   ASSIGN_OR_RETURN(const std::optional<int64_t> same, FindRequest(connection, "job", job.caller, body_sha256));
   if (same.has_value()) return GetJob(connection, JobId(*same));
-  RETURN_IF_ERROR(CheckRoom(connection, max_queued));
+  RETURN_IF_ERROR(CheckRoom(connection, room, job.caller.principal, job.machine));
   ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, job.machine));
   RETURN_IF_ERROR(
       connection.Run("INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, "
@@ -197,22 +222,25 @@ absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId i
   } else {
     RETURN_IF_ERROR(connection.Run("UPDATE job SET cancel_requested = 1, version = version + 1 WHERE id = ?1", id));
   }
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "job.cancel", absl::StrCat("jobs/", id.number())));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "job.cancel", absl::StrCat("jobs/", id.number()),
+                              job.state == JobState::kQueued ? "queued" : "running",
+                              job.state == JobState::kQueued ? "cancelled" : "asked to stop"));
   return GetJob(connection, id);
 }
 
-absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, int max_queued,
+absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, const JobRoom& room,
                                      const Caller& caller) {
   ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
   if (!IsTerminal(job.state) || job.state == JobState::kSucceeded) {
     return FailedPrecondition(absl::StrCat("job ", id.number(), " has not failed"), "JOB_NOT_ENDED");
   }
-  RETURN_IF_ERROR(CheckRoom(connection, max_queued));
+  RETURN_IF_ERROR(CheckRoom(connection, room, job.created_by, job.machine));
   RETURN_IF_ERROR(connection.Run(
       "UPDATE job SET state = 1, attempt = 0, cancel_requested = 0, waits_from_up_us = ?2, wait_us = 0, "
       "progress_stage = '', progress_fraction = 0.0, progress_detail = '', version = version + 1 WHERE id = ?1",
       id, now.up_us));
-  RETURN_IF_ERROR(AuditChange(connection, now.utc, caller, "job.requeue", absl::StrCat("jobs/", id.number())));
+  RETURN_IF_ERROR(
+      AuditChange(connection, now.utc, caller, "job.requeue", absl::StrCat("jobs/", id.number()), "ended", "queued"));
   return GetJob(connection, id);
 }
 

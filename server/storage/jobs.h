@@ -20,7 +20,7 @@ struct JobOwner {
   int64_t steady_now_us = 0;
 };
 
-absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, int max_queued);
+absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, const NewJob& job, const JobRoom& room);
 // SHA-256, hex, of a job's result and of whose it is.
 std::string JobResultChecksum(JobId id, const std::string& result);
 // DATA_LOSS JOB_DAMAGED unless it asks for what it was created with.
@@ -32,12 +32,13 @@ absl::Status LinkProgram(Connection& connection, JobId job, ProgramId program);
 absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter& filter, const PageRequest& request,
                                          const Visible& visible);
 absl::StatusOr<JobRecord> CancelJob(Connection& connection, UtcTime now, JobId id, const Caller& caller);
-absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, int max_queued,
+absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, JobId id, const JobRoom& room,
                                      const Caller& caller);
 
 absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const JobOwner& owner,
                                                   std::chrono::microseconds lease);
 absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait(Connection& connection, const Moment& now);
+absl::StatusOr<JobQueue> CountJobs(Connection& connection);
 absl::StatusOr<JobRecord> HeartbeatJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,
                                        std::chrono::microseconds lease, const JobProgress& progress);
 absl::StatusOr<JobRecord> SucceedJob(Connection& connection, const JobOwner& owner, const JobClaim& claim,

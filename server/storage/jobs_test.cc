@@ -57,6 +57,19 @@ TEST_F(Jobs, AreClaimedByPriorityThenAge) {
   EXPECT_FALSE(database->NextJobWait()->has_value());
 }
 
+TEST_F(Jobs, AreCountedWithTheOldestThatWaits) {
+  EXPECT_EQ(database->CountJobs()->queued, 0);
+  EXPECT_FALSE(database->CountJobs()->oldest_queued.has_value());
+  const auto first = database->CreateJob(Job("a"), 10), second = database->CreateJob(Job("b"), 10);
+  ASSERT_TRUE(first.ok() && second.ok());
+  ASSERT_TRUE(database->ClaimJob(seconds(30))->has_value());  // the older one
+  const auto queue = database->CountJobs();
+  ASSERT_TRUE(queue.ok());
+  EXPECT_EQ(queue->queued, 1);
+  EXPECT_EQ(queue->running, 1);
+  EXPECT_EQ(queue->oldest_queued, second->created_at);
+}
+
 TEST_F(Jobs, SuccessStoresTheCalibrationWithIt) {
   const SessionId session = StoreSession(*database, 1);
   ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
@@ -83,6 +96,78 @@ TEST_F(Jobs, ARefusedProductStoresNothingOfIt) {
   EXPECT_EQ(base::ErrorReason(database->SucceedJob(ClaimOf(running), product).status()), "PROGRAM_NOT_COMPLETE");
   EXPECT_TRUE(database->ListCalibrations({}, {})->rows.empty());
   EXPECT_EQ(database->GetJob(running.id)->state, JobState::kRunning);
+}
+
+TEST_F(Jobs, OfOnePrincipalAndOfOneMachineAreBounded) {
+  StoreSession(*database, 1);
+  const auto create = [&](const std::string& who, const std::string& id, const std::optional<MachineId>& machine) {
+    NewJob job = Job(id);
+    job.caller = {who, id};
+    job.machine = machine;
+    return database->CreateJob(job, {100, 2, 3}).status();
+  };
+  const MachineId mt("mt");
+  ASSERT_TRUE(create("eve", "a", mt).ok());
+  ASSERT_TRUE(create("eve", "b", std::nullopt).ok());
+  Claim();  // what runs counts as well
+  const absl::Status of_eve = create("eve", "c", std::nullopt);
+  EXPECT_EQ(base::ErrorReason(of_eve), "QUEUE_FULL");
+  EXPECT_EQ(of_eve.message(), "2 jobs of eve wait or run, at most 2 may");
+  EXPECT_TRUE(create("eve", "a", mt).ok()) << "a repeat makes none";
+  ASSERT_TRUE(create("bob", "a", mt).ok());
+  ASSERT_TRUE(create("local:ann", "a", mt).ok());
+  EXPECT_EQ(create("joe", "a", mt).message(), "3 jobs of machine mt wait or run, at most 3 may");
+  EXPECT_TRUE(create("local:ann", "b", std::nullopt).ok());
+  EXPECT_TRUE(create("local:ann", "c", std::nullopt).ok());
+  EXPECT_TRUE(create("local:ann", "d", std::nullopt).ok());
+}
+
+// A queue that one has filled lets others through.
+TEST_F(Jobs, WhoeverWaitsHasHisTurn) {
+  const auto create = [&](const std::string& who, const std::string& id, int priority) {
+    NewJob job = Job(id);
+    job.caller = {who, id};
+    job.priority = priority;
+    DEMAND(database->CreateJob(job, 100).ok());
+  };
+  for (const char* const id : {"a", "b", "c", "d"}) create("eve", id, 0);
+  create("bob", "a", 0);
+  create("bob", "b", 0);
+  create("joe", "a", 0);
+  std::string turns;
+  for (int i = 0; i < 7; ++i) {
+    const JobRecord job = Claim();
+    absl::StrAppend(&turns, job.created_by, " ");
+    ASSERT_TRUE(database->SucceedJob(ClaimOf(job), {"done", {}, {}}).ok());
+  }
+  EXPECT_EQ(turns, "eve bob joe eve bob eve eve ");
+  // While one of hers runs, others come first; what is urgent comes before all.
+  create("eve", "e", 0);
+  create("eve", "f", 0);
+  create("eve", "g", 1);
+  create("joe", "b", 0);
+  EXPECT_EQ(Claim().priority, 1);
+  EXPECT_EQ(Claim().created_by, "joe");
+  EXPECT_EQ(Claim().created_by, "eve");
+}
+
+// Revoked while the job runs, or while it waits.
+TEST_F(Jobs, OfAPrincipalThatWasRevokedLeaveNothing) {
+  const SessionId session = StoreSession(*database, 1);
+  ASSERT_TRUE(database->CreatePrincipal("cell", "", Cell("")).ok());
+  ASSERT_TRUE(database->CreateJob(Job("a"), 10).ok());
+  const JobId waiting = database->CreateJob(Job("b"), 10)->id;
+  const JobRecord running = Claim();
+  ASSERT_TRUE(database->RevokePrincipal("cell", {"ann", ""}).ok());
+  JobProduct product = {"result", TestCalibration(database.clock.UtcNow(), 1.0), {}};
+  product.calibration->sessions = {session};
+  const absl::Status refused = database->SucceedJob(ClaimOf(running), product).status();
+  EXPECT_EQ(base::ErrorReason(refused), "PRINCIPAL_REVOKED");
+  EXPECT_TRUE(absl::IsPermissionDenied(refused)) << refused;
+  EXPECT_TRUE(database->ListCalibrations({}, {})->rows.empty());
+  EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
+  EXPECT_EQ(database->GetJob(waiting)->state, JobState::kFailed);
+  EXPECT_EQ(database->GetJob(waiting)->error->reason, "PRINCIPAL_REVOKED");
 }
 
 TEST_F(Jobs, ALateWorkerIsRefused) {

@@ -76,7 +76,7 @@ absl::StatusOr<MachineRecord> CreateMachine(Connection& connection, UtcTime now,
   RETURN_IF_ERROR(
       connection.Run("INSERT INTO machine (name, revision, created_at_utc_us) VALUES (?1, 1, ?2)", id.text(), now));
   RETURN_IF_ERROR(InsertRevision(connection, now, connection.last_insert_id(), 1, description_json, caller));
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.create", "machines/" + id.text()));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.create", "machines/" + id.text(), "", "revision 1"));
   return GetMachine(connection, id);
 }
 
@@ -100,7 +100,9 @@ absl::StatusOr<MachineRecord> UpdateMachine(Connection& connection, UtcTime now,
   if (present.is_intact && present.record.description_json == description_json) return present.record;
   RETURN_IF_ERROR(InsertRevision(connection, now, key, present.record.revision + 1, description_json, caller));
   RETURN_IF_ERROR(connection.Run("UPDATE machine SET revision = revision + 1 WHERE id = ?1", key));
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.update", "machines/" + id.text()));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.update", "machines/" + id.text(),
+                              absl::StrCat("revision ", present.record.revision),
+                              absl::StrCat("revision ", present.record.revision + 1)));
   return GetMachine(connection, id);
 }
 
@@ -110,7 +112,8 @@ absl::StatusOr<MachineRecord> DeleteMachine(Connection& connection, UtcTime now,
   if (present.record.deleted_at.has_value()) return std::move(present.record);
   RETURN_IF_ERROR(CheckEtag("machine " + id.text(), expected_revision, present.record.revision));
   RETURN_IF_ERROR(connection.Run("UPDATE machine SET deleted_at_utc_us = ?2 WHERE name = ?1", id.text(), now));
-  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.delete", "machines/" + id.text()));
+  RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.delete", "machines/" + id.text(),
+                              absl::StrCat("revision ", present.record.revision), "deleted"));
   ASSIGN_OR_RETURN(Found deleted, Find(connection, id));
   return std::move(deleted.record);
 }

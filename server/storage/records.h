@@ -12,12 +12,16 @@
 #include "core/base/ids.h"
 #include "core/records/access.h"
 #include "core/records/calibration.h"
+#include "core/records/event.h"
 #include "core/records/history.h"
 #include "core/records/job.h"
 #include "core/records/machine.h"
+#include "core/records/mark.h"
 #include "core/records/page.h"
 #include "core/records/program.h"
+#include "core/records/routine.h"
 #include "core/records/session.h"
+#include "core/records/webhook.h"
 #include "core/session/session.h"
 
 namespace axiscal::storage {
@@ -28,11 +32,20 @@ using records::CalibrationFilter;
 using records::CalibrationRecord;
 using records::CalibrationState;
 using records::ColumnSpec;
+using records::DeadLetter;
 using records::DriftPoint;
 using records::DriftQuery;
 using records::DriftSeries;
 using records::Estimate;
 using records::EstimateUnit;
+using records::Event;
+using records::EventChange;
+using records::EventChangeKind;
+using records::EventContent;
+using records::EventFilter;
+using records::EventKind;
+using records::Expectations;
+using records::ExpectationsRecord;
 using records::FleetRow;
 using records::Grant;
 using records::IsTerminal;
@@ -43,16 +56,26 @@ using records::JobState;
 using records::LatestEstimate;
 using records::MachineAccess;
 using records::MachineRecord;
+using records::Mark;
 using records::NewCalibration;
+using records::NewMark;
 using records::Page;
 using records::PageRequest;
 using records::PrincipalRecord;
 using records::ProgramRecord;
 using records::ProgramState;
+using records::Routine;
+using records::RoutineRecord;
+using records::RoutineRun;
+using records::RoutineStop;
+using records::RunFilter;
+using records::RunState;
 using records::SessionRecord;
 using records::SessionState;
 using records::SessionTotals;
 using records::TokenRecord;
+using records::Webhook;
+using records::WebhookRecord;
 
 // When something happens: for people, by a clock that may be set; and for how long, as microseconds that a server has
 // had the file open (up_time.h).
@@ -67,6 +90,8 @@ struct Moment {
 struct Caller {
   std::string principal;
   std::string request_id;
+  std::string peer = {};    // from where, for the audit
+  std::string reason = {};  // why, in the caller's words, for the audit
 };
 
 // ---- sessions
@@ -102,6 +127,22 @@ struct NewJob {
   int priority = 0;                  // larger runs first
   int max_attempts = 3;
   Caller caller;
+};
+
+// Jobs of this moment.
+struct JobQueue {
+  int64_t queued = 0, running = 0;
+  std::optional<UtcTime> oldest_queued;  // when the oldest of the waiting ones was created
+};
+
+// How many jobs there may be. More are refused with RESOURCE_EXHAUSTED QUEUE_FULL.
+struct JobRoom {
+  JobRoom(int waiting, int principal = 0, int machine = 0)  // NOLINT: a number alone is how many may wait
+      : max_waiting(waiting), max_of_principal(principal), max_of_machine(machine) {}
+
+  int max_waiting;       // of all
+  int max_of_principal;  // of one principal, waiting and running; 0: no limit. Logins ("local:ann") have none.
+  int max_of_machine;    // of one machine, waiting and running; 0: no limit
 };
 
 // The right to write a running job: a stale token is refused with ABORTED, LEASE_LOST.
@@ -162,7 +203,7 @@ struct Holder {
   std::optional<UtcTime> token_expires_at, token_last_used_at;
 };
 
-enum class ResourceKind { kMachine, kSession, kJob, kCalibration, kProgram };
+enum class ResourceKind { kMachine, kSession, kJob, kCalibration, kProgram, kMark, kEvent };
 
 // One row, as a call names it: a machine by its name, others by their number.
 struct Resource {
@@ -180,15 +221,135 @@ struct Belonging {
   std::string created_by;  // of sessions, jobs and calibrations
 };
 
+// ---- events
+
+// How a machine stands for whoever looks for events: how often what they follow from has changed, and how often it had
+// when it was looked at last, by which version.
+struct LookStand {
+  int64_t changes = 0, looked_at = 0;
+  std::string looked_by;
+};
+
+// What a look at a machine has found, stored in one transaction.
+struct EventChanges {
+  struct Update {
+    EventId event;
+    EventContent content;
+  };
+  struct Clearing {
+    EventId event;
+    std::string why;
+  };
+  MachineId machine;
+  std::vector<EventContent> raised = {};
+  std::vector<Update> updated = {};
+  std::vector<Clearing> cleared = {};
+  // That it was looked at as it stood then, and by which version; absent: only time has passed.
+  std::optional<int64_t> looked_at = {};
+  std::string looked_by = {};
+
+  bool empty() const { return raised.empty() && updated.empty() && cleared.empty() && !looked_at; }
+};
+
+// Of a new webhook; of one that is there it takes the place of the present one where `replaces`.
+struct NewSecret {
+  std::string text;
+  bool replaces = false;
+};
+
+// What came of a try to bring the next change of events to an address, or that there was none for it.
+struct WebhookStep {
+  struct Dead {
+    int64_t change = 0;
+    int tries = 0;
+    std::string error;
+  };
+  WebhookId webhook;
+  int64_t etag = 0;  // as it was when it was tried
+  int64_t from = 0;  // its after_change, likewise
+  int64_t to = 0;    // from now on
+  int tries = 0;     // of the change after `to`
+  std::optional<UtcTime> next_try_at = {};
+  std::string error = {};
+  bool is_sent = false;
+  std::optional<Dead> dead = {};
+};
+
+// Some changes in order. All that the asker may see up to `up_to` are in it or were before it.
+struct EventChangePage {
+  std::vector<EventChange> changes;
+  int64_t up_to = 0;
+  bool is_last = false;  // there were no more when it was read
+};
+
+// ---- routines
+
+// A complete session, when it was measured (or came, where its file does not say, or says a later time), and when it
+// was complete.
+struct NamedSession {
+  SessionId id;
+  UtcTime measured_at, came_at;
+};
+
+// What has become of a run.
+struct RunChange {
+  RunId run;
+  RunState state = RunState::kRunning;
+  std::optional<JobId> job = {};
+  std::optional<CalibrationId> calibration = {};
+  std::string text = {};
+};
+
 // ---- audit
 
 struct AuditEntry {
+  int64_t id = 0;  // 1, 2, ... without gaps
   UtcTime at;
   std::string principal;
-  std::string action;    // "calibration.approve"
-  std::string resource;  // "calibrations/12"
-  std::string outcome;   // "OK" or the name of the status code
+  std::string peer;         // from where
+  std::string action;       // "calibration.approve"; "denied Jobs.CreateJob" of calls that were refused
+  std::string resource;     // "calibrations/12"; may be empty
+  std::string outcome;      // "OK" or the name of the status code
+  std::string was, became;  // what the resource was before, and what it is after; may be empty
   std::string detail;
+};
+
+struct AuditFilter {
+  std::optional<UtcTime> from, to;  // at or after, before
+  std::string principal;            // empty: any
+  std::string resource;             // empty: any
+};
+
+// The last entry and its hash: who notes them elsewhere can tell later whether all before it is as it was.
+struct AuditHead {
+  int64_t id = 0;  // 0: there is none
+  std::string sha256;
+};
+
+// ---- what is looked through, and copies
+
+// Something that is not what was stored.
+struct Damage {
+  std::string resource;  // "sessions/12/chunks/3", "calibrations/4", "audit"; "file": structure or references
+  std::string text;      // for people
+};
+
+struct CheckReport {
+  static constexpr size_t kMaxDamages = 1000;
+
+  int schema_version = 0;
+  // How many were compared with their checksums.
+  int64_t descriptions = 0, sessions = 0, chunks = 0, jobs = 0, calibrations = 0, programs = 0;
+  AuditHead audit;
+  int64_t damage_count = 0;     // 0: the database is whole
+  std::vector<Damage> damages;  // the first kMaxDamages
+};
+
+// Of a copy.
+struct BackupResult {
+  int64_t bytes = 0;
+  std::string sha256;  // hex
+  CheckReport report;
 };
 
 }  // namespace axiscal::storage

@@ -28,6 +28,10 @@ inline absl::Status Missing(const Resource& resource) {
       return NotFound("calibration", "CALIBRATION", std::to_string(resource.number));
     case ResourceKind::kProgram:
       return NotFound("program", "PROGRAM", std::to_string(resource.number));
+    case ResourceKind::kMark:
+      return NotFound("mark", "MARK", std::to_string(resource.number));
+    case ResourceKind::kEvent:
+      return NotFound("event", "EVENT", std::to_string(resource.number));
   }
   return absl::NotFoundError("does not exist");
 }

@@ -1,6 +1,7 @@
 #include "server/storage/seal.h"
 
 #include "core/base/sha256.h"
+#include "server/storage/audit.h"
 #include "server/storage/calibrations.h"
 #include "server/storage/jobs.h"
 #include "server/storage/transaction.h"
@@ -65,6 +66,7 @@ absl::Status SealOldRows(Connection& connection) {
   RETURN_IF_ERROR(SealRevisions(connection));
   RETURN_IF_ERROR(SealCalibrations(connection));
   RETURN_IF_ERROR(SealJobs(connection));
+  RETURN_IF_ERROR(ChainOldAudit(connection));
   return transaction.Commit();
 }
 

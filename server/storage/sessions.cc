@@ -5,10 +5,12 @@
 
 #include "core/session/checksum.h"
 #include "server/storage/access.h"
+#include "server/storage/audit.h"
 #include "server/storage/machines.h"
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
 #include "server/storage/request.h"
+#include "server/storage/up_time.h"
 
 namespace axiscal::storage {
 namespace {
@@ -290,6 +292,83 @@ absl::StatusOr<int> ExpireSessions(Connection& connection, const Moment& now, st
   }
   for (const SessionId id : left) RETURN_IF_ERROR(GiveUp(connection, now.utc, id, SessionState::kExpired));
   return static_cast<int>(left.size());
+}
+
+namespace {
+
+// Whether somebody still needs the readings.
+absl::StatusOr<bool> IsNeeded(Connection& connection, SessionId id) {
+  {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT 1 FROM calibration_session WHERE session_id = ?1 LIMIT 1", id));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (found) return true;
+  }
+  for (const int state : {1, 2}) {  // queued, running: what it reads is not told to the store
+    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT 1 FROM session AS s CROSS JOIN job AS j WHERE s.id = ?1 AND "
+                                                   "j.machine_id = s.machine_id AND j.state = ?2 LIMIT 1",
+                                                   id, state));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (found) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+absl::StatusOr<ExpiredReadings> ExpireReadings(Connection& connection, const Moment& now, std::chrono::microseconds age,
+                                               SessionId after) {
+  constexpr int kMaxSessions = 100;  // a stall of the writer of some milliseconds
+  ASSIGN_OR_RETURN(const AgeMark mark, MarkBefore(connection, now, age));
+  std::vector<SessionId> old;
+  {
+    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id FROM session INDEXED BY session_by_state WHERE state = 2 "
+                                                   "AND id > ?1 AND id <= ?2 ORDER BY id LIMIT ?3",
+                                                   after, mark.session_id, kMaxSessions));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      old.push_back(SessionId(row.Int(0)));
+    }
+  }
+  ExpiredReadings expired;
+  if (old.size() == kMaxSessions) expired.after = old.back();
+  for (const SessionId id : old) {
+    ASSIGN_OR_RETURN(const bool is_needed, IsNeeded(connection, id));
+    if (is_needed) continue;
+    std::string was;
+    {
+      ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT reading_count, hash FROM session WHERE id = ?1", id));
+      RETURN_IF_ERROR(row.Step().status());
+      was = absl::StrCat("complete, ", row.Int(0), " readings, sha256 ", row.Text(1));
+    }
+    RETURN_IF_ERROR(
+        connection.Run("UPDATE session SET state = 4, hash = NULL, closed_at_utc_us = ?2 WHERE id = ?1", id, now.utc));
+    RETURN_IF_ERROR(AuditChange(connection, now.utc, {"axiscald", ""}, "session.expire",
+                                absl::StrCat("sessions/", id.number()), was, "expired"));
+    ++expired.count;
+  }
+  return expired;
+}
+
+absl::StatusOr<int> DropExpiredChunks(Connection& connection) {
+  constexpr int64_t kMaxChunks = 200;  // some megabytes
+  int64_t id = 0, next_seq = 0;
+  {
+    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT id, next_seq FROM session INDEXED BY session_emptied WHERE "
+                                                   "state = 4 AND next_seq > 0 AND id > 0 ORDER BY id LIMIT 1"));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return 0;
+    id = row.Int(0);
+    next_seq = row.Int(1);
+  }
+  const int64_t first = std::max<int64_t>(next_seq - kMaxChunks, 0);
+  RETURN_IF_ERROR(
+      connection.Run("UPDATE session SET next_seq = ?2, reading_count = reading_count - coalesce((SELECT "
+                     "sum(reading_count) FROM chunk WHERE session_id = ?1 AND seq >= ?2), 0) WHERE id = ?1",
+                     id, first));
+  RETURN_IF_ERROR(connection.Run("DELETE FROM chunk WHERE session_id = ?1 AND seq >= ?2", id, first));
+  return static_cast<int>(next_seq - first);
 }
 
 }  // namespace axiscal::storage

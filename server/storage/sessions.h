@@ -2,6 +2,7 @@
 #ifndef AXISCAL_SERVER_STORAGE_SESSIONS_H_
 #define AXISCAL_SERVER_STORAGE_SESSIONS_H_
 
+#include <optional>
 #include <vector>
 
 #include "server/storage/connection.h"
@@ -23,6 +24,17 @@ absl::StatusOr<SessionRecord> FinishSession(Connection& connection, UtcTime now,
                                             const SessionTotals& totals);
 absl::StatusOr<SessionRecord> AbortSession(Connection& connection, UtcTime now, SessionId id);
 absl::StatusOr<int> ExpireSessions(Connection& connection, const Moment& now, std::chrono::microseconds idle);
+
+struct ExpiredReadings {
+  int count = 0;                   // sessions that are EXPIRED now
+  std::optional<SessionId> after;  // where to go on; nothing: all were looked at
+};
+// Of the complete sessions behind `after`, some at a time, those of at least this age of up time become EXPIRED, unless
+// a calibration stands on them or a job of their machine has not ended. Their chunks stay until DropExpiredChunks().
+absl::StatusOr<ExpiredReadings> ExpireReadings(Connection& connection, const Moment& now, std::chrono::microseconds age,
+                                               SessionId after);
+// Removes some chunks of EXPIRED sessions, the last ones first; how many, 0 when there are none.
+absl::StatusOr<int> DropExpiredChunks(Connection& connection);
 
 }  // namespace axiscal::storage
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error_detail.h"
+#include "server/storage/check.h"
 #include "server/storage/connection.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -239,6 +240,73 @@ TEST_F(Sessions, LowDiskRefusesGrowthButLetsThingsEnd) {
   EXPECT_EQ(base::ErrorReason(database->CreateSession(TestSession("")).status()), "DISK_LOW");
   EXPECT_TRUE(database->FinishSession(id, Totals(1)).ok());
   EXPECT_TRUE(database->ReadSession(id).ok());
+}
+
+class Retention : public testing::Test {
+ protected:
+  Retention() { DEMAND(database->CreateMachine(MachineId("mt"), "{}", Cell("")).ok()); }
+  static std::chrono::hours days(int count) { return std::chrono::hours(24 * count); }
+  SessionId Store(const std::string& request_id, int chunks) {
+    const SessionId id = database->CreateSession(TestSession(request_id))->id;
+    std::vector<uint32_t> crcs;
+    for (int seq = 0; seq < chunks; ++seq) {
+      crcs.push_back(session::ChunkCrc32c(TestColumns(seq, 10)));
+      DEMAND(Append(*database, id, seq, TestColumns(seq, 10)).ok());
+    }
+    DEMAND(database->FinishSession(id, {chunks, chunks * 10, session::SessionHash(crcs)}).ok());
+    return id;
+  }
+  void Mark() { DEMAND(database->ExpireSessions(days(1000)).ok()); }
+
+  TempDatabase database;
+};
+
+// Readings go by age; a calibration keeps those that it stands on, a job those of its machine.
+TEST_F(Retention, RemovesOldReadingsThatNothingStandsOn) {
+  const SessionId kept = Store("kept", 2), old = Store("old", 450);
+  NewCalibration calibration = TestCalibration(database.clock.UtcNow(), 1.0);
+  calibration.sessions = {kept};
+  ASSERT_TRUE(database->CreateCalibration(calibration).ok());
+  Mark();
+  database.clock.Advance(days(1));
+  Mark();
+  const SessionId young = Store("young", 1);
+  database.clock.Advance(days(9));
+  EXPECT_EQ(*database->ExpireReadings(days(11)), 0);
+  NewJob job;
+  job.kind = "identify";
+  job.machine = MachineId("mt");
+  job.caller = Cell("");
+  const JobId id = database->CreateJob(job, 10)->id;
+  EXPECT_EQ(*database->ExpireReadings(days(9)), 0);
+  ASSERT_TRUE(database->CancelJob(id, Cell("")).ok());
+  EXPECT_EQ(*database->ExpireReadings(days(9)), 1);
+  EXPECT_EQ(*database->ExpireReadings(days(9)), 0);
+  const SessionRecord expired = *database->GetSession(old);
+  EXPECT_EQ(expired.state, SessionState::kExpired);
+  EXPECT_EQ(expired.next_seq, 0);
+  EXPECT_EQ(expired.reading_count, 0);
+  EXPECT_EQ(base::ErrorReason(database->ReadSession(old).status()), "SESSION_NOT_COMPLETE");
+  EXPECT_TRUE(database->ReadSession(kept).ok());
+  EXPECT_TRUE(database->ReadSession(young).ok());
+  const auto told = database->ListAudit({{}, {}, "", absl::StrCat("sessions/", old.number())}, {});
+  ASSERT_EQ(told->rows.size(), 1u);
+  EXPECT_EQ(told->rows[0].action, "session.expire");
+  // The same can be sent again, as a new session.
+  EXPECT_NE(database->CreateSession(TestSession("old"))->id, old);
+  database.Close();
+  const auto report = CheckStoreFile(database.path());
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_EQ(report->damage_count, 0) << report->damages[0].text;
+}
+
+TEST_F(Retention, TheFileItselfKeepsWhatACalibrationStandsOn) {
+  const SessionId kept = Store("kept", 2);
+  NewCalibration calibration = TestCalibration(database.clock.UtcNow(), 1.0);
+  calibration.sessions = {kept};
+  ASSERT_TRUE(database->CreateCalibration(calibration).ok());
+  const auto connection = Connection::Open(database.path(), Access::kWrite);
+  EXPECT_FALSE((*connection)->Execute("UPDATE session SET state = 4, hash = NULL").ok());
 }
 
 }  // namespace

@@ -101,6 +101,22 @@ void SqliteStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
       });
 }
 
+// Some at a time, so that other writes go on between.
+absl::StatusOr<int> SqliteStore::ExpireReadings(std::chrono::microseconds age) {
+  int count = 0;
+  for (std::optional<SessionId> after = SessionId(0); after.has_value();) {
+    ASSIGN_OR_RETURN(const ExpiredReadings expired, Write<ExpiredReadings>(Growth::kStays, [&](Connection& c) {
+                       return storage::ExpireReadings(c, Present(), age, *after);
+                     }));
+    count += expired.count;
+    after = expired.after;
+  }
+  while (true) {
+    ASSIGN_OR_RETURN(const int dropped, Write<int>(Growth::kStays, [](Connection& c) { return DropExpiredChunks(c); }));
+    if (dropped == 0) return count;
+  }
+}
+
 absl::Status SqliteStore::VisitChunks(const SessionRecord& session, int64_t first_seq,
                                       const std::function<absl::Status(const records::Chunk&)>& visit) {
   // One short read per chunk: what is durable cannot change, and a slow visitor must not keep the log from being
@@ -113,6 +129,15 @@ absl::Status SqliteStore::VisitChunks(const SessionRecord& session, int64_t firs
   }
 }
 
+// What was given up or has expired meanwhile is not damaged.
+absl::Status SqliteStore::NotDamagedIfGone(const SessionRecord& session, const absl::Status& status) {
+  if (!absl::IsDataLoss(status)) return status;
+  const absl::StatusOr<SessionRecord> present = GetSession(session.id);
+  if (!present.ok() || present->state == session.state) return status;
+  return FailedPrecondition(absl::StrCat("session ", session.id.number(), " has no readings any more"),
+                            "SESSION_NOT_COMPLETE");
+}
+
 absl::Status SqliteStore::ReadChunks(SessionId id, int64_t first_seq,
                                      const std::function<absl::Status(const records::Chunk&)>& visit) {
   ASSIGN_OR_RETURN(const SessionRecord session, GetSession(id));
@@ -120,7 +145,7 @@ absl::Status SqliteStore::ReadChunks(SessionId id, int64_t first_seq,
     return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
   }
   RETURN_IF_ERROR(readers_.Run([&](Connection& c) { return CheckSessionBody(c, session); }));
-  return VisitChunks(session, first_seq, visit);
+  return NotDamagedIfGone(session, VisitChunks(session, first_seq, visit));
 }
 
 absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
@@ -132,7 +157,7 @@ absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
   session::Session session;
   session.header = record.header;
   for (const ColumnSpec& spec : record.columns) session.columns.push_back({spec.name, {}, {}});
-  RETURN_IF_ERROR(VisitChunks(record, 0, [&](const records::Chunk& chunk) {
+  const absl::Status read = VisitChunks(record, 0, [&](const records::Chunk& chunk) {
     for (size_t i = 0; i < session.columns.size(); ++i) {
       session::Column& whole = session.columns[i];
       const session::Column& part = chunk.columns()[i];
@@ -140,7 +165,8 @@ absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
       whole.texts.insert(whole.texts.end(), part.texts.begin(), part.texts.end());
     }
     return absl::OkStatus();
-  }));
+  });
+  RETURN_IF_ERROR(NotDamagedIfGone(record, read));
   return session;
 }
 

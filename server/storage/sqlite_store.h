@@ -11,18 +11,24 @@
 #include "core/base/mutex.h"
 #include "server/storage/access.h"
 #include "server/storage/audit.h"
+#include "server/storage/backup.h"
 #include "server/storage/calibrations.h"
 #include "server/storage/chunks.h"
+#include "server/storage/events.h"
 #include "server/storage/file_lock.h"
 #include "server/storage/history.h"
 #include "server/storage/jobs.h"
 #include "server/storage/machines.h"
+#include "server/storage/marks.h"
 #include "server/storage/migrate.h"
 #include "server/storage/programs.h"
 #include "server/storage/readers.h"
+#include "server/storage/routine_runs.h"
+#include "server/storage/routines.h"
 #include "server/storage/sessions.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/up_time.h"
+#include "server/storage/webhooks.h"
 #include "server/storage/writer.h"
 
 namespace axiscal::storage {
@@ -96,14 +102,14 @@ class SqliteStore final : public Database {
   absl::StatusOr<int> ExpireSessions(std::chrono::microseconds idle) override {
     return Expire([&](Connection& c) { return storage::ExpireSessions(c, Present(), idle); });
   }
+  absl::StatusOr<int> ExpireReadings(std::chrono::microseconds age) override;
   absl::StatusOr<session::Session> ReadSession(SessionId id) override;
   absl::Status ReadChunks(SessionId id, int64_t first_seq,
                           const std::function<absl::Status(const records::Chunk&)>& visit) override;
 
   // ---- jobs
-  absl::StatusOr<JobRecord> CreateJob(const NewJob& job, int max_queued) override {
-    return Write<JobRecord>(Growth::kGrows,
-                            [&](Connection& c) { return storage::CreateJob(c, Present(), job, max_queued); });
+  absl::StatusOr<JobRecord> CreateJob(const NewJob& job, const JobRoom& room) override {
+    return Write<JobRecord>(Growth::kGrows, [&](Connection& c) { return storage::CreateJob(c, Present(), job, room); });
   }
   absl::StatusOr<JobRecord> GetJob(JobId id) override {
     return readers_.Run([&](Connection& c) { return storage::GetJob(c, id); });
@@ -118,6 +124,9 @@ class SqliteStore final : public Database {
   }
   absl::StatusOr<std::optional<std::chrono::microseconds>> NextJobWait() override {
     return readers_.Run([&](Connection& c) { return storage::NextJobWait(c, Present()); });
+  }
+  absl::StatusOr<JobQueue> CountJobs() override {
+    return readers_.Run([](Connection& c) { return storage::CountJobs(c); });
   }
   absl::StatusOr<JobRecord> HeartbeatJob(const JobClaim& claim, std::chrono::microseconds lease,
                                          const JobProgress& progress) override {
@@ -136,9 +145,9 @@ class SqliteStore final : public Database {
   absl::StatusOr<JobRecord> CancelJob(JobId id, const Caller& caller) override {
     return Write<JobRecord>(Growth::kStays, [&](Connection& c) { return storage::CancelJob(c, Now(), id, caller); });
   }
-  absl::StatusOr<JobRecord> RequeueJob(JobId id, int max_queued, const Caller& caller) override {
+  absl::StatusOr<JobRecord> RequeueJob(JobId id, const JobRoom& room, const Caller& caller) override {
     return Write<JobRecord>(Growth::kStays,
-                            [&](Connection& c) { return storage::RequeueJob(c, Present(), id, max_queued, caller); });
+                            [&](Connection& c) { return storage::RequeueJob(c, Present(), id, room, caller); });
   }
   absl::StatusOr<std::vector<JobRecord>> RescueJobs() override {
     return Write<std::vector<JobRecord>>(Growth::kStays,
@@ -161,9 +170,10 @@ class SqliteStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::ListCalibrations(c, filter, page, visible); });
   }
   absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t expected_etag,
+                                                       std::optional<CalibrationId> former,
                                                        const Caller& caller) override {
     return Write<CalibrationRecord>(Growth::kStays, [&](Connection& c) {
-      return storage::ApproveCalibration(c, Now(), id, expected_etag, caller);
+      return storage::ApproveCalibration(c, Now(), id, expected_etag, former, caller);
     });
   }
   absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t expected_etag,
@@ -253,12 +263,184 @@ class SqliteStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::WhereBelongs(c, resource, principal); });
   }
 
+  // ---- marks
+  absl::StatusOr<Mark> PutMark(const NewMark& mark, const Caller& caller) override {
+    return Write<Mark>(Growth::kGrows, [&](Connection& c) { return storage::PutMark(c, Now(), mark, caller); });
+  }
+  absl::StatusOr<Mark> WithdrawMark(MarkId id, const Caller& caller) override {
+    return Write<Mark>(Growth::kStays, [&](Connection& c) { return storage::WithdrawMark(c, Now(), id, caller); });
+  }
+  absl::StatusOr<Page<Mark>> ListMarks(const MachineId& machine, const PageRequest& page) override {
+    return readers_.Run([&](Connection& c) { return storage::ListMarks(c, machine, page); });
+  }
+
+  // ---- events
+  absl::StatusOr<ExpectationsRecord> GetExpectations(const MachineId& machine) override {
+    return readers_.Run([&](Connection& c) { return storage::GetExpectations(c, machine); });
+  }
+  absl::StatusOr<ExpectationsRecord> SetExpectations(const Expectations& expected, int64_t expected_etag,
+                                                     const Caller& caller) override {
+    return Write<ExpectationsRecord>(Growth::kGrows, [&](Connection& c) {
+      return storage::SetExpectations(c, Now(), expected, expected_etag, caller);
+    });
+  }
+  absl::StatusOr<Event> GetEvent(EventId id) override {
+    return readers_.Run([&](Connection& c) { return storage::GetEvent(c, id); });
+  }
+  absl::StatusOr<Page<Event>> ListEvents(const EventFilter& filter, const PageRequest& page,
+                                         const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListEvents(c, filter, page, visible); });
+  }
+  absl::StatusOr<std::vector<Event>> StandingEvents(const MachineId& machine) override {
+    return readers_.Run([&](Connection& c) { return storage::StandingEvents(c, machine); });
+  }
+  absl::StatusOr<Event> AcknowledgeEvent(EventId id, const std::string& note, const Caller& caller) override {
+    return Write<Event>(Growth::kStays,
+                        [&](Connection& c) { return storage::AcknowledgeEvent(c, Now(), id, note, caller); });
+  }
+  absl::StatusOr<Event> ShelveEvent(EventId id, std::optional<UtcTime> until, const std::string& note,
+                                    const Caller& caller) override {
+    return Write<Event>(Growth::kStays,
+                        [&](Connection& c) { return storage::ShelveEvent(c, Now(), id, until, note, caller); });
+  }
+  absl::StatusOr<int> BringBackEvents() override {
+    // Whether there is one is read first: most of the time there is none, and a write waits for the disk.
+    ASSIGN_OR_RETURN(const bool is_due,
+                     readers_.Run([&](Connection& c) { return storage::HasEventToBringBack(c, Now()); }));
+    if (!is_due) return 0;
+    return Write<int>(Growth::kStays, [&](Connection& c) { return storage::BringBackEvents(c, Now()); });
+  }
+  absl::StatusOr<int> ChangeEvents(const EventChanges& changes) override {
+    return Write<int>(Growth::kStays, [&](Connection& c) { return storage::ChangeEvents(c, Now(), changes); });
+  }
+  absl::StatusOr<EventChangePage> ReadEventChanges(int64_t after, const std::optional<MachineId>& machine,
+                                                   const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ReadEventChanges(c, after, machine, visible); });
+  }
+  absl::StatusOr<int64_t> LastEventChange() override {
+    return readers_.Run([](Connection& c) { return storage::LastEventChange(c); });
+  }
+  absl::StatusOr<LookStand> GetLookStand(const MachineId& machine) override {
+    return readers_.Run([&](Connection& c) { return storage::GetLookStand(c, machine); });
+  }
+  absl::StatusOr<std::vector<MachineId>> MachinesToLookAt(const std::string& version) override {
+    return readers_.Run([&](Connection& c) { return storage::MachinesToLookAt(c, version); });
+  }
+  absl::StatusOr<std::optional<UtcTime>> NewestSession(const MachineId& machine, const std::string& name) override {
+    return readers_.Run([&](Connection& c) { return storage::NewestSession(c, machine, name); });
+  }
+
+  // ---- routines
+  absl::StatusOr<RoutineRecord> PutRoutine(const Routine& routine, int64_t expected_etag,
+                                           const Caller& caller) override {
+    return Write<RoutineRecord>(
+        Growth::kGrows, [&](Connection& c) { return storage::PutRoutine(c, Now(), routine, expected_etag, caller); });
+  }
+  absl::StatusOr<RoutineRecord> RemoveRoutine(const std::string& name, int64_t expected_etag,
+                                              const Caller& caller) override {
+    return Write<RoutineRecord>(
+        Growth::kStays, [&](Connection& c) { return storage::RemoveRoutine(c, Now(), name, expected_etag, caller); });
+  }
+  absl::StatusOr<RoutineRecord> StopRoutine(const std::string& name, const MachineId& machine, bool stops,
+                                            const std::string& note, const Caller& caller) override {
+    return Write<RoutineRecord>(Growth::kStays, [&](Connection& c) {
+      return storage::StopRoutine(c, Now(), name, machine, stops, note, caller);
+    });
+  }
+  absl::StatusOr<std::vector<RoutineRecord>> ListRoutines(const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListRoutines(c, visible); });
+  }
+  absl::StatusOr<std::vector<MachineId>> MachinesWithRoutines() override {
+    return readers_.Run([](Connection& c) { return storage::MachinesWithRoutines(c); });
+  }
+  absl::StatusOr<std::vector<RoutineRecord>> RoutinesOf(const MachineId& machine) override {
+    return readers_.Run([&](Connection& c) { return storage::RoutinesOf(c, machine); });
+  }
+  absl::StatusOr<std::vector<RoutineRun>> NewestRuns(const MachineId& machine) override {
+    return readers_.Run([&](Connection& c) { return storage::NewestRuns(c, machine); });
+  }
+  absl::StatusOr<std::optional<NamedSession>> NewSessionFor(RoutineId routine, const MachineId& machine,
+                                                            const std::string& name) override {
+    return readers_.Run([&](Connection& c) { return storage::NewSessionFor(c, routine, machine, name); });
+  }
+  absl::StatusOr<RoutineRun> BeginRun(const RoutineRecord& routine, const MachineId& machine,
+                                      const std::vector<SessionId>& sessions,
+                                      const std::vector<SessionId>& check_sessions) override {
+    return Write<RoutineRun>(Growth::kGrows, [&](Connection& c) {
+      return storage::BeginRun(c, Now(), routine, machine, sessions, check_sessions);
+    });
+  }
+  absl::StatusOr<RoutineRun> ChangeRun(const RunChange& change) override {
+    return Write<RoutineRun>(Growth::kStays, [&](Connection& c) { return storage::ChangeRun(c, Now(), change); });
+  }
+  absl::StatusOr<RoutineRun> RetryRoutine(const std::string& name, const MachineId& machine,
+                                          const Caller& caller) override {
+    return Write<RoutineRun>(Growth::kGrows,
+                             [&](Connection& c) { return storage::RetryRoutine(c, Now(), name, machine, caller); });
+  }
+  absl::StatusOr<Page<RoutineRun>> ListRuns(const RunFilter& filter, const PageRequest& page,
+                                            const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListRuns(c, filter, page, visible); });
+  }
+
+  // ---- webhooks
+  absl::StatusOr<WebhookRecord> PutWebhook(const Webhook& webhook, const NewSecret& secret, int64_t expected_etag,
+                                           const Caller& caller) override {
+    return Write<WebhookRecord>(Growth::kGrows, [&](Connection& c) {
+      return storage::PutWebhook(c, Now(), webhook, secret, expected_etag, caller);
+    });
+  }
+  absl::StatusOr<WebhookRecord> RemoveWebhook(const std::string& name, int64_t expected_etag,
+                                              const Caller& caller) override {
+    return Write<WebhookRecord>(
+        Growth::kStays, [&](Connection& c) { return storage::RemoveWebhook(c, Now(), name, expected_etag, caller); });
+  }
+  absl::StatusOr<WebhookRecord> GetWebhook(const std::string& name) override {
+    return readers_.Run([&](Connection& c) { return storage::GetWebhook(c, name); });
+  }
+  absl::StatusOr<std::vector<WebhookRecord>> ListWebhooks() override {
+    return readers_.Run([&](Connection& c) { return storage::ListWebhooks(c); });
+  }
+  absl::StatusOr<bool> StepWebhook(const WebhookStep& step) override {
+    return Write<bool>(Growth::kStays, [&](Connection& c) { return storage::StepWebhook(c, Now(), step); });
+  }
+  absl::StatusOr<Page<DeadLetter>> ListDeadLetters(const std::string& name, const PageRequest& page) override {
+    return readers_.Run([&](Connection& c) { return storage::ListDeadLetters(c, name, page); });
+  }
+  absl::StatusOr<int64_t> ResendDeadLetters(const std::string& name, std::optional<int64_t> change,
+                                            const Caller& caller) override {
+    return Write<int64_t>(Growth::kStays,
+                          [&](Connection& c) { return storage::ResendDeadLetters(c, Now(), name, change, caller); });
+  }
+  absl::StatusOr<std::optional<EventChange>> WantedLetter(WebhookId webhook) override {
+    return readers_.Run([&](Connection& c) { return storage::WantedLetter(c, webhook); });
+  }
+  absl::StatusOr<bool> EndWantedLetter(WebhookId webhook, int64_t change, const std::string& error) override {
+    return Write<bool>(Growth::kStays,
+                       [&](Connection& c) { return storage::EndWantedLetter(c, Now(), webhook, change, error); });
+  }
+
   // ---- audit
   absl::Status AppendAudit(const AuditEntry& entry) override {
     return writer_.Run([&](Connection& c) { return storage::AppendAudit(c, entry); });
   }
-  absl::StatusOr<Page<AuditEntry>> ListAudit(const PageRequest& page) override {
-    return readers_.Run([&](Connection& c) { return storage::ListAudit(c, page); });
+  absl::StatusOr<Page<AuditEntry>> ListAudit(const AuditFilter& filter, const PageRequest& page) override {
+    return readers_.Run([&](Connection& c) { return storage::ListAudit(c, filter, page); });
+  }
+  absl::StatusOr<AuditHead> CheckAudit() override {
+    return readers_.Run([](Connection& c) { return storage::CheckAudit(c); });
+  }
+  absl::StatusOr<int> ExpireAudit(std::chrono::microseconds age) override {
+    return Expire([&](Connection& c) { return storage::ExpireAudit(c, Present(), age); });
+  }
+
+  absl::StatusOr<BackupResult> Backup(const std::string& path, const std::function<absl::Status()>& go_on) override {
+    auto reader = std::make_unique<Writer::LongReader>(writer_);
+    return CopyStore(options_.path, path, go_on, [&] {
+      // What was written meanwhile would hold up the commit after which the writer merges it. What fails here, it does.
+      static_cast<void>(MergeBeside(options_.path));
+      reader.reset();
+    });
   }
 
   int schema_version() const override { return static_cast<int>(EmbeddedMigrations().size()); }
@@ -296,12 +478,14 @@ class SqliteStore final : public Database {
   absl::StatusOr<int> Expire(const Work& work) {
     return Write<int>(Growth::kStays, [&](Connection& c) -> absl::StatusOr<int> {
       RETURN_IF_ERROR(SaveUpTime(c, UpTime()));
+      RETURN_IF_ERROR(MarkAge(c, UpTime()));
       return work(c);
     });
   }
   // DATA_LOSS unless all that belongs to it is as it was stored.
   absl::Status CheckWhole(const SessionRecord& session);
   absl::Status CheckWhole(const ProgramRecord& program);
+  absl::Status NotDamagedIfGone(const SessionRecord& session, const absl::Status& status);
   void TellDamage(const absl::Status& status) const {
     if (options_.damaged) options_.damaged(status);
   }

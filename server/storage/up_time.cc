@@ -17,4 +17,22 @@ absl::Status SaveUpTime(Connection& connection, std::chrono::microseconds up) {
   return connection.Run("UPDATE up_time SET up_us = ?1 WHERE id = 1", static_cast<int64_t>(up.count()));
 }
 
+absl::Status MarkAge(Connection& connection, std::chrono::microseconds up) {
+  const int64_t now_us = up.count(), day_us = std::chrono::microseconds(std::chrono::days(1)).count();
+  return connection.Run(
+      "INSERT INTO age_mark (up_us, audit_id, session_id) SELECT ?1, "
+      "coalesce((SELECT max(id) FROM audit), 0), "
+      "coalesce((SELECT max(id) FROM session), 0) "
+      "WHERE coalesce((SELECT max(up_us) FROM age_mark), ?2) <= ?2",
+      now_us, now_us - day_us);
+}
+
+absl::StatusOr<AgeMark> MarkBefore(Connection& connection, const Moment& now, std::chrono::microseconds age) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT audit_id, session_id FROM age_mark WHERE up_us <= ?1 "
+                                                 "ORDER BY up_us DESC LIMIT 1",
+                                                 now.up_us - static_cast<int64_t>(age.count())));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  return found ? AgeMark{row.Int(0), row.Int(1)} : AgeMark{};
+}
+
 }  // namespace axiscal::storage

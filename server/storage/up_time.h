@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "server/storage/connection.h"
+#include "server/storage/records.h"
 
 namespace axiscal::storage {
 
@@ -13,6 +14,15 @@ namespace axiscal::storage {
 // so that after a crash, which saves nothing, none of them lies in the future.
 absl::StatusOr<std::chrono::microseconds> ReadUpTime(Connection& connection);
 absl::Status SaveUpTime(Connection& connection, std::chrono::microseconds up);
+
+// The newest rows at some time.
+struct AgeMark {
+  int64_t audit_id = 0, session_id = 0;  // 0: none
+};
+// Notes which rows are the newest now; once a day of up time. What retention removes goes by these marks.
+absl::Status MarkAge(Connection& connection, std::chrono::microseconds up);
+// Rows up to these were there `age` of up time ago, give or take a day: none is younger.
+absl::StatusOr<AgeMark> MarkBefore(Connection& connection, const Moment& now, std::chrono::microseconds age);
 
 }  // namespace axiscal::storage
 

@@ -105,7 +105,7 @@ absl::Status Writer::RunTasks(std::vector<Task>& group) {
 }
 
 void Writer::LimitLog() {
-  if (log_pages_ < merge_at_pages_) return;
+  if (log_pages_ < merge_at_pages_ || long_readers_ > 0) return;
   // A failure (disk full, a long reader) is not the callers': it is tried again when the log has grown. A backup by
   // another process reads for minutes; waiting for it after each commit would hold up all that come then.
   const bool is_long = log_pages_ >= limits_.max_pages;

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_SERVER_STORAGE_WRITER_H_
 #define AXISCAL_SERVER_STORAGE_WRITER_H_
 
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <functional>
@@ -39,6 +40,18 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
+  // While one lives, somebody reads one state for long, behind which nothing can be merged: the log grows instead.
+  class LongReader {
+   public:
+    explicit LongReader(Writer& writer) : writer_(writer) { ++writer_.long_readers_; }
+    ~LongReader() { --writer_.long_readers_; }
+    LongReader(const LongReader&) = delete;
+    LongReader& operator=(const LongReader&) = delete;
+
+   private:
+    Writer& writer_;
+  };
+
   // Durable when it returns OK.
   absl::Status Run(Work work);
   // Blocks only while kMaxWaiting writes wait.
@@ -63,6 +76,7 @@ class Writer {
 
   const std::unique_ptr<Connection> connection_;  // used by thread_ alone
   const LogLimits limits_;
+  std::atomic<int> long_readers_ = 0;
   int log_pages_ = 0;       // in the WAL; thread_ alone
   int merge_at_pages_ = 0;  // not before the WAL has so many; thread_ alone
   base::Mutex mutex_;

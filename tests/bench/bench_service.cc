@@ -23,7 +23,7 @@ constexpr int kBlocks = 500'000;
 constexpr char kMachine[] = "mt";
 
 std::string Program() {
-  std::string text;
+  std::string text = "G21\n";
   char line[128];
   for (int i = 0; i < kBlocks; ++i) {
     const double t = i * 1e-3;

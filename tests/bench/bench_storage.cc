@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <random>
 #include <thread>
 
@@ -94,6 +95,69 @@ BENCHMARK(BM_DurableIngest)
     ->Args({16, 1000})
     ->Args({1, 100})
     ->Args({1, 4096})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+// How long a chunk waits for its acknowledgement at most while a backup of 256 MB is made, and while none is: one
+// stream that sends a chunk of 1000 readings when the one before is on the disk.
+void BM_AppendDuringBackup(benchmark::State& state) {
+  const bool with_backup = state.range(0) != 0;
+  constexpr int64_t kBytes = 256 << 20;
+  TempDirectory directory;
+  SqliteOptions options;
+  options.path = directory.File("store.db");
+  const std::unique_ptr<Database> database = *OpenSqlite(options);
+  DEMAND(database->CreateMachine(MachineId("mt"), "{}", Cell("")).ok());
+  {
+    std::mt19937_64 random(1);
+    const SessionId id = database->CreateSession(BallbarSession())->id;
+    std::vector<Column> columns = BallbarColumns(0, 4096);
+    for (int64_t seq = 0, bytes = 0; bytes < kBytes; ++seq) {
+      for (Column& column : columns) {
+        for (double& value : column.values) value = static_cast<double>(random() >> 12);
+      }
+      const records::Chunk chunk = records::Chunk::Seal(seq, columns);
+      bytes += static_cast<int64_t>(EncodeChunk(chunk.columns()).size());
+      DEMAND(database->AppendChunk(id, chunk).ok());
+    }
+  }
+  std::vector<double> waits_ms;
+  const SessionId id = database->CreateSession(BallbarSession())->id;
+  const std::vector<Column> columns = BallbarColumns(0, 1000);
+  int64_t seq = 0;
+  for (auto _ : state) {
+    std::atomic<bool> is_over = false;
+    std::thread other([&] {
+      if (with_backup) {
+        DEMAND(database->Backup(directory.File("copy.db"), nullptr).ok());
+        std::filesystem::remove(directory.File("copy.db"));
+      } else {
+        std::this_thread::sleep_for(std::chrono::seconds(5));
+      }
+      is_over = true;
+    });
+    while (!is_over) {
+      const records::Chunk chunk = records::Chunk::Seal(seq++, columns);
+      const auto start = std::chrono::steady_clock::now();
+      DEMAND(database->AppendChunk(id, chunk).ok());
+      waits_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    }
+    other.join();
+  }
+  std::sort(waits_ms.begin(), waits_ms.end());
+  const auto quantile = [&](double share) {
+    return waits_ms[static_cast<size_t>(share * static_cast<double>(waits_ms.size() - 1))];
+  };
+  state.counters["chunks"] = static_cast<double>(waits_ms.size());
+  state.counters["p50_ms"] = quantile(0.5);
+  state.counters["p99_ms"] = quantile(0.99);
+  state.counters["max_ms"] = quantile(1.0);
+}
+BENCHMARK(BM_AppendDuringBackup)
+    ->ArgName("backup")
+    ->Arg(0)
+    ->Arg(1)
+    ->Iterations(1)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 

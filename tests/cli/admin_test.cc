@@ -1,6 +1,7 @@
 // Who may do what, as a plant's people would meet it: certificates and tokens, a cell, a technician and an approver,
 // each refused what is not theirs.
 #include <gmock/gmock.h>
+#include <signal.h>
 #include <sys/stat.h>
 
 #include "tests/cli/command_line.h"
@@ -96,9 +97,10 @@ TEST_F(Plant, EachDoesHisPartAndNobodyElses) {
   // Neither may he once he is an approver too: four eyes.
   Ok(As("ann") + "admin role add bob approver --all");
   EXPECT_THAT(Run(As("bob") + "approve " + id).err, HasSubstr("FOUR_EYES"));
-  EXPECT_THAT(Ok(As("eve") + "--user bob approve " + id).out, HasSubstr("is approved by eve"));
+  EXPECT_THAT(Ok(As("eve") + "--user bob approve " + id + " --reason 'as after the service'").out,
+              HasSubstr("is approved by eve"));
   Ok(As("bob") +
-     "compensate --machine integrex-i200 --unit mm --tool-tip '0 0 -356.3945' --max-correction-um 5000 "
+     "compensate --machine integrex-i200 --dialect mazak --unit mm --tool-tip '0 0 -356.3945' --max-correction-um 5000 "
      "fig-4.30-original.nc -o out.nc");
 
   // What bob cannot see is not there.
@@ -112,9 +114,47 @@ TEST_F(Plant, EachDoesHisPartAndNobodyElses) {
   const Outcome revoked = Run(WithCertificate("cell-7") + "upload B-short-run1.csv");
   EXPECT_EQ(revoked.exit_code, kRefused) << revoked.err;
   EXPECT_THAT(revoked.err, HasSubstr("PRINCIPAL_UNKNOWN"));
+  EXPECT_THAT(Ok(As("ann") + "admin audit --resource calibrations/" + id).out,
+              AllOf(HasSubstr("eve"), HasSubstr("ipv4:127.0.0.1"), HasSubstr("calibration.approve"),
+                    HasSubstr("as after the service")));
+  // Out of use, with a reason too; a reason that is no text changes nothing.
+  EXPECT_THAT(Run(As("eve") + "calibration retire " + id + " --reason '" + std::string(201, 'x') + "'").err,
+              HasSubstr("reason"));
+  EXPECT_THAT(Ok(As("eve") + "calibration list").out, HasSubstr("approved"));
+  EXPECT_THAT(Ok(As("eve") + "calibration retire " + id + " --reason 'the ball was loose'").out,
+              HasSubstr("nothing of this machine is corrected"));
+  EXPECT_THAT(Ok(As("ann") + "admin audit --resource calibrations/" + id).out, HasSubstr("the ball was loose"));
+  Ok(As("eve") + "approve " + id);
+  EXPECT_THAT(Ok(As("ann") + "admin audit --check").out, HasSubstr("is whole"));
+  const std::string lines = Ok(As("ann") + "admin audit --lines").out;
+  EXPECT_TRUE(nlohmann::json::accept(lines.substr(0, lines.find('\n')))) << lines;
   const Outcome list = Ok(As("ann") + "admin principal list");
   EXPECT_THAT(list.out, HasSubstr("technician of group turning"));
   EXPECT_THAT(list.out, Not(HasSubstr("axt_")));
+
+  // A copy, and the plug is pulled: what was acknowledged is there. One byte that changes is named, and a backup helps.
+  EXPECT_EQ(Run(As("bob") + "backup -o copy.db").exit_code, kRefused);
+  EXPECT_THAT(Run(As("ann") + "backup").err, HasSubstr("BACKUP_FOLDER_MISSING"));
+  EXPECT_THAT(Ok(As("ann") + "backup -o copy.db").out, HasSubstr("copy.db: "));
+  server_->Signal(SIGKILL);
+  server_->Wait();
+  std::string output;
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "check", File("axiscal.db")}, &output), 0) << output;
+  EXPECT_THAT(output, HasSubstr("1 calibrations"));
+  EXPECT_THAT(output, HasSubstr("\nwhole\n"));
+  std::string bytes = Read("axiscal.db");
+  const size_t at = bytes.rfind("calibration.approve");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = 'C';
+  Write("axiscal.db", bytes);
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "check", File("axiscal.db")}, &output), 2) << output;
+  EXPECT_THAT(output, HasSubstr("DAMAGED audit: audit entry "));
+  EXPECT_THAT(output, HasSubstr("is not what was written"));
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "--db", File("axiscal.db"), "restore", File("copy.db")}, &output), 0)
+      << output;
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "--db", File("axiscal.db"), "check"}, &output), 0) << output;
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "compact", File("axiscal.db")}, &output), 0) << output;
+  EXPECT_THAT(Ok("--db axiscal.db calibration list").out, HasSubstr("approved"));
 }
 
 TEST_F(Plant, ATokenIsShownOnceAndRolesNeedOneScope) {

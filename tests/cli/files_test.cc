@@ -20,7 +20,8 @@ class FilesOnly : public testing::CommandLine {
           "ONLY)\nM30\n%\n");
   }
   Outcome Compensate(const std::string& more) const {
-    return Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' " + more);
+    return Run("compensate --machine machine.json --errors errors.json --dialect fanuc --tool-tip '0 0 -350' " +
+               more);
   }
 };
 
@@ -140,7 +141,8 @@ TEST_F(FilesOnly, AProgramIsRewrittenAndReported) {
 TEST_F(FilesOnly, OrientationIsCorrectedReportedAndVerified) {
   Write("errors.json", R"({"EB0B": 100.0, "EA0B": 20.0})");
   Write("in.nc", "G90 G21 G0 X0. Y0. Z0. B30. C0.\nG1 X10. B60. C150. F500\nC-20.\nB0.\nM30\n");
-  const std::string verify = "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc out.nc ";
+  const std::string verify =
+      "verify --machine machine.json --errors errors.json --dialect fanuc --tool-tip '0 0 -350' in.nc out.nc ";
   ASSERT_EQ(Compensate("in.nc -o out.nc").exit_code, 0);
   const auto point_only = Run(verify + "--json").Json();
   EXPECT_GT(point_only["end_tilt"]["after"]["max_urad"].get<double>(), 90.0);
@@ -187,7 +189,8 @@ TEST_F(FilesOnly, AProgramWithoutAUnitAsksForIt) {
   EXPECT_FALSE(Exists("out.nc"));
   ASSERT_EQ(Compensate("in.nc -o out.nc --unit mm").exit_code, 0);
   EXPECT_THAT(Read("out.nc"), HasSubstr("X-389.9469 Y0.0354 Z-112.2605"));
-  const std::string verify = "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc out.nc ";
+  const std::string verify =
+      "verify --machine machine.json --errors errors.json --dialect fanuc --tool-tip '0 0 -350' in.nc out.nc ";
   EXPECT_EQ(Run(verify + "--unit mm").exit_code, 0);
   EXPECT_EQ(Compensate("in.nc -o out.nc --unit cm").exit_code, 2);
 }
@@ -247,7 +250,8 @@ TEST_F(FilesOnly, WhatIsPassedIsListedByLinesAndNotJudged) {
   EXPECT_EQ(report["not_corrected"][0]["first"], 2);
   EXPECT_EQ(report["not_corrected"][0]["last"], 3);
   const std::string verify =
-      "verify --machine machine.json --errors errors.json --tool-tip '0 0 -350' passed.nc out.nc --on-unsupported pass";
+      "verify --machine machine.json --errors errors.json --dialect fanuc --tool-tip '0 0 -350' passed.nc out.nc "
+      "--on-unsupported pass";
   const Outcome verified = Run(verify);
   EXPECT_EQ(verified.exit_code, 5);
   EXPECT_THAT(verified.out, HasSubstr("not judged: 1 range of lines\n  lines 2 to 3: G87 (canned cycle)\n"));
@@ -335,7 +339,10 @@ TEST_F(FilesOnly, BadInputIsNamed) {
   EXPECT_EQ(Compensate("in.nc -o missing/out.nc").exit_code, 4);
   EXPECT_THAT(Compensate("in.nc -o out.nc --start X=a").err, HasSubstr("--start: 'X=a', expected an axis"));
   EXPECT_EQ(Compensate("in.nc -o out.nc --offset 'G54 Q=1'").exit_code, 3);
-  EXPECT_EQ(Compensate("in.nc -o out.nc --dialect klingon").exit_code, 3);
+  EXPECT_EQ(Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0 -350' in.nc -o out.nc "
+                "--dialect klingon")
+                .exit_code,
+            3);
   EXPECT_EQ(Run("compensate --machine machine.json --errors errors.json --tool-tip '0 0' in.nc -o out.nc").exit_code,
             3);
   EXPECT_EQ(Run("compensate --machine nowhere.json --errors errors.json --tool-tip '0 0 0' in.nc -o out.nc").exit_code,

@@ -9,6 +9,7 @@
 namespace axiscal {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::Outcome;
 using testing::Source;
@@ -112,7 +113,8 @@ TEST_F(MainJob, FromUploadToTheRewrittenProgram) {
   EXPECT_EQ(Run("session list --json").Json()["sessions"].size(), 9u);
 
   const std::string compensate =
-      "compensate --machine integrex-i200 --unit mm --tool-tip '0 0 -356.3945' fig-4.30-original.nc -o out.nc ";
+      "compensate --machine integrex-i200 --dialect mazak --unit mm --tool-tip '0 0 -356.3945' fig-4.30-original.nc "
+      "-o out.nc ";
   EXPECT_EQ(Run(compensate).exit_code, 5);  // nothing approved yet
   const std::string id = Identify("EZ0T,EX0T,EA0B,EC0B")["id"].dump();
   EXPECT_EQ(Run("approve " + id + " --etag 99").exit_code, 5);  // it changed meanwhile
@@ -139,6 +141,11 @@ TEST_F(MainJob, FromUploadToTheRewrittenProgram) {
 
   EXPECT_EQ(Run("history --machine integrex-i200 --symbols EZ0T --json").Json()["series"][0]["points"].size(), 1u);
   EXPECT_EQ(Run("history --fleet --json").Json()["machines"].size(), 1u);
+  const Outcome drift = Run("drift --machine integrex-i200 --limit EZ0T=-10..10");
+  EXPECT_EQ(drift.exit_code, 0) << drift.err;
+  EXPECT_THAT(drift.out, AllOf(HasSubstr("1 of 1 calibrations count\n"), HasSubstr("nothing to tell"),
+                               HasSubstr("no forecast: ")));
+  EXPECT_EQ(Run("drift --machine integrex-i200 --json").Json()["counted"].size(), 1u);
   EXPECT_EQ(Run("jobs list --state succeeded --json").Json()["jobs"].size(), 2u);
   EXPECT_EQ(Run("jobs watch 1").exit_code, 0);
 }
@@ -184,6 +191,12 @@ TEST_F(MainJob, EveryFailureHasItsExitCode) {
     EXPECT_THAT(outcome.err, HasSubstr("is the database too")) << command;
   }
   EXPECT_EQ(Run("history --machine integrex-i200 --from yesterday").exit_code, 3);
+  EXPECT_EQ(Run("drift --machine nobody").exit_code, 4);
+  for (const char* limit : {"EX0C", "EX0C=5..5", "EX0C=5..", "=1..2", "EX0C=a..b"}) {
+    const Outcome outcome = Run(std::string("drift --machine integrex-i200 --limit ") + limit);
+    EXPECT_EQ(outcome.exit_code, 3) << limit;
+    EXPECT_THAT(outcome.err, HasSubstr("expected ERROR=LOW..HIGH")) << limit;
+  }
   const Outcome error = Run("machine show nobody --json");
   EXPECT_EQ(nlohmann::json::parse(error.err, nullptr, false)["error"]["exit_code"], 4);
   EXPECT_EQ(Run("--server 127.0.0.1:1 machine list").exit_code, 6);

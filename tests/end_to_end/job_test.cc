@@ -1,10 +1,16 @@
 // The technician's way: identify, look, approve, roll back, compensate, look at the history.
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+#include "axiscal/v1/calibrations_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "core/base/error_detail.h"
 #include "proto/convert/job_params.h"
 #include "server/local_login.h"
+#include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/job_fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
 
@@ -56,6 +62,99 @@ TEST_F(Job, IdentifyMakesACandidateWithItsProvenance) {
   EXPECT_EQ(again->id, created->id);
   const auto other = client().CreateJob(records::IdentifyParams{MachineId("mt"), {session}, {"EX0C"}}, "identify-1");
   EXPECT_EQ(base::ErrorReason(other.status()), "REQUEST_ID_REUSED");
+}
+
+// "... before: rms 12.3 um ..." -> 12.3
+double RmsUm(const std::string& svg, const std::string& panel) {
+  const std::string words = panel + ": rms ";
+  const size_t at = svg.find(words);
+  return at == std::string::npos ? NAN : std::strtod(svg.c_str() + at + words.size(), nullptr);
+}
+
+TEST_F(Job, ACalibrationIsDrawnWithoutAndWithItsErrors) {
+  // X is 100 um/m too long: 10 um at the bar's end, seen as the square of the cosine, which no set-up can take up.
+  session::Session session = testing::BallbarSession("mt", "BX", 720);
+  for (size_t k = 0; k < session.columns[1].values.size(); ++k) {
+    const double cosine = session.columns[1].values[k] / 100;
+    session.columns.back().values[k] += 0.010 * cosine * cosine;
+  }
+  const client::JobRecord job = RunJob(records::IdentifyParams{
+      MachineId("mt"), {UploadSession(session)}, {"EX0C", "EY0C", R"({"symbol": "EXX", "shape": "linear"})"}});
+  ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+  const CalibrationId id = *job.calibration;
+  const auto stub = v1::Calibrations::NewStub(channel());
+  v1::DrawCalibrationRequest request;
+  request.set_calibration_id(id.number());
+  v1::DrawCalibrationResponse drawn;
+  grpc::ClientContext context;
+  ASSERT_TRUE(stub->DrawCalibration(&context, request, &drawn).ok());
+  EXPECT_GT(drawn.readings(), 100);
+  EXPECT_EQ(drawn.left_out_size(), 0);
+  std::map<std::string, std::string> pictures;
+  for (const v1::CalibrationPicture& picture : drawn.pictures()) pictures[picture.file()] = picture.svg();
+  // C turns under a ball bar: residuals over C, and a trace by its angle.
+  for (const char* file : {"residual-C.svg", "trace-BX.svg"}) {
+    ASSERT_TRUE(pictures.count(file)) << file;
+    EXPECT_THAT(pictures[file], HasSubstr("<svg xmlns="));
+    // 5 um of amplitude are left by the set-ups alone, nothing with the errors.
+    EXPECT_NEAR(RmsUm(pictures[file], "before"), 5 / std::sqrt(2), 0.1);
+    EXPECT_LT(RmsUm(pictures[file], "after"), kToleranceUm);
+  }
+  // What it shows is at hand as numbers, too. The square of a cosine is the second order, of half its size.
+  std::map<std::string, v1::CalibrationPicture> shown;
+  for (const v1::CalibrationPicture& picture : drawn.pictures()) shown[picture.file()] = picture;
+  EXPECT_EQ(shown["residual-C.svg"].x_label(), "C, deg");
+  ASSERT_EQ(shown["residual-C.svg"].series_size(), 2);  // before, after
+  EXPECT_EQ(shown["residual-C.svg"].series(0).y_size(), 720);
+  EXPECT_EQ(shown["residual-C.svg"].series(0).x_size(), 720);
+  ASSERT_EQ(shown["spectrum-C.svg"].series_size(), 2);
+  EXPECT_EQ(shown["spectrum-C.svg"].series(0).x(1), 2.0);
+  EXPECT_NEAR(shown["spectrum-C.svg"].series(0).y(1), 5.0, 0.1);
+  EXPECT_LT(shown["spectrum-C.svg"].series(1).y(1), kToleranceUm);
+  request.set_file("spectrum-C.svg");
+  grpc::ClientContext one;
+  ASSERT_TRUE(stub->DrawCalibration(&one, request, &drawn).ok());
+  ASSERT_EQ(drawn.pictures_size(), 1);
+  EXPECT_EQ(drawn.pictures(0).series_size(), 2);
+  request.set_file("spectrum-Q.svg");
+  grpc::ClientContext none;
+  EXPECT_THAT(stub->DrawCalibration(&none, request, &drawn).error_message(), HasSubstr("no picture 'spectrum-Q.svg'"));
+  request.clear_file();
+
+  request.set_calibration_id(id.number() + 1);
+  grpc::ClientContext other;
+  EXPECT_EQ(stub->DrawCalibration(&other, request, &drawn).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+// Outliers by the thousand make a report longer than any message that a client sends.
+TEST_F(Job, AReportMayBeLongerThanAMessageThatIsSent) {
+  embedded_.reset();
+  storage::SqliteOptions sqlite;
+  sqlite.path = dir_.File("axiscal.db");
+  auto database = storage::OpenSqlite(sqlite);
+  ASSERT_OK(database);
+  storage::NewCalibration calibration;
+  calibration.machine = MachineId("mt");
+  calibration.machine_revision = 1;
+  calibration.options_json = calibration.model_json = "{}";
+  calibration.report_json = "{\"text\": \"" + std::string(6 << 20, 'x') + "\"}";
+  const auto stored = (*database)->CreateCalibration(calibration);
+  ASSERT_OK(stored);
+  database->reset();
+  server::ServerOptions options;
+  options.database_path = sqlite.path;
+  options.listen_address = "127.0.0.1:0";
+  const auto server = server::Server::Start(options);
+  ASSERT_OK(server);
+  auto by_port = client::Client::Connect(absl::StrCat("127.0.0.1:", (*server)->port()));
+  ASSERT_OK(by_port);
+  auto in_process = client::Client::InProcess((*server)->InProcessChannel(), {});
+  ASSERT_OK(in_process);
+  for (client::Client* const one : {&*by_port, &*in_process}) {
+    const auto read = one->GetCalibration(stored->id);
+    ASSERT_OK(read);
+    EXPECT_EQ(read->content.report_json, calibration.report_json);
+  }
 }
 
 TEST_F(Job, ErrorsMayBeDeclaredForOneFit) {

@@ -39,7 +39,7 @@ TEST(DiskFull, FailsCleanlyAndRecovers) {
   std::vector<uint32_t> crcs;
   std::vector<session::Column> refused;
   {
-    const FileSizeLimit limit(1 << 20);
+    const FileSizeLimit limit(2 << 20);
     absl::Status status;
     for (int seq = 0; seq < 1000 && status.ok(); ++seq) {
       refused = Incompressible(random);
@@ -71,7 +71,7 @@ TEST(DiskFull, ConcurrentWritersAllGetAnAnswer) {
   std::mt19937_64 random(9);
   int64_t acknowledged = 0, failed = 0;
   {
-    const FileSizeLimit limit(1 << 20);
+    const FileSizeLimit limit(2 << 20);
     for (int seq = 0; seq < 200; ++seq) {
       database->AppendChunkAsync(id, records::Chunk::Seal(seq, Incompressible(random)),
                                  [&](absl::StatusOr<AppendResult> result) { ++(result.ok() ? acknowledged : failed); });

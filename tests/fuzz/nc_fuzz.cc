@@ -1,21 +1,7 @@
 // Programs of any bytes: the rewriter never crashes, a null correction returns the bytes, pieces of any size give the
 // same output, and what was rewritten once is refused the next time.
-//
-// With clang this is a libFuzzer target:
-//   cmake --preset fuzz && cmake --build --preset fuzz
-//   build/fuzz/bin/nc_fuzz -max_total_time=60 -dict=tests/fuzz/nc.dict NEW_CASES_FOLDER tests/fuzz/corpus/nc
-//   tests/data/nc
-// as tests/run does for a minute.
-// Built without, main() runs the corpus and seeded mutations of it: nc_fuzz CORPUS_FOLDER [ROUNDS].
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <limits>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -25,17 +11,10 @@
 #include "core/nc/dialect.h"
 #include "core/nc/rewrite.h"
 #include "core/nc/verify.h"
+#include "tests/fuzz/driver.h"
 
 namespace axiscal {
 namespace {
-
-#define MUST(condition)                                                                  \
-  do {                                                                                   \
-    if (!(condition)) {                                                                  \
-      std::fprintf(stderr, "%s:%d: %s does not hold\n", __FILE__, __LINE__, #condition); \
-      std::abort();                                                                      \
-    }                                                                                    \
-  } while (false)
 
 const machine::Machine& Machine() {
   static const machine::Machine* const machine = new machine::Machine(machine::testing::MultiTasking());
@@ -130,129 +109,9 @@ void RunOne(const std::string& program) {
 }
 
 }  // namespace
+
+namespace fuzz {
+void Look(const std::string& bytes) { RunOne(bytes); }
+}  // namespace fuzz
+
 }  // namespace axiscal
-
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  axiscal::RunOne(std::string(reinterpret_cast<const char*>(data), size));
-  return 0;
-}
-
-#ifndef AXISCAL_LIBFUZZER
-namespace {
-
-std::string Mutated(const std::vector<std::string>& corpus, std::mt19937* random) {
-  static const std::vector<std::string> kPieces = {"G1 ",
-                                                   "G0",
-                                                   "G91 ",
-                                                   "G90",
-                                                   "G93 F2 ",
-                                                   "X",
-                                                   "Y-1.5 ",
-                                                   "Z+.5",
-                                                   "B90. ",
-                                                   "C-180.",
-                                                   "(",
-                                                   ")",
-                                                   ";",
-                                                   "\r\n",
-                                                   "\n",
-                                                   "%",
-                                                   "/",
-                                                   "#",
-                                                   "[",
-                                                   " ",
-                                                   ".",
-                                                   "-",
-                                                   "1e9",
-                                                   "\x1a",
-                                                   "M30 ",
-                                                   "G20 ",
-                                                   "G04 ",
-                                                   "N10 ",
-                                                   "O7\n",
-                                                   "G2",
-                                                   "G28 ",
-                                                   "M98",
-                                                   "G54",
-                                                   "\xFF",
-                                                   "0000",
-                                                   "999999999999999999",
-                                                   "G3 ",
-                                                   "I5.",
-                                                   "J-5.",
-                                                   "K2 ",
-                                                   "R10. ",
-                                                   "G17 ",
-                                                   "G18 ",
-                                                   "G19 ",
-                                                   "G55 ",
-                                                   "G54.1 P1 ",
-                                                   "G43 H1 ",
-                                                   "G49 ",
-                                                   "G92 X0 ",
-                                                   "G92.1 ",
-                                                   "G52 Y1. ",
-                                                   "G90.1 ",
-                                                   "G91.1 ",
-                                                   "G53 ",
-                                                   "L X+1 R0 FMAX\n",
-                                                   "TOOL CALL 1 Z\n",
-                                                   "IX+1 ",
-                                                   "CR=10 ",
-                                                   "SUPA ",
-                                                   "MSG(\"\") ",
-                                                   "X=5 ",
-                                                   "IF ",
-                                                   "G1 X1 Y2 Z3 B4 C5\n"};
-  const auto below = [random](size_t limit) { return static_cast<size_t>((*random)() % std::max<size_t>(limit, 1)); };
-  std::string text = corpus[below(corpus.size())];
-  for (size_t changes = 1 + below(8); changes > 0; --changes) {
-    const size_t at = below(text.size() + 1), length = below(12);
-    switch (below(5)) {
-      case 0:
-        text.erase(at, length);
-        break;
-      case 1:
-        text.insert(at, kPieces[below(kPieces.size())]);
-        break;
-      case 2:
-        text.insert(at, 1, static_cast<char>(below(256)));
-        break;
-      case 3: {
-        const std::string& other = corpus[below(corpus.size())];
-        text.insert(at, other.substr(below(other.size() + 1), 4 * length));
-        break;
-      }
-      default:
-        text.resize(at);
-    }
-  }
-  return text;
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: nc_fuzz CORPUS_FOLDER [ROUNDS]\n");
-    return 2;
-  }
-  std::vector<std::string> paths, corpus;
-  for (const auto& entry : std::filesystem::directory_iterator(argv[1])) paths.push_back(entry.path().string());
-  std::sort(paths.begin(), paths.end());
-  for (const std::string& path : paths) {
-    std::ifstream file(path, std::ios::binary);
-    corpus.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  }
-  if (corpus.empty()) {
-    std::fprintf(stderr, "nc_fuzz: no file in %s\n", argv[1]);
-    return 1;
-  }
-  for (const std::string& program : corpus) axiscal::RunOne(program);
-  std::mt19937 random(2022);
-  const int rounds = argc > 2 ? std::atoi(argv[2]) : 2000;
-  for (int round = 0; round < rounds; ++round) axiscal::RunOne(Mutated(corpus, &random));
-  std::printf("nc_fuzz: %zu files and %d mutations\n", corpus.size(), rounds);
-  return 0;
-}
-#endif

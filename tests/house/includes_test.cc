@@ -163,6 +163,7 @@ TEST(Walls, OnlyReadersAndWritersIncludeJson) {
                           "core/base/json_members.h",                 // members of a struct, told once for both ways
                           "core/base/strict_json.cc",                 //
                           "core/base/strict_json.h",                  //
+                          "core/compare/side_json.cc",                //
                           "core/compensate/tables/formats_json.cc",   //
                           "core/identify/budget_json.cc",             //
                           "core/identify/held_json.cc",               //
@@ -183,6 +184,7 @@ TEST(Walls, OnlyReadersAndWritersIncludeJson) {
                           "core/reports/tool_setter_json.cc",         //
                           "core/synthetic/scenario_json.cc",          //
                           "core/toolsetter/cutter_keys.cc",           // cutter.json
+                          "server/http/error_json.cc",                // errors of the Connect protocol
                           "server/jobs/asked_json.cc",                // how a calibration was asked for
                           "server/log.cc"));
 }

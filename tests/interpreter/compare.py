@@ -10,6 +10,7 @@ class Limits:
         self.end_mm, self.path_mm, self.gross_mm, self.gross_deg = end_mm, path_mm, gross_mm, gross_deg
         self.rounding_deg = rounding_deg
         self.lean_mm = 0.0  # what the report says is left at the bottom of holes
+        self.contour_mm = 0.0  # and along contours under cutter compensation
         self.tilt_rad = None  # where rotary axes are corrected too: how far the tool's direction may be off
 
 
@@ -93,12 +94,55 @@ def angle(a, b):
     return math.atan2(math.sqrt(dot(c, c)), dot(a, b))
 
 
+def words_of(event, t):
+    at = event.at(t)
+    return event.frame.to_words(at, event.length) if event.frame else at
+
+
+def axes_of(event, words):
+    return event.frame.to_axes(words, event.length) if event.frame else words
+
+
+def cross(a, b):
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def tangent(event, t):
+    """The direction in X and Y of a move's words."""
+    if event.arc:
+        angle, sense = event.arc[3] + t * event.arc[4], math.copysign(1.0, event.arc[4])
+        return (-sense * math.sin(angle), sense * math.cos(angle))
+    a, b = words_of(event, 0.0), words_of(event, 1.0)
+    d = (b["X"] - a["X"], b["Y"] - a["Y"])
+    length = math.hypot(*d)
+    return (d[0] / length, d[1] / length) if length > 1e-9 else None
+
+
+def corner_takes(a, b, side, radius):
+    """How much of straight moves an inner corner between them takes of the offset path."""
+    if a.arc or b.arc:
+        return 0.0
+    u, v = tangent(a, 1.0), tangent(b, 0.0)
+    turn = math.atan2(cross(u, v), u[0] * v[0] + u[1] * v[1])
+    return radius * math.tan(min(abs(turn), 3.1) / 2) if side * turn > 0 else 0.0
+
+
+def room(pair, side, radius):
+    """What the corners leave of the first of two moves; of arcs it is not asked here."""
+    (a, taken), (b, _) = pair[0], pair[1]
+    if a.arc:
+        return 1.0
+    p, q = words_of(a, 0.0), words_of(a, 1.0)
+    return math.hypot(q["X"] - p["X"], q["Y"] - p["Y"]) - taken - corner_takes(a, b, side, radius)
+
+
 class Comparison:
     """`passed`: lines that the report lists as not corrected. `strict`: such a line must be listed."""
 
     def __init__(self, machine, limits, passed, strict, not_turned=()):
         self.machine, self.limits, self.passed, self.strict = machine, limits, passed, strict
-        self.corrected = self.unchanged = self.holes = 0
+        self.corrected = self.unchanged = self.holes = self.contour_moves = self.vector_moves = 0
+        self.corner = None  # the last pieces of a contour, of source and output
         self.worst_end = self.worst_path = 0.0
         self.is_corrected = False  # the position before the present move
         self.not_turned = not_turned
@@ -226,6 +270,7 @@ class Comparison:
         self.is_corrected = problem is None or (self.is_right_at_end(s, last) and not s.opaque)
         if problem is None:
             self.corrected += 1
+            self.vector_moves += s.vector is not None
             return
         same_words = len(pieces) == 1 and same(s.words, pieces[0].words)
         if same_words and s.arc:
@@ -234,9 +279,13 @@ class Comparison:
                 pieces[0].arc[4] if pieces[0].arc else 0.0, s.arc[4])
         if not same_words:
             raise Difference(problem, s, pieces)
-        if self.strict and s.line not in self.passed and not (s.unsure and self.passed and min(self.passed) < s.line):
+        if self.strict and not self.is_listed(s) and not (s.unsure and self.passed and min(self.passed) < s.line):
             raise Difference("not corrected, and the report does not list it: " + problem, s, pieces)
         self.unchanged += 1
+
+    def is_listed(self, s):
+        """A call that is listed stands for what it runs."""
+        return bool(self.passed & {s.line, *s.callers})
 
     def check_hole(self, s, o):
         """The tool is right where the drill goes in, and as deep as programmed; how far it leans between, the report says."""
@@ -282,14 +331,73 @@ class Comparison:
             return
         if not same(s.words, o.words):
             raise Difference(problem, s, [o])
-        if self.strict and s.line not in self.passed:
+        if self.strict and not self.is_listed(s):
             raise Difference("not corrected, and the report does not list it: " + problem, s, [o])
         self.unchanged += 1
+
+    def left(self, s):
+        """What may be left at the end of a move, since it gets no words of X and Y."""
+        return self.limits.contour_mm if s.cut and s.cut[0] == "held" else 0.0
 
     def is_right_at_end(self, s, last):
         want, _ = self.machine.tip(s.end, s.length)
         have, _ = self.machine.tip(last.end, last.length, True)
-        return math.dist(want, have) <= self.limits.end_mm
+        return math.dist(want, have) <= self.limits.end_mm + self.left(s)
+
+    def contour_problem(self, s, pieces):
+        """Cutter compensation: the control leads the tool's centre a radius beside the contour of the words. Is the tool of
+        the machine with errors right across the contour and along the tool, to what is reported? Does the control go round
+        the corners as it did?"""
+        machine, limits = self.machine, self.limits
+        part, side, radius = s.cut
+        if any(p.cut is None or p.cut[1:] != s.cut[1:] for p in pieces):
+            return "another cutter compensation"
+        if part == "held":
+            for p in pieces:
+                a, b = words_of(p, 0.0), words_of(p, 1.0)
+                if math.hypot(b["X"] - a["X"], b["Y"] - a["Y"]) > 1e-7:
+                    return "a move along Z alone became one of X and Y: the control offsets that"
+            return None
+        if [p.cut[0] for p in pieces] != [part] * len(pieces):
+            return "another part of the contour"
+        self.corner = None if part != "piece" else self.corner
+        if part != "piece":
+            return None
+        t = 0.0
+        for piece in pieces:
+            end = 1.0 if piece is pieces[-1] else self.fraction(s, dict(piece.end), t)
+            for k in range(7):
+                u = k / 6.0
+                at, along = words_of(s, t + u * (end - t)), tangent(s, t + u * (end - t))
+                now, along_now = words_of(piece, u), tangent(piece, u)
+                if along is None or along_now is None or abs(cross(along, along_now)) > 0.011 or along[0] * along_now[0] + along[1] * along_now[1] < 0:
+                    return "the contour is turned, and the tool's centre with it"
+                centre, beside, centre_now = dict(at), dict(at), dict(now)
+                centre.update(X=at["X"] - side * radius * along[1], Y=at["Y"] + side * radius * along[0])
+                beside.update(X=centre["X"] - side * along[1], Y=centre["Y"] + side * along[0])
+                centre_now.update(X=now["X"] - side * radius * along_now[1], Y=now["Y"] + side * radius * along_now[0])
+                want, aim = machine.tip(axes_of(s, centre), s.length)
+                wall = sub(machine.tip(axes_of(s, beside), s.length)[0], want)
+                have = machine.tip(axes_of(piece, centre_now), piece.length, True)[0]
+                off = sub(have, want)
+                across, depth = dot(off, wall) / math.sqrt(dot(wall, wall)), dot(off, aim)
+                most = limits.contour_mm + limits.end_mm
+                if abs(across) > most or abs(depth) > most:
+                    return "the cutter is %.5f mm off across the contour, %.5f along Z, and %.5f are reported" % (
+                        across, depth, limits.contour_mm)
+            t = end
+        now = [(s, 0.0)], [(p, 0.0) for p in pieces]
+        if self.corner:
+            rooms = [room(chain[-1:] + present, side, radius) for chain, present in zip(self.corner, now)]
+            if (rooms[0] > 0) != (rooms[1] > 0):
+                return "at the corner the tool has room of %.4f mm, in the source %.4f" % (rooms[1], rooms[0])
+        else:
+            rooms = (0.0, 0.0)
+        taken = [corner_takes(c[-1][0], n[0][0], side, radius) if self.corner else 0.0 for c, n in
+                 zip(self.corner or ([None], [None]), now)]
+        self.corner = ([(s, taken[0])], [(pieces[-1], taken[1] if len(pieces) == 1 else 0.0)])
+        self.contour_moves += 1
+        return None
 
     def problem(self, s, pieces, start_is_corrected):
         machine, limits = self.machine, self.limits
@@ -300,9 +408,14 @@ class Comparison:
         off = math.dist(want, have)
         # A full circle ends where it began, wherever else its correction leads.
         is_full = s.arc is not None and abs(abs(s.arc[4]) - 2 * math.pi) < 1e-3
-        if off > (limits.path_mm if is_full else limits.end_mm):
+        if off > (limits.path_mm if is_full else limits.end_mm) + self.left(s):
             return "the tool is %.5f mm off at the end" % off
         self.worst_end = max(self.worst_end, off)
+        if s.cut:
+            text = self.contour_problem(s, pieces)
+            if text or s.cut[0] != "piece":  # how the tool comes to a contour and leaves it, the control says
+                return text
+        more = limits.contour_mm if s.cut else 0.0  # a contour may begin behind a move along Z
         if limits.tilt_rad is not None and angle(aim, direction) > limits.tilt_rad and s.line not in self.not_turned:
             return "the tool leans by %.1f urad at the end" % (1e6 * angle(aim, direction))
         if s.rapid or s.unsure_before or not start_is_corrected:
@@ -337,7 +450,7 @@ class Comparison:
                         t_new = min(t_high, max(t_low, t_new + dot(sub(have, want), slope) / square))
                         want, aim = machine.tip(s.at(t_new), s.length)
                 off = math.dist(want, have)
-                if off > limits.path_mm + mismatch:
+                if off > limits.path_mm + mismatch + more:
                     return "the tool is %.5f mm off on the way (at %.3f of the move)" % (off, t_new)
                 self.worst_path = max(self.worst_path, off)
                 if (t - t_new) * length > max(2 * limits.path_mm, 0.02 * length):
@@ -363,12 +476,17 @@ class Comparison:
             return min(1.0, max(0.0, (c[axis] - s.start[axis]) / (s.end[axis] - s.start[axis])))
         if s.arc:
             first, second, centre, start, sweep, radius, _ = s.arc
-            along = max(self.machine.linear, key=lambda a: 0.0 if a in (first, second) else abs(s.end[a] - s.start[a]))
-            if along not in (first, second) and abs(s.end[along] - s.start[along]) > radius * abs(sweep):
-                return min(1.0, max(0.0, (c[along] - s.start[along]) / (s.end[along] - s.start[along])))
+            begin, end = s.start, s.end
+            if s.frame:  # the circle is one of words
+                begin, end, c = (s.frame.to_words(p, s.length) for p in (begin, end, c))
+            along = max(self.machine.linear, key=lambda a: 0.0 if a in (first, second) else abs(end[a] - begin[a]))
+            if along not in (first, second) and abs(end[along] - begin[along]) > radius * abs(sweep):
+                return min(1.0, max(0.0, (c[along] - begin[along]) / (end[along] - begin[along])))
             turn = math.atan2(c[second] - centre[1], c[first] - centre[0]) - start
             t = turn / sweep
             step = 2 * math.pi / abs(sweep)
+            if radius * abs(sweep) < self.limits.path_mm:  # what the correction differs by along it is many times its length
+                return min(1.0, max(0.0, t))
             return t + step * round((before + 0.04 - t) / step) if step < 1e6 else t
         d = {a: s.end[a] - s.start[a] for a in self.machine.linear}
         square = sum(v * v for v in d.values())

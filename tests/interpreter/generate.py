@@ -5,6 +5,8 @@ import math
 import os
 import random
 
+from kinematics import Machine
+
 MACHINES = {
     "mill": {
         "id": "mill", "axes": {
@@ -726,6 +728,336 @@ class Program(Writer):
             self.distances(False)
         self.tcp_off(end)
 
+    def f_vector(self):
+        """Tool centre point control with the tool's direction as a vector: G43.5, A3= B3= C3=, LN."""
+        rng = self.rng
+        if len(self.rotary) != 2 or any(self.offset(a) for a in self.rotary) or any(self.preset.values()) or self.g93 or \
+                self.case.get("roll_over") in ("difference", "sign"):
+            return
+        tilting = [a for a in self.rotary if a != "C"][0]
+        sign = rng.choice([-1, 1])
+        at = {tilting: round(sign * rng.uniform(8, 50), 3), "C": round(rng.uniform(10, 340), 3)}
+        self.plane_xy()
+        end = self.vector_on(at)
+        if end is None:
+            return
+        self.tcp, self.feed = True, None
+        for _ in range(rng.randrange(2, 7)):
+            axes = rng.sample(self.linear, rng.choice([1, 2, 3, 3]))
+            kind = rng.random()
+            if kind < 0.75:
+                most = rng.choice([2.0, 10.0, 25.0])
+                at[tilting] = sign * min(58.0, max(3.0, sign * at[tilting] + rng.uniform(-most, most)))
+                at["C"] += rng.uniform(-most, most)
+            elif kind < 0.8:  # no rule says where the control turns
+                at.update({tilting: rng.choice([0.0, -at[tilting]])})
+            if rng.random() < 0.6 and None not in self.m.values():
+                targets = {a: self.m[a] + rng.uniform(-6, 6) for a in axes}
+            else:
+                targets = self.targets(axes)
+            self.vector_move(targets, self.vector_words(at) if rng.random() < 0.85 else [], rng.random() < 0.25)
+        self.m.update(at)
+        self.tcp_off(end)
+        self.restate()
+
+    def vector_words(self, at):
+        """The direction at these places of the rotary axes, from the tool's tip to the spindle."""
+        scale = self.rng.choice([1.0, 1.0, 1.0, 2.0, 0.5]) if self.dialect != "heidenhain" else 1.0
+        names = {"sinumerik": ("A3=", "B3=", "C3="), "heidenhain": ("TX", "TY", "TZ")}.get(self.dialect, ("I", "J", "K"))
+        places = self.rng.choice([5, 6, 7])
+        sign = "+" if self.dialect == "heidenhain" else ""
+        return [name + ("%" + sign + ".*f") % (places, scale * v + 0.0) for name, v in zip(names, self.normal(at))]
+
+    def vector_move(self, targets, vector, is_rapid):
+        words = self.go(targets) + vector
+        if is_rapid:
+            self.block([self.motion_word(0)] + words)
+        else:
+            self.block([self.motion_word(1)] + words + [self.feed_word()])
+
+    def vector_on(self, at):
+        rng, d = self.rng, self.dialect
+        if d not in ("fanuc", "mazak", "sinumerik"):
+            return None
+        number = rng.choice(sorted(self.case["lengths"]))
+        if d == "sinumerik":
+            self.plain("D%d" % int(number))
+            self.length = self.case["lengths"][number]
+            self.plain("TRAORI")
+            self.plain((self.wcs or "G500") + " ORIAXES")
+            self.tcp = True
+            self.rapid(dict(self.targets(self.linear), **at))
+            return "TRAFOOF"
+        self.rapid(dict(self.targets(self.linear), **at))
+        self.length, self.tcp = self.case["lengths"][number], True
+        kind = rng.random()
+        if kind < 0.6:
+            self.block([self.g(0), "G43.5", "H%d" % int(number)] + self.go(self.targets(self.linear)) +
+                       (self.vector_words(at) if kind < 0.3 else []))
+            self.motion = 0
+        else:
+            self.plain("G43.5 H%d" % int(number))
+            self.rapid(self.targets(self.linear))
+        return "G49"
+
+    # Rotations, mirrors, scales: `m` holds places of their words meanwhile.
+    def f_frame(self):
+        rng = self.rng
+        if any(self.preset.values()) or self.case.get("increment") or self.g93:
+            return
+        self.plane_xy()
+        ends = self.frame_on()
+        if not ends:
+            return
+        self.motion = None
+        self.in_frame()
+        for end in ends:
+            self.plain(end)
+        self.trans = {a: 0.0 for a in self.axes}
+        self.m.update(X=None, Y=None, Z=None)
+        if rng.random() < 0.3:
+            self.rapid(self.targets(["X", "Y"]))
+        self.restate()
+
+    def in_frame(self):
+        """Moves of linear axes, circles, holes."""
+        rng = self.rng
+        self.m.update(X=None, Y=None, Z=None)
+        if rng.random() < 0.3:
+            self.rapid(self.targets(["X", "Y"]))
+        self.rapid(self.targets(self.linear))
+        for _ in range(rng.randrange(1, 4)):
+            kind = rng.random()
+            if kind < 0.5:
+                self.feed_move(self.targets(rng.sample(self.linear, rng.choice([1, 2, 3]))))
+            elif kind < 0.65:
+                self.f_short_lines()
+            elif kind < 0.85:
+                r = rng.choice([5.0, 12.5, 40.0])
+                start = (self.m["X"], self.m["Y"])
+                self.arc(rng.random() < 0.5, (start[0] + r, start[1]), rng.choice([start, (start[0] + r, start[1] + r)]))
+            else:
+                self.rapid(self.targets(self.linear))
+        if rng.random() < 0.4 and self.dialect != "heidenhain" and not self.case.get("orientation"):
+            self.distances(True)
+            self.feed_move({a: self.m[a] + rng.uniform(-9, 9) for a in rng.sample(self.linear, 2)})
+            self.distances(False)
+        if rng.random() < 0.4:
+            self.holes()
+        if rng.random() < 0.3 and self.dialect not in ("sinumerik", "heidenhain") and not self.case.get("orientation") and \
+                not self.case.get("increment"):
+            self.contour(rng.choice(sorted(self.case["radii"])))
+            self.motion = None
+            self.rapid(self.targets(self.linear))
+
+    def holes(self):
+        """A drilling cycle of linear axes alone."""
+        rng = self.rng
+        if self.case.get("orientation"):
+            return
+        if self.dialect in ("sinumerik", "heidenhain"):
+            linear, self.axes = self.axes, self.linear  # what follows the holes moves no rotary axis
+            rotary, self.rotary = self.rotary, []
+            self.called_cycle()
+            self.axes, self.rotary = linear, rotary
+            return
+        self.rapid(self.targets(self.linear))
+        z = (self.m["Z"] - self.offset("Z")) / self.scale("Z")
+        for k in range(rng.randrange(1, 4)):
+            words = self.go(self.targets(["X", "Y"]))
+            if k == 0:
+                words = ["G%d" % rng.choice([98, 99]), "G81"] + words + ["Z" + self.number(z - 12.0 / self.scale("Z")), "R" + self.number(z), "F120"]
+            self.block(words)
+        self.plain("G80")
+        self.m["Z"], self.motion, self.feed = None, None, None
+        self.rapid(self.targets(self.linear))
+
+    def frame_on(self):
+        rng, d = self.rng, self.dialect
+        x, y, z = (self.number(round(rng.uniform(-20, 20), 2), 2) for _ in range(3))
+        angle = self.number(rng.choice([30.0, 45.0, -12.5, 90.0, 137.25]), 2)
+        if "." not in angle:
+            angle += "."
+        if d == "linuxcnc":
+            return None
+        if d == "sinumerik":
+            factor = self.number(0.985, 3)
+            if rng.random() < 0.4 and not self.inch:
+                self.block(["TRANS X%s Y%s" % (x, y)])
+                self.trans.update(X=float(x), Y=float(y))
+                for word in rng.sample(["AROT RPL=" + angle, "AMIRROR Y0", "ASCALE X%s Y%s" % (factor, factor), "AROT Z" + angle,
+                                        "ATRANS X5 Z-2.5"], rng.choice([1, 2])):
+                    if word.startswith("ATRANS") and not any(l.split(" ", 1)[-1].startswith("A") for l in self.lines[-1:]):
+                        self.trans["X"] += 5.0
+                        self.trans["Z"] -= 2.5
+                    self.block([word])
+                self.trans = {a: 0.0 for a in self.axes}  # words are as they are: where they lead matters little
+                self.trans.update(X=float(x), Y=float(y))
+            else:
+                self.block([rng.choice(["ROT Z" + angle, "ROT RPL=" + angle, "MIRROR X0", "MIRROR X0 Y0",
+                                       "SCALE X%s Y%s Z%s" % (factor, factor, factor)])])
+            return [rng.choice(["TRANS", "ROT"])]
+        kind = rng.random()
+        if kind < 0.6:
+            self.plain("G68 X%s Y%s R%s" % (x, y, angle))
+            return ["G69"]
+        if kind < 0.8:
+            axes = rng.choice([["X"], ["Y"], ["X", "Y"]])
+            self.plain("G51.1 " + " ".join(a + v for a, v in zip(axes, (x, y))))
+            return [rng.choice(["G50.1", "G50.1 " + " ".join(a + "0." for a in axes)])]
+        self.plain("G51 X%s Y%s Z%s P0.98" % (x, y, z))
+        return ["G50"]
+
+    def f_contour(self):
+        """Cutter compensation: a move to the contour, the contour, a move away."""
+        rng, d = self.rng, self.dialect
+        if self.case.get("orientation") or self.case.get("increment") or self.g93 or self.incremental:
+            return
+        self.plane_xy()
+        number = rng.choice(sorted(self.case["radii"]))
+        if d == "heidenhain":
+            self.plain("TOOL CALL %d Z S2000" % int(number))
+            self.length = self.case["lengths"][number]
+            self.restate()
+        elif d == "sinumerik":
+            self.plain("D%d" % int(number))
+            self.length = self.case["lengths"][number]
+            self.restate()
+        self.rapid(self.targets(self.linear))
+        self.contour(number)
+        self.motion = None
+        self.restate()
+
+    def contour(self, number):
+        rng, d = self.rng, self.dialect
+        side, radius = rng.choice([1, -1]), self.case["radii"][number]
+        on = {"heidenhain": "RL" if side > 0 else "RR", "sinumerik": "G41" if side > 0 else "G42"}.get(
+            d, ("G41" if side > 0 else "G42") + " D%d" % int(number))
+        heading = rng.uniform(0, 2 * math.pi)
+        low = max(4.0, 1.5 * radius)
+
+        def ahead(length):
+            return {"X": self.m["X"] + length * math.cos(heading), "Y": self.m["Y"] + length * math.sin(heading)}
+        if rng.random() < 0.3 and d != "heidenhain":
+            self.plain(on)
+            if rng.random() < 0.5:
+                self.feed_move({"Z": self.m["Z"] - rng.choice([2.0, 15.0])})
+            on = ""
+        self.motion = 1 if d == "heidenhain" else None
+        words = self.go(ahead(rng.uniform(low, 40)))
+        self.block(["L"] * (d == "heidenhain") + ([] if d == "heidenhain" else [self.motion_word(rng.choice([0, 1, 1]), True)] + ([on] if on else [])) +
+                   words + ([on] if d == "heidenhain" else []) + ["F300"])
+        heading += rng.uniform(-1, 1)
+        for _ in range(rng.randrange(2, 7)):
+            kind = rng.random()
+            if kind < 0.55:
+                self.feed_move(ahead(rng.choice([rng.uniform(low, 30), rng.uniform(30, 90)])))
+                heading += rng.choice([0.0, rng.uniform(-0.01, 0.01), rng.uniform(-1.2, 1.2), rng.uniform(-2.6, 2.6), math.pi / 2, -math.pi / 2])
+            elif kind < 0.8:
+                turn = rng.choice([1, -1])
+                r = rng.choice([2.0, 8.0, 25.0]) + (radius if turn == side else 0.0)
+                sweep = turn * rng.choice([math.pi / 2, rng.uniform(0.3, 3.0)])
+                centre = (round(self.m["X"] - turn * r * math.sin(heading), 3), round(self.m["Y"] + turn * r * math.cos(heading), 3))
+                a = math.atan2(self.m["Y"] - centre[1], self.m["X"] - centre[0]) + sweep
+                r = math.dist(centre, (self.m["X"], self.m["Y"]))
+                self.arc(turn < 0, centre, (centre[0] + r * math.cos(a), centre[1] + r * math.sin(a)))
+                heading += sweep
+            elif kind < 0.92:
+                self.feed_move({"Z": self.m["Z"] - rng.choice([1.0, 8.0])})
+            else:
+                self.feed_move(dict(ahead(rng.uniform(low, 40)), Z=self.m["Z"] - 2.0))
+                heading += rng.uniform(-0.5, 0.5)
+        off = "R0" if d == "heidenhain" else "G40"
+        if rng.random() < 0.3 and d != "heidenhain":
+            self.plain(off)
+            self.rapid({"Z": self.m["Z"] + rng.choice([5.0, 40.0])})
+            self.rapid(ahead(30.0))
+        elif d == "heidenhain":
+            self.block(["L"] + self.go(ahead(30.0)) + [off])
+        else:
+            self.block([off, self.motion_word(rng.choice([0, 1]), True)] + self.go(ahead(30.0)))
+
+    def f_tilt(self):
+        """3+2: the rotary axes stand, words count in the tilted plane."""
+        rng = self.rng
+        if len(self.rotary) != 2 or any(self.offset(a) for a in self.rotary) or any(self.preset.values()) or self.g93 or \
+                self.case.get("roll_over") in ("difference", "sign") or self.case.get("increment"):
+            return
+        self.plane_xy()
+        tilting = [a for a in self.rotary if a != "C"][0]
+        at = {tilting: rng.choice([30.0, -45.0, 90.0, round(rng.uniform(5, 60), 3)]), "C": rng.choice([0.0, 90.0, round(rng.uniform(0, 300), 3)])}
+        ends = self.tilt_on(at, tilting)
+        if not ends:
+            return
+        self.motion = None
+        self.in_frame()
+        for end in ends:
+            self.plain(end)
+        self.tcp = False
+        self.m = {a: None for a in self.axes}
+        if rng.random() < 0.5 and self.dialect in ("fanuc", "mazak", "haas"):
+            self.length = 0.0
+            self.plain("G49")
+        self.restate()
+
+    def normal(self, at):
+        """Z of the plane to which the tool stands upright."""
+        tip = Machine(MACHINES[self.case["machine"]], {}, [0.0, 0.0, 0.0])
+        return [-v for v in tip.tip(dict({a: 0.0 for a in self.linear}, **at), 0.0)[1]]
+
+    def tilt_on(self, at, tilting):
+        rng, d = self.rng, self.dialect
+        if d == "linuxcnc":
+            return None
+        number = rng.choice(sorted(self.case["lengths"]))
+
+        def degrees(*values):
+            return [("%.5f" % v).replace("-0.00000", "0.00000") for v in values]
+        place = " ".join(a + "%.2f" % rng.uniform(-20, 20) for a in "XYZ")
+        if d == "sinumerik":
+            if self.inch:
+                return None
+            self.plain("D%d" % int(number))
+            self.length = self.case["lengths"][number]
+            self.rapid(self.targets(self.linear))
+            self.rapid(at)
+            z = self.normal(at)
+            a, b = math.degrees(math.atan2(-z[1], z[2])), math.degrees(math.asin(max(-1.0, min(1.0, z[0]))))
+            turned = rng.choice([0.0, 30.0])
+            self.lines.append("CYCLE800(0,\"TC1\",0,57,%s,%s,%s,%s)" % (
+                ",".join("%.2f" % rng.uniform(-20, 20) for _ in range(3)), ",".join(degrees(a, b, turned)),
+                rng.choice(["0,0,0", "5,0,-2.5"]), rng.choice(["0", "0,,0"])))
+            self.tcp = True
+            return ["CYCLE800()"]
+        kind = rng.random()
+        if d == "haas":
+            at["C"] = 0.0
+        self.rapid(self.targets(self.linear))
+        self.rapid(at)
+        z = self.normal(at)
+        if d == "haas" and kind < 0.4:
+            self.length = self.case["lengths"][number]
+            self.block([self.g(43), "H%d" % int(number), self.motion_word(0, True)] + self.go(self.targets(["Z"])))
+            self.tcp = True
+            self.plain("G254")
+            return ["G255"]
+        ends = ["G69"]
+        if d == "haas":
+            angle = degrees(math.degrees(math.atan2(z[0], z[2]) if tilting == "B" else math.atan2(-z[1], z[2])))[0]
+            self.plain("G268 %s %s" % (place, "I0. J%s K0." % angle if tilting == "B" else "I%s J0. K0." % angle))
+            ends = ["G269"]
+        else:
+            i, j = math.degrees(math.atan2(z[0], -z[1])), math.degrees(math.acos(max(-1.0, min(1.0, z[2]))))
+            self.plain("G68.2 %s I%s J%s K%s" % (tuple([place] + degrees(i, j, rng.choice([0.0, 45.0, -90.0])))))
+        self.tcp = True
+        if rng.random() < 0.7:
+            self.plain("G253" if d == "haas" else "G53.1")
+        if not self.length or rng.random() < 0.6:
+            self.length = self.case["lengths"][number]
+            self.m.update(X=None, Y=None, Z=None)
+            self.block([self.g(43), "H%d" % int(number), self.motion_word(0, True)] + self.go(self.targets(["Z"])))
+        return ends
+
     def tcp_on(self):
         rng, d = self.rng, self.dialect
         if d == "linuxcnc":
@@ -960,10 +1292,10 @@ class Program(Writer):
 
     def r_mode(self):
         rng, d = self.rng, self.dialect
-        modes = {"sinumerik": [("TRANS X10", "TRANS"), ("SCALE X2", "SCALE"), ("MIRROR X0", "MIRROR"), ("G41 D1", "G40"),
+        modes = {"sinumerik": [("TRANS X10", "TRANS"), ("SCALE X2", "SCALE"), ("MIRROR X0", "MIRROR"), ("G41 D1", "G40"), ("D2 G42", "G40"),
                                ("ATRANS Y5", "TRANS"), ("TRANSMIT", "TRAFOOF")],
                  "linuxcnc": [("G41 D1", "G40"), ("G41.1 D4.", "G40"), ("G43.1 Z5.", "G49"), ("G7", "G8")]}.get(
-            d, [("G51 X0. Y0. P2.", "G50"), ("G51.1 X0.", "G50.1 X0."), ("G41 D1", "G40"), ("G16", "G15"),
+            d, [("G51 X0. Y0. P2.", "G50"), ("G51.1 X0.", "G50.1 X0."), ("G41 D1", "G40"), ("G42 D2", "G40"), ("G16", "G15"),
                 ("G66 P9010 Q1.", "G67")])
         on, off = rng.choice(modes)
         self.plain(on)
@@ -1214,7 +1546,8 @@ class Program(Writer):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("circle_modal", 1), ("incremental", 2), ("codes", 4), ("offset", 1),
              ("length", 1), ("tool_change", 1), ("g28", 1), ("preset", 0.7), ("local", 0.7), ("skip", 0.7), ("inverse_time", 1),
              ("unit", 0.6), ("absolute_centres", 0.5), ("corner", 0.6), ("wrap", 0.6), ("long_line", 0.4), ("over", 0.5),
-             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1), ("call", 1.5), ("shift", 1)]
+             ("rotary_feed", 0.5), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("data_input", 1), ("call", 1.5), ("shift", 1),
+             ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5)]
     REFUSED = [("tcp", 2), ("tilt", 1), ("rotation", 1), ("mode", 1.5), ("cycle", 1.5), ("call", 2), ("macro", 1), ("probe", 0.7),
                ("unknown_m", 1.5), ("builder_block", 0.7), ("lathe", 1), ("data_input", 0.7), ("passed_arc", 1.5), ("spline", 0.4),
                ("unstated_offset", 0.7), ("local_call", 0.5)]
@@ -1297,7 +1630,8 @@ def rng_value(rng, low, high):
 
 class KlartextProgram(Program):
     PLAIN = [("lines", 5), ("short_lines", 2), ("arc", 4), ("incremental", 2), ("codes", 4), ("tool_change", 1), ("g28", 1),
-             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("offset", 1), ("call", 1.5), ("section", 0.7), ("shift", 1)]
+             ("skip", 0.5), ("corner", 0.6), ("long_line", 0.4), ("over", 0.7), ("rotary_feed", 0.5), ("roll", 0.7), ("builder", 0.7), ("tcp", 1.5), ("resets", 0.7), ("cycle", 1.5), ("offset", 1), ("call", 1.5), ("section", 0.7), ("shift", 1),
+             ("frame", 1.5), ("tilt", 1.5), ("contour", 2), ("vector", 1.5)]
     REFUSED = [("tcp", 2), ("unstated_offset", 0.7), ("tilt", 1), ("rotation", 1.5), ("mode", 1.5), ("cycle", 1.5), ("pattern", 1.5), ("call", 2), ("macro", 1),
                ("unknown_m", 1.5), ("passed_arc", 1.5), ("polar", 1),
                ("program_call", 0.7)]
@@ -1458,6 +1792,73 @@ class KlartextProgram(Program):
             self.m.update(X=None, Y=None, Z=None)
             self.rapid(self.targets(rng.sample(self.linear, 2)))
         return "M129"
+
+    def vector_on(self, at):
+        rng = self.rng
+        number = rng.choice(sorted(self.case["lengths"]))
+        self.plain("TOOL CALL %d Z S2000" % int(number))
+        self.length = self.case["lengths"][number]
+        self.restate()
+        self.tcp = True
+        if rng.random() < 0.5:
+            self.plain("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS")
+            self.rapid(dict(self.targets(self.linear), **at))
+            return "FUNCTION RESET TCPM"
+        self.block(["L"] + self.go(dict(self.targets(self.linear), **at), True) + ["R0 FMAX M128"])
+        return "M129"
+
+    def vector_move(self, targets, vector, is_rapid):
+        normal = ["N%s%+.4f" % (a, v) for a, v in zip("XYZ", self.normal(self.at_home()))] if vector and self.rng.random() < 0.5 else []
+        self.block(["LN" if vector else "L"] + self.go(targets, True) + normal + vector + (["FMAX"] if is_rapid else [self.feed_word()]))
+
+    def at_home(self):
+        return {a: 0.0 for a in self.rotary}
+
+    def frame_on(self):
+        rng = self.rng
+        kind = rng.random()
+        if kind < 0.5:
+            self.plain("CYCL DEF 10.0 ROTATION")
+            self.plain("CYCL DEF 10.1 ROT" + self.number(rng.choice([30.0, -12.5, 90.0]), 3))
+            return ["CYCL DEF 10.0 ROTATION", "CYCL DEF 10.1 ROT+0"]
+        if kind < 0.75:
+            self.plain("CYCL DEF 8.0 MIRROR IMAGE")
+            self.plain("CYCL DEF 8.1 " + rng.choice(["X", "Y", "X Y"]))
+            return ["CYCL DEF 8.0 MIRROR IMAGE", "CYCL DEF 8.1"]
+        self.plain("CYCL DEF 11.0 SCALING")
+        self.plain("CYCL DEF 11.1 SCL 0.985")
+        return ["CYCL DEF 11.0 SCALING", "CYCL DEF 11.1 SCL 1"]
+
+    def plane_xy(self):
+        pass
+
+    def tilt_on(self, at, tilting):
+        rng = self.rng
+        number = rng.choice(sorted(self.case["lengths"]))
+        self.plain("TOOL CALL %d Z S2000" % int(number))
+        self.length = self.case["lengths"][number]
+        self.restate()
+        kind = rng.random()
+        if kind < 0.7:
+            self.rapid(at)
+        z = self.normal(at)
+        b, c = math.degrees(math.acos(max(-1.0, min(1.0, z[2])))), math.degrees(math.atan2(z[1], z[0]))
+        angles = [("%+.4f" % v).replace("-0.0000", "+0.0000") for v in (0.0, b, c)]
+        if kind < 0.6:
+            how = rng.choice(["TURN FMAX", "STAY", "TURN FMAX SEQ%s" % ("+" if at[tilting] > 0 else "-"), "MOVE DIST50 F500"])
+            self.plain("PLANE SPATIAL SPA%s SPB%s SPC%s %s" % tuple(angles + [how]))
+            ends = ["PLANE RESET STAY"]
+        else:
+            self.plain("CYCL DEF 19.0 WORKING PLANE")
+            self.plain("CYCL DEF 19.1 A%s B%s C%s" % tuple(angles))
+            words = {"A": "A+Q120", "B": "B+Q121", "C": "C+Q122"}
+            if kind < 0.7:
+                self.rapid(at)
+            else:
+                self.plain("L %s R0 FMAX" % " ".join(words[a] for a in self.rotary))
+            ends = ["CYCL DEF 19.0 WORKING PLANE", "CYCL DEF 19.1"] if rng.random() < 0.5 else ["PLANE RESET STAY"]
+        self.tcp = True
+        return ends
 
     def called_cycle(self):
         rng, scale = self.rng, self.length_scale()
@@ -1705,6 +2106,7 @@ def draw(seed, dialects=tuple(DIALECTS), without=(), with_known=()):
         "errors": draw_errors(rng, description), "tip": [0.0, 0.0, round(-rng.uniform(100, 300), 2)],
         "offsets": {n: offsets() if n != "G500" else {} for n in names},
         "lengths": {str(n): round(rng.uniform(20, 120), 3) for n in (1, 2, 7)},
+        "radii": {"1": rng.choice([0.0, 2.0, 5.0, 10.0, 31.5]), "7": round(rng.uniform(0.5, 8.0), 3)},
         "start": {a: round(rng.uniform(*RANGE[a]), 3) for a in axes},
         "unit": rng.choice(["mm", "mm", "mm", "inch"]), "states_unit": rng.random() < 0.93,
         "block_delete": rng.choice(["either", "either", "executed", "skipped"]),

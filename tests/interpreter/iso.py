@@ -2,7 +2,7 @@
 import math
 import re
 
-from control import Alarm, Control
+from control import Alarm, Control, about, along, chain, times
 
 PLANES = {17: ("X", "Y", "I", "J"), 18: ("Z", "X", "K", "I"), 19: ("Y", "Z", "J", "K")}
 NUMBER = r"[+-]?\s*(?:\d[\d ]*\.?[\d ]*|\.[\d ]+)"
@@ -76,6 +76,7 @@ class Iso(Control):
         pc, stack = begin, []
         while pc < end:
             self.tick()
+            self.callers = tuple(entry[3] for entry in stack)
             clean, skipped = body[pc]
             self.line = pc + 1
             pc += 1
@@ -96,7 +97,7 @@ class Iso(Control):
             if what == "goto":
                 pc = where
             elif what == "call":
-                stack.append([pc, where, times])
+                stack.append([pc, where, times, self.line])
                 pc = where + 1
             elif what == "return":
                 if not stack:
@@ -437,7 +438,7 @@ class Iso(Control):
             code = has(*CYCLES)
             if code:
                 if self.cycle is None:
-                    self.cycle_level, self.level_is_known = self.pos["Z"], "Z" not in self.opaque
+                    self.cycle_level, self.level_is_known = self.standing()["Z"], "Z" not in self.opaque
                 if self.cycle != int(code):
                     self.cycle_r = self.cycle_z = None
                 self.cycle = self.motion = int(code)
@@ -446,11 +447,14 @@ class Iso(Control):
             code = has(98, 99)
             if code:
                 self.return_level = int(code)
+        if not sin and self.slope_mode == "tilt" and not axis_words and not other and has(53.1, 253):
+            self.code("to the plane")
+            self.turn_to_plane()
         one_shot = [c for c in g if c in (31, 33, 33.1, 38.2, 38.3, 38.4, 38.5, 12, 13, 47, 70, 71, 72, 5.2, 5.3, 63, 331,
-                                          332, 147, 148, 247, 248, 347, 348, 60, 150, 53.1, 29, 34, 35, 36, 37)]
+                                          332, 147, 148, 247, 248, 347, 348, 60, 150, 53.1, 253, 29, 34, 35, 36, 37)]
         if one_shot:
             self.raw("G%g" % one_shot[0], [], axis_words, other)
-            self.lose(list(axis_words) or (list(self.axes) if one_shot[0] == 53.1 else []))
+            self.lose(list(axis_words) or (list(self.axes) if one_shot[0] in (53.1, 253) else []))
             self.machine_codes(m, before=False)
             return self.flow(m, [])
 
@@ -517,6 +521,7 @@ class Iso(Control):
         if self.is_sinumerik:
             d = self.take(other, "D").get("D")
             if d:
+                self.edge = int(d.value)
                 self.set_length(lengths.get(int(d.value), 0.0), axis_words)
                 self.code("D", d.value)
             return
@@ -541,7 +546,8 @@ class Iso(Control):
             self.enter("tcp")  # a length that only the program's words or a table say
             self.raw("G43.x", [], axis_words, other, moves=False)
             axis_words.clear()
-        elif code in (43.4, 234) and h:
+        elif (code in (43.4, 234) or (code == 43.5 and self.dialect != "haas")) and h:
+            self.states_vectors = code == 43.5
             before = self.length
             self.end_tcp()
             self.length_number = int(h.value)
@@ -563,19 +569,31 @@ class Iso(Control):
         """Modes in which axis words are no axis positions."""
         d = self.dialect
         if self.is_sinumerik:
-            if has(41, 42):
-                self.enter("comp")
+            code = has(41, 42)
+            if code:
+                self.cutter_on(1 if code == 41 else -1, self.edge, self.plane == 17)
             if has(40):
-                self.leave("comp")
+                self.cutter_off()
             if has(110, 111, 112):
                 self.enter("polar")
             return
         code = has(41, 42, 41.1, 42.1, 41.2, 42.2)
-        if code:
+        d_words = {} if d == "linuxcnc" and code not in (41, 42) else self.take(other, "D") if code or d != "linuxcnc" else {}
+        for w in d_words.values():
+            self.radius_number = int(w.value)
+            self.code("D", w.value)
+        if code in (41, 42):
+            number = self.radius_number
+            if d == "linuxcnc" and not d_words:
+                number = None  # of the tool in the spindle
+            self.code("comp", code)
+            self.cutter_on(1 if code == 41 else -1, number, self.plane == 17)
+        elif code:
+            self.cutter, self.cutter_state = None, "off"
             self.enter("comp")
             self.code("comp", code, tuple((w.address, w.value) for w in self.take(other, "D").values()))
         if has(40):
-            self.leave("comp")
+            self.cutter_off()
 
         def mode(name, on, off, takes):
             code = has(*on)
@@ -592,6 +610,7 @@ class Iso(Control):
                     axis_words.clear()
 
         if d != "linuxcnc":
+            self.placed_modes(has, axis_words, other)
             mode("tilt", (68, 68.2, 68.3, 68.4, 254, 268) if d == "haas" else (68, 68.2, 68.3, 68.4),
                  (69, 255, 269) if d == "haas" else (69, 69.1), False)
             if not self.setup.get("lathe"):
@@ -611,6 +630,60 @@ class Iso(Control):
                 self.enter("diameter")
             if has(8):
                 self.leave("diameter")
+
+    def placed_modes(self, has, axis_words, other):
+        """G68, G68.2, G51, G51.1, G254 with plain words, and their ends."""
+        d, p = self.dialect, self.parameters(other)
+        at = [axis_words[a][0] * self.unit(a) if a in axis_words else 0.0 for a in "XYZ"]
+        named, letters = set(axis_words), set(p)
+        is_plain = not self.incremental and named <= set("XYZ") and self.plane in (17, 18, 19)
+        ends = {69: ("rotation", "tilt") if d != "haas" else ("rotation",), 269: ("tilt",), 50: ("scale",)}
+        for code, modes in ends.items():
+            if code == 50 and (axis_words or other):
+                continue
+            if (code != 269 or d == "haas") and has(code):
+                for name in modes:
+                    self.unturn(name)
+                    self.untilt(name)
+                self.code("G%g" % code, ())
+                self.leave("tilt" if code != 50 else "scale")
+        if d == "haas" and has(255):
+            self.origin_moves = False
+            self.code("G255")
+            self.leave("tilt")
+        for code in has_one(has, (68, 68.2, 51, 51.1) + ((268, 254, 101) if d == "haas" else ())):
+            done = False
+            if code == 68 and is_plain and self.plane == 17 and named == {"X", "Y"} and letters == {"R"}:
+                done = self.turn("rotation", about("Z", p["R"]), [at[0], at[1], 0.0])
+            elif code == 51 and is_plain and named == set("XYZ") and letters == {"P"}:
+                done = self.turn("scale", along(*[p["P"]] * 3), at)
+            elif code in (51.1, 101) and is_plain and named and named <= {"X", "Y"} and not letters and not self.inner:
+                done = self.turn("mirror", along(*[-1.0 if a in named else 1.0 for a in "XYZ"]), at)
+                self.mirrored = set(named)
+            elif code == 68.2 and is_plain and letters == set("IJK"):
+                euler = chain(chain(about("Z", p["I"]), about("X", p["J"])), about("Z", p["K"]))
+                done = self.tilt("tilt", euler, at)
+            elif code == 268 and is_plain and letters == set("IJK") and sum(1 for v in p.values() if v) <= 1:
+                turned = chain(chain(about("X", p["I"]), about("Y", p["J"])), about("Z", p["K"]))
+                done = self.tilt("tilt", turned, at)
+            elif code == 254 and not named and not letters and len(self.rotary()) == 2 and not self.slope and not self.inner and not self.tcp:
+                done = self.origin_moves = True
+            if not done:
+                self.enter({51: "scale", 51.1: "mirror", 101: "mirror"}.get(code, "tilt"))
+                self.inner = self.inner_mode = self.slope = self.slope_mode = None
+            self.raw("G%g" % code, [], dict(axis_words), list(other), moves=False)
+            axis_words.clear()
+            del other[:]
+        if self.inner_mode == "mirror":
+            for code in has_one(has, (50.1,) + ((100,) if d == "haas" else ())):
+                self.code("G%g" % code, tuple(sorted(axis_words.items())))
+                self.mirrored -= named or set("XYZ")
+                self.unturn("mirror")
+                if self.mirrored:
+                    self.enter("mirror")
+                axis_words.clear()
+
+    mirrored = frozenset()
 
     def work_offset(self, has, other):
         if self.is_sinumerik:
@@ -663,6 +736,9 @@ class Iso(Control):
             self.enter("data")
         self.raw("G10", [], axis_words, other, moves=False)
 
+    edge = 0  # D of Sinumerik
+    radius_number = None
+
     block_flags = frozenset()
 
     def keywords(self, other, axis_words):
@@ -701,22 +777,42 @@ class Iso(Control):
                 words = re.findall(r"([XYZABC])=?([-+]?(?:\d+\.?\d*|\.\d+))(?:\s+|$)", w.value.strip()[len(a):].strip() + " ")
                 is_shift = a in ("TRANS", "ATRANS") and words and "".join(x + y for x, y in words) == \
                     re.sub(r"[\s=]", "", w.value.strip()[len(a):])
-                if w.value.strip() == a and a in ("TRANS", "ROT", "SCALE", "MIRROR"):  # alone: frames off
+                turned = self.turned(a, w.value.strip()[len(a):])
+                if turned is not None and "frame" not in self.foreign and \
+                        (a[0] != "A" or not self.inner or self.inner_mode == "frame"):
+                    if a[0] != "A":  # replaces all that frames stated
+                        self.unturn("frame")
+                        self.trans = {x: 0.0 for x in self.axes}
+                    if not self.turn("frame", turned, [0.0] * 3, adds=True):
+                        self.enter("frame")
+                elif is_shift and a == "ATRANS" and self.inner_mode == "frame" and all(x in self.linear for x, _ in words):
+                    shift = [sum(float(y) * self.unit(x) for x, y in words if x == axis) for axis in "XYZ"]
+                    matrix, zero = self.inner
+                    self.inner = (matrix, [z + v for z, v in zip(zero, times(matrix, shift))])
+                elif w.value.strip() == a and a in ("TRANS", "ROT", "SCALE", "MIRROR"):  # alone: frames off
+                    self.unturn("frame")
                     self.leave("frame")
                     self.trans = {x: 0.0 for x in self.axes}
                 elif is_shift and not (a == "ATRANS" and "frame" in self.foreign):
                     if a == "TRANS":  # replaces all that frames stated
+                        self.unturn("frame")
                         self.leave("frame")
                         self.trans = {x: 0.0 for x in self.axes}
                     for x, y in words:
                         self.trans[x] += float(y) * self.unit(x)
                 else:
+                    self.inner = self.inner_mode = None
                     self.enter("frame")
                 other.remove(w)
             elif a == "CYCLE800":
                 self.code(a, w.value)
                 if w.value.replace(" ", "") == "CYCLE800()":
+                    self.untilt("swivel")
+                    self.frames_inside = False
                     self.leave("tilt")
+                    self.lose(self.axes)
+                elif self.swivelled(w.value):
+                    pass
                 else:
                     self.enter("tilt")
                     self.lose(self.axes)
@@ -740,10 +836,50 @@ class Iso(Control):
                 (self.leave if rest == "MCALL" or self.modal_cycle else self.enter)("modal call")
                 other.remove(w)
             elif re.fullmatch(r"L\d+|[A-Z_]\w*", a) and a not in ("CR", "RND", "CHF", "CHR", "RNDM", "ADIS", "SPOS",
-                                                                 "AP", "RP", "ANG", "AR", "TURN", "CT", "CIP"):
+                                                                 "AP", "RP", "ANG", "AR", "TURN", "CT", "CIP", "A3", "B3", "C3"):
                 self.code("call", a)
                 self.lose(self.axes)
                 other.remove(w)
+
+    def turned(self, name, text):
+        """The matrix of ROT Z30, ROT RPL=30, MIRROR X0, SCALE X2 and those that add; None: it turns the plane, or is no plain
+        number."""
+        words = re.findall(r"(RPL|[XYZ])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))(?:\s+|$)", text.strip() + " ")
+        if not words or "".join(x + y for x, y in words) != re.sub(r"[\s=]", "", text):
+            return None
+        values = {x: float(y) for x, y in words}
+        kind = name[1:] if name[0] == "A" else name
+        if kind == "ROT" and self.plane == 17 and not values.get("X") and not values.get("Y"):
+            return about("Z", values.get("RPL", values.get("Z", 0.0)))
+        if kind == "MIRROR" and "Z" not in values:
+            return along(*[-1.0 if a in values else 1.0 for a in "XYZ"])
+        if kind == "SCALE":
+            return along(*[values.get(a, 1.0) for a in "XYZ"])
+        return None
+
+    def swivelled(self, text):
+        """CYCLE800(retraction, record, status, mode, X0, Y0, Z0, A, B, C, X1, Y1, Z1, direction): axis by axis, new."""
+        arguments = [v.strip() for v in text[text.index("(") + 1:text.rindex(")")].split(",")] + [""] * 14
+        try:
+            n = [0.0 if i == 1 or not v else float(v) for i, v in enumerate(arguments[:14])]
+        except ValueError:
+            return False
+        mode = int(n[3])
+        if self.inch or mode > 63 or n[2] % 10 or any(self.trans.values()) or self.foreign:
+            return False
+        matrix = along()
+        for k in range(3):
+            axis = (mode >> 2 * k) & 3
+            if axis:
+                matrix = chain(matrix, about(" XYZ"[axis], n[7 + k]))
+        at = [a + b for a, b in zip(n[4:7], times(matrix, n[10:13]))]
+        if not self.tilt("swivel", matrix, at):
+            return False
+        self.frames_inside = True
+        if n[13]:
+            self.lose(self.linear)  # it retracts
+            self.turn_to_plane()
+        return True
 
     # -- moves
     def raw(self, name, g, axis_words, other, moves=True):
@@ -762,7 +898,8 @@ class Iso(Control):
         for address, w in self.take(other, "SPOS").items():
             self.code(address, w.value)
         has_centre = any(w.address in ("I", "J", "K", "R", "CR") for w in other)
-        if not axis_words and not (self.motion in (2, 3) and has_centre):
+        has_vector = self.tcp and any(w.address in (("A3", "B3", "C3") if self.is_sinumerik else ("I", "J", "K")) for w in other)
+        if not axis_words and not has_vector and not (self.motion in (2, 3) and has_centre):
             for address, w in corner.items():
                 self.code(address, w.value)
             for w in other:
@@ -774,6 +911,12 @@ class Iso(Control):
         for a, (value, how) in axis_words.items():
             incremental = self.incremental if how is None else how == "IC"
             words[a] = (value, incremental)
+        self.vector = self.tool_vector(other)
+        turned = [a for a in words if a not in self.linear]
+        if self.tcp and turned and (self.vector or (self.states_vectors and not self.is_sinumerik)):
+            self.raw("rotary words and a vector", [self.motion], axis_words, other)
+            self.lose(self.axes)
+            return
         special = [w for w in other if w.address in ("AP", "RP", "ANG", "AR", "TURN", "I1", "J1", "K1")]
         if "machine" in self.block_flags:
             if any(isinstance(v, str) for v, _ in axis_words.values()):
@@ -793,7 +936,10 @@ class Iso(Control):
             above = {a: v for a, v in words.items() if a == "Z"}
             raw = tuple(sorted((a, round(v, 9), i) for a, (v, i) in words.items()))
             if above:
-                self.pos["Z"] = self.target("Z", *above["Z"])
+                place = dict(self.standing())
+                place["Z"] = above["Z"][0] * self.unit("Z") + (place["Z"] if above["Z"][1] else self.offset("Z"))
+                frame = self.words_frame()
+                self.pos.update(frame.to_axes(place, self.length) if frame else place)
             self.call_cycle("MCALL", self.modal_cycle, {a: v for a, v in words.items() if a != "Z"}, raw)
             return
         if self.modal_cycle:
@@ -831,6 +977,14 @@ class Iso(Control):
         if corner or self.corner_all:
             event.corner = True
             event.words += tuple(sorted((a, w.value) for a, w in corner.items()))
+
+    def tool_vector(self, other):
+        """I, J and K of G43.5, A3=, B3= and C3= of Sinumerik; its words are taken out of the block."""
+        names = ("A3", "B3", "C3") if self.is_sinumerik else ("I", "J", "K") if self.states_vectors else ()
+        if not self.tcp or self.foreign or self.motion not in (0, 1) or not any(w.address in names for w in other):
+            return None
+        words = self.take(other, *names)
+        return [words[n].value if n in words else 0.0 for n in names]
 
     modal_cycle = None
 
@@ -922,7 +1076,7 @@ class Iso(Control):
                     raise Alarm("absolute centre without " + letter)
                 centre.append(value + self.offset(axis))
             else:
-                centre.append(self.pos[axis] + (value or 0.0))
+                centre.append(self.standing()[axis] + (value or 0.0))
         if p and not self.is_sinumerik:
             raise Alarm("centre word of another plane")
         return self.move_(words, False, (first, second, tuple(centre), self.motion == 2), raw)
@@ -952,6 +1106,11 @@ class Iso(Control):
             return xyz / self.feed
         turn = math.sqrt(sum((event.end[a] - event.start[a]) ** 2 for a in self.axes if a not in self.linear))
         return turn / (self.feed / self.length_unit())
+
+
+def has_one(has, codes):
+    code = has(*codes)
+    return [code] if code is not None else []
 
 
 FRAMES = ("TRANS", "ATRANS", "ROT", "AROT", "ROTS", "AROTS", "SCALE", "ASCALE", "MIRROR", "AMIRROR")

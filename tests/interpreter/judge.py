@@ -38,7 +38,7 @@ def interpret(case, text, scenario, still=False):
     setup = {"frame": Frame(Machine(description, {}, case["tip"])), "start": case["start"], "offsets": copy.deepcopy(case["offsets"]),
              "lengths": {int(n): v for n, v in case["lengths"].items()}, "lathe": case.get("lathe", False),
              "unit": scenario["unit"], "skip": scenario["skip"], "either": case["block_delete"] == "either", "rollover": scenario["rollover"],
-             "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still}
+             "radii": {int(n): v for n, v in case.get("radii", {}).items()}, "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still}
     if still:
         setup["start"] = {a: 0.0 for a in axes}
     control = Klartext(axes, linear, setup) if case["dialect"] == "heidenhain" else Iso(case["dialect"], axes, linear, setup)
@@ -102,6 +102,10 @@ def command(case, axiscal, folder, mode):
             out += ["--offset", " ".join([name] + ["%s=%.6f" % item for item in values.items()])]
     for number, value in case["lengths"].items():
         out += ["--tool-length", "%s=%.6f" % (number, value)]
+    for number, value in case.get("radii", {}).items():
+        out += ["--tool-radius", "D%s=%.6f" % (number, value)]
+    if case.get("radii"):
+        out += ["--cutter-tolerance-um", "40"]
     if case.get("unit_option") and not states_unit(case):
         out += ["--unit", case["unit"]]
     if case.get("cycle_tolerance_um"):
@@ -171,8 +175,7 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
         limits = Limits(end, case["tolerance_um"] * 1e-3 + end,
                         rounding_deg=0.6 * 10.0 ** -min(case.get("decimals") or 4, 4))
         limits.lean_mm = 1e-3 * report.get("holes", {}).get("left_max_um", 0.0)
-        if (case.get("decimals") or 4) < 4:  # fewer than the source has: an incremental word of a split move is rounded to them
-            limits.gross_deg = limits.rounding_deg
+        limits.contour_mm = 1e-3 * report.get("contours", {}).get("left_max_um", 0.0)
         if case.get("orientation"):
             limits.gross_deg = 0.05 + limits.rounding_deg
             limits.gross_mm = 1.0
@@ -196,6 +199,9 @@ def try_case(case, axiscal, folder, modes=("refuse", "pass")):
             finally:
                 counts[mode + ": moves found corrected"] += comparison.corrected
                 counts[mode + ": holes found corrected"] += comparison.holes
+                counts[mode + ": moves of contours found corrected"] += comparison.contour_moves
+                if comparison.vector_moves:
+                    counts[mode + ": moves with a tool vector found corrected"] += comparison.vector_moves
                 counts[mode + ": moves found unchanged"] += comparison.unchanged
                 counts[mode + ": ways back in front of passed blocks"] += comparison.brought_back
         if case["dialect"] == "linuxcnc" and linuxcnc.is_there() and not outcome.failures:

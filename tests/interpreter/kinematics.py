@@ -130,6 +130,11 @@ class Machine:
             else:
                 joints[symbol[2:]].errors.append((component, shape(entry, component > 2, self.axes)))
 
+    def nearest_to_tool(self):
+        """The rotary axis that stands nearest to the tool; of axes of the table alone, the first of them."""
+        names = [j.name for j in self.work if j.is_rotary][::-1] + [j.name for j in self.tool if j.is_rotary]
+        return names[-1]
+
     def tip(self, positions, length_mm=0.0, with_errors=False):
         """The tool point as the table sees it, and the tool's direction there."""
         ends = []

@@ -1,7 +1,7 @@
 """Heidenhain Klartext (TNC 640, iTNC 530) as the user's manual describes it."""
 import re
 
-from control import Alarm, Control
+from control import Alarm, Control, about, along, chain
 
 # M functions that move nothing by themselves; the second set acts at the end of its block.
 M_BEFORE = {3, 4, 7, 8, 13, 14, 97, 98, 101, 102, 103, 107, 108, 109, 110, 111, 116, 117, 118, 120, 124, 126, 127, 136,
@@ -23,6 +23,7 @@ class Klartext(Control):
         self.difference = 0.0
         self.calls_program = False
         self.shifted = set()
+        self.shift_of_frame = None  # in force where a rotation or plane began to be moved
 
     def run(self, text):
         blocks, labels = [], {}
@@ -125,11 +126,19 @@ class Klartext(Control):
         if body.startswith("PLANE"):
             self.code("PLANE", body)
             if body.startswith("PLANE RESET"):
+                for mode in ("plane", "cycle 19"):
+                    self.untilt(mode)
                 self.leave("tilt")
+                self.leave("tilt19")
+                if "STAY" not in body:
+                    self.lose(self.axes)
+            elif self.tilted(body):
+                pass
             else:
+                self.slope = self.slope_mode = None
                 self.enter("tilt")
-            if "STAY" not in body:
-                self.lose(self.axes)
+                if "STAY" not in body:
+                    self.lose(self.axes)
             return None
         if body.startswith("FUNCTION"):
             self.code("FUNCTION", body)
@@ -155,6 +164,31 @@ class Klartext(Control):
                 return None
         return self.motion_block(body)
 
+    def tilted(self, body):
+        match = re.fullmatch(r"PLANE SPATIAL SPA" + VALUE + " SPB" + VALUE + " SPC" + VALUE + r" (TURN|MOVE|STAY)(.*)", body)
+        if not match or self.foreign:
+            return False
+        a, b, c = (float(v) for v in match.groups()[:3])
+        if not self.tilt("plane", chain(chain(about("Z", c), about("Y", b)), about("X", a)), [0.0] * 3):
+            return False
+        self.pole = None
+        sign = {"SEQ+": 1, "SEQ-": -1}.get(match.group(5).strip().split(" ")[0] if match.group(5).strip() else "", 0)
+        master = self.frame.machine.nearest_to_tool()
+
+        def allowed(way):
+            return sign == 0 or way[master] * sign >= -1e-6
+        if match.group(4) != "STAY":
+            if match.group(4) == "MOVE":
+                self.lose(self.linear)
+            self.turn_to_plane(allowed)
+        else:
+            before = dict(self.pos)
+            self.turn_to_plane(allowed)
+            for name, axis in (("Q120", "A"), ("Q121", "B"), ("Q122", "C")):
+                self.q[int(name[1:])] = self.pos.get(axis, 0.0)
+            self.pos = before
+        return True
+
     def cycle(self, number, part, rest, body):
         self.code("CYCL DEF", body)
         if number not in (7, 8, 9, 10, 11, 19, 26, 32, 247):
@@ -168,6 +202,16 @@ class Klartext(Control):
         if number not in (7, 8, 10, 11, 9, 26, 19, 32, 247):
             self.calls_program = number == 12
         values = [float(v) for v in re.findall(r"[A-Z]" + VALUE, rest)]
+        named = re.findall(r"([A-Z])" + VALUE, rest)
+        stays = number == 7 and named and not re.search(r"I[A-Z]|Q|#", rest) and \
+            all(float(value) * (self.unit(axis) if axis in self.axes else 1.0) == self.trans.get(axis, 0.0) for axis, value in named)
+        if number in (7, 247) and part not in ("0",) and (self.inner or self.slope) and not stays:
+            if number == 247:
+                self.inner = self.inner_mode = self.slope = self.slope_mode = None
+                self.shift_of_frame = None
+            elif "moved frame" not in self.foreign:
+                self.shift_of_frame = dict(self.trans)
+            self.enter("moved frame")  # whether that moves with it, nobody said: until the shift is what it was
         if number == 7:
             if part not in (None, "0"):  # each line states one axis or more
                 named = re.findall(r"([A-Z])" + VALUE, rest)
@@ -181,18 +225,53 @@ class Klartext(Control):
                 if not named or re.search(r"I[A-Z]|Q|#", rest):
                     self.shifted.add("?")
                 (self.enter if self.shifted else self.leave)("shift")
+                if not self.shifted and self.trans == self.shift_of_frame:
+                    self.leave("moved frame")
         elif number == 8:
             if part not in (None, "0"):
-                (self.enter if rest.strip() else self.leave)("mirror")
+                self.pole = None
+                self.unturn("mirror")
+                named = rest.split()
+                if not named or not set(named) <= {"X", "Y"} or not self.turn("mirror", along(
+                        *[-1.0 if a in named else 1.0 for a in "XYZ"]), [0.0] * 3):
+                    (self.enter if named else self.leave)("mirror")
         elif number == 10:
             if part not in (None, "0"):
-                (self.enter if any(values) else self.leave)("rotation")
+                self.pole = None
+                self.unturn("rotation")
+                plain = re.fullmatch(r"\s*ROT" + VALUE, rest)
+                if not any(values):
+                    self.leave("rotation")
+                elif not plain or not self.turn("rotation", about("Z", values[0]), [0.0] * 3):
+                    self.enter("rotation")
         elif number in (11, 26):
             if part not in (None, "0"):
-                (self.leave if values and all(v == 1 for v in values) else self.enter)("scale")
+                self.pole = None
+                match = re.fullmatch(r"\s*SCL\s*" + VALUE, rest)
+                if number == 11:
+                    self.unturn("scale")
+                if number == 11 and match and float(match.group(1)) == 1:
+                    self.leave("scale")
+                elif number == 26 or not match or not self.turn("scale", along(*[float(match.group(1))] * 3), [0.0] * 3):
+                    self.enter("scale")
         elif number == 19:
             if part not in (None, "0"):
-                (self.enter if any(values) else self.leave)("tilt19")
+                self.pole = None
+                if not rest.strip():
+                    self.untilt("cycle 19")
+                angles = {a: float(v) for a, v in re.findall(r"([ABC])\s*" + VALUE, rest)}
+                if not rest.strip():
+                    self.leave("tilt19")
+                elif self.foreign or not self.tilt("cycle 19", chain(chain(
+                        about("Z", angles.get("C", 0.0)), about("Y", angles.get("B", 0.0))), about("X", angles.get("A", 0.0))), [0.0] * 3):
+                    (self.enter if any(angles.values()) else self.leave)("tilt19")
+                else:
+                    before = dict(self.pos)
+                    self.turn_to_plane()
+                    for number, axis in ((120, "A"), (121, "B"), (122, "C")):
+                        self.q[number] = self.pos.get(axis, 0.0)
+                    self.pos = before
+                    self.lose(self.rotary())  # a builder may let the cycle turn them
         elif number == 247:
             match = re.search(r"Q339\s*=\s*\+?(\d+)\s*$", rest)
             name = "PRESET " + match.group(1) if match else None
@@ -217,7 +296,7 @@ class Klartext(Control):
         at = 0
         token = re.compile(
             r"\s*(?:(FMAX|F MAX|FAUTO)|(R0|RL|RR)(?![\d.+-])|(DR[+-])|M(\d+)|(I?)([XYZABCUVW])\s*" + VALUE + r"|(IPA|PA|IPR|PR|[IFSRP])\s*" + VALUE +
-            r"|(I?[XYZABCUVW])\s*([+-]?)Q(\d+)|(MB MAX|MB)\s*" + VALUE + "?|(.))")
+            r"|(I?[XYZABCUVW])\s*([+-]?)Q(\d+)|(MB MAX|MB)\s*" + VALUE + r"?|([TN][XYZ])\s*" + VALUE + "|(.))")
         while at < len(text):
             match = token.match(text, at)
             if not match:
@@ -247,6 +326,8 @@ class Klartext(Control):
             elif match.group(13):
                 other[match.group(13)] = match.group(14)
             elif match.group(15):
+                other[match.group(15)] = float(match.group(16))
+            elif match.group(17):
                 raise Alarm("cannot read %r" % body)
         if kind is None and words:
             raise Alarm("axis words without L or C: " + body)
@@ -260,10 +341,10 @@ class Klartext(Control):
             pole = []
             for axis in ("X", "Y"):
                 if not words:
-                    pole.append(self.pos[axis])
+                    pole.append(self.standing()[axis])
                 elif axis in words:
                     value, inc = words[axis]
-                    pole.append(value * unit + (self.pos[axis] if inc else self.offset(axis)))
+                    pole.append(value * unit + (self.standing()[axis] if inc else self.offset(axis)))
                 else:
                     pole.append(self.pole[("X", "Y").index(axis)] if self.pole else 0.0)
             self.pole = tuple(pole)
@@ -273,9 +354,9 @@ class Klartext(Control):
             self.feed = other.pop("F") * self.length_unit()
         comp = other.pop("comp", None)
         if comp in ("RL", "RR"):
-            self.enter("comp")
+            self.cutter_on(1 if comp == "RL" else -1, self.length_number)
         elif comp == "R0":
-            self.leave("comp")
+            self.cutter_off()
         machine = [c for c in m if c in (91, 92)]
         for code in m:
             if code == 128:  # at the begin of its block, M129 at the end
@@ -298,7 +379,13 @@ class Klartext(Control):
             self.code("M140", tuple(sorted((k, str(v)) for k, v in other.items())))
             self.lose(self.axes)
             other = {}
-        if words:
+        self.vector = None
+        if kind == "LN" and self.tcp and not self.foreign and not machine and 130 not in m and any("T" + a in other for a in "XYZ") and \
+                not any(a not in self.linear for a in words):
+            # The normals move the path where the tool has differences alone.
+            self.vector = [other.pop("T" + a, 0.0) for a in "XYZ"]
+            self.move(words, bool(rapid), None, ("straight", kind, tuple(sorted((k, str(v)) for k, v in other.items()))))
+        elif words or kind == "LN":
             raw = (kind, tuple(sorted((k, str(v)) for k, v in other.items())))
             if machine or 130 in m:
                 event = self.emit("raw")

@@ -80,6 +80,9 @@ TEST_P(Upgrade, KeepsEveryRow) {
                   .ok());
   EXPECT_EQ(program, "G01 X1\n");
   EXPECT_FALSE(database->ListAudit({})->rows.empty());
+  // What nobody has looked for events in is looked at.
+  EXPECT_EQ(*database->MachinesToLookAt("1"), std::vector{MachineId("mt")});
+  EXPECT_TRUE(database->CheckAudit().ok()) << database->CheckAudit().status();
 }
 
 // A candidate that was retired without ever having been approved is no point of the history: sums over weeks that were

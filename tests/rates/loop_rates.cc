@@ -12,6 +12,7 @@
 #include <map>
 #include <vector>
 
+#include "absl/strings/str_format.h"
 #include "core/base/units.h"
 #include "core/decide/close_loop.h"
 #include "tests/rates/next_session.h"
@@ -44,9 +45,10 @@ int NextRates(int count, int first, bool is_verbose) {
   return 0;
 }
 
-// What a fit of the declared errors leaves over the box, and what the loop's model leaves, um.
+// What a fit of the declared errors leaves over the box, what the loop's model leaves, the same of a loop that looks
+// for nothing but effects of the form of those that are there, and one who knows them exactly, um.
 struct Left {
-  double before_um = 0.0, after_um = 0.0, seconds = 0.0;
+  double before_um = 0.0, after_um = 0.0, told_um = 0.0, known_um = 0.0, seconds = 0.0;
   std::string text;
 
   // As a user would call it: more than 10 % and 0.2 um.
@@ -65,11 +67,27 @@ Left JudgePhysics(const axiscal::rates::PhysicsCase& physics) {
     return axiscal::base::kUmPerMm * axiscal::rates::ErrorOverBox(physics, model);
   };
   left.before_um = error_um(declared.ok() ? declared->model : axiscal::machine::ErrorModel());
-  left.after_um = closed.ok() ? error_um(closed->fitted.model) : left.before_um;
+  const axiscal::machine::ErrorModel found =
+      closed.ok() ? axiscal::machine::NamedErrors(closed->fitted.model) : axiscal::machine::ErrorModel();
+  left.after_um = closed.ok() ? error_um(found) : left.before_um;
+  axiscal::decide::Options told;
+  told.may_name = [&](const loop::Candidate& candidate) { return axiscal::rates::IsOfTheForm(physics, candidate); };
+  const auto of_form = axiscal::decide::CloseLoop(physics.machine, physics.fit, physics.check, told);
+  left.told_um = of_form.ok() ? error_um(axiscal::machine::NamedErrors(of_form->fitted.model)) : left.before_um;
+  left.known_um = axiscal::base::kUmPerMm * axiscal::rates::ErrorOfOneWhoKnows(physics);
   left.text += " ->";
   if (!closed.ok()) left.text += " " + std::string(closed.status().message());
-  for (size_t i = 0; closed.ok() && i < closed->effects.size(); ++i)
-    left.text += " " + axiscal::machine::NameOf(physics.machine, closed->effects[i].term);
+  for (size_t i = 0; closed.ok() && i < closed->effects.size(); ++i) {
+    // With its amplitude, nm or urad, and what would be left without it.
+    axiscal::machine::ErrorModel without = found;
+    std::erase_if(without.terms, [&](const axiscal::machine::ErrorTerm& term) {
+      return term.joint == closed->effects[i].term.joint && term.component == closed->effects[i].term.component &&
+             term.shape == closed->effects[i].term.shape;
+    });
+    left.text += " " + axiscal::machine::NameOf(physics.machine, closed->effects[i].term) +
+                 absl::StrFormat(" %.4g +- %.2g (%.3f)", 1e6 * closed->effects[i].amplitude,
+                                 1e6 * closed->effects[i].amplitude_sigma, error_um(without));
+  }
   for (size_t i = 0; closed.ok() && i < closed->causes.size(); ++i)
     left.text += " [" + closed->causes[i].subject.substr(0, closed->causes[i].subject.find(';')) + "]";
   return left;
@@ -85,22 +103,28 @@ int PhysicsRates(const char* word, int count, int first, bool is_verbose) {
     std::fprintf(stderr, "\n");
     return 2;
   }
-  std::vector<double> before, after, seconds;
+  std::vector<double> before, after, told, known, seconds;
   int harmed = 0;
   for (int seed = first; seed < first + count; ++seed) {
     const Left left = JudgePhysics(axiscal::rates::DrawPhysics(static_cast<axiscal::rates::Physics>(kind), seed));
     before.push_back(left.before_um);
     after.push_back(left.after_um);
+    told.push_back(left.told_um);
+    known.push_back(left.known_um);
     seconds.push_back(left.seconds);
     harmed += left.IsHarmed();
     if (is_verbose || left.IsHarmed())
-      std::printf("%s %d: %s%.3f -> %.3f um, %.1f s:%s\n", word, seed, left.IsHarmed() ? "HARMED " : "", left.before_um,
-                  left.after_um, left.seconds, left.text.c_str());
+      std::printf("%s %d: %s%.3f -> %.3f um (told the form %.3f, knows %.3f), %.1f s:%s\n", word, seed,
+                  left.IsHarmed() ? "HARMED " : "", left.before_um, left.after_um, left.told_um, left.known_um,
+                  left.seconds, left.text.c_str());
     std::fflush(stdout);
   }
-  std::printf("physics %s: %d cases, over the box %.3f -> %.3f um (medians), harmed %d; %.2f s median, %.2f s worst\n",
-              word, count, Quantile(before, 0.5), Quantile(after, 0.5), harmed, Quantile(seconds, 0.5),
-              Quantile(seconds, 1.0));
+  std::printf(
+      "physics %s: %d cases, over the box %.3f -> %.3f um (medians; told the form %.3f, who knows %.3f), harmed %d; "
+      "%.2f s "
+      "median, %.2f s worst\n",
+      word, count, Quantile(before, 0.5), Quantile(after, 0.5), Quantile(told, 0.5), Quantile(known, 0.5), harmed,
+      Quantile(seconds, 0.5), Quantile(seconds, 1.0));
   return 0;
 }
 

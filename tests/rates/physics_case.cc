@@ -263,7 +263,12 @@ PhysicsCase DrawPhysics(Physics kind, uint64_t seed, synthetic::Form form) {
     Author(plan.machine, Moving(plan.machine, plan.fit), &random).Write(kind, &scenario);
     auto simulated = synthetic::RunScenario(plan.machine, scenario, {plan.fit, plan.check}, form, seed);
     if (!simulated.ok()) continue;
+    Scenario sound = scenario;
+    sound.effects.clear();
+    sound.faults.clear();
+    sound.nominal.clear();
     PhysicsCase out;
+    out.scenario = scenario;
     out.machine = simulated->described;
     out.fit = identify::BindSessions(out.machine, simulated->measured.fit).value();
     if (!simulated->measured.check.empty())
@@ -273,35 +278,95 @@ PhysicsCase DrawPhysics(Physics kind, uint64_t seed, synthetic::Form form) {
       out.put_in.emplace_back(synthetic::FaultWords()[static_cast<int>(fault.kind)]);
     for (const NominalFault& fault : scenario.nominal)
       out.put_in.emplace_back(synthetic::NominalWords()[static_cast<int>(fault.kind)]);
-    constexpr int kPoses = 300;
+    constexpr int kPoses = 100 * synthetic::kPosesPerWay;
     out.poses = synthetic::BoxPoses(*simulated, kPoses, seed);
+    out.sound = synthetic::RunScenario(plan.machine, sound, {plan.fit, plan.check}, form, seed).value();
     out.simulated = *std::move(simulated);
     return out;
   }
 }
 
-double ErrorOverBox(const PhysicsCase& physics, const machine::ErrorModel& model) {
-  const synthetic::Truth& truth = physics.simulated.truth;
+namespace {
+
+double LeftOverBox(const synthetic::Truth& truth, const machine::Machine& described, const PhysicsCase& physics,
+                   const machine::ErrorModel& model) {
   synthetic::Truth predicted;  // the machine as described, with the model's errors
-  predicted.machine = physics.machine;
+  predicted.machine = described;
   predicted.errors = model;
   const auto actual = synthetic::ErrorsAlong(truth, truth.tip_mm, physics.poses);
   const auto expected = synthetic::ErrorsAlong(predicted, truth.tip_mm, physics.poses);
-  const auto poses = static_cast<Eigen::Index>(actual.size());
+  // At the corners of the ways speeds jump: what a servo does there a difference of positions does not say.
+  std::vector<int> at;
+  for (int k = 0; k < static_cast<int>(actual.size()); ++k) {
+    const int on_way = k % synthetic::kPosesPerWay;
+    if (on_way >= 2 && on_way + 1 < synthetic::kPosesPerWay) at.push_back(k);
+  }
+  const auto poses = static_cast<Eigen::Index>(at.size());
   Eigen::VectorXd left(3 * poses);
   Eigen::MatrixXd free(3 * poses, 6);  // a shift in the table's frame, and one of the tool's centre
-  for (Eigen::Index k = 0; k < poses; ++k) {
+  for (Eigen::Index row = 0; row < poses; ++row) {
+    const int k = at[row];
     const auto nominal = [&](const machine::Machine& machine) {
       return machine::EvaluateChain<double>(machine, physics.poses.PositionsOf(k), machine::JointErrors<double>());
     };
     const machine::ChainPose<double> pose = nominal(truth.machine);
-    left.segment<3>(3 * k) = machine::TipInTable(pose, truth.tip_mm) + actual[k].shift_mm -
-                             machine::TipInTable(nominal(physics.machine), truth.tip_mm) - expected[k].shift_mm;
-    free.block<3, 3>(3 * k, 0).setIdentity();
-    free.block<3, 3>(3 * k, 3) = pose.bed_from_table.rotation.transpose() * pose.bed_from_tool.rotation;
+    left.segment<3>(3 * row) = machine::TipInTable(pose, truth.tip_mm) + actual[k].shift_mm -
+                               machine::TipInTable(nominal(described), truth.tip_mm) - expected[k].shift_mm;
+    free.block<3, 3>(3 * row, 0).setIdentity();
+    free.block<3, 3>(3 * row, 3) = pose.bed_from_table.rotation.transpose() * pose.bed_from_tool.rotation;
   }
   const Eigen::VectorXd taken = free.colPivHouseholderQr().solve(left);
   return (left - free * taken).norm() / std::sqrt(static_cast<double>(poses));
+}
+
+}  // namespace
+
+double ErrorOverBox(const PhysicsCase& physics, const machine::ErrorModel& model) {
+  return LeftOverBox(physics.simulated.truth, physics.machine, physics, model);
+}
+
+bool IsOfTheForm(const PhysicsCase& physics, const loop::Candidate& candidate) {
+  using loop::Family;
+  const Family family = candidate.family;
+  if (family == Family::kInstrument) return !physics.scenario.faults.empty();
+  if (!loop::IsTerm(family)) return false;
+  const auto is_one_of = [family](std::initializer_list<Family> some) {
+    return std::find(some.begin(), some.end(), family) != some.end();
+  };
+  const std::optional<int> axis = shapes::VariableAxis(candidate.term.shape);
+  const auto is_form_of = [&](const Effect& effect) {
+    if (candidate.term.joint != effect.joint || candidate.term.component != effect.component) return false;
+    switch (effect.kind) {
+      case EffectKind::kCurve:
+        return family == Family::kCurve && axis == effect.axis;
+      case EffectKind::kTimeCurve:
+        return family == Family::kTimeCurve;
+      case EffectKind::kRipple:
+        return is_one_of({Family::kHarmonic, Family::kFineHarmonic, Family::kPitch}) && axis == effect.axis;
+      case EffectKind::kGravity:  // whatever these positions make of it
+        return true;
+      case EffectKind::kCrossed:
+        return family == Family::kCrossed;
+      case EffectKind::kHeat:
+        return is_one_of(
+            {Family::kThermal, Family::kThermalLag, Family::kTimeCurve, Family::kDrift, Family::kDriftExp});
+      case EffectKind::kBacklash:
+      case EffectKind::kWindUp:
+      case EffectKind::kFriction:
+      case EffectKind::kLastMove:
+        return is_one_of({Family::kBacklash, Family::kReversal});
+      case EffectKind::kFollowing:
+        return family == Family::kLag;
+    }
+    return false;
+  };
+  return std::any_of(physics.scenario.effects.begin(), physics.scenario.effects.end(), is_form_of);
+}
+
+double ErrorOfOneWhoKnows(const PhysicsCase& physics) {
+  const auto fit = identify::Identify(physics.sound.described, physics.sound.measured.fit);
+  return LeftOverBox(physics.sound.truth, physics.sound.described, physics,
+                     fit.ok() ? fit->model : machine::ErrorModel());
 }
 
 }  // namespace axiscal::rates

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/loop/candidate.h"
 #include "core/synthetic/scenario.h"
 
 namespace axiscal::rates {
@@ -30,14 +31,24 @@ const char* const* PhysicsWords();
 
 struct PhysicsCase {
   machine::Machine machine;  // as described
+  synthetic::Scenario scenario;
   std::vector<instruments::MeasuringRun> fit, check;
   std::vector<std::string> put_in;  // names of effects, faults and nominal faults
   synthetic::SimulatedCase simulated;
-  synthetic::History poses;  // of the box, with what the machine did there
+  synthetic::SimulatedCase sound;  // the same with declared errors alone
+  synthetic::History poses;        // of the box, with what the machine did there
 };
 
 // The case number `seed` of a kind; the same each time. Irregular sampling and dirty noise throughout.
 PhysicsCase DrawPhysics(Physics kind, uint64_t seed, synthetic::Form form = synthetic::Form::kIndependent);
+
+// What is left over the box, mm, of one who knows every effect, fault and nominal value exactly and fits what is
+// declared to what remains: about the least that anybody can reach with these sessions.
+double ErrorOfOneWhoKnows(const PhysicsCase& physics);
+
+// Whether what this candidate says is of the kind, joint and component of an effect that is there, or a fault of an
+// instrument where one has a fault: what one who knows the form, but no number, would look for.
+bool IsOfTheForm(const PhysicsCase& physics, const loop::Candidate& candidate);
 
 // Root mean square of the tool point's error over the box that remains when `model` is corrected for, less the best
 // work offset and tool centre (tool length among them), mm. An empty model: the machine as it is.

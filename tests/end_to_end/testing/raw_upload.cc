@@ -63,7 +63,8 @@ RawResult SendAll(v1::Ingest::Stub& stub, const std::vector<v1::UploadRequest>& 
 }
 
 grpc::Status SendBytes(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
-                       const std::vector<std::string>& messages, const std::string& authorization) {
+                       const std::vector<std::string>& messages, const std::string& authorization,
+                       bool leaves_with_first_answer) {
   grpc::GenericStub stub(channel);
   grpc::ClientContext context;
   if (!authorization.empty()) context.AddMetadata("authorization", authorization);
@@ -86,6 +87,7 @@ grpc::Status SendBytes(const std::shared_ptr<grpc::Channel>& channel, const std:
     grpc::ByteBuffer answer;
     call->Read(&answer, nullptr);
     queue.Next(&tag, &ok);
+    if (ok && leaves_with_first_answer) context.TryCancel();
   } while (ok);
   grpc::Status status;
   call->Finish(&status, nullptr);

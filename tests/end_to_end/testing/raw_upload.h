@@ -31,7 +31,8 @@ RawResult SendAll(v1::Ingest::Stub& stub, const std::vector<v1::UploadRequest>& 
 // Sends bytes as messages of a stream to a method ("/axiscal.v1.Ingest/UploadOnce"), half-closes and returns the call's
 // status. `authorization`, unless empty, is the metadata of that name.
 grpc::Status SendBytes(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
-                       const std::vector<std::string>& messages, const std::string& authorization = "");
+                       const std::vector<std::string>& messages, const std::string& authorization = "",
+                       bool leaves_with_first_answer = false);
 
 // ErrorInfo.reason and the first BadRequest field of a status' details; empty when there are none.
 std::string ReasonOf(const grpc::Status& status);

@@ -1,0 +1,166 @@
+// The API, as generated from the protos, and what all pages do with it: know whether the server is there, say errors.
+import { create, toJsonString } from "@bufbuild/protobuf";
+import { createClient, ConnectError, Code } from "@connectrpc/connect";
+import { createConnectTransport } from "@connectrpc/connect-web";
+import { signal } from "@preact/signals";
+import { useEffect, useState } from "preact/hooks";
+import { ErrorInfoSchema } from "./gen/google/rpc/error_details_pb";
+import { Access } from "./gen/axiscal/v1/access_service_pb";
+import { Admin } from "./gen/axiscal/v1/admin_service_pb";
+import { Calibrations } from "./gen/axiscal/v1/calibrations_service_pb";
+import { Events } from "./gen/axiscal/v1/events_service_pb";
+import { History } from "./gen/axiscal/v1/history_service_pb";
+import { Ingest } from "./gen/axiscal/v1/ingest_service_pb";
+import { JobParamsSchema, type JobParams } from "./gen/axiscal/v1/job_pb";
+import { Jobs } from "./gen/axiscal/v1/jobs_service_pb";
+import { Machines } from "./gen/axiscal/v1/machines_service_pb";
+import { Programs } from "./gen/axiscal/v1/programs_service_pb";
+import { Tables } from "./gen/axiscal/v1/tables_service_pb";
+
+// Whether the last request reached the server. While it does not, it is asked again every two seconds.
+export const isConnected = signal(true);
+// Grows when the connection is back and when data was changed: pages that show it load again.
+export const epoch = signal(0);
+// The server wants to know who this is.
+export const mustSignIn = signal(false);
+
+const kRetryMs = 2000;
+// A page that nobody sees follows nothing: all pages of a browser share six connections to a host.
+export const isSeen = signal(document.visibilityState === "visible");
+document.addEventListener("visibilitychange", () => (isSeen.value = document.visibilityState === "visible"));
+let retry: number | undefined;
+
+function lost() {
+  isConnected.value = false;
+  retry ??= window.setTimeout(async () => {
+    retry = undefined;
+    try {
+      await fetch("app.css", { method: "GET", cache: "no-store" });
+      found();
+    } catch {
+      lost();
+    }
+  }, kRetryMs);
+}
+
+function found() {
+  if (isConnected.value) return;
+  isConnected.value = true;
+  epoch.value++;
+}
+
+// Grows with each sign-in. What was asked before one and is refused after it says nothing of who is there now.
+export const signIns = signal(0);
+
+// Like fetch; tells the signals above what it finds.
+export async function watchedFetch(input: RequestInfo | URL, init?: RequestInit): Promise<Response> {
+  const asked = signIns.peek();
+  try {
+    const response = await fetch(input, init);
+    found();
+    if (response.status === 401) {
+      if (asked !== signIns.peek()) throw new DOMException("asked before the sign-in", "AbortError");
+      mustSignIn.value = true;
+    }
+    return response;
+  } catch (error) {
+    if (!(error instanceof DOMException && error.name === "AbortError")) lost();
+    throw error;
+  }
+}
+
+const transport = createConnectTransport({ baseUrl: location.origin, fetch: watchedFetch });
+export const access = createClient(Access, transport);
+export const admin = createClient(Admin, transport);
+export const calibrations = createClient(Calibrations, transport);
+export const events = createClient(Events, transport);
+export const history = createClient(History, transport);
+export const ingest = createClient(Ingest, transport);
+export const jobs = createClient(Jobs, transport);
+export const machines = createClient(Machines, transport);
+export const programs = createClient(Programs, transport);
+export const tables = createClient(Tables, transport);
+
+// What went wrong, in the server's words, and the reason's name (proto/README.md).
+export interface Problem {
+  text: string;
+  reason: string;
+  isConnection: boolean;
+}
+
+export function problemOf(error: unknown): Problem {
+  const e = ConnectError.from(error);
+  const reason = e.findDetails(ErrorInfoSchema)[0]?.reason ?? "";
+  if (e.code === Code.Unauthenticated) mustSignIn.value = true;
+  return { text: e.rawMessage, reason, isConnection: !isConnected.value };
+}
+
+// All pages of a list; `most` rows at most, so that a page of the browser does not grow without end.
+export async function all<Row>(
+  most: number,
+  page: (pageToken: string) => Promise<{ rows: Row[]; nextPageToken: string }>,
+): Promise<{ rows: Row[]; isWhole: boolean }> {
+  const rows: Row[] = [];
+  let token = "";
+  do {
+    const got = await page(token);
+    rows.push(...got.rows);
+    token = got.nextPageToken;
+  } while (token !== "" && rows.length < most);
+  return { rows, isWhole: token === "" };
+}
+
+export interface Loaded<Data> {
+  data?: Data;
+  problem?: Problem;
+}
+
+// Loads when `key` changes, when the connection is back and, with `everyMs`, again and again while the page is seen. What was
+// there stays until the new is there.
+export function useLoad<Data>(key: string, load: () => Promise<Data>, everyMs = 0): Loaded<Data> {
+  const [state, setState] = useState<Loaded<Data> & { key: string }>({ key });
+  const now = epoch.value;
+  useEffect(() => {
+    let isOver = false;
+    let timer: number | undefined;
+    const run = async () => {
+      try {
+        const data = await load();
+        if (!isOver) setState({ key, data });
+      } catch (error) {
+        const problem = problemOf(error);
+        // While the connection is lost what was there stays; the banner says so.
+        if (!isOver) setState((old) => (problem.isConnection && old.key === key ? old : { key, problem }));
+      }
+      if (!isOver && everyMs > 0) timer = window.setTimeout(again, everyMs);
+    };
+    const again = () => (document.visibilityState === "visible" ? run() : (timer = window.setTimeout(again, everyMs)));
+    run();
+    return () => {
+      isOver = true;
+      clearTimeout(timer);
+    };
+  }, [key, now]);
+  return state.key === key ? state : {};
+}
+
+// A text of the server that is JSON of its own writing (report_json).
+export function jsonOf<Type>(text: string): Type | undefined {
+  try {
+    return JSON.parse(text) as Type;
+  } catch {
+    return undefined;
+  }
+}
+
+// Queues a job and returns its number. Asked again after an answer that was lost, the same job is meant.
+const asked = new Map<string, string>();
+export async function createJob(kind: JobParams["kind"]): Promise<bigint> {
+  const params = create(JobParamsSchema, { kind });
+  const key = toJsonString(JobParamsSchema, params);
+  const requestId = asked.get(key) ?? crypto.randomUUID();
+  asked.set(key, requestId);
+  const { job } = await jobs.createJob({ requestId, params });
+  asked.delete(key);
+  return job!.jobId;
+}

@@ -1,0 +1,171 @@
+// Pictures that are drawn here: plain SVG, styled by app.css. Every number in them comes from the API.
+import { dateOf, dayText, numberText } from "./format";
+import { language } from "./text";
+
+export interface TimePoint {
+  us: bigint;
+  value: number;
+  low: number; // of the 95 % interval; of a point that stands for many: of their values
+  high: number;
+  wasApproved: boolean;
+  label: string;
+  href: string;
+}
+export interface Band {
+  fromUs: bigint;
+  toUs: bigint;
+  label: string;
+}
+
+// Ticks at 1, 2 or 5 times a power of ten.
+function ticks(low: number, high: number, most: number): number[] {
+  const rough = (high - low) / most;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= rough) ?? rough;
+  const found: number[] = [];
+  for (let i = Math.ceil(low / step); i * step <= high + step * 1e-9; ++i) found.push(i * step || 0); // no -0
+  return found;
+}
+
+const kWidth = 720;
+const kLeft = 64;
+const kRight = 12;
+
+// One error over time: marks with intervals, bands of jumps, triangles where a calibration was put in use, limits.
+export function TimeLine(props: {
+  title: string;
+  points: TimePoint[];
+  bands: Band[];
+  approvals: bigint[];
+  fromUs: bigint;
+  toUs: bigint;
+  limits?: [number, number];
+}) {
+  const height = 216, top = 10, bottom = 42;
+  const from = Number(props.fromUs), span = Math.max(1, Number(props.toUs - props.fromUs));
+  const x = (us: bigint) => kLeft + ((Number(us) - from) / span) * (kWidth - kLeft - kRight);
+  let low = Math.min(0, ...props.points.map((p) => p.low), ...(props.limits ?? []));
+  let high = Math.max(0, ...props.points.map((p) => p.high), ...(props.limits ?? []));
+  const room = (high - low || 1) * 0.06;
+  low -= room;
+  high += room;
+  const y = (value: number) => top + ((high - value) / (high - low)) * (height - top - bottom);
+  const kDayUs = 86400e6;
+  const years = span > 720 * kDayUs, days = span < 90 * kDayUs;
+  const format = new Intl.DateTimeFormat(
+    language.value === "de" ? "de-DE" : "en-GB",
+    years ? { year: "numeric" } : days ? { day: "numeric", month: "short" } : { month: "short", year: "2-digit" },
+  );
+  const marks = [0, 1, 2, 3, 4, 5].map((i) => props.fromUs + BigInt(Math.round((span * i) / 5)));
+  return (
+    <svg class="chart" viewBox={`0 0 ${kWidth} ${height}`} role="group" aria-label={props.title}>
+      {props.bands.map((band) => (
+        <rect class="band" x={x(band.fromUs)} y={top} width={Math.max(3, x(band.toUs) - x(band.fromUs))} height={height - top - bottom}>
+          <title>{band.label}</title>
+        </rect>
+      ))}
+      {ticks(low, high, 5).map((value) => (
+        <g>
+          <line class={value === 0 ? "axis" : "grid"} x1={kLeft} x2={kWidth - kRight} y1={y(value)} y2={y(value)} />
+          <text class="tick end" x={kLeft - 6} y={y(value) + 4}>
+            {numberText(value, 4)}
+          </text>
+        </g>
+      ))}
+      {props.limits?.map((value) => <line class="limit" x1={kLeft} x2={kWidth - kRight} y1={y(value)} y2={y(value)} />)}
+      {marks.map((us, i) => (
+        <text class={`tick ${i === 0 ? "" : i === 5 ? "end" : "middle"}`} x={x(us)} y={height - 6}>
+          {format.format(dateOf(us))}
+        </text>
+      ))}
+      {props.approvals
+        .filter((us) => us >= props.fromUs && us <= props.toUs)
+        .map((us) => (
+          <path class="approval" d={`M${x(us)} ${height - bottom + 2}l-5 9h10z`}>
+            <title>{dayText(us)}</title>
+          </path>
+        ))}
+      {props.points.map((point) => (
+        <a href={point.href} aria-label={point.label}>
+          <title>{point.label}</title>
+          <line class="interval" x1={x(point.us)} x2={x(point.us)} y1={y(point.low)} y2={y(point.high)} />
+          <circle class={point.wasApproved ? "point" : "point hollow"} cx={x(point.us)} cy={y(point.value)} r="5" />
+        </a>
+      ))}
+    </svg>
+  );
+}
+
+export interface Interval {
+  name: string;
+  value: number;
+  low: number;
+  high: number;
+  label: string;
+}
+
+// Values with intervals side by side, of one unit, about zero.
+export function Intervals(props: { title: string; rows: Interval[] }) {
+  const row = 26, height = props.rows.length * row + 30, left = 190;
+  let low = Math.min(0, ...props.rows.map((r) => r.low)), high = Math.max(0, ...props.rows.map((r) => r.high));
+  const room = (high - low || 1) * 0.04;
+  low -= room;
+  high += room;
+  const x = (value: number) => left + ((value - low) / (high - low)) * (kWidth - left - kRight);
+  return (
+    <svg class="chart" viewBox={`0 0 ${kWidth} ${height}`} role="img" aria-label={props.title}>
+      {ticks(low, high, 6).map((value) => (
+        <g>
+          <line class={value === 0 ? "axis" : "grid"} x1={x(value)} x2={x(value)} y1={4} y2={height - 24} />
+          <text class="tick middle" x={x(value)} y={height - 8}>
+            {numberText(value, 4)}
+          </text>
+        </g>
+      ))}
+      {props.rows.map((r, i) => {
+        const y = 4 + i * row + row / 2;
+        return (
+          <g>
+            <title>{r.label}</title>
+            <text class="name end" x={left - 10} y={y + 4}>
+              {r.name.length > 20 ? r.name.slice(0, 19) + "…" : r.name}
+            </text>
+            <line class="interval" x1={x(r.low)} x2={x(r.high)} y1={y} y2={y} />
+            <circle class="point" cx={x(r.value)} cy={y} r="5" />
+          </g>
+        );
+      })}
+    </svg>
+  );
+}
+
+export interface Bar {
+  name: string;
+  value: number;
+  kind?: string;
+}
+
+// Positive values as bars; from the power of ten below the least on, as they go over several of them.
+export function LogBars(props: { title: string; bars: Bar[] }) {
+  const row = 28, left = 250, right = 70, height = props.bars.length * row + 6;
+  const values = props.bars.map((bar) => bar.value).filter((value) => value > 0);
+  const low = Math.floor(Math.log10(Math.min(...values)) - 0.05);
+  const high = Math.max(low + 0.5, Math.log10(Math.max(...values)));
+  const width = (value: number) =>
+    value > 0 ? Math.max(2, ((Math.log10(value) - low) / (high - low)) * (kWidth - left - right)) : 0;
+  return (
+    <svg class="chart" viewBox={`0 0 ${kWidth} ${height}`} role="img" aria-label={props.title}>
+      {props.bars.map((bar, i) => (
+        <g>
+          <text class="name end" x={left - 10} y={i * row + 19}>
+            {bar.name.length > 26 ? bar.name.slice(0, 25) + "…" : bar.name}
+          </text>
+          <rect class={`bar ${bar.kind ?? ""}`} x={left} y={i * row + 5} width={width(bar.value)} height={row - 8} rx="2" />
+          <text class="tick" x={left + width(bar.value) + 6} y={i * row + 19}>
+            {numberText(bar.value, 4)}
+          </text>
+        </g>
+      ))}
+    </svg>
+  );
+}

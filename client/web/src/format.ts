@@ -1,0 +1,69 @@
+// Numbers and dates as the reader's language writes them. Values come in um and urad from the API and are not converted.
+import { EstimateUnit } from "./gen/axiscal/v1/calibration_pb";
+import { language } from "./text";
+
+const locale = () => (language.value === "de" ? "de-DE" : "en-GB");
+
+// A value to the digits that its uncertainty allows: two digits of sigma; without one, four digits.
+export function valueText(value: number, sigma?: number): string {
+  if (sigma !== undefined && sigma > 0 && Number.isFinite(sigma)) {
+    const digits = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(sigma))));
+    return new Intl.NumberFormat(locale(), { minimumFractionDigits: digits, maximumFractionDigits: digits }).format(
+      sigma > 100 ? Math.round(value) : value,
+    );
+  }
+  return new Intl.NumberFormat(locale(), { maximumSignificantDigits: 4 }).format(value);
+}
+export function sigmaText(sigma: number): string {
+  return new Intl.NumberFormat(locale(), { minimumSignificantDigits: 2, maximumSignificantDigits: 2 }).format(sigma);
+}
+export function numberText(value: number, digits = 3): string {
+  return new Intl.NumberFormat(locale(), { maximumSignificantDigits: digits }).format(value);
+}
+export function countText(value: number | bigint): string {
+  return new Intl.NumberFormat(locale()).format(value);
+}
+export function unitText(unit: EstimateUnit | string): string {
+  const name = typeof unit === "string" ? unit : unit === EstimateUnit.UM ? "um" : unit === EstimateUnit.URAD ? "urad" : "";
+  return name.replace(/^um$/, "µm").replace(/^urad$/, "µrad");
+}
+
+// Of microseconds since 1970; they fit a double until the year 2255.
+export function dateOf(us: bigint): Date {
+  return new Date(Number(us / 1000n));
+}
+export function dayText(us: bigint): string {
+  return new Intl.DateTimeFormat(locale(), { dateStyle: "medium" }).format(dateOf(us));
+}
+export function timeText(us: bigint): string {
+  return new Intl.DateTimeFormat(locale(), { dateStyle: "medium", timeStyle: "short" }).format(dateOf(us));
+}
+export function nowText(): string {
+  return new Intl.DateTimeFormat(locale(), { dateStyle: "medium", timeStyle: "short" }).format(new Date());
+}
+export function secondsText(us: bigint): string {
+  const s = Number(us) / 1e6;
+  if (s < 120) return `${numberText(s, 2)} s`;
+  return s < 7200 ? `${numberText(s / 60, 2)} min` : `${numberText(s / 3600, 2)} h`;
+}
+export function bytesText(bytes: bigint): string {
+  const n = Number(bytes);
+  return n < 10_000 ? `${countText(n)} B` : n < 1e6 ? `${numberText(n / 1e3)} kB` : `${numberText(n / 1e6)} MB`;
+}
+
+// Numbers of files, which programs read: with a point, in full.
+export function csv(head: string[], rows: (string | number | undefined)[][]): string {
+  const cell = (value: string | number | undefined) => {
+    const text = value === undefined ? "" : String(value);
+    return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  };
+  return [head, ...rows].map((row) => row.map(cell).join(",") + "\r\n").join("");
+}
+export function save(name: string, type: string, content: BlobPart): void {
+  const url = URL.createObjectURL(new Blob([content], { type }));
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

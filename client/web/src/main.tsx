@@ -1,0 +1,226 @@
+// The frame of all pages: who is there, where one can go, whether the server is there.
+import { render } from "preact";
+import { effect, signal } from "@preact/signals";
+import { useEffect, useState } from "preact/hooks";
+import { isConnected, mustSignIn, problemOf } from "./api";
+import { Role } from "./gen/axiscal/v1/access_service_pb";
+import { identity, isAdminOfAll, isWall, isWallRefused, may, refusal, signIn, signOut, watchIdle, watchWall, whoAmI } from "./session";
+import { language, setLanguage, t, type Language } from "./text";
+import { Title } from "./parts";
+import { AuditPage } from "./pages/audit";
+import { CalibrationPage } from "./pages/calibration";
+import { EventsPage } from "./pages/events";
+import { FleetPage } from "./pages/fleet";
+import { JobPage, JobsPage } from "./pages/jobs";
+import { LoopPage } from "./pages/loop";
+import { MachinePage } from "./pages/machine";
+import { ProgramsPage } from "./pages/programs";
+import { UploadPage } from "./pages/upload";
+import { WallPage } from "./pages/wall";
+
+type Theme = "auto" | "light" | "dark";
+const theme = signal<Theme>((localStorage.getItem("theme") as Theme | null) ?? "auto");
+effect(() => {
+  localStorage.setItem("theme", theme.value);
+  document.documentElement.dataset.theme = theme.value;
+});
+
+// "#/machines/mill-7" -> ["machines", "mill-7"]
+function placeOf(hash: string): string[] {
+  try {
+    return hash.replace(/^#\/?/, "").split("?")[0].split("/").map(decodeURIComponent);
+  } catch {
+    return ["?"];
+  }
+}
+const place = signal(placeOf(location.hash));
+addEventListener("hashchange", () => {
+  place.value = placeOf(location.hash);
+  scrollTo(0, 0);
+  // Readers of the screen begin at the new page.
+  document.getElementById("main")?.focus();
+});
+
+function idOf(word: string | undefined): bigint | undefined {
+  return word !== undefined && /^[1-9]\d{0,17}$/.test(word) ? BigInt(word) : undefined;
+}
+
+function Page() {
+  const [room, word] = place.value;
+  const id = idOf(word);
+  switch (room) {
+    case "":
+      return <FleetPage />;
+    case "machines":
+      if (word) return <MachinePage key={word} machineId={word} />;
+      break;
+    case "calibrations":
+      if (id) return <CalibrationPage key={word} id={id} />;
+      break;
+    case "loops":
+      if (id) return <LoopPage key={word} id={id} />;
+      break;
+    case "events":
+      return <EventsPage key={word ?? ""} machineId={word} />;
+    case "jobs":
+      if (id) return <JobPage key={word} id={id} />;
+      if (word === undefined) return <JobsPage />;
+      break;
+    case "programs":
+      return <ProgramsPage />;
+    case "upload":
+      return <UploadPage key={word ?? ""} machineId={word} />;
+    case "audit":
+      return <AuditPage />;
+    case "wall":
+      return <WallPage />;
+  }
+  return (
+    <>
+      <Title text={t("notFound")} />
+      <p>
+        <a href="#/">{t("fleet")}</a>
+      </p>
+    </>
+  );
+}
+
+function SignInPage() {
+  const [lost, setLost] = useState("");
+  const [isBusy, setBusy] = useState(false);
+  const submit = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const elements = (event.currentTarget as HTMLFormElement).elements;
+    const asWall = (elements.namedItem("wall") as HTMLInputElement).checked;
+    setBusy(true);
+    try {
+      setLost("");
+      const isIn = await signIn((elements.namedItem("token") as HTMLInputElement).value.trim(), asWall);
+      if (asWall && isIn) location.hash = "#/wall";
+    } catch (error) {
+      setLost(problemOf(error).text);
+    }
+    setBusy(false);
+  };
+  const problem = lost || refusal.value;
+  return (
+    <>
+      <Title text={t("signIn")} />
+      <form class="box form narrow" onSubmit={submit}>
+        <p id="sign-in-help">{t("signInHelp")}</p>
+        <label>
+          {t("token")}
+          <input name="token" type="password" autocomplete="off" required aria-describedby="sign-in-help" />
+        </label>
+        <label class="check">
+          <input name="wall" type="checkbox" defaultChecked={place.value[0] === "wall"} aria-describedby="wall-help" /> {t("wall")}
+        </label>
+        <p id="wall-help" class="muted">
+          {t("wallHelp")}
+        </p>
+        {problem && (
+          <p class="bad-text" role="alert" lang="en">
+            {problem}
+          </p>
+        )}
+        {isWallRefused.value && (
+          <p class="bad-text" role="alert">
+            {t("wallViewerOnly")}
+          </p>
+        )}
+        <button type="submit" disabled={isBusy}>
+          {t("signIn")}
+        </button>
+      </form>
+    </>
+  );
+}
+
+function Menu() {
+  const room = place.value[0];
+  const items: [string, string, boolean][] = [
+    ["", t("fleet"), true],
+    ["events", t("events"), true],
+    ["jobs", t("jobs"), true],
+    ["programs", t("programs"), true],
+    ["upload", t("upload"), may(Role.CELL)],
+    ["audit", t("audit"), isAdminOfAll()],
+  ];
+  return (
+    <nav aria-label={t("mainMenu")}>
+      {items
+        .filter(([, , isOffered]) => isOffered)
+        .map(([name, text]) => (
+          <a
+            href={`#/${name}`}
+            aria-current={room === name || (name === "" && ["machines", "calibrations", "loops"].includes(room)) ? "page" : undefined}
+          >
+            {text}
+          </a>
+        ))}
+    </nav>
+  );
+}
+
+function App() {
+  const [failed, setFailed] = useState("");
+  useEffect(() => {
+    const ask = () => whoAmI().catch((error) => setFailed(mustSignIn.value || !isConnected.value ? "" : problemOf(error).text));
+    void ask();
+    // After a restart the server does not know the cookie, so ask again when it is back.
+    return isConnected.subscribe((is) => {
+      if (is) void ask();
+    });
+  }, []);
+  const who = identity.value;
+  return (
+    <>
+      <a class="skip" href="#main" onClick={(event) => (event.preventDefault(), document.getElementById("main")?.focus())}>
+        {t("skip")}
+      </a>
+      <header class="top">
+        <a class="brand" href="#/">
+          Axiscal
+        </a>
+        {who && !mustSignIn.value && !isWall.value ? <Menu /> : <span class="grow" />}
+        <div class="settings">
+          <select
+            aria-label={t("language")}
+            value={language.value}
+            onChange={(event) => setLanguage(event.currentTarget.value as Language)}
+          >
+            <option value="en">English</option>
+            <option value="de">Deutsch</option>
+          </select>
+          <select aria-label={t("theme")} value={theme.value} onChange={(event) => (theme.value = event.currentTarget.value as Theme)}>
+            <option value="auto">{t("themeAuto")}</option>
+            <option value="light">{t("themeLight")}</option>
+            <option value="dark">{t("themeDark")}</option>
+          </select>
+          {who && !mustSignIn.value && <span class="who">{who.name}</span>}
+          {who && !who.isLocal && !mustSignIn.value && (
+            <button type="button" class="quiet" onClick={() => void signOut()}>
+              {t("signOut")}
+            </button>
+          )}
+        </div>
+      </header>
+      <div aria-live="assertive">{!isConnected.value && <div class="lost">{t("lost")}</div>}</div>
+      <main id="main" tabIndex={-1}>
+        {mustSignIn.value && !isWall.value ? (
+          <SignInPage />
+        ) : who ? (
+          <Page />
+        ) : (
+          <p class="waiting" role={failed ? "alert" : "status"}>
+            {failed || t("loading")}
+          </p>
+        )}
+      </main>
+    </>
+  );
+}
+
+watchIdle();
+watchWall();
+render(<App />, document.getElementById("app")!);

@@ -1,0 +1,507 @@
+// One calibration: what was found, how sure, what cannot be told apart; tables of it; and the decision to use it.
+import { useState } from "preact/hooks";
+import { calibrations, epoch, jsonOf, problemOf, tables, useLoad, type Problem } from "../api";
+import { Intervals } from "../charts";
+import { countText, dayText, numberText, save, sigmaText, timeText, unitText, valueText } from "../format";
+import { Role } from "../gen/axiscal/v1/access_service_pb";
+import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
+import { Dialog, Empty, Fact, Figure, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title } from "../parts";
+import type { IdentificationReport, LoopReport } from "../reports";
+import { may } from "../session";
+import { language, t } from "../text";
+
+const kNormal95 = 1.959964;
+// As the server takes it.
+const kMaxReasonBytes = 200;
+
+interface CalibrationData {
+  it: Calibration;
+  inUse?: Calibration; // of the same machine
+}
+
+async function load(id: bigint): Promise<CalibrationData> {
+  const it = (await calibrations.getCalibration({ calibrationId: id })).calibration!;
+  try {
+    const inUse = await calibrations.getCalibration({ approvedOfMachineId: it.machineId });
+    return { it, inUse: inUse.calibration };
+  } catch (error) {
+    if (problemOf(error).reason === "CALIBRATION_NOT_FOUND") return { it };
+    throw error;
+  }
+}
+
+function Found(props: { it: Calibration; coverage: number; readings?: number }) {
+  const { it, coverage } = props;
+  const numbered = it.estimates.filter((e) => e.value !== undefined);
+  return (
+    <section>
+      <h2>{t("found")}</h2>
+      <Table label={t("found")} head={[t("error"), t("value"), "± 1 σ", t("interval"), t("unit")]} numbers={[1, 2, 3]}>
+        {it.estimates.map((e) => (
+          <tr>
+            <th scope="row">{e.symbol}</th>
+            {e.value === undefined ? (
+              <td colSpan={3} class="muted">
+                {t("notTellable")}
+              </td>
+            ) : (
+              <>
+                <td class="number">{valueText(e.value, e.sigma)}</td>
+                <td class="number">{e.sigma === undefined ? "–" : sigmaText(e.sigma)}</td>
+                <td class="number">
+                  {e.sigma === undefined
+                    ? "–"
+                    : `${valueText(e.value - coverage * e.sigma, e.sigma)} … ${valueText(e.value + coverage * e.sigma, e.sigma)}`}
+                </td>
+              </>
+            )}
+            <td>{unitText(e.unit)}</td>
+          </tr>
+        ))}
+      </Table>
+      {[EstimateUnit.UM, EstimateUnit.URAD].map((unit) => {
+        const rows = numbered.filter((e) => e.unit === unit);
+        if (rows.length === 0) return null;
+        const name = unitText(unit);
+        const caption = `${t("errorsPicture", { n: props.readings === undefined ? "–" : countText(props.readings) })}, ${name}`;
+        return (
+          <Figure
+            name={`calibration-${it.calibrationId}-${unit === EstimateUnit.UM ? "um" : "urad"}`}
+            caption={caption}
+            head={[t("error"), `${t("value")} (${name})`, "95 % −", "95 % +"]}
+            rows={rows.map((e) => [e.symbol, e.value, e.value! - coverage * (e.sigma ?? 0), e.value! + coverage * (e.sigma ?? 0)])}
+            shown={rows.map((e) => [
+              e.symbol,
+              valueText(e.value!, e.sigma),
+              valueText(e.value! - coverage * (e.sigma ?? 0), e.sigma),
+              valueText(e.value! + coverage * (e.sigma ?? 0), e.sigma),
+            ])}
+          >
+            <Intervals
+              title={caption}
+              rows={rows.map((e) => ({
+                name: e.symbol,
+                value: e.value!,
+                low: e.value! - coverage * (e.sigma ?? 0),
+                high: e.value! + coverage * (e.sigma ?? 0),
+                label: `${e.symbol}: ${valueText(e.value!, e.sigma)} ± ${e.sigma === undefined ? "–" : sigmaText(e.sigma)} ${name}`,
+              }))}
+            />
+          </Figure>
+        );
+      })}
+    </section>
+  );
+}
+
+function NotSeparable(props: { it: Calibration; loop?: LoopReport }) {
+  const { it } = props;
+  // Of the loop's effects the class stands in its report.
+  const classes = (props.loop?.effects ?? []).filter((e) => (e.equivalent ?? []).length > 0);
+  const isNothing = it.notSeparable.length === 0 && classes.length === 0;
+  return (
+    <section>
+      <h2>{t("cannotTell")}</h2>
+      {it.reportProblem && (
+        <p class="box bad">
+          <Server text={it.reportProblem} />
+        </p>
+      )}
+      {isNothing ? !it.reportProblem && <p>{t("cannotTellNone")}</p> : <p>{t("cannotTellHelp")}</p>}
+      {!isNothing && (
+        <ul class="classes">
+          {it.notSeparable.map((text) => (
+            <li>
+              <code>{text}</code>
+            </li>
+          ))}
+          {classes.map((e) => (
+            <li>
+              <code>{[e.name, ...(e.equivalent ?? []).map((one) => one.name)].join("  |  ")}</code>
+            </li>
+          ))}
+        </ul>
+      )}
+      {it.combinations.length > 0 && (
+        <>
+          <h3>{t("combinations")}</h3>
+          <Table label={t("combinations")} head={[t("what"), t("value"), "± 1 σ", t("unit")]} numbers={[1, 2]}>
+            {it.combinations.map((c) => (
+              <tr>
+                <th scope="row">{c.name}</th>
+                <td class="number">{c.value === undefined ? "–" : valueText(c.value, c.sigma)}</td>
+                <td class="number">{c.sigma === undefined ? "–" : sigmaText(c.sigma)}</td>
+                <td>{unitText(c.unit)}</td>
+              </tr>
+            ))}
+          </Table>
+        </>
+      )}
+    </section>
+  );
+}
+
+// What would change for the machine: this one less the one in use.
+function Differences(props: { it: Calibration; inUse?: Calibration }) {
+  const { it, inUse } = props;
+  if (inUse === undefined) return <p>{t("differencesNone")}</p>;
+  if (inUse.calibrationId === it.calibrationId) return <p>{t("differencesSelf")}</p>;
+  const symbols = [...new Set([...inUse.estimates, ...it.estimates].map((e) => e.symbol))];
+  const of = (calibration: Calibration, symbol: string) => calibration.estimates.find((e) => e.symbol === symbol);
+  return (
+    <>
+      <p>{t("differencesHelp", { n: inUse.calibrationId })}</p>
+      <Table
+        label={t("differences")}
+        head={[t("error"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("isClear")]}
+        numbers={[1, 2, 3, 4]}
+      >
+        {symbols.map((symbol) => {
+          const a = of(inUse, symbol), b = of(it, symbol);
+          const isBoth = a?.value !== undefined && b?.value !== undefined;
+          const sigma = isBoth ? Math.hypot(a?.sigma ?? 0, b?.sigma ?? 0) : undefined;
+          const difference = isBoth ? b!.value! - a!.value! : undefined;
+          const isClear = difference !== undefined && sigma !== undefined && Math.abs(difference) > kNormal95 * sigma;
+          return (
+            <tr>
+              <th scope="row">{symbol}</th>
+              <td class="number">{a?.value === undefined ? "–" : valueText(a.value, a.sigma)}</td>
+              <td class="number">{b?.value === undefined ? "–" : valueText(b.value, b.sigma)}</td>
+              <td class="number">{difference === undefined ? "–" : valueText(difference, sigma)}</td>
+              <td class="number">{sigma === undefined ? "–" : sigmaText(sigma)}</td>
+              <td>{unitText((a ?? b)!.unit)}</td>
+              <td>{isClear && <span class="mark wait">{t("clear")}</span>}</td>
+            </tr>
+          );
+        })}
+      </Table>
+    </>
+  );
+}
+
+function Decide(props: { data: CalibrationData }) {
+  const { it, inUse } = props.data;
+  const [asked, setAsked] = useState<"approve" | "retire">();
+  const [problem, setProblem] = useState<Problem>();
+  const [note, setNote] = useState("");
+  const [reason, setReason] = useState("");
+  if (!may(Role.APPROVER, it.machineId)) return <p class="muted no-print">{t("approverOnly")}</p>;
+  const close = () => {
+    setAsked(undefined);
+    setProblem(undefined);
+  };
+  const decide = async (event: SubmitEvent) => {
+    event.preventDefault();
+    if (reason.trim() === "") return setProblem({ text: t("reasonNeeded"), reason: "", isConnection: false });
+    const request = { calibrationId: it.calibrationId, etag: it.etag, reason: reason.trim() };
+    try {
+      if (asked === "approve") await calibrations.approveCalibration(request);
+      else await calibrations.retireCalibration(request);
+      close();
+      setReason("");
+      epoch.value++;
+    } catch (error) {
+      const found = problemOf(error);
+      if (found.reason === "ETAG_MISMATCH") {
+        close();
+        setNote(t("changedMeanwhile"));
+        epoch.value++;
+      } else {
+        setProblem(found);
+      }
+    }
+  };
+  const isInUse = it.state === CalibrationState.APPROVED;
+  const wasInUse = it.approvedUtcUs !== undefined;
+  return (
+    <div class="no-print">
+      {note && (
+        <p class="box" role="alert">
+          {note}
+        </p>
+      )}
+      <p class="buttons">
+        {!isInUse && (
+          <button type="button" onClick={() => setAsked("approve")}>
+            {t(wasInUse ? "approveAgain" : "approve")}
+          </button>
+        )}
+        {it.state !== CalibrationState.RETIRED && (
+          <button type="button" class="quiet" onClick={() => setAsked("retire")}>
+            {t(isInUse ? "retire" : "giveUp")}
+          </button>
+        )}
+      </p>
+      {asked && (
+        <Dialog title={t(asked === "approve" ? "approveTitle" : isInUse ? "retireTitle" : "giveUp", { n: it.calibrationId })} onClose={close}>
+          <p>
+            {asked === "approve"
+              ? inUse
+                ? t("approveEffect", { old: inUse.calibrationId })
+                : t("approveEffectFirst")
+              : t(isInUse ? "retireEffect" : "giveUpEffect")}
+          </p>
+          {asked === "approve" && inUse && <Differences it={it} inUse={inUse} />}
+          <form onSubmit={decide} noValidate>
+            <label>
+              {t("reason")}
+              <input
+                value={reason}
+                required
+                autocomplete="off"
+                onInput={(event) => {
+                  const text = event.currentTarget.value;
+                  if (new TextEncoder().encode(text).length <= kMaxReasonBytes) setReason(text);
+                  else event.currentTarget.value = reason;
+                }}
+              />
+            </label>
+            {problem && <ProblemBox problem={problem} />}
+            <p class="buttons">
+              <button type="submit">{t(asked === "approve" ? (wasInUse ? "approveAgain" : "approve") : isInUse ? "retire" : "giveUp")}</button>
+              <button type="button" class="quiet" onClick={close}>
+                {t("cancel")}
+              </button>
+            </p>
+          </form>
+        </Dialog>
+      )}
+    </div>
+  );
+}
+
+function MakeTable(props: { it: Calibration }) {
+  const formats = useLoad("formats", async () => (await tables.listTableFormats({})).formats);
+  const [answer, setAnswer] = useState<{ done?: string; report?: string; problem?: Problem }>({});
+  const [name, setName] = useState("general");
+  // The server makes none of a retired one.
+  if (!may(Role.TECHNICIAN, props.it.machineId) || props.it.state === CalibrationState.RETIRED) return null;
+  const make = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    const tip = tipOf(String(form.get("tip")));
+    if (tip === undefined) return setAnswer({ problem: { text: t("tipWrong"), reason: "", isConnection: false } });
+    try {
+      const made = await tables.makeTable({
+        machineId: props.it.machineId,
+        calibrationId: props.it.calibrationId,
+        format: name,
+        toolTipMm: tip,
+        axes: String(form.get("axes")).split(/\s+/).filter(Boolean),
+      });
+      save(`${props.it.machineId}-${name}-c${made.calibrationId}.txt`, "application/octet-stream", new Uint8Array(made.content));
+      setAnswer({ done: t("tableDone", { n: countText(made.content.length), c: made.calibrationId }), report: made.reportJson });
+    } catch (error) {
+      setAnswer({ problem: problemOf(error) });
+    }
+  };
+  return (
+    <section class="no-print">
+      <h2>{t("tablesTitle")}</h2>
+      <Show of={formats}>
+        {(list) => {
+          const format = list.find((f) => f.name === name);
+          return (
+            <form class="form" onSubmit={make}>
+              <label>
+                {t("format")}
+                <select value={name} onChange={(event) => setName(event.currentTarget.value)}>
+                  {list.map((f) => (
+                    <option value={f.name} lang="en">
+                      {f.title}
+                    </option>
+                  ))}
+                </select>
+              </label>
+              {format && (
+                <p lang="en">
+                  {format.values}. {format.limits}.{format.cannotCarry.length > 0 && ` Cannot carry: ${format.cannotCarry.join("; ")}.`}
+                </p>
+              )}
+              <label>
+                {t("tip")}
+                <input name="tip" required autocomplete="off" inputMode="text" />
+              </label>
+              <label>
+                {t("axesOptional")}
+                <input name="axes" autocomplete="off" />
+              </label>
+              <p class="buttons">
+                <button type="submit">{t("makeTable")}</button>
+              </p>
+              {answer.problem && <ProblemBox problem={answer.problem} />}
+              <div role="status">{answer.done && <p class="box good">{answer.done}</p>}</div>
+              {answer.report && (
+                <p class="buttons">
+                  <button type="button" class="quiet" onClick={() => save(`table-report.json`, "application/json", answer.report!)}>
+                    {t("report")}
+                  </button>
+                </p>
+              )}
+            </form>
+          );
+        }}
+      </Show>
+    </section>
+  );
+}
+
+// "0 0 -350" -> three numbers.
+export function tipOf(text: string): number[] | undefined {
+  const words = text.trim().split(/[\s;]+/);
+  const numbers = words.map(Number);
+  return words.length === 3 && words.every((w) => w !== "") && numbers.every(Number.isFinite) ? numbers : undefined;
+}
+
+export function Warnings(props: { list?: { kind: string; text: string }[] }) {
+  if (!props.list || props.list.length === 0) return null;
+  return (
+    <section>
+      <h2>{t("warnings")}</h2>
+      <ul class="findings">
+        {props.list.map((one) => (
+          <li class="now">
+            <Server text={one.text} />
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+// "residual-X.svg" -> "Residuals over X, µm, n = 1,623": all readings are in it; a trace has those of its sessions.
+function captionOf(file: string, readings: bigint): string {
+  const [kind, name] = [file.slice(0, file.indexOf("-")), file.slice(file.indexOf("-") + 1).replace(/\.svg$/, "")];
+  if (kind === "trace") return `${t("traceOf", { session: name })}, µm`;
+  const variable = name === "time" ? t("time") : name === "temperature" ? t("temperature") : name;
+  return `${t(kind === "spectrum" ? "spectrumOver" : "residualsOver", { variable })}, µm, n = ${countText(readings)}`;
+}
+
+// Drawn by the server when they are asked for: that binds and fits all sessions again.
+export function Pictures(props: { id: bigint }) {
+  const [isAsked, setAsked] = useState(false);
+  const found = useLoad(`pictures ${props.id} ${isAsked}`, async () => (isAsked ? calibrations.drawCalibration({ calibrationId: props.id }) : undefined));
+  return (
+    <section>
+      <h2>{t("pictures")}</h2>
+      <p>{t("picturesHelp")}</p>
+      {!isAsked ? (
+        <p class="buttons">
+          <button type="button" class="quiet" onClick={() => setAsked(true)}>
+            {t("drawPictures")}
+          </button>
+        </p>
+      ) : (
+        <Show of={found.data === undefined ? { problem: found.problem } : { data: found.data }} rows={8}>
+          {(drawn) => (
+            <>
+              {drawn.pictures.length === 0 && <p>{t("picturesNone")}</p>}
+              {drawn.pictures.map((one) => (
+                <ServerPicture
+                  key={one.file}
+                  name={`calibration-${props.id}-${one.file.replace(/\.svg$/, "")}`}
+                  caption={captionOf(one.file, drawn.readings)}
+                  picture={one}
+                  load={async () => (await calibrations.drawCalibration({ calibrationId: props.id, file: one.file })).pictures[0]}
+                />
+              ))}
+              {drawn.leftOut.length > 0 && <p>{t("picturesLeftOut", { names: drawn.leftOut.join(", ") })}</p>}
+            </>
+          )}
+        </Show>
+      )}
+    </section>
+  );
+}
+
+export function CalibrationPage(props: { id: bigint }) {
+  const found = useLoad(`calibration ${props.id}`, () => load(props.id));
+  return (
+    <>
+    <Title text={t("calibrationN", { n: props.id })}>{found.data && <StateMark state={found.data.it.state} />}</Title>
+    <Show of={found} rows={8}>
+      {(data) => {
+        const { it } = data;
+        const report = jsonOf<IdentificationReport & Partial<LoopReport>>(it.reportJson) ?? {};
+        const loop = report.verdict === undefined ? undefined : (report as LoopReport);
+        const readings = report.sessions?.reduce((sum, s) => sum + s.readings, 0);
+        const stats = it.statistics;
+        return (
+          <>
+            <p class="lead">
+              <a href={`#/machines/${encodeURIComponent(it.machineId)}`}>{it.machineId}</a>, {t("versionN", { n: it.version })},{" "}
+              {it.provenance && t("measuredOn", { day: dayText(it.provenance.measuredUtcUs) })}
+            </p>
+            <Decide data={data} />
+            {loop && (
+              <p>
+                <a href={`#/loops/${it.calibrationId}`}>{t("loopLink")}</a>
+              </p>
+            )}
+            <Warnings list={report.warnings} />
+            <Found it={it} coverage={report.coverage_factor ?? kNormal95} readings={readings} />
+            <NotSeparable it={it} loop={loop} />
+            <section>
+              <h2>{t("fit")}</h2>
+              <dl class="facts">
+                <Fact name={t("rms")}>
+                  {stats?.rmsBeforeUm === undefined ? "–" : numberText(stats.rmsBeforeUm)} →{" "}
+                  {stats?.rmsAfterUm === undefined ? "–" : numberText(stats.rmsAfterUm)} µm
+                </Fact>
+                <Fact name={t("chi2")}>{stats?.chi2PerDof === undefined ? "–" : numberText(stats.chi2PerDof)}</Fact>
+                <Fact name={t("rankOf")}>{stats?.rank}</Fact>
+                <Fact name={t("condition")}>{stats?.condition === undefined ? "–" : numberText(stats.condition)}</Fact>
+              </dl>
+              {report.sessions && (
+                <Table label={t("perSession")} head={[t("sessions"), t("readings"), `${t("rms")}, µm`, `${t("greatest")}, µm`]} numbers={[1, 2, 3]}>
+                  {report.sessions.map((s) => (
+                    <tr>
+                      <th scope="row">{s.session}</th>
+                      <td class="number">{countText(s.readings)}</td>
+                      <td class="number">{numberText(s.rms_um)}</td>
+                      <td class="number">{numberText(s.max_um)}</td>
+                    </tr>
+                  ))}
+                </Table>
+              )}
+            </section>
+            <Pictures id={it.calibrationId} />
+            <section>
+              <h2>{t("differences")}</h2>
+              <Differences it={it} inUse={data.inUse} />
+            </section>
+            <section>
+              <h2>{t("provenance")}</h2>
+              <dl class="facts">
+                <Fact name={t("job")}>
+                  {it.provenance && <a href={`#/jobs/${it.provenance.jobId}`}>{t("jobN", { n: it.provenance.jobId })}</a>}
+                </Fact>
+                <Fact name={t("by")}>{it.provenance?.createdBy}</Fact>
+                <Fact name={t("created")}>{timeText(it.createdUtcUs)}</Fact>
+                <Fact name={t("engine")}>{it.provenance?.engineVersion}</Fact>
+                <Fact name={t("approvedAt")}>
+                  {it.approvedUtcUs === undefined ? "–" : `${timeText(it.approvedUtcUs)}, ${it.approvedBy}`}
+                </Fact>
+                {it.retiredUtcUs !== undefined && <Fact name={t("retiredAt")}>{timeText(it.retiredUtcUs)}</Fact>}
+              </dl>
+              <p class="buttons no-print">
+                <button type="button" class="quiet" onClick={() => save(`errors-${it.calibrationId}.json`, "application/json", it.modelJson)}>
+                  errors.json
+                </button>
+                <button type="button" class="quiet" onClick={() => save(`report-${it.calibrationId}.json`, "application/json", it.reportJson)}>
+                  {t("report")}
+                </button>
+                <a class="button" href={`v1/calibrations/${it.calibrationId}/report?language=${language.value}`} target="_blank" rel="noopener">
+                  {t("print")}
+                </a>
+              </p>
+            </section>
+            <MakeTable it={it} />
+            {it.estimates.length === 0 && <Empty text={t("none")} />}
+          </>
+        );
+      }}
+    </Show>
+    </>
+  );
+}

@@ -1,0 +1,267 @@
+// What people should hear of, as it happens: of one machine or of all; who has seen it, and what is on the shelf.
+import { useState } from "preact/hooks";
+import { events, problemOf, type Problem } from "../api";
+import { isNew, isOpen, isShelved, useEvents } from "../events";
+import { dayText, numberText, sigmaText, timeText, valueText, unitText } from "../format";
+import { Role } from "../gen/axiscal/v1/access_service_pb";
+import { EventKind, type Event } from "../gen/axiscal/v1/events_service_pb";
+import { Dialog, Empty, ProblemBox, Server, Show, Title } from "../parts";
+import { may } from "../session";
+import { t, tMaybe } from "../text";
+
+const kShownAtOnce = 50;
+// As the server takes them.
+const kMaxNoteBytes = 1000;
+const kLongestShelfDays = 365;
+const kDayMs = 86_400_000;
+const kKinds = Object.values(EventKind).filter((kind): kind is EventKind => typeof kind === "number" && kind !== EventKind.UNSPECIFIED);
+
+export const kindText = (event: Event) => tMaybe(`event_${event.kind}`) ?? String(event.kind);
+
+function StateOfEvent(props: { event: Event }) {
+  const { event } = props;
+  if (!isOpen(event)) return <span class="mark good">{t("eventCleared")}</span>;
+  if (isShelved(event)) return <span class="mark old">{t("eventShelved")}</span>;
+  if (event.acknowledgedUtcUs !== undefined) return <span class="mark wait">{t("eventSeen")}</span>;
+  return <span class="mark bad">{t("eventNew")}</span>;
+}
+
+// Never "100 %": nothing measured is.
+function percentText(share: number): string {
+  return share > 0.9994 ? `> ${numberText(99.9)}` : numberText(100 * share);
+}
+
+// Days of the calendar where the reader is, as an input of dates writes them.
+function dayOf(ms: number): string {
+  const date = new Date(ms);
+  return new Date(ms - date.getTimezoneOffset() * 60_000).toISOString().slice(0, 10);
+}
+
+function Act(props: { event: Event; what: "acknowledge" | "shelve"; onClose: () => void }) {
+  const { event, what, onClose } = props;
+  const [problem, setProblem] = useState<Problem>();
+  const submit = async (submitted: SubmitEvent) => {
+    submitted.preventDefault();
+    const form = new FormData(submitted.currentTarget as HTMLFormElement);
+    const note = String(form.get("note")).trim();
+    const refuse = (text: string) => setProblem({ text, reason: "", isConnection: false });
+    if (what === "acknowledge" && note === "") return refuse(t("wordNeeded"));
+    if (new TextEncoder().encode(note).length > kMaxNoteBytes) return refuse(t("wordTooLong", { n: kMaxNoteBytes }));
+    try {
+      if (what === "acknowledge") {
+        await events.acknowledgeEvent({ eventId: event.eventId, note });
+      } else {
+        // From midnight of that day on, where the reader is.
+        const until = Date.parse(`${String(form.get("until"))}T00:00`);
+        if (Number.isNaN(until)) return refuse(t("dayNeeded"));
+        await events.shelveEvent({ eventId: event.eventId, untilUtcUs: BigInt(until) * 1000n, note });
+      }
+      // The page hears of it by the stream.
+      onClose();
+    } catch (error) {
+      setProblem(problemOf(error));
+    }
+  };
+  return (
+    <Dialog title={t(what === "acknowledge" ? "acknowledgeTitle" : "shelveTitle", { n: event.eventId })} onClose={onClose}>
+      <p>
+        <Server text={event.text} />
+      </p>
+      <p>{t(what === "acknowledge" ? (event.kind === EventKind.STEP ? "acknowledgeStep" : "acknowledgeEffect") : "shelveEffect")}</p>
+      <form onSubmit={submit} noValidate>
+        {what === "shelve" && (
+          <label>
+            {t("shelveUntil")}
+            <input
+              name="until"
+              type="date"
+              min={dayOf(Date.now() + kDayMs)}
+              max={dayOf(Date.now() + (kLongestShelfDays - 1) * kDayMs)}
+              defaultValue={dayOf(Date.now() + 7 * kDayMs)}
+            />
+          </label>
+        )}
+        <label>
+          {t(what === "acknowledge" ? "word" : "wordOptional")}
+          <input name="note" autocomplete="off" />
+        </label>
+        <div role="status">
+          {problem && <ProblemBox problem={problem} />}
+        </div>
+        <p class="buttons">
+          <button type="submit">{t(what)}</button>
+          <button type="button" class="quiet" onClick={onClose}>
+            {t("cancel")}
+          </button>
+        </p>
+      </form>
+    </Dialog>
+  );
+}
+
+// "15 Jun 2026, 10:12, ann: service comes on Monday"
+function Word(props: { name: string; us?: bigint; by: string; note: string }) {
+  return (
+    <li>
+      {props.name}: {[props.us === undefined ? "" : timeText(props.us), props.by].filter(Boolean).join(", ")}
+      {props.note && <q>{props.note}</q>}
+    </li>
+  );
+}
+
+export function EventItem(props: { event: Event; isOfOneMachine?: boolean }) {
+  const { event } = props;
+  const [asked, setAsked] = useState<"acknowledge" | "shelve">();
+  const [problem, setProblem] = useState<Problem>();
+  const id = `event-${event.eventId}`;
+  const mayAct = may(Role.TECHNICIAN, event.machineId) || may(Role.APPROVER, event.machineId);
+  const takeBack = async () => {
+    try {
+      setProblem(undefined);
+      await events.shelveEvent({ eventId: event.eventId, note: "" });
+    } catch (error) {
+      setProblem(problemOf(error));
+    }
+  };
+  return (
+    <li class={`box event ${isNew(event) ? "new" : ""}`}>
+      <p class="event-head">
+        <StateOfEvent event={event} /> <strong>{kindText(event)}</strong>{" "}
+        {!props.isOfOneMachine && <a href={`#/machines/${encodeURIComponent(event.machineId)}`}>{event.machineId}</a>}{" "}
+        <span class="muted">{t("eventRaised", { n: event.eventId, time: timeText(event.raisedUtcUs) })}</span>
+      </p>
+      <p id={id}>
+        <Server text={event.text} />
+      </p>
+      {isOpen(event) && event.advice && (
+        <p>
+          {t("todo")}: <Server text={event.advice} />
+        </p>
+      )}
+      <ul class="plain">
+        {event.amounts.map((a) => (
+          <li>
+            {a.symbol}: {valueText(a.size, a.sigma)} {a.sigma > 0 && `± ${sigmaText(a.sigma)} (1 σ) `}
+            {unitText(a.unit)}
+          </li>
+        ))}
+        {event.certainty !== undefined && <li>{t("certainty", { n: percentText(event.certainty) })}</li>}
+        {event.calibrationId !== undefined && (
+          <li>
+            <a href={`#/calibrations/${event.calibrationId}`}>{t("calibrationN", { n: event.calibrationId })}</a>
+          </li>
+        )}
+        {event.acknowledgedUtcUs !== undefined && (
+          <Word name={t("eventSeen")} us={event.acknowledgedUtcUs} by={event.acknowledgedBy} note={event.acknowledgedNote} />
+        )}
+        {isOpen(event) && isShelved(event) && (
+          <Word name={t("shelvedUntil", { day: dayText(event.shelvedUntilUtcUs!) })} by={event.shelvedBy} note={event.shelvedNote} />
+        )}
+        {event.clearedUtcUs !== undefined && (
+          <li>
+            {t("eventCleared")}: {timeText(event.clearedUtcUs)} <Server text={event.clearedWhy} />
+          </li>
+        )}
+      </ul>
+      {mayAct && (isOpen(event) || event.acknowledgedUtcUs === undefined) && (
+        <p class="buttons">
+          {event.acknowledgedUtcUs === undefined && (
+            <button type="button" aria-describedby={id} onClick={() => setAsked("acknowledge")}>
+              {t("acknowledge")}
+            </button>
+          )}
+          {isOpen(event) && (
+            <button type="button" class="quiet" aria-describedby={id} onClick={() => (isShelved(event) ? void takeBack() : setAsked("shelve"))}>
+              {t(isShelved(event) ? "takeBack" : "shelve")}
+            </button>
+          )}
+        </p>
+      )}
+      {problem && <ProblemBox problem={problem} />}
+      {asked && <Act event={event} what={asked} onClose={() => setAsked(undefined)} />}
+    </li>
+  );
+}
+
+type Which = "heard" | "open" | "all";
+
+export function EventsPage(props: { machineId?: string }) {
+  const { machineId = "" } = props;
+  const [which, setWhich] = useState<Which>("heard");
+  const [kind, setKind] = useState(0);
+  const [filter, setFilter] = useState("");
+  const [most, setMost] = useState(kShownAtOnce);
+  const list = useEvents(machineId, which !== "all");
+  const words = filter.toLowerCase();
+  const fits = (list.events ?? []).filter(
+    (event) =>
+      (which === "all" || (isOpen(event) && (which === "open" || !isShelved(event)))) &&
+      (kind === 0 || event.kind === kind) &&
+      event.machineId.toLowerCase().includes(words),
+  );
+  return (
+    <>
+      <Title text={machineId ? t("eventsOf", { machine: machineId }) : t("eventsTitle")}>
+        {list.isLive && <span class="mark good">{t("live")}</span>}
+      </Title>
+      {machineId && (
+        <p class="lead">
+          <a href={`#/machines/${encodeURIComponent(machineId)}`}>{t("toMachine", { machine: machineId })}</a>,{" "}
+          <a href="#/events">{t("eventsOfAll")}</a>
+        </p>
+      )}
+      <div class="filters">
+        <label>
+          {t("show")}
+          <select value={which} onChange={(event) => setWhich(event.currentTarget.value as Which)}>
+            <option value="heard">{t("showHeard")}</option>
+            <option value="open">{t("showOpen")}</option>
+            <option value="all">{t("showAll")}</option>
+          </select>
+        </label>
+        <label>
+          {t("kind")}
+          <select value={kind} onChange={(event) => setKind(Number(event.currentTarget.value))}>
+            <option value={0}>{t("allKinds")}</option>
+            {kKinds.map((one) => (
+              <option value={one}>{tMaybe(`event_${one}`) ?? one}</option>
+            ))}
+          </select>
+        </label>
+        {!machineId && (
+          <label>
+            {t("filterMachine")}
+            <input type="search" value={filter} onInput={(event) => setFilter(event.currentTarget.value)} />
+          </label>
+        )}
+      </div>
+      <Show of={{ data: list.events, problem: list.problem }} rows={8}>
+        {() => (
+          <>
+            <p class="lead" role="status">
+              {t("eventCounts", { n: fits.length, new: fits.filter(isNew).length })}
+              {!list.isWhole && ` ${t("notAll", { n: list.events!.length })}`}
+            </p>
+            {fits.length === 0 ? (
+              <Empty text={t(list.events!.length === 0 ? "eventsNone" : "eventsNoFit")} first={list.events!.length === 0 ? t("eventsFirst") : undefined} />
+            ) : (
+              <ul class="events">
+                {fits.slice(0, most).map((event) => (
+                  <EventItem key={String(event.eventId)} event={event} isOfOneMachine={machineId !== ""} />
+                ))}
+              </ul>
+            )}
+            {fits.length > most && (
+              <p class="buttons">
+                {t("shownOf", { n: most, all: fits.length })}{" "}
+                <button type="button" class="quiet" onClick={() => setMost(most + kShownAtOnce)}>
+                  {t("more")}
+                </button>
+              </p>
+            )}
+          </>
+        )}
+      </Show>
+    </>
+  );
+}

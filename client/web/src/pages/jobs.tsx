@@ -1,0 +1,199 @@
+// Jobs: the list, and one job that is followed to its end.
+import { useEffect, useState } from "preact/hooks";
+import { epoch, isConnected, isSeen, jobs, jsonOf, problemOf, useLoad, type Problem } from "../api";
+import { save, secondsText, timeText } from "../format";
+import { Role } from "../gen/axiscal/v1/access_service_pb";
+import { JobState, type Job } from "../gen/axiscal/v1/job_pb";
+import { Empty, Fact, ProblemBox, Server, Show, Table, Title } from "../parts";
+import type { CompensationReport } from "../reports";
+import { may } from "../session";
+import { t, tMaybe } from "../text";
+import { Outcome } from "./outcome";
+
+const kPageSize = 50;
+const kEveryMs = 3000;
+
+export function kindOf(job: Job): string {
+  return tMaybe(`kind_${job.params?.kind.case}`) ?? "";
+}
+export function machineOf(job: Job): string {
+  return job.params?.kind.value?.machineId ?? "";
+}
+export function hasEnded(job: Job): boolean {
+  return job.state >= JobState.SUCCEEDED;
+}
+
+export function JobMark(props: { job: Job }) {
+  const { state } = props.job;
+  const kind = state === JobState.SUCCEEDED ? "good" : state === JobState.FAILED || state === JobState.DEAD ? "bad" : hasEnded(props.job) ? "old" : "wait";
+  return <span class={`mark ${kind}`}>{tMaybe(`job_${state}`) ?? state}</span>;
+}
+
+export function JobsPage() {
+  const [most, setMost] = useState(kPageSize);
+  const found = useLoad(`jobs ${most}`, () => jobs.listJobs({ pageSize: most }), kEveryMs);
+  return (
+    <>
+      <Title text={t("jobs")} />
+      <Show of={found} rows={8}>
+        {(page) =>
+          page.jobs.length === 0 ? (
+            <Empty text={t("jobsEmpty")} first={t("jobsFirst")} />
+          ) : (
+            <>
+              <Table label={t("jobs")} head={[t("job"), t("kind"), t("machine"), t("state"), t("progress"), t("created"), t("by")]}>
+                {page.jobs.map((job) => (
+                  <tr key={String(job.jobId)}>
+                    <th scope="row">
+                      <a href={`#/jobs/${job.jobId}`}>{t("jobN", { n: job.jobId })}</a>
+                    </th>
+                    <td>{kindOf(job)}</td>
+                    <td>
+                      <a href={`#/machines/${encodeURIComponent(machineOf(job))}`}>{machineOf(job)}</a>
+                    </td>
+                    <td>
+                      <JobMark job={job} />
+                    </td>
+                    <td>
+                      <Server text={job.error?.message ?? (hasEnded(job) ? "" : (job.progress?.stage ?? ""))} />
+                    </td>
+                    <td>{timeText(job.createdUtcUs)}</td>
+                    <td>{job.createdBy}</td>
+                  </tr>
+                ))}
+              </Table>
+              {page.nextPageToken !== "" && (
+                <p class="buttons">
+                  <button type="button" class="quiet" onClick={() => setMost(most + kPageSize)}>
+                    {t("more")}
+                  </button>
+                </p>
+              )}
+            </>
+          )
+        }
+      </Show>
+    </>
+  );
+}
+
+// The job as the server's stream tells it. A stream that breaks is begun again: with the connection, or a little later.
+export function useJob(id: bigint | undefined): { job?: Job; problem?: Problem } {
+  const [state, setState] = useState<{ id?: bigint; job?: Job; problem?: Problem }>({});
+  const now = epoch.value, seen = isSeen.value;
+  useEffect(() => {
+    if (id === undefined || !seen) return;
+    const end = new AbortController();
+    let timer: number | undefined;
+    const watch = async () => {
+      let last: Job | undefined;
+      try {
+        for await (const message of jobs.watchJob({ jobId: id }, { signal: end.signal })) {
+          last = message.job;
+          setState({ id, job: last });
+        }
+      } catch (error) {
+        if (end.signal.aborted) return;
+        const problem = problemOf(error);
+        // A call of its own says whether the server is there, which a broken stream does not.
+        try {
+          const { job } = await jobs.getJob({ jobId: id }, { signal: end.signal });
+          setState({ id, job });
+          if (!hasEnded(job!)) timer = window.setTimeout(watch, 1000);
+        } catch {
+          if (!end.signal.aborted && isConnected.value) setState((old) => ({ ...old, id, problem }));
+        }
+      }
+    };
+    void watch();
+    return () => {
+      end.abort();
+      clearTimeout(timer);
+    };
+  }, [id, now, seen]);
+  return state.id === id ? state : {};
+}
+
+export function JobProgressBar(props: { job: Job }) {
+  const { job } = props;
+  const text = [job.progress?.stage, job.progress?.detail].filter(Boolean).join(": ");
+  return (
+    <p class="progress">
+      <progress aria-label={t("progress")} max={1} value={job.progress?.fraction ?? 0} />
+      <span lang="en">{text}</span>
+    </p>
+  );
+}
+
+export function JobPage(props: { id: bigint }) {
+  const { job, problem } = useJob(props.id);
+  const [refused, setRefused] = useState<Problem>();
+  const act = async (what: () => Promise<unknown>) => {
+    setRefused(undefined);
+    try {
+      await what();
+      epoch.value++;
+    } catch (error) {
+      setRefused(problemOf(error));
+    }
+  };
+  return (
+    <>
+      <Title text={t("jobN", { n: props.id })}>{job && <JobMark job={job} />}</Title>
+      <Show of={{ data: job, problem: job ? undefined : problem }} rows={5}>
+        {(it) => {
+          const mayRun = may(Role.TECHNICIAN, machineOf(it));
+          const report = it.params?.kind.case === "compensate" ? jsonOf<CompensationReport>(it.result?.reportJson ?? "") : undefined;
+          return (
+            <>
+              <p class="lead">
+                {kindOf(it)}, <a href={`#/machines/${encodeURIComponent(machineOf(it))}`}>{machineOf(it)}</a>
+              </p>
+              <div role="status">
+                {!hasEnded(it) && (
+                  <>
+                    <JobProgressBar job={it} />
+                    <p class="muted">{t("watching")}</p>
+                  </>
+                )}
+              </div>
+              {it.error && <ProblemBox problem={{ text: it.error.message, reason: it.error.reason, isConnection: false }} />}
+              {refused && <ProblemBox problem={refused} />}
+              {it.result?.calibrationId !== undefined && (
+                <p class="lead">
+                  {t("result")}: <a href={`#/calibrations/${it.result.calibrationId}`}>{t("calibrationN", { n: it.result.calibrationId })}</a>
+                </p>
+              )}
+              {report && <Outcome report={report} programId={it.result?.programIds[0]} />}
+              <dl class="facts">
+                <Fact name={t("created")}>{timeText(it.createdUtcUs)}</Fact>
+                <Fact name={t("by")}>{it.createdBy}</Fact>
+                <Fact name={t("took")}>
+                  {it.startedUtcUs !== undefined && it.finishedUtcUs !== undefined ? secondsText(it.finishedUtcUs - it.startedUtcUs) : "–"}
+                </Fact>
+                <Fact name={t("state")}>{t("attempt", { n: it.attempt, all: it.maxAttempts })}</Fact>
+              </dl>
+              <p class="buttons">
+                {mayRun && !hasEnded(it) && (
+                  <button type="button" disabled={it.cancelRequested} onClick={() => void act(() => jobs.cancelJob({ jobId: it.jobId }))}>
+                    {t("cancelJob")}
+                  </button>
+                )}
+                {mayRun && hasEnded(it) && it.state !== JobState.SUCCEEDED && (
+                  <button type="button" onClick={() => void act(() => jobs.requeueJob({ jobId: it.jobId }))}>
+                    {t("requeue")}
+                  </button>
+                )}
+                {it.result?.reportJson && (
+                  <button type="button" class="quiet" onClick={() => save(`job-${it.jobId}.json`, "application/json", it.result!.reportJson)}>
+                    {t("report")}
+                  </button>
+                )}
+              </p>
+            </>
+          );
+        }}
+      </Show>
+    </>
+  );
+}

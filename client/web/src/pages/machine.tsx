@@ -1,0 +1,427 @@
+// One machine: what happened to it, each error over time, its calibrations and sessions, and a new calibration from them.
+import { create } from "@bufbuild/protobuf";
+import { useState } from "preact/hooks";
+import { all, calibrations, createJob, history, ingest, machines, problemOf, useLoad, type Problem } from "../api";
+import { known, open } from "../care";
+import { countText, dayText, sigmaText, timeText, unitText, valueText } from "../format";
+import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
+import { DriftFindingKind, type DriftFinding, type DriftSeries, type FindDriftResponse } from "../gen/axiscal/v1/history_service_pb";
+import { CloseLoopParamsSchema, IdentifyParamsSchema } from "../gen/axiscal/v1/job_pb";
+import { SessionState, type Session } from "../gen/axiscal/v1/session_pb";
+import { Role } from "../gen/axiscal/v1/access_service_pb";
+import { isNew, isOpen, isShelved, listEvents } from "../events";
+import type { Event } from "../gen/axiscal/v1/events_service_pb";
+import { TimeLine, type Band, type TimePoint } from "../charts";
+import { Empty, Figure, ProblemBox, Server, Show, StateMark, Table, Title } from "../parts";
+import { may } from "../session";
+import { kindText } from "./events";
+import { t } from "../text";
+
+const kMostCalibrations = 2000;
+const kMostSessions = 300;
+const kMostPoints = 400;
+// 95 % of a normal distribution, as the server's own intervals with known sigma.
+const kCoverage = 1.96;
+const kDayUs = 86_400_000_000n;
+
+interface MachineData {
+  isDeleted: boolean;
+  list: Calibration[]; // newest first
+  isWhole: boolean;
+  series: DriftSeries[];
+  drift: FindDriftResponse;
+  sessions: Session[];
+  sessionsWhole: boolean;
+  events: Event[]; // that stand, newest first
+}
+
+async function loadMachine(machineId: string): Promise<MachineData> {
+  const [machine, list, series, drift, sessions, events] = await Promise.all([
+    machines.getMachine({ machineId }),
+    all(kMostCalibrations, async (pageToken) => {
+      const page = await calibrations.listCalibrations({ machineId, pageSize: 1000, pageToken });
+      return { rows: page.calibrations, nextPageToken: page.nextPageToken };
+    }),
+    history.queryDrift({ machineId, maxPoints: kMostPoints }),
+    history.findDrift({ machineId, countsCandidates: true }),
+    all(kMostSessions, async (pageToken) => {
+      const page = await ingest.listSessions({ machineId, state: SessionState.COMPLETE, pageSize: kMostSessions, pageToken });
+      return { rows: page.sessions, nextPageToken: page.nextPageToken };
+    }),
+    listEvents(machineId, true),
+  ]);
+  return {
+    isDeleted: machine.machine?.deletedUtcUs !== undefined,
+    list: list.rows,
+    isWhole: list.isWhole,
+    series: series.series,
+    drift,
+    sessions: sessions.rows,
+    sessionsWhole: sessions.isWhole,
+    events: events.rows,
+  };
+}
+
+function Findings(props: { data: MachineData }) {
+  const { data } = props;
+  const { inUse } = known(data.list);
+  const now = open(data.drift.findings, inUse);
+  if (data.list.length === 0) return <Empty text={t("happenedEmpty")} />;
+  return (
+    <>
+      {data.drift.findings.length === 0 && <p>{t("happenedNothing", { n: data.drift.calibrationIds.length })}</p>}
+      <ul class="findings">
+        {[...data.drift.findings].reverse().map((finding) => (
+          <li class={finding.isOver ? "over" : now.includes(finding) ? "now" : ""}>
+            <Server text={finding.text} />{" "}
+            {finding.isOver && <span class="mark old">{t("over")}</span>}
+            {now.includes(finding) && inUse && <span class="mark bad">{t("since")}</span>}
+          </li>
+        ))}
+        {data.drift.notCounted.map((one) => (
+          <li>
+            {t("notCounted")}: <a href={`#/calibrations/${one.calibrationId}`}>{t("calibrationN", { n: one.calibrationId })}</a>:{" "}
+            <Server text={one.text} />
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+// What stands and is not on the shelf; its page has the rest, and what one can do.
+function OpenEvents(props: { data: MachineData; machineId: string }) {
+  const heard = props.data.events.filter((event) => isOpen(event) && !isShelved(event));
+  return (
+    <section>
+      <h2>{t("events")}</h2>
+      {heard.length === 0 ? (
+        <p>{t("eventsNone")}</p>
+      ) : (
+        <ul class="findings">
+          {heard.map((event) => (
+            <li class={isNew(event) ? "now" : ""}>
+              <strong>{kindText(event)}</strong>: <Server text={event.text} />{" "}
+              {isNew(event) ? <span class="mark bad">{t("eventNew")}</span> : <span class="mark wait">{t("eventSeen")}</span>}
+            </li>
+          ))}
+        </ul>
+      )}
+      <p>
+        <a href={`#/events/${encodeURIComponent(props.machineId)}`}>{t("allEvents")}</a>
+      </p>
+    </section>
+  );
+}
+
+function bandsOf(findings: DriftFinding[], symbol: string): Band[] {
+  return findings
+    .filter((f) => f.kind === DriftFindingKind.STEP && f.afterUtcUs && f.byUtcUs && f.amounts.some((a) => a.symbol === symbol))
+    .map((f) => ({ fromUs: f.afterUtcUs!, toUs: f.byUtcUs!, label: f.text }));
+}
+
+function History(props: { data: MachineData; machineId: string; limits: Map<string, [number, number]> }) {
+  const { data } = props;
+  const shown = data.series.filter((s) => s.points.length > 0);
+  const never = data.series.filter((s) => s.points.length === 0).map((s) => s.symbol);
+  const times = shown.flatMap((s) => s.points.flatMap((p) => [p.firstUtcUs, p.lastUtcUs]));
+  const ofTimes = times.reduce<[bigint, bigint]>(([a, b], us) => [us < a ? us : a, us > b ? us : b], [times[0] ?? 0n, times[0] ?? 0n]);
+  const [zoom, setZoom] = useState<[string, string]>(["", ""]);
+  const day = (text: string, otherwise: bigint, after = 0n) =>
+    text === "" || Number.isNaN(Date.parse(text)) ? otherwise : BigInt(Date.parse(text)) * 1000n + after;
+  const room = (ofTimes[1] - ofTimes[0]) / 50n + kDayUs / 2n;
+  const from = day(zoom[0], ofTimes[0] - room), to = day(zoom[1], ofTimes[1] + room, kDayUs);
+  if (shown.length === 0) return null;
+  const byId = new Map(data.list.map((c) => [c.calibrationId, c]));
+  const approvals = data.list.filter((c) => c.approvedUtcUs !== undefined).map((c) => c.provenance?.measuredUtcUs ?? 0n);
+  return (
+    <section>
+      <h2>{t("timeLine")}</h2>
+      <p>{t("timeLineHelp")}</p>
+      <div class="filters">
+        <label>
+          {t("from")}
+          <input type="date" value={zoom[0]} onInput={(event) => setZoom([event.currentTarget.value, zoom[1]])} />
+        </label>
+        <label>
+          {t("to")}
+          <input type="date" value={zoom[1]} onInput={(event) => setZoom([zoom[0], event.currentTarget.value])} />
+        </label>
+      </div>
+      {to > from &&
+        shown.map((series) => {
+          const unit = unitText(series.unit);
+          const points: (TimePoint & { sigma?: number })[] = series.points
+            .filter((p) => p.lastUtcUs >= from && p.firstUtcUs <= to)
+            .map((p) => {
+              const half = p.count === 1n ? kCoverage * (p.sigma ?? 0) : 0;
+              const calibration = byId.get(p.lastCalibrationId);
+              return {
+                us: p.lastUtcUs,
+                value: p.meanValue,
+                low: Math.min(p.minValue, p.meanValue - half),
+                high: Math.max(p.maxValue, p.meanValue + half),
+                sigma: p.sigma,
+                wasApproved: calibration?.approvedUtcUs !== undefined,
+                label: `${dayText(p.lastUtcUs)}: ${valueText(p.meanValue, p.sigma)} ${unit}`,
+                href: `#/calibrations/${p.lastCalibrationId}`,
+              };
+            });
+          const n = series.points.reduce((sum, p) => sum + p.count, 0n);
+          const caption = t("timeLineOf", { name: series.symbol, unit, n: countText(n) });
+          return (
+            <Figure
+              name={`${props.machineId}-${series.symbol}`}
+              caption={
+                series.notIdentifiableCount > 0n ? `${caption}; ${t("notTold", { n: countText(series.notIdentifiableCount) })}` : caption
+              }
+              head={[t("measured"), `${t("value")} (${unit})`, "95 % −", "95 % +", `1 σ (${unit})`]}
+              rows={points.map((p) => [new Date(Number(p.us / 1000n)).toISOString(), p.value, p.low, p.high, p.sigma])}
+              shown={points.map((p) => [
+                dayText(p.us),
+                valueText(p.value, p.sigma),
+                valueText(p.low, p.sigma),
+                valueText(p.high, p.sigma),
+                p.sigma === undefined ? "–" : sigmaText(p.sigma),
+              ])}
+            >
+              <TimeLine
+                title={caption}
+                points={points}
+                bands={bandsOf(data.drift.findings, series.symbol).filter((b) => b.toUs > from && b.fromUs < to)}
+                approvals={approvals}
+                fromUs={from}
+                toUs={to}
+                limits={props.limits.get(series.symbol)}
+              />
+            </Figure>
+          );
+        })}
+      {never.length > 0 && <p>{t("neverTold", { names: never.join(", ") })}</p>}
+    </section>
+  );
+}
+
+function Limits(props: { machineId: string; data: MachineData; onLimits: (limits: Map<string, [number, number]>) => void }) {
+  const symbols = props.data.series.filter((s) => s.points.length > 0);
+  const [symbol, setSymbol] = useState(symbols[0]?.symbol ?? "");
+  const [answer, setAnswer] = useState<{ text?: string; problem?: Problem }>({});
+  if (symbols.length === 0) return null;
+  const ask = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    const low = Number(form.get("low")), high = Number(form.get("high"));
+    try {
+      const found = await history.findDrift({ machineId: props.machineId, countsCandidates: true, limits: [{ symbol, low, high }] });
+      setAnswer({ text: found.limits[0]?.text });
+      props.onLimits(new Map([[symbol, [low, high]]]));
+    } catch (error) {
+      setAnswer({ problem: problemOf(error) });
+    }
+  };
+  const unit = unitText(symbols.find((s) => s.symbol === symbol)?.unit ?? "");
+  return (
+    <section>
+      <h2>{t("limits")}</h2>
+      <form class="filters" onSubmit={ask}>
+        <label>
+          {t("error")}
+          <select value={symbol} onChange={(event) => setSymbol(event.currentTarget.value)}>
+            {symbols.map((s) => (
+              <option value={s.symbol}>{s.symbol}</option>
+            ))}
+          </select>
+        </label>
+        <label>
+          {t("low")}, {unit}
+          <input name="low" type="number" step="any" required />
+        </label>
+        <label>
+          {t("high")}, {unit}
+          <input name="high" type="number" step="any" required />
+        </label>
+        <button type="submit">{t("foretell")}</button>
+      </form>
+      <div role="status">
+        {answer.text && (
+          <p class="box">
+            <Server text={answer.text} />
+          </p>
+        )}
+      </div>
+      {answer.problem && <ProblemBox problem={answer.problem} />}
+    </section>
+  );
+}
+
+function CalibrationList(props: { data: MachineData }) {
+  const [most, setMost] = useState(12);
+  const { list } = props.data;
+  if (list.length === 0) return null;
+  return (
+    <section>
+      <h2>{t("calibrationsTitle")}</h2>
+      <Table label={t("calibrationsTitle")} head={[t("calibration"), t("state"), t("measured"), t("by"), t("approvedAt"), t("rms")]} numbers={[5]}>
+        {list.slice(0, most).map((c) => (
+          <tr>
+            <th scope="row">
+              <a href={`#/calibrations/${c.calibrationId}`}>
+                {t("calibrationN", { n: c.calibrationId })}, {t("versionN", { n: c.version })}
+              </a>
+            </th>
+            <td>
+              <StateMark state={c.state} />
+            </td>
+            <td>{c.provenance && dayText(c.provenance.measuredUtcUs)}</td>
+            <td>{c.provenance?.createdBy}</td>
+            <td>{c.approvedUtcUs !== undefined ? `${timeText(c.approvedUtcUs)}, ${c.approvedBy}` : "–"}</td>
+            <td class="number">{c.statistics?.rmsAfterUm !== undefined ? `${valueText(c.statistics.rmsAfterUm)} µm` : "–"}</td>
+          </tr>
+        ))}
+      </Table>
+      {list.length > most && (
+        <p class="buttons">
+          {t("shownOf", { n: most, all: list.length })}{" "}
+          <button type="button" class="quiet" onClick={() => setMost(most + 100)}>
+            {t("more")}
+          </button>
+        </p>
+      )}
+    </section>
+  );
+}
+
+// Sessions with what a new calibration shall do with each.
+function NewCalibration(props: { data: MachineData; machineId: string }) {
+  const [roles, setRoles] = useState(new Map<bigint, "fit" | "check">());
+  const [most, setMost] = useState(10);
+  const [problem, setProblem] = useState<Problem>();
+  const { sessions } = props.data;
+  const mayRun = may(Role.TECHNICIAN, props.machineId) && !props.data.isDeleted;
+  const of = (role: string) => sessions.filter((s) => roles.get(s.sessionId) === role).map((s) => s.sessionId);
+  const fit = of("fit"), check = of("check");
+  const run = async (isLoop: boolean) => {
+    try {
+      const id = await createJob(
+        isLoop
+          ? { case: "closeLoop", value: create(CloseLoopParamsSchema, { machineId: props.machineId, fitSessionIds: fit, checkSessionIds: check }) }
+          : { case: "identify", value: create(IdentifyParamsSchema, { machineId: props.machineId, sessionIds: fit }) },
+      );
+      location.hash = `#/jobs/${id}`;
+    } catch (error) {
+      setProblem(problemOf(error));
+    }
+  };
+  return (
+    <section>
+      <h2>{mayRun ? t("newCalibration") : t("sessions")}</h2>
+      {sessions.length === 0 ? (
+        <Empty text={t("noSessions")}>
+          {may(Role.CELL, props.machineId) && <a href={`#/upload/${encodeURIComponent(props.machineId)}`}>{t("uploadTitle")}</a>}
+        </Empty>
+      ) : (
+        <>
+          {mayRun && <p>{t("chooseSessions")}</p>}
+          <Table
+            label={t("sessions")}
+            head={[t("name"), t("instrument"), t("readings"), t("measured"), t("by"), ...(mayRun ? [t("use")] : []), t("download")]}
+            numbers={[2]}
+          >
+            {sessions.slice(0, most).map((s) => (
+              <tr>
+                <th scope="row">{s.name}</th>
+                <td>{s.instrument}</td>
+                <td class="number">{countText(s.readings)}</td>
+                <td>{dayText(s.measuredUtcUs ?? s.createdUtcUs)}</td>
+                <td>{s.createdBy}</td>
+                {mayRun && (
+                  <td>
+                    <select
+                      aria-label={t("useOf", { name: s.name })}
+                      value={roles.get(s.sessionId) ?? ""}
+                      onChange={(event) => {
+                        const next = new Map(roles);
+                        const value = event.currentTarget.value;
+                        if (value === "") next.delete(s.sessionId);
+                        else next.set(s.sessionId, value as "fit" | "check");
+                        setRoles(next);
+                      }}
+                    >
+                      <option value="">{t("unusedRole")}</option>
+                      <option value="fit">{t("fitRole")}</option>
+                      <option value="check">{t("checkRole")}</option>
+                    </select>
+                  </td>
+                )}
+                <td>
+                  <a href={`v1/sessions/${s.sessionId}`} download={`${s.name}.csv`}>
+                    CSV
+                  </a>
+                </td>
+              </tr>
+            ))}
+          </Table>
+          <p class="buttons">
+            {sessions.length > most && (
+              <>
+                {t("shownOf", { n: most, all: sessions.length })}{" "}
+                <button type="button" class="quiet" onClick={() => setMost(most + 50)}>
+                  {t("more")}
+                </button>
+              </>
+            )}
+            {!props.data.sessionsWhole && t("notAll", { n: sessions.length })}
+          </p>
+          {mayRun && (
+            <p class="buttons">
+              <button type="button" disabled={fit.length === 0 || check.length > 0} onClick={() => void run(false)}>
+                {t("identify")}
+              </button>
+              <button type="button" disabled={fit.length === 0} onClick={() => void run(true)}>
+                {t("closeLoop")}
+              </button>
+              {may(Role.CELL, props.machineId) && <a href={`#/upload/${encodeURIComponent(props.machineId)}`}>{t("uploadTitle")}</a>}
+            </p>
+          )}
+          {problem && <ProblemBox problem={problem} />}
+        </>
+      )}
+    </section>
+  );
+}
+
+export function MachinePage(props: { machineId: string }) {
+  const machine = useLoad(`machine ${props.machineId}`, () => loadMachine(props.machineId), 60_000);
+  const [limits, setLimits] = useState(new Map<string, [number, number]>());
+  return (
+    <>
+      <Title text={props.machineId} />
+      <Show of={machine} rows={8}>
+        {(data) => {
+          const inUse = data.list.find((c) => c.state === CalibrationState.APPROVED);
+          return (
+            <>
+              {data.isDeleted && <p class="box">{t("deleted")}</p>}
+              {inUse && (
+                <p class="lead">
+                  {t("inUse")}: <a href={`#/calibrations/${inUse.calibrationId}`}>{t("calibrationN", { n: inUse.calibrationId })}</a>,{" "}
+                  {inUse.provenance && t("measuredOn", { day: dayText(inUse.provenance.measuredUtcUs) })}
+                </p>
+              )}
+              <section>
+                <h2>{t("happened")}</h2>
+                <Findings data={data} />
+              </section>
+              <OpenEvents data={data} machineId={props.machineId} />
+              <History data={data} machineId={props.machineId} limits={limits} />
+              <Limits machineId={props.machineId} data={data} onLimits={setLimits} />
+              <CalibrationList data={data} />
+              {!data.isWhole && <p>{t("notAll", { n: data.list.length })}</p>}
+              <NewCalibration data={data} machineId={props.machineId} />
+            </>
+          );
+        }}
+      </Show>
+    </>
+  );
+}

@@ -1,0 +1,290 @@
+// What all pages are made of.
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { problemOf, type Loaded, type Problem } from "./api";
+import { CalibrationState } from "./gen/axiscal/v1/calibration_pb";
+import type { CalibrationPicture } from "./gen/axiscal/v1/calibrations_service_pb";
+import { countText, csv, numberText, save } from "./format";
+import { t } from "./text";
+
+// The server writes English.
+export function Server(props: { text: string }) {
+  return <span lang="en">{props.text}</span>;
+}
+
+export function Title(props: { text: string; children?: ComponentChildren }) {
+  useEffect(() => {
+    document.title = `${props.text} · Axiscal`;
+  }, [props.text]);
+  return (
+    <header class="title">
+      <h1>{props.text}</h1>
+      {props.children}
+    </header>
+  );
+}
+
+export function ProblemBox(props: { problem: Problem }) {
+  return (
+    <div class="box bad" role="alert">
+      <strong>{t("problem")}:</strong> <Server text={props.problem.text} />
+      {props.problem.reason && <code class="reason">{props.problem.reason}</code>}
+    </div>
+  );
+}
+
+// What is loaded, or why not. `rows` keeps the place while it loads.
+export function Show<Data>(props: { of: Loaded<Data>; rows?: number; children: (data: Data) => ComponentChildren }) {
+  if (props.of.problem) return <ProblemBox problem={props.of.problem} />;
+  if (props.of.data === undefined) {
+    return (
+      <div class={`waiting rows-${props.rows ?? 3}`} role="status">
+        {t("loading")}
+      </div>
+    );
+  }
+  return <>{props.children(props.of.data)}</>;
+}
+
+export function Empty(props: { text: string; first?: string; children?: ComponentChildren }) {
+  return (
+    <div class="box empty">
+      <p>{props.text}</p>
+      {props.first && <p>{props.first}</p>}
+      {props.children}
+    </div>
+  );
+}
+
+// Wide tables scroll in a box of their own, which the keyboard reaches.
+export function Table(props: { label: string; head: ComponentChildren[]; numbers?: number[]; children: ComponentChildren }) {
+  return (
+    <div class="scroll" role="region" aria-label={props.label} tabIndex={0}>
+      <table>
+        <thead>
+          <tr>
+            {props.head.map((cell, i) => (
+              <th scope="col" class={props.numbers?.includes(i) ? "number" : undefined}>
+                {cell}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>{props.children}</tbody>
+      </table>
+    </div>
+  );
+}
+
+export function StateMark(props: { state: CalibrationState }) {
+  const [kind, text] =
+    props.state === CalibrationState.APPROVED
+      ? ["good", t("approved")]
+      : props.state === CalibrationState.CANDIDATE
+        ? ["wait", t("candidate")]
+        : ["old", t("retired")];
+  return <span class={`mark ${kind}`}>{text}</span>;
+}
+
+// A picture with its numbers: as a table beside it, and to save.
+export function Figure(props: {
+  name: string; // of its files
+  caption: string;
+  head: string[];
+  rows: (string | number | undefined)[][];
+  shown?: string[][]; // as people read them
+  children: ComponentChildren;
+}) {
+  const box = useRef<HTMLDivElement>(null);
+  const saveSvg = () => {
+    const svg = box.current?.querySelector("svg");
+    if (svg) save(`${props.name}.svg`, "image/svg+xml", standalone(svg));
+  };
+  return (
+    <figure>
+      <figcaption>{props.caption}</figcaption>
+      <div ref={box}>{props.children}</div>
+      <details class="numbers">
+        <summary>{t("showTable")}</summary>
+        <Table label={props.caption} head={props.head} numbers={props.head.map((_, i) => i).slice(1)}>
+          {(props.shown ?? props.rows).map((row) => (
+            <tr>
+              {row.map((cell, i) => (
+                <td class={i > 0 ? "number" : undefined}>{cell ?? "–"}</td>
+              ))}
+            </tr>
+          ))}
+        </Table>
+        <p class="buttons">
+          <button type="button" class="quiet" onClick={saveSvg}>
+            {t("saveSvg")}
+          </button>
+          <button
+            type="button"
+            class="quiet"
+            onClick={() => save(`${props.name}.csv`, "text/csv", csv(props.head, props.rows))}
+          >
+            {t("saveCsv")}
+          </button>
+        </p>
+      </details>
+    </figure>
+  );
+}
+
+// Rows that a table beside a picture has at most; a file has them all.
+const kMostRows = 200;
+
+// A picture of the server's own. It is loaded as a picture, so nothing in it runs. Its numbers come with it, or are asked for
+// where there was no room for them.
+export function ServerPicture(props: {
+  name: string; // of its files
+  caption: string;
+  picture: CalibrationPicture;
+  load: () => Promise<CalibrationPicture | undefined>;
+}) {
+  const { picture } = props;
+  const [url, setUrl] = useState("");
+  const [isOpen, setOpen] = useState(false);
+  const [asked, setAsked] = useState<Loaded<CalibrationPicture>>({});
+  useEffect(() => {
+    const made = URL.createObjectURL(new Blob([picture.svg], { type: "image/svg+xml" }));
+    setUrl(made);
+    return () => URL.revokeObjectURL(made);
+  }, [picture.svg]);
+  const shown = picture.series.length > 0 ? picture : asked.data;
+  const open = async (is: boolean) => {
+    setOpen(is);
+    if (!is || shown) return;
+    try {
+      setAsked({ data: await props.load() });
+    } catch (error) {
+      setAsked({ problem: problemOf(error) });
+    }
+  };
+  return (
+    <figure>
+      <figcaption>{props.caption}</figcaption>
+      {url && <img class="server-picture" src={url} alt={props.caption} />}
+      <p class="buttons no-print">
+        <button type="button" class="quiet" onClick={() => save(`${props.name}.svg`, "image/svg+xml", picture.svg)}>
+          {t("saveSvg")}
+        </button>
+      </p>
+      <details class="numbers no-print" onToggle={(event) => void open(event.currentTarget.open)}>
+        <summary>{t("showTable")}</summary>
+        {isOpen && (
+          <Show of={shown ? { data: shown } : asked}>{(one) => <Numbers name={props.name} caption={props.caption} picture={one} />}</Show>
+        )}
+      </details>
+    </figure>
+  );
+}
+
+function Numbers(props: { name: string; caption: string; picture: CalibrationPicture }) {
+  const { series, xLabel, yLabel } = props.picture;
+  const head = ["panel", "series", xLabel, yLabel];
+  const rows = series.flatMap((one) => one.x.map((x, i) => [one.panel, one.name, x, one.y[i]] as [string, string, number, number]));
+  if (rows.length === 0) return <p>{t("numbersTooMany")}</p>;
+  return (
+    <>
+      {rows.length > kMostRows && <p>{t("shownOf", { n: kMostRows, all: countText(rows.length) })}</p>}
+      <Table
+        label={`${props.caption}: ${t("numbers")}`}
+        head={[t("state"), t("sessions"), <Server text={xLabel} />, <Server text={yLabel} />]}
+        numbers={[2, 3]}
+      >
+        {rows.slice(0, kMostRows).map((row) => (
+          <tr>
+            <td lang="en">{row[0]}</td>
+            <td>{row[1]}</td>
+            <td class="number">{numberText(row[2], 6)}</td>
+            <td class="number">{numberText(row[3], 4)}</td>
+          </tr>
+        ))}
+      </Table>
+      <p class="buttons">
+        <button type="button" class="quiet" onClick={() => save(`${props.name}.csv`, "text/csv", csv(head, rows))}>
+          {t("saveCsv")}
+        </button>
+      </p>
+    </>
+  );
+}
+
+// A picture that shows alone as it does here: what the style sheet says of each shape goes into its attributes.
+function standalone(svg: SVGSVGElement): string {
+  const copy = svg.cloneNode(true) as SVGSVGElement;
+  const from = [svg, ...svg.querySelectorAll("*")];
+  const to = [copy, ...copy.querySelectorAll("*")];
+  from.forEach((element, i) => {
+    const style = getComputedStyle(element);
+    for (const name of ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font-size", "font-family", "text-anchor"])
+      to[i].setAttribute(name, style.getPropertyValue(name));
+    to[i].removeAttribute("class");
+  });
+  const box = svg.viewBox.baseVal;
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  copy.setAttribute("width", String(box.width));
+  copy.setAttribute("height", String(box.height));
+  const ground = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+  ground.setAttribute("width", "100%");
+  ground.setAttribute("height", "100%");
+  ground.setAttribute("fill", getComputedStyle(document.body).backgroundColor);
+  copy.prepend(ground);
+  return new XMLSerializer().serializeToString(copy);
+}
+
+export function DropZone(props: { label: string; many?: boolean; disabled?: boolean; onFiles: (files: File[]) => void }) {
+  const [isOver, setOver] = useState(false);
+  return (
+    <label
+      class={`drop ${isOver ? "over" : ""}`}
+      onDragOver={(event) => {
+        event.preventDefault();
+        setOver(true);
+      }}
+      onDragLeave={() => setOver(false)}
+      onDrop={(event) => {
+        event.preventDefault();
+        setOver(false);
+        if (!props.disabled) props.onFiles([...(event.dataTransfer?.files ?? [])]);
+      }}
+    >
+      <span>{props.label}</span>
+      <input
+        type="file"
+        multiple={props.many}
+        disabled={props.disabled}
+        onChange={(event) => {
+          const input = event.currentTarget;
+          props.onFiles([...(input.files ?? [])]);
+          input.value = "";
+        }}
+      />
+    </label>
+  );
+}
+
+// A question with the keyboard's focus in it, closed by Escape.
+export function Dialog(props: { title: string; onClose: () => void; children: ComponentChildren }) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  useEffect(() => {
+    dialog.current?.showModal();
+  }, []);
+  return (
+    <dialog ref={dialog} aria-labelledby="dialog-title" onClose={props.onClose}>
+      <h2 id="dialog-title">{props.title}</h2>
+      {props.children}
+    </dialog>
+  );
+}
+
+export function Fact(props: { name: string; children: ComponentChildren }) {
+  return (
+    <div class="fact">
+      <dt>{props.name}</dt>
+      <dd>{props.children}</dd>
+    </div>
+  );
+}

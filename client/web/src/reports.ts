@@ -1,0 +1,96 @@
+// What of the engine's reports (docs/formats.md) the pages show. Fields that a report leaves out are optional.
+export interface Fit {
+  rms_um?: number;
+  max_um?: number;
+  chi2_per_dof?: number;
+  readings?: number;
+}
+export interface Warning {
+  kind: string;
+  text: string;
+}
+export interface SessionFit {
+  session: string;
+  readings: number;
+  rms_um: number;
+  max_um: number;
+}
+export interface IdentificationReport {
+  coverage_factor?: number;
+  fit?: Fit;
+  warnings?: Warning[];
+  sessions?: SessionFit[];
+}
+export interface BoxError {
+  rms_um: number;
+  low_um: number;
+  high_um: number;
+}
+export interface LoopReport {
+  verdict: "adequate" | "extended" | "unexplained";
+  coverage_factor?: number;
+  warnings?: Warning[];
+  sessions?: SessionFit[];
+  effects: {
+    name: string;
+    amplitude: number;
+    amplitude_sigma: number;
+    unit: string;
+    rms_um: number;
+    equivalent?: { name: string }[];
+    same_always?: (string | { name: string })[];
+  }[];
+  causes?: { kind: string; subject: string; evidence: number; correction: string }[];
+  fit: { before: Fit; after: Fit };
+  check?: { before?: Fit; after?: Fit; fitted?: boolean };
+  volumetric?: {
+    box: { axis: string; from: number; to: number; unit: string }[];
+    poses: number;
+    uncorrected: BoxError;
+    before: BoxError;
+    after: BoxError;
+    gain_is_held: boolean;
+  };
+  steps: { change: string; name: string; rms_um: number }[];
+  unexplained: {
+    kind: string;
+    variable?: string;
+    from?: number;
+    to?: number;
+    unit?: string;
+    session?: string;
+    rms_um?: number;
+  }[];
+  next_measurement?: {
+    effect: string;
+    session: string | null;
+    text?: string;
+    separates?: string[];
+    correlation_before?: number;
+    correlation_after?: number;
+    beyond?: string;
+  }[];
+  noise?: { session: string; stated_sigma_um: number; sigma_um: number }[];
+  not_visible?: string[];
+  axes_at_rest?: string[];
+}
+export interface Peak {
+  max_um: number;
+  rms_um: number;
+}
+export interface CompensationReport {
+  calibration: string;
+  null_correction: boolean;
+  blocks: { read: number; corrected: number; split: number; passed: number; refused: number };
+  correction: Record<string, Peak>;
+  tool_point_error?: { before: Peak; after: Peak };
+  not_corrected: { first: number; last: number; reason: string }[];
+  ranges_not_corrected: number;
+  passed: { line: number; reason: string }[];
+  refused: { line: number; reason: string }[];
+  notes: string[];
+}
+
+export function nameOf(one: string | { name: string }): string {
+  return typeof one === "string" ? one : one.name;
+}

@@ -1,0 +1,123 @@
+#include "core/figures/circle_sessions.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/figures/noise.h"
+#include "core/machine/chain.h"
+
+namespace axiscal::figures {
+namespace {
+
+using instruments::MeasuringRun;
+
+struct Plane {
+  std::string name;  // "XY"
+  Eigen::Vector3d first, second;
+};
+
+// The plane of two axes, in the order in which a right-handed turn takes one to the other: XY, YZ, ZX.
+Plane PlaneOf(const Eigen::Vector3d& normal) {
+  int at = 0;
+  normal.cwiseAbs().maxCoeff(&at);
+  static const char* const kNames[] = {"YZ", "ZX", "XY"};
+  return {kNames[at], Eigen::Vector3d::Unit((at + 1) % 3), Eigen::Vector3d::Unit((at + 2) % 3)};
+}
+
+std::string Key(const MeasuringRun& run, const std::string& plane) {
+  return absl::StrFormat("%s %.3f %.3f %.3f %.3f %.3f %.3f %.3f", plane, run.bar_length_mm, run.ball_mm.x(),
+                         run.ball_mm.y(), run.ball_mm.z(), run.tip_mm.x(), run.tip_mm.y(), run.tip_mm.z());
+}
+
+void AddEnvelope(const std::optional<Envelope>& envelope, const std::string& suffix, const std::string& words,
+                 bool is_one_sense, std::vector<Figure>* figures) {
+  if (!envelope) return;
+  figures->push_back({"G" + suffix, "circular deviation, " + words, envelope->width_mm});
+  if (is_one_sense) {
+    figures->push_back({"F" + suffix + " max", "radial deviation, largest, " + words, envelope->max_mm});
+    figures->push_back({"F" + suffix + " min", "radial deviation, least, " + words, envelope->min_mm});
+  } else {
+    figures->push_back({"D", "mean radius of both senses less the nominal one", envelope->mean_mm});
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> AddCircle(const machine::Machine& machine, const MeasuringRun& run,
+                                     std::map<std::string, Circle>* circles) {
+  std::vector<Eigen::Vector3d> bars;
+  for (int k = 0; k < run.reading_count(); ++k) {
+    const auto pose = machine::EvaluateChain<double>(machine, run.PositionsOf(k), machine::JointErrors<double>());
+    bars.push_back(machine::TipInTable(pose, run.tip_mm) - run.ball_mm);
+  }
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double farthest = 0.0;
+  for (const Eigen::Vector3d& bar : bars) {
+    const Eigen::Vector3d across = bars.front().cross(bar);
+    if (across.norm() > farthest) {
+      farthest = across.norm();
+      normal = across.normalized();
+    }
+  }
+  constexpr double kSquare = 0.02;  // of the radius that the bar may stand out of the plane
+  const Plane plane = PlaneOf(normal);
+  for (const Eigen::Vector3d& bar : bars) {
+    if (std::abs(bar.dot(plane.first.cross(plane.second))) > kSquare * bar.norm())
+      return "the bar does not stay in a plane of two machine axes";
+  }
+  Circle& circle = (*circles)[Key(run, plane.name)];
+  circle.plane = plane.name;
+  circle.radius_mm = run.bar_length_mm;
+  circle.runs.push_back(&run);
+  const auto angle_of = [&](int k) { return std::atan2(bars[k].dot(plane.second), bars[k].dot(plane.first)); };
+  for (int k = 0; k < run.reading_count(); ++k) {
+    // The way to this reading, of the first one the way from it.
+    const int to = std::max(1, k);
+    const double turn = std::remainder(angle_of(to) - angle_of(to - 1), 2.0 * M_PI);
+    const int sense = turn >= 0.0 ? 0 : 1;
+    circle.of_sense[sense].push_back({angle_of(k), run.measured_mm(0, k)});
+    circle.sigma_mm[sense].push_back(run.sigma_mm);
+  }
+  return std::nullopt;
+}
+
+MeasuredTest CircleTest(const Circle& circle) {
+  MeasuredTest test;
+  test.kind = "circle";
+  test.what = absl::StrFormat("circle %s, radius %g mm", circle.plane, circle.radius_mm);
+  for (const MeasuringRun* run : circle.runs) test.sessions.push_back(run->session);
+  test.temperature_celsius = MeanTemperature(circle.runs);
+  constexpr double kWhole = 0.99;  // of a turn
+  static const char* const kWords[] = {"counter-clockwise", "clockwise"};
+  bool is_whole[2];
+  for (int sense = 0; sense < 2; ++sense) {
+    const double span = SpanOf(circle.of_sense[sense]);
+    is_whole[sense] = span >= kWhole;
+    if (!is_whole[sense] && !circle.of_sense[sense].empty())
+      test.notes.push_back(absl::StrFormat("%s: the readings span %.0f deg, and figures are of a whole turn: none",
+                                           kWords[sense], 360.0 * span));
+    if (circle.of_sense[sense].empty()) test.notes.push_back(absl::StrCat("not measured ", kWords[sense]));
+  }
+  test.figures = WithNoise([&](const std::function<double()>& noise, bool is_alone) {
+    std::vector<CirclePoint> drawn[2];
+    for (int sense = 0; sense < 2; ++sense) {
+      if (!is_whole[sense]) continue;
+      drawn[sense] = circle.of_sense[sense];
+      for (size_t i = 0; i < drawn[sense].size(); ++i) {
+        double& d = drawn[sense][i].deviation_mm;
+        d = (is_alone ? 0.0 : d) + circle.sigma_mm[sense][i] * noise();
+      }
+    }
+    const Circular circular = CircularOf(drawn[0], drawn[1]);
+    std::vector<Figure> figures;
+    AddEnvelope(circular.ccw, " ccw", "counter-clockwise", true, &figures);
+    AddEnvelope(circular.cw, " cw", "clockwise", true, &figures);
+    AddEnvelope(circular.both, "(b)", "both senses", false, &figures);
+    return figures;
+  });
+  return test;
+}
+
+}  // namespace axiscal::figures

@@ -1,0 +1,73 @@
+#include "core/figures/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "absl/strings/str_cat.h"
+#include "core/figures/axis_sessions.h"
+#include "core/figures/circle_sessions.h"
+
+namespace axiscal::figures {
+namespace {
+
+using instruments::Kind;
+using instruments::MeasuringRun;
+
+std::vector<int> MovingAxes(const MeasuringRun& run) {
+  constexpr double kStill = 1e-6;  // mm or rad: the rounding of a log
+  std::vector<int> axes;
+  for (int i = 0; i < run.axis_count; ++i) {
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < run.reading_count(); ++k) {
+      low = std::min(low, run.PositionsOf(k)[i]);
+      high = std::max(high, run.PositionsOf(k)[i]);
+    }
+    if (high - low > kStill) axes.push_back(i);
+  }
+  return axes;
+}
+
+bool AreLinear(const machine::Machine& machine, const std::vector<int>& axes) {
+  return std::all_of(axes.begin(), axes.end(),
+                     [&](int axis) { return machine.axes[axis].kind == machine::AxisKind::kLinear; });
+}
+
+}  // namespace
+
+std::optional<double> MeanTemperature(const std::vector<const MeasuringRun*>& runs) {
+  double sum = 0.0, count = 0.0;
+  for (const MeasuringRun* run : runs) {
+    if (!run->has_temperature) continue;
+    for (const double one : run->temperature_celsius) sum += one;
+    count += static_cast<double>(run->temperature_celsius.size());
+  }
+  return count > 0.0 ? std::optional<double>(sum / count) : std::nullopt;
+}
+
+Figures FiguresOf(const machine::Machine& machine, const std::vector<MeasuringRun>& runs) {
+  Figures out;
+  std::map<std::string, Circle> circles;
+  const auto leave_out = [&](const MeasuringRun& run, const std::string& why) {
+    out.left_out.push_back(absl::StrCat("session ", run.session, ": ", why));
+  };
+  for (const MeasuringRun& run : runs) {
+    const std::vector<int> moving = run.path_readings == nullptr ? MovingAxes(run) : std::vector<int>();
+    if (run.kind == Kind::kBallbar && moving.size() == 2 && AreLinear(machine, moving)) {
+      if (const auto why = AddCircle(machine, run, &circles)) leave_out(run, *why);
+    } else if (run.kind != Kind::kBallbar && moving.size() == 1) {
+      auto test = AxisTest(machine, run, moving[0]);
+      if (test.ok()) {
+        out.tests.push_back(*std::move(test));
+      } else {
+        leave_out(run, std::string(test.status().message()));
+      }
+    } else {
+      leave_out(run, "figures are known of ball-bar circles of two linear axes, and of one axis that moves alone");
+    }
+  }
+  for (const auto& [key, circle] : circles) out.tests.push_back(CircleTest(circle));
+  return out;
+}
+
+}  // namespace axiscal::figures

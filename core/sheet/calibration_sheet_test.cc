@@ -1,0 +1,151 @@
+#include "core/sheet/calibration_sheet.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/sheet/html.h"
+#include "core/sheet/iso_words.h"
+#include "core/sheet/numbers.h"
+
+namespace axiscal::sheet {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+CalibrationToPrint ACalibration() {
+  reports::Identification report;
+  report.fitted.errors = {{"EX0C", "EX0C", -22.24, 0.153, "um", true},
+                          {"EXX", "EXX:linear", reports::kNoNumber, reports::kNoNumber, "um/m", false}};
+  report.fitted.coverage_factor = 2.1;
+  report.fitted.not_separable = {"EX0B - EX0C"};
+  report.fitted.determined = {{"EX0B + EX0C", 7.25, 0.5, "um"}};
+  report.fitted.sessions = {{{"BX", "mount"}, 400, 0.31, 1.7, {}}, {{"other", "other"}, 4, 0.3, 1.0, {}}};
+  report.before = {.rms_um = 20.0, .max_um = 70.0};
+  report.fit = {.rms_um = 0.31, .max_um = 1.7};
+  CalibrationToPrint calibration{report, {}, {}, {}};
+  records::SessionRecord session;
+  session.name = "BX";
+  session.instrument = "ballbar";
+  session.header = {{"serial", "QC-1234"}, {"sigma_um", "0.3"}, {"operator", "Ann"}};
+  calibration.sessions = {session};
+  return calibration;
+}
+
+std::vector<std::string> RowOf(const Sheet& sheet, const std::string& first) {
+  for (const Section& section : sheet.sections) {
+    for (const auto& row : section.rows) {
+      if (row[0] == first) return row;
+    }
+  }
+  return {};
+}
+
+TEST(CalibrationSheet, SaysErrorsWithExpandedUncertaintyInWordsOfTheStandard) {
+  const Sheet sheet = CalibrationSheet(ACalibration(), Language::kEnglish);
+  EXPECT_THAT(RowOf(sheet, "EX0C"), ElementsAre("EX0C", "position error of C in X", "-22.24", "0.15", "0.32", "µm"));
+  // What has no number shows none, not zero.
+  EXPECT_THAT(RowOf(sheet, "EXX:linear"),
+              ElementsAre("EXX:linear", "positioning error of X: linear", "–", "–", "–", "µm/m"));
+  EXPECT_THAT(RowOf(sheet, "readings, rms"), ElementsAre("readings, rms", "20", "0.31"));
+  EXPECT_THAT(RowOf(sheet, "BX"), ElementsAre("BX", "ballbar, QC-1234", "–", "0.3", "400", "0.31", "1.7"));
+  EXPECT_EQ(RowOf(sheet, "other")[1], "not stated");
+  EXPECT_THAT(sheet.sections[1].lines, ElementsAre("No number: EXX:linear", "Changes no reading: EX0B - EX0C",
+                                                   "Known together: EX0B + EX0C = 7.25 µm, u = 0.5 µm"));
+  EXPECT_EQ(sheet.facts[0].value, "not stated");
+  EXPECT_EQ(sheet.facts[2].value, "not stated");
+  EXPECT_EQ(sheet.facts[3].value, "Ann");
+  CalibrationToPrint dated = ACalibration();
+  dated.sessions[0].measured_at = base::FromUtcUs(1'775'455'200'000'000);
+  EXPECT_EQ(CalibrationSheet(dated, Language::kEnglish).facts[2].value, "2026-04-06 06:00 UTC");
+  EXPECT_EQ(sheet.signatures.size(), 2u);
+}
+
+TEST(CalibrationSheet, IsGermanForGermanReaders) {
+  const Sheet sheet = CalibrationSheet(ACalibration(), Language::kGerman);
+  EXPECT_THAT(RowOf(sheet, "EX0C"), ElementsAre("EX0C", "Lageabweichung von C in X", "-22,24", "0,15", "0,32", "µm"));
+  EXPECT_EQ(RowOf(sheet, "BX")[3], "0,3");
+}
+
+TEST(CalibrationSheet, WhatWouldNotFitIsCutAndSaysSo) {
+  CalibrationToPrint calibration = ACalibration();
+  auto& fitted = std::get<reports::Identification>(calibration.report).fitted;
+  for (int i = 0; i < 40; ++i)
+    fitted.errors.push_back({"EXC", absl::StrCat("EXC:harmonic(", i, ")"), 1, 1, "um", true});
+  fitted.not_separable = {std::string(5000, 'x') + "ü"};
+  const Sheet sheet = CalibrationSheet(calibration, Language::kEnglish);
+  EXPECT_EQ(sheet.sections[0].rows.size(), 26u);
+  EXPECT_THAT(sheet.sections[0].lines, Contains("and 16 more, in the report as JSON"));
+  for (const std::string& line : sheet.sections[1].lines) EXPECT_LT(line.size(), 200u);
+}
+
+TEST(CalibrationSheet, SaysWhatTheLoopFound) {
+  reports::Loop loop;
+  reports::Effect effect;
+  effect.is.name = "EBB:harmonic(45)";
+  effect.equivalent.resize(1);
+  effect.equivalent[0].name = "EBB:curve";
+  loop.effects = {effect};
+  loop.causes = {{reports::CauseKind::kInstrument, "rtest: gain of x", 812.0, "calibrate it"}};
+  loop.fit = {{.rms_um = 12.0, .max_um = 30.0}, {.rms_um = 0.4, .max_um = 1.0}};
+  loop.check = reports::Check{{.rms_um = 11.0, .max_um = 30.0}, {.rms_um = 0.5, .max_um = 1.0}, false};
+  loop.volumetric = reports::Volumetric{.uncorrected = {30.0, 28.0, 32.0}, .after = {1.0, 0.5, 1.5}};
+  const Sheet sheet = CalibrationSheet({loop, {}, {}, {}}, Language::kEnglish);
+  EXPECT_THAT(RowOf(sheet, "check sessions, rms"), ElementsAre("check sessions, rms", "11", "0.5"));
+  const std::string box = "tool point over the measured box, rms [95 %]";
+  EXPECT_THAT(RowOf(sheet, box), ElementsAre(box, "30 [28; 32]", "1 [0.5; 1.5]"));
+  EXPECT_THAT(sheet.sections[1].lines, Contains("EBB:harmonic(45) may as well be EBB:curve"));
+  EXPECT_THAT(sheet.sections.back().lines, Contains("Not the machine: rtest: gain of x"));
+}
+
+TEST(IsoWords, NamesEveryKindOfError) {
+  const auto say = [](const char* symbol) { return IsoWords(symbol, Language::kEnglish); };
+  EXPECT_EQ(say("EXX"), "positioning error of X");
+  EXPECT_EQ(say("EYX"), "straightness error motion of X in Y");
+  EXPECT_EQ(say("EAX"), "roll error motion of X");
+  EXPECT_EQ(say("ECX"), "angular error motion of X around Z");
+  EXPECT_EQ(say("EC0Y"), "squareness error of Y to X");
+  EXPECT_EQ(say("EA0Z"), "squareness error of Z to Y");
+  EXPECT_EQ(say("EX0X"), "zero position error of X");
+  EXPECT_EQ(say("EX0C"), "position error of C in X");
+  EXPECT_EQ(say("EA0C"), "squareness error of C to Y");
+  EXPECT_EQ(say("EC0C"), "zero position error of C");
+  EXPECT_EQ(say("EZC"), "axial error motion of C");
+  EXPECT_EQ(say("EXC2"), "radial error motion of C2 in X");
+  EXPECT_EQ(say("EAC"), "tilt error motion of C around X");
+  EXPECT_EQ(say("ECC"), "angular positioning error of C");
+  EXPECT_EQ(say("EX0T"), "offset of spindle and tool in X");
+  EXPECT_EQ(say("EZ0W"), "offset of the table ball in Z");
+  EXPECT_EQ(say("EA0J1"), "error of J1 around X");
+  EXPECT_EQ(say("nonsense"), "");
+  EXPECT_EQ(IsoWords("EC0Y", Language::kGerman), "Rechtwinkligkeitsabweichung von Y zu X");
+}
+
+TEST(SheetNumbers, HaveTheDigitsOfTheirUncertainty) {
+  EXPECT_EQ(ValueText(-22.2449, 0.153, Language::kEnglish), "-22.24");
+  EXPECT_EQ(ValueText(1234.6, 230.0, Language::kEnglish), "1235");
+  EXPECT_EQ(ValueText(-0.001, 0.3, Language::kGerman), "0,00");
+  EXPECT_EQ(ValueText(NAN, 0.3, Language::kEnglish), "–");
+  EXPECT_EQ(NumberText(0.31, 3, Language::kEnglish), "0.31");
+  EXPECT_EQ(NumberText(1200, 2, Language::kEnglish), "1200");
+  EXPECT_EQ(NumberText(3e-7, 2, Language::kGerman), "3e-07");
+  EXPECT_EQ(TimeText(base::FromUtcUs(1'775'455'200'000'000)), "2026-04-06 06:00 UTC");
+}
+
+TEST(SheetHtml, HoldsTextAsTextAndSaysItsStyle) {
+  CalibrationToPrint calibration = ACalibration();
+  std::get<reports::Identification>(calibration.report).fitted.not_separable = {"<img src=x onerror=alert(1)>"};
+  const std::string html = ToHtml(CalibrationSheet(calibration, Language::kGerman));
+  EXPECT_THAT(html, HasSubstr("<html lang=\"de\">"));
+  EXPECT_THAT(html,
+              HasSubstr("<th scope=\"row\">EX0C</th><td>Lageabweichung von C in X</td><td class=\"n\">-22,24</td>"));
+  EXPECT_THAT(html, HasSubstr("&lt;img"));
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+  // 32 bytes as base64.
+  EXPECT_EQ(StyleHash().size(), 9u + 44u);
+}
+
+}  // namespace
+}  // namespace axiscal::sheet

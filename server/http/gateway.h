@@ -1,0 +1,57 @@
+// What answers requests: the Connect protocol for the API's methods, plain files, pages, and browsers' sign-in. Who may
+// do what is decided by the handlers' gate (server/access), as for every call.
+#ifndef AXISCAL_SERVER_HTTP_GATEWAY_H_
+#define AXISCAL_SERVER_HTTP_GATEWAY_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/handlers/core.h"
+#include "server/http/exchange.h"
+#include "server/http/pages.h"
+#include "server/http/plain.h"
+#include "server/http/sign_in.h"
+
+namespace axiscal::http {
+
+// What may follow the head of a request: a body of so many bytes, or nothing but this answer.
+struct BodyRule {
+  int64_t most_bytes = 0;
+  std::optional<Answer> refusal;
+};
+
+// Safe from any thread.
+class Gateway {
+ public:
+  // `core` must outlive it. `own_host`: a name for this machine that Host may have (CheckOrigin).
+  Gateway(handlers::Core& core, std::shared_ptr<grpc::Channel> channel, const std::string& own_host)
+      : core_(core), channel_(std::move(channel)), own_host_(own_host) {}
+
+  // Of a request without its body yet.
+  BodyRule RuleFor(const Request& head) const;
+  // Answers it. Blocks until the caller has the answer.
+  void Serve(const Request& request, Exchange& exchange);
+
+  // Of all bodies and files at a time.
+  Budget& budget() { return budget_; }
+
+ private:
+  absl::StatusOr<access::Credentials> CredentialsOf(const Request& request) const;
+  // The answer to what is refused before it is a call; the audit hears of it where it was denied.
+  Answer Refusal(const Request& request, const absl::Status& status) const;
+  void ServePlain(const Request& request, const std::vector<std::string>& place, Exchange& exchange);
+
+  handlers::Core& core_;
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::string own_host_;
+  const Pages pages_{EmbeddedPages()};
+  SignIns sign_ins_;
+  Budget budget_{int64_t{1} << 30};
+};
+
+}  // namespace axiscal::http
+
+#endif  // AXISCAL_SERVER_HTTP_GATEWAY_H_

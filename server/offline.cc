@@ -1,0 +1,62 @@
+#include "server/offline.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "server/storage/backup.h"
+#include "server/storage/check.h"
+#include "server/storage/migrate.h"
+
+namespace axiscal::server {
+namespace {
+
+void Print(const std::string& text) { std::printf("%s\n", text.c_str()); }
+
+int Fail(const absl::Status& status) {
+  std::fprintf(stderr, "axiscald: %s\n", std::string(status.message()).c_str());
+  return absl::IsDataLoss(status) ? kDamaged : 1;
+}
+
+int Tell(const std::string& path, const storage::CheckReport& report) {
+  Print(absl::StrCat(path, ": schema version ", report.schema_version, "; structure and references"));
+  if (report.schema_version == static_cast<int>(storage::EmbeddedMigrations().size())) {
+    Print(absl::StrCat("compared with their checksums: ", report.descriptions, " descriptions of machines, ",
+                       report.sessions, " sessions with ", report.chunks, " chunks, ", report.jobs, " jobs, ",
+                       report.calibrations, " calibrations, ", report.programs, " programs, the audit up to entry ",
+                       report.audit.id, report.audit.id == 0 ? "" : " with the hash " + report.audit.sha256));
+  } else {
+    Print("of an older version: checksums are compared once axiscald has opened it");
+  }
+  for (const storage::Damage& damage : report.damages) Print("DAMAGED " + damage.resource + ": " + damage.text);
+  const auto more = report.damage_count - static_cast<int64_t>(report.damages.size());
+  if (more > 0) Print(absl::StrCat("DAMAGED: ", more, " more"));
+  Print(report.damage_count == 0 ? "whole" : absl::StrCat("damaged in ", report.damage_count, " places"));
+  return report.damage_count == 0 ? 0 : kDamaged;
+}
+
+}  // namespace
+
+int CheckOffline(const std::string& path) {
+  const absl::StatusOr<storage::CheckReport> report = storage::CheckStoreFile(path);
+  return report.ok() ? Tell(path, *report) : Fail(report.status());
+}
+
+int RestoreOffline(const std::string& backup, const std::string& path, bool take_damaged) {
+  const absl::StatusOr<storage::CheckReport> report = storage::RestoreStore(backup, path, take_damaged);
+  if (!report.ok()) return Fail(report.status());
+  const int code = Tell(path, *report);
+  const std::string aside = path + ".replaced";
+  std::error_code error;
+  const bool was_there = std::filesystem::exists(aside, error);
+  Print("restored from " + backup + (was_there ? "; what was there before is " + aside : ""));
+  return code;
+}
+
+int CompactOffline(const std::string& path) {
+  const absl::StatusOr<storage::CompactResult> result = storage::CompactStore(path);
+  if (!result.ok()) return Fail(result.status());
+  Print(absl::StrCat(path, ": ", result->before_bytes, " bytes before, ", result->after_bytes, " now"));
+  return 0;
+}
+
+}  // namespace axiscal::server

@@ -1,0 +1,183 @@
+#include "server/watch/watcher.h"
+
+#include <algorithm>
+
+#include "server/inputs/machine_history.h"
+#include "server/watch/conditions.h"
+#include "server/watch/plan.h"
+
+namespace axiscal::watch {
+namespace {
+
+using records::EventKind;
+
+absl::Status ReadRoutines(storage::Database& database, const MachineId& machine, HistoryFacts& facts) {
+  ASSIGN_OR_RETURN(const std::vector<records::RoutineRecord> routines, database.RoutinesOf(machine));
+  if (routines.empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::vector<records::RoutineRun> newest, database.NewestRuns(machine));
+  for (const records::RoutineRun& run : newest) {
+    const auto works = [&](const records::RoutineRecord& routine) {
+      const auto is_here = [&](const records::RoutineStop& stop) { return stop.machine == machine; };
+      return routine.id == run.routine_id && routine.content.is_enabled &&
+             std::none_of(routine.stops.begin(), routine.stops.end(), is_here);
+    };
+    if (std::any_of(routines.begin(), routines.end(), works)) facts.runs.push_back(run);
+  }
+  for (const records::RoutineRun& run : facts.runs) {
+    if (run.state != records::RunState::kProposed || !run.calibration) continue;
+    const absl::StatusOr<records::CalibrationRecord> record = database.GetCalibration(*run.calibration);
+    // A damaged one cannot be approved: it waits for nobody.
+    if (record.ok() && record->state == records::CalibrationState::kCandidate)
+      facts.candidates.insert(*run.calibration);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<HistoryFacts> ReadHistory(storage::Database& database, const MachineId& machine, base::UtcTime now,
+                                         const records::ExpectationsRecord& expected,
+                                         const std::function<bool()>& is_cancelled) {
+  HistoryFacts facts;
+  facts.now = now;
+  facts.expected = expected;
+  RETURN_IF_ERROR(ReadRoutines(database, machine, facts));
+  const bool counts_candidates = expected.content.counts_candidates;
+  ASSIGN_OR_RETURN(
+      facts.history,
+      inputs::FollowHistory(
+          database, machine, [&](const records::CalibrationRecord&) { return counts_candidates; }, is_cancelled));
+  if (!facts.history.newest) return facts;
+  const absl::StatusOr<records::CalibrationRecord> newest = database.GetCalibration(*facts.history.newest);
+  if (!newest.ok()) return facts;  // a damaged one says nothing of the model; that it is damaged, others say
+  absl::StatusOr<reports::CalibrationReport> report = reports::ReadCalibrationReport(newest->content.report_json);
+  if (report.ok()) facts.newest_report = *std::move(report);
+  return facts;
+}
+
+absl::StatusOr<TimeFacts> ReadTimes(storage::Database& database, const MachineId& machine, base::UtcTime now,
+                                    const records::ExpectationsRecord& expected) {
+  TimeFacts facts;
+  facts.now = now;
+  facts.expected = expected;
+  records::CalibrationFilter approved;
+  approved.machine = machine;
+  approved.state = records::CalibrationState::kApproved;
+  ASSIGN_OR_RETURN(const records::Page<records::CalibrationRecord> page, database.ListCalibrations(approved, {1, ""}));
+  if (!page.rows.empty()) {
+    facts.approved = page.rows[0].id;
+    facts.approved_measured_at = page.rows[0].content.measured_at;
+  }
+  for (const records::ExpectedSession& session : expected.content.sessions) {
+    ASSIGN_OR_RETURN(facts.newest_sessions[session.name], database.NewestSession(machine, session.name));
+  }
+  return facts;
+}
+
+}  // namespace
+
+Watcher::Watcher(storage::Database& database, std::shared_ptr<EventBoard> board, WatcherOptions options)
+    : database_(database), board_(std::move(board)), options_(std::move(options)) {}
+
+Watcher::~Watcher() { Stop(); }
+
+void Watcher::Start() {
+  {
+    const base::MutexLock lock(mutex_);
+    has_ended_ = false;
+  }
+  thread_ = std::thread([this] {
+    Loop();
+    const base::MutexLock lock(mutex_);
+    has_ended_ = true;
+    changed_.NotifyAll();
+  });
+}
+
+void Watcher::Stop(std::chrono::milliseconds patience) {
+  {
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    const base::MutexLock lock(mutex_);
+    finishing_ = true;
+    changed_.NotifyAll();
+    while (!has_ended_ && std::chrono::steady_clock::now() < deadline) changed_.WaitUntil(mutex_, deadline);
+    stopping_ = true;
+    changed_.NotifyAll();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void Watcher::LookSoon(const MachineId& machine) {
+  const base::MutexLock lock(mutex_);
+  due_.insert(machine);
+  changed_.NotifyAll();
+}
+
+absl::Status Watcher::Look(const MachineId& machine) {
+  // Before all else: what changes while it is looked at is looked at again.
+  ASSIGN_OR_RETURN(const storage::LookStand stand, database_.GetLookStand(machine));
+  ASSIGN_OR_RETURN(const records::ExpectationsRecord expected, database_.GetExpectations(machine));
+  const base::UtcTime now = options_.clock->UtcNow();
+  std::set<EventKind> kinds(std::begin(kOfTime), std::end(kOfTime));
+  ASSIGN_OR_RETURN(const TimeFacts times, ReadTimes(database_, machine, now, expected));
+  std::vector<Condition> conditions = ConditionsOf(times);
+  const bool has_changed = stand.changes != stand.looked_at || stand.looked_by != options_.version;
+  if (has_changed) {
+    kinds.insert(std::begin(kOfHistory), std::end(kOfHistory));
+    ASSIGN_OR_RETURN(const HistoryFacts facts,
+                     ReadHistory(database_, machine, now, expected, [this] { return stopping_.load(); }));
+    for (Condition& condition : ConditionsOf(facts)) conditions.push_back(std::move(condition));
+  }
+  ASSIGN_OR_RETURN(const std::vector<records::Event> standing, database_.StandingEvents(machine));
+  storage::EventChanges changes = PlanChanges(machine, kinds, standing, conditions);
+  if (has_changed) {
+    changes.looked_at = stand.changes;
+    changes.looked_by = options_.version;
+  }
+  if (changes.empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const int count, database_.ChangeEvents(changes));
+  if (count > 0) board_->Tell();
+  return absl::OkStatus();
+}
+
+void Watcher::LookAtAll() {
+  const auto tell = [this](const MachineId& machine, const absl::Status& status) {
+    if (!status.ok() && !stopping_ && options_.tell) options_.tell(machine, status);
+  };
+  const absl::StatusOr<int> back = database_.BringBackEvents();
+  tell(MachineId(), back.status());
+  if (back.ok() && *back > 0) board_->Tell();
+  const absl::StatusOr<std::vector<MachineId>> machines = database_.MachinesToLookAt(options_.version);
+  tell(MachineId(), machines.status());
+  if (!machines.ok()) return;
+  for (const MachineId& machine : *machines) {
+    if (finishing_) return;
+    tell(machine, Look(machine));  // one that cannot be looked at hides none of the others
+  }
+}
+
+void Watcher::LookAtDue() {
+  std::set<MachineId> due;
+  {
+    const base::MutexLock lock(mutex_);
+    due.swap(due_);
+  }
+  for (const MachineId& machine : due) {
+    if (stopping_) return;
+    const absl::Status status = Look(machine);
+    if (!status.ok() && !stopping_ && options_.tell) options_.tell(machine, status);
+  }
+}
+
+void Watcher::Loop() {
+  while (!finishing_) {
+    LookAtAll();
+    const base::SteadyTime next = options_.clock->SteadyNow() + options_.every;
+    while (!finishing_ && options_.clock->SteadyNow() < next) {
+      LookAtDue();
+      const base::MutexLock lock(mutex_);
+      if (due_.empty() && !finishing_) options_.clock->WaitUntil(changed_, mutex_, next);
+    }
+  }
+  LookAtDue();
+}
+
+}  // namespace axiscal::watch

@@ -1,0 +1,629 @@
+// What a person does with the pages, in a browser, against a server of its own on a copy of the data of tests/browser/data.
+// Started by tests/browser/run. It waits for what is seen, never for a time.
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { createRequire } from "node:module";
+import zlib from "node:zlib";
+import { kHere, openBrowser, startServer } from "./browser.mjs";
+
+const require = createRequire(import.meta.url);
+const kAxe = fs.readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const kPictures = path.join(kHere, "pictures");
+const kExample = path.join(kHere, "integrex");
+// On two loaded processors.
+const kPatience = 60_000;
+const kHostile = `"><img src=x onerror=alert(1)>'\${7*7}{{7*7}}‮`;
+
+let browser, server;
+
+const tokenOf = (name) => fs.readFileSync(path.join(kHere, "data", `${name}.token`), "utf8").trim();
+
+// A page that fails the test at any error of scripts, any violation of the policy, any dialog and any request elsewhere.
+async function openPage(options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1200, height: 900 }, ...options.context });
+  context.setDefaultTimeout(kPatience);
+  const page = await context.newPage();
+  const wrong = [];
+  page.on("pageerror", (error) => wrong.push(`error: ${error.message}`));
+  page.on("dialog", (dialog) => (wrong.push(`dialog: ${dialog.message()}`), dialog.dismiss()));
+  page.on("console", (message) => {
+    const text = message.text();
+    if (/Content Security Policy|Trusted Type|violat/i.test(text)) wrong.push(`policy: ${text}`);
+    else if (message.type() === "error" && !/Failed to load resource|net::ERR_/.test(text)) wrong.push(`console: ${text}`);
+  });
+  page.on("request", (request) => {
+    const url = request.url();
+    if (!url.startsWith((options.server ?? server).url) && !/^(blob|data):/.test(url)) wrong.push(`elsewhere: ${url}`);
+  });
+  if (options.clock) await page.clock.install();
+  await page.goto(`${(options.server ?? server).url}/`);
+  const go = async (hash) => {
+    await page.evaluate((to) => (location.hash = to), hash);
+  };
+  const done = async () => {
+    assert.deepEqual(wrong, []);
+    await context.close();
+  };
+  return { page, go, done, context, wrong };
+}
+
+async function signIn(page, name) {
+  await page.getByLabel("Token").fill(tokenOf(name));
+  await page.getByRole("button", { name: /Sign in|Anmelden/ }).click();
+  await page.getByRole("navigation").waitFor();
+}
+
+async function openAs(name, context) {
+  const opened = await openPage({ context });
+  await signIn(opened.page, name);
+  return opened;
+}
+
+async function judge(page, what) {
+  await page.evaluate(kAxe);
+  const { violations } = await page.evaluate(() =>
+    axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"] }),
+  );
+  assert.deepEqual(
+    violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 160)).join(" | ")}`),
+    [],
+    `axe on ${what}`,
+  );
+}
+
+// The fleet's rows are sorted anew as the histories come in.
+async function historiesAreLooked(page) {
+  await page.getByRole("link", { name: "mill-7", exact: true }).waitFor();
+  await page.getByText(/has been looked through so far|bisher durchgesehen/).waitFor({ state: "hidden" });
+}
+
+// Every page, and what must be seen on it before it is judged.
+const kPages = [
+  ["fleet", "#/", (page) => page.getByRole("link", { name: "mill-8", exact: true })],
+  ["machine", "#/machines/mill-7", (page) => page.locator("figure svg").first()],
+  ["machine-empty", "#/machines/mill-8", (page) => page.locator(".empty").first()],
+  ["calibration", "#/calibrations/18", (page) => page.getByText("EB0B + 0.35 EX0T")],
+  ["loop", "#/loops/1", (page) => page.locator("figure svg").first()],
+  ["loop-none", "#/loops/18", (page) => page.locator(".empty")],
+  ["events", "#/events", (page) => page.getByText("EX0C is 64")],
+  ["events-of-machine", "#/events/mill-8", (page) => page.locator(".empty")],
+  ["jobs", "#/jobs", (page) => page.locator("main table")],
+  ["job", "#/jobs/4", (page) => page.locator("main table").first()],
+  ["programs", "#/programs", (page) => page.locator("main table")],
+  ["wall", "#/wall", (page) => page.locator(".wall-list")],
+  ["upload", "#/upload", (page) => page.locator("main input[type=file]")],
+  ["audit", "#/audit", (page) => page.locator("main table")],
+  ["missing", "#/calibrations/999", (page) => page.getByRole("alert")],
+  ["no-page", "#/nothing", (page) => page.getByRole("heading", { level: 1 })],
+];
+
+before(async () => {
+  fs.mkdirSync(kPictures, { recursive: true });
+  fs.copyFileSync(path.join(kHere, "data", "fleet.db"), path.join(kHere, "restart.db"));
+  browser = await openBrowser();
+  server = await startServer(path.join(kHere, "data", "fleet.db"));
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+test("the files say what may run, and are sent once", async () => {
+  for (const name of ["", "app.js", "app.css", "icon.svg"]) {
+    const first = await fetch(`${server.url}/${name}`, { headers: { "accept-encoding": "gzip" } });
+    assert.equal(first.status, 200);
+    assert.match(first.headers.get("content-security-policy"), /default-src 'none'; script-src 'self'; style-src 'self'/);
+    assert.equal(first.headers.get("content-encoding"), "gzip");
+    assert.equal(first.headers.get("x-content-type-options"), "nosniff");
+    await first.arrayBuffer();
+    const again = await fetch(`${server.url}/${name}`, { headers: { "accept-encoding": "gzip", "if-none-match": first.headers.get("etag") } });
+    assert.equal(again.status, 304);
+  }
+  // An answer of the API is no page.
+  const api = await fetch(`${server.url}/axiscal.v1.Access/GetIdentity`, { method: "POST", headers: { "content-type": "application/json" }, body: "{}" });
+  assert.equal(api.headers.get("content-security-policy"), "default-src 'none'; frame-ancestors 'none'");
+});
+
+test("a wrong token is refused in the server's words", async () => {
+  const { page, done } = await openPage();
+  await page.getByLabel("Token").fill("axt_wrong");
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await page.getByRole("alert").waitFor();
+  assert.notEqual((await page.getByRole("alert").innerText()).trim(), "");
+  await judge(page, "sign-in");
+  await page.screenshot({ path: path.join(kPictures, "sign-in.png") });
+  await done();
+});
+
+for (const [scheme, language, width, height] of [
+  ["light", "en", 1200, 900],
+  ["dark", "de", 1200, 900],
+  ["light", "en", 390, 844],
+]) {
+  test(`every page: ${scheme}, ${language}, ${width} wide`, async () => {
+    const locale = language === "de" ? "de-DE" : "en-GB";
+    const { page, go, done } = await openAs("ada", { viewport: { width, height }, colorScheme: scheme, locale });
+    for (const [name, hash, seen] of kPages) {
+      await go(hash);
+      await seen(page).waitFor();
+      if (name === "fleet") await historiesAreLooked(page);
+      await judge(page, name);
+      const spill = await page.evaluate(() => document.scrollingElement.scrollWidth - innerWidth);
+      assert.ok(spill <= 0, `${name} is ${spill} px wider than the window`);
+      const kind = width < 600 ? "-phone" : scheme === "dark" ? "-dark" : "";
+      const isWanted = kind === "" || ["fleet", "machine"].includes(name);
+      if (isWanted && !["missing", "no-page", "loop-none", "machine-empty", "events-of-machine"].includes(name)) {
+        const clip = { x: 0, y: 0, width, height: Math.min(1400, await page.evaluate(() => document.documentElement.scrollHeight)) };
+        await page.screenshot({ path: path.join(kPictures, `${name}${kind}.png`), clip, fullPage: true });
+      }
+    }
+    await done();
+  });
+}
+
+test("numbers and words are German where the reader is", async () => {
+  const { page, go, done } = await openAs("ada", { locale: "de-DE" });
+  await page.getByRole("heading", { name: "Welche Maschine braucht Pflege?" }).waitFor();
+  await go("#/loops/1");
+  await page.getByRole("cell", { name: "19,62" }).first().waitFor();
+  assert.equal(await page.evaluate(() => document.documentElement.lang), "de");
+  await page.getByLabel("Sprache").selectOption("en");
+  await page.getByRole("cell", { name: "19.62" }).first().waitFor();
+  await done();
+});
+
+test("the sick machine stands first and says why", async () => {
+  const { page, done } = await openAs("eve");
+  const first = page.locator("tbody tr").first();
+  await historiesAreLooked(page);
+  assert.match(await first.innerText(), /mill-7[\s\S]*EB0C and EX0C jumped together|mill-7[\s\S]*EX0C and EB0C jumped together/);
+  await first.getByRole("link", { name: "mill-7", exact: true }).click();
+  await page.locator(".findings .now").first().waitFor();
+  // The picture has a mark for each of fifteen calibrations, and its table a row.
+  const figure = page.locator("figure", { hasText: "EX0C over time" });
+  assert.equal(await figure.locator("circle").count(), 15);
+  assert.equal(await figure.locator("rect.band").count(), 1);
+  await figure.getByText("The same as a table").click();
+  assert.equal(await figure.locator("tbody tr").count(), 15);
+  const [file] = await Promise.all([page.waitForEvent("download"), figure.getByRole("button", { name: /SVG/ }).click()]);
+  assert.match(fs.readFileSync(await file.path(), "utf8"), /^<svg [^>]*xmlns=/);
+  const [numbers] = await Promise.all([page.waitForEvent("download"), figure.getByRole("button", { name: /CSV/ }).click()]);
+  assert.equal(fs.readFileSync(await numbers.path(), "utf8").trim().split("\r\n").length, 16);
+  await page.getByLabel("Error").selectOption("EX0C");
+  await page.getByLabel(/Least/).fill("-50");
+  await page.getByLabel(/Greatest/).fill("70");
+  await page.getByRole("button", { name: "Foretell" }).click();
+  await page.getByText(/EX0C is outside -50 .. 70 um/).waitFor();
+  await done();
+});
+
+test("events are seen, put on the shelf and taken back, while another page follows", async () => {
+  const { page, go, done } = await openAs("bob");
+  const watcher = await openAs("eve", { locale: "de-DE" });
+  // From the fleet to the machine's events.
+  await page.getByRole("row", { name: /mill-7/ }).getByRole("link", { name: /Events of mill-7/ }).click();
+  await page.getByRole("heading", { name: "Events of mill-7" }).waitFor();
+  await watcher.go("#/events");
+  await watcher.page.locator("header .mark", { hasText: "live" }).waitFor();
+  const of = (page) => page.getByRole("listitem").filter({ has: page.getByText("EX0C is 64") });
+  await of(watcher.page).getByText("neu", { exact: true }).waitFor();
+  assert.equal(await watcher.page.getByRole("button", { name: /Gesehen|Zurückstellen/ }).count(), 0);
+  const refused = await watcher.page.evaluate(async () => {
+    const response = await fetch("/axiscal.v1.Events/AcknowledgeEvent", {
+      method: "POST",
+      headers: { "content-type": "application/json" },
+      body: JSON.stringify({ eventId: 1, note: "not mine" }),
+    });
+    return [response.status, (await response.json()).code];
+  });
+  assert.deepEqual(refused, [403, "permission_denied"]);
+  // A word is needed, and both pages hear of it.
+  const dialog = page.getByRole("dialog");
+  await of(page).getByRole("button", { name: "I have seen it" }).click();
+  await judge(page, "acknowledge dialog");
+  await dialog.getByRole("button", { name: "I have seen it" }).click();
+  await dialog.getByText("Write a word first.").waitFor();
+  await dialog.getByLabel(/In your words/).fill(`the chuck was hit ${kHostile}`);
+  await page.keyboard.press("Enter");
+  for (const one of [page, watcher.page]) await of(one).getByText(`the chuck was hit ${kHostile}`).waitFor();
+  await of(watcher.page).getByText("gesehen", { exact: true }).waitFor();
+  // On the shelf it is out of sight, and back when it is taken down.
+  await of(page).getByRole("button", { name: "Put on the shelf" }).click();
+  await dialog.getByLabel(/^Why/).fill("in maintenance");
+  await dialog.getByLabel("Back on").fill("2001-01-01");
+  await dialog.getByRole("button", { name: "Put on the shelf" }).click();
+  await dialog.getByText("EVENT_INVALID").waitFor();
+  await dialog.getByLabel("Back on").fill(new Date(Date.now() + 30 * 86_400_000).toISOString().slice(0, 10));
+  await dialog.getByRole("button", { name: "Put on the shelf" }).click();
+  for (const one of [page, watcher.page]) await of(one).waitFor({ state: "detached" });
+  await watcher.page.getByRole("combobox", { name: /^Zeigen/ }).selectOption("open");
+  await of(watcher.page).getByText("in maintenance").waitFor();
+  await page.getByRole("combobox", { name: /^Show/ }).selectOption("all");
+  await of(page).getByRole("button", { name: "Take from the shelf" }).click();
+  await of(watcher.page).getByText("zurückgestellt", { exact: true }).waitFor({ state: "detached" });
+  // Filters.
+  await watcher.page.getByLabel("Nach Maschine filtern").fill("integrex");
+  await of(watcher.page).waitFor({ state: "detached" });
+  await watcher.page.getByLabel("Nach Maschine filtern").fill("");
+  await watcher.page.getByRole("combobox", { name: /^Art/ }).selectOption({ label: "außer Toleranz" });
+  await of(watcher.page).waitFor();
+  assert.equal(await watcher.page.locator(".event").count(), 1);
+  await go("#/machines/mill-7");
+  await page.getByRole("link", { name: "All events of this machine" }).waitFor();
+  await page.getByText("EX0C is 64").waitFor();
+  await done();
+  await watcher.done();
+});
+
+test("what one may not do is not offered, and refused when tried", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/calibrations/18");
+  await page.getByText("Who may put it in use: an approver.").waitFor();
+  assert.equal(await page.getByRole("button", { name: "Put in use" }).count(), 0);
+  assert.equal(await page.getByRole("link", { name: "Audit" }).count(), 0);
+  assert.equal(await page.getByRole("link", { name: "Upload" }).count(), 0);
+  const answer = await page.evaluate(async () => {
+    const response = await fetch("/axiscal.v1.Calibrations/ApproveCalibration", {
+      method: "POST",
+      headers: { "content-type": "application/json" },
+      body: JSON.stringify({ calibrationId: 18, etag: 1 }),
+    });
+    return [response.status, (await response.json()).code];
+  });
+  assert.deepEqual(answer, [403, "permission_denied"]);
+  await go("#/audit");
+  await page.getByText("Only an admin of all machines may read the audit.").waitFor();
+  await done();
+  const eve = await openAs("eve");
+  await eve.go("#/programs");
+  await eve.page.getByText("Who may do this: a technician.").waitFor();
+  assert.equal(await eve.page.locator("input[type=file]").count(), 0);
+  await eve.done();
+});
+
+test("an approver puts a calibration in use with a reason, and back", async () => {
+  const { page, go, done } = await openAs("ann");
+  await go("#/calibrations/18");
+  await page.getByRole("button", { name: "Put in use" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByText("Calibration 16 retires").waitFor();
+  // What would change stands there before.
+  await dialog.getByRole("row", { name: /EX0C/ }).getByText("beyond 95 %").waitFor();
+  await judge(page, "approve dialog");
+  await page.screenshot({ path: path.join(kPictures, "approve.png") });
+  await dialog.getByRole("button", { name: "Put in use" }).click();
+  await dialog.getByText("Write a reason first.").waitFor();
+  await page.keyboard.press("Escape");
+  await dialog.waitFor({ state: "hidden" });
+  await page.getByText("candidate").first().waitFor();
+  await page.getByRole("button", { name: "Put in use" }).click();
+  await dialog.getByLabel(/Reason/).fill(`measured twice after the collision ${kHostile}`);
+  await page.keyboard.press("Enter");
+  await page.locator("header .mark.good", { hasText: "in use" }).waitFor();
+  // The way back.
+  await go("#/calibrations/16");
+  await page.getByRole("button", { name: "Put back in use" }).click();
+  await dialog.getByLabel(/Reason/).fill("it was too early");
+  await dialog.getByRole("button", { name: "Put back in use" }).click();
+  await page.locator("header .mark.good", { hasText: "in use" }).waitFor();
+  await done();
+  const ada = await openAs("ada");
+  await ada.go("#/audit");
+  await ada.page.getByText(`reason: measured twice after the collision ${kHostile}`).waitFor();
+  await ada.page.getByText("reason: it was too early").waitFor();
+  await ada.page.getByRole("button", { name: "Check the chain" }).click();
+  await ada.page.getByText(/Whole to entry \d+/).waitFor();
+  await ada.done();
+});
+
+test("a decision on what has changed meanwhile is not taken", async () => {
+  const one = await openAs("ann"), two = await openAs("ann");
+  for (const { go } of [one, two]) await go("#/calibrations/17");
+  await one.page.getByRole("button", { name: "Put in use" }).click();
+  await one.page.getByLabel(/Reason/).fill("slow");
+  await two.page.getByRole("button", { name: "Give this candidate up" }).click();
+  await two.page.getByLabel(/Reason/).fill("quick");
+  await two.page.getByRole("dialog").getByRole("button", { name: "Give this candidate up" }).click();
+  await two.page.locator("header .mark", { hasText: "retired" }).waitFor();
+  await one.page.getByRole("dialog").getByRole("button", { name: "Put in use" }).click();
+  await one.page.getByText("Somebody changed this calibration").waitFor();
+  await one.page.locator("header .mark", { hasText: "retired" }).waitFor();
+  await one.done();
+  await two.done();
+});
+
+test("residuals and ball-bar traces are drawn by the server and saved", async () => {
+  const { page, go, done } = await openAs("eve");
+  await go("#/calibrations/18");
+  await page.getByRole("button", { name: "Draw the residuals and ball-bar traces" }).click();
+  const trace = page.locator("figure", { hasText: "Ball bar CA-350" }).first();
+  await trace.locator("img").waitFor();
+  // The browser has drawn it: a picture that is refused has no width.
+  await page.waitForFunction(() => [...document.querySelectorAll("img.server-picture")].every((one) => one.complete && one.naturalWidth > 0));
+  assert.ok((await page.locator("figure", { hasText: /Residuals over C, µm, n = 1,623/ }).count()) > 0);
+  // Beside each stand its numbers; the spectrum is one of them.
+  await trace.getByText("The same as a table").click();
+  await trace.locator("tbody tr").first().waitFor();
+  const spectrum = page.locator("figure", { hasText: "Spectrum of the residuals over C" });
+  await spectrum.getByText("The same as a table").click();
+  await spectrum.getByRole("columnheader", { name: "order: cycles per turn of C" }).waitFor();
+  const [numbers] = await Promise.all([page.waitForEvent("download"), spectrum.getByRole("button", { name: /CSV/ }).click()]);
+  const lines = fs.readFileSync(await numbers.path(), "utf8").trim().split("\r\n");
+  assert.equal(lines[0], 'panel,series,order: cycles per turn of C,"amplitude, um"');
+  assert.equal(lines.length - 1, await spectrum.locator("tbody tr").count());
+  await judge(page, "pictures");
+  const [file] = await Promise.all([page.waitForEvent("download"), trace.getByRole("button", { name: /SVG/ }).click()]);
+  const svg = fs.readFileSync(await file.path(), "utf8");
+  assert.match(svg, /<svg [^>]*xmlns=/);
+  assert.match(svg, /before: rms[\s\S]*after: rms/);
+  await trace.scrollIntoViewIfNeeded();
+  await page.screenshot({ path: path.join(kPictures, "traces.png") });
+  await done();
+});
+
+test("a calibration is a page to print and sign", async () => {
+  const { page, go, done, context } = await openAs("eve", { locale: "de-DE" });
+  await go("#/calibrations/18");
+  const [sheet] = await Promise.all([context.waitForEvent("page"), page.getByRole("link", { name: "Seite zum Drucken und Unterschreiben" }).click()]);
+  await sheet.getByRole("heading", { name: "Geometrische Abweichungen einer Werkzeugmaschine" }).waitFor();
+  await sheet.getByRole("row", { name: /EX0C Lageabweichung von C in X/ }).waitFor();
+  await sheet.getByText("Freigegeben: Datum, Name, Unterschrift").waitFor();
+  // Its style is let in, and it is a page of A4.
+  assert.equal(await sheet.evaluate(() => getComputedStyle(document.querySelector("h1")).fontSize), "18.6667px");
+  await judge(sheet, "the page to print");
+  await sheet.screenshot({ path: path.join(kPictures, "report.png") });
+  const pdf = await sheet.pdf({ preferCSSPageSize: true });
+  assert.equal(pdf.toString("latin1").match(/\/Type\s*\/Page\b/g).length, 1);
+  await done();
+});
+
+test("who may change something is signed out when nothing is touched, a viewer is not", async () => {
+  const technician = await openPage({ clock: true }), viewer = await openPage({ clock: true });
+  await signIn(technician.page, "bob");
+  await signIn(viewer.page, "eve");
+  for (const { page } of [technician, viewer]) {
+    await page.clock.fastForward("20:00");
+    await page.getByRole("navigation").waitFor();
+  }
+  // A touch counts anew.
+  await technician.page.keyboard.press("Tab");
+  await technician.page.clock.fastForward("20:00");
+  await technician.page.getByRole("navigation").waitFor();
+  for (const { page } of [technician, viewer]) await page.clock.fastForward("31:00");
+  await technician.page.getByLabel("Token").waitFor();
+  await viewer.page.getByRole("navigation").waitFor();
+  await technician.done();
+  await viewer.done();
+});
+
+test("a wall display stays signed in, and changes nothing", async () => {
+  const copy = path.join(kHere, "wall.db");
+  fs.copyFileSync(path.join(kHere, "restart.db"), copy);
+  let own = await startServer(copy);
+  const { page, done } = await openPage({ server: own, clock: true });
+  const signInToWall = async (name) => {
+    await page.getByLabel("Token").fill(tokenOf(name));
+    await page.getByLabel("Wall display").check();
+    await page.getByRole("button", { name: "Sign in" }).click();
+  };
+  await signInToWall("bob");
+  await page.getByText("A wall display takes that of a viewer.").waitFor();
+  await signInToWall("eve");
+  await page.locator(".wall-list").getByText("mill-8").waitFor();
+  assert.equal(await page.getByRole("navigation").count(), 0);
+  assert.equal(await page.locator("main button, main input").count(), 0);
+  await page.screenshot({ path: path.join(kPictures, "wall.png") });
+  // The sign-in lives with the server: after a restart the display signs in again by itself.
+  await own.stop();
+  await page.clock.fastForward("01:05");
+  await page.getByText("The connection to the server is lost.").waitFor();
+  own = await startServer(copy, own.port);
+  await page.getByText("The connection to the server is lost.").waitFor({ state: "hidden" });
+  await page.waitForFunction(async () => (await fetch("/axiscal.v1.Access/GetIdentity", { method: "POST", headers: { "content-type": "application/json" }, body: "{}" })).ok);
+  await page.locator(".wall-list").getByText("mill-8").waitFor();
+  assert.equal(await page.getByLabel("Token").count(), 0);
+  await own.stop();
+  await done();
+});
+
+test("a thousand machines with ten years each", async () => {
+  const own = await startServer(path.join(kHere, "data", "thousand.db"), 0, []);
+  const { page, go, done } = await openPage({ server: own });
+  await page.locator("tbody tr").first().waitFor();
+  await page.getByText(/1,?000 machines/).waitFor();
+  assert.equal(await page.locator("tbody tr").count(), 100);
+  await page.getByLabel(/^Filter/).fill("m0777");
+  await page.getByRole("link", { name: "m0777", exact: true }).waitFor();
+  assert.equal(await page.locator("tbody tr").count(), 1);
+  await page.getByLabel(/^Filter/).fill("");
+  await page.getByRole("button", { name: "Show more" }).click();
+  assert.equal(await page.locator("tbody tr").count(), 200);
+  // All histories are looked through, and the machine that jumped stands first.
+  await page.getByText(/has been looked through so far/).waitFor({ state: "hidden", timeout: 5 * kPatience });
+  assert.match(await page.locator("tbody tr").first().innerText(), /^m\d\d[05]0/);
+  await judge(page, "a thousand machines");
+  // Ten years of one of them.
+  await go("#/machines/m0100");
+  await page.locator("figure svg").first().waitFor();
+  await judge(page, "a machine of ten years");
+  await own.stop();
+  await done();
+});
+
+test("the pages are small", async () => {
+  let bytes = 0;
+  for (const name of ["", "app.js", "app.css", "icon.svg"])
+    bytes += zlib.gzipSync(Buffer.from(await (await fetch(`${server.url}/${name}`)).arrayBuffer())).length;
+  assert.ok(bytes <= 250_000, `${bytes} bytes compressed`);
+});
+
+test("a table for a controller is made and saved", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/calibrations/16");
+  await page.getByLabel("Format").selectOption("general");
+  await page.getByLabel(/Tool point/).fill("0 0");
+  await page.getByRole("button", { name: "Make the table" }).click();
+  await page.getByText("Three numbers are needed").waitFor();
+  await page.getByLabel(/Tool point/).fill("0 0 -350");
+  const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Make the table" }).click()]);
+  assert.ok(fs.statSync(await file.path()).size > 100);
+  await page.getByText(/bytes, made of calibration 16/).waitFor();
+  await done();
+});
+
+test("a program is dropped, corrected, taken away", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/programs");
+  await page.locator("input[type=file]").setInputFiles(path.join(kExample, "fig-4.30-original.nc"));
+  await page.getByText(/Program \d+: fig-4.30-original.nc/).waitFor();
+  await page.getByRole("combobox", { name: "Machine" }).selectOption("integrex-i200");
+  await page.getByLabel(/Tool point/).fill("0 0 -356.3945");
+  await page.getByRole("button", { name: "Compensate" }).click();
+  // Its correction is larger than what is allowed unasked, and its unit is not known.
+  await page.getByText("Refused: nothing was written.").waitFor();
+  await page.getByLabel("Unit where the program states none").selectOption("1");
+  await page.getByLabel(/Largest correction/).fill("5000");
+  await page.getByRole("button", { name: "Compensate" }).click();
+  await page.getByText("10 of 10 blocks corrected, 0 split, 0 passed unchanged").waitFor();
+  await page.getByText(/calibration 1 cannot tell EB0X from/).waitFor();
+  await judge(page, "a corrected program");
+  await page.screenshot({ path: path.join(kPictures, "compensated.png"), fullPage: true });
+  const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Download the corrected program" }).click()]);
+  assert.match(fs.readFileSync(await file.path(), "utf8"), /G01 X-389\.9345 Y-0\.0357 Z-115\.4778/);
+  await done();
+});
+
+test("sessions go up; a wrong one is shown at its line and column", async () => {
+  const { page, go, done } = await openAs("ada");
+  await go("#/upload/integrex-i200");
+  const good = fs.readFileSync(path.join(kExample, "B-short-run1.csv"), "utf8");
+  const lines = good.split("\n");
+  const row = lines.findIndex((line) => line.startsWith("4,"));
+  const bad = [...lines.slice(0, row), lines[row].replace("4,0,0", "4,0,zz"), ...lines.slice(row + 1)].join("\n");
+  const named = good.replace("# session: B-short-run1", `# session: ${kHostile.slice(0, 40)}`);
+  const file = (name, text) => ({ name, mimeType: "text/csv", buffer: Buffer.from(text) });
+  await page.locator("input[type=file]").setInputFiles([file("same.csv", good), file("bad.csv", bad), file("new.csv", named)]);
+  await page.getByRole("row", { name: /same.csv/ }).getByText("was there already").waitFor();
+  const refused = page.getByRole("row", { name: /bad.csv/ });
+  await refused.getByText(`Line ${row + 1}, column 3.`).waitFor();
+  assert.match(await refused.locator("pre").innerText(), /^4,0,zz/);
+  await page.getByRole("row", { name: /new.csv/ }).getByText("stored", { exact: true }).waitFor();
+  await judge(page, "upload with an error");
+  await page.screenshot({ path: path.join(kPictures, "upload.png") });
+  await page.getByRole("link", { name: /Next: identify/ }).click();
+  await page.getByText(kHostile.slice(0, 40).trim()).waitFor();
+  await done();
+});
+
+test("sessions become a calibration, watched to its end", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/machines/integrex-i200");
+  for (const name of ["B-short-run1", "B-long-run1", "B-short-run2", "B-long-run2"])
+    await page.getByLabel(`Use of session ${name}`, { exact: true }).selectOption("fit");
+  await page.getByRole("button", { name: /close the loop/ }).click();
+  await page.locator("header .mark.good", { hasText: "done" }).waitFor();
+  await page.getByRole("link", { name: /^Calibration \d+$/ }).click();
+  await page.getByRole("link", { name: /How the loop found it/ }).click();
+  await page.getByText("Effects were missing and were added.").waitFor();
+  await done();
+});
+
+test("a job that failed says why, and can be run again", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/jobs");
+  await page.getByRole("row", { name: /failed/ }).getByRole("link", { name: /^Job \d+$/ }).first().click();
+  await page.getByRole("alert").waitFor();
+  await page.getByRole("button", { name: "Run it again" }).click();
+  await page.locator("header .mark.bad", { hasText: "failed" }).waitFor();
+  await done();
+});
+
+test("hostile names are texts", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/programs");
+  await page.locator("input[type=file]").setInputFiles({ name: kHostile.replaceAll("/", ""), mimeType: "text/plain", buffer: Buffer.from("G21 G90\nG01 X1. F100\nM30\n") });
+  await page.getByText(new RegExp(`Program \\d+: .*onerror=alert`)).waitFor();
+  await page.getByRole("rowheader", { name: /onerror=alert/ }).waitFor();
+  assert.equal(await page.locator("main img").count(), 0);
+  await go("#/machines/%3Cimg%20src=x%20onerror=alert(1)%3E");
+  await page.getByRole("heading", { name: "<img src=x onerror=alert(1)>" }).waitFor();
+  await done();
+});
+
+test("with the keyboard alone", async () => {
+  const { page, done } = await openAs("eve");
+  // The focus begins at the top again.
+  await page.reload();
+  await historiesAreLooked(page);
+  await page.keyboard.press("Tab");
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), "Skip to content");
+  await page.keyboard.press("Enter");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "main");
+  // Filter, table, then the machines, each with its events.
+  for (let i = 0; i < 12 && (await page.evaluate(() => document.activeElement.textContent)) !== "mill-7"; ++i) await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await page.getByRole("heading", { name: "mill-7", level: 1 }).waitFor();
+  await done();
+});
+
+test("two pages follow a running job and leave room for calls; one cancels it", async () => {
+  const { page, context, done } = await openAs("bob");
+  // All pages are there before the job is, as it does not run for ever; then each goes where it looks at it.
+  const other = await context.newPage(), third = await context.newPage();
+  for (const one of [other, third]) {
+    await one.goto(`${server.url}/#/`);
+    await one.getByRole("link", { name: "Jobs", exact: true }).waitFor();
+  }
+  // Long enough to be looked at: as many simulated repeats as a job may have. Each is short, so the job could tell of its progress
+  // thousands of times a second: the pages must have time for people besides.
+  const jobId = await page.evaluate(async () => {
+    const response = await fetch("/axiscal.v1.Jobs/CreateJob", {
+      method: "POST",
+      headers: { "content-type": "application/json" },
+      body: JSON.stringify({ requestId: "long", params: { identify: { machineId: "mill-7", sessionIds: [7, 8, 9], monteCarloRuns: 100000 } } }),
+    });
+    return (await response.json()).job.jobId;
+  });
+  for (const one of [page, other]) await one.evaluate((id) => { location.hash = `#/jobs/${id}`; }, jobId);
+  await third.evaluate(() => { location.hash = "#/jobs"; });
+  for (const one of [page, other]) await one.locator("header .mark.wait", { hasText: "runs" }).waitFor();
+  await third.getByRole("row", { name: new RegExp(`Job ${jobId}\\b`) }).getByText("runs", { exact: true }).waitFor();
+  await page.getByRole("button", { name: "Cancel this job" }).click();
+  for (const one of [page, other]) await one.locator("header .mark", { hasText: "cancelled" }).waitFor();
+  await third.getByRole("row", { name: new RegExp(`Job ${jobId}\\b`) }).getByText("cancelled", { exact: true }).waitFor();
+  await done();
+});
+
+test("a server that was restarted under the page", async () => {
+  const copy = path.join(kHere, "restart.db");
+  let own = await startServer(copy);
+  const { page, done } = await openPage({ server: own });
+  await signIn(page, "eve");
+  await page.getByRole("link", { name: "mill-8", exact: true }).waitFor();
+  await own.stop();
+  await page.getByRole("link", { name: "Jobs" }).click();
+  await page.getByText("The connection to the server is lost.").waitFor();
+  own = await startServer(copy, own.port);
+  await page.getByText("The connection to the server is lost.").waitFor({ state: "hidden" });
+  // Sign-ins live with the server.
+  await signIn(page, "eve");
+  await page.getByRole("link", { name: "Job 4", exact: true }).waitFor();
+  await own.stop();
+  await done();
+});
+
+test("an empty service says what to do first, and asks nobody", async () => {
+  const own = await startServer(path.join(kHere, "empty.db"), 0, []);
+  const { page, go, done } = await openPage({ server: own });
+  await page.getByText("axiscal machine add machine.json").waitFor();
+  await judge(page, "an empty fleet");
+  for (const [hash, text] of [["#/events", "Nothing to hear of."], ["#/jobs", "No job was made yet."], ["#/programs", "No program is stored yet."], ["#/upload", "No machine is described yet."]]) {
+    await go(hash);
+    await page.getByText(text).waitFor();
+    await judge(page, hash);
+  }
+  await own.stop();
+  await done();
+});

@@ -1,0 +1,265 @@
+#include "tests/faults/testing/fault_vfs.h"
+
+#include <signal.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/base/demand.h"
+#include "core/base/mutex.h"
+
+namespace axiscal::testing {
+namespace {
+
+constexpr int64_t kSectorBytes = 512;
+
+// What a write or truncation that was not synced has replaced.
+struct Replaced {
+  int64_t offset = 0;
+  int64_t end = 0;       // of what it wrote
+  int64_t old_size = 0;  // of the file
+  std::string old_bytes;
+};
+
+// One for the process; all under the mutex.
+struct Disk {
+  base::Mutex mutex;
+  Fault fault = Fault::kNone;
+  int64_t count = 0, fails_at = 0;
+  bool has_failed = false;
+  uint32_t seed = 0;
+  std::map<std::string, std::vector<Replaced>> not_synced;
+};
+Disk& TheDisk() {
+  static auto* const disk = new Disk;
+  return *disk;
+}
+
+sqlite3_vfs* base_vfs = nullptr;
+
+struct File {
+  sqlite3_file base;
+  sqlite3_file* real;
+  std::string* path;
+};
+File& Of(sqlite3_file* file) { return *reinterpret_cast<File*>(file); }
+
+// What the next operation is to return; SQLITE_OK: go on. `is_torn`: do the first half of it before.
+int NextOperation(int error, bool* is_torn) AXISCAL_REQUIRES(TheDisk().mutex) {
+  Disk& disk = TheDisk();
+  ++disk.count;
+  *is_torn = false;
+  const bool is_dead = disk.fault == Fault::kDead || disk.fault == Fault::kPowerLoss;
+  if (disk.has_failed) return is_dead ? error : SQLITE_OK;
+  if (disk.fault == Fault::kNone || disk.count != disk.fails_at) return SQLITE_OK;
+  disk.has_failed = true;
+  if (disk.fault == Fault::kKill) kill(getpid(), SIGKILL);
+  *is_torn = disk.fault == Fault::kTornOnce || disk.fault == Fault::kPowerLoss;
+  return disk.fault == Fault::kFullOnce ? SQLITE_FULL : error;
+}
+
+// Notes what a write over [offset, offset + count) of a file replaces.
+void Note(File& file, int64_t offset, int64_t count) AXISCAL_REQUIRES(TheDisk().mutex) {
+  Disk& disk = TheDisk();
+  if (disk.fault != Fault::kPowerLoss || file.path->empty()) return;
+  Replaced replaced{offset, offset + count, 0, ""};
+  sqlite3_int64 size = 0;
+  file.real->pMethods->xFileSize(file.real, &size);
+  replaced.old_size = size;
+  const int64_t old_count = std::clamp<int64_t>(size - offset, 0, count);
+  replaced.old_bytes.resize(static_cast<size_t>(old_count));
+  if (old_count > 0)
+    file.real->pMethods->xRead(file.real, replaced.old_bytes.data(), static_cast<int>(old_count), offset);
+  disk.not_synced[*file.path].push_back(std::move(replaced));
+}
+
+int Close(sqlite3_file* file) {
+  const int code = Of(file).real->pMethods->xClose(Of(file).real);
+  sqlite3_free(Of(file).real);
+  delete Of(file).path;
+  return code;
+}
+int Read(sqlite3_file* file, void* bytes, int count, sqlite3_int64 offset) {
+  return Of(file).real->pMethods->xRead(Of(file).real, bytes, count, offset);
+}
+int Write(sqlite3_file* file, const void* bytes, int count, sqlite3_int64 offset) {
+  const base::MutexLock lock(TheDisk().mutex);
+  bool is_torn = false;
+  const int error = NextOperation(SQLITE_IOERR_WRITE, &is_torn);
+  if (error != SQLITE_OK && !is_torn) return error;
+  const int written = error == SQLITE_OK ? count : count / 2;
+  Note(Of(file), offset, written);
+  const int code = Of(file).real->pMethods->xWrite(Of(file).real, bytes, written, offset);
+  return error != SQLITE_OK ? error : code;
+}
+int Truncate(sqlite3_file* file, sqlite3_int64 size) {
+  const base::MutexLock lock(TheDisk().mutex);
+  bool is_torn = false;
+  const int error = NextOperation(SQLITE_IOERR_TRUNCATE, &is_torn);
+  if (error != SQLITE_OK) return error;
+  sqlite3_int64 old_size = 0;
+  Of(file).real->pMethods->xFileSize(Of(file).real, &old_size);
+  if (old_size > size) Note(Of(file), size, old_size - size);
+  return Of(file).real->pMethods->xTruncate(Of(file).real, size);
+}
+int Sync(sqlite3_file* file, int) {
+  const base::MutexLock lock(TheDisk().mutex);
+  bool is_torn = false;
+  const int error = NextOperation(SQLITE_IOERR_FSYNC, &is_torn);
+  if (error == SQLITE_OK) TheDisk().not_synced.erase(*Of(file).path);
+  return error;
+}
+int FileSize(sqlite3_file* file, sqlite3_int64* size) {
+  return Of(file).real->pMethods->xFileSize(Of(file).real, size);
+}
+int Lock(sqlite3_file* file, int level) { return Of(file).real->pMethods->xLock(Of(file).real, level); }
+int Unlock(sqlite3_file* file, int level) { return Of(file).real->pMethods->xUnlock(Of(file).real, level); }
+int CheckLock(sqlite3_file* file, int* result) {
+  return Of(file).real->pMethods->xCheckReservedLock(Of(file).real, result);
+}
+int Control(sqlite3_file* file, int operation, void* argument) {
+  return Of(file).real->pMethods->xFileControl(Of(file).real, operation, argument);
+}
+int SectorSize(sqlite3_file* file) { return Of(file).real->pMethods->xSectorSize(Of(file).real); }
+// Nothing that would spare SQLite a write or a sync.
+int Characteristics(sqlite3_file*) { return 0; }
+int ShmMap(sqlite3_file* file, int page, int size, int extend, void volatile** memory) {
+  return Of(file).real->pMethods->xShmMap(Of(file).real, page, size, extend, memory);
+}
+int ShmLock(sqlite3_file* file, int offset, int count, int flags) {
+  return Of(file).real->pMethods->xShmLock(Of(file).real, offset, count, flags);
+}
+void ShmBarrier(sqlite3_file* file) { Of(file).real->pMethods->xShmBarrier(Of(file).real); }
+int ShmUnmap(sqlite3_file* file, int remove) { return Of(file).real->pMethods->xShmUnmap(Of(file).real, remove); }
+
+const sqlite3_io_methods kMethods = {
+    2,          Close,           Read,   Write,   Truncate,   Sync,     FileSize, Lock,   Unlock, CheckLock, Control,
+    SectorSize, Characteristics, ShmMap, ShmLock, ShmBarrier, ShmUnmap, nullptr,  nullptr};
+
+int Open(sqlite3_vfs*, const char* name, sqlite3_file* file, int flags, int* out_flags) {
+  File& opened = Of(file);
+  opened.base.pMethods = nullptr;
+  opened.real = static_cast<sqlite3_file*>(sqlite3_malloc(base_vfs->szOsFile));
+  const int code = base_vfs->xOpen(base_vfs, name, opened.real, flags, out_flags);
+  if (code != SQLITE_OK) {
+    if (opened.real->pMethods != nullptr) opened.real->pMethods->xClose(opened.real);
+    sqlite3_free(opened.real);
+    return code;
+  }
+  opened.path = new std::string(name == nullptr ? "" : name);
+  opened.base.pMethods = &kMethods;
+  return SQLITE_OK;
+}
+int Delete(sqlite3_vfs*, const char* name, int) {
+  const base::MutexLock lock(TheDisk().mutex);
+  bool is_torn = false;
+  const int error = NextOperation(SQLITE_IOERR_DELETE, &is_torn);
+  if (error != SQLITE_OK) return error;
+  TheDisk().not_synced.erase(name);
+  return base_vfs->xDelete(base_vfs, name, 0);
+}
+int Access(sqlite3_vfs*, const char* name, int flags, int* result) {
+  return base_vfs->xAccess(base_vfs, name, flags, result);
+}
+int FullPath(sqlite3_vfs*, const char* name, int size, char* path) {
+  return base_vfs->xFullPathname(base_vfs, name, size, path);
+}
+int Randomness(sqlite3_vfs*, int count, char* bytes) { return base_vfs->xRandomness(base_vfs, count, bytes); }
+int Sleep(sqlite3_vfs*, int microseconds) { return base_vfs->xSleep(base_vfs, microseconds); }
+int CurrentTime(sqlite3_vfs*, double* time) { return base_vfs->xCurrentTime(base_vfs, time); }
+int LastError(sqlite3_vfs*, int size, char* text) { return base_vfs->xGetLastError(base_vfs, size, text); }
+int CurrentTime64(sqlite3_vfs*, sqlite3_int64* time) { return base_vfs->xCurrentTimeInt64(base_vfs, time); }
+
+// Puts back what one write has replaced, wholly or in some sectors.
+void TakeBack(const std::string& path, const Replaced& replaced, std::mt19937& random) {
+  const int how = static_cast<int>(random() % 4);
+  if (how == 0) return;  // it had reached the disk
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  if (!file) return;
+  std::string old_bytes = replaced.old_bytes;
+  old_bytes.resize(static_cast<size_t>(replaced.end - replaced.offset), '\0');
+  const int64_t size = static_cast<int64_t>(std::filesystem::file_size(path));
+  for (int64_t at = replaced.offset; at < replaced.end; at += kSectorBytes - at % kSectorBytes) {
+    if (how == 1 && random() % 2 == 0) continue;
+    const int64_t end = std::min(replaced.end, at + kSectorBytes - at % kSectorBytes);
+    file.seekp(at);
+    file.write(old_bytes.data() + (at - replaced.offset), end - at);
+  }
+  file.close();
+  const bool was_last = size <= replaced.end;
+  if (how != 1 && was_last && replaced.old_size < replaced.end)
+    std::filesystem::resize_file(path, static_cast<uintmax_t>(std::max(replaced.old_size, replaced.offset)));
+}
+
+}  // namespace
+
+void InstallFaultVfs() {
+  if (base_vfs != nullptr) return;
+  base_vfs = sqlite3_vfs_find(nullptr);
+  DEMAND(base_vfs != nullptr);
+  static sqlite3_vfs vfs = {};
+  vfs.iVersion = 2;
+  vfs.szOsFile = sizeof(File);
+  vfs.mxPathname = base_vfs->mxPathname;
+  vfs.zName = "axiscal-faults";
+  vfs.xOpen = Open;
+  vfs.xDelete = Delete;
+  vfs.xAccess = Access;
+  vfs.xFullPathname = FullPath;
+  vfs.xRandomness = Randomness;
+  vfs.xSleep = Sleep;
+  vfs.xCurrentTime = CurrentTime;
+  vfs.xGetLastError = LastError;
+  vfs.xCurrentTimeInt64 = CurrentTime64;
+  DEMAND(sqlite3_vfs_register(&vfs, 1) == SQLITE_OK);
+}
+
+void ArmFault(Fault fault, int64_t n, uint32_t seed) {
+  Disk& disk = TheDisk();
+  const base::MutexLock lock(disk.mutex);
+  disk.fault = fault;
+  disk.count = 0;
+  disk.fails_at = n;
+  disk.has_failed = false;
+  disk.seed = seed;
+  disk.not_synced.clear();
+}
+
+bool DisarmFault() {
+  Disk& disk = TheDisk();
+  const base::MutexLock lock(disk.mutex);
+  if (disk.fault == Fault::kPowerLoss && disk.has_failed) {
+    std::mt19937 random(disk.seed);
+    for (auto& [path, all] : disk.not_synced) {
+      for (auto replaced = all.rbegin(); replaced != all.rend(); ++replaced) TakeBack(path, *replaced, random);
+      // Memory that the processes had in common.
+      std::error_code error;
+      if (path.ends_with("-wal")) std::filesystem::remove(path.substr(0, path.size() - 4) + "-shm", error);
+    }
+  }
+  disk.fault = Fault::kNone;
+  disk.not_synced.clear();
+  return disk.has_failed;
+}
+
+int NextSystemCall() {
+  const base::MutexLock lock(TheDisk().mutex);
+  bool is_torn = false;
+  const int error = NextOperation(SQLITE_IOERR, &is_torn);
+  return error == SQLITE_OK ? 0 : error == SQLITE_FULL ? ENOSPC : EIO;
+}
+
+int64_t OperationCount() {
+  const base::MutexLock lock(TheDisk().mutex);
+  return TheDisk().count;
+}
+
+}  // namespace axiscal::testing

@@ -1,0 +1,38 @@
+// A disk that goes wrong at a moment of the test's choice: SQLite's file system (VFS) with the real one below it.
+#ifndef AXISCAL_TESTS_FAULTS_TESTING_FAULT_VFS_H_
+#define AXISCAL_TESTS_FAULTS_TESTING_FAULT_VFS_H_
+
+#include <cstdint>
+
+namespace axiscal::testing {
+
+// What happens at the chosen operation.
+enum class Fault {
+  kNone,
+  kErrorOnce,  // it fails (input/output error), the next ones work
+  kFullOnce,   // it fails as on a full disk, the next ones work
+  kTornOnce,   // a write leaves its first half, then as kErrorOnce
+  kDead,       // it and all that follow fail
+  kPowerLoss,  // as kDead; and of what was not synced some sectors, chosen by chance, are as they were before
+  kKill,       // this process is killed (SIGKILL) before it
+};
+
+// From now on the default of every connection of this process. Operations are writes, syncs, truncations and removals
+// of all its files, and what the store asks the system for itself: rename(), renameat2(), fsync() and fdatasync(),
+// which this library takes the place of in its process (system_calls.cc). Syncs do not reach the real disk: what is
+// tested is what SQLite asks for.
+void InstallFaultVfs();
+
+// The `n`-th operation from now on, from 1, goes wrong. `seed`: of what a power loss takes.
+void ArmFault(Fault fault, int64_t n, uint32_t seed);
+// Nothing goes wrong any more. All connections must be closed; a power loss takes what it takes now. Whether the fault
+// had come.
+bool DisarmFault();
+// Since ArmFault().
+int64_t OperationCount();
+// The errno of a call of the system that is the next operation; 0: go on.
+int NextSystemCall();
+
+}  // namespace axiscal::testing
+
+#endif  // AXISCAL_TESTS_FAULTS_TESTING_FAULT_VFS_H_
