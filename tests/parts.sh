@@ -2,7 +2,7 @@
 #   part NAME COMMAND...           runs the command in a shell of its own; the first part that fails ends the run
 #   part_in_time NAME COMMAND...   the same, but with AXISCAL_MINUTES set it is ended, and not begun any more, when the run is that old. The
 #                                  table says so: what was not run is not proven, and it is no failure either
-# Names given on the command line choose parts; none chooses all. The table is printed at the end, also of a run that failed.
+# Names given on the command line choose parts; none chooses all but those that are declared with by_name=yes before them. The table is printed at the end, also of a run that failed.
 chosen=("$@")
 known=()
 rows=()
@@ -36,6 +36,7 @@ part() {
   shift
   known+=("$name")
   if ((${#chosen[@]} > 0)) && [[ " ${chosen[*]} " != *" $name "* ]]; then return; fi
+  if ((${#chosen[@]} == 0)) && [[ -n ${by_name:-} ]]; then return; fi
   printf '\n== %s\n' "$name"
   if [[ -n ${in_time:-} ]] && (($(seconds_left) <= 0)); then
     rows+=("$(printf '%-12s %8s  %s' "$name" - "NOT RUN: the $AXISCAL_MINUTES minutes of this run are over")")
