@@ -4,11 +4,9 @@
 #include <cmath>
 #include <optional>
 #include <set>
-#include <tuple>
 
 #include "core/base/units.h"
-#include "core/effects/catalogue.h"
-#include "core/effects/shaped.h"
+#include "core/decide/effect_search.h"
 #include "core/identify/noise.h"
 #include "core/loop/check.h"
 #include "core/loop/describe.h"
@@ -16,25 +14,16 @@
 #include "core/loop/moved_datum.h"
 #include "core/loop/nominal.h"
 #include "core/loop/same_always.h"
-#include "core/objective/search.h"
 
 namespace axiscal::decide {
 namespace {
 
-using effects::Effect;
 using identify::Fit;
 using instruments::MeasuringRun;
 using loop::Added;
 using loop::Candidate;
 using loop::Extension;
 using loop::Family;
-
-// By how much a linearised objective may be off, share of what an effect explains: seen with machines' errors of a
-// hundred micrometres.
-constexpr double kLinear = 0.01;
-
-// What makes two sets of effects the same: names, and for slips and bad rows their places.
-using Key = std::tuple<std::string, int, int>;
 
 // Fitted sessions that scatter by more than noise may (identify::kMostScatter), and by more than that by chance.
 std::vector<loop::Unexplained> ScatteringSessions(const Fit& fit) {
@@ -57,26 +46,6 @@ std::vector<loop::Unexplained> ScatteringSessions(const Fit& fit) {
   return sessions;
 }
 
-// What would leave no trace. Constants are mostly only where a machine's zero is; crossed variables and fine scans
-// would flood the list.
-std::vector<machine::ErrorTerm> NotVisible(const objective::Scorer& scorer, const std::vector<Effect>& effects) {
-  std::vector<machine::ErrorTerm> terms, visible;  // at any time constant or length
-  for (size_t g = 0; g < effects.size(); ++g) {
-    const Family family = effects[g].candidate.family;
-    if (effects[g].bad_row >= 0 || IsUnnamed(family) || family == Family::kConstant || family == Family::kCross ||
-        family == Family::kFineHarmonic || family == Family::kPitch)
-      continue;
-    const machine::ErrorTerm& term = effects[g].candidate.term;
-    std::vector<machine::ErrorTerm>& list = scorer.IsVisible(static_cast<int>(g)) ? visible : terms;
-    if (std::none_of(list.begin(), list.end(), [&](const auto& one) { return loop::IsSameEffect(term, one); }))
-      list.push_back(term);
-  }
-  std::erase_if(terms, [&](const machine::ErrorTerm& term) {
-    return std::any_of(visible.begin(), visible.end(), [&](const auto& one) { return loop::IsSameEffect(term, one); });
-  });
-  return terms;
-}
-
 class Decider {
  public:
   Decider(const machine::Machine& machine, std::vector<MeasuringRun> fit, std::vector<MeasuringRun> check,
@@ -84,13 +53,12 @@ class Decider {
       : machine_(machine),
         runs_(std::move(fit)),
         options_(options),
-        policy_(options.policy),
+        policy_(PolicyOf(options)),
         identify_options_(OptionsOf(options)),
         declared_(machine::DeclaredModel(machine)),
         check_(machine, std::move(check), identify_options_),
-        all_(check_.After(runs_)) {
-    if (options.max_effects) policy_.most_effects = std::min(policy_.most_effects, *options.max_effects);
-  }
+        all_(check_.After(runs_)),
+        search_(machine, declared_, policy_, options_) {}
 
   absl::StatusOr<loop::Report> Run() {
     loop::Report report;
@@ -236,6 +204,12 @@ class Decider {
     return alone;
   }
 
+  static objective::Policy PolicyOf(const Options& options) {
+    objective::Policy policy = options.policy;
+    if (options.max_effects) policy.most_effects = std::min(policy.most_effects, *options.max_effects);
+    return policy;
+  }
+
   static identify::Options OptionsOf(const Options& options) {
     identify::Options out;
     out.cancelled = options.cancelled;
@@ -244,33 +218,11 @@ class Decider {
     return out;
   }
 
-  Key KeyOf(const Candidate& one) const {
-    if (one.family == Family::kStep) return {"slip", one.run, one.first_reading};
-    if (one.family == Family::kInstrument)
-      return {absl::StrCat(one.distortion.kind, " ", one.distortion.instrument),
-              static_cast<int>(one.distortion.carrier), one.distortion.order};
-    machine::ErrorTerm term = one.term;
-    // Fitted lengths move a little in every fit.
-    if (double* parameter = shapes::NonlinearParameter(term.shape)) *parameter = 1.0;
-    return {machine::NameOf(machine_, term), term.joint, static_cast<int>(term.component)};
-  }
-
   std::multiset<Key> KeysOf(const Extension& extension) const {
     std::multiset<Key> keys;
-    for (const Added& one : extension.effects) keys.insert(KeyOf(one.candidate));
+    for (const Added& one : extension.effects) keys.insert(KeyOf(machine_, one.candidate));
     for (const loop::BadRow& bad : extension.bad_rows) keys.insert({"row", bad.run, static_cast<int>(bad.row)});
     return keys;
-  }
-
-  // The effects of an extension as they were fitted.
-  std::vector<Candidate> FittedEffects(const Extension& extension, const Fit& fit) const {
-    std::vector<Candidate> fitted;
-    for (size_t i = 0; i < extension.effects.size(); ++i) {
-      Candidate one = extension.effects[i].candidate;
-      if (IsTerm(one.family)) one.term = fit.point.model.terms[extension.TermOf(i)];
-      fitted.push_back(one);
-    }
-    return fitted;
   }
 
   // Searches and fits until the set of effects stays.
@@ -279,12 +231,13 @@ class Decider {
     std::vector<std::multiset<Key>> seen = {KeysOf(*extension)};
     for (int round = 0; round < kRounds; ++round) {
       Extension next(machine_, check_.is_empty() ? runs_ : all_);
-      Search(*extension, *fit, round == 0, &next, report);
+      search_.Run(*extension, *fit, round == 0 ? report : nullptr, &next);
       if (options_.cancelled && options_.cancelled()) return absl::CancelledError("cancelled");
+      report->has_stopped_early = search_.has_stopped_early();
       const std::multiset<Key> keys = KeysOf(next);
       const bool stays = keys == seen.back();
       if (stays) {
-        TakeOver(next, extension);
+        TakeOver(machine_, next, extension);
         const bool any_fault = std::any_of(extension->effects.begin(), extension->effects.end(), [](const Added& one) {
           return one.candidate.family == Family::kInstrument;
         });
@@ -313,19 +266,6 @@ class Decider {
       seen.push_back(keys);
     }
     return absl::OkStatus();
-  }
-
-  // Scores and classes of the last search, for the same effects in the order in which they were fitted.
-  void TakeOver(const Extension& searched, Extension* extension) const {
-    for (Added& one : extension->effects) {
-      for (const Added& other : searched.effects) {
-        if (KeyOf(other.candidate) != KeyOf(one.candidate)) continue;
-        const machine::ErrorTerm term = one.candidate.term;
-        one = other;
-        one.candidate.term = term;
-        break;
-      }
-    }
   }
 
   // The objective of a linearised model is off by a share of what an effect explains: members of a class that come that
@@ -401,170 +341,6 @@ class Decider {
     return any;
   }
 
-  void Search(const Extension& extension, const Fit& fit, bool is_first, Extension* next, loop::Report* report) {
-    identify::Problem problem = fit.problem;
-    for (const loop::BadRow& bad : extension.bad_rows) problem.is_used[bad.run][bad.row] = true;
-    const effects::Linearised linearised =
-        effects::Linearise(problem, fit.point, static_cast<int>(declared_.terms.size()));
-    effects::Catalogue catalogue =
-        effects::MakeCatalogue(linearised, declared_, FittedEffects(extension, fit), extension.bad_rows);
-    objective::Scorer scorer(linearised.rows, std::move(catalogue.sources), policy_);
-    for (size_t g = 0; options_.may_name && g < catalogue.effects.size(); ++g) {
-      const Effect& effect = catalogue.effects[g];
-      if (effect.bad_row < 0 && !options_.may_name(effect.candidate)) scorer.Exclude(static_cast<int>(g));
-    }
-    const objective::DesignEffect design(scorer);
-    objective::Searcher searcher(&scorer, &design, options_.cancelled);
-    std::vector<objective::Start> starts(1);
-    for (const int group : catalogue.known) {
-      const Candidate& known = catalogue.effects[group].candidate;
-      const double variance = known.family == Family::kInstrument ? known.distortion.variance_mm2
-                                                                  : known.term.prior_sigma * known.term.prior_sigma;
-      starts[0].state.push_back({group, variance});
-    }
-    // A block of many amplitudes comes before the plain name that it resembles, as names stand on a grid until they are
-    // refined: the plain names are followed by themselves, too.
-    objective::Start plain;
-    plain.without = {static_cast<int>(Family::kCurve), static_cast<int>(Family::kCrossed)};
-    for (const objective::Member& member : starts[0].state) {
-      const int family = scorer.group(member.group).family;
-      if (std::find(plain.without.begin(), plain.without.end(), family) == plain.without.end())
-        plain.state.push_back(member);
-    }
-    starts.push_back(std::move(plain));
-    const objective::Found found = searcher.Search(starts);
-    if (is_first) Rank(scorer, design, catalogue, report);
-    const auto counted = std::count_if(found.state.begin(), found.state.end(), [&](const objective::Member& member) {
-      return scorer.group(member.group).is_counted;
-    });
-    report->has_stopped_early = counted >= policy_.most_effects;
-    Take(scorer, found, searcher.ClassesOf(found, kLinear), linearised, catalogue, next);
-  }
-
-  // What the declared model lacks at first sight.
-  static void Rank(objective::Scorer& scorer, const objective::DesignEffect& design,
-                   const effects::Catalogue& catalogue, loop::Report* report) {
-    report->candidates = scorer.group_count();
-    report->evidence = scorer.policy().evidence;
-    report->not_visible = NotVisible(scorer, catalogue.effects);
-    constexpr int kRanked = 20;
-    const double all = design.Of(scorer.ResidualOf({}, 1.0)), base = scorer.ScoreOf({}, all).objective;
-    for (const objective::Move& move : scorer.Additions({}, all, {}, kRanked)) {
-      const Effect& effect = catalogue.effects[scorer.OriginOf(move.member.group)];
-      if (effect.bad_row < 0)
-        report->ranking.push_back({effect.candidate, base + scorer.policy().evidence - move.objective});
-    }
-  }
-
-  void Take(objective::Scorer& scorer, const objective::Found& found,
-            const std::vector<std::vector<objective::Move>>& classes, const effects::Linearised& linearised,
-            const effects::Catalogue& catalogue, Extension* next) const {
-    const objective::Score score = scorer.ScoreOf(found.state, found.design);
-    const std::vector<Eigen::VectorXd> variances = scorer.VariancesOf(found.state, found.design);
-    const double all = scorer.ScoreOf({}, found.design).squares;
-    objective::State before;
-    for (size_t i = 0; i < found.state.size(); ++i) {
-      const int group = found.state[i].group;
-      const Effect& effect = catalogue.effects[scorer.OriginOf(group)];
-      before.push_back(found.state[i]);
-      if (effect.bad_row >= 0) {
-        const int run = linearised.run[effect.bad_row];
-        const int rows = linearised.problem->runs[run].row_count;
-        next->bad_rows.push_back(
-            {run, static_cast<size_t>(linearised.reading[effect.bad_row]) * rows + linearised.channel[effect.bad_row]});
-        continue;
-      }
-      objective::State without = found.state;
-      without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
-      Added added;
-      added.candidate = effect.candidate;
-      added.score = scorer.ScoreOf(without, found.design).objective - found.objective + policy_.evidence;
-      added.left = std::sqrt(scorer.ScoreOf(before, found.design).squares / all);
-      if (effect.candidate.family == Family::kStep && !HasRoomForSlip(*next, effect.candidate.run)) continue;
-      if (effect.candidate.family == Family::kInstrument) {
-        added.candidate.distortion.variance_mm2 = found.state[i].variance;
-        if (added.candidate.distortion.tau_s > 0.0)
-          added.candidate.distortion.tau_s = std::exp(scorer.group(group).place);
-        TakeAmplitudes(score.amplitude[i], variances[i], linearised, &added.candidate.distortion);
-        if (!HasRoom(*next, added.candidate.distortion)) continue;
-      } else if (effect.candidate.family != Family::kStep) {
-        added.candidate.term.shape = effects::AsIn(scorer.group(group), added.candidate.term.shape);
-        for (Eigen::Index b = 0; b < score.amplitude[i].size(); ++b)
-          added.candidate.term.amplitude[b] = score.amplitude[i][b];
-        if (shapes::IsFree(added.candidate.term.shape))
-          added.candidate.term.prior_sigma = std::sqrt(found.state[i].variance);
-      }
-      TakeClass(scorer, classes[i], catalogue, &added);
-      next->effects.push_back(std::move(added));
-    }
-  }
-
-  // What all sessions of the instrument have in common. Each may deviate by as much as lets their mean deviate as the
-  // readings allow, twice its variance, as the readings are used again.
-  static void TakeAmplitudes(const Eigen::VectorXd& amplitude, const Eigen::VectorXd& variance,
-                             const effects::Linearised& linearised, instruments::Distortion* distortion) {
-    double sessions = 0.0;
-    for (const MeasuringRun& run : linearised.problem->runs) sessions += instruments::CanHave(run, *distortion);
-    distortion->amplitude_mm.assign(amplitude.begin(), amplitude.end());
-    distortion->sigma_mm.clear();
-    constexpr double kLeastMm = 1e-7;  // far below any reading
-    for (const double one : variance)
-      distortion->sigma_mm.push_back(std::max(kLeastMm, std::sqrt(2.0 * sessions * one)));
-  }
-
-  // Whether a session's set-up holds one more fault.
-  bool HasRoom(const Extension& extension, const instruments::Distortion& distortion) const {
-    const std::vector<MeasuringRun> runs = extension.Runs();
-    return std::all_of(runs.begin(), runs.end(), [&](const MeasuringRun& run) {
-      return !instruments::CanHave(run, distortion) ||
-             instruments::DistortionAmplitudes(run) + instruments::AmplitudeCount(distortion, run.row_count) <=
-                 instruments::kMaxDistortionAmplitudes;
-    });
-  }
-
-  // Whether a session's set-up holds one more slip; those that were found first stay.
-  static bool HasRoomForSlip(const Extension& extension, int run) {
-    return std::count_if(extension.effects.begin(), extension.effects.end(), [run](const Added& one) {
-             return one.candidate.family == Family::kStep && one.candidate.run == run;
-           }) < instruments::kMaxSlips;
-  }
-
-  static void TakeClass(const objective::Scorer& scorer, const std::vector<objective::Move>& members,
-                        const effects::Catalogue& catalogue, Added* added) {
-    Candidate& own = added->candidate;
-    if (own.family == Family::kInstrument) return;
-    if (own.family == Family::kStep) {
-      own.earliest = own.latest = own.first_reading;
-      // Where no rotary axis turns table and tool look alike: only one of them is in the catalogue.
-      own.may_be_other = std::none_of(catalogue.effects.begin(), catalogue.effects.end(), [&](const Effect& other) {
-        return other.bad_row < 0 && other.candidate.family == Family::kStep && other.candidate.run == own.run &&
-               other.candidate.carrier != own.carrier;
-      });
-    }
-    for (const objective::Move& move : members) {
-      const Effect& effect = catalogue.effects[scorer.OriginOf(move.member.group)];
-      Candidate one = effect.candidate;
-      if (effect.bad_row >= 0) continue;
-      if (own.family == Family::kStep) {
-        if (one.family != Family::kStep || one.run != own.run) continue;
-        own.may_be_other |= one.carrier != own.carrier;
-        own.earliest = std::min(own.earliest, one.first_reading);
-        own.latest = std::max(own.latest, one.first_reading);
-        continue;
-      }
-      one.term.shape = effects::AtPlace(one.term.shape, scorer.group(move.member.group).place);
-      if (shapes::IsFree(one.term.shape)) {
-        // What can take any form explains whatever a name explains: no news about the name.
-        if (!shapes::IsFree(own.term.shape)) continue;
-        one.term.prior_sigma = std::sqrt(move.member.variance);
-      }
-      const auto is_it = [&](const Candidate& known) { return loop::IsSameEffect(known.term, one.term); };
-      if (IsUnnamed(one.family) || is_it(own) || std::any_of(added->equivalent.begin(), added->equivalent.end(), is_it))
-        continue;
-      added->equivalent.push_back(one);
-    }
-  }
-
   // What each effect leaves of the readings is that of the linearised model: nothing is fitted for it.
   static void NoteChanges(const Extension& before, const Extension& after, const Fit& fit, double declared_rms_mm,
                           loop::Report* report) {
@@ -609,11 +385,12 @@ class Decider {
   const machine::Machine& machine_;
   const std::vector<MeasuringRun> runs_;
   const Options options_;
-  objective::Policy policy_;
+  const objective::Policy policy_;
   const identify::Options identify_options_;
   const machine::ErrorModel declared_;
   loop::Check check_;
   const std::vector<MeasuringRun> all_;  // fit sessions, then check sessions
+  EffectSearch search_;
 };
 
 }  // namespace

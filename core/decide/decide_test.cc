@@ -88,6 +88,23 @@ TEST(Decide, EffectsAreNamedWithTheirAmplitudesAndNothingBeside) {
   EXPECT_GE(report.steps.size(), 2u);
 }
 
+// Dense readings are searched in sums of neighbours: what these do not tell is looked for in the readings themselves.
+TEST(Decide, DenseReadingsShowWhatIsFinerThanTheirSums) {
+  const machine::ErrorModel truth = Errors(kMachine, "{" + std::string(kDeclared) + R"(, "terms": [
+      {"symbol": "EXX", "shape": "backlash", "amplitude": -2.9},
+      {"symbol": "EXC", "shape": "harmonic", "order": 250, "amplitude": 0.4, "phase_deg": 30}]})");
+  ballbar::PatternOptions options;
+  options.step_deg = 0.1;
+  Sessions sessions;
+  sessions.fit = *identify::BindSessions(
+      kMachine, Measure(kMachine, truth, synthetic::NoiseOptions(), identify::testing::FivePatterns(), options));
+  const Report report = Close(sessions);
+  ASSERT_EQ(report.effects.size(), 2u) << NamesOf(report);
+  EXPECT_TRUE(Names(report.effects[0], "EXX:backlash") || Names(report.effects[1], "EXX:backlash")) << NamesOf(report);
+  EXPECT_TRUE(Names(report.effects[0], "EXC:harmonic(250)") || Names(report.effects[1], "EXC:harmonic(250)"))
+      << NamesOf(report);
+}
+
 // Without the column a session has 20 degrees in its place: an error is not told from that, whoever lacks it.
 TEST(Decide, NoErrorFollowsATemperatureThatASessionDidNotRecord) {
   Sessions sessions = MeasureWith(R"({"symbol": "EZT", "shape": "drift", "amplitude": 40})");

@@ -26,8 +26,10 @@ constexpr double kApart = 0.26;
 
 class Builder {
  public:
-  Builder(const Linearised& linearised, const machine::ErrorModel& declared, const std::vector<Candidate>& known)
+  Builder(const Linearised& linearised, const machine::ErrorModel& declared, const std::vector<Candidate>& known,
+          const Linearised* thinned)
       : linearised_(linearised),
+        thinned_(thinned),
         machine_(*linearised.problem->machine),
         known_(known),
         plain_(Plain(*linearised.problem)),
@@ -41,11 +43,14 @@ class Builder {
     AddKnown(bad_rows);
     std::vector<Candidate> candidates = loop::MakeDictionary(plain_, model_);
     std::erase_if(candidates, [](const Candidate& one) { return !loop::IsTerm(one.family); });
-    AddFurther(&candidates);
+    if (thinned_ == nullptr) AddFurther(&candidates);
+    std::erase_if(candidates, [this](const Candidate& one) {
+      return !linearised_.Tells(one.term.shape) || (thinned_ != nullptr && thinned_->Tells(one.term.shape));
+    });
     AddShaped(candidates);
-    AddInstruments();
+    if (thinned_ == nullptr) AddInstruments();
     AddSlips();
-    AddRows();
+    if (linearised_.step.empty()) AddRows();
     return std::move(catalogue_);
   }
 
@@ -446,6 +451,7 @@ class Builder {
   }
 
   const Linearised& linearised_;
+  const Linearised* const thinned_;
   const machine::Machine& machine_;
   const std::vector<Candidate>& known_;
   const identify::Problem plain_;
@@ -459,8 +465,9 @@ class Builder {
 }  // namespace
 
 Catalogue MakeCatalogue(const Linearised& linearised, const machine::ErrorModel& declared,
-                        const std::vector<Candidate>& known, const std::vector<loop::BadRow>& bad_rows) {
-  return Builder(linearised, declared, known).Build(bad_rows);
+                        const std::vector<Candidate>& known, const std::vector<loop::BadRow>& bad_rows,
+                        const Linearised* thinned) {
+  return Builder(linearised, declared, known, thinned).Build(bad_rows);
 }
 
 }  // namespace axiscal::effects

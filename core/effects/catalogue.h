@@ -28,9 +28,11 @@ struct Catalogue {
 inline constexpr int kToolSlipFamily = 100, kBadRowFamily = 101;
 
 // `known`: effects as they were fitted; of what is no different from one of them there is no other group. `declared`:
-// the model without effects. Everything must outlive the result.
+// the model without effects. Of thinned rows (thinned.h): what they tell, no bad rows. `thinned`: beside what is known,
+// only what these do not tell, slips (at their very readings) and bad rows. Everything must outlive the result.
 Catalogue MakeCatalogue(const Linearised& linearised, const machine::ErrorModel& declared,
-                        const std::vector<loop::Candidate>& known, const std::vector<loop::BadRow>& bad_rows);
+                        const std::vector<loop::Candidate>& known, const std::vector<loop::BadRow>& bad_rows,
+                        const Linearised* thinned = nullptr);
 
 }  // namespace axiscal::effects
 

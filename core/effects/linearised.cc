@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/identify/errors_of_run.h"
 #include "core/identify/reduction.h"
@@ -71,40 +72,6 @@ class Sink {
   Linearised* out_;
 };
 
-// Rows in which neighbours, a series, a session or a block of time may share what the model lacks.
-std::vector<std::vector<int>> ClusteringsOf(const Linearised& linearised) {
-  constexpr int kChunk = 15;   // rows: longer than most noise remembers
-  constexpr int kBlocks = 40;  // of time: enough that their sums have a spread
-  const int n = linearised.count();
-  std::vector<int> chunks(n), series(n), sessions(n), blocks(n);
-  double first_s = INFINITY, last_s = -INFINITY;
-  bool is_timed = true;
-  for (const MeasuringRun& run : linearised.problem->runs) {
-    is_timed &= run.has_time;
-    for (const double time_s : run.time_s) {
-      first_s = std::min(first_s, time_s);
-      last_s = std::max(last_s, time_s);
-    }
-  }
-  int chunk = -1, one_series = -1;
-  for (const objective::Stretch& some : linearised.rows.stretches) {
-    ++one_series;
-    for (int at = some.begin; at < some.end; ++at) {
-      if ((at - some.begin) % kChunk == 0) ++chunk;
-      chunks[at] = chunk;
-      series[at] = one_series;
-      sessions[at] = linearised.run[at];
-      const double time_s = linearised.problem->runs[linearised.run[at]].time_s[linearised.reading[at]];
-      blocks[at] = last_s > first_s
-                       ? std::min(kBlocks - 1, static_cast<int>(kBlocks * (time_s - first_s) / (last_s - first_s)))
-                       : 0;
-    }
-  }
-  std::vector<std::vector<int>> all = {std::move(chunks), std::move(series), std::move(sessions)};
-  if (is_timed) all.push_back(std::move(blocks));
-  return all;
-}
-
 // Rounding of a smooth signal leaves a sawtooth, whose first harmonic has the amplitude resolution / pi.
 double RoundingSquares(const identify::Problem& problem) {
   double squares = 0.0;
@@ -154,6 +121,46 @@ std::vector<instruments::SoundRow> SoundRows(const Linearised& linearised, const
 }
 
 }  // namespace
+
+std::vector<std::vector<int>> ClusteringsOf(const Linearised& linearised) {
+  constexpr int kChunk = 15;   // rows: longer than most noise remembers
+  constexpr int kBlocks = 40;  // of time: enough that their sums have a spread
+  const int n = linearised.count();
+  std::vector<int> chunks(n), series(n), sessions(n), blocks(n);
+  double first_s = INFINITY, last_s = -INFINITY;
+  bool is_timed = true;
+  for (const MeasuringRun& run : linearised.problem->runs) {
+    is_timed &= run.has_time;
+    for (const double time_s : run.time_s) {
+      first_s = std::min(first_s, time_s);
+      last_s = std::max(last_s, time_s);
+    }
+  }
+  int chunk = -1, one_series = -1;
+  for (const objective::Stretch& some : linearised.rows.stretches) {
+    ++one_series;
+    for (int at = some.begin; at < some.end; ++at) {
+      if ((at - some.begin) % kChunk == 0) ++chunk;
+      chunks[at] = chunk;
+      series[at] = one_series;
+      sessions[at] = linearised.run[at];
+      const double time_s = linearised.problem->runs[linearised.run[at]].time_s[linearised.reading[at]];
+      blocks[at] = last_s > first_s
+                       ? std::min(kBlocks - 1, static_cast<int>(kBlocks * (time_s - first_s) / (last_s - first_s)))
+                       : 0;
+    }
+  }
+  std::vector<std::vector<int>> all = {std::move(chunks), std::move(series), std::move(sessions)};
+  if (is_timed) all.push_back(std::move(blocks));
+  return all;
+}
+
+bool Linearised::Tells(const shapes::Shape& shape) const {
+  const auto* harmonic = std::get_if<shapes::Harmonic>(&shape);
+  if (step.empty() || harmonic == nullptr) return true;
+  constexpr double kRowsPerPeriod = 6.0;  // sums over a sixth of a period keep 95 % of an amplitude
+  return harmonic->frequency * step[harmonic->axis] * kRowsPerPeriod < 2.0 * std::numbers::pi;
+}
 
 int SensitivityOf(const Linearised& linearised, const machine::ErrorTerm& term) {
   if (shapes::IsAlongApproach(term.shape)) return linearised.along_approach();

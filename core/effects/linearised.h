@@ -24,14 +24,21 @@ struct Linearised {
   Eigen::MatrixXd artefact;  // rows x 3, raw: by the first three set-up offsets, where the artefact on the table stands
 
   std::vector<instruments::SoundRow> sound;  // what a sound instrument would have read; by errors and effects as fitted
+  // Of rows that stand for several readings (thinned.h): by how much each axis may move on within one, mm or rad.
+  std::vector<double> step;
 
   int count() const { return static_cast<int>(run.size()); }
   int along_approach() const { return static_cast<int>(sensitivity.cols()) - 1; }
+  // Whether rows stand closely enough to tell a shape: finer harmonics sum to nothing within them.
+  bool Tells(const shapes::Shape& shape) const;
   shapes::State StateAt(int row) const { return problem->runs[run[row]].StateOf(reading[row]); }
 };
 
 // The sensitivity column of a term.
 int SensitivityOf(const Linearised& linearised, const machine::ErrorTerm& term);
+
+// Rows in which neighbours, a series, a session or a block of time may share what the model lacks.
+std::vector<std::vector<int>> ClusteringsOf(const Linearised& linearised);
 
 // At a fitted point, whose model holds `declared` terms first, then the effects. The slips and distortions of its runs
 // count as effects too. `problem` must outlive the result.

@@ -18,12 +18,17 @@ using instruments::MeasuringRun;
 using machine::AxisKind;
 using machine::Machine;
 
+// What is stated, as it is or otherwise.
+struct Nominal {
+  Machine machine;
+  std::vector<MeasuringRun> runs;
+};
+
 // One thing that may have been stated wrong.
 struct Alternative {
   std::string subject, correction;
-  Machine machine;
-  std::vector<MeasuringRun> runs;
-  double squares = INFINITY;  // of the readings less those of the machine without errors, mm^2
+  std::function<void(Nominal*)> change;
+  double squares = INFINITY;  // of some readings less those of the machine without errors, mm^2
 };
 
 using Change = std::function<void(std::vector<double>* positions, size_t first)>;  // of one reading
@@ -32,6 +37,40 @@ void Apply(const Change& change, MeasuringRun* run) {
   for (int k = 0; k < run->reading_count(); ++k)
     change(&run->positions, static_cast<size_t>(k) * static_cast<size_t>(run->axis_count));
   instruments::DeriveMotion(run);
+}
+
+// Every n-th of some numbers, `width` of each reading.
+void KeepEvery(int n, int width, std::vector<double>* numbers) {
+  std::vector<double> kept;
+  for (size_t at = 0; at < numbers->size(); at += static_cast<size_t>(n) * static_cast<size_t>(width))
+    kept.insert(kept.end(), numbers->begin() + static_cast<std::ptrdiff_t>(at),
+                numbers->begin() + static_cast<std::ptrdiff_t>(at) + width);
+  *numbers = std::move(kept);
+}
+
+// Some thousand readings, evenly over the sessions: enough to tell squares from ten times as many.
+std::vector<MeasuringRun> SampleOf(const std::vector<MeasuringRun>& runs) {
+  constexpr int kReadings = 2000, kFewestOfASession = 50;
+  int count = 0;
+  for (const MeasuringRun& run : runs) count += run.reading_count();
+  std::vector<MeasuringRun> sample;
+  for (const MeasuringRun& run : runs) {
+    const int n = std::min(count / kReadings, run.reading_count() / kFewestOfASession);
+    MeasuringRun& some = sample.emplace_back(run);
+    if (n < 2 || run.path_readings != nullptr || !run.touches.approach_in_spindle.empty()) continue;
+    KeepEvery(n, run.axis_count, &some.positions);
+    KeepEvery(n, 1, &some.time_s);
+    KeepEvery(n, 1, &some.temperature_celsius);
+    for (MeasuringRun::Channel& channel : some.temperatures) KeepEvery(n, 1, &channel.celsius);
+    if (!run.encoder_positions.empty()) KeepEvery(n, run.axis_count, &some.encoder_positions);
+    if (!run.stated_senses.empty()) KeepEvery(n, run.axis_count, &some.stated_senses);
+    some.bad_rows.clear();
+    some.slips.clear();
+    some.measured_mm.resize(run.row_count, static_cast<Eigen::Index>(some.time_s.size()));
+    for (Eigen::Index k = 0; k < some.measured_mm.cols(); ++k) some.measured_mm.col(k) = run.measured_mm.col(k * n);
+    instruments::DeriveMotion(&some);
+  }
+  return sample;
 }
 
 bool Moves(const std::vector<MeasuringRun>& runs, int axis) {
@@ -58,13 +97,13 @@ double ScoreOf(const identify::Fit& fit) {
 class Finder {
  public:
   Finder(const Machine& machine, const std::vector<MeasuringRun>& runs, const identify::Options& options)
-      : machine_(machine), runs_(runs), options_(options) {
+      : machine_(machine), runs_(runs), options_(options), sample_{machine, SampleOf(runs)} {
     options_.judge_correlation = options_.profile_intervals = options_.raise_noise = false;
   }
 
   // `stated`: ScoreOf the declared fit.
   absl::StatusOr<std::optional<Cause>> Find(double stated) {
-    stated_squares_ = NominalSquares(machine_, runs_).value_or(INFINITY);
+    stated_squares_ = NominalSquares(sample_).value_or(INFINITY);
     for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       if (!Moves(runs_, axis)) continue;
       TryDirection(axis);
@@ -75,9 +114,10 @@ class Finder {
     std::optional<Cause> best;
     double least = kShare * stated;
     for (const Alternative& one : nearest_) {
+      const Nominal other = With(one, {machine_, runs_});
       identify::Options options = options_;
-      options.model = machine::DeclaredModel(one.machine);
-      const absl::StatusOr<identify::Fit> fit = identify::FitRuns(one.machine, one.runs, options);
+      options.model = machine::DeclaredModel(other.machine);
+      const absl::StatusOr<identify::Fit> fit = identify::FitRuns(other.machine, other.runs, options);
       if (absl::IsCancelled(fit.status())) return fit.status();
       if (!fit.ok() || !(ScoreOf(*fit) < least)) continue;
       least = ScoreOf(*fit);
@@ -88,8 +128,8 @@ class Finder {
 
  private:
   // Of the readings less those of a machine without errors, mm^2.
-  static std::optional<double> NominalSquares(const Machine& machine, const std::vector<MeasuringRun>& runs) {
-    const absl::StatusOr<identify::Problem> problem = identify::MakeProblem(machine, runs);
+  static std::optional<double> NominalSquares(const Nominal& nominal) {
+    const absl::StatusOr<identify::Problem> problem = identify::MakeProblem(nominal.machine, nominal.runs);
     if (!problem.ok()) return std::nullopt;
     double squares = 0.0;
     for (const Eigen::MatrixXd& one : identify::ResidualsOf(*problem, identify::StartingPoint(*problem, {})))
@@ -97,18 +137,23 @@ class Finder {
     return std::isfinite(squares) ? std::optional<double>(squares) : std::nullopt;
   }
 
+  static Nominal With(const Alternative& alternative, Nominal nominal) {
+    alternative.change(&nominal);
+    for (MeasuringRun& run : nominal.runs) {
+      if (run.kind == instruments::Kind::kTracker)
+        run.tracker_from_machine = tracker::StartingPose(nominal.machine, run);
+      if (run.kind == instruments::Kind::kLength && !length::HasStatedZero(run))
+        run.length.zero_mm = length::StartingZero(nominal.machine, run);
+    }
+    return nominal;
+  }
+
   // Keeps the few that come nearest to the readings without any errors, and far nearer than what is stated: of a fault
   // that is worth being looked for all others are millimetres away.
   void Try(Alternative alternative) {
     constexpr size_t kKept = 3;
     constexpr double kNearer = 0.1;  // of the squares
-    for (MeasuringRun& run : alternative.runs) {
-      if (run.kind == instruments::Kind::kTracker)
-        run.tracker_from_machine = tracker::StartingPose(alternative.machine, run);
-      if (run.kind == instruments::Kind::kLength && !length::HasStatedZero(run))
-        run.length.zero_mm = length::StartingZero(alternative.machine, run);
-    }
-    const std::optional<double> squares = NominalSquares(alternative.machine, alternative.runs);
+    const std::optional<double> squares = NominalSquares(With(alternative, sample_));
     if (!squares || !(*squares < kNearer * stated_squares_)) return;
     alternative.squares = *squares;
     const auto at = std::find_if(nearest_.begin(), nearest_.end(),
@@ -118,9 +163,9 @@ class Finder {
   }
 
   void TryDirection(int axis) {
-    Alternative other{{}, {}, machine_, runs_, INFINITY};
-    Eigen::Vector3d& direction = other.machine.axes[axis].direction;
-    direction = -direction;
+    Alternative other;
+    const Eigen::Vector3d direction = -machine_.axes[axis].direction;
+    other.change = [axis, direction](Nominal* nominal) { nominal->machine.axes[axis].direction = direction; };
     const std::string& name = machine_.axes[axis].name;
     const bool is_rotary = machine_.axes[axis].kind == AxisKind::kRotary;
     const auto number = [](double value) { return value == 0.0 ? 0.0 : value; };  // no minus zero
@@ -132,15 +177,12 @@ class Finder {
 
   // `change` in all sessions, then in each alone.
   void TryChange(const std::string& what, const std::string& correction, const Change& change) {
-    Alternative all{"", correction, machine_, runs_, INFINITY};
-    for (MeasuringRun& run : all.runs) Apply(change, &run);
-    all.subject = absl::StrCat("all sessions: ", what);
-    Try(std::move(all));
-    for (size_t i = 0; runs_.size() > 1 && i < runs_.size(); ++i) {
-      Alternative one{absl::StrCat("session '", runs_[i].session, "': ", what), correction, machine_, runs_, INFINITY};
-      Apply(change, &one.runs[i]);
-      Try(std::move(one));
-    }
+    Try({absl::StrCat("all sessions: ", what), correction, [change](Nominal* nominal) {
+           for (MeasuringRun& run : nominal->runs) Apply(change, &run);
+         }});
+    for (size_t i = 0; runs_.size() > 1 && i < runs_.size(); ++i)
+      Try({absl::StrCat("session '", runs_[i].session, "': ", what), correction,
+           [change, i](Nominal* nominal) { Apply(change, &nominal->runs[i]); }});
   }
 
   void TryColumns(int axis) {
@@ -171,6 +213,7 @@ class Finder {
   const Machine& machine_;
   const std::vector<MeasuringRun>& runs_;
   identify::Options options_;
+  const Nominal sample_;              // as stated, by which alternatives are looked through
   double stated_squares_ = INFINITY;  // NominalSquares as stated
   std::vector<Alternative> nearest_;  // the nearest first
 };

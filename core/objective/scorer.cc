@@ -117,6 +117,10 @@ void Scorer::Exclude(int group) {
   is_exact_[group] = true;  // of a scan too: nobody looks closer
 }
 
+void Scorer::AddLooks(const std::map<int, double>& looks) {
+  for (const auto& [family, count] : looks) visible_members_[family] += count;
+}
+
 const Source& Scorer::SourceOf(int group, int* within) const {
   *within = at_[group].second;
   return *sources_[at_[group].first];

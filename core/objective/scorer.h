@@ -67,6 +67,10 @@ class Scorer {
   bool IsVisible(int group) const { return is_visible_[group]; }
   // Takes no part in any search; the looks of its family stay what they were.
   void Exclude(int group);
+  // Per family: how many effects that the data see were looked at.
+  const std::map<int, double>& looks() const { return visible_members_; }
+  // Those that another scorer of the same readings has looked at count too.
+  void AddLooks(const std::map<int, double>& looks);
   // `design`: what rounding may look like is no less noise than others.
   double PriceOf(int group, double design) const;
   double degrees_of_freedom() const { return dof_; }
@@ -150,13 +154,13 @@ class Scorer {
   std::vector<bool> is_visible_, is_exact_;
   std::vector<int> origin_;
   std::map<std::tuple<int, double, double>, int> moved_;  // what was appended, by origin, place and size
-  std::map<int, double> visible_members_;  // per family: their looks
-  std::vector<Eigen::MatrixXd> gram_;      // per group, projected
-  Eigen::VectorXd with_y_;                 // per column, projected
-  Eigen::VectorXd raw_;                    // per column: its squares before projection
-  Eigen::MatrixXd own_, common_;           // nuisance columns for products with raw columns (Whitening::Adjoint)
-  Eigen::VectorXd y_;                      // projected, at the rows
-  double squares_ = 0.0, dof_ = 1.0;       // of y, projected
+  std::map<int, double> visible_members_;                 // per family: their looks
+  std::vector<Eigen::MatrixXd> gram_;                     // per group, projected
+  Eigen::VectorXd with_y_;                                // per column, projected
+  Eigen::VectorXd raw_;                                   // per column: its squares before projection
+  Eigen::MatrixXd own_, common_;      // nuisance columns for products with raw columns (Whitening::Adjoint)
+  Eigen::VectorXd y_;                 // projected, at the rows
+  double squares_ = 0.0, dof_ = 1.0;  // of y, projected
   std::map<int, Loaded> loaded_;
   std::optional<Ground> ground_;
   Eigen::MatrixXd explained_;

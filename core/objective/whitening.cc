@@ -24,6 +24,16 @@ void Whitening::Apply(int begin, Eigen::Ref<Eigen::MatrixXd> columns) const {
   }
 }
 
+void Whitening::Undo(int begin, Eigen::Ref<Eigen::MatrixXd> columns) const {
+  const Eigen::Index n = columns.rows();
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    auto x = columns.col(c);
+    x.array() /= weight_.segment(begin, n);
+    for (Eigen::Index k = n - 1; has_echo_ && k > 0; --k) x[k] -= echo_[begin + k] * x[k - 1];
+    for (Eigen::Index k = 1; !is_white_ && k < n; ++k) x[k] += correlation_[begin + k] * x[k - 1];
+  }
+}
+
 Eigen::MatrixXd Whitening::Adjoint(Eigen::MatrixXd v) const {
   const Eigen::Index n = v.rows();
   for (Eigen::Index c = 0; c < v.cols(); ++c) {

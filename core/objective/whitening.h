@@ -20,8 +20,11 @@ class Whitening {
   bool has_echo() const { return has_echo_; }
   const Eigen::ArrayXd& weight() const { return weight_; }
   const Eigen::ArrayXd& correlation() const { return correlation_; }
+  const Eigen::ArrayXd& echo() const { return echo_; }
   // In place, the rows begin .. begin + columns.rows() of whole series; as if everything above them were zero.
   void Apply(int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
+  // The inverse of Apply.
+  void Undo(int begin, Eigen::Ref<Eigen::MatrixXd> columns) const;
   // Vectors u of all rows with x' u = (whitened x)' v for every column x.
   Eigen::MatrixXd Adjoint(Eigen::MatrixXd v) const;
   // Rows after which a change that began in row `first` is forgotten, the row itself counted; of one series, which ends

@@ -60,6 +60,17 @@ void KeepEvery(int stride, session::Session* session) {
   Keep(keeps, session);
 }
 
+void Refine(int n, session::Session* session) {
+  for (session::Column& column : session->columns) {
+    std::vector<double> values;
+    for (size_t k = 0; k + 1 < column.values.size(); ++k)
+      for (int part = 0; part < n; ++part)
+        values.push_back(column.values[k] + part * (column.values[k + 1] - column.values[k]) / n);
+    if (!column.values.empty()) values.push_back(column.values.back());
+    column.values = std::move(values);
+  }
+}
+
 void Slow(double factor, session::Session* session) {
   session::Column* const time = ColumnIn(session, "t_s");
   if (time == nullptr) return;

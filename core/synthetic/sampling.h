@@ -40,6 +40,8 @@ void SetTemperature(const std::string& name, const std::function<double(double t
 
 // Every `stride`-th reading.
 void KeepEvery(int stride, session::Session* session);
+// `n` readings for each one, on straight lines between it and the next in all columns of numbers.
+void Refine(int n, session::Session* session);
 // All times times `factor`.
 void Slow(double factor, session::Session* session);
 // As `sampling` says; sessions of fewer than 40 readings (poses at rest, chosen one by one) keep all of them.

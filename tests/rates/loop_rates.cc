@@ -1,5 +1,6 @@
 // Rates at which the loop names what went into simulated machines: `loop_rates KIND COUNT [FIRST_SEED] [-v]`, KIND one
-// of null one pair dirty dirty-null misstated bump slip probe-slip wander wander-null coarse coarse-null; or how often
+// of null one pair dirty dirty-null misstated bump slip probe-slip wander wander-null coarse coarse-null, with `dense-`
+// before it of ten times as many readings; or how often
 // the sessions that it proposes leave the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`,
 // COUNT machines with one effect; or what the loop leaves of the error over the box of machines with other physics:
 // `loop_rates physics KIND COUNT [FIRST_SEED] [-v]`, KIND one of physics_case.h. -v prints every case, otherwise those
@@ -10,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "absl/strings/str_format.h"
@@ -151,9 +153,13 @@ int main(int argc, char** argv) {
     const int first_seed = argc > 4 ? std::max(1, std::atoi(argv[4])) : 1;
     return PhysicsRates(argv[2], std::atoi(argv[3]), first_seed, is_verbose);
   }
-  if (argc < 3 || (!is_next && !kinds.contains(argv[1]))) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  constexpr char kDensePrefix[] = "dense-";
+  const bool is_dense = word.starts_with(kDensePrefix);
+  const std::string name = is_dense ? word.substr(sizeof kDensePrefix - 1) : word;
+  if (argc < 3 || (!is_next && !kinds.contains(name))) {
     std::fprintf(stderr,
-                 "usage: loop_rates "
+                 "usage: loop_rates [dense-]"
                  "null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|wander|wander-null|coarse|coarse-null|"
                  "next COUNT "
                  "[FIRST_SEED] [-v]\n       loop_rates physics KIND COUNT [FIRST_SEED] [-v]\n");
@@ -162,12 +168,14 @@ int main(int argc, char** argv) {
   const int count = std::atoi(argv[2]);
   const int first = argc > 3 ? std::atoi(argv[3]) : 1;
   if (is_next) return NextRates(count, first, is_verbose);
-  const Kind kind = kinds.at(argv[1]);
+  const Kind kind = kinds.at(name);
+  constexpr int kDense = 10;
   axiscal::rates::Score total;
   int spurious_cases = 0, noticed = 0, left_alone = 0;
   std::vector<double> check_ratio, sigma_ratio, seconds;
   for (int seed = first; seed < first + count; ++seed) {
-    const axiscal::rates::Score score = axiscal::rates::Judge(axiscal::rates::Draw(kind, seed), kind);
+    const axiscal::rates::Score score =
+        axiscal::rates::Judge(axiscal::rates::Draw(kind, seed, is_dense ? kDense : 1), kind);
     total.effects += score.effects;
     total.named += score.named;
     total.first += score.first;

@@ -30,9 +30,12 @@ T Of(std::initializer_list<T> values, Dice* dice) {
 session::Case Plan(const char* name) { return session::ReadCase(base::SourcePath("/tests/data/loop/") + name).value(); }
 
 // Every plan with another sampling, speed and temperature.
-void Vary(std::vector<session::Session>* sessions, int stride, double slower, double warming_per_s) {
+void Vary(std::vector<session::Session>* sessions, int stride, int density, double slower, double warming_per_s) {
   for (session::Session& session : *sessions) {
-    if (session.reading_count() > 200) synthetic::KeepEvery(stride, &session);
+    if (session.reading_count() > 200) {
+      synthetic::KeepEvery(stride, &session);
+      synthetic::Refine(density, &session);
+    }
     synthetic::Slow(slower, &session);
     if (warming_per_s == 0.0 || session::FindColumn(session, "temp_C") == nullptr) continue;
     synthetic::SetTemperature(
@@ -168,7 +171,7 @@ void AddSlip(const Machine& machine, const machine::ErrorModel& truth, const ses
 
 }  // namespace
 
-SimulatedCase Draw(Kind kind, uint64_t seed) {
+SimulatedCase Draw(Kind kind, uint64_t seed, int density) {
   Dice dice(seed * 977 + static_cast<uint64_t>(kind) * 7919 + 1);
   const bool is_dirty = kind == Kind::kDirty || kind == Kind::kDirtyNull;
   session::Case plan = Plan(Of({"case-003", "case-012", "case-001", "case-013", "case-002", "case-014"}, &dice));
@@ -177,8 +180,8 @@ SimulatedCase Draw(Kind kind, uint64_t seed) {
   const bool has_warming = dice.Chance(0.5);
   const double slower = dice.Uniform(0.6, 1.6), warming = has_warming ? dice.Uniform(2e-4, 8e-4) : 0.0;
   const int stride = Of({1, 1, 2}, &dice);
-  Vary(&plan.fit, stride, slower, warming);
-  Vary(&plan.check, stride, slower, warming);
+  Vary(&plan.fit, stride, density, slower, warming);
+  Vary(&plan.check, stride, density, slower, warming);
   out.sigma_scale = is_dirty                   ? std::exp(dice.Uniform(-1.0, 1.0) * std::log(2.0))
                     : kind == Kind::kMisstated ? Of({0.5, 2.0}, &dice)
                                                : 1.0;

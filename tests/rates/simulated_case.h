@@ -47,8 +47,9 @@ struct SimulatedCase {
   instruments::Carrier carrier = instruments::Carrier::kTable;
 };
 
-// The case number `seed` of a kind; the same each time.
-SimulatedCase Draw(Kind kind, uint64_t seed);
+// The case number `seed` of a kind; the same each time. `density`: so many readings where the plan's dense sessions
+// have one; effects and bad readings are as large and as frequent, so that each shows more clearly.
+SimulatedCase Draw(Kind kind, uint64_t seed, int density = 1);
 
 }  // namespace axiscal::rates
 
