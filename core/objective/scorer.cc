@@ -442,6 +442,20 @@ std::vector<Eigen::VectorXd> Scorer::VariancesOf(const State& state, double desi
   return out;
 }
 
+// No variance explains more than the largest, and the determinant only costs.
+double Scorer::LeastOfBlock(int which, const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double squares,
+                            double design) const {
+  const Group& one = group(which);
+  const double mean = gram.diagonal().dot(one.spectrum) / static_cast<double>(one.spectrum.size());
+  if (!(mean > 0.0)) return std::numeric_limits<double>::infinity();
+  const double variance = std::min(std::exp(policy_.largest_log_variance) / mean, one.largest_variance);
+  Eigen::MatrixXd held = gram;
+  held.diagonal().array() += design / variance / one.spectrum.array();
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(held);
+  if (cholesky.info() != Eigen::Success) return -std::numeric_limits<double>::infinity();  // rounding: nothing is known
+  return dof_ / design * LogRatio(squares - right.dot(cholesky.solve(right)), squares);
+}
+
 // With g the products and k the eigenvalues of the block's columns times the root of its spectrum:
 //   2 ln evidence = -dof/D ln(1 - q / rss) - sum ln(1 + v k / D),   q = sum v g^2 / (D + v k)
 Move Scorer::BestBlock(int which, const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double squares,
@@ -588,7 +602,11 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
     const Group& one = group(g);
     Move move{{g, 0.0}};
     if (one.IsBlock()) {
-      move = BestBlock(g, beyond(g), right.segment(first_column_[g], one.columns), factor.squares, design);
+      const Eigen::MatrixXd left = beyond(g);
+      const Eigen::VectorXd its = right.segment(first_column_[g], one.columns);
+      // Eigenvalues take ten times as long, and few blocks come near.
+      if (LeastOfBlock(g, left, its, factor.squares, design) + PriceOf(g, design) > limit()) return;
+      move = BestBlock(g, left, its, factor.squares, design);
     } else {
       const std::optional<double> explained = flat_explains(g, true);
       if (!explained) return;

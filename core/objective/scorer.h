@@ -141,6 +141,9 @@ class Scorer {
   // Calls visit(move) for each addition whose objective may be at most base + limit(), base being that of the state.
   template <typename Limit, typename Visit>
   void ForEachAddition(const State& state, double design, const std::vector<bool>& allowed, Limit limit, Visit visit);
+  // At least what BestBlock changes the objective by, its price aside.
+  double LeastOfBlock(int group, const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double squares,
+                      double design) const;
   Move BestBlock(int group, const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, double squares,
                  double design) const;
 

@@ -6,8 +6,6 @@
 #include <set>
 #include <tuple>
 
-#include "core/decide/close_loop.h"
-
 namespace axiscal::rates {
 namespace {
 
@@ -46,11 +44,11 @@ bool IsSame(const ErrorTerm& a, const ErrorTerm& b) {
          std::abs(one->frequency - other->frequency) < (one->is_frequency_free ? 0.05 * other->frequency : 1e-9);
 }
 
-Score Judge(const SimulatedCase& simulated, Kind kind) {
+Score Judge(const SimulatedCase& simulated, Kind kind, const decide::Options& options) {
   const machine::Machine& machine = simulated.machine;
   Score score;
   const auto start = std::chrono::steady_clock::now();
-  const absl::StatusOr<loop::Report> run = decide::CloseLoop(machine, simulated.fit, simulated.check);
+  const absl::StatusOr<loop::Report> run = decide::CloseLoop(machine, simulated.fit, simulated.check, options);
   score.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   score.effects = kind == Kind::kBump ? 0 : static_cast<int>(simulated.effects.terms.size());
   if (!run.ok()) {
@@ -138,12 +136,12 @@ Score Judge(const SimulatedCase& simulated, Kind kind) {
   score.sigma_ratio = SigmaRatio(simulated, report);
 
   // The oracle fits the effects that went in, readings set aside as usual.
-  identify::Options options;
-  options.model = simulated.declared;
-  for (const ErrorTerm& term : simulated.effects.terms) options.model->terms.push_back(term);
-  const auto known = identify::FitRuns(machine, simulated.fit, options);
+  identify::Options knowing;
+  knowing.model = simulated.declared;
+  for (const ErrorTerm& term : simulated.effects.terms) knowing.model->terms.push_back(term);
+  const auto known = identify::FitRuns(machine, simulated.fit, knowing);
   if (known.ok() && kind != Kind::kBump && !IsSlip(kind)) {
-    const auto check = identify::CheckRuns(machine, simulated.check, known->result.model, options);
+    const auto check = identify::CheckRuns(machine, simulated.check, known->result.model, knowing);
     if (check.ok()) score.check_ratio = report.check_after.rms_mm / check->result.fit.rms_mm;
   }
   return score;

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "core/decide/close_loop.h"
 #include "tests/rates/simulated_case.h"
 
 namespace axiscal::rates {
@@ -24,7 +25,7 @@ struct Score {
 // The same effect; a pitch's frequency is told to within half a period over the measured range (about 1 in 20 here).
 bool IsSame(const machine::ErrorTerm& a, const machine::ErrorTerm& b);
 
-Score Judge(const SimulatedCase& simulated, Kind kind);
+Score Judge(const SimulatedCase& simulated, Kind kind, const decide::Options& options = {});
 
 }  // namespace axiscal::rates
 
