@@ -478,76 +478,103 @@ Move Scorer::BestBlock(int which, const Eigen::MatrixXd& gram, const Eigen::Vect
   return best;
 }
 
-// Without the row and column k of what it is the factor of, L has one number too many in each row behind it; rotations
-// of its columns take them off, and the same rotations of the rows of L^-1 P give those of the smaller factor
-// (Golub and Van Loan, Matrix Computations, "Updating matrix factorizations").
-void Scorer::Without(const Ground& ground, Eigen::Index first, Eigen::Index count, Eigen::MatrixXd* half) {
-  struct Turn {
-    Eigen::Index row;  // and the next one
-    double cosine, sine;
-  };
-  std::vector<Turn> turns;
-  Eigen::MatrixXd lower = ground.lower;
-  for (Eigen::Index k = first + count - 1; k >= first; --k) {
-    const Eigen::Index n = lower.rows();
-    Eigen::MatrixXd rest(n - 1, n);
-    rest << lower.topRows(k), lower.bottomRows(n - 1 - k);
-    for (Eigen::Index j = k; j + 1 < n; ++j) {
-      const double length = std::hypot(rest(j, j), rest(j, j + 1));
-      const Turn turn{j, rest(j, j) / length, rest(j, j + 1) / length};
-      const Eigen::VectorXd here = rest.col(j), next = rest.col(j + 1);
-      rest.col(j) = turn.cosine * here + turn.sine * next;
-      rest.col(j + 1) = turn.cosine * next - turn.sine * here;
-      turns.push_back(turn);
-    }
-    lower = rest.leftCols(n - 1);
-  }
-  // Column by column: all turns of one stay in cache.
-  half->resize(lower.rows(), ground.half.cols());
-  std::vector<double> column(static_cast<size_t>(ground.half.rows()));
-  for (Eigen::Index c = 0; c < half->cols(); ++c) {
-    std::copy_n(ground.half.col(c).data(), column.size(), column.begin());
-    for (const Turn& turn : turns) {
-      double &here = column[static_cast<size_t>(turn.row)], &next = column[static_cast<size_t>(turn.row) + 1];
-      const double turned = turn.cosine * here + turn.sine * next;
-      next = turn.cosine * next - turn.sine * here;
-      here = turned;
-    }
-    std::copy_n(column.begin(), half->rows(), half->col(c).data());
-  }
+namespace {
+// B with B' B = W' V^-1 W, W the rows of some columns in K^-1 P and V their part of K^-1: what K^-1 explains by them
+// beyond what it explains without them.
+Eigen::MatrixXd BackOf(const Eigen::MatrixXd& inverse, const Eigen::MatrixXd& weights, Eigen::Index first,
+                       Eigen::Index count) {
+  const Eigen::LLT<Eigen::MatrixXd> own(inverse.block(first, first, count, count));
+  Eigen::MatrixXd back = weights.middleRows(first, count);
+  own.matrixL().solveInPlace(back);
+  return back;
 }
+}  // namespace
 
-const Eigen::MatrixXd& Scorer::Explained(const State& state, double design, const Factor& factor) {
-  if (state.empty()) {
-    explained_.resize(0, column_count_);
-    return explained_;
+Scorer::Explained Scorer::ExplainedBy(const State& state, double design, const Factor& factor) {
+  Explained out;
+  out.flat = factor.flat;
+  const bool is_fresh = ground_ && ground_->design == design && ground_->of_y.size() == column_count_;
+  if (is_fresh && ground_->state == state) {
+    out.ground = &*ground_;
+    out.of_y = ground_->of_y;
+    return out;
   }
-  const bool is_fresh = ground_ && ground_->design == design && ground_->half.cols() == column_count_;
-  if (is_fresh && ground_->state == state) return ground_->half;
   if (is_fresh && ground_->state.size() == state.size() + 1) {
     const auto gone = std::mismatch(state.begin(), state.end(), ground_->state.begin()).second;
     const auto which = gone - ground_->state.begin();
     if (std::equal(gone + 1, ground_->state.end(), state.begin() + which)) {
-      Without(*ground_, ground_->first[static_cast<size_t>(which)], group(gone->group).columns, &explained_);
-      return explained_;
+      const Eigen::Index first = ground_->first[static_cast<size_t>(which)], count = group(gone->group).columns;
+      out.ground = &*ground_;
+      out.back = BackOf(ground_->inverse, ground_->weights, first, count);
+      Eigen::MatrixXd amplitude = ground_->amplitude.segment(first, count);
+      const Eigen::LLT<Eigen::MatrixXd> own(ground_->inverse.block(first, first, count, count));
+      own.matrixL().solveInPlace(amplitude);
+      out.of_y = ground_->of_y;
+      out.of_y.noalias() -= out.back.transpose() * amplitude;
+      if (first < ground_->flat && ground_->flat_weights.size() > 0)
+        out.flat_back = BackOf(ground_->flat_inverse, ground_->flat_weights, first, count);
+      return out;
     }
   }
   LoadProducts(state);
-  explained_.resize(factor.half.size(), column_count_);
+  out.half.resize(factor.half.size(), column_count_);
   for (size_t i = 0; i < state.size(); ++i) {
     const Eigen::MatrixXd& products = Load(state[i].group).products;
-    explained_.middleRows(factor.first[i], products.cols()) = products.transpose();
+    out.half.middleRows(factor.first[i], products.cols()) = products.transpose();
   }
-  factor.lower.triangularView<Eigen::Lower>().solveInPlace(explained_);
-  return explained_;
+  if (!state.empty()) factor.lower.triangularView<Eigen::Lower>().solveInPlace(out.half);
+  out.of_y = out.half.transpose() * factor.half;
+  return out;
+}
+
+template <typename Gram>
+void Scorer::TakeOff(const Explained& explained, int group, bool by_flat, Gram* gram) const {
+  const Eigen::Index columns = gram->cols(), first = first_column_[group];
+  const auto add = [&](const auto& rows, double sign) {
+    if (rows.rows() == 0) return;
+    const auto its = rows.middleCols(first, columns);
+    if constexpr (Gram::MaxRowsAtCompileTime == Eigen::Dynamic) {
+      gram->noalias() += sign * (its.transpose() * its);
+    } else {
+      *gram += sign * its.transpose().lazyProduct(its);
+    }
+  };
+  if (explained.ground == nullptr)
+    return add(explained.half.topRows(by_flat ? explained.flat : explained.half.rows()), -1.0);
+  *gram -= (by_flat ? explained.ground->taken_flat : explained.ground->taken)[static_cast<size_t>(group)];
+  add(by_flat ? explained.flat_back : explained.back, 1.0);
 }
 
 void Scorer::Keep(const State& state, double design) {
   const Factor factor = FactorOf(state, design);
   if (!factor.is_possible || state.empty()) return;
-  const Eigen::MatrixXd& half = Explained(state, design, factor);
-  if (ground_ && &half == &ground_->half) return;
-  ground_ = Ground{state, design, factor.first, factor.lower, half};
+  Explained whole = ExplainedBy(state, design, factor);
+  if (whole.ground != nullptr) {
+    if (whole.back.rows() == 0) return;  // it is that
+    ground_.reset();                     // less than what was kept: from the beginning
+    whole = ExplainedBy(state, design, factor);
+  }
+  Ground ground{state, design, factor.first, factor.flat, {}, {}, {}, {}, {}, whole.of_y, {}, {}};
+  const auto lower = factor.lower.triangularView<Eigen::Lower>();
+  const Eigen::Index n = factor.lower.rows();
+  const Eigen::MatrixXd root = lower.solve(Eigen::MatrixXd::Identity(n, n));
+  ground.inverse = root.transpose() * root;
+  ground.weights = lower.transpose().solve(whole.half);
+  ground.amplitude = lower.transpose().solve(factor.half);
+  const bool has_blocks = factor.flat < n;
+  if (has_blocks && factor.flat > 0) {
+    const auto flat_root = root.topLeftCorner(factor.flat, factor.flat);
+    ground.flat_inverse = flat_root.transpose() * flat_root;
+    ground.flat_weights = flat_root.transpose() * whole.half.topRows(factor.flat);
+  }
+  for (int g = 0; g < group_count(); ++g) {
+    const auto its = whole.half.middleCols(first_column_[g], group(g).columns);
+    ground.taken.emplace_back(its.transpose() * its);
+    if (!has_blocks) continue;
+    const auto by_flat = its.topRows(factor.flat);
+    ground.taken_flat.emplace_back(by_flat.transpose() * by_flat);
+  }
+  ground_ = std::move(ground);
 }
 
 template <typename Limit, typename Visit>
@@ -556,9 +583,8 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
   const Factor factor = FactorOf(state, design);
   if (!factor.is_possible) return;
   const double base = dof_ / design * LogSquares(factor.squares) + factor.log_det + factor.prices;
-  const Eigen::MatrixXd& half = Explained(state, design, factor);
-  Eigen::VectorXd right = with_y_;
-  if (!state.empty()) right.noalias() -= half.transpose() * factor.half;
+  const Explained explained = ExplainedBy(state, design, factor);
+  Eigen::VectorXd right = with_y_ - explained.of_y;
   // What a flat group explains, or nothing where it is a combination of the state or has an amplitude that is none.
   const auto explains = [&](int g, auto gram, bool is_exact) -> std::optional<double> {
     const Group& one = group(g);
@@ -580,22 +606,17 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
     if (is_exact && amplitude.cwiseAbs().maxCoeff() > one.largest_amplitude) return std::nullopt;
     return b.dot(amplitude);
   };
-  const auto gain = [&](double explained) {
-    return dof_ / design * LogRatio(factor.squares - explained, factor.squares);
-  };
-  const auto products = [&](int g) { return half.middleCols(first_column_[g], group(g).columns); };
-  const auto beyond = [&](int g) -> Eigen::MatrixXd {
-    if (state.empty()) return gram_[g];
-    const auto its = products(g);
-    return gram_[g] - its.transpose() * its;
+  const auto gain = [&](double squares) { return dof_ / design * LogRatio(factor.squares - squares, factor.squares); };
+  const auto beyond = [&](int g, bool by_flat = false) {
+    Eigen::MatrixXd gram = gram_[g];
+    TakeOff(explained, g, by_flat, &gram);
+    return gram;
   };
   const auto flat_explains = [&](int g, bool is_exact) {
     constexpr int kSmall = 4;  // columns of nearly all groups: on the stack, as there are tens of thousands
-    const int columns = group(g).columns;
-    if (columns > kSmall) return explains(g, beyond(g), is_exact);
+    if (group(g).columns > kSmall) return explains(g, beyond(g), is_exact);
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kSmall, kSmall> gram = gram_[g];
-    const auto its = products(g);
-    if (!state.empty()) gram -= its.transpose().lazyProduct(its);
+    TakeOff(explained, g, false, &gram);
     return explains(g, gram, is_exact);
   };
   const auto look_at = [&](int g) {
@@ -608,14 +629,12 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
       if (LeastOfBlock(g, left, its, factor.squares, design) + PriceOf(g, design) > limit()) return;
       move = BestBlock(g, left, its, factor.squares, design);
     } else {
-      const std::optional<double> explained = flat_explains(g, true);
-      if (!explained) return;
-      move.objective = gain(*explained);
+      const std::optional<double> squares = flat_explains(g, true);
+      if (!squares) return;
+      move.objective = gain(*squares);
       // What the new columns and the blocks share, the blocks need no longer explain.
-      if (factor.flat < factor.half.size()) {
-        const auto by_flat = products(g).topRows(factor.flat);
-        move.objective += LogDeterminant(beyond(g)) - LogDeterminant(gram_[g] - by_flat.transpose() * by_flat);
-      }
+      if (factor.flat < factor.half.size())
+        move.objective += LogDeterminant(beyond(g)) - LogDeterminant(beyond(g, true));
     }
     move.objective += PriceOf(g, design);
     if (move.objective > limit()) return;
@@ -634,17 +653,16 @@ void Scorer::ForEachAddition(const State& state, double design, const std::vecto
       look_at(g);
       continue;
     }
-    const std::optional<double> explained = flat_explains(g, false);
-    if (explained) scanned.emplace_back(gain(*explained / policy_.scan_visible) + PriceOf(g, design), g);
+    const std::optional<double> squares = flat_explains(g, false);
+    if (squares) scanned.emplace_back(gain(*squares / policy_.scan_visible) + PriceOf(g, design), g);
   }
   // The most promising first: what they are worth spares the projection of most others.
   std::sort(scanned.begin(), scanned.end());
   for (const auto& [least, g] : scanned) {
     if (least > limit()) break;
     MakeExact(g);
-    right.segment(first_column_[g], group(g).columns) = with_y_.segment(first_column_[g], group(g).columns);
-    if (!state.empty())
-      right.segment(first_column_[g], group(g).columns).noalias() -= products(g).transpose() * factor.half;
+    const Eigen::Index first = first_column_[g], columns = group(g).columns;
+    right.segment(first, columns) = with_y_.segment(first, columns) - explained.of_y.segment(first, columns);
     if (is_visible_[g]) look_at(g);
   }
 }

@@ -105,12 +105,27 @@ class Scorer {
     Eigen::MatrixXd products;
   };
   struct Factor;
-  // A state's factor with what the state explains of all columns: lower^-1 times their products with its own.
+  // A state that is kept, with what it takes to say what is left of it without any one member.
   struct Ground {
     State state;
     double design = 1.0;
     std::vector<Eigen::Index> first;  // per member: where its columns stand
-    Eigen::MatrixXd lower, half;
+    Eigen::Index flat = 0;            // columns of flat members, which stand first
+    // K^-1 and K^-1 P, P the products of the state's columns with all columns; the same of the flat members alone,
+    // empty where there are no blocks.
+    Eigen::MatrixXd inverse, weights, flat_inverse, flat_weights;
+    Eigen::VectorXd amplitude, of_y;  // K^-1 b, and per column what the state explains of its product with y
+    std::vector<Eigen::MatrixXd> taken, taken_flat;  // per group: what the state, its flat members explain of its Gram
+  };
+  // What a state explains of all columns: half' half, half = lower^-1 P; or, of a ground without a member, what the
+  // ground explains less back' back (the inverse of a part of a matrix; Golub and Van Loan, Matrix Computations,
+  // "Updating matrix factorizations").
+  struct Explained {
+    const Ground* ground = nullptr;
+    Eigen::MatrixXd back, flat_back;
+    Eigen::MatrixXd half;
+    Eigen::Index flat = 0;
+    Eigen::VectorXd of_y;  // per column
   };
 
   // ln(rss / dof), rss at least Rows::least_squares; and what is left of it.
@@ -130,10 +145,11 @@ class Scorer {
   const Eigen::MatrixXd& Cross(int group, int other);
   // Gram matrix of the state's columns, flat ones first; where each member's columns are in it.
   Factor FactorOf(const State& state, double design);
-  // `half` of a state, from what is kept where it can be; until the next call.
-  const Eigen::MatrixXd& Explained(const State& state, double design, const Factor& factor);
-  // The same of a ground without some of its columns.
-  static void Without(const Ground& ground, Eigen::Index first, Eigen::Index count, Eigen::MatrixXd* half);
+  // From what is kept where it can be.
+  Explained ExplainedBy(const State& state, double design, const Factor& factor);
+  // Takes what is explained, by the flat members alone where asked, off the Gram matrix of a group.
+  template <typename Gram>
+  void TakeOff(const Explained& explained, int group, bool by_flat, Gram* gram) const;
   template <typename Make>
   bool RefineAlong(size_t member, double design, double middle, double reach, Make make, State* state);
   // Projects a member of a scan.
@@ -166,7 +182,6 @@ class Scorer {
   double squares_ = 0.0, dof_ = 1.0;  // of y, projected
   std::map<int, Loaded> loaded_;
   std::optional<Ground> ground_;
-  Eigen::MatrixXd explained_;
   std::set<std::vector<int>> at_best_;  // a group, then all of its state in ascending order: no place is better
   std::map<std::pair<int, int>, Eigen::MatrixXd> cross_;  // of groups in ascending order
 };
