@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "absl/strings/str_split.h"
+#include "core/session/stated_facts.h"
 #include "core/session/text.h"
 
 namespace axiscal::session {
@@ -109,6 +110,7 @@ absl::Status ValidateLoad(const std::vector<HeaderEntry>& header) {
 absl::Status ValidateOptional(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
   RETURN_IF_ERROR(ValidateDatum(header, format));
   RETURN_IF_ERROR(ValidateLoad(header));
+  RETURN_IF_ERROR(ValidateStatedFacts(header, format));
   ASSIGN_OR_RETURN(const size_t setup, FindOnce(header, "setup"));
   if (setup != std::string::npos) RETURN_IF_ERROR(ValidateEntry(setup, header[setup], {"setup", 0, 0, 0, "a text"}));
   ASSIGN_OR_RETURN(const size_t started, FindOnce(header, "started"));
