@@ -9,6 +9,7 @@
 #include "core/instruments/length/length_model.h"
 #include "core/instruments/registry.h"
 #include "core/instruments/run.h"
+#include "core/instruments/stated.h"
 #include "core/instruments/touch/touch_bind.h"
 #include "core/instruments/tracker/tracker_model.h"
 #include "core/machine/redundant_facts.h"
@@ -39,11 +40,13 @@ class Binder {
       RETURN_IF_ERROR(touch::BindTouches(machine_, session_, &run_));
       RETURN_IF_ERROR(touch::GateTouches(machine_, session_, &run_));
     }
-    if (!for_fit) return std::move(run_);
-    DeriveMotion(&run_);
-    if (run_.kind == Kind::kTracker) run_.tracker_from_machine = tracker::StartingPose(machine_, run_);
-    if (run_.kind == Kind::kLength && !length::HasStatedZero(run_))
-      run_.length.zero_mm = length::StartingZero(machine_, run_);
+    if (for_fit) {
+      DeriveMotion(&run_);
+      if (run_.kind == Kind::kTracker) run_.tracker_from_machine = tracker::StartingPose(machine_, run_);
+      if (run_.kind == Kind::kLength && !length::HasStatedZero(run_))
+        run_.length.zero_mm = length::StartingZero(machine_, run_);
+    }
+    RETURN_IF_ERROR(BindStated(session_, machine_, &run_));
     return std::move(run_);
   }
 
@@ -251,6 +254,7 @@ class Binder {
   absl::StatusOr<MeasuringRun> BindPaths() {
     run_.axis_count = machine_.axis_count();
     RETURN_IF_ERROR(eccentricity::BindEccentricities(machine_, session_, &run_));
+    BindCertificates(session_, &run_);
     DeriveMotion(&run_);
     return std::move(run_);
   }

@@ -275,16 +275,20 @@ void DifferentiateDistortions(const machine::Machine& machine, const MeasuringRu
 template <typename Errors>
 void PredictAny(const machine::Machine& machine, const MeasuringRun& run, int reading, const Errors& errors,
                 const double* setup, double* predicted_mm) {
-  if (!IsMoved(run)) return PredictInstrument(machine, run, reading, errors, setup, predicted_mm);
-  const auto moved = AfterMoves(machine, run, reading, errors, setup);
-  PredictInstrument(machine, run, reading, moved.errors, moved.setup, predicted_mm);
-  if (IsReadWrong(run)) Misread(machine, run, reading, setup, predicted_mm);
+  if (!IsMoved(run)) {
+    PredictInstrument(machine, run, reading, errors, setup, predicted_mm);
+  } else {
+    const auto moved = AfterMoves(machine, run, reading, errors, setup);
+    PredictInstrument(machine, run, reading, moved.errors, moved.setup, predicted_mm);
+    if (IsReadWrong(run)) Misread(machine, run, reading, setup, predicted_mm);
+  }
+  for (int row = 0; run.stated_mm.size() > 0 && row < run.row_count; ++row)
+    predicted_mm[row] += run.stated_mm(row, reading);
 }
 
-}  // namespace
-
-void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int reading,
-              const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
+// Without what the header states.
+void EvaluateUnstated(const machine::Machine& machine, const MeasuringRun& run, int reading,
+                      const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
   if (!IsMoved(run)) return EvaluateInstrument(machine, run, reading, errors, setup, out);
   const auto moved = AfterMoves(machine, run, reading, errors, setup);
   EvaluateInstrument(machine, run, reading, moved.errors, moved.setup, out);
@@ -303,6 +307,14 @@ void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int read
     column += 3;
   }
   if (!run.distortions.empty()) DifferentiateDistortions(machine, run, reading, moved.errors, setup, out);
+}
+
+}  // namespace
+
+void Evaluate(const machine::Machine& machine, const MeasuringRun& run, int reading,
+              const machine::JointErrors<double>& errors, const double* setup, Evaluation* out) {
+  EvaluateUnstated(machine, run, reading, errors, setup, out);
+  if (run.stated_mm.size() > 0) out->predicted_mm += run.stated_mm.col(reading);
 }
 
 void Predict(const machine::Machine& machine, const MeasuringRun& run, int reading,

@@ -14,6 +14,7 @@
 #include "core/instruments/touch/touch_run.h"
 #include "core/machine/machine.h"
 #include "core/session/session.h"
+#include "core/session/stated_facts.h"
 #include "core/shapes/state.h"
 #include "core/shapes/temperatures.h"
 
@@ -100,6 +101,17 @@ struct Direction {
   Eigen::Vector3d about = Eigen::Vector3d::Zero();  // unit, machine axes at home
 };
 
+// What a stated fact (stated.h) adds to each reading, row_count x readings.
+struct StatedEffect {
+  std::string of;               // "expansion of bar, 11.5 +- 0.5 um/(m K)": the same in two sessions is one fact
+  Eigen::MatrixXd mm;           // by the stated value
+  Eigen::MatrixXd by_sigma_mm;  // where the fact is off by one standard uncertainty
+  bool is_workpiece = false;    // of what is cut, not of what is read: no part of a prediction
+  // The setup offset that it is known of, where there is one, and how well.
+  std::string setup_offset;
+  double setup_sigma_mm = 0.0;
+};
+
 struct MeasuringRun {
   std::string session;
   std::string setup_name;        // sessions with the same name share their setup offsets
@@ -153,6 +165,10 @@ struct MeasuringRun {
   std::optional<double> payload_kg;                  // what the machine carried, where it is stated
   std::optional<Eigen::Vector3d> gravity_direction;  // unit, downwards, machine frame, where it is stated
   Eigen::MatrixXd measured_mm;                       // row_count x readings; column k = reading k
+  std::vector<StatedEffect> stated;
+  Eigen::MatrixXd stated_mm;  // their sum, added to every prediction; empty where there are none
+  std::vector<session::Certificate> certificates;
+  std::optional<base::UtcTime> started;  // where the header states it
 
   int reading_count() const { return static_cast<int>(measured_mm.cols()); }
   const double* PositionsOf(int reading) const { return positions.data() + static_cast<size_t>(reading) * axis_count; }

@@ -19,7 +19,8 @@ enum class Stream : uint64_t {
   kSetups = 300,
   kNoise = 400,
   kBad = 500,
-  kBox = 600
+  kBox = 600,
+  kStated = 700
 };
 uint64_t SeedOf(uint64_t seed, Stream stream) { return base::StreamSeed(seed, static_cast<uint64_t>(stream)); }
 
@@ -185,6 +186,7 @@ class Runner {
     size_t setup = 0;  // the first session with this set-up
     while (SetupOf(sessions_[setup]) != SetupOf(sessions_[s])) ++setup;
     measuring.noise.setup_seed = base::StreamSeed(SeedOf(seed_, Stream::kSetups), setup);
+    if (scenario_.noise.draw_setup) measuring.noise.stated_seed = SeedOf(seed_, Stream::kStated);
     ASSIGN_OR_RETURN(session::Session session, Measure(machine_, measuring, sessions_[s]));
     if (!faults.shown_positions.empty()) ShowPositions(machine_, faults.shown_positions, &session);
     if (scenario_.bad_share > 0.0 && runs_[s].kind != Kind::kTouch && runs_[s].kind != Kind::kEccentricity) {

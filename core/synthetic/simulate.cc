@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/crc32c.h"
 #include "core/base/units.h"
 #include "core/instruments/centres/centres_model.h"
 #include "core/instruments/eccentricity/eccentricity_bind.h"
@@ -107,8 +108,22 @@ std::vector<double> DrawSetup(const instruments::MeasuringRun& run, base::Random
   for (size_t i = 0; i < run.setup.size(); ++i) {
     const double sigma = run.setup[i].prior_sigma;
     if (std::isfinite(sigma)) setup[i] = sigma * random->Normal();
+    if (run.setup[i].held) setup[i] = *run.setup[i].held;
   }
   return setup;
+}
+
+// What stated facts that are off add to the readings, row_count x readings; empty where they are as stated.
+Eigen::MatrixXd DrawStated(const instruments::MeasuringRun& run, const NoiseOptions& noise) {
+  Eigen::MatrixXd off_mm;
+  if (!noise.stated_seed) return off_mm;
+  for (const instruments::StatedEffect& effect : run.stated) {
+    if (effect.is_workpiece) continue;
+    if (off_mm.size() == 0) off_mm.setZero(effect.mm.rows(), effect.mm.cols());
+    base::Random random(base::StreamSeed(*noise.stated_seed, base::Crc32c(0, effect.of.data(), effect.of.size())));
+    off_mm += random.Normal() * effect.by_sigma_mm;
+  }
+  return off_mm;
 }
 
 }  // namespace
@@ -143,6 +158,7 @@ absl::StatusOr<session::Session> Measure(const machine::Machine& machine, const 
   base::Random random(noise.seed), of_setup(noise.setup_seed.value_or(0));
   std::vector<double> setup(instruments::kMaxSetupParameters, 0.0);
   if (noise.draw_setup) setup = DrawSetup(run, noise.setup_seed ? &of_setup : &random);
+  const Eigen::MatrixXd stated_mm = DrawStated(run, noise);
   const double sigma_mm = noise.sigma_scale * run.sigma_mm;
   Noise noises(noise, run.row_count);
   for (int k = 0; k < run.reading_count(); ++k) {
@@ -155,12 +171,15 @@ absl::StatusOr<session::Session> Measure(const machine::Machine& machine, const 
         },
         setup.data(), predicted_mm);
     if (measuring.distort) measuring.distort(k, predicted_mm);
+    for (int row = 0; stated_mm.size() > 0 && row < run.row_count; ++row) predicted_mm[row] += stated_mm(row, k);
     for (int row = 0; row < run.row_count; ++row) {
       double reading_mm = predicted_mm[row] + sigma_mm * noises.Next(row, run.PositionsOf(k), run.axis_count, &random);
       if (noise.bad_share > 0.0 && random.Uniform() < noise.bad_share) reading_mm += BadOffset(&random) * sigma_mm;
       if (noise.resolution_mm > 0.0) reading_mm = std::round(reading_mm / noise.resolution_mm) * noise.resolution_mm;
       if (run.kind == instruments::Kind::kTouch) {
-        RETURN_IF_ERROR(MoveToContact(machine, errors, setup.data(), k, reading_mm - predicted_mm[row], &run));
+        // The gap by what is stated, where the real one is noise alone.
+        const double off_mm = stated_mm.size() > 0 ? stated_mm(row, k) : 0.0;
+        RETURN_IF_ERROR(MoveToContact(machine, errors, setup.data(), k, reading_mm - predicted_mm[row] - off_mm, &run));
         continue;
       }
       if (run.kind == instruments::Kind::kEccentricity) {
