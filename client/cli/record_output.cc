@@ -1,5 +1,6 @@
 #include "client/cli/record_output.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_join.h"
@@ -385,6 +386,23 @@ std::string DatumText(const reports::Fitted& fitted) {
   return text;
 }
 
+// What stated facts have in the sigmas: those that make a tenth of one or more.
+std::string StatedText(const reports::Fitted& fitted) {
+  constexpr double kWorthSaying = 0.1;
+  std::string text;
+  for (const reports::StatedFact& fact : fitted.stated) {
+    std::string moves;
+    for (const auto& [name, by] : fact.moves) {
+      const auto error = std::find_if(fitted.errors.begin(), fitted.errors.end(),
+                                      [&name = name](const reports::Error& one) { return one.name == name; });
+      if (error == fitted.errors.end() || !(std::abs(by) >= kWorthSaying * error->sigma)) continue;
+      absl::StrAppend(&moves, moves.empty() ? "" : ", ", NumberText(std::abs(by)), " ", error->unit, " of ", name);
+    }
+    if (!moves.empty()) absl::StrAppend(&text, "in the sigmas by the ", fact.of, ": ", moves, "\n");
+  }
+  return text;
+}
+
 // What a report says beyond the single errors: lines for people.
 std::string ReportText(const reports::Fitted& fitted) {
   std::string text;
@@ -402,6 +420,7 @@ std::string ReportText(const reports::Fitted& fitted) {
     absl::StrAppend(&text, "they determine: ", combination.name, " = ", NumberText(combination.value), " +- ",
                     NumberText(combination.sigma), " ", combination.unit, "\n");
   }
+  text += StatedText(fitted);
   text += DatumText(fitted);
   for (const reports::Outlier& outlier : fitted.outliers) text += OutlierText(outlier);
   return text;

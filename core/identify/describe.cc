@@ -128,6 +128,12 @@ void DescribeErrors(const SolvedProblem& solved, const Judgement& judgement, Res
     result->not_separable.push_back(CombinationName(result->estimates, direction));
   result->determined =
       DeterminedCombinations(result->estimates, null_space, values, covariance.errors.topLeftCorner(p, p));
+  for (const StatedPart& part : judgement.stated) {
+    Eigen::VectorXd moved = part.moved;
+    for (int i = 0; i < p; ++i)
+      if (!result->estimates[static_cast<size_t>(i)].identifiable) moved[i] = std::numeric_limits<double>::quiet_NaN();
+    result->stated.push_back({part.of, std::move(moved)});
+  }
   result->rank = null_space.rank;
   result->condition = null_space.condition;
 }
@@ -177,6 +183,7 @@ std::vector<reports::WarningFacts> ListWarnings(const SolvedProblem& solved, con
         WarningsOf(result, solved.parameters, judgement.without_interval, judgement.unsupported)})
     warnings.insert(warnings.end(), further.begin(), further.end());
   for (reports::WarningFacts& warning : FindCoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
+  for (reports::WarningFacts& warning : FindExpired(solved.problem)) warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
     warnings.push_back(std::move(warning));
   // Set-up offsets of which nothing is known beforehand take a reading each as errors do.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/time/time.h"
 #include "core/base/units.h"
 #include "core/identify/plausible_errors.h"
 #include "core/instruments/resolution.h"
@@ -47,6 +48,21 @@ std::vector<reports::WarningFacts> FindCoarseReadings(const Problem& problem) {
                                                .sigma_um = run.sigma_mm * base::kUmPerMm,
                                                .rounding_sigma_um = instruments::RoundingSigma(run) * base::kUmPerMm,
                                                .most_sigmas = instruments::kCoarse});
+  }
+  return warnings;
+}
+
+std::vector<reports::WarningFacts> FindExpired(const Problem& problem) {
+  std::vector<reports::WarningFacts> warnings;
+  for (const instruments::MeasuringRun& run : problem.runs) {
+    for (const session::Certificate& certificate : run.certificates) {
+      if (run.started && *run.started < certificate.valid_until) continue;
+      warnings.push_back(reports::Expired{
+          run.session, certificate.of, certificate.number, certificate.due,
+          run.started
+              ? absl::FormatTime("%Y-%m-%d", absl::FromUnixMicros(base::ToUtcUs(*run.started)), absl::UTCTimeZone())
+              : std::string()});
+    }
   }
   return warnings;
 }

@@ -21,6 +21,9 @@ std::vector<reports::WarningFacts> WarningsOf(const Result& result, const std::v
 // Of each session with a reading column that is rounded to a coarse step (instruments/resolution.h).
 std::vector<reports::WarningFacts> FindCoarseReadings(const Problem& problem);
 
+// Certificates that were not valid when their session began, and those of sessions that do not say when that was.
+std::vector<reports::WarningFacts> FindExpired(const Problem& problem);
+
 // Errors and set-up offsets that are surely larger than a machine of this size can have, after its fit.
 std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const Result& result);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/identify/plausible_errors.h"
 #include "core/identify/profile_likelihood.h"
@@ -28,6 +29,44 @@ Covariance UncertaintyOf(const SolvedProblem& solved, double sigma_scale) {
   point.model.terms.insert(point.model.terms.end(), problem.fixed_model.terms.begin(), problem.fixed_model.terms.end());
   return CovarianceOf(all_free, point, Assemble(all_free, point, all), solved.held, sigma_scale,
                       problem.fixed_covariance);
+}
+
+// What stated facts leave uncertain. A fact that is off by one standard uncertainty moves all that is fitted by the
+// Gauss-Newton step which the readings then ask for, in all sessions that rest on it at once; facts are independent.
+// Nothing is fitted of them: readings do not make a coefficient better known.
+std::vector<StatedPart> AddStated(const SolvedProblem& solved, Covariance* covariance) {
+  const Problem& problem = solved.problem;
+  const Solution& solution = solved.solution;
+  std::map<std::string, std::vector<std::pair<size_t, const instruments::StatedEffect*>>> facts;
+  for (size_t i = 0; i < problem.runs.size(); ++i) {
+    for (const instruments::StatedEffect& effect : problem.runs[i].stated) {
+      if (!effect.is_workpiece) facts[effect.of].push_back({i, &effect});
+    }
+  }
+  std::vector<StatedPart> parts;
+  if (facts.empty()) return parts;
+  const GaussNewtonStep as_it_is = SolveStep(problem, solution.point, solution.normal, solved.held);
+  for (const auto& [of, effects] : facts) {
+    Problem off = problem;
+    for (const auto& [run, effect] : effects) off.runs[run].measured_mm -= effect->by_sigma_mm;
+    const GaussNewtonStep moved =
+        SolveStep(off, solution.point, Assemble(off, solution.point, solved.parameters), solved.held);
+    StatedPart& part = parts.emplace_back(StatedPart{of, moved.errors - as_it_is.errors});
+    const Eigen::Index p = part.moved.size();
+    covariance->errors.topLeftCorner(p, p) += part.moved * part.moved.transpose();
+    std::vector<Eigen::VectorXd> by_setup;
+    for (size_t g = 0; g < moved.setup.size(); ++g) by_setup.push_back(moved.setup[g] - as_it_is.setup[g]);
+    for (const auto& [run, effect] : effects) {
+      const auto group = static_cast<size_t>(problem.group_of_run[run]);
+      for (size_t k = 0; k < problem.groups[group].parameters.size(); ++k) {
+        if (problem.groups[group].parameters[k].name == effect->setup_offset)
+          by_setup[group][static_cast<Eigen::Index>(k)] = effect->setup_sigma_mm;
+      }
+    }
+    for (size_t g = 0; g < by_setup.size(); ++g)
+      covariance->setup_sigma[g] = (covariance->setup_sigma[g].array().square() + by_setup[g].array().square()).sqrt();
+  }
+  return parts;
 }
 
 // `linear`: covariance of the errors by the readings' noise as stated, with all priors.
@@ -89,6 +128,7 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   judgement.coverage_factor =
       information::CoverageFactor(judgement.sigma_scale > 1.0, judgement.statistics.degrees_of_freedom);
   judgement.covariance = UncertaintyOf(solved, judgement.sigma_scale);
+  judgement.stated = AddStated(solved, &judgement.covariance);
   const Eigen::MatrixXd linear =
       InverseBeside(Reduce(solved.problem, solution.point, solution.normal, Priors::kAll), solved.held);
   judgement.prior_dominated = FindPriorDominated(solved, linear);

@@ -2,6 +2,7 @@
 #ifndef AXISCAL_CORE_IDENTIFY_JUDGE_H_
 #define AXISCAL_CORE_IDENTIFY_JUDGE_H_
 
+#include <string>
 #include <vector>
 
 #include "core/identify/result.h"
@@ -17,13 +18,20 @@ struct PriorDominated {
   std::vector<Eigen::VectorXd> directions;  // each in units of the errors (mm, rad), as NullSpace::directions
 };
 
+// How a stated fact (instruments/stated.h) that is off by one standard uncertainty moves the fitted errors.
+struct StatedPart {
+  std::string of;
+  Eigen::VectorXd moved;  // per error, mm or rad
+};
+
 struct Judgement {
   FitStatistics statistics;
   // By how much the readings scatter more than stated (Birge ratio, sqrt(chi-square / degrees of freedom)), at least 1;
   // 1 without options.scale_uncertainties. All uncertainties from readings are multiplied by it.
   double sigma_scale = 1.0;
-  double coverage_factor = 0.0;  // Result::coverage_factor
-  Covariance covariance;         // of the fitted errors and, behind them, those that are held from elsewhere
+  double coverage_factor = 0.0;    // Result::coverage_factor
+  Covariance covariance;           // of the fitted errors and, behind them, those that are held from elsewhere
+  std::vector<StatedPart> stated;  // what stated facts have in it
   PriorDominated prior_dominated;
   std::vector<bool> without_interval;  // per error (profile_likelihood.h)
   // Per error: the model holds it at a value that readings do not support. Prior-dominated, without an interval, of a

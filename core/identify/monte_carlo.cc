@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "core/base/demand.h"
 #include "core/base/random.h"
@@ -79,9 +81,16 @@ class Simulator {
     const Point truth = DrawSetups(random);
     Draws draws(budget_, random);
     draws.Draw(DrawnPer::kRun);
+    std::map<std::string, double> stated;  // facts are off by so many standard uncertainties
     for (size_t i = 0; i < problem.runs.size(); ++i) {
       draws.Draw(DrawnPer::kSession);
       SimulateRun(problem, i, truth, &draws, random, &problem.runs[i]);
+      for (const instruments::StatedEffect& effect : problem.runs[i].stated) {
+        if (effect.is_workpiece) continue;
+        const auto [off, is_new] = stated.try_emplace(effect.of, 0.0);
+        if (is_new) off->second = random->Normal();
+        problem.runs[i].measured_mm += off->second * effect.by_sigma_mm;
+      }
     }
     problem.fixed_model = fit_.problem.fixed_model;  // what the fit takes them for
     return problem;
@@ -95,7 +104,8 @@ class Simulator {
     for (size_t g = 0; g < truth.setup.size(); ++g) {
       const std::vector<instruments::SetupParameter>& parameters = fit_.problem.groups[g].parameters;
       for (size_t i = 0; i < parameters.size(); ++i) {
-        if (!parameters[i].is_weak) truth.setup[g][i] = parameters[i].prior_sigma * random->Normal();
+        const bool is_known = !parameters[i].is_weak && !parameters[i].held;
+        if (is_known) truth.setup[g][i] = parameters[i].prior_sigma * random->Normal();
       }
     }
     return truth;

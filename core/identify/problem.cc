@@ -111,6 +111,8 @@ absl::Status CheckSameSetup(const MeasuringRun& first, const MeasuringRun& other
     return differs("tool_tip_mm", text(first.tip_mm), text(other.tip_mm));
   for (size_t k = 0; k < first.setup.size() && k < other.setup.size(); ++k) {
     const instruments::SetupParameter &a = first.setup[k], &b = other.setup[k];
+    if (a.held.has_value() != b.held.has_value())
+      return refuse(absl::StrCat("a certificate of ", a.name, ", expected '# certificate ", a.name, ": ...' in both"));
     if (a.prior_sigma == b.prior_sigma && a.is_weak == b.is_weak) continue;
     const double unit = a.is_angle ? base::kUradPerRad : base::kUmPerMm;
     return differs(absl::StrCat(a.name, a.is_angle ? "_sigma_urad" : "_sigma_um"), absl::StrCat(a.prior_sigma * unit),

@@ -73,6 +73,14 @@ reports::Fitted FittedOf(const Result& result) {
     fitted.determined.push_back({combination.name, combination.value / combination.factor,
                                  combination.sigma / combination.factor, combination.unit});
   }
+  for (const Result::Stated& stated : result.stated) {
+    reports::StatedFact& fact = fitted.stated.emplace_back(reports::StatedFact{stated.of, {}});
+    for (size_t i = 0; i < result.estimates.size(); ++i) {
+      const Estimate& estimate = result.estimates[i];
+      if (estimate.identifiable)
+        fact.moves.push_back({estimate.name, stated.moved[static_cast<Eigen::Index>(i)] / estimate.factor});
+    }
+  }
   for (const reports::WarningFacts& facts : result.warnings) fitted.warnings.push_back(reports::InWords(facts));
   for (const Outlier& outlier : result.outliers) fitted.outliers.push_back(OutlierOf(outlier));
   for (const SessionFit& session : result.sessions) fitted.sessions.push_back(SessionOf(session));

@@ -82,6 +82,13 @@ struct Result {
   // Of the model's numbers and of held errors, for errors.json: also of those that have no number above, with what the
   // fit held at zero taken for exact, since it is in the model at that value.
   machine::WrittenCovariance covariance;
+  // What stated facts (expansions, certified values, thermometers) have in the uncertainties: by how much each fact
+  // that is off by one standard uncertainty moves each estimate, mm or rad; NaN where it has no number.
+  struct Stated {
+    std::string of;
+    Eigen::VectorXd moved;
+  };
+  std::vector<Stated> stated;
   std::vector<Estimate> held_errors;       // errors of an earlier identification, held at their values (held.h)
   Eigen::MatrixXd held_correlation;        // of them with the estimates and with each other: held x (estimates, held)
   std::vector<MeasuredIn> held_from;       // what they come from, as far as it is known

@@ -156,6 +156,7 @@ reports::Fitted FittedOf(const Report& found) {
   // warns of, the loop judges itself.
   std::erase_if(fitted.warnings, [](const reports::Warning& warning) {
     return warning.kind != reports::WarningKind::kResolution && warning.kind != reports::WarningKind::kDatum &&
+           warning.kind != reports::WarningKind::kCertificate &&
            !reports::ComesFirst(warning.kind);
   });
   fitted.budget_json = found.budget_json;

@@ -82,6 +82,13 @@ struct SimulatedError {
   std::string unit = {};
 };
 
+// What a stated fact (an expansion, a certified value, a thermometer) has in the sigmas: how far the errors move where
+// it is off by one standard uncertainty, in the unit of each; all errors move together, facts are independent.
+struct StatedFact {
+  std::string of = {};
+  base::Named<double> moves = {};
+};
+
 struct MonteCarlo {
   int runs = 0, failed = 0;
   uint64_t seed = 0;
@@ -97,6 +104,7 @@ struct Fitted {
   std::vector<Warning> warnings = {};
   std::vector<Outlier> outliers = {};
   std::vector<SessionFit> sessions = {};
+  std::vector<StatedFact> stated = {};
   std::string budget_json = {};  // error budget of the simulation and the weights, as it was given; empty without
   std::optional<MonteCarlo> monte_carlo = {};
 };

@@ -8,9 +8,9 @@
 namespace axiscal::reports {
 
 inline const char* const* WordsOf(WarningKind) {
-  static constexpr const char* kWords[] = {
-      "scatter", "set-aside", "interval", "no-number",           "held",  "resolution",
-      "size",    "quiet",     "datum",    "no-degree-of-freedom", "other", nullptr};
+  static constexpr const char* kWords[] = {"scatter",     "set-aside", "interval", "no-number", "held",
+                                           "resolution",  "size",      "quiet",    "datum",     "no-degree-of-freedom",
+                                           "certificate", "other",     nullptr};
   return kWords;
 }
 
@@ -84,6 +84,12 @@ void Members(Io& io, base::Like<Io, Statistics> statistics) {
   io.Member("chi2_per_dof", statistics.chi2_per_dof);
   io.Member("readings", statistics.readings);
   io.Member("degrees_of_freedom", statistics.degrees_of_freedom);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, StatedFact> fact) {
+  io.Required("of", fact.of);
+  io.Member("moves", fact.moves);
 }
 
 template <typename Io>

@@ -33,6 +33,7 @@ void Members(Io& io, base::Like<Io, Identification> report) {
   io.Member("sessions", report.fitted.sessions);
   io.Member("outliers", report.fitted.outliers);
   io.Member("warnings", report.fitted.warnings);
+  io.IfAny("stated", report.fitted.stated);
   io.Member("correlation", report.correlation);
   io.Member("held", report.held);
   io.Member("iterations", report.iterations);

@@ -163,6 +163,7 @@ void Members(Io& io, base::Like<Io, Loop> report) {
   io.Member("not_separable", report.fitted.not_separable);
   io.Member("determined", report.fitted.determined);
   io.Member("warnings", report.fitted.warnings);
+  io.IfAny("stated", report.fitted.stated);
   io.Member("fit", report.fit);
   io.Member("check", report.check);
   io.Member("volumetric", report.volumetric);

@@ -129,6 +129,21 @@ Warning Of(const NoFreedom& facts) {
                        "; ", facts.what_to_do)};
 }
 
+Warning Of(const Expired& facts) {
+  const std::string certificate = absl::StrCat("session ", facts.session, ": certificate ", facts.number, " of ",
+                                               facts.of, " is valid until ", facts.due);
+  if (facts.started.empty()) {
+    return {WarningKind::kCertificate,
+            certificate +
+                ", and no '# started: ...' says when the session was measured: whether it was valid then is "
+                "not known"};
+  }
+  return {WarningKind::kCertificate,
+          absl::StrCat(certificate, " and was expired when the session began on ", facts.started,
+                       ": what it states counts as if it were valid; have it "
+                       "calibrated and compare")};
+}
+
 }  // namespace
 
 Warning InWords(const WarningFacts& facts) {

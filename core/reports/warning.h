@@ -13,17 +13,18 @@ namespace axiscal::reports {
 inline constexpr double kPoorFitChi2PerDof = 4.0;
 
 enum class WarningKind {
-  kScatter,     // the readings scatter about the fit, beyond the stated sigma
-  kSetAside,    // too many readings were
-  kInterval,    // errors without one
-  kNoNumber,    // errors without a number that the model holds at implausible sizes
-  kHeld,        // two stages share what their sigmas take for independent
-  kResolution,  // readings are rounded to more than they scatter by
-  kSize,        // errors or set-ups beyond what a machine of this size can have
-  kQuiet,       // readings scatter by far less than stated
-  kDatum,       // sessions disagree by a constant of the commanded positions
-  kNoFreedom,   // as many unknowns as readings: nothing is left that would judge the model or the stated sigmas
-  kOther,       // of a newer version; its text says what
+  kScatter,      // the readings scatter about the fit, beyond the stated sigma
+  kSetAside,     // too many readings were
+  kInterval,     // errors without one
+  kNoNumber,     // errors without a number that the model holds at implausible sizes
+  kHeld,         // two stages share what their sigmas take for independent
+  kResolution,   // readings are rounded to more than they scatter by
+  kSize,         // errors or set-ups beyond what a machine of this size can have
+  kQuiet,        // readings scatter by far less than stated
+  kDatum,        // sessions disagree by a constant of the commanded positions
+  kNoFreedom,    // as many unknowns as readings: nothing is left that would judge the model or the stated sigmas
+  kCertificate,  // a certificate was not valid when its session was measured
+  kOther,        // of a newer version; its text says what
 };
 
 // As it stands in a report.
@@ -94,8 +95,12 @@ struct NoFreedom {
   std::vector<std::string> without_sigma;
   std::string what_to_do;
 };
+struct Expired {
+  std::string session, of, number;  // "BX", "bar_length", of the certificate
+  std::string due, started;         // dates; started is empty where nothing states it
+};
 using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize,
-                                  Quiet, DatumMoved, NoFreedom>;
+                                  Quiet, DatumMoved, NoFreedom, Expired>;
 
 // Whether nothing else of the report is worth reading before it is settled: such warnings stand first.
 inline bool ComesFirst(WarningKind kind) { return kind == WarningKind::kSize || kind == WarningKind::kQuiet; }

@@ -56,6 +56,12 @@ TEST(Warning, EachKindIsWorded) {
   Says(NoFreedom{"8 unknowns", "8 readings", {}, "measure more"}, WarningKind::kNoFreedom,
        "no degree of freedom: 8 unknowns from 8 readings, so that nothing shows by how much they are wrong: the sigmas "
        "rest on what was stated beforehand alone; measure more");
+  Says(Expired{"BX", "bar_length", "4711", "2027-01-31", "2027-02-01"}, WarningKind::kCertificate,
+       "session BX: certificate 4711 of bar_length is valid until 2027-01-31 and was expired when the session began on "
+       "2027-02-01: what it states counts as if it were valid; have it calibrated and compare");
+  Says(Expired{"BX", "bar_length", "4711", "2027-01-31", ""}, WarningKind::kCertificate,
+       "session BX: certificate 4711 of bar_length is valid until 2027-01-31, and no '# started: ...' says when the "
+       "session was measured: whether it was valid then is not known");
 }
 
 TEST(Warning, OfAStoredCalibrationSaysWhatToDo) {

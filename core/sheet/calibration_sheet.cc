@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/session/stated_facts.h"
 #include "core/sheet/iso_words.h"
 #include "core/sheet/numbers.h"
 
@@ -244,8 +245,20 @@ class Writer {
       }
       section.rows.push_back({Cut(fit.in.session, 40), Cut(instrument, 60), when, Cut(sigma, 12),
                               absl::StrCat(fit.readings), Number(fit.rms_um), Number(fit.max_um)});
+      if (found != it_.sessions.end()) AddCertificates(*found, &section);
     }
     Add(std::move(section), kMostSessions);
+  }
+
+  void AddCertificates(const records::SessionRecord& record, Section* section) const {
+    for (const session::Certificate& certificate : session::CertificatesOf(record.header)) {
+      std::string line =
+          absl::StrCat(record.name, ": ", Say("certificate ", "Kalibrierschein "), certificate.number,
+                       Say(" of ", " für "), certificate.of, Say(", valid until ", ", gültig bis "), certificate.due);
+      if (record.measured_at && *record.measured_at >= certificate.valid_until)
+        line += Say(" (expired when measured)", " (bei der Messung abgelaufen)");
+      section->lines.push_back(std::move(line));
+    }
   }
 
   void AddRemarks() {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/session/text.h"
 #include "core/sheet/html.h"
 #include "core/sheet/iso_words.h"
 #include "core/sheet/numbers.h"
@@ -61,6 +62,24 @@ TEST(CalibrationSheet, SaysErrorsWithExpandedUncertaintyInWordsOfTheStandard) {
   dated.sessions[0].measured_at = base::FromUtcUs(1'775'455'200'000'000);
   EXPECT_EQ(CalibrationSheet(dated, Language::kEnglish).facts[2].value, "2026-04-06 06:00 UTC");
   EXPECT_EQ(sheet.signatures.size(), 2u);
+}
+
+// A certificate is valid on its last day; one that was not is said.
+TEST(CalibrationSheet, SaysCertificates) {
+  const auto lines_of = [](const char* measured) {
+    CalibrationToPrint calibration = ACalibration();
+    calibration.sessions[0].header.push_back(
+        {"certificate bar_length", "4711 due 2027-01-31 value 149.9987 mm U 0.8 um k 2"});
+    calibration.sessions[0].measured_at = session::ParseIso8601(measured);
+    std::vector<std::string> lines;
+    for (const Section& section : CalibrationSheet(calibration, Language::kEnglish).sections)
+      if (section.title == "Measured with") lines = section.lines;
+    return lines;
+  };
+  EXPECT_THAT(lines_of("2027-01-31T20:00:00Z"),
+              ElementsAre("BX: certificate 4711 of bar_length, valid until 2027-01-31"));
+  EXPECT_THAT(lines_of("2027-02-01T00:00:00Z"),
+              ElementsAre("BX: certificate 4711 of bar_length, valid until 2027-01-31 (expired when measured)"));
 }
 
 TEST(CalibrationSheet, IsGermanForGermanReaders) {
