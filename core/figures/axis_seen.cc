@@ -147,8 +147,13 @@ absl::StatusOr<AxisSeen> SeenOf(const machine::Machine& machine, const Measuring
   const bool is_linear = machine.axes[axis].kind == machine::AxisKind::kLinear;
   AxisSeen seen;
   seen.measured_mm.resize(run.row_count, static_cast<Eigen::Index>(stops.size()));
+  seen.stated_mm.assign(run.stated.size(), Eigen::MatrixXd::Zero(run.row_count, seen.measured_mm.cols()));
   for (size_t i = 0; i < stops.size(); ++i) {
     const auto count = static_cast<double>(stops[i].readings.size());
+    for (size_t fact = 0; fact < run.stated.size(); ++fact) {
+      for (const int k : stops[i].readings)
+        seen.stated_mm[fact].col(static_cast<Eigen::Index>(i)) += run.stated[fact].by_sigma_mm.col(k) / count;
+    }
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(run.row_count);
     for (const int k : stops[i].readings) mean += run.measured_mm.col(k) / count;
     seen.measured_mm.col(static_cast<Eigen::Index>(i)) = mean;

@@ -29,10 +29,11 @@ struct Deviations {
 struct AxisSeen {
   std::vector<double> positions;  // mm or deg
   std::vector<double> senses;
-  std::vector<double> sigma_mm;  // of a mean of a stop's readings
-  Eigen::MatrixXd measured_mm;   // rows of a reading x stops, means
-  Eigen::MatrixXd perfect_mm;    // what a machine without errors would show
-  double scale_sigma = 0.0;      // of a length along the motion: how well its scale is known, by length
+  std::vector<double> sigma_mm;            // of a mean of a stop's readings
+  Eigen::MatrixXd measured_mm;             // rows of a reading x stops, means
+  Eigen::MatrixXd perfect_mm;              // what a machine without errors would show
+  std::vector<Eigen::MatrixXd> stated_mm;  // what each stated fact that is off by one sigma adds, as measured_mm
+  double scale_sigma = 0.0;                // of a length along the motion: how well its scale is known, by length
   std::function<Deviations(const Eigen::MatrixXd& readings_mm)> deviations_of;
 };
 

@@ -144,11 +144,13 @@ absl::StatusOr<MeasuredTest> AxisTest(const machine::Machine& machine, const Mea
     Eigen::MatrixXd readings_mm = is_alone ? seen.perfect_mm : seen.measured_mm;
     if (seen.scale_sigma > 0.0)
       readings_mm.array() += seen.scale_sigma * noise() * (seen.perfect_mm.array() - seen.perfect_mm.mean());
+    for (const Eigen::MatrixXd& stated_mm : seen.stated_mm) readings_mm += noise() * stated_mm;
     for (Eigen::Index i = 0; i < readings_mm.cols(); ++i)
       for (Eigen::Index row = 0; row < readings_mm.rows(); ++row)
         readings_mm(row, i) += seen.sigma_mm[static_cast<size_t>(i)] * noise();
     return FiguresOf(seen, readings_mm);
   });
+  NoteStated({&run}, &test.notes);
   AddNotes(machine.axes[axis], TurnsUnseen(run, axis, stops), &test);
   return test;
 }

@@ -79,6 +79,11 @@ std::optional<std::string> AddCircle(const machine::Machine& machine, const Meas
     const int sense = turn >= 0.0 ? 0 : 1;
     circle.of_sense[sense].push_back({angle_of(k), run.measured_mm(0, k)});
     circle.sigma_mm[sense].push_back(run.sigma_mm);
+    for (const instruments::StatedEffect& effect : run.stated) {
+      std::vector<double>& by_sigma_mm = circle.stated_mm[sense][effect.of];
+      by_sigma_mm.resize(circle.sigma_mm[sense].size(), 0.0);
+      by_sigma_mm.back() = effect.by_sigma_mm(0, k);
+    }
   }
   return std::nullopt;
 }
@@ -89,6 +94,7 @@ MeasuredTest CircleTest(const Circle& circle) {
   test.what = absl::StrFormat("circle %s, radius %g mm", circle.plane, circle.radius_mm);
   for (const MeasuringRun* run : circle.runs) test.sessions.push_back(run->session);
   test.temperature_celsius = MeanTemperature(circle.runs);
+  NoteStated(circle.runs, &test.notes);
   constexpr double kWhole = 0.99;  // of a turn
   static const char* const kWords[] = {"counter-clockwise", "clockwise"};
   bool is_whole[2];
@@ -102,12 +108,18 @@ MeasuredTest CircleTest(const Circle& circle) {
   }
   test.figures = WithNoise([&](const std::function<double()>& noise, bool is_alone) {
     std::vector<CirclePoint> drawn[2];
+    std::map<std::string, double> stated;  // each fact is off by so many standard uncertainties, in both senses alike
+    for (const auto& of_sense : circle.stated_mm)
+      for (const auto& [of, by_sigma_mm] : of_sense) stated.try_emplace(of, 0.0);
+    for (auto& [of, off] : stated) off = noise();
     for (int sense = 0; sense < 2; ++sense) {
       if (!is_whole[sense]) continue;
       drawn[sense] = circle.of_sense[sense];
       for (size_t i = 0; i < drawn[sense].size(); ++i) {
         double& d = drawn[sense][i].deviation_mm;
         d = (is_alone ? 0.0 : d) + circle.sigma_mm[sense][i] * noise();
+        for (const auto& [of, by_sigma_mm] : circle.stated_mm[sense])
+          if (i < by_sigma_mm.size()) d += stated.at(of) * by_sigma_mm[i];
       }
     }
     const Circular circular = CircularOf(drawn[0], drawn[1]);

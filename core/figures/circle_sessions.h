@@ -19,6 +19,8 @@ struct Circle {
   std::vector<const instruments::MeasuringRun*> runs;
   std::vector<CirclePoint> of_sense[2];  // counter-clockwise, clockwise
   std::vector<double> sigma_mm[2];       // of each point
+  // What each stated fact that is off by one standard uncertainty adds to each point.
+  std::map<std::string, std::vector<double>> stated_mm[2];
 };
 
 // Adds the readings of a session to its circle, by sense; what is wrong where the bar does not go round in a plane of

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/figures/axis_sessions.h"
 #include "core/figures/circle_sessions.h"
 
@@ -33,7 +35,21 @@ bool AreLinear(const machine::Machine& machine, const std::vector<int>& axes) {
                      [&](int axis) { return machine.axes[axis].kind == machine::AxisKind::kLinear; });
 }
 
+// As it would read at 20 deg C by what its header states; how uncertain that is stays in `stated`.
+MeasuringRun AtReference(MeasuringRun run) {
+  for (const instruments::StatedEffect& effect : run.stated) run.measured_mm -= effect.mm;
+  run.stated_mm.resize(0, 0);
+  return run;
+}
+
 }  // namespace
+
+void NoteStated(const std::vector<const MeasuringRun*>& runs, std::vector<std::string>* notes) {
+  std::set<std::string> stated;
+  for (const MeasuringRun* run : runs)
+    for (const instruments::StatedEffect& effect : run->stated) stated.insert(effect.of);
+  if (!stated.empty()) notes->push_back("at 20 deg C, by what the sessions state: " + absl::StrJoin(stated, "; "));
+}
 
 std::optional<double> MeanTemperature(const std::vector<const MeasuringRun*>& runs) {
   double sum = 0.0, count = 0.0;
@@ -45,8 +61,10 @@ std::optional<double> MeanTemperature(const std::vector<const MeasuringRun*>& ru
   return count > 0.0 ? std::optional<double>(sum / count) : std::nullopt;
 }
 
-Figures FiguresOf(const machine::Machine& machine, const std::vector<MeasuringRun>& runs) {
+Figures FiguresOf(const machine::Machine& machine, const std::vector<MeasuringRun>& measured) {
   Figures out;
+  std::vector<MeasuringRun> runs;
+  for (const MeasuringRun& run : measured) runs.push_back(AtReference(run));
   std::map<std::string, Circle> circles;
   const auto leave_out = [&](const MeasuringRun& run, const std::string& why) {
     out.left_out.push_back(absl::StrCat("session ", run.session, ": ", why));

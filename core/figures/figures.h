@@ -18,7 +18,8 @@ struct Figure {
   std::string symbol;  // "G", "A(up)"
   std::string text;    // "circular deviation, counter-clockwise"
   double value_mm = 0.0;
-  // By the stated repeatability of a reading and how well a length's scale is known, drawn: how far the value scatters,
+  // By the stated repeatability of a reading, how well a length's scale is known and what else is stated, drawn: how
+  // far the value scatters,
   // and what a machine without errors would show.
   double sigma_mm = 0.0, of_noise_mm = 0.0;
 };
@@ -40,7 +41,11 @@ struct Figures {
 };
 
 // Sessions of the two senses of one circle (plane, radius, ball and tool alike) make one test, wherever they stand.
-Figures FiguresOf(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& runs);
+// Readings count as at 20 deg C where headers state how lengths grow (instruments/stated.h), and notes say so.
+Figures FiguresOf(const machine::Machine& machine, const std::vector<instruments::MeasuringRun>& measured);
+
+// Adds what these sessions state, where they state anything.
+void NoteStated(const std::vector<const instruments::MeasuringRun*>& runs, std::vector<std::string>* notes);
 
 // Of all readings; nothing where none was recorded.
 std::optional<double> MeanTemperature(const std::vector<const instruments::MeasuringRun*>& runs);
