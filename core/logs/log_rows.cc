@@ -94,7 +94,7 @@ int LogRows::FieldIndex(const std::string& name) const {
 
 bool LogRows::IsColumn(const std::string& field) const {
   if (field == "t_s") return format_->has_time;
-  if (field == "temp_C" || IsAxisName(field)) return true;
+  if (session::StateColumnRule(field)) return true;  // positions, encoders, senses, temperatures
   return std::any_of(format_->columns.begin(), format_->columns.end(),
                      [&](const session::ReadingColumn& column) { return column.name == field; });
 }

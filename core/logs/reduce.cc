@@ -44,6 +44,7 @@ class Reducer {
       if (format_->name == "touch") RETURN_IF_ERROR(FillTouches());
       RETURN_IF_ERROR(FillMissing());
       FillRest();
+      FillSenses();
     }
     RETURN_IF_ERROR(CheckValues());
     Report();
@@ -267,6 +268,18 @@ class Reducer {
       } else {
         column.values = rows_.NumbersOf(static_cast<int>(i));
       }
+      out_.session.columns.push_back(std::move(column));
+    }
+  }
+
+  // From which side an axis came is the plan's where the log does not say it: no position shows it.
+  void FillSenses() {
+    if (options_.plan == nullptr) return;
+    for (Column column : options_.plan->columns) {
+      const std::optional<session::ColumnRule> rule = session::StateColumnRule(column.name);
+      if (!rule || !rule->IsSense() || session::FindColumn(out_.session, column.name) != nullptr) continue;
+      column.values.resize(rows_.readings().size());
+      out_.notes.push_back(column.name + ": not in the log, the plan's");
       out_.session.columns.push_back(std::move(column));
     }
   }
