@@ -35,6 +35,12 @@ const std::vector<Test>& FurtherTests() {
       {"touch-columns", "tops and sides of three square columns touched over a grid of the rotary axes", TouchColumns},
       {"touch-blocks", "outer faces and tops of four small blocks in pairs, at positions of each rotary axis",
        TouchBlockPairs},
+      {"length-line", "an interferometer along each linear axis, five times there and back", LengthLines},
+      {"straightness-line", "straightness across each linear axis, in two directions", StraightnessLines},
+      {"direction-line", "turns of the tool along each linear axis: autocollimator, telescope, level", DirectionLines},
+      {"direction-turn", "positioning of each rotary axis by an indexing table or a polygon", DirectionTurns},
+      {"distance-grid", "distances of the tool from three anchors over the work space: draw wire, tracker",
+       DistanceGrids},
   };
   return tests;
 }

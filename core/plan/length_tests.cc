@@ -1,0 +1,218 @@
+// Tests of one axis that moves alone, by lengths and directions, and of the work space by distances from anchors.
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/base/units.h"
+#include "core/instruments/length/length_model.h"
+#include "core/plan/session_builder.h"
+#include "core/plan/tests_internal.h"
+
+namespace axiscal::plan {
+namespace {
+
+using machine::AxisKind;
+using machine::Machine;
+
+constexpr double kSecondsPerReading = 10.0;  // to the target, at rest, read
+constexpr int kTargets = 11, kCycles = 5;    // there and back: what positioning tests usually ask for
+
+bool IsOnTable(const Machine& machine, int axis) {
+  return std::find(machine.work_branch.begin(), machine.work_branch.end(), axis) != machine.work_branch.end();
+}
+
+// Where a test goes: nine tenths of the stated travel, what was measured so far, or 100 mm to either side of home.
+Range WayOf(const Situation& situation, int axis) {
+  const machine::Axis& a = situation.machine->axes[axis];
+  constexpr double kEnds = 0.05, kAroundHomeMm = 100.0;
+  if (a.min_position && a.max_position) {
+    const double end = kEnds * (*a.max_position - *a.min_position);
+    return {*a.min_position + end, *a.max_position - end};
+  }
+  if (situation.Turns(axis)) return situation.ranges[axis];
+  return a.kind == AxisKind::kLinear ? Range{-kAroundHomeMm, kAroundHomeMm} : Range{};
+}
+
+// Home, or the middle of the travel of an axis that does not reach it.
+std::vector<double> RestOf(const Situation& situation) {
+  std::vector<double> rest;
+  for (const machine::Axis& axis : situation.machine->axes) {
+    const bool is_beyond =
+        (axis.min_position && *axis.min_position > 0.0) || (axis.max_position && *axis.max_position < 0.0);
+    rest.push_back(is_beyond && axis.min_position && axis.max_position ? 0.5 * (*axis.min_position + *axis.max_position)
+                                                                       : 0.0);
+  }
+  return rest;
+}
+
+std::string UnitText(const Eigen::Vector3d& direction) {
+  return absl::StrFormat("%.10g %.10g %.10g", direction.x() + 0.0, direction.y() + 0.0, direction.z() + 0.0);
+}
+
+// A session of length or direction without rows.
+session::Session SessionOf(const Situation& situation, const std::string& name, const std::string& instrument,
+                           double sigma_um, const std::vector<session::HeaderEntry>& keys) {
+  session::Session session;
+  const Eigen::Vector3d& tip_mm = situation.tips_mm.front();
+  session.header = HeaderOf(*situation.machine, name, tip_mm, tip_mm, 0.0, sigma_um * base::kMmPerUm);
+  session.header[2].value = instrument;
+  session.header.pop_back();  // no table ball
+  session.header.insert(session.header.end(), keys.begin(), keys.end());
+  session.columns = ColumnsOf(situation);
+  return session;
+}
+
+void AddRow(const Situation& situation, const std::vector<double>& positions, session::Session* session) {
+  const Machine& machine = *situation.machine;
+  const double count = static_cast<double>(session->columns[0].values.size());
+  session->columns[0].values.push_back(Rounded(situation.start_s + count * kSecondsPerReading));
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    const double unit = machine.axes[axis].kind == AxisKind::kRotary ? base::kDegPerRad : 1.0;
+    session->columns[1 + axis].values.push_back(Rounded(positions[axis] * unit));
+  }
+  if (situation.has_temperature) session->columns.back().values.push_back(Rounded(situation.temperature_celsius));
+}
+
+// All targets of an axis there and back, as often as positioning tests ask for; the axis goes on beyond the last target
+// and comes back, which no row shows and the column of its sense says.
+session::Session ThereAndBack(const Situation& situation, int axis, session::Session session) {
+  const Range way = WayOf(situation, axis);
+  session::Column senses = {situation.machine->axes[axis].name + "_sense", {}, {}};
+  std::vector<double> positions = RestOf(situation);
+  for (int pass = 0; pass < 2 * kCycles; ++pass) {
+    for (int i = 0; i < kTargets; ++i) {
+      const int at = pass % 2 == 0 ? i : kTargets - 1 - i;
+      positions[axis] = way.lowest + (way.highest - way.lowest) * at / (kTargets - 1);
+      AddRow(situation, positions, &session);
+      senses.values.push_back(pass % 2 == 0 ? 1.0 : -1.0);
+    }
+  }
+  session.columns.push_back(std::move(senses));
+  return session;
+}
+
+std::string WayText(const Situation& situation, int axis) {
+  const Range way = WayOf(situation, axis);
+  const machine::Axis& a = situation.machine->axes[axis];
+  const bool is_rotary = a.kind == AxisKind::kRotary;
+  const double unit = is_rotary ? base::kDegPerRad : 1.0;
+  return absl::StrFormat("%s from %g to %g %s, %d targets, %d times there and back, %g %s beyond at the ends", a.name,
+                         Rounded(unit * way.lowest), Rounded(unit * way.highest), is_rotary ? "deg" : "mm", kTargets,
+                         kCycles, is_rotary ? 1.0 : 2.0, is_rotary ? "deg" : "mm");
+}
+
+// Along the way that the tool takes against the table when the axis rises, table frame at home.
+Eigen::Vector3d AlongOf(const Machine& machine, int axis) {
+  return (IsOnTable(machine, axis) ? -1.0 : 1.0) * machine.axes[axis].direction;
+}
+
+template <typename Add>
+void ForLinear(const Situation& situation, const Add& add) {
+  for (int axis = 0; axis < situation.machine->axis_count(); ++axis) {
+    if (situation.machine->axes[axis].kind == AxisKind::kLinear) add(axis, situation.machine->axes[axis].name);
+  }
+}
+
+}  // namespace
+
+std::vector<PlannedSession> LengthLines(const Situation& situation) {
+  std::vector<PlannedSession> planned;
+  ForLinear(situation, [&](int axis, const std::string& name) {
+    const std::vector<session::HeaderEntry> keys = {{"beam", UnitText(AlongOf(*situation.machine, axis))}};
+    planned.push_back(
+        {ThereAndBack(situation, axis, SessionOf(situation, "line-" + name, "length", 0.3, keys)),
+         absl::StrCat("interferometer along ", WayText(situation, axis), "; optics between table and tool")});
+  });
+  return planned;
+}
+
+std::vector<PlannedSession> StraightnessLines(const Situation& situation) {
+  std::vector<PlannedSession> planned;
+  ForLinear(situation, [&](int axis, const std::string& name) {
+    const Eigen::Matrix<double, 3, 2> across = length::AcrossOf(AlongOf(*situation.machine, axis));
+    for (int side = 0; side < 2; ++side) {
+      const std::string session = absl::StrFormat("straight-%s-%d", name, side + 1);
+      planned.push_back(
+          {ThereAndBack(situation, axis,
+                        SessionOf(situation, session, "length", 0.5, {{"beam", UnitText(across.col(side))}})),
+           absl::StrCat("straightness optics or a straight edge across, ", WayText(situation, axis))});
+    }
+  });
+  return planned;
+}
+
+std::vector<PlannedSession> DirectionLines(const Situation& situation) {
+  std::vector<PlannedSession> planned;
+  ForLinear(situation, [&](int axis, const std::string& name) {
+    for (int about = 0; about < 3; ++about) {
+      const std::string session = absl::StrFormat("turn-%c-%s", "ABC"[about], name);
+      planned.push_back(
+          {ThereAndBack(
+               situation, axis,
+               SessionOf(situation, session, "direction", 1.0, {{"about", UnitText(Eigen::Vector3d::Unit(about))}})),
+           absl::StrFormat("autocollimator or level, turns about %c, %s", "XYZ"[about], WayText(situation, axis))});
+    }
+  });
+  return planned;
+}
+
+std::vector<PlannedSession> DirectionTurns(const Situation& situation) {
+  std::vector<PlannedSession> planned;
+  const Machine& machine = *situation.machine;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    if (machine.axes[axis].kind != AxisKind::kRotary) continue;
+    const Range way = WayOf(situation, axis);
+    if (!(way.highest - way.lowest > 1e-3)) continue;
+    const std::string& name = machine.axes[axis].name;
+    planned.push_back({ThereAndBack(situation, axis,
+                                    SessionOf(situation, "indexing-" + name, "direction", 1.0,
+                                              {{"about", UnitText(machine.axes[axis].direction)}})),
+                       absl::StrCat("indexing table or polygon with autocollimator on ", WayText(situation, axis))});
+  }
+  return planned;
+}
+
+std::vector<PlannedSession> DistanceGrids(const Situation& situation) {
+  const Machine& machine = *situation.machine;
+  std::vector<int> linear;
+  ForLinear(situation, [&](int axis, const std::string&) { linear.push_back(axis); });
+  if (linear.size() < 3) return {};
+  std::vector<std::vector<double>> poses = {RestOf(situation)};
+  Eigen::Vector3d low_mm = Eigen::Vector3d::Constant(INFINITY), high_mm = -low_mm;
+  for (const int axis : linear) {
+    const Range way = WayOf(situation, axis);
+    constexpr int kSteps = 3;
+    std::vector<std::vector<double>> finer;
+    for (const std::vector<double>& pose : poses) {
+      for (int k = 0; k < kSteps; ++k) {
+        finer.push_back(pose);
+        finer.back()[axis] = way.lowest + (way.highest - way.lowest) * k / (kSteps - 1);
+      }
+    }
+    poses = std::move(finer);
+  }
+  for (const std::vector<double>& pose : poses) {
+    const auto chain = machine::EvaluateChain<double>(machine, pose.data(), machine::JointErrors<double>());
+    const Eigen::Vector3d tip_mm = machine::TipInTable(chain, situation.tips_mm.front());
+    low_mm = low_mm.cwiseMin(tip_mm);
+    high_mm = high_mm.cwiseMax(tip_mm);
+  }
+  // On the table, beside three corners of the space, half of its size away.
+  const Eigen::Vector3d middle_mm = 0.5 * (low_mm + high_mm), size_mm = high_mm - low_mm;
+  const Eigen::Vector3d corners[] = {{-1, -0.8, -0.6}, {1, -0.9, -0.4}, {0.1, 1, -0.7}};
+  std::vector<PlannedSession> planned;
+  for (const Eigen::Vector3d& corner : corners) {
+    const Eigen::Vector3d anchor_mm = middle_mm + size_mm.cwiseProduct(corner);
+    const std::string number = absl::StrCat(planned.size() + 1);
+    session::Session session =
+        SessionOf(situation, "distances-" + number, "length", 5.0,
+                  {{"anchor_mm", absl::StrFormat("%.1f %.1f %.1f", anchor_mm.x(), anchor_mm.y(), anchor_mm.z())},
+                   {"scale_sigma_um", "20"}});
+    for (const std::vector<double>& pose : poses) AddRow(situation, pose, &session);
+    planned.push_back({std::move(session),
+                       absl::StrFormat("draw wire or tracker distance from anchor %s to %u points of the work space",
+                                       number, poses.size())});
+  }
+  return planned;
+}
+
+}  // namespace axiscal::plan
