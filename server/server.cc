@@ -524,8 +524,7 @@ class Server::Impl {
     runner.max_of_machine = options.jobs_per_machine;
     runner.tell = [this](const jobs::JobEvent& event) {
       LogJob(event);
-      if (event.what != jobs::JobEvent::What::kStarted)
-        metrics_->JobEnded(event.job.kind, event.outcome, event.took);
+      if (event.what != jobs::JobEvent::What::kStarted) metrics_->JobEnded(event.job.kind, event.outcome, event.took);
       const bool has_changed = event.job.machine && event.job.state == records::JobState::kSucceeded;
       if (has_changed) watcher_.LookSoon(*event.job.machine);
       if (event.job.machine && records::IsTerminal(event.job.state)) keeper_.LookSoon(*event.job.machine);
@@ -542,10 +541,12 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
     LogJob({jobs::JobEvent::What::kLost, job, jobs::OutcomeOf(job), {}});
   };
   sqlite.damaged = [](const absl::Status& status) {
+    const std::string reason = base::ErrorReason(status);
     Log(LogLevel::kWarning, "damaged",
-        {{"reason", base::ErrorReason(status)},
+        {{"reason", reason},
          {"text", std::string(status.message())},
-         {"then", "it is being sent again, and stored anew"}});
+         {"then", reason == "HISTORY_DAMAGED" ? "histories leave it out; axiscald check names all, a backup has it"
+                                              : "it is being sent again, and stored anew"}});
   };
   ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> database, storage::OpenSqlite(sqlite));
   if (const std::vector<std::string> files = storage::OpenToOthers(options.database_path); !files.empty()) {

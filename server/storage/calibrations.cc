@@ -283,7 +283,7 @@ absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, Utc
   }));
   const bool was_rejected = present.state == CalibrationState::kRetired && !present.approved_at;
   RETURN_IF_ERROR(NoteChange(connection, machine_key));
-  if (was_rejected) RETURN_IF_ERROR(SumWeekAgain(connection, machine_key, present.content.measured_at));
+  if (was_rejected) RETURN_IF_ERROR(NoteRejection(connection, machine_key, present.content.measured_at, id, false));
   RETURN_IF_ERROR(AuditChange(
       connection, now, caller, "calibration.approve", absl::StrCat("calibrations/", id.number()), NameOf(present.state),
       absl::StrCat("approved", former ? absl::StrCat("; calibrations/", former->number(), " retired") : "")));
@@ -300,7 +300,7 @@ absl::StatusOr<CalibrationRecord> RetireCalibration(Connection& connection, UtcT
   ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, present.record.content.machine));
   RETURN_IF_ERROR(NoteChange(connection, machine_key));
   if (!present.record.approved_at)
-    RETURN_IF_ERROR(SumWeekAgain(connection, machine_key, present.record.content.measured_at));
+    RETURN_IF_ERROR(NoteRejection(connection, machine_key, present.record.content.measured_at, id, true));
   RETURN_IF_ERROR(AuditChange(connection, now, caller, "calibration.retire", absl::StrCat("calibrations/", id.number()),
                               NameOf(present.record.state), "retired"));
   ASSIGN_OR_RETURN(Sealed retired, Find(connection, id));

@@ -36,7 +36,7 @@ class Check {
     ForEach("session", "sessions/", "", [&](int64_t id) { return OneSession(SessionId(id)); });
     ForEach("job", "jobs/", "", [&](int64_t id) { return OneJob(JobId(id)); });
     ForEach("calibration", "calibrations/", "", [&](int64_t id) { return OneCalibration(CalibrationId(id)); });
-    ForEach("machine", "machines/", "", [&](int64_t key) { return Weeks(key); });
+    ForEach("machine", "machines/", "", [&](int64_t key) { return History(key); });
     // Those that were given up or merged have no content.
     ForEach("program", "programs/", " AND state IN (1, 2)", [&](int64_t id) { return OneProgram(ProgramId(id)); });
     const absl::StatusOr<AuditHead> audit = CheckAudit(connection_);
@@ -153,13 +153,13 @@ class Check {
     return GetCalibration(connection_, id).status();
   }
 
-  // What long histories are drawn from: sums, of estimates that are compared with their calibrations.
-  absl::Status Weeks(int64_t machine_key) {
+  // What histories are drawn from: estimates, which are compared with their calibrations, and their sums.
+  absl::Status History(int64_t machine_key) {
     ASSIGN_OR_RETURN(Statement row, connection_.Ask("SELECT name FROM machine WHERE id = ?1", machine_key));
     RETURN_IF_ERROR(row.Step().status());
     const std::string place = absl::StrCat("machines/", row.Text(0), ", history of ");
-    return CheckWeeks(connection_, machine_key,
-                      [&](const std::string& week) { Note(place + week, "its sums are not those of its estimates"); });
+    return CheckHistory(connection_, machine_key,
+                        [&](const std::string& where, const std::string& what) { Note(place + where, what); });
   }
 
   absl::Status OneProgram(ProgramId id) {

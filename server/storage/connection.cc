@@ -1,5 +1,6 @@
 #include "server/storage/connection.h"
 
+#include "server/storage/row_checksum.h"
 #include "server/storage/sqlite_error.h"
 
 namespace axiscal::storage {
@@ -22,7 +23,7 @@ absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::string& 
   sqlite3* db = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &db, flags, nullptr);
   std::unique_ptr<Connection> connection(new Connection(db));
-  if (code != SQLITE_OK) return SqliteError(db, path);
+  if (code != SQLITE_OK || AddRowChecksum(db) != SQLITE_OK) return SqliteError(db, path);
   connection->WaitForLocks();
   const absl::Status set = connection->Execute(access == Access::kWrite ? kWritePragmas : kReadPragmas);
   if (!set.ok()) return base::Within(path, set);

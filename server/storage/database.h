@@ -161,11 +161,11 @@ class Database {
                                                               const Caller& caller) = 0;
 
   // ---- history
-  // Of all calibrations but candidates that were retired without ever having been approved. At most max_points points
+  // Of all calibrations but candidates that were retired unapproved, and not what is damaged. At most max_points points
   // per symbol, in order of symbol; an unknown symbol has no series. Unknown machine: NOT_FOUND.
   virtual absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) = 0;
   // The newest estimate of each symbol (empty: all) of each machine, a page of machines at a time; of calibrations that
-  // are approved or candidates, never of retired ones.
+  // are approved or candidates, never of retired ones; not of a symbol where it is damaged.
   virtual absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page,
                                                      const Visible& visible) = 0;
   absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/substitute.h"
 #include "server/storage/refusal.h"
 
@@ -26,10 +27,24 @@ constexpr char kAddUnknownToWeek[] =
     "?2, ?3, ?4, 0, 1) "
     "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET not_identifiable_count = not_identifiable_count + 1";
 
-// The sums of a machine's week ?2 (of ?3 us) over all that counts now. Rows stay where nothing is left: they say which
-// symbols the machine has.
+constexpr char kSealWeek[] =
+    "UPDATE estimate_week SET crc32c = row_crc32c(machine_id, symbol, week, unit, estimate_count, "
+    "not_identifiable_count, min_um_urad, max_um_urad, sum_um_urad, first_at_utc_us, last_at_utc_us, "
+    "last_sigma_um_urad, last_calibration_id) WHERE machine_id = ?1 AND symbol = ?2 AND week = ?3";
+// Where it was intact while its calibration was rejected (?5) it is so while that is ?6.
+constexpr char kSealEstimateAgain[] =
+    "UPDATE estimate SET crc32c = row_crc32c(machine_id, symbol, measured_at_utc_us, calibration_id, position, unit, "
+    "identifiable, estimated_um_urad, sigma_um_urad, ?6) WHERE machine_id = ?1 AND symbol = ?2 AND "
+    "measured_at_utc_us = ?3 AND calibration_id = ?4 AND crc32c IS row_crc32c(machine_id, symbol, measured_at_utc_us, "
+    "calibration_id, position, unit, identifiable, estimated_um_urad, sigma_um_urad, ?5)";
+
+// The sums of a machine's week ?2 (of ?3 us) of symbol ?4 over all that counts now. Rows stay where nothing is left:
+// they say which symbols the machine has.
 const std::string& SumWeekAgainSql() {
-  static const std::string& sql = *new std::string(absl::Substitute(R"(UPDATE estimate_week AS w SET
+  static const std::string& sql =
+      *new std::string(absl::Substitute(R"(UPDATE estimate_week AS w SET
+  unit = coalesce((SELECT e.unit FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
+    WHERE $0 AND $1 LIMIT 1), unit),
   (estimate_count, not_identifiable_count, min_um_urad, max_um_urad, sum_um_urad, first_at_utc_us, last_at_utc_us) =
     (SELECT count(e.estimated_um_urad), count(*) - count(e.estimated_um_urad), min(e.estimated_um_urad),
        max(e.estimated_um_urad), sum(e.estimated_um_urad),
@@ -42,12 +57,32 @@ const std::string& SumWeekAgainSql() {
      FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
      WHERE $0 AND e.estimated_um_urad IS NOT NULL AND $1
      ORDER BY e.measured_at_utc_us DESC, e.calibration_id DESC LIMIT 1)
-WHERE w.machine_id = ?1 AND w.week = ?2)",
-                                                                    "e.machine_id = w.machine_id AND e.symbol = "
-                                                                    "w.symbol AND e.measured_at_utc_us >= w.week * ?3 "
-                                                                    "AND e.measured_at_utc_us < (w.week + 1) * ?3",
-                                                                    kIsPoint));
+WHERE w.machine_id = ?1 AND w.symbol = ?4 AND w.week = ?2)",
+                                        "e.machine_id = w.machine_id AND e.symbol = "
+                                        "w.symbol AND e.measured_at_utc_us >= w.week * ?3 "
+                                        "AND e.measured_at_utc_us < (w.week + 1) * ?3",
+                                        absl::StrCat(kIsPoint, " AND ", kIsIntactEstimate)));
   return sql;
+}
+
+absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, int64_t week) {
+  ASSIGN_OR_RETURN(const std::vector<std::string> symbols, MachineSymbols(connection, machine_key));
+  for (const std::string& symbol : symbols) {
+    RETURN_IF_ERROR(connection.Run(SumWeekAgainSql(), machine_key, week, kWeekUs, symbol));
+    RETURN_IF_ERROR(connection.Run(kSealWeek, machine_key, symbol, week));
+  }
+  return absl::OkStatus();
+}
+
+// True also where there is none.
+absl::StatusOr<bool> IsIntactWeek(Connection& connection, int64_t machine_key, const std::string& symbol,
+                                  int64_t week) {
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(absl::StrCat("SELECT ", kIsIntactWeek,
+                                                              " FROM estimate_week AS w WHERE machine_id = "
+                                                              "?1 AND symbol = ?2 AND week = ?3"),
+                                                 machine_key, symbol, week));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  return !found || row.Bool(0);
 }
 
 absl::Status Invalid(const std::string& symbol, const std::string& rule) {
@@ -59,14 +94,17 @@ absl::Status InsertOne(Connection& connection, int64_t machine_key, UtcTime meas
   const int unit = static_cast<int>(estimate.unit);
   RETURN_IF_ERROR(
       connection.Run("INSERT INTO estimate (machine_id, symbol, measured_at_utc_us, calibration_id, position, unit, "
-                     "identifiable, estimated_um_urad, "
-                     "sigma_um_urad) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
+                     "identifiable, estimated_um_urad, sigma_um_urad, crc32c) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, "
+                     "?9, row_crc32c(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, 0))",
                      machine_key, estimate.symbol, measured_at, id, position, unit, estimate.identifiable,
                      estimate.value, estimate.sigma));
   const int64_t week = base::ToUtcUs(measured_at) / kWeekUs;
-  if (!estimate.identifiable) return connection.Run(kAddUnknownToWeek, machine_key, estimate.symbol, week, unit);
-  return connection.Run(kAddToWeek, machine_key, estimate.symbol, week, unit, estimate.value, measured_at,
-                        estimate.sigma, id);
+  ASSIGN_OR_RETURN(const bool is_intact, IsIntactWeek(connection, machine_key, estimate.symbol, week));
+  if (!is_intact) return SumWeekAgain(connection, machine_key, week);
+  RETURN_IF_ERROR(estimate.identifiable ? connection.Run(kAddToWeek, machine_key, estimate.symbol, week, unit,
+                                                         estimate.value, measured_at, estimate.sigma, id)
+                                        : connection.Run(kAddUnknownToWeek, machine_key, estimate.symbol, week, unit));
+  return connection.Run(kSealWeek, machine_key, estimate.symbol, week);
 }
 
 }  // namespace
@@ -97,13 +135,52 @@ absl::Status InsertEstimates(Connection& connection, int64_t machine_key, UtcTim
   return absl::OkStatus();
 }
 
-absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, UtcTime measured_at) {
-  return connection.Run(SumWeekAgainSql(), machine_key, base::ToUtcUs(measured_at) / kWeekUs, kWeekUs);
+absl::Status NoteRejection(Connection& connection, int64_t machine_key, UtcTime measured_at, CalibrationId id,
+                           bool is_rejected) {
+  ASSIGN_OR_RETURN(const std::vector<std::string> symbols, MachineSymbols(connection, machine_key));
+  for (const std::string& symbol : symbols) {
+    RETURN_IF_ERROR(
+        connection.Run(kSealEstimateAgain, machine_key, symbol, measured_at, id, !is_rejected, is_rejected));
+  }
+  return SumWeekAgain(connection, machine_key, base::ToUtcUs(measured_at) / kWeekUs);
 }
 
-absl::Status CheckWeeks(Connection& connection, int64_t machine_key,
-                        const std::function<void(const std::string& week)>& tell) {
-  // Both ways, so that a week without its row is found too.
+namespace {
+
+using TellDamage = std::function<void(const std::string& place, const std::string& what)>;
+
+absl::Status CheckRows(Connection& connection, int64_t machine_key, const TellDamage& tell) {
+  {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask(absl::StrCat("SELECT e.symbol, e.calibration_id FROM estimate AS e CROSS JOIN "
+                                                 "calibration AS c ON c.id = e.calibration_id WHERE e.machine_id = ?1 "
+                                                 "AND NOT ",
+                                                 kIsIntactEstimate),
+                                    machine_key));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      tell(absl::StrCat(row.Text(0), ", calibration ", row.Int(1)),
+           "the row is not what was stored: histories leave it out");
+    }
+  }
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(absl::StrCat("SELECT w.symbol, w.week FROM estimate_week AS w WHERE "
+                                                              "w.machine_id = ?1 AND NOT ",
+                                                              kIsIntactWeek),
+                                                 machine_key));
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return absl::OkStatus();
+    tell(absl::StrCat(row.Text(0), ", week ", row.Int(1)),
+         "the row is not what was stored: histories are drawn from its estimates");
+  }
+}
+
+}  // namespace
+
+absl::Status CheckHistory(Connection& connection, int64_t machine_key, const TellDamage& tell) {
+  RETURN_IF_ERROR(CheckRows(connection, machine_key, tell));
+  // Both ways, so that a week without its row is found too. Rows that are named already are not named again.
   ASSIGN_OR_RETURN(Statement row, connection.Ask(absl::Substitute(R"(WITH counted AS (
   SELECT e.symbol, e.measured_at_utc_us / ?2 AS week, count(e.estimated_um_urad) AS known, count(*) AS rows,
     min(e.estimated_um_urad) AS low, max(e.estimated_um_urad) AS high, sum(e.estimated_um_urad) AS total,
@@ -113,7 +190,7 @@ absl::Status CheckWeeks(Connection& connection, int64_t machine_key,
   FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
   WHERE e.machine_id = ?1 AND $0 GROUP BY e.symbol, week)
 SELECT w.symbol, w.week FROM estimate_week AS w LEFT JOIN counted AS n ON n.symbol = w.symbol AND n.week = w.week
-WHERE w.machine_id = ?1 AND (w.estimate_count <> coalesce(n.known, 0)
+WHERE w.machine_id = ?1 AND $1 AND (w.estimate_count <> coalesce(n.known, 0)
   OR w.not_identifiable_count <> coalesce(n.rows - n.known, 0) OR w.min_um_urad IS NOT n.low
   OR w.max_um_urad IS NOT n.high OR w.first_at_utc_us IS NOT n.first OR w.last_at_utc_us IS NOT n.last
   OR abs(coalesce(w.sum_um_urad, 0.0) - coalesce(n.total, 0.0)) > 1e-9 * coalesce(n.size, 0.0)
@@ -122,12 +199,12 @@ WHERE w.machine_id = ?1 AND (w.estimate_count <> coalesce(n.known, 0)
     AND e.sigma_um_urad IS w.last_sigma_um_urad AND e.unit = w.unit)))
 UNION SELECT n.symbol, n.week FROM counted AS n WHERE NOT EXISTS (SELECT 1 FROM estimate_week AS w
   WHERE w.machine_id = ?1 AND w.symbol = n.symbol AND w.week = n.week) ORDER BY 1, 2)",
-                                                                  kIsPoint),
+                                                                  kIsPoint, kIsIntactWeek),
                                                  machine_key, kWeekUs));
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) return absl::OkStatus();
-    tell(absl::StrCat(row.Text(0), ", week ", row.Int(1)));
+    tell(absl::StrCat(row.Text(0), ", week ", row.Int(1)), "its sums are not those of its estimates");
   }
 }
 

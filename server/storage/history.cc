@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/error_detail.h"
 #include "server/storage/access.h"
 #include "server/storage/estimates.h"
 #include "server/storage/machines.h"
@@ -21,11 +22,20 @@ struct Span {
   int64_t to = 0;
 };
 
+absl::Status Damaged(const MachineId& machine, const std::string& symbol, const std::string& what, int64_t number) {
+  return base::Error(
+      absl::StatusCode::kDataLoss,
+      absl::StrCat("history of ", symbol, " of machine ", machine.text(), ": ", what, " ", number,
+                   " is damaged: not what was stored"),
+      {"HISTORY_DAMAGED", {{"machine", machine.text()}, {"symbol", symbol}, {what, std::to_string(number)}}});
+}
+
 // One symbol's series while it is being filled. Points come in time order; those of equal bucket are merged.
 class SeriesBuilder {
  public:
-  SeriesBuilder(Connection& connection, int64_t machine_key, const std::string& symbol)
-      : connection_(connection), machine_key_(machine_key) {
+  SeriesBuilder(Connection& connection, int64_t machine_key, const MachineId& machine, const std::string& symbol,
+                const DamageTold& damaged)
+      : connection_(connection), machine_key_(machine_key), machine_(machine), damaged_(damaged) {
     series_.symbol = symbol;
   }
 
@@ -41,6 +51,8 @@ class SeriesBuilder {
 
   Connection& connection_;
   const int64_t machine_key_;
+  const MachineId& machine_;
+  const DamageTold& damaged_;
   DriftSeries series_;
   int64_t last_bucket_ = -1;
 };
@@ -67,15 +79,20 @@ absl::Status SeriesBuilder::AddEstimates(const Span& span, int64_t origin_us, in
   ASSIGN_OR_RETURN(
       Statement row,
       connection_.Ask(absl::StrCat("SELECT e.measured_at_utc_us, e.unit, e.estimated_um_urad, e.sigma_um_urad, "
-                                   "e.calibration_id "
-                                   "FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id "
+                                   "e.calibration_id, ",
+                                   kIsIntactEstimate, ", iif(c.state = 3, c.approved_at_utc_us IS NULL, 0)",
+                                   " FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id "
                                    "WHERE e.machine_id = ?1 AND e.symbol = ?2 AND e.measured_at_utc_us >= ?3 AND "
-                                   "e.measured_at_utc_us < ?4 AND ",
-                                   kIsPoint, " ORDER BY e.measured_at_utc_us, e.calibration_id"),
+                                   "e.measured_at_utc_us < ?4 ORDER BY e.measured_at_utc_us, e.calibration_id"),
                       machine_key_, series_.symbol, span.from, span.to));
   for (int64_t n = 0;; ++n) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) return absl::OkStatus();
+    if (!row.Bool(5)) {
+      damaged_(Damaged(machine_, series_.symbol, "calibration", row.Int(4)));
+      continue;
+    }
+    if (row.Bool(6)) continue;  // rejected
     series_.unit = row.As<EstimateUnit>(1);
     if (row.IsNull(2)) {
       ++series_.not_identifiable_count;
@@ -92,14 +109,22 @@ absl::Status SeriesBuilder::AddWeeks(int64_t first, int64_t end, int64_t origin_
   if (first >= end) return absl::OkStatus();
   ASSIGN_OR_RETURN(
       Statement row,
-      connection_.Ask("SELECT week, unit, estimate_count, not_identifiable_count, min_um_urad, max_um_urad, "
-                      "sum_um_urad, first_at_utc_us, last_at_utc_us, last_sigma_um_urad, last_calibration_id "
-                      "FROM estimate_week WHERE machine_id = ?1 AND symbol = ?2 AND week >= ?3 AND week < ?4 "
-                      "ORDER BY week",
+      connection_.Ask(absl::StrCat("SELECT week, unit, estimate_count, not_identifiable_count, min_um_urad, "
+                                   "max_um_urad, sum_um_urad, first_at_utc_us, last_at_utc_us, last_sigma_um_urad, "
+                                   "last_calibration_id, ",
+                                   kIsIntactWeek,
+                                   " FROM estimate_week AS w WHERE machine_id = ?1 AND symbol = ?2 AND week >= ?3 AND "
+                                   "week < ?4 ORDER BY week"),
                       machine_key_, series_.symbol, first, end));
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
     if (!more) return absl::OkStatus();
+    if (!row.Bool(11)) {
+      const int64_t week = row.Int(0);
+      damaged_(Damaged(machine_, series_.symbol, "week", week));
+      RETURN_IF_ERROR(AddEstimates({week * kWeekUs, (week + 1) * kWeekUs}, origin_us, bucket_us));
+      continue;
+    }
     series_.unit = row.As<EstimateUnit>(1);
     series_.not_identifiable_count += row.Int(3);
     const int64_t count = row.Int(2);
@@ -169,7 +194,8 @@ absl::Status CheckQuery(const DriftQuery& query) {
 }
 
 absl::StatusOr<std::vector<LatestEstimate>> Latest(Connection& connection, int64_t machine_key,
-                                                   std::vector<std::string> symbols) {
+                                                   const MachineId& machine, std::vector<std::string> symbols,
+                                                   const DamageTold& damaged) {
   if (symbols.empty()) {
     ASSIGN_OR_RETURN(symbols, MachineSymbols(connection, machine_key));
   }
@@ -189,14 +215,21 @@ absl::StatusOr<std::vector<LatestEstimate>> Latest(Connection& connection, int64
   for (const std::string& symbol : symbols) {
     ASSIGN_OR_RETURN(
         Statement row,
-        connection.Ask("SELECT e.unit, e.identifiable, e.estimated_um_urad, e.sigma_um_urad, e.measured_at_utc_us, "
-                       "e.calibration_id, c.state FROM estimate AS e CROSS JOIN calibration AS c "
-                       "ON c.id = e.calibration_id WHERE e.machine_id = ?1 AND e.symbol = ?2 "
-                       "AND e.measured_at_utc_us >= ?3 AND c.state <> 3 "
-                       "ORDER BY e.measured_at_utc_us DESC, e.calibration_id DESC LIMIT 1",
-                       machine_key, symbol, oldest_us));
+        connection.Ask(
+            absl::StrCat("SELECT e.unit, e.identifiable, e.estimated_um_urad, e.sigma_um_urad, e.measured_at_utc_us, "
+                         "e.calibration_id, c.state, ",
+                         kIsIntactEstimate,
+                         " FROM estimate AS e CROSS JOIN calibration AS c "
+                         "ON c.id = e.calibration_id WHERE e.machine_id = ?1 AND e.symbol = ?2 "
+                         "AND e.measured_at_utc_us >= ?3 AND c.state <> 3 "
+                         "ORDER BY e.measured_at_utc_us DESC, e.calibration_id DESC LIMIT 1"),
+            machine_key, symbol, oldest_us));
     ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) continue;
+    if (!row.Bool(7)) {
+      damaged(Damaged(machine, symbol, "calibration", row.Int(5)));
+      continue;
+    }
     const Estimate estimate = {symbol, row.As<EstimateUnit>(0), row.Bool(1), row.OptionalReal(2), row.OptionalReal(3)};
     latest.push_back({estimate, row.Time(4), CalibrationId(row.Int(5)), row.As<CalibrationState>(6)});
   }
@@ -205,7 +238,8 @@ absl::StatusOr<std::vector<LatestEstimate>> Latest(Connection& connection, int64
 
 }  // namespace
 
-absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, const DriftQuery& query) {
+absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, const DriftQuery& query,
+                                                    const DamageTold& damaged) {
   RETURN_IF_ERROR(CheckQuery(query));
   ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, query.machine));
   std::vector<std::string> symbols = query.symbols;
@@ -218,7 +252,7 @@ absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, cons
   ASSIGN_OR_RETURN(const Span span, Narrow(connection, machine_key, symbols, asked));
   std::vector<DriftSeries> all;
   for (const std::string& symbol : symbols) {
-    SeriesBuilder builder(connection, machine_key, symbol);
+    SeriesBuilder builder(connection, machine_key, query.machine, symbol, damaged);
     RETURN_IF_ERROR(Fill(span, query.max_points, builder));
     DriftSeries series = builder.Take();
     if (!series.points.empty() || series.not_identifiable_count > 0) all.push_back(std::move(series));
@@ -227,7 +261,8 @@ absl::StatusOr<std::vector<DriftSeries>> QueryDrift(Connection& connection, cons
 }
 
 absl::StatusOr<Page<FleetRow>> LatestFleet(Connection& connection, const std::vector<std::string>& symbols,
-                                           const PageRequest& request, const Visible& visible) {
+                                           const PageRequest& request, const Visible& visible,
+                                           const DamageTold& damaged) {
   std::vector<std::string> ordered = symbols;
   std::sort(ordered.begin(), ordered.end());
   ordered.erase(std::unique(ordered.begin(), ordered.end()), ordered.end());
@@ -244,7 +279,8 @@ absl::StatusOr<Page<FleetRow>> LatestFleet(Connection& connection, const std::ve
     if (!more) break;
     page.rows.push_back({MachineId(row.Text(1)), {}});
     if (page.rows.size() > static_cast<size_t>(start.size)) break;  // tells only that another page follows
-    ASSIGN_OR_RETURN(page.rows.back().latest, Latest(connection, row.Int(0), ordered));
+    ASSIGN_OR_RETURN(page.rows.back().latest,
+                     Latest(connection, row.Int(0), page.rows.back().machine, ordered, damaged));
   }
   EndPage(
       start, [](const FleetRow& fleet) { return fleet.machine.text(); },

@@ -1,9 +1,12 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
 #include "core/base/error_detail.h"
+#include "server/storage/check.h"
+#include "server/storage/connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -16,9 +19,11 @@ constexpr hours kDay(24);
 class History : public testing::Test {
  protected:
   History() : start(database.clock.UtcNow()) { DEMAND(database->CreateMachine(MachineId("mt"), "{}", Cell("")).ok()); }
-  void Calibrate(UtcTime at, double ea0b_urad) {
+  CalibrationId Calibrate(UtcTime at, double ea0b_urad) {
     values.push_back({at, ea0b_urad});
-    DEMAND(database->CreateCalibration(TestCalibration(at, ea0b_urad)).ok());
+    const auto made = database->CreateCalibration(TestCalibration(at, ea0b_urad));
+    DEMAND(made.ok());
+    return made->id;
   }
   DriftQuery Query(UtcTime from, UtcTime to, int max_points) {
     return {MachineId("mt"), {"EA0B"}, from, to, max_points};
@@ -49,6 +54,18 @@ class History : public testing::Test {
     });
     EXPECT_EQ(total, expected);
     EXPECT_EQ((*drift)[0].unit, EstimateUnit::kUrad);
+    EXPECT_TRUE(database.damages.empty()) << database.damages[0];
+  }
+  // Behind the store.
+  void Execute(const std::string& sql) {
+    const absl::Status done = (*Connection::Open(database.path(), Access::kWrite))->Execute(sql);
+    ASSERT_TRUE(done.ok()) << sql << ": " << done;
+  }
+  std::vector<std::string> Damages() {
+    const auto report = CheckStoreFile(database.path());
+    std::vector<std::string> named;
+    for (const Damage& damage : report->damages) named.push_back(damage.resource);
+    return named;
   }
 
   TempDatabase database;
@@ -128,6 +145,109 @@ TEST_F(History, ARejectedCandidateIsNoPoint) {
   ASSERT_TRUE(database->ApproveCalibration(rejected, 0, Cell("")).ok());
   EXPECT_EQ(seen(1), "3 from 1 to 900 of 3; ");
   EXPECT_EQ(seen(100), "1 from 1 to 1 of 1; 1 from 900 to 900 of 2; 1 from 3 to 3 of 3; ");
+}
+
+// One number, one time, which error it is, or whether its calibration counts.
+TEST_F(History, ADamagedEstimateIsLeftOutAndNamed) {
+  for (int day = 0; day < 3; ++day) Calibrate(start + day * kDay, 10.0 * day);
+  const DriftQuery query = Query(start, start + 10 * kDay, 100);
+  const std::pair<std::string, std::string> damages[] = {
+      {"UPDATE estimate SET estimated_um_urad = 10.5 WHERE calibration_id = 2 AND symbol = 'EA0B'",
+       "UPDATE estimate SET estimated_um_urad = 10.0 WHERE calibration_id = 2 AND symbol = 'EA0B'"},
+      {"UPDATE estimate SET sigma_um_urad = 0.1 WHERE calibration_id = 2 AND symbol = 'EA0B'",
+       "UPDATE estimate SET sigma_um_urad = 0.6 WHERE calibration_id = 2 AND symbol = 'EA0B'"},
+      {"UPDATE estimate SET unit = 1 WHERE calibration_id = 2 AND symbol = 'EA0B'",
+       "UPDATE estimate SET unit = 2 WHERE calibration_id = 2 AND symbol = 'EA0B'"},
+      {"UPDATE estimate SET measured_at_utc_us = measured_at_utc_us + 1 WHERE calibration_id = 2 AND symbol = 'EA0B'",
+       "UPDATE estimate SET measured_at_utc_us = measured_at_utc_us - 1 WHERE calibration_id = 2 AND symbol = 'EA0B'"},
+      {"UPDATE estimate SET crc32c = NULL WHERE calibration_id = 2 AND symbol = 'EA0B'", ""},
+  };
+  for (const auto& [damage, repair] : damages) {
+    database.Close();  // told again of what it was told before
+    database.Open();
+    Execute(damage);
+    database.damages.clear();
+    for (int times = 0; times < 2; ++times) {
+      const auto drift = database->QueryDrift(query);
+      ASSERT_TRUE(drift.ok()) << drift.status();
+      ASSERT_EQ(drift->at(0).points.size(), 2u) << damage;
+      EXPECT_EQ(drift->at(0).points[0].mean, 0.0) << damage;
+      EXPECT_EQ(drift->at(0).points[1].mean, 20.0) << damage;
+      EXPECT_EQ(drift->at(0).unit, EstimateUnit::kUrad);
+    }
+    ASSERT_EQ(database.damages.size(), 1u) << damage;
+    EXPECT_TRUE(absl::IsDataLoss(database.damages[0])) << database.damages[0];
+    const auto detail = base::GetErrorDetail(database.damages[0]);
+    EXPECT_EQ(detail->reason, "HISTORY_DAMAGED");
+    EXPECT_EQ(detail->facts.at("machine"), "mt");
+    EXPECT_EQ(detail->facts.at("symbol"), "EA0B");
+    EXPECT_EQ(detail->facts.at("calibration"), "2");
+    database.Close();
+    EXPECT_THAT(Damages(), testing::Contains("machines/mt, history of EA0B, calibration 2")) << damage;
+    database.Open();
+    if (!repair.empty()) Execute(repair);
+  }
+}
+
+TEST_F(History, TheFleetLeavesOutWhatIsDamaged) {
+  for (int day = 0; day < 3; ++day) Calibrate(start + day * kDay, 10.0 * day);
+  Execute("UPDATE estimate SET estimated_um_urad = 21.0 WHERE calibration_id = 3 AND symbol = 'EA0B'");
+  const auto fleet = database->LatestFleet({}, {});
+  ASSERT_TRUE(fleet.ok()) << fleet.status();
+  ASSERT_EQ(fleet->rows[0].latest.size(), 2u);
+  EXPECT_EQ(fleet->rows[0].latest[0].estimate.symbol, "EC0C");
+  EXPECT_EQ(fleet->rows[0].latest[1].estimate.symbol, "EX0C");
+  ASSERT_EQ(database.damages.size(), 1u);
+}
+
+// A candidate that the disk has made rejected, or the other way round.
+TEST_F(History, WhoseCalibrationHasAnotherStateIsLeftOut) {
+  for (int day = 0; day < 3; ++day) Calibrate(start + day * kDay, 10.0 * day);
+  ASSERT_TRUE(database->RetireCalibration(CalibrationId(3), 0, Cell("")).ok());
+  const DriftQuery query = Query(start, start + 10 * kDay, 100);
+  EXPECT_EQ(database->QueryDrift(query)->at(0).points.size(), 2u);
+  EXPECT_TRUE(database.damages.empty());
+  Execute("UPDATE calibration SET state = 1, retired_at_utc_us = NULL WHERE id = 3");
+  EXPECT_EQ(database->QueryDrift(query)->at(0).points.size(), 2u);
+  EXPECT_EQ(database.damages.size(), 1u);
+}
+
+// The sums of a week: its estimates serve in their place, and whatever is added next makes them anew.
+TEST_F(History, ADamagedWeekIsDrawnFromItsEstimates) {
+  for (int day = 0; day < 200; ++day) Calibrate(start + day * kDay, 0.5 * day);
+  const DriftQuery query = Query(start, start + 300 * kDay, 7);
+  ExpectAgrees(query);
+  const auto before = database->QueryDrift(query);
+  const std::string third = "WHERE symbol = 'EA0B' AND week = (SELECT min(week) + 3 FROM estimate_week)";
+  for (const std::string damage : {"sum_um_urad = sum_um_urad + 64", "max_um_urad = 1e9", "estimate_count = 9",
+                                   "unit = 1", "last_calibration_id = 1", "crc32c = NULL"}) {
+    Execute("UPDATE estimate_week SET " + damage + " " + third);
+    database.damages.clear();
+    const auto drift = database->QueryDrift(query);
+    ASSERT_TRUE(drift.ok()) << drift.status();
+    ASSERT_EQ(drift->at(0).points.size(), before->at(0).points.size()) << damage;
+    for (size_t i = 0; i < before->at(0).points.size(); ++i) {
+      const DriftPoint& was = before->at(0).points[i];
+      const DriftPoint& is = drift->at(0).points[i];
+      EXPECT_EQ(is.count, was.count) << damage;
+      EXPECT_EQ(is.max, was.max) << damage;
+      EXPECT_EQ(is.last_calibration, was.last_calibration) << damage;
+      EXPECT_NEAR(is.mean, was.mean, 1e-9) << damage;
+    }
+    ASSERT_FALSE(database.damages.empty()) << damage;
+    EXPECT_EQ(base::GetErrorDetail(database.damages[0])->facts.count("week"), 1u);
+    database.Close();
+    EXPECT_EQ(Damages().size(), 1u) << damage;
+    database.Open();
+    const CalibrationId added = Calibrate(start + 22 * kDay, 11.5);  // of that week
+    database.damages.clear();
+    ExpectAgrees(query);
+    database.Close();
+    EXPECT_THAT(Damages(), testing::IsEmpty()) << damage;
+    database.Open();
+    ASSERT_TRUE(database->RetireCalibration(added, 0, Cell("")).ok());
+    values.pop_back();
+  }
 }
 
 TEST_F(History, BadQueriesAreRefused) {

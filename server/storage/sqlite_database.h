@@ -22,8 +22,8 @@ struct SqliteOptions {
   std::function<int64_t()> free_bytes;
   // Told on open, for each job that a process left RUNNING when it died, what became of it. May be empty.
   std::function<void(const JobRecord&)> rescued;
-  // Told of what the disk has changed, where a caller sends the same again: a new session is made, a program gets the
-  // parts that came. From the calling threads. May be empty.
+  // Told of what the disk has changed: where a caller sends the same again (a session is made anew, a program gets the
+  // parts that came), and once of each row that histories leave out. From the calling threads. May be empty.
   std::function<void(const absl::Status&)> damaged;
   base::Clock* clock = &base::SystemClock();
 };

@@ -3,7 +3,9 @@
 #ifndef AXISCAL_SERVER_STORAGE_SQLITE_STORE_H_
 #define AXISCAL_SERVER_STORAGE_SQLITE_STORE_H_
 
+#include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -184,11 +186,11 @@ class SqliteStore final : public Database {
 
   // ---- history
   absl::StatusOr<std::vector<DriftSeries>> QueryDrift(const DriftQuery& query) override {
-    return readers_.Run([&](Connection& c) { return storage::QueryDrift(c, query); });
+    return readers_.Run([&](Connection& c) { return storage::QueryDrift(c, query, Told()); });
   }
   absl::StatusOr<Page<FleetRow>> LatestFleet(const std::vector<std::string>& symbols, const PageRequest& page,
                                              const Visible& visible) override {
-    return readers_.Run([&](Connection& c) { return storage::LatestFleet(c, symbols, page, visible); });
+    return readers_.Run([&](Connection& c) { return storage::LatestFleet(c, symbols, page, visible, Told()); });
   }
 
   // ---- programs
@@ -489,6 +491,13 @@ class SqliteStore final : public Database {
   void TellDamage(const absl::Status& status) const {
     if (options_.damaged) options_.damaged(status);
   }
+  // For what is read again and again: each damage is told once.
+  std::function<void(const absl::Status&)> Told() {
+    return [this](const absl::Status& status) {
+      const base::MutexLock lock(told_mutex_);
+      if (told_.size() < kMaxTold && told_.insert(std::string(status.message())).second) TellDamage(status);
+    };
+  }
   absl::StatusOr<SharedSpecs> Specs(SessionId id);
   absl::StatusOr<EncodedChunk> Encode(SessionId id, const records::Chunk& chunk);
   absl::Status VisitChunks(const SessionRecord& session, int64_t first_seq,
@@ -505,6 +514,9 @@ class SqliteStore final : public Database {
   base::Mutex specs_mutex_;
   // Of recent sessions; they never change.
   std::unordered_map<SessionId, SharedSpecs> specs_ AXISCAL_GUARDED_BY(specs_mutex_);
+  static constexpr size_t kMaxTold = 1000;
+  base::Mutex told_mutex_;
+  std::set<std::string> told_ AXISCAL_GUARDED_BY(told_mutex_);
   Writer writer_;  // closed first
 };
 
