@@ -52,18 +52,44 @@ struct File {
 };
 File& Of(sqlite3_file* file) { return *reinterpret_cast<File*>(file); }
 
+// What an operation asks of the disk.
+enum class Asks { kRoom, kNoRoom };
+
+bool Stays(Fault fault) {
+  return fault == Fault::kDead || fault == Fault::kPowerLoss || fault == Fault::kStaysFull || fault == Fault::kQuota ||
+         fault == Fault::kReadOnly;
+}
+
+// The errno of what fails now.
+int SystemErrorOf(Fault fault) {
+  switch (fault) {
+    case Fault::kFullOnce:
+    case Fault::kStaysFull:
+      return ENOSPC;
+    case Fault::kQuota:
+      return EDQUOT;
+    case Fault::kReadOnly:
+      return EROFS;
+    default:
+      return EIO;
+  }
+}
+
 // What the next operation is to return; SQLITE_OK: go on. `is_torn`: do the first half of it before.
-int NextOperation(int error, bool* is_torn) AXISCAL_REQUIRES(TheDisk().mutex) {
+int NextOperation(int error, Asks asks, bool* is_torn) AXISCAL_REQUIRES(TheDisk().mutex) {
   Disk& disk = TheDisk();
   ++disk.count;
   *is_torn = false;
-  const bool is_dead = disk.fault == Fault::kDead || disk.fault == Fault::kPowerLoss;
-  if (disk.has_failed) return is_dead ? error : SQLITE_OK;
-  if (disk.fault == Fault::kNone || disk.count != disk.fails_at) return SQLITE_OK;
+  const bool was_before = disk.has_failed;
+  if (!was_before && (disk.fault == Fault::kNone || disk.count != disk.fails_at)) return SQLITE_OK;
+  if (was_before && !Stays(disk.fault)) return SQLITE_OK;
   disk.has_failed = true;
   if (disk.fault == Fault::kKill) kill(getpid(), SIGKILL);
-  *is_torn = disk.fault == Fault::kTornOnce || disk.fault == Fault::kPowerLoss;
-  return disk.fault == Fault::kFullOnce ? SQLITE_FULL : error;
+  const bool needs_room = disk.fault == Fault::kStaysFull || disk.fault == Fault::kQuota;
+  if (needs_room && asks == Asks::kNoRoom) return SQLITE_OK;
+  *is_torn = !was_before && (disk.fault == Fault::kTornOnce || disk.fault == Fault::kPowerLoss);
+  errno = SystemErrorOf(disk.fault);
+  return errno == ENOSPC ? SQLITE_FULL : error;
 }
 
 // Notes what a write over [offset, offset + count) of a file replaces.
@@ -93,7 +119,7 @@ int Read(sqlite3_file* file, void* bytes, int count, sqlite3_int64 offset) {
 int Write(sqlite3_file* file, const void* bytes, int count, sqlite3_int64 offset) {
   const base::MutexLock lock(TheDisk().mutex);
   bool is_torn = false;
-  const int error = NextOperation(SQLITE_IOERR_WRITE, &is_torn);
+  const int error = NextOperation(SQLITE_IOERR_WRITE, Asks::kRoom, &is_torn);
   if (error != SQLITE_OK && !is_torn) return error;
   const int written = error == SQLITE_OK ? count : count / 2;
   Note(Of(file), offset, written);
@@ -103,7 +129,7 @@ int Write(sqlite3_file* file, const void* bytes, int count, sqlite3_int64 offset
 int Truncate(sqlite3_file* file, sqlite3_int64 size) {
   const base::MutexLock lock(TheDisk().mutex);
   bool is_torn = false;
-  const int error = NextOperation(SQLITE_IOERR_TRUNCATE, &is_torn);
+  const int error = NextOperation(SQLITE_IOERR_TRUNCATE, Asks::kNoRoom, &is_torn);
   if (error != SQLITE_OK) return error;
   sqlite3_int64 old_size = 0;
   Of(file).real->pMethods->xFileSize(Of(file).real, &old_size);
@@ -113,7 +139,7 @@ int Truncate(sqlite3_file* file, sqlite3_int64 size) {
 int Sync(sqlite3_file* file, int) {
   const base::MutexLock lock(TheDisk().mutex);
   bool is_torn = false;
-  const int error = NextOperation(SQLITE_IOERR_FSYNC, &is_torn);
+  const int error = NextOperation(SQLITE_IOERR_FSYNC, Asks::kRoom, &is_torn);
   if (error == SQLITE_OK) TheDisk().not_synced.erase(*Of(file).path);
   return error;
 }
@@ -161,7 +187,7 @@ int Open(sqlite3_vfs*, const char* name, sqlite3_file* file, int flags, int* out
 int Delete(sqlite3_vfs*, const char* name, int) {
   const base::MutexLock lock(TheDisk().mutex);
   bool is_torn = false;
-  const int error = NextOperation(SQLITE_IOERR_DELETE, &is_torn);
+  const int error = NextOperation(SQLITE_IOERR_DELETE, Asks::kNoRoom, &is_torn);
   if (error != SQLITE_OK) return error;
   TheDisk().not_synced.erase(name);
   return base_vfs->xDelete(base_vfs, name, 0);
@@ -253,8 +279,8 @@ bool DisarmFault() {
 int NextSystemCall() {
   const base::MutexLock lock(TheDisk().mutex);
   bool is_torn = false;
-  const int error = NextOperation(SQLITE_IOERR, &is_torn);
-  return error == SQLITE_OK ? 0 : error == SQLITE_FULL ? ENOSPC : EIO;
+  const int error = NextOperation(SQLITE_IOERR, Asks::kRoom, &is_torn);
+  return error == SQLITE_OK ? 0 : SystemErrorOf(TheDisk().fault);
 }
 
 int64_t OperationCount() {

@@ -13,6 +13,9 @@ enum class Fault {
   kFullOnce,   // it fails as on a full disk, the next ones work
   kTornOnce,   // a write leaves its first half, then as kErrorOnce
   kDead,       // it and all that follow fail
+  kStaysFull,  // as kDead, as on a full disk; removals and truncations work
+  kQuota,      // likewise, as where a quota is used up (EDQUOT)
+  kReadOnly,   // as kDead, as on a disk that was mounted anew for reading alone (EROFS)
   kPowerLoss,  // as kDead; and of what was not synced some sectors, chosen by chance, are as they were before
   kKill,       // this process is killed (SIGKILL) before it
 };
