@@ -1,5 +1,7 @@
 #include "server/handlers/webhooks.h"
 
+#include "absl/strings/str_cat.h"
+#include "core/base/clock.h"
 #include "core/base/error_detail.h"
 #include "proto/convert/field.h"
 #include "proto/convert/webhook.h"
@@ -57,6 +59,15 @@ absl::StatusOr<v1::TestWebhookResponse> TestWebhook(Core& core, const Call& call
                        {"WEBHOOKS_NOT_SENT", {}});
   }
   ASSIGN_OR_RETURN(const records::WebhookTrial trial, core.webhook_sender->Try(record, call.is_cancelled));
+  storage::AuditEntry entry;
+  entry.at = base::SystemClock().UtcNow();
+  entry.principal = call.user;
+  entry.peer = call.peer;
+  entry.action = "webhook.test";
+  entry.resource = "webhooks/" + record.content.name;
+  entry.outcome = "OK";
+  entry.detail = trial.error.empty() ? absl::StrCat("HTTP ", trial.status) : trial.error;
+  RETURN_IF_ERROR(core.database.AppendAudit(entry));
   v1::TestWebhookResponse response;
   response.set_http_status(trial.status);
   response.set_error(trial.error);

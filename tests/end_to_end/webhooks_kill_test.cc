@@ -77,6 +77,8 @@ TEST_F(WebhooksKill, LoseNothing) {
   ASSERT_EQ(Webhook({"test", "mes"}), 0) << out_;
   EXPECT_THAT(out_, HasSubstr("taken: HTTP 204"));
   EXPECT_EQ(receiver_.received().at(0).body, "{\"type\":\"test\"}");
+  ASSERT_EQ(testing::RunProgram({AXISCAL_PATH, "--server", address, "admin", "audit"}, &out_), 0) << out_;
+  EXPECT_THAT(out_, HasSubstr("webhook.test"));
   size_t calls = 1;
   for (int kill = 0; kill < kKills; ++kill) {
     auto client = client::Client::Connect(address);
