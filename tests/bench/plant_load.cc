@@ -110,6 +110,7 @@ class Plant {
     return *std::move(client);
   }
   int64_t PeakMemoryBytes() const { return server_->PeakMemoryBytes(); }
+  double CpuSeconds() const { return server_->CpuSeconds(); }
 
   // Everybody works until `end`.
   void Work(bool with_jobs, steady_clock::time_point end, Seen& seen) {
@@ -187,22 +188,26 @@ int Run(int seconds) {
     std::fprintf(stderr, "%s\n", started.ToString().c_str());
     return 1;
   }
-  std::printf("LOAD %-13s %9s %9s %9s %9s %9s %12s %12s %8s %8s\n", "half", "uploads", "readings", "histories", "jobs",
-              "refused", "history p50", "history p99", "errors", "MB");
+  std::printf("LOAD %-13s %9s %9s %9s %9s %9s %12s %12s %8s %8s %13s\n", "half", "uploads", "readings", "histories",
+              "jobs", "refused", "history p50", "history p99", "errors", "MB", "uploads/CPU s");
   double p99_ms[2] = {};
   int64_t errors = 0;
   bool has_worked = true;
   for (const bool with_jobs : {false, true}) {
     Seen seen;
+    const double cpu_before_s = plant.CpuSeconds();
     plant.Work(with_jobs, steady_clock::now() + std::chrono::seconds(seconds) / 2, seen);
     p99_ms[with_jobs] = seen.QuantileMs("history", 0.99);
     errors += seen.errors();
     has_worked &= seen.CountOf("upload") > 0 && seen.CountOf("history") > 0 && (!with_jobs || seen.CountOf("job") > 0);
-    std::printf("LOAD %-13s %9zu %9zu %9zu %9zu %9lld %9.1f ms %9.1f ms %8lld %8lld\n",
+    // Of all that the server did, jobs and histories too.
+    const double cpu_s = plant.CpuSeconds() - cpu_before_s;
+    std::printf("LOAD %-13s %9zu %9zu %9zu %9zu %9lld %9.1f ms %9.1f ms %8lld %8lld %13.1f\n",
                 with_jobs ? "with jobs" : "without jobs", seen.CountOf("upload"), seen.CountOf("upload") * kReadings,
                 seen.CountOf("history"), seen.CountOf("job"), static_cast<long long>(seen.refused()),
                 seen.QuantileMs("history", 0.5), p99_ms[with_jobs], static_cast<long long>(seen.errors()),
-                static_cast<long long>(plant.PeakMemoryBytes() >> 20));
+                static_cast<long long>(plant.PeakMemoryBytes() >> 20),
+                static_cast<double>(seen.CountOf("upload")) / cpu_s);
     std::fflush(stdout);
   }
   const bool is_small = plant.PeakMemoryBytes() <= kMostMemory;

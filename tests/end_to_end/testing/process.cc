@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <sstream>
+#include <string>
 #include <utility>
 
 namespace axiscal::testing {
@@ -80,6 +82,19 @@ int64_t ServerProcess::PeakMemoryBytes() const {
     if (line.rfind("VmHWM:", 0) == 0) return std::stoll(line.substr(6)) * 1024;
   }
   return -1;
+}
+
+double ServerProcess::CpuSeconds() const {
+  std::ifstream file(absl::StrCat("/proc/", pid_, "/stat"));
+  std::string stat;
+  std::getline(file, stat);
+  // Behind the name, which may hold blanks, and ten more numbers: utime and stime in ticks.
+  std::istringstream words(stat.substr(stat.rfind(')') + 1));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) words >> skipped;
+  int64_t user = 0, system = 0;
+  words >> user >> system;
+  return static_cast<double>(user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
 void ServerProcess::Signal(int signal) { kill(pid_, signal); }

@@ -28,6 +28,8 @@ class ServerProcess {
   void Signal(int signal);
   // The most that it ever had in memory.
   int64_t PeakMemoryBytes() const;
+  // What all its threads have computed until now.
+  double CpuSeconds() const;
   // Waits for its end: the exit status, or 128 + the signal that ended it.
   int Wait();
 
