@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/error_detail.h"
 #include "core/session/line_reader.h"
 #include "core/session/text.h"
 
@@ -80,9 +81,9 @@ class Reader {
     }
     const std::string there =
         match.column < text.size() ? session::Quoted(text.substr(match.column)) : "the line's end";
-    failure_ =
-        absl::InvalidArgumentError(absl::StrCat(name_, ": line ", number, ", column ", match.column + 1, ": ", there,
-                                                ", expected ", match.expected, " (template ", template_.name, ")"));
+    failure_ = WrongAt({number, match.column + 1},
+                       absl::StrCat(name_, ": line ", number, ", column ", match.column + 1, ": ", there, ", expected ",
+                                    match.expected, " (template ", template_.name, ")"));
     may_be_cut_ = match.column >= text.size();
     failed_line_ = {number, text};
     return absl::OkStatus();  // told when another line follows, or at the end
@@ -90,8 +91,8 @@ class Reader {
 
   absl::Status Announce(size_t number, double count) {
     if (!(count >= 0.0 && count < 1e9 && std::floor(count) == count)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(name_, ": line ", number, ": a count of ", count, ", expected a whole number"));
+      return WrongAt({number, 0, "count"},
+                     absl::StrCat(name_, ": line ", number, ": a count of ", count, ", expected a whole number"));
     }
     CloseAnnouncement();
     log_.announcements.push_back({number, static_cast<long>(count), 0});
@@ -150,6 +151,13 @@ class Reader {
 };
 
 }  // namespace
+
+absl::Status WrongAt(const LogPlace& place, const std::string& message) {
+  base::ErrorDetail detail{"LOG_INVALID", {{"line", std::to_string(place.line)}}};
+  if (place.column > 0) detail.facts["column"] = std::to_string(place.column);
+  if (!place.name.empty()) detail.facts["name"] = place.name;
+  return base::Error(absl::StatusCode::kInvalidArgument, message, detail);
+}
 
 absl::StatusOr<Log> ReadLog(std::istream& in, const std::string& log_name, const LogTemplate& log_template,
                             const LinePattern& line_pattern) {

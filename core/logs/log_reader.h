@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/status.h"
 #include "core/logs/log_template.h"
 
 namespace axiscal::logs {
@@ -16,6 +17,15 @@ struct LogReading {
   std::vector<FieldValue> fields;  // per piece of the pattern
   std::string feature;             // of the last mark, empty before the first
 };
+
+// Where a log is wrong, from 1. Facts of an error, reason LOG_INVALID: `line`, `column`, `name`.
+struct LogPlace {
+  size_t line = 0;
+  size_t column = 0;      // character; 0: the line as a whole
+  std::string name = {};  // what it was read as, such as X_mm; empty: not known
+};
+// INVALID_ARGUMENT that names the place for programs; `message` says it for people.
+absl::Status WrongAt(const LogPlace& place, const std::string& message);
 
 // The log stopped within this line: no reading is made of it.
 struct CutLine {
@@ -38,7 +48,7 @@ struct Log {
 // Blank lines, lines of '%' and what a control sends at the end of a file (0x1A) are passed over; every other line is a
 // reading or has a rule. The last line is cut, not wrong, where it has no line end (a cut number cannot be told from a
 // whole one), where it ends before its form does, or where its last number has fewer decimals than all before it.
-// INVALID_ARGUMENT naming log, line, column and what the template expected.
+// INVALID_ARGUMENT naming log, line, column and what the template expected, as WrongAt() where it is about a line.
 absl::StatusOr<Log> ReadLog(std::istream& in, const std::string& log_name, const LogTemplate& log_template,
                             const LinePattern& line_pattern);
 

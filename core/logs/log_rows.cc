@@ -153,9 +153,10 @@ absl::Status LogRows::CheckForeignAxes(const std::vector<std::string>& names) co
     const std::vector<double> numbers = NumbersOf(FieldIndex(piece.field));
     for (size_t k = 0; k < numbers.size(); ++k) {
       if (numbers[k] == 0.0 && template_.format == KnownFormat::kLinuxCncProbe) continue;
-      return absl::InvalidArgumentError(absl::StrCat(
-          LineOf(k), ": ", piece.field, " reads ", numbers[k], ", but ",
-          options_.machine != nullptr ? "machine " + options_.machine->id : "the plan", " has no such axis"));
+      return WrongAt({log_.readings[k].line, 0, piece.field},
+                     absl::StrCat(LineOf(k), ": ", piece.field, " reads ", numbers[k], ", but ",
+                                  options_.machine != nullptr ? "machine " + options_.machine->id : "the plan",
+                                  " has no such axis"));
     }
   }
   return absl::OkStatus();
@@ -218,17 +219,20 @@ void LogRows::CountOn(const std::string& column, std::vector<double>* positions_
                                 LineOf(first), " on"));
 }
 
-absl::Status LogRows::OffPlan(const std::string& line, const std::string& column, double number, size_t plan_line,
+absl::Status LogRows::OffPlan(size_t reading, const std::string& column, double number, size_t plan_line,
                               double planned) const {
   const bool is_linear = column.ends_with("_mm");
   const double limit = is_linear ? kMaxOffPlanMm : kMaxOffPlanDeg;
   const bool is_a_turn = !is_linear && RollOverOf(column) == machine::RollOver::kUnstated &&
                          std::abs(std::remainder(number - planned, 360.0)) <= limit;
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "%s: %s = %g, but line %d of the plan is at %g, expected within %g: %s", line, column, number, plan_line, planned,
-      limit,
-      is_a_turn ? "whole turns apart; does the axis count from 0 to 360 deg? Then its roll_over in machine.json says so"
-                : "was a touch missed, or another program run?"));
+  return WrongAt(
+      {log_.readings[reading].line, 0, column},
+      absl::StrFormat(
+          "%s: %s = %g, but line %d of the plan is at %g, expected within %g: %s", LineOf(reading), column, number,
+          plan_line, planned, limit,
+          is_a_turn
+              ? "whole turns apart; does the axis count from 0 to 360 deg? Then its roll_over in machine.json says so"
+              : "was a touch missed, or another program run?"));
 }
 
 // Where a name of the log stands in the plan too, they agree.
@@ -241,9 +245,10 @@ absl::Status LogRows::CheckPlannedNames(bool* is_any) const {
       if (!name) continue;
       *is_any |= IsFeature(column.name);  // a run has several senses
       if (*name == plan->texts[k]) continue;
-      return absl::InvalidArgumentError(absl::StrCat(
-          LineOf(k), ": ", column.name, " ", session::Quoted(*name), ", but line ", k + 1, " of the plan is of ",
-          session::Quoted(plan->texts[k]), ": was a reading missed, or another program run?"));
+      return WrongAt({log_.readings[k].line, 0, column.name},
+                     absl::StrCat(LineOf(k), ": ", column.name, " ", session::Quoted(*name), ", but line ", k + 1,
+                                  " of the plan is of ", session::Quoted(plan->texts[k]),
+                                  ": was a reading missed, or another program run?"));
     }
   }
   return absl::OkStatus();
@@ -254,8 +259,8 @@ absl::Status LogRows::CheckPlan(const std::vector<std::string>& from_plan, std::
   if (options_.plan == nullptr) return absl::OkStatus();
   const size_t planned = options_.plan->reading_count(), found = log_.readings.size();
   if (found > planned) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(LineOf(planned), ": reading ", planned + 1, ", but the plan has ", planned, ", expected no more"));
+    return WrongAt({log_.readings[planned].line}, absl::StrCat(LineOf(planned), ": reading ", planned + 1,
+                                                               ", but the plan has ", planned, ", expected no more"));
   }
   for (Column& column : *axes) {
     const Column* const plan = Planned(column.name);
@@ -266,7 +271,7 @@ absl::Status LogRows::CheckPlan(const std::vector<std::string>& from_plan, std::
       const double logged = column.values[k];
       column.values[k] = AtTurnOf(plan->values[k], column.name, logged);
       if (std::abs(column.values[k] - plan->values[k]) > limit)
-        return OffPlan(LineOf(k), column.name, logged, k + 1, plan->values[k]);
+        return OffPlan(k, column.name, logged, k + 1, plan->values[k]);
     }
   }
   bool is_named = false;
@@ -306,12 +311,11 @@ absl::StatusOr<std::vector<TouchedPose>> LogRows::Poses(std::vector<std::vector<
     const auto planned = [&](int i) { return Planned(ColumnName(machine.axes[i]))->values[row]; };
     if (is_new && options_.plan != nullptr) {
       if (row >= options_.plan->reading_count()) {
-        return absl::InvalidArgumentError(
-            absl::StrCat(LineOf(k), ": pose ", row + 1, ", but the plan has ", row, ", expected no more"));
+        return WrongAt({log_.readings[k].line},
+                       absl::StrCat(LineOf(k), ": pose ", row + 1, ", but the plan has ", row, ", expected no more"));
       }
       const int axis = turned(k, planned);
-      if (axis >= 0)
-        return OffPlan(LineOf(k), ColumnName(machine.axes[axis]), (*axes)[axis][k], row + 1, planned(axis));
+      if (axis >= 0) return OffPlan(k, ColumnName(machine.axes[axis]), (*axes)[axis][k], row + 1, planned(axis));
     }
     LatchedTouch touch = {{}, log_.readings[k].line};
     for (int i = 0; i < machine.axis_count(); ++i) {

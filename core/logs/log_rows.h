@@ -75,7 +75,7 @@ class LogRows {
   absl::Status CheckReadings() const;
   bool IsColumn(const std::string& field) const;
   absl::Status CheckPlannedNames(bool* is_any) const;
-  absl::Status OffPlan(const std::string& line, const std::string& column, double number, size_t plan_line,
+  absl::Status OffPlan(size_t reading, const std::string& column, double number, size_t plan_line,
                        double planned) const;
   machine::RollOver RollOverOf(const std::string& column) const;
   double AtTurnOf(double place, const std::string& column, double number) const;

@@ -141,6 +141,12 @@ absl::StatusOr<LogTemplate> FindFormat(const std::string& name) {
   return out;
 }
 
+absl::StatusOr<LogTemplate> ReadTemplate(const std::string& text, const std::string& name) {
+  const std::vector<std::string>& known = KnownFormats();
+  if (std::find(known.begin(), known.end(), text) != known.end()) return FindFormat(text);
+  return ParseTemplate(text, name);
+}
+
 absl::StatusOr<LogTemplate> ParseTemplate(const std::string& text, const std::string& name) {
   LogTemplate out;
   out.name = name;

@@ -51,6 +51,8 @@ const std::vector<std::string>& KnownFormats();
 // and rule: an unknown rule, a rule said twice, a pattern that cannot be, a header of no session.
 absl::StatusOr<LogTemplate> ParseTemplate(const std::string& text, const std::string& name);
 absl::StatusOr<LogTemplate> FindFormat(const std::string& name);
+// Either, by what the text is.
+absl::StatusOr<LogTemplate> ReadTemplate(const std::string& text, const std::string& name);
 
 }  // namespace axiscal::logs
 

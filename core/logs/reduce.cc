@@ -66,8 +66,10 @@ class Reducer {
                                           ": header lines beside a plan, which brings them: expected rules alone");
       header = options_.plan->header;
       // Of a measured session that is measured again: what its own log said.
-      std::erase_if(
-          header, [](const session::HeaderEntry& entry) { return entry.key == kCutLine || entry.key == kCentreSigma; });
+      std::erase_if(header, [](const session::HeaderEntry& entry) {
+        return entry.key == kCutLine || entry.key == kCentreSigma || entry.key == "log" ||
+               entry.key.starts_with("log_");
+      });
     }
     if (header.empty()) {
       return absl::InvalidArgumentError(
@@ -154,9 +156,10 @@ class Reducer {
       if (rule != nullptr) names.push_back(entry.key.substr(rule->prefix.size() + 1));
     }
     if (names.size() == 1) return names[0];
-    return absl::InvalidArgumentError(rows_.LineOf(k) + ": nothing says which " +
-                                      (column == "feature" ? "feature was touched" : column + " was measured") +
-                                      ", expected a field {" + column + "}, 'mark: ...', 'feature: ...' or a plan");
+    return WrongAt({rows_.readings()[k].line, 0, column},
+                   rows_.LineOf(k) + ": nothing says which " +
+                       (column == "feature" ? "feature was touched" : column + " was measured") +
+                       ", expected a field {" + column + "}, 'mark: ...', 'feature: ...' or a plan");
   }
 
   absl::Status FillTouches() {
@@ -204,8 +207,9 @@ class Reducer {
         positions.push_back(column.values[k] * (column.name.ends_with("_deg") ? base::kRadPerDeg : 1.0));
       return -touch::NormalAt(*options_.machine, feature, {tip[0], tip[1], tip[2]}, positions.data());
     }
-    return absl::InvalidArgumentError(absl::StrCat(rows_.LineOf(k), ": feature ", session::Quoted(name),
-                                                   " has no header line '# sphere ", name, ": ...' or '# plane ...'"));
+    return WrongAt({rows_.readings()[k].line, 0, "feature"},
+                   absl::StrCat(rows_.LineOf(k), ": feature ", session::Quoted(name), " has no header line '# sphere ",
+                                name, ": ...' or '# plane ...'"));
   }
 
   // Columns of the instrument that the line does not hold.
@@ -412,15 +416,19 @@ class Reducer {
     for (size_t i = 0; i < rules->size(); ++i) {
       const Column& column = out_.session.columns[i];
       for (size_t k = 0; k < column.texts.size(); ++k)
-        RETURN_IF_ERROR(
-            base::Within(line_of(k) + " (" + column.name + ")", session::CheckName((*rules)[i], column.texts[k])));
+        if (const absl::Status wrong = session::CheckName((*rules)[i], column.texts[k]); !wrong.ok()) {
+          return WrongAt({out_.lines[k], 0, column.name},
+                         absl::StrCat(line_of(k), " (", column.name, "): ", wrong.message()));
+        }
       for (size_t k = 0; k < column.values.size(); ++k) {
         if (!(*rules)[i].Fits(column.values[k]) && !((*rules)[i].may_be_empty && std::isnan(column.values[k])))
-          return absl::InvalidArgumentError(absl::StrFormat("%s (%s): %g, expected %s", line_of(k), column.name,
-                                                            column.values[k], (*rules)[i].expected));
+          return WrongAt({out_.lines[k], 0, column.name},
+                         absl::StrFormat("%s (%s): %g, expected %s", line_of(k), column.name, column.values[k],
+                                         (*rules)[i].expected));
         if (column.name == "t_s" && k > 0 && column.values[k] < column.values[k - 1])
-          return absl::InvalidArgumentError(absl::StrFormat("%s (t_s): %g after %g: time never runs back", line_of(k),
-                                                            column.values[k], column.values[k - 1]));
+          return WrongAt({out_.lines[k], 0, column.name},
+                         absl::StrFormat("%s (t_s): %g after %g: time never runs back", line_of(k), column.values[k],
+                                         column.values[k - 1]));
       }
     }
     return absl::OkStatus();

@@ -29,6 +29,9 @@ struct ReduceOptions {
 // off the plan than this is of something else.
 inline constexpr double kMaxOffPlanMm = 25.0, kMaxOffPlanDeg = 0.1;
 
+// Of a session of which a service keeps the log as well: header keys `log` (its name), `log_sha256`, and of what was
+// stored the programs' numbers: `log_program`, `log_template` (or a known format's name), `log_plan`. A plan's own are
+// no part of what is measured.
 struct Reduced {
   session::Session session;   // valid; header key `cut_line` where the log's last line was cut
   std::vector<size_t> lines;  // of the log, by reading; of a centre the first of its touches
@@ -40,8 +43,8 @@ struct Reduced {
 // commanded positions from the log, else the plan, latched ones (touch) from the log alone; readings from the log
 // alone; centres from the log, else fitted to its touches (sphere_centres.h; needs `machine`), with header
 // `centre_sigma_um`. Where neither positions nor names of the log stand in the plan too, it must hold as many readings
-// as the plan. INVALID_ARGUMENT naming log or template, line, column and the rule; nothing is made up for what the log
-// does not say.
+// as the plan. INVALID_ARGUMENT naming log or template, line, column and the rule, as WrongAt() where a line of the log
+// is wrong; nothing is made up for what the log does not say.
 absl::StatusOr<Reduced> Reduce(std::istream& log, const std::string& log_name, const LogTemplate& log_template,
                                const ReduceOptions& options);
 

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/error_detail.h"
 #include "core/base/testing/source_path.h"
 #include "core/instruments/run.h"
 #include "core/machine/testing/machines.h"
@@ -107,6 +108,13 @@ TEST(Reduce, LinuxCncLogsHaveNineNumbers) {
   ASSERT_EQ(reduced->session.reading_count(), 2u);
   EXPECT_EQ(session::FindColumn(reduced->session, "Z_mm")->values[1], -464.5118);
   EXPECT_EQ(session::FindColumn(reduced->session, "t_s")->values[1], 5.0);
+  const auto place = [](const absl::StatusOr<Reduced>& outcome) {
+    return base::GetErrorDetail(outcome.status()).value_or(base::ErrorDetail());
+  };
+  EXPECT_EQ(place(ReduceText(line + "-390 0 -464.5118 12 0 0 0 0 0\n", rules, &machine)),
+            (base::ErrorDetail{"LOG_INVALID", {{"line", "2"}, {"name", "A_deg"}}}));
+  EXPECT_EQ(place(ReduceText("-390 0 -464.5118 0 0 0\n" + line, rules, &machine)),
+            (base::ErrorDetail{"LOG_INVALID", {{"line", "1"}, {"column", "23"}}}));
   EXPECT_THAT(Refusal(ReduceText("-390 0 -464.5118 12 0 0 0 0 0\n", rules, &machine)),
               HasSubstr("probe.log: line 1: A_deg reads 12, but machine mt has no such axis"));
   EXPECT_THAT(Refusal(ReduceText("-390 0 -464.5118 0 0 0\n-390 0 1 0 0 0 0 0 0\n", rules, &machine)),
