@@ -29,6 +29,7 @@
 #include "core/records/history.h"
 #include "core/records/job.h"
 #include "core/records/job_params.h"
+#include "core/records/log.h"
 #include "core/records/machine.h"
 #include "core/records/mark.h"
 #include "core/records/page.h"
@@ -154,6 +155,11 @@ class Client {
   // called on this thread.
   absl::StatusOr<UploadResult> Upload(const MachineId& machine, const session::Session& session,
                                       const ProgressCallback& progress = nullptr);
+  // A controller's log as it is: reduced by the server, and kept there beside its session. `name` is its file's,
+  // without folders. The request id is the content, so that the same log is stored once. INVALID_ARGUMENT LOG_INVALID,
+  // with line and column as facts, where it is wrong; nothing is stored then.
+  absl::StatusOr<records::StoredLog> PutLog(const MachineId& machine, const std::string& name, const std::string& bytes,
+                                            const records::LogForm& form);
   // With header and columns.
   absl::StatusOr<SessionRecord> GetSession(SessionId id);
   // Newest first, without header and columns.

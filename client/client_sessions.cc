@@ -49,6 +49,11 @@ absl::StatusOr<SessionRecord> Client::AbortSession(SessionId id) {
   return convert::FromProto(response.session());
 }
 
+absl::StatusOr<records::StoredLog> Client::PutLog(const MachineId& machine, const std::string& name,
+                                                  const std::string& bytes, const records::LogForm& form) {
+  return client::PutLog(impl_->connection, machine, name, bytes, form);
+}
+
 absl::StatusOr<session::Session> Client::DownloadSession(SessionId id) {
   return client::DownloadSession(impl_->connection, id);
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/status.h"
+#include "core/records/chunked_session.h"
 
 namespace axiscal::client {
 
@@ -38,7 +39,7 @@ struct Options {
   std::chrono::milliseconds first_backoff = std::chrono::milliseconds(100);
   std::chrono::milliseconds max_backoff = std::chrono::seconds(1);
   // Readings per chunk, 1 to 4096. Smaller where memory is scarce; below 100 it is slow.
-  int chunk_readings = 1000;
+  int chunk_readings = records::kUsualChunkReadings;
   // Chunks sent and not yet acknowledged, at most, 1 to 64.
   int window_chunks = 8;
 };

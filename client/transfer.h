@@ -22,6 +22,10 @@ struct ProgramSource {
 absl::StatusOr<ProgramRecord> PutProgram(const Connection& connection, const ProgramSource& source,
                                          const ProgressCallback& progress);
 
+absl::StatusOr<records::StoredLog> PutLog(const Connection& connection, const MachineId& machine,
+                                          const std::string& name, const std::string& bytes,
+                                          const records::LogForm& form);
+
 using TakeBytes = std::function<absl::Status(const std::string& bytes)>;
 absl::StatusOr<ProgramRecord> GetProgram(const Connection& connection, ProgramId id, const TakeBytes& take,
                                          const ProgressCallback& progress);

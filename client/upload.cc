@@ -6,6 +6,7 @@
 #include "client/connection.h"
 #include "core/base/error_detail.h"
 #include "core/base/mutex.h"
+#include "core/records/chunked_session.h"
 #include "proto/convert/session.h"
 
 namespace axiscal::client {
@@ -189,7 +190,7 @@ class Uploader {
 
   const Connection& connection_;
   const std::unique_ptr<v1::Ingest::Stub> stub_;
-  ChunkedSession chunks_;
+  records::ChunkedSession chunks_;
   const ProgressCallback& progress_;
   UploadResult result_;
   int window_ = 1;
@@ -204,7 +205,7 @@ absl::StatusOr<UploadResult> UploadSession(const Connection& connection, const M
   RETURN_IF_ERROR(RequireEqualColumns(session));
   v1::CreateSessionRequest request;
   request.set_machine_id(machine.text());
-  request.set_request_id(ContentId(machine, session, connection.options().chunk_readings));
+  request.set_request_id(records::ContentId(machine, session, connection.options().chunk_readings));
   *request.mutable_schema() = convert::ToProto(records::SchemaOf(session));
   return Uploader(connection, session, progress).Run(request);
 }

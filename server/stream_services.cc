@@ -9,6 +9,7 @@
 #include "server/handlers/get_session.h"
 #include "server/handlers/list_programs.h"
 #include "server/handlers/list_sessions.h"
+#include "server/handlers/put_log.h"
 #include "server/handlers/put_program.h"
 #include "server/handlers/rewrite_program.h"
 #include "server/handlers/upload.h"
@@ -105,6 +106,20 @@ class IngestService final : public v1::Ingest::Service {
       RETURN_IF_ERROR(upload.End());
       return handlers::Summarise(upload, response);
     });
+  }
+
+  grpc::Status PutLog(grpc::ServerContext* context, grpc::ServerReader<v1::PutLogRequest>* reader,
+                      v1::PutLogResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.PutLog", nullptr,
+        [&](const auto& call) -> absl::StatusOr<v1::PutLogResponse> {
+          handlers::HeldCall held(core_.held, core_.limits.held, handlers::HeldKind::kUpload, call.cut_off,
+                                  call.counted_as);
+          handlers::PutLogStream log(core_, call);
+          RETURN_IF_ERROR(ReceiveAll<v1::PutLogRequest>(held, call, *reader, log));
+          return log.End();
+        },
+        response);
   }
 
  private:

@@ -15,7 +15,7 @@ enum class ProgramState { kOpen = 1, kComplete = 2, kMerged = 3, kExpired = 4 };
 
 struct ProgramRecord {
   ProgramId id;
-  std::string kind;  // "nc", "table", "report"
+  std::string kind;  // "nc", "table", "report"; "log", "log-template", "log-plan" of a session
   std::string name;  // file name, informative
   ProgramState state = ProgramState::kOpen;
   int64_t byte_count = 0;  // durable so far: the offset of the next part

@@ -26,6 +26,7 @@ const std::vector<MethodRule>& Methods() {
       {"Ingest.CreateSession", Reach::kNamed, {kCell}},
       {"Ingest.Upload", Reach::kNamed, {kCell}},
       {"Ingest.UploadOnce", Reach::kNamed, {kCell}},
+      {"Ingest.PutLog", Reach::kNamed, {kCell}},
       {"Ingest.GetSession", Reach::kNamed, {kViewer, kCell}},
       {"Ingest.FinishSession", Reach::kNamed, {kCell}},
       {"Ingest.AbortSession", Reach::kNamed, {kCell}},

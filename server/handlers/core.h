@@ -15,6 +15,7 @@
 #include "core/base/status.h"
 #include "server/access/forwarded.h"
 #include "server/access/gate.h"
+#include "server/handlers/budget.h"
 #include "server/handlers/call_rates.h"
 #include "server/handlers/held_calls.h"
 #include "server/handlers/open_calls.h"
@@ -53,7 +54,8 @@ struct Core {
   std::atomic<int> open_calls = 0;
   HeldCalls held{};
   CallRates rates{kDefaultCallsPerSecond};
-  CallRates told_refusals{1};  // of those that are refused for calling too often, so many stand in the log
+  CallRates told_refusals{1};         // of those that are refused for calling too often, so many stand in the log
+  Budget reducing{int64_t{1} << 30};  // of logs that are reduced: their bytes, and what is made of them
   OpenCalls open{};
   access::ForwardedCalls forwarded{};
   // Told of each call that was denied.

@@ -14,16 +14,8 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(Core& core, const Call& 
   if (!schema.ok()) return convert::InField("schema", schema.status());
   const MachineId machine_id(request.machine_id());
   RETURN_IF_ERROR(CheckSchema(core, machine_id, *schema));
-  const session::Session head{schema->header, {}};
-  storage::NewSession session;
-  session.machine = machine_id;
-  session.name = session::FindHeader(head, "session").value_or("");
-  session.instrument = session::FindHeader(head, "instrument").value_or("");
-  session.header = schema->header;
-  session.measured_at = StartedAt(head);
-  session.columns = schema->columns;
-  session.caller = call.By(request.request_id());
-  ASSIGN_OR_RETURN(const records::SessionRecord record, core.database.CreateSession(session));
+  ASSIGN_OR_RETURN(const records::SessionRecord record,
+                   core.database.CreateSession(NewSessionOf(machine_id, *schema, call.By(request.request_id()))));
   v1::CreateSessionResponse response;
   *response.mutable_session() = convert::ToProto(record);
   response.set_max_chunk_readings(records::kMaxChunkReadings);

@@ -20,15 +20,6 @@ absl::Status Invalid(const absl::Status& status, const std::string& field) {
                      {"SESSION_INVALID", {{"field", field}, {"rule", message}}});
 }
 
-absl::StatusOr<machine::Machine> MachineOf(Core& core, const MachineId& id) {
-  ASSIGN_OR_RETURN(const records::MachineRecord record, core.database.GetMachine(id));
-  if (record.deleted_at) {
-    return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + id.text() + " is deleted",
-                       {"MACHINE_DELETED", {}});
-  }
-  return machine::MachineFromJson(record.description_json);
-}
-
 session::Session WithoutReadings(const records::SessionSchema& schema) {
   session::Session session{schema.header, {}};
   for (const records::ColumnSpec& column : schema.columns) session.columns.push_back({column.name, {}, {}});
@@ -51,7 +42,23 @@ std::vector<std::string> NamesOf(const std::vector<records::ColumnSpec>& columns
   return names;
 }
 
+// When it was measured, by its header `started` (ISO 8601; without a zone it is UTC); nothing when it does not say.
+std::optional<base::UtcTime> StartedAt(const session::Session& session) {
+  const std::optional<std::string> started = session::FindHeader(session, "started");
+  if (!started) return std::nullopt;
+  return session::ParseIso8601(*started);
+}
+
 }  // namespace
+
+absl::StatusOr<machine::Machine> MachineOf(Core& core, const MachineId& id) {
+  ASSIGN_OR_RETURN(const records::MachineRecord record, core.database.GetMachine(id));
+  if (record.deleted_at) {
+    return base::Error(absl::StatusCode::kFailedPrecondition, "machine " + id.text() + " is deleted",
+                       {"MACHINE_DELETED", {}});
+  }
+  return machine::MachineFromJson(record.description_json);
+}
 
 absl::Status CheckSchema(Core& core, const MachineId& machine_id, const records::SessionSchema& schema) {
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineOf(core, machine_id));
@@ -145,10 +152,18 @@ absl::StatusOr<records::SessionRecord> FinishChecked(Core& core, SessionId id, c
   return record;
 }
 
-std::optional<base::UtcTime> StartedAt(const session::Session& session) {
-  const std::optional<std::string> started = session::FindHeader(session, "started");
-  if (!started) return std::nullopt;
-  return session::ParseIso8601(*started);
+storage::NewSession NewSessionOf(const MachineId& machine, const records::SessionSchema& schema,
+                                 const storage::Caller& caller) {
+  const session::Session head{schema.header, {}};
+  storage::NewSession session;
+  session.machine = machine;
+  session.name = session::FindHeader(head, "session").value_or("");
+  session.instrument = session::FindHeader(head, "instrument").value_or("");
+  session.header = schema.header;
+  session.measured_at = StartedAt(head);
+  session.columns = schema.columns;
+  session.caller = caller;
+  return session;
 }
 
 }  // namespace axiscal::handlers

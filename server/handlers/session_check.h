@@ -16,6 +16,9 @@
 
 namespace axiscal::handlers {
 
+// NOT_FOUND MACHINE_NOT_FOUND, FAILED_PRECONDITION MACHINE_DELETED.
+absl::StatusOr<machine::Machine> MachineOf(Core& core, const MachineId& id);
+
 // Header and columns fit the instrument, the session names `machine`, and the machine has its axes. NOT_FOUND
 // MACHINE_NOT_FOUND, FAILED_PRECONDITION MACHINE_DELETED.
 absl::Status CheckSchema(Core& core, const MachineId& machine, const records::SessionSchema& schema);
@@ -51,8 +54,9 @@ class ReadingCheck {
 // Database::FinishSession for a session that has readings.
 absl::StatusOr<records::SessionRecord> FinishChecked(Core& core, SessionId id, const records::SessionTotals& totals);
 
-// When it was measured, by its header `started` (ISO 8601; without a zone it is UTC); nothing when it does not say.
-std::optional<base::UtcTime> StartedAt(const session::Session& session);
+// What the store is asked to open. Measured when its header `started` says (ISO 8601; without a zone it is UTC).
+storage::NewSession NewSessionOf(const MachineId& machine, const records::SessionSchema& schema,
+                                 const storage::Caller& caller);
 
 }  // namespace axiscal::handlers
 

@@ -118,7 +118,7 @@ void TakeCertificate(SSL* ssl, const HttpOptions& options, Peer& peer) {
 // What a request holds of the budget.
 class Connection::Held {
  public:
-  explicit Held(Budget& budget) : budget_(budget) {}
+  explicit Held(handlers::Budget& budget) : budget_(budget) {}
   ~Held() { budget_.Give(bytes_); }
   Held(const Held&) = delete;
   Held& operator=(const Held&) = delete;
@@ -131,7 +131,7 @@ class Connection::Held {
   }
 
  private:
-  Budget& budget_;
+  handlers::Budget& budget_;
   int64_t bytes_ = 0;
 };
 

@@ -30,11 +30,12 @@ std::vector<std::string> PlaceOf(const std::string& path) {
   return place;
 }
 
-enum class Plain { kNone, kMetrics, kSessions, kSession, kPrograms, kProgram, kSheet };
+enum class Plain { kNone, kMetrics, kLogs, kSessions, kSession, kPrograms, kProgram, kSheet };
 
 Plain PlainOf(const std::vector<std::string>& place) {
   if (place.size() == 1 && place[0] == "metrics") return Plain::kMetrics;
   if (place.size() == 3 && place[0] == "machines" && place[2] == "sessions") return Plain::kSessions;
+  if (place.size() == 3 && place[0] == "machines" && place[2] == "logs") return Plain::kLogs;
   if (place.size() < 2) return Plain::kNone;
   int64_t id = 0;
   const bool is_number =
@@ -75,6 +76,8 @@ std::string MethodOf(const Request& request) {
       return "Admin.GetMetrics";
     case Plain::kSheet:
       return "Calibrations.GetCalibration";
+    case Plain::kLogs:
+      return "Ingest.PutLog";
     case Plain::kSessions:
       return "Ingest.CreateSession";
     case Plain::kSession:
@@ -171,12 +174,10 @@ void Gateway::ServePlain(const Request& request, const std::vector<std::string>&
     return;
   }
   // A program may have a number for a name: by POST it is one.
-  const bool goes_up =
-      plain == Plain::kSessions || plain == Plain::kPrograms || (plain == Plain::kProgram && request.method == "POST");
+  const bool is_put = plain == Plain::kLogs || plain == Plain::kSessions || plain == Plain::kPrograms;
+  const bool goes_up = is_put || (plain == Plain::kProgram && request.method == "POST");
   if (request.method != (goes_up ? "POST" : "GET")) {
-    exchange.Send(NotAllowed(plain == Plain::kSessions || plain == Plain::kPrograms ? "POST"
-                             : plain == Plain::kProgram                             ? "GET, POST"
-                                                                                    : "GET"));
+    exchange.Send(NotAllowed(is_put ? "POST" : plain == Plain::kProgram ? "GET, POST" : "GET"));
     return;
   }
   if (request.is_too_large) {
@@ -193,6 +194,8 @@ void Gateway::ServePlain(const Request& request, const std::vector<std::string>&
   const PlainCall call{core_, channel_, request, *credentials, exchange, budget_};
   if (plain == Plain::kMetrics) {
     GetMetrics(call);
+  } else if (plain == Plain::kLogs) {
+    PutLog(call, place[1]);
   } else if (plain == Plain::kSessions) {
     PutSession(call, place[1]);
   } else if (goes_up) {

@@ -36,7 +36,7 @@ class Gateway {
   void Serve(const Request& request, Exchange& exchange);
 
   // Of all bodies and files at a time.
-  Budget& budget() { return budget_; }
+  handlers::Budget& budget() { return budget_; }
 
  private:
   absl::StatusOr<access::Credentials> CredentialsOf(const Request& request) const;
@@ -49,7 +49,7 @@ class Gateway {
   const std::string own_host_;
   const Pages pages_{EmbeddedPages()};
   SignIns sign_ins_;
-  Budget budget_{int64_t{1} << 30};
+  handlers::Budget budget_{int64_t{1} << 30};
 };
 
 }  // namespace axiscal::http

@@ -7,18 +7,21 @@
 #include "axiscal/v1/admin_service.grpc.pb.h"
 #include "axiscal/v1/ingest_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
-#include "client/options.h"
-#include "client/upload.h"
 #include "core/base/demand.h"
 #include "core/base/error_detail.h"
 #include "core/base/sha256.h"
+#include "core/records/chunked_session.h"
+#include "core/records/log.h"
 #include "core/session/read_session.h"
 #include "core/session/write_session.h"
+#include "proto/convert/field.h"
+#include "proto/convert/log.h"
 #include "proto/convert/program.h"
 #include "proto/convert/session.h"
 #include "proto/convert/status.h"
 #include "server/http/errors.h"
 #include "server/http/forward.h"
+#include "server/http/multipart.h"
 
 namespace axiscal::http {
 namespace {
@@ -70,7 +73,7 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(const PlainCall& call, v
 
 // Sends the chunks that are missing.
 absl::StatusOr<v1::Session> Upload(const PlainCall& call, v1::Ingest::Stub& stub, const v1::Session& open,
-                                   client::ChunkedSession& chunks) {
+                                   records::ChunkedSession& chunks) {
   ASSIGN_OR_RETURN(const std::unique_ptr<ForwardedCall> forwarded, Begin(call));
   v1::UploadOnceResponse stored;
   const auto writer = stub.UploadOnce(&forwarded->context(), &stored);
@@ -98,17 +101,17 @@ absl::StatusOr<Answer> StoreSession(const PlainCall& call, const std::string& ma
                        {"SESSION_INVALID", {}});
   }
   // As the client library does: the same file is the same session, whoever sends it.
-  const int chunk_readings = client::Options().chunk_readings;
+  const int chunk_readings = records::kUsualChunkReadings;
   v1::CreateSessionRequest request;
   request.set_machine_id(machine);
-  request.set_request_id(RequestId(call.request, client::ContentId(MachineId(machine), *session, chunk_readings)));
+  request.set_request_id(RequestId(call.request, records::ContentId(MachineId(machine), *session, chunk_readings)));
   *request.mutable_schema() = convert::ToProto(records::SchemaOf(*session));
   const auto stub = v1::Ingest::NewStub(call.channel);
   ASSIGN_OR_RETURN(const v1::CreateSessionResponse created, CreateSession(call, *stub, request));
   v1::Session stored = created.session();
   const bool is_new = stored.state() == v1::SESSION_STATE_OPEN;
   if (is_new) {
-    client::ChunkedSession chunks(*session, chunk_readings);
+    records::ChunkedSession chunks(*session, chunk_readings);
     ASSIGN_OR_RETURN(stored, Upload(call, *stub, created.session(), chunks));
   }
   return Created(is_new, absl::StrCat("/v1/sessions/", stored.session_id()), stored);
@@ -123,7 +126,8 @@ absl::StatusOr<v1::Session> FindSession(const PlainCall& call, v1::Ingest::Stub&
   return found.session();
 }
 
-absl::StatusOr<session::Session> Download(const PlainCall& call, v1::Ingest::Stub& stub, int64_t id, Share& share) {
+absl::StatusOr<session::Session> Download(const PlainCall& call, v1::Ingest::Stub& stub, int64_t id,
+                                          handlers::Share& share) {
   ASSIGN_OR_RETURN(const std::unique_ptr<ForwardedCall> forwarded, Begin(call));
   v1::DownloadSessionRequest request;
   request.set_session_id(id);
@@ -162,12 +166,67 @@ absl::StatusOr<Answer> LoadSession(const PlainCall& call, int64_t id) {
   ASSIGN_OR_RETURN(const v1::Session found, FindSession(call, *stub, id));
   const std::string etag = "\"" + found.sha256() + "\"";
   if (!found.sha256().empty() && Has(call.request, etag)) return Answer{304, {{"ETag", etag}}, ""};
-  Share share(call.budget);
+  handlers::Share share(call.budget);
   ASSIGN_OR_RETURN(const session::Session session, Download(call, *stub, id, share));
   ASSIGN_OR_RETURN(std::string text, session::WriteSession(session));
   return Answer{200,
                 {{"Content-Type", "text/csv; charset=utf-8"}, {"ETag", etag}, {"Cache-Control", "private, no-cache"}},
                 std::move(text)};
+}
+
+// ---- logs
+
+// The parts of a form, by name.
+absl::StatusOr<std::map<std::string, FormPart>> ReadForm(const PlainCall& call) {
+  absl::StatusOr<std::map<std::string, FormPart>> form =
+      ReadMultipart(call.request.Field("content-type"), call.request.body);
+  if (!form.ok()) return form.status();
+  const auto refuse = [](const std::string& text) {
+    return base::Error(absl::StatusCode::kInvalidArgument, text, {"MESSAGE_INVALID", {}});
+  };
+  for (const auto& [name, part] : *form) {
+    if (name != "log" && name != "template" && name != "plan" && name != "session" && name != "start_s")
+      return refuse("a field '" + name + "', expected log, template, plan, session, start_s");
+  }
+  for (const char* const name : {"log", "template"}) {
+    if (form->count(name) == 0) return refuse(std::string("no field '") + name + "', expected log and template");
+  }
+  return form;
+}
+
+absl::StatusOr<Answer> StoreLog(const PlainCall& call, const std::string& machine) {
+  handlers::Share share(call.budget);
+  RETURN_IF_ERROR(share.Take(static_cast<int64_t>(call.request.body.size())));  // the parts are copies
+  ASSIGN_OR_RETURN(auto form, ReadForm(call));
+  const FormPart& log = form["log"];
+  records::LogForm how{form["template"].text, form["template"].file, form["plan"].text,
+                       form["plan"].file,     form["session"].text,  std::nullopt};
+  if (form.count("start_s") > 0) {
+    double start_s = 0;
+    if (!absl::SimpleAtod(form["start_s"].text, &start_s))
+      return convert::FieldError("start_s", "'" + form["start_s"].text + "', must be a number");
+    how.start_s = start_s;
+  }
+  v1::PutLogRequest message;
+  v1::PutLogHeader& header = *message.mutable_header();
+  header.set_machine_id(machine);
+  header.set_name(log.file.empty() ? "log" : log.file);
+  header.set_size_bytes(static_cast<int64_t>(log.text.size()));
+  header.set_sha256(base::Sha256Hex(log.text));
+  header.set_request_id(RequestId(call.request, records::LogId(machine, header.name(), how, header.sha256())));
+  *header.mutable_form() = convert::ToProto(how);
+  ASSIGN_OR_RETURN(const std::unique_ptr<ForwardedCall> forwarded, Begin(call));
+  const auto stub = v1::Ingest::NewStub(call.channel);
+  v1::PutLogResponse stored;
+  const auto writer = stub->PutLog(&forwarded->context(), &stored);
+  bool is_open = writer->Write(message);
+  for (size_t at = 0; is_open && at < log.text.size(); at += convert::kMaxProgramPartBytes) {
+    message.set_data(log.text.substr(at, convert::kMaxProgramPartBytes));
+    is_open = writer->Write(message);
+  }
+  writer->WritesDone();
+  RETURN_IF_ERROR(StatusOf(writer->Finish()));
+  return Created(!stored.was_there(), absl::StrCat("/v1/sessions/", stored.session().session_id()), stored);
 }
 
 // ---- metrics
@@ -274,15 +333,13 @@ absl::Status SendProgram(const PlainCall& call, int64_t id, int64_t first, bool 
 
 }  // namespace
 
-absl::Status Share::Take(int64_t bytes) {
-  if (!budget_.Take(bytes))
-    return base::Error(absl::StatusCode::kResourceExhausted, "too many files are under way", {"QUEUE_FULL", {}});
-  bytes_ += bytes;
-  return absl::OkStatus();
-}
-
 void PutSession(const PlainCall& call, const std::string& machine) {
   absl::StatusOr<Answer> answer = StoreSession(call, machine);
+  call.exchange.Send(answer.ok() ? *std::move(answer) : ErrorAnswer(answer.status()));
+}
+
+void PutLog(const PlainCall& call, const std::string& machine) {
+  absl::StatusOr<Answer> answer = StoreLog(call, machine);
   call.exchange.Send(answer.ok() ? *std::move(answer) : ErrorAnswer(answer.status()));
 }
 

@@ -26,7 +26,8 @@ absl::Status Ask(const PlainCall& call, Stub& stub,
   return status.ok() ? absl::OkStatus() : convert::FromProto(ErrorOf(status));
 }
 
-absl::StatusOr<sheet::CalibrationToPrint> LoadCalibrationToPrint(const PlainCall& call, int64_t id, Share& share) {
+absl::StatusOr<sheet::CalibrationToPrint> LoadCalibrationToPrint(const PlainCall& call, int64_t id,
+                                                                 handlers::Share& share) {
   const auto calibrations = v1::Calibrations::NewStub(call.channel);
   v1::GetCalibrationRequest asked;
   asked.set_calibration_id(id);
@@ -64,7 +65,7 @@ absl::StatusOr<sheet::CalibrationToPrint> LoadCalibrationToPrint(const PlainCall
 }  // namespace
 
 void GetSheet(const PlainCall& call, int64_t id) {
-  Share share(call.budget);
+  handlers::Share share(call.budget);
   const absl::StatusOr<sheet::CalibrationToPrint> found = LoadCalibrationToPrint(call, id, share);
   if (!found.ok()) {
     call.exchange.Send(ErrorAnswer(found.status()));

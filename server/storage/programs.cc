@@ -4,6 +4,7 @@
 
 #include "core/base/crc32c.h"
 #include "server/storage/access.h"
+#include "server/storage/machines.h"
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
 #include "server/storage/request.h"
@@ -104,6 +105,11 @@ absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment&
   const ProgramId id(connection.last_insert_id());
   RETURN_IF_ERROR(
       connection.Run("INSERT INTO program_holder (holder, program_id) VALUES (?1, ?2)", program.caller.principal, id));
+  if (program.machine) {
+    ASSIGN_OR_RETURN(const int64_t machine, LiveMachineKey(connection, *program.machine));
+    RETURN_IF_ERROR(
+        connection.Run("INSERT INTO program_machine (machine_id, program_id) VALUES (?1, ?2)", machine, id));
+  }
   return GetProgram(connection, id);
 }
 
@@ -158,6 +164,11 @@ absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id
                        id, *same, program.created_by));
     RETURN_IF_ERROR(
         connection.Run("DELETE FROM program_holder WHERE holder = ?2 AND program_id = ?1", id, program.created_by));
+    RETURN_IF_ERROR(
+        connection.Run("INSERT OR IGNORE INTO program_machine (machine_id, program_id) "
+                       "SELECT machine_id, ?2 FROM program_machine WHERE program_id = ?1",
+                       id, *same));
+    RETURN_IF_ERROR(connection.Run("DELETE FROM program_machine WHERE program_id = ?1", id));
   } else {
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 2, sha256 = ?2 WHERE id = ?1", id, sha256));
   }

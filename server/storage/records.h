@@ -161,9 +161,10 @@ struct JobFilter {
 // ---- programs
 
 struct NewProgram {
-  std::string kind;  // "nc", "table", "report"
+  std::string kind;  // as of a ProgramRecord
   std::string name;  // file name, informative
   Caller caller;
+  std::optional<MachineId> machine = std::nullopt;  // whoever sees it sees the program
 };
 
 struct ProgramFilter {

@@ -25,8 +25,8 @@
 #include "core/base/files.h"
 #include "core/base/testing/fake_clock.h"
 #include "grpc/health/v1/health.grpc.pb.h"
-#include "server/access/gate.h"
 #include "server/access/forwarded.h"
+#include "server/access/gate.h"
 #include "server/denials.h"
 #include "server/storage/check.h"
 #include "server/storage/sqlite_database.h"
@@ -70,6 +70,7 @@ const std::map<std::string, Expected>& AllExpected() {
       {"Ingest.CreateSession", {For::kWhatIsNamed, kCells}},
       {"Ingest.Upload", {For::kWhatIsNamed, kCells}},
       {"Ingest.UploadOnce", {For::kWhatIsNamed, kCells}},
+      {"Ingest.PutLog", {For::kWhatIsNamed, kCells}},
       {"Ingest.GetSession", {For::kWhatIsNamed, kAnyRole}},
       {"Ingest.FinishSession", {For::kWhatIsNamed, kCells}},
       {"Ingest.AbortSession", {For::kWhatIsNamed, kCells}},

@@ -448,13 +448,12 @@ TEST_F(Http, MetricsCountWhatHappened) {
   const HttpAnswer answer = Fetch(port(), "GET", "/metrics");
   ASSERT_EQ(answer.status, 200) << answer.body;
   EXPECT_EQ(answer.Field("content-type"), "text/plain; version=0.0.4; charset=utf-8");
-  EXPECT_THAT(answer.body,
-              AllOf(HasSubstr("axiscal_readings_stored_total 720\n"),
-                    HasSubstr(R"(grpc_server_handled_total{grpc_code="NotFound",grpc_method="GetMachine",)"
-                              R"(grpc_service="axiscal.v1.Machines",grpc_type="unary"} 1)"),
-                    HasSubstr("axiscal_store_up 1\n"), HasSubstr(R"(axiscal_jobs{state="queued"} 0)"),
-                    HasSubstr("axiscal_database_bytes "), HasSubstr("axiscal_disk_free_bytes "),
-                    HasSubstr("process_resident_memory_bytes ")));
+  EXPECT_THAT(answer.body, AllOf(HasSubstr("axiscal_readings_stored_total 720\n"),
+                                 HasSubstr(R"(grpc_server_handled_total{grpc_code="NotFound",grpc_method="GetMachine",)"
+                                           R"(grpc_service="axiscal.v1.Machines",grpc_type="unary"} 1)"),
+                                 HasSubstr("axiscal_store_up 1\n"), HasSubstr(R"(axiscal_jobs{state="queued"} 0)"),
+                                 HasSubstr("axiscal_database_bytes "), HasSubstr("axiscal_disk_free_bytes "),
+                                 HasSubstr("process_resident_memory_bytes ")));
   EXPECT_EQ(Fetch(port(), "POST", "/metrics").status, 405);
 }
 
@@ -481,6 +480,42 @@ TEST_F(Http, ASessionFileThatIsWrongIsRefusedWithItsPlace) {
   chunked.Send(
       "POST /v1/machines/mt/sessions HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n");
   EXPECT_EQ(chunked.Receive().status, 411);
+}
+
+// A form as curl sends it.
+HttpAnswer PutForm(int port, const std::string& path, const HttpFields& fields,
+                   const std::vector<std::pair<std::string, std::string>>& parts) {
+  std::string body;
+  for (const auto& [disposition, text] : parts)
+    body += "--b\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + text + "\r\n";
+  return Fetch(port, "POST", path, With(fields, "Content-Type", "multipart/form-data; boundary=b"), body + "--b--\r\n");
+}
+
+std::vector<std::pair<std::string, std::string>> BallbarLog(const std::string& log) {
+  return {{"name=\"log\"; filename=\"bar.log\"", log},
+          {"name=\"template\"", "line: {t_s} {dL_mm}\n"},
+          {"name=\"plan\"; filename=\"BX.csv\"", *session::WriteSession(testing::BallbarSession("mt", "BX", 3))}};
+}
+
+TEST_F(Http, ALogGoesUpAsAFormAndIsReducedByTheServer) {
+  ASSERT_NO_FATAL_FAILURE(CreateMachine());
+  const std::string log = "0.0 0.001\n0.1 0.002\n0.2 0.003\n", path = "/v1/machines/mt/logs";
+  const HttpAnswer first = PutForm(port(), path, {}, BallbarLog(log));
+  ASSERT_EQ(first.status, 201) << first.body;
+  const auto stored = FromJson<v1::PutLogResponse>(first.body);
+  EXPECT_EQ(first.Field("location"), absl::StrCat("/v1/sessions/", stored.session().session_id()));
+  EXPECT_EQ(stored.session().readings(), 3);
+  EXPECT_EQ(Fetch(port(), "GET", absl::StrCat("/v1/programs/", stored.log().program_id())).body, log);
+  EXPECT_THAT(Fetch(port(), "GET", first.Field("location")).body, HasSubstr("# log: bar.log\n"));
+  EXPECT_EQ(PutForm(port(), path, {}, BallbarLog(log)).status, 200) << "it was there";
+  const HttpAnswer wrong = PutForm(port(), path, {}, BallbarLog("0.0 0.001\n0.1 high\n0.2 0.003\n"));
+  EXPECT_EQ(wrong.status, 400);
+  EXPECT_THAT(wrong.body, AllOf(HasSubstr("LOG_INVALID"), HasSubstr(R"("line":"2")"), HasSubstr(R"("column":"5")")));
+  EXPECT_EQ(PutForm(port(), path, {}, {{"name=log", log}}).status, 400) << "no template";
+  EXPECT_EQ(PutForm(port(), path, {}, {{"name=log", log}, {"name=template", "dprnt"}, {"name=x", ""}}).status, 400);
+  EXPECT_EQ(Fetch(port(), "POST", path, {{"Content-Type", "text/plain"}}, log).status, 400);
+  EXPECT_EQ(Fetch(port(), "GET", path).status, 405);
+  EXPECT_EQ(PutForm(port(), "/v1/machines/none/logs", {}, BallbarLog(log)).status, 404);
 }
 
 TEST_F(Http, AProgramGoesUpAndComesDownFromAnyByteOn) {
@@ -598,6 +633,15 @@ TEST_F(HttpAccess, FilesNeedTheRolesOfTheirCalls) {
   EXPECT_EQ(FromJson<v1::Session>(put.body).created_by(), "cell");
   EXPECT_EQ(Fetch(port(), "POST", "/v1/machines/mt/sessions", As("viewer"), text).status, 403);
   EXPECT_EQ(Fetch(port(), "POST", "/v1/machines/other/sessions", As("cell"), text).status, 404);
+  // A log: by the cell alone; whoever sees the machine sees what was kept.
+  const auto log = BallbarLog("0.0 0.001\n0.1 0.002\n0.2 0.003\n");
+  const HttpAnswer reduced = PutForm(port(), "/v1/machines/mt/logs", As("cell"), log);
+  ASSERT_EQ(reduced.status, 201) << reduced.body;
+  EXPECT_EQ(PutForm(port(), "/v1/machines/mt/logs", As("viewer"), log).status, 403);
+  EXPECT_EQ(PutForm(port(), "/v1/machines/other/logs", As("cell"), log).status, 404);
+  const std::string raw = absl::StrCat("/v1/programs/", FromJson<v1::PutLogResponse>(reduced.body).log().program_id());
+  EXPECT_EQ(Fetch(port(), "GET", raw, As("viewer")).status, 200);
+  EXPECT_EQ(Fetch(port(), "GET", raw, As("cell")).status, 403);
   EXPECT_EQ(Fetch(port(), "GET", put.Field("location"), As("cell")).status, 403);
   EXPECT_EQ(Fetch(port(), "GET", put.Field("location"), As("viewer")).body, text);
   EXPECT_EQ(Fetch(port(), "GET", "/v1/calibrations/1/report", As("viewer")).status, 404);
@@ -688,6 +732,10 @@ TEST_F(HttpAccess, ThePagesExampleWorks) {
   };
   for (const char* name : {"cell", "bob", "ann"}) write(std::string(name) + ".token", tokens_.at(name) + "\n");
   write("tuesday.csv", SessionText("BX"));
+  const auto log = BallbarLog("0.0 0.001\n0.1 0.002\n0.2 0.003\n");
+  write("bar.log", log[0].second);
+  write("bar.txt", log[1].second);
+  write("bar.csv", log[2].second);
   write("part.nc", "%\nG90 G21\nN10 G01 X100.0000 Y0.0000 Z421.9000 B0.0000 C0.0000 F1000\n%\n");
   write("run.sh", absl::StrCat("set -e -o pipefail\nAXISCAL=http://localhost:", port(), "\n", script));
   const std::string command = "cd '" + dir_.File("") + "' && bash run.sh > seen.txt 2>&1";
@@ -695,6 +743,7 @@ TEST_F(HttpAccess, ThePagesExampleWorks) {
   const std::string seen = *base::ReadFile(dir_.File("seen.txt"), 1 << 20);
   ASSERT_EQ(status, 0) << seen;
   EXPECT_THAT(seen, HasSubstr("JOB_STATE_SUCCEEDED"));
+  EXPECT_THAT(seen, HasSubstr(R"("kind":"log")"));
   EXPECT_EQ(*base::ReadFile(dir_.File("copy.csv"), 1 << 20), SessionText("BX"));
   EXPECT_THAT(*base::ReadFile(dir_.File("corrected.nc"), 1 << 20), HasSubstr("X100.0120 Y-0.0050 Z421.9000"));
 }

@@ -2,6 +2,7 @@
 #include "client/upload.h"
 
 #include "core/base/error_detail.h"
+#include "core/records/chunked_session.h"
 #include "proto/convert/session.h"
 #include "server/local_login.h"
 #include "tests/end_to_end/testing/fixture.h"
@@ -25,7 +26,7 @@ class Upload : public testing::EndToEnd {
     grpc::ClientContext context;
     context.AddMetadata("axiscal-user", "test");
     v1::CreateSessionResponse created;
-    const std::string id = client::ContentId(MachineId("mt"), session, client::Options().chunk_readings);
+    const std::string id = records::ContentId(MachineId("mt"), session, client::Options().chunk_readings);
     EXPECT_TRUE(stub_->CreateSession(&context, testing::CreateRequest("mt", id, session), &created).ok());
     id_ = created.session().session_id();
     return testing::UploadMessages(id_, session, kChunkReadings);
@@ -201,7 +202,7 @@ TEST_F(Upload, ReadingsThatTheMachineCannotGiveAreRefusedFromAnyClient) {
   for (const auto& row : open->rows) {
     const bool is_sign = row.name == "sign";
     EXPECT_LT(row.reading_count, is_sign ? 9'501 : 1);
-    client::ChunkedSession chunks(is_sign ? sign : metres, client::Options().chunk_readings);
+    records::ChunkedSession chunks(is_sign ? sign : metres, client::Options().chunk_readings);
     grpc::ClientContext context;
     v1::FinishSessionRequest request;
     request.set_session_id(row.id.number());

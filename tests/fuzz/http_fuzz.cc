@@ -1,5 +1,5 @@
-// What callers send by HTTP, and messages of any bytes: targets, content types, envelopes; requests as JSON and in
-// Protobuf's binary form, which must mean the same; what of the API names something is found in them.
+// What callers send by HTTP, and messages of any bytes: targets, content types, forms, envelopes; requests as JSON and
+// in Protobuf's binary form, which must mean the same; what of the API names something is found in them.
 #include <google/protobuf/message.h>
 #include <google/protobuf/stubs/logging.h>
 
@@ -15,6 +15,7 @@
 #include "server/access/named.h"
 #include "server/http/exchange.h"
 #include "server/http/messages.h"
+#include "server/http/multipart.h"
 #include "tests/fuzz/driver.h"
 
 namespace axiscal::fuzz {
@@ -77,6 +78,15 @@ void Look(const std::string& bytes) {
   MUST(!http::Words(bytes, ';').empty());
   if (const auto type = http::ContentTypeOf(bytes)) MUST(http::ContentTypeOf(http::NameOf(*type)).has_value());
   static_cast<void>(http::FindMethod(bytes));
+  static_cast<void>(http::ReadMultipart(bytes, "--b\r\n"));
+  if (const auto form = http::ReadMultipart("multipart/form-data; boundary=b", bytes); form.ok()) {
+    size_t held = 0;
+    for (const auto& [name, part] : *form) {
+      MUST(!name.empty() && part.file.find('/') == std::string::npos);
+      held += name.size() + part.text.size();
+    }
+    MUST(held <= bytes.size());
+  }
   const auto only = http::OnlyMessage(bytes);
   MUST(!only.ok() || http::Envelope(0, *only) == bytes);
   // One request type per input; mutations meet all of them. JSON says by itself which fields it has: try them all.

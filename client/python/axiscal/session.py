@@ -155,7 +155,7 @@ class Session:
             columns=[session_pb2.ColumnSchema(name=column.name, kind=number if column.texts is None else text) for column in self.columns])
 
     def content_id(self, machine: str, chunk_readings: int) -> str:
-        """The request id of its upload, as client/chunked_session.cc makes it: the same session is stored once, whichever client sends it."""
+        """The request id of its upload, as core/records/chunked_session.cc makes it: the same session is stored once, whichever client sends it."""
         sha = hashlib.sha256()
 
         def add(text: str) -> None:

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "client/upload.h"
+#include "core/records/chunked_session.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "proto/convert/session.h"
@@ -34,7 +34,7 @@ v1::CreateSessionRequest CreateRequest(const std::string& machine, const std::st
 }
 
 std::vector<v1::UploadRequest> UploadMessages(int64_t session_id, const session::Session& session, int chunk_readings) {
-  client::ChunkedSession chunks(session, chunk_readings);
+  records::ChunkedSession chunks(session, chunk_readings);
   std::vector<v1::UploadRequest> messages(1);
   messages[0].mutable_header()->set_session_id(session_id);
   for (int64_t seq = 0; seq < chunks.chunk_count(); ++seq) {

@@ -1,8 +1,9 @@
-#include "client/upload.h"
+#include "core/records/chunked_session.h"
+
 #include "core/base/sha256.h"
 #include "core/session/checksum.h"
 
-namespace axiscal::client {
+namespace axiscal::records {
 
 ChunkedSession::ChunkedSession(const session::Session& session, int chunk_readings)
     : session_(session),
@@ -11,7 +12,7 @@ ChunkedSession::ChunkedSession(const session::Session& session, int chunk_readin
       chunk_count_((reading_count_ + chunk_readings - 1) / chunk_readings),
       crc32cs_(static_cast<size_t>(chunk_count_)) {}
 
-records::Chunk ChunkedSession::At(int64_t seq) {
+Chunk ChunkedSession::At(int64_t seq) {
   const int64_t begin = seq * chunk_readings_, end = ReadingsBelow(seq + 1);
   std::vector<session::Column> columns;
   for (const session::Column& column : session_.columns) {
@@ -23,12 +24,12 @@ records::Chunk ChunkedSession::At(int64_t seq) {
     }
     columns.push_back(std::move(part));
   }
-  records::Chunk chunk = records::Chunk::Seal(seq, std::move(columns));
+  Chunk chunk = Chunk::Seal(seq, std::move(columns));
   crc32cs_[static_cast<size_t>(seq)] = chunk.crc32c();
   return chunk;
 }
 
-records::SessionTotals ChunkedSession::Totals() {
+SessionTotals ChunkedSession::Totals() {
   std::vector<uint32_t> crcs;
   for (int64_t seq = 0; seq < chunk_count_; ++seq) {
     const std::optional<uint32_t>& known = crc32cs_[static_cast<size_t>(seq)];
@@ -56,4 +57,4 @@ std::string ContentId(const MachineId& machine, const session::Session& session,
   return sha.HexDigest();
 }
 
-}  // namespace axiscal::client
+}  // namespace axiscal::records
