@@ -20,9 +20,9 @@ struct ProgramArguments {
 absl::Status List(Context& context, const ProgramArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const auto page, client->ListPrograms({arguments.page_size, arguments.page}));
-  std::vector<std::vector<std::string>> rows = {{"id", "name", "bytes", "stored (UTC)", "by"}};
+  std::vector<std::vector<std::string>> rows = {{"id", "kind", "name", "bytes", "stored (UTC)", "by"}};
   for (const records::ProgramRecord& record : page.rows) {
-    rows.push_back({absl::StrCat(record.id.number()), record.name, absl::StrCat(record.byte_count),
+    rows.push_back({absl::StrCat(record.id.number()), record.kind, record.name, absl::StrCat(record.byte_count),
                     TimeText(record.created_at), record.created_by});
   }
   context.Print(PageJson("programs", page), Table(rows) + PageText(page));
@@ -50,7 +50,8 @@ absl::Status Get(Context& context, const ProgramArguments& arguments) {
 
 void AddProgramCommand(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<ProgramArguments>();
-  CLI::App* program = app.add_subcommand("program", "Stored NC programs: list, get");
+  CLI::App* program =
+      app.add_subcommand("program", "Stored NC programs, and the logs that sessions were made of: list, get");
   program->require_subcommand(1);
 
   CLI::App* list = program->add_subcommand("list", "List programs, newest first");

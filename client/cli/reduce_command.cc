@@ -10,6 +10,7 @@
 #include "client/cli/output_paths.h"
 #include "core/base/files.h"
 #include "core/logs/reduce.h"
+#include "core/records/log.h"
 #include "core/session/read_session.h"
 #include "core/session/write_session.h"
 
@@ -24,8 +25,7 @@ struct ReduceArguments {
 absl::StatusOr<logs::LogTemplate> TemplateOf(const std::string& name) {
   const std::vector<std::string>& known = logs::KnownFormats();
   if (std::find(known.begin(), known.end(), name) != known.end()) return logs::FindFormat(name);
-  constexpr size_t kMaxTemplateBytes = size_t{1} << 20;
-  auto text = base::ReadFile(name, kMaxTemplateBytes);
+  auto text = base::ReadFile(name, records::kMaxTemplateBytes);
   if (absl::IsNotFound(text.status())) {
     return absl::NotFoundError(absl::StrCat(
         "--template ", name, ": no such file, expected a template or one of dprnt, linuxcnc-probe, sinumerik-write"));

@@ -6,6 +6,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/log_form.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
 #include "core/base/json_limits.h"
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 struct UploadArguments {
   std::vector<std::string> paths;
   std::string machine;
+  LogFormArguments form;  // of logs
 };
 
 struct File {
@@ -144,6 +146,39 @@ absl::Status Upload(Context& context, const UploadArguments& arguments) {
   return absl::OkStatus();
 }
 
+// ---- logs, which the server reduces
+
+absl::Status UploadLogs(Context& context, const UploadArguments& arguments) {
+  ASSIGN_OR_RETURN(const records::LogForm form, ReadLogForm(arguments.form));
+  MachineId machine(arguments.machine);
+  if (machine.empty()) {
+    ASSIGN_OR_RETURN(machine, MachineOf(form));
+  }
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  Json sessions = Json::Array();
+  std::vector<std::vector<std::string>> rows = {{"id", "session", "instrument", "readings", "", "file", "log"}};
+  std::string notes;
+  for (const std::string& path : arguments.paths) {
+    RETURN_IF_ERROR(base::RequireFile(path));
+    ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(path, static_cast<size_t>(records::kMaxLogBytes)));
+    const auto stored = client->PutLog(machine, fs::path(path).filename().string(), bytes, form);
+    if (!stored.ok()) return base::Within(path, stored.status());
+    Json json = ToJson(stored->session);
+    json["file"] = path;
+    json["was_there"] = stored->was_there;
+    json["log_program"] = stored->log.id.number();
+    json["notes"] = stored->notes;
+    if (stored->cut_line) json["cut_line"] = *stored->cut_line;
+    sessions.push_back(std::move(json));
+    rows.push_back({absl::StrCat(stored->session.id.number()), stored->session.name, stored->session.instrument,
+                    absl::StrCat(stored->session.reading_count), stored->was_there ? "was there" : "stored", path,
+                    absl::StrCat("program ", stored->log.id.number())});
+    for (const std::string& note : stored->notes) absl::StrAppend(&notes, "note: ", path, ": ", note, "\n");
+  }
+  context.Print({{"sessions", sessions}}, Table(rows) + notes);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddUploadCommand(CLI::App& app, Context& context) {
@@ -153,14 +188,18 @@ void AddUploadCommand(CLI::App& app, Context& context) {
       ->add_option("PATH", arguments->paths,
                    "session files, or case folders (machine.json, fit/*.csv; check/*.csv stays)")
       ->required();
-  upload->add_option("--machine", arguments->machine, "refuse files of any other machine");
+  upload->add_option("--machine", arguments->machine, "refuse files of any other machine; of logs: which it is");
+  AddLogFormOptions(upload, arguments->form);
   upload->footer(
       "All files are checked before anything is stored; a bad one stops the upload with file, line and column. The "
       "same file\n"
       "again is recognised and stored once. A case folder's machine.json is stored when the machine is new.\n"
       "Examples: axiscal upload BX.csv BY.csv CR.csv\n"
-      "          axiscal --server cell7:7410 upload tuesday/");
-  SetAction(upload, context, [&context, arguments] { return Upload(context, *arguments); });
+      "          axiscal --server cell7:7410 upload tuesday/\n"
+      "          axiscal --server cell7:7410 upload probe.log --template ball.txt");
+  SetAction(upload, context, [&context, arguments] {
+    return arguments->form.log_template.empty() ? Upload(context, *arguments) : UploadLogs(context, *arguments);
+  });
 }
 
 }  // namespace axiscal::cli

@@ -42,6 +42,32 @@ TEST_F(Reduce, TheExampleOfTheDocs) {
   EXPECT_THAT(Read("again.csv"), HasSubstr("# cut_line: line 2 of the log: 'X-392.3406 Y0.0000 Z-81.8'\n"));
 }
 
+// What `reduce` makes here, the service makes of the log itself, and keeps it.
+TEST_F(Reduce, ALogIsUploadedAsItIs) {
+  ASSERT_EQ(Run("machine add" + Example("machine.json")).exit_code, 0);
+  const std::string form = "--template" + Example("fig-5.13.template");
+  auto outcome = Run("upload" + Example("fig-5.13-touch-log.txt") + form + "--json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const nlohmann::json stored = outcome.Json()["sessions"][0];
+  EXPECT_EQ(stored["readings"], 21);
+  EXPECT_EQ(stored["was_there"], false);
+  EXPECT_THAT(stored["notes"].dump(), HasSubstr("announces 40 readings, 21 are there"));
+  ASSERT_EQ(Run("program get " + stored["log_program"].dump() + " -o raw.log").exit_code, 0);
+  std::stringstream log;
+  log << std::ifstream(Source("deploy/examples/integrex/fig-5.13-touch-log.txt"), std::ios::binary).rdbuf();
+  EXPECT_EQ(Read("raw.log"), log.str());
+  EXPECT_THAT(Run("upload" + Example("fig-5.13-touch-log.txt") + form).out, HasSubstr("was there"));
+  Write("wrong.log",
+        "X-390.0 Y0.0 Z-464.5 B0.0 C0.0\nX-390.0 Y0.0 Q-464.5 B0.0 C0.0\nX-390.0 Y0.0 Z-464.5 B0.0 C0.0\n");
+  outcome = Run("upload wrong.log " + form);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("wrong.log: line 2, column 14"));
+  EXPECT_EQ(Run("upload wrong.log --template dprnt").exit_code, 3);
+  EXPECT_THAT(Run("upload wrong.log --template dprnt").err, HasSubstr("expected --machine"));
+  EXPECT_EQ(Run("upload wrong.log --template none.txt").exit_code, 4);
+  EXPECT_NE(Run("upload wrong.log --plan none.csv").exit_code, 0) << "without a template";
+}
+
 TEST_F(Reduce, BadInputChangesNothing) {
   Write("log.txt", "X1.0 Y2.0\nX1.0 Q2.0\nX1.0 Y2.0\n");
   Write("t.txt", "# machine: integrex-i200\nline: X{X_mm} Y{Y_mm}\n");
