@@ -70,7 +70,7 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(ISAL REQUIRED IMPORTED_TARGET libisal)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo)
-# Its headers alone are used (server/config_toml.cc).
+# Its headers alone are used (core/base/toml.cc).
 pkg_check_modules(TOMLPLUSPLUS REQUIRED tomlplusplus)
 include(GoogleTest)
 # All tests with -pthread, as gRPC asks for it: with and without it no precompiled header is one.
