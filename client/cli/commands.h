@@ -13,6 +13,7 @@ struct Context;
 void AddMachineCommand(CLI::App& app, Context& context);
 void AddReduceCommand(CLI::App& app, Context& context);
 void AddUploadCommand(CLI::App& app, Context& context);
+void AddSpoolCommand(CLI::App& app, Context& context);
 void AddSessionCommand(CLI::App& app, Context& context);
 void AddIdentifyCommand(CLI::App& app, Context& context);
 void AddApproveCommand(CLI::App& app, Context& context);

@@ -41,6 +41,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddMachineCommand(app, context);
   AddReduceCommand(app, context);
   AddUploadCommand(app, context);
+  AddSpoolCommand(app, context);
   AddSessionCommand(app, context);
   AddIdentifyCommand(app, context);
   AddApproveCommand(app, context);
