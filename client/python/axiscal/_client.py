@@ -12,6 +12,7 @@ from axiscal import _programs, _upload, errors, reports
 from axiscal._connection import Backoff, Connection, is_broken, new_request_id
 from axiscal._options import Options
 from axiscal._upload import ProgressCallback, Upload
+from axiscal._watching import Watching
 from axiscal.drift import DriftReport, points_frame
 from axiscal.records import (Calibration, CalibrationState, Job, JobState, MachineRecord, ProgramRecord, ServerInfo, SessionRecord,
                              SessionState, utc_us)
@@ -26,7 +27,7 @@ MM_PER_UM = 1e-3
 MAX_POINTS = 100_000
 
 
-class Client:
+class Client(Watching):
     """Made by connect(); a context manager, which closes the connection.
 
     Calls have a deadline, wait for the server to be there and are tried again while it is UNAVAILABLE; a failed call changed nothing.

@@ -10,20 +10,23 @@ import grpc
 
 from axiscal import errors
 from axiscal._options import Options, read_token, require_safe_token
-from axiscal.v1 import (access_service_pb2_grpc, admin_service_pb2_grpc, calibrations_service_pb2_grpc, history_service_pb2_grpc,
-                        ingest_service_pb2_grpc, jobs_service_pb2_grpc, machines_service_pb2_grpc, programs_service_pb2_grpc,
-                        tables_service_pb2_grpc)
+from axiscal.v1 import (access_service_pb2_grpc, admin_service_pb2_grpc, calibrations_service_pb2_grpc, events_service_pb2_grpc,
+                        history_service_pb2_grpc, ingest_service_pb2_grpc, jobs_service_pb2_grpc, machines_service_pb2_grpc,
+                        programs_service_pb2_grpc, routines_service_pb2_grpc, tables_service_pb2_grpc, webhooks_service_pb2_grpc)
 
 _STUBS: Dict[str, Callable[[Any], Any]] = {
     "Access": access_service_pb2_grpc.AccessStub,
     "Admin": admin_service_pb2_grpc.AdminStub,
     "Calibrations": calibrations_service_pb2_grpc.CalibrationsStub,
+    "Events": events_service_pb2_grpc.EventsStub,
     "History": history_service_pb2_grpc.HistoryStub,
     "Ingest": ingest_service_pb2_grpc.IngestStub,
     "Jobs": jobs_service_pb2_grpc.JobsStub,
     "Machines": machines_service_pb2_grpc.MachinesStub,
     "Programs": programs_service_pb2_grpc.ProgramsStub,
+    "Routines": routines_service_pb2_grpc.RoutinesStub,
     "Tables": tables_service_pb2_grpc.TablesStub,
+    "Webhooks": webhooks_service_pb2_grpc.WebhooksStub,
 }
 
 _KEEPALIVE_MS, _KEEPALIVE_TIMEOUT_MS = 30_000, 10_000
