@@ -111,11 +111,16 @@ struct UploadResult {
 struct SessionFilter {
   std::optional<MachineId> machine;
   std::optional<records::SessionState> state;
+  records::TimeSpan measured = {};  // or created, where its file does not say
+  std::string instrument = {};      // empty: any
+  std::string name = {};            // empty: any
 };
 
 struct JobFilter {
   std::optional<MachineId> machine;
   std::optional<JobState> state;
+  records::TimeSpan created = {};
+  std::string kind = {};  // "identify", "close_loop", "compensate", "tool_setter"; empty: any
 };
 
 struct ServerInfo {

@@ -1,5 +1,6 @@
 // Jobs, calibrations and tables of the client.
 #include "client/client_impl.h"
+#include "proto/convert/time.h"
 
 namespace axiscal::client {
 namespace {
@@ -46,6 +47,9 @@ absl::StatusOr<Page<JobRecord>> Client::ListJobs(const JobFilter& filter, const 
   auto request = PageOf<v1::ListJobsRequest>(page);
   if (filter.machine) request.set_machine_id(filter.machine->text());
   if (filter.state) request.set_state(convert::ToProto(*filter.state));
+  SET_OPTIONAL_UTC(request, from_utc_us, filter.created.from);
+  SET_OPTIONAL_UTC(request, to_utc_us, filter.created.to);
+  request.set_kind(filter.kind);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::ListJobsResponse>(*impl_->jobs, &v1::Jobs::Stub::ListJobs, request));
   return ReadPage<JobRecord>(response.jobs(), response.next_page_token());
@@ -112,6 +116,9 @@ absl::StatusOr<Page<CalibrationRecord>> Client::ListCalibrations(const Calibrati
   auto request = PageOf<v1::ListCalibrationsRequest>(page);
   if (filter.machine) request.set_machine_id(filter.machine->text());
   if (filter.state) request.set_state(convert::ToProto(*filter.state));
+  SET_OPTIONAL_UTC(request, from_utc_us, filter.measured.from);
+  SET_OPTIONAL_UTC(request, to_utc_us, filter.measured.to);
+  if (filter.session) request.set_session_id(filter.session->number());
   ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::ListCalibrationsResponse>(
                                             *impl_->calibrations, &v1::Calibrations::Stub::ListCalibrations, request));
   return ReadPage<CalibrationRecord>(response.calibrations(), response.next_page_token());

@@ -3,6 +3,7 @@
 #include "client/transfer.h"
 #include "client/upload.h"
 #include "core/base/sha256.h"
+#include "proto/convert/time.h"
 
 namespace axiscal::client {
 namespace {
@@ -36,6 +37,10 @@ absl::StatusOr<Page<SessionRecord>> Client::ListSessions(const SessionFilter& fi
   auto request = PageOf<v1::ListSessionsRequest>(page);
   if (filter.machine) request.set_machine_id(filter.machine->text());
   if (filter.state) request.set_state(convert::ToProto(*filter.state));
+  SET_OPTIONAL_UTC(request, from_utc_us, filter.measured.from);
+  SET_OPTIONAL_UTC(request, to_utc_us, filter.measured.to);
+  request.set_instrument(filter.instrument);
+  request.set_name(filter.name);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::ListSessionsResponse>(*impl_->ingest, &v1::Ingest::Stub::ListSessions, request));
   return ReadPage<SessionRecord>(response.sessions(), response.next_page_token());

@@ -10,15 +10,25 @@ namespace axiscal::cli {
 namespace {
 
 struct CalibrationArguments {
-  std::string machine, page, approved_of, reason;
+  std::string machine, page, approved_of, reason, state, from, to;
   int page_size = 0;
-  int64_t id = 0, etag = 0;
+  int64_t id = 0, etag = 0, session = 0;
 };
+
+const std::vector<std::pair<std::string, records::CalibrationState>> kCalibrationStates = {
+    {"candidate", records::CalibrationState::kCandidate},
+    {"approved", records::CalibrationState::kApproved},
+    {"retired", records::CalibrationState::kRetired}};
 
 absl::Status List(Context& context, const CalibrationArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   records::CalibrationFilter filter;
   if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
+  for (const auto& [name, state] : kCalibrationStates) {
+    if (name == arguments.state) filter.state = state;
+  }
+  if (arguments.session != 0) filter.session = SessionId(arguments.session);
+  ASSIGN_OR_RETURN(filter.measured, ParseSpan(arguments.from, arguments.to));
   ASSIGN_OR_RETURN(const auto page, client->ListCalibrations(filter, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"id", "machine", "version", "state", "rms before um", "rms after um", "made (UTC)", "approved by"}};
@@ -67,6 +77,12 @@ void AddCalibrationCommand(CLI::App& app, Context& context) {
 
   CLI::App* list = calibration->add_subcommand("list", "List calibrations, newest first");
   list->add_option("--machine", arguments->machine, "of this machine only");
+  std::vector<std::string> states;
+  for (const auto& [name, state] : kCalibrationStates) states.push_back(name);
+  list->add_option("--state", arguments->state, "in this state only")->check(CLI::IsMember(states));
+  list->add_option("--session", arguments->session, "that stand on this session only")->check(CLI::PositiveNumber);
+  list->add_option("--from", arguments->from, "measured at or after this UTC time (2026-05-31 or 2026-05-31T14:03:07)");
+  list->add_option("--to", arguments->to, "measured before this UTC time");
   list->add_option("--page-size", arguments->page_size, "calibrations per page (1 to 1000)")
       ->check(CLI::Range(1, 1000));
   list->add_option("--page", arguments->page, "token of the next page");

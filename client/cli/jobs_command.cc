@@ -11,7 +11,7 @@ namespace axiscal::cli {
 namespace {
 
 struct JobsArguments {
-  std::string machine, state, page;
+  std::string machine, state, page, kind, from, to;
   int page_size = 0;
   int64_t id = 0;
 };
@@ -44,6 +44,8 @@ absl::Status List(Context& context, const JobsArguments& arguments) {
   for (const auto& [name, state] : kStates) {
     if (name == arguments.state) filter.state = state;
   }
+  filter.kind = arguments.kind;
+  ASSIGN_OR_RETURN(filter.created, ParseSpan(arguments.from, arguments.to));
   ASSIGN_OR_RETURN(const auto page, client->ListJobs(filter, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"id", "kind", "machine", "state", "done", "stage", "created (UTC)", "by"}};
@@ -97,6 +99,10 @@ void AddJobsCommand(CLI::App& app, Context& context) {
   for (const auto& [name, state] : kStates) names.push_back(name);
   list->add_option("--machine", arguments->machine, "of this machine only");
   list->add_option("--state", arguments->state, "in this state only")->check(CLI::IsMember(names));
+  list->add_option("--kind", arguments->kind, "of this kind only")
+      ->check(CLI::IsMember({records::kIdentify, records::kCloseLoop, records::kCompensate, records::kToolSetter}));
+  list->add_option("--from", arguments->from, "created at or after this UTC time (2026-05-31 or 2026-05-31T14:03:07)");
+  list->add_option("--to", arguments->to, "created before this UTC time");
   list->add_option("--page-size", arguments->page_size, "jobs per page (1 to 1000)")->check(CLI::Range(1, 1000));
   list->add_option("--page", arguments->page, "token of the next page");
   SetAction(list, context, [&context, arguments] { return List(context, *arguments); });

@@ -87,6 +87,19 @@ absl::StatusOr<base::UtcTime> ParseTime(const std::string& option, const std::st
   return time;
 }
 
+absl::StatusOr<records::TimeSpan> ParseSpan(const std::string& from, const std::string& to) {
+  records::TimeSpan span;
+  if (!from.empty()) {
+    ASSIGN_OR_RETURN(span.from, ParseTime("--from", from));
+  }
+  if (!to.empty()) {
+    ASSIGN_OR_RETURN(span.to, ParseTime("--to", to));
+  }
+  if (span.from && span.to && *span.from >= *span.to)
+    return absl::InvalidArgumentError(absl::StrCat("--from: '", from, "', must be before --to '", to, "'"));
+  return span;
+}
+
 Json NumberJson(const std::optional<double>& number) {
   if (!number || !std::isfinite(*number)) return nullptr;
   return *number;

@@ -12,6 +12,7 @@
 #include "core/base/clock.h"
 #include "core/base/number_text.h"
 #include "core/base/status.h"
+#include "core/records/page.h"
 
 namespace axiscal::cli {
 
@@ -25,6 +26,8 @@ std::string TimeText(const std::optional<base::UtcTime>& time);
 Json TimeJson(const std::optional<base::UtcTime>& time);
 // "2026-05-31" or "2026-05-31T14:03:07[Z]" (UTC). INVALID_ARGUMENT naming `option` otherwise.
 absl::StatusOr<base::UtcTime> ParseTime(const std::string& option, const std::string& text);
+// Of --from and --to; an empty one holds nothing off.
+absl::StatusOr<records::TimeSpan> ParseSpan(const std::string& from, const std::string& to);
 
 using base::NumberText;
 // Null without.

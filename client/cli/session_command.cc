@@ -12,7 +12,7 @@ namespace axiscal::cli {
 namespace {
 
 struct SessionArguments {
-  std::string machine, page, output;
+  std::string machine, page, output, instrument, name, from, to;
   int page_size = 0;
   int64_t id = 0;
 };
@@ -21,6 +21,9 @@ absl::Status List(Context& context, const SessionArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   client::SessionFilter filter;
   if (!arguments.machine.empty()) filter.machine = MachineId(arguments.machine);
+  filter.instrument = arguments.instrument;
+  filter.name = arguments.name;
+  ASSIGN_OR_RETURN(filter.measured, ParseSpan(arguments.from, arguments.to));
   ASSIGN_OR_RETURN(const auto page, client->ListSessions(filter, {arguments.page_size, arguments.page}));
   std::vector<std::vector<std::string>> rows = {
       {"id", "machine", "session", "instrument", "readings", "state", "measured (UTC)", "stored (UTC)"}};
@@ -54,6 +57,11 @@ void AddSessionCommand(CLI::App& app, Context& context) {
 
   CLI::App* list = session->add_subcommand("list", "List sessions, newest first");
   list->add_option("--machine", arguments->machine, "of this machine only");
+  list->add_option("--instrument", arguments->instrument, "of this instrument only (ballbar, touch ...)");
+  list->add_option("--name", arguments->name, "of this name only");
+  list->add_option("--from", arguments->from, "measured at or after this UTC time (2026-05-31 or 2026-05-31T14:03:07)");
+  list->add_option("--to", arguments->to,
+                   "measured before this UTC time; where a file does not say when, it came then");
   list->add_option("--page-size", arguments->page_size, "sessions per page (1 to 1000)")->check(CLI::Range(1, 1000));
   list->add_option("--page", arguments->page, "token of the next page");
   SetAction(list, context, [&context, arguments] { return List(context, *arguments); });

@@ -10,6 +10,7 @@
 
 #include "core/base/clock.h"
 #include "core/base/ids.h"
+#include "core/records/page.h"
 
 namespace axiscal::records {
 
@@ -63,6 +64,8 @@ struct CalibrationRecord {
 struct CalibrationFilter {
   std::optional<MachineId> machine;
   std::optional<CalibrationState> state;
+  TimeSpan measured = {};
+  std::optional<SessionId> session = {};  // that it stands on
 };
 
 }  // namespace axiscal::records

@@ -2,10 +2,19 @@
 #ifndef AXISCAL_CORE_RECORDS_PAGE_H_
 #define AXISCAL_CORE_RECORDS_PAGE_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/clock.h"
+
 namespace axiscal::records {
+
+// From `from` on, before `to`; what is absent holds nothing off.
+struct TimeSpan {
+  std::optional<base::UtcTime> from = {}, to = {};
+  bool is_all() const { return !from && !to; }
+};
 
 struct PageRequest {
   int size = 0;       // 0: 50; at most 1000 are given, fewer where the rows are large

@@ -36,6 +36,12 @@ absl::StatusOr<records::PageRequest> PageFrom(int page_size, const std::string& 
   return records::PageRequest{page_size, page_token};
 }
 
+absl::Status RequireSpan(const records::TimeSpan& span) {
+  if (!span.from || !span.to || *span.from < *span.to) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kInvalidArgument, "from_utc_us: must be before to_utc_us",
+                     {"RANGE_INVALID", {{"field", "from_utc_us"}, {"rule", "must be before to_utc_us"}}});
+}
+
 absl::Status RequireRequestId(const std::string& request_id) {
   return convert::RequireText("request_id", request_id, 1, 64);
 }

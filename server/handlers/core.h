@@ -114,6 +114,20 @@ absl::Status RequireAccepting(const Core& core);
 // Page sizes and tokens as the API has them. INVALID_ARGUMENT PAGE_INVALID when negative.
 absl::StatusOr<records::PageRequest> PageFrom(int page_size, const std::string& page_token);
 
+// INVALID_ARGUMENT RANGE_INVALID, with the field, where it ends before it begins.
+absl::Status RequireSpan(const records::TimeSpan& span);
+
+// The page, and those behind it as long as they hold nothing: what a list is held to may fit none of the rows that one
+// page looks at. `list` gives the page of a PageRequest.
+template <typename List>
+auto FirstWithRows(const Call& call, records::PageRequest page, const List& list) -> decltype(list(page)) {
+  while (true) {
+    auto rows = list(page);
+    if (!rows.ok() || !rows->rows.empty() || rows->next_token.empty() || call.is_cancelled()) return rows;
+    page.token = rows->next_token;
+  }
+}
+
 // 1 to 64 printable characters.
 absl::Status RequireRequestId(const std::string& request_id);
 

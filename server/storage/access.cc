@@ -397,4 +397,35 @@ absl::StatusOr<std::string> NewestOfMachines(Connection& connection, const std::
   return JsonOf(ids);
 }
 
+absl::StatusOr<LookedAt> LookAtNewest(Connection& connection, const std::string& table,
+                                      const std::optional<int64_t>& machine, const Visible& visible, int state,
+                                      int64_t before) {
+  constexpr int64_t kMost = 1000;
+  std::vector<int64_t> machines;
+  if (machine.has_value()) {
+    machines.push_back(*machine);
+  } else if (!visible.everything) {
+    ASSIGN_OR_RETURN(machines, MachinesIn(connection, visible.scopes));
+  } else {
+    machines.push_back(0);  // of all: it is not asked for
+  }
+  const bool is_of_all = visible.everything && !machine.has_value();
+  const std::string sql =
+      absl::StrCat("SELECT id FROM ", table, " WHERE ", is_of_all ? "" : "machine_id = ?1 AND ", "id < ?2 AND id > ?3",
+                   state == 0 ? "" : " AND state = ?5", " ORDER BY id DESC LIMIT ?4");
+  ASSIGN_OR_RETURN(const std::vector<int64_t> ids, NewestIds(connection, sql, machines, before, kMost, state));
+  LookedAt looked = {JsonOf(ids)};
+  if (static_cast<int64_t>(ids.size()) == kMost) looked.last = ids.back();
+  return looked;
+}
+
+std::string InSpan(const std::string& time, const TimeSpan& span, int first_parameter) {
+  return absl::StrCat(span.from ? absl::StrCat(" AND ", time, " >= ?", first_parameter) : "",
+                      span.to ? absl::StrCat(" AND ", time, " < ?", first_parameter + 1) : "");
+}
+
+std::string TokenOf(const TimeSpan& span) {
+  return absl::StrCat(span.from ? base::ToUtcUs(*span.from) : 0, "|", span.to ? base::ToUtcUs(*span.to) : 0);
+}
+
 }  // namespace axiscal::storage

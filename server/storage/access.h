@@ -65,6 +65,22 @@ absl::StatusOr<std::string> NewestOfMachines(Connection& connection, const std::
                                              const std::vector<records::Scope>& scopes, int state, int64_t before,
                                              int64_t limit);
 
+// What a list reads that is held to more than machine and state: no index fits that, so a page looks at so many rows
+// at most, the newest below `before` of those that have the state (0: any), and may have few or none of them. A page
+// costs the same however many rows there are.
+struct LookedAt {
+  std::string ids;                  // JSON
+  std::optional<int64_t> last = {};  // there may be more below this one
+};
+// Of that machine (its key), else of all that may be seen.
+absl::StatusOr<LookedAt> LookAtNewest(Connection& connection, const std::string& table,
+                                      const std::optional<int64_t>& machine, const Visible& visible, int state,
+                                      int64_t before);
+// " AND time >= ?i AND time < ?(i + 1)", of those ends that the span has.
+std::string InSpan(const std::string& time, const TimeSpan& span, int first_parameter);
+// For the name of a list in its page token.
+std::string TokenOf(const TimeSpan& span);
+
 }  // namespace axiscal::storage
 
 #endif  // AXISCAL_SERVER_STORAGE_ACCESS_H_

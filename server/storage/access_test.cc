@@ -129,6 +129,12 @@ TEST_F(VisibleRows, PagesHoldThemAloneAndEachOnce) {
                 },
                 [](const SessionRecord& row) { return row.machine.text(); }),
             in_turn);
+  EXPECT_EQ(All(
+                [&](const PageRequest& page) {
+                  return database_->ListSessions({{}, {}, {}, "touch"}, page, some_);
+                },
+                [](const SessionRecord& row) { return row.machine.text(); }),
+            in_turn);
   EXPECT_EQ(All([&](const PageRequest& page) { return database_->ListCalibrations({}, page, some_); },
                 [](const CalibrationRecord& row) { return row.content.machine.text(); }),
             in_turn);

@@ -226,22 +226,34 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
                                                          const PageRequest& request, const Visible& visible) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
-  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, absl::StrCat("calibrations|", machine, "|", state)));
-  int64_t machine_key = 0;
-  std::string sql = std::string(kColumns) + kFrom + "WHERE c.id < ?1";
+  std::string list = absl::StrCat("calibrations|", machine, "|", state);
+  const bool is_narrow = !filter.measured.is_all() || filter.session.has_value();
+  if (is_narrow) {
+    absl::StrAppend(&list, "|", TokenOf(filter.measured), "|", filter.session ? filter.session->number() : 0);
+  }
+  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, list));
+  std::optional<int64_t> machine_key;
+  std::string where = "WHERE c.id < ?1";
   if (filter.machine.has_value()) {
     ASSIGN_OR_RETURN(machine_key, MachineKey(connection, *filter.machine));
-    sql += " AND c.machine_id = ?2";
+    where += " AND c.machine_id = ?2";
   }
-  if (filter.state.has_value()) sql += " AND c.state = ?3";
-  std::string ids;
-  if (!visible.everything && !filter.machine.has_value()) {
-    ASSIGN_OR_RETURN(
-        ids, NewestOfMachines(connection, "calibration", visible.scopes, state, start.before_id, start.row_limit()));
-    sql += " AND c.id IN (SELECT value FROM json_each(?5))";
+  if (filter.state.has_value()) where += " AND c.state = ?3";
+  LookedAt looked;
+  if (is_narrow) {
+    ASSIGN_OR_RETURN(looked, LookAtNewest(connection, "calibration", machine_key, visible, state, start.before_id));
+    where = "WHERE c.id IN (SELECT value FROM json_each(?5))" + InSpan("+c.measured_at_utc_us", filter.measured, 6);
+    if (filter.session.has_value())
+      where +=
+          " AND EXISTS (SELECT 1 FROM calibration_session AS s WHERE s.session_id = ?8 AND s.calibration_id = c.id)";
+  } else if (!visible.everything && !filter.machine.has_value()) {
+    ASSIGN_OR_RETURN(looked.ids, NewestOfMachines(connection, "calibration", visible.scopes, state, start.before_id,
+                                                  start.row_limit()));
+    where += " AND c.id IN (SELECT value FROM json_each(?5))";
   }
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY c.id DESC LIMIT ?4", start.before_id, machine_key,
-                                                 state, start.row_limit(), ids));
+  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kColumns) + kFrom + where + " ORDER BY c.id DESC LIMIT ?4",
+                                                 start.before_id, machine_key, state, start.row_limit(), looked.ids,
+                                                 filter.measured.from, filter.measured.to, filter.session));
   Page<CalibrationRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -257,6 +269,7 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
         return bytes;
       },
       page);
+  GoOnBelow(start, looked.last, page);
   return page;
 }
 

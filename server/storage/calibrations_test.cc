@@ -40,6 +40,26 @@ TEST_F(Calibrations, KeepWhatTheyAreMadeOf) {
   EXPECT_EQ(list->rows.at(0).content.model_json, "");
 }
 
+TEST_F(Calibrations, ListsAreHeldToTimeAndSession) {
+  const UtcTime start = database.clock.UtcNow();
+  const CalibrationId first = database->CreateCalibration(New())->id;
+  database.clock.Advance(std::chrono::hours(1));
+  session = StoreSession(*database, 1);
+  const CalibrationId second = database->CreateCalibration(New())->id;
+  const auto ids = [&](const CalibrationFilter& filter) {
+    std::vector<CalibrationId> found;
+    const auto page = database->ListCalibrations(filter, {});
+    for (const CalibrationRecord& row : page->rows) found.push_back(row.id);
+    return found;
+  };
+  using Ids = std::vector<CalibrationId>;
+  EXPECT_EQ(ids({{}, {}, {}, session}), Ids{second});
+  EXPECT_EQ(ids({MachineId("mt"), {}, {{}, start + std::chrono::hours(1)}}), Ids{first});
+  EXPECT_EQ(ids({{}, {}, {start, {}}}), (Ids{second, first}));
+  EXPECT_EQ(ids({{}, CalibrationState::kApproved, {}, session}), Ids{});
+  EXPECT_EQ(ids({{}, {}, {}, SessionId(99)}), Ids{});
+}
+
 TEST_F(Calibrations, OnlyOneIsApproved) {
   const CalibrationRecord first = *database->CreateCalibration(New());
   const CalibrationRecord second = *database->CreateCalibration(New());

@@ -180,21 +180,30 @@ absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter
                                          const Visible& visible) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
-  ASSIGN_OR_RETURN(const PageStart start,
-                   StartPageById(request, absl::StrCat("jobs|", machine, "|", state, "|", filter.input_hash)));
+  std::string list = absl::StrCat("jobs|", machine, "|", state, "|", filter.input_hash);
+  const bool is_narrow = !filter.created.is_all() || !filter.kind.empty();
+  if (is_narrow) absl::StrAppend(&list, "|", TokenOf(filter.created), "|", filter.kind);
+  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, list));
   ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, filter.machine));
-  std::string sql = Select(kNoReport) + "WHERE j.id < ?1";
-  if (filter.machine.has_value()) sql += " AND j.machine_id = ?2";
-  if (filter.state.has_value()) sql += " AND j.state = ?3";
-  if (!filter.input_hash.empty()) sql += " AND j.input_hash = ?4 AND j.input_hash <> ''";
-  std::string ids;
-  if (!visible.everything && !filter.machine.has_value()) {
-    ASSIGN_OR_RETURN(ids,
+  std::string where = "WHERE j.id < ?1";
+  if (filter.machine.has_value()) where += " AND j.machine_id = ?2";
+  if (filter.state.has_value()) where += " AND j.state = ?3";
+  if (!filter.input_hash.empty()) where += " AND j.input_hash = ?4 AND j.input_hash <> ''";
+  LookedAt looked;
+  if (is_narrow) {
+    ASSIGN_OR_RETURN(looked, LookAtNewest(connection, "job", machine_key, visible, state, start.before_id));
+    where = "WHERE j.id IN (SELECT value FROM json_each(?6))" + InSpan("j.created_at_utc_us", filter.created, 7);
+    if (!filter.kind.empty()) where += " AND j.kind = ?9";
+    if (!filter.input_hash.empty()) where += " AND +j.input_hash = ?4 AND +j.input_hash <> ''";
+  } else if (!visible.everything && !filter.machine.has_value()) {
+    ASSIGN_OR_RETURN(looked.ids,
                      NewestOfMachines(connection, "job", visible.scopes, state, start.before_id, start.row_limit()));
-    sql += " AND j.id IN (SELECT value FROM json_each(?6))";
+    where += " AND j.id IN (SELECT value FROM json_each(?6))";
   }
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY j.id DESC LIMIT ?5", start.before_id, machine_key,
-                                                 state, filter.input_hash, start.row_limit(), ids));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask(Select(kNoReport) + where + " ORDER BY j.id DESC LIMIT ?5", start.before_id,
+                                  machine_key, state, filter.input_hash, start.row_limit(), looked.ids,
+                                  filter.created.from, filter.created.to, filter.kind));
   Page<JobRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -208,6 +217,7 @@ absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter
                (job.error.has_value() ? job.error->reason.size() + job.error->message.size() : 0);
       },
       page);
+  GoOnBelow(start, looked.last, page);
   for (JobRecord& job : page.rows) RETURN_IF_ERROR(ReadPrograms(connection, job));
   return page;
 }

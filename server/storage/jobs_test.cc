@@ -309,6 +309,11 @@ TEST_F(Jobs, ListsFilterAndPage) {
   filter.input_hash = "h";
   EXPECT_EQ(database->ListJobs(filter, {})->rows.at(0).kind, "compensate");
   EXPECT_EQ(base::ErrorReason(database->ListJobs(filter, {2, first->next_token}).status()), "PAGE_INVALID");
+  const UtcTime now = database.clock.UtcNow();
+  EXPECT_EQ(database->ListJobs({{}, {}, "", {now, {}}, "compensate"}, {})->rows.size(), 1u);
+  EXPECT_EQ(database->ListJobs({{}, {}, "", {now, {}}, ""}, {})->rows.size(), 4u);
+  EXPECT_EQ(database->ListJobs({{}, {}, "", {{}, now}, ""}, {})->rows.size(), 0u);
+  EXPECT_EQ(database->ListJobs({{}, JobState::kQueued, "", {}, "compensate"}, {})->rows.size(), 0u);
 }
 
 }  // namespace

@@ -50,6 +50,12 @@ void EndPage(const PageStart& start, const Key& key, const Bytes& bytes, Page<Ro
   page.next_token = MakePageToken(start, key(page.rows.back()));
 }
 
+// Of a list by falling number that has looked down to `last` and no farther: the page that follows goes on there.
+template <typename Row>
+void GoOnBelow(const PageStart& start, const std::optional<int64_t>& last, Page<Row>& page) {
+  if (last.has_value() && page.next_token.empty()) page.next_token = MakePageToken(start, std::to_string(*last));
+}
+
 }  // namespace axiscal::storage
 
 #endif  // AXISCAL_SERVER_STORAGE_PAGE_TOKEN_H_

@@ -69,6 +69,7 @@ using records::RoutineRecord;
 using records::RoutineRun;
 using records::RoutineStop;
 using records::RunFilter;
+using records::TimeSpan;
 using records::RunState;
 using records::SessionRecord;
 using records::SessionState;
@@ -114,6 +115,9 @@ struct AppendResult {
 struct SessionFilter {
   std::optional<MachineId> machine;
   std::optional<SessionState> state;
+  TimeSpan measured = {};       // or created, where its file does not say
+  std::string instrument = {};  // empty: any
+  std::string name = {};        // empty: any
 };
 
 // ---- jobs
@@ -156,6 +160,8 @@ struct JobFilter {
   std::optional<MachineId> machine;
   std::optional<JobState> state;
   std::string input_hash;  // empty: any
+  TimeSpan created = {};
+  std::string kind = {};  // empty: any
 };
 
 // ---- programs

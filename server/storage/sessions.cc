@@ -219,22 +219,33 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
                                                  const PageRequest& request, const Visible& visible) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
-  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, absl::StrCat("sessions|", machine, "|", state)));
-  int64_t machine_key = 0;
-  std::string sql = std::string(kSelectSession) + "WHERE s.id < ?1";
+  std::string list = absl::StrCat("sessions|", machine, "|", state);
+  const bool is_narrow = !filter.measured.is_all() || !filter.instrument.empty() || !filter.name.empty();
+  if (is_narrow) absl::StrAppend(&list, "|", TokenOf(filter.measured), "|", filter.instrument, "|", filter.name);
+  ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, list));
+  std::optional<int64_t> machine_key;
+  std::string where = "WHERE s.id < ?1";
   if (filter.machine.has_value()) {
     ASSIGN_OR_RETURN(machine_key, MachineKey(connection, *filter.machine));
-    sql += " AND s.machine_id = ?2";
+    where += " AND s.machine_id = ?2";
   }
-  if (filter.state.has_value()) sql += " AND s.state = ?3";
-  std::string ids;
-  if (!visible.everything && !filter.machine.has_value()) {
+  if (filter.state.has_value()) where += " AND s.state = ?3";
+  LookedAt looked;
+  if (is_narrow) {
+    ASSIGN_OR_RETURN(looked, LookAtNewest(connection, "session", machine_key, visible, state, start.before_id));
+    where = "WHERE s.id IN (SELECT value FROM json_each(?5))" +
+            InSpan("coalesce(s.measured_at_utc_us, s.created_at_utc_us)", filter.measured, 6);
+    if (!filter.instrument.empty()) where += " AND s.instrument = ?8";
+    if (!filter.name.empty()) where += " AND +s.name = ?9";
+  } else if (!visible.everything && !filter.machine.has_value()) {
     ASSIGN_OR_RETURN(
-        ids, NewestOfMachines(connection, "session", visible.scopes, state, start.before_id, start.row_limit()));
-    sql += " AND s.id IN (SELECT value FROM json_each(?5))";
+        looked.ids, NewestOfMachines(connection, "session", visible.scopes, state, start.before_id, start.row_limit()));
+    where += " AND s.id IN (SELECT value FROM json_each(?5))";
   }
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(sql + " ORDER BY s.id DESC LIMIT ?4", start.before_id, machine_key,
-                                                 state, start.row_limit(), ids));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask(kSelectSession + where + " ORDER BY s.id DESC LIMIT ?4", start.before_id, machine_key,
+                                  state, start.row_limit(), looked.ids, filter.measured.from, filter.measured.to,
+                                  filter.instrument, filter.name));
   Page<SessionRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -251,6 +262,7 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
         return bytes;
       },
       page);
+  GoOnBelow(start, looked.last, page);
   return page;
 }
 

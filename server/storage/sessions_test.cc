@@ -213,6 +213,80 @@ TEST_F(Sessions, ListsFilterAndPage) {
   EXPECT_TRUE(database->ListSessions(filter, {})->rows.empty());
 }
 
+// All ids of a list, newest first, page by page; how many pages hold nothing.
+struct Listed {
+  std::vector<int64_t> ids;
+  int pages = 0;
+};
+
+Listed ListAll(Database& database, const SessionFilter& filter, int page_size) {
+  Listed listed;
+  PageRequest request = {page_size, ""};
+  do {
+    const auto page = database.ListSessions(filter, request);
+    EXPECT_TRUE(page.ok()) << page.status();
+    if (!page.ok()) break;
+    for (const SessionRecord& session : page->rows) listed.ids.push_back(session.id.number());
+    request.token = page->next_token;
+    ++listed.pages;
+  } while (!request.token.empty());
+  return listed;
+}
+
+TEST_F(Sessions, ListsAreHeldToTimeInstrumentAndName) {
+  const UtcTime start = database.clock.UtcNow();
+  NewSession session = TestSession("");
+  session.name = "CQ";
+  session.instrument = "ballbar";
+  session.measured_at = start - std::chrono::hours(5);
+  ASSERT_EQ(database->CreateSession(session)->id.number(), 2);
+  session.measured_at = start;
+  ASSERT_EQ(database->CreateSession(session)->id.number(), 3);
+  database.clock.Advance(std::chrono::hours(1));
+  session.measured_at.reset();  // it counts as measured when it came
+  session.name = "CR";
+  ASSERT_EQ(database->CreateSession(session)->id.number(), 4);
+  using Ids = std::vector<int64_t>;
+  const auto ids = [&](const SessionFilter& filter) { return ListAll(*database, filter, 1).ids; };
+  for (const std::optional<MachineId>& machine : {std::optional<MachineId>(), std::optional(MachineId("mt"))}) {
+    EXPECT_EQ(ids({machine, {}, {}, "ballbar"}), (Ids{4, 3, 2}));
+    EXPECT_EQ(ids({machine, {}, {}, "", "CQ"}), (Ids{3, 2}));
+    EXPECT_EQ(ids({machine, {}, {}, "ballbar", "CR"}), (Ids{4}));
+    EXPECT_EQ(ids({machine, {}, {start, {}}, "ballbar"}), (Ids{4, 3}));
+    EXPECT_EQ(ids({machine, {}, {{}, start}}), (Ids{2}));
+    EXPECT_EQ(ids({machine, {}, {start, start + std::chrono::hours(1)}, "ballbar"}), (Ids{3}));
+    EXPECT_EQ(ids({machine, SessionState::kComplete, {}, "ballbar"}), Ids{});
+  }
+  const auto page = database->ListSessions({{}, {}, {}, "ballbar"}, {1, ""});
+  EXPECT_EQ(base::ErrorReason(database->ListSessions({{}, {}, {}, "touch"}, {1, page->next_token}).status()),
+            "PAGE_INVALID");
+}
+
+// A page looks at some of the rows; those behind them come with the pages that follow.
+TEST_F(Sessions, WhatFewRowsFitIsFoundHoweverManyDoNot) {
+  constexpr int kOthers = 2250;
+  NewSession session = TestSession("");
+  session.name = "rare";
+  ASSERT_TRUE(database->CreateSession(session).ok());
+  const std::unique_ptr<Connection> connection = *Connection::Open(database.path(), Access::kWrite);
+  ASSERT_TRUE(connection
+                  ->Execute(absl::StrCat(
+                      "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ", kOthers,
+                      ") INSERT INTO session (machine_id, name, instrument, state, next_seq, reading_count, "
+                      "created_by, body_sha256, created_at_utc_us, last_seen_at_utc_us) SELECT 1, 's', 'touch', 1, 0, "
+                      "0, 'u', 'b', i, i FROM n"))
+                  .ok());
+  for (const std::optional<MachineId>& machine : {std::optional<MachineId>(), std::optional(MachineId("mt"))}) {
+    const Listed listed = ListAll(*database, {machine, {}, {}, "", "rare"}, 50);
+    EXPECT_EQ(listed.ids, std::vector<int64_t>{2});
+    EXPECT_EQ(listed.pages, 3);
+    EXPECT_EQ(ListAll(*database, {machine, {}, {}, "", "s"}, 300).ids.size(), static_cast<size_t>(kOthers));
+  }
+  const Visible some = {false, {{records::Scope::Kind::kMachine, "mt"}}, "u"};
+  EXPECT_TRUE(database->ListSessions({{}, {}, {}, "", "rare"}, {}, some)->rows.empty());
+  EXPECT_FALSE(database->ListSessions({{}, {}, {}, "", "rare"}, {}, some)->next_token.empty());
+}
+
 TEST_F(Sessions, ManyAppendsUnderWayAreAnsweredInOrder) {
   std::vector<int64_t> answered;
   for (int seq = 0; seq < 300; ++seq) {

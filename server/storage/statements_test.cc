@@ -13,7 +13,7 @@
 namespace axiscal::storage {
 namespace {
 
-constexpr int kRows = 5000;
+constexpr int kRows = 20000;
 // A list's page of 50 rows, with what belongs to them, stays far below; a scan takes some steps for each row.
 constexpr int kMaxSteps = 2 * kRows;
 
@@ -121,6 +121,17 @@ void CallAll(TempDatabase& database, SessionId stored) {
     for (const int state : {1, 2, 3, 4, 5, 6})
       ASSERT_TRUE(database->ListJobs({machine, static_cast<JobState>(state), ""}, {}).ok());
   }
+  // Held to more than machine and state: a page looks at some of the rows.
+  const TimeSpan span = {base::FromUtcUs(0), base::FromUtcUs(1)};
+  for (const std::optional<MachineId>& machine : {std::optional<MachineId>(), std::optional<MachineId>(mt)}) {
+    ASSERT_TRUE(database->ListSessions({machine, {}, span, "none", "none"}, {}).ok());
+    ASSERT_TRUE(database->ListSessions({machine, SessionState::kOpen, {}, "", "s"}, {}).ok());
+    ASSERT_TRUE(database->ListSessions({machine, SessionState::kComplete, {{}, span.to}}, {}).ok());
+    ASSERT_TRUE(database->ListJobs({machine, {}, "", span, "none"}, {}).ok());
+    ASSERT_TRUE(database->ListJobs({machine, JobState::kSucceeded, "", {}, "none"}, {}).ok());
+    ASSERT_TRUE(database->ListCalibrations({machine, {}, span, stored}, {}).ok());
+    ASSERT_TRUE(database->ListCalibrations({machine, CalibrationState::kRetired, {}, stored}, {}).ok());
+  }
   for (const std::string kind : {"", "nc", "none"}) ASSERT_TRUE(database->ListPrograms({kind}, {}).ok());
   ASSERT_TRUE(database->ListMachines({}).ok());
   ASSERT_TRUE(database->ListAudit({}).ok());
@@ -141,6 +152,9 @@ void CallAll(TempDatabase& database, SessionId stored) {
     ASSERT_TRUE(database->ListJobs({{}, JobState::kFailed, ""}, page, some).ok());
     ASSERT_TRUE(database->ListCalibrations({}, page, some).ok());
     ASSERT_TRUE(database->ListCalibrations({{}, CalibrationState::kCandidate}, page, some).ok());
+    ASSERT_TRUE(database->ListSessions({{}, {}, span, "none"}, page, some).ok());
+    ASSERT_TRUE(database->ListJobs({{}, {}, "", span, "none"}, page, some).ok());
+    ASSERT_TRUE(database->ListCalibrations({{}, {}, span, stored}, page, some).ok());
     ASSERT_TRUE(database->ListPrograms({""}, page, some).ok());
     ASSERT_TRUE(database->ListPrograms({"none"}, page, some).ok());
     ASSERT_TRUE(database->ListMachines(page, some).ok());

@@ -167,6 +167,27 @@ class Jobs(WithServer):
         with self.assertRaisesRegex(ValueError, "no report"):
             listed.report
 
+    def test_lists_are_held_to_what_is_asked(self):
+        session = axiscal.Session.read(server.EXAMPLE / "B-short-run1.csv")
+        day = datetime.datetime(2025, 5, 31, 14, tzinfo=datetime.timezone.utc)
+        header = {**dict(session.header), "session": "of-2025", "started": day}
+        stored = self.client.upload(server.MACHINE, axiscal.Session.from_frame(session.to_frame(), header)).session
+        self.upload_runs()
+        hour = datetime.timedelta(hours=1)
+        self.assertEqual([one.id for one in self.client.sessions(server.MACHINE, start=day, end=day + hour)], [stored.id])
+        self.assertEqual([one.id for one in self.client.sessions(name="of-2025", instrument=stored.instrument)], [stored.id])
+        self.assertEqual(list(self.client.sessions(name="of-2025", end=day)), [])
+        with self.assertRaises(axiscal.InvalidArgument) as caught:
+            list(self.client.sessions(start=day, end=day))
+        self.assertEqual(caught.exception.reason, "RANGE_INVALID")
+        job = self.client.wait(self.client.identify(server.MACHINE, [stored.id], ["EZ0T"]))
+        self.assertEqual([one.id for one in self.client.calibrations(session=stored.id)], [job.calibration_id])
+        self.assertEqual([one.id for one in self.client.calibrations(server.MACHINE, start=day, end=day + hour)], [job.calibration_id])
+        self.assertIn(job.id, [one.id for one in self.client.jobs(kind="identify", start=job.created)])
+        self.assertEqual(list(self.client.jobs(kind="compensate", end=day)), [])
+        with self.assertRaises(axiscal.InvalidArgument):
+            list(self.client.jobs(kind="idnetify"))
+
     def test_a_job_that_fails_says_why(self):
         sessions = self.upload_runs(("short-run1",))
         with self.assertRaises(axiscal.Error) as caught:

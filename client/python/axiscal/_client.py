@@ -97,10 +97,12 @@ class Client(Watching):
         response = self.call("Ingest", "GetSession", ingest_service_pb2.GetSessionRequest(session_id=session_id))
         return SessionRecord.from_message(response.session)
 
-    def sessions(self, machine: str = "", state: Optional[SessionState] = None) -> Iterator[SessionRecord]:
-        """Newest first."""
+    def sessions(self, machine: str = "", state: Optional[SessionState] = None, *, instrument: str = "", name: str = "",
+                 start: Optional[datetime.datetime] = None, end: Optional[datetime.datetime] = None) -> Iterator[SessionRecord]:
+        """Newest first. start <= measured < end; where a file does not say when it was measured, created."""
         number = 0 if state is None else session_pb2.SessionState.Value(f"SESSION_STATE_{state.name}")
-        request = ingest_service_pb2.ListSessionsRequest(machine_id=machine, state=number)
+        request = ingest_service_pb2.ListSessionsRequest(machine_id=machine, state=number, instrument=instrument, name=name)
+        _set_span(request, start, end)
         for message in self._pages("Ingest", "ListSessions", request, "sessions"):
             yield SessionRecord.from_message(message)
 
@@ -136,10 +138,13 @@ class Client(Watching):
     def job(self, job_id: int) -> Job:
         return Job.from_message(self.call("Jobs", "GetJob", jobs_service_pb2.GetJobRequest(job_id=job_id)).job)
 
-    def jobs(self, machine: str = "", state: Optional[JobState] = None) -> Iterator[Job]:
-        """Newest first, without reports."""
+    def jobs(self, machine: str = "", state: Optional[JobState] = None, *, kind: str = "", start: Optional[datetime.datetime] = None,
+             end: Optional[datetime.datetime] = None) -> Iterator[Job]:
+        """Newest first, without reports. start <= created < end. kind: as Job.kind."""
         number = 0 if state is None else job_pb2.JobState.Value(f"JOB_STATE_{state.name}")
-        for message in self._pages("Jobs", "ListJobs", jobs_service_pb2.ListJobsRequest(machine_id=machine, state=number), "jobs"):
+        request = jobs_service_pb2.ListJobsRequest(machine_id=machine, state=number, kind=kind)
+        _set_span(request, start, end)
+        for message in self._pages("Jobs", "ListJobs", request, "jobs"):
             yield Job.from_message(message)
 
     def cancel_job(self, job_id: int) -> Job:
@@ -193,10 +198,12 @@ class Client(Watching):
         request = calibrations_service_pb2.GetCalibrationRequest(approved_of_machine_id=machine)
         return Calibration.from_message(self.call("Calibrations", "GetCalibration", request).calibration)
 
-    def calibrations(self, machine: str = "", state: Optional[CalibrationState] = None) -> Iterator[Calibration]:
-        """Newest first, without model and report."""
+    def calibrations(self, machine: str = "", state: Optional[CalibrationState] = None, *, session: Optional[int] = None,
+                     start: Optional[datetime.datetime] = None, end: Optional[datetime.datetime] = None) -> Iterator[Calibration]:
+        """Newest first, without model and report; those that stand on `session`. start <= measured < end."""
         number = 0 if state is None else calibration_pb2.CalibrationState.Value(f"CALIBRATION_STATE_{state.name}")
-        request = calibrations_service_pb2.ListCalibrationsRequest(machine_id=machine, state=number)
+        request = calibrations_service_pb2.ListCalibrationsRequest(machine_id=machine, state=number, session_id=session)
+        _set_span(request, start, end)
         for message in self._pages("Calibrations", "ListCalibrations", request, "calibrations"):
             yield Calibration.from_message(message)
 
@@ -289,6 +296,13 @@ class Client(Watching):
 
     def server_info(self) -> ServerInfo:
         return ServerInfo.from_message(self.call("Admin", "GetServerInfo", admin_service_pb2.GetServerInfoRequest()))
+
+
+def _set_span(request: Any, start: Optional[datetime.datetime], end: Optional[datetime.datetime]) -> None:
+    if start is not None:
+        request.from_utc_us = utc_us(start)
+    if end is not None:
+        request.to_utc_us = utc_us(end)
 
 
 def connect(address: Optional[str] = None, **options: Any) -> Client:
