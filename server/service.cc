@@ -29,6 +29,7 @@
 #include "server/handlers/list_calibrations.h"
 #include "server/handlers/list_jobs.h"
 #include "server/handlers/list_machines.h"
+#include "server/handlers/list_residuals.h"
 #include "server/handlers/list_table_formats.h"
 #include "server/handlers/make_table.h"
 #include "server/handlers/marks.h"
@@ -179,6 +180,12 @@ class CalibrationsService final : public v1::Calibrations::Service {
     return Respond(
         core_, context, "Calibrations.DrawCalibration", request,
         [&](const auto& call) { return handlers::DrawCalibration(core_, call, *request); }, response);
+  }
+  grpc::Status ListResiduals(grpc::ServerContext* context, const v1::ListResidualsRequest* request,
+                             v1::ListResidualsResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.ListResiduals", request,
+        [&](const auto& call) { return handlers::ListResiduals(core_, call, *request); }, response);
   }
 
  private:

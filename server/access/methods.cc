@@ -44,6 +44,7 @@ const std::vector<MethodRule>& Methods() {
       {"Calibrations.ListCalibrations", Reach::kList, {kViewer}},
       {"Calibrations.GetCalibration", Reach::kNamed, {kViewer}},
       {"Calibrations.DrawCalibration", Reach::kNamed, {kViewer}},
+      {"Calibrations.ListResiduals", Reach::kNamed, {kViewer}},
       {"Calibrations.ApproveCalibration", Reach::kNamed, {kApprover}, kFourEyes},
       {"Calibrations.RetireCalibration", Reach::kNamed, {kApprover}},
 

@@ -18,6 +18,7 @@
 #include "server/handlers/budget.h"
 #include "server/handlers/call_rates.h"
 #include "server/handlers/held_calls.h"
+#include "server/handlers/calibration_fit.h"
 #include "server/handlers/open_calls.h"
 #include "server/jobs/job_runner.h"
 #include "server/metrics/metrics.h"
@@ -80,6 +81,8 @@ struct Core {
   // routines that were changed (server/routines).
   std::function<void(const MachineId& machine)> run_soon = [](const auto&) {};
   std::function<void()> run_all_soon = [] {};
+  // What calibrations' sessions read without and with their errors.
+  std::shared_ptr<CalibrationFits> fits = std::make_shared<CalibrationFits>();
   // Absent where no webhooks are sent.
   webhooks::Sender* webhook_sender = nullptr;
 };

@@ -6,33 +6,15 @@
 
 #include "absl/strings/numbers.h"
 #include "core/base/error_detail.h"
-#include "core/identify/identify.h"
 #include "core/loop/pictures.h"
-#include "core/machine/error_json.h"
-#include "core/machine/machine_json.h"
+#include "server/handlers/calibration_fit.h"
 #include "server/handlers/get_server_info.h"
-#include "server/jobs/job_sessions.h"
 
 namespace axiscal::handlers {
 namespace {
 
 // Of the message; the rest is room for names and the envelope.
 constexpr size_t kMaxPictureBytes = kMaxMessageBytes - (256 << 10);
-
-// The set-ups fitted where the errors of `model` act at their values: what is left of the readings shows what the model
-// does not explain, and no freedom of a new fit hides it.
-absl::StatusOr<identify::Fit> FitSetUps(const machine::Machine& machine, std::vector<instruments::MeasuringRun> runs,
-                                        const machine::ErrorModel& model, const Call& call) {
-  identify::Options options;
-  options.model = machine::ErrorModel{};
-  // Only residuals are asked for.
-  options.scale_uncertainties = options.judge_correlation = options.profile_intervals = false;
-  options.cancelled = call.is_cancelled;
-  if (!model.terms.empty()) {
-    ASSIGN_OR_RETURN(options.held_errors, identify::HoldErrors(model, std::nullopt, machine));
-  }
-  return identify::FitRuns(machine, std::move(runs), options);
-}
 
 // As JSON, which is longer than the binary form.
 size_t BytesOfNumbers(const loop::Picture& picture) {
@@ -72,25 +54,14 @@ void AddNumbers(const loop::Picture& picture, v1::CalibrationPicture* sent) {
 
 absl::StatusOr<v1::DrawCalibrationResponse> DrawCalibration(Core& core, const Call& call,
                                                             const v1::DrawCalibrationRequest& request) {
-  ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
-                   core.database.GetCalibration(CalibrationId(request.calibration_id())));
-  const records::NewCalibration& content = calibration.content;
-  ASSIGN_OR_RETURN(const records::MachineRecord described,
-                   core.database.GetMachineRevision(content.machine, content.machine_revision));
-  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(described.description_json));
-  ASSIGN_OR_RETURN(const machine::ErrorModel model, machine::ReadErrors(content.model_json, machine));
-  ASSIGN_OR_RETURN(const jobs::MeasuredSessions measured,
-                   jobs::LoadSessions(core.database, content.sessions, machine, call.is_cancelled));
-  ASSIGN_OR_RETURN(const identify::Fit before, FitSetUps(machine, measured.runs, {}, call));
-  ASSIGN_OR_RETURN(const identify::Fit after, FitSetUps(machine, measured.runs, model, call));
-
+  ASSIGN_OR_RETURN(const std::shared_ptr<const CalibrationFit> fit,
+                   core.fits->Of(core.database, CalibrationId(request.calibration_id()), call.is_cancelled));
   v1::DrawCalibrationResponse response;
+  response.set_readings(fit->readings());
   loop::Report report;
-  for (size_t i = 0; i < measured.runs.size(); ++i) {
-    report.residuals.push_back({measured.runs[i].session, false, before.residuals_mm[i], after.residuals_mm[i]});
-    response.set_readings(response.readings() + after.residuals_mm[i].size());
-  }
-  std::vector<loop::Picture> pictures = loop::Pictures(machine, measured.runs, {}, report);
+  for (size_t i = 0; i < fit->runs.size(); ++i)
+    report.residuals.push_back({fit->runs[i].session, false, fit->before_mm[i], fit->after_mm[i]});
+  std::vector<loop::Picture> pictures = loop::Pictures(fit->machine, fit->runs, {}, report);
   if (!request.file().empty()) {
     std::erase_if(pictures, [&](const loop::Picture& picture) { return picture.file != request.file(); });
     if (pictures.empty()) {

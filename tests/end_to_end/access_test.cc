@@ -86,6 +86,7 @@ const std::map<std::string, Expected>& AllExpected() {
       {"Calibrations.ListCalibrations", {For::kLists, kViewers}},
       {"Calibrations.GetCalibration", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.DrawCalibration", {For::kWhatIsNamed, kViewers}},
+      {"Calibrations.ListResiduals", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.ApproveCalibration", {For::kWhatIsNamed, kApprovers}},
       {"Calibrations.RetireCalibration", {For::kWhatIsNamed, kApprovers}},
       {"Programs.ListPrograms", {For::kLists, kViewers}},

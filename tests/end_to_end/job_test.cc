@@ -126,6 +126,60 @@ TEST_F(Job, ACalibrationIsDrawnWithoutAndWithItsErrors) {
   EXPECT_EQ(stub->DrawCalibration(&other, request, &drawn).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
+TEST_F(Job, ResidualsComeInPages) {
+  const SessionId session = UploadSession("BX");
+  const client::JobRecord job = RunJob(records::IdentifyParams{MachineId("mt"), {session}, {}});
+  ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+  const auto stub = v1::Calibrations::NewStub(channel());
+  v1::ListResidualsRequest request;
+  request.set_calibration_id(job.calibration->number());
+  request.set_page_size(500);
+  const auto ask = [&](v1::ListResidualsResponse* page) {
+    grpc::ClientContext context;
+    page->Clear();
+    return stub->ListResiduals(&context, request, page);
+  };
+  v1::ListResidualsResponse page;
+  ASSERT_TRUE(ask(&page).ok());
+  ASSERT_EQ(page.residuals_size(), 500);
+  EXPECT_EQ(page.residuals(0).reading(), 1);
+  ASSERT_EQ(page.sessions_size(), 1);
+  EXPECT_EQ(page.sessions(0).name(), "BX");
+  EXPECT_EQ(page.sessions(0).instrument(), "ballbar");
+  EXPECT_EQ(page.sessions(0).readings(), 720);
+  EXPECT_NEAR(page.sessions(0).rms_before_um(), 5 / std::sqrt(2), 0.1);
+  EXPECT_LT(page.sessions(0).rms_after_um(), kToleranceUm);
+  const int c = static_cast<int>(std::find(page.axes().begin(), page.axes().end(), "C_deg") - page.axes().begin());
+  ASSERT_LT(c, page.axes_size());
+  // The same reading as in the file: its own position, and a residual that fits the others of its angle.
+  const v1::Residual& reading = page.residuals(180);
+  EXPECT_EQ(reading.positions_mm_or_deg_size(), page.axes_size());
+  ASSERT_EQ(reading.before_um_size(), 1);
+  EXPECT_LT(std::abs(reading.after_um(0)), 5 * kToleranceUm);
+  double sum = 0;
+  for (const v1::Residual& one : page.residuals()) sum += one.before_um(0) * one.before_um(0);
+  request.set_page_token(page.next_page_token());
+  ASSERT_TRUE(ask(&page).ok());
+  ASSERT_EQ(page.residuals_size(), 220);
+  EXPECT_EQ(page.residuals(0).reading(), 501);
+  EXPECT_EQ(page.next_page_token(), "");
+  for (const v1::Residual& one : page.residuals()) sum += one.before_um(0) * one.before_um(0);
+  EXPECT_NEAR(std::sqrt(sum / 720), page.sessions(0).rms_before_um(), 1e-9);
+
+  request.set_session_id(session.number());
+  EXPECT_THAT(ask(&page).error_message(), HasSubstr("belongs to another list"));
+  request.clear_page_token();
+  ASSERT_TRUE(ask(&page).ok());
+  EXPECT_EQ(page.residuals_size(), 500);
+  request.set_session_id(99);
+  EXPECT_THAT(ask(&page).error_message(), HasSubstr("does not stand on session 99"));
+  request.set_page_size(-1);
+  EXPECT_EQ(ask(&page).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_calibration_id(99);
+  request.set_page_size(0);
+  EXPECT_EQ(ask(&page).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
 // Outliers by the thousand make a report longer than any message that a client sends.
 TEST_F(Job, AReportMayBeLongerThanAMessageThatIsSent) {
   embedded_.reset();

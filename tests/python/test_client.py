@@ -167,6 +167,23 @@ class Jobs(WithServer):
         with self.assertRaisesRegex(ValueError, "no report"):
             listed.report
 
+    def test_residuals_are_a_row_for_each_number(self):
+        sessions = self.upload_runs()
+        job = self.client.wait(self.client.identify(server.MACHINE, sessions, ["EZ0T", "EX0T"]))
+        table = self.client.residuals(job.calibration_id)
+        self.assertEqual(list(table.columns), ["session", "reading", "row", "Z_mm", "Y_mm", "X_mm", "B_deg", "C_deg", "time_s", "temperature_celsius",
+                                               "before_um", "after_um", "is_set_aside"])
+        self.assertEqual(list(table["session"].unique()), sessions)
+        one = self.client.residuals(job.calibration_id, session=sessions[1])
+        pd.testing.assert_frame_equal(one, table[table["session"] == sessions[1]].reset_index(drop=True))
+        measured = self.client.download(sessions[1]).to_frame()
+        np.testing.assert_allclose(one[one["row"] == 0]["B_deg"], measured["B_deg"], atol=1e-9)
+        # Set-ups are fitted without judging noise again, so that the rms is that of the report to some digits.
+        self.assertAlmostEqual(float(np.sqrt((table["after_um"] ** 2).mean())), job.report.fit.rms_um, delta=0.05 * job.report.fit.rms_um)
+        self.assertGreater(float(np.sqrt((table["before_um"] ** 2).mean())), 100 * job.report.fit.rms_um)
+        with self.assertRaises(axiscal.NotFound):
+            self.client.residuals(job.calibration_id, session=4711)
+
     def test_lists_are_held_to_what_is_asked(self):
         session = axiscal.Session.read(server.EXAMPLE / "B-short-run1.csv")
         day = datetime.datetime(2025, 5, 31, 14, tzinfo=datetime.timezone.utc)

@@ -13,7 +13,7 @@ from axiscal._connection import Backoff, Connection, is_broken, new_request_id
 from axiscal._options import Options
 from axiscal._upload import ProgressCallback, Upload
 from axiscal._watching import Watching
-from axiscal.drift import DriftReport, points_frame
+from axiscal.drift import DriftReport, points_frame, residuals_frame
 from axiscal.records import (Calibration, CalibrationState, Job, JobState, MachineRecord, ProgramRecord, ServerInfo, SessionRecord,
                              SessionState, utc_us)
 from axiscal.session import PathLike, Session
@@ -206,6 +206,22 @@ class Client(Watching):
         _set_span(request, start, end)
         for message in self._pages("Calibrations", "ListCalibrations", request, "calibrations"):
             yield Calibration.from_message(message)
+
+    def residuals(self, calibration_id: int, session: Optional[int] = None) -> pd.DataFrame:
+        """What a calibration leaves of each number that its sessions, or one of them, read: a row for each.
+
+        Columns: session, reading (from 1), row (int64; 0, or 0 to 2 for x, y, z), a column for each axis ("X_mm", "C_deg"; where it was taken),
+        time_s, temperature_celsius (float64, NaN where the file has none), before_um, after_um (float64; measured - predicted, without and with
+        the calibration's errors, set-ups fitted in both), is_set_aside (bool; the whole reading where one of its numbers is).
+        """
+        request = calibrations_service_pb2.ListResidualsRequest(calibration_id=calibration_id, session_id=session, page_size=10_000)
+        pages = []
+        while True:
+            page = self.call("Calibrations", "ListResiduals", request)
+            pages.append(page)
+            if not page.next_page_token:
+                return residuals_frame(pages)
+            request.page_token = page.next_page_token
 
     def approve(self, calibration: Calibration, reason: str = "") -> Calibration:
         """Puts it in use, as it was read: Aborted where somebody has changed it meanwhile. The reason stands in the audit."""

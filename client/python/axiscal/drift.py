@@ -38,6 +38,30 @@ def points_frame(response: history_service_pb2.QueryDriftResponse) -> pd.DataFra
     })
 
 
+def residuals_frame(pages: List[Any]) -> pd.DataFrame:
+    """The columns of Client.residuals(), of all its pages."""
+    axes = list(pages[0].axes)
+    residuals = [residual for page in pages for residual in page.residuals]
+    counts = [len(residual.after_um) for residual in residuals]
+
+    def column(values: List[Any], kind: Any) -> Any:
+        return np.repeat(np.array(values, kind), counts)
+
+    frame = {
+        "session": column([residual.session_id for residual in residuals], np.int64),
+        "reading": column([residual.reading for residual in residuals], np.int64),
+        "row": np.array([row for count in counts for row in range(count)], np.int64),
+    }
+    for number, name in enumerate(axes):
+        frame[name] = column([residual.positions_mm_or_deg[number] if residual.positions_mm_or_deg else _NAN for residual in residuals], np.float64)
+    for name in ("time_s", "temperature_celsius"):
+        frame[name] = column([getattr(residual, name) if residual.HasField(name) else _NAN for residual in residuals], np.float64)
+    for name in ("before_um", "after_um"):
+        frame[name] = np.array([value for residual in residuals for value in getattr(residual, name)], np.float64)
+    frame["is_set_aside"] = column([residual.is_set_aside for residual in residuals], bool)
+    return pd.DataFrame(frame)
+
+
 @dataclasses.dataclass(frozen=True)
 class Amount:
     symbol: str
