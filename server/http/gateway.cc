@@ -30,12 +30,13 @@ std::vector<std::string> PlaceOf(const std::string& path) {
   return place;
 }
 
-enum class Plain { kNone, kMetrics, kLogs, kSessions, kSession, kPrograms, kProgram, kSheet };
+enum class Plain { kNone, kMetrics, kLogs, kSessions, kSession, kPrograms, kProgram, kRewrite, kSheet };
 
 Plain PlainOf(const std::vector<std::string>& place) {
   if (place.size() == 1 && place[0] == "metrics") return Plain::kMetrics;
   if (place.size() == 3 && place[0] == "machines" && place[2] == "sessions") return Plain::kSessions;
   if (place.size() == 3 && place[0] == "machines" && place[2] == "logs") return Plain::kLogs;
+  if (place.size() == 3 && place[0] == "machines" && place[2] == "rewrite") return Plain::kRewrite;
   if (place.size() < 2) return Plain::kNone;
   int64_t id = 0;
   const bool is_number =
@@ -84,6 +85,8 @@ std::string MethodOf(const Request& request) {
       return "Ingest.DownloadSession";
     case Plain::kPrograms:
       return "Programs.PutProgram";
+    case Plain::kRewrite:
+      return "Programs.RewriteProgram";
     case Plain::kProgram:
       return is_post ? "Programs.PutProgram" : "Programs.GetProgram";
   }
@@ -174,10 +177,11 @@ void Gateway::ServePlain(const Request& request, const std::vector<std::string>&
     return;
   }
   // A program may have a number for a name: by POST it is one.
-  const bool is_put = plain == Plain::kLogs || plain == Plain::kSessions || plain == Plain::kPrograms;
-  const bool goes_up = is_put || (plain == Plain::kProgram && request.method == "POST");
+  const bool only_up =
+      plain == Plain::kLogs || plain == Plain::kSessions || plain == Plain::kPrograms || plain == Plain::kRewrite;
+  const bool goes_up = only_up || (plain == Plain::kProgram && request.method == "POST");
   if (request.method != (goes_up ? "POST" : "GET")) {
-    exchange.Send(NotAllowed(is_put ? "POST" : plain == Plain::kProgram ? "GET, POST" : "GET"));
+    exchange.Send(NotAllowed(only_up ? "POST" : plain == Plain::kProgram ? "GET, POST" : "GET"));
     return;
   }
   if (request.is_too_large) {
@@ -198,6 +202,8 @@ void Gateway::ServePlain(const Request& request, const std::vector<std::string>&
     PutLog(call, place[1]);
   } else if (plain == Plain::kSessions) {
     PutSession(call, place[1]);
+  } else if (plain == Plain::kRewrite) {
+    RewriteProgram(call, place[1]);
   } else if (goes_up) {
     PutProgram(call, place[1]);
   } else if (plain == Plain::kSession) {

@@ -35,6 +35,8 @@ void GetSession(const PlainCall& call, int64_t id);
 void PutProgram(const PlainCall& call, const std::string& name);
 // The program's bytes, or those from "Range: bytes=N-" on; its ETag is its checksum.
 void GetProgram(const PlainCall& call, int64_t id);
+// A program up and corrected down, nothing stored (rewrite.cc); its report instead where JSON is wanted.
+void RewriteProgram(const PlainCall& call, const std::string& machine);
 // A calibration's page to print, as HTML; German by ?language=de.
 void GetSheet(const PlainCall& call, int64_t id);
 

@@ -746,6 +746,28 @@ TEST_F(HttpAccess, ThePagesExampleWorks) {
   EXPECT_THAT(seen, HasSubstr(R"("kind":"log")"));
   EXPECT_EQ(*base::ReadFile(dir_.File("copy.csv"), 1 << 20), SessionText("BX"));
   EXPECT_THAT(*base::ReadFile(dir_.File("corrected.nc"), 1 << 20), HasSubstr("X100.0120 Y-0.0050 Z421.9000"));
+  EXPECT_EQ(*base::ReadFile(dir_.File("at-once.nc"), 1 << 20), *base::ReadFile(dir_.File("corrected.nc"), 1 << 20));
+  EXPECT_THAT(*base::ReadFile(dir_.File("report.json"), 1 << 20), HasSubstr("\"tool_point_error\""));
+  EXPECT_THAT(seen, HasSubstr("\"rmsAfterUm\""));
+}
+
+TEST_F(HttpAccess, AProgramThatCannotBeCorrectedComesBackAsAnError) {
+  const auto rewrite = [&](const std::string& who, const std::string& params, const std::string& bytes,
+                           const std::string& machine = "mt") {
+    return Fetch(port(), "POST", "/v1/machines/" + machine + "/rewrite", With(As(who), "Axiscal-Params", params),
+                 bytes);
+  };
+  const std::string program = "%\nG90 G21\nN10 G01 X100.0000 Y0.0000 Z421.9000 B0.0000 C0.0000 F1000\n%\n";
+  const std::string tip = R"({"toolTipMm": [0, 0, -356.4]})";
+  EXPECT_THAT(rewrite("bob", tip, program).body, HasSubstr("CALIBRATION_NOT_APPROVED"));
+  EXPECT_EQ(rewrite("viewer", tip, program).status, 403);
+  EXPECT_EQ(rewrite("bob", tip, program, "none").status, 404);
+  EXPECT_THAT(rewrite("bob", "{", program).body, HasSubstr("Axiscal-Params"));
+  EXPECT_THAT(rewrite("bob", R"({"toolTip": 1})", program).body, HasSubstr("MESSAGE_INVALID"));
+  EXPECT_THAT(rewrite("bob", R"({"machineId": "other"})", program).body, HasSubstr("the path says 'mt'"));
+  EXPECT_THAT(rewrite("bob", R"({"programId": 1})", program).body, HasSubstr("the program is the body"));
+  EXPECT_THAT(rewrite("bob", "", program).body, HasSubstr("tool_tip_mm"));
+  EXPECT_EQ(Fetch(port(), "GET", "/v1/machines/mt/rewrite", As("bob")).status, 405);
 }
 
 // By TLS the certificate says who calls; one of another authority is none.
