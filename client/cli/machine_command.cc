@@ -128,6 +128,7 @@ absl::Status ShowProfile(Context& context, const MachineArguments& arguments) {
                  {"block_delete", profile.block_delete},
                  {"harmless_m", profile.harmless_m},
                  {"start", profile.start},
+                 {"tool_change_keeps", profile.tool_change_keeps},
                  {"offsets", profile.offsets},
                  {"tool_lengths", profile.tool_lengths},
                  {"tool_radii", profile.tool_radii}},

@@ -120,11 +120,31 @@ absl::StatusOr<nc::WorkOffset> ParseOffset(const std::string& text, const machin
   return offset;
 }
 
-// "H1=120.5": one of the option's letters, or none, in front of the number. False where it is no number and no value.
+// "T5D1": D1 of tool 5.
+bool ReadEdge(const std::string& text, int* number) {
+  const size_t edge = text.find_first_of("Dd");
+  std::vector<double> values;
+  if (edge == std::string::npos || edge < 2 || (text[0] != 'T' && text[0] != 't') ||
+      !session::ParseNumbers(text.substr(1, edge - 1) + " " + text.substr(edge + 1), &values) || values.size() != 2)
+    return false;
+  for (const double value : values) {
+    if (!(value >= 1 && value < nc::kEdgesOfTool && value == static_cast<int>(value))) return false;
+  }
+  *number = nc::NumberOfEdge(static_cast<int>(values[0]), static_cast<int>(values[1]));
+  return true;
+}
+
+// "H1=120.5", "T5D1=120.5": one of the option's letters, or none, in front of the number. False where it is no number
+// and no value.
 bool ReadNumbered(const std::string& text, const char* letters, int* number_of, double* value_of) {
   const size_t equals = text.find('=');
   const size_t begin = text.find_first_not_of(letters);
   std::vector<double> number, value;
+  if (equals != std::string::npos && ReadEdge(text.substr(0, equals), number_of)) {
+    if (!session::ParseNumbers(text.substr(equals + 1), &value) || value.size() != 1) return false;
+    *value_of = value[0];
+    return true;
+  }
   if (equals == std::string::npos || begin > 1 || !session::ParseNumbers(text.substr(begin, equals - begin), &number) ||
       !session::ParseNumbers(text.substr(equals + 1), &value) || number.size() != 1 || value.size() != 1 ||
       !(number[0] >= 1 && number[0] <= 9999)) {
@@ -164,14 +184,30 @@ absl::StatusOr<nc::ToolLength> ParseToolLength(const std::string& text) {
   nc::ToolLength length;
   if (ReadNumbered(text, "HDThdt", &length.number, &length.length_mm)) return length;
   return absl::InvalidArgumentError(
-      absl::StrCat("--tool-length: '", text, "', expected a number and a length in mm: H1=120.5"));
+      absl::StrCat("--tool-length: '", text, "', expected a number and a length in mm: H1=120.5, or T5D1=120.5"));
 }
 
 absl::StatusOr<nc::ToolRadius> ParseToolRadius(const std::string& text) {
   nc::ToolRadius radius;
   if (ReadNumbered(text, "DTdt", &radius.number, &radius.radius_mm) && radius.radius_mm >= 0) return radius;
   return absl::InvalidArgumentError(
-      absl::StrCat("--tool-radius: '", text, "', expected a number and a radius in mm, at least 0: D1=5"));
+      absl::StrCat("--tool-radius: '", text, "', expected a number and a radius in mm, at least 0: D1=5, or T5D1=5"));
+}
+
+// "B C": rotary axes.
+absl::StatusOr<std::vector<std::string>> ParseRotaryAxes(const std::string& text, const machine::Machine& machine) {
+  std::vector<std::string> axes;
+  std::istringstream names(text);
+  for (std::string name; names >> name;) {
+    const int axis = machine::FindAxis(machine, name);
+    if (axis < 0 || machine.axes[axis].kind != machine::AxisKind::kRotary) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--tool-change-keeps: '", name, "', expected rotary axes of machine ", machine.id, ": \"B C\""));
+    }
+    if (std::find(axes.begin(), axes.end(), name) != axes.end()) return Twice("--tool-change-keeps", name);
+    axes.push_back(name);
+  }
+  return axes;
 }
 
 // "47,120-129": numbers and ranges.
@@ -232,6 +268,9 @@ void AddProfileOptions(CLI::App& command, RewriteArguments& arguments) {
       ->check(CLI::IsMember(NamesOf(kIntegerWords)));
   AddUnitOption(command, arguments);
   command.add_option("--start", arguments.start, "where axes stand when the program starts, mm and deg: \"X=0 B=90\"");
+  command.add_option("--tool-change-keeps", arguments.tool_change_keeps,
+                     "rotary axes that the tool changer leaves where they stand: \"B C\"; without it each is unknown "
+                     "behind a tool change until the program states it");
   // One value each time: the program's name may follow.
   command
       .add_option(
@@ -242,12 +281,12 @@ void AddProfileOptions(CLI::App& command, RewriteArguments& arguments) {
   command
       .add_option("--tool-length", arguments.tool_lengths,
                   "a tool length that the program selects by number, mm, from the tool point of --tool-tip on: "
-                  "H1=120.5; may be given again")
+                  "H1=120.5, or of Sinumerik T5D1=120.5, D1 of tool 5; may be given again")
       ->allow_extra_args(false);
   command
       .add_option("--tool-radius", arguments.tool_radii,
                   "the radius of a cutter that the program selects by number for cutter compensation, mm, wear "
-                  "included: D1=5; may be given again")
+                  "included: D1=5, or of Sinumerik T5D1=5; may be given again")
       ->allow_extra_args(false);
   command.add_option("--tool-table", arguments.tool_table,
                      "the control's table of tools, for the lengths and radii that --tool-length and --tool-radius do "
@@ -344,6 +383,7 @@ absl::StatusOr<std::string> TakeProfile(const machine::ProgramProfile& profile, 
   take("--block-delete", profile.block_delete, &arguments->block_delete);
   take("--harmless-m", profile.harmless_m, &arguments->harmless_m);
   take("--start", profile.start, &arguments->start);
+  take("--tool-change-keeps", profile.tool_change_keeps, &arguments->tool_change_keeps);
   if (!arguments->decimals && !profile.decimals.empty()) {
     std::vector<double> numbers;
     if (!session::ParseNumbers(profile.decimals, &numbers) || numbers.size() != 1 || numbers[0] < 0 || numbers[0] > 6 ||
@@ -370,6 +410,7 @@ absl::StatusOr<std::string> TakeProfile(const machine::ProgramProfile& profile, 
   const auto offset_name = [](const std::string& text) { return SplitOffset(text).first; };
   const auto number_name = [](const std::string& text) {
     const std::string head = text.substr(0, text.find('='));
+    if (int edge = 0; ReadEdge(head, &edge)) return nc::ToolNumberText(edge);
     const size_t digits = head.find_first_of("123456789");
     return digits == std::string::npos ? head : head.substr(digits);
   };
@@ -392,12 +433,15 @@ absl::StatusOr<machine::ProgramProfile> ToProfile(const RewriteArguments& argume
   profile.block_delete = arguments.block_delete;
   profile.harmless_m = arguments.harmless_m;
   profile.start = arguments.start;
+  profile.tool_change_keeps = arguments.tool_change_keeps;
   if (arguments.decimals) profile.decimals = absl::StrCat(*arguments.decimals);
   profile.offsets = arguments.offsets;
   for (const nc::ToolLength& length : options.tool_lengths)
-    profile.tool_lengths.push_back(absl::StrFormat("H%d=%.10g", length.number, length.length_mm));
+    profile.tool_lengths.push_back(absl::StrFormat("%s%s=%.10g", length.number < nc::kEdgesOfTool ? "H" : "",
+                                                   nc::ToolNumberText(length.number), length.length_mm));
   for (const nc::ToolRadius& radius : options.tool_radii)
-    profile.tool_radii.push_back(absl::StrFormat("D%d=%.10g", radius.number, radius.radius_mm));
+    profile.tool_radii.push_back(absl::StrFormat("%s%s=%.10g", radius.number < nc::kEdgesOfTool ? "D" : "",
+                                                 nc::ToolNumberText(radius.number), radius.radius_mm));
   return profile;
 }
 
@@ -415,6 +459,7 @@ std::string ProfileText(const machine::ProgramProfile& profile) {
   add("--block-delete", profile.block_delete);
   add("--harmless-m", profile.harmless_m);
   add("--start", profile.start);
+  add("--tool-change-keeps", profile.tool_change_keeps);
   for (const std::string& offset : profile.offsets) add("--offset", offset);
   for (const std::string& length : profile.tool_lengths) add("--tool-length", length);
   for (const std::string& radius : profile.tool_radii) add("--tool-radius", radius);
@@ -486,6 +531,7 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   ASSIGN_OR_RETURN(options.subprograms, ReadSubprograms("--subprograms", arguments.subprograms));
   std::istringstream start(arguments.start);
   ASSIGN_OR_RETURN(options.initial_position, ParseAxisValues("--start", start, machine));
+  ASSIGN_OR_RETURN(options.tool_change_keeps, ParseRotaryAxes(arguments.tool_change_keeps, machine));
   for (const std::string& text : arguments.offsets) {
     ASSIGN_OR_RETURN(nc::WorkOffset offset, ParseOffset(text, machine));
     for (const nc::WorkOffset& known : options.work_offsets) {
@@ -496,14 +542,14 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
   for (const std::string& text : arguments.tool_lengths) {
     ASSIGN_OR_RETURN(const nc::ToolLength length, ParseToolLength(text));
     for (const nc::ToolLength& known : options.tool_lengths) {
-      if (known.number == length.number) return Twice("--tool-length", absl::StrCat("H", length.number));
+      if (known.number == length.number) return Twice("--tool-length", "H" + nc::ToolNumberText(length.number));
     }
     options.tool_lengths.push_back(length);
   }
   for (const std::string& text : arguments.tool_radii) {
     ASSIGN_OR_RETURN(const nc::ToolRadius radius, ParseToolRadius(text));
     for (const nc::ToolRadius& known : options.tool_radii) {
-      if (known.number == radius.number) return Twice("--tool-radius", absl::StrCat("D", radius.number));
+      if (known.number == radius.number) return Twice("--tool-radius", "D" + nc::ToolNumberText(radius.number));
     }
     options.tool_radii.push_back(radius);
   }

@@ -19,11 +19,11 @@ namespace axiscal::cli {
 
 struct RewriteArguments {
   std::string tool_tip;  // "0 0 -350"
-  std::string dialect;  // "": the program's words say it (dialect_choice.h)
+  std::string dialect;   // "": the program's words say it (dialect_choice.h)
   std::string on_unsupported = "refuse";
   std::string block_delete;   // "": either
   std::string integer_words;  // "": units
-  std::string unit;  // "mm", "inch"; "": the program states it
+  std::string unit;           // "mm", "inch"; "": the program states it
   std::optional<int> decimals;
   double max_correction_um = 500;
   double tolerance_um = 1;
@@ -32,6 +32,7 @@ struct RewriteArguments {
   double max_rotary_correction_deg = 0.05;
   double tolerance_urad = 10;
   std::string start;                      // "X=0 Y=0 B=90"
+  std::string tool_change_keeps;          // "B C"
   std::vector<std::string> offsets;       // "G54 X=-490 C=90" or "G54=-490 0 0 0 90"
   std::vector<std::string> tool_lengths;  // "H1=120.5"
   std::vector<std::string> tool_radii;    // "D1=5"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "core/session/text.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kMmPerInch = 25.4;
 constexpr int kMostNumber = 9999;
+constexpr int kAnyTool = 0;  // of tables whose numbers are of no tool
 
 std::string Upper(std::string text) {
   for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
@@ -64,13 +66,16 @@ bool ReadWords(const std::string& line, std::map<char, std::vector<double>>* wor
 // Numbers of one kind.
 class Values {
  public:
-  Values(const std::string& path, const std::string& what) : path_(path), what_(what) {}
+  explicit Values(const std::string& path) : path_(path) {}
 
   absl::Status Error(int line, const std::string& what) const {
     return absl::InvalidArgumentError(absl::StrCat("--tool-table: ", path_, ", line ", line, ": ", what));
   }
-  // Length and wear add up; `part` tells them apart, `tool` the tools that share a number.
-  absl::Status Add(int line, double number, double value_mm, int part, double tool) {
+  // Length and wear add up; `part` tells them apart, `tool_number` the tools that have this number.
+  absl::Status Add(int line, double number, double value_mm, int part, double tool_number) {
+    if (tool_number != std::floor(tool_number) || tool_number < kAnyTool || tool_number > kMostNumber)
+      return Error(line, absl::StrCat("tool ", tool_number, ", expected a whole number from 1 to ", kMostNumber));
+    const int tool = static_cast<int>(tool_number);
     if (number != std::floor(number) || number < 1 || number > kMostNumber)
       return Error(line, absl::StrCat("number ", number, ", expected a whole one from 1 to ", kMostNumber));
     Parts& parts = parts_[static_cast<int>(number)];
@@ -79,29 +84,40 @@ class Values {
     parts[{tool, part}] = value_mm;
     return absl::OkStatus();
   }
-  // By number, in its order.
-  absl::StatusOr<std::map<int, double>> Sums() const {
+  // By number, in its order. `beside`: the other kind of value of the same tools.
+  std::map<int, double> Sums(const Values& beside) const {
     std::map<int, double> sums;
     for (const auto& [number, parts] : parts_) {
-      std::map<double, double> of_tool;
+      std::map<int, double> of_tool;
       for (const auto& [key, value_mm] : parts) of_tool[key.first] += value_mm;
+      // A number of one tool, or of several with the same value, needs no tool to be known.
+      const double first_mm = of_tool.begin()->second;
+      const auto is_first = [first_mm](const auto& one) { return one.second == first_mm; };
+      const auto has_value = [&of_tool](int tool) { return of_tool.contains(tool); };
+      const std::set<int> tools = beside.ToolsOf(number);
+      if (std::all_of(of_tool.begin(), of_tool.end(), is_first) && std::all_of(tools.begin(), tools.end(), has_value))
+        sums[number] = first_mm;
       for (const auto& [tool, value_mm] : of_tool) {
-        const auto& [first_tool, first_mm] = *of_tool.begin();
-        if (value_mm == first_mm) continue;
-        return absl::InvalidArgumentError(absl::StrCat(
-            "--tool-table: ", path_, ": D", number, " has two values of the ", what_, ", ", first_mm, " mm of tool ",
-            first_tool, " and ", value_mm, " mm of tool ", tool, "; state those of this program with --tool-", what_,
-            " D", number, "=..., or give each tool a number of its own"));
+        if (tool != kAnyTool) sums[nc::NumberOfEdge(tool, number)] = value_mm;
       }
-      sums[number] = of_tool.begin()->second;
     }
     return sums;
   }
   bool is_empty() const { return parts_.empty(); }
+  // Tools that have this number.
+  std::set<int> ToolsOf(int number) const {
+    std::set<int> tools;
+    const auto found = parts_.find(number);
+    if (found == parts_.end()) return tools;
+    for (const auto& [key, value_mm] : found->second) {
+      if (key.first != kAnyTool) tools.insert(key.first);
+    }
+    return tools;
+  }
 
  private:
-  using Parts = std::map<std::pair<double, int>, double>;
-  const std::string path_, what_;
+  using Parts = std::map<std::pair<int, int>, double>;
+  const std::string path_;
   std::map<int, Parts> parts_;
 };
 
@@ -195,7 +211,7 @@ absl::Status AddHeidenhain(const std::string& line, const std::string& names, do
 }  // namespace
 
 absl::StatusOr<ToolTable> ParseToolTable(const std::string& text, const std::string& path) {
-  Tables tables{{path, "length"}, {path, "radius"}};
+  Tables tables{Values(path), Values(path)};
   Values& lengths = tables.lengths;
   std::istringstream lines(text);
   std::string names;
@@ -246,12 +262,10 @@ absl::StatusOr<ToolTable> ParseToolTable(const std::string& text, const std::str
   }
   if (!lengths.is_empty() || !tables.radii.is_empty()) {
     ToolTable tools;
-    ASSIGN_OR_RETURN(const auto lengths_mm, lengths.Sums());
-    ASSIGN_OR_RETURN(const auto radii_mm, tables.radii.Sums());
-    for (const auto& [known, length_mm] : lengths_mm) {
+    for (const auto& [known, length_mm] : lengths.Sums(tables.radii)) {
       if (length_mm != 0) tools.lengths.push_back({known, length_mm});
     }
-    for (const auto& [known, radius_mm] : radii_mm) tools.radii.push_back({known, radius_mm});
+    for (const auto& [known, radius_mm] : tables.radii.Sums(lengths)) tools.radii.push_back({known, radius_mm});
     return tools;
   }
   return absl::InvalidArgumentError(

@@ -90,6 +90,7 @@ absl::StatusOr<Compensator> Compensator::WithLongerTool(double length_mm) const 
 }
 
 double Compensator::smooth_travel(int axis) const { return impl_->smooth_travel[axis]; }
+const Options& Compensator::options() const { return impl_->options; }
 const Eigen::Vector3d& Compensator::tool_tip_mm() const { return impl_->options.tool_tip_mm; }
 const Machine& Compensator::machine() const { return impl_->machine; }
 const std::vector<int>& Compensator::linear_axes() const { return impl_->linear_axes; }

@@ -98,6 +98,7 @@ class Compensator {
   double smooth_travel(int axis) const;
 
   const machine::Machine& machine() const;
+  const Options& options() const;               // tool_tip_mm with what WithLongerTool added
   const Eigen::Vector3d& tool_tip_mm() const;   // Options::tool_tip_mm, with what WithLongerTool added
   const std::vector<int>& linear_axes() const;  // indices into machine().axes
   bool is_constant() const;                     // no error depends on positions or senses

@@ -176,10 +176,15 @@ struct ProfileText {
   std::string ProgramProfile::*text;
 };
 constexpr ProfileText kProfileTexts[] = {
-    {"tool_tip", &ProgramProfile::tool_tip},           {"dialect", &ProgramProfile::dialect},
-    {"unit", &ProgramProfile::unit},                   {"integer_words", &ProgramProfile::integer_words},
-    {"decimals", &ProgramProfile::decimals},           {"block_delete", &ProgramProfile::block_delete},
-    {"harmless_m", &ProgramProfile::harmless_m},       {"start", &ProgramProfile::start},
+    {"tool_tip", &ProgramProfile::tool_tip},
+    {"dialect", &ProgramProfile::dialect},
+    {"unit", &ProgramProfile::unit},
+    {"integer_words", &ProgramProfile::integer_words},
+    {"decimals", &ProgramProfile::decimals},
+    {"block_delete", &ProgramProfile::block_delete},
+    {"harmless_m", &ProgramProfile::harmless_m},
+    {"start", &ProgramProfile::start},
+    {"tool_change_keeps", &ProgramProfile::tool_change_keeps},
 };
 struct ProfileList {
   const char* name;
@@ -196,16 +201,14 @@ absl::StatusOr<ProgramProfile> ReadPrograms(const Json& root) {
   if (!found->is_object()) return Refuse("programs", *found, "expected an object");
   RETURN_IF_ERROR(OnlyMembers(*found, "programs.",
                               {"tool_tip", "dialect", "unit", "integer_words", "decimals", "block_delete", "harmless_m",
-                               "start", "offsets", "tool_lengths", "tool_radii"}));
+                               "start", "tool_change_keeps", "offsets", "tool_lengths", "tool_radii"}));
   for (const ProfileText& known : kProfileTexts) {
     if (!found->contains(known.name)) continue;
-    ASSIGN_OR_RETURN(profile.*known.text,
-                     ReadText((*found)[known.name], absl::StrCat("programs.", known.name)));
+    ASSIGN_OR_RETURN(profile.*known.text, ReadText((*found)[known.name], absl::StrCat("programs.", known.name)));
   }
   for (const ProfileList& known : kProfileLists) {
     if (!found->contains(known.name)) continue;
-    ASSIGN_OR_RETURN(profile.*known.texts,
-                     ReadTexts((*found)[known.name], absl::StrCat("programs.", known.name)));
+    ASSIGN_OR_RETURN(profile.*known.texts, ReadTexts((*found)[known.name], absl::StrCat("programs.", known.name)));
   }
   return profile;
 }
@@ -294,10 +297,9 @@ Json Names(const Machine& machine, const std::vector<int>& branch) {
 absl::StatusOr<Machine> MachineFromJson(const std::string& text) {
   ASSIGN_OR_RETURN(const Json root, base::ParseStrictJson(text));
   if (!root.is_object()) return Refuse("machine", root, "expected a JSON object");
-  RETURN_IF_ERROR(OnlyMembers(
-      root, "",
-      {"id", "structure", "axes", "tool_branch", "work_branch", "tool_direction", "declared", "note", "source",
-       "programs"}));
+  RETURN_IF_ERROR(OnlyMembers(root, "",
+                              {"id", "structure", "axes", "tool_branch", "work_branch", "tool_direction", "declared",
+                               "note", "source", "programs"}));
   Machine machine;
   ASSIGN_OR_RETURN(const Json* id, Member(root, "", "id"));
   ASSIGN_OR_RETURN(machine.id, ReadText(*id, "id"));

@@ -12,7 +12,7 @@ namespace axiscal::machine {
 
 // Empty: not stated.
 struct ProgramProfile {
-  std::string tool_tip, dialect, unit, integer_words, decimals, block_delete, harmless_m, start;
+  std::string tool_tip, dialect, unit, integer_words, decimals, block_delete, harmless_m, start, tool_change_keeps;
   std::vector<std::string> offsets, tool_lengths, tool_radii;
 
   bool operator==(const ProgramProfile&) const = default;

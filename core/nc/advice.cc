@@ -22,6 +22,16 @@ std::string NumberBehind(const std::string& text, const std::string& part) {
   return text.substr(found + part.size(), end - found - part.size());
 }
 
+// "5" or "T5D1" behind `part`, or "".
+std::string ToolNumberBehind(const std::string& text, const std::string& part) {
+  const std::string plain = NumberBehind(text, part);
+  if (!plain.empty()) return plain;
+  const std::string tool = NumberBehind(text, part + "T");
+  const std::string head = absl::StrCat("T", tool, "D");
+  const std::string edge = NumberBehind(text, part + head);
+  return tool.empty() || edge.empty() ? "" : head + edge;
+}
+
 // As programs write words: X, Y, Z, A, B, C ...
 size_t WordPlace(const std::string& name) {
   const size_t place = std::string("XYZABCUVW").find(name[0]);
@@ -59,14 +69,17 @@ std::vector<std::string> MissingOptions(const std::string& reason, const machine
     const size_t begin = at + std::string("--offset \"").size();
     add(Offset(reason.substr(begin, reason.find(" X=", begin) - begin), machine));
   }
-  std::string length = NumberBehind(reason, "tool length ");
+  std::string length = ToolNumberBehind(reason, "tool length ");
   if (!Has(reason, ": its value is not stated")) length.clear();
   if (length.empty() && Has(reason, ": the tool's length is not stated")) length = NumberBehind(reason, "TOOL CALL ");
-  if (!length.empty()) add(absl::StrCat("--tool-length H", length, "=..."));
+  if (!length.empty()) add(absl::StrCat("--tool-length ", length[0] == 'T' ? "" : "H", length, "=..."));
   for (const char letter : {'D', 'T'}) {
     const std::string radius = NumberBehind(reason, std::string("--tool-radius ") + letter);
-    if (!radius.empty()) add(absl::StrCat("--tool-radius ", std::string(1, letter), radius, "=..."));
+    if (!radius.empty() && !Has(reason, absl::StrCat("--tool-radius T", radius, "D")))
+      add(absl::StrCat("--tool-radius ", std::string(1, letter), radius, "=..."));
   }
+  if (const std::string radius = ToolNumberBehind(reason, "--tool-radius "); !radius.empty())
+    add(absl::StrCat("--tool-radius ", radius, "=..."));
   if (const std::string code = NumberBehind(reason, kHarmless); !code.empty()) add(kHarmless + code);
   if (Has(reason, "state --block-delete")) add("--block-delete executed (or skipped)");
   if (Has(reason, "--unit mm or --unit")) add("--unit mm (or inch)");

@@ -110,12 +110,17 @@ TEST(Head, NamesMachineOffsetsToolsAndWhatMustBeOff) {
   options.machine = "mill-7";
   options.work_offsets = {{"G54", {{"X", -490.0}, {"C", 1.5707963267948966}}}};
   options.tool_lengths = {{5, 120.5}};
+  options.tool_radii = {{4, 0}, {5, 6.25}};
+  options.initial_position = {{"Z", 40}, {"B", 0.5235987755982988}};
+  options.tool_change_keeps = {"B", "C"};
   RewriteReport report;
   const auto text = RewriteText(program, LeaningHead(), options, &report);
   ASSERT_TRUE(text.ok()) << text.status();
   EXPECT_THAT(*text, HasSubstr("%\nO1\n(AXISCAL COMPENSATED BY unnamed SOURCE CRC32C"));
   EXPECT_THAT(*text, HasSubstr(")\n(AXISCAL MACHINE mill-7)\n(AXISCAL TOOL POINT AT HOME "));
   EXPECT_THAT(*text, HasSubstr("\n(AXISCAL OFFSET G54 X-490 C90 MM DEG)\n(AXISCAL TOOL LENGTH 5 IS 120.5 MM)\n"
+                               "(AXISCAL TOOL RADIUS 5 IS 6.25 MM)\n(AXISCAL START Z40 B30 MM DEG)\n"
+                               "(AXISCAL TOOL CHANGES LEAVE B C)\n"
                                "(AXISCAL ERROR TABLES AND VOLUMETRIC COMPENSATION OF THE CONTROL MUST BE OFF)\n"
                                "G54 G1 "));
   EXPECT_EQ(MarkedMachine(*text), "mill-7");

@@ -36,8 +36,8 @@ class BlockWriter {
   void Wrap(const Step& step);
   // The words of X, Y and Z stand in another frame from this block on.
   void ChangeFrame(const FrameChange& change);
-  // Behind a tool change and blocks that are not followed.
-  void ForgetAll();
+  // Behind a tool change and blocks that are not followed; axes of `kept` stand where they stood.
+  void ForgetAll(uint16_t kept = 0);
   // A program begins, `is_behind_end`: behind the end of another one, which does not run into it.
   void BeginProgram(bool is_behind_end);
 

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_NC_COORDINATES_H_
 #define AXISCAL_CORE_NC_COORDINATES_H_
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ class Coordinates {
   void Reset();
   // False: not stated. "G54", "G54.1 P5", "G505"; "" is none.
   bool Select(const std::string& code);
+  bool IsLengthStated(int number) const {
+    return std::any_of(lengths_.begin(), lengths_.end(), [number](const Length& one) { return one.number == number; });
+  }
   // Index into options.tool_lengths of the number, -1: not stated. Number 0 is no length.
   bool SelectLength(int number, int sign);
   void DropLength();

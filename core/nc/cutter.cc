@@ -59,7 +59,17 @@ std::string Interpreter::WhyNoCutter(const Request& request, Ticks* radius) cons
                ? "no D word, and no T word and M6 in front of it say which tool's radius the control takes"
                : "no D word says which radius the control takes";
   }
-  const std::string name = absl::StrCat(dialect_->tool_call_sets_length ? "T" : "D", number);
+  const auto is_stated = [this](int known) {
+    return std::any_of(options_->tool_radii.begin(), options_->tool_radii.end(),
+                       [known](const ToolRadius& one) { return one.number == known; });
+  };
+  // D1 of the tool in the spindle.
+  const bool is_edge = is_by_tool && !dialect_->tool_call_sets_length && number < kEdgesOfTool;
+  if (const int of_spindle = is_edge ? NumberOfSpindle(number) : 0; of_spindle > 0 && is_stated(of_spindle))
+    number = of_spindle;
+  const std::string name = number >= kEdgesOfTool            ? ToolNumberText(number)
+                           : dialect_->tool_call_sets_length ? absl::StrCat("T", number)
+                                                             : absl::StrCat("D", number);
   for (const ToolRadius& stated : options_->tool_radii) {
     if (stated.number != number) continue;
     if (!radius_difference_) return "DR of TOOL CALL is no plain number";

@@ -166,6 +166,14 @@ absl::Status Interpreter::TakeOptions() {
   if (options_->on_unsupported == OnUnsupported::kPass) numbers_seen_.resize(kNumbers);
   ASSIGN_OR_RETURN(positions_.ticks, ToAxisTicks(*machine_, options_->initial_position, "initial_position", &axes));
   for (const int axis : axes) positions_.known |= static_cast<uint16_t>(1u << axis);
+  for (const std::string& name : options_->tool_change_keeps) {
+    const int axis = machine::FindAxis(*machine_, name);
+    if (axis < 0 || is_linear_[axis]) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("tool_change_keeps: '", name, "', must be a rotary axis of machine '", machine_->id, "'"));
+    }
+    kept_in_tool_change_ |= static_cast<uint16_t>(1u << axis);
+  }
   return absl::OkStatus();
 }
 
@@ -176,6 +184,12 @@ int Interpreter::PlaneAxis(int index) const {
 
 void Interpreter::ForgetPosition(int axis, bool is_reported) {
   const auto bit = static_cast<uint16_t>(1u << axis);
+  if (positions_.is_known(axis)) {
+    never_known_ &= static_cast<uint16_t>(~bit);
+  } else if (unknown_since_[axis] == 0) {
+    never_known_ |= bit;
+  }
+  lost_in_tool_change_ &= static_cast<uint16_t>(~bit);
   positions_.known &= static_cast<uint16_t>(~bit);
   traced_ &= static_cast<uint16_t>(~bit);
   positions_.sense[axis] = 0;
@@ -185,6 +199,19 @@ void Interpreter::ForgetPosition(int axis, bool is_reported) {
 
 void Interpreter::ForgetPositions(bool is_reported) {
   for (int i = 0; i < axis_count_; ++i) ForgetPosition(i, is_reported);
+}
+
+void Interpreter::ForgetAway(Step* step) {
+  const bool is_sure = step->is_tool_change && !block_may_be_skipped_;
+  for (int i = 0; i < axis_count_; ++i) {
+    const auto bit = static_cast<uint16_t>(1u << i);
+    if (is_sure && (kept_in_tool_change_ & bit) != 0) {
+      step->kept_away |= bit;
+      continue;
+    }
+    ForgetPosition(i, false);
+    if (step->is_tool_change && !is_linear_[i]) lost_in_tool_change_ |= bit;
+  }
 }
 
 void Interpreter::Unsupported(std::string reason, bool is_consequence, Step* step) {
@@ -256,7 +283,7 @@ void Interpreter::Read(const char* text, size_t size, Block* block, Step* step) 
   step->frame.is_changed = step->begins_definition = step->defines_cycle = step->begins_structure = false;
   text_ = text, end_of_text_ = text + size;
   step->has_vector = step->takes_no_rotary_words = false;
-  step->wrapped = step->downwards = step->frame.turned = 0;
+  step->wrapped = step->downwards = step->frame.turned = step->kept_away = 0;
   step->preset = PresetChange::kNone;
   if (!step->reason.empty()) step->reason.clear();
   if (!step->note.empty()) step->note.clear();
@@ -435,8 +462,8 @@ void Interpreter::TakeVariables(const char* text, const Block& block) {
   if (TakeFunction(text, block, may_be_skipped)) return;
   // What is not read may set them, and so may cycles and functions of Klartext, which have parameters of their own.
   const bool may_set = block.problem != LexProblem::kNone ||
-                       (dialect_->has_poles && std::any_of(block.begin(), block.end(),
-                                                           [this](const Word& word) { return TakesRest(word); }));
+                       (dialect_->has_poles &&
+                        std::any_of(block.begin(), block.end(), [this](const Word& word) { return TakesRest(word); }));
   if (may_set) variables_.ForgetAll();
 }
 
@@ -477,8 +504,7 @@ void Interpreter::ReadBlock(const char* text, const Block& block, Step* step) {
   if (dialect_->has_poles)
     modal.motion = modal_.motion, modal.is_clockwise = modal_.is_clockwise;  // every block states it
   if (!SameButRapid(modal, modal_) || offsets != coordinates_.offsets()) {
-    if (step->kind != StepKind::kUnsupported)
-      Unsupported("a modal code in a block that may be skipped", false, step);
+    if (step->kind != StepKind::kUnsupported) Unsupported("a modal code in a block that may be skipped", false, step);
     return KeepBoth(modal, offsets);
   }
   modal_.lacks_feed |= modal.lacks_feed;
@@ -636,9 +662,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
     const bool is_of_plane = (modal_.tool_point & kTiltedPlanes) != 0 && dialect_->has_poles &&
                              Holds(text + block.problem_at, end_of_text_, "Q12");
     request.Refuse(absl::StrCat(ToString(block.problem, block.problem_at),
-                                is_of_plane ? ": which of several positions of the rotary axes the plane takes is not "
-                                              "known, state travel limits in machine.json that leave one, or SEQ"
-                                            : ""));
+                                is_of_plane && !axes_of_plane_problem_.empty() ? ": " + axes_of_plane_problem_ : ""));
   }
   if (request.is_end && request.parameter != 0) {
     request.is_jump = true;
@@ -664,7 +688,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   if (request.is_jump) jump_line_ = line_;
   if (step->moves_away) modal_.is_cutter_ending = false;
-  if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetPositions(false);
+  if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetAway(step);
   if (step->kind == StepKind::kUnsupported && !call_problem_.empty() && !step->is_consequence)
     absl::StrAppend(&step->reason, ": ", call_problem_);
   at_program_end_ = step->ends_program = request.is_end;

@@ -44,8 +44,8 @@ struct FrameChange {
   enum class To : uint8_t { kSame, kWords, kAxes };
   bool is_changed = false;
   To to = To::kSame;
-  uint16_t kept = 0;  // of X, Y and Z: axes whose position is known in the new frame, from where they stood
-  Ticks length = 0;   // of the tool
+  uint16_t kept = 0;    // of X, Y and Z: axes whose position is known in the new frame, from where they stood
+  Ticks length = 0;     // of the tool
   uint16_t turned = 0;  // rotary axes that the control turned, to where they stand now, or to where is not known
 };
 
@@ -71,8 +71,9 @@ struct Step {
   bool is_tool_change = false;
   bool begins_structure = false;  // it calls or is called: nothing of it was read, what follows is for calls.h to order
   bool begins_definition = false;  // of a cycle: its next line may have to be passed, and nothing may stand between
-  bool moves_away = false;  // a tool or pallet change: where the axes are behind it is not known
-  bool ends_block = false;  // has a code that acts after the move (M00, M05 ...)
+  bool moves_away = false;         // a tool or pallet change: where the axes are behind it is not known
+  uint16_t kept_away = 0;          // of it: axes that stand where they stood
+  bool ends_block = false;         // has a code that acts after the move (M00, M05 ...)
   bool sets_pole = false;
   bool leaves_text = false;      // calls or jumps, or may
   bool jumps_back = false;       // or may
@@ -80,25 +81,25 @@ struct Step {
   bool is_tangential = false;    // likewise, and it follows the direction of the move in front of it
   bool ends_program = false;     // what follows is another one
   bool ends_subprogram = false;  // likewise, and the control goes on where this one may have been called
-  bool is_corner = false;     // the control rounds or chamfers the corner between the moves before and behind
-  bool is_at_corner = false;  // the control rounds or chamfers one of its ends: no piece may stand there
-  bool is_tool_point = false;  // of a move: `start`, `end` of X, Y and Z are words in another frame than the axes'
+  bool is_corner = false;        // the control rounds or chamfers the corner between the moves before and behind
+  bool is_at_corner = false;     // the control rounds or chamfers one of its ends: no piece may stand there
+  bool is_tool_point = false;    // of a move: `start`, `end` of X, Y and Z are words in another frame than the axes'
   // Of a move: words of the tool's direction say where `end` has the rotary axes; they are these of Block::words.
   bool has_vector = false;
   std::array<int8_t, 3> word_of_vector{};
-  bool takes_no_rotary_words = false;  // of a move: its rotary axes turn by such words alone
-  int8_t cutter_side = 0;     // of a move: Modal::cutter_side
-  Ticks cutter_radius = 0;    // likewise
+  bool takes_no_rotary_words = false;       // of a move: its rotary axes turn by such words alone
+  int8_t cutter_side = 0;                   // of a move: Modal::cutter_side
+  Ticks cutter_radius = 0;                  // likewise
   std::shared_ptr<const WordFrame> placed;  // which, nullptr: that of tool centre point control; valid with the former
   FrameChange frame;
-  uint16_t wrapped = 0;       // axes that count from 0 to 360 deg: their words are turns apart from `start`
-  uint16_t downwards = 0;     // of `wrapped`: axes whose word's sign says that they turn in the negative sense
+  uint16_t wrapped = 0;    // axes that count from 0 to 360 deg: their words are turns apart from `start`
+  uint16_t downwards = 0;  // of `wrapped`: axes whose word's sign says that they turn in the negative sense
   // Of `wrapped`: whole turns of the number that the word says, -1 for C-10.
   std::array<int16_t, machine::kMaxAxes> word_turns{};
   Hole hole;                   // of kHole
   bool defines_cycle = false;  // states R and Z of a cycle without drilling
   PresetChange preset = PresetChange::kNone;
-  uint16_t preset_axes = 0;   // of kSet, where `end` is where they stand, and of kCleared
+  uint16_t preset_axes = 0;  // of kSet, where `end` is where they stand, and of kCleared
   int tool_length = -1;      // number of the length in force, -1: none
   std::string reason;
   std::string note;  // for the report: text after the end of the program
@@ -180,6 +181,9 @@ class Interpreter {
   // Of an axis whose position is unknown: since which line (0: never programmed), and whether that block was reported.
   int64_t unknown_since(int axis) const { return unknown_since_[axis]; }
   bool is_unknown_reported(int axis) const { return unknown_reported_ >> axis & 1; }
+  // The same: since a tool change, which may leave rotary axes where they stand; and never known before either.
+  bool is_lost_in_tool_change(int axis) const { return lost_in_tool_change_ >> axis & 1; }
+  bool is_never_known(int axis) const { return unknown_since_[axis] == 0 || (never_known_ >> axis & 1); }
   // Index of the machine's axis that a capital letter commands, or -1. Keywords (letter 0) command none.
   int AxisOf(char letter) const { return letter == 0 ? -1 : axis_of_letter_[static_cast<size_t>(letter - 'A')]; }
   Role RoleOf(char letter) const { return letter == 0 ? Role::kParameter : roles_[static_cast<size_t>(letter - 'A')]; }
@@ -257,6 +261,9 @@ class Interpreter {
   bool StatesVectors() const { return modal_.states_vectors && (modal_.tool_point & ~kPlacedFrames) != 0; }
   // Why the tool's direction cannot be followed that a block states, or "" (also where it states none).
   std::string WhyNoVector(const Request& request, const Step& step) const;
+  // Whether the tool of a move turns along the shortest way from its first direction to its last one (ORIVECT) as it
+  // does where the rotary axes turn in proportion (ORIAXES): notes the first such move.
+  bool TurnsAlike(Step* step);
   // Turns the rotary axes of step->end to it. Why it is not known where they go, or "".
   std::string TurnToVector(const Block& block, const Request& request, Step* step);
   // Takes the positions along when the frame of the words, or the tool length under tool centre point control, changed.
@@ -375,6 +382,12 @@ class Interpreter {
   // Behind a block that may be skipped: what it changed is not known.
   void KeepBoth(const Modal& before, const AxisTicks& offsets_before);
   void SelectLength(Request* request);
+  // Of a D number of Sinumerik: that of the tool which the last T word and M6 brought into the spindle; 0: which tool
+  // that is, is not known.
+  int NumberOfSpindle(int edge) const {
+    const bool is_known = has_changer_ && is_loaded_tool_known_ && loaded_tool_ < kEdgesOfTool;
+    return is_known ? NumberOfEdge(static_cast<int>(loaded_tool_), edge) : 0;
+  }
   // Whether a D number belongs to the same tool as at its first use.
   bool IsOfOneTool(int number);
   void Act(const Block& block, const Request& request, Step* step);
@@ -422,6 +435,8 @@ class Interpreter {
   void Unsupported(std::string reason, bool is_consequence, Step* step);
   void ForgetPositions(bool is_reported);
   void ForgetPosition(int axis, bool is_reported);
+  // Behind a tool or pallet change: all but what the tool changer leaves where it stands.
+  void ForgetAway(Step* step);
   void StartProgram();
   // The modal state at the begin of a program.
   void BeginModal();
@@ -439,26 +454,28 @@ class Interpreter {
   std::array<Role, 26> roles_{};
   std::array<int8_t, 26> axis_of_letter_{};
   std::array<bool, machine::kMaxAxes> is_linear_{};
-  uint16_t ways_ = 0;  // rotary axes that may go another way than the difference of the numbers
+  uint16_t ways_ = 0;                     // rotary axes that may go another way than the difference of the numbers
   std::vector<bool> is_stated_harmless_;  // by number of the M code; as long as it must be
   ProgramFrame frame_;
   Modal modal_;
   Frames frames_;
   std::shared_ptr<const WordFrame> word_frame_;  // of `frames_`, nullptr: none is in force
   std::array<Ticks, 3> placed_offsets_{},
-      placed_origins_{};  // of X, Y and Z from which it counts; with tool length, TRANS
-  bool has_noted_tilt_ = false, has_noted_vector_ = false;
+      placed_origins_{};               // of X, Y and Z from which it counts; with tool length, TRANS
+  std::string axes_of_plane_problem_;  // why Q120 to Q122 are not known, "": they are
+  bool has_noted_tilt_ = false, has_noted_vector_ = false, has_noted_turning_ = false;
   Positions positions_;
   // Axes whose position is unknown to the program's words, though their ticks say where they stand in the frame that
   // began: the path of the move that names them all is known.
   uint16_t traced_ = 0;
   std::array<int64_t, machine::kMaxAxes> unknown_since_{};
-  uint16_t unknown_reported_ = 0;
-  uint16_t needs_absolute_ = 0;  // axes whose tool length or work offset changed: controllers differ on G91 then
-  int last_length_number_ = -1;  // of H
-  int last_radius_number_ = -1;  // of D
+  uint16_t unknown_reported_ = 0, lost_in_tool_change_ = 0, never_known_ = 0;
+  uint16_t kept_in_tool_change_ = 0;  // rotary axes (RewriteOptions::tool_change_keeps)
+  uint16_t needs_absolute_ = 0;       // axes whose tool length or work offset changed: controllers differ on G91 then
+  int last_length_number_ = -1;       // of H
+  int last_radius_number_ = -1;       // of D
   std::optional<Ticks> radius_difference_ = 0;  // DR of TOOL CALL; nothing: not known
-  int64_t called_tool_ = 0, loaded_tool_ = 0;            // of the last T word, and of that before the last M6
+  int64_t called_tool_ = 0, loaded_tool_ = 0;   // of the last T word, and of that before the last M6
   bool is_called_tool_sure_ = true;
   bool is_loaded_tool_known_ = false;                    // the number of the last M6, and nothing behind it changed it
   bool has_changer_ = false;                             // T words choose a tool for M6
@@ -472,14 +489,14 @@ class Interpreter {
   Pole pole_;
   StateBefore before_;
   const char *text_ = nullptr, *end_of_text_ = nullptr;  // of the line that is read
-  std::vector<bool> numbers_seen_;     // N words, where blocks may be passed
-  bool is_before_now_ = false;  // a plain move changes nothing of it
+  std::vector<bool> numbers_seen_;                       // N words, where blocks may be passed
+  bool is_before_now_ = false;                           // a plain move changes nothing of it
   int64_t programs_begun_ = 0;
   bool rounds_corners_ = false;    // until it ends (RNDM=)
   bool is_behind_corner_ = false;  // the corner at the end of the last move is rounded or chamfered
   bool has_moved_ = false;
   bool takes_plain_moves_ = false;  // the last block was a linear move that left nothing behind but its positions
-  bool may_carry_shift_ = false;  // G92 or G52 of a program that ended
+  bool may_carry_shift_ = false;    // G92 or G52 of a program that ended
   bool has_called_ = false;         // a program further on may be a subprogram, called in any modal state
   uint32_t blockers_at_calls_ = 0;  // that were in force at any call: its program has them too
   uint32_t blockers_seen_ = 0;      // that were ever in force
@@ -492,8 +509,8 @@ class Interpreter {
   Variables variables_;
   std::string call_block_;                // that calls next
   std::vector<std::string> call_blocks_;  // of the subprograms that run
-  bool is_continued_ = false;       // Klartext: the next line belongs to this block ("~")
-  bool at_program_end_ = false;     // M30: what follows is another program
+  bool is_continued_ = false;             // Klartext: the next line belongs to this block ("~")
+  bool at_program_end_ = false;           // M30: what follows is another program
 };
 
 }  // namespace axiscal::nc

@@ -152,6 +152,7 @@ void Interpreter::CallTool(const Block& block, const Word& word, Request* reques
   const std::optional<Ticks> difference =
       ToTicks(block.length_difference, modal_.is_inch ? kTicksPerInch : kTicksPerMm);
   step->is_tool_change |= names_tool;
+  if (names_tool) called_tool_ = number, is_called_tool_sure_ = !block_may_be_skipped_;
   // Whether a tilted plane goes on with another tool is not known.
   if ((names_tool || has_difference) && (modal_.tool_point & ~kTurnedFrames) != 0) LoseToolPoint();
   if (names_tool) request->away = "tool change";
@@ -684,15 +685,25 @@ void Interpreter::SelectLength(Request* request) {
             : -1;
   const int sign = request->length != nullptr && request->length->detail == 2 ? -1 : 1;
   NeedAbsoluteZ();
-  if (acts_alone && last_length_number_ > 0 && !IsOfOneTool(last_length_number_)) {
-    coordinates_.DropLength();
-    modal_.blockers |= kUnstatedLength;
-    return request->Refuse(
-        absl::StrCat("D", last_length_number_, " of another tool than before: one length is stated for it"));
+  int number = last_length_number_;
+  if (acts_alone && number > 0) {
+    const int of_spindle = NumberOfSpindle(number);
+    const bool is_stated = coordinates_.IsLengthStated(number);
+    if (of_spindle > 0 && (coordinates_.IsLengthStated(of_spindle) || !is_stated)) {
+      number = of_spindle;
+    } else if (is_stated && !IsOfOneTool(number)) {
+      coordinates_.DropLength();
+      modal_.blockers |= kUnstatedLength;
+      return request->Refuse(of_spindle > 0 ? absl::StrCat("D", number, " of another tool than before: tool length ",
+                                                           ToolNumberText(of_spindle), ": its value is not stated")
+                                            : absl::StrCat("D", number,
+                                                           " of another tool than before, and no T word with a number "
+                                                           "and M6 in front of it say which: its length is not known"));
+    }
   }
-  if (last_length_number_ >= 0 && coordinates_.SelectLength(last_length_number_, sign)) {
+  if (number >= 0 && coordinates_.SelectLength(number, sign)) {
     EndMode(kUnstatedLength);  // tool centre point control goes on with another length
-    if (modal_.plane_normal != 2 && last_length_number_ != 0 && !dialect_->lengths_along_z) {
+    if (modal_.plane_normal != 2 && number != 0 && !dialect_->lengths_along_z) {
       modal_.blockers |= kUnstatedLength;
       request->Refuse("a tool length in another plane than XY: controllers differ on its axis");
     }
@@ -704,7 +715,7 @@ void Interpreter::SelectLength(Request* request) {
                             ? "tool length offset without a number, and no T word and M6 in front of it say which tool "
                               "is in the spindle"
                             : "tool length offset without a number"
-                      : absl::StrCat("tool length ", last_length_number_, ": its value is not stated"));
+                      : absl::StrCat("tool length ", ToolNumberText(number), ": its value is not stated"));
 }
 
 }  // namespace axiscal::nc

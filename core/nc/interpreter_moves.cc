@@ -457,9 +457,10 @@ bool Interpreter::TakeWay(const Word& word, int axis, Step* step) {
   step->word_turns[axis] = static_cast<int16_t>((value - modulo(value)) / kTurn);
   if (!is_known) return true;
   const Ticks travel = modulo(end - start);
-  const Ticks slack = options_->orientation ? static_cast<Ticks>(2.0 * options_->max_rotary_correction_rad *
-                                                                 base::kDegPerRad * kTicksPerUnit)
-                                            : 0;
+  const Ticks slack =
+      options_->orientation
+          ? static_cast<Ticks>(2.0 * options_->max_rotary_correction_rad * base::kDegPerRad * kTicksPerUnit)
+          : 0;
   const bool is_half = std::abs(2 * travel - kTurn) <= 2 * slack;
   if (is_half && !step->is_rapid)
     return refuse("half a turn on an axis that goes the shorter way: which way is not known");
@@ -502,12 +503,11 @@ void Interpreter::Move(const Block& block, const Request& request, Step* step) {
     if (std::string reason = TurnToVector(block, request, step); !reason.empty())
       return Unsupported(std::move(reason), false, step);
   }
-  if ((modal_.tool_point & ~kPlacedFrames) != 0 && modal_.turns_by_vector && !step->is_rapid) {
-    for (int i = 0; i < axis_count_; ++i) {
-      if (is_linear_[i] || step->start.ticks[i] == step->end.ticks[i]) continue;
-      return Unsupported("the tool turns by a vector (ORIVECT, ORIWKS), or nobody says how: state ORIAXES", false,
-                         step);
-    }
+  if ((modal_.tool_point & ~kPlacedFrames) != 0 && modal_.turns_by_vector && !step->is_rapid && !TurnsAlike(step)) {
+    return Unsupported(
+        "the tool turns by a vector (ORIVECT, ORIWKS), or nobody says how, and axis by axis it would turn another way: "
+        "state ORIAXES, or shorter moves",
+        false, step);
   }
   if (traced_ != 0 && step->end.known == (1u << axis_count_) - 1) step->start.known |= traced_;
   step->is_at_corner = rounds_corners_ || is_behind_corner_ || request.has_corner;

@@ -103,11 +103,9 @@ void JobReport::Ask(const std::string& option) {
     missing.push_back(option);
 }
 
-void JobReport::AskStart(const std::vector<int>& axes) {
-  for (const int axis : axes) {
-    if (std::find(start_axes_.begin(), start_axes_.end(), axis) == start_axes_.end()) start_axes_.push_back(axis);
-  }
-}
+void JobReport::AskStart(const std::vector<int>& axes) { start_axes_.insert(axes.begin(), axes.end()); }
+
+void JobReport::AskKept(const std::vector<int>& axes) { kept_axes_.insert(axes.begin(), axes.end()); }
 
 void JobReport::FindPlace(int64_t tool, const std::string& work_offset) {
   place_tool_ = tool;
@@ -127,12 +125,14 @@ void JobReport::FindPlace(int64_t tool, const std::string& work_offset) {
 
 void JobReport::Finish() {
   const machine::Machine& machine = compensator_.machine();
-  std::string start;
+  std::string start, kept;
   for (const int i : InWordOrder(machine)) {
-    if (std::find(start_axes_.begin(), start_axes_.end(), i) != start_axes_.end())
-      absl::StrAppend(&start, start.empty() ? "" : " ", machine.axes[i].name, "=...");
+    if (start_axes_.contains(i)) absl::StrAppend(&start, start.empty() ? "" : " ", machine.axes[i].name, "=...");
+    if (kept_axes_.contains(i)) absl::StrAppend(&kept, kept.empty() ? "" : " ", machine.axes[i].name);
   }
   if (!start.empty()) Ask("--start \"" + start + "\"");
+  if (!kept.empty())
+    Ask("--tool-change-keeps \"" + kept + "\" (only if the tool changer leaves them where they stand)");
   std::erase_if(report_.shifts, [](const Shift& shift) { return shift.count == 0; });
   MergeHarmless(&report_.missing);
 }
@@ -188,8 +188,7 @@ void JobReport::AddShift(const BlockText& block, const Piece& piece, double shif
   shift.max_mm = std::sqrt(shift_mm2);
   shift.line = block.line;
   shift.at.resize(report_.axis_names.size());
-  for (size_t i = 0; i < shift.at.size(); ++i)
-    shift.at[i] = static_cast<double>(piece.nominal[i]) / kTicksPerUnit;
+  for (size_t i = 0; i < shift.at.size(); ++i) shift.at[i] = static_cast<double>(piece.nominal[i]) / kTicksPerUnit;
 }
 
 void JobReport::AccountRotary(const Piece& piece, const Commanded& commanded) {

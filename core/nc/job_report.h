@@ -2,6 +2,7 @@
 #ifndef AXISCAL_CORE_NC_JOB_REPORT_H_
 #define AXISCAL_CORE_NC_JOB_REPORT_H_
 
+#include <set>
 #include <string>
 
 #include "core/nc/block_writer.h"
@@ -45,6 +46,8 @@ class JobReport {
   void Ask(const std::string& option);
   // Axes whose position a move needs, and that nothing states.
   void AskStart(const std::vector<int>& axes);
+  // Rotary axes whose position a move needs, and that a tool change may have moved.
+  void AskKept(const std::vector<int>& axes);
   // One written piece that departs from the nominal path by at most `departure_mm` inside: its statistics, and limits,
   // which refuse.
   void Account(const BlockText& block, const Piece& piece, const Commanded& commanded, double departure_mm);
@@ -79,7 +82,7 @@ class JobReport {
   int64_t place_tool_ = 0;
   std::string place_offset_;
   size_t place_ = kNowhere;                        // among report_.shifts
-  std::vector<int> start_axes_;                    // asked for
+  std::set<int> start_axes_, kept_axes_;           // asked for
   double last_before_mm_ = 0, last_after_mm_ = 0;  // at the end of the last piece
   bool has_travel_limits_ = false;
   bool has_exceeded_limit_ = false;  // listed once, counted on

@@ -4,6 +4,10 @@
 //   (AXISCAL MACHINE mt)
 //   (AXISCAL OFFSET G54 X-490 Y0 Z0)
 //   (AXISCAL TOOL LENGTH 1 IS 120.5 MM)
+//   (AXISCAL TOOL RADIUS 1 IS 5 MM)
+//   (AXISCAL START B0 C90 DEG)
+//   (AXISCAL TOOL CHANGES LEAVE B C)
+//   (AXISCAL TEMPERATURE 24.5 DEG C)
 //   (AXISCAL ERROR TABLES AND VOLUMETRIC COMPENSATION OF THE CONTROL MUST BE OFF)
 #ifndef AXISCAL_CORE_NC_MARK_H_
 #define AXISCAL_CORE_NC_MARK_H_
@@ -12,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/machine/machine.h"
+#include "core/compensate/compensator.h"
 #include "core/nc/dialect.h"
 #include "core/nc/options.h"
 
@@ -25,8 +29,8 @@ bool HasMark(const char* begin, const char* end);
 std::string MarkComment(const Dialect& dialect, const std::string& calibration, uint32_t source_crc32c);
 
 // The mark and what follows it, each line with its end.
-std::string HeadComments(const Dialect& dialect, const machine::Machine& machine, const RewriteOptions& options,
-                         uint32_t source_crc32c, const std::string& line_end);
+std::string HeadComments(const Dialect& dialect, const compensate::Compensator& compensator,
+                         const RewriteOptions& options, uint32_t source_crc32c, const std::string& line_end);
 
 // The machine that the head of a compensated program names; "": it names none, or the program has no mark.
 std::string MarkedMachine(std::string_view program);

@@ -11,10 +11,14 @@ namespace {
 
 constexpr int kMaxWordDecimals = 6;
 constexpr size_t kMaxMachineLength = 100;  // as machine.json allows
-constexpr size_t kMaxNameLength = 80;  // a mark must fit a block of the narrowest controllers
+constexpr size_t kMaxNameLength = 80;      // a mark must fit a block of the narrowest controllers
 
 bool IsNameCharacter(unsigned char c) {
   return std::isalnum(c) || c == ' ' || c == '.' || c == '_' || c == '-' || c == '+' || c == ':' || c == '/';
+}
+
+bool IsToolNumber(int number) {
+  return number >= 1 && number < kEdgesOfTool * kEdgesOfTool && number % kEdgesOfTool != 0;
 }
 
 absl::Status CheckDecimals(const std::string& field, int decimals) {
@@ -23,6 +27,11 @@ absl::Status CheckDecimals(const std::string& field, int decimals) {
 }
 
 }  // namespace
+
+std::string ToolNumberText(int number) {
+  if (number < kEdgesOfTool) return absl::StrCat(number);
+  return absl::StrCat("T", number / kEdgesOfTool, "D", number % kEdgesOfTool);
+}
 
 absl::Status Validate(const RewriteOptions& options) {
   if (FindDialect(options.dialect) == nullptr) {
@@ -54,16 +63,18 @@ absl::Status Validate(const RewriteOptions& options) {
     return absl::InvalidArgumentError(absl::StrCat("tolerance_rad = ", options.tolerance_rad, ", must be > 0"));
   }
   for (const ToolLength& length : options.tool_lengths) {
-    const bool is_bad = length.number < 1 || length.number > 9999 || !(std::abs(length.length_mm) <= 1e4);
+    const bool is_bad = !IsToolNumber(length.number) || !(std::abs(length.length_mm) <= 1e4);
     if (is_bad) {
-      return absl::InvalidArgumentError(absl::StrCat("tool_lengths: number ", length.number, " = ", length.length_mm,
-                                                     " mm, must be a number from 1 to 9999 and at most 1e4 mm"));
+      return absl::InvalidArgumentError(absl::StrCat(
+          "tool_lengths: number ", length.number, " = ", length.length_mm,
+          " mm, must be a number from 1 to 9999 (of one tool's D number T * 10000 + D) and at most 1e4 mm"));
     }
   }
   for (const ToolRadius& radius : options.tool_radii) {
-    if (radius.number >= 1 && radius.number <= 9999 && radius.radius_mm >= 0 && radius.radius_mm <= 1e3) continue;
-    return absl::InvalidArgumentError(absl::StrCat("tool_radii: number ", radius.number, " = ", radius.radius_mm,
-                                                   " mm, must be a number from 1 to 9999 and 0 to 1e3 mm"));
+    if (IsToolNumber(radius.number) && radius.radius_mm >= 0 && radius.radius_mm <= 1e3) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("tool_radii: number ", radius.number, " = ", radius.radius_mm,
+                     " mm, must be a number from 1 to 9999 (of one tool's D number T * 10000 + D) and 0 to 1e3 mm"));
   }
   for (const int number : options.harmless_m) {
     if (number < 0 || number > kMaxHarmlessM)
@@ -72,7 +83,8 @@ absl::Status Validate(const RewriteOptions& options) {
     const CodeMeaning& known = FindDialect(options.dialect)->m_codes[static_cast<size_t>(10 * number)];
     if (known.meaning == Meaning::kUnknown || known.meaning == Meaning::kHarmless) continue;
     return absl::InvalidArgumentError(absl::StrCat("harmless_m: M", number, " is known to dialect '", options.dialect,
-                                                   "' (", known.text, "), only M codes of the machine's builder may be "
+                                                   "' (", known.text,
+                                                   "), only M codes of the machine's builder may be "
                                                    "stated"));
   }
   if (options.calibration.empty() || options.calibration.size() > kMaxNameLength) {

@@ -55,17 +55,23 @@ struct WorkOffset {
   std::vector<AxisValue> offsets;
 };
 
+// The number of a length or radius that is D1 to D9999 of one tool (1 to 9999) alone: T5D1.
+inline constexpr int kEdgesOfTool = 10'000;
+inline constexpr int NumberOfEdge(int tool, int edge) { return tool * kEdgesOfTool + edge; }
+// "5", "T5D1".
+std::string ToolNumberText(int number);
+
 // A tool length that programs select by number (H1, D1 of Sinumerik, TOOL CALL 1): it is added to Z, and the tool point
 // stands that much farther along the tool than the stated one.
 struct ToolLength {
-  int number = 0;  // 1 to 9999
+  int number = 0;  // 1 to 9999, or NumberOfEdge: D1 of Sinumerik is another one of each tool
   double length_mm = 0;
 };
 
 // The radius of a cutter that programs select by number (G41 D1, D1 of Sinumerik, TOOL CALL 1): the one by which the
 // control leads the tool beside a contour, wear included.
 struct ToolRadius {
-  int number = 0;  // 1 to 9999
+  int number = 0;  // as of ToolLength
   double radius_mm = 0;
 };
 
@@ -113,6 +119,9 @@ struct RewriteOptions {
   double tolerance_rad = 1e-5;
   // Where axes stand when the program starts, for those that it does not program before they matter.
   std::vector<AxisValue> initial_position;
+  // Rotary axes, by name in machine.json, that the tool changer leaves where they stand. All others, and linear ones
+  // always, are unknown behind a tool change until the program states them.
+  std::vector<std::string> tool_change_keeps;
   // M codes of the machine's builder that start no macro and move no axis (0 to 9999), beside those of the dialect's
   // table. Any other M code is not corrected past: it may do both.
   std::vector<int> harmless_m;

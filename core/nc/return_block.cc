@@ -20,9 +20,9 @@ uint16_t BlockWriter::Departed() const {
   return departed;
 }
 
-void BlockWriter::ForgetAll() {
-  adrift_ |= Departed();
-  commanded_.known = 0;
+void BlockWriter::ForgetAll(uint16_t kept) {
+  adrift_ |= static_cast<uint16_t>(Departed() & ~kept);
+  commanded_.known &= kept;
   pole_.is_known = false;
 }
 

@@ -69,8 +69,7 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
   }
   if (is_null()) return Observe();
   if (step.jumps_back && job.report().blocks_corrected > 0) {
-    job.Refused(now,
-                "it may lead back to blocks that were corrected, and these hold for their order in the text only",
+    job.Refused(now, "it may lead back to blocks that were corrected, and these hold for their order in the text only",
                 false);
   }
   if (programs_begun != interpreter.programs_begun()) {
@@ -107,10 +106,22 @@ void Rewriter::Impl::Line(const char* text, size_t size, bool is_overlong) {
     if (MustReturn()) Return();
     Copy();
   }
-  if (step.moves_away) writer.ForgetAll(), contour_state = ContourState::kOff;
+  if (step.kept_away != 0) NoteKept();
+  if (step.moves_away) writer.ForgetAll(step.kept_away), contour_state = ContourState::kOff;
   if (job.is_refused()) out.clear();
   if (out.size() >= kOutBytes) Flush();
   if (job.is_refused() && options.on_unsupported == OnUnsupported::kStop) status = job.Refusal();
+}
+
+void Rewriter::Impl::NoteKept() {
+  if (has_noted_kept) return;
+  has_noted_kept = true;
+  std::string names;
+  for (const int axis : rotary_axes) {
+    if (step.kept_away >> axis & 1)
+      absl::StrAppend(&names, names.empty() ? "" : ", ", compensator.machine().axes[axis].name);
+  }
+  job.Note(now, absl::StrCat("tool changes are taken to leave ", names, " where they stand, as stated"));
 }
 
 void Rewriter::Impl::Skip(const char* text, size_t size) {
@@ -181,8 +192,8 @@ void Rewriter::Impl::Return() {
   }
   const machine::Machine& machine = compensator.machine();
   const Modal& modal = interpreter.modal();
-  const bool may_be_arc = step.is_curve || modal.motion == Meaning::kArc || step.leaves_text ||
-                          (modal.uncertain & kMotionGroup) != 0;
+  const bool may_be_arc =
+      step.is_curve || modal.motion == Meaning::kArc || step.leaves_text || (modal.uncertain & kMotionGroup) != 0;
   for (int i = 0; may_be_arc && i < machine.axis_count(); ++i) {
     if ((writer.adrift() >> i & 1) == 0) continue;
     return job.Refused(now,
@@ -230,7 +241,7 @@ void Rewriter::Impl::WriteMark(size_t block_begin) {
     return;
   }
   const std::string mark =
-      HeadComments(interpreter.dialect(), compensator.machine(), options, *options.source_crc32c, mark_line_end);
+      HeadComments(interpreter.dialect(), compensator, options, *options.source_crc32c, mark_line_end);
   out.insert(is_flushed ? block_begin : mark_place, mark);
 }
 
@@ -271,11 +282,14 @@ void Rewriter::Impl::MoveFromUnknown(const std::string& unknown, bool is_consequ
 }
 
 void Rewriter::Impl::AskStart() {
-  std::vector<int> axes;
+  std::vector<int> axes, kept;
   for (int i = 0; i < compensator.machine().axis_count(); ++i) {
-    if (!step.end.is_known(i) && interpreter.unknown_since(i) == 0) axes.push_back(i);
+    if (step.end.is_known(i)) continue;
+    if (interpreter.is_never_known(i)) axes.push_back(i);
+    if (interpreter.is_lost_in_tool_change(i)) kept.push_back(i);
   }
   job.AskStart(axes);
+  job.AskKept(kept);
 }
 
 void Rewriter::Impl::NoteRotaryStood() {
@@ -381,8 +395,8 @@ std::string Rewriter::Impl::WhyNoFeed(double departure_mm) const {
   if (programmed == 0 || programmed == kNone) return "";
   written = programmed;
   for (const int axis : compensator.linear_axes()) {
-    const Ticks grain = GrainTicks(reader.ticks_per_unit(axis),
-                                   reader.modal().is_inch ? options.decimals_inch : options.decimals_mm);
+    const Ticks grain =
+        GrainTicks(reader.ticks_per_unit(axis), reader.modal().is_inch ? options.decimals_inch : options.decimals_mm);
     const bool moves = departure_mm > options.tolerance_mm || writer.NeedsWord(axis, piece.targets[axis], grain);
     if (!moves || rank(axis) >= written) continue;
     written = rank(axis);
@@ -477,7 +491,8 @@ void Rewriter::Impl::NoteHalfTurns() {
   for (int i = 0; i < machine.axis_count(); ++i) {
     const auto bit = static_cast<uint16_t>(1u << i);
     if (machine.axes[i].kind != machine::AxisKind::kRotary || machine.axes[i].roll_over == machine::RollOver::kNone ||
-         !step.start.is_known(i) || (half_turns & bit)) continue;
+        !step.start.is_known(i) || (half_turns & bit))
+      continue;
     const double travel_deg = std::abs(static_cast<double>(step.end.ticks[i] - step.start.ticks[i])) / kTicksPerUnit;
     const double apart_deg = std::abs(std::fmod(travel_deg, 360.0) - 180.0);
     if (apart_deg > 2.0 * options.max_rotary_correction_rad * base::kDegPerRad) continue;

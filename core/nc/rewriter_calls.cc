@@ -312,7 +312,7 @@ class Rewriter::Impl::Written {
   void InsertMark(int text, size_t head, const std::string& source, std::string* bytes) const {
     size_t at = 0;
     for (size_t line = 0; line < head; ++line) at = std::min(bytes->find('\n', at), bytes->size() - 1) + 1;
-    bytes->insert(at, HeadComments(impl_.interpreter.dialect(), impl_.compensator.machine(), impl_.options,
+    bytes->insert(at, HeadComments(impl_.interpreter.dialect(), impl_.compensator, impl_.options,
                                    base::Crc32c(0, source.data(), source.size()), LineEnd(text)));
   }
 
@@ -431,8 +431,7 @@ void Rewriter::Impl::RunCalls() {
   for (std::string& note : written.Notes()) job.report().notes.push_back(std::move(note));
   if (wants_mark) {
     out.insert(is_flushed ? out.size() : mark_place,
-               HeadComments(interpreter.dialect(), compensator.machine(), options, *options.source_crc32c,
-                            mark_line_end));
+               HeadComments(interpreter.dialect(), compensator, options, *options.source_crc32c, mark_line_end));
   }
   out.append(text);
 }

@@ -74,7 +74,7 @@ struct Rewriter::Impl {
   uint16_t all_axes = 0;
   std::vector<int> rotary_axes;
   uint16_t named_rotary = 0;  // rotary axes of which a corrected block has a word, or that turn otherwise
-  uint16_t half_turns = 0;  // axes of which a half turn was noted
+  uint16_t half_turns = 0;    // axes of which a half turn was noted
   // The mark goes in front of the first block of words, once a word has changed; in front of that word's block where
   // the first one is on its way already.
   bool is_mark_written = false;
@@ -84,7 +84,7 @@ struct Rewriter::Impl {
   std::string mark_line_end;
   bool is_last_split = false;  // the last move was written in pieces
   bool is_finished = false;
-  bool has_noted_tool_point = false;
+  bool has_noted_tool_point = false, has_noted_kept = false;
   bool has_changed_frame = false;  // the block that is read
   // Cutter compensation (G41, G42): its moves to the contour and away from it may stand in later blocks than its codes.
   enum class ContourState { kOff, kStarting, kOn, kEnding };
@@ -93,8 +93,8 @@ struct Rewriter::Impl {
   enum class ContourRole { kNone, kHeld, kEntry, kPiece, kExit };
   ContourRole contour_role = ContourRole::kNone;
   CutterContour contour;
-  int64_t programs_begun = 0;   // as the writer knows
-  bool has_ended = false;       // the program that is read now
+  int64_t programs_begun = 0;  // as the writer knows
+  bool has_ended = false;      // the program that is read now
 
   // From the first line on that calls a subprogram the lines wait for the end of the text, where they are run in the
   // order of the control.
@@ -124,6 +124,8 @@ struct Rewriter::Impl {
   class Written;
   // A line of a listing in front of the first '%'.
   void Skip(const char* text, size_t size);
+  // Once: which axes tool changes leave where they stand.
+  void NoteKept();
   void Take(const char* text, size_t size, bool is_overlong) {
     preamble.Take(
         interpreter.dialect(), text, size, is_overlong,

@@ -125,7 +125,7 @@ TEST(Sinumerik, ALengthIsOfOneTool) {
   RewriteOptions options = Sinumerik();
   options.tool_lengths = {{1, 0.0}, {2, 100.0}};
   const std::string state = "G1 X1 Y0 Z0 B0 C0\n", at_1 = "G1 X1.0417 Y0 Z0 B0 C0\n";
-  const std::string reason = "D1 of another tool than before: one length is stated for it";
+  const std::string reason = "D1 of another tool than before";
   EXPECT_REFUSED(options, "T1 M6\nD1\n" + state + "T2 M6\nD1\n" + state, reason);
   EXPECT_REFUSED(options, "T=\"A\" M6\nD1\n" + state + "T=\"B\"\nM6\nD1\n" + state, reason);
   EXPECT_REFUSED(options, "T1 D1\n" + state + "T2 D1\n" + state, reason);
@@ -134,6 +134,35 @@ TEST(Sinumerik, ALengthIsOfOneTool) {
                    "T=\"A\"\nM6\nT=\"B\"\nD1\n" + at_1 + "D0\nD1\n" + at_1);
   EXPECT_REWRITTEN(options, "T1 M6\nD1\n" + state + "T2 M6\nD2\n" + state + "T1 M6\nD1\n" + state,
                    "T1 M6\nD1\n" + at_1 + "T2 M6\nD2\nG1 X1.0533 Y0 Z0 B0 C0\nT1 M6\nD1\n" + at_1);
+}
+
+// A shop's program: D1 of every tool.
+TEST(Sinumerik, EachToolHasItsOwnD1) {
+  RewriteOptions options = Sinumerik();
+  options.tool_lengths = {{NumberOfEdge(1, 1), 0.0}, {NumberOfEdge(2, 1), 100.0}};
+  const std::string state = "G1 X1 Y0 Z0 B0 C0\n", at_1 = "G1 X1.0417 Y0 Z0 B0 C0\n", at_2 = "G1 X1.0533 Y0 Z0 B0 C0\n";
+  EXPECT_REWRITTEN(options, "T1 M6\nT2\nD1\n" + state + "M6\nD1\nT1\n" + state + "M6\nD1\n" + state,
+                   "T1 M6\nT2\nD1\n" + at_1 + "M6\nD1\nT1\n" + at_2 + "M6\nD1\n" + at_1);
+  // It is of no other tool, nor of one that nobody knows.
+  EXPECT_REFUSED(options, "T3 M6\nD1\n" + state, "tool length T3D1: its value is not stated");
+  EXPECT_REFUSED(options, "T2\nD1\n" + state, "tool length 1: its value is not stated");
+  EXPECT_REFUSED(options, "T=\"A\" M6\nD1\n" + state, "tool length 1: its value is not stated");
+  EXPECT_FALSE(testing::Rewritten("T1 M6\n/T2 M6\nD1\n" + state, options).status.ok());
+  const testing::Outcome asked = testing::Rewritten("T3 M6\nD1\n" + state, options);
+  EXPECT_THAT(asked.report.missing, ::testing::Contains("--tool-length T3D1=..."));
+  // A D number that is stated without a tool is that of the tool which has it first.
+  options.tool_lengths.push_back({1, 100.0});
+  EXPECT_REWRITTEN(options, "T3 M6\nD1\n" + state + "T1 M6\nD1\n" + state, "T3 M6\nD1\n" + at_2 + "T1 M6\nD1\n" + at_1);
+  EXPECT_REFUSED(options, "T3 M6\nD1\n" + state + "T4 M6\nD1\n" + state, "tool length T4D1: its value is not stated");
+}
+
+TEST(Sinumerik, TheCuttersRadiusIsThatOfTheToolInTheSpindle) {
+  RewriteOptions options = Sinumerik();
+  options.tool_lengths = {{NumberOfEdge(1, 1), 0.0}, {NumberOfEdge(2, 1), 100.0}};
+  options.tool_radii = {{NumberOfEdge(2, 1), 5.0}, {1, 7.0}};
+  const std::string contour = "D1\nG0 X0 Y0 Z0 B0 C0\nG1 G41 X20 Y10 F100\nX40\nG40 Y40\n";
+  EXPECT_TRUE(testing::Rewritten("T2 M6\n" + contour, options).status.ok());
+  EXPECT_REFUSED(options, "T1 M6\n" + contour, "--tool-radius T1D1=MM");
 }
 
 TEST(Sinumerik, DifferencesBehindANewOffsetAreRefused) {

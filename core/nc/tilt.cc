@@ -168,6 +168,7 @@ void Interpreter::Tilt(const Eigen::Matrix3d& plane, const Eigen::Vector3d& at_m
   frames_.is_tilted = true;
   frames_.plane = plane;
   frames_.plane_at_mm = at_mm;
+  axes_of_plane_problem_.clear();
 }
 
 bool Interpreter::FrameByRest(const std::string& name, const std::string& rest, uint32_t mode, Step* step,
@@ -337,7 +338,11 @@ std::string Interpreter::TiltKlartext(const std::string& name, const std::string
   // The rotary axes are turned by words: "L B+Q121 C+Q122 FMAX".
   AxisTicks at{};
   int free_axis = -1;
-  if (AxesOfPlane(sign, goes_shorter, &at, &free_axis).empty()) {
+  axes_of_plane_problem_ = AxesOfPlane(sign, goes_shorter, &at, &free_axis);
+  if (axes_of_plane_problem_.empty()) {
+    if (free_axis >= 0)
+      axes_of_plane_problem_ = absl::StrCat("the plane leaves open where ", machine_->axes[free_axis].name,
+                                            " stands: state its angle as a number");
     for (int i = 0; i < 3; ++i) {
       const int axis = AxisOf(static_cast<char>('A' + i));
       const double value = axis < 0 ? 0.0 : static_cast<double>(at[axis]) / kTicksPerUnit;
@@ -438,9 +443,19 @@ std::string Interpreter::ChoosePlace(const std::vector<AxisTicks>& found, bool g
     }
     text += words;
   }
+  std::string unknown;  // the control goes by where they stand
+  for (int i = 0; goes_shorter && i < axis_count_; ++i) {
+    if (!is_linear_[i] && !positions_.is_known(i))
+      absl::StrAppend(&unknown, unknown.empty() ? "" : ", ", machine_->axes[i].name);
+  }
+  const bool is_unknown = !unknown.empty();
   return absl::StrCat("several positions of the rotary axes bring the tool to it (", text,
-                      "), and which the control takes is not known: turn the axes to one by words in front of it, or "
-                      "state travel limits in machine.json that leave one");
+                      "), and which the control takes is not known",
+                      is_unknown ? ", since where " + unknown + " stood before is not known: " : ": ",
+                      is_unknown ? "program it in front, or state --start, or " : "",
+                      "turn the axes to one by words in front of it, or state travel limits in machine.json that leave "
+                      "one",
+                      dialect_->has_poles && frames_.is_tilted ? ", or SEQ" : "");
 }
 
 std::string Interpreter::TurnToPlane(int sign, bool goes_shorter, Step* step) {

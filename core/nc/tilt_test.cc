@@ -174,6 +174,9 @@ TEST(Tilt, WhatCannotBeProvedNamesWhatHelps) {
   ExpectRefused("heidenhain",
                 "BEGIN PGM A MM\nTOOL CALL 1 Z S100\nPLANE SPATIAL SPA+0 SPB+90 SPC+0 STAY\nL B+Q121 C+Q122 FMAX\n",
                 "travel limits in machine.json that leave one, or SEQ");
+  ExpectRefused("heidenhain",
+                "BEGIN PGM A MM\nTOOL CALL 1 Z S100\nL B+0 FMAX\nPLANE SPATIAL SPA+0 SPB+90 SPC+0 TURN FMAX\n",
+                "since where C stood before is not known: program it in front, or state --start");
   ExpectRefused("haas", "G90\nG268 X0 Y0 Z0 I10. J10. K0\nG0 X1.\n", "more than one angle");
 }
 

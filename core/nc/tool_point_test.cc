@@ -112,8 +112,12 @@ TEST(ToolPoint, WhatIsNotKnownIsRefusedByName) {
       {"fanuc", "G43.4 H1 X1. Y1. Z1.\nM98 P100\nG90 G21 G94 G54 G1 X1. Y1. Z1. B0. C0. F9\n", "M98 (subprogram call)"},
       {"sinumerik", "TRAORI\nG1 X1 Y1 Z1 F9\n", "no tool length is in force"},
       {"sinumerik", "D1\nTRAORI(2)\nG1 X1 Y1 Z1 F9\n", "with '(2)'"},
-      {"sinumerik", "D1\nTRAORI\nG54 ORIWKS\nG1 X1 Y1 Z1 B5 F9\n", "state ORIAXES"},
-      {"sinumerik", "D1\nTRAORI\nG54\nG1 X1 Y1 Z1 B5 F9\n", "state ORIAXES"},
+      {"sinumerik", "D1\nTRAORI\nG54 ORIWKS\nG1 X1 Y1 Z1 B5 C30 F9\n", "state ORIAXES"},
+      {"sinumerik", "D1\nTRAORI\nG54\nG1 X1 Y1 Z1 B5 C30 F9\n", "state ORIAXES"},
+      // 20 deg about C at B30 are no great circle; near B0 a little of it is much of C; the way of half a turn is open.
+      {"sinumerik", "D1\nTRAORI\nG54 ORIVECT\nG0 X1 Y1 Z1 B30 C0\nG1 C20 F9\n", "state ORIAXES"},
+      {"sinumerik", "D1\nTRAORI\nG54 ORIVECT\nG0 X1 Y1 Z1 B0.05 C0\nG1 X2 C5 F9\n", "state ORIAXES"},
+      {"sinumerik", "D1\nTRAORI\nG54 ORIVECT\nG0 X1 Y1 Z1 B0 C0\nG1 X2 C5 F9\n", "state ORIAXES"},
       {"sinumerik", "D1\nTRAORI\nORIAXES\nG1 X1 Y1 Z1 F9\n", "the work offset"},
       {"sinumerik", "G54 D1\nTRAORI\nG54 ORIAXES\nG0 X1 Y1 Z1\nTRAFOOF\nG1 X1 Y1 Z1 F9\n", "the work offset"},
       {"fanuc", "G43.4 H1 P3\nG1 X1. Y1. Z1. F9\n", "with a word P"},
@@ -129,6 +133,21 @@ TEST(ToolPoint, WhatIsNotKnownIsRefusedByName) {
     std::string reasons;
     for (const Finding& finding : outcome.report.refused) reasons += finding.reason + "\n";
     EXPECT_THAT(reasons, HasSubstr(known.reason)) << known.program;
+  }
+}
+
+// Short moves of CAM turn the tool alike, by a vector or axis by axis: which of both is in force is not asked.
+TEST(ToolPoint, MovesThatTurnTheToolAlikeNeedNoKindOfTurning) {
+  const std::string moves = "G0 X1 Y1 Z1 B30 C0\nG1 X2 B40 F900\nX3 B40.5 C0.8\nX4 B40.2 C1.5\n";
+  const Outcome by_axes = Rewritten("D1\nTRAORI\nG54 ORIAXES\n" + moves, Options("sinumerik"), Leaning());
+  ASSERT_TRUE(by_axes.status.ok()) << by_axes.status;
+  const std::string text = by_axes.text.substr(by_axes.text.find("G0 "));
+  for (const char* kind : {"ORIVECT", "ORIWKS", "ORIMKS", ""}) {
+    const Outcome outcome =
+        Rewritten(absl::StrCat("D1\nTRAORI\nG54 ", kind, "\n", moves), Options("sinumerik"), Leaning());
+    ASSERT_TRUE(outcome.status.ok()) << kind << outcome.status;
+    EXPECT_EQ(outcome.text.substr(outcome.text.find("G0 ")), text) << kind;
+    EXPECT_THAT(outcome.report.notes, ::testing::Contains(HasSubstr("makes less than 50 urad"))) << kind;
   }
 }
 

@@ -21,6 +21,10 @@ constexpr double kLeastLever = 2e-3;
 constexpr double kLeastVector = 1e-3;          // of a vector
 constexpr double kUnitVectorTolerance = 1e-3;  // of Klartext, whose vectors have the length 1
 constexpr double kAtLimitRad = 1e-9;           // rad, at a travel limit
+// rad; ways of turning that are no farther apart are one: a correction of 0.5 mm per rad differs by 0.025 um, and words
+// between pieces of a split move turn the tool by no more. Of a rotary axis, which turns the correction with it:
+constexpr double kAlikeRad = 5e-5;
+constexpr double kAlikeAxisRad = 2e-4;
 
 }  // namespace
 
@@ -58,6 +62,48 @@ std::string Interpreter::WhyNoVector(const Request& request, const Step& step) c
   if (has_normals && radius_difference_ != Ticks{0})
     return "LN with a difference of the tool's radius (DR): the control moves the path along the normals";
   return "";
+}
+
+bool Interpreter::TurnsAlike(Step* step) {
+  constexpr int kLooks = 8;
+  uint16_t turning = 0;
+  for (int i = 0; i < axis_count_; ++i) {
+    if (is_linear_[i]) continue;
+    if (!step->start.is_known(i) || !step->end.is_known(i)) return false;
+    if (step->start.ticks[i] != step->end.ticks[i]) turning |= static_cast<uint16_t>(1u << i);
+  }
+  if (turning == 0) return true;
+  const Eigen::Vector3d from = frame_of_words_.Up(step->start.ticks), to = frame_of_words_.Up(step->end.ticks);
+  const double angle = std::atan2(from.cross(to).norm(), from.dot(to));
+  if (!(angle > kStandsRad) || angle > 0.5 * std::numbers::pi) return false;
+  for (int k = 1; k < kLooks; ++k) {
+    AxisTicks at = step->start.ticks;
+    for (int i = 0; i < axis_count_; ++i) {
+      if (turning >> i & 1) at[i] += (step->end.ticks[i] - step->start.ticks[i]) * k / kLooks;
+    }
+    const double share = static_cast<double>(k) / kLooks;
+    const Eigen::Vector3d shortest =
+        (std::sin((1.0 - share) * angle) * from + std::sin(share * angle) * to) / std::sin(angle);
+    const Eigen::Vector3d up = frame_of_words_.Up(at);
+    const double apart_rad = std::atan2(up.cross(shortest).norm(), up.dot(shortest));
+    if (apart_rad > kAlikeRad) return false;
+    // Where the tool stands nearly along an axis, a little of its direction is much of that axis.
+    for (int i = 0; i < axis_count_; ++i) {
+      if ((turning >> i & 1) == 0) continue;
+      AxisTicks turned = at;
+      turned[i] += kTicksPerMm / 100;
+      const double lever = (frame_of_words_.Up(turned) - up).norm() / (0.01 * base::kRadPerDeg);
+      if (apart_rad > kStandsRad && apart_rad > kAlikeAxisRad * lever) return false;
+    }
+  }
+  if (!has_noted_turning_ && step->note.empty()) {
+    has_noted_turning_ = true;
+    step->note =
+        absl::StrCat("line ", line_,
+                     ": whether the tool turns by a vector (ORIVECT) or axis by axis (ORIAXES) makes less than "
+                     "50 urad here, and is not asked");
+  }
+  return true;
 }
 
 std::string Interpreter::TurnToVector(const Block& block, const Request& request, Step* step) {

@@ -166,7 +166,7 @@ TEST(ToolVector, WhatTheControlWouldChooseIsRefusedByName) {
       {"fanuc", begin + "G1" + Vector("fanuc", 21, 40) + " F9\n", "program the move in G93"},
       {"haas", "G43.5 H1\nG1 X1. F9\n", "tool centre point control"},
       {"sinumerik", "G54 D1\nG0 X1 Y1 Z1 B0 C0\nG1 A3=0 B3=0 C3=1 F9\n", "no tool centre point control"},
-      {"sinumerik", "G54 D1\nTRAORI\nG54\nG0 X1 Y1 Z1 B20 C40\nG1 X2" + Vector("sinumerik", 21, 40) + " F9\n",
+      {"sinumerik", "G54 D1\nTRAORI\nG54\nG0 X1 Y1 Z1 B20 C40\nG1 X2" + Vector("sinumerik", 30, 60) + " F9\n",
        "state ORIAXES"},
       {"sinumerik", "G54 D1\nTRAORI\nG54 ORIAXES\nG0 X1 Y1 Z1 B20 C40\nG1 C45" + Vector("sinumerik", 21, 40) + " F9\n",
        "word C and A3=, B3= and C3= in one block"},

@@ -124,6 +124,7 @@ TEST(JobParamsOnTheWire, ComeBack) {
   params.options.on_unsupported = nc::OnUnsupported::kPass;
   params.options.tool_lengths = {{3, 120.5}};
   params.options.tool_radii = {{4, 6.25}};
+  params.options.tool_change_keeps = {"B", "C"};
   params.options.cutter_tolerance_mm = 0.007;
   params.options.decimals_mm = 3;
   params.options.initial_position = {{"X", 1.5}};
@@ -144,6 +145,7 @@ TEST(JobParamsOnTheWire, ComeBack) {
   ASSERT_EQ(got.options.tool_radii.size(), 1u);
   EXPECT_EQ(got.options.tool_radii[0].number, 4);
   EXPECT_EQ(got.options.tool_radii[0].radius_mm, 6.25);
+  EXPECT_EQ(got.options.tool_change_keeps, (std::vector<std::string>{"B", "C"}));
   EXPECT_EQ(got.options.cutter_tolerance_mm, 0.007);
   EXPECT_EQ(got.options.decimals_mm, 3);
   EXPECT_EQ(got.options.initial_position[0].value, 1.5);

@@ -95,6 +95,7 @@ v1::RewriteOptions ToProto(const nc::RewriteOptions& options) {
   message.set_max_rotary_correction_rad(options.max_rotary_correction_rad);
   message.set_tolerance_rad(options.tolerance_rad);
   WriteAxisValues(options.initial_position, message.mutable_initial_position());
+  for (const std::string& axis : options.tool_change_keeps) message.add_tool_change_keeps(axis);
   for (const nc::WorkOffset& offset : options.work_offsets) {
     v1::WorkOffset* const out = message.add_work_offsets();
     out->set_code(offset.code);
@@ -141,6 +142,10 @@ absl::StatusOr<nc::RewriteOptions> FromProto(const v1::RewriteOptions& message) 
     options.harmless_m.push_back(message.harmless_m(i));
   }
   ASSIGN_OR_RETURN(options.initial_position, ReadAxisValues("initial_position", message.initial_position()));
+  for (int i = 0; i < message.tool_change_keeps_size(); ++i) {
+    RETURN_IF_ERROR(RequireText(absl::StrCat("tool_change_keeps[", i, "]"), message.tool_change_keeps(i), 1, 20));
+    options.tool_change_keeps.push_back(message.tool_change_keeps(i));
+  }
   for (int i = 0; i < message.work_offsets_size(); ++i) {
     const v1::WorkOffset& offset = message.work_offsets(i);
     const std::string field = absl::StrCat("work_offsets[", i, "]");

@@ -73,6 +73,7 @@ class Control:
         self.trans = {a: 0.0 for a in axes}  # TRANS, CYCL DEF 7
         self.length = 0.0
         self.length_number = None
+        self.called_tool = self.spindle = None  # tools, as T words say them
         self.feed = 0.0
         self.feed_mode = 94
         self.foreign = set()
@@ -287,6 +288,11 @@ class Control:
         for axis in axes:
             self.pos[axis] = 3000.0 + 100.0 * "XYZABCUVW".index(axis) + 7.0 * self.lost
             self.opaque.add(axis)
+
+    def lose_at_tool_change(self):
+        """The tool changer leaves what the builder says."""
+        keeps = self.setup.get("keeps", ())
+        self.lose([axis for axis in self.axes if axis not in keeps])
 
     def enter(self, mode):
         self.foreign.add(mode)

@@ -115,6 +115,7 @@ class Writer:
         self.inch = False
         self.incremental = False
         self.m = {a: None for a in self.axes}
+        self.spindle = None  # number of the tool
         self.wcs = "" if self.dialect == "sinumerik" else "PRESET" if self.dialect == "heidenhain" else "G54"
         self.preset = {a: 0.0 for a in self.axes}
         self.trans = {a: 0.0 for a in self.axes}
@@ -425,9 +426,21 @@ class Program(Writer):
             return "G4 F%s" % rng.choice(["0.5", "2"])
         return "G4 %s" % rng.choice(["P500", "X1.5", "P1.0"])
 
-    def restate(self):
+    def length_of(self, number):
+        """Of D1 of Sinumerik that of the tool in the spindle, where each tool has its own."""
+        return self.case.get("edges", {}).get("T%sD%s" % (self.spindle, number), self.case["lengths"][number])
+
+    def leave_out_kept(self, axes):
+        """Behind a tool change that leaves rotary axes where they stand many programs do not name them."""
+        for axis in self.case.get("keeps", ()):
+            if self.rng.random() < 0.7 and self.m.get(axis) is not None:
+                del axes[axis]
+
+    def restate(self, is_behind_tool_change=False):
         """Every axis again, in work coordinates."""
         axes = self.targets(self.axes)
+        if is_behind_tool_change:
+            self.leave_out_kept(axes)
         if self.rng.random() < 0.5:
             z = axes.pop("Z")
             self.rapid(axes)
@@ -504,11 +517,11 @@ class Program(Writer):
         self.plane_xy()
         if self.dialect == "sinumerik":
             self.plain("T%d D%d" % (tool, tool) if False else "D%d" % tool)
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.restate()
             return
         if self.rng.random() < 0.7:
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             z = self.targets(["Z"])
             self.block([self.g(43), "H%d" % tool, self.motion_word(0, True)] + self.go(z))
         else:
@@ -527,9 +540,11 @@ class Program(Writer):
         self.plane_xy()
         if self.dialect == "sinumerik":
             self.plain("T%d M6" % int(tool))
-            self.plain("D%d" % int(tool))
-            self.length = self.case["lengths"][tool]
-            self.restate()
+            self.spindle = int(tool)
+            edge = "1" if self.case.get("edges") else tool
+            self.plain("D%d" % int(edge))
+            self.length = self.length_of(edge)
+            self.restate(True)
             return
         if self.rng.random() < 0.5 and self.dialect != "linuxcnc":
             self.plain("T%d" % int(tool))
@@ -541,6 +556,7 @@ class Program(Writer):
             self.length = 0.0
             self.plain("G49")
         axes = self.targets(self.axes)
+        self.leave_out_kept(axes)
         z = axes.pop("Z")
         self.rapid(axes)
         self.length = self.case["lengths"][tool]
@@ -782,7 +798,7 @@ class Program(Writer):
         number = rng.choice(sorted(self.case["lengths"]))
         if d == "sinumerik":
             self.plain("D%d" % int(number))
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.plain("TRAORI")
             self.plain((self.wcs or "G500") + " ORIAXES")
             self.tcp = True
@@ -917,11 +933,11 @@ class Program(Writer):
         number = rng.choice(sorted(self.case["radii"]))
         if d == "heidenhain":
             self.plain("TOOL CALL %d Z S2000" % int(number))
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.restate()
         elif d == "sinumerik":
             self.plain("D%d" % int(number))
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.restate()
         self.rapid(self.targets(self.linear))
         self.contour(number)
@@ -1018,7 +1034,7 @@ class Program(Writer):
             if self.inch:
                 return None
             self.plain("D%d" % int(number))
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.rapid(self.targets(self.linear))
             self.rapid(at)
             z = self.normal(at)
@@ -1036,7 +1052,7 @@ class Program(Writer):
         self.rapid(at)
         z = self.normal(at)
         if d == "haas" and kind < 0.4:
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.block([self.g(43), "H%d" % int(number), self.motion_word(0, True)] + self.go(self.targets(["Z"])))
             self.tcp = True
             self.plain("G254")
@@ -1053,7 +1069,7 @@ class Program(Writer):
         if rng.random() < 0.7:
             self.plain("G253" if d == "haas" else "G53.1")
         if not self.length or rng.random() < 0.6:
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.m.update(X=None, Y=None, Z=None)
             self.block([self.g(43), "H%d" % int(number), self.motion_word(0, True)] + self.go(self.targets(["Z"])))
         return ends
@@ -1065,7 +1081,7 @@ class Program(Writer):
         number = rng.choice(sorted(self.case["lengths"]))
         if d == "sinumerik":
             self.plain("D%d" % int(number))
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             if rng.random() < 0.5:
                 self.restate()
             self.plain(rng.choice(["TRAORI", "TRAORI", "TRAORI(1)"]))
@@ -1223,7 +1239,7 @@ class Program(Writer):
     def length_known(self):
         if self.dialect == "sinumerik":
             number = self.rng.choice(sorted(self.case["lengths"]))
-            self.length = self.case["lengths"][number]
+            self.length = self.length_of(number)
             self.plain("D%d" % int(number))
         elif self.rng.random() < 0.8:
             self.length = 0.0
@@ -1723,7 +1739,7 @@ class KlartextProgram(Program):
         difference = self.rng.choice(["", "", " DL+0.1"])
         self.plain("TOOL CALL %d Z S2000%s" % (int(tool), difference))
         self.length = self.case["lengths"][tool] + (0.1 * self.length_scale() if difference else 0.0)
-        self.restate()
+        self.restate(True)
 
     def f_g28(self):
         self.plain(self.rng.choice(["L Z+%d R0 FMAX M91" % self.rng.randrange(0, 60), "L Z+10 R0 FMAX M92", "M140 MB MAX",
@@ -1777,7 +1793,7 @@ class KlartextProgram(Program):
         rng = self.rng
         number = rng.choice(sorted(self.case["lengths"]))
         self.plain("TOOL CALL %d Z S2000" % int(number))
-        self.length = self.case["lengths"][number]
+        self.length = self.length_of(number)
         self.restate()
         kind = rng.random()
         self.tcp = True
@@ -1797,7 +1813,7 @@ class KlartextProgram(Program):
         rng = self.rng
         number = rng.choice(sorted(self.case["lengths"]))
         self.plain("TOOL CALL %d Z S2000" % int(number))
-        self.length = self.case["lengths"][number]
+        self.length = self.length_of(number)
         self.restate()
         self.tcp = True
         if rng.random() < 0.5:
@@ -1836,7 +1852,7 @@ class KlartextProgram(Program):
         rng = self.rng
         number = rng.choice(sorted(self.case["lengths"]))
         self.plain("TOOL CALL %d Z S2000" % int(number))
-        self.length = self.case["lengths"][number]
+        self.length = self.length_of(number)
         self.restate()
         kind = rng.random()
         if kind < 0.7:
@@ -2129,6 +2145,10 @@ def draw(seed, dialects=tuple(DIALECTS), without=(), with_known=()):
                 table["C"] = 0.0
     if rng.random() < 0.3:
         case["harmless"] = [71, 123]  # the builder says so
+    if dialect == "sinumerik" and rng.random() < 0.5:
+        case["edges"] = {"T%dD1" % n: round(rng.uniform(20, 120), 3) for n in (1, 2, 7)}
+    if len(axes) > 3 and rng.random() < 0.4:
+        case["keeps"] = [a for a in axes if a in "ABC" and rng.random() < 0.8]
     if "unstated-unit" in without:
         case["states_unit"] = True
     if "roll-over" in without:

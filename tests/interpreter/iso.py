@@ -342,6 +342,8 @@ class Iso(Control):
         for w in passive:
             other.remove(w)
             self.code(w.address, w.value)
+            if w.address == "T":
+                self.called_tool = str(w.value).lstrip("=").split(".")[0]
         self.machine_codes(m, before=True)
 
         if 4 in g:
@@ -485,7 +487,8 @@ class Iso(Control):
             self.code("M", code)
             if code == 6:
                 self.lose_tcp()
-                self.lose(self.axes)
+                self.spindle = self.called_tool
+                self.lose_at_tool_change()
             elif code in M_AFTER or code in M_BEFORE or code in M_MORE[self.dialect]:
                 pass
             elif self.dialect == "linuxcnc" and code in (428, 429, 430):
@@ -522,7 +525,8 @@ class Iso(Control):
             d = self.take(other, "D").get("D")
             if d:
                 self.edge = int(d.value)
-                self.set_length(lengths.get(int(d.value), 0.0), axis_words)
+                of_tool = self.setup.get("edges", {}).get("T%sD%d" % (self.spindle, int(d.value)))
+                self.set_length(lengths.get(int(d.value), 0.0) if of_tool is None else of_tool, axis_words)
                 self.code("D", d.value)
             return
         h = self.take(other, "H").get("H")

@@ -38,7 +38,8 @@ def interpret(case, text, scenario, still=False):
     setup = {"frame": Frame(Machine(description, {}, case["tip"])), "start": case["start"], "offsets": copy.deepcopy(case["offsets"]),
              "lengths": {int(n): v for n, v in case["lengths"].items()}, "lathe": case.get("lathe", False),
              "unit": scenario["unit"], "skip": scenario["skip"], "either": case["block_delete"] == "either", "rollover": scenario["rollover"],
-             "radii": {int(n): v for n, v in case.get("radii", {}).items()}, "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still}
+             "radii": {int(n): v for n, v in case.get("radii", {}).items()}, "increment": case.get("increment"), "harmless": case.get("harmless", ()), "still": still,
+             "keeps": case.get("keeps", ()), "edges": case.get("edges", {})}
     if still:
         setup["start"] = {a: 0.0 for a in axes}
     control = Klartext(axes, linear, setup) if case["dialect"] == "heidenhain" else Iso(case["dialect"], axes, linear, setup)
@@ -102,6 +103,8 @@ def command(case, axiscal, folder, mode):
             out += ["--offset", " ".join([name] + ["%s=%.6f" % item for item in values.items()])]
     for number, value in case["lengths"].items():
         out += ["--tool-length", "%s=%.6f" % (number, value)]
+    for number, value in case.get("edges", {}).items():
+        out += ["--tool-length", "%s=%.6f" % (number, value)]
     for number, value in case.get("radii", {}).items():
         out += ["--tool-radius", "D%s=%.6f" % (number, value)]
     if case.get("radii"):
@@ -112,6 +115,8 @@ def command(case, axiscal, folder, mode):
         out += ["--cycle-tolerance-um", str(case["cycle_tolerance_um"])]
     if case.get("harmless"):
         out += ["--harmless-m", ",".join(str(code) for code in case["harmless"])]
+    if case.get("keeps"):
+        out += ["--tool-change-keeps", " ".join(case["keeps"])]
     if case.get("start_option"):
         out += ["--start", " ".join("%s=%.6f" % item for item in case["start"].items())]
     if case.get("increment"):

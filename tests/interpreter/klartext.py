@@ -99,7 +99,7 @@ class Klartext(Control):
                 self.tool_mm = self.setup["lengths"].get(self.length_number, 0.0)
                 self.difference = 0.0
                 self.lose_tcp()
-                self.lose(self.axes)
+                self.lose_at_tool_change()
             if difference:
                 self.lose_tcp()
                 self.difference = float(difference.group(1)) * self.length_unit()
@@ -439,7 +439,7 @@ class Klartext(Control):
                     return "end"
             elif code == 6:  # a function of the machine's builder
                 self.code("M", code)
-                self.lose(self.axes)
+                self.lose_at_tool_change()
             elif code in (89, 99):
                 self.code("cycle call", code)
                 self.lose(["Z"])
