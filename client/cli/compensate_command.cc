@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 struct CompensateArguments {
   std::string machine, errors, input, output, report, subprograms_out;
   int64_t calibration = 0;
-  bool keep = false;
+  bool keep = false, tables_off = false;
   RewriteArguments rewrite;
 };
 
@@ -175,8 +175,8 @@ absl::Status CompensateFiles(Context& context, const CompensateArguments& typed)
       RETURN_IF_ERROR(fingerprint.Take(file.text.data(), file.text.size()));
     return fingerprint.Text();
   };
-  ASSIGN_OR_RETURN(const DialectChoice dialect, ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite),
-                                                              arguments.input, trial));
+  ASSIGN_OR_RETURN(const DialectChoice dialect,
+                   ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite), arguments.input, trial));
   options.dialect = dialect.name;
   nc::RewriteReport report;
   const absl::Status status = nc::RewriteFile(arguments.input, arguments.output, compensator, options, &report);
@@ -207,6 +207,7 @@ absl::StatusOr<records::CompensateParams> ParamsOf(const CompensateArguments& ar
   ASSIGN_OR_RETURN(params.tool_tip_mm, ToolTip(arguments.rewrite));
   params.machine = MachineId(arguments.machine);
   ASSIGN_OR_RETURN(params.options, ToRewriteOptions(arguments.rewrite, machine));
+  params.tables_are_off = arguments.tables_off;
   params.time_s = arguments.rewrite.time_s;
   params.temperature_celsius = arguments.rewrite.temperature_celsius;
   if (arguments.calibration != 0) params.calibration = CalibrationId(arguments.calibration);
@@ -214,7 +215,7 @@ absl::StatusOr<records::CompensateParams> ParamsOf(const CompensateArguments& ar
 }
 
 struct OnService {
-  std::string report;  // JSON
+  std::string report;        // JSON
   std::optional<JobId> job;  // of what is kept there
   ProgramId program;
 };
@@ -259,16 +260,18 @@ absl::Status CompensateOnService(Context& context, const CompensateArguments& ty
     records::CompensateParams trial_params = params;
     trial_params.options.dialect = name;
     Fingerprint fingerprint;
-    RETURN_IF_ERROR(client->RewriteProgramFile(trial_params, arguments.input, [&](const std::string& bytes) {
-      return fingerprint.Take(bytes.data(), bytes.size());
-    }).status());
+    RETURN_IF_ERROR(
+        client
+            ->RewriteProgramFile(trial_params, arguments.input,
+                                 [&](const std::string& bytes) { return fingerprint.Take(bytes.data(), bytes.size()); })
+            .status());
     return fingerprint.Text();
   };
-  ASSIGN_OR_RETURN(const DialectChoice dialect, ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite),
-                                                              arguments.input, trial));
+  ASSIGN_OR_RETURN(const DialectChoice dialect,
+                   ChooseDialect(arguments.rewrite.dialect, DialectSource(typed.rewrite), arguments.input, trial));
   params.options.dialect = dialect.name;
-  const absl::StatusOr<OnService> done = arguments.keep ? RewriteAsJob(context, *client, params, arguments)
-                                                        : RewriteInStream(*client, params, arguments);
+  const absl::StatusOr<OnService> done =
+      arguments.keep ? RewriteAsJob(context, *client, params, arguments) : RewriteInStream(*client, params, arguments);
   if (!done.ok()) return WithDialect(dialect, done.status());
   const OnService& made = *done;
   RETURN_IF_ERROR(WriteReport(arguments, made.report, &report_file));
@@ -285,6 +288,9 @@ absl::Status CompensateOnService(Context& context, const CompensateArguments& ty
 absl::Status Compensate(Context& context, const CompensateArguments& arguments) {
   RETURN_IF_ERROR(CheckPaths(context, arguments));
   if (arguments.errors.empty()) RETURN_IF_ERROR(CheckSubprograms(arguments));
+  if (arguments.tables_off && !arguments.errors.empty())
+    return absl::InvalidArgumentError(
+        "--tables-off is of tables that the service handed out, which --errors does without");
   if (arguments.keep && !arguments.errors.empty())
     return absl::InvalidArgumentError("--keep stores programs on the service, which --errors does without");
   return arguments.errors.empty() ? CompensateOnService(context, arguments) : CompensateFiles(context, arguments);
@@ -302,6 +308,10 @@ void AddCompensateCommand(CLI::App& app, Context& context) {
   compensate->add_option("--report", arguments->report, "write the report as JSON");
   compensate->add_flag("--keep", arguments->keep,
                        "as a job: the program, the rewritten one and the report stay on the service");
+  compensate->add_flag(
+      "--tables-off", arguments->tables_off,
+      "the control's compensation tables are off or not loaded: needed where one was handed out of the "
+      "same calibration, which would correct twice");
   AddRewriteOptions(*compensate, arguments->rewrite);
   compensate->add_option("--subprograms-out", arguments->subprograms_out,
                          "with --subprograms: a folder for those that the program calls, corrected");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/base/ids.h"
 #include "core/compensate/tables/request.h"
 
@@ -20,6 +21,12 @@ struct TableParams {
   MachineId machine;
   std::optional<CalibrationId> calibration;
   tables::TableRequest request;
+};
+
+// A table that a control may have: the newest of its format that was made of a calibration.
+struct HandedTable {
+  std::string format, handed_to;
+  base::UtcTime handed_at;
 };
 
 struct MadeTable {

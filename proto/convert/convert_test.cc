@@ -125,6 +125,7 @@ TEST(JobParamsOnTheWire, ComeBack) {
   params.options.tool_lengths = {{3, 120.5}};
   params.options.tool_radii = {{4, 6.25}};
   params.options.tool_change_keeps = {"B", "C"};
+  params.tables_are_off = true;
   params.options.cutter_tolerance_mm = 0.007;
   params.options.decimals_mm = 3;
   params.options.initial_position = {{"X", 1.5}};
@@ -146,6 +147,7 @@ TEST(JobParamsOnTheWire, ComeBack) {
   EXPECT_EQ(got.options.tool_radii[0].number, 4);
   EXPECT_EQ(got.options.tool_radii[0].radius_mm, 6.25);
   EXPECT_EQ(got.options.tool_change_keeps, (std::vector<std::string>{"B", "C"}));
+  EXPECT_TRUE(got.tables_are_off);
   EXPECT_EQ(got.options.cutter_tolerance_mm, 0.007);
   EXPECT_EQ(got.options.decimals_mm, 3);
   EXPECT_EQ(got.options.initial_position[0].value, 1.5);

@@ -152,6 +152,7 @@ v1::CompensateParams ToProto(const records::CompensateParams& params) {
   *message.mutable_options() = ToProto(params.options);
   if (params.time_s) message.set_time_s(*params.time_s);
   if (params.temperature_celsius) message.set_temperature_celsius(*params.temperature_celsius);
+  message.set_tables_are_off(params.tables_are_off);
   return message;
 }
 
@@ -184,6 +185,7 @@ absl::StatusOr<records::CompensateParams> FromProto(const v1::CompensateParams& 
     RETURN_IF_ERROR(RequireFinite("temperature_celsius", message.temperature_celsius()));
     params.temperature_celsius = message.temperature_celsius();
   }
+  params.tables_are_off = message.tables_are_off();
   return params;
 }
 

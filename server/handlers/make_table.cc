@@ -85,6 +85,7 @@ absl::StatusOr<v1::MakeTableResponse> MakeTable(Core& core, const Call& call, co
         absl::StrCat("the table has ", made->text.size(), " bytes, at most ", kMaxAnswerBytes,
                      " can be handed out: allow a larger tolerance or fewer points")));
   }
+  RETURN_IF_ERROR(core.database.NoteHandedTable(calibration.id, params.request.format, call.By()));
   return convert::ToProto(records::MadeTable{*made, calibration.id});
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/time/time.h"
 #include "core/base/error_detail.h"
 #include "core/machine/machine_json.h"
 #include "core/reports/calibration.h"
@@ -53,6 +54,25 @@ absl::Status CheckUsable(storage::Database& database, const records::Calibration
                                                     : " holds no error that its sessions determine",
                                   ", so there is nothing to compensate"),
                      {"CALIBRATION_EMPTY", {}});
+}
+
+absl::Status CheckTables(storage::Database& database, CalibrationId calibration, bool are_off) {
+  if (are_off) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::vector<records::HandedTable> tables, database.ListHandedTables(calibration));
+  if (tables.empty()) return absl::OkStatus();
+  std::string text;
+  for (const records::HandedTable& table : tables) {
+    absl::StrAppend(
+        &text, text.empty() ? "" : ", ", table.format, " on ",
+        absl::FormatTime("%Y-%m-%d", absl::FromUnixMicros(base::ToUtcUs(table.handed_at)), absl::UTCTimeZone()), " to ",
+        table.handed_to);
+  }
+  return base::Error(
+      absl::StatusCode::kFailedPrecondition,
+      absl::StrCat("compensation tables of calibration ", calibration.number(), " were handed out (", text,
+                   "): a control that uses one corrects already what the program would. Take it out of "
+                   "the control and state --tables-off (tables_are_off), or leave the program as it is"),
+      {"TABLE_HANDED_OUT", {}});
 }
 
 std::vector<std::string> NotesOnInseparableErrors(const records::CalibrationRecord& calibration) {

@@ -15,7 +15,7 @@ struct Compensation {
   nc::RewriteOptions options;  // with the calibration's name for the mark
 };
 
-// Errors of CalibrationFor, MachineFor and Compensator::Create.
+// Errors of CalibrationFor, CheckTables, MachineFor and Compensator::Create.
 absl::StatusOr<Compensation> CompensationFor(storage::Database& database, const records::CompensateParams& params,
                                              const std::string& calibration_field);
 

@@ -70,7 +70,9 @@ absl::Status CheckCompensate(storage::Database& database, const records::Compens
   if (program.state != records::ProgramState::kComplete) {
     return Unmet("PROGRAM_NOT_COMPLETE", absl::StrCat("program ", program.id.number(), " is not complete"));
   }
-  return CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id").status();
+  ASSIGN_OR_RETURN(const records::CalibrationRecord calibration,
+                   CalibrationFor(database, params.machine, params.calibration, "params.compensate.calibration_id"));
+  return CheckTables(database, calibration.id, params.tables_are_off);
 }
 
 absl::StatusOr<identify::HeldErrors> HeldCalibration(storage::Database& database, const machine::Machine& machine,

@@ -254,6 +254,12 @@ class Database {
   // Newest first, withdrawn ones too.
   virtual absl::StatusOr<Page<Mark>> ListMarks(const MachineId& machine, const PageRequest& page) = 0;
 
+  // ---- compensation tables that controls may have
+  // A table of the calibration was handed out to the caller; the newest of a format stands for those before.
+  virtual absl::Status NoteHandedTable(CalibrationId calibration, const std::string& format, const Caller& caller) = 0;
+  // By name of the format.
+  virtual absl::StatusOr<std::vector<HandedTable>> ListHandedTables(CalibrationId calibration) = 0;
+
   // ---- what is expected of machines, and events (only server/watch raises and clears them)
   // Of a machine for which none were set: empty, etag 0.
   virtual absl::StatusOr<ExpectationsRecord> GetExpectations(const MachineId& machine) = 0;

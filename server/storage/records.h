@@ -21,6 +21,7 @@
 #include "core/records/program.h"
 #include "core/records/routine.h"
 #include "core/records/session.h"
+#include "core/records/table.h"
 #include "core/records/webhook.h"
 #include "core/session/session.h"
 
@@ -48,6 +49,7 @@ using records::Expectations;
 using records::ExpectationsRecord;
 using records::FleetRow;
 using records::Grant;
+using records::HandedTable;
 using records::IsTerminal;
 using records::JobError;
 using records::JobProgress;

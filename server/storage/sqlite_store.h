@@ -18,6 +18,7 @@
 #include "server/storage/chunks.h"
 #include "server/storage/events.h"
 #include "server/storage/file_lock.h"
+#include "server/storage/handed_tables.h"
 #include "server/storage/history.h"
 #include "server/storage/jobs.h"
 #include "server/storage/machines.h"
@@ -263,6 +264,14 @@ class SqliteStore final : public Database {
   }
   absl::StatusOr<Belonging> WhereBelongs(const Resource& resource, const std::string& principal) override {
     return readers_.Run([&](Connection& c) { return storage::WhereBelongs(c, resource, principal); });
+  }
+
+  // ---- compensation tables that controls may have
+  absl::Status NoteHandedTable(CalibrationId calibration, const std::string& format, const Caller& caller) override {
+    return writer_.Run([&](Connection& c) { return storage::NoteHandedTable(c, Now(), calibration, format, caller); });
+  }
+  absl::StatusOr<std::vector<HandedTable>> ListHandedTables(CalibrationId calibration) override {
+    return readers_.Run([&](Connection& c) { return storage::ListHandedTables(c, calibration); });
   }
 
   // ---- marks

@@ -192,6 +192,8 @@ void CallAll(TempDatabase& database, SessionId stored) {
   const auto put = database->PutMark(mark, Cell("m"));
   ASSERT_TRUE(put.ok()) << put.status();
   ASSERT_TRUE(database->ListMarks(mt, {}).ok());
+  ASSERT_TRUE(database->NoteHandedTable(CalibrationId(1), "general", Cell("")).ok());
+  ASSERT_TRUE(database->ListHandedTables(CalibrationId(1)).ok());
   ASSERT_TRUE(database->WithdrawMark(put->id, Cell("")).ok());
   ASSERT_TRUE(database->WhereBelongs({ResourceKind::kMark, "", put->id.number()}, "ann").ok());
   ASSERT_TRUE(database->CreatePrincipal("ann", "", Cell("")).ok());

@@ -265,10 +265,12 @@ class Client(Watching):
     def compensate_file(self, machine: str, source: PathLike, target: PathLike, tool_tip_mm: Sequence[float], *,
                         calibration: Optional[int] = None, unit: Optional[str] = None, dialect: Optional[str] = None,
                         max_correction_um: Optional[float] = None, on_unsupported: str = "refuse", time_s: Optional[float] = None,
-                        temperature_celsius: Optional[float] = None, options: Optional[job_pb2.RewriteOptions] = None) -> reports.Rewrite:
+                        temperature_celsius: Optional[float] = None, tables_are_off: bool = False,
+                        options: Optional[job_pb2.RewriteOptions] = None) -> reports.Rewrite:
         """Writes `target`, the NC program of `source` corrected for the machine's approved calibration or a named one; nothing is stored.
 
-        tool_tip_mm: the nominal tool point at home, machine frame. unit: "mm" or "inch" of a program that does not state it. options: all else
+        tool_tip_mm: the nominal tool point at home, machine frame. unit: "mm" or "inch" of a program that does not state it.
+        tables_are_off: the control does not use the tables that were handed out of this calibration, without which it is refused. options: all else
         of axiscal.v1.job_pb2.RewriteOptions. FailedPrecondition with line and reason where a block cannot be corrected; then, as with any other
         error, `target` stays as it was.
         """
@@ -293,6 +295,7 @@ class Client(Watching):
             params.time_s = time_s
         if temperature_celsius is not None:
             params.temperature_celsius = temperature_celsius
+        params.tables_are_off = tables_are_off
         return _programs.compensate(self._connection, params, source, target)
 
     def put_program(self, path: PathLike, progress: Optional[ProgressCallback] = None) -> ProgramRecord:

@@ -319,6 +319,7 @@ const kTexts = {
   mm: ["millimetres", "Millimeter"],
   inch: ["inches", "Zoll"],
   maxCorrection: ["Largest correction of an axis, µm", "Größte Korrektur einer Achse, µm"],
+  tablesOff: ["The control's own compensation tables are off", "Die Kompensationstabellen der Steuerung sind aus"],
   compensate: ["Compensate", "Kompensieren"],
   outcome: ["What was done", "Was getan wurde"],
   blocks: ["{corrected} of {read} blocks corrected, {split} split, {passed} passed unchanged", "{corrected} von {read} Sätzen korrigiert, {split} geteilt, {passed} unverändert"],

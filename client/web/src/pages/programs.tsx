@@ -76,6 +76,7 @@ function Compensate(props: { chosen: Chosen }) {
             programId: props.chosen.id,
             calibrationId: calibration === "" ? undefined : BigInt(calibration),
             toolTipMm: tip,
+            tablesAreOff: form.get("tablesOff") !== null,
             options: create(RewriteOptionsSchema, {
               dialect: String(form.get("dialect")),
               unit: Number(form.get("unit")) as ProgramUnit,
@@ -150,6 +151,9 @@ function Compensate(props: { chosen: Chosen }) {
             <label>
               {t("maxCorrection")}
               <input name="limit" type="number" min="1" step="any" />
+            </label>
+            <label class="check">
+              <input name="tablesOff" type="checkbox" /> {t("tablesOff")}
             </label>
             <p class="buttons">
               <button type="submit" disabled={job !== undefined && !hasEnded(job)}>
