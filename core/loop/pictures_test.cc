@@ -50,8 +50,9 @@ TEST(Pictures, ShowEveryVariableTheTracesAndTheRanking) {
   options.step_deg = 3.0;
   const auto sessions = identify::testing::Measure(
       machine, truth, {}, {{"BX", ballbar::Pattern::kBX, 356.4}, {"C/R <1>", ballbar::Pattern::kCR, 356.4}}, options);
-  const auto check_sessions = identify::testing::Measure(machine, truth, {.seed = 5, .setup_seed = {}},
-                                                         {{"BX", ballbar::Pattern::kBX, 356.4}}, options);
+  const auto check_sessions =
+      identify::testing::Measure(machine, truth, {.seed = 5, .setup_seed = {}, .stated_seed = {}},
+                                 {{"BX", ballbar::Pattern::kBX, 356.4}}, options);
   const auto fit = *identify::BindSessions(machine, sessions);
   const auto check = *identify::BindSessions(machine, check_sessions);
   const Report report = decide::CloseLoop(machine, fit, check).value();
