@@ -96,6 +96,9 @@ absl::Status ReadRule(const std::string& rule, const std::string& value, LogTemp
   if (rule == "count") return ReadPattern(value, "count", &out->count);
   if (rule == "mark") return ReadMark(value, &out->mark);
   if (rule == "skip") {
+    constexpr size_t kMostSkips = 100;  // each is tried on every line
+    if (out->skip.size() >= kMostSkips)
+      return absl::InvalidArgumentError(absl::StrCat("is one more than the ", kMostSkips, " that a template may have"));
     ASSIGN_OR_RETURN(LinePattern pattern, ParsePattern(value));
     out->skip.push_back(std::move(pattern));
     return absl::OkStatus();

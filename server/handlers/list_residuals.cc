@@ -54,7 +54,9 @@ v1::Residual ResidualOf(const CalibrationFit& fit, size_t i, int reading) {
 // The place of the first reading of the page, counted over all that are listed.
 absl::StatusOr<int64_t> FirstOf(const storage::PageStart& start) {
   int64_t last = -1;
-  if (start.after.has_value() && !absl::SimpleAtoi(*start.after, &last)) {
+  // A token's checksum has no secret: whoever makes one up may write any number.
+  constexpr int64_t kMost = int64_t{1} << 48;
+  if (start.after.has_value() && (!absl::SimpleAtoi(*start.after, &last) || last < 0 || last > kMost)) {
     return base::Error(absl::StatusCode::kInvalidArgument, "page_token: is not one that a list has given",
                        {"PAGE_INVALID", {{"field", "page_token"}}});
   }

@@ -17,8 +17,9 @@
 namespace axiscal::handlers {
 namespace {
 
-// What a byte of a log takes while it is reduced: the text, its fields, the session's cells.
-constexpr int64_t kBytesOfByte = 8;
+// What a byte of a log takes while it is reduced: the text, its fields, the session's cells; of usual lines of some 30
+// characters and four numbers 10 to 14.
+constexpr int64_t kBytesOfByte = 16;
 constexpr size_t kPartBytes = 1 << 20;
 
 // What is wrong with log, template or plan: with the place, where the reader gave one.
@@ -63,6 +64,9 @@ absl::StatusOr<records::ProgramRecord> KeepAll(Core& core, const Call& call, con
                                                session::Session& session) {
   const MachineId machine(header.machine_id());
   ASSIGN_OR_RETURN(const records::ProgramRecord kept, Keep(core, call, machine, "log", header.name(), log));
+  // What a template's or a plan's own lines say of another log.
+  std::erase_if(session.header,
+                [](const session::HeaderEntry& entry) { return entry.key == "log" || entry.key.starts_with("log_"); });
   const auto add = [&](const std::string& key, const std::string& value) { session.header.push_back({key, value}); };
   add("log", header.name());
   add("log_sha256", kept.sha256);
@@ -133,7 +137,6 @@ absl::Status PutLogStream::Begin(const v1::PutLogHeader& header) {
   absl::StatusOr<records::LogForm> form = convert::FromProto(header.form());
   if (!form.ok()) return convert::InField("header.form", form.status());
   RETURN_IF_ERROR(MachineOf(core_, MachineId(header.machine_id())).status());
-  RETURN_IF_ERROR(share_.Take(kBytesOfByte * header.size_bytes()));
   form_ = *std::move(form);
   header_ = header;
   return absl::OkStatus();
@@ -144,6 +147,8 @@ absl::Status PutLogStream::Append(const std::string& bytes) {
     return convert::FieldError("data",
                                absl::StrCat(bytes.size(), " bytes, must be 1 to ", convert::kMaxProgramPartBytes));
   }
+  // As they come: a stream that stands still holds no more than it has sent.
+  RETURN_IF_ERROR(share_.Take(kBytesOfByte * static_cast<int64_t>(bytes.size())));
   bytes_ += bytes;
   if (static_cast<int64_t>(bytes_.size()) > header_->size_bytes()) {
     return base::Error(absl::StatusCode::kOutOfRange,

@@ -1,5 +1,6 @@
 // Keyset paging: a page starts after the last key of the page before. The token holds that key and what was listed, so
-// that it cannot be used for another list, and a checksum, so that it cannot be made up.
+// that it cannot be used for another list, and a checksum against mistakes. The checksum has no secret: whoever makes a
+// token up may name any key, so every reader of a key must take any.
 #ifndef AXISCAL_SERVER_STORAGE_PAGE_TOKEN_H_
 #define AXISCAL_SERVER_STORAGE_PAGE_TOKEN_H_
 

@@ -28,7 +28,8 @@ void RowCrc32c(sqlite3_context* context, int count, sqlite3_value** values) {
     if (type == SQLITE_INTEGER) {
       crc = AddEightBytes(crc, static_cast<uint64_t>(sqlite3_value_int64(value)));
     } else if (type == SQLITE_FLOAT) {
-      crc = AddEightBytes(crc, std::bit_cast<uint64_t>(sqlite3_value_double(value)));
+      // SQLite keeps -0.0 as 0.0.
+      crc = AddEightBytes(crc, std::bit_cast<uint64_t>(sqlite3_value_double(value) + 0.0));
     } else if (type != SQLITE_NULL) {
       const void* const bytes = sqlite3_value_blob(value);
       const int size = sqlite3_value_bytes(value);

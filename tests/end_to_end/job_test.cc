@@ -10,6 +10,7 @@
 #include "core/base/error_detail.h"
 #include "proto/convert/job_params.h"
 #include "server/local_login.h"
+#include "server/storage/page_token.h"
 #include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/job_fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
@@ -165,6 +166,17 @@ TEST_F(Job, ResidualsComeInPages) {
   EXPECT_EQ(page.next_page_token(), "");
   for (const v1::Residual& one : page.residuals()) sum += one.before_um(0) * one.before_um(0);
   EXPECT_NEAR(std::sqrt(sum / 720), page.sessions(0).rms_before_um(), 1e-9);
+
+  // A token that the caller made up.
+  storage::PageStart made_up;
+  made_up.list = absl::StrCat("residuals|", job.calibration->number(), "|0");
+  for (const char* const last : {"-5", "-1000000000", "9223372036854775807", "x"}) {
+    request.set_page_token(storage::MakePageToken(made_up, last));
+    EXPECT_EQ(ask(&page).error_code(), grpc::StatusCode::INVALID_ARGUMENT) << last;
+  }
+  request.set_page_token(storage::MakePageToken(made_up, "499"));
+  ASSERT_TRUE(ask(&page).ok());
+  EXPECT_EQ(page.residuals_size(), 220);
 
   request.set_session_id(session.number());
   EXPECT_THAT(ask(&page).error_message(), HasSubstr("belongs to another list"));
