@@ -557,16 +557,18 @@ absl::StatusOr<nc::RewriteOptions> ToRewriteOptions(const RewriteArguments& argu
     constexpr size_t kMostBytes = size_t{1} << 24;
     ASSIGN_OR_RETURN(const std::string table, base::ReadFile(arguments.tool_table, kMostBytes));
     ASSIGN_OR_RETURN(const ToolTable tools, ParseToolTable(table, arguments.tool_table));
-    for (const nc::ToolRadius& radius : tools.radii) {
-      const bool is_stated = std::any_of(options.tool_radii.begin(), options.tool_radii.end(),
-                                         [&](const nc::ToolRadius& known) { return known.number == radius.number; });
-      if (!is_stated) options.tool_radii.push_back(radius);
-    }
-    for (const nc::ToolLength& length : tools.lengths) {
-      const bool is_stated = std::any_of(options.tool_lengths.begin(), options.tool_lengths.end(),
-                                         [&](const nc::ToolLength& known) { return known.number == length.number; });
-      if (!is_stated) options.tool_lengths.push_back(length);
-    }
+    // A value that is stated for a number goes before the table's, before those of the number by tool, too.
+    const auto is_stated = [](const auto& stated, int number) {
+      return std::any_of(stated.begin(), stated.end(), [number](const auto& known) {
+        return known.number == number || (number >= nc::kEdgesOfTool && known.number == number % nc::kEdgesOfTool);
+      });
+    };
+    const std::vector<nc::ToolRadius> radii = options.tool_radii;
+    for (const nc::ToolRadius& radius : tools.radii)
+      if (!is_stated(radii, radius.number)) options.tool_radii.push_back(radius);
+    const std::vector<nc::ToolLength> lengths = options.tool_lengths;
+    for (const nc::ToolLength& length : tools.lengths)
+      if (!is_stated(lengths, length.number)) options.tool_lengths.push_back(length);
   }
   return options;
 }

@@ -178,10 +178,16 @@ void EffectSearch::Run(const Extension& extension, const Fit& fit, loop::Report*
   const auto finer = std::stable_partition(known.begin(), known.end(), is_told);
   Extension rough = *next;
   const Seen seen{&*thinned, SearchRows(*thinned, {}, {known.begin(), finer}, {}, first, &rough)};
+  // Sums do not tell at which of their readings something slipped.
+  const auto key_of = [this](const Candidate& one) {
+    Key key = KeyOf(machine_, one);
+    if (one.family == Family::kStep) std::get<2>(key) = 0;
+    return key;
+  };
   std::multiset<Key> before, after;
   for (const Added& one : extension.effects)
-    if (is_told(one.candidate)) before.insert(KeyOf(machine_, one.candidate));
-  for (const Added& one : rough.effects) after.insert(KeyOf(machine_, one.candidate));
+    if (is_told(one.candidate)) before.insert(key_of(one.candidate));
+  for (const Added& one : rough.effects) after.insert(key_of(one.candidate));
   if (before != after) {  // fitted first: what is finer comes when these stay
     for (const Added& one : extension.effects)
       if (!is_told(one.candidate)) rough.effects.push_back(one);
@@ -193,6 +199,10 @@ void EffectSearch::Run(const Extension& extension, const Fit& fit, loop::Report*
   for (const Added& one : rough.effects) found.push_back(one.candidate);
   found.insert(found.end(), finer, known.end());
   SearchRows(linearised, seen, found, extension.bad_rows, nullptr, next);
+  // Slips and instruments were searched again.
+  std::erase_if(rough.effects, [](const Added& one) {
+    return one.candidate.family == Family::kStep || one.candidate.family == Family::kInstrument;
+  });
   TakeOver(machine_, rough, next);
 }
 

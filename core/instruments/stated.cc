@@ -102,7 +102,8 @@ absl::Status BindCertifiedValues(const session::Session& session, const machine:
 }
 
 absl::Status BindExpansions(const session::Session& session, const machine::Machine& machine, MeasuringRun* run) {
-  std::map<std::string, Eigen::MatrixXd> by_kelvin;  // of each thermometer
+  // Of each thermometer; what workpieces grow by apart from the rest, as it is no part of a reading.
+  std::map<std::pair<std::string, bool>, Eigen::MatrixXd> by_kelvin;
   for (const Expansion& expansion : session::ExpansionsOf(session.header)) {
     const std::vector<double>* const celsius = TemperaturesOf(*run, expansion.column);
     if (celsius == nullptr)
@@ -117,7 +118,7 @@ absl::Status BindExpansions(const session::Session& session, const machine::Mach
     effect.is_workpiece = expansion.of == "workpiece";
     effect.mm.setZero(run->row_count, run->reading_count());
     effect.by_sigma_mm = effect.mm;
-    Eigen::MatrixXd& of_thermometer = by_kelvin[expansion.column];
+    Eigen::MatrixXd& of_thermometer = by_kelvin[{expansion.column, effect.is_workpiece}];
     if (of_thermometer.size() == 0) of_thermometer = effect.mm;
     for (int k = 0; k < run->reading_count(); ++k) {
       const Eigen::VectorXd growth = GrowthOf(expansion, machine, *run, k);
@@ -131,11 +132,11 @@ absl::Status BindExpansions(const session::Session& session, const machine::Mach
   const std::optional<std::string> text = session::FindHeader(session, session::kTemperatureSigmaKey);
   std::vector<double> sigma_kelvin;
   if (!text || !session::ParseNumbers(*text, &sigma_kelvin) || sigma_kelvin.size() != 1) return absl::OkStatus();
-  for (const auto& [column, mm_per_kelvin] : by_kelvin) {
+  for (const auto& [of, mm_per_kelvin] : by_kelvin) {
+    const auto& [column, is_workpiece] = of;
     StatedEffect effect;
     effect.of = absl::StrFormat("thermometer of %s, +- %g K", column, sigma_kelvin[0]);
-    effect.is_workpiece =
-        std::all_of(run->stated.begin(), run->stated.end(), [](const StatedEffect& one) { return one.is_workpiece; });
+    effect.is_workpiece = is_workpiece;
     effect.mm.setZero(run->row_count, run->reading_count());
     effect.by_sigma_mm = sigma_kelvin[0] * mm_per_kelvin;
     run->stated.push_back(std::move(effect));

@@ -68,6 +68,11 @@ std::vector<MeasuringRun> SampleOf(const std::vector<MeasuringRun>& runs) {
     some.slips.clear();
     some.measured_mm.resize(run.row_count, static_cast<Eigen::Index>(some.time_s.size()));
     for (Eigen::Index k = 0; k < some.measured_mm.cols(); ++k) some.measured_mm.col(k) = run.measured_mm.col(k * n);
+    some.stated.clear();  // sigmas, which nobody asks a sample for
+    if (run.stated_mm.size() > 0) {
+      some.stated_mm.resize(run.row_count, some.measured_mm.cols());
+      for (Eigen::Index k = 0; k < some.stated_mm.cols(); ++k) some.stated_mm.col(k) = run.stated_mm.col(k * n);
+    }
     instruments::DeriveMotion(&some);
   }
   return sample;

@@ -39,6 +39,12 @@ class Coordinates {
   bool IsLengthStated(int number) const {
     return std::any_of(lengths_.begin(), lengths_.end(), [number](const Length& one) { return one.number == number; });
   }
+  // Of some tool (NumberOfEdge): then the number alone is of no other.
+  bool IsEdgeStatedByTool(int edge) const {
+    return std::any_of(lengths_.begin(), lengths_.end(), [edge](const Length& one) {
+      return one.number >= kEdgesOfTool && one.number % kEdgesOfTool == edge;
+    });
+  }
   // Index into options.tool_lengths of the number, -1: not stated. Number 0 is no length.
   bool SelectLength(int number, int sign);
   void DropLength();

@@ -65,7 +65,11 @@ std::string Interpreter::WhyNoCutter(const Request& request, Ticks* radius) cons
   };
   // D1 of the tool in the spindle.
   const bool is_edge = is_by_tool && !dialect_->tool_call_sets_length && number < kEdgesOfTool;
-  if (const int of_spindle = is_edge ? NumberOfSpindle(number) : 0; of_spindle > 0 && is_stated(of_spindle))
+  const bool is_by_its_tool = std::any_of(
+      options_->tool_radii.begin(), options_->tool_radii.end(),
+      [number](const ToolRadius& one) { return one.number >= kEdgesOfTool && one.number % kEdgesOfTool == number; });
+  if (const int of_spindle = is_edge ? NumberOfSpindle(number) : 0;
+      of_spindle > 0 && (is_by_its_tool || is_stated(of_spindle)))
     number = of_spindle;
   const std::string name = number >= kEdgesOfTool            ? ToolNumberText(number)
                            : dialect_->tool_call_sets_length ? absl::StrCat("T", number)

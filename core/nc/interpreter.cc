@@ -201,8 +201,8 @@ void Interpreter::ForgetPositions(bool is_reported) {
   for (int i = 0; i < axis_count_; ++i) ForgetPosition(i, is_reported);
 }
 
-void Interpreter::ForgetAway(Step* step) {
-  const bool is_sure = step->is_tool_change && !block_may_be_skipped_;
+void Interpreter::ForgetAway(const Request& request, Step* step) {
+  const bool is_sure = step->is_tool_change && !request.changes_pallet && !block_may_be_skipped_;
   for (int i = 0; i < axis_count_; ++i) {
     const auto bit = static_cast<uint16_t>(1u << i);
     if (is_sure && (kept_in_tool_change_ & bit) != 0) {
@@ -688,7 +688,7 @@ void Interpreter::Apply(const char* text, const Block& block, Step* step) {
   }
   if (request.is_jump) jump_line_ = line_;
   if (step->moves_away) modal_.is_cutter_ending = false;
-  if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetAway(step);
+  if (step->moves_away && step->kind != StepKind::kUnsupported) ForgetAway(request, step);
   if (step->kind == StepKind::kUnsupported && !call_problem_.empty() && !step->is_consequence)
     absl::StrAppend(&step->reason, ": ", call_problem_);
   at_program_end_ = step->ends_program = request.is_end;

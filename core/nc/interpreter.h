@@ -436,7 +436,7 @@ class Interpreter {
   void ForgetPositions(bool is_reported);
   void ForgetPosition(int axis, bool is_reported);
   // Behind a tool or pallet change: all but what the tool changer leaves where it stands.
-  void ForgetAway(Step* step);
+  void ForgetAway(const Request& request, Step* step);
   void StartProgram();
   // The modal state at the begin of a program.
   void BeginModal();

@@ -456,6 +456,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       return;
     case Meaning::kAxesAway:
       request->away = code.text;
+      request->changes_pallet = true;
       LoseToolPoint();
       EndMode(code.detail);
       return;
@@ -689,7 +690,7 @@ void Interpreter::SelectLength(Request* request) {
   if (acts_alone && number > 0) {
     const int of_spindle = NumberOfSpindle(number);
     const bool is_stated = coordinates_.IsLengthStated(number);
-    if (of_spindle > 0 && (coordinates_.IsLengthStated(of_spindle) || !is_stated)) {
+    if (of_spindle > 0 && (coordinates_.IsEdgeStatedByTool(number) || !is_stated)) {
       number = of_spindle;
     } else if (is_stated && !IsOfOneTool(number)) {
       coordinates_.DropLength();

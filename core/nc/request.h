@@ -64,6 +64,7 @@ struct Interpreter::Request {
   const Word* radius = nullptr;
   const char* away = nullptr;  // what takes the axes away and back in this block: a tool change, a pallet change
   bool goes_away_behind = false;  // behind the block's own move
+  bool changes_pallet = false;    // or turns axes home: none stands where it stood, whatever a tool change keeps
   bool may_switch_offset = false;  // T0101
   bool is_dwell = false;
   bool is_end = false;

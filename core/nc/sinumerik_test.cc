@@ -150,9 +150,13 @@ TEST(Sinumerik, EachToolHasItsOwnD1) {
   EXPECT_FALSE(testing::Rewritten("T1 M6\n/T2 M6\nD1\n" + state, options).status.ok());
   const testing::Outcome asked = testing::Rewritten("T3 M6\nD1\n" + state, options);
   EXPECT_THAT(asked.report.missing, ::testing::Contains("--tool-length T3D1=..."));
-  // A D number that is stated without a tool is that of the tool which has it first.
+  // Beside numbers by tool one without a tool is of no tool.
   options.tool_lengths.push_back({1, 100.0});
-  EXPECT_REWRITTEN(options, "T3 M6\nD1\n" + state + "T1 M6\nD1\n" + state, "T3 M6\nD1\n" + at_2 + "T1 M6\nD1\n" + at_1);
+  EXPECT_REFUSED(options, "T3 M6\nD1\n" + state, "tool length T3D1: its value is not stated");
+  EXPECT_REWRITTEN(options, "T1 M6\nD1\n" + state, "T1 M6\nD1\n" + at_1);
+  // Alone it is that of the tool which has it first.
+  options.tool_lengths = {{1, 100.0}};
+  EXPECT_REWRITTEN(options, "T3 M6\nD1\n" + state, "T3 M6\nD1\n" + at_2);
   EXPECT_REFUSED(options, "T3 M6\nD1\n" + state + "T4 M6\nD1\n" + state, "tool length T4D1: its value is not stated");
 }
 

@@ -481,9 +481,10 @@ Move Scorer::BestBlock(int which, const Eigen::MatrixXd& gram, const Eigen::Vect
 namespace {
 // B with B' B = W' V^-1 W, W the rows of some columns in K^-1 P and V their part of K^-1: what K^-1 explains by them
 // beyond what it explains without them.
-Eigen::MatrixXd BackOf(const Eigen::MatrixXd& inverse, const Eigen::MatrixXd& weights, Eigen::Index first,
-                       Eigen::Index count) {
+std::optional<Eigen::MatrixXd> BackOf(const Eigen::MatrixXd& inverse, const Eigen::MatrixXd& weights,
+                                      Eigen::Index first, Eigen::Index count) {
   const Eigen::LLT<Eigen::MatrixXd> own(inverse.block(first, first, count, count));
+  if (own.info() != Eigen::Success) return std::nullopt;  // rounding
   Eigen::MatrixXd back = weights.middleRows(first, count);
   own.matrixL().solveInPlace(back);
   return back;
@@ -504,16 +505,18 @@ Scorer::Explained Scorer::ExplainedBy(const State& state, double design, const F
     const auto which = gone - ground_->state.begin();
     if (std::equal(gone + 1, ground_->state.end(), state.begin() + which)) {
       const Eigen::Index first = ground_->first[static_cast<size_t>(which)], count = group(gone->group).columns;
-      out.ground = &*ground_;
-      out.back = BackOf(ground_->inverse, ground_->weights, first, count);
-      Eigen::MatrixXd amplitude = ground_->amplitude.segment(first, count);
-      const Eigen::LLT<Eigen::MatrixXd> own(ground_->inverse.block(first, first, count, count));
-      own.matrixL().solveInPlace(amplitude);
-      out.of_y = ground_->of_y;
-      out.of_y.noalias() -= out.back.transpose() * amplitude;
-      if (first < ground_->flat && ground_->flat_weights.size() > 0)
-        out.flat_back = BackOf(ground_->flat_inverse, ground_->flat_weights, first, count);
-      return out;
+      const bool has_flat = first < ground_->flat && ground_->flat_weights.size() > 0;
+      std::optional<Eigen::MatrixXd> back = BackOf(ground_->inverse, ground_->weights, first, count), flat_back;
+      if (has_flat) flat_back = BackOf(ground_->flat_inverse, ground_->flat_weights, first, count);
+      if (back && (flat_back || !has_flat)) {
+        out.ground = &*ground_;
+        const std::optional<Eigen::MatrixXd> of_y = BackOf(ground_->inverse, ground_->amplitude, first, count);
+        out.of_y = ground_->of_y;
+        out.of_y.noalias() -= back->transpose() * *of_y;
+        out.back = *std::move(back);
+        if (has_flat) out.flat_back = *std::move(flat_back);
+        return out;
+      }
     }
   }
   LoadProducts(state);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "core/session/header_rules.h"
 #include "core/session/text.h"
@@ -159,6 +161,13 @@ std::vector<Certificate> CertificatesOf(const std::vector<HeaderEntry>& header) 
   return certificates;
 }
 
+namespace {
+// A key's words, small, with one blank between them.
+std::string SmallWordsOf(const std::string& key) {
+  return absl::AsciiStrToLower(absl::StrJoin(absl::StrSplit(key, ' ', absl::SkipEmpty()), " "));
+}
+}  // namespace
+
 absl::Status ValidateStatedFacts(const std::vector<HeaderEntry>& header, const InstrumentFormat& format) {
   bool any_scale = false, any_workpiece = false;
   for (size_t i = 0; i < header.size(); ++i) {
@@ -166,9 +175,13 @@ absl::Status ValidateStatedFacts(const std::vector<HeaderEntry>& header, const I
     const std::string place = absl::StrCat("line ", HeaderLine(i), ": ", Printable(entry.key));
     const bool is_expansion = HasPrefix(entry, kExpansion), is_certificate = HasPrefix(entry, kCertificate);
     const bool is_sigma = entry.key == kTemperatureSigmaKey;
+    // Taken for a key that says nothing, "Expansion bar" would leave readings as they are in silence.
+    const std::string words = SmallWordsOf(entry.key), first = words.substr(0, words.find(' '));
+    if ((first == "expansion" && !is_expansion) || (first == "certificate" && !is_certificate))
+      return absl::InvalidArgumentError(absl::StrCat(place, ": expected '", first, "' in small letters, then of what"));
     if (!is_expansion && !is_certificate && !is_sigma) continue;
     for (size_t before = 0; before < i; ++before) {
-      if (header[before].key == entry.key)
+      if (SmallWordsOf(header[before].key) == words)
         return absl::InvalidArgumentError(
             absl::StrCat(place, ": stands in line ", HeaderLine(before), " already, expected once"));
     }

@@ -67,6 +67,12 @@ TEST(StatedFacts, WhatIsWrongIsRefusedWithItsLine) {
   EXPECT_THAT(Problem(kTouch, "expansion bar", "11.5 1"),
               HasSubstr("expansion bar: is of instrument ballbar, this session's is touch"));
   EXPECT_EQ(Problem(kTouch, "expansion artefact", "11.5 1"), "");
+  EXPECT_THAT(Problem(kBallbar, "Expansion bar", "11.5 1"), HasSubstr("expected 'expansion' in small letters"));
+  EXPECT_THAT(Problem(kBallbar, "certificate", "7 due 2027-01-31"), HasSubstr("expected 'certificate'"));
+  Session twice = *ReadSessionText(kBallbar, "a");
+  twice.header.push_back({"expansion bar", "11.5 1"});
+  twice.header.push_back({"expansion  bar", "11.5 1"});
+  EXPECT_THAT(std::string(Validate(twice).message()), HasSubstr("stands in line"));
   EXPECT_THAT(Problem(kBallbar, "temperature_sigma_K", "0"), HasSubstr("expected one number above 0 up to 10"));
   EXPECT_THAT(Problem(kBallbar, "certificate bar_length", "4711"), HasSubstr("expected 'NUMBER due DATE'"));
   EXPECT_THAT(Problem(kBallbar, "certificate bar_length", "4711 due 31.1.2027"), HasSubstr("the date as 2027-01-31"));
