@@ -58,7 +58,7 @@ struct Rewritten {
   v1::RewriteProgramResult result;
 };
 
-absl::StatusOr<Rewritten> Rewrite(const PlainCall& call, const v1::CompensateParams& params, Share& share) {
+absl::StatusOr<Rewritten> Rewrite(const PlainCall& call, const v1::CompensateParams& params, handlers::Share& share) {
   ASSIGN_OR_RETURN(const std::unique_ptr<ForwardedCall> forwarded,
                    ForwardedCall::Begin(call.core, call.request, call.credentials, call.exchange));
   const auto stub = v1::Programs::NewStub(call.channel);
@@ -92,7 +92,7 @@ bool WantsReport(const Request& request) {
 
 absl::StatusOr<Answer> AnswerTo(const PlainCall& call, const std::string& machine) {
   ASSIGN_OR_RETURN(const v1::CompensateParams params, ParamsOf(call.request, machine));
-  Share share(call.budget);
+  handlers::Share share(call.budget);
   ASSIGN_OR_RETURN(Rewritten rewritten, Rewrite(call, params, share));
   const bool wants_report = WantsReport(call.request);
   return Answer{200,
