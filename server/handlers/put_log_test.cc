@@ -5,6 +5,7 @@
 
 #include "core/base/sha256.h"
 #include "core/session/session.h"
+#include "proto/convert/program.h"
 #include "server/handlers/create_machine.h"
 #include "server/handlers/testing/test_core.h"
 
@@ -162,16 +163,24 @@ TEST_F(PutLogTest, WhatIsWrongIsToldWithItsPlaceAndStoresNothing) {
 }
 
 TEST_F(PutLogTest, MemoryForLogsHasAnEnd) {
-  v1::PutLogRequest header = Header(kLog);
+  v1::PutLogRequest header = Header(kLog), part;
   header.mutable_header()->set_size_bytes(records::kMaxLogBytes);
-  PutLogStream first(core, call), second(core, call);
-  EXPECT_TRUE(first.Receive(header).ok());
-  EXPECT_TRUE(second.Receive(header).ok());
+  part.set_data(std::string(static_cast<size_t>(convert::kMaxProgramPartBytes), '1'));
+  absl::Status status;
   {
-    PutLogStream third(core, call);
-    EXPECT_EQ(base::ErrorReason(third.Receive(header)), "QUEUE_FULL");
+    PutLogStream first(core, call), second(core, call), idle(core, call);
+    // Streams that send nothing take nothing.
+    for (PutLogStream* stream : {&first, &second, &idle}) ASSERT_TRUE(stream->Receive(header).ok());
+    for (int64_t sent = 0; sent < records::kMaxLogBytes && status.ok(); sent += convert::kMaxProgramPartBytes) {
+      status = first.Receive(part);
+      if (status.ok()) status = second.Receive(part);
+    }
+    EXPECT_EQ(base::ErrorReason(status), "QUEUE_FULL");
+    EXPECT_EQ(base::ErrorReason(first.End().status()), "STREAM_INCOMPLETE");
   }
-  EXPECT_EQ(base::ErrorReason(first.End().status()), "STREAM_INCOMPLETE");
+  PutLogStream later(core, call);
+  ASSERT_TRUE(later.Receive(header).ok());
+  EXPECT_TRUE(later.Receive(part).ok());
 }
 
 }  // namespace
