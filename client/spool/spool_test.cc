@@ -185,6 +185,9 @@ TEST_F(SpoolTest, KilledAtAnyMomentItHoldsEveryFileOnceAndWhole) {
   const auto name = [](int round, int i) { return absl::StrCat("r", round, "-", i, ".log"); };
   const auto text = [](const std::string& of) { return absl::StrCat(std::string(20'000, '.'), of); };
   for (int round = 0; round < kRounds; ++round) {
+    // A byte for each file that was added: moments are told by the work done, as a busy machine does none for a while.
+    int done[2];
+    ASSERT_EQ(pipe(done), 0);
     std::vector<pid_t> children;
     for (int who = 0; who < 3; ++who) {
       const pid_t child = fork();
@@ -198,6 +201,7 @@ TEST_F(SpoolTest, KilledAtAnyMomentItHoldsEveryFileOnceAndWhole) {
       for (int i = 0; i < kFiles; ++i) {
         if (who < 2) {
           static_cast<void>(spool->Add(Log(name(round, i)), text(name(round, i))));
+          if (write(done[1], "+", 1) != 1) _exit(1);
           continue;
         }
         const auto waiting = spool->Numbers(Place::kWaiting);
@@ -205,7 +209,12 @@ TEST_F(SpoolTest, KilledAtAnyMomentItHoldsEveryFileOnceAndWhole) {
       }
       _exit(0);
     }
-    usleep(static_cast<useconds_t>(random() % 12'000));
+    close(done[1]);
+    char byte = 0;
+    for (int left = static_cast<int>(random() % (2 * kFiles)); left > 0 && read(done[0], &byte, 1) == 1; --left) {
+    }
+    usleep(static_cast<useconds_t>(random() % 1'000));  // some way into the next file
+    close(done[0]);
     for (const pid_t child : children) kill(child, SIGKILL);
     for (const pid_t child : children) waitpid(child, nullptr, 0);
   }
