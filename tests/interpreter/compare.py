@@ -89,6 +89,11 @@ def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
+def unit(a):
+    length = math.sqrt(dot(a, a))
+    return tuple(v / length for v in a)
+
+
 def angle(a, b):
     c = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
     return math.atan2(math.sqrt(dot(c, c)), dot(a, b))
@@ -318,6 +323,8 @@ class Comparison:
                 most = max(math.sqrt(dot(over, over)), math.sqrt(dot(left, left)))
                 if most > limits.lean_mm + limits.end_mm:
                     problem = "the hole is %.5f mm off, and %.5f are reported" % (most, limits.lean_mm)
+                elif s.key[1] == "POS" and abs(depth) > limits.end_mm + 1e-3 * lean:  # its Z is a word of the block
+                    problem = "the hole is %.5f mm too deep" % depth
                 elif s.words and aside > limits.end_mm + 1e-3 * abs(height):
                     problem = "the drill is %.5f mm off where it goes in" % aside
             elif math.dist(want[0], have[0]) > limits.end_mm:
@@ -372,19 +379,27 @@ class Comparison:
                 now, along_now = words_of(piece, u), tangent(piece, u)
                 if along is None or along_now is None or abs(cross(along, along_now)) > 0.011 or along[0] * along_now[0] + along[1] * along_now[1] < 0:
                     return "the contour is turned, and the tool's centre with it"
-                centre, beside, centre_now = dict(at), dict(at), dict(now)
-                centre.update(X=at["X"] - side * radius * along[1], Y=at["Y"] + side * radius * along[0])
-                beside.update(X=centre["X"] - side * along[1], Y=centre["Y"] + side * along[0])
-                centre_now.update(X=now["X"] - side * radius * along_now[1], Y=now["Y"] + side * radius * along_now[0])
-                want, aim = machine.tip(axes_of(s, centre), s.length)
-                wall = sub(machine.tip(axes_of(s, beside), s.length)[0], want)
-                have = machine.tip(axes_of(piece, centre_now), piece.length, True)[0]
+                def centre_of(event, words, direction, more=0.0):
+                    return axes_of(event, dict(words, X=words["X"] - side * (radius + more) * direction[1],
+                                               Y=words["Y"] + side * (radius + more) * direction[0]))
+
+                want, aim = machine.tip(centre_of(s, at, along), s.length)
+                wall = unit(sub(machine.tip(centre_of(s, at, along, 1.0), s.length)[0], want))
+                have = machine.tip(centre_of(piece, now, along_now), piece.length, True)[0]
+                # Along the path of its centre the tool comes by: how far `t` is from its place does not count.
+                h = 1e-5 if t + u * (end - t) < 0.5 else -1e-5
+                later = t + u * (end - t) + h
+                path = sub(machine.tip(centre_of(s, words_of(s, later), tangent(s, later)), s.length)[0], want)
                 off = sub(have, want)
-                across, depth = dot(off, wall) / math.sqrt(dot(wall, wall)), dot(off, aim)
+                if dot(path, path) > 1e-20:
+                    path = unit(path)
+                    off = sub(off, [dot(off, path) * v for v in path])
+                across = dot(off, wall)
+                high = math.sqrt(max(dot(off, off) - across * across, 0.0))
                 most = limits.contour_mm + limits.end_mm
-                if abs(across) > most or abs(depth) > most:
-                    return "the cutter is %.5f mm off across the contour, %.5f along Z, and %.5f are reported" % (
-                        across, depth, limits.contour_mm)
+                if abs(across) > most or high > most:
+                    return "the cutter is %.5f mm off across the contour, %.5f along the tool, and %.5f are reported" % (
+                        across, high, limits.contour_mm)
             t = end
         now = [(s, 0.0)], [(p, 0.0) for p in pieces]
         if self.corner:
