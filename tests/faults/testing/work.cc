@@ -36,6 +36,10 @@ NewJob TestJob() {
   return job;
 }
 
+NewMark TheMark() {
+  return {MachineId("new"), base::FromUtcUs(1'700'000'000'000'000), records::MarkKind::kCollision, {"EA0B"}, "hit"};
+}
+
 NewSession TheSession(const std::string& request_id) {
   NewSession session = TestSession(request_id);
   session.machine = MachineId("new");
@@ -71,6 +75,10 @@ void Work(const std::string& path, const Tell& tell, base::Clock& clock) {
   if (database.CreateMachine(MachineId("new"), "{}", kAnn).ok()) tell("machine");
   if (database.CreatePrincipal("bob", "", kAnn).ok()) tell("principal");
   if (database.ChangeRole("bob", {records::Role::kViewer, {}}, true, kAnn).ok()) tell("role");
+  // Made in a former run it is revoked already, and its name does not come back.
+  static_cast<void>(database.CreatePrincipal("eve", "", kAnn));
+  if (database.RevokePrincipal("eve", kAnn).ok()) tell("revoke");
+  if (database.PutMark(TheMark(), Cell("mark")).ok()) tell("mark");
   SessionId session;
   if (const auto created = database.CreateSession(TheSession("session")); created.ok()) {
     tell("session");
@@ -110,7 +118,9 @@ void Work(const std::string& path, const Tell& tell, base::Clock& clock) {
   CalibrationFilter of_new;
   of_new.machine = MachineId("new");
   if (const auto all = database.ListCalibrations(of_new, {}); all.ok() && !all->rows.empty()) {
-    if (database.ApproveCalibration(all->rows.back().id, 0, kAnn).ok()) tell("approve");
+    const CalibrationId id = all->rows.back().id;
+    if (database.ApproveCalibration(id, 0, kAnn).ok()) tell("approve");
+    if (database.NoteHandedTable(id, "general", kAnn).ok()) tell("table");
   }
   if (database.ExpireSessions(std::chrono::hours(1000)).ok()) tell("expire");
   if (const auto made = database.Backup(path + ".copy", nullptr); made.ok()) tell("backup");
@@ -140,10 +150,14 @@ std::string Lost(Database& database, const Told& told) {
     if (told.contains(step) && !is_there) absl::StrAppend(&lost, step, " ");
   };
   expect("machine", database.GetMachine(MachineId("new")).ok());
-  const auto principals = database.ListPrincipals({});
-  const bool has_bob = principals.ok() && principals->rows.size() == 1;
-  expect("principal", has_bob);
-  expect("role", has_bob && principals->rows[0].grants.size() == 1);
+  const auto bob = database.FindHolderOfName("bob");
+  expect("principal", bob.ok() && bob->has_value());
+  expect("role", bob.ok() && bob->has_value() && (*bob)->grants.size() == 1);
+  const auto eve = database.FindHolderOfName("eve");
+  expect("revoke", eve.ok() && eve->has_value() && (*eve)->is_revoked);
+  const auto marks = database.ListMarks(MachineId("new"), {});
+  expect("mark", marks.ok() && marks->rows.size() == 1);
+  if (marks.ok() && marks->rows.size() > 1) absl::StrAppend(&lost, "mark twice ");
   if (told.contains("session")) {
     SessionFilter of_new;
     of_new.machine = MachineId("new");
@@ -179,7 +193,12 @@ std::string Lost(Database& database, const Told& told) {
   of_new.machine = MachineId("new");
   const auto calibrations = database.ListCalibrations(of_new, {});
   if (calibrations.ok() && calibrations->rows.size() > 1) absl::StrAppend(&lost, "calibration twice ");
-  expect("approve", database.GetApprovedCalibration(MachineId("new")).ok());
+  const auto approved = database.GetApprovedCalibration(MachineId("new"));
+  expect("approve", approved.ok());
+  if (told.contains("table")) {
+    const auto tables = database.ListHandedTables(calibrations->rows.back().id);
+    expect("table", tables.ok() && tables->size() == 1);
+  }
   return lost;
 }
 
@@ -203,7 +222,7 @@ void LookAfter(const std::string& path, const Told& told, const std::string& wha
   }
   std::filesystem::remove(path + ".copy");
   Work(path, [&](const std::string& step) { all.insert(step); });
-  for (const char* const step : {"open", "finish", "program", "approve", "abort", "role", "expire", "backup"})
+  for (const char* const step : {"open", "finish", "program", "approve", "table", "abort", "role", "revoke", "mark", "expire", "backup"})
     EXPECT_TRUE(all.contains(step)) << what << ": " << step << " fails afterwards";
   const auto report = CheckStoreFile(path);
   ASSERT_TRUE(report.ok()) << what << ": " << report.status();
