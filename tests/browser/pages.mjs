@@ -92,6 +92,8 @@ const kPages = [
   ["jobs", "#/jobs", (page) => page.locator("main table")],
   ["job", "#/jobs/4", (page) => page.locator("main table").first()],
   ["programs", "#/programs", (page) => page.locator("main table")],
+  ["routines", "#/routines", (page) => page.getByRole("heading", { name: /^weekly/ })],
+  ["webhooks", "#/webhooks", (page) => page.getByRole("heading", { name: /^mes/ })],
   ["wall", "#/wall", (page) => page.locator(".wall-list")],
   ["upload", "#/upload", (page) => page.locator("main input[type=file]")],
   ["audit", "#/audit", (page) => page.locator("main table")],
@@ -186,12 +188,29 @@ test("the sick machine stands first and says why", async () => {
   assert.equal(await figure.locator("circle").count(), 15);
   assert.equal(await figure.locator("rect.band").count(), 1);
   await figure.getByText("The same as a table").click();
-  assert.equal(await figure.locator("tbody tr").count(), 15);
+  // ... and one for the service that somebody has noted.
+  assert.equal(await figure.locator("tbody tr").count(), 16);
+  assert.equal(await figure.locator(".person-mark").count(), 1);
+  await figure.getByRole("cell", { name: "service: spindle bearings changed" }).waitFor();
   const [file] = await Promise.all([page.waitForEvent("download"), figure.getByRole("button", { name: /SVG/ }).click()]);
   assert.match(fs.readFileSync(await file.path(), "utf8"), /^<svg [^>]*xmlns=/);
   const [numbers] = await Promise.all([page.waitForEvent("download"), figure.getByRole("button", { name: /CSV/ }).click()]);
-  assert.equal(fs.readFileSync(await numbers.path(), "utf8").trim().split("\r\n").length, 16);
-  await page.getByLabel("Error").selectOption("EX0C");
+  assert.equal(fs.readFileSync(await numbers.path(), "utf8").trim().split("\r\n").length, 17);
+  // What is due: a session that never came, and the calibration in use, whose age is known.
+  await page.getByRole("row", { name: /session weekly, every 168 h never/ }).getByText("due", { exact: true }).waitFor();
+  await page.getByRole("row", { name: /calibration in use, at most 90 days old/ }).waitFor();
+  // Larger, and by keys through it.
+  const width = async () => (await figure.locator("svg").boundingBox()).width;
+  const before = await width();
+  await figure.getByRole("button", { name: /^Larger/ }).click();
+  assert.ok((await width()) > 1.9 * before);
+  const region = figure.getByRole("region", { name: /EX0C over time/ }).first();
+  await region.focus();
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction((element) => element.scrollLeft > 0, await region.elementHandle());
+  await judge(page, "a picture that is looked at larger");
+  await figure.getByRole("button", { name: /^Smaller/ }).click();
+  await page.getByLabel("Error", { exact: true }).selectOption("EX0C");
   await page.getByLabel(/Least/).fill("-50");
   await page.getByLabel(/Greatest/).fill("70");
   await page.getByRole("button", { name: "Foretell" }).click();
@@ -473,6 +492,124 @@ test("a table for a controller is made and saved", async () => {
   await done();
 });
 
+test("a person says what happened, and takes it back", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/machines/mill-8");
+  await page.getByText("Nothing so far.").waitFor();
+  await page.getByRole("button", { name: "Say what happened" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByRole("button", { name: "Say what happened" }).click();
+  await dialog.getByText("Say when it happened.").waitFor();
+  await dialog.getByLabel(/^When/).fill("2026-05-04T10:30");
+  await dialog.getByLabel(/In your words/).fill(kHostile);
+  await judge(page, "mark dialog");
+  await dialog.getByRole("button", { name: "Say what happened" }).click();
+  const row = page.getByRole("row", { name: /collision/ });
+  await row.getByText(kHostile).waitFor();
+  await row.getByRole("button", { name: /^Withdraw/ }).click();
+  await row.waitFor({ state: "detached" });
+  await done();
+  const eve = await openAs("eve");
+  await eve.go("#/machines/mill-8");
+  await eve.page.getByText("Nothing so far.").waitFor();
+  assert.equal(await eve.page.getByRole("button", { name: "Say what happened" }).count(), 0);
+  await eve.done();
+});
+
+test("a technician says what is expected of a machine", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/machines/mill-8");
+  await page.getByText("Nobody has said yet what is expected of this machine.").waitFor();
+  await page.getByRole("button", { name: "Say what is expected" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel(/^Tolerances/).fill("EX0C -20");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await dialog.getByText("Each line needs an error and two numbers").waitFor();
+  await dialog.getByLabel(/^Tolerances/).fill("EX0C -20 20");
+  await dialog.getByLabel(/^Sessions that come/).fill(`${kHostile.slice(0, 20)} 24`);
+  await judge(page, "expect dialog");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await page.getByText("Tolerances: EX0C -20 … 20").waitFor();
+  await page.getByRole("row", { name: /session .*img src.*, every 24 h/ }).getByText("due", { exact: true }).waitFor();
+  // It comes back as it was said, and goes.
+  await page.getByRole("button", { name: "Say what is expected" }).click();
+  assert.equal(await dialog.getByLabel(/^Tolerances/).inputValue(), "EX0C -20 20");
+  await dialog.getByLabel(/^Tolerances/).fill("");
+  await dialog.getByLabel(/^Sessions that come/).fill("");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await page.getByText("No session and no age of calibration is expected").waitFor();
+  await done();
+});
+
+test("an admin makes a routine, a technician stops it, and lets it go on", async () => {
+  const ada = await openAs("ada"), bob = await openAs("bob", { locale: "de-DE" });
+  await ada.go("#/routines");
+  await ada.page.getByRole("button", { name: "New routine" }).click();
+  const dialog = ada.page.getByRole("dialog");
+  await dialog.getByLabel("Name", { exact: true }).fill("nightly");
+  await dialog.getByLabel("Machine", { exact: true }).fill("mill-7");
+  await dialog.getByLabel(/^Acts as/).fill("nobody-here");
+  await dialog.getByLabel(/^Names of the sessions to fit/).fill("BX\nCR");
+  await dialog.getByLabel(/^Begins at/).fill("02:30");
+  await dialog.getByLabel("Note").fill(kHostile);
+  await judge(ada.page, "routine dialog");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await dialog.getByText(/nobody-here/).waitFor();
+  await dialog.getByLabel(/^Acts as/).fill("bob");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  const box = (page) => page.getByRole("article").filter({ has: page.getByRole("heading", { name: /^nightly/ }) });
+  await box(ada.page).getByText(kHostile).waitFor();
+  await box(ada.page).getByText("BX, CR (within 24 h)").waitFor();
+  // What the form shows is what was stored.
+  await box(ada.page).getByRole("button", { name: /^Change/ }).click();
+  assert.equal(await dialog.getByLabel(/^Begins at/).inputValue(), "02:30");
+  await dialog.getByLabel(/^Names of the sessions to fit/).fill("BX");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await box(ada.page).getByText("BX (within 24 h)").waitFor();
+  await bob.go("#/routines");
+  assert.equal(await box(bob.page).getByRole("button", { name: /Ändern|Entfernen/ }).count(), 0);
+  await box(bob.page).getByRole("button", { name: /^Anhalten/ }).click();
+  await bob.page.getByRole("dialog").getByLabel(/^Warum/).fill("in maintenance");
+  await bob.page.getByRole("dialog").getByRole("button", { name: /^Anhalten/ }).click();
+  await box(bob.page).getByText("in maintenance").waitFor();
+  await box(bob.page).getByRole("button", { name: /^Weiterlaufen/ }).click();
+  await bob.page.getByRole("dialog").getByRole("button", { name: /^Weiterlaufen/ }).click();
+  await box(bob.page).getByText("in maintenance").waitFor({ state: "detached" });
+  await bob.done();
+  await ada.page.reload();
+  await box(ada.page).getByRole("button", { name: /^Remove/ }).click();
+  await ada.page.getByRole("dialog").getByRole("button", { name: /^Remove/ }).click();
+  await box(ada.page).waitFor({ state: "detached" });
+  await ada.done();
+});
+
+test("an admin makes a webhook and sees its secret once; nobody else sees any", async () => {
+  const { page, go, done } = await openAs("ada");
+  await go("#/webhooks");
+  await page.getByRole("button", { name: "New webhook" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("Name", { exact: true }).fill("loop");
+  await dialog.getByLabel("Address").fill("http://127.0.0.1:9/events");
+  await dialog.getByLabel("Note").fill(kHostile);
+  await judge(page, "webhook dialog");
+  await dialog.getByRole("button", { name: "Save" }).click();
+  await page.getByText(/it is shown this once/).waitFor();
+  const box = page.getByRole("article").filter({ has: page.getByRole("heading", { name: /^loop/ }) });
+  await box.getByText(kHostile).waitFor();
+  // The server's own machine is not listed, so nothing is sent there.
+  await box.getByRole("button", { name: /^Test/ }).click();
+  await box.getByText(/127\.0\.0\.1|loopback/).nth(1).waitFor();
+  await box.getByRole("button", { name: /^Remove/ }).click();
+  await page.getByRole("dialog").getByRole("button", { name: /^Remove/ }).click();
+  await box.waitFor({ state: "detached" });
+  await done();
+  const bob = await openAs("bob");
+  assert.equal(await bob.page.getByRole("link", { name: "Webhooks" }).count(), 0);
+  await bob.go("#/webhooks");
+  await bob.page.getByText("Only an admin of all machines may see webhooks.").waitFor();
+  await bob.done();
+});
+
 test("a program is dropped, corrected, taken away", async () => {
   const { page, go, done } = await openAs("bob");
   await go("#/programs");
@@ -619,7 +756,7 @@ test("an empty service says what to do first, and asks nobody", async () => {
   const { page, go, done } = await openPage({ server: own });
   await page.getByText("axiscal machine add machine.json").waitFor();
   await judge(page, "an empty fleet");
-  for (const [hash, text] of [["#/events", "Nothing to hear of."], ["#/jobs", "No job was made yet."], ["#/programs", "No program is stored yet."], ["#/upload", "No machine is described yet."]]) {
+  for (const [hash, text] of [["#/events", "Nothing to hear of."], ["#/jobs", "No job was made yet."], ["#/programs", "No program is stored yet."], ["#/routines", "No routine was made yet."], ["#/webhooks", "Nobody is told."], ["#/upload", "No machine is described yet."]]) {
     await go(hash);
     await page.getByText(text).waitFor();
     await judge(page, hash);

@@ -15,7 +15,9 @@ import { JobParamsSchema, type JobParams } from "./gen/axiscal/v1/job_pb";
 import { Jobs } from "./gen/axiscal/v1/jobs_service_pb";
 import { Machines } from "./gen/axiscal/v1/machines_service_pb";
 import { Programs } from "./gen/axiscal/v1/programs_service_pb";
+import { Routines } from "./gen/axiscal/v1/routines_service_pb";
 import { Tables } from "./gen/axiscal/v1/tables_service_pb";
+import { Webhooks } from "./gen/axiscal/v1/webhooks_service_pb";
 
 // Whether the last request reached the server. While it does not, it is asked again every two seconds.
 export const isConnected = signal(true);
@@ -79,7 +81,9 @@ export const ingest = createClient(Ingest, transport);
 export const jobs = createClient(Jobs, transport);
 export const machines = createClient(Machines, transport);
 export const programs = createClient(Programs, transport);
+export const routines = createClient(Routines, transport);
 export const tables = createClient(Tables, transport);
+export const webhooks = createClient(Webhooks, transport);
 
 // What went wrong, in the server's words, and the reason's name (proto/README.md).
 export interface Problem {

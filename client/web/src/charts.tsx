@@ -16,6 +16,18 @@ export interface Band {
   toUs: bigint;
   label: string;
 }
+// What people said has happened.
+export interface PersonMark {
+  us: bigint;
+  label: string;
+}
+// What is foretold at a time: the median, and where it lies with 90 %.
+export interface Foretold {
+  us: bigint;
+  value: number;
+  low: number;
+  high: number;
+}
 
 // Ticks at 1, 2 or 5 times a power of ten.
 function ticks(low: number, high: number, most: number): number[] {
@@ -31,12 +43,18 @@ const kWidth = 720;
 const kLeft = 64;
 const kRight = 12;
 
-// One error over time: marks with intervals, bands of jumps, triangles where a calibration was put in use, limits.
+// "12.5,30 14,31 ..." of a polygon or a line.
+const pathOf = (points: [number, number][]) => points.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
+
+// One error over time: marks with intervals, bands of jumps, triangles where a calibration was put in use, limits; what people
+// say has happened; what is foretold.
 export function TimeLine(props: {
   title: string;
   points: TimePoint[];
   bands: Band[];
   approvals: bigint[];
+  marks: PersonMark[];
+  foretold: Foretold[];
   fromUs: bigint;
   toUs: bigint;
   limits?: [number, number];
@@ -44,8 +62,9 @@ export function TimeLine(props: {
   const height = 216, top = 10, bottom = 42;
   const from = Number(props.fromUs), span = Math.max(1, Number(props.toUs - props.fromUs));
   const x = (us: bigint) => kLeft + ((Number(us) - from) / span) * (kWidth - kLeft - kRight);
-  let low = Math.min(0, ...props.points.map((p) => p.low), ...(props.limits ?? []));
-  let high = Math.max(0, ...props.points.map((p) => p.high), ...(props.limits ?? []));
+  const foretold = props.foretold.filter((f) => f.us >= props.fromUs && f.us <= props.toUs);
+  let low = Math.min(0, ...props.points.map((p) => p.low), ...foretold.map((f) => f.low), ...(props.limits ?? []));
+  let high = Math.max(0, ...props.points.map((p) => p.high), ...foretold.map((f) => f.high), ...(props.limits ?? []));
   const room = (high - low || 1) * 0.06;
   low -= room;
   high += room;
@@ -72,6 +91,28 @@ export function TimeLine(props: {
           </text>
         </g>
       ))}
+      {foretold.length > 1 && (
+        <>
+          <polygon
+            class="foretold"
+            points={pathOf([
+              ...foretold.map((f): [number, number] => [x(f.us), y(f.high)]),
+              ...[...foretold].reverse().map((f): [number, number] => [x(f.us), y(f.low)]),
+            ])}
+          />
+          <polyline class="foretold-middle" points={pathOf(foretold.map((f): [number, number] => [x(f.us), y(f.value)]))} />
+        </>
+      )}
+      {props.marks
+        .filter((mark) => mark.us >= props.fromUs && mark.us <= props.toUs)
+        .map((mark) => (
+          <g>
+            <line class="person-mark" x1={x(mark.us)} x2={x(mark.us)} y1={top} y2={height - bottom} />
+            <path class="person-flag" d={`M${x(mark.us)} ${top}h10l-3 4l3 4h-10z`}>
+              <title>{mark.label}</title>
+            </path>
+          </g>
+        ))}
       {props.limits?.map((value) => <line class="limit" x1={kLeft} x2={kWidth - kRight} y1={y(value)} y2={y(value)} />)}
       {marks.map((us, i) => (
         <text class={`tick ${i === 0 ? "" : i === 5 ? "end" : "middle"}`} x={x(us)} y={height - 6}>
@@ -166,6 +207,102 @@ export function LogBars(props: { title: string; bars: Bar[] }) {
           </text>
         </g>
       ))}
+    </svg>
+  );
+}
+
+export interface PathSeries {
+  name: string; // "X"
+  low: number[];
+  high: number[];
+}
+
+// Values along a way, each stretch from its least to its greatest, so that no peak is lost; of up to six series. A click or the
+// arrow keys choose a stretch.
+export function PathChart(props: {
+  title: string;
+  xLabel: string;
+  way: number[]; // to the end of each stretch, not falling
+  series: PathSeries[];
+  chosen?: number;
+  onChoose: (stretch: number) => void;
+}) {
+  const height = 260, top = 10, bottom = 48, right = 60;
+  const { way, series } = props;
+  const last = Math.max(way[way.length - 1] ?? 0, 1e-9);
+  // Where nothing goes along a linear axis there is only the order.
+  const isByOrder = way.length > 1 && last - way[0] < 1e-6;
+  const place = (i: number) => (isByOrder ? i / Math.max(1, way.length - 1) : way[i] / last);
+  const x = (i: number) => kLeft + place(i) * (kWidth - kLeft - right);
+  let low = Math.min(0, ...series.flatMap((s) => s.low)), high = Math.max(0, ...series.flatMap((s) => s.high));
+  const room = (high - low || 1) * 0.06;
+  low -= room;
+  high += room;
+  const y = (value: number) => top + ((high - value) / (high - low)) * (height - top - bottom);
+  const nearest = (event: MouseEvent & { currentTarget: SVGSVGElement }) => {
+    const box = event.currentTarget.getBoundingClientRect();
+    const at = ((event.clientX - box.left) / box.width) * kWidth;
+    let best = 0;
+    for (let i = 1; i < way.length; ++i) if (Math.abs(x(i) - at) < Math.abs(x(best) - at)) best = i;
+    props.onChoose(best);
+  };
+  const step = (event: KeyboardEvent) => {
+    const by = { ArrowRight: 1, ArrowLeft: -1, PageDown: 20, PageUp: -20 }[event.key];
+    const to =
+      event.key === "Home" ? 0 : event.key === "End" ? way.length - 1 : by === undefined ? undefined : (props.chosen ?? (by > 0 ? -1 : way.length)) + by;
+    if (to === undefined) return;
+    event.preventDefault();
+    props.onChoose(Math.max(0, Math.min(way.length - 1, to)));
+  };
+  return (
+    <svg
+      class="chart path-chart"
+      viewBox={`0 0 ${kWidth} ${height}`}
+      role="slider"
+      aria-label={props.title}
+      aria-valuemin={1}
+      aria-valuemax={way.length}
+      aria-valuenow={(props.chosen ?? 0) + 1}
+      tabIndex={0}
+      onClick={nearest}
+      onKeyDown={step}
+    >
+      {ticks(low, high, 5).map((value) => (
+        <g>
+          <line class={value === 0 ? "axis" : "grid"} x1={kLeft} x2={kWidth - right} y1={y(value)} y2={y(value)} />
+          <text class="tick end" x={kLeft - 6} y={y(value) + 4}>
+            {numberText(value, 4)}
+          </text>
+        </g>
+      ))}
+      {!isByOrder &&
+        ticks(0, last, 6).map((value) => (
+          <text class="tick middle" x={kLeft + (value / last) * (kWidth - kLeft - right)} y={height - 26}>
+            {numberText(value, 5)}
+          </text>
+        ))}
+      <text class="tick middle" x={(kLeft + kWidth - right) / 2} y={height - 6}>
+        {props.xLabel}
+      </text>
+      {series.map((s, k) => (
+        <g class={`path-${k % 6}`}>
+          <polygon
+            class="path-band"
+            points={pathOf([
+              ...s.high.map((value, i): [number, number] => [x(i), y(value)]),
+              ...s.low.map((value, i): [number, number] => [x(i), y(value)]).reverse(),
+            ])}
+          />
+          <polyline class="path-line" points={pathOf(s.high.map((value, i): [number, number] => [x(i), y(value)]))} />
+          <polyline class="path-line" points={pathOf(s.low.map((value, i): [number, number] => [x(i), y(value)]))} />
+          {/* The names stand at the right end, each a line apart. */}
+          <rect class="path-key" x={kWidth - right + 8} y={top + 3 + k * 18} width="12" height="8" />
+          <text class="tick" x={kWidth - right + 24} y={top + 12 + k * 18}>
+            {s.name}
+          </text>
+        </g>
+      ))}
+      {props.chosen !== undefined && <line class="path-chosen" x1={x(props.chosen)} x2={x(props.chosen)} y1={top} y2={height - bottom} />}
     </svg>
   );
 }

@@ -20,6 +20,14 @@ export function sigmaText(sigma: number): string {
 export function numberText(value: number, digits = 3): string {
   return new Intl.NumberFormat(locale(), { maximumSignificantDigits: digits }).format(value);
 }
+// Of a share, signed: "−42 %".
+export function percentText(share: number): string {
+  return new Intl.NumberFormat(locale(), { style: "percent", maximumFractionDigits: 1, signDisplay: "exceptZero" }).format(-share);
+}
+// "0,03"; a small one only says that it is small.
+export function probabilityText(value: number): string {
+  return value < 0.001 ? `< ${numberText(0.001)}` : numberText(value, 2);
+}
 export function countText(value: number | bigint): string {
   return new Intl.NumberFormat(locale()).format(value);
 }

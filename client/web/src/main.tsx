@@ -14,6 +14,8 @@ import { FleetPage } from "./pages/fleet";
 import { JobPage, JobsPage } from "./pages/jobs";
 import { LoopPage } from "./pages/loop";
 import { MachinePage } from "./pages/machine";
+import { RoutinesPage } from "./pages/routines";
+import { WebhooksPage } from "./pages/webhooks";
 import { ProgramsPage } from "./pages/programs";
 import { UploadPage } from "./pages/upload";
 import { WallPage } from "./pages/wall";
@@ -70,6 +72,10 @@ function Page() {
       return <ProgramsPage />;
     case "upload":
       return <UploadPage key={word ?? ""} machineId={word} />;
+    case "routines":
+      return <RoutinesPage />;
+    case "webhooks":
+      return <WebhooksPage />;
     case "audit":
       return <AuditPage />;
     case "wall":
@@ -144,6 +150,8 @@ function Menu() {
     ["jobs", t("jobs"), true],
     ["programs", t("programs"), true],
     ["upload", t("upload"), may(Role.CELL)],
+    ["routines", t("routines"), true],
+    ["webhooks", t("webhooks"), isAdminOfAll()],
     ["audit", t("audit"), isAdminOfAll()],
   ];
   return (

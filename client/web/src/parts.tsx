@@ -86,6 +86,44 @@ export function StateMark(props: { state: CalibrationState }) {
   return <span class={`mark ${kind}`}>{text}</span>;
 }
 
+// A picture may be looked at larger: it then scrolls in its place, by keys as well.
+const kZooms = [1, 2, 4];
+function Zoomed(props: { label: string; children: ComponentChildren }) {
+  const [zoom, setZoom] = useState(0);
+  return (
+    <>
+      <div
+        class={`zoom zoom-${kZooms[zoom]}`}
+        {...(zoom > 0 ? { role: "region", "aria-label": props.label, tabIndex: 0 } : {})}
+      >
+        {props.children}
+      </div>
+      <p class="zoom-buttons no-print">
+        <button
+          type="button"
+          class="quiet"
+          aria-label={`${t("zoomOut")}: ${props.label}`}
+          title={t("zoomOut")}
+          disabled={zoom === 0}
+          onClick={() => setZoom(zoom - 1)}
+        >
+          −
+        </button>
+        <button
+          type="button"
+          class="quiet"
+          aria-label={`${t("zoomIn")}: ${props.label}`}
+          title={t("zoomIn")}
+          disabled={zoom === kZooms.length - 1}
+          onClick={() => setZoom(zoom + 1)}
+        >
+          +
+        </button>
+      </p>
+    </>
+  );
+}
+
 // A picture with its numbers: as a table beside it, and to save.
 export function Figure(props: {
   name: string; // of its files
@@ -103,7 +141,9 @@ export function Figure(props: {
   return (
     <figure>
       <figcaption>{props.caption}</figcaption>
-      <div ref={box}>{props.children}</div>
+      <Zoomed label={props.caption}>
+        <div ref={box}>{props.children}</div>
+      </Zoomed>
       <details class="numbers">
         <summary>{t("showTable")}</summary>
         <Table label={props.caption} head={props.head} numbers={props.head.map((_, i) => i).slice(1)}>
@@ -165,7 +205,7 @@ export function ServerPicture(props: {
   return (
     <figure>
       <figcaption>{props.caption}</figcaption>
-      {url && <img class="server-picture" src={url} alt={props.caption} />}
+      <Zoomed label={props.caption}>{url && <img class="server-picture" src={url} alt={props.caption} />}</Zoomed>
       <p class="buttons no-print">
         <button type="button" class="quiet" onClick={() => save(`${props.name}.svg`, "image/svg+xml", picture.svg)}>
           {t("saveSvg")}
@@ -277,6 +317,53 @@ export function Dialog(props: { title: string; onClose: () => void; children: Co
       <h2 id="dialog-title">{props.title}</h2>
       {props.children}
     </dialog>
+  );
+}
+
+// A button that asks once more, with what it will do, before it does it; with `note` for a word of the person.
+export function Asking(props: { text: string; of: string; effect: string; note?: string; onSure: (note: string) => Promise<void> }) {
+  const [isAsked, setAsked] = useState(false);
+  const [problem, setProblem] = useState<Problem>();
+  const close = () => {
+    setAsked(false);
+    setProblem(undefined);
+  };
+  const sure = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    try {
+      await props.onSure(String(form.get("note") ?? "").trim());
+      close();
+    } catch (error) {
+      setProblem(problemOf(error));
+    }
+  };
+  return (
+    <>
+      <button type="button" class="quiet" aria-label={`${props.text}: ${props.of}`} onClick={() => setAsked(true)}>
+        {props.text}
+      </button>
+      {isAsked && (
+        <Dialog title={`${props.text}: ${props.of}`} onClose={close}>
+          <p>{props.effect}</p>
+          <form onSubmit={sure}>
+            {props.note !== undefined && (
+              <label>
+                {props.note}
+                <input name="note" autocomplete="off" maxLength={250} />
+              </label>
+            )}
+            {problem && <ProblemBox problem={problem} />}
+            <p class="buttons">
+              <button type="submit">{props.text}</button>
+              <button type="button" class="quiet" onClick={close}>
+                {t("cancel")}
+              </button>
+            </p>
+          </form>
+        </Dialog>
+      )}
+    </>
   );
 }
 

@@ -50,6 +50,7 @@ export interface LoopReport {
     before: BoxError;
     after: BoxError;
     gain_is_held: boolean;
+    unknown?: string[];
   };
   steps: { change: string; name: string; rms_um: number }[];
   unexplained: {
@@ -78,6 +79,15 @@ export interface Peak {
   max_um: number;
   rms_um: number;
 }
+// Moves that follow each other, with the extremes of what is in them.
+export interface PathStretch {
+  first: number;
+  last: number;
+  way_mm: number;
+  correction: Record<string, { low_um: number; high_um: number }>;
+  before_max_um: number;
+  after_max_um: number;
+}
 export interface CompensationReport {
   calibration: string;
   null_correction: boolean;
@@ -86,8 +96,10 @@ export interface CompensationReport {
   tool_point_error?: { before: Peak; after: Peak };
   not_corrected: { first: number; last: number; reason: string }[];
   ranges_not_corrected: number;
-  passed: { line: number; reason: string }[];
-  refused: { line: number; reason: string }[];
+  refused?: { line: number; block: string; reason: string }[];
+  path?: PathStretch[];
+  missing?: string[];
+  shifts?: { tool: string; work_offset: string; moves: number; max_um: number; rms_um: number; line: number }[];
   notes: string[];
 }
 

@@ -1,7 +1,7 @@
 // How the loop found a calibration: what it added and what that bought, what else it might be, what to measure next.
 import { calibrations, jsonOf, useLoad } from "../api";
 import { LogBars } from "../charts";
-import { countText, numberText, sigmaText, unitText, valueText } from "../format";
+import { countText, numberText, percentText, sigmaText, unitText, valueText } from "../format";
 import { Empty, Figure, Server, Show, Table, Title } from "../parts";
 import { nameOf, type BoxError, type LoopReport } from "../reports";
 import { t, tMaybe } from "../text";
@@ -16,16 +16,19 @@ function Ladder(props: { report: LoopReport }) {
   ];
   const caption = t("ladderPicture", { n: readings === undefined ? "–" : countText(readings) });
   const words = (change: string) => (change === "" ? "" : (tMaybe(`change_${change}`) ?? change));
-  const shown: (string | number)[][] = rows.map((r) => [r.name, words(r.change), numberText(r.rms, 4)]);
+  // What a step took from the residual, as share of what was there before it.
+  const bought = (i: number) => (i === 0 || rows[i - 1].rms <= 0 ? "" : percentText((rows[i - 1].rms - rows[i].rms) / rows[i - 1].rms));
+  const shown: (string | number)[][] = rows.map((r, i) => [r.name, words(r.change), numberText(r.rms, 4), bought(i)]);
   return (
     <section>
       <h2>{t("ladder")}</h2>
-      <Table label={t("ladder")} head={[t("step"), t("what"), t("rmsUm")]} numbers={[2]}>
+      <Table label={t("ladder")} head={[t("step"), t("what"), t("rmsUm"), t("bought")]} numbers={[2, 3]}>
         {shown.map((row) => (
           <tr>
             <th scope="row">{row[0]}</th>
             <td>{row[1]}</td>
             <td class="number">{row[2]}</td>
+            <td class="number">{row[3]}</td>
           </tr>
         ))}
       </Table>
@@ -33,8 +36,8 @@ function Ladder(props: { report: LoopReport }) {
       <Figure
         name="ladder"
         caption={caption}
-        head={[t("step"), t("what"), t("rmsUm")]}
-        rows={rows.map((r) => [r.name, r.change, r.rms])}
+        head={[t("step"), t("what"), t("rmsUm"), t("bought")]}
+        rows={rows.map((r, i) => [r.name, r.change, r.rms, bought(i)])}
         shown={shown.map((row) => row.map(String))}
       >
         <LogBars

@@ -1,21 +1,22 @@
 // One machine: what happened to it, each error over time, its calibrations and sessions, and a new calibration from them.
 import { create } from "@bufbuild/protobuf";
 import { useState } from "preact/hooks";
-import { all, calibrations, createJob, history, ingest, machines, problemOf, useLoad, type Problem } from "../api";
+import { all, calibrations, createJob, epoch, events, history, ingest, jsonOf, machines, problemOf, useLoad, type Problem } from "../api";
 import { known, open } from "../care";
-import { countText, dayText, sigmaText, timeText, unitText, valueText } from "../format";
+import { countText, dayText, numberText, sigmaText, timeText, unitText, valueText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import { DriftFindingKind, type DriftFinding, type DriftSeries, type FindDriftResponse } from "../gen/axiscal/v1/history_service_pb";
+import { DriftFindingKind, MarkKind, type DriftFinding, type DriftSeries, type FindDriftResponse, type Mark } from "../gen/axiscal/v1/history_service_pb";
 import { CloseLoopParamsSchema, IdentifyParamsSchema } from "../gen/axiscal/v1/job_pb";
 import { SessionState, type Session } from "../gen/axiscal/v1/session_pb";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { isNew, isOpen, isShelved, listEvents } from "../events";
-import type { Event } from "../gen/axiscal/v1/events_service_pb";
+import type { Event, GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
 import { TimeLine, type Band, type TimePoint } from "../charts";
-import { Empty, Figure, ProblemBox, Server, Show, StateMark, Table, Title } from "../parts";
+import type { LoopReport } from "../reports";
+import { Dialog, Empty, Fact, Figure, ProblemBox, Server, Show, StateMark, Table, Title } from "../parts";
 import { may } from "../session";
 import { kindText } from "./events";
-import { t } from "../text";
+import { t, tMaybe } from "../text";
 
 const kMostCalibrations = 2000;
 const kMostSessions = 300;
@@ -33,10 +34,11 @@ interface MachineData {
   sessions: Session[];
   sessionsWhole: boolean;
   events: Event[]; // that stand, newest first
+  expected: GetExpectationsResponse;
 }
 
 async function loadMachine(machineId: string): Promise<MachineData> {
-  const [machine, list, series, drift, sessions, events] = await Promise.all([
+  const [machine, list, series, drift, sessions, standing, expected] = await Promise.all([
     machines.getMachine({ machineId }),
     all(kMostCalibrations, async (pageToken) => {
       const page = await calibrations.listCalibrations({ machineId, pageSize: 1000, pageToken });
@@ -49,6 +51,7 @@ async function loadMachine(machineId: string): Promise<MachineData> {
       return { rows: page.sessions, nextPageToken: page.nextPageToken };
     }),
     listEvents(machineId, true),
+    events.getExpectations({ machineId }),
   ]);
   return {
     isDeleted: machine.machine?.deletedUtcUs !== undefined,
@@ -58,7 +61,8 @@ async function loadMachine(machineId: string): Promise<MachineData> {
     drift,
     sessions: sessions.rows,
     sessionsWhole: sessions.isWhole,
-    events: events.rows,
+    events: standing.rows,
+    expected,
   };
 }
 
@@ -120,6 +124,310 @@ function bandsOf(findings: DriftFinding[], symbol: string): Band[] {
     .map((f) => ({ fromUs: f.afterUtcUs!, toUs: f.byUtcUs!, label: f.text }));
 }
 
+const kHourUs = 3_600_000_000n;
+export const markText = (mark: Mark) => tMaybe(`mark_${mark.kind}`) ?? String(mark.kind);
+
+// "EX0C -20 20" a line; undefined where a line is none.
+function tolerancesOf(text: string): { symbol: string; low: number; high: number }[] | undefined {
+  const lines = text.split("\n").map((line) => line.trim().split(/\s+/)).filter((words) => words[0] !== "");
+  const rows = lines.map(([symbol, low, high]) => ({ symbol, low: Number(low), high: Number(high) }));
+  return rows.every((row, i) => lines[i].length === 3 && Number.isFinite(row.low) && Number.isFinite(row.high)) ? rows : undefined;
+}
+// "nightly 24" a line; the hours are the last word.
+function expectedSessionsOf(text: string): { name: string; everyHours: number }[] | undefined {
+  const lines = text.split("\n").map((line) => line.trim()).filter(Boolean);
+  const rows = lines.map((line) => ({ name: line.replace(/\s+\S+$/, ""), everyHours: Number(line.split(/\s+/).pop()) }));
+  return rows.every((row, i) => row.name !== lines[i] && Number.isInteger(row.everyHours)) ? rows : undefined;
+}
+
+// Says what is expected of a machine; what is not named is not expected any more.
+function Expect(props: { machineId: string; expected: GetExpectationsResponse; onClose: () => void }) {
+  const said = props.expected.expectations;
+  const [problem, setProblem] = useState<Problem>();
+  const save = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    const refuse = (text: string) => setProblem({ text, reason: "", isConnection: false });
+    const tolerances = tolerancesOf(String(form.get("tolerances"))), sessions = expectedSessionsOf(String(form.get("sessions")));
+    if (tolerances === undefined) return refuse(t("tolerancesWrong"));
+    if (sessions === undefined) return refuse(t("sessionsWrong"));
+    const days = String(form.get("days"));
+    try {
+      await events.setExpectations({
+        machineId: props.machineId,
+        etag: props.expected.etag,
+        expectations: { tolerances, sessions, calibrationDays: days === "" ? undefined : Number(days), countsCandidates: form.get("candidates") !== null },
+      });
+      props.onClose();
+      epoch.value++;
+    } catch (error) {
+      setProblem(problemOf(error));
+    }
+  };
+  return (
+    <Dialog title={t("expect")} onClose={props.onClose}>
+      <p>{t("expectHelp")}</p>
+      <form class="form" onSubmit={save}>
+        <label>
+          {t("expectTolerances")}
+          <textarea name="tolerances" rows={4} defaultValue={said?.tolerances.map((one) => `${one.symbol} ${one.low} ${one.high}`).join("\n")} />
+        </label>
+        <label>
+          {t("expectSessions")}
+          <textarea name="sessions" rows={3} defaultValue={said?.sessions.map((one) => `${one.name} ${one.everyHours}`).join("\n")} />
+        </label>
+        <label>
+          {t("expectDays")}
+          <input name="days" type="number" min="1" max="3650" defaultValue={said?.calibrationDays === undefined ? "" : String(said.calibrationDays)} />
+        </label>
+        <label class="check">
+          <input name="candidates" type="checkbox" defaultChecked={said?.countsCandidates} /> {t("expectCandidates")}
+        </label>
+        {problem && <ProblemBox problem={problem} />}
+        <p class="buttons">
+          <button type="submit">{t("save")}</button>
+          <button type="button" class="quiet" onClick={props.onClose}>
+            {t("cancel")}
+          </button>
+        </p>
+      </form>
+    </Dialog>
+  );
+}
+
+// What comes next, the most urgent first: sessions that come regularly and the age of the calibration in use.
+function Due(props: { data: MachineData; machineId: string }) {
+  const [isAsked, setAsked] = useState(false);
+  const { expectations, etag } = props.data.expected;
+  const mayAct = may(Role.TECHNICIAN, props.machineId) || may(Role.APPROVER, props.machineId);
+  const now = BigInt(Date.now()) * 1000n;
+  const rows: { what: string; last?: bigint; due?: bigint }[] = (expectations?.sessions ?? []).map((one) => {
+    const times = props.data.sessions.filter((s) => s.name === one.name).map((s) => s.measuredUtcUs ?? s.createdUtcUs);
+    const last = times.reduce<bigint | undefined>((newest, us) => (newest === undefined || us > newest ? us : newest), undefined);
+    return { what: t("dueSession", { name: one.name, n: countText(one.everyHours) }), last, due: last === undefined ? undefined : last + BigInt(one.everyHours) * kHourUs };
+  });
+  if (expectations?.calibrationDays !== undefined) {
+    const last = known(props.data.list).inUse?.provenance?.measuredUtcUs;
+    rows.push({
+      what: t("dueCalibration", { n: countText(expectations.calibrationDays) }),
+      last,
+      due: last === undefined ? undefined : last + BigInt(expectations.calibrationDays) * kDayUs,
+    });
+  }
+  rows.sort((a, b) => ((a.due ?? 0n) < (b.due ?? 0n) ? -1 : 1));
+  return (
+    <section>
+      <h2>{t("due")}</h2>
+      {rows.length === 0 ? (
+        <Empty text={t(etag === 0n ? "dueNothingSaid" : "dueNone")} first={mayAct ? undefined : t("dueFirst")} />
+      ) : (
+        <Table label={t("due")} head={[t("what"), t("lastTime"), t("dueBy"), t("state")]}>
+          {rows.map((row) => (
+            <tr>
+              <th scope="row" class="text">
+                {row.what}
+              </th>
+              <td>{row.last === undefined ? t("never") : timeText(row.last)}</td>
+              <td>{row.due === undefined ? "–" : timeText(row.due)}</td>
+              <td>
+                {row.due === undefined || row.due < now ? <span class="mark bad">{t("isDue")}</span> : <span class="mark good">{t("notYetDue")}</span>}
+              </td>
+            </tr>
+          ))}
+        </Table>
+      )}
+      {expectations && expectations.tolerances.length > 0 && (
+        <p>
+          {t("tolerances")}:{" "}
+          {expectations.tolerances.map((one) => `${one.symbol} ${numberText(one.low, 6)} … ${numberText(one.high, 6)}`).join("; ")}
+        </p>
+      )}
+      {mayAct && !props.data.isDeleted && (
+        <p class="buttons">
+          <button type="button" class="quiet" onClick={() => setAsked(true)}>
+            {t("expect")}
+          </button>
+        </p>
+      )}
+      {isAsked && <Expect machineId={props.machineId} expected={props.data.expected} onClose={() => setAsked(false)} />}
+    </section>
+  );
+}
+
+// The tool point's error over the measured box, as the loop that made the calibration in use told it.
+function Volumetric(props: { inUse?: Calibration }) {
+  const id = props.inUse?.calibrationId;
+  const found = useLoad(`volumetric ${id}`, async () =>
+    id === undefined ? undefined : (await calibrations.getCalibration({ calibrationId: id })).calibration,
+  );
+  if (id === undefined || found.data === undefined) return null;
+  const report = jsonOf<Partial<LoopReport>>(found.data.reportJson);
+  const volumetric = report?.volumetric;
+  return (
+    <section>
+      <h2>{t("volumetric")}</h2>
+      {volumetric === undefined ? (
+        <p>{t("volumetricNone")}</p>
+      ) : (
+        <>
+          <p>
+            {t("overBox")}{" "}
+            {volumetric.box
+              .filter((b) => b.to > b.from)
+              .map((b) => `${b.axis} ${numberText(b.from, 4)} … ${numberText(b.to, 4)} ${b.unit === "deg" ? "°" : b.unit}`)
+              .join(", ")}
+          </p>
+          <dl class="facts">
+            {(
+              [
+                ["asIs", volumetric.uncorrected],
+                ["correctedAll", volumetric.after],
+              ] as const
+            ).map(([name, error]) => (
+              <Fact name={t(name)}>
+                {numberText(error.rms_um)} µm [{numberText(error.low_um)}, {numberText(error.high_um)}]
+              </Fact>
+            ))}
+          </dl>
+          <p class="muted">{t("volumetricHelp")}</p>
+          {volumetric.unknown && volumetric.unknown.length > 0 && (
+            <p class="box">
+              {t("volumetricUnknown")} {volumetric.unknown.join(", ")}
+            </p>
+          )}
+        </>
+      )}
+    </section>
+  );
+}
+
+const kMaxNoteBytes = 1000;
+const kMarkKinds = [MarkKind.COLLISION, MarkKind.SERVICE, MarkKind.REFIXTURING];
+
+// What people say has happened: where it stands, and what was known ends there.
+function Marks(props: { data: MachineData; machineId: string }) {
+  // The request's number while it is asked: sent again after an answer that was lost, it is the same mark.
+  const [isAsked, setAsked] = useState("");
+  const [problem, setProblem] = useState<Problem>();
+  const mayAct = may(Role.TECHNICIAN, props.machineId) || may(Role.APPROVER, props.machineId);
+  const marks = [...props.data.drift.marks].reverse();
+  const put = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    const at = Date.parse(String(form.get("at")));
+    const note = String(form.get("note")).trim();
+    const refuse = (text: string) => setProblem({ text, reason: "", isConnection: false });
+    if (Number.isNaN(at)) return refuse(t("timeNeeded"));
+    if (note === "") return refuse(t("wordNeeded"));
+    if (new TextEncoder().encode(note).length > kMaxNoteBytes) return refuse(t("wordTooLong", { n: kMaxNoteBytes }));
+    try {
+      await history.putMark({
+        requestId: isAsked,
+        machineId: props.machineId,
+        atUtcUs: BigInt(at) * 1000n,
+        kind: Number(form.get("kind")) as MarkKind,
+        symbols: form.getAll("symbol").map(String).filter(Boolean),
+        note,
+      });
+      setAsked("");
+      setProblem(undefined);
+      epoch.value++;
+    } catch (error) {
+      setProblem(problemOf(error));
+    }
+  };
+  const withdraw = async (mark: Mark) => {
+    try {
+      setProblem(undefined);
+      await history.withdrawMark({ markId: mark.markId });
+      epoch.value++;
+    } catch (error) {
+      setProblem(problemOf(error));
+    }
+  };
+  const symbols = props.data.series.map((s) => s.symbol);
+  const close = () => {
+    setAsked("");
+    setProblem(undefined);
+  };
+  return (
+    <section>
+      <h2>{t("marks")}</h2>
+      <p>{t("marksHelp")}</p>
+      {marks.length === 0 ? (
+        <p>{t("marksNone")}</p>
+      ) : (
+        <Table label={t("marks")} head={[t("time"), t("kind"), t("markErrors"), t("word"), t("by"), ...(mayAct ? [t("withdraw")] : [])]}>
+          {marks.map((mark) => (
+            <tr key={String(mark.markId)}>
+              <th scope="row">{timeText(mark.atUtcUs)}</th>
+              <td>{markText(mark)}</td>
+              <td>{mark.symbols.length === 0 ? t("allErrors") : mark.symbols.join(", ")}</td>
+              <td class="text">{mark.note}</td>
+              <td>{mark.createdBy}</td>
+              {mayAct && (
+                <td>
+                  <button type="button" class="quiet" aria-label={`${t("withdraw")}: ${mark.note}`} onClick={() => void withdraw(mark)}>
+                    {t("withdraw")}
+                  </button>
+                </td>
+              )}
+            </tr>
+          ))}
+        </Table>
+      )}
+      {!isAsked && problem && <ProblemBox problem={problem} />}
+      {mayAct && !props.data.isDeleted && (
+        <p class="buttons">
+          <button type="button" class="quiet" onClick={() => setAsked(crypto.randomUUID())}>
+            {t("putMark")}
+          </button>
+        </p>
+      )}
+      {isAsked && (
+        <Dialog title={t("putMark")} onClose={close}>
+          <p>{t("marksHelp")}</p>
+          <form onSubmit={put} noValidate>
+            <label>
+              {t("kind")}
+              <select name="kind">
+                {kMarkKinds.map((kind) => (
+                  <option value={kind}>{tMaybe(`mark_${kind}`)}</option>
+                ))}
+              </select>
+            </label>
+            <label>
+              {t("happenedAt")}
+              <input name="at" type="datetime-local" required />
+            </label>
+            {symbols.length > 0 && (
+              <label>
+                {t("markErrorsHelp")}
+                <select name="symbol" multiple size={Math.min(5, symbols.length)}>
+                  {symbols.map((symbol) => (
+                    <option value={symbol}>{symbol}</option>
+                  ))}
+                </select>
+              </label>
+            )}
+            <label>
+              {t("word")}
+              <input name="note" required autocomplete="off" />
+            </label>
+            {problem && <ProblemBox problem={problem} />}
+            <p class="buttons">
+              <button type="submit">{t("putMark")}</button>
+              <button type="button" class="quiet" onClick={close}>
+                {t("cancel")}
+              </button>
+            </p>
+          </form>
+        </Dialog>
+      )}
+    </section>
+  );
+}
+
 function History(props: { data: MachineData; machineId: string; limits: Map<string, [number, number]> }) {
   const { data } = props;
   const shown = data.series.filter((s) => s.points.length > 0);
@@ -175,21 +483,32 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
               caption={
                 series.notIdentifiableCount > 0n ? `${caption}; ${t("notTold", { n: countText(series.notIdentifiableCount) })}` : caption
               }
-              head={[t("measured"), `${t("value")} (${unit})`, "95 % −", "95 % +", `1 σ (${unit})`]}
-              rows={points.map((p) => [new Date(Number(p.us / 1000n)).toISOString(), p.value, p.low, p.high, p.sigma])}
-              shown={points.map((p) => [
-                dayText(p.us),
-                valueText(p.value, p.sigma),
-                valueText(p.low, p.sigma),
-                valueText(p.high, p.sigma),
-                p.sigma === undefined ? "–" : sigmaText(p.sigma),
-              ])}
+              head={[t("time"), `${t("value")} (${unit})`, "95 % −", "95 % +", `1 σ (${unit})`, t("notes")]}
+              rows={[
+                ...points.map((p) => [new Date(Number(p.us / 1000n)).toISOString(), p.value, p.low, p.high, p.sigma, ""]),
+                ...data.drift.marks.map((m) => [new Date(Number(m.atUtcUs / 1000n)).toISOString(), undefined, undefined, undefined, undefined, m.note]),
+              ]}
+              shown={[
+                ...points.map((p) => [
+                  dayText(p.us),
+                  valueText(p.value, p.sigma),
+                  valueText(p.low, p.sigma),
+                  valueText(p.high, p.sigma),
+                  p.sigma === undefined ? "–" : sigmaText(p.sigma),
+                  "",
+                ]),
+                ...data.drift.marks.map((m) => [dayText(m.atUtcUs), "–", "–", "–", "–", `${markText(m)}: ${m.note}`]),
+              ]}
             >
               <TimeLine
                 title={caption}
                 points={points}
                 bands={bandsOf(data.drift.findings, series.symbol).filter((b) => b.toUs > from && b.fromUs < to)}
                 approvals={approvals}
+                marks={data.drift.marks
+                  .filter((m) => m.symbols.length === 0 || m.symbols.includes(series.symbol))
+                  .map((m) => ({ us: m.atUtcUs, label: `${dayText(m.atUtcUs)}, ${markText(m)}: ${m.note}` }))}
+                foretold={[]}
                 fromUs={from}
                 toUs={to}
                 limits={props.limits.get(series.symbol)}
@@ -413,7 +732,10 @@ export function MachinePage(props: { machineId: string }) {
                 <Findings data={data} />
               </section>
               <OpenEvents data={data} machineId={props.machineId} />
+              <Volumetric inUse={inUse} />
+              <Due data={data} machineId={props.machineId} />
               <History data={data} machineId={props.machineId} limits={limits} />
+              <Marks data={data} machineId={props.machineId} />
               <Limits machineId={props.machineId} data={data} onLimits={setLimits} />
               <CalibrationList data={data} />
               {!data.isWhole && <p>{t("notAll", { n: data.list.length })}</p>}

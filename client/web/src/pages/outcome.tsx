@@ -1,12 +1,104 @@
-// What a compensation did to a program: sizes, lines that were left, the program to take away.
-import { numberText } from "../format";
-import { Server, Table } from "../parts";
-import type { CompensationReport } from "../reports";
+// What a compensation did to a program: corrections along its path, lines that were left or refused, the program to take away.
+import { useState } from "preact/hooks";
+import { PathChart } from "../charts";
+import { countText, numberText } from "../format";
+import { Figure, Server, Table } from "../parts";
+import type { CompensationReport, PathStretch } from "../reports";
 import { t } from "../text";
+
+function linesText(first: number, last: number): string {
+  return first === last ? String(first) : `${first} – ${last}`;
+}
+
+// Corrections and errors by stretches of the path, each from its least to its greatest.
+function AlongPath(props: { path: PathStretch[] }) {
+  const { path } = props;
+  const [chosen, setChosen] = useState<number>();
+  const axes = Object.keys(path[0].correction);
+  const caption = t("alongPath", { n: countText(path.length) });
+  const errors = t("errorsAlongPath", { n: countText(path.length) });
+  const way = path.map((one) => one.way_mm);
+  const at = chosen === undefined ? undefined : path[chosen];
+  const range = (low: number, high: number) => (low === high ? numberText(low, 4) : `${numberText(low, 4)} … ${numberText(high, 4)}`);
+  const head = [t("lines"), t("wayMm"), ...axes.flatMap((axis) => [`${axis} − (µm)`, `${axis} + (µm)`]), t("errorBeforeUm"), t("errorAfterUm")];
+  const rows = path.map((one) => [
+    linesText(one.first, one.last),
+    one.way_mm,
+    ...axes.flatMap((axis) => [one.correction[axis].low_um, one.correction[axis].high_um]),
+    one.before_max_um,
+    one.after_max_um,
+  ]);
+  const shown = rows.map((row) => row.map((cell) => (typeof cell === "number" ? numberText(cell, 6) : cell)));
+  return (
+    <section>
+      <h3>{t("alongPathTitle")}</h3>
+      <p>{t("alongPathHelp")}</p>
+      <Figure name="corrections" caption={caption} head={head} rows={rows} shown={shown}>
+        <PathChart
+          title={`${caption}. ${t("chooseByKeys")}`}
+          xLabel={t("wayMm")}
+          way={way}
+          series={axes.map((axis) => ({
+            name: axis,
+            low: path.map((one) => one.correction[axis].low_um),
+            high: path.map((one) => one.correction[axis].high_um),
+          }))}
+          chosen={chosen}
+          onChoose={setChosen}
+        />
+      </Figure>
+      <p role="status" class="box">
+        {at === undefined
+          ? t("choosePlace")
+          : `${t("lines")} ${linesText(at.first, at.last)}, ${numberText(at.way_mm, 6)} mm: ${axes
+              .map((axis) => `${axis} ${range(at.correction[axis].low_um, at.correction[axis].high_um)} µm`)
+              .join(", ")}; ${t("toolErrorBefore")} ${numberText(at.before_max_um, 4)} µm, ${t("toolErrorAfter")} ${numberText(at.after_max_um, 4)} µm`}
+      </p>
+      <Figure name="tool-point-errors" caption={errors} head={head} rows={rows} shown={shown}>
+        <PathChart
+          title={`${errors}. ${t("chooseByKeys")}`}
+          xLabel={t("wayMm")}
+          way={way}
+          series={[
+            { name: t("before"), low: path.map((one) => one.before_max_um), high: path.map((one) => one.before_max_um) },
+            { name: t("after"), low: path.map((one) => one.after_max_um), high: path.map((one) => one.after_max_um) },
+          ]}
+          chosen={chosen}
+          onChoose={setChosen}
+        />
+      </Figure>
+    </section>
+  );
+}
+
+// Blocks with their reasons, the first of `all`.
+function Blocks(props: { title: string; list: { line: number; block: string; reason: string }[]; all: number }) {
+  if (props.all === 0) return null;
+  return (
+    <section>
+      <h3>{props.title}</h3>
+      <Table label={props.title} head={[t("line"), t("block"), t("why")]}>
+        {props.list.map((one) => (
+          <tr>
+            <th scope="row">{one.line}</th>
+            <td class="text">
+              <code>{one.block}</code>
+            </td>
+            <td class="text" lang="en">
+              {one.reason}
+            </td>
+          </tr>
+        ))}
+      </Table>
+      {props.all > props.list.length && <p>{t("shownOf", { n: countText(props.list.length), all: countText(props.all) })}</p>}
+    </section>
+  );
+}
 
 export function Outcome(props: { report: CompensationReport; programId?: bigint }) {
   const { report } = props;
   const left = report.not_corrected ?? [];
+  const path = report.path ?? [];
   return (
     <section>
       <h2>{t("outcome")}</h2>
@@ -17,9 +109,10 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
           </a>
         </p>
       )}
+      {report.null_correction && <p class="box bad">{t("nullCorrection")}</p>}
       <p class="lead">{t("blocks", report.blocks)}</p>
       <Table label={t("outcome")} head={[t("what"), t("maxUm"), t("rmsUm")]} numbers={[1, 2]}>
-        {Object.entries(report.correction).map(([axis, peak]) => (
+        {Object.entries(report.correction ?? {}).map(([axis, peak]) => (
           <tr>
             <th scope="row">{t("correctionOf", { axis })}</th>
             <td class="number">{numberText(peak.max_um, 4)}</td>
@@ -35,6 +128,8 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
             </tr>
           ))}
       </Table>
+      <Blocks title={t("refusedLines")} list={report.refused ?? []} all={report.blocks.refused} />
+      {path.length > 0 && <AlongPath path={path} />}
       <h3>{t("leftLines")}</h3>
       {left.length === 0 ? (
         <p>{t("none")}</p>
@@ -43,15 +138,46 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
           <Table label={t("leftLines")} head={[t("lines"), t("why")]}>
             {left.map((range) => (
               <tr>
-                <th scope="row">{range.first === range.last ? range.first : `${range.first} – ${range.last}`}</th>
+                <th scope="row">{linesText(range.first, range.last)}</th>
                 <td class="text" lang="en">
                   {range.reason}
                 </td>
               </tr>
             ))}
           </Table>
-          {report.ranges_not_corrected > left.length && <p>{t("shownOf", { n: left.length, all: report.ranges_not_corrected })}</p>}
+          {report.ranges_not_corrected > left.length && (
+            <p>{t("shownOf", { n: countText(left.length), all: countText(report.ranges_not_corrected) })}</p>
+          )}
         </>
+      )}
+      {report.missing && report.missing.length > 0 && (
+        <section>
+          <h3>{t("missingOptions")}</h3>
+          <ul class="findings">
+            {report.missing.map((option) => (
+              <li>
+                <code>{option}</code>
+              </li>
+            ))}
+          </ul>
+        </section>
+      )}
+      {report.shifts && report.shifts.length > 1 && (
+        <section>
+          <h3>{t("shifts")}</h3>
+          <Table label={t("shifts")} head={[t("tool"), t("workOffset"), t("moves"), t("maxUm"), t("rmsUm"), t("line")]} numbers={[2, 3, 4, 5]}>
+            {report.shifts.map((shift) => (
+              <tr>
+                <th scope="row">{shift.tool || "–"}</th>
+                <td>{shift.work_offset || "–"}</td>
+                <td class="number">{countText(shift.moves)}</td>
+                <td class="number">{numberText(shift.max_um, 4)}</td>
+                <td class="number">{numberText(shift.rms_um, 4)}</td>
+                <td class="number">{shift.line}</td>
+              </tr>
+            ))}
+          </Table>
+        </section>
       )}
       {report.notes.length > 0 && (
         <>
