@@ -9,6 +9,7 @@
 
 #include "core/base/random.h"
 #include "core/drift/habits.h"
+#include "core/drift/student.h"
 
 namespace axiscal::drift {
 namespace {
@@ -49,13 +50,6 @@ absl::StatusOr<Known> KnownOf(const State& state, const std::string& symbol, con
   Known known{outlook, {}, state.errors[j].unit_size, state.errors[j].unit};
   known.weights = WeightsOf(known.outlook, options.prior ? *options.prior : FlatPrior());
   return known;
-}
-
-// The share of a Student distribution below t, by the normal distribution (Wallace 1959); for 12 degrees of freedom and
-// more it is right to 0.0001.
-double StudentBelow(double t, double freedom) {
-  const double z = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0) * std::sqrt(freedom * std::log1p(t * t / freedom));
-  return 0.5 * std::erfc(t < 0.0 ? z / std::numbers::sqrt2 : -z / std::numbers::sqrt2);
 }
 
 // A mixture of Student distributions with one number of degrees of freedom.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/units.h"
 #include "core/compensate/compensator.h"
@@ -52,7 +53,10 @@ JobReport::JobReport(const compensate::Compensator& compensator, const RewriteOp
     : compensator_(compensator), options_(options) {
   report_.calibration = options.calibration;
   report_.dialect = options.dialect;
-  for (const machine::Axis& axis : compensator.machine().axes) report_.axis_names.push_back(axis.name);
+  for (const machine::Axis& axis : compensator.machine().axes) {
+    report_.axis_names.push_back(axis.name);
+    report_.axis_is_rotary.push_back(axis.kind == machine::AxisKind::kRotary);
+  }
   for (const machine::Axis& axis : compensator.machine().axes)
     has_travel_limits_ |= axis.min_position.has_value() || axis.max_position.has_value();
   report_.is_null_correction = compensator.is_null();
@@ -159,6 +163,7 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
     after += piece.correction.tip_per_mm[k] * rounding_mm;
   }
   if (place_ != kNowhere) AddShift(block, piece, shift_mm2);
+  AddPositions(piece);
   for (int i = 0; has_travel_limits_ && i < machine.axis_count(); ++i) {
     const machine::Axis& axis = machine.axes[i];
     if (axis.min_position || axis.max_position)
@@ -179,6 +184,21 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
   last_after_mm_ = after_mm;
   report_.max_departure_mm = std::max(report_.max_departure_mm, departure_mm);
   report_.max_tilt_left_rad = std::max(report_.max_tilt_left_rad, piece.correction.tilt_left_rad);
+}
+
+void JobReport::AddPositions(const Piece& piece) {
+  const machine::Machine& machine = compensator_.machine();
+  const auto count = static_cast<size_t>(machine.axis_count());
+  report_.least.resize(count, std::numeric_limits<double>::infinity());
+  report_.greatest.resize(count, -std::numeric_limits<double>::infinity());
+  for (size_t i = 0; i < count; ++i) {
+    // Words of the tool point are no positions of the axes that carry it.
+    const bool is_of_tool = piece.is_tool_point && machine.axes[i].kind == machine::AxisKind::kLinear;
+    const double position =
+        is_of_tool ? piece.correction.corrected[i] : static_cast<double>(piece.nominal[i]) / kTicksPerUnit;
+    report_.least[i] = std::min(report_.least[i], position);
+    report_.greatest[i] = std::max(report_.greatest[i], position);
+  }
 }
 
 void JobReport::AddShift(const BlockText& block, const Piece& piece, double shift_mm2) {

@@ -72,6 +72,7 @@ class JobReport {
   void FindPlace(int64_t tool, const std::string& work_offset);
   void AddFinding(const BlockText& block, const std::string& reason, std::vector<Finding>* findings);
   void AddShift(const BlockText& block, const Piece& piece, double shift_mm2);
+  void AddPositions(const Piece& piece);
   void AccountRotary(const Piece& piece, const Commanded& commanded);
   void CheckTravel(const BlockText& block, int axis, double commanded);
 

@@ -80,6 +80,10 @@ reports::Rewrite ReportOf(const RewriteReport& found) {
   }
   if (found.has_orientation) report.orientation = OrientationOf(found);
   report.max_departure_um = found.max_departure_mm * base::kUmPerMm;
+  for (size_t i = 0; i < found.least.size(); ++i) {
+    report.positions.push_back(
+        {found.axis_names[i], found.least[i], found.greatest[i], found.axis_is_rotary[i] ? "deg" : "mm"});
+  }
   report.passed = FindingsOf(found.passed);
   report.refused = FindingsOf(found.refused);
   report.ranges_not_corrected = found.not_corrected.count;

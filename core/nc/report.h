@@ -108,7 +108,8 @@ struct RewriteReport {
       notes;  // what the reader must know: tool changes, text after the program's end, effects not carried
   std::string dialect;
   std::vector<Shift> shifts;            // the first kMaxShifts tools and offsets
-  std::vector<std::string> axis_names;  // of `shifts`
+  std::vector<std::string> axis_names;  // of `shifts`, `least`, `greatest`
+  std::vector<bool> axis_is_rotary;     // likewise
   // Options that were missing, in the words to add: --offset "G54 X=... Y=..."; the first kMaxAdvice.
   std::vector<std::string> missing;
   // Rotary axes that the program never names, and where they were stated to stand, deg.
@@ -137,6 +138,8 @@ struct RewriteReport {
   int64_t contour_moves = 0, contour_moves_left = 0;
   double max_contour_left_mm = 0;
   std::vector<Finding> contour_left;
+  // Per axis of the machine, where the axes stand at the ends of what was corrected, mm or deg; empty: nothing was.
+  std::vector<double> least, greatest;
   double max_departure_mm = 0;  // largest departure of the correction along a written piece, at most
   // Files of RewriteOptions::subprograms that the program runs, corrected, and copies for calls that need others.
   std::vector<Subprogram> subprograms;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/predict/taken_up.h"
+#include "core/predict/over_poses.h"
 
 namespace axiscal::predict {
 namespace {
@@ -16,12 +16,7 @@ using instruments::MeasuringRun;
 constexpr int kPoses = 400;
 // The ends of a 95 % interval are drawn to about 2 % of its width.
 constexpr int kDraws = 4000;
-constexpr double kLowQuantile = 0.025, kHighQuantile = 0.975;
 constexpr uint64_t kSeed = 230;
-// Less of the square is no reason that a reader should look at.
-constexpr double kWeak = 0.25;
-// What of a number's effect is left beyond work offset and tool centre; less is rounding.
-constexpr double kLeftOver = 1e-6;
 
 // The runs that hold positions: readings along a path hold those of their traces.
 std::vector<const MeasuringRun*> Positioned(const std::vector<MeasuringRun>& runs) {
@@ -39,47 +34,11 @@ std::vector<const MeasuringRun*> Positioned(const std::vector<MeasuringRun>& run
 
 int CountOf(const MeasuringRun& run) { return static_cast<int>(run.time_s.size()); }
 
-// Errors of all poses, less what work offset and tool centre take up.
-class Over {
- public:
-  Over(const machine::Machine& machine, const BoxStates& states, const Eigen::Vector3d& tip_mm)
-      : machine_(machine), states_(states), tip_mm_(tip_mm) {
-    taken_up_ = TakenUp(machine, states.count(), [&](int k) { return states.PositionsOf(k); });
-  }
-
-  Eigen::Index rows() const { return 3 * states_.count(); }
-  // Of a machine with these errors, mm.
-  Eigen::VectorXd ErrorsOf(const machine::ErrorModel& model) const {
-    const machine::KnownErrors errors{model, {}};
-    ToolPoint tool(machine_, errors, tip_mm_);
-    Eigen::VectorXd out(rows());
-    for (int k = 0; k < states_.count(); ++k) out.segment<3>(3 * k) = tool.ErrorAt(states_.At(k)).head<3>();
-    return Left(out);
-  }
-  // By each number of the covariance.
-  Eigen::MatrixXd ByNumber(const machine::KnownErrors& errors) const {
-    ToolPoint tool(machine_, errors, tip_mm_);
-    Eigen::MatrixXd out(rows(), static_cast<Eigen::Index>(errors.covariance.of.size()));
-    for (int k = 0; k < states_.count(); ++k) out.middleRows<3>(3 * k) = tool.ByNumberAt(states_.At(k)).topRows<3>();
-    return out;
-  }
-  template <typename Columns>
-  Columns Left(const Columns& columns) const {
-    return columns - taken_up_ * (taken_up_.transpose() * columns);
-  }
-
- private:
-  const machine::Machine& machine_;
-  const BoxStates& states_;
-  const Eigen::Vector3d tip_mm_;
-  Eigen::MatrixXd taken_up_;
-};
-
 // What a machine may be off by beyond a number's uncertainty: by a rival of each choice, drawn by its odds.
 class Choices {
  public:
   // Columns: errors of each rival less those of what was found, mm.
-  Choices(const Over& over, const std::vector<OpenChoice>& choices) {
+  Choices(const OverPoses& over, const std::vector<OpenChoice>& choices) {
     Eigen::Index count = 0;
     for (const OpenChoice& choice : choices) count += static_cast<Eigen::Index>(choice.rivals.size());
     columns_.resize(over.rows(), count);
@@ -165,59 +124,32 @@ struct Spread {
   double Expected() const { return std::sqrt(mean_square + squares.sum()); }
 };
 
-double Quantile(std::vector<double>* values, double share) {
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
-  std::nth_element(values->begin(), values->begin() + at, values->end());
-  return (*values)[static_cast<size_t>(at)];
-}
-
 RootMeanSquare IntervalOf(const Spread& spread, std::vector<double> draws) {
   return {spread.Expected(), Quantile(&draws, kLowQuantile), Quantile(&draws, kHighQuantile)};
 }
 
-// By each number's share of the expected square: the square of A = B root is the sum of B_j' A root_j over the numbers
-// j.
-std::vector<std::string> Weakest(const machine::Machine& machine, const machine::KnownErrors& found,
-                                 const Eigen::MatrixXd& by_number, const Eigen::MatrixXd& uncertain) {
-  std::vector<std::pair<double, std::string>> shares;
-  for (size_t j = 0; j < found.covariance.of.size(); ++j) {
-    const machine::ErrorCovariance::Number& number = found.covariance.of[j];
-    const auto column = static_cast<Eigen::Index>(j);
-    const double share = by_number.col(column).dot(uncertain * found.covariance.root.row(column).transpose());
-    if (share < kWeak * uncertain.squaredNorm() || share <= 0.0) continue;
-    shares.emplace_back(-share,
-                        machine::NameNumber(machine, found.model, number.term, number.basis, number.is_nonlinear).name);
-  }
-  std::sort(shares.begin(), shares.end());
-  std::vector<std::string> names;
-  for (const auto& [share, name] : shares) names.push_back(name);
-  return names;
-}
-
-// Numbers of the model by these names, each with one mm or rad.
-machine::ErrorCovariance NumbersNamed(const machine::Machine& machine, const machine::ErrorModel& model,
-                                      const std::vector<std::string>& names, std::vector<std::string>* found) {
-  machine::ErrorCovariance numbers;
-  for (int i = 0; i < static_cast<int>(model.terms.size()); ++i) {
-    for (int k = 0; k < shapes::BasisCount(model.terms[i].shape); ++k) {
-      const std::string name = machine::NameNumber(machine, model, i, k, false).name;
-      if (std::find(names.begin(), names.end(), name) == names.end()) continue;
-      numbers.of.push_back({i, k, false});
-      found->push_back(name);
-    }
-  }
-  const auto count = static_cast<Eigen::Index>(numbers.of.size());
-  numbers.root.setIdentity(count, count);
-  return numbers;
-}
-
 }  // namespace
 
-BoxStates::BoxStates(const std::vector<MeasuringRun>& runs, int count) {
+Box MeasuredBox(const std::vector<MeasuringRun>& runs) {
+  Box box;
+  for (const MeasuringRun* run : Positioned(runs)) {
+    const auto axes = static_cast<size_t>(run->axis_count);
+    box.low.resize(axes, std::numeric_limits<double>::infinity());
+    box.high.resize(axes, -std::numeric_limits<double>::infinity());
+    for (int k = 0; k < CountOf(*run); ++k) {
+      for (size_t i = 0; i < axes; ++i) {
+        box.low[i] = std::min(box.low[i], run->PositionsOf(k)[i]);
+        box.high[i] = std::max(box.high[i], run->PositionsOf(k)[i]);
+      }
+    }
+  }
+  return box;
+}
+
+BoxStates::BoxStates(const std::vector<MeasuringRun>& runs, int count, const std::optional<Box>& box)
+    : box_(box ? *box : MeasuredBox(runs)) {
   const std::vector<const MeasuringRun*> measured = Positioned(runs);
   const int axes = measured.front()->axis_count;
-  box_.low.assign(static_cast<size_t>(axes), std::numeric_limits<double>::infinity());
-  box_.high.assign(static_cast<size_t>(axes), -std::numeric_limits<double>::infinity());
   std::vector<double> fastest(static_cast<size_t>(axes), 0.0);
   std::vector<size_t> first;  // reading of all, per run
   size_t readings = 0;
@@ -228,8 +160,6 @@ BoxStates::BoxStates(const std::vector<MeasuringRun>& runs, int count) {
     has_time = has_time || run->has_time;
     for (int k = 0; k < CountOf(*run); ++k) {
       for (int i = 0; i < axes; ++i) {
-        box_.low[i] = std::min(box_.low[i], run->PositionsOf(k)[i]);
-        box_.high[i] = std::max(box_.high[i], run->PositionsOf(k)[i]);
         const double speed = std::abs(run->axis_states[static_cast<size_t>(k * axes + i)].speed);
         if (std::isfinite(speed)) fastest[i] = std::max(fastest[i], speed);
       }
@@ -270,14 +200,14 @@ std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machi
   if (found.covariance.is_empty() || Positioned(runs).empty()) return std::nullopt;
   const BoxStates states(runs, kPoses);
   if (states.box().low == states.box().high) return std::nullopt;
-  const Over over(machine, states, runs.front().tip_mm);
+  const OverPoses over(machine, states, runs.front().tip_mm);
   VolumetricError out;
   out.box = states.box();
   out.poses = kPoses;
 
   const Eigen::MatrixXd by_number = over.Left(over.ByNumber(found));
   const Eigen::MatrixXd uncertain = by_number * found.covariance.root;
-  out.weakest = Weakest(machine, found, by_number, uncertain);
+  out.weakest = over.WeakestOf(found, by_number, uncertain);
   const Eigen::VectorXd as_found = over.ErrorsOf(found.model);
   const Eigen::VectorXd missed = as_found - over.ErrorsOf(before);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain.transpose() * uncertain / kPoses);
@@ -312,11 +242,7 @@ std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machi
   out.after = IntervalOf(of_after, std::move(at_after));
   out.is_gain_held = Quantile(&gain, kLowQuantile) > 0.0;
 
-  std::vector<std::string> names;
-  const machine::KnownErrors open{found.model, NumbersNamed(machine, found.model, unknown, &names)};
-  const Eigen::MatrixXd raw = over.ByNumber(open), left = over.Left(raw);
-  for (Eigen::Index i = 0; i < raw.cols(); ++i)
-    if (left.col(i).squaredNorm() > kLeftOver * raw.col(i).squaredNorm()) out.unknown.push_back(names[i]);
+  out.unknown = over.ActingOf(found.model, unknown);
   return out;
 }
 

@@ -20,13 +20,16 @@ struct Box {
   std::vector<double> low, high;
 };
 
-// States at poses drawn evenly from the box of `runs`, one after the other, no axis faster than it was in the runs.
+// Positions that the readings of `runs` covered; empty without readings.
+Box MeasuredBox(const std::vector<instruments::MeasuringRun>& runs);
+
+// States at poses drawn evenly from a box, one after the other, no axis faster than it was in the runs.
 // Time, temperature and whatever else a state holds are those of readings drawn from the runs: nothing is said of times
 // and temperatures that nobody measured. The same runs give the same states.
 class BoxStates {
  public:
-  // `runs`: at least one reading; must outlive it.
-  BoxStates(const std::vector<instruments::MeasuringRun>& runs, int count);
+  // `runs`: at least one reading; must outlive it. Without `box`: MeasuredBox().
+  BoxStates(const std::vector<instruments::MeasuringRun>& runs, int count, const std::optional<Box>& box = {});
 
   const Box& box() const { return box_; }
   int count() const { return path_.reading_count(); }

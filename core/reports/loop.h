@@ -6,6 +6,7 @@
 
 #include "core/base/status.h"
 #include "core/machine/written_term.h"
+#include "core/reports/axis_range.h"
 #include "core/reports/fitted.h"
 
 namespace axiscal::reports {
@@ -95,12 +96,6 @@ struct Check {
   bool fitted = false;  // the check sessions were fitted too and prove nothing
 };
 
-// Positions of an axis that moved, in `unit`.
-struct AxisRange {
-  std::string axis = {};
-  double from = kNoNumber, to = kNoNumber;
-  std::string unit = {};
-};
 // Root of the expected mean square, and the 95 % interval.
 struct VolumetricFigure {
   double rms_um = kNoNumber, low_um = kNoNumber, high_um = kNoNumber;
@@ -108,7 +103,7 @@ struct VolumetricFigure {
 // The tool point's error over the box of measured positions, less work offset, tool length and tool centre
 // (core/predict/volumetric.h): of the machine as it is, corrected for the declared errors alone, corrected for all.
 struct Volumetric {
-  std::vector<AxisRange> box = {};
+  std::vector<AxisRange> box = {};  // axes that moved
   int poses = 0;
   VolumetricFigure uncorrected = {}, before = {}, after = {};
   bool gain_is_held = false;                // the interval of before - after is above zero

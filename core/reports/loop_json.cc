@@ -126,14 +126,6 @@ void Members(Io& io, base::Like<Io, Check> check) {
 }
 
 template <typename Io>
-void Members(Io& io, base::Like<Io, AxisRange> range) {
-  io.Required("axis", range.axis);
-  io.Member("from", range.from);
-  io.Member("to", range.to);
-  io.Member("unit", range.unit);
-}
-
-template <typename Io>
 void Members(Io& io, base::Like<Io, VolumetricFigure> figure) {
   io.Member("rms_um", figure.rms_um);
   io.Member("low_um", figure.low_um);

@@ -10,6 +10,7 @@
 
 #include "core/base/json_like.h"
 #include "core/base/status.h"
+#include "core/reports/axis_range.h"
 
 namespace axiscal::reports {
 
@@ -41,7 +42,7 @@ struct Blocks {
 
 // Where the tool's direction was corrected too.
 struct Orientation {
-  double max_rotary_correction_deg = 0.0;  // the bound
+  double max_rotary_correction_deg = 0.0;    // the bound
   base::Named<AngleSpread> correction = {};  // of each rotary axis
   AngleSpread error_before = {}, error_after = {};
   int64_t blocks_not_reached = 0;
@@ -63,8 +64,8 @@ struct Shift {
   std::string work_offset = {};  // "G54"; "": none is stated
   int64_t moves = 0;
   double max_um = 0.0, rms_um = 0.0;
-  int64_t line = 0;                // of the largest
-  base::Named<double> at = {};     // where: programmed axis positions, mm and deg
+  int64_t line = 0;             // of the largest
+  base::Named<double> at = {};  // where: programmed axis positions, mm and deg
 };
 
 struct Rewrite {
@@ -72,17 +73,18 @@ struct Rewrite {
   std::string dialect = {};      // as which the program was read
   bool null_correction = false;  // the output is the input, byte for byte
   Blocks blocks = {};
-  base::Named<Spread> correction = {};              // of each linear axis
+  base::Named<Spread> correction = {};  // of each linear axis
   std::vector<Shift> shifts = {};
   // Rotary axes that the program never names, and where the options say that they stand.
   base::Named<double> rotary_stood_deg = {};
-  std::vector<std::string> missing = {};  // options, in the words to add: --tool-length H5=...
-  Spread error_before = {}, error_after = {};       // of the tool point, at block ends
+  std::vector<std::string> missing = {};       // options, in the words to add: --tool-length H5=...
+  Spread error_before = {}, error_after = {};  // of the tool point, at block ends
   double path_before_at_most_um = 0.0, path_after_at_most_um = 0.0;
   double max_tilt_left_urad = 0.0;
   std::optional<Orientation> orientation = {};
   std::optional<Leftovers> holes = {}, contours = {};
   double max_departure_um = 0.0;
+  std::vector<AxisRange> positions = {};  // of each axis, at the ends of what was corrected; empty: nothing was
   std::vector<Finding> passed = {}, refused = {};  // the first of each
   int64_t ranges_not_corrected = 0;
   std::vector<LineRange> not_corrected = {};  // the first of them; none of a null correction, which corrects nothing

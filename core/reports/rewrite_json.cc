@@ -1,6 +1,5 @@
-#include "core/reports/rewrite.h"
-
 #include "core/reports/report_json.h"
+#include "core/reports/rewrite.h"
 
 namespace axiscal::reports {
 
@@ -96,6 +95,7 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("holes", report.holes);
   io.Member("contours", report.contours);
   io.Member("max_departure_um", report.max_departure_um);
+  io.IfAny("positions", report.positions);
   io.Member("passed", report.passed);
   io.Member("refused", report.refused);
   io.Member("ranges_not_corrected", report.ranges_not_corrected);
