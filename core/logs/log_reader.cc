@@ -160,7 +160,8 @@ absl::Status WrongAt(const LogPlace& place, const std::string& message) {
 }
 
 absl::StatusOr<Log> ReadLog(std::istream& in, const std::string& log_name, const LogTemplate& log_template,
-                            const LinePattern& line_pattern) {
+                            const LinePattern& line_pattern, const std::function<bool()>& cancelled) {
+  constexpr size_t kLooksEvery = 1000;  // lines, some milliseconds
   session::LineReader lines(in);
   Reader reader(log_name, log_template, line_pattern);
   session::Line line;
@@ -168,6 +169,8 @@ absl::StatusOr<Log> ReadLog(std::istream& in, const std::string& log_name, const
     auto more = lines.Next(&line);
     if (!more.ok()) return base::Within(log_name, more.status());
     if (!*more) break;
+    if (cancelled && line.number % kLooksEvery == 0 && cancelled())
+      return absl::CancelledError(absl::StrCat(log_name, ": reading was cancelled at line ", line.number));
     RETURN_IF_ERROR(reader.Add(line.number, std::string(line.text), line.has_line_end));
   }
   return reader.Finish();

@@ -2,6 +2,7 @@
 #ifndef AXISCAL_CORE_LOGS_LOG_READER_H_
 #define AXISCAL_CORE_LOGS_LOG_READER_H_
 
+#include <functional>
 #include <istream>
 #include <optional>
 #include <string>
@@ -49,8 +50,9 @@ struct Log {
 // reading or has a rule. The last line is cut, not wrong, where it has no line end (a cut number cannot be told from a
 // whole one), where it ends before its form does, or where its last number has fewer decimals than all before it.
 // INVALID_ARGUMENT naming log, line, column and what the template expected, as WrongAt() where it is about a line.
+// CANCELLED where `cancelled`, asked now and then, says so.
 absl::StatusOr<Log> ReadLog(std::istream& in, const std::string& log_name, const LogTemplate& log_template,
-                            const LinePattern& line_pattern);
+                            const LinePattern& line_pattern, const std::function<bool()>& cancelled = nullptr);
 
 }  // namespace axiscal::logs
 

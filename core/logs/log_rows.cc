@@ -34,7 +34,7 @@ absl::Status LogRows::Read(std::istream& in, const session::InstrumentFormat& fo
                      "' has no fields {cx_mm} {cy_mm} {cz_mm}: centres are computed from touches with the "
                      "machine's axes, expected the fields or --machine"));
   }
-  ASSIGN_OR_RETURN(log_, ReadLog(in, log_name_, template_, pattern_));
+  ASSIGN_OR_RETURN(log_, ReadLog(in, log_name_, template_, pattern_, options_.cancelled));
   return absl::OkStatus();
 }
 

@@ -3,6 +3,7 @@
 #ifndef AXISCAL_CORE_LOGS_REDUCE_H_
 #define AXISCAL_CORE_LOGS_REDUCE_H_
 
+#include <functional>
 #include <istream>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@ struct ReduceOptions {
   const session::Session* plan = nullptr;
   std::string session = "";                      // its name, in place of the template's or the plan's
   std::optional<double> start_s = std::nullopt;  // t_s of the first reading where the log has no times
+  std::function<bool()> cancelled = nullptr;     // asked now and then while lines are read: then CANCELLED
 };
 
 // Mounting and errors move the contact off the plan, by far less than the distance to another feature: a touch farther

@@ -25,11 +25,12 @@ constexpr size_t kPartBytes = 1 << 20;
 // What is wrong with log, template or plan: with the place, where the reader gave one.
 absl::Status Invalid(const absl::Status& status) {
   if (status.ok() || base::GetErrorDetail(status)) return status;
+  if (absl::IsCancelled(status)) return base::Error(status.code(), std::string(status.message()), {"CALLER_GONE", {}});
   return base::Error(absl::StatusCode::kInvalidArgument, std::string(status.message()), {"LOG_INVALID", {}});
 }
 
 absl::StatusOr<logs::Reduced> Reduce(const std::string& log, const std::string& name, const records::LogForm& form,
-                                     const machine::Machine& machine) {
+                                     const machine::Machine& machine, const std::function<bool()>& cancelled) {
   ASSIGN_OR_RETURN(
       const logs::LogTemplate log_template,
       logs::ReadTemplate(form.template_text, form.template_name.empty() ? "template" : form.template_name));
@@ -38,9 +39,12 @@ absl::StatusOr<logs::Reduced> Reduce(const std::string& log, const std::string& 
     ASSIGN_OR_RETURN(plan, session::ReadPlanText(form.plan_text, form.plan_name.empty() ? "plan" : form.plan_name));
   }
   std::istringstream in(log);
-  return logs::Reduce(
-      in, name, log_template,
-      {.machine = &machine, .plan = plan ? &*plan : nullptr, .session = form.session, .start_s = form.start_s});
+  return logs::Reduce(in, name, log_template,
+                      {.machine = &machine,
+                       .plan = plan ? &*plan : nullptr,
+                       .session = form.session,
+                       .start_s = form.start_s,
+                       .cancelled = cancelled});
 }
 
 // Keeps the raw text beside the session. The same bytes under the same name are one program.
@@ -171,7 +175,7 @@ absl::StatusOr<v1::PutLogResponse> PutLogStream::End() {
   }
   const MachineId machine_id(header_->machine_id());
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineOf(core_, machine_id));
-  absl::StatusOr<logs::Reduced> reduced = Reduce(bytes_, header_->name(), form_, machine);
+  absl::StatusOr<logs::Reduced> reduced = Reduce(bytes_, header_->name(), form_, machine, call_.is_cancelled);
   if (!reduced.ok()) return Invalid(reduced.status());
   session::Session& session = reduced->session;
   if (static_cast<int64_t>(session.reading_count()) > core_.limits.max_session_readings) {
