@@ -18,19 +18,22 @@ namespace {
 
 constexpr double kStepsPerYear = 0.3;                       // of a machine: collisions, repairs, settling foundations
 constexpr double kLeastGapDays = 1.0, kMostGapDays = 28.0;  // between which a step grows likelier with the gap
-constexpr double kOutlierShare = 0.01;                      // of calibrations
-constexpr double kAlarm = -1.0;                             // a higher score is told as a step
-constexpr int kBaseline = 4;                                // calibrations before anything can be called a step
-constexpr int kFirst = 26;                                  // calibrations in which false alarms are most frequent
-constexpr double kFirstCertainty = 0.5;                     // ... so that nothing is more than possible
-constexpr double kLoosenMoved = 900.0;                      // (30 sigma)^2 for the levels of errors that jumped
-constexpr double kLoosenOthers = 1.0;                       // small parts of a collision stay unnamed
-constexpr double kLoosenMarked = 1e4;  // (100 sigma)^2: a person says that nothing is known any more
-constexpr double kSuspicion = 400.0;   // (20 sigma)^2 for what is suspect in one calibration
-constexpr int kRevisedWithin = 4;      // calibrations after a step is told
-constexpr double kSameSquare = 16.0;   // (4 sigma)^2: sizes that differ by less are the same
-constexpr int kMostSuspects = 6;       // in a row, after which the machine counts as unstable
-constexpr double kMostVariance = 1e8;  // (10,000 sigma)^2 of a combination is as good as unknown
+constexpr double kDaysOfWeek = 7.0;
+constexpr double kOutlierShare = 0.01;  // of calibrations
+// A higher score is told as a step. Calibrations that come daily are looked at seven times as often as weekly ones and
+// share their weather: they ask for more, so that false alarms in a year stay alike.
+constexpr double kWeeklyAlarm = -1.5, kDailyAlarm = -0.8;
+constexpr int kBaseline = 4;             // calibrations before anything can be called a step
+constexpr int kFirst = 26;               // calibrations in which false alarms are most frequent
+constexpr double kFirstCertainty = 0.5;  // ... so that nothing is more than possible
+constexpr double kLoosenMoved = 900.0;   // (30 sigma)^2 for the levels of errors that jumped
+constexpr double kLoosenOthers = 1.0;    // small parts of a collision stay unnamed
+constexpr double kLoosenMarked = 1e4;    // (100 sigma)^2: a person says that nothing is known any more
+constexpr double kSuspicion = 400.0;     // (20 sigma)^2 for what is suspect in one calibration
+constexpr int kRevisedWithin = 4;        // calibrations after a step is told
+constexpr double kSameSquare = 16.0;     // (4 sigma)^2: sizes that differ by less are the same
+constexpr int kMostSuspects = 6;         // in a row, after which the machine counts as unstable
+constexpr double kMostVariance = 1e8;    // (10,000 sigma)^2 of a combination is as good as unknown
 
 std::string TimeText(base::UtcTime at) { return absl::StrCat(base::ToUtcUs(at), " us UTC"); }
 
@@ -152,6 +155,12 @@ class Window {
   std::vector<Eigen::MatrixXd> noises_, informations_;
 };
 
+// Where calibrations are `days` apart, kLeastGapDays or more.
+double AlarmAt(double days) {
+  return days >= kDaysOfWeek ? kWeeklyAlarm
+                             : kDailyAlarm + (kWeeklyAlarm - kDailyAlarm) * std::log(days) / std::log(kDaysOfWeek);
+}
+
 struct Alarm {
   size_t since = 0;  // the first calibration of the window after the step
   double score = 0.0;
@@ -169,15 +178,16 @@ std::optional<Alarm> BestStep(const State& state, const Window& window) {
     Shift shift = ChooseShift(evidence);
     if (shift.errors.empty()) continue;
     const base::UtcTime before = since > 0 ? last[since - 1].at : state.before_window;
-    const double days = std::clamp(7.0 * WeeksBetween(before, last[since].at), kLeastGapDays, kMostGapDays);
+    const double days = std::clamp(kDaysOfWeek * WeeksBetween(before, last[since].at), kLeastGapDays, kMostGapDays);
+    const double alarm = AlarmAt(days);
     double score = std::log(kStepsPerYear * days / 365.2425) + shift.score;
     // Outliers only lower it.
-    if (score <= std::max(kAlarm, best ? best->score : kAlarm)) continue;
+    if (score <= std::max(alarm, best ? best->score : alarm)) continue;
     for (size_t i = since; i < last.size(); ++i) {
       const Evidence alone = window.Alone(i, since, static_cast<double>(last.size() - since));
       score -= std::max(0.0, std::log(kOutlierShare) + ScoreOf(alone, shift.errors));
     }
-    if (score <= std::max(kAlarm, best ? best->score : kAlarm)) continue;
+    if (score <= std::max(alarm, best ? best->score : alarm)) continue;
     ShiftSize size = SizeOf(evidence, shift.errors);
     best = Alarm{since, score, std::move(shift), std::move(size)};
   }
