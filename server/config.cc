@@ -95,6 +95,18 @@ const std::vector<Setting>& Settings() {
       {"webhooks.ca", "--webhooks-ca",
        "Authorities of the receivers of webhooks, PEM; else those that the system trusts", &Config::webhooks_ca, 0, 0,
        true},
+      {"mail.server", "--mail-server",
+       "The plant's SMTP server, by which webhooks to mailto: addresses go: smtp://mail.plant:587 (STARTTLS), "
+       "smtps://mail.plant",
+       &Config::mail_server},
+      {"mail.from", "--mail-from", "The address that mails are from", &Config::mail_from},
+      {"mail.user", "--mail-user", "As whom to sign in to it; empty: nobody asks", &Config::mail_user},
+      {"mail.password_file", "--mail-password-file", "Its password, read for each mail", &Config::mail_password_file, 0,
+       0, true},
+      {"mail.ca", "--mail-ca", "Authorities of its certificate, PEM; else those that the system trusts",
+       &Config::mail_ca, 0, 0, true},
+      {"mail.without_tls", "--mail-without-tls", "It has no TLS: mails go in the clear, and no password is sent",
+       &Config::mail_without_tls},
       {"backup.folder", "--backup-folder", "Where backups stay that admins ask for", &Config::backup_folder, 0, 0,
        true},
       {"retention.readings_days", "--keep-readings-days",
@@ -181,8 +193,24 @@ absl::Status Check(const Configured& configured) {
     return status.ok() ? status : base::Within(place(key) + ": " + key, status);
   };
   RETURN_IF_ERROR(within("webhooks.allowed", webhooks::AddressRule::Allowing(config.webhooks_allowed).status()));
-  if (config.webhooks_ca.empty()) return absl::OkStatus();
-  return within("webhooks.ca", base::ReadFile(config.webhooks_ca, kMaxAuthorityBytes).status());
+  if (!config.webhooks_ca.empty())
+    RETURN_IF_ERROR(within("webhooks.ca", base::ReadFile(config.webhooks_ca, kMaxAuthorityBytes).status()));
+  if (const std::optional<webhooks::MailServer> mail = MailOf(config)) {
+    RETURN_IF_ERROR(within("mail.server", webhooks::Check(*mail)));
+    if (!config.mail_ca.empty())
+      RETURN_IF_ERROR(within("mail.ca", base::ReadFile(config.mail_ca, kMaxAuthorityBytes).status()));
+    if (!config.mail_password_file.empty())
+      RETURN_IF_ERROR(within("mail.password_file", base::ReadFile(config.mail_password_file, 4096).status()));
+  } else if (!config.mail_from.empty() || !config.mail_user.empty() || !config.mail_password_file.empty()) {
+    return within("mail.from", absl::InvalidArgumentError("is set, must come with mail.server"));
+  }
+  return absl::OkStatus();
+}
+
+std::optional<webhooks::MailServer> MailOf(const Config& config) {
+  if (config.mail_server.empty()) return std::nullopt;
+  return webhooks::MailServer{config.mail_server,        config.mail_from, config.mail_user,
+                              config.mail_password_file, config.mail_ca,   !config.mail_without_tls};
 }
 
 }  // namespace axiscal::server

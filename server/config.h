@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "core/base/status.h"
 #include "server/certificates.h"
+#include "server/webhooks/mail_server.h"
 
 namespace axiscal::server {
 
@@ -34,6 +36,8 @@ struct Config {
   int64_t silence_seconds = 300;
   int64_t idle_seconds = 300;
   std::string webhooks_allowed, webhooks_ca;
+  std::string mail_server, mail_from, mail_user, mail_password_file, mail_ca;
+  bool mail_without_tls = false;
   std::string backup_folder;
   int64_t keep_readings_days = 0;
   int64_t keep_audit_days = 0;
@@ -68,6 +72,8 @@ struct Configured {
 };
 
 TlsFiles TlsFilesOf(const Config& config);
+// Nothing where mail.server is not set.
+std::optional<webhooks::MailServer> MailOf(const Config& config);
 
 // All of the following refuse with INVALID_ARGUMENT that names place, key, value and rule, and change nothing then.
 

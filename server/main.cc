@@ -189,6 +189,7 @@ ServerOptions OptionsOf(const axiscal::server::Config& config) {
   options.webhook_posts.emplace();
   options.webhook_posts->addresses = *axiscal::webhooks::AddressRule::Allowing(config.webhooks_allowed);
   options.webhook_posts->ca_file = config.webhooks_ca;
+  options.webhook_posts->mail = axiscal::server::MailOf(config);
   options.keep_readings = std::chrono::hours(24 * config.keep_readings_days);
   options.keep_audit = std::chrono::hours(24 * config.keep_audit_days);
   options.connection_idle = std::chrono::seconds(config.idle_seconds);

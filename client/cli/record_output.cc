@@ -69,6 +69,9 @@ Json ToJson(const records::MachineRecord& record) {
 }
 
 Json ToJson(const records::SessionRecord& record) {
+  Json labels = Json::Array();
+  if (record.remark)
+    for (const std::string& label : record.remark->labels) labels.push_back(label);
   return {{"id", record.id.number()},
           {"machine", record.machine.text()},
           {"session", record.name},
@@ -78,7 +81,11 @@ Json ToJson(const records::SessionRecord& record) {
           {"measured", TimeJson(record.measured_at)},
           {"created", TimeJson(record.created_at)},
           {"created_by", record.created_by},
-          {"hash", record.hash}};
+          {"hash", record.hash},
+          {"note", record.remark ? record.remark->note : ""},
+          {"labels", labels},
+          {"rejected", record.is_rejected()},
+          {"reason", record.remark ? record.remark->reason : ""}};
 }
 
 Json ToJson(const records::JobRecord& record) {
@@ -205,36 +212,6 @@ std::string MarkText(const records::Mark& mark) {
   return text + "\n";
 }
 
-const char* EventKindName(records::EventKind kind) {
-  switch (kind) {
-    case records::EventKind::kOutOfTolerance:
-      return "out-of-tolerance";
-    case records::EventKind::kLimitForecast:
-      return "limit-forecast";
-    case records::EventKind::kStep:
-      return "step";
-    case records::EventKind::kSuspect:
-      return "suspect";
-    case records::EventKind::kUnstable:
-      return "unstable";
-    case records::EventKind::kWear:
-      return "wear";
-    case records::EventKind::kScatter:
-      return "scatter";
-    case records::EventKind::kCalibrationOld:
-      return "calibration-old";
-    case records::EventKind::kSessionMissed:
-      return "session-missed";
-    case records::EventKind::kModelLacks:
-      return "model-lacks";
-    case records::EventKind::kRoutineFailed:
-      return "routine-failed";
-    case records::EventKind::kRoutineProposes:
-      return "routine-proposes";
-  }
-  return "unknown";
-}
-
 Json ToJson(const records::Event& event) {
   const records::EventContent& content = event.content;
   Json amounts = Json::Array();
@@ -244,7 +221,7 @@ Json ToJson(const records::Event& event) {
   }
   return {{"id", event.id.number()},
           {"machine", event.machine.text()},
-          {"kind", EventKindName(content.kind)},
+          {"kind", records::WordOf(content.kind)},
           {"subject", content.subject},
           {"text", content.text},
           {"advice", content.advice},
@@ -266,7 +243,7 @@ Json ToJson(const records::Event& event) {
 
 std::string EventText(const records::Event& event) {
   std::string text = absl::StrCat("event ", event.id.number(), " of ", event.machine.text(), ", ",
-                                  EventKindName(event.content.kind), ", raised ", TimeText(event.raised_at),
+                                  records::WordOf(event.content.kind), ", raised ", TimeText(event.raised_at),
                                   " UTC: ", event.content.text, "\n  do: ", event.content.advice, "\n");
   if (event.acknowledged_at) {
     absl::StrAppend(&text, "  acknowledged ", TimeText(event.acknowledged_at), " by ", event.acknowledged_by, ": ",
@@ -310,7 +287,7 @@ Json ToJson(const records::EventChange& change) {
 std::string ChangeText(const records::EventChange& change) {
   std::string text =
       absl::StrCat(change.id, " ", TimeText(change.at), " ", change.event.machine.text(), " ", ChangeName(change.what),
-                   " event ", change.event.id.number(), " (", EventKindName(change.event.content.kind), ")");
+                   " event ", change.event.id.number(), " (", records::WordOf(change.event.content.kind), ")");
   if (!change.by.empty()) absl::StrAppend(&text, " by ", change.by);
   return absl::StrCat(text, ": ", change.note.empty() ? change.event.content.text : change.note, "\n");
 }

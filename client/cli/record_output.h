@@ -30,7 +30,6 @@ Json ToJson(const records::PrincipalRecord& principal);
 Json ToJson(const records::MachineAccess& access);
 Json ToJson(const client::AuditEntry& entry);
 Json ToJson(const records::Mark& mark);
-const char* EventKindName(records::EventKind kind);
 Json ToJson(const records::Event& event);
 // What it says, what to do, and what people said to it; some lines.
 std::string EventText(const records::Event& event);

@@ -50,11 +50,17 @@ enum class EventKind {
   kModelLacks = 10,
   kRoutineFailed = 11,
   kRoutineProposes = 12,
+  kSessionRejected = 13,
+  kUnlikeGroup = 14,
 };
 inline constexpr EventKind kAllEventKinds[] = {
-    EventKind::kOutOfTolerance, EventKind::kLimitForecast, EventKind::kStep,          EventKind::kSuspect,
-    EventKind::kUnstable,       EventKind::kWear,          EventKind::kScatter,       EventKind::kCalibrationOld,
-    EventKind::kSessionMissed,  EventKind::kModelLacks,    EventKind::kRoutineFailed, EventKind::kRoutineProposes};
+    EventKind::kOutOfTolerance,  EventKind::kLimitForecast, EventKind::kStep,          EventKind::kSuspect,
+    EventKind::kUnstable,        EventKind::kWear,          EventKind::kScatter,       EventKind::kCalibrationOld,
+    EventKind::kSessionMissed,   EventKind::kModelLacks,    EventKind::kRoutineFailed, EventKind::kRoutineProposes,
+    EventKind::kSessionRejected, EventKind::kUnlikeGroup};
+
+// As people, the command line and docs/events.md call it: "out-of-tolerance".
+const char* WordOf(EventKind kind);
 
 // What an event says.
 struct EventContent {

@@ -1,4 +1,4 @@
-// Addresses that are told of events by HTTP, and what could not be brought there (docs/events.md).
+// Addresses that are told of events by HTTP or e-mail, and what could not be brought there (docs/events.md).
 #ifndef AXISCAL_CORE_RECORDS_WEBHOOK_H_
 #define AXISCAL_CORE_RECORDS_WEBHOOK_H_
 
@@ -14,7 +14,7 @@ namespace axiscal::records {
 
 struct Webhook {
   std::string name;        // IsAccessName(); each once
-  std::string url;         // http or https
+  std::string url;         // http, https or mailto
   Scope scope;             // the machines whose events are sent
   bool is_enabled = true;  // false: it is kept, what happens meanwhile is sent once it is enabled again
   std::string note;        // for people
@@ -50,8 +50,9 @@ struct DeadLetter {
 
 // What came of one try to bring something to an address.
 struct WebhookTrial {
-  int status = 0;     // of HTTP; 0: no answer came
+  int status = 0;     // of HTTP, or the reply code of SMTP; 0: no answer came
   std::string error;  // empty: it was taken (2xx)
+  bool is_mail = false;
   int64_t took_ms = 0;
 };
 

@@ -21,13 +21,16 @@ absl::StatusOr<v1::PutWebhookResponse> PutWebhook(Core& core, const Call& call, 
   const absl::StatusOr<records::Webhook> webhook = convert::FromProto(request.webhook());
   if (!webhook.ok()) return convert::InField("webhook", webhook.status());
   RETURN_IF_ERROR(webhooks::CheckUrl(webhook->url));
+  if (webhooks::IsMail(webhook->url) && core.webhook_sender != nullptr && !core.webhook_sender->has_mail())
+    return convert::FieldError("webhook.url", "no mail server is configured: mail.server in axiscald.toml");
   const storage::NewSecret secret = {webhooks::NewSecret(), request.new_secret()};
   ASSIGN_OR_RETURN(const records::WebhookRecord record,
                    core.database.PutWebhook(*webhook, secret, request.etag(), call.By()));
   if (core.webhook_sender != nullptr) core.webhook_sender->LookSoon();
   v1::PutWebhookResponse response;
   *response.mutable_webhook() = convert::ToProto(record);
-  if (record.secret == secret.text) response.set_secret(record.secret);
+  // Mails are not signed.
+  if (record.secret == secret.text && !webhooks::IsMail(record.content.url)) response.set_secret(record.secret);
   return response;
 }
 
@@ -66,7 +69,7 @@ absl::StatusOr<v1::TestWebhookResponse> TestWebhook(Core& core, const Call& call
   entry.action = "webhook.test";
   entry.resource = "webhooks/" + record.content.name;
   entry.outcome = "OK";
-  entry.detail = trial.error.empty() ? absl::StrCat("HTTP ", trial.status) : trial.error;
+  entry.detail = trial.error.empty() ? absl::StrCat(trial.is_mail ? "SMTP " : "HTTP ", trial.status) : trial.error;
   RETURN_IF_ERROR(core.database.AppendAudit(entry));
   v1::TestWebhookResponse response;
   response.set_http_status(trial.status);

@@ -14,6 +14,7 @@
 #include "core/base/demand.h"
 #include "proto/convert/event.h"
 #include "proto/convert/field.h"
+#include "server/webhooks/mail.h"
 
 namespace axiscal::webhooks {
 namespace {
@@ -78,29 +79,34 @@ std::string Signature(const std::string& secret, const std::string& id, int64_t 
 }
 
 Letter LetterOf(const records::WebhookRecord& webhook, const records::EventChange& change) {
+  const std::string id = absl::StrCat("webhook-", webhook.id.number(), "-change-", change.id);
+  if (IsMail(webhook.content.url)) return {webhook.content.url, id, TextOf(change), "", SubjectOf(change)};
   v1::WebhookLetter letter;
   letter.set_type(TypeOf(change.what));
   *letter.mutable_change() = convert::ToProto(change);
-  return {webhook.content.url, absl::StrCat("webhook-", webhook.id.number(), "-change-", change.id), JsonOf(letter),
-          webhook.secret};
+  return {webhook.content.url, id, JsonOf(letter), webhook.secret};
 }
 
 Letter TestLetter(const records::WebhookRecord& webhook, base::UtcTime now) {
+  const std::string id = absl::StrCat("webhook-", webhook.id.number(), "-test-", base::ToUtcUs(now));
+  if (IsMail(webhook.content.url)) {
+    return {webhook.content.url, id, "This is a test: mails of events come here.\n", "", "[axiscal] test"};
+  }
   v1::WebhookLetter letter;
   letter.set_type("test");
-  return {webhook.content.url, absl::StrCat("webhook-", webhook.id.number(), "-test-", base::ToUtcUs(now)),
-          JsonOf(letter), webhook.secret};
+  return {webhook.content.url, id, JsonOf(letter), webhook.secret};
 }
 
 absl::Status CheckUrl(const std::string& url) {
   const auto refuse = [](const std::string& rule) { return convert::FieldError("webhook.url", rule); };
   RETURN_IF_ERROR(convert::RequireText("webhook.url", url, 1, kMostUrlBytes));
+  if (IsMail(url)) return RecipientsOf(url).status();
   const std::unique_ptr<CURLU, decltype(&curl_url_cleanup)> parsed(curl_url(), &curl_url_cleanup);
   const CURLUcode code = curl_url_set(parsed.get(), CURLUPART_URL, url.c_str(), 0);
   if (code != CURLUE_OK) return refuse(absl::StrCat("is no URL: ", curl_url_strerror(code)));
   const std::string scheme = PartOf(parsed.get(), CURLUPART_SCHEME);
   if (scheme != "http" && scheme != "https")
-    return refuse("must begin with http:// or https://, not " + scheme + "://");
+    return refuse("must begin with http://, https:// or mailto:, not " + scheme + "://");
   if (!PartOf(parsed.get(), CURLUPART_USER).empty() || !PartOf(parsed.get(), CURLUPART_PASSWORD).empty())
     return refuse("must hold neither a user nor a password: letters are signed");
   if (!PartOf(parsed.get(), CURLUPART_FRAGMENT).empty()) return refuse("must hold no fragment (#...)");

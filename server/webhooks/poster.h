@@ -1,4 +1,5 @@
-// Brings letters to addresses by HTTP, several at a time on one thread, with libcurl. A letter ends with its answer, or
+// Brings letters to addresses by HTTP, and mails to the plant's SMTP server, several at a time on one thread, with
+// libcurl. A letter ends with its answer, or
 // after `timeout`; redirects are not followed, no proxy is used, no cookie kept.
 #ifndef AXISCAL_SERVER_WEBHOOKS_POSTER_H_
 #define AXISCAL_SERVER_WEBHOOKS_POSTER_H_
@@ -15,6 +16,7 @@
 #include "core/records/webhook.h"
 #include "server/webhooks/addresses.h"
 #include "server/webhooks/letter.h"
+#include "server/webhooks/mail.h"
 
 namespace axiscal::webhooks {
 
@@ -22,6 +24,8 @@ struct PosterOptions {
   AddressRule addresses;
   // Authorities of https addresses, PEM; empty: those that the system trusts.
   std::string ca_file;
+  // Of letters to mailto: addresses; absent: they fail.
+  std::optional<MailServer> mail = {};
   // From the first byte to the end of the answer. > 0.
   std::chrono::milliseconds timeout = std::chrono::seconds(10);
   base::Clock* clock = &base::SystemClock();  // of the time that is signed

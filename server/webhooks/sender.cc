@@ -28,6 +28,7 @@ double Random() {
 }  // namespace
 
 bool MayBeTakenLater(const records::WebhookTrial& trial) {
+  if (trial.is_mail) return trial.status < 500;
   return trial.status == 0 || trial.status >= 500 || trial.status == 408 || trial.status == 425 || trial.status == 429;
 }
 
@@ -134,7 +135,10 @@ void Sender::HoldUp(const records::WebhookRecord& webhook, Line& line, const abs
 
 absl::StatusOr<bool> Sender::BeginNext(const records::WebhookRecord& webhook, Line& line) {
   while (!stopping_) {
-    while (!line.next.empty() && line.next.front().id <= webhook.after_change) line.next.pop_front();
+    const auto is_for_it = [&](const records::EventChange& change) {
+      return change.id > webhook.after_change && (!IsMail(webhook.content.url) || IsToldByMail(change.what));
+    };
+    while (!line.next.empty() && !is_for_it(line.next.front())) line.next.pop_front();
     if (!line.next.empty()) {
       line.is_wanted_letter = false;
       line.sent = webhook;

@@ -20,8 +20,8 @@
 
 namespace axiscal::webhooks {
 
-// How often a change is tried: where the receiver is not there (no answer, 5xx, 408, 425, 429), and where it refuses
-// what came, or leads elsewhere (all other answers but 2xx). Then it is a dead letter.
+// How often a change is tried: where the receiver is not there (no answer; of HTTP 5xx, 408, 425, 429; of SMTP 4xx),
+// and where it refuses what came, or leads elsewhere (all other answers but 2xx). Then it is a dead letter.
 inline constexpr int kTries = 12, kTriesOfRefused = 4;
 bool MayBeTakenLater(const records::WebhookTrial& trial);
 // Before the next try, after `tries` that failed: 5 s, twice as long each time, up to an hour; of that a part, half of
@@ -46,6 +46,7 @@ class Sender {
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
+  bool has_mail() const { return options_.post.mail.has_value(); }
   void Start();
   // Gives up what is under way, which is sent again after the next start. Harmless when repeated, or not started.
   void Stop();

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/storage/testing/temp_database.h"
+#include "server/webhooks/testing/mail_receiver.h"
 #include "server/webhooks/testing/receiver.h"
 
 namespace axiscal::webhooks {
@@ -246,6 +247,78 @@ TEST(WebhookWaits, DoubleUpToAnHour) {
   EXPECT_EQ(WaitAfter(4, 1.0), std::chrono::seconds(40));
   EXPECT_EQ(WaitAfter(11, 1.0), std::chrono::hours(1));
   EXPECT_EQ(WaitAfter(50, 0.0), std::chrono::minutes(30));
+}
+
+class MailSender : public WebhookSender {
+ protected:
+  MailSender() { Restart(false); }
+  void Restart(bool needs_tls) {
+    options.post.mail = MailServer{mail.Url(), "axiscal@plant.example", "", "", "", needs_tls};
+    Start();
+  }
+  void Say(EventId event) {
+    DEMAND(database->AcknowledgeEvent(event, "seen", Cell("")).ok());
+    board->Tell();
+  }
+
+  MailReceiver mail;
+};
+
+TEST_F(MailSender, SendsWhatIsRaisedAndNotWhatPeopleSaid) {
+  Put("mailto:ann@plant.example,bob@plant.example");
+  Happen("EX0C");
+  sender->SendDue();
+  Say(EventId(1));
+  sender->SendDue();
+  ASSERT_EQ(mail.mails().size(), 1u);
+  const ReceivedMail got = mail.mails()[0];
+  EXPECT_EQ(got.from, "<axiscal@plant.example>");
+  EXPECT_THAT(got.to, ElementsAre("<ann@plant.example>", "<bob@plant.example>"));
+  EXPECT_THAT(got.message, HasSubstr("From: axiscal@plant.example\r\n"));
+  // What is not told by mail does not wait.
+  EXPECT_EQ(Get().after_change, 2);
+  EXPECT_EQ(Get().last_error, "");
+  Happen("EY0C");
+  sender->SendDue();
+  EXPECT_EQ(mail.mails().size(), 2u);
+}
+
+TEST_F(MailSender, ABusyServerIsTriedAgainARefusalFourTimes) {
+  Put("mailto:ann@plant.example");
+  mail.Say("RCPT", "451 try again later");
+  Happen("EX0C");
+  sender->SendDue();
+  EXPECT_THAT(Get().last_error, HasSubstr("451"));
+  for (int i = 0; i < 5; ++i) TryAgain();
+  mail.Say("", "");
+  TryAgain();
+  EXPECT_EQ(mail.mails().size(), 1u);
+  mail.Say("RCPT", "550 nobody of that name");
+  Happen("EY0C");
+  sender->SendDue();
+  for (int i = 1; i < kTriesOfRefused; ++i) TryAgain();
+  EXPECT_EQ(Get().dead_letters, 1);
+}
+
+// Without TLS where TLS is asked for nothing is said but the greeting.
+TEST_F(MailSender, NothingGoesInTheClearUnlessThatIsSaid) {
+  Restart(true);
+  Put("mailto:ann@plant.example");
+  Happen("EX0C");
+  sender->SendDue();
+  EXPECT_TRUE(mail.mails().empty());
+  EXPECT_EQ(mail.said().find("MAIL FROM"), std::string::npos) << mail.said();
+  EXPECT_NE(Get().last_error, "");
+}
+
+TEST_F(MailSender, WithoutAServerALetterFailsAndSaysWhy) {
+  options.post.mail.reset();
+  Start();
+  Put("mailto:ann@plant.example");
+  Happen("EX0C");
+  sender->SendDue();
+  EXPECT_THAT(Get().last_error, HasSubstr("mail.server"));
+  EXPECT_FALSE(sender->has_mail());
 }
 
 }  // namespace

@@ -1,0 +1,39 @@
+#include "core/records/event.h"
+
+namespace axiscal::records {
+
+const char* WordOf(EventKind kind) {
+  switch (kind) {
+    case EventKind::kOutOfTolerance:
+      return "out-of-tolerance";
+    case EventKind::kLimitForecast:
+      return "limit-forecast";
+    case EventKind::kStep:
+      return "step";
+    case EventKind::kSuspect:
+      return "suspect";
+    case EventKind::kUnstable:
+      return "unstable";
+    case EventKind::kWear:
+      return "wear";
+    case EventKind::kScatter:
+      return "scatter";
+    case EventKind::kCalibrationOld:
+      return "calibration-old";
+    case EventKind::kSessionMissed:
+      return "session-missed";
+    case EventKind::kModelLacks:
+      return "model-lacks";
+    case EventKind::kRoutineFailed:
+      return "routine-failed";
+    case EventKind::kRoutineProposes:
+      return "routine-proposes";
+    case EventKind::kSessionRejected:
+      return "session-rejected";
+    case EventKind::kUnlikeGroup:
+      return "unlike-group";
+  }
+  return "unknown";
+}
+
+}  // namespace axiscal::records
