@@ -114,6 +114,12 @@ struct SessionFilter {
   records::TimeSpan measured = {};  // or created, where its file does not say
   std::string instrument = {};      // empty: any
   std::string name = {};            // empty: any
+  std::string label = {};           // empty: any
+};
+
+struct JobUrgency {
+  int priority = 0;                            // -10 .. 10, higher ones first
+  std::optional<base::UtcTime> deadline = {};  // what has not ended by then fails
 };
 
 struct JobFilter {
@@ -170,10 +176,20 @@ class Client {
   // Newest first, without header and columns.
   absl::StatusOr<Page<SessionRecord>> ListSessions(const SessionFilter& filter = {}, const PageRequest& page = {});
   absl::StatusOr<SessionRecord> AbortSession(SessionId id);
+  // Replaces note and labels. `etag`: of the remark as it was read, 0: whatever is there.
+  absl::StatusOr<SessionRecord> AnnotateSession(SessionId id, const std::string& note,
+                                                const std::vector<std::string>& labels, int64_t etag = 0);
+  // Whether it counts, and why. What stands on it is marked.
+  struct RejectedSession {
+    SessionRecord session;
+    std::vector<CalibrationId> calibrations;
+  };
+  absl::StatusOr<RejectedSession> RejectSession(SessionId id, bool is_rejected, const std::string& reason);
   absl::StatusOr<session::Session> DownloadSession(SessionId id);
 
   // ---- jobs
-  absl::StatusOr<JobRecord> CreateJob(const records::JobParams& params, const std::string& request_id = "");
+  absl::StatusOr<JobRecord> CreateJob(const records::JobParams& params, const std::string& request_id = "",
+                                      const JobUrgency& urgency = {});
   absl::StatusOr<JobRecord> GetJob(JobId id);
   // Newest first.
   // Newest first, without reports (GetJob has them).

@@ -10,10 +10,13 @@ constexpr std::chrono::milliseconds kWaitMargin = std::chrono::seconds(5);
 
 }  // namespace
 
-absl::StatusOr<JobRecord> Client::CreateJob(const records::JobParams& params, const std::string& request_id) {
+absl::StatusOr<JobRecord> Client::CreateJob(const records::JobParams& params, const std::string& request_id,
+                                            const JobUrgency& urgency) {
   v1::CreateJobRequest request;
   request.set_request_id(request_id.empty() ? NewRequestId() : request_id);
   *request.mutable_params() = convert::ToProto(params);
+  request.set_priority(urgency.priority);
+  SET_OPTIONAL_UTC(request, deadline_utc_us, urgency.deadline);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::CreateJobResponse>(*impl_->jobs, &v1::Jobs::Stub::CreateJob, request));
   return convert::FromProto(response.job());

@@ -41,9 +41,36 @@ absl::StatusOr<Page<SessionRecord>> Client::ListSessions(const SessionFilter& fi
   SET_OPTIONAL_UTC(request, to_utc_us, filter.measured.to);
   request.set_instrument(filter.instrument);
   request.set_name(filter.name);
+  request.set_label(filter.label);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::ListSessionsResponse>(*impl_->ingest, &v1::Ingest::Stub::ListSessions, request));
   return ReadPage<SessionRecord>(response.sessions(), response.next_page_token());
+}
+
+absl::StatusOr<SessionRecord> Client::AnnotateSession(SessionId id, const std::string& note,
+                                                      const std::vector<std::string>& labels, int64_t etag) {
+  v1::AnnotateSessionRequest request;
+  request.set_session_id(id.number());
+  request.set_note(note);
+  for (const std::string& label : labels) request.add_labels(label);
+  request.set_etag(etag);
+  ASSIGN_OR_RETURN(const auto response, impl_->Call<v1::AnnotateSessionResponse>(
+                                            *impl_->ingest, &v1::Ingest::Stub::AnnotateSession, request));
+  return convert::FromProto(response.session());
+}
+
+absl::StatusOr<Client::RejectedSession> Client::RejectSession(SessionId id, bool is_rejected,
+                                                              const std::string& reason) {
+  v1::RejectSessionRequest request;
+  request.set_session_id(id.number());
+  request.set_is_rejected(is_rejected);
+  request.set_reason(reason);
+  ASSIGN_OR_RETURN(const auto response,
+                   impl_->Call<v1::RejectSessionResponse>(*impl_->ingest, &v1::Ingest::Stub::RejectSession, request));
+  RejectedSession rejected;
+  ASSIGN_OR_RETURN(rejected.session, convert::FromProto(response.session()));
+  for (const int64_t number : response.calibration_ids()) rejected.calibrations.push_back(CalibrationId(number));
+  return rejected;
 }
 
 absl::StatusOr<SessionRecord> Client::AbortSession(SessionId id) {

@@ -38,6 +38,7 @@
 #include "server/handlers/retire_calibration.h"
 #include "server/handlers/routines.h"
 #include "server/handlers/update_machine.h"
+#include "server/handlers/volumetric.h"
 #include "server/handlers/wait_job.h"
 #include "server/handlers/watch_events.h"
 #include "server/handlers/watch_job.h"
@@ -101,6 +102,12 @@ class JobsService final : public v1::Jobs::Service {
     return Respond(
         core_, context, "Jobs.GetJob", request,
         [&](const auto& call) { return handlers::GetJob(core_, call, *request); }, response);
+  }
+  grpc::Status GetReport(grpc::ServerContext* context, const v1::GetReportRequest* request,
+                         v1::GetReportResponse* response) override {
+    return Respond(
+        core_, context, "Jobs.GetReport", request,
+        [&](const auto& call) { return handlers::GetReport(core_, call, *request); }, response);
   }
   grpc::Status ListJobs(grpc::ServerContext* context, const v1::ListJobsRequest* request,
                         v1::ListJobsResponse* response) override {
@@ -186,6 +193,18 @@ class CalibrationsService final : public v1::Calibrations::Service {
     return Respond(
         core_, context, "Calibrations.ListResiduals", request,
         [&](const auto& call) { return handlers::ListResiduals(core_, call, *request); }, response);
+  }
+  grpc::Status GetVolumetricError(grpc::ServerContext* context, const v1::GetVolumetricErrorRequest* request,
+                                  v1::GetVolumetricErrorResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.GetVolumetricError", request,
+        [&](const auto& call) { return handlers::GetVolumetricError(core_, call, *request); }, response);
+  }
+  grpc::Status ListVolumetricErrors(grpc::ServerContext* context, const v1::ListVolumetricErrorsRequest* request,
+                                    v1::ListVolumetricErrorsResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.ListVolumetricErrors", request,
+        [&](const auto& call) { return handlers::ListVolumetricErrors(core_, call, *request); }, response);
   }
 
  private:

@@ -12,6 +12,7 @@
 #include "server/handlers/put_log.h"
 #include "server/handlers/put_program.h"
 #include "server/handlers/rewrite_program.h"
+#include "server/handlers/session_remarks.h"
 #include "server/handlers/upload.h"
 #include "server/respond.h"
 #include "server/service.h"
@@ -59,6 +60,18 @@ class IngestService final : public v1::Ingest::Service {
     return Respond(
         core_, context, "Ingest.AbortSession", request,
         [&](const auto& call) { return handlers::AbortSession(core_, call, *request); }, response);
+  }
+  grpc::Status AnnotateSession(grpc::ServerContext* context, const v1::AnnotateSessionRequest* request,
+                               v1::AnnotateSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.AnnotateSession", request,
+        [&](const auto& call) { return handlers::AnnotateSession(core_, call, *request); }, response);
+  }
+  grpc::Status RejectSession(grpc::ServerContext* context, const v1::RejectSessionRequest* request,
+                             v1::RejectSessionResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.RejectSession", request,
+        [&](const auto& call) { return handlers::RejectSession(core_, call, *request); }, response);
   }
   grpc::Status ListSessions(grpc::ServerContext* context, const v1::ListSessionsRequest* request,
                             v1::ListSessionsResponse* response) override {

@@ -59,6 +59,7 @@ struct CalibrationRecord {
   base::UtcTime created_at;
   std::string approved_by;
   std::optional<base::UtcTime> approved_at, retired_at;
+  std::vector<SessionId> rejected_sessions;  // of its sessions, those that do not count any more
 };
 
 struct CalibrationFilter {

@@ -54,6 +54,7 @@ struct JobRecord {
   base::UtcTime created_at;
   std::optional<base::UtcTime> started_at, ended_at;  // of the last attempt
   int64_t version = 0;                                // grows with every change of the row
+  std::optional<base::UtcTime> deadline;              // what has not ended by then fails
 };
 
 }  // namespace axiscal::records

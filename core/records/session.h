@@ -34,6 +34,17 @@ struct SessionSchema {
 // Of a session with or without readings.
 SessionSchema SchemaOf(const session::Session& session);
 
+// What people say of a session.
+struct SessionRemark {
+  std::string note;
+  std::vector<std::string> labels;  // in order, each once
+  bool is_rejected = false;         // it does not count
+  std::string reason;               // why, or why it counts again
+  int64_t etag = 0;                 // grows with every change
+  std::string changed_by;
+  base::UtcTime changed_at;
+};
+
 struct SessionRecord {
   SessionId id;
   MachineId machine;
@@ -50,6 +61,9 @@ struct SessionRecord {
   base::UtcTime created_at;
   base::UtcTime last_seen_at;  // of the last chunk
   std::optional<base::UtcTime> closed_at;
+  std::optional<SessionRemark> remark = {};  // where somebody has said something
+
+  bool is_rejected() const { return remark && remark->is_rejected; }
 };
 
 // Totals with which the uploader closes a session.

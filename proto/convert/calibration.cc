@@ -79,6 +79,7 @@ v1::Calibration ToProto(const records::CalibrationRecord& record) {
   SET_OPTIONAL_UTC(message, approved_utc_us, record.approved_at);
   message.set_approved_by(record.approved_by);
   SET_OPTIONAL_UTC(message, retired_utc_us, record.retired_at);
+  for (const SessionId& id : record.rejected_sessions) message.add_rejected_session_ids(id.number());
   *message.mutable_statistics() = StatisticsToProto(record.content);
   for (const records::Estimate& estimate : record.content.estimates) *message.add_estimates() = ToProto(estimate);
   AddReported(record.content.report_json, &message);
@@ -102,6 +103,7 @@ absl::StatusOr<records::CalibrationRecord> FromProto(const v1::Calibration& mess
   record.approved_at = OPTIONAL_UTC(message, approved_utc_us);
   record.approved_by = message.approved_by();
   record.retired_at = OPTIONAL_UTC(message, retired_utc_us);
+  for (const int64_t id : message.rejected_session_ids()) record.rejected_sessions.push_back(SessionId(id));
   record.content.machine = MachineId(message.machine_id());
   for (int i = 0; i < message.estimates_size(); ++i) {
     absl::StatusOr<records::Estimate> estimate = FromProto(message.estimates(i));

@@ -91,6 +91,8 @@ v1::Job ToProto(const records::JobRecord& record) {
   SET_OPTIONAL_UTC(message, finished_utc_us, record.ended_at);
   message.set_created_by(record.created_by);
   message.set_version(record.version);
+  message.set_priority(record.priority);
+  SET_OPTIONAL_UTC(message, deadline_utc_us, record.deadline);
   return message;
 }
 
@@ -125,6 +127,8 @@ absl::StatusOr<records::JobRecord> FromProto(const v1::Job& message) {
   record.started_at = OPTIONAL_UTC(message, started_utc_us);
   record.ended_at = OPTIONAL_UTC(message, finished_utc_us);
   record.version = message.version();
+  record.priority = message.priority();
+  record.deadline = OPTIONAL_UTC(message, deadline_utc_us);
   return record;
 }
 

@@ -75,6 +75,28 @@ absl::StatusOr<records::SessionState> FromProto(v1::SessionState state) {
   }
 }
 
+v1::SessionRemark ToProto(const records::SessionRemark& remark) {
+  v1::SessionRemark message;
+  message.set_note(remark.note);
+  for (const std::string& label : remark.labels) message.add_labels(label);
+  message.set_is_rejected(remark.is_rejected);
+  message.set_reason(remark.reason);
+  message.set_etag(remark.etag);
+  message.set_changed_by(remark.changed_by);
+  message.set_changed_utc_us(base::ToUtcUs(remark.changed_at));
+  return message;
+}
+
+records::SessionRemark FromProto(const v1::SessionRemark& message) {
+  return {message.note(),
+          {message.labels().begin(), message.labels().end()},
+          message.is_rejected(),
+          message.reason(),
+          message.etag(),
+          message.changed_by(),
+          base::FromUtcUs(message.changed_utc_us())};
+}
+
 v1::Session ToProto(const records::SessionRecord& record) {
   v1::Session message;
   message.set_session_id(record.id.number());
@@ -90,6 +112,7 @@ v1::Session ToProto(const records::SessionRecord& record) {
   message.set_last_seen_utc_us(base::ToUtcUs(record.last_seen_at));
   message.set_created_by(record.created_by);
   message.set_sha256(record.hash);
+  if (record.remark) *message.mutable_remark() = ToProto(*record.remark);
   return message;
 }
 
@@ -112,6 +135,7 @@ absl::StatusOr<records::SessionRecord> FromProto(const v1::Session& message) {
   record.last_seen_at = base::FromUtcUs(message.last_seen_utc_us());
   record.created_by = message.created_by();
   record.hash = message.sha256();
+  if (message.has_remark()) record.remark = FromProto(message.remark());
   return record;
 }
 

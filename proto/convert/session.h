@@ -18,6 +18,8 @@ v1::SessionSchema ToProto(const records::SessionSchema& schema);
 // FIELD_INVALID: no column, more than kMaxColumns, two of one name, a column of no kind, an empty key.
 absl::StatusOr<records::SessionSchema> FromProto(const v1::SessionSchema& message);
 
+v1::SessionRemark ToProto(const records::SessionRemark& remark);
+records::SessionRemark FromProto(const v1::SessionRemark& message);
 v1::Session ToProto(const records::SessionRecord& record);
 // Without header and columns, which travel as a schema.
 absl::StatusOr<records::SessionRecord> FromProto(const v1::Session& message);

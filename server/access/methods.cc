@@ -30,11 +30,14 @@ const std::vector<MethodRule>& Methods() {
       {"Ingest.GetSession", Reach::kNamed, {kViewer, kCell}},
       {"Ingest.FinishSession", Reach::kNamed, {kCell}},
       {"Ingest.AbortSession", Reach::kNamed, {kCell}},
+      {"Ingest.AnnotateSession", Reach::kNamed, {kTechnician, kApprover}},
+      {"Ingest.RejectSession", Reach::kNamed, {kTechnician, kApprover}},
       {"Ingest.ListSessions", Reach::kList, {kViewer}},
       {"Ingest.DownloadSession", Reach::kNamed, {kViewer}},
 
       {"Jobs.CreateJob", Reach::kNamed, {kTechnician}},
       {"Jobs.GetJob", Reach::kNamed, {kViewer}},
+      {"Jobs.GetReport", Reach::kNamed, {kViewer}},
       {"Jobs.ListJobs", Reach::kList, {kViewer}},
       {"Jobs.CancelJob", Reach::kNamed, {kTechnician}},
       {"Jobs.RequeueJob", Reach::kNamed, {kTechnician}},
@@ -45,6 +48,8 @@ const std::vector<MethodRule>& Methods() {
       {"Calibrations.GetCalibration", Reach::kNamed, {kViewer}},
       {"Calibrations.DrawCalibration", Reach::kNamed, {kViewer}},
       {"Calibrations.ListResiduals", Reach::kNamed, {kViewer}},
+      {"Calibrations.GetVolumetricError", Reach::kNamed, {kViewer}},
+      {"Calibrations.ListVolumetricErrors", Reach::kNamed, {kViewer}},
       {"Calibrations.ApproveCalibration", Reach::kNamed, {kApprover}, kFourEyes},
       {"Calibrations.RetireCalibration", Reach::kNamed, {kApprover}},
 

@@ -16,10 +16,11 @@
 #include "server/access/forwarded.h"
 #include "server/access/gate.h"
 #include "server/handlers/budget.h"
+#include "server/handlers/calibration_fit.h"
 #include "server/handlers/call_rates.h"
 #include "server/handlers/held_calls.h"
-#include "server/handlers/calibration_fit.h"
 #include "server/handlers/open_calls.h"
+#include "server/handlers/volumetric_cache.h"
 #include "server/jobs/job_runner.h"
 #include "server/metrics/metrics.h"
 #include "server/storage/database.h"
@@ -83,6 +84,7 @@ struct Core {
   std::function<void()> run_all_soon = [] {};
   // What calibrations' sessions read without and with their errors.
   std::shared_ptr<CalibrationFits> fits = std::make_shared<CalibrationFits>();
+  std::shared_ptr<VolumetricCache> volumetric = std::make_shared<VolumetricCache>();
   // Absent where no webhooks are sent.
   webhooks::Sender* webhook_sender = nullptr;
 };

@@ -9,6 +9,9 @@ namespace axiscal::handlers {
 
 absl::StatusOr<v1::GetJobResponse> GetJob(Core& core, const Call& call, const v1::GetJobRequest& request);
 
+// Jobs.GetReport: of a job that has succeeded.
+absl::StatusOr<v1::GetReportResponse> GetReport(Core& core, const Call& call, const v1::GetReportRequest& request);
+
 }  // namespace axiscal::handlers
 
 #endif  // AXISCAL_SERVER_HANDLERS_GET_JOB_H_

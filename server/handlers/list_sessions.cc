@@ -16,6 +16,7 @@ absl::StatusOr<v1::ListSessionsResponse> ListSessions(Core& core, const Call& ca
   RETURN_IF_ERROR(RequireSpan(filter.measured));
   filter.instrument = request.instrument();
   filter.name = request.name();
+  filter.label = request.label();
   ASSIGN_OR_RETURN(const records::PageRequest page, PageFrom(request.page_size(), request.page_token()));
   ASSIGN_OR_RETURN(const records::Page<records::SessionRecord> rows,
                    FirstWithRows(call, page, [&](const records::PageRequest& part) {

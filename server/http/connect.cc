@@ -56,13 +56,14 @@ class Service {
  public:
   Service(handlers::Core& core, const std::shared_ptr<grpc::Channel>& channel,
           const google::protobuf::MethodDescriptor& method, const ContentType& type, const Request& request,
-          const absl::StatusOr<access::Credentials>& credentials, Exchange& exchange)
+          const absl::StatusOr<access::Credentials>& credentials, handlers::Budget& budget, Exchange& exchange)
       : core_(core),
         channel_(channel),
         method_(method),
         type_(type),
         request_(request),
         credentials_(credentials),
+        budget_(budget),
         exchange_(exchange) {}
 
   void Unary() {
@@ -71,10 +72,18 @@ class Service {
       reply = std::move(part);
       return true;
     });
-    absl::StatusOr<std::string> body = FromBinary(*method_.output_type(), type_.codec, std::move(reply));
+    handlers::Share share(budget_);
+    const int64_t times = type_.codec == Codec::kJson ? 1 + kJsonFactor : 1;
+    if (ended.ok()) {
+      const absl::Status taken = share.Take(times * static_cast<int64_t>(reply.size()));
+      if (!taken.ok()) ended = taken;
+    }
     if (!ended.ok()) {
       exchange_.Send(ErrorAnswer(ended.status()));
-    } else if (ended->code() != 0) {
+      return;
+    }
+    absl::StatusOr<std::string> body = FromBinary(*method_.output_type(), type_.codec, std::move(reply));
+    if (ended->code() != 0) {
       exchange_.Send(ErrorAnswer(*ended));
     } else if (!body.ok()) {
       exchange_.Send(ErrorAnswer(body.status()));
@@ -115,6 +124,7 @@ class Service {
   const ContentType type_;
   const Request& request_;
   const absl::StatusOr<access::Credentials>& credentials_;
+  handlers::Budget& budget_;
   Exchange& exchange_;
 };
 
@@ -128,7 +138,8 @@ int64_t MostBodyBytes(const Request& request) {
 
 void ServeConnect(handlers::Core& core, const std::shared_ptr<grpc::Channel>& channel,
                   const google::protobuf::MethodDescriptor& method, const Request& request,
-                  const absl::StatusOr<access::Credentials>& credentials, Exchange& exchange) {
+                  const absl::StatusOr<access::Credentials>& credentials, handlers::Budget& budget,
+                  Exchange& exchange) {
   if (request.method != "POST") {
     exchange.Send({405, {{"Allow", "POST"}}, ""});
     return;
@@ -142,7 +153,7 @@ void ServeConnect(handlers::Core& core, const std::shared_ptr<grpc::Channel>& ch
                    ""});
     return;
   }
-  Service service(core, channel, method, *type, request, credentials, exchange);
+  Service service(core, channel, method, *type, request, credentials, budget, exchange);
   if (is_stream) {
     service.Stream();
   } else {

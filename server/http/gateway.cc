@@ -151,7 +151,7 @@ void Gateway::Serve(const Request& request, Exchange& exchange) {
   if (const google::protobuf::MethodDescriptor* const method = FindMethod(request.path)) {
     const absl::StatusOr<access::Credentials> credentials = CredentialsOf(request);
     if (!credentials.ok()) Refusal(request, credentials.status());  // the answer is the method's to write
-    ServeConnect(core_, channel_, *method, request, credentials, exchange);
+    ServeConnect(core_, channel_, *method, request, credentials, budget_, exchange);
     return;
   }
   if (request.path == kSignIn || request.path == kSignOut) {

@@ -30,6 +30,12 @@ absl::Status CheckSessions(storage::Database& database, const MachineId& machine
           "SESSION_NOT_COMPLETE",
           name + (is_expired ? " has expired: it was left, or its readings were removed by age" : " is not complete"));
     }
+    if (session.is_rejected()) {
+      return base::Error(
+          absl::StatusCode::kFailedPrecondition,
+          absl::StrCat(name, " was rejected by ", session.remark->changed_by, ": ", session.remark->reason),
+          {"SESSION_REJECTED", {{"session", std::to_string(session.id.number())}}});
+    }
   }
   return absl::OkStatus();
 }

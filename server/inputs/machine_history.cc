@@ -107,6 +107,7 @@ std::vector<CalibrationRecord> CountedCalibrations(const std::vector<Calibration
   };
   std::map<std::vector<SessionId>, const CalibrationRecord*> of_set;
   for (const CalibrationRecord& record : all) {
+    if (!record.rejected_sessions.empty()) continue;
     const bool is_candidate = record.state == records::CalibrationState::kCandidate;
     if (!record.approved_at && !(is_candidate && counts_candidate(record))) continue;
     std::vector<SessionId> set = record.content.sessions;

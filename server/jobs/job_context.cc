@@ -5,7 +5,7 @@
 namespace axiscal::jobs {
 
 bool JobContext::cancelled() {
-  if (stop_reason_.load() == StopReason::kNone && clock_.SteadyNow() >= deadline_) Stop(StopReason::kDeadline);
+  if (stop_reason_.load() == StopReason::kNone && clock_.SteadyNow() >= deadline_) Stop(at_deadline_);
   return stop_reason_.load() != StopReason::kNone;
 }
 

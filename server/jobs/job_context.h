@@ -13,20 +13,26 @@
 namespace axiscal::jobs {
 
 // Why a job should stop.
-enum class StopReason { kNone, kCancelled, kDeadline, kDraining, kLeaseLost };
+enum class StopReason { kNone, kCancelled, kDeadline, kTooLate, kDraining, kLeaseLost };
 
 class JobContext {
  public:
   using Publish = std::function<void(const records::JobProgress&)>;
   using ForEachFunction = std::function<void(int count, const std::function<void(int)>& body)>;
-  JobContext(base::Clock& clock, base::SteadyTime deadline, Publish publish, ForEachFunction for_each)
-      : clock_(clock), deadline_(deadline), publish_(std::move(publish)), for_each_(std::move(for_each)) {}
+  // `at_deadline`: why it stops then.
+  JobContext(base::Clock& clock, base::SteadyTime deadline, StopReason at_deadline, Publish publish,
+             ForEachFunction for_each)
+      : clock_(clock),
+        deadline_(deadline),
+        at_deadline_(at_deadline),
+        publish_(std::move(publish)),
+        for_each_(std::move(for_each)) {}
 
   // Cheap; ask in every solver iteration. Once true it stays true: return soon, with any error.
   bool cancelled();
   // The reason for stopping; kNone while cancelled() is false.
   StopReason stop_reason() const { return stop_reason_.load(); }
-  // The hard limit of this job's kind, steady time.
+  // The hard limit of this job's kind, or until when it is wanted, steady time.
   base::SteadyTime deadline() const { return deadline_; }
   // Told to watchers at once and stored with the next heartbeat. Call as often as you like.
   void ReportProgress(const std::string& stage, double fraction, const std::string& detail);
@@ -41,6 +47,7 @@ class JobContext {
  private:
   base::Clock& clock_;
   const base::SteadyTime deadline_;
+  const StopReason at_deadline_;
   const Publish publish_;
   const ForEachFunction for_each_;
   std::atomic<StopReason> stop_reason_{StopReason::kNone};

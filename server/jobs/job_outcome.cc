@@ -23,6 +23,11 @@ JobOutcome DecideOutcome(const absl::Status& status, StopReason reason, int atte
     return {
         JobEnd::kFailed, {absl::StatusCode::kDeadlineExceeded, "DEADLINE", "ran longer than jobs of its kind may"}, {}};
   }
+  if (reason == StopReason::kTooLate) {
+    return {JobEnd::kFailed,
+            {absl::StatusCode::kDeadlineExceeded, "JOB_TOO_LATE", "had not ended by its deadline, and was stopped"},
+            {}};
+  }
   const records::JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
   if (!IsWorthRetrying(status.code())) return {JobEnd::kFailed, error, {}};
   std::chrono::milliseconds wait = first_backoff;

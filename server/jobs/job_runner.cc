@@ -163,10 +163,17 @@ base::SteadyTime JobRunner::Impl::ClaimAll() {
 
 void JobRunner::Impl::Launch(const JobRecord& record) {
   const auto kind = kinds_.find(record.kind);
-  const auto time_limit = kind != kinds_.end() ? kind->second.time_limit : std::chrono::milliseconds(0);
+  auto time_limit = kind != kinds_.end() ? kind->second.time_limit : std::chrono::milliseconds(0);
+  StopReason at_limit = StopReason::kDeadline;
+  if (record.deadline) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(*record.deadline - options_.clock->UtcNow());
+    if (left < time_limit) at_limit = StopReason::kTooLate;
+    time_limit = std::min(time_limit, left);
+  }
   const JobId id = record.id;
   auto context = std::make_shared<JobContext>(
-      *options_.clock, options_.clock->SteadyNow() + time_limit,
+      *options_.clock, options_.clock->SteadyNow() + time_limit, at_limit,
       [this, id](const records::JobProgress& progress) { UpdateProgress(id, progress); },
       [this](int count, const auto& body) { pool_->ForEach(count, body); });
   {
@@ -203,7 +210,8 @@ void JobRunner::Impl::Rescue() {
   const absl::StatusOr<std::vector<JobRecord>> rescued = database_.RescueJobs();
   if (!rescued.ok()) return;
   for (const JobRecord& record : *rescued) {
-    Tell({JobEvent::What::kLost, record, OutcomeOf(record), {}});
+    const bool is_late = record.state == records::JobState::kFailed;
+    Tell({is_late ? JobEvent::What::kEnded : JobEvent::What::kLost, record, OutcomeOf(record), {}});
     Publish(record);
   }
   if (!rescued->empty()) Wake();

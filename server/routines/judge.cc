@@ -173,6 +173,29 @@ std::vector<std::string> DoubtsOf(const records::CalibrationRecord& candidate,
   return doubts;
 }
 
+namespace {
+
+// What routines have moved step by step since a person looked counts together.
+absl::Status JudgeSincePerson(storage::Database& database, const records::CalibrationRecord& candidate,
+                              Judgement* judgement) {
+  const absl::StatusOr<records::CalibrationRecord> by_person = database.GetApprovedByPerson(candidate.content.machine);
+  if (MayPass(by_person.status())) return by_person.status();
+  if (by_person.ok() && by_person->id == judgement->in_use) return absl::OkStatus();
+  const absl::StatusOr<compare::Comparison> comparison =
+      by_person.ok() ? CompareStored(database, *by_person, candidate) : by_person.status();
+  if (MayPass(comparison.status())) return comparison.status();
+  if (!comparison.ok() || !comparison->tool_point) {
+    judgement->doubts.push_back("how far routines have moved it since a person approved one is not known");
+    return absl::OkStatus();
+  }
+  judgement->largest_change_since_person_um = comparison->tool_point->as_programmed.max_mm * base::kUmPerMm;
+  absl::StrAppendFormat(&judgement->text, "; since calibration %d, which a person put in use, by up to %.3g um",
+                        by_person->id.number(), *judgement->largest_change_since_person_um);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::StatusOr<Judgement> Judge(storage::Database& database, const records::CalibrationRecord& candidate) {
   const MachineId& machine = candidate.content.machine;
   const absl::StatusOr<records::CalibrationRecord> in_use = database.GetApprovedCalibration(machine);
@@ -181,6 +204,7 @@ absl::StatusOr<Judgement> Judge(storage::Database& database, const records::Cali
     const absl::StatusOr<compare::Comparison> comparison = CompareStored(database, *in_use, candidate);
     if (comparison.ok()) {
       judgement = JudgeComparison(*comparison, in_use->id);
+      RETURN_IF_ERROR(JudgeSincePerson(database, candidate, &judgement));
     } else if (MayPass(comparison.status())) {
       return comparison.status();
     } else {

@@ -22,6 +22,8 @@ struct Judgement {
   // The largest change of the tool point over the measured positions, with the same work offset and tool data, um;
   // absent where it is not known.
   std::optional<double> largest_change_um;
+  // The same against the calibration that a person put in use last; absent where that is in use, or it is not known.
+  std::optional<double> largest_change_since_person_um;
   // What speaks against approving it without a person, whatever the change is; a sentence each.
   std::vector<std::string> doubts;
   // The comparison, in words.

@@ -263,6 +263,12 @@ absl::Status Keeper::Conclude(const RoutineRun& run, const records::Routine& rou
       judgement.doubts.push_back(absl::StrFormat("the tool point moves by more than the %g um that it may approve",
                                                  *routine.approve_within_um));
     }
+    const std::optional<double>& since_person_um = judgement.largest_change_since_person_um;
+    if (since_person_um && *since_person_um > *routine.approve_within_um) {
+      judgement.doubts.push_back(absl::StrFormat(
+          "together with what routines have approved since a person did, it moves by more than the %g um",
+          *routine.approve_within_um));
+    }
     ASSIGN_OR_RETURN(const std::string why_not, WhyNotApprove(run, candidate));
     if (!why_not.empty()) judgement.doubts.push_back(why_not);
     if (judgement.doubts.empty()) {

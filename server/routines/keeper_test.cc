@@ -255,6 +255,36 @@ TEST_F(Routines, ApproveNothingInThePlaceOfAnotherThanTheyComparedWith) {
   EXPECT_EQ(database->GetApprovedCalibration(kMt)->id, *run.calibration);
 }
 
+// Ten small steps are one large one: they are measured from what a person put in use.
+TEST_F(Routines, ApproveNoMoreTogetherThanTheLimit) {
+  records::Routine routine = Nightly();
+  routine.approve_within_um = 10;
+  Put(routine);
+  Grant(records::Role::kApprover);
+  StoreBoth();
+  const CalibrationId first = *RunToEnd().calibration;
+  ASSERT_TRUE(database->ApproveCalibration(first, 0, Cell("")).ok());
+  double moved_um = 0.0;
+  judge = [&](storage::Database& stored, const records::CalibrationRecord&) {
+    Judgement judged;
+    judged.in_use = stored.GetApprovedCalibration(kMt)->id;
+    judged.largest_change_um = 6.0;
+    EXPECT_EQ(stored.GetApprovedByPerson(kMt)->id, first);
+    moved_um += 6.0;
+    if (judged.in_use != first) judged.largest_change_since_person_um = moved_um;
+    return absl::StatusOr<Judgement>(judged);
+  };
+  StoreBoth();
+  EXPECT_EQ(RunToEnd().state, RunState::kApproved);
+  StoreBoth();
+  const RoutineRun held_up = RunToEnd();
+  EXPECT_EQ(held_up.state, RunState::kProposed);
+  EXPECT_THAT(held_up.text, HasSubstr("together with what routines have approved since a person did"));
+  // A person looks: from there on it counts anew.
+  ASSERT_TRUE(database->ApproveCalibration(*held_up.calibration, 0, Cell("")).ok());
+  EXPECT_EQ(database->GetApprovedByPerson(kMt)->id, *held_up.calibration);
+}
+
 TEST_F(Routines, ThatFailSayWhyAndStopNoOther) {
   ASSERT_TRUE(database->CreatePrincipal("nobody", "", Cell("")).ok());
   records::Routine powerless = Nightly(), wrong = Nightly();

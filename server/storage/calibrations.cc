@@ -8,6 +8,7 @@
 #include "server/storage/machines.h"
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
+#include "server/storage/session_remarks.h"
 
 namespace axiscal::storage {
 namespace {
@@ -70,6 +71,7 @@ absl::Status ReadLists(Connection& connection, int64_t machine_key, CalibrationR
       record.content.sessions.push_back(SessionId(row.Int(0)));
     }
   }
+  ASSIGN_OR_RETURN(record.rejected_sessions, RejectedSessionsOf(connection, record.id));
   ASSIGN_OR_RETURN(record.content.estimates,
                    ReadEstimates(connection, machine_key, record.content.measured_at, record.id));
   return absl::OkStatus();
@@ -222,6 +224,26 @@ absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection,
   return RequireIntact(ReadOne(connection, std::move(row)));
 }
 
+absl::StatusOr<CalibrationRecord> GetApprovedByPerson(Connection& connection, const MachineId& machine) {
+  ASSIGN_OR_RETURN(const int64_t machine_key, MachineKey(connection, machine));
+  std::optional<CalibrationId> id;
+  {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask(
+            "SELECT c.id FROM calibration AS c INDEXED BY calibration_ever_approved WHERE c.machine_id = ?1 "
+                       "AND "
+            "c.approved_at_utc_us IS NOT NULL AND NOT EXISTS (SELECT 1 FROM routine_run AS u INDEXED BY "
+            "run_approved WHERE u.calibration_id = c.id AND u.state = 5) "
+            "ORDER BY c.approved_at_utc_us DESC LIMIT 1",
+            machine_key));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (found) id = CalibrationId(row.Int(0));
+  }
+  if (!id) return NotFound("calibration", "CALIBRATION", "approved by a person for machine " + machine.text());
+  return GetCalibration(connection, *id);
+}
+
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
                                                          const PageRequest& request, const Visible& visible) {
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
@@ -279,6 +301,13 @@ absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, Utc
   ASSIGN_OR_RETURN(const CalibrationRecord present, GetCalibration(connection, id));
   if (present.state == CalibrationState::kApproved) return present;
   RETURN_IF_ERROR(CheckEtag(Place(id), expected_etag, present.etag));
+  if (!present.rejected_sessions.empty()) {
+    const std::string session = std::to_string(present.rejected_sessions[0].number());
+    return base::Error(absl::StatusCode::kFailedPrecondition,
+                       absl::StrCat(Place(id), " stands on session ", session,
+                                    ", which was rejected: identify again without it, or say that it counts"),
+                       {"SESSION_REJECTED", {{"session", session}}});
+  }
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, present.content.machine));
   ASSIGN_OR_RETURN(const std::optional<CalibrationId> former, FindApproved(connection, machine_key));
   if (in_use.has_value() && in_use != former) {

@@ -15,6 +15,7 @@ absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcT
                                                     const NewCalibration& calibration, std::optional<JobId> job);
 absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id);
 absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection, const MachineId& machine);
+absl::StatusOr<CalibrationRecord> GetApprovedByPerson(Connection& connection, const MachineId& machine);
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
                                                          const PageRequest& request, const Visible& visible);
 absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,

@@ -84,6 +84,14 @@ class Database {
   virtual absl::StatusOr<SessionRecord> FinishSession(SessionId id, const SessionTotals& totals) = 0;
   // Drops the chunks; the row stays as ABORTED. A complete session is refused (SESSION_CLOSED); repeating is OK.
   virtual absl::StatusOr<SessionRecord> AbortSession(SessionId id) = 0;
+  // Replaces note and labels of a complete session (else FAILED_PRECONDITION SESSION_NOT_COMPLETE). `expected_etag` 0:
+  // whatever is there; otherwise ABORTED ETAG_MISMATCH when the remark is another.
+  virtual absl::StatusOr<SessionRecord> AnnotateSession(SessionId id, const std::string& note,
+                                                        const std::vector<std::string>& labels, int64_t expected_etag,
+                                                        const Caller& caller) = 0;
+  // Whether a complete session counts, and why. Repeating is OK; the first reason stays.
+  virtual absl::StatusOr<RejectedSession> RejectSession(SessionId id, bool is_rejected, const std::string& reason,
+                                                        const Caller& caller) = 0;
   // Open sessions that were left for longer than `idle` become EXPIRED, their chunks dropped. How many. Only time that
   // the file was open counts: neither a night without power nor a clock that was set. Saves how much that is: a crash
   // loses what went by since this or ExpirePrograms() was called last.
@@ -131,8 +139,8 @@ class Database {
   virtual absl::StatusOr<JobRecord> CancelJob(JobId id, const Caller& caller) = 0;
   // FAILED, CANCELLED or DEAD: QUEUED again with all attempts. Others: FAILED_PRECONDITION JOB_NOT_ENDED.
   virtual absl::StatusOr<JobRecord> RequeueJob(JobId id, const JobRoom& room, const Caller& caller) = 0;
-  // RUNNING jobs whose lease is over go back to QUEUED, or DEAD after max_attempts. What changed. (Jobs of a dead
-  // process are rescued on open.)
+  // RUNNING jobs whose lease is over go back to QUEUED, or DEAD after max_attempts; QUEUED ones whose deadline is over
+  // are FAILED. What changed. (Jobs of a dead process are rescued on open.)
   virtual absl::StatusOr<std::vector<JobRecord>> RescueJobs() = 0;
 
   // ---- calibrations
@@ -140,6 +148,9 @@ class Database {
   virtual absl::StatusOr<CalibrationRecord> GetCalibration(CalibrationId id) = 0;
   // The approved one; NOT_FOUND CALIBRATION_NOT_FOUND when the machine has none.
   virtual absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine) = 0;
+  // That which a person put in use last: the one in use, or what routines have replaced since. NOT_FOUND where none
+  // was.
+  virtual absl::StatusOr<CalibrationRecord> GetApprovedByPerson(const MachineId& machine) = 0;
   // Both compare the checksum of all that was stored and of the machine's description that was fitted: DATA_LOSS
   // CALIBRATION_DAMAGED (facts calibration, machine). Lists and history, which move no machine, do not.
   // In lists `content` comes without model_json, options_json, report_json.

@@ -472,8 +472,9 @@ absl::StatusOr<std::optional<UtcTime>> NewestSession(Connection& connection, con
                                                      const std::string& name) {
   ASSIGN_OR_RETURN(const int64_t key, MachineKey(connection, machine));
   ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT measured_at_utc_us, closed_at_utc_us FROM session "
-                                                 "WHERE machine_id = ?1 AND name = ?2 AND state = 2 "
-                                                 "ORDER BY id DESC LIMIT 1",
+                                                 "WHERE machine_id = ?1 AND name = ?2 AND state = 2 AND NOT EXISTS "
+                                                 "(SELECT 1 FROM session_remark AS x WHERE x.session_id = "
+                                                 "session.id AND x.is_rejected = 1) ORDER BY id DESC LIMIT 1",
                                                  key, name));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return std::nullopt;

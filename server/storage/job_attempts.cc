@@ -101,6 +101,42 @@ absl::Status CheckCreator(Connection& connection, const JobRecord& job) {
                      {"PRINCIPAL_REVOKED", {{"principal", job.created_by}}});
 }
 
+// DEADLINE_EXCEEDED JOB_TOO_LATE: nobody wants it any more.
+absl::Status CheckInTime(const Moment& now, const JobRecord& job) {
+  if (!job.deadline || *job.deadline > now.utc) return absl::OkStatus();
+  return base::Error(absl::StatusCode::kDeadlineExceeded,
+                     absl::StrCat("job ", job.id.number(), " was to have ended by its deadline, which is over"),
+                     {"JOB_TOO_LATE", {}});
+}
+
+absl::Status Fail(Connection& connection, const Moment& now, const JobRecord& job, const absl::Status& why) {
+  const JobError error = {why.code(), base::ErrorReason(why), std::string(why.message())};
+  return Leave(connection, now, job, JobEnd::kFailed, Name(JobEnd::kFailed), error, std::chrono::microseconds(0));
+}
+
+// Waiting jobs whose deadline is over, which fail.
+absl::Status FailLate(Connection& connection, const Moment& now, std::vector<JobRecord>& changed) {
+  std::vector<JobId> late;
+  {
+    ASSIGN_OR_RETURN(
+        Statement row,
+        connection.Ask("SELECT id FROM job INDEXED BY job_waiting_until WHERE state = 1 AND "
+                       "deadline_at_utc_us IS NOT NULL AND deadline_at_utc_us <= ?1 ORDER BY deadline_at_utc_us",
+                       now.utc));
+    while (true) {
+      ASSIGN_OR_RETURN(const bool more, row.Step());
+      if (!more) break;
+      late.push_back(JobId(row.Int(0)));
+    }
+  }
+  for (const JobId id : late) {
+    ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
+    RETURN_IF_ERROR(Fail(connection, now, job, CheckInTime(now, job)));
+    ASSIGN_OR_RETURN(changed.emplace_back(), GetJob(connection, id));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 namespace {
@@ -202,11 +238,12 @@ absl::StatusOr<std::optional<JobRecord>> ClaimJob(Connection& connection, const 
     if (!job.has_value()) return std::nullopt;
     absl::Status status = CheckJobBody(connection, *job);
     if (status.ok()) status = CheckCreator(connection, *job);
+    if (status.ok()) status = CheckInTime(owner.now, *job);
     if (status.ok()) return job;
-    if (!absl::IsDataLoss(status) && !absl::IsPermissionDenied(status)) return status;
-    const JobError error = {status.code(), base::ErrorReason(status), std::string(status.message())};
-    RETURN_IF_ERROR(Leave(connection, owner.now, *job, JobEnd::kFailed, Name(JobEnd::kFailed), error,
-                          std::chrono::microseconds(0)));
+    const bool is_over =
+        absl::IsDataLoss(status) || absl::IsPermissionDenied(status) || absl::IsDeadlineExceeded(status);
+    if (!is_over) return status;
+    RETURN_IF_ERROR(Fail(connection, owner.now, *job, status));
   }
 }
 
@@ -286,6 +323,7 @@ absl::StatusOr<std::vector<JobRecord>> RescueJobs(Connection& connection, const 
     RETURN_IF_ERROR(Leave(connection, owner.now, job, JobEnd::kRetry, "LOST", error, std::chrono::microseconds(0)));
     ASSIGN_OR_RETURN(rescued.emplace_back(), GetJob(connection, id));
   }
+  RETURN_IF_ERROR(FailLate(connection, owner.now, rescued));
   return rescued;
 }
 

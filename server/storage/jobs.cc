@@ -23,7 +23,8 @@ std::string Select(const char* report) {
       "j.error_reason, "
       "j.error_message, j.created_by, j.created_at_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
       "j.version, "
-      "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id), j.result_sha256 FROM job AS j LEFT JOIN machine AS m "
+      "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id), j.result_sha256, j.deadline_at_utc_us FROM job AS j "
+      "LEFT JOIN machine AS m "
       "ON m.id = "
       "j.machine_id ");
 }
@@ -50,6 +51,7 @@ JobRecord ReadJob(const Statement& row) {
   job.ended_at = row.OptionalTime(21);
   job.version = row.Int(22);
   if (!row.IsNull(23)) job.calibration = CalibrationId(row.Int(23));
+  job.deadline = row.OptionalTime(25);
   return job;
 }
 
@@ -68,7 +70,9 @@ template <typename Job>
 std::string HashBody(const Job& job) {
   BodyHash hash;
   hash.Add(job.kind).Add(job.machine.has_value() ? job.machine->text() : "").Add(job.params).Add(job.input_hash);
-  return hash.Add(job.priority).Add(job.max_attempts).Hex();
+  hash.Add(job.priority).Add(job.max_attempts);
+  if (job.deadline) hash.Add(base::ToUtcUs(*job.deadline));
+  return hash.Hex();
 }
 
 absl::StatusOr<int64_t> Count(Connection& connection, const std::string& sql, const auto& whose) {
@@ -121,6 +125,7 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, c
   const std::string body_sha256 = HashBody(job);
   ASSIGN_OR_RETURN(const std::optional<int64_t> same, FindRequest(connection, "job", job.caller, body_sha256));
   if (same.has_value()) return GetJob(connection, JobId(*same));
+  if (job.deadline && *job.deadline <= now.utc) return InvalidArgument("the deadline is over", "JOB_INVALID");
   RETURN_IF_ERROR(CheckRoom(connection, room, job.caller.principal, job.machine));
   ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, job.machine));
   RETURN_IF_ERROR(
@@ -128,9 +133,10 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, c
                      "lease_token, cancel_requested, "
                      "progress_stage, progress_fraction, progress_detail, created_by, request_id, body_sha256, "
                      "created_at_utc_us, waits_from_up_us, wait_us, "
-                     "version) VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1)",
+                     "version, deadline_at_utc_us) "
+                     "VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1, ?12)",
                      job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts,
-                     job.caller.principal, RequestId(job.caller), body_sha256, now.utc, now.up_us));
+                     job.caller.principal, RequestId(job.caller), body_sha256, now.utc, now.up_us, job.deadline));
   const JobId id(connection.last_insert_id());
   if (job.program) RETURN_IF_ERROR(LinkProgram(connection, id, *job.program));
   return GetJob(connection, id);
@@ -243,6 +249,10 @@ absl::StatusOr<JobRecord> RequeueJob(Connection& connection, const Moment& now, 
   ASSIGN_OR_RETURN(const JobRecord job, GetJob(connection, id));
   if (!IsTerminal(job.state) || job.state == JobState::kSucceeded) {
     return FailedPrecondition(absl::StrCat("job ", id.number(), " has not failed"), "JOB_NOT_ENDED");
+  }
+  if (job.deadline && *job.deadline <= now.utc) {
+    return FailedPrecondition(absl::StrCat("the deadline of job ", id.number(), " is over: create it anew"),
+                              "JOB_TOO_LATE");
   }
   RETURN_IF_ERROR(CheckRoom(connection, room, job.created_by, job.machine));
   RETURN_IF_ERROR(connection.Run(

@@ -57,6 +57,34 @@ TEST_F(Jobs, AreClaimedByPriorityThenAge) {
   EXPECT_FALSE(database->NextJobWait()->has_value());
 }
 
+// Whom nobody waits for any more: a waiting job fails at its deadline, and one that is claimed late is not run.
+TEST_F(Jobs, FailBehindTheirDeadline) {
+  const auto due_in = [&](const std::string& id, std::chrono::minutes minutes) {
+    NewJob job = Job(id);
+    job.deadline = database.clock.UtcNow() + minutes;
+    return database->CreateJob(job, 10);
+  };
+  EXPECT_EQ(base::ErrorReason(due_in("late", std::chrono::minutes(0)).status()), "JOB_INVALID");
+  const JobId soon = due_in("a", std::chrono::minutes(1))->id, later = due_in("b", std::chrono::minutes(10))->id;
+  EXPECT_EQ(database->GetJob(later)->deadline, database.clock.UtcNow() + std::chrono::minutes(10));
+  database.clock.Advance(std::chrono::minutes(2));
+  const auto rescued = database->RescueJobs();
+  ASSERT_TRUE(rescued.ok()) << rescued.status();
+  ASSERT_EQ(rescued->size(), 1u);
+  const JobRecord late = *database->GetJob(soon);
+  EXPECT_EQ((*rescued)[0].id, soon);
+  EXPECT_EQ(late.state, JobState::kFailed);
+  EXPECT_EQ(late.error->reason, "JOB_TOO_LATE");
+  EXPECT_EQ(late.error->code, absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(base::ErrorReason(database->RequeueJob(soon, 10, Cell("")).status()), "JOB_TOO_LATE");
+  database.clock.Advance(std::chrono::minutes(20));
+  EXPECT_FALSE(database->ClaimJob(kLease)->has_value());
+  EXPECT_EQ(database->GetJob(later)->error->reason, "JOB_TOO_LATE");
+  // The deadline is part of what is asked.
+  NewJob other = Job("a");
+  EXPECT_EQ(base::ErrorReason(database->CreateJob(other, 10).status()), "REQUEST_ID_REUSED");
+}
+
 TEST_F(Jobs, AreCountedWithTheOldestThatWaits) {
   EXPECT_EQ(database->CountJobs()->queued, 0);
   EXPECT_FALSE(database->CountJobs()->oldest_queued.has_value());

@@ -71,11 +71,11 @@ using records::RoutineRecord;
 using records::RoutineRun;
 using records::RoutineStop;
 using records::RunFilter;
-using records::TimeSpan;
 using records::RunState;
 using records::SessionRecord;
 using records::SessionState;
 using records::SessionTotals;
+using records::TimeSpan;
 using records::TokenRecord;
 using records::Webhook;
 using records::WebhookRecord;
@@ -114,12 +114,19 @@ struct AppendResult {
   bool duplicate = false;  // this chunk was there already, with equal content
 };
 
+// A session of which a person has said whether it counts, and the calibrations that stand on it.
+struct RejectedSession {
+  SessionRecord session;
+  std::vector<CalibrationId> calibrations;
+};
+
 struct SessionFilter {
   std::optional<MachineId> machine;
   std::optional<SessionState> state;
   TimeSpan measured = {};       // or created, where its file does not say
   std::string instrument = {};  // empty: any
   std::string name = {};        // empty: any
+  std::string label = {};       // empty: any
 };
 
 // ---- jobs
@@ -132,6 +139,7 @@ struct NewJob {
   std::string input_hash;            // of all inputs and the engine's version; empty: not comparable
   int priority = 0;                  // larger runs first
   int max_attempts = 3;
+  std::optional<UtcTime> deadline = {};  // what has not ended by then fails
   Caller caller;
 };
 

@@ -86,7 +86,8 @@ absl::StatusOr<std::optional<NamedSession>> NewSessionFor(Connection& connection
                      "AND state = 2 AND id > (SELECT after_session_id FROM routine WHERE id = ?3) AND id > coalesce(("
                      "SELECT max(s.session_id) FROM routine_run_session AS s WHERE s.name = ?2 AND s.run_id = (SELECT "
                      "u.id FROM routine_run AS u WHERE u.routine_id = ?3 AND u.machine_id = ?1 ORDER BY u.id DESC "
-                     "LIMIT 1)), 0) ORDER BY id DESC LIMIT 1",
+                     "LIMIT 1)), 0) AND NOT EXISTS (SELECT 1 FROM session_remark AS x WHERE x.session_id = session.id "
+                     "AND x.is_rejected = 1) ORDER BY id DESC LIMIT 1",
                      key, name, routine));
   ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return std::nullopt;

@@ -10,6 +10,7 @@
 #include "server/storage/page_token.h"
 #include "server/storage/refusal.h"
 #include "server/storage/request.h"
+#include "server/storage/session_remarks.h"
 #include "server/storage/up_time.h"
 
 namespace axiscal::storage {
@@ -64,6 +65,7 @@ absl::StatusOr<std::vector<ColumnSpec>> ReadColumns(Connection& connection, Sess
 
 absl::Status ReadLists(Connection& connection, SessionRecord& session) {
   ASSIGN_OR_RETURN(session.columns, ReadColumns(connection, session.id));
+  ASSIGN_OR_RETURN(session.remark, ReadRemark(connection, session.id));
   ASSIGN_OR_RETURN(
       Statement row,
       connection.Ask("SELECT key, text FROM session_header WHERE session_id = ?1 ORDER BY position", session.id));
@@ -220,8 +222,11 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
   const int state = filter.state.has_value() ? static_cast<int>(*filter.state) : 0;
   const std::string machine = filter.machine.has_value() ? filter.machine->text() : "";
   std::string list = absl::StrCat("sessions|", machine, "|", state);
-  const bool is_narrow = !filter.measured.is_all() || !filter.instrument.empty() || !filter.name.empty();
-  if (is_narrow) absl::StrAppend(&list, "|", TokenOf(filter.measured), "|", filter.instrument, "|", filter.name);
+  const bool is_narrow =
+      !filter.measured.is_all() || !filter.instrument.empty() || !filter.name.empty() || !filter.label.empty();
+  if (is_narrow) {
+    absl::StrAppend(&list, "|", TokenOf(filter.measured), "|", filter.instrument, "|", filter.name, "|", filter.label);
+  }
   ASSIGN_OR_RETURN(const PageStart start, StartPageById(request, list));
   std::optional<int64_t> machine_key;
   std::string where = "WHERE s.id < ?1";
@@ -237,6 +242,8 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
             InSpan("coalesce(s.measured_at_utc_us, s.created_at_utc_us)", filter.measured, 6);
     if (!filter.instrument.empty()) where += " AND s.instrument = ?8";
     if (!filter.name.empty()) where += " AND +s.name = ?9";
+    if (!filter.label.empty())
+      where += " AND EXISTS (SELECT 1 FROM session_label AS l WHERE l.session_id = s.id AND l.label = ?10)";
   } else if (!visible.everything && !filter.machine.has_value()) {
     ASSIGN_OR_RETURN(
         looked.ids, NewestOfMachines(connection, "session", visible.scopes, state, start.before_id, start.row_limit()));
@@ -245,7 +252,7 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
   ASSIGN_OR_RETURN(Statement row,
                    connection.Ask(kSelectSession + where + " ORDER BY s.id DESC LIMIT ?4", start.before_id, machine_key,
                                   state, start.row_limit(), looked.ids, filter.measured.from, filter.measured.to,
-                                  filter.instrument, filter.name));
+                                  filter.instrument, filter.name, filter.label));
   Page<SessionRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

@@ -102,6 +102,19 @@ class SqliteStore final : public Database {
   absl::StatusOr<SessionRecord> AbortSession(SessionId id) override {
     return Write<SessionRecord>(Growth::kStays, [&](Connection& c) { return storage::AbortSession(c, Now(), id); });
   }
+  absl::StatusOr<SessionRecord> AnnotateSession(SessionId id, const std::string& note,
+                                                const std::vector<std::string>& labels, int64_t expected_etag,
+                                                const Caller& caller) override {
+    return Write<SessionRecord>(Growth::kGrows, [&](Connection& c) {
+      return storage::AnnotateSession(c, Now(), id, note, labels, expected_etag, caller);
+    });
+  }
+  absl::StatusOr<RejectedSession> RejectSession(SessionId id, bool is_rejected, const std::string& reason,
+                                                const Caller& caller) override {
+    return Write<RejectedSession>(Growth::kGrows, [&](Connection& c) {
+      return storage::RejectSession(c, Now(), id, is_rejected, reason, caller);
+    });
+  }
   absl::StatusOr<int> ExpireSessions(std::chrono::microseconds idle) override {
     return Expire([&](Connection& c) { return storage::ExpireSessions(c, Present(), idle); });
   }
@@ -167,6 +180,9 @@ class SqliteStore final : public Database {
   }
   absl::StatusOr<CalibrationRecord> GetApprovedCalibration(const MachineId& machine) override {
     return readers_.Run([&](Connection& c) { return storage::GetApprovedCalibration(c, machine); });
+  }
+  absl::StatusOr<CalibrationRecord> GetApprovedByPerson(const MachineId& machine) override {
+    return readers_.Run([&](Connection& c) { return storage::GetApprovedByPerson(c, machine); });
   }
   absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter, const PageRequest& page,
                                                            const Visible& visible) override {

@@ -126,12 +126,17 @@ void CallAll(TempDatabase& database, SessionId stored) {
   for (const std::optional<MachineId>& machine : {std::optional<MachineId>(), std::optional<MachineId>(mt)}) {
     ASSERT_TRUE(database->ListSessions({machine, {}, span, "none", "none"}, {}).ok());
     ASSERT_TRUE(database->ListSessions({machine, SessionState::kOpen, {}, "", "s"}, {}).ok());
+    ASSERT_TRUE(database->ListSessions({machine, {}, {}, "", "", "none"}, {}).ok());
     ASSERT_TRUE(database->ListSessions({machine, SessionState::kComplete, {{}, span.to}}, {}).ok());
     ASSERT_TRUE(database->ListJobs({machine, {}, "", span, "none"}, {}).ok());
     ASSERT_TRUE(database->ListJobs({machine, JobState::kSucceeded, "", {}, "none"}, {}).ok());
     ASSERT_TRUE(database->ListCalibrations({machine, {}, span, stored}, {}).ok());
     ASSERT_TRUE(database->ListCalibrations({machine, CalibrationState::kRetired, {}, stored}, {}).ok());
   }
+  ASSERT_TRUE(database->AnnotateSession(stored, "note", {"warm"}, 0, Cell("")).ok());
+  ASSERT_TRUE(database->RejectSession(stored, true, "why", Cell("")).ok());
+  ASSERT_TRUE(database->RejectSession(stored, false, "why", Cell("")).ok());
+  EXPECT_FALSE(database->GetApprovedByPerson(mt).ok());
   for (const std::string kind : {"", "nc", "none"}) ASSERT_TRUE(database->ListPrograms({kind}, {}).ok());
   ASSERT_TRUE(database->ListMachines({}).ok());
   ASSERT_TRUE(database->ListAudit({}).ok());

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "absl/strings/str_join.h"
 #include "core/drift/forecast.h"
+#include "core/drift/peers.h"
 #include "server/inputs/tolerance.h"
 
 namespace axiscal::watch {
@@ -16,6 +18,9 @@ using records::EventKind;
 // drawn, good to 0.02 (core/drift/forecast.h), and move from calibration to calibration.
 constexpr double kForecastRaises = 0.5, kForecastKeeps = 0.3;
 // A step is news for so long; one that nobody has acknowledged stays told.
+// Told as unlike its group where a machine like the others had an error so far away by chance with less than this
+// probability, all errors that are compared and all groups taken together (Bonferroni).
+constexpr double kUnlikeRaises = 0.01, kUnlikeKeeps = 0.05;
 constexpr auto kNews = std::chrono::days(90);
 
 std::string UnitText(records::EstimateUnit unit) { return unit == records::EstimateUnit::kUm ? "um" : "urad"; }
@@ -285,6 +290,76 @@ void AddRoutines(const HistoryFacts& facts, std::vector<Condition>& conditions) 
   }
 }
 
+void AddRejected(const HistoryFacts& facts, std::vector<Condition>& conditions) {
+  if (!facts.on_rejected) return;
+  EventContent content;
+  content.kind = EventKind::kSessionRejected;
+  const std::string sessions =
+      absl::StrJoin(facts.on_rejected->rejected_sessions, ", ",
+                    [](std::string* text, const SessionId& id) { absl::StrAppend(text, id.number()); });
+  content.text = absl::StrCat("calibration ", facts.on_rejected->id.number(), ", which is in use, stands on session ",
+                              sessions, ", which was rejected");
+  content.advice = "identify again without it and approve that, or go back to an older calibration";
+  content.calibration = facts.on_rejected->id;
+  conditions.push_back({std::move(content), true});
+}
+
+// An error of this machine against the same of the others of a group.
+void AddUnlikeGroup(const HistoryFacts& facts, std::vector<Condition>& conditions) {
+  struct Compared {
+    std::string group, symbol;
+    Newest newest;
+    size_t peers = 0;
+    drift::Unlikeness unlike;
+  };
+  std::vector<Compared> all;
+  std::set<std::string> own;
+  for (const records::CalibrationRecord& record : facts.history.counted)
+    for (const records::Estimate& estimate : record.content.estimates) own.insert(estimate.symbol);
+  for (const auto& [group, rows] : facts.peers) {
+    for (const std::string& symbol : own) {
+      const Newest newest = NewestOf(facts.history, symbol);
+      if (newest.estimate == nullptr) continue;
+      std::vector<double> peers;
+      for (const records::FleetRow& row : rows) {
+        for (const records::LatestEstimate& latest : row.latest) {
+          const records::Estimate& estimate = latest.estimate;
+          if (estimate.symbol == symbol && estimate.unit == newest.estimate->unit && estimate.value)
+            peers.push_back(*estimate.value);
+        }
+      }
+      const std::optional<drift::Unlikeness> unlike =
+          drift::UnlikePeers(*newest.estimate->value, *newest.estimate->sigma, peers);
+      if (unlike) all.push_back({group, symbol, newest, peers.size(), *unlike});
+    }
+  }
+  std::map<std::string, const Compared*> worst;  // of each error, over the groups
+  for (const Compared& one : all) {
+    const Compared*& kept = worst[one.symbol];
+    if (kept == nullptr || one.unlike.probability < kept->unlike.probability) kept = &one;
+  }
+  for (const auto& [symbol, one] : worst) {
+    const double by_chance = one->unlike.probability * static_cast<double>(all.size());
+    if (by_chance >= kUnlikeKeeps) continue;
+    const std::string unit = UnitText(one->newest.estimate->unit);
+    Condition condition;
+    condition.raises = by_chance < kUnlikeRaises;
+    EventContent& content = condition.content;
+    content.kind = EventKind::kUnlikeGroup;
+    content.subject = symbol;
+    content.text =
+        absl::StrFormat("%s is %.4g +- %.2g %s; the %d others of group %s have %.4g, standard deviation %.2g %s",
+                        symbol, *one->newest.estimate->value, *one->newest.estimate->sigma, unit, one->peers,
+                        one->group, one->unlike.usual, one->unlike.spread, unit);
+    content.advice =
+        "look for what sets this machine apart: a collision, its foundation, its set-up, another test plan";
+    content.amounts = {{symbol, one->newest.estimate->unit, one->unlike.away, one->unlike.sigma}};
+    content.certainty = 1.0 - by_chance;
+    content.calibration = one->newest.calibration->id;
+    conditions.push_back(std::move(condition));
+  }
+}
+
 }  // namespace
 
 std::vector<Condition> ConditionsOf(const HistoryFacts& facts) {
@@ -295,6 +370,8 @@ std::vector<Condition> ConditionsOf(const HistoryFacts& facts) {
   AddWearAndScatter(facts.history, conditions);
   AddModelLacks(facts, conditions);
   AddRoutines(facts, conditions);
+  AddRejected(facts, conditions);
+  AddUnlikeGroup(facts, conditions);
   return conditions;
 }
 
@@ -362,6 +439,10 @@ std::string WhyCleared(EventKind kind) {
       return "the routine has run again, was stopped or removed";
     case EventKind::kRoutineProposes:
       return "it was approved or retired, or the routine has run again, was stopped or removed";
+    case EventKind::kSessionRejected:
+      return "another calibration is in use, or the session counts again";
+    case EventKind::kUnlikeGroup:
+      return "no longer so";
   }
   return "no longer so";
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/records/event.h"
+#include "core/records/history.h"
 #include "core/records/routine.h"
 #include "core/reports/calibration.h"
 #include "server/inputs/machine_history.h"
@@ -33,12 +34,16 @@ struct HistoryFacts {
   // name those that are still candidates.
   std::vector<records::RoutineRun> runs;
   std::set<CalibrationId> candidates;
+  // The calibration in use, where it stands on sessions that were rejected.
+  std::optional<records::CalibrationRecord> on_rejected;
+  // Of each group of the machine that has others with calibrations: what was identified last of each of these.
+  std::map<std::string, std::vector<records::FleetRow>> peers;
 };
 inline constexpr records::EventKind kOfHistory[] = {
-    records::EventKind::kOutOfTolerance, records::EventKind::kLimitForecast, records::EventKind::kStep,
-    records::EventKind::kSuspect,        records::EventKind::kUnstable,      records::EventKind::kWear,
-    records::EventKind::kScatter,        records::EventKind::kModelLacks,    records::EventKind::kRoutineFailed,
-    records::EventKind::kRoutineProposes};
+    records::EventKind::kOutOfTolerance,  records::EventKind::kLimitForecast,   records::EventKind::kStep,
+    records::EventKind::kSuspect,         records::EventKind::kUnstable,        records::EventKind::kWear,
+    records::EventKind::kScatter,         records::EventKind::kModelLacks,      records::EventKind::kRoutineFailed,
+    records::EventKind::kRoutineProposes, records::EventKind::kSessionRejected, records::EventKind::kUnlikeGroup};
 std::vector<Condition> ConditionsOf(const HistoryFacts& facts);
 
 // What follows from the time.

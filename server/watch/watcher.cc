@@ -33,6 +33,33 @@ absl::Status ReadRoutines(storage::Database& database, const MachineId& machine,
   return absl::OkStatus();
 }
 
+absl::Status ReadPeers(storage::Database& database, const MachineId& machine, HistoryFacts& facts) {
+  ASSIGN_OR_RETURN(const storage::Belonging belonging,
+                   database.WhereBelongs({storage::ResourceKind::kMachine, machine.text()}, ""));
+  if (belonging.machines.empty()) return absl::OkStatus();
+  for (const std::string& group : belonging.machines[0].groups) {
+    const storage::Visible in_group = {false, {{records::Scope::Kind::kGroup, group}}, ""};
+    records::PageRequest page;
+    do {
+      ASSIGN_OR_RETURN(records::Page<records::FleetRow> rows, database.LatestFleet({}, page, in_group));
+      for (records::FleetRow& row : rows.rows)
+        if (row.machine != machine && !row.latest.empty()) facts.peers[group].push_back(std::move(row));
+      page.token = rows.next_token;
+    } while (!page.token.empty());
+  }
+  return absl::OkStatus();
+}
+
+// The calibration in use, where it stands on what was rejected.
+absl::Status ReadRejected(storage::Database& database, const MachineId& machine, HistoryFacts& facts) {
+  records::CalibrationFilter approved;
+  approved.machine = machine;
+  approved.state = records::CalibrationState::kApproved;
+  ASSIGN_OR_RETURN(const records::Page<records::CalibrationRecord> page, database.ListCalibrations(approved, {1, ""}));
+  if (!page.rows.empty() && !page.rows[0].rejected_sessions.empty()) facts.on_rejected = page.rows[0];
+  return absl::OkStatus();
+}
+
 absl::StatusOr<HistoryFacts> ReadHistory(storage::Database& database, const MachineId& machine, base::UtcTime now,
                                          const records::ExpectationsRecord& expected,
                                          const std::function<bool()>& is_cancelled) {
@@ -40,6 +67,8 @@ absl::StatusOr<HistoryFacts> ReadHistory(storage::Database& database, const Mach
   facts.now = now;
   facts.expected = expected;
   RETURN_IF_ERROR(ReadRoutines(database, machine, facts));
+  RETURN_IF_ERROR(ReadPeers(database, machine, facts));
+  RETURN_IF_ERROR(ReadRejected(database, machine, facts));
   const bool counts_candidates = expected.content.counts_candidates;
   ASSIGN_OR_RETURN(
       facts.history,

@@ -344,5 +344,64 @@ TEST_F(Watch, RoutinesThatFailOrProposeAreTold) {
   EXPECT_TRUE(Open(EventKind::kRoutineFailed).empty());
 }
 
+// A calibration in use that stands on a session which does not count is told of until another is in use; it counts in
+// no history.
+TEST_F(Watch, ACalibrationOnARejectedSessionIsTold) {
+  Expect({kMt, {{"EX0C", -20, 20}}, {}, {}, false});
+  Calibrate(10, 0);
+  Week();
+  const CalibrationId bad = Calibrate(40, 0);
+  Look();
+  ASSERT_EQ(Open(EventKind::kOutOfTolerance).size(), 1u);
+  const SessionId session = database->GetCalibration(bad)->content.sessions[0];
+  ASSERT_TRUE(database->RejectSession(session, true, "the probe was loose", Cell("")).ok());
+  Look();
+  const std::vector<Event> told = Open(EventKind::kSessionRejected);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].content.calibration, bad);
+  EXPECT_THAT(told[0].content.text, HasSubstr("stands on session 2, which was rejected"));
+  EXPECT_TRUE(Open(EventKind::kOutOfTolerance).empty());
+  Week();
+  Calibrate(11, 0);
+  Look();
+  EXPECT_TRUE(Open(EventKind::kSessionRejected).empty());
+}
+
+// An error far from that of the others of the group; not from those of another group, nor where there are too few.
+TEST_F(Watch, AMachineUnlikeItsGroupIsTold) {
+  const auto calibrate_peer = [&](int number, double ex0c_um) {
+    const MachineId peer("peer" + std::to_string(number));
+    DEMAND(database->CreateMachine(peer, kMachineJson, Cell("")).ok());
+    storage::NewCalibration calibration;
+    calibration.machine = peer;
+    calibration.machine_revision = 1;
+    calibration.measured_at = database.clock.UtcNow();
+    calibration.options_json = calibration.report_json = calibration.model_json = "{}";
+    calibration.estimates = {{"EX0C", records::EstimateUnit::kUm, true, ex0c_um, 1.0}};
+    calibration.created_by = "test";
+    DEMAND(database->CreateCalibration(calibration).ok());
+    DEMAND(database->ChangeGroup("hall", peer, true, Cell("")).ok());
+  };
+  DEMAND(database->ChangeGroup("hall", kMt, true, Cell("")).ok());
+  for (int i = 0; i < 4; ++i) calibrate_peer(i, i);
+  Calibrate(300, 0);
+  Look();
+  EXPECT_TRUE(Open(EventKind::kUnlikeGroup).empty());  // four others tell nothing
+  for (int i = 4; i < 8; ++i) calibrate_peer(i, i);
+  Week();
+  Calibrate(300, 0);
+  Look();
+  const std::vector<Event> told = Open(EventKind::kUnlikeGroup);
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].content.subject, "EX0C");
+  EXPECT_THAT(told[0].content.text,
+              HasSubstr("EX0C is 300 +- 1 um; the 8 others of group hall have 3.5, standard deviation 2.4 um"));
+  EXPECT_GT(*told[0].content.certainty, 0.99);
+  Week();
+  Calibrate(5, 0);
+  Look();
+  EXPECT_TRUE(Open(EventKind::kUnlikeGroup).empty());
+}
+
 }  // namespace
 }  // namespace axiscal::watch

@@ -8,6 +8,7 @@
 connect() says what can be set, Client what can be asked, axiscal.errors what a call may fail with.
 """
 from axiscal._client import Client, connect
+from axiscal._logs import StoredLog
 from axiscal._options import Options
 from axiscal._upload import Progress, Upload
 from axiscal._version import VERSION as __version__
@@ -23,6 +24,6 @@ __all__ = [
     "Aborted", "AlreadyExists", "Calibration", "CalibrationState", "Cancelled", "Client", "Column", "DataLoss", "DeadLetter", "DeadlineExceeded",
     "DriftFinding", "DriftReport", "Error", "Estimate", "Event", "EventChange", "Expectations", "FailedPrecondition", "Forecast", "InvalidArgument",
     "Job", "JobError", "JobProgress", "JobState", "MachineRecord", "Mark", "NotFound", "Options", "OutOfRange", "PermissionDenied", "ProgramRecord",
-    "Progress", "ResourceExhausted", "Routine", "RoutineRun", "ServerInfo", "Session", "SessionRecord", "SessionState", "Unauthenticated",
+    "Progress", "ResourceExhausted", "Routine", "RoutineRun", "ServerInfo", "Session", "SessionRecord", "SessionState", "StoredLog", "Unauthenticated",
     "Unavailable", "Upload", "Webhook", "__version__", "connect",
 ]

@@ -8,17 +8,18 @@ from typing import Any, Callable, Iterable, Iterator, Mapping, Optional, Sequenc
 import grpc
 import pandas as pd
 
-from axiscal import _programs, _upload, errors, reports
+from axiscal import _logs, _programs, _upload, errors, reports
 from axiscal._connection import Backoff, Connection, is_broken, new_request_id
+from axiscal._logs import StoredLog
 from axiscal._options import Options
 from axiscal._upload import ProgressCallback, Upload
 from axiscal._watching import Watching
-from axiscal.drift import DriftReport, points_frame, residuals_frame
+from axiscal.drift import DriftReport, points_frame, residuals_frame, volumetric_frame
 from axiscal.records import (Calibration, CalibrationState, Job, JobState, MachineRecord, ProgramRecord, ServerInfo, SessionRecord,
                              SessionState, utc_us)
 from axiscal.session import PathLike, Session
 from axiscal.v1 import (admin_service_pb2, calibration_pb2, calibrations_service_pb2, history_service_pb2, ingest_service_pb2, job_pb2,
-                        jobs_service_pb2, machines_service_pb2, programs_service_pb2, session_pb2)
+                        jobs_service_pb2, machines_service_pb2, programs_service_pb2, session_pb2, volumetric_pb2)
 
 _UNITS = {None: job_pb2.PROGRAM_UNIT_UNSPECIFIED, "mm": job_pb2.PROGRAM_UNIT_MILLIMETRE, "inch": job_pb2.PROGRAM_UNIT_INCH}
 _ON_UNSUPPORTED = {"refuse": job_pb2.ON_UNSUPPORTED_REFUSE, "pass": job_pb2.ON_UNSUPPORTED_PASS, "stop": job_pb2.ON_UNSUPPORTED_STOP}
@@ -93,15 +94,34 @@ class Client(Watching):
         """
         return _upload.upload(self._connection, machine, session if isinstance(session, Session) else Session.read(session), request_id, progress)
 
+    def upload_log(self, machine: str, log: PathLike, template: PathLike, plan: Optional[PathLike] = None, *, session_name: str = "",
+                   start_s: Optional[float] = None, progress: Optional[ProgressCallback] = None) -> StoredLog:
+        """Stores a controller's log as it is; the server reduces it to a session and keeps both (docs/logs.md).
+
+        template: a file, or the name of a known format ("dprnt", "linuxcnc-probe", "sinumerik-write"). plan: the file of the plan that was run.
+        InvalidArgument (LOG_INVALID; `facts` has line, column, name) where it is wrong: then nothing is stored. The same log is stored once.
+        """
+        return _logs.put(self._connection, machine, log, template, plan, session_name, start_s, progress)
+
     def session(self, session_id: int) -> SessionRecord:
         response = self.call("Ingest", "GetSession", ingest_service_pb2.GetSessionRequest(session_id=session_id))
         return SessionRecord.from_message(response.session)
 
-    def sessions(self, machine: str = "", state: Optional[SessionState] = None, *, instrument: str = "", name: str = "",
+    def annotate(self, session_id: int, note: str = "", labels: Sequence[str] = ()) -> SessionRecord:
+        """Replaces a session's note and labels."""
+        request = ingest_service_pb2.AnnotateSessionRequest(session_id=session_id, note=note, labels=labels)
+        return SessionRecord.from_message(self.call("Ingest", "AnnotateSession", request).session)
+
+    def reject(self, session_id: int, reason: str, is_rejected: bool = True) -> Tuple[int, ...]:
+        """Says that a session does not count, or counts again; the calibrations that stand on it, which are marked."""
+        request = ingest_service_pb2.RejectSessionRequest(session_id=session_id, is_rejected=is_rejected, reason=reason)
+        return tuple(self.call("Ingest", "RejectSession", request).calibration_ids)
+
+    def sessions(self, machine: str = "", state: Optional[SessionState] = None, *, instrument: str = "", name: str = "", label: str = "",
                  start: Optional[datetime.datetime] = None, end: Optional[datetime.datetime] = None) -> Iterator[SessionRecord]:
         """Newest first. start <= measured < end; where a file does not say when it was measured, created."""
         number = 0 if state is None else session_pb2.SessionState.Value(f"SESSION_STATE_{state.name}")
-        request = ingest_service_pb2.ListSessionsRequest(machine_id=machine, state=number, instrument=instrument, name=name)
+        request = ingest_service_pb2.ListSessionsRequest(machine_id=machine, state=number, instrument=instrument, name=name, label=label)
         _set_span(request, start, end)
         for message in self._pages("Ingest", "ListSessions", request, "sessions"):
             yield SessionRecord.from_message(message)
@@ -130,9 +150,14 @@ class Client(Watching):
             params.max_effects = max_effects
         return self.create_job(job_pb2.JobParams(close_loop=params), request_id)
 
-    def create_job(self, params: job_pb2.JobParams, request_id: Optional[str] = None) -> Job:
-        """Any kind of job. The same request id with the same params gives the job that was made with it."""
-        request = jobs_service_pb2.CreateJobRequest(request_id=request_id or new_request_id(), params=params)
+    def create_job(self, params: job_pb2.JobParams, request_id: Optional[str] = None, *, priority: int = 0,
+                   deadline: Optional[datetime.datetime] = None) -> Job:
+        """Any kind of job. The same request id with the same params gives the job that was made with it.
+
+        priority: -10 to 10, higher ones run first. deadline: what has not ended by then fails (JOB_TOO_LATE)."""
+        request = jobs_service_pb2.CreateJobRequest(request_id=request_id or new_request_id(), params=params, priority=priority)
+        if deadline is not None:
+            request.deadline_utc_us = utc_us(deadline)
         return Job.from_message(self.call("Jobs", "CreateJob", request).job)
 
     def job(self, job_id: int) -> Job:
@@ -222,6 +247,18 @@ class Client(Watching):
             if not page.next_page_token:
                 return residuals_frame(pages)
             request.page_token = page.next_page_token
+
+    def volumetric(self, machine: str, box: Optional[Mapping[str, Tuple[float, float]]] = None) -> pd.DataFrame:
+        """How far the tool point is off over a box before and after each calibration of a machine, the oldest first; no rows where there is none.
+
+        box: {"X": (0, 200), "C": (0, 360)}, mm and degrees, as of a part; other axes, or all, go over what was measured. Columns: calibration
+        (int64), measured (datetime64[ns, UTC]), state, known_share (share of the box that was measured; elsewhere it is extrapolated), poses
+        (int64), and for each of uncorrected, before, after and each of rms, median, p95, max: "after_rms", and "after_rms_low", "after_rms_high"
+        (95 %), um, float64, NaN where nothing is known; problem (why, else empty). Work offset and tool centre are taken up.
+        """
+        spans = [volumetric_pb2.AxisSpan(axis=axis, from_mm_or_deg=low, to_mm_or_deg=high) for axis, (low, high) in (box or {}).items()]
+        request = calibrations_service_pb2.ListVolumetricErrorsRequest(machine_id=machine, box=spans, page_size=100)
+        return volumetric_frame(list(self._pages("Calibrations", "ListVolumetricErrors", request, "errors")))
 
     def approve(self, calibration: Calibration, reason: str = "") -> Calibration:
         """Puts it in use, as it was read: Aborted where somebody has changed it meanwhile. The reason stands in the audit."""

@@ -17,7 +17,7 @@ from axiscal.v1 import job_pb2, programs_service_pb2
 _PART_BYTES = 256 << 10  # proto/axiscal/v1/programs_service.proto
 
 
-def _read(path: PathLike) -> bytes:
+def read_bytes(path: PathLike) -> bytes:
     try:
         return pathlib.Path(path).read_bytes()
     except OSError as error:
@@ -51,16 +51,14 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], Any]) -> Any:
     return result
 
 
-def put(connection: Connection, path: PathLike, progress: Optional[ProgressCallback]) -> ProgramRecord:
-    data = _read(path)
-    header = programs_service_pb2.PutProgramHeader(name=pathlib.Path(path).name, size_bytes=len(data), sha256=hashlib.sha256(data).hexdigest(),
-                                                   request_id=new_request_id())
-
+def send_whole(connection: Connection, service: str, method: str, request: Any, header: Any, data: bytes,
+               progress: Optional[ProgressCallback]) -> Any:
+    """What answers a header (made for `data`) and then the bytes; sent again whole where the stream breaks. `request` makes its messages."""
     def requests(interruptions: int) -> Iterator[Any]:
-        yield programs_service_pb2.PutProgramRequest(header=header)
+        yield request(header=header)
         sent = 0
         for part in _parts(data):
-            yield programs_service_pb2.PutProgramRequest(data=part)
+            yield request(data=part)
             sent += len(part)
             if progress is not None:
                 progress(Progress(sent, len(data), interruptions))
@@ -70,13 +68,20 @@ def put(connection: Connection, path: PathLike, progress: Optional[ProgressCallb
     interruptions = 0
     while True:
         try:
-            response = connection.send_stream("Programs", "PutProgram", requests(interruptions))
-            return ProgramRecord.from_message(response.program)
+            return connection.send_stream(service, method, requests(interruptions))
         except errors.Error as error:
             is_cut = error.code == "UNAVAILABLE" or error.reason == "STREAM_INCOMPLETE"
             if not is_cut or not backoff.wait(give_up):
                 raise
         interruptions += 1
+
+
+def put(connection: Connection, path: PathLike, progress: Optional[ProgressCallback]) -> ProgramRecord:
+    data = read_bytes(path)
+    header = programs_service_pb2.PutProgramHeader(name=pathlib.Path(path).name, size_bytes=len(data), sha256=hashlib.sha256(data).hexdigest(),
+                                                   request_id=new_request_id())
+    response = send_whole(connection, "Programs", "PutProgram", programs_service_pb2.PutProgramRequest, header, data, progress)
+    return ProgramRecord.from_message(response.program)
 
 
 def get(connection: Connection, program_id: int, path: PathLike, progress: Optional[ProgressCallback]) -> ProgramRecord:
@@ -117,7 +122,7 @@ def get(connection: Connection, program_id: int, path: PathLike, progress: Optio
 
 def compensate(connection: Connection, params: job_pb2.CompensateParams, source: PathLike, target: PathLike) -> reports.Rewrite:
     """Not tried again by itself: what came of a broken stream is no program."""
-    data = _read(source)
+    data = read_bytes(source)
 
     def requests() -> Iterator[Any]:
         header = programs_service_pb2.RewriteProgramHeader(params=params, size_bytes=len(data), crc32c=crc32c(data))

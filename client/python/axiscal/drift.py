@@ -6,8 +6,8 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple
 import numpy as np
 import pandas as pd
 
-from axiscal.records import UNITS, utc
-from axiscal.v1 import history_service_pb2
+from axiscal.records import UNITS, CalibrationState, utc
+from axiscal.v1 import calibration_pb2, history_service_pb2
 
 _NAN = float("nan")
 
@@ -59,6 +59,26 @@ def residuals_frame(pages: List[Any]) -> pd.DataFrame:
     for name in ("before_um", "after_um"):
         frame[name] = np.array([value for residual in residuals for value in getattr(residual, name)], np.float64)
     frame["is_set_aside"] = column([residual.is_set_aside for residual in residuals], bool)
+    return pd.DataFrame(frame)
+
+
+def volumetric_frame(errors: List[Any]) -> pd.DataFrame:
+    """The columns of Client.volumetric(), the oldest first."""
+    errors = sorted(errors, key=lambda error: (error.measured_utc_us, error.calibration_id))
+    frame: Dict[str, Any] = {
+        "calibration": np.array([error.calibration_id for error in errors], np.int64),
+        "measured": _times([error.measured_utc_us for error in errors]),
+        "state": pd.Series([CalibrationState[calibration_pb2.CalibrationState.Name(error.state)[len("CALIBRATION_STATE_"):]].name
+                            for error in errors], dtype=object),
+        "known_share": np.array([_NAN if error.problem else error.known_share for error in errors], np.float64),
+        "poses": np.array([error.poses for error in errors], np.int64),
+    }
+    for when in ("uncorrected", "before", "after"):
+        for what in ("rms", "median", "p95", "max"):
+            for end, field in (("", "expected_um"), ("_low", "low_um"), ("_high", "high_um")):
+                frame[f"{when}_{what}{end}"] = np.array(
+                    [getattr(getattr(getattr(error, when), what), field) if error.HasField(when) else _NAN for error in errors], np.float64)
+    frame["problem"] = pd.Series([error.problem for error in errors], dtype=object)
     return pd.DataFrame(frame)
 
 

@@ -97,13 +97,18 @@ class SessionRecord:
     measured: Optional[datetime.datetime]  # the header's `started`
     created_by: str
     sha256: str
+    note: str  # what people say of it
+    labels: Tuple[str, ...]
+    is_rejected: bool  # it does not count
+    reason: str  # why
 
     @classmethod
     def from_message(cls, message: Any) -> "SessionRecord":
         return cls(message.session_id, message.machine_id, message.name, message.instrument,
                    _word(SessionState, session_pb2.SessionState, "SESSION_STATE_", message.state), message.readings,
                    utc(message.created_utc_us), _optional_utc(message, "closed_utc_us"), _optional_utc(message, "measured_utc_us"),
-                   message.created_by, message.sha256)
+                   message.created_by, message.sha256, message.remark.note, tuple(message.remark.labels), message.remark.is_rejected,
+                   message.remark.reason)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -199,6 +204,7 @@ class Calibration:
     not_separable: Tuple[str, ...]  # "EX0B - EX0C": directions that change no reading
     model_json: str  # errors.json; empty in lists
     report_json: str  # empty in lists
+    rejected_session_ids: Tuple[int, ...]  # of its sessions, those that were rejected since: it counts no more
 
     @property
     def report(self) -> Union[reports.Identification, reports.Loop]:
@@ -217,7 +223,8 @@ class Calibration:
                    utc(message.created_utc_us), _optional_utc(message, "approved_utc_us"), message.approved_by,
                    _optional_utc(message, "retired_utc_us"), utc(message.provenance.measured_utc_us), tuple(message.provenance.session_ids),
                    message.provenance.job_id, _optional(statistics, "chi2_per_dof"), _optional(statistics, "rms_before_um"),
-                   _optional(statistics, "rms_after_um"), estimates, tuple(message.not_separable), message.model_json, message.report_json)
+                   _optional(statistics, "rms_after_um"), estimates, tuple(message.not_separable), message.model_json, message.report_json,
+                   tuple(message.rejected_session_ids))
 
 
 @dataclasses.dataclass(frozen=True)
