@@ -44,7 +44,7 @@ class Readme(unittest.TestCase):
             self.assertRegex(text, r"EZ0T 3\d{3}\.\d+ \+- \d")
             self.assertRegex(text, r"10 blocks; 3\d{3}\.\d+ -> 0\.\d+ um")
             self.assertIn("ball-B0 21 readings from lines 4 to 24", text)
-            self.assertIn("after_rms_high", text)
+            self.assertIn("known_share", text)
             self.assertIn("CALIBRATION_NOT_FOUND", text)
             self.assertIn("broken.csv: line 12", text)
             self.assertGreater(len((folder / "corrected.nc").read_bytes().splitlines()), 10)

@@ -399,6 +399,7 @@ class Rewrite:
     holes: Optional[Holes] = None
     contours: Optional[Holes] = None
     max_departure_um: float = 0.0
+    positions: Tuple[AxisRange, ...] = ()  # of each axis, at the ends of what was corrected
     passed: Tuple[Finding, ...] = ()
     refused: Tuple[Finding, ...] = ()
     ranges_not_corrected: int = 0
