@@ -3,10 +3,9 @@
 // before it of ten times as many readings; or how often
 // the sessions that it proposes leave the true effect alone in its class: `loop_rates next COUNT [FIRST_SEED] [-v]`,
 // COUNT machines with one effect; or what the loop leaves of the error over the box of machines with other physics:
-// `loop_rates physics KIND COUNT [FIRST_SEED] [-v]`, KIND one of physics_case.h. -v prints every case, otherwise those
-// that went wrong.
+// `loop_rates physics KIND COUNT [FIRST_SEED] [-t] [-v]`, KIND one of physics_case.h; -t: also of a loop that is told
+// the form, which takes twice as long. -v prints every case, otherwise those that went wrong.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -14,11 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/str_format.h"
-#include "core/base/units.h"
-#include "core/decide/close_loop.h"
 #include "tests/rates/next_session.h"
-#include "tests/rates/physics_case.h"
+#include "tests/rates/physics_score.h"
 #include "tests/rates/score.h"
 
 namespace {
@@ -47,55 +43,7 @@ int NextRates(int count, int first, bool is_verbose) {
   return 0;
 }
 
-// What a fit of the declared errors leaves over the box, what the loop's model leaves, the same of a loop that looks
-// for nothing but effects of the form of those that are there, and one who knows them exactly, um.
-struct Left {
-  double before_um = 0.0, after_um = 0.0, told_um = 0.0, known_um = 0.0, seconds = 0.0;
-  std::string text;
-
-  // As a user would call it: more than 10 % and 0.2 um.
-  bool IsHarmed() const { return after_um > 1.1 * before_um && after_um > before_um + 0.2; }
-};
-
-Left JudgePhysics(const axiscal::rates::PhysicsCase& physics) {
-  namespace loop = axiscal::loop;
-  Left left;
-  for (const std::string& name : physics.put_in) left.text += " " + name;
-  const auto declared = axiscal::identify::Identify(physics.machine, physics.simulated.measured.fit);
-  const auto start = std::chrono::steady_clock::now();
-  const auto closed = axiscal::decide::CloseLoop(physics.machine, physics.fit, physics.check);
-  left.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const auto error_um = [&](const axiscal::machine::ErrorModel& model) {
-    return axiscal::base::kUmPerMm * axiscal::rates::ErrorOverBox(physics, model);
-  };
-  left.before_um = error_um(declared.ok() ? declared->model : axiscal::machine::ErrorModel());
-  const axiscal::machine::ErrorModel found =
-      closed.ok() ? axiscal::machine::NamedErrors(closed->fitted.model) : axiscal::machine::ErrorModel();
-  left.after_um = closed.ok() ? error_um(found) : left.before_um;
-  axiscal::decide::Options told;
-  told.may_name = [&](const loop::Candidate& candidate) { return axiscal::rates::IsOfTheForm(physics, candidate); };
-  const auto of_form = axiscal::decide::CloseLoop(physics.machine, physics.fit, physics.check, told);
-  left.told_um = of_form.ok() ? error_um(axiscal::machine::NamedErrors(of_form->fitted.model)) : left.before_um;
-  left.known_um = axiscal::base::kUmPerMm * axiscal::rates::ErrorOfOneWhoKnows(physics);
-  left.text += " ->";
-  if (!closed.ok()) left.text += " " + std::string(closed.status().message());
-  for (size_t i = 0; closed.ok() && i < closed->effects.size(); ++i) {
-    // With its amplitude, nm or urad, and what would be left without it.
-    axiscal::machine::ErrorModel without = found;
-    std::erase_if(without.terms, [&](const axiscal::machine::ErrorTerm& term) {
-      return term.joint == closed->effects[i].term.joint && term.component == closed->effects[i].term.component &&
-             term.shape == closed->effects[i].term.shape;
-    });
-    left.text += " " + axiscal::machine::NameOf(physics.machine, closed->effects[i].term) +
-                 absl::StrFormat(" %.4g +- %.2g (%.3f)", 1e6 * closed->effects[i].amplitude,
-                                 1e6 * closed->effects[i].amplitude_sigma, error_um(without));
-  }
-  for (size_t i = 0; closed.ok() && i < closed->causes.size(); ++i)
-    left.text += " [" + closed->causes[i].subject.substr(0, closed->causes[i].subject.find(';')) + "]";
-  return left;
-}
-
-int PhysicsRates(const char* word, int count, int first, bool is_verbose) {
+int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool with_told) {
   const char* const* const words = axiscal::rates::PhysicsWords();
   int kind = 0;
   while (words[kind] != nullptr && std::strcmp(words[kind], word) != 0) ++kind;
@@ -106,27 +54,44 @@ int PhysicsRates(const char* word, int count, int first, bool is_verbose) {
     return 2;
   }
   std::vector<double> before, after, told, known, seconds;
-  int harmed = 0;
+  std::map<std::string, int> verdicts;
+  int causes = 0, right = 0, in_class = 0, silent = 0, wrong = 0, harmed = 0, promised = 0, broken = 0;
+  int intervals = 0, held = 0;
   for (int seed = first; seed < first + count; ++seed) {
-    const Left left = JudgePhysics(axiscal::rates::DrawPhysics(static_cast<axiscal::rates::Physics>(kind), seed));
-    before.push_back(left.before_um);
-    after.push_back(left.after_um);
-    told.push_back(left.told_um);
-    known.push_back(left.known_um);
-    seconds.push_back(left.seconds);
-    harmed += left.IsHarmed();
-    if (is_verbose || left.IsHarmed())
-      std::printf("%s %d: %s%.3f -> %.3f um (told the form %.3f, knows %.3f), %.1f s:%s\n", word, seed,
-                  left.IsHarmed() ? "HARMED " : "", left.before_um, left.after_um, left.told_um, left.known_um,
-                  left.seconds, left.text.c_str());
+    const axiscal::rates::PhysicsScore score = axiscal::rates::JudgePhysics(
+        axiscal::rates::DrawPhysics(static_cast<axiscal::rates::Physics>(kind), seed), with_told);
+    before.push_back(score.before_um);
+    after.push_back(score.after_um);
+    told.push_back(score.told_um);
+    known.push_back(score.known_um);
+    seconds.push_back(score.seconds);
+    ++verdicts[score.Verdict()];
+    causes += score.causes;
+    right += score.right;
+    in_class += score.in_class;
+    silent += score.silent;
+    wrong += score.wrong;
+    harmed += score.IsHarmed();
+    promised += score.is_gain_held;
+    broken += score.is_gain_held && score.after_um > score.before_um;
+    intervals += score.has_interval;
+    held += score.has_interval && score.IsIntervalRight();
+    if (is_verbose || score.IsHarmed())
+      std::printf("%s %d: %s%s %.3f -> %.3f um (told the form %.3f, knows %.3f), %.1f s:%s\n", word, seed,
+                  score.IsHarmed() ? "HARMED " : "", score.Verdict(), score.before_um, score.after_um, score.told_um,
+                  score.known_um, score.seconds, score.text.c_str());
     std::fflush(stdout);
   }
   std::printf(
       "physics %s: %d cases, over the box %.3f -> %.3f um (medians; told the form %.3f, who knows %.3f), harmed %d; "
-      "%.2f s "
-      "median, %.2f s worst\n",
+      "%.2f s median, %.2f s worst\n",
       word, count, Quantile(before, 0.5), Quantile(after, 0.5), Quantile(told, 0.5), Quantile(known, 0.5), harmed,
       Quantile(seconds, 0.5), Quantile(seconds, 1.0));
+  std::printf(
+      "  cases right %d, in class %d, silent %d, wrong %d; causes named %d of %d, %d more in classes, %d not; beside "
+      "them %d\n  a gain over the box promised in %d, %d of them worse; %d of %d intervals hold what is left\n",
+      verdicts["right"], verdicts["in class"], verdicts["silent"], verdicts["wrong"], right, causes, in_class, silent,
+      wrong, promised, broken, held, intervals);
   return 0;
 }
 
@@ -151,7 +116,9 @@ int main(int argc, char** argv) {
   const bool is_verbose = std::strcmp(argv[argc - 1], "-v") == 0;
   if (argc >= 4 && std::strcmp(argv[1], "physics") == 0) {
     const int first_seed = argc > 4 ? std::max(1, std::atoi(argv[4])) : 1;
-    return PhysicsRates(argv[2], std::atoi(argv[3]), first_seed, is_verbose);
+    const bool with_told =
+        std::any_of(argv + 4, argv + argc, [](const char* word) { return !std::strcmp(word, "-t"); });
+    return PhysicsRates(argv[2], std::atoi(argv[3]), first_seed, is_verbose, with_told);
   }
   const std::string word = argc > 1 ? argv[1] : "";
   constexpr char kDensePrefix[] = "dense-";
@@ -162,7 +129,7 @@ int main(int argc, char** argv) {
                  "usage: loop_rates [dense-]"
                  "null|one|pair|dirty|dirty-null|misstated|bump|slip|probe-slip|wander|wander-null|coarse|coarse-null|"
                  "next COUNT "
-                 "[FIRST_SEED] [-v]\n       loop_rates physics KIND COUNT [FIRST_SEED] [-v]\n");
+                 "[FIRST_SEED] [-v]\n       loop_rates physics KIND COUNT [FIRST_SEED] [-t] [-v]\n");
     return 2;
   }
   const int count = std::atoi(argv[2]);

@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <type_traits>
 
 #include "core/base/testing/source_path.h"
 #include "core/base/units.h"
@@ -325,42 +327,46 @@ double ErrorOverBox(const PhysicsCase& physics, const machine::ErrorModel& model
   return LeftOverBox(physics.simulated.truth, physics.machine, physics, model);
 }
 
+bool IsOfTheForm(const Effect& effect, const machine::ErrorTerm& term) {
+  if (term.joint != effect.joint || term.component != effect.component) return false;
+  const shapes::Shape& shape = term.shape;
+  const auto is_one_of = [&shape]<typename... Some>(std::type_identity<std::tuple<Some...>>) {
+    return (std::holds_alternative<Some>(shape) || ...);
+  };
+  using shapes::Harmonic;
+  using Curves = std::tuple<shapes::Curve, shapes::Linear, shapes::Quadratic, Harmonic>;
+  using Warm = std::tuple<shapes::Thermal, shapes::ThermalLag, shapes::TimeCurve, shapes::Drift, shapes::DriftExp>;
+  using Plays = std::tuple<shapes::Backlash, shapes::Reversal>;
+  const std::optional<int> axis = shapes::VariableAxis(shape);
+  switch (effect.kind) {
+    case EffectKind::kCurve:
+      return is_one_of(std::type_identity<Curves>()) && axis == effect.axis;
+    case EffectKind::kTimeCurve:
+      return std::holds_alternative<shapes::TimeCurve>(shape);
+    case EffectKind::kRipple:
+      return std::holds_alternative<Harmonic>(shape) && axis == effect.axis;
+    case EffectKind::kGravity:  // whatever these positions make of it
+      return true;
+    case EffectKind::kCrossed:
+      return std::holds_alternative<shapes::Crossed>(shape);
+    case EffectKind::kHeat:
+      return is_one_of(std::type_identity<Warm>());
+    case EffectKind::kBacklash:
+    case EffectKind::kWindUp:
+    case EffectKind::kFriction:
+    case EffectKind::kLastMove:
+      return is_one_of(std::type_identity<Plays>());
+    case EffectKind::kFollowing:
+      return std::holds_alternative<shapes::Lag>(shape);
+  }
+  return false;
+}
+
 bool IsOfTheForm(const PhysicsCase& physics, const loop::Candidate& candidate) {
-  using loop::Family;
-  const Family family = candidate.family;
-  if (family == Family::kInstrument) return !physics.scenario.faults.empty();
-  if (!loop::IsTerm(family)) return false;
-  const auto is_one_of = [family](std::initializer_list<Family> some) {
-    return std::find(some.begin(), some.end(), family) != some.end();
-  };
-  const std::optional<int> axis = shapes::VariableAxis(candidate.term.shape);
-  const auto is_form_of = [&](const Effect& effect) {
-    if (candidate.term.joint != effect.joint || candidate.term.component != effect.component) return false;
-    switch (effect.kind) {
-      case EffectKind::kCurve:
-        return family == Family::kCurve && axis == effect.axis;
-      case EffectKind::kTimeCurve:
-        return family == Family::kTimeCurve;
-      case EffectKind::kRipple:
-        return is_one_of({Family::kHarmonic, Family::kFineHarmonic, Family::kPitch}) && axis == effect.axis;
-      case EffectKind::kGravity:  // whatever these positions make of it
-        return true;
-      case EffectKind::kCrossed:
-        return family == Family::kCrossed;
-      case EffectKind::kHeat:
-        return is_one_of(
-            {Family::kThermal, Family::kThermalLag, Family::kTimeCurve, Family::kDrift, Family::kDriftExp});
-      case EffectKind::kBacklash:
-      case EffectKind::kWindUp:
-      case EffectKind::kFriction:
-      case EffectKind::kLastMove:
-        return is_one_of({Family::kBacklash, Family::kReversal});
-      case EffectKind::kFollowing:
-        return family == Family::kLag;
-    }
-    return false;
-  };
-  return std::any_of(physics.scenario.effects.begin(), physics.scenario.effects.end(), is_form_of);
+  if (candidate.family == loop::Family::kInstrument) return !physics.scenario.faults.empty();
+  return loop::IsTerm(candidate.family) &&
+         std::any_of(physics.scenario.effects.begin(), physics.scenario.effects.end(),
+                     [&](const Effect& effect) { return IsOfTheForm(effect, candidate.term); });
 }
 
 double ErrorOfOneWhoKnows(const PhysicsCase& physics) {

@@ -46,8 +46,10 @@ PhysicsCase DrawPhysics(Physics kind, uint64_t seed, synthetic::Form form = synt
 // declared to what remains: about the least that anybody can reach with these sessions.
 double ErrorOfOneWhoKnows(const PhysicsCase& physics);
 
-// Whether what this candidate says is of the kind, joint and component of an effect that is there, or a fault of an
-// instrument where one has a fault: what one who knows the form, but no number, would look for.
+// Whether what this term says is of the kind, joint and component of the effect: what one who knows the form, but no
+// number, would look for.
+bool IsOfTheForm(const synthetic::Effect& effect, const machine::ErrorTerm& term);
+// The same of any effect that is there; of a fault of an instrument where one has a fault.
 bool IsOfTheForm(const PhysicsCase& physics, const loop::Candidate& candidate);
 
 // Root mean square of the tool point's error over the box that remains when `model` is corrected for, less the best
