@@ -1,5 +1,7 @@
 #include "core/base/error_detail.h"
 
+#include <algorithm>
+
 #include "absl/strings/cord.h"
 #include "core/base/demand.h"
 
@@ -8,10 +10,14 @@ namespace {
 
 constexpr char kPayloadUrl[] = "axiscal/error-detail";
 
-// Payload: the reason, then key, value, key, value ..., each ended by a NUL.
+// Payload: the reason, then key, value, key, value ..., each ended by a NUL. One within a value, which callers may have
+// sent, would begin a fact of theirs: it becomes a blank.
 std::string Encode(const ErrorDetail& detail) {
   std::string text = detail.reason + '\0';
-  for (const auto& [key, value] : detail.facts) text += key + '\0' + value + '\0';
+  for (auto [key, value] : detail.facts) {
+    std::replace(value.begin(), value.end(), '\0', ' ');
+    text += key + '\0' + value + '\0';
+  }
   return text;
 }
 

@@ -13,6 +13,12 @@ TEST(ErrorDetail, TravelsWithTheStatusAlsoThroughWithin) {
   EXPECT_EQ(ErrorReason(status), "SEQ_GAP");
 }
 
+TEST(ErrorDetail, AFactsZeroByteBeginsNoOtherFact) {
+  const std::string sent("mt\0reason\0x", 11);
+  const absl::Status status = Error(absl::StatusCode::kNotFound, "no", {"MACHINE_NOT_FOUND", {{"machine", sent}}});
+  EXPECT_EQ(GetErrorDetail(status), (ErrorDetail{"MACHINE_NOT_FOUND", {{"machine", "mt reason x"}}}));
+}
+
 TEST(ErrorDetail, IsAbsentFromOtherStatuses) {
   EXPECT_FALSE(GetErrorDetail(absl::InternalError("x")).has_value());
   EXPECT_EQ(ErrorReason(absl::OkStatus()), "");
