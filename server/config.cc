@@ -85,6 +85,8 @@ const std::vector<Setting>& Settings() {
       {"limits.program_bytes", "--program-bytes", "Bytes of one program", &Config::program_bytes, 1, kMaxSize},
       {"limits.window_bytes", "--window-bytes", "Bytes a stream may run ahead of the server", &Config::window_bytes,
        kMinWindowBytes, kMaxWindowBytes},
+      {"limits.waiting_bytes", "--waiting-bytes", "Bytes that callers have half sent, of all together",
+       &Config::waiting_bytes, kMinWaitingBytes, kMaxSize},
       {"limits.silence_seconds", "--silence-seconds", "A caller silent for so long in a stream is cut off",
        &Config::silence_seconds, 1, kDaySeconds},
       {"limits.idle_seconds", "--idle-seconds", "A connection without a call for so long is closed",

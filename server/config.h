@@ -33,6 +33,7 @@ struct Config {
   int64_t session_readings = 50'000'000;
   int64_t program_bytes = int64_t{1} << 30;
   int64_t window_bytes = 1 << 20;
+  int64_t waiting_bytes = int64_t{512} << 20;
   int64_t silence_seconds = 300;
   int64_t idle_seconds = 300;
   std::string webhooks_allowed, webhooks_ca;

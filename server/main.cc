@@ -183,6 +183,7 @@ ServerOptions OptionsOf(const axiscal::server::Config& config) {
   options.session_readings = config.session_readings;
   options.program_bytes = config.program_bytes;
   options.window_bytes = static_cast<int>(config.window_bytes);
+  options.waiting_bytes = config.waiting_bytes;
   options.drain = std::chrono::seconds(config.drain_seconds);
   options.silence = std::chrono::seconds(config.silence_seconds);
   options.backup_folder = config.backup_folder;

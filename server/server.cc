@@ -47,6 +47,8 @@ constexpr std::chrono::minutes kHousekeeping(10);
 constexpr int kMinPingIntervalMs = 10'000;
 // Of one answer to a call within this process, by HTTP or embedded: reports are longer than what callers may send.
 constexpr int kMaxAnswerBytes = 256 << 20;
+// Of one connection at a time; a client that makes more waits for a place.
+constexpr int kMaxCallsOfConnection = 1000;
 // Within so long a new connection must have begun to speak HTTP/2.
 constexpr int kHandshakeMs = 20'000;
 
@@ -111,6 +113,11 @@ void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& buil
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, static_cast<int>(options.connection_idle.count()));
   builder.SetMaxReceiveMessageSize(handlers::kMaxMessageBytes);
+  // What callers have half sent waits in gRPC's memory, where no handler sees it: 4 MB of each of any number of calls.
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxCallsOfConnection);
+  grpc::ResourceQuota memory("axiscald");
+  memory.Resize(static_cast<size_t>(options.waiting_bytes));
+  builder.SetResourceQuota(memory);
   // gRPC holds the compressed size against that limit, and 1 MB of gzip makes 1 GB of zeros. Readings and programs gain
   // little from it on the wire.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
@@ -151,6 +158,8 @@ absl::Status Validate(const ServerOptions& options) {
     return refuse(
         absl::StrCat("window_bytes = ", options.window_bytes, ", must be ", kMinWindowBytes, " to ", kMaxWindowBytes));
   }
+  if (options.waiting_bytes < kMinWaitingBytes)
+    return refuse(absl::StrCat("waiting_bytes = ", options.waiting_bytes, ", must be >= ", kMinWaitingBytes));
   if (options.session_expiry.count() < 1) return refuse("session_expiry must be > 0");
   if (options.drain.count() < 0) return refuse(absl::StrCat("drain = ", options.drain.count(), " ms, must be >= 0"));
   return absl::OkStatus();

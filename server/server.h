@@ -22,6 +22,7 @@ inline constexpr int kMaxWorkers = 1024;
 inline constexpr int kMaxUploads = 10'000;
 inline constexpr int kMaxJobs = 1'000'000;
 inline constexpr int kMaxCallsPerSecond = 1'000'000;
+inline constexpr int64_t kMinWaitingBytes = 16 << 20;
 inline constexpr int kMinWindowBytes = 64 << 10, kMaxWindowBytes = 16 << 20;
 
 struct ServerOptions {
@@ -61,6 +62,9 @@ struct ServerOptions {
   // How far one stream may run ahead of what the server has read, bytes: rate <= window / round trip. 64 KB to 16 MB;
   // more costs memory per stream.
   int window_bytes = 1 << 20;
+  // What callers of gRPC have half sent, of all connections together: where it is more, calls are cancelled until it is
+  // less. At least kMinWaitingBytes.
+  int64_t waiting_bytes = int64_t{512} << 20;
   // A session or program whose upload was left for so long is given up and what came of it is dropped. Only time that a
   // server was up counts. > 0.
   std::chrono::hours session_expiry = std::chrono::hours(24 * 7);

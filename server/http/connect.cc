@@ -43,15 +43,6 @@ absl::Status CheckHead(const google::protobuf::MethodDescriptor& method, const R
   return absl::OkStatus();
 }
 
-// The request's message as gRPC carries it.
-absl::StatusOr<std::string> MessageOf(const google::protobuf::MethodDescriptor& method, const ContentType& type,
-                                      const Request& request) {
-  RETURN_IF_ERROR(CheckHead(method, request));
-  if (!type.is_stream) return ToBinary(*method.input_type(), type.codec, request.body, handlers::kMaxMessageBytes);
-  ASSIGN_OR_RETURN(const std::string message, OnlyMessage(request.body));
-  return ToBinary(*method.input_type(), type.codec, message, handlers::kMaxMessageBytes);
-}
-
 class Service {
  public:
   Service(handlers::Core& core, const std::shared_ptr<grpc::Channel>& channel,
@@ -73,17 +64,10 @@ class Service {
       return true;
     });
     handlers::Share share(budget_);
-    const int64_t times = type_.codec == Codec::kJson ? 1 + kJsonFactor : 1;
-    if (ended.ok()) {
-      const absl::Status taken = share.Take(times * static_cast<int64_t>(reply.size()));
-      if (!taken.ok()) ended = taken;
-    }
+    absl::StatusOr<std::string> body = ToBody(std::move(reply), share);
     if (!ended.ok()) {
       exchange_.Send(ErrorAnswer(ended.status()));
-      return;
-    }
-    absl::StatusOr<std::string> body = FromBinary(*method_.output_type(), type_.codec, std::move(reply));
-    if (ended->code() != 0) {
+    } else if (ended->code() != 0) {
       exchange_.Send(ErrorAnswer(*ended));
     } else if (!body.ok()) {
       exchange_.Send(ErrorAnswer(body.status()));
@@ -98,7 +82,8 @@ class Service {
     if (!exchange_.Begin(200, {{"Content-Type", NameOf(type_)}, {"X-Accel-Buffering", "no"}}, std::nullopt)) return;
     absl::Status written;
     absl::StatusOr<google::rpc::Status> ended = Run([&](std::string part) {
-      absl::StatusOr<std::string> message = FromBinary(*method_.output_type(), type_.codec, std::move(part));
+      handlers::Share share(budget_);
+      absl::StatusOr<std::string> message = ToBody(std::move(part), share);
       if (!message.ok()) written = message.status();
       return message.ok() && exchange_.Write(Envelope(0, *message));
     });
@@ -110,12 +95,27 @@ class Service {
  private:
   // How the call ended; an error where it did not begin.
   absl::StatusOr<google::rpc::Status> Run(const std::function<bool(std::string)>& take) {
-    ASSIGN_OR_RETURN(const std::string message, MessageOf(method_, type_, request_));
     RETURN_IF_ERROR(credentials_.status());
+    RETURN_IF_ERROR(CheckHead(method_, request_));
+    std::string unpacked;
+    if (type_.is_stream) {
+      ASSIGN_OR_RETURN(unpacked, OnlyMessage(request_.body));
+    }
+    const std::string& text = type_.is_stream ? unpacked : request_.body;
+    const google::protobuf::Descriptor& type = *method_.input_type();
+    handlers::Share share(budget_);
+    RETURN_IF_ERROR(share.Take(BytesToRead(type, type_.codec, text)));
+    ASSIGN_OR_RETURN(const std::string message, ToBinary(type, type_.codec, text, handlers::kMaxMessageBytes));
     ASSIGN_OR_RETURN(const std::unique_ptr<ForwardedCall> call,
                      ForwardedCall::Begin(core_, request_, *credentials_, exchange_));
     const grpc::Status status = call->Run(channel_, request_.path, message, take);
     return status.ok() ? google::rpc::Status() : ErrorOf(status);
+  }
+
+  // An answer as it is written; what that takes is `share`'s until the caller has it.
+  absl::StatusOr<std::string> ToBody(std::string binary, handlers::Share& share) const {
+    RETURN_IF_ERROR(share.Take(BytesToWrite(type_.codec, binary)));
+    return FromBinary(*method_.output_type(), type_.codec, std::move(binary));
   }
 
   handlers::Core& core_;

@@ -16,8 +16,8 @@ namespace axiscal::http {
 // Most bytes of a request's body by the Content-Type that it has.
 int64_t MostBodyBytes(const Request& request);
 
-// Answers the request; `credentials` may be the error that the caller gets. Of `budget` an answer and what is made of
-// it are taken while they are sent: QUEUE_FULL where too many are.
+// Answers the request; `credentials` may be the error that the caller gets. What its messages take of memory beside its
+// body is taken of `budget`: RESOURCE_EXHAUSTED QUEUE_FULL.
 void ServeConnect(handlers::Core& core, const std::shared_ptr<grpc::Channel>& channel,
                   const google::protobuf::MethodDescriptor& method, const Request& request,
                   const absl::StatusOr<access::Credentials>& credentials, handlers::Budget& budget, Exchange& exchange);

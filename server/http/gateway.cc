@@ -12,7 +12,8 @@ namespace {
 
 // Of a file, which is held in memory until it is stored.
 constexpr int64_t kMostFileBytes = session::kMaxSessionBytes;
-constexpr int64_t kMostOtherBytes = 64 << 10;
+// What signs in, and what is sent by who has not shown who he is, so that 10,000 of them are no more than 40 MB.
+constexpr int64_t kMostOtherBytes = 4 << 10;
 constexpr char kSignIn[] = "/sign-in", kSignOut[] = "/sign-out";
 
 // The words of a plain file's path, decoded: {"machines", "mt", "sessions"} of "/v1/machines/mt/sessions". Empty for
@@ -126,12 +127,22 @@ absl::StatusOr<access::Credentials> Gateway::CredentialsOf(const Request& reques
   return credentials;
 }
 
+bool Gateway::IsSomebody(const Request& request) const {
+  const absl::StatusOr<access::Credentials> credentials = CredentialsOf(request);
+  return credentials.ok() && core_.gate.Identify(*credentials).ok();
+}
+
 BodyRule Gateway::RuleFor(const Request& head) const {
   // Pages hold no data: a link of another page may lead to them.
   if (pages_.Has(head.path)) return {};
   const absl::Status origin = CheckOrigin(head, core_.gate.asks(), own_host_);
   if (!origin.ok()) return {0, Refusal(head, origin)};
-  if (FindMethod(head.path) != nullptr) return {MostBodyBytes(head), {}};
+  // Of who is nobody no more than a small message: nothing of his is read, but he is told so as the method's protocol
+  // has it.
+  if (FindMethod(head.path) != nullptr) {
+    const bool is_small = head.content_length && *head.content_length <= kMostOtherBytes;
+    return {is_small || IsSomebody(head) ? MostBodyBytes(head) : kMostOtherBytes, {}};
+  }
   const Plain plain = PlainOf(PlaceOf(head.path));
   if (head.method != "POST" || plain == Plain::kNone) return {kMostOtherBytes, {}};
   if (!head.content_length) return {0, Answer{411, {}, ""}};
@@ -149,7 +160,11 @@ void Gateway::Serve(const Request& request, Exchange& exchange) {
     return;
   }
   if (const google::protobuf::MethodDescriptor* const method = FindMethod(request.path)) {
-    const absl::StatusOr<access::Credentials> credentials = CredentialsOf(request);
+    absl::StatusOr<access::Credentials> credentials = CredentialsOf(request);
+    if (credentials.ok() && request.is_too_large) {
+      const absl::Status identified = core_.gate.Identify(*credentials).status();
+      if (!identified.ok()) credentials = identified;
+    }
     if (!credentials.ok()) Refusal(request, credentials.status());  // the answer is the method's to write
     ServeConnect(core_, channel_, *method, request, credentials, budget_, exchange);
     return;

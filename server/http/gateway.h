@@ -35,11 +35,12 @@ class Gateway {
   // Answers it. Blocks until the caller has the answer.
   void Serve(const Request& request, Exchange& exchange);
 
-  // Of all bodies and files at a time.
+  // Of all bodies, files and messages at a time.
   handlers::Budget& budget() { return budget_; }
 
  private:
   absl::StatusOr<access::Credentials> CredentialsOf(const Request& request) const;
+  bool IsSomebody(const Request& request) const;
   // The answer to what is refused before it is a call; the audit hears of it where it was denied.
   Answer Refusal(const Request& request, const absl::Status& status) const;
   void ServePlain(const Request& request, const std::vector<std::string>& place, Exchange& exchange);

@@ -1,13 +1,16 @@
 #include "server/http/messages.h"
 
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/message.h>
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "absl/strings/ascii.h"
 #include "core/base/error_detail.h"
 #include "core/base/utf8.h"
+#include "proto/guard/message_guard.h"
 #include "server/http/exchange.h"
 
 namespace axiscal::http {
@@ -16,6 +19,13 @@ namespace {
 constexpr size_t kEnvelopeHead = 5;  // bytes
 // Of the parser's complaint, which shows its input.
 constexpr size_t kMaxComplaint = 300;
+// Of one part of a message: the largest of a request that a list holds, its place in the list, what the allocator adds.
+constexpr int64_t kPartBytes = 256;
+// Of a request's message, parts aside, against its text: a number of 1 byte is 8 in a list, which has room for twice as
+// many. Texts are there once more in the binary form, and JSON's twice.
+constexpr int64_t kRequestFactor = 16;
+// Of an answer's message in memory and of its JSON, against its binary form: about 3 and 4 for histories.
+constexpr int64_t kAnswerFactor = 8;
 
 absl::Status Invalid(const std::string& text) {
   return base::Error(absl::StatusCode::kInvalidArgument, text, {"MESSAGE_INVALID", {}});
@@ -34,6 +44,24 @@ std::string OneLine(std::string text) {
   }
   if (text.size() > kMaxComplaint) text = text.substr(0, kMaxComplaint) + " ...";
   return base::ToUtf8(text);
+}
+
+// Commas and brackets outside of texts.
+int64_t CountValues(const std::string& json) {
+  int64_t count = 1;
+  char quote = 0;  // the parser takes both kinds
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (quote != 0) {
+      if (c == '\\') ++i;
+      if (c == quote) quote = 0;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == ',' || c == '{' || c == '[') {
+      ++count;
+    }
+  }
+  return count;
 }
 
 }  // namespace
@@ -60,8 +88,28 @@ std::string NameOf(const ContentType& type) {
   return absl::StrCat("application/", type.is_stream ? "connect+" : "", type.codec == Codec::kJson ? "json" : "proto");
 }
 
+int64_t PartsOf(const google::protobuf::Descriptor& type, Codec codec, const std::string& bytes) {
+  if (codec == Codec::kJson) return CountValues(bytes);
+  google::protobuf::io::ArrayInputStream in(bytes.data(), static_cast<int>(bytes.size()));
+  return guard::CountParts(type, in, guard::kMostParts);
+}
+
+int64_t BytesToRead(const google::protobuf::Descriptor& type, Codec codec, const std::string& text) {
+  return kRequestFactor * static_cast<int64_t>(text.size()) +
+         kPartBytes * std::min(PartsOf(type, codec, text), guard::kMostParts);
+}
+
+int64_t BytesToWrite(Codec codec, const std::string& binary) {
+  return (codec == Codec::kProto ? 2 : kAnswerFactor) * static_cast<int64_t>(binary.size());
+}
+
 absl::StatusOr<std::string> ToBinary(const google::protobuf::Descriptor& type, Codec codec, const std::string& bytes,
                                      int most_bytes) {
+  const auto too_large = [](const std::string& what) {
+    return base::Error(absl::StatusCode::kResourceExhausted, what, {"MESSAGE_TOO_LARGE", {}});
+  };
+  if (PartsOf(type, codec, bytes) > guard::kMostParts)
+    return too_large(absl::StrCat("a message of more than ", guard::kMostParts, " parts"));
   const std::unique_ptr<google::protobuf::Message> message = NewMessage(type);
   if (codec == Codec::kJson) {
     // Strictly: what lets unknown fields pass also reads an unknown name of an enum value as 0.
@@ -71,11 +119,8 @@ absl::StatusOr<std::string> ToBinary(const google::protobuf::Descriptor& type, C
     return Invalid("the bytes are no " + type.name());
   }
   std::string binary = codec == Codec::kJson ? message->SerializeAsString() : bytes;
-  if (binary.size() > static_cast<size_t>(most_bytes)) {
-    return base::Error(absl::StatusCode::kResourceExhausted,
-                       absl::StrCat("a message of ", binary.size(), " bytes, must be at most ", most_bytes),
-                       {"MESSAGE_TOO_LARGE", {}});
-  }
+  if (binary.size() > static_cast<size_t>(most_bytes))
+    return too_large(absl::StrCat("a message of ", binary.size(), " bytes, must be at most ", most_bytes));
   return binary;
 }
 

@@ -5,6 +5,7 @@
 
 #include <google/protobuf/descriptor.h>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -27,8 +28,16 @@ struct ContentType {
 std::optional<ContentType> ContentTypeOf(const std::string& field);
 std::string NameOf(const ContentType& type);
 
+// Parts of a message as proto/guard counts them; of JSON at least as many as it has values (of fields, in lists),
+// counted without reading them.
+int64_t PartsOf(const google::protobuf::Descriptor& type, Codec codec, const std::string& bytes);
+// Memory that ToBinary() and FromBinary() need for that text or message, with what comes of it.
+int64_t BytesToRead(const google::protobuf::Descriptor& type, Codec codec, const std::string& text);
+int64_t BytesToWrite(Codec codec, const std::string& binary);
+
 // A message as gRPC carries it, from how it came. INVALID_ARGUMENT MESSAGE_INVALID for what is none, unknown fields and
-// names of enum values included; RESOURCE_EXHAUSTED MESSAGE_TOO_LARGE beyond `most_bytes`.
+// names of enum values included; RESOURCE_EXHAUSTED MESSAGE_TOO_LARGE beyond `most_bytes`, and for more parts than
+// proto/guard lets pass, of JSON values.
 absl::StatusOr<std::string> ToBinary(const google::protobuf::Descriptor& type, Codec codec, const std::string& bytes,
                                      int most_bytes);
 // The other way round. INTERNAL for what is no such message.

@@ -41,6 +41,36 @@ TEST(ContentTypeOf, TakesTheFourAndACharsetBehindJson) {
   }
 }
 
+TEST(PartsOf, CountsValuesOfJsonOutsideItsTexts) {
+  const auto& type = *v1::QueryDriftRequest::descriptor();
+  const auto count = [&](const std::string& json) { return PartsOf(type, Codec::kJson, json); };
+  EXPECT_EQ(count(""), 1);
+  EXPECT_EQ(count(R"({"a": 1})"), 2);
+  EXPECT_EQ(count("[1,2,3,4]"), 5);
+  EXPECT_EQ(count(R"(["a,b,[{", 'c,",', "\",,,\\"])"), 4);  // marks in texts do not count, in either kind of quotes
+  EXPECT_EQ(count(R"(["cut short ,,,)"), 2);
+  v1::QueryDriftRequest request;
+  request.add_symbols("EX0C");
+  request.add_symbols("EY0C");
+  EXPECT_EQ(PartsOf(type, Codec::kProto, request.SerializeAsString()), 2);
+}
+
+TEST(Messages, OfMorePartsThanMayBeAreRefused) {
+  const auto& type = *v1::QueryDriftRequest::descriptor();
+  v1::QueryDriftRequest request;
+  std::string json = R"({"symbols": ["")";
+  for (int i = 0; i < 200'001; ++i) {
+    request.add_symbols("");
+    json += R"(,"")";
+  }
+  json += "]}";
+  for (const auto& [codec, bytes] : {std::pair(Codec::kJson, json), {Codec::kProto, request.SerializeAsString()}}) {
+    EXPECT_EQ(ReasonOf(ToBinary(type, codec, bytes, kMost)), "MESSAGE_TOO_LARGE");
+    EXPECT_GT(BytesToRead(type, codec, bytes), 200'000 * 40);
+    EXPECT_LT(BytesToRead(type, codec, bytes), 128 << 20);
+  }
+}
+
 TEST(Messages, AreReadStrictlyFromJson) {
   const auto& type = *v1::QueryDriftRequest::descriptor();
   const absl::StatusOr<std::string> binary =

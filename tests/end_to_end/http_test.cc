@@ -258,6 +258,19 @@ TEST_F(Http, AMessageThatIsTooLargeIsRefusedBeforeItIsRead) {
   EXPECT_EQ(json.status, 429) << json.body.substr(0, 300);
 }
 
+// In JSON an empty part has 3 bytes, in memory 100.
+TEST_F(Http, AMessageOfTooManyPartsIsRefusedBeforeItIsRead) {
+  std::string json = R"({"params": {"compensate": {"options": {"toolLengths": [{})";
+  for (int i = 0; i < 300'000; ++i) json += ",{}";
+  const HttpAnswer answer = CallJson(port(), "Jobs/CreateJob", json + "]}}}}");
+  EXPECT_EQ(answer.status, 429) << answer.body.substr(0, 300);
+  EXPECT_THAT(answer.body, AllOf(HasSubstr("MESSAGE_TOO_LARGE"), HasSubstr("200000 parts")));
+  v1::CreateJobRequest request;
+  for (int i = 0; i < 300'000; ++i)
+    request.mutable_params()->mutable_compensate()->mutable_options()->add_tool_lengths();
+  EXPECT_EQ(Fetch(port(), "POST", "/axiscal.v1.Jobs/CreateJob", kProto, request.SerializeAsString()).status, 429);
+}
+
 TEST_F(Http, ABodyMayComeInChunksAndAConnectionIsKept) {
   HttpConnection connection(port());
   connection.Send("POST " + std::string(kGetServerInfo) +
@@ -653,6 +666,35 @@ TEST_F(HttpAccess, FilesNeedTheRolesOfTheirCalls) {
   HttpConnection nobody(port());
   nobody.Send("POST /v1/machines/mt/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000000\r\n\r\n");
   EXPECT_EQ(nobody.Receive().status, 401);
+}
+
+TEST_F(HttpAccess, NothingLargeIsReadOfNobody) {
+  const std::string head =
+      "POST " + std::string(kGetServerInfo) + " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n";
+  for (const std::string shown : {"", "Authorization: Bearer axt_forged\r\n"}) {
+    HttpConnection announced(port());
+    announced.Send(head + shown + "Content-Length: 10000000\r\n\r\n");
+    const HttpAnswer answer = announced.Receive();
+    EXPECT_EQ(answer.status, 401);
+    EXPECT_THAT(answer.body, HasSubstr(shown.empty() ? "IDENTITY_MISSING" : "TOKEN_INVALID"));
+    HttpConnection chunked(port());
+    chunked.Send(head + shown + "Transfer-Encoding: chunked\r\n\r\n10000\r\n" + std::string(0x10000, ' ') + "\r\n");
+    EXPECT_EQ(chunked.Receive().status, 401);
+  }
+  HttpConnection stream(port());
+  stream.Send("POST " + std::string(kWatchJob) +
+              " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/connect+json\r\nContent-Length: 10000000"
+              "\r\n\r\n");
+  EXPECT_THAT(EndOf(stream.Receive()), HasSubstr("IDENTITY_MISSING"));
+  // Of somebody it is.
+  EXPECT_EQ(
+      CallJson(port(), "Machines/GetMachine", R"({"machineId": "mt")" + std::string(100'000, ' ') + "}", As("viewer"))
+          .status,
+      200);
+  EXPECT_THAT(CallJson(port(), "Machines/GetMachine", R"({"machineId": "mt")" + std::string(20'000'000, ' ') + "}",
+                       As("viewer"))
+                  .body,
+              HasSubstr("MESSAGE_TOO_LARGE"));
 }
 
 TEST_F(HttpAccess, MetricsAreForViewersOfAllMachines) {

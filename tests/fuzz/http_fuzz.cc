@@ -48,6 +48,9 @@ void LookAtMessage(const Descriptor& type, http::Codec codec, const std::string&
   const std::unique_ptr<google::protobuf::Message> message(
       google::protobuf::MessageFactory::generated_factory()->GetPrototype(&type)->New());
   MUST(message->ParseFromString(*binary));
+  // What is taken of the budget for it is no less than what it takes.
+  constexpr int64_t kEmptyBytes = 4096;  // of the message itself
+  MUST(static_cast<int64_t>(message->SpaceUsedLong()) <= http::BytesToRead(type, codec, bytes) + kEmptyBytes);
   for (const storage::Resource& named : access::NamedIn(*message)) MUST(!named.name.empty() || named.number != 0);
   if (const auto* const job = dynamic_cast<const v1::CreateJobRequest*>(message.get())) {
     if (const auto params = convert::FromProto(job->params()); params.ok())

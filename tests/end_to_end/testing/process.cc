@@ -6,7 +6,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -76,12 +78,21 @@ ServerProcess::~ServerProcess() {
   Wait();
 }
 
-int64_t ServerProcess::PeakMemoryBytes() const {
+int64_t ServerProcess::Status(const std::string& name) const {
   std::ifstream status(absl::StrCat("/proc/", pid_, "/status"));
   for (std::string line; std::getline(status, line);) {
-    if (line.rfind("VmHWM:", 0) == 0) return std::stoll(line.substr(6)) * 1024;
+    if (line.rfind(name + ":", 0) == 0) return std::stoll(line.substr(name.size() + 1));
   }
   return -1;
+}
+
+int64_t ServerProcess::PeakMemoryBytes() const { return Status("VmHWM") * 1024; }
+int64_t ServerProcess::MemoryBytes() const { return Status("VmRSS") * 1024; }
+int64_t ServerProcess::ThreadCount() const { return Status("Threads"); }
+
+int64_t ServerProcess::DescriptorCount() const {
+  const std::filesystem::directory_iterator all(absl::StrCat("/proc/", pid_, "/fd"));
+  return std::distance(begin(all), end(all));
 }
 
 double ServerProcess::CpuSeconds() const {

@@ -26,8 +26,11 @@ class ServerProcess {
 
   const std::string& address() const { return address_; }
   void Signal(int signal);
-  // The most that it ever had in memory.
+  // The most that it ever had in memory, and what it has now.
   int64_t PeakMemoryBytes() const;
+  int64_t MemoryBytes() const;
+  int64_t ThreadCount() const;
+  int64_t DescriptorCount() const;
   // What all its threads have computed until now.
   double CpuSeconds() const;
   // Waits for its end: the exit status, or 128 + the signal that ended it.
@@ -35,6 +38,7 @@ class ServerProcess {
 
  private:
   ServerProcess() = default;
+  int64_t Status(const std::string& name) const;  // of /proc/PID/status
   pid_t pid_ = 0;
   std::string address_;
 };

@@ -16,7 +16,9 @@ class RawConnection {
  public:
   explicit RawConnection(const std::string& address);
   RawConnection(RawConnection&& other) noexcept
-      : socket_(std::exchange(other.socket_, -1)), initial_window_bytes_(other.initial_window_bytes_) {}
+      : socket_(std::exchange(other.socket_, -1)),
+        initial_window_bytes_(other.initial_window_bytes_),
+        unread_(std::move(other.unread_)) {}
   RawConnection& operator=(RawConnection&&) = delete;
   ~RawConnection();
 
@@ -33,17 +35,35 @@ class RawConnection {
   // The same in two steps. Several messages, and a side of ours that stays open, are for streams.
   void Begin(const std::string& method, const std::vector<std::pair<std::string, std::string>>& metadata,
              const std::vector<std::string>& messages, bool is_half_closed = true);
+  // More of the call that Begin() began: bytes of its messages.
+  void SendPart(const std::string& bytes);
   // Whether the call has ended, with the connection or without, within a minute. `seen`, unless null, gets what came.
   bool WaitForEnd(std::string* seen = nullptr);
+  struct HalfSent {
+    int64_t bytes = 0;
+    int ended = 0;  // calls that the server has ended meanwhile
+  };
+  // Greets, and sends of each of `calls` calls, 100 at a time, the first `bytes` of a message of 4 MB, as far as the
+  // server lets it; returns when that is done, or the server lets nothing more pass for a second.
+  HalfSent SendHalf(const std::string& method, int calls, int64_t bytes);
   // Waits until the server has closed the connection; false where it does not, after a minute.
   bool WaitForClose();
 
  private:
+  struct Received {
+    uint8_t type, flags;
+    uint32_t stream;
+    std::string payload;
+  };
+  // The frames that are there in full; false where no more can come. Answers pings.
+  bool Receive(std::vector<Received>& frames);
   void Send(const std::string& bytes);
-  void SetPatience(std::chrono::seconds patience);  // of one recv()
+  void SetPatience(std::chrono::milliseconds patience);  // of one recv()
 
   int socket_ = -1;
   uint32_t initial_window_bytes_ = 65'535;  // what HTTP/2 begins with
+  std::string unread_;
+  bool has_lost_ = false;  // by another error than the server's end
 };
 
 }  // namespace axiscal::testing
