@@ -6,6 +6,8 @@
 #include <memory>
 #include <thread>
 
+#include "axiscal/v1/ingest_service.grpc.pb.h"
+#include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/machines_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "server/local_login.h"
@@ -103,6 +105,47 @@ TEST_F(Hostile, CompressedMessagesAreRefusedBeforeTheyGrow) {
   }
   EXPECT_LT(server_->PeakMemoryBytes(), peak_bytes + (32 << 20));
   ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
+}
+
+// 4 MB of parts that hold nothing, in messages of calls and of streams: 100 bytes each in memory.
+TEST_F(Hostile, EmptyPartsAreRefusedBeforeTheyGrow) {
+  StartServer();
+  constexpr int kParts = 2'000'000;
+  v1::CreateJobRequest job;
+  for (int i = 0; i < kParts; ++i) job.mutable_params()->mutable_compensate()->mutable_options()->add_work_offsets();
+  v1::UploadRequest chunk;
+  for (int i = 0; i < kParts; ++i) chunk.mutable_chunk()->add_columns();
+  const int64_t peak_bytes = server_->PeakMemoryBytes();
+  const std::shared_ptr<grpc::Channel> channel = Channel();
+  {
+    grpc::ClientContext context;
+    v1::CreateJobResponse response;
+    const grpc::Status status = v1::Jobs::NewStub(channel)->CreateJob(&context, job, &response);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
+    EXPECT_NE(status.error_message().find("parts"), std::string::npos) << status.error_message();
+  }
+  grpc::ClientContext context;
+  v1::UploadOnceResponse response;
+  const auto stream = v1::Ingest::NewStub(channel)->UploadOnce(&context, &response);
+  stream->Write(chunk);
+  EXPECT_FALSE(stream->Finish().ok());
+  EXPECT_LT(server_->PeakMemoryBytes(), peak_bytes + (64 << 20));
+  ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
+}
+
+// Calls whose message never comes to its end wait where no handler sees them.
+TEST_F(Hostile, WhatIsHalfSentTakesNoMoreThanItMay) {
+  StartServer({"--waiting-bytes", absl::StrCat(32 << 20)});
+  const int64_t peak_bytes = server_->PeakMemoryBytes();
+  {
+    RawConnection connection(server_->address());
+    const RawConnection::HalfSent sent = connection.SendHalf("/axiscal.v1.Jobs/CreateJob", 100, 3'900'000);
+    EXPECT_GT(sent.bytes, 8 << 20);  // some of it is let in
+    EXPECT_LT(server_->PeakMemoryBytes(), peak_bytes + (128 << 20))
+        << sent.bytes << " sent, " << sent.ended << " ended";
+  }
+  ASSERT_OK(client_->CreateMachine(MachineJson("mt")));
+  ASSERT_OK(client_->Upload(MachineId("mt"), BallbarSession("mt", "BX", 5'000)));
 }
 
 // As many keys as a message can hold are answered while the caller waits.
