@@ -24,6 +24,8 @@
 #include "core/base/status.h"
 #include "core/records/access.h"
 #include "core/records/calibration.h"
+#include "core/records/cell.h"
+#include "core/records/diagnosis.h"
 #include "core/records/drift.h"
 #include "core/records/event.h"
 #include "core/records/history.h"
@@ -127,6 +129,11 @@ struct JobFilter {
   std::optional<JobState> state;
   records::TimeSpan created = {};
   std::string kind = {};  // "identify", "close_loop", "compensate", "tool_setter"; empty: any
+};
+
+struct Diagnosis {
+  std::vector<records::Finding> findings;
+  base::UtcTime now;  // of the server's clock
 };
 
 struct ServerInfo {
@@ -328,6 +335,20 @@ class Client {
 
   // ---- the server
   absl::StatusOr<ServerInfo> GetServerInfo();
+  // What is well on the server's side and what is not. For viewers of all machines.
+  absl::StatusOr<Diagnosis> Diagnose();
+  // What is written to the server's log from now on, until its next start; without `level` it stays. What it was, and
+  // is.
+  absl::StatusOr<std::pair<records::LogLevel, records::LogLevel>> SetLogLevel(std::optional<records::LogLevel> level);
+
+  // ---- cells beside machines (docs/cell.md)
+  // How one stands; the newest word of a machine and name counts.
+  absl::StatusOr<records::CellRecord> ReportCell(const records::CellReport& report);
+  absl::StatusOr<Page<records::CellRecord>> ListCells(const std::optional<MachineId>& machine,
+                                                      const PageRequest& page = {});
+  // One that is no longer there. NOT_FOUND CELL_NOT_FOUND.
+  absl::Status ForgetCell(const MachineId& machine, const std::string& name);
+
   // Made while others write. With `take`, which gets its bytes in order, it is sent (DATA_LOSS when the checksum does
   // not fit at the end); else it stays in the server's folder. For admins of all machines.
   absl::StatusOr<Backup> MakeBackup(const std::function<absl::Status(const std::string& bytes)>& take = nullptr);

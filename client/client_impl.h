@@ -21,6 +21,7 @@
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "proto/convert/access.h"
 #include "proto/convert/calibration.h"
+#include "proto/convert/cell.h"
 #include "proto/convert/event.h"
 #include "proto/convert/history.h"
 #include "proto/convert/job.h"

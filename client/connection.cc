@@ -24,6 +24,8 @@ std::unique_ptr<grpc::ClientContext> Connection::NewContext(base::SteadyTime dea
       std::chrono::system_clock::now() +
       std::chrono::duration_cast<std::chrono::system_clock::duration>(deadline - base::SystemClock().SteadyNow()));
   context->AddMetadata("axiscal-user", options_.user);
+  // Each attempt is a step of its own.
+  context->AddMetadata("traceparent", absl::StrCat("00-", trace_id_, "-", NewRequestId().substr(0, 16), "-01"));
   if (!options_.identity.token_file.empty()) {
     // A file that cannot be read now is as no token: the server says what it misses.
     const absl::StatusOr<std::string> token = ReadToken(options_.identity.token_file);

@@ -27,12 +27,18 @@ class Backoff {
   std::chrono::milliseconds max_;
 };
 
+// An id for one call whose caller did not choose one: 32 random hexadecimal digits.
+std::string NewRequestId();
+
 // Safe from any thread.
 class Connection {
  public:
   // `address` is for messages; empty for a server in this process, whose channel has no state to ask.
   Connection(std::shared_ptr<grpc::Channel> channel, std::string address, const Options& options)
-      : channel_(std::move(channel)), address_(std::move(address)), options_(options) {}
+      : channel_(std::move(channel)),
+        address_(std::move(address)),
+        options_(options),
+        trace_id_(options.trace_parent.empty() ? NewRequestId() : TraceIdOf(options.trace_parent)) {}
 
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
   const Options& options() const { return options_; }
@@ -58,6 +64,7 @@ class Connection {
   const std::shared_ptr<grpc::Channel> channel_;
   const std::string address_;
   const Options options_;
+  const std::string trace_id_;  // of all its calls
 };
 
 // Worth another attempt: the server is not there now, or cut the stream off.
@@ -65,9 +72,6 @@ bool IsBroken(const absl::Status& status);
 
 // The token that a file holds. NOT_FOUND, INVALID_ARGUMENT.
 absl::StatusOr<std::string> ReadToken(const std::string& file);
-
-// An id for one call whose caller did not choose one: 32 random hexadecimal digits.
-std::string NewRequestId();
 
 }  // namespace axiscal::client
 

@@ -4,6 +4,17 @@
 
 namespace axiscal::client {
 
+std::string TraceIdOf(const std::string& trace_parent) {
+  constexpr size_t kSize = 55, kId = 3, kIdSize = 32, kSpan = 36, kFlags = 53;
+  if (trace_parent.size() != kSize || trace_parent.rfind("00-", 0) != 0) return "";
+  for (size_t i = kId; i < kSize; ++i) {
+    const char c = trace_parent[i];
+    const bool is_dash = i == kSpan - 1 || i == kFlags - 1;
+    if (is_dash ? c != '-' : !((c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'))) return "";
+  }
+  return trace_parent.substr(kId, kIdSize);
+}
+
 absl::Status Validate(const Options& options) {
   const auto require = [](bool holds, const std::string& text) {
     return holds ? absl::OkStatus() : absl::InvalidArgumentError(text);
@@ -15,6 +26,8 @@ absl::Status Validate(const Options& options) {
   for (const char c : options.user) {
     RETURN_IF_ERROR(require(c >= 0x20 && c < 0x7f, "user must be printable ASCII"));
   }
+  RETURN_IF_ERROR(require(options.trace_parent.empty() || !TraceIdOf(options.trace_parent).empty(),
+                          "trace_parent must be as W3C Trace Context has it: 00-<32 hex>-<16 hex>-<2 hex>"));
   const Identity& identity = options.identity;
   RETURN_IF_ERROR(require(identity.certificate.empty() == identity.key.empty(),
                           "identity.certificate and identity.key must be set together"));

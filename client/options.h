@@ -27,6 +27,9 @@ struct Options {
   Identity identity = {};
   // A name for the server's log. Who asks is decided by the server (`identity`), and so is what it may do.
   std::string user = "anonymous";
+  // W3C Trace Context of whatever calls are part of ("00-<32 hex>-<16 hex>-01"): each call is a step of that trace, in
+  // the server's log and in the jobs that it creates. Empty: a trace of this client's own.
+  std::string trace_parent = {};
   // How long Connect() waits for the server; 0 connects when the first call needs it.
   std::chrono::milliseconds connect_deadline = std::chrono::seconds(5);
   // Of one call, its retries included. Longer over slow links.
@@ -43,6 +46,9 @@ struct Options {
   // Chunks sent and not yet acknowledged, at most, 1 to 64.
   int window_chunks = 8;
 };
+
+// The trace's id, 32 hexadecimal digits; empty where the text is no traceparent of version 00.
+std::string TraceIdOf(const std::string& trace_parent);
 
 // INVALID_ARGUMENT that names field, value and rule.
 absl::Status Validate(const Options& options);

@@ -6,6 +6,7 @@
 #include "core/base/clock.h"
 #include "core/base/files.h"
 #include "core/base/utf8.h"
+#include "core/records/diagnosis.h"
 #include "server/listener.h"
 #include "server/server.h"
 #include "server/webhooks/addresses.h"
@@ -116,7 +117,13 @@ const std::vector<Setting>& Settings() {
        &Config::keep_readings_days, 0, kMaxDays},
       {"retention.audit_days", "--keep-audit-days",
        "Entries of the audit are kept for so many days of up time; 0: for ever", &Config::keep_audit_days, 0, kMaxDays},
+      {"metrics.machines", "--metrics-machines",
+       "So many machines, those with most open events, have series of their own in the metrics; 0: none",
+       &Config::metrics_machines, 0, 50},
       {"log.json", "--log-json", "Log lines as JSON instead of key=value", &Config::log_json},
+      {"log.level", "--log-level",
+       "Lines of less are not written: debug, info, warning, error; changed while it runs by axiscal admin log-level",
+       &Config::log_level},
   };
   return *settings;
 }
@@ -167,6 +174,10 @@ absl::Status Check(const Configured& configured) {
   if (config.database.empty()) {
     return absl::InvalidArgumentError(
         "store.database is not set: name the database file in axiscald.toml, AXISCALD_DB or --db");
+  }
+  if (!records::LogLevelNamed(config.log_level)) {
+    return absl::InvalidArgumentError(absl::StrCat(place("log.level"), ": log.level = '", config.log_level,
+                                                   "', must be debug, info, warning or error"));
   }
   const TlsFiles tls = TlsFilesOf(config);
   if (tls.is_set() != !tls.key.empty()) {

@@ -42,7 +42,9 @@ struct Config {
   std::string backup_folder;
   int64_t keep_readings_days = 0;
   int64_t keep_audit_days = 0;
+  int64_t metrics_machines = 0;
   bool log_json = false;
+  std::string log_level = "info";
 };
 
 struct Setting {

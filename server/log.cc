@@ -10,10 +10,20 @@ namespace axiscal::server {
 namespace {
 
 std::atomic<LogFormat> g_format = LogFormat::kNone;
+std::atomic<LogLevel> g_level = LogLevel::kInfo;
 
 spdlog::level::level_enum SpdlogLevel(LogLevel level) {
-  if (level == LogLevel::kError) return spdlog::level::err;
-  return level == LogLevel::kWarning ? spdlog::level::warn : spdlog::level::info;
+  switch (level) {
+    case LogLevel::kDebug:
+      return spdlog::level::debug;
+    case LogLevel::kInfo:
+      return spdlog::level::info;
+    case LogLevel::kWarning:
+      return spdlog::level::warn;
+    case LogLevel::kError:
+      return spdlog::level::err;
+  }
+  return spdlog::level::info;
 }
 
 bool NeedsQuotes(const std::string& text) {
@@ -44,9 +54,14 @@ void StartLog(LogFormat format) {
   logger->set_pattern(format == LogFormat::kJson ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})"
                                                  : "time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v",
                       spdlog::pattern_time_type::utc);
-  logger->flush_on(spdlog::level::info);
+  // Which lines are written is decided here, not by the library.
+  logger->set_level(spdlog::level::debug);
+  logger->flush_on(spdlog::level::debug);
   spdlog::set_default_logger(std::move(logger));
 }
+
+void SetLogLevel(LogLevel level) { g_level = level; }
+LogLevel GetLogLevel() { return g_level; }
 
 void FlushLog() {
   if (g_format != LogFormat::kNone) spdlog::default_logger()->flush();
@@ -54,7 +69,7 @@ void FlushLog() {
 
 void Log(LogLevel level, const std::string& event, const LogFields& fields) {
   const LogFormat format = g_format;
-  if (format == LogFormat::kNone) return;
+  if (format == LogFormat::kNone || level < g_level) return;
   spdlog::default_logger()->log(SpdlogLevel(level), "{}", FormatFields(format, event, fields));
 }
 

@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/records/diagnosis.h"
+
 namespace axiscal::server {
 
 enum class LogFormat { kNone, kKeyValue, kJson };
-enum class LogLevel { kInfo, kWarning, kError };
+using records::LogLevel;
 
 // In order; keys are bare words.
 using LogFields = std::vector<std::pair<std::string, std::string>>;
@@ -18,6 +20,9 @@ using LogFields = std::vector<std::pair<std::string, std::string>>;
 // Where lines go from now on: nowhere (until this is called; a server inside another program stays silent) or standard
 // error.
 void StartLog(LogFormat format);
+// Lines of less are not written. kInfo until this is called. Safe from any thread.
+void SetLogLevel(LogLevel level);
+LogLevel GetLogLevel();
 // Writes what is buffered.
 void FlushLog();
 

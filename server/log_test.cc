@@ -15,5 +15,13 @@ TEST(Log, JsonEscapesAndNeverBreaksOnBadUtf8) {
   EXPECT_NE(FormatFields(LogFormat::kJson, "call", {{"text", "\xff"}}).find("\xEF\xBF\xBD"), std::string::npos);
 }
 
+TEST(Log, LevelsHaveNames) {
+  for (const auto& [name, level] : records::kLogLevels) {
+    EXPECT_EQ(records::LogLevelNamed(name), level);
+    EXPECT_EQ(records::NameOf(level), name);
+  }
+  EXPECT_EQ(records::LogLevelNamed("loud"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace axiscal::server

@@ -22,6 +22,7 @@
 namespace {
 
 using axiscal::server::Configured;
+using axiscal::server::Log;
 using axiscal::server::LogFormat;
 using axiscal::server::LogLevel;
 using axiscal::server::Server;
@@ -187,6 +188,7 @@ ServerOptions OptionsOf(const axiscal::server::Config& config) {
   options.drain = std::chrono::seconds(config.drain_seconds);
   options.silence = std::chrono::seconds(config.silence_seconds);
   options.backup_folder = config.backup_folder;
+  options.metrics_machines = static_cast<int>(config.metrics_machines);
   options.webhook_posts.emplace();
   options.webhook_posts->addresses = *axiscal::webhooks::AddressRule::Allowing(config.webhooks_allowed);
   options.webhook_posts->ca_file = config.webhooks_ca;
@@ -248,6 +250,7 @@ int main(int argc, char** argv) {
 
   const sigset_t signals = BlockStopSignals();
   axiscal::server::StartLog(configured->config.log_json ? LogFormat::kJson : LogFormat::kKeyValue);
+  axiscal::server::SetLogLevel(*axiscal::records::LogLevelNamed(configured->config.log_level));
   const int64_t descriptors = axiscal::server::RaiseDescriptorLimit();
   Log(LogLevel::kInfo, "start",
       {{"version", AXISCAL_VERSION},

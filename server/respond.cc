@@ -170,10 +170,17 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
   call.is_cancelled = [context] { return context->IsCancelled(); };
   call.cut_off = [context] { context->TryCancel(); };
   const std::string says = Metadata(*context, kUserKey).value_or("anonymous");
+  // W3C Trace Context: which call of whoever called this one belongs to.
+  call.trace = Metadata(*context, handlers::kTraceKey).value_or("");
+  if (!handlers::IsTraceParent(call.trace)) call.trace.clear();
   ++core.open_calls;
   core.metrics->CallStarted(method);
   const absl::StatusOr<access::ForwardedCaller> caller = CallerOf(core, *context);
   call.peer = access::PeerHost(caller.ok() ? caller->peer : context->peer());
+  if (GetLogLevel() == LogLevel::kDebug) {
+    Log(LogLevel::kDebug, "call_begin",
+        {{"method", method}, {"peer", call.peer}, {"says", says.substr(0, kMaxUserBytes)}, {"trace", call.trace}});
+  }
   absl::Status status = caller.ok() ? CheckUser(says) : caller.status();
   if (status.ok()) {
     const auto admission = std::make_shared<Admission>(core.gate, caller->credentials, method);
@@ -190,9 +197,7 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
                       {"says", says.substr(0, kMaxUserBytes)},
                       {"code", absl::StatusCodeToString(status.code())},
                       {"ms", absl::StrFormat("%.3f", took.count())}};
-  // W3C Trace Context: which call of whoever called this one belongs to.
-  if (const std::string trace = Metadata(*context, handlers::kTraceKey).value_or(""); handlers::IsTraceParent(trace))
-    fields.push_back({"trace", trace});
+  if (!call.trace.empty()) fields.push_back({"trace", call.trace});
   if (!status.ok()) {
     fields.push_back({"reason", base::ErrorReason(status)});
     fields.push_back({"text", std::string(status.message())});

@@ -83,6 +83,8 @@ void LogJob(const jobs::JobEvent& event) {
                       {"kind", job.kind},
                       {"machine", job.machine ? job.machine->text() : ""},
                       {"attempt", absl::StrCat(job.attempt)}};
+  if (!job.request_id.empty()) fields.push_back({"request", job.request_id});
+  if (!job.trace.empty()) fields.push_back({"trace", job.trace});
   const bool is_over = event.what != jobs::JobEvent::What::kStarted;
   if (is_over) fields.push_back({"outcome", event.outcome});
   if (event.took) fields.push_back({"ms", absl::StrFormat("%.3f", static_cast<double>(event.took->count()) / 1e3)});
@@ -184,6 +186,7 @@ class Server::Impl {
                          .max_session_readings = options.session_readings,
                          .max_program_bytes = options.program_bytes,
                          .backup_folder = options.backup_folder,
+                         .measured_machines = options.metrics_machines,
                          .scratch_path = options.database_path},
               .workers = options.workers,
               .rates = handlers::CallRates(options.calls_per_second),
@@ -237,6 +240,11 @@ class Server::Impl {
       if (tls_ == nullptr) return ends;
       for (const Certificate& certificate : tls_->certificates()) ends.emplace_back(certificate.file, certificate.ends);
       return ends;
+    };
+    if (options_.tls.is_set()) core_.private_files = {options_.tls.key};
+    core_.log_level = [](std::optional<records::LogLevel> level) {
+      if (level) SetLogLevel(*level);
+      return GetLogLevel();
     };
     if (listener_ != nullptr) StartListening();
     if (http_listener_ != nullptr) StartHttp();
@@ -493,9 +501,10 @@ class Server::Impl {
     };
     return watcher;
   }
-  static webhooks::SenderOptions SenderOptions(const webhooks::PosterOptions& post) {
+  webhooks::SenderOptions SenderOptions(const webhooks::PosterOptions& post) {
     webhooks::SenderOptions sender;
     sender.post = post;
+    sender.count = [metrics = metrics_](const std::string& outcome) { metrics->LetterSent(outcome); };
     sender.tell = [](const records::WebhookRecord& webhook, const std::string& error, bool is_dead) {
       Log(LogLevel::kWarning, "webhook_failed",
           {{"webhook", webhook.content.name},

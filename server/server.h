@@ -70,6 +70,8 @@ struct ServerOptions {
   std::chrono::hours session_expiry = std::chrono::hours(24 * 7);
   // Where backups stay that callers ask for; empty: they can only be sent.
   std::string backup_folder;
+  // So many machines have series of their own in the metrics, those with most open events: 0 to 50.
+  int metrics_machines = 0;
   // How webhooks are sent; absent: not at all.
   std::optional<webhooks::PosterOptions> webhook_posts = {};
   // Readings of complete sessions older than this are removed, unless a calibration stands on them; 0: never. Counted

@@ -17,6 +17,7 @@
 #include "server/handlers/create_job.h"
 #include "server/handlers/create_machine.h"
 #include "server/handlers/delete_machine.h"
+#include "server/handlers/diagnose.h"
 #include "server/handlers/draw_calibration.h"
 #include "server/handlers/events.h"
 #include "server/handlers/find_drift.h"
@@ -431,6 +432,18 @@ class AdminService final : public v1::Admin::Service {
     return Respond(
         core_, context, "Admin.GetMetrics", request,
         [&](const auto& call) { return handlers::GetMetrics(core_, call, *request); }, response);
+  }
+  grpc::Status Diagnose(grpc::ServerContext* context, const v1::DiagnoseRequest* request,
+                        v1::DiagnoseResponse* response) override {
+    return Respond(
+        core_, context, "Admin.Diagnose", request,
+        [&](const auto& call) { return handlers::Diagnose(core_, call, *request); }, response);
+  }
+  grpc::Status SetLogLevel(grpc::ServerContext* context, const v1::SetLogLevelRequest* request,
+                           v1::SetLogLevelResponse* response) override {
+    return Respond(
+        core_, context, "Admin.SetLogLevel", request,
+        [&](const auto& call) { return handlers::SetLogLevel(core_, call, *request); }, response);
   }
   grpc::Status Backup(grpc::ServerContext* context, const v1::BackupRequest* request,
                       grpc::ServerWriter<v1::BackupResponse>* writer) override {

@@ -2,6 +2,7 @@
 #include "axiscal/v1/ingest_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "server/handlers/abort_session.h"
+#include "server/handlers/cells.h"
 #include "server/handlers/create_session.h"
 #include "server/handlers/download_session.h"
 #include "server/handlers/finish_session.h"
@@ -133,6 +134,24 @@ class IngestService final : public v1::Ingest::Service {
           return log.End();
         },
         response);
+  }
+  grpc::Status ReportCell(grpc::ServerContext* context, const v1::ReportCellRequest* request,
+                          v1::ReportCellResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.ReportCell", request,
+        [&](const auto& call) { return handlers::ReportCell(core_, call, *request); }, response);
+  }
+  grpc::Status ListCells(grpc::ServerContext* context, const v1::ListCellsRequest* request,
+                         v1::ListCellsResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.ListCells", request,
+        [&](const auto& call) { return handlers::ListCells(core_, call, *request); }, response);
+  }
+  grpc::Status ForgetCell(grpc::ServerContext* context, const v1::ForgetCellRequest* request,
+                          v1::ForgetCellResponse* response) override {
+    return Respond(
+        core_, context, "Ingest.ForgetCell", request,
+        [&](const auto& call) { return handlers::ForgetCell(core_, call, *request); }, response);
   }
 
  private:

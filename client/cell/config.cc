@@ -1,5 +1,7 @@
 #include "client/cell/config.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <functional>
@@ -8,6 +10,7 @@
 
 #include "core/base/files.h"
 #include "core/base/toml.h"
+#include "core/base/utf8.h"
 #include "core/logs/log_template.h"
 #include "core/records/log.h"
 #include "core/session/read_session.h"
@@ -77,7 +80,8 @@ Takers TakersOf(Config& config, const fs::path& beside) {
           {"spool.folder", Path(&config.spool.folder, beside)},
           {"spool.max_megabytes", Number(1, 1 << 20, [&](int64_t mb) { config.spool.max_bytes = mb << 20; })},
           {"spool.max_file_megabytes", Number(1, 64, [&](int64_t mb) { config.spool.max_file_bytes = mb << 20; })},
-          {"cell.name", Text(&config.client.user)},
+          {"cell.name", Text(&config.name)},
+          {"cell.silent_minutes", Number(1, 43'200, [&](int64_t n) { config.silent_after = std::chrono::minutes(n); })},
           {"cell.status_file", Path(&config.status_file, beside)},
           {"cell.look_seconds", Seconds(1, &config.look_every)},
           {"cell.settle_seconds", Seconds(1, &config.settle)},
@@ -97,6 +101,13 @@ absl::Status Take(const Takers& takers, const std::string& key, const TomlValue&
   std::string known;
   for (const auto& [name, taker] : takers) absl::StrAppend(&known, known.empty() ? "" : ", ", name);
   return Refuse(value, "is no key; known are " + known);
+}
+
+constexpr size_t kMaxNameBytes = 64;
+
+std::string HostName() {
+  char name[kMaxNameBytes + 1] = {};
+  return gethostname(name, kMaxNameBytes) == 0 && name[0] != '\0' ? name : "cell";
 }
 
 bool IsKnownFormat(const std::string& name) {
@@ -125,6 +136,8 @@ absl::Status Check(const Config& config, const std::string& path) {
   if (config.watches.empty()) return refuse("[[watch]] is missing: which folders are looked through?");
   if (config.spool.max_file_bytes > config.spool.max_bytes)
     return refuse("spool.max_file_megabytes is more than spool.max_megabytes");
+  if (config.name.size() > kMaxNameBytes || !base::IsUtf8(config.name))
+    return refuse(absl::StrCat("cell.name must have at most ", kMaxNameBytes, " bytes of UTF-8"));
   RETURN_IF_ERROR(base::Within(path, client::Validate(config.client)));
   for (const Watch& watch : config.watches) RETURN_IF_ERROR(Check(watch));
   return absl::OkStatus();
@@ -157,6 +170,11 @@ absl::StatusOr<Config> ReadConfig(const std::string& text, const std::string& pa
       RETURN_IF_ERROR(Take(takers, value.key, value));
     }
   }
+  if (config.name.empty()) config.name = HostName();
+  // The log of the server takes printable ASCII.
+  config.client.user = std::all_of(config.name.begin(), config.name.end(), [](char c) { return c >= 0x20 && c < 0x7f; })
+                           ? config.name
+                           : "cell";
   // The queue is the spool: a call that fails is tried again from there.
   config.client.connect_deadline = std::chrono::milliseconds(0);
   config.client.give_up_after = std::chrono::seconds(10);
@@ -165,10 +183,22 @@ absl::StatusOr<Config> ReadConfig(const std::string& text, const std::string& pa
   return config;
 }
 
+std::string NameOf(const std::string& path) {
+  const std::string bytes = fs::path(path).filename().string();
+  std::string name;
+  for (size_t at = 0; at < bytes.size();) {
+    const size_t count = base::Utf8Bytes(bytes, at);
+    absl::StrAppend(
+        &name, count > 0 ? bytes.substr(at, count) : absl::StrFormat("%%%02X", static_cast<unsigned char>(bytes[at])));
+    at += std::max<size_t>(count, 1);
+  }
+  return name;
+}
+
 absl::StatusOr<spool::Item> ItemOf(const Watch& watch, const std::string& file) {
   spool::Item item;
   item.machine = watch.machine;
-  item.name = fs::path(file).filename().string();
+  item.name = NameOf(file);
   item.source = file;
   item.removes_source = watch.removes;
   item.is_log = !watch.log_template.empty();

@@ -27,6 +27,9 @@ struct Config {
   std::string server;  // address as gRPC takes it
   client::Options client = {};
   spool::SpoolOptions spool = {};
+  std::string name;  // by which the service knows it; the machine's host name where it is not set
+  // The service raises an event when it has heard nothing for so long.
+  std::chrono::minutes silent_after = std::chrono::minutes(15);
   std::string status_file;  // empty: "status.json" in the spool
   std::chrono::milliseconds look_every = std::chrono::seconds(10);
   // A file is whole when size and time have not changed for so long.
@@ -38,6 +41,10 @@ struct Config {
 
 // INVALID_ARGUMENT that names place, key, value and rule. Relative files are looked for beside `path`.
 absl::StatusOr<Config> ReadConfig(const std::string& text, const std::string& path);
+
+// How a file is called on the server: its name without folders; bytes that are no UTF-8 (names in Latin-1, from old
+// controls) as "%E9", so that two names stay two.
+std::string NameOf(const std::string& path);
 
 // What a log of this folder is sent with, as template and plan are now. Errors of reading them.
 absl::StatusOr<spool::Item> ItemOf(const Watch& watch, const std::string& file);

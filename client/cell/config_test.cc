@@ -97,6 +97,13 @@ TEST_F(CellConfig, WhatIsWrongIsToldWithItsPlace) {
   EXPECT_FALSE(Read(least + "machine = 'mt'\ntemplate = 'none.txt'\n").ok());
 }
 
+TEST(NameOf, KeepsTwoNamesTwo) {
+  EXPECT_EQ(NameOf("/a/b/probe 1.log"), "probe 1.log");
+  EXPECT_EQ(NameOf("/a/caf\xe9.log"), "caf%E9.log");
+  EXPECT_EQ(NameOf("/a/caf\xe8.log"), "caf%E8.log");
+  EXPECT_EQ(NameOf("/\xff/caf\xc3\xa9.log"), "caf\xc3\xa9.log") << "UTF-8 stays";
+}
+
 TEST(LongestWait, DoublesUpToItsEnd) {
   Config config;
   EXPECT_EQ(LongestWait(config, 1), std::chrono::seconds(1));

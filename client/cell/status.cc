@@ -11,6 +11,7 @@ std::string WriteStatus(const Status& status) {
     folders.push_back({{"folder", folder.folder},
                        {"growing", folder.growing},
                        {"without_end", folder.without_end},
+                       {"links", folder.links},
                        {"problem", folder.problem}});
   }
   Json json = {{"cell", status.cell},
@@ -18,6 +19,9 @@ std::string WriteStatus(const Status& status) {
                {"server", status.server},
                {"at_utc_us", base::ToUtcUs(status.at)},
                {"ok", status.alarms.empty() && status.problem.empty()},
+               {"doing", status.doing},
+               {"doing_since_utc_us", status.doing.empty() ? Json() : Json(base::ToUtcUs(status.doing_since))},
+               {"not_told", status.not_told},
                {"connected", status.is_connected},
                {"waiting", status.spool.waiting},
                {"waiting_bytes", status.spool.waiting_bytes},

@@ -1,12 +1,17 @@
 #include "client/cell/watcher.h"
 
+#include <fcntl.h>
 #include <fnmatch.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <tuple>
 
 #include "absl/strings/numbers.h"
 
@@ -15,7 +20,46 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Size -1 where it is no file.
+Look LookOf(const struct stat& info) {
+  if (!S_ISREG(info.st_mode)) return {-1, 0};
+  return {info.st_size, int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec};
+}
+
+// What is at `descriptor` must still be as `look`.
+absl::Status MustLook(int descriptor, const std::string& path, const Look& look) {
+  struct stat info;
+  if (fstat(descriptor, &info) == 0 && LookOf(info) == look) return absl::OkStatus();
+  return absl::UnavailableError(path + ": is being written again");
+}
+
 }  // namespace
+
+absl::StatusOr<std::string> ReadAsFound(const std::string& path, const Look& look) {
+  // What has become a link or a pipe since is neither followed nor waited for.
+  const int descriptor = open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) {
+    const std::string what = absl::StrCat(path, ": ", std::strerror(errno));
+    if (errno == ENOENT || errno == ELOOP || errno == ENXIO) return absl::UnavailableError(what);
+    return absl::FailedPreconditionError(what);
+  }
+  const auto read_all = [&]() -> absl::StatusOr<std::string> {
+    RETURN_IF_ERROR(MustLook(descriptor, path, look));
+    std::string bytes(static_cast<size_t>(look.size_bytes), '\0');
+    for (size_t at = 0; at < bytes.size();) {
+      const ssize_t count = read(descriptor, bytes.data() + at, bytes.size() - at);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) return absl::FailedPreconditionError(absl::StrCat(path, ": ", std::strerror(errno)));
+      if (count == 0) return absl::UnavailableError(path + ": is being written again");
+      at += static_cast<size_t>(count);
+    }
+    RETURN_IF_ERROR(MustLook(descriptor, path, look));
+    return bytes;
+  };
+  absl::StatusOr<std::string> bytes = read_all();
+  close(descriptor);
+  return bytes;
+}
 
 // "SIZE TIME PATH", a line each: a path with a line end in it is not kept, and read again after a restart.
 std::string WriteKnown(const KnownFiles& known) {
@@ -45,8 +89,7 @@ KnownFiles ReadKnown(const std::string& text) {
 
 Look FolderWatcher::LookAt(const std::string& path) {
   struct stat info;
-  if (stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return {-1, 0};
-  return {info.st_size, int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec};
+  return lstat(path.c_str(), &info) == 0 ? LookOf(info) : Look{-1, 0};
 }
 
 bool FolderWatcher::IsMeant(const std::string& name) const {
@@ -72,13 +115,17 @@ bool FolderWatcher::HasEnd(const std::string& path) const {
 Found FolderWatcher::LookThrough(base::SteadyTime now, KnownFiles& known) {
   Found found;
   std::set<std::string> there;
-  std::vector<std::pair<int64_t, std::string>> whole;
+  std::vector<std::pair<std::string, Look>> whole;
   std::error_code error;
   for (fs::directory_iterator it(watch_.folder, error), end; !error && it != end; it.increment(error)) {
     const std::string path = it->path().string();
     if (!IsMeant(it->path().filename().string())) continue;
     const Look look = LookAt(path);
-    if (look.size_bytes < 0) continue;
+    if (look.size_bytes < 0) {
+      std::error_code ignored;
+      found.links += it->is_symlink(ignored) ? 1 : 0;
+      continue;
+    }
     there.insert(path);
     const auto old = known.find(path);
     if (old != known.end() && old->second == look) continue;
@@ -87,7 +134,7 @@ Found FolderWatcher::LookThrough(base::SteadyTime now, KnownFiles& known) {
     const bool has_settled = look.size_bytes > 0 && now - seen.since >= settle_;
     const bool is_whole = has_settled && HasEnd(path);
     if (is_whole) {
-      whole.emplace_back(look.changed_ns, path);
+      whole.emplace_back(path, look);
     } else {
       ++found.growing;
       found.without_end += has_settled ? 1 : 0;
@@ -104,8 +151,13 @@ Found FolderWatcher::LookThrough(base::SteadyTime now, KnownFiles& known) {
     const fs::path path(file.first);
     return path.parent_path() == folder && IsMeant(path.filename().string()) && there.count(file.first) == 0;
   });
-  std::sort(whole.begin(), whole.end());
-  for (auto& [changed_ns, path] : whole) found.whole.push_back(std::move(path));
+  std::sort(whole.begin(), whole.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.second.changed_ns, a.first) < std::tie(b.second.changed_ns, b.first);
+  });
+  for (auto& [path, look] : whole) {
+    found.whole.push_back(std::move(path));
+    found.looks.push_back(look);
+  }
   return found;
 }
 

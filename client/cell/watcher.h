@@ -32,10 +32,16 @@ KnownFiles ReadKnown(const std::string& text);
 // What one look through a folder found.
 struct Found {
   std::vector<std::string> whole;  // paths, oldest first
+  std::vector<Look> looks;         // of each: how it has looked for `settle`
   int growing = 0;                 // files that are not whole yet
   int without_end = 0;             // of them such as have not changed for long, but lack their last line
+  int links = 0;                   // symbolic links, which may lead anywhere: not followed
   absl::Status status;             // of reading the folder
 };
+
+// The bytes of a file that still looks as it did when it was found whole, before they are read and after. UNAVAILABLE:
+// it has gone, is another one, or is being written again: it was not whole. Other errors are those of reading it.
+absl::StatusOr<std::string> ReadAsFound(const std::string& path, const Look& look);
 
 class FolderWatcher {
  public:
@@ -44,7 +50,7 @@ class FolderWatcher {
   // Files whose look is another than `known` says, and that have looked the same for `settle`; their names begin with
   // no point and end in no .tmp, .part or ~. Files that are gone are forgotten, in `known` as well.
   Found LookThrough(base::SteadyTime now, KnownFiles& known);
-  // How a path looks now; size -1 where there is no file.
+  // How a path looks now; size -1 where there is no file. Links are not followed.
   static Look LookAt(const std::string& path);
 
   const Watch& watch() const { return watch_; }

@@ -104,6 +104,30 @@ TEST_F(FolderWatcherTest, AFolderThatIsAwayForgetsNothing) {
   EXPECT_THAT(Look(watcher, 1).whole, IsEmpty());
 }
 
+TEST_F(FolderWatcherTest, WhatIsWrittenAgainAfterItWasFoundIsNotTaken) {
+  FolderWatcher watcher(watch_, std::chrono::seconds(0));
+  Append("a.log", "X1\n");
+  const Found found = Look(watcher, 0);
+  ASSERT_THAT(found.whole, ElementsAre(Path("a.log")));
+  EXPECT_EQ(*ReadAsFound(found.whole[0], found.looks[0]), "X1\n");
+  Append("a.log", "X2");
+  EXPECT_TRUE(absl::IsUnavailable(ReadAsFound(found.whole[0], found.looks[0]).status())) << "half of a file";
+  fs::remove(Path("a.log"));
+  EXPECT_TRUE(absl::IsUnavailable(ReadAsFound(found.whole[0], found.looks[0]).status()));
+}
+
+TEST_F(FolderWatcherTest, LinksAreNotFollowed) {
+  FolderWatcher watcher(watch_, std::chrono::seconds(0));
+  Append("secret.txt", "X1\n");
+  fs::create_symlink(Path("secret.txt"), Path("a.log"));
+  const Found found = Look(watcher, 0);
+  EXPECT_THAT(found.whole, IsEmpty());
+  EXPECT_EQ(found.links, 1);
+  // Nor where the file became one after it was found.
+  const axiscal::cell::Look look = FolderWatcher::LookAt(Path("secret.txt"));
+  EXPECT_TRUE(absl::IsUnavailable(ReadAsFound(Path("a.log"), look).status()));
+}
+
 TEST(KnownFiles, AreKeptAsText) {
   const KnownFiles known = {{"/a b/c 1.log", {3, -5}}, {"/x", {0, 1'700'000'000'000'000'001}}};
   EXPECT_EQ(ReadKnown(WriteKnown(known)), known);

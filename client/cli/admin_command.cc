@@ -44,6 +44,19 @@ absl::Status WhoAmI(Context& context) {
   return absl::OkStatus();
 }
 
+absl::Status LogLevel(Context& context, const AdminArguments& arguments) {
+  ASSIGN_OR_RETURN(client::Client * client, context.Connect());
+  std::optional<records::LogLevel> wanted;
+  if (!arguments.name.empty()) wanted = records::LogLevelNamed(arguments.name);
+  ASSIGN_OR_RETURN(const auto levels, client->SetLogLevel(wanted));
+  const std::string now = records::NameOf(levels.second), former = records::NameOf(levels.first);
+  context.Print({{"level", now}, {"former_level", former}},
+                now == former
+                    ? "the server's log has " + now + " and more\n"
+                    : "the server's log has " + now + " and more, until its next start; it had " + former + "\n");
+  return absl::OkStatus();
+}
+
 absl::Status AddPrincipal(Context& context, const AdminArguments& arguments) {
   ASSIGN_OR_RETURN(client::Client * client, context.Connect());
   ASSIGN_OR_RETURN(const records::PrincipalRecord record, client->CreatePrincipal(arguments.name, arguments.note));
@@ -288,10 +301,15 @@ void AddGroupCommands(CLI::App* admin, Context& context, const Arguments& argume
 
 void AddAdminCommand(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<AdminArguments>();
-  CLI::App* admin = app.add_subcommand("admin", "Who may do what: principals, tokens, roles, groups");
+  CLI::App* admin = app.add_subcommand("admin", "Who may do what: principals, tokens, roles, groups; the server's log");
   admin->require_subcommand(1);
   CLI::App* whoami = admin->add_subcommand("whoami", "Say whom the server takes you for");
   SetAction(whoami, context, [&context] { return WhoAmI(context); });
+  CLI::App* level =
+      admin->add_subcommand("log-level", "What the server writes to its log from now on, or what it does");
+  level->add_option("LEVEL", arguments->name, "debug, info, warning, error; without it nothing is changed")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+  SetAction(level, context, [&context, arguments] { return LogLevel(context, *arguments); });
   AddPrincipalCommands(admin, context, arguments);
   AddTokenCommands(admin, context, arguments);
   AddRoleCommands(admin, context, arguments);

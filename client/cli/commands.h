@@ -14,6 +14,8 @@ void AddMachineCommand(CLI::App& app, Context& context);
 void AddReduceCommand(CLI::App& app, Context& context);
 void AddUploadCommand(CLI::App& app, Context& context);
 void AddSpoolCommand(CLI::App& app, Context& context);
+void AddCellsCommand(CLI::App& app, Context& context);
+void AddDoctorCommand(CLI::App& app, Context& context);
 void AddSessionCommand(CLI::App& app, Context& context);
 void AddIdentifyCommand(CLI::App& app, Context& context);
 void AddApproveCommand(CLI::App& app, Context& context);

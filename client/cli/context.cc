@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 
 namespace axiscal::cli {
 namespace {
@@ -23,6 +24,9 @@ absl::StatusOr<client::Client*> Context::Connect() {
   if (!connection_) {
     client::Options options;
     options.user = user;
+    // Of whatever runs this command; one that is no traceparent is as none (W3C Trace Context).
+    const char* const trace = std::getenv("TRACEPARENT");
+    if (trace != nullptr && !client::TraceIdOf(trace).empty()) options.trace_parent = trace;
     if (server.empty()) {
       ASSIGN_OR_RETURN(connection_, start_service_(database, options));
     } else {

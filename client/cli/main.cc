@@ -42,6 +42,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddReduceCommand(app, context);
   AddUploadCommand(app, context);
   AddSpoolCommand(app, context);
+  AddCellsCommand(app, context);
   AddSessionCommand(app, context);
   AddIdentifyCommand(app, context);
   AddApproveCommand(app, context);
@@ -67,6 +68,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddRoutineCommand(app, context);
   AddJobsCommand(app, context);
   AddBackupCommand(app, context);
+  AddDoctorCommand(app, context);
   AddAdminCommand(app, context);
 }
 

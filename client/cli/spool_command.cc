@@ -108,11 +108,20 @@ absl::Status SendSpool(Context& context, const SpoolArguments& arguments) {
   spool::Sender sender(spool, *client);
   Json entries = Json::Array();
   std::vector<std::vector<std::string>> rows = {{"number", "", "file", "note"}};
-  absl::Status stopped;
+  absl::Status stopped, held;
   while (stopped.ok()) {
     ASSIGN_OR_RETURN(const std::optional<spool::Attempt> attempt, sender.SendNext());
     if (!attempt) break;
     const bool is_sent = attempt->fate == spool::Fate::kSent;
+    if (attempt->fate == spool::Fate::kNotHere) {
+      held = base::Within(attempt->name, attempt->status);
+      entries.push_back({{"number", attempt->number},
+                         {"place", "waiting"},
+                         {"file", attempt->name},
+                         {"note", std::string(attempt->status.message())}});
+      rows.push_back({absl::StrCat(attempt->number), "waiting", attempt->name, std::string(attempt->status.message())});
+      continue;
+    }
     if (!is_sent && attempt->fate != spool::Fate::kRefused) {
       stopped = base::Within(attempt->name, attempt->status);
       break;
@@ -125,7 +134,7 @@ absl::Status SendSpool(Context& context, const SpoolArguments& arguments) {
     rows.push_back({absl::StrCat(attempt->number), what, attempt->name, note});
   }
   context.Print({{"entries", entries}}, Table(rows));
-  return stopped;
+  return stopped.ok() ? held : stopped;
 }
 
 absl::Status MoveEntry(Context& context, const SpoolArguments& arguments,

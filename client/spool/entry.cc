@@ -1,7 +1,9 @@
 #include "client/spool/entry.h"
 
+#include "absl/strings/escaping.h"
 #include "core/base/sha256.h"
 #include "core/base/strict_json.h"
+#include "core/base/utf8.h"
 
 namespace axiscal::spool {
 namespace {
@@ -50,6 +52,8 @@ std::string WriteEntry(const Entry& entry) {
                {"session", entry.item.form.session},
                {"sha256", entry.sha256},
                {"size_bytes", entry.size_bytes}};
+  // JSON has no other bytes than UTF-8, paths have.
+  if (!base::IsUtf8(entry.item.source)) json["source_hex"] = absl::BytesToHexString(entry.item.source);
   if (entry.item.form.start_s) json["start_s"] = *entry.item.form.start_s;
   return TextOf(json);
 }
@@ -66,6 +70,7 @@ absl::StatusOr<Entry> ReadEntry(const std::string& text) {
                         Take(json, "plan_name", &item.form.plan_name) && Take(json, "session", &item.form.session) &&
                         Take(json, "sha256", &entry.sha256) && Take(json, "size_bytes", &entry.size_bytes);
   if (!is_whole) return absl::InvalidArgumentError("is no entry of a spool");
+  if (std::string hex; Take(json, "source_hex", &hex)) item.source = absl::HexStringToBytes(hex);
   if (const auto start = json.find("start_s"); start != json.end()) {
     if (!start->is_number()) return absl::InvalidArgumentError("start_s must be a number");
     item.form.start_s = start->get<double>();

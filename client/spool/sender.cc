@@ -20,6 +20,15 @@ Note ReasonOf(const absl::Status& status) {
   return note;
 }
 
+// Whose file it is; empty where neither the entry nor its header says so.
+std::string MachineOf(const Spool& spool, const Entry& entry) {
+  if (entry.item.is_log || !entry.item.machine.empty()) return entry.item.machine;
+  const absl::StatusOr<std::string> bytes = spool.Content(Place::kWaiting, entry.number);
+  if (!bytes.ok()) return "";
+  const absl::StatusOr<session::Session> session = session::ReadSessionText(*bytes, entry.item.name);
+  return session.ok() ? session::FindHeader(*session, "machine").value_or("") : "";
+}
+
 }  // namespace
 
 Fate FateOf(const absl::Status& status) {
@@ -35,6 +44,7 @@ Fate FateOf(const absl::Status& status) {
     case absl::StatusCode::kResourceExhausted:
       return base::ErrorReason(status).ends_with("_TOO_LARGE") ? Fate::kRefused : Fate::kLater;
     case absl::StatusCode::kPermissionDenied:
+      return Fate::kNotHere;
     case absl::StatusCode::kUnauthenticated:
     case absl::StatusCode::kUnimplemented:  // a server that is older than this
       return Fate::kNotAllowed;
@@ -68,11 +78,30 @@ absl::Status Sender::Send(const Entry& entry, const std::string& bytes, Attempt&
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::optional<Attempt>> Sender::SendNext() {
+// The first that waits and whose machine is not held.
+absl::StatusOr<std::optional<int64_t>> Sender::FirstThatMay() {
   ASSIGN_OR_RETURN(const std::vector<int64_t> waiting, spool_.Numbers(Place::kWaiting));
-  if (waiting.empty()) return std::nullopt;
+  for (const int64_t number : waiting) {
+    if (held_.empty()) return number;
+    if (passed_over_.count(number) > 0) continue;
+    const absl::StatusOr<Entry> entry = spool_.Get(Place::kWaiting, number);
+    // One that cannot be read is for SendNext() to tell.
+    if (!entry.ok() || held_.count(MachineOf(spool_, *entry)) == 0) return number;
+    passed_over_.insert(number);
+  }
+  return std::nullopt;
+}
+
+void Sender::TryAllAgain() {
+  held_.clear();
+  passed_over_.clear();
+}
+
+absl::StatusOr<std::optional<Attempt>> Sender::SendNext() {
+  ASSIGN_OR_RETURN(const std::optional<int64_t> first, FirstThatMay());
+  if (!first) return std::nullopt;
   Attempt attempt;
-  attempt.number = waiting.front();
+  attempt.number = *first;
   const absl::StatusOr<Entry> entry = spool_.Get(Place::kWaiting, attempt.number);
   const absl::StatusOr<std::string> bytes =
       entry.ok() ? spool_.Content(Place::kWaiting, attempt.number) : absl::StatusOr<std::string>(entry.status());
@@ -82,6 +111,7 @@ absl::StatusOr<std::optional<Attempt>> Sender::SendNext() {
   failures_ = attempt.fate == Fate::kOurBug && failing_ == attempt.number ? failures_ + 1 : 1;
   failing_ = attempt.fate == Fate::kOurBug ? attempt.number : 0;
   if (attempt.fate == Fate::kOurBug && failures_ >= kMaxFailures) attempt.fate = Fate::kRefused;
+  if (attempt.fate == Fate::kNotHere) held_.insert(MachineOf(spool_, *entry));
   if (attempt.fate == Fate::kSent) {
     RETURN_IF_ERROR(
         spool_.MarkSent(attempt.number, {{"session_id", std::to_string(attempt.session.id.number())},

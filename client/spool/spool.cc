@@ -133,10 +133,10 @@ absl::Status Check(const Item& item, const std::string& bytes, int64_t max_bytes
 }
 
 // Once the server has what was there: a file that has changed meanwhile stays.
-void RemoveSource(const Entry& entry, int64_t max_bytes) {
-  if (!entry.item.removes_source || entry.item.source.empty()) return;
+bool RemoveSource(const Entry& entry, int64_t max_bytes) {
+  if (!entry.item.removes_source || entry.item.source.empty()) return false;
   const absl::StatusOr<std::string> now = base::ReadFile(entry.item.source, static_cast<size_t>(max_bytes));
-  if (now.ok() && base::Sha256Hex(*now) == entry.sha256) unlink(entry.item.source.c_str());
+  return now.ok() && base::Sha256Hex(*now) == entry.sha256 && unlink(entry.item.source.c_str()) == 0;
 }
 
 }  // namespace
@@ -318,6 +318,17 @@ absl::Status Spool::MarkSent(int64_t number, const Note& receipt) {
   // Copies beyond their number go; what else there is to say of room, Add() says.
   static_cast<void>(MakeRoom(0));
   return absl::OkStatus();
+}
+
+absl::StatusOr<int> Spool::RemoveSentSources() {
+  ASSIGN_OR_RETURN(const ChangeLock lock, ChangeLock::Take(options_.folder));
+  ASSIGN_OR_RETURN(const std::vector<int64_t> numbers, Numbers(Place::kSent));
+  int count = 0;
+  for (const int64_t number : numbers) {
+    const absl::StatusOr<Entry> entry = Get(Place::kSent, number);
+    if (entry.ok() && RemoveSource(*entry, options_.max_file_bytes)) ++count;
+  }
+  return count;
 }
 
 absl::Status Spool::Refuse(int64_t number, const Note& reason) {

@@ -62,6 +62,9 @@ class Spool {
 
   // What waits was taken by the server; its source goes where the item says so.
   absl::Status MarkSent(int64_t number, const Note& receipt);
+  // Removes the sources of what was sent that are still there, unchanged: whoever was killed between MarkSent()'s two
+  // steps has left one. How many.
+  absl::StatusOr<int> RemoveSentSources();
   // What waits was refused for good.
   absl::Status Refuse(int64_t number, const Note& reason);
   // What was refused waits again, in its old place in the order.

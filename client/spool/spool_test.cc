@@ -245,6 +245,33 @@ TEST_F(SpoolTest, KilledAtAnyMomentItHoldsEveryFileOnceAndWhole) {
   EXPECT_TRUE(fs::is_empty(options_.folder + "/tmp"));
 }
 
+// What a kill between the two steps of MarkSent() leaves: sent, and its source still there.
+TEST_F(SpoolTest, SourcesOfWhatWasSentGoEvenAfterAKill) {
+  Spool spool = Open();
+  const auto item = [&](const std::string& name, bool removes) {
+    Item one = Log(name);
+    one.source = (folder_ / name).string();
+    one.removes_source = removes;
+    return one;
+  };
+  const std::string latin1 = "caf\xe9.log";
+  for (const std::string& name : {std::string("a.log"), latin1, std::string("kept.log"), std::string("changed.log")}) {
+    Item one = item(name, name != "kept.log");
+    one.name = name == latin1 ? "caf%E9.log" : name;
+    ASSERT_TRUE(spool.Add(one, "x" + name).ok());
+  }
+  for (const int64_t number : {1, 2, 3, 4}) ASSERT_TRUE(spool.MarkSent(number, {}).ok());
+  Write("a.log", "xa.log");
+  Write(latin1, "x" + latin1);
+  Write("kept.log", "xkept.log");
+  Write("changed.log", "another");
+  EXPECT_EQ(*spool.RemoveSentSources(), 2);
+  EXPECT_FALSE(fs::exists(folder_ / "a.log"));
+  EXPECT_FALSE(fs::exists(folder_ / latin1));
+  EXPECT_TRUE(fs::exists(folder_ / "kept.log"));
+  EXPECT_TRUE(fs::exists(folder_ / "changed.log")) << "another file by now";
+}
+
 TEST(FateOf, TellsTheFileFromTheServerAndTheCaller) {
   const auto fate = [](absl::StatusCode code, const std::string& reason) {
     return FateOf(base::Error(code, "", {reason, {}}));
@@ -256,6 +283,7 @@ TEST(FateOf, TellsTheFileFromTheServerAndTheCaller) {
   EXPECT_EQ(fate(absl::StatusCode::kResourceExhausted, "DISK_LOW"), Fate::kLater);
   EXPECT_EQ(fate(absl::StatusCode::kUnavailable, "DRAINING"), Fate::kLater);
   EXPECT_EQ(fate(absl::StatusCode::kUnauthenticated, "TOKEN_INVALID"), Fate::kNotAllowed);
+  EXPECT_EQ(fate(absl::StatusCode::kPermissionDenied, "ROLE_MISSING"), Fate::kNotHere);
   EXPECT_EQ(fate(absl::StatusCode::kInternal, "INTERNAL"), Fate::kOurBug);
 }
 

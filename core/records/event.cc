@@ -28,6 +28,10 @@ const char* WordOf(EventKind kind) {
       return "routine-failed";
     case EventKind::kRoutineProposes:
       return "routine-proposes";
+    case EventKind::kCellSilent:
+      return "cell-silent";
+    case EventKind::kCellProblem:
+      return "cell-problem";
     case EventKind::kSessionRejected:
       return "session-rejected";
     case EventKind::kUnlikeGroup:

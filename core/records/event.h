@@ -52,12 +52,14 @@ enum class EventKind {
   kRoutineProposes = 12,
   kSessionRejected = 13,
   kUnlikeGroup = 14,
+  kCellSilent = 15,
+  kCellProblem = 16,
 };
 inline constexpr EventKind kAllEventKinds[] = {
     EventKind::kOutOfTolerance,  EventKind::kLimitForecast, EventKind::kStep,          EventKind::kSuspect,
     EventKind::kUnstable,        EventKind::kWear,          EventKind::kScatter,       EventKind::kCalibrationOld,
     EventKind::kSessionMissed,   EventKind::kModelLacks,    EventKind::kRoutineFailed, EventKind::kRoutineProposes,
-    EventKind::kSessionRejected, EventKind::kUnlikeGroup};
+    EventKind::kSessionRejected, EventKind::kUnlikeGroup,   EventKind::kCellSilent,    EventKind::kCellProblem};
 
 // As people, the command line and docs/events.md call it: "out-of-tolerance".
 const char* WordOf(EventKind kind);
@@ -65,9 +67,9 @@ const char* WordOf(EventKind kind);
 // What an event says.
 struct EventContent {
   EventKind kind = EventKind::kStep;
-  std::string subject;               // the error ("EX0C"), session or routine that it is about; empty: the machine
-  std::string text;                  // what is the case
-  std::string advice;                // what to do about it
+  std::string subject;  // the error ("EX0C"), session, routine or cell that it is about; empty: the machine
+  std::string text;     // what is the case
+  std::string advice;   // what to do about it
   std::vector<DriftAmount> amounts;  // errors with their sizes, the clearest first
   std::optional<double> certainty;   // 0 .. 1
   std::optional<CalibrationId> calibration;

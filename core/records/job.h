@@ -51,6 +51,7 @@ struct JobRecord {
   std::vector<ProgramId> programs;           // that it made
   std::optional<JobError> error;             // of the last attempt that failed
   std::string created_by;
+  std::string request_id = {}, trace = {};  // of the call that created it; trace: its traceparent; empty: none
   base::UtcTime created_at;
   std::optional<base::UtcTime> started_at, ended_at;  // of the last attempt
   int64_t version = 0;                                // grows with every change of the row

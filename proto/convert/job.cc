@@ -93,6 +93,7 @@ v1::Job ToProto(const records::JobRecord& record) {
   message.set_version(record.version);
   message.set_priority(record.priority);
   SET_OPTIONAL_UTC(message, deadline_utc_us, record.deadline);
+  message.set_trace(record.trace);
   return message;
 }
 
@@ -129,6 +130,7 @@ absl::StatusOr<records::JobRecord> FromProto(const v1::Job& message) {
   record.version = message.version();
   record.priority = message.priority();
   record.deadline = OPTIONAL_UTC(message, deadline_utc_us);
+  record.trace = message.trace();
   return record;
 }
 

@@ -34,6 +34,9 @@ const std::vector<MethodRule>& Methods() {
       {"Ingest.RejectSession", Reach::kNamed, {kTechnician, kApprover}},
       {"Ingest.ListSessions", Reach::kList, {kViewer}},
       {"Ingest.DownloadSession", Reach::kNamed, {kViewer}},
+      {"Ingest.ReportCell", Reach::kNamed, {kCell}},
+      {"Ingest.ListCells", Reach::kList, {kViewer}},
+      {"Ingest.ForgetCell", Reach::kNamed, {kTechnician}},
 
       {"Jobs.CreateJob", Reach::kNamed, {kTechnician}},
       {"Jobs.GetJob", Reach::kNamed, {kViewer}},
@@ -91,6 +94,8 @@ const std::vector<MethodRule>& Methods() {
 
       {"Admin.GetServerInfo", Reach::kAnyone, {}},
       {"Admin.GetMetrics", Reach::kService, {kViewer}},
+      {"Admin.Diagnose", Reach::kService, {kViewer}},
+      {"Admin.SetLogLevel", Reach::kService, {kAdmin}},
 
       {"Access.GetIdentity", Reach::kAnyone, {}},
       {"Access.CreatePrincipal", Reach::kService, {kAdmin}},

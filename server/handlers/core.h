@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/records/diagnosis.h"
 #include "server/access/forwarded.h"
 #include "server/access/gate.h"
 #include "server/handlers/budget.h"
@@ -38,6 +39,7 @@ struct Limits {
   int64_t max_session_readings = 50'000'000;     // of one session: 14 hours at 1 kHz
   int64_t max_program_bytes = int64_t{1} << 30;  // of one program
   std::string backup_folder = {};                // where backups stay; empty: nowhere
+  int measured_machines = 0;                     // that metrics name, those with most open events
   std::string scratch_path = {};                 // of the database: beside it is room for what is made for a caller
 };
 
@@ -76,6 +78,12 @@ struct Core {
   std::function<std::vector<std::pair<std::string, base::UtcTime>>()> certificates = [] {
     return std::vector<std::pair<std::string, base::UtcTime>>();
   };
+  // Files beside the database that nobody else on the machine may read: keys.
+  std::vector<std::string> private_files = {};
+  // Sets how much is written to the log, where it is given; what holds now.
+  std::function<records::LogLevel(std::optional<records::LogLevel> level)> log_level = [](const auto&) {
+    return records::LogLevel::kInfo;
+  };
   // Told of machines of which something has changed that events follow from (server/watch).
   std::function<void(const MachineId& machine)> look_soon = [](const auto&) {};
   // Told of machines on which a session is complete, or of which a person has said something of a routine; and of
@@ -95,6 +103,7 @@ struct Call {
   std::vector<records::Grant> grants = {};                    // its roles
   storage::Visible visible = {};                              // what lists may show it
   std::string peer = {};                                      // from where: the address without its port
+  std::string trace = {};                                     // its traceparent; empty: none that is one
   std::string counted_as = {};                                // the principal whose streams are counted; empty: none
   std::function<bool()> is_cancelled = [] { return false; };  // the caller has left, or its time is over
   std::function<void()> cut_off = [] {};                      // ends a stream from another thread

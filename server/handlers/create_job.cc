@@ -32,6 +32,7 @@ absl::StatusOr<v1::CreateJobResponse> CreateJob(Core& core, const Call& call, co
   if (const auto* compensate = std::get_if<records::CompensateParams>(&*params)) job.program = compensate->program;
   job.params = convert::Serialize(*params);
   job.caller = call.By(request.request_id());
+  job.trace = call.trace;
   ASSIGN_OR_RETURN(const records::JobRecord record, core.jobs.Create(job));
   v1::CreateJobResponse response;
   *response.mutable_job() = convert::ToProto(record);

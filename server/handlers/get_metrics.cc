@@ -12,7 +12,7 @@ absl::StatusOr<v1::GetMetricsResponse> GetMetrics(Core& core, const Call& call, 
   metrics::Gauges gauges;
   const base::UtcTime now = base::SystemClock().UtcNow();
   if (const absl::StatusOr<storage::JobQueue> jobs = core.database.CountJobs(); jobs.ok()) {
-    gauges.is_store_up = true;
+    gauges.is_store_up = core.database.TryWrite().ok();
     gauges.queued_jobs = jobs->queued;
     gauges.running_jobs = jobs->running;
     // A clock that was set back makes nothing younger than now.
@@ -31,6 +31,27 @@ absl::StatusOr<v1::GetMetricsResponse> GetMetrics(Core& core, const Call& call, 
                     {"rewrite", core.held.count(HeldKind::kRewrite), held.max_rewrites}};
   for (const auto& [file, ends] : core.certificates())
     gauges.certificates.push_back({file, std::chrono::duration_cast<std::chrono::seconds>(ends - now)});
+  if (const absl::StatusOr<storage::CellSums> cells = core.database.SumCells(); cells.ok()) {
+    gauges.cells = {.well = cells->well,
+                    .silent = cells->silent,
+                    .with_problem = cells->with_problem,
+                    .waiting_files = cells->waiting_files,
+                    .waiting_bytes = cells->waiting_bytes,
+                    .quarantined_files = cells->quarantined_files};
+  }
+  if (const auto webhooks = core.database.ListWebhooks(); webhooks.ok()) {
+    gauges.webhooks.emplace();
+    for (const records::WebhookRecord& webhook : *webhooks) {
+      ++gauges.webhooks->webhooks;
+      gauges.webhooks->failing += webhook.tries > 0 ? 1 : 0;
+      gauges.webhooks->dead_letters += webhook.dead_letters;
+    }
+  }
+  if (core.limits.measured_machines > 0) {
+    const auto machines = core.database.MachinesWithEvents(core.limits.measured_machines);
+    if (machines.ok())
+      for (const auto& [machine, count] : *machines) gauges.machines.emplace_back(machine.text(), count);
+  }
   gauges.is_draining = core.draining;
   v1::GetMetricsResponse response;
   response.set_text(core.metrics->Text(gauges));

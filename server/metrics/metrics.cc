@@ -99,6 +99,7 @@ class Metrics::Impl {
       for (const char* outcome : {"SUCCEEDED", "FAILED", "DEAD"})
         job_attempts_.Add({{"kind", kind}, {"outcome", outcome}});
     }
+    for (const char* outcome : {"TAKEN", "FAILED", "DEAD"}) letters_.Add({{"outcome", outcome}});
   }
 
   void CallStarted(const std::string& method) { CallsOf(method).started->Increment(); }
@@ -113,11 +114,12 @@ class Metrics::Impl {
     job_attempts_.Add({{"kind", kind}, {"outcome", outcome}}).Increment();
     if (took) job_seconds_.Add({{"kind", kind}}, kJobSeconds).Observe(took->count());
   }
+  void LetterSent(const std::string& outcome) { letters_.Add({{"outcome", outcome}}).Increment(); }
   void ReadingsStored(int64_t count) { readings_.Increment(static_cast<double>(count)); }
 
   std::string Text(const Gauges& now) {
     const base::MutexLock lock(text_mutex_);
-    Gauge("axiscal_store_up", "1: the store answered a question when this was asked").Set(now.is_store_up);
+    Gauge("axiscal_store_up", "1: the store answered a question and took what was written").Set(now.is_store_up);
     Gauge("axiscal_draining", "1: the server is stopping").Set(now.is_draining);
     constexpr char kJobs[] = "axiscal_jobs", kJobsHelp[] = "Jobs that wait or run now";
     SetIf(kJobs, kJobsHelp, {{"state", "queued"}}, now.queued_jobs);
@@ -137,6 +139,9 @@ class Metrics::Impl {
             {{"file", certificate.file}})
           .Set(static_cast<double>(certificate.left.count()));
     }
+    SetCells(now.cells);
+    SetWebhooks(now.webhooks);
+    SetMachines(now.machines);
     SetProcess();
     return prometheus::TextSerializer().Serialize(registry_.Collect());
   }
@@ -172,6 +177,46 @@ class Metrics::Impl {
       family.Remove(&gauge);
     }
   }
+  void SetCells(const std::optional<Gauges::Cells>& cells) {
+    const auto of = [&](int64_t Gauges::Cells::*field) {
+      return cells ? std::optional((*cells).*field) : std::nullopt;
+    };
+    constexpr char kCells[] = "axiscal_cells", kCellsHelp[] = "PCs beside machines that report how they stand";
+    SetIf(kCells, kCellsHelp, {{"state", "well"}}, of(&Gauges::Cells::well));
+    SetIf(kCells, kCellsHelp, {{"state", "problem"}}, of(&Gauges::Cells::with_problem));
+    SetIf(kCells, kCellsHelp, {{"state", "silent"}}, of(&Gauges::Cells::silent));
+    SetIf("axiscal_cells_waiting_files", "Files that wait in the spools of all cells", {},
+          of(&Gauges::Cells::waiting_files));
+    SetIf("axiscal_cells_waiting_bytes", "Their size", {}, of(&Gauges::Cells::waiting_bytes));
+    SetIf("axiscal_cells_quarantined_files", "Files of cells that were refused and wait for a person", {},
+          of(&Gauges::Cells::quarantined_files));
+  }
+  void SetWebhooks(const std::optional<Gauges::Webhooks>& webhooks) {
+    const auto of = [&](int64_t Gauges::Webhooks::*field) {
+      return webhooks ? std::optional((*webhooks).*field) : std::nullopt;
+    };
+    SetIf("axiscal_webhooks", "Addresses that are told of events", {}, of(&Gauges::Webhooks::webhooks));
+    SetIf("axiscal_webhooks_failing", "Of them such as did not take the newest letter", {},
+          of(&Gauges::Webhooks::failing));
+    SetIf("axiscal_webhook_dead_letters", "Letters that are not tried any more", {},
+          of(&Gauges::Webhooks::dead_letters));
+  }
+  // A machine that is no longer among the worst has no series.
+  void SetMachines(const std::vector<std::pair<std::string, int64_t>>& machines) {
+    auto& family = prometheus::BuildGauge()
+                       .Name("axiscal_machine_open_events")
+                       .Help("Events that stand, neither acknowledged nor shelved: of the machines with most of them")
+                       .Register(registry_);
+    std::map<std::string, prometheus::Gauge*> kept;
+    for (const auto& [machine, count] : machines) {
+      prometheus::Gauge& gauge = family.Add({{"machine", machine}});
+      gauge.Set(static_cast<double>(count));
+      kept[machine] = &gauge;
+      machines_.erase(machine);
+    }
+    for (const auto& [machine, gauge] : machines_) family.Remove(gauge);
+    machines_ = std::move(kept);
+  }
   void SetProcess() {
     rusage used{};
     if (getrusage(RUSAGE_SELF, &used) == 0) {
@@ -186,15 +231,9 @@ class Metrics::Impl {
       Gauge("process_resident_memory_bytes", "Memory in use")
           .Set(static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)));
     }
-    if (DIR* const folder = opendir("/proc/self/fd")) {
-      int open = -3;  // ".", "..", and the folder itself
-      while (readdir(folder) != nullptr) ++open;
-      closedir(folder);
-      Gauge("process_open_fds", "Open descriptors: files and connections").Set(open);
-    }
-    rlimit limit{};
-    if (getrlimit(RLIMIT_NOFILE, &limit) == 0)
-      Gauge("process_max_fds", "Descriptors that may be open").Set(static_cast<double>(limit.rlim_cur));
+    const Descriptors descriptors = CountDescriptors();
+    SetIf("process_open_fds", "Open descriptors: files and connections", {}, descriptors.open);
+    SetIf("process_max_fds", "Descriptors that may be open", {}, descriptors.most);
   }
 
   prometheus::Registry registry_;
@@ -212,6 +251,10 @@ class Metrics::Impl {
                                                                .Register(registry_);
   prometheus::Family<prometheus::Histogram>& job_seconds_ =
       prometheus::BuildHistogram().Name("axiscal_job_seconds").Help("Duration of attempts of jobs").Register(registry_);
+  prometheus::Family<prometheus::Counter>& letters_ = prometheus::BuildCounter()
+                                                          .Name("axiscal_webhook_letters_total")
+                                                          .Help("Tries to bring letters to webhooks")
+                                                          .Register(registry_);
   prometheus::Counter& readings_ = prometheus::BuildCounter()
                                        .Name("axiscal_readings_stored_total")
                                        .Help("Readings that were uploaded and stored")
@@ -222,8 +265,9 @@ class Metrics::Impl {
                                           .Help("Time of processor used")
                                           .Register(registry_)
                                           .Add({});
-  std::map<std::string, Calls> calls_;  // not changed after the constructor
-  base::Mutex text_mutex_;              // gauges are set and collected together
+  std::map<std::string, Calls> calls_;                  // not changed after the constructor
+  base::Mutex text_mutex_;                              // gauges are set and collected together
+  std::map<std::string, prometheus::Gauge*> machines_;  // that have a series now
 };
 
 Metrics::Metrics(const std::string& version, const std::vector<Method>& methods,
@@ -239,8 +283,21 @@ void Metrics::JobEnded(const std::string& kind, const std::string& outcome,
                        std::optional<std::chrono::duration<double>> took) {
   impl_->JobEnded(kind, outcome, took);
 }
+void Metrics::LetterSent(const std::string& outcome) { impl_->LetterSent(outcome); }
 void Metrics::ReadingsStored(int64_t count) { impl_->ReadingsStored(count); }
 std::string Metrics::Text(const Gauges& gauges) { return impl_->Text(gauges); }
+
+Descriptors CountDescriptors() {
+  Descriptors count;
+  if (DIR* const folder = opendir("/proc/self/fd")) {
+    count.open = -3;  // ".", "..", and the folder itself
+    while (readdir(folder) != nullptr) ++*count.open;
+    closedir(folder);
+  }
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) == 0) count.most = static_cast<int64_t>(limit.rlim_cur);
+  return count;
+}
 
 std::optional<int64_t> DiskFreeBytes(const std::string& path) {
   struct statvfs disk {};

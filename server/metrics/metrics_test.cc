@@ -43,6 +43,31 @@ TEST_F(MetricsTest, HowLongAStreamLastsIsNoLatency) {
   EXPECT_THAT(metrics_.Text({}), Not(HasSubstr(R"(grpc_server_handling_seconds_count{grpc_method="WatchJob")")));
 }
 
+TEST_F(MetricsTest, AMachineThatIsNotAmongTheWorstAnyMoreHasNoSeries) {
+  EXPECT_THAT(metrics_.Text({}), Not(HasSubstr("axiscal_machine_open_events{")));
+  Gauges gauges;
+  gauges.machines = {{"mt", 3}, {"other", 1}};
+  EXPECT_THAT(metrics_.Text(gauges), HasSubstr(R"(axiscal_machine_open_events{machine="other"} 1)"));
+  gauges.machines = {{"mt", 2}};
+  EXPECT_THAT(metrics_.Text(gauges), HasSubstr(R"(axiscal_machine_open_events{machine="mt"} 2)"));
+  EXPECT_THAT(metrics_.Text(gauges), Not(HasSubstr("other")));
+}
+
+TEST_F(MetricsTest, CellsAndWebhooksAreCounted) {
+  EXPECT_THAT(metrics_.Text({}), Not(HasSubstr("axiscal_cells{")));
+  EXPECT_THAT(metrics_.Text({}), HasSubstr(R"(axiscal_webhook_letters_total{outcome="DEAD"} 0)"));
+  Gauges gauges;
+  gauges.cells = {.well = 5, .silent = 1, .waiting_files = 7};
+  gauges.webhooks = {.webhooks = 2, .failing = 1, .dead_letters = 4};
+  metrics_.LetterSent("TAKEN");
+  const std::string text = metrics_.Text(gauges);
+  EXPECT_THAT(text, HasSubstr(R"(axiscal_cells{state="silent"} 1)"));
+  EXPECT_THAT(text, HasSubstr("axiscal_cells_waiting_files 7"));
+  EXPECT_THAT(text, HasSubstr("axiscal_webhooks_failing 1"));
+  EXPECT_THAT(text, HasSubstr("axiscal_webhook_dead_letters 4"));
+  EXPECT_THAT(text, HasSubstr(R"(axiscal_webhook_letters_total{outcome="TAKEN"} 1)"));
+}
+
 TEST_F(MetricsTest, WhatIsNotKnownNowIsLeftOut) {
   EXPECT_THAT(metrics_.Text({}), Not(HasSubstr("axiscal_jobs{")));
   EXPECT_THAT(metrics_.Text({}), HasSubstr("axiscal_store_up 0"));

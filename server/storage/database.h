@@ -254,6 +254,9 @@ class Database {
   // FAILED_PRECONDITION FOLDER_NOT_WRITABLE; on failure there is none.
   virtual absl::StatusOr<BackupResult> Backup(const std::string& path, const std::function<absl::Status()>& go_on) = 0;
 
+  // Whether something can be written now. UNAVAILABLE STORE_DOWN, RESOURCE_EXHAUSTED DISK_FULL ...
+  virtual absl::Status TryWrite() = 0;
+
   // Schema version of the file, for GetServerInfo.
   virtual int schema_version() const = 0;
 
@@ -271,6 +274,17 @@ class Database {
   // By name of the format.
   virtual absl::StatusOr<std::vector<HandedTable>> ListHandedTables(CalibrationId calibration) = 0;
 
+  // ---- cells beside machines
+  // The newest report of a machine and name stands for those before. RESOURCE_EXHAUSTED TOO_MANY_CELLS: 16 of a
+  // machine.
+  virtual absl::StatusOr<CellRecord> ReportCell(const CellReport& report, const Caller& caller) = 0;
+  // Newest first; of no machine that was deleted.
+  virtual absl::StatusOr<Page<CellRecord>> ListCells(const std::optional<MachineId>& machine, const PageRequest& page,
+                                                     const Visible& visible) = 0;
+  // NOT_FOUND CELL_NOT_FOUND.
+  virtual absl::Status ForgetCell(const MachineId& machine, const std::string& name, const Caller& caller) = 0;
+  virtual absl::StatusOr<CellSums> SumCells() = 0;
+
   // ---- what is expected of machines, and events (only server/watch raises and clears them)
   // Of a machine for which none were set: empty, etag 0.
   virtual absl::StatusOr<ExpectationsRecord> GetExpectations(const MachineId& machine) = 0;
@@ -281,6 +295,8 @@ class Database {
   virtual absl::StatusOr<Event> GetEvent(EventId id) = 0;
   virtual absl::StatusOr<Page<Event>> ListEvents(const EventFilter& filter, const PageRequest& page,
                                                  const Visible& visible) = 0;
+  // How many events of a machine stand that are neither shelved nor acknowledged: of the machines with most of them.
+  virtual absl::StatusOr<std::vector<std::pair<MachineId, int64_t>>> MachinesWithEvents(int most) = 0;
   // Those that are not cleared, and steps that a person's word has cleared.
   virtual absl::StatusOr<std::vector<Event>> StandingEvents(const MachineId& machine) = 0;
   // The first word stays: repeating is OK and changes nothing. A step, which stays in the history, is cleared by it.

@@ -236,6 +236,23 @@ absl::StatusOr<ExpectationsRecord> SetExpectations(Connection& connection, UtcTi
   return GetExpectations(connection, expected.machine);
 }
 
+absl::StatusOr<std::vector<std::pair<MachineId, int64_t>>> MachinesWithEvents(Connection& connection, int most) {
+  ASSIGN_OR_RETURN(
+      Statement row,
+      connection.Ask("SELECT m.name, count(*) AS events FROM event AS e INDEXED BY event_open_of_machine "
+                     "CROSS JOIN machine AS m ON m.id = e.machine_id WHERE e.cleared_at_utc_us IS NULL AND "
+                     "e.acknowledged_at_utc_us IS NULL AND e.shelved_until_utc_us IS NULL AND "
+                     "m.deleted_at_utc_us IS NULL GROUP BY e.machine_id ORDER BY events DESC, m.name "
+                     "LIMIT ?1",
+                     most));
+  std::vector<std::pair<MachineId, int64_t>> machines;
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return machines;
+    machines.emplace_back(MachineId(row.Text(0)), row.Int(1));
+  }
+}
+
 absl::StatusOr<Event> GetEvent(Connection& connection, EventId id) {
   ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kSelectEvent) + kOfMachine + "WHERE e.id = ?1", id));
   ASSIGN_OR_RETURN(const bool found, row.Step());
@@ -456,6 +473,7 @@ absl::StatusOr<std::vector<MachineId>> MachinesToLookAt(Connection& connection, 
         "m.deleted_at_utc_us IS NULL",
         "SELECT m.name FROM event_look AS l JOIN machine AS m ON m.id = l.machine_id WHERE l.looked_by > ?1 AND "
         "m.deleted_at_utc_us IS NULL",
+        "SELECT m.name FROM cell CROSS JOIN machine AS m ON m.id = cell.machine_id WHERE m.deleted_at_utc_us IS NULL",
         "SELECT m.name FROM expectation CROSS JOIN machine AS m ON m.id = expectation.machine_id WHERE "
         "m.deleted_at_utc_us IS NULL"}) {
     ASSIGN_OR_RETURN(Statement row, connection.Ask(sql, version));

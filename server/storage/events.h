@@ -16,6 +16,7 @@ absl::Status NoteChange(Connection& connection, int64_t machine_key);
 absl::StatusOr<ExpectationsRecord> GetExpectations(Connection& connection, const MachineId& machine);
 absl::StatusOr<ExpectationsRecord> SetExpectations(Connection& connection, UtcTime now, const Expectations& expected,
                                                    int64_t expected_etag, const Caller& caller);
+absl::StatusOr<std::vector<std::pair<MachineId, int64_t>>> MachinesWithEvents(Connection& connection, int most);
 absl::StatusOr<Event> GetEvent(Connection& connection, EventId id);
 absl::StatusOr<Page<Event>> ListEvents(Connection& connection, const EventFilter& filter, const PageRequest& request,
                                        const Visible& visible);

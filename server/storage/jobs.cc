@@ -23,7 +23,8 @@ std::string Select(const char* report) {
       "j.error_reason, "
       "j.error_message, j.created_by, j.created_at_utc_us, j.started_at_utc_us, j.ended_at_utc_us, "
       "j.version, "
-      "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id), j.result_sha256, j.deadline_at_utc_us FROM job AS j "
+      "(SELECT c.id FROM calibration AS c WHERE c.job_id = j.id), j.result_sha256, j.deadline_at_utc_us, "
+      "coalesce(j.request_id, ''), j.trace FROM job AS j "
       "LEFT JOIN machine AS m "
       "ON m.id = "
       "j.machine_id ");
@@ -52,6 +53,8 @@ JobRecord ReadJob(const Statement& row) {
   job.version = row.Int(22);
   if (!row.IsNull(23)) job.calibration = CalibrationId(row.Int(23));
   job.deadline = row.OptionalTime(25);
+  job.request_id = row.Text(26);
+  job.trace = row.Text(27);
   return job;
 }
 
@@ -128,15 +131,15 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, c
   if (job.deadline && *job.deadline <= now.utc) return InvalidArgument("the deadline is over", "JOB_INVALID");
   RETURN_IF_ERROR(CheckRoom(connection, room, job.caller.principal, job.machine));
   ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, job.machine));
-  RETURN_IF_ERROR(
-      connection.Run("INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, "
-                     "lease_token, cancel_requested, "
-                     "progress_stage, progress_fraction, progress_detail, created_by, request_id, body_sha256, "
-                     "created_at_utc_us, waits_from_up_us, wait_us, "
-                     "version, deadline_at_utc_us) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1, ?12)",
-                     job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts,
-                     job.caller.principal, RequestId(job.caller), body_sha256, now.utc, now.up_us, job.deadline));
+  RETURN_IF_ERROR(connection.Run(
+      "INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, "
+      "lease_token, cancel_requested, "
+      "progress_stage, progress_fraction, progress_detail, created_by, request_id, body_sha256, "
+      "created_at_utc_us, waits_from_up_us, wait_us, "
+      "version, deadline_at_utc_us, trace) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1, ?12, ?13)",
+      job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts, job.caller.principal,
+      RequestId(job.caller), body_sha256, now.utc, now.up_us, job.deadline, job.trace));
   const JobId id(connection.last_insert_id());
   if (job.program) RETURN_IF_ERROR(LinkProgram(connection, id, *job.program));
   return GetJob(connection, id);

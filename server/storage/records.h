@@ -12,6 +12,7 @@
 #include "core/base/ids.h"
 #include "core/records/access.h"
 #include "core/records/calibration.h"
+#include "core/records/cell.h"
 #include "core/records/event.h"
 #include "core/records/history.h"
 #include "core/records/job.h"
@@ -32,6 +33,8 @@ using base::UtcTime;
 using records::CalibrationFilter;
 using records::CalibrationRecord;
 using records::CalibrationState;
+using records::CellRecord;
+using records::CellReport;
 using records::ColumnSpec;
 using records::DeadLetter;
 using records::DriftPoint;
@@ -141,12 +144,19 @@ struct NewJob {
   int max_attempts = 3;
   std::optional<UtcTime> deadline = {};  // what has not ended by then fails
   Caller caller;
+  std::string trace = {};  // traceparent of the call that creates it; empty: none
 };
 
 // Jobs of this moment.
 struct JobQueue {
   int64_t queued = 0, running = 0;
   std::optional<UtcTime> oldest_queued;  // when the oldest of the waiting ones was created
+};
+
+// Cells beside machines, of this moment; one that serves several machines counts once.
+struct CellSums {
+  int64_t well = 0, silent = 0, with_problem = 0;                       // a silent one is not asked for its problem
+  int64_t waiting_files = 0, waiting_bytes = 0, quarantined_files = 0;  // of all spools
 };
 
 // How many jobs there may be. More are refused with RESOURCE_EXHAUSTED QUEUE_FULL.

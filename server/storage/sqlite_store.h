@@ -15,6 +15,7 @@
 #include "server/storage/audit.h"
 #include "server/storage/backup.h"
 #include "server/storage/calibrations.h"
+#include "server/storage/cells.h"
 #include "server/storage/chunks.h"
 #include "server/storage/events.h"
 #include "server/storage/file_lock.h"
@@ -28,6 +29,7 @@
 #include "server/storage/readers.h"
 #include "server/storage/routine_runs.h"
 #include "server/storage/routines.h"
+#include "server/storage/session_remarks.h"
 #include "server/storage/sessions.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/up_time.h"
@@ -290,6 +292,23 @@ class SqliteStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::ListHandedTables(c, calibration); });
   }
 
+  // ---- cells
+  absl::StatusOr<CellRecord> ReportCell(const CellReport& report, const Caller& caller) override {
+    // Of the same size each time: a disk that runs low does not make cells silent.
+    return Write<CellRecord>(Growth::kStays,
+                             [&](Connection& c) { return storage::ReportCell(c, Present(), report, caller); });
+  }
+  absl::StatusOr<Page<CellRecord>> ListCells(const std::optional<MachineId>& machine, const PageRequest& page,
+                                             const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListCells(c, Present(), machine, page, visible); });
+  }
+  absl::Status ForgetCell(const MachineId& machine, const std::string& name, const Caller& caller) override {
+    return writer_.Run([&](Connection& c) { return storage::ForgetCell(c, Present(), machine, name, caller); });
+  }
+  absl::StatusOr<CellSums> SumCells() override {
+    return readers_.Run([&](Connection& c) { return storage::SumCells(c, Present()); });
+  }
+
   // ---- marks
   absl::StatusOr<Mark> PutMark(const NewMark& mark, const Caller& caller) override {
     return Write<Mark>(Growth::kGrows, [&](Connection& c) { return storage::PutMark(c, Now(), mark, caller); });
@@ -468,6 +487,14 @@ class SqliteStore final : public Database {
       static_cast<void>(MergeBeside(options_.path));
       reader.reset();
     });
+  }
+
+  // What it writes is of use, too: how long the file was open.
+  absl::Status TryWrite() override {
+    return writer_.Run([&](Connection& c) { return SaveUpTime(c, UpTime()); });
+  }
+  absl::StatusOr<std::vector<std::pair<MachineId, int64_t>>> MachinesWithEvents(int most) override {
+    return readers_.Run([&](Connection& c) { return storage::MachinesWithEvents(c, most); });
   }
 
   int schema_version() const override { return static_cast<int>(EmbeddedMigrations().size()); }

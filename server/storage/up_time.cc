@@ -7,6 +7,7 @@ absl::StatusOr<std::chrono::microseconds> ReadUpTime(Connection& connection) {
                    connection.Ask("SELECT max(up_us, "
                                   "coalesce((SELECT max(last_seen_up_us) FROM session WHERE state = 1), 0), "
                                   "coalesce((SELECT max(last_seen_up_us) FROM program WHERE state = 1), 0), "
+                                  "coalesce((SELECT max(reported_at_up_us) FROM cell), 0), "
                                   "coalesce((SELECT max(waits_from_up_us) FROM job WHERE state = 1), 0)) "
                                   "FROM up_time WHERE id = 1"));
   RETURN_IF_ERROR(row.Step().status());

@@ -360,6 +360,29 @@ void AddUnlikeGroup(const HistoryFacts& facts, std::vector<Condition>& condition
   }
 }
 
+// A silent cell's last word stays what it was.
+void AddConditionsOf(const records::CellRecord& cell, std::vector<Condition>& conditions) {
+  EventContent content;
+  content.subject = cell.report.name;
+  if (cell.is_silent()) {
+    content.kind = EventKind::kCellSilent;
+    content.text = absl::StrCat("cell ", cell.report.name, " has said nothing for longer than ",
+                                cell.report.silent_after.count() / 60, " minutes, the last time on ",
+                                inputs::DayText(cell.reported_at));
+    content.advice =
+        "look at the PC beside the machine: power, network, systemctl status axiscal-cell; where it is gone "
+        "for good: axiscal cells forget";
+    content.from = cell.reported_at;
+    conditions.push_back({content, true});
+    content.from.reset();
+  }
+  if (cell.report.problem.empty()) return;
+  content.kind = EventKind::kCellProblem;
+  content.text = absl::StrCat("cell ", cell.report.name, ": ", cell.report.problem);
+  content.advice = "its status file says all (docs/cell.md); what it has refused: axiscal spool list on that PC";
+  conditions.push_back({std::move(content), true});
+}
+
 }  // namespace
 
 std::vector<Condition> ConditionsOf(const HistoryFacts& facts) {
@@ -377,6 +400,7 @@ std::vector<Condition> ConditionsOf(const HistoryFacts& facts) {
 
 std::vector<Condition> ConditionsOf(const TimeFacts& facts) {
   std::vector<Condition> conditions;
+  for (const records::CellRecord& cell : facts.cells) AddConditionsOf(cell, conditions);
   const records::Expectations& expected = facts.expected.content;
   if (!facts.expected.changed_at) return conditions;
   if (expected.calibration_days) {
@@ -433,6 +457,10 @@ std::string WhyCleared(EventKind kind) {
       return "a younger calibration is in use, or none is expected any more";
     case EventKind::kSessionMissed:
       return "it has come, or is not expected any more";
+    case EventKind::kCellSilent:
+      return "it was heard again, or is forgotten";
+    case EventKind::kCellProblem:
+      return "it says that all is well, or is forgotten";
     case EventKind::kModelLacks:
       return "the newest calibration explains its readings";
     case EventKind::kRoutineFailed:

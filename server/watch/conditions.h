@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/records/cell.h"
 #include "core/records/event.h"
 #include "core/records/history.h"
 #include "core/records/routine.h"
@@ -55,9 +56,12 @@ struct TimeFacts {
   std::optional<base::UtcTime> approved_measured_at;
   // By name of those that are expected: the newest.
   std::map<std::string, std::optional<base::UtcTime>> newest_sessions;
+  // That serve the machine.
+  std::vector<records::CellRecord> cells;
 };
 inline constexpr records::EventKind kOfTime[] = {records::EventKind::kCalibrationOld,
-                                                 records::EventKind::kSessionMissed};
+                                                 records::EventKind::kSessionMissed, records::EventKind::kCellSilent,
+                                                 records::EventKind::kCellProblem};
 std::vector<Condition> ConditionsOf(const TimeFacts& facts);
 
 // Why an event of this kind is over, where nothing of its condition is left.

@@ -98,6 +98,9 @@ absl::StatusOr<TimeFacts> ReadTimes(storage::Database& database, const MachineId
   for (const records::ExpectedSession& session : expected.content.sessions) {
     ASSIGN_OR_RETURN(facts.newest_sessions[session.name], database.NewestSession(machine, session.name));
   }
+  // More than a machine can have.
+  ASSIGN_OR_RETURN(records::Page<records::CellRecord> cells, database.ListCells(machine, {1000, ""}, {}));
+  facts.cells = std::move(cells.rows);
   return facts;
 }
 

@@ -303,6 +303,44 @@ TEST_F(Watch, WhatIsDueIsLookedAtBeforeItStops) {
   EXPECT_EQ(Open(EventKind::kOutOfTolerance).size(), 1u);
 }
 
+// A cell that says nothing any more, or that says that it wants a person, until that is over.
+TEST_F(Watch, CellsThatAreSilentOrWantAPersonAreTold) {
+  records::CellReport report;
+  report.machine = kMt;
+  report.name = "seven";
+  report.problem = "2 files were refused";
+  ASSERT_TRUE(database->ReportCell(report, Cell("")).ok());
+  watcher.LookAtAll();
+  ASSERT_EQ(Open(EventKind::kCellProblem).size(), 1u);
+  EXPECT_EQ(Open(EventKind::kCellProblem)[0].content.subject, "seven");
+  EXPECT_THAT(Open(EventKind::kCellProblem)[0].content.text, HasSubstr("cell seven: 2 files were refused"));
+  EXPECT_TRUE(Open(EventKind::kCellSilent).empty());
+  report.problem.clear();
+  ASSERT_TRUE(database->ReportCell(report, Cell("")).ok());
+  watcher.LookAtAll();
+  EXPECT_TRUE(Open(EventKind::kCellProblem).empty());
+  database.clock.Advance(std::chrono::minutes(15));
+  watcher.LookAtAll();
+  EXPECT_TRUE(Open(EventKind::kCellSilent).empty());
+  database.clock.Advance(std::chrono::minutes(1));
+  watcher.LookAtAll();
+  ASSERT_EQ(Open(EventKind::kCellSilent).size(), 1u);
+  EXPECT_THAT(Open(EventKind::kCellSilent)[0].content.text, HasSubstr("longer than 15 minutes"));
+  const int64_t change = *database->LastEventChange();
+  database.clock.Advance(std::chrono::hours(1));
+  watcher.LookAtAll();
+  EXPECT_EQ(*database->LastEventChange(), change) << "it is told once";
+  ASSERT_TRUE(database->ReportCell(report, Cell("")).ok());
+  watcher.LookAtAll();
+  EXPECT_TRUE(Open(EventKind::kCellSilent).empty());
+  database.clock.Advance(std::chrono::hours(1));
+  watcher.LookAtAll();
+  ASSERT_EQ(Open(EventKind::kCellSilent).size(), 1u);
+  ASSERT_TRUE(database->ForgetCell(kMt, "seven", Cell("")).ok());
+  watcher.LookAtAll();
+  EXPECT_TRUE(Open(EventKind::kCellSilent).empty());
+}
+
 // What a routine has done is told while it stands: a failure until it runs again, a proposal until a person decides.
 TEST_F(Watch, RoutinesThatFailOrProposeAreTold) {
   ASSERT_TRUE(database->CreatePrincipal("night", "", Cell("")).ok());

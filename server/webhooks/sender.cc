@@ -176,7 +176,12 @@ void Sender::Take(const std::vector<Poster::Ended>& ended) {
 
 absl::Status Sender::End(Line& line, const records::WebhookTrial& trial) {
   const records::WebhookRecord& webhook = line.sent;
+  const auto count = [this](const std::string& outcome) {
+    if (options_.count) options_.count(outcome);
+  };
+  if (trial.error.empty()) count("TAKEN");
   if (line.is_wanted_letter) {
+    if (!trial.error.empty()) count("DEAD");
     if (!trial.error.empty() && options_.tell) options_.tell(webhook, trial.error, true);
     return database_.EndWantedLetter(webhook.id, line.change, trial.error).status();
   }
@@ -201,6 +206,7 @@ absl::Status Sender::End(Line& line, const records::WebhookTrial& trial) {
       step.next_try_at =
           options_.post.clock->UtcNow() + WaitAfter(tries, options_.random ? options_.random() : Random());
     }
+    count(is_dead ? "DEAD" : "FAILED");
     if (options_.tell) options_.tell(webhook, trial.error, is_dead);
   }
   return database_.StepWebhook(step).status();

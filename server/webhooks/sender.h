@@ -33,6 +33,8 @@ struct SenderOptions {
   // Told of each try that failed, of what became a dead letter, and where the store does not give what comes next. May
   // be empty.
   std::function<void(const records::WebhookRecord& webhook, const std::string& error, bool is_dead)> tell;
+  // Told of each try: "TAKEN", "FAILED", "DEAD". May be empty.
+  std::function<void(const std::string& outcome)> count;
   // 0 .. 1; empty: evenly.
   std::function<double()> random;
 };

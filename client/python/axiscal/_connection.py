@@ -1,6 +1,7 @@
 """The channel, and calls over it that are tried again."""
 import os
 import random
+import secrets
 import threading
 import time
 import uuid
@@ -76,6 +77,7 @@ class Connection:
         self.address = address
         self.options = options
         self._credentials = _credentials(options)
+        self._trace_id = secrets.token_hex(16)
         self._lock = threading.Lock()
         self._channel: Optional[Any] = None
         self._stubs: Dict[str, Any] = {}
@@ -142,7 +144,9 @@ class Connection:
             return self._stubs[service]
 
     def metadata(self) -> Tuple[Tuple[str, str], ...]:
-        metadata: List[Tuple[str, str]] = [("axiscal-user", self.options.user)]
+        # W3C Trace Context: each attempt is a step of this connection's trace, in the server's log and in the jobs that it creates.
+        metadata: List[Tuple[str, str]] = [("axiscal-user", self.options.user),
+                                           ("traceparent", f"00-{self._trace_id}-{secrets.token_hex(8)}-01")]
         if self.options.token_file is not None:
             try:
                 metadata.append(("authorization", "Bearer " + read_token(self.options.token_file)))

@@ -530,6 +530,10 @@ const kTexts = {
   event_10: ["the model lacks something", "dem Modell fehlt etwas"],
   event_11: ["a routine failed", "Ablauf gescheitert"],
   event_12: ["a routine proposes a calibration", "Ablauf schlägt Kalibrierung vor"],
+  event_13: ["a rejected session is in use", "verworfene Messung in Gebrauch"],
+  event_14: ["unlike its group", "anders als seine Gruppe"],
+  event_15: ["cell is silent", "Zelle schweigt"],
+  event_16: ["cell wants a person", "Zelle braucht jemanden"],
   // routines
   routines: ["Routines", "Abläufe"],
   routinesTitle: ["What runs by itself", "Was von selbst läuft"],
