@@ -115,9 +115,9 @@ class BlockWriter {
   Ticks BaseOf(const Block& block, const Step& step, int axis) const;
   // As WordFor; an axis that counts from 0 to 360 deg is told an angle of that range.
   CorrectedWord CorrectedOf(const Step& step, int axis, Ticks target, Ticks base, const WordForm& form) const;
-  // Of a called cycle: X and Y alone are words.
+  // Of a called cycle: X and Y alone are words, and Z where it shifts the heights.
   void WriteFixedHole(const char* text, size_t size, const Block& block, const Step& step, const Piece& entry,
-                      OutBuffer* out);
+                      const Piece& bottom, OutBuffer* out);
   // Where Z stands behind a hole.
   void LeaveHole(const Step& step);
   void SetCommanded(const Step& step, int axis, const CorrectedWord& corrected, Ticks base, Ticks target);

@@ -1,5 +1,5 @@
 // Drilling cycles that are called: CYCLE81 to CYCLE89 of Sinumerik, alone or by MCALL; CYCL DEF 200 and its kin of
-// Klartext by CYCL CALL or M99. Their heights are arguments, the same for every hole.
+// Klartext by CYCL CALL or M99. Their heights are arguments, the same for every hole; Z of CYCL CALL POS shifts them.
 #include <algorithm>
 #include <cstring>
 #include <string_view>
@@ -83,7 +83,7 @@ void Interpreter::CallCycle(const Request& request, Step* step) {
   const Code* const call = request.cycle_call;
   const std::string name = call != nullptr ? call->text : "modal call of a cycle";
   std::string problem;
-  if (call != nullptr && request.cycle_call_word->letter == 0) {
+  if (call != nullptr && call->detail != kAtPosition && request.cycle_call_word->letter == 0) {
     const Word& word = *request.cycle_call_word;
     const size_t size = std::strlen(dialect_->keywords[static_cast<size_t>(word.keyword)].name);
     const std::string rest = RestOf(text_ + word.letter_at + size, end_of_text_);
@@ -115,6 +115,34 @@ void Interpreter::CallCycle(const Request& request, Step* step) {
   TakeFrame(step);
   positions_.CopyFrom(step->end, axis_count_);
   if (call != nullptr && call->detail == kByArguments) modal_.called = DrillCycle();
+}
+
+void Interpreter::CallCycleAt(const Block& block, const Request& request, Step* step) {
+  bool is_consequence = false;
+  std::string problem = WhyNoMove(request, &is_consequence);
+  if (problem.empty() && (request.motion != nullptr || request.HasVector())) problem = "CYCL CALL POS and another move";
+  for (int i = 0; i < axis_count_ && problem.empty(); ++i) {
+    const bool is_of_position = machine_->axes[i].name.find_first_not_of("XYZ") == std::string::npos;
+    const int word = step->word_of_axis[i];
+    const bool is_plain = word >= 0 && block.words[static_cast<size_t>(word)].distance == Distance::kModal;
+    if (is_of_position ? !is_plain : word >= 0)
+      problem = "CYCL CALL POS without X, Y and Z, or with words of other axes";
+  }
+  if (!problem.empty()) return Unsupported(std::move(problem), is_consequence, step);
+  step->is_rapid = true;
+  step->is_at_corner = rounds_corners_ || is_behind_corner_ || request.has_corner;
+  is_behind_corner_ = request.has_corner;
+  if (!ReadTargets(block, step) || (is_in_table() && !KeepsPlane(step))) return;
+  const int z = AxisOf('Z');
+  const Ticks to = z < 0 ? 0 : step->end.ticks[z], shift = z < 0 ? 0 : to - offset(z);
+  GoTo(step);
+  CallCycle(request, step);
+  if (step->kind != StepKind::kHole) return;
+  step->hole.entry += shift;
+  step->hole.bottom += shift;
+  step->hole.shifted_to = to;
+  step->end.ticks[z] += shift;
+  positions_.ticks[z] = step->end.ticks[z];
 }
 
 }  // namespace axiscal::nc

@@ -100,6 +100,28 @@ TEST(Contour, WhatTheRadiusLeavesIsSaid) {
   EXPECT_LT(report->end_after.max_mm, 2e-4);  // of the contour
 }
 
+// X is off by 1 um for each mm of Y: on a ramp of 45 deg along X the centre, 5 mm beside it in Y, stands 5 um along its
+// path from where the words lead, and sqrt(1/2) of that beside it. On a level path nobody sees it.
+TEST(Contour, OnARampWhatStandsAlongThePathIsNotAllOfIt) {
+  const auto mill = machine::MachineFromJson(R"({"id": "mill", "structure": "wX'bYZt", "axes": {
+      "X": {"kind": "linear", "direction": [-1, 0, 0]}, "Y": {"kind": "linear", "direction": [0, 1, 0]},
+      "Z": {"kind": "linear", "direction": [0, 0, 1]}},
+      "tool_branch": ["Y", "Z"], "work_branch": ["X"], "tool_direction": [0, 0, -1]})");
+  ASSERT_TRUE(mill.ok()) << mill.status();
+  const auto askew = testing::MustCreate(*mill, testing::ConstantErrors(*mill, {{"EC0Y", 1e-3}}), {0, 0, -300});
+  RewriteOptions options = In("fanuc");
+  options.initial_position.clear();
+  const auto left_mm = [&](const std::string& move) {
+    const testing::Outcome outcome = testing::Rewritten(
+        "G90 G17 G21 G94\nG0 X0. Y-20. Z50.\nG1 G41 D1 X20. Y0. F500\n" + move + "G40 Y-20.\n", options, askew);
+    EXPECT_TRUE(outcome.status.ok()) << outcome.status;
+    return outcome.report.max_contour_left_mm;
+  };
+  EXPECT_LT(left_mm("X80.\n"), 0.2e-3);
+  EXPECT_NEAR(left_mm("X80. Z110.\n"), 5e-3 * std::sqrt(0.5), 0.2e-3);
+  EXPECT_NEAR(left_mm("X80. Z-10.\n"), 5e-3 * std::sqrt(0.5), 0.2e-3);
+}
+
 TEST(Contour, WhatIsNotKnownIsRefused) {
   const std::string on = "G1 G41 D1 X20. Y10. F500\n", off = "G40 X0.\n";
   const std::vector<std::pair<std::string, std::string>> programs = {

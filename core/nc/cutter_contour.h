@@ -40,6 +40,8 @@ class CutterContour {
   Eigen::Vector2d Normal(const Eigen::Vector2d& tangent) const {
     return side_ * Eigen::Vector2d(-tangent.y(), tangent.x());
   }
+  // Of the path of the tool's centre beside a piece, above zero where the tool has room.
+  double OffsetLength(const ContourPiece& piece) const;
 
  private:
   // One of both contours: its last piece, and how much of that piece's offset the corner in front of it takes.
@@ -48,7 +50,6 @@ class CutterContour {
     double taken_mm = 0;
   };
   std::string AddTo(const ContourPiece& piece, bool is_first, Track* track) const;
-  double OffsetLength(const ContourPiece& piece) const;
   // An inner corner: how much of both offsets it takes. Why that is not known, or "".
   std::string CornerTakes(const ContourPiece& from, const ContourPiece& to, double* of_from_mm, double* of_to_mm) const;
 

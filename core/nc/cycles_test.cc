@@ -148,6 +148,12 @@ TEST(Cycles, CalledCyclesHaveXAndYCorrectedAndSayWhatIsLeft) {
   ASSERT_TRUE(high.status.ok()) << high.status;
   EXPECT_NEAR(high.report.max_hole_left_mm, 0.010, 2e-3);
   klartext.cycle_tolerance_mm = 0.005;
+  // Z of this call shifts the heights: it is a word of the hole.
+  const testing::Outcome shifted =
+      testing::Rewritten(definition + "CYCL CALL POS X+10 Y+100 Z+3 F900\nL Z+50 FMAX\n", klartext, tilted);
+  ASSERT_TRUE(shifted.status.ok()) << shifted.status;
+  EXPECT_THAT(shifted.text, HasSubstr("CYCL CALL POS X+10 Y+99.9644 Z+2.9900 F900\nL Z+49.9900 FMAX"));
+  EXPECT_LT(shifted.report.max_hole_left_mm, 1e-3);
   EXPECT_REFUSED_BY(tilted, klartext, definition + "L X+10 Y+100 R0 FMAX M99\n",
                     "um are left at the hole, the limit is 5.0 um");
 }
@@ -169,7 +175,10 @@ TEST(Cycles, CallsThatAreNotFollowedAreRefused) {
            "CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10\n" + call, definition + "Q203 = +5\n" + call,
            definition + "FN 0: Q203 = +5\n" + call, definition + "CYCL DEF 252 POCKET ~\n Q201=-10\n" + call,
            "/" + definition + call, definition + "TOOL CALL 1 Z S100\nL X+0 Y+0 Z+50 B+0 C+0 FMAX\n" + call,
-           definition + "L X+10 F200 M99\n", definition + "CYCL CALL POS X+10 Y+10 Z+0 FMAX\n",
+           definition + "L X+10 F200 M99\n", definition + "CYCL CALL POS X+10 Y+10 FMAX\n",
+           definition + "CYCL CALL POS IX+10 Y+10 Z+0 FMAX\n", definition + "CYCL CALL POS X+10 Y+10 Z+0 B+0 FMAX\n",
+           definition + "CYCL CALL POS X+10 Y+10 Z+0 FMAX M99\n", definition + "CYCL CALL POS X+Q7 Y+10 Z+0 FMAX\n",
+           "CYCL CALL POS X+10 Y+10 Z+0 FMAX\n", definition + "CYCL CALL PAT FMAX\n",
            definition + "CYCL DEF 221 PATTERN ~\n Q225=+10\n" + call})
     EXPECT_FALSE(testing::Rewritten(text, In("heidenhain")).status.ok()) << text;
 }

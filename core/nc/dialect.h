@@ -24,7 +24,7 @@ enum class Meaning : uint8_t {
   kArc,           // detail: 1 clockwise, 0 counterclockwise, seen against the plane's normal; with poles kArcWithRadius
   kCancelMotion,  // G80: axis words after it have no meaning
   kDrillCycle,    // G81 ...: drills at each block with axis words until another motion code; detail: CycleWords
-  kCallCycle,     // drills at the place of the tool, or at the block's end; detail: kByArguments, kByDefinition
+  kCallCycle,     // drills at the place of the tool, or at the block's end; detail: kBy..., kAtPosition
   kDefineCycle,   // CYCL DEF 200: for calls behind it
   kReturnLevel,   // G98, G99; detail 1: cycles end at the R level
   kOtherMotion,   // moves axes in a way that is not corrected, stays in force until another motion code;
@@ -142,6 +142,7 @@ enum CycleWords : uint32_t {
 // Of kCallCycle.
 inline constexpr uint32_t kByArguments = 1;   // CYCLE81(10,0,2,-20)
 inline constexpr uint32_t kByDefinition = 2;  // CYCL CALL, M99: the last CYCL DEF
+inline constexpr uint32_t kAtPosition = 3;    // CYCL CALL POS: at X and Y, heights shifted by Z
 // Of harmless keywords: defines another cycle than those that are followed, or writes Q parameters, which may be those
 // of a definition.
 inline constexpr uint32_t kDefines = 3;

@@ -104,6 +104,7 @@ std::vector<Keyword> KlartextKeywords() {
       {"CYCL DEF 7", M::kBlockerByRest, kDatumShift, true, "shift of coordinates"},
       {"CYCL DEF 247", M::kSelectDatum, 0, true, "sets the datum"},
       {"CYCL CALL", M::kCallCycle, kByDefinition, true, "calls a cycle"},
+      {"CYCL CALL POS", M::kCallCycle, kAtPosition, false, "calls a cycle"},
       {"TCH PROBE 0", M::kOneShot, 0, true, "probing"},
       {"TCH PROBE 1", M::kOneShot, 0, true, "probing"},
       {"TCH PROBE 3", M::kOneShot, 0, true, "probing"},

@@ -104,7 +104,8 @@ void Interpreter::Drill(const Block& block, const Request& request, Step* step) 
     modal_.motion = Meaning::kOtherMotion;
     return;
   }
-  step->hole = {cycle.entry, cycle.bottom, is_new, modal_.returns_to_entry, modal_.is_return_unsure, false};
+  step->hole = {cycle.entry, cycle.bottom, is_new, modal_.returns_to_entry, modal_.is_return_unsure,
+                false,       false,        std::nullopt};
   constexpr Ticks kNear = kTicksPerMm;  // corrections are smaller
   step->hole.is_level_unsure = cycle.is_level_known && cycle.level - cycle.entry < kNear;
   end.ticks[z] = modal_.returns_to_entry ? cycle.entry : cycle.level;

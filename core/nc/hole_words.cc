@@ -33,17 +33,21 @@ void BlockWriter::PassHole(const Step& step) {
 }
 
 void BlockWriter::WriteFixedHole(const char* text, size_t size, const Block& block, const Step& step,
-                                 const Piece& entry, OutBuffer* out) {
+                                 const Piece& entry, const Piece& bottom, OutBuffer* out) {
   const int z = interpreter_->AxisOf('Z');
+  Ticks raised = 0;  // by the word of Z
   const Word* last = nullptr;
   for (const Word& word : block) {
     if (interpreter_->AxisOf(word.letter) >= 0 && step.word_of_axis[interpreter_->AxisOf(word.letter)] >= 0)
       last = &word;
   }
   uint32_t copied = 0;
+  const auto target_of = [&](int axis) {
+    return axis == z ? *step.hole.shifted_to + bottom.targets[z] - step.hole.bottom : entry.targets[axis];
+  };
   const auto corrected_of = [&](int axis) {
     const Ticks origin = BaseOf(block, step, axis);
-    return CorrectedOf(step, axis, entry.targets[axis], origin, FormOf(block, step, axis));
+    return CorrectedOf(step, axis, target_of(axis), origin, FormOf(block, step, axis));
   };
   const auto go = [&](int axis, const CorrectedWord& corrected) {
     SetCommanded(step, axis, corrected, BaseOf(block, step, axis), entry.targets[axis]);
@@ -51,9 +55,13 @@ void BlockWriter::WriteFixedHole(const char* text, size_t size, const Block& blo
   for (const Word& word : block) {
     const int axis = interpreter_->AxisOf(word.letter);
     if (last == nullptr || axis < 0) continue;
-    if (axis != z) {
+    if (axis != z || step.hole.shifted_to) {
       const CorrectedWord corrected = corrected_of(axis);
-      go(axis, corrected);
+      if (axis == z) {
+        raised = corrected.Position(BaseOf(block, step, z)) - preset_shift_[z] - *step.hole.shifted_to;
+      } else {
+        go(axis, corrected);
+      }
       if (!IsSaid(corrected, word)) {
         out->append(text + copied, word.number_at - copied);
         AppendCorrected(corrected, &word, out);
@@ -76,14 +84,15 @@ void BlockWriter::WriteFixedHole(const char* text, size_t size, const Block& blo
     }
   }
   out->append(text + copied, size - copied);
-  hole_entry_ = step.hole.entry + preset_shift_[z];
-  hole_bottom_ = step.hole.bottom + preset_shift_[z];
+  hole_entry_ = step.hole.entry + preset_shift_[z] + raised;
+  hole_bottom_ = step.hole.bottom + preset_shift_[z] + raised;
   LeaveHole(step);
+  commanded_.ticks[z] += raised;
 }
 
 void BlockWriter::WriteHole(const char* text, size_t size, const Block& block, const Step& step, const Piece& entry,
                             const Piece& bottom, OutBuffer* out) {
-  if (step.hole.is_fixed) return WriteFixedHole(text, size, block, step, entry, out);
+  if (step.hole.is_fixed) return WriteFixedHole(text, size, block, step, entry, bottom, out);
   const int z = interpreter_->AxisOf('Z');
   if (step.hole.is_first) cycle_level_ = commanded_.ticks[z], is_cycle_level_known_ = commanded_.is_known(z);
   const Ticks unit = interpreter_->ticks_per_unit(z), base = interpreter_->offset(z) + preset_shift_[z];

@@ -57,6 +57,8 @@ struct Hole {
   bool is_return_unsure = false;  // to which of both
   bool is_fixed = false;          // its heights are those of a definition, and no words of this block
   bool is_level_unsure = false;   // that is so near the entry that the corrected entry may be above it
+  // Of such a definition: the block's Z shifts its heights, from where 0 leaves them. Axis position that Z says.
+  std::optional<Ticks> shifted_to;
 };
 
 // What one line does.
@@ -415,6 +417,8 @@ class Interpreter {
   std::string WhyNoCall() const;
   // The cycle that is called, at the end of the block's move or where the tool stands.
   void CallCycle(const Request& request, Step* step);
+  // CYCL CALL POS X Y Z.
+  void CallCycleAt(const Block& block, const Request& request, Step* step);
   void LoseCycle(const std::string& reason, Step* step);
   void GoTo(Step* step);
   // Whether a word may be a difference (G91) of the axis' position; Unsupported when not.

@@ -271,6 +271,7 @@ void Interpreter::ScanCode(const Word& word, const Code& code, Request* request,
       step->is_tangential = code.detail == kTangential;
       return request->Refuse(named());
     case Meaning::kCallCycle:
+      if (request->cycle_call != nullptr) request->Refuse("two calls of a cycle in one block");
       request->cycle_call = &code;
       request->cycle_call_word = &word;
       return;

@@ -53,6 +53,8 @@ void Interpreter::Act(const Block& block, const Request& request, Step* step) {
       Unsupported(absl::StrCat(request.owner->text, " and a motion code in one block"), false, step);
     return;
   }
+  if (request.cycle_call != nullptr && request.cycle_call->detail == kAtPosition)
+    return CallCycleAt(block, request, step);
   if (request.cycle_call != nullptr && !request.has_axis && request.foreign_axis == 0 && !request.HasVector()) {
     bool is_consequence = false;
     if (std::string reason = WhyNoMove(request, &is_consequence); !reason.empty())

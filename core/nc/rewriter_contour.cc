@@ -1,7 +1,7 @@
 // Contours that the control offsets by the cutter's radius (G41, G42; RL, RR). Words are corrected as those of the
 // part's contour. The cutter's centre stands a radius beside it, where errors differ a little: with p the contour and
 // n its normal, the centre is told p' + r n', and should be told p + r n + d(p + r n), d the correction. What of the
-// difference stands across the contour, or along Z, is left at the part.
+// difference stands across the centre's path is left at the part: along it, in Z too, the tool comes by anyway.
 #include <algorithm>
 #include <cmath>
 
@@ -112,6 +112,9 @@ absl::StatusOr<double> Rewriter::Impl::LeftAlong(const ContourPiece& nominal, co
   Step centre = step;
   centre.is_arc = false;
   const int looks = std::clamp(static_cast<int>(std::ceil(nominal.Length() / kLookMm)), kLeastLooks, kMostLooks);
+  // Of the centre's path: Z in mm for each mm in X and Y.
+  const double slope = Mm(step.end.ticks[z] - step.start.ticks[z]) * (written.end_fraction - first) /
+                       contour.OffsetLength(nominal);
   double worst_mm = 0;
   for (int look = 0; look <= looks; ++look) {
     const double t = static_cast<double>(look) / looks, fraction = first + t * (written.end_fraction - first);
@@ -125,11 +128,12 @@ absl::StatusOr<double> Rewriter::Impl::LeftAlong(const ContourPiece& nominal, co
     RETURN_IF_ERROR(corrector().CorrectEnd(centre, WordGrain(), &wanted));
     const Eigen::Vector2d asked_mm(Mm(wanted.targets[x] - wanted.nominal[x]),
                                    Mm(wanted.targets[y] - wanted.nominal[y]));
-    const Eigen::Vector2d told_mm = as_written.At(t) - at_mm;
-    const double across_mm =
-        (told_mm - asked_mm).dot(normal) + contour.radius_mm() * (as_written.Tangent(t).dot(tangent) - 1.0);
+    const Eigen::Vector2d told_mm = as_written.At(t) - at_mm, turned = as_written.Tangent(t);
+    const double across_mm = (told_mm - asked_mm).dot(normal) + contour.radius_mm() * (turned.dot(tangent) - 1.0);
+    const double along_mm = (told_mm - asked_mm + contour.radius_mm() * contour.Normal(turned)).dot(tangent);
     const double told_z_mm = Mm(from[z]) + t * Mm(writer.commanded().ticks[z] - from[z]) - Mm(centre.end.ticks[z]);
-    worst_mm = std::max(worst_mm, std::hypot(across_mm, told_z_mm - Mm(wanted.targets[z] - wanted.nominal[z])));
+    const double high_mm = told_z_mm - Mm(wanted.targets[z] - wanted.nominal[z]);
+    worst_mm = std::max(worst_mm, std::hypot(across_mm, (high_mm - slope * along_mm) / std::hypot(1.0, slope)));
   }
   return worst_mm;
 }

@@ -77,8 +77,9 @@ void Rewriter::Impl::Drill() {
     left_mm = std::max(left_mm, LeftAt(entry, at));
   }
   job.Drilled(now, left_mm, RoundingMm(),
-              is_fixed ? "the heights of a called cycle hold for all its holes, and the drill leans"
-                       : "the drill leans, and the cycle has no word for it");
+              is_fixed && !step.hole.shifted_to
+                  ? "the heights of a called cycle hold for all its holes, and the drill leans"
+                  : "the drill leans, and the cycle has no word for it");
   if (passes()) writer.Arrive(step);
   if (before) writer.ForgetChanges(*before);
 }

@@ -54,6 +54,7 @@ TEST(ToolChange, NothingIsKeptWhereItIsNotSure) {
   const std::string rest = "G0 X2. Y1. Z1.\nG1 X3.\n";
   // Pallets, machine positions of all axes, a change that may be skipped with a rotary word in front of it.
   EXPECT_REFUSED(options, "G1 X1.\nM60\n" + rest, "the position of B is unknown");
+  EXPECT_REFUSED(options, "G1 X1.\nT2 M6 M60\n" + rest, "the position of B is unknown");
   EXPECT_REFUSED(options, "G1 X1.\nG28\nT2 M6\n" + rest, "the position of B is unknown");
   EXPECT_REFUSED(options, "G1 X1.\n/T2 M6\n" + rest, "the position of B is unknown");
   RewriteOptions executed = options;

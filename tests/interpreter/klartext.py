@@ -113,6 +113,11 @@ class Klartext(Control):
             self.lose(self.axes)
             return None
         if body.startswith("CYCL CALL"):
+            at = re.fullmatch(r"CYCL CALL POS X" + VALUE + " Y" + VALUE + " Z" + VALUE + "( FMAX| F[0-9.]+)?", body)
+            if at and self.drilling and not self.foreign and not self.tcp:
+                self.code("CYCL CALL", "POS" + (at.group(4) or ""))
+                return None if self.drill({a: (float(at.group(k)), False) for k, a in ((1, "X"), (2, "Y"))}, ("CYCL CALL POS", body),
+                                          float(at.group(3)) * self.length_unit()) else None
             self.code("CYCL CALL", body)
             if self.drilling and re.fullmatch(r"CYCL CALL( M(3|4|8|13|14))?", body) and self.drill({}, ()):
                 return None
@@ -450,14 +455,14 @@ class Klartext(Control):
 
     drilling = None
 
-    def drill(self, words, raw):
-        """The cycle that was defined last, at X and Y of `words`: heights count from the datum."""
+    def drill(self, words, raw, shift=None):
+        """The cycle that was defined last, at X and Y of `words`: heights count from the datum, or are shifted from there."""
         if self.foreign or self.tcp:
             return False
         if "Z" in words:
             self.pos["Z"] = self.target("Z", *words["Z"])
-        entry, bottom, level = [h + self.offset("Z") for h in self.drilling]
-        event = self.hole(("called", "CYCL"), {a: v for a, v in words.items() if a != "Z"}, raw, entry, bottom, level)
+        entry, bottom, level = [h + self.offset("Z") + (shift or 0.0) for h in self.drilling]
+        event = self.hole(("called", "CYCL" if shift is None else "POS"), {a: v for a, v in words.items() if a != "Z"}, raw, entry, bottom, level)
         event.length -= self.difference
         self.opaque.discard("Z")
         self.unsure.discard("Z")
