@@ -14,6 +14,7 @@ using inputs::DayText;
 
 // Most limits of one request: each takes some milliseconds.
 constexpr int kMostLimits = 100;
+constexpr int kMostForecastDays = 1826;  // five years: beyond, a forecast says nothing
 
 v1::EstimateUnit UnitOf(drift::Unit unit) {
   return unit == drift::Unit::kUm ? v1::ESTIMATE_UNIT_UM : v1::ESTIMATE_UNIT_URAD;
@@ -125,11 +126,45 @@ v1::LimitForecast ForecastOf(const drift::State& state, const v1::DriftLimit& li
   return message;
 }
 
+// The course that one error will take within so many days of the last calibration.
+v1::ErrorForecast CourseOf(const drift::State& state, const drift::Followed& error, int days) {
+  constexpr int kSteps = 12;  // of a band that bends little
+  v1::ErrorForecast course;
+  course.set_symbol(error.symbol);
+  course.set_unit(UnitOf(error.unit));
+  for (int i = 0; i <= kSteps; ++i) {
+    const base::UtcTime at = state.last_at + std::chrono::hours(24) * days * i / kSteps;
+    const absl::StatusOr<drift::Forecast> forecast = drift::ForecastOf(state, error.symbol, at);
+    if (!forecast.ok()) {
+      course.clear_points();
+      course.set_text("no forecast: " + std::string(forecast.status().message()));
+      break;
+    }
+    v1::ForecastPoint& point = *course.add_points();
+    point.set_at_utc_us(base::ToUtcUs(at));
+    point.set_value(forecast->value);
+    point.set_low(forecast->low);
+    point.set_high(forecast->high);
+  }
+  return course;
+}
+
+void AddForecasts(const drift::State& state, int days, v1::FindDriftResponse& response) {
+  std::vector<const drift::Followed*> errors;
+  for (const drift::Followed& error : state.errors) errors.push_back(&error);
+  std::sort(errors.begin(), errors.end(), [](const auto* a, const auto* b) { return a->symbol < b->symbol; });
+  for (const drift::Followed* const error : errors) *response.add_forecasts() = CourseOf(state, *error, days);
+}
+
 }  // namespace
 
 absl::StatusOr<v1::FindDriftResponse> FindDrift(Core& core, const Call& call, const v1::FindDriftRequest& request) {
   RETURN_IF_ERROR(convert::RequireText("machine_id", request.machine_id(), 1, 255));
   RETURN_IF_ERROR(CheckLimits(request));
+  if (request.forecast_days() < 0 || request.forecast_days() > kMostForecastDays) {
+    return convert::FieldError("forecast_days",
+                               absl::StrCat(request.forecast_days(), ", must be 0 to ", kMostForecastDays));
+  }
   const MachineId machine(request.machine_id());
   RETURN_IF_ERROR(core.database.GetMachine(machine).status());
   ASSIGN_OR_RETURN(
@@ -152,6 +187,7 @@ absl::StatusOr<v1::FindDriftResponse> FindDrift(Core& core, const Call& call, co
   for (const records::Mark& mark : history.marks) *response.add_marks() = convert::ToProto(mark);
   response.set_calibrations(static_cast<int32_t>(history.calibrations));
   for (const v1::DriftLimit& limit : request.limits()) *response.add_limits() = ForecastOf(history.state, limit);
+  if (request.forecast_days() > 0) AddForecasts(history.state, request.forecast_days(), response);
   return response;
 }
 

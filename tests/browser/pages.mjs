@@ -199,6 +199,12 @@ test("the sick machine stands first and says why", async () => {
   // What is due: a session that never came, and the calibration in use, whose age is known.
   await page.getByRole("row", { name: /session weekly, every 168 h never/ }).getByText("due", { exact: true }).waitFor();
   await page.getByRole("row", { name: /calibration in use, at most 90 days old/ }).waitFor();
+  // A forecast with its band, in the picture and as numbers.
+  assert.equal(await figure.locator(".foretold").count(), 0);
+  await page.getByRole("combobox", { name: "Forecast" }).selectOption("365");
+  await figure.locator(".foretold").waitFor();
+  assert.equal(await figure.getByRole("cell", { name: "Forecast, 90 %" }).count(), 13);
+  await judge(page, "a machine with its forecast");
   // Larger, and by keys through it.
   const width = async () => (await figure.locator("svg").boundingBox()).width;
   const before = await width();

@@ -126,6 +126,38 @@ TEST_F(Drift, AStepIsToldInWordsAndWhatWasNotApprovedDoesNotCount) {
   EXPECT_THAT(found.limits(2).text(), HasSubstr("no forecast"));
 }
 
+TEST_F(Drift, EachErrorIsForetoldWhereItIsAskedFor) {
+  StoreHistory();
+  v1::FindDriftRequest request;
+  request.set_machine_id("mt");
+  v1::FindDriftResponse found;
+  ASSERT_TRUE(Find(request, &found).ok());
+  EXPECT_EQ(found.forecasts_size(), 0);
+  request.set_forecast_days(180);
+  ASSERT_TRUE(Find(request, &found).ok());
+  std::map<std::string, v1::ErrorForecast> forecasts;
+  for (const v1::ErrorForecast& forecast : found.forecasts()) forecasts[forecast.symbol()] = forecast;
+  ASSERT_TRUE(forecasts.contains("EX0C"));
+  const auto& points = forecasts["EX0C"].points();
+  ASSERT_GT(points.size(), 2);
+  const base::UtcTime last = WeekOf(kWeeks - 2);  // the last that counts
+  EXPECT_EQ(points[0].at_utc_us(), base::ToUtcUs(last));
+  EXPECT_EQ(points[points.size() - 1].at_utc_us(), base::ToUtcUs(last + std::chrono::days(180)));
+  for (const v1::ForecastPoint& point : points) {
+    EXPECT_LT(point.low(), point.value());
+    EXPECT_GT(point.high(), point.value());
+    EXPECT_NEAR(point.value(), 10 + kJumpUm, 5);
+  }
+  const auto width = [](const v1::ForecastPoint& point) { return point.high() - point.low(); };
+  EXPECT_GT(width(points[points.size() - 1]), width(points[0]));  // it knows less of later
+  EXPECT_EQ(forecasts["EX0C"].text(), "");
+  EXPECT_EQ(forecasts["EX0C"].unit(), v1::ESTIMATE_UNIT_UM);
+  for (const int days : {-1, 1827}) {
+    request.set_forecast_days(days);
+    EXPECT_EQ(Find(request, &found).error_code(), grpc::StatusCode::INVALID_ARGUMENT) << days;
+  }
+}
+
 TEST_F(Drift, CandidatesCountWhereTheyAreAskedFor) {
   StoreHistory();
   v1::FindDriftRequest request;

@@ -5,7 +5,7 @@ import { all, calibrations, createJob, epoch, events, history, ingest, jsonOf, m
 import { known, open } from "../care";
 import { countText, dayText, numberText, sigmaText, timeText, unitText, valueText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import { DriftFindingKind, MarkKind, type DriftFinding, type DriftSeries, type FindDriftResponse, type Mark } from "../gen/axiscal/v1/history_service_pb";
+import { DriftFindingKind, MarkKind, type DriftFinding, type DriftSeries, type ErrorForecast, type FindDriftResponse, type Mark } from "../gen/axiscal/v1/history_service_pb";
 import { CloseLoopParamsSchema, IdentifyParamsSchema } from "../gen/axiscal/v1/job_pb";
 import { SessionState, type Session } from "../gen/axiscal/v1/session_pb";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
@@ -428,8 +428,15 @@ function Marks(props: { data: MachineData; machineId: string }) {
   );
 }
 
+const kForecastDays = [0, 90, 365, 1826];
+
 function History(props: { data: MachineData; machineId: string; limits: Map<string, [number, number]> }) {
   const { data } = props;
+  const [days, setDays] = useState(0);
+  const foretold = useLoad(`forecast ${props.machineId} ${days}`, async () =>
+    days === 0 ? undefined : history.findDrift({ machineId: props.machineId, countsCandidates: true, forecastDays: days }),
+  );
+  const forecasts = new Map<string, ErrorForecast>(foretold.data?.forecasts.map((one) => [one.symbol, one]));
   const shown = data.series.filter((s) => s.points.length > 0);
   const never = data.series.filter((s) => s.points.length === 0).map((s) => s.symbol);
   const times = shown.flatMap((s) => s.points.flatMap((p) => [p.firstUtcUs, p.lastUtcUs]));
@@ -438,7 +445,7 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
   const day = (text: string, otherwise: bigint, after = 0n) =>
     text === "" || Number.isNaN(Date.parse(text)) ? otherwise : BigInt(Date.parse(text)) * 1000n + after;
   const room = (ofTimes[1] - ofTimes[0]) / 50n + kDayUs / 2n;
-  const from = day(zoom[0], ofTimes[0] - room), to = day(zoom[1], ofTimes[1] + room, kDayUs);
+  const from = day(zoom[0], ofTimes[0] - room), to = day(zoom[1], ofTimes[1] + room + BigInt(days) * kDayUs, kDayUs);
   if (shown.length === 0) return null;
   const byId = new Map(data.list.map((c) => [c.calibrationId, c]));
   const approvals = data.list.filter((c) => c.approvedUtcUs !== undefined).map((c) => c.provenance?.measuredUtcUs ?? 0n);
@@ -455,7 +462,17 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
           {t("to")}
           <input type="date" value={zoom[1]} onInput={(event) => setZoom([zoom[0], event.currentTarget.value])} />
         </label>
+        <label>
+          {t("forecast")}
+          <select value={days} onChange={(event) => setDays(Number(event.currentTarget.value))}>
+            {kForecastDays.map((n) => (
+              <option value={n}>{n === 0 ? t("none") : t("forecastDays", { n: countText(n) })}</option>
+            ))}
+          </select>
+        </label>
       </div>
+      {days > 0 && <p role="status">{foretold.data ? t("forecastHelp") : foretold.problem ? "" : t("loading")}</p>}
+      {foretold.problem && <ProblemBox problem={foretold.problem} />}
       {to > from &&
         shown.map((series) => {
           const unit = unitText(series.unit);
@@ -477,6 +494,9 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
             });
           const n = series.points.reduce((sum, p) => sum + p.count, 0n);
           const caption = t("timeLineOf", { name: series.symbol, unit, n: countText(n) });
+          const forecast = forecasts.get(series.symbol);
+          const later = forecast?.points ?? [];
+          const told = t("forecast");
           return (
             <Figure
               name={`${props.machineId}-${series.symbol}`}
@@ -486,6 +506,7 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
               head={[t("time"), `${t("value")} (${unit})`, "95 % −", "95 % +", `1 σ (${unit})`, t("notes")]}
               rows={[
                 ...points.map((p) => [new Date(Number(p.us / 1000n)).toISOString(), p.value, p.low, p.high, p.sigma, ""]),
+                ...later.map((p) => [new Date(Number(p.atUtcUs / 1000n)).toISOString(), p.value, p.low, p.high, undefined, "forecast, 90 %"]),
                 ...data.drift.marks.map((m) => [new Date(Number(m.atUtcUs / 1000n)).toISOString(), undefined, undefined, undefined, undefined, m.note]),
               ]}
               shown={[
@@ -497,6 +518,7 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
                   p.sigma === undefined ? "–" : sigmaText(p.sigma),
                   "",
                 ]),
+                ...later.map((p) => [dayText(p.atUtcUs), numberText(p.value, 4), numberText(p.low, 4), numberText(p.high, 4), "–", `${told}, 90 %`]),
                 ...data.drift.marks.map((m) => [dayText(m.atUtcUs), "–", "–", "–", "–", `${markText(m)}: ${m.note}`]),
               ]}
             >
@@ -508,7 +530,7 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
                 marks={data.drift.marks
                   .filter((m) => m.symbols.length === 0 || m.symbols.includes(series.symbol))
                   .map((m) => ({ us: m.atUtcUs, label: `${dayText(m.atUtcUs)}, ${markText(m)}: ${m.note}` }))}
-                foretold={[]}
+                foretold={later.map((p) => ({ us: p.atUtcUs, value: p.value, low: p.low, high: p.high }))}
                 fromUs={from}
                 toUs={to}
                 limits={props.limits.get(series.symbol)}
@@ -516,6 +538,13 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
             </Figure>
           );
         })}
+      {[...forecasts.values()]
+        .filter((one) => one.text !== "")
+        .map((one) => (
+          <p>
+            {one.symbol}: <Server text={one.text} />
+          </p>
+        ))}
       {never.length > 0 && <p>{t("neverTold", { names: never.join(", ") })}</p>}
     </section>
   );
