@@ -28,10 +28,9 @@ TEST_F(Job, AJobKnowsTheTraceOfTheCallThatMadeIt) {
   const SessionId session = UploadSession("BX");
   client::Options options;
   options.trace_parent = absl::StrCat("00-", kTraceId, "-00f067aa0ba902b7-01");
-  const auto traced = client::Client::InProcess(channel(), options);
+  auto traced = client::Client::InProcess(channel(), options);
   ASSERT_OK(traced);
-  auto& other = const_cast<client::Client&>(*traced);
-  const auto made = other.CreateJob(records::IdentifyParams{MachineId("mt"), {session}, {}}, "one");
+  const auto made = traced->CreateJob(records::IdentifyParams{MachineId("mt"), {session}, {}}, "one");
   ASSERT_OK(made);
   EXPECT_THAT(made->trace, HasSubstr(kTraceId));
   EXPECT_EQ(made->trace.size(), 55u);
@@ -53,7 +52,7 @@ TEST_F(Job, CellsReportAndAreForgotten) {
   report.problem = "2 files were refused";
   report.waiting_files = 3;
   ASSERT_OK(client().ReportCell(report));
-  const auto cells = client().ListCells();
+  const auto cells = client().ListCells(std::nullopt);
   ASSERT_OK(cells);
   ASSERT_EQ(cells->rows.size(), 1u);
   EXPECT_EQ(cells->rows[0].report.name, "cell-7");
