@@ -1,21 +1,25 @@
 // axiscal figures: positioning, circular deviation, reversal and straightness of measured sessions.
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 
 #include "absl/strings/str_join.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
 #include "client/cli/machine_source.h"
+#include "client/cli/output_paths.h"
 #include "client/cli/session_choice.h"
 #include "core/base/units.h"
+#include "core/figures/eccentricities.h"
 #include "core/figures/figures.h"
 #include "core/identify/identify.h"
+#include "core/session/write_session.h"
 
 namespace axiscal::cli {
 namespace {
 
 struct FiguresArguments {
-  std::string machine;
+  std::string machine, eccentricities;
   std::vector<std::string> sessions;
 };
 
@@ -63,6 +67,9 @@ std::string TestText(const figures::MeasuredTest& test) {
 }
 
 absl::Status ShowFigures(Context& context, const FiguresArguments& arguments) {
+  std::vector<NamedPath> inputs = {{"--machine", arguments.machine}};
+  for (const std::string& name : arguments.sessions) inputs.emplace_back("SESSION", name);
+  RETURN_IF_ERROR(CheckOutputs(inputs, {{"--eccentricities", arguments.eccentricities}}));
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineFrom(context, arguments.machine));
   std::vector<session::Session> sessions;
   for (const std::string& name : arguments.sessions) {
@@ -77,7 +84,17 @@ absl::Status ShowFigures(Context& context, const FiguresArguments& arguments) {
     absl::StrAppend(&text, text.empty() ? "" : "\n", TestText(test));
   }
   for (const std::string& left_out : made.left_out) absl::StrAppend(&text, "left out: ", left_out, "\n");
-  context.Print({{"tests", tests}, {"left_out", made.left_out}}, text);
+  Json json = {{"tests", tests}, {"left_out", made.left_out}};
+  if (!arguments.eccentricities.empty()) {
+    ASSIGN_OR_RETURN(const session::Session session,
+                     figures::EccentricitySession(machine, sessions,
+                                                  std::filesystem::path(arguments.eccentricities).stem().string()));
+    RETURN_IF_ERROR(session::WriteSessionFile(session, arguments.eccentricities));
+    absl::StrAppend(&text, arguments.eccentricities, ": ", session.reading_count(), " eccentricities of ",
+                    sessions.size(), " runs\n");
+    json["eccentricities"] = arguments.eccentricities;
+  }
+  context.Print(json, text);
   if (made.tests.empty()) return absl::InvalidArgumentError("figures: none of these sessions has any");
   return absl::OkStatus();
 }
@@ -91,6 +108,10 @@ void AddFiguresCommand(CLI::App& app, Context& context) {
   command->add_option("SESSION", arguments->sessions, "session files, or stored sessions by number or name")
       ->required();
   command->add_option("--machine", arguments->machine, "a machine.json or a stored machine")->required();
+  command->add_option(
+      "--eccentricities", arguments->eccentricities,
+      "FILE.csv: of ball-bar runs in which one rotary axis turns, their eccentricities by run and sense as "
+      "a session");
   command->footer(
       "Both senses of a circle, and all of a line's approaches, make one test. Formulas, and what is assumed of the\n"
       "standards: docs/figures.md.\n"

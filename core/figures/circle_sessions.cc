@@ -1,10 +1,13 @@
 #include "core/figures/circle_sessions.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/base/units.h"
 #include "core/figures/noise.h"
 #include "core/machine/chain.h"
 
@@ -43,15 +46,41 @@ void AddEnvelope(const std::optional<Envelope>& envelope, const std::string& suf
   }
 }
 
-}  // namespace
-
-std::optional<std::string> AddCircle(const machine::Machine& machine, const MeasuringRun& run,
-                                     std::map<std::string, Circle>* circles) {
+// From the table ball to the tool ball at each reading, table's frame, of the nominal machine.
+std::vector<Eigen::Vector3d> BarsOf(const machine::Machine& machine, const MeasuringRun& run) {
   std::vector<Eigen::Vector3d> bars;
   for (int k = 0; k < run.reading_count(); ++k) {
     const auto pose = machine::EvaluateChain<double>(machine, run.PositionsOf(k), machine::JointErrors<double>());
     bars.push_back(machine::TipInTable(pose, run.tip_mm) - run.ball_mm);
   }
+  return bars;
+}
+
+void AddReadings(const MeasuringRun& run, const std::vector<Eigen::Vector3d>& bars, const Plane& plane,
+                 Circle* circle) {
+  circle->radius_mm = run.bar_length_mm;
+  circle->runs.push_back(&run);
+  const auto angle_of = [&](int k) { return std::atan2(bars[k].dot(plane.second), bars[k].dot(plane.first)); };
+  for (int k = 0; k < run.reading_count(); ++k) {
+    // The way to this reading, of the first one the way from it.
+    const int to = std::max(1, k);
+    const double turn = std::remainder(angle_of(to) - angle_of(to - 1), 2.0 * M_PI);
+    const int sense = turn >= 0.0 ? 0 : 1;
+    circle->of_sense[sense].push_back({angle_of(k), run.measured_mm(0, k)});
+    circle->sigma_mm[sense].push_back(run.sigma_mm);
+    for (const instruments::StatedEffect& effect : run.stated) {
+      std::vector<double>& by_sigma_mm = circle->stated_mm[sense][effect.of];
+      by_sigma_mm.resize(circle->sigma_mm[sense].size(), 0.0);
+      by_sigma_mm.back() = effect.by_sigma_mm(0, k);
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> AddCircle(const machine::Machine& machine, const MeasuringRun& run,
+                                     std::map<std::string, Circle>* circles) {
+  const std::vector<Eigen::Vector3d> bars = BarsOf(machine, run);
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   double farthest = 0.0;
   for (const Eigen::Vector3d& bar : bars) {
@@ -69,29 +98,53 @@ std::optional<std::string> AddCircle(const machine::Machine& machine, const Meas
   }
   Circle& circle = (*circles)[Key(run, plane.name)];
   circle.plane = plane.name;
-  circle.radius_mm = run.bar_length_mm;
-  circle.runs.push_back(&run);
-  const auto angle_of = [&](int k) { return std::atan2(bars[k].dot(plane.second), bars[k].dot(plane.first)); };
-  for (int k = 0; k < run.reading_count(); ++k) {
-    // The way to this reading, of the first one the way from it.
-    const int to = std::max(1, k);
-    const double turn = std::remainder(angle_of(to) - angle_of(to - 1), 2.0 * M_PI);
-    const int sense = turn >= 0.0 ? 0 : 1;
-    circle.of_sense[sense].push_back({angle_of(k), run.measured_mm(0, k)});
-    circle.sigma_mm[sense].push_back(run.sigma_mm);
-    for (const instruments::StatedEffect& effect : run.stated) {
-      std::vector<double>& by_sigma_mm = circle.stated_mm[sense][effect.of];
-      by_sigma_mm.resize(circle.sigma_mm[sense].size(), 0.0);
-      by_sigma_mm.back() = effect.by_sigma_mm(0, k);
-    }
+  AddReadings(run, bars, plane, &circle);
+  return std::nullopt;
+}
+
+std::optional<std::string> AddCone(const machine::Machine& machine, const MeasuringRun& run,
+                                   std::map<std::string, Circle>* circles) {
+  const std::vector<Eigen::Vector3d> bars = BarsOf(machine, run);
+  // The ends of the bar lie in a plane across the cone's axis: the direction in which they scatter least.
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& bar : bars) mean += bar.normalized() / static_cast<double>(bars.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& bar : bars) {
+    const Eigen::Vector3d off = bar.normalized() - mean;
+    scatter += off * off.transpose();
   }
+  Eigen::Vector3d axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+  // Away from the ball on the table where the bar opens that way; else along the machine axis that is nearest.
+  constexpr double kFlat = 0.01;
+  int nearest = 0;
+  axis.cwiseAbs().maxCoeff(&nearest);
+  const double along = std::abs(mean.dot(axis)) > kFlat ? mean.dot(axis) : axis[nearest];
+  if (along < 0.0) axis = -axis;
+  constexpr double kSame = 0.02;  // of the bar's length: a degree
+  for (const Eigen::Vector3d& bar : bars) {
+    if (std::abs(bar.normalized().dot(axis) - mean.dot(axis)) > kSame)
+      return "the bar does not go round at a constant angle to an axis of the table";
+  }
+  const double half_deg = std::acos(std::clamp(mean.dot(axis), -1.0, 1.0)) * base::kDegPerRad;
+  constexpr double kLeastDeg = 1.0;
+  if (half_deg < kLeastDeg || mean.norm() > std::cos(kLeastDeg * base::kRadPerDeg))
+    return "the bar does not go round as the table sees it";
+  const Eigen::Vector3d first = (bars.front() - bars.front().dot(axis) * axis).normalized();
+  const Eigen::Vector3d shown = (axis * 100.0).array().round().matrix() / 100.0 + Eigen::Vector3d::Zero();
+  const std::string name = absl::StrFormat("half angle %.0f deg about (%.2f %.2f %.2f)", half_deg, shown.x() + 0.0,
+                                           shown.y() + 0.0, shown.z() + 0.0);
+  Circle& circle = (*circles)[Key(run, name)];
+  circle.plane = name;
+  circle.is_cone = true;
+  AddReadings(run, bars, {name, first, axis.cross(first)}, &circle);
   return std::nullopt;
 }
 
 MeasuredTest CircleTest(const Circle& circle) {
   MeasuredTest test;
-  test.kind = "circle";
-  test.what = absl::StrFormat("circle %s, radius %g mm", circle.plane, circle.radius_mm);
+  test.kind = circle.is_cone ? "cone" : "circle";
+  test.what = absl::StrFormat(circle.is_cone ? "cone of %s, bar %g mm" : "circle %s, radius %g mm", circle.plane,
+                              circle.radius_mm);
   for (const MeasuringRun* run : circle.runs) test.sessions.push_back(run->session);
   test.temperature_celsius = MeanTemperature(circle.runs);
   NoteStated(circle.runs, &test.notes);

@@ -1,4 +1,6 @@
-// Figures of ball-bar sessions in which two linear axes move on a circle.
+// Figures of ball-bar sessions in which two linear axes move on a circle, or in which axes of both kinds take the bar
+// round a cone: as when the envelope of a cone is milled, the path seen from the table (ISO 10791-6 has such tests; its
+// text was not at hand, and the names are *assumed*).
 #ifndef AXISCAL_CORE_FIGURES_CIRCLE_SESSIONS_H_
 #define AXISCAL_CORE_FIGURES_CIRCLE_SESSIONS_H_
 
@@ -12,9 +14,10 @@
 
 namespace axiscal::figures {
 
-// Sessions of one circle: plane, radius, ball and tool alike.
+// Sessions of one circle or cone: plane or axis, radius, ball and tool alike.
 struct Circle {
-  std::string plane;  // "XY"
+  bool is_cone = false;
+  std::string plane;  // "XY"; of a cone "half angle 30 deg about (0 0 1)"
   double radius_mm = 0.0;
   std::vector<const instruments::MeasuringRun*> runs;
   std::vector<CirclePoint> of_sense[2];  // counter-clockwise, clockwise
@@ -27,6 +30,11 @@ struct Circle {
 // the machine, and nothing is added.
 std::optional<std::string> AddCircle(const machine::Machine& machine, const instruments::MeasuringRun& run,
                                      std::map<std::string, Circle>* circles);
+
+// The same of a bar that goes round in the table's frame at a constant angle to the mean of its directions (a cone; at
+// 90 deg the circle that is across), in the sense of a right-handed turn about that axis.
+std::optional<std::string> AddCone(const machine::Machine& machine, const instruments::MeasuringRun& run,
+                                   std::map<std::string, Circle>* circles);
 
 MeasuredTest CircleTest(const Circle& circle);
 

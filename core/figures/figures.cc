@@ -9,6 +9,8 @@
 #include "absl/strings/str_join.h"
 #include "core/figures/axis_sessions.h"
 #include "core/figures/circle_sessions.h"
+#include "core/figures/eccentricities.h"
+#include "core/figures/rotary_sessions.h"
 
 namespace axiscal::figures {
 namespace {
@@ -28,11 +30,6 @@ std::vector<int> MovingAxes(const MeasuringRun& run) {
     if (high - low > kStill) axes.push_back(i);
   }
   return axes;
-}
-
-bool AreLinear(const machine::Machine& machine, const std::vector<int>& axes) {
-  return std::all_of(axes.begin(), axes.end(),
-                     [&](int axis) { return machine.axes[axis].kind == machine::AxisKind::kLinear; });
 }
 
 // As it would read at 20 deg C by what its header states; how uncertain that is stays in `stated`.
@@ -71,8 +68,23 @@ Figures FiguresOf(const machine::Machine& machine, const std::vector<MeasuringRu
   };
   for (const MeasuringRun& run : runs) {
     const std::vector<int> moving = run.path_readings == nullptr ? MovingAxes(run) : std::vector<int>();
-    if (run.kind == Kind::kBallbar && moving.size() == 2 && AreLinear(machine, moving)) {
-      if (const auto why = AddCircle(machine, run, &circles)) leave_out(run, *why);
+    std::vector<int> turning;
+    for (const int axis : moving)
+      if (machine.axes[axis].kind == machine::AxisKind::kRotary) turning.push_back(axis);
+    if (run.kind == Kind::kBallbar && !moving.empty() && (turning.size() > 0 || moving.size() == 2)) {
+      const auto why = turning.empty() ? AddCircle(machine, run, &circles) : AddCone(machine, run, &circles);
+      // A bar that is held while one axis turns draws a polar trace, whether it goes round in the table's eyes or not.
+      const auto found = turning.size() == 1 ? EccentricitiesOf(machine, run)
+                                             : absl::StatusOr<RunEccentricities>(absl::InvalidArgumentError(""));
+      if (found.ok()) out.tests.push_back(EccentricityTest(machine, run, *found));
+      if (why && !found.ok()) leave_out(run, *why);
+    } else if (run.kind == Kind::kRtest && turning.size() == 1) {
+      auto test = RotaryTest(machine, run, turning[0]);
+      if (test.ok()) {
+        out.tests.push_back(*std::move(test));
+      } else {
+        leave_out(run, std::string(test.status().message()));
+      }
     } else if (run.kind != Kind::kBallbar && moving.size() == 1) {
       auto test = AxisTest(machine, run, moving[0]);
       if (test.ok()) {
@@ -81,7 +93,9 @@ Figures FiguresOf(const machine::Machine& machine, const std::vector<MeasuringRu
         leave_out(run, std::string(test.status().message()));
       }
     } else {
-      leave_out(run, "figures are known of ball-bar circles of two linear axes, and of one axis that moves alone");
+      leave_out(run,
+                "figures are known of ball-bar circles and cones, of an R-test with one rotary axis, and of one axis "
+                "that moves alone");
     }
   }
   for (const auto& [key, circle] : circles) out.tests.push_back(CircleTest(circle));

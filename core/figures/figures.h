@@ -1,6 +1,6 @@
 // The figures that users are asked for, computed from measured sessions as they are: no model of the machine, no set-up
-// but the circle's centre and the line's place. Circles of a ball bar (circular.h), sessions in which one axis moves
-// alone (positioning.h, line.h).
+// but the circle's centre and the line's place. Circles and cones of a ball bar (circular.h), sessions in which one
+// axis moves alone (positioning.h, line.h), R-tests of one rotary axis (rotary_sessions.h).
 #ifndef AXISCAL_CORE_FIGURES_FIGURES_H_
 #define AXISCAL_CORE_FIGURES_FIGURES_H_
 
@@ -25,7 +25,8 @@ struct Figure {
 };
 
 struct MeasuredTest {
-  std::string kind;                   // "circle", "line", "turn" of a rotary axis
+  std::string kind;                   // "circle", "cone", "line", "turn" of a rotary axis, "rotary" by an R-test,
+                                      // "eccentricity" of a trace
   std::string what;                   // "circle XY, radius 150 mm", "axis X from 0 to 500 mm"
   std::string unit = "um";            // of the figures as they are shown; "urad" where `_mm` below are mm per metre
   std::vector<std::string> sessions;  // it is made of

@@ -1,6 +1,5 @@
 #include "core/instruments/eccentricity/eccentricity_bind.h"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <map>
 
@@ -27,28 +26,6 @@ absl::StatusOr<std::map<std::string, Path>> PathsOf(const machine::Machine& mach
       return absl::InvalidArgumentError("header 'path " + name + "' stands twice, expected once");
   }
   return paths;
-}
-
-// Which components a run's axis shows: those of its polar plane.
-bool Shows(const machine::Machine& machine, const Path& path, int component) {
-  return std::abs(machine.axes[path.axis].direction[component]) < 0.5;
-}
-
-// Least squares of dL = r0 + e.p with a free radius: 2 x angles for the two components of the plane, in rows of 3.
-Eigen::Matrix3Xd Weights(const machine::Machine& machine, const Path& path) {
-  const Eigen::Matrix3Xd directions = PolarDirections(machine, path);
-  Eigen::MatrixX3d design(directions.cols(), 3);
-  int components[2], count = 0;
-  for (int c = 0; c < 3; ++c) {
-    if (Shows(machine, path, c)) components[count++] = c;
-  }
-  design << Eigen::VectorXd::Ones(directions.cols()), directions.row(components[0]).transpose(),
-      directions.row(components[1]).transpose();
-  const Eigen::MatrixXd solved = design.completeOrthogonalDecomposition().pseudoInverse();  // 3 x angles
-  Eigen::Matrix3Xd weights = Eigen::Matrix3Xd::Zero(3, directions.cols());
-  weights.row(components[0]) = solved.row(1);
-  weights.row(components[1]) = solved.row(2);
-  return weights;
 }
 
 // The ball bar's run along a path: there (sense 1), back (-1), or without backlash (0).
@@ -143,7 +120,7 @@ class Binder {
     const auto known = trace_of_.find(key);
     if (known != trace_of_.end()) return known->second;
     ASSIGN_OR_RETURN(MeasuringRun trace, TraceOf(machine_, path, sense, *run_));
-    weights_.emplace(path.name, Weights(machine_, path));
+    weights_.emplace(path.name, CentreWeights(machine_, path, AnglesOf(path)));
     out_.traces.push_back(std::move(trace));
     return trace_of_[key] = static_cast<int>(out_.traces.size()) - 1;
   }

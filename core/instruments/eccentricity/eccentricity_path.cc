@@ -1,11 +1,14 @@
 #include "core/instruments/eccentricity/eccentricity_path.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "core/base/units.h"
 #include "core/instruments/centres/centres_model.h"
+#include "core/instruments/run.h"
 #include "core/machine/chain.h"
 
 namespace axiscal::eccentricity {
@@ -90,17 +93,103 @@ absl::StatusOr<std::vector<double>> CommandsOf(const machine::Machine& machine, 
   return commands;
 }
 
-Eigen::Matrix3Xd PolarDirections(const machine::Machine& machine, const Path& path) {
+Eigen::Matrix3Xd PolarDirections(const machine::Machine& machine, const Path& path, const std::vector<double>& angles) {
   const Eigen::Vector3d& direction = machine.axes[path.axis].direction;
   int along = 0;
   direction.cwiseAbs().maxCoeff(&along);
   const Eigen::Vector3d reference = Eigen::Vector3d::Unit((along + 1) % 3);
-  const std::vector<double> angles = AnglesOf(path);
   Eigen::Matrix3Xd directions(3, angles.size());
   for (size_t k = 0; k < angles.size(); ++k)
     directions.col(k) = std::cos(angles[k]) * reference + std::sin(angles[k]) * direction.cross(reference);
   directions.row(along).setZero();
   return directions;
+}
+
+bool Shows(const machine::Machine& machine, const Path& path, int component) {
+  return std::abs(machine.axes[path.axis].direction[component]) < 0.5;
+}
+
+Eigen::Matrix3Xd CentreWeights(const machine::Machine& machine, const Path& path, const std::vector<double>& angles,
+                               Eigen::RowVectorXd* radius) {
+  const Eigen::Matrix3Xd directions = PolarDirections(machine, path, angles);
+  Eigen::MatrixX3d design(directions.cols(), 3);
+  int components[2], count = 0;
+  for (int c = 0; c < 3; ++c) {
+    if (Shows(machine, path, c)) components[count++] = c;
+  }
+  design << Eigen::VectorXd::Ones(directions.cols()), directions.row(components[0]).transpose(),
+      directions.row(components[1]).transpose();
+  const Eigen::MatrixXd solved = design.completeOrthogonalDecomposition().pseudoInverse();  // 3 x angles
+  Eigen::Matrix3Xd weights = Eigen::Matrix3Xd::Zero(3, directions.cols());
+  weights.row(components[0]) = solved.row(1);
+  weights.row(components[1]) = solved.row(2);
+  if (radius != nullptr) *radius = solved.row(0);
+  return weights;
+}
+
+std::string ToText(const machine::Machine& machine, const Path& path) {
+  std::string text = absl::StrFormat("%s %.10g %.10g %s %.6g %.6g %.6g", machine.axes[path.axis].name,
+                                     path.from_rad * base::kDegPerRad, path.to_rad * base::kDegPerRad,
+                                     path.is_turning ? "turning" : "fixed", path.bar.x() + 0.0, path.bar.y() + 0.0,
+                                     path.bar.z() + 0.0);
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    if (path.at_rest_rad[axis] != 0.0)
+      absl::StrAppendFormat(&text, " %s %.10g", machine.axes[axis].name, path.at_rest_rad[axis] * base::kDegPerRad);
+  }
+  return text;
+}
+
+absl::StatusOr<Path> PathOf(const machine::Machine& machine, const instruments::MeasuringRun& run) {
+  Path path;
+  path.name = run.session;
+  path.at_rest_rad.assign(machine.axis_count(), 0.0);
+  int turning = 0;
+  for (int axis = 0; axis < machine.axis_count(); ++axis) {
+    if (machine.axes[axis].kind != machine::AxisKind::kRotary) continue;
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < run.reading_count(); ++k) {
+      low = std::min(low, run.PositionsOf(k)[axis]);
+      high = std::max(high, run.PositionsOf(k)[axis]);
+    }
+    constexpr double kStill = 1e-6;
+    if (high - low <= kStill) {
+      path.at_rest_rad[axis] = low;
+      continue;
+    }
+    ++turning;
+    path.axis = axis;
+    path.from_rad = low;
+    path.to_rad = high;
+  }
+  if (turning != 1) return absl::InvalidArgumentError("not one rotary axis turns alone");
+  // A whole turn whose last reading stands a step before its end.
+  constexpr double kWhole = 2.0 * std::numbers::pi;
+  const double step = (path.to_rad - path.from_rad) / std::max(1, run.reading_count() / 2);
+  if (path.to_rad - path.from_rad > kWhole - 2.0 * step) path.to_rad = path.from_rad + kWhole;
+  Eigen::Vector3d fixed = Eigen::Vector3d::Zero(), turned = fixed;
+  bool is_fixed = true, is_turned = true;
+  for (int k = 0; k < run.reading_count(); ++k) {
+    const double angle_rad = run.PositionsOf(k)[path.axis];
+    const auto pose = machine::EvaluateChain<double>(machine, run.PositionsOf(k), {});
+    const Eigen::Vector3d bar =
+        (pose.bed_from_table.rotation * (machine::TipInTable(pose, run.tip_mm) - run.ball_mm)).normalized();
+    const Eigen::Vector3d back = Eigen::AngleAxisd(-angle_rad, machine.axes[path.axis].direction) * bar;
+    if (k == 0) {
+      fixed = bar;
+      turned = back;
+    }
+    constexpr double kSame = 0.01;  // of the bar's length
+    is_fixed &= (bar - fixed).norm() < kSame;
+    is_turned &= (back - turned).norm() < kSame;
+  }
+  if (!is_fixed && !is_turned)
+    return absl::InvalidArgumentError("the bar's direction neither stays nor turns with " +
+                                      machine.axes[path.axis].name);
+  path.is_turning = !is_fixed;
+  path.bar = path.is_turning ? turned : fixed;
+  constexpr double kDigits = 1e4;  // the rounding of commands is no direction
+  path.bar = (path.bar * kDigits).array().round().matrix().normalized();
+  return ParsePath(machine, path.name, ToText(machine, path));
 }
 
 }  // namespace axiscal::eccentricity

@@ -8,6 +8,10 @@
 
 #include "core/machine/machine.h"
 
+namespace axiscal::instruments {
+struct MeasuringRun;
+}
+
 namespace axiscal::eccentricity {
 
 // `# path NAME: AXIS FROM TO fixed|turning UX UY UZ [AXIS ANGLE ...]`, deg: the axis turns from FROM to TO; the tool
@@ -25,6 +29,13 @@ struct Path {
 // INVALID_ARGUMENT naming the key, the text and the rule.
 absl::StatusOr<Path> ParsePath(const machine::Machine& machine, const std::string& name, const std::string& text);
 
+// The text that ParsePath reads.
+std::string ToText(const machine::Machine& machine, const Path& path);
+
+// The path that a measured ball-bar run went, named after its session: one rotary axis turns, the bar's direction stays
+// or turns with it. INVALID_ARGUMENT with what does not fit.
+absl::StatusOr<Path> PathOf(const machine::Machine& machine, const instruments::MeasuringRun& run);
+
 // The angles at which the trace is taken: every degree or less; a whole turn without its end.
 std::vector<double> AnglesOf(const Path& path);
 
@@ -37,7 +48,13 @@ absl::StatusOr<std::vector<double>> CommandsOf(const machine::Machine& machine, 
 // The plane of the polar trace: dL at angle q is drawn in the direction cos q r + sin q (d x r), d the axis' direction
 // and r the machine axis after it (C: x, B: z, A: y), so that C has (cos q, sin q) in (x, y) and B (sin q, cos q) in
 // (x, z), as Yao 2022 has them. 3 x angles, rows x y z.
-Eigen::Matrix3Xd PolarDirections(const machine::Machine& machine, const Path& path);
+Eigen::Matrix3Xd PolarDirections(const machine::Machine& machine, const Path& path, const std::vector<double>& angles);
+// Least squares of dL = r0 + e . p(q) with a free radius: e = weights dL, 3 x angles; the row that the axis does not
+// show is zero. `radius`, where asked: the weights of r0, 1 x angles.
+Eigen::Matrix3Xd CentreWeights(const machine::Machine& machine, const Path& path, const std::vector<double>& angles,
+                               Eigen::RowVectorXd* radius = nullptr);
+// Whether the run's axis shows component 0 1 2 (x y z): those of its polar plane.
+bool Shows(const machine::Machine& machine, const Path& path, int component);
 
 }  // namespace axiscal::eccentricity
 

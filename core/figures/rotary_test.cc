@@ -1,0 +1,165 @@
+// Figures of rotary axes: an R-test of one, and a bar that goes round a cone.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
+
+#include "core/base/units.h"
+#include "core/figures/rotary_sessions.h"
+#include "core/instruments/centres/centres_model.h"
+#include "core/machine/error_json.h"
+#include "core/machine/testing/machines.h"
+#include "core/synthetic/simulate.h"
+
+namespace axiscal::figures {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+// Rotary positions in deg by axis, and where the tool point stands from the ball, table's frame.
+struct Pose {
+  std::map<std::string, double> rotary_deg;
+  Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();
+};
+
+session::Session Planned(const machine::Machine& machine, const std::string& instrument, const std::vector<Pose>& poses,
+                         const Eigen::Vector3d& ball_mm) {
+  session::Session session;
+  session.header = {{"machine", machine.id},
+                    {"session", "s"},
+                    {"instrument", instrument},
+                    {"sigma_um", "0.2"},
+                    {"tool_tip_mm", "0 0 -300"},
+                    {"table_ball_mm", absl::StrFormat("%g %g %g", ball_mm.x(), ball_mm.y(), ball_mm.z())}};
+  if (instrument == "ballbar") session.header.push_back({"bar_length_mm", "100"});
+  session.columns = {{"t_s", {}, {}}};
+  for (const machine::Axis& axis : machine.axes)
+    session.columns.push_back({axis.name + (axis.kind == machine::AxisKind::kLinear ? "_mm" : "_deg"), {}, {}});
+  for (size_t k = 0; k < poses.size(); ++k) {
+    std::vector<double> at(machine.axes.size(), 0.0);
+    for (const auto& [name, deg] : poses[k].rotary_deg)
+      at[static_cast<size_t>(machine::FindAxis(machine, name))] = deg * base::kRadPerDeg;
+    EXPECT_TRUE(centres::SolveNominalCommands(machine, {0, 0, -300}, ball_mm + poses[k].offset_mm, at.data()).ok());
+    session.columns[0].values.push_back(static_cast<double>(k));
+    for (size_t i = 0; i < at.size(); ++i) {
+      const double unit = machine.axes[i].kind == machine::AxisKind::kRotary ? base::kDegPerRad : 1.0;
+      session.columns[1 + i].values.push_back(std::round(at[i] * unit * 1e4) / 1e4);
+    }
+  }
+  return session;
+}
+
+MeasuredTest TestOf(const machine::Machine& machine, const session::Session& planned, const std::string& errors) {
+  synthetic::NoiseOptions exact;
+  exact.sigma_scale = 0.0;
+  exact.draw_setup = false;
+  const auto session =
+      synthetic::Simulate(machine, machine::ReadErrors(errors, machine).value(), planned, exact).value();
+  const Figures figures = FiguresOf(machine, {instruments::BindSession(session, machine).value()});
+  EXPECT_THAT(figures.left_out, SizeIs(0)) << figures.left_out.front();
+  EXPECT_THAT(figures.tests, SizeIs(1));
+  return figures.tests.front();
+}
+
+double Um(const MeasuredTest& test, const std::string& symbol) {
+  for (const Figure& figure : test.figures)
+    if (figure.symbol == symbol) return figure.value_mm * base::kUmPerMm;
+  ADD_FAILURE() << test.what << " has no " << symbol;
+  return NAN;
+}
+
+std::vector<Pose> ThereAndBack(const std::string& axis, double from_deg, double to_deg, int steps) {
+  std::vector<Pose> poses;
+  const auto add = [&](int k) { poses.emplace_back().rotary_deg[axis] = from_deg + (to_deg - from_deg) * k / steps; };
+  for (int k = 0; k <= steps; ++k) add(k);
+  for (int k = steps; k >= 0; --k) add(k);
+  return poses;
+}
+
+constexpr double kRoundingUm = 0.15;  // of commands to 0.1 um, and second order
+
+// A table whose angle is off by 50 urad cos C at a radius of 200 mm: 10 um tangentially, a range of 20.
+TEST(Rotary, ATablesAngleIsTangential) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const session::Session planned = Planned(machine, "rtest", ThereAndBack("C", 0, 360, 72), {200, 0, 50});
+  const MeasuredTest test =
+      TestOf(machine, planned,
+             R"({"terms": [{"symbol": "ECC", "shape": "harmonic", "order": 1, "amplitude": 50, "phase_deg": 0}]})");
+  EXPECT_EQ(test.kind, "rotary");
+  EXPECT_EQ(test.what, "R-test of C from 0 to 360 deg");
+  EXPECT_NEAR(Um(test, "E tan"), 20.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E rad"), 0.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E ax"), 0.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E Y"), 20.0, kRoundingUm);  // the ball stands along the table's x
+  EXPECT_NEAR(Um(test, "E X(up)"), 0.0, kRoundingUm);
+}
+
+// C stands 12 um beside its place: once round in the table's frame, a range of 24 radially and tangentially.
+TEST(Rotary, AnOffsetAxisIsRadialAndTangential) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const MeasuredTest test =
+      TestOf(machine, Planned(machine, "rtest", ThereAndBack("C", 0, 360, 72), {200, 0, 50}), R"({"EX0C": 12})");
+  EXPECT_NEAR(Um(test, "E rad"), 24.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E tan(down)"), 24.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E ax"), 0.0, kRoundingUm);
+}
+
+// A head's B with 8 um of play at its angle's end: backlash of 40 urad at 300 mm is 12 um tangentially, between senses.
+TEST(Rotary, AHeadsPlayIsBetweenTheSenses) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const MeasuredTest test = TestOf(machine, Planned(machine, "rtest", ThereAndBack("B", -90, 90, 36), {200, 0, 50}),
+                                   R"({"terms": [{"symbol": "EBB", "shape": "backlash", "amplitude": 40}]})");
+  EXPECT_NEAR(Um(test, "E tan"), 12.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E tan(up)"), 0.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E tan(down)"), 0.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E rad"), 0.0, kRoundingUm);
+}
+
+TEST(Rotary, ABallOnTheAxisHasNoRadialDirection) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const session::Session planned = Planned(machine, "rtest", ThereAndBack("C", 0, 360, 12), {0, 0, 50});
+  const auto session = synthetic::Simulate(machine, {}, planned, {}).value();
+  const Figures figures = FiguresOf(machine, {instruments::BindSession(session, machine).value()});
+  ASSERT_THAT(figures.left_out, SizeIs(1));
+  EXPECT_THAT(figures.left_out[0], HasSubstr("the ball stands on C"));
+}
+
+// A bar that goes round a cone of 30 deg about a tilted axis while B swings and C turns.
+std::vector<Pose> Cone() {
+  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 0, 1).normalized(), across = axis.unitOrthogonal();
+  std::vector<Pose> poses;
+  for (int sense : {1, -1}) {
+    for (int k = 0; k <= 120; ++k) {
+      const double t = sense * k * 3.0 * base::kRadPerDeg;
+      const Eigen::Vector3d out = Eigen::AngleAxisd(t, axis) * across;
+      Pose& pose = poses.emplace_back();
+      pose.rotary_deg = {{"B", 15.0 * std::sin(t)}, {"C", 20.0 * std::cos(t)}};
+      pose.offset_mm = 100.0 * (std::cos(30 * base::kRadPerDeg) * axis + std::sin(30 * base::kRadPerDeg) * out);
+    }
+  }
+  return poses;
+}
+
+TEST(Cone, TheBarIsReadAroundTheConesAxis) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const session::Session planned = Planned(machine, "ballbar", Cone(), {40, 0, 50});
+  const MeasuredTest perfect = TestOf(machine, planned, "{}");
+  EXPECT_EQ(perfect.kind, "cone");
+  EXPECT_EQ(perfect.what, "cone of half angle 30 deg about (0.20 0.00 0.98), bar 100 mm");
+  constexpr double kOfAnglesUm = 0.6;  // commands of rotary axes to 0.0001 deg at 300 mm
+  EXPECT_NEAR(Um(perfect, "G ccw"), 0.0, kOfAnglesUm);
+  EXPECT_NEAR(Um(perfect, "G cw"), 0.0, kOfAnglesUm);
+  // A ball that stands elsewhere on the table moves the centre, and is no error of the circle.
+  session::Session moved = planned;
+  for (session::HeaderEntry& entry : moved.header)
+    if (entry.key == "table_ball_mm") entry.value = "40.01 0 50";
+  EXPECT_LT(Um(TestOf(machine, moved, "{}"), "G ccw"), kOfAnglesUm);
+  // Out of square by 100 urad: of the length 100 (u_x u_y) 1e-4 mm, twice per turn.
+  EXPECT_GT(Um(TestOf(machine, planned, R"({"EC0X": 100})"), "G ccw"), 1.0);
+}
+
+}  // namespace
+}  // namespace axiscal::figures
