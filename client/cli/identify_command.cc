@@ -212,7 +212,8 @@ void AddIdentifyCommand(CLI::App& app, Context& context) {
   CLI::App* identify =
       app.add_subcommand("identify", "Find a machine's errors from its sessions; makes a candidate calibration");
   identify->add_option("--machine", arguments->machine, "the machine")->required();
-  identify->add_option("--sessions", arguments->sessions, "sessions to use, by number or name")->delimiter(',');
+  identify->add_option("SESSIONS,--sessions", arguments->sessions, "sessions to use, by number or name")
+      ->delimiter(',');
   identify->add_flag("--all", arguments->all, "use every complete session of the machine");
   CLI::Option* const declare = identify->add_option(
       "--declare", arguments->declared,

@@ -111,6 +111,11 @@ Match MatchTagged(const LinePattern& pattern, std::string_view line) {
 
 // The end of a text: where the next literal begins, or the line's end.
 size_t TextEnd(const LinePattern& pattern, size_t piece, std::string_view line, size_t at) {
+  if (pattern.pieces[piece].ends_at_blank) {
+    at = SkipBlanks(line, at);
+    while (at < line.size() && !IsBlank(line[at])) ++at;
+    return at;
+  }
   if (piece + 1 >= pattern.pieces.size() || pattern.pieces[piece + 1].literal.empty()) return line.size();
   for (; at < line.size(); ++at) {
     size_t failed = 0;
@@ -174,8 +179,10 @@ absl::StatusOr<LinePattern> ParsePattern(const std::string& text) {
     if (piece.field.empty()) return refuse("'{}' names no field");
     if (piece.field != "*" && !names.insert(piece.field).second)
       return refuse("field '" + piece.field + "' stands twice, expected once");
-    if (!pattern.pieces.empty() && pattern.pieces.back().is_text && piece.literal.empty())
-      return refuse("nothing tells where '{" + pattern.pieces.back().field + "}' ends");
+    if (!pattern.pieces.empty() && pattern.pieces.back().is_text && piece.literal.empty()) {
+      if (open == at) return refuse("nothing tells where '{" + pattern.pieces.back().field + "}' ends");
+      pattern.pieces.back().ends_at_blank = true;
+    }
     pattern.pieces.push_back(std::move(piece));
     at = close + 1;
   }

@@ -1,6 +1,7 @@
 // One form of a line in a controller's log: literal text and fields in braces, "X{X_mm} Y{Y_mm} Z{Z_mm}".
 //   {NAME}   a number, or for a name of `text_fields` a text up to the next literal
-//   {*}      anything, passed over
+//   {*}      anything, passed over; it, too, ends where the next literal begins, or where nothing but a blank parts it
+//            from the next field, at the next blank: "{*} {L_mm}"
 // Blanks of the pattern stand for any number of blanks, none included. Controllers pad numbers: blanks may stand before
 // a number and between its sign and its digits ("X-  390.0000"). Where every field is a number with a tag of letters of
 // its own before it, the fields may come in any order.
@@ -19,6 +20,7 @@ struct Piece {
   std::string literal;  // before the field; blanks at its ends are dropped
   std::string field;    // "X_mm", "*", or empty behind the last field
   bool is_text = false;
+  bool ends_at_blank = false;  // of a text: a blank alone parts it from the next field
 };
 
 struct LinePattern {

@@ -79,8 +79,21 @@ TEST(LinePattern, FieldsWithoutTagsStandInOrder) {
   EXPECT_FALSE(MatchLine(Pattern("Feature Model"), "Feature Model PLANE").is_match);
 }
 
+// Tables of columns with blanks between: a text is then one word.
+TEST(LinePattern, ATextEndsAtABlankWhereNothingElsePartsTheFields) {
+  const LinePattern table = Pattern("{*} {L_mm} {*} {temp_C}");
+  const Match match = MatchLine(table, "  -270.000\t-267.88475  ok 18.00");
+  ASSERT_TRUE(match.is_match) << match.column << match.expected;
+  EXPECT_EQ(Number(table, match, "L_mm"), -267.88475);
+  EXPECT_EQ(Number(table, match, "temp_C"), 18.0);
+  EXPECT_FALSE(MatchLine(table, "-270.000 -267.88475 18.00").is_match);
+  const Match rod = MatchLine(Pattern("{rod} {Z_mm}"), "standard -376.137");
+  ASSERT_TRUE(rod.is_match);
+  EXPECT_EQ(rod.fields[0].text, "standard");
+}
+
 TEST(LinePattern, BadPatternsAreRefused) {
-  for (const char* text : {"X{X_mm", "X}", "X{}", "X{X_mm} Y{X_mm}", "{*}{X_mm}", "{feature} {X_mm}"})
+  for (const char* text : {"X{X_mm", "X}", "X{}", "X{X_mm} Y{X_mm}", "{*}{X_mm}", "{feature}{X_mm}"})
     EXPECT_FALSE(ParsePattern(text).ok()) << text;
 }
 
