@@ -5,6 +5,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
+#include "client/cli/box_words.h"
 #include "client/cli/commands.h"
 #include "client/cli/compare_source.h"
 #include "client/cli/context.h"
@@ -30,26 +31,10 @@ absl::StatusOr<machine::Machine> MachineToCompare(Context& context, const Compar
   return absl::InvalidArgumentError("compare: expected --machine with two files");
 }
 
-// "X -200 300": mm or deg.
-absl::Status SetRange(const std::string& text, const machine::Machine& machine, compare::Box* box) {
-  const size_t blank = text.find(' ');
-  std::vector<double> range;
-  const bool is_range = blank != std::string::npos && session::ParseNumbers(text.substr(blank + 1), &range) &&
-                        range.size() == 2 && range[0] <= range[1];
-  const int axis = machine::FindAxis(machine, text.substr(0, blank));
-  if (!is_range || axis < 0)
-    return absl::InvalidArgumentError(absl::StrCat("--box '", text, "': expected \"AXIS MIN MAX\", an axis of machine ",
-                                                   machine.id, " and its range in mm or deg"));
-  const double unit = machine.axes[axis].kind == machine::AxisKind::kRotary ? base::kRadPerDeg : 1.0;
-  box->low[axis] = unit * range[0];
-  box->high[axis] = unit * range[1];
-  return absl::OkStatus();
-}
-
 // The positions that both were measured at; the machine's travel where none are at hand; what --box says goes first.
-absl::StatusOr<compare::Box> BoxOf(const machine::Machine& machine, const CompareArguments& arguments,
+absl::StatusOr<predict::Box> BoxOf(const machine::Machine& machine, const CompareArguments& arguments,
                                    const Compared& first, const Compared& second, std::string* note) {
-  compare::Box box;
+  predict::Box box;
   for (const Compared* compared : {&first, &second}) {
     if (!compared->measured) continue;
     if (box.low.empty()) box = *compared->measured;
@@ -60,7 +45,7 @@ absl::StatusOr<compare::Box> BoxOf(const machine::Machine& machine, const Compar
   }
   *note = box.low.empty() ? "the machine's travel" : "the measured positions";
   if (box.low.empty() && arguments.box.size() < machine.axes.size()) {
-    auto travel = compare::BoxOfTravel(machine);
+    auto travel = predict::BoxOfTravel(machine);
     if (!travel.ok()) {
       return absl::InvalidArgumentError(
           absl::StrCat("compare: ", std::string(travel.status().message()), ": --box \"AXIS MIN MAX\""));
@@ -68,7 +53,7 @@ absl::StatusOr<compare::Box> BoxOf(const machine::Machine& machine, const Compar
     box = *travel;
   }
   if (box.low.empty()) box.low = box.high = std::vector<double>(machine.axes.size(), 0.0);
-  for (const std::string& text : arguments.box) RETURN_IF_ERROR(SetRange(text, machine, &box));
+  for (const std::string& text : arguments.box) RETURN_IF_ERROR(SetBoxRange(text, machine, &box));
   if (!arguments.box.empty()) *note = "--box";
   return box;
 }
@@ -109,27 +94,10 @@ Json DifferencesJson(const std::vector<compare::Difference>& differences, bool h
   return list;
 }
 
-double InFileUnit(const machine::Machine& machine, size_t axis, double position) {
-  return machine.axes[axis].kind == machine::AxisKind::kRotary ? position * base::kDegPerRad : position;
-}
-
-const char* FileUnit(const machine::Machine& machine, size_t axis) {
-  return machine.axes[axis].kind == machine::AxisKind::kRotary ? "deg" : "mm";
-}
-
-Json VectorJson(const Eigen::Vector3d& mm) {
-  Json list = Json::Array();
-  for (const double one : mm) list.push_back(one * base::kUmPerMm);
-  return list;
-}
-
 Json SizeJson(const machine::Machine& machine, const compare::Size& size) {
-  Json at = Json::Object();
-  for (size_t i = 0; i < size.where.positions.size(); ++i)
-    at[machine.axes[i].name] = InFileUnit(machine, i, size.where.positions[i]);
   return {{"rms_um", size.rms_mm * base::kUmPerMm},
           {"max_um", size.max_mm * base::kUmPerMm},
-          {"max_at", at},
+          {"max_at", PoseJson(machine, size.where.positions)},
           {"max_difference_um", VectorJson(size.where.difference_mm)},
           {"max_sigma_um", VectorJson(size.where.sigma_mm)},
           {"max_by", size.where.by},
@@ -138,7 +106,7 @@ Json SizeJson(const machine::Machine& machine, const compare::Size& size) {
 }
 
 Json ComparisonJson(const machine::Machine& machine, const CompareArguments& arguments, const compare::Comparison& made,
-                    const std::optional<compare::Workspace>& workspace, const std::string& box_from) {
+                    const std::optional<predict::Workspace>& workspace, const std::string& box_from) {
   Json json = {{"first", arguments.first},
                {"second", arguments.second},
                {"errors", DifferencesJson(made.errors, made.tool_point.has_value())},
@@ -149,13 +117,7 @@ Json ComparisonJson(const machine::Machine& machine, const CompareArguments& arg
                  {"degrees_of_freedom", made.joint.degrees_of_freedom},
                  {"probability", made.joint.probability}}}};
   if (made.tool_point) {
-    Json box = Json::Array();
-    for (size_t i = 0; i < machine.axes.size(); ++i)
-      box.push_back({{"axis", machine.axes[i].name},
-                     {"from", InFileUnit(machine, i, workspace->box.low[i])},
-                     {"to", InFileUnit(machine, i, workspace->box.high[i])},
-                     {"unit", FileUnit(machine, i)}});
-    json["tool_point"] = {{"box", box},
+    json["tool_point"] = {{"box", BoxJson(machine, workspace->box)},
                           {"box_from", box_from},
                           {"poses", made.tool_point->poses},
                           {"as_programmed", SizeJson(machine, made.tool_point->as_programmed)},
@@ -184,18 +146,14 @@ std::vector<std::string> DifferenceRow(const compare::Difference& one, bool has_
 }
 
 std::string SizeText(const machine::Machine& machine, const std::string& what, const compare::Size& size) {
-  std::string at;
-  for (size_t i = 0; i < size.where.positions.size(); ++i)
-    absl::StrAppend(&at, at.empty() ? "" : " ", machine.axes[i].name,
-                    NumberText(InFileUnit(machine, i, size.where.positions[i])));
   const auto um = [](const Eigen::Vector3d& mm) {
     return absl::StrJoin(
         {NumberCell(mm.x() * base::kUmPerMm), NumberCell(mm.y() * base::kUmPerMm), NumberCell(mm.z() * base::kUmPerMm)},
         " ");
   };
-  std::string text =
-      absl::StrFormat("%s: %s um rms, %s um at most\n  at %s: (%s) um", what, NumberCell(size.rms_mm * base::kUmPerMm),
-                      NumberCell(size.max_mm * base::kUmPerMm), at, um(size.where.difference_mm));
+  std::string text = absl::StrFormat("%s: %s um rms, %s um at most\n  at %s: (%s) um", what,
+                                     NumberCell(size.rms_mm * base::kUmPerMm), NumberCell(size.max_mm * base::kUmPerMm),
+                                     PoseText(machine, size.where.positions), um(size.where.difference_mm));
   if (std::isfinite(size.chance_rms_mm)) absl::StrAppend(&text, " +- (", um(size.where.sigma_mm), ")");
   if (!size.where.by.empty()) absl::StrAppend(&text, ", mostly by ", absl::StrJoin(size.where.by, ", "));
   if (std::isfinite(size.chance_rms_mm))
@@ -206,7 +164,7 @@ std::string SizeText(const machine::Machine& machine, const std::string& what, c
 }
 
 std::string ComparisonText(const machine::Machine& machine, const CompareArguments& arguments,
-                           const compare::Comparison& made, const std::optional<compare::Workspace>& workspace,
+                           const compare::Comparison& made, const std::optional<predict::Workspace>& workspace,
                            const std::string& box_from) {
   const bool has_rms = made.tool_point.has_value();
   std::vector<std::vector<std::string>> rows = {
@@ -223,13 +181,8 @@ std::string ComparisonText(const machine::Machine& machine, const CompareArgumen
                               ? absl::StrFormat("%.3g of 100", 100.0 * made.joint.probability)
                               : "fewer than 1 of 1000");
   if (made.tool_point) {
-    std::string box;
-    for (size_t i = 0; i < machine.axes.size(); ++i)
-      absl::StrAppend(&box, box.empty() ? "" : ", ", machine.axes[i].name, " ",
-                      NumberText(InFileUnit(machine, i, workspace->box.low[i])), " to ",
-                      NumberText(InFileUnit(machine, i, workspace->box.high[i])), " ", FileUnit(machine, i));
-    absl::StrAppend(&text, "tool point, second - first, over ", box_from, " (", box, "; ", made.tool_point->poses,
-                    " poses):\n");
+    absl::StrAppend(&text, "tool point, second - first, over ", box_from, " (", BoxText(machine, workspace->box), "; ",
+                    made.tool_point->poses, " poses):\n");
     absl::StrAppend(&text, SizeText(machine, "as programmed", made.tool_point->as_programmed),
                     SizeText(machine, "with work offset and tool data set anew", made.tool_point->set_anew));
     absl::StrAppend(&text, "tilt of the tool: ", NumberCell(made.tool_point->tilt_rms_rad * base::kUradPerRad),
@@ -255,7 +208,7 @@ absl::Status RunCompare(Context& context, const CompareArguments& arguments) {
   } else if (!tip_mm && !arguments.box.empty()) {
     return absl::InvalidArgumentError("--box: expected --tool-tip with it");
   }
-  std::optional<compare::Workspace> workspace;
+  std::optional<predict::Workspace> workspace;
   std::string box_from;
   if (tip_mm) {
     workspace.emplace();

@@ -22,7 +22,7 @@ void CoverPositions(const std::vector<instruments::MeasuringRun>& runs, Compared
   instruments::Covered covered;
   instruments::Cover(runs, covered);
   compared->tip_mm = covered.tip_mm;
-  if (!covered.low.empty()) compared->measured = compare::Box{covered.low, covered.high};
+  if (!covered.low.empty()) compared->measured = predict::Box{covered.low, covered.high};
 }
 
 // The axes must be the same, or the errors are not those of the same joints.

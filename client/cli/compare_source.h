@@ -17,7 +17,7 @@ namespace axiscal::cli {
 struct Compared {
   compare::Side side;
   // Of the readings that it was fitted to, where they are at hand: what the axes covered, and the tool point.
-  std::optional<compare::Box> measured;
+  std::optional<predict::Box> measured;
   std::optional<Eigen::Vector3d> tip_mm;
   std::vector<std::string> notes;
 };

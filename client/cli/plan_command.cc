@@ -9,11 +9,15 @@
 #include "client/cli/context.h"
 #include "client/cli/machine_source.h"
 #include "client/cli/output_paths.h"
+#include "client/cli/plan_certificate.h"
 #include "client/cli/toolsetter_plan.h"
 #include "core/base/files.h"
+#include "core/base/json_limits.h"
 #include "core/base/units.h"
+#include "core/machine/error_json.h"
 #include "core/machine/redundant_facts.h"
 #include "core/plan/program.h"
+#include "core/plan/state_setups.h"
 #include "core/plan/survey.h"
 #include "core/session/text.h"
 
@@ -21,8 +25,9 @@ namespace axiscal::cli {
 namespace {
 
 struct PlanArguments {
-  std::string machine, test, output, tool_tip, ball;
-  std::vector<std::string> asked, declared, with, travels;
+  std::string machine, test, output, tool_tip, ball, model;
+  std::vector<std::string> asked, declared, with, travels, beam_at;
+  CertificateArguments certificate;
   std::optional<double> bar_mm;
   bool list = false;
   plan::ProgramOptions program;
@@ -83,6 +88,21 @@ absl::Status AddTravel(const std::string& text, machine::Machine* machine) {
   return absl::OkStatus();
 }
 
+// "Z -510", the position of a linear axis over the tool setter's beam.
+absl::Status AddBeamAt(const std::string& text, const machine::Machine& machine, plan::SetterOptions* setter) {
+  const size_t blank = text.find(' ');
+  std::vector<double> position;
+  const int axis = machine::FindAxis(machine, text.substr(0, blank));
+  const bool is_position = blank != std::string::npos && session::ParseNumbers(text.substr(blank + 1), &position) &&
+                           position.size() == 1 && axis >= 0 && machine.axes[axis].kind == machine::AxisKind::kLinear;
+  if (!is_position)
+    return absl::InvalidArgumentError(absl::StrCat("--beam-at '", text,
+                                                   "': expected \"AXIS POSITION\", a linear axis of machine ",
+                                                   machine.id, " and its position over the beam in mm"));
+  setter->beam_at_mm[text.substr(0, blank)] = position[0];
+  return absl::OkStatus();
+}
+
 std::string Joined(const std::vector<std::string>& texts, const std::string& between) {
   std::string joined;
   for (const std::string& text : texts) absl::StrAppend(&joined, joined.empty() ? "" : between, text);
@@ -135,10 +155,37 @@ absl::Status List(Context& context, const plan::Survey& survey, const std::vecto
   return absl::OkStatus();
 }
 
-absl::Status Propose(Context& context, const machine::Machine& machine, const plan::Survey& survey,
-                     const PlanArguments& arguments) {
-  ASSIGN_OR_RETURN(const std::vector<int> asked, plan::IndicesOf(survey, arguments.asked));
-  const plan::Proposal proposal = plan::ProposeTests(survey, asked);
+// "EX0C" or "EX0C=2": an error, and the standard uncertainty that is wanted of it, um or urad.
+struct Asked {
+  std::vector<std::string> symbols;
+  std::vector<double> wanted;  // infinite where none is stated
+  bool is_wanted = false;
+};
+
+absl::StatusOr<Asked> AskedOf(const std::vector<std::string>& texts) {
+  Asked asked;
+  for (const std::string& text : texts) {
+    const size_t equals = text.find('=');
+    std::vector<double> sigma = {INFINITY};
+    if (equals != std::string::npos) {
+      if (!session::ParseNumbers(text.substr(equals + 1), &sigma) || sigma.size() != 1 || !(sigma[0] > 0.0))
+        return absl::InvalidArgumentError(
+            absl::StrCat("--for ", text, ": expected ERROR=SIGMA with a standard uncertainty above 0, um or urad"));
+      asked.is_wanted = true;
+    }
+    asked.symbols.push_back(text.substr(0, equals));
+    asked.wanted.push_back(sigma[0]);
+  }
+  return asked;
+}
+
+absl::Status Propose(Context& context, const plan::Situation& situation, plan::Survey survey, const Asked& asked_for) {
+  ASSIGN_OR_RETURN(const std::vector<int> asked, plan::IndicesOf(survey, asked_for.symbols));
+  std::vector<double> wanted;
+  for (size_t i = 0; i < asked.size() && asked_for.is_wanted; ++i)
+    wanted.push_back(asked_for.wanted[i] * survey.errors[asked[i]].factor);
+  if (asked_for.is_wanted) RETURN_IF_ERROR(plan::AddPasses(situation, &survey));
+  const plan::Proposal proposal = plan::ProposeTests(survey, asked, wanted);
   Json tests = Json::Array(), errors = Json::Array();
   std::string text;
   for (const int test : proposal.tests) {
@@ -150,12 +197,19 @@ absl::Status Propose(Context& context, const machine::Machine& machine, const pl
   for (size_t i = 0; i < asked.size(); ++i) {
     const identify::Estimate& error = survey.errors[asked[i]];
     const bool is_told = std::isfinite(proposal.sigma[i]);
-    errors.push_back({{"symbol", error.name},
-                      {"identifiable", is_told},
-                      {"sigma", is_told ? Json(proposal.sigma[i] / error.factor) : Json()},
-                      {"unit", error.unit}});
-    rows.push_back(
-        {error.name, is_told ? NumberText(proposal.sigma[i] / error.factor) : "no known test tells", error.unit});
+    Json json = {{"symbol", error.name},
+                 {"identifiable", is_told},
+                 {"sigma", is_told ? Json(proposal.sigma[i] / error.factor) : Json()},
+                 {"unit", error.unit}};
+    if (asked_for.is_wanted && std::isfinite(proposal.best[i])) json["best"] = proposal.best[i] / error.factor;
+    errors.push_back(json);
+    const bool is_short = !is_told && asked_for.is_wanted && std::isfinite(proposal.best[i]);
+    rows.push_back({error.name,
+                    is_told    ? NumberText(proposal.sigma[i] / error.factor)
+                    : is_short ? "not within " + NumberText(asked_for.wanted[i]) + ": all known tests together reach " +
+                                     NumberText(proposal.best[i] / error.factor)
+                               : "no known test tells",
+                    error.unit});
   }
   context.Print({{"tests", tests}, {"errors", errors}, {"seconds_with_mounting", proposal.seconds}},
                 absl::StrCat(text, Table(rows),
@@ -178,12 +232,14 @@ absl::Status WriteTest(Context& context, const machine::Machine& machine, const 
   std::vector<NamedPath> inputs = {{"--machine", arguments.machine}};
   if (context.server.empty()) inputs.push_back({"the database", context.database});
   RETURN_IF_ERROR(CheckOutputs(inputs, {{"--output", arguments.output}}));
-  const std::optional<plan::PlannedSession> chosen = plan::FindPlanned(situation, arguments.test);
+  std::optional<plan::PlannedSession> chosen = plan::FindPlanned(situation, arguments.test);
   if (!chosen) {
     return absl::NotFoundError(absl::StrCat("plan: '", arguments.test, "' is no test that machine ", machine.id,
                                             " can run, expected a session of --list, or one of ",
                                             Joined(KnownTests(), ", ")));
   }
+  RETURN_IF_ERROR(
+      base::Within("--setup", plan::StateSetups(machine, arguments.certificate.setups, {&chosen->session})));
   const std::string extension = std::filesystem::path(arguments.output).extension().string();
   std::string content;
   if (extension == ".csv") {
@@ -219,14 +275,23 @@ absl::Status KeepOnly(const std::vector<std::string>& with, plan::Survey* survey
 }
 
 absl::Status Plan(Context& context, const PlanArguments& arguments) {
-  const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1);
-  if (ways != 1) return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS and TEST -o FILE");
+  const bool is_certified = !arguments.certificate.sessions.empty();
+  const int ways = (arguments.list ? 1 : 0) + (arguments.asked.empty() ? 0 : 1) + (arguments.test.empty() ? 0 : 1) +
+                   (is_certified ? 1 : 0);
+  if (ways != 1)
+    return absl::InvalidArgumentError("plan: expected one of --list, --for ERRORS, --certify PLANS and TEST -o FILE");
+  if (!is_certified && !(arguments.certificate.box.empty() && arguments.model.empty()))
+    return absl::InvalidArgumentError("--box, --model: expected --certify with it");
+  if (!arguments.model.empty() && !arguments.declared.empty())
+    return absl::InvalidArgumentError("--model and --declare: expected one of them");
   if (!arguments.with.empty() && !arguments.test.empty())
     return absl::InvalidArgumentError("--with: expected --list or --for with it");
   ASSIGN_OR_RETURN(machine::Machine machine, MachineFrom(context, arguments.machine));
   if (const toolsetter::PlannableTest* const test = toolsetter::FindPlannable(arguments.test)) {
     ToolSetterPlan tools = arguments.tools;
     tools.output = arguments.output;
+    tools.program = arguments.program;
+    for (const std::string& text : arguments.beam_at) RETURN_IF_ERROR(AddBeamAt(text, machine, &tools.program.setter));
     return PlanToolSetterTest(context, machine, *test, tools);
   }
   if (!arguments.tools.file.empty())
@@ -240,11 +305,23 @@ absl::Status Plan(Context& context, const PlanArguments& arguments) {
         unknown.front(), " MIN MAX\" (deg)"));
   }
   if (!arguments.test.empty()) return WriteTest(context, machine, situation, arguments);
-  ASSIGN_OR_RETURN(const machine::ErrorModel model,
-                   plan::ErrorsToJudge(machine, arguments.declared, arguments.asked));
-  ASSIGN_OR_RETURN(plan::Survey survey, plan::SurveyTests(situation, model));
-  RETURN_IF_ERROR(KeepOnly(arguments.with, &survey));
-  return arguments.list ? List(context, survey, arguments.with) : Propose(context, machine, survey, arguments);
+  ASSIGN_OR_RETURN(const Asked asked, AskedOf(arguments.asked));
+  ASSIGN_OR_RETURN(machine::ErrorModel model, plan::ErrorsToJudge(machine, arguments.declared, asked.symbols));
+  if (is_certified) {
+    if (!arguments.model.empty()) {
+      ASSIGN_OR_RETURN(const std::string text, base::ReadFile(arguments.model, base::kMaxJsonBytes));
+      auto errors = machine::ReadErrors(text, machine);
+      if (!errors.ok()) return base::Within(arguments.model, errors.status());
+      model = *std::move(errors);
+      for (machine::ErrorTerm& term : model.terms) term.amplitude.fill(0.0);
+    }
+    return PrintCertificate(context, situation, model, arguments.certificate);
+  }
+  auto survey = plan::SurveyTests(situation, model, arguments.certificate.setups);
+  if (!survey.ok()) return base::Within("plan", survey.status());
+  RETURN_IF_ERROR(KeepOnly(arguments.with, &*survey));
+  return arguments.list ? List(context, *survey, arguments.with)
+                        : Propose(context, situation, *std::move(survey), asked);
 }
 
 }  // namespace
@@ -258,8 +335,30 @@ void AddPlanCommand(CLI::App& app, Context& context) {
       ->required();
   plan->add_flag("--list", arguments->list,
                  "the tests that this machine can run, with rank, time and what they cannot tell");
-  plan->add_option("--for", arguments->asked, "propose the tests that determine these errors in the least time")
+  plan->add_option("--for", arguments->asked,
+                   "propose the tests that determine these errors in the least time; EX0C=2: to a standard uncertainty "
+                   "of 2 um (urad), with tests in several passes where that pays")
       ->delimiter(',');
+  plan->add_option(
+          "--certify", arguments->certificate.sessions,
+          "what these plans (files, sessions of --list) reach together: uncertainties, the tool point over the "
+          "box, what they do not show")
+      ->delimiter(',');
+  plan->add_option("--setup", arguments->certificate.setups,
+                   "\"OFFSET SIGMA\" in um (urad), what is known of a set-up: \"artefact_x 2\", \"ball_z 5\"; "
+                   "repeatable; written into plans")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  plan->add_option("--box", arguments->certificate.box,
+                   "of --certify: range of an axis, mm or deg: \"X -200 300\"; repeatable (default: the travel that "
+                   "machine.json states, else what the plans cover)")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  plan->add_option(
+      "--model", arguments->model,
+      "of --certify: an errors.json whose errors, of any shape, count as unknown; its numbers are not used");
   plan->add_option("--with", arguments->with,
                    "of --list and --for: only these tests, those whose instrument is at hand")
       ->delimiter(',');
@@ -287,6 +386,15 @@ void AddPlanCommand(CLI::App& app, Context& context) {
   plan->add_option("--bar", arguments->bar_mm, "length of the ball bar, mm")->check(CLI::Range(10.0, 5000.0));
   plan->add_option("--tools", arguments->tools.file,
                    "of tool-setter a session whose rods are meant, of tool-curve a cutter.json");
+  plan->add_option(
+          "--beam-at", arguments->beam_at,
+          "of a tool setter's program: \"AXIS POSITION\" in mm of every linear axis, where the spindle's reference "
+          "point (a mill's lowest point) stands in the beam; repeatable")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+  plan->add_option("--setter-feed", arguments->program.setter.feed_mm_min, "of a rod onto the beam, mm/min")
+      ->capture_default_str();
   AddToolSetterOptions(*plan, arguments->tools);
   plan->footer(
       "A machine that declares no errors is judged by all location errors of its axes.\n"
@@ -296,6 +404,8 @@ void AddPlanCommand(CLI::App& app, Context& context) {
       "          axiscal plan --machine mt --for EX0C,EB0C --with touch-columns,touch-sphere --ball \"0 0 60\"\n"
       "          axiscal plan --machine mt touch-columns --ball \"0 0 60\" --stylus-radius 3 --dialect fanuc -o "
       "probe.nc\n"
+      "          axiscal plan --machine mt --for EX0C=2,EB0C=5 --tool-tip \"0 0 -350\"\n"
+      "          axiscal plan --machine mt --certify touch-blocks --setup \"artefact_x 2\" --ball \"0 0 60\"\n"
       "          axiscal plan --machine mt tool-curve --tools cutter.json --starts 12 -o starts.csv\n"
       "          axiscal plan --machine mt CR-350 --tool-tip \"0 0 -350\" --dialect mazak -o CR.nc");
   SetAction(plan, context, [&context, arguments] { return Plan(context, *arguments); });

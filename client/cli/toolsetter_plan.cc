@@ -17,13 +17,25 @@ namespace {
 using base::kDegPerRad;
 using base::kUmPerMm;
 
-absl::Status PlanRods(Context& context, const ToolSetterPlan& arguments) {
+struct PlannedRods {
+  toolsetter::RodSession planned;
+  std::string table;
+};
+
+absl::StatusOr<PlannedRods> RodsOf(const ToolSetterPlan& arguments) {
   ASSIGN_OR_RETURN(const session::Session session, session::ReadSessionFile(arguments.file));
   ASSIGN_OR_RETURN(const toolsetter::RodSession rods, toolsetter::ReadRodSession(session));
-  ASSIGN_OR_RETURN(const toolsetter::RodSession planned,
-                   toolsetter::PlanRods(rods, arguments.turn, arguments.holders, arguments.readouts));
+  PlannedRods out;
+  ASSIGN_OR_RETURN(out.planned, toolsetter::PlanRods(rods, arguments.turn, arguments.holders, arguments.readouts));
+  out.table = toolsetter::ToTable(session, out.planned);
+  return out;
+}
+
+absl::Status PlanRods(Context& context, const ToolSetterPlan& arguments) {
+  ASSIGN_OR_RETURN(const PlannedRods rods, RodsOf(arguments));
+  const toolsetter::RodSession& planned = rods.planned;
   ASSIGN_OR_RETURN(const toolsetter::Reference expected, toolsetter::ExpectedOf(planned));
-  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, toolsetter::ToTable(session, planned)));
+  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, rods.table));
   Json json = {
       {"file", arguments.output}, {"kind", "tool-setter"}, {"readouts", planned.rods.size() * arguments.readouts}};
   std::vector<std::vector<std::string>> rows = {{"", "expected +-", ""}};
@@ -43,7 +55,12 @@ absl::Status PlanRods(Context& context, const ToolSetterPlan& arguments) {
   return absl::OkStatus();
 }
 
-absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
+struct PlannedStarts {
+  toolsetter::CurveSession planned;
+  std::string table;
+};
+
+absl::StatusOr<PlannedStarts> StartsOf(const ToolSetterPlan& arguments) {
   ASSIGN_OR_RETURN(const toolsetter::CutterDescription described, toolsetter::ReadCutterFile(arguments.file));
   if (arguments.machine.empty())
     return absl::InvalidArgumentError("--machine: expected the id for the session's header");
@@ -62,11 +79,16 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
   session.start_sigma_rad = toolsetter::kUsualStartSigmaDeg * base::kRadPerDeg;
   session.cutter = described.cutter;
   session.run = described.run;
-  ASSIGN_OR_RETURN(const toolsetter::CurveSession planned, toolsetter::PlanStarts(session, arguments.starts));
-  ASSIGN_OR_RETURN(const toolsetter::WearReport expected, toolsetter::ExpectedOf(planned));
-  ASSIGN_OR_RETURN(const std::string table,
-                   toolsetter::ToTable(cutter, arguments.machine, arguments.session, planned));
-  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, table));
+  PlannedStarts out;
+  ASSIGN_OR_RETURN(out.planned, toolsetter::PlanStarts(session, arguments.starts));
+  ASSIGN_OR_RETURN(out.table, toolsetter::ToTable(cutter, arguments.machine, arguments.session, out.planned));
+  return out;
+}
+
+absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
+  ASSIGN_OR_RETURN(const PlannedStarts starts, StartsOf(arguments));
+  ASSIGN_OR_RETURN(const toolsetter::WearReport expected, toolsetter::ExpectedOf(starts.planned));
+  RETURN_IF_ERROR(base::WriteFileAtomically(arguments.output, starts.table));
   const auto by_unseen = [](const auto& a, const auto& b) { return a.unseen_from_mm < b.unseen_from_mm; };
   const double unseen_um =
       std::min_element(expected.inserts.begin(), expected.inserts.end(), by_unseen)->unseen_from_mm * kUmPerMm;
@@ -95,6 +117,15 @@ absl::Status PlanStarts(Context& context, const ToolSetterPlan& arguments) {
 }
 
 bool IsCutter(const std::string& file) { return file.ends_with(".json"); }
+
+absl::StatusOr<std::string> TableOf(const ToolSetterPlan& arguments) {
+  if (IsCutter(arguments.file)) {
+    ASSIGN_OR_RETURN(PlannedStarts starts, StartsOf(arguments));
+    return std::move(starts.table);
+  }
+  ASSIGN_OR_RETURN(PlannedRods rods, RodsOf(arguments));
+  return std::move(rods.table);
+}
 
 }  // namespace
 
@@ -133,7 +164,17 @@ absl::Status PlanToolSetterTest(Context& context, const machine::Machine& machin
   }
   ToolSetterPlan of_machine = plan;
   of_machine.machine = machine.id;
-  return PlanToolSetter(context, of_machine);
+  if (plan.output.ends_with(".csv")) return PlanToolSetter(context, of_machine);
+  RETURN_IF_ERROR(CheckOutputs({{"--tools", plan.file}}, {{"--output", plan.output}}));
+  ASSIGN_OR_RETURN(const std::string table, TableOf(of_machine));
+  ASSIGN_OR_RETURN(const session::Session session, session::ReadPlanText(table, plan.file));
+  ASSIGN_OR_RETURN(const std::string program, plan::ToProgram(machine, session, plan.program));
+  RETURN_IF_ERROR(base::WriteFileAtomically(plan.output, program));
+  context.Print({{"file", plan.output}, {"kind", "program"}, {"readings", session.reading_count()}},
+                absl::StrCat(plan.output, ": ", session.reading_count(),
+                             " triggers; write the plan (-o FILE.csv) for "
+                             "axiscal reduce too\n"));
+  return absl::OkStatus();
 }
 
 void AddToolSetterPlan(CLI::App& toolsetter, Context& context) {

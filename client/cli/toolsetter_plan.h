@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "core/plan/program.h"
 #include "core/toolsetter/plan.h"
 
 namespace CLI {
@@ -20,6 +21,7 @@ struct ToolSetterPlan {
   std::string output, turn, session = "planned";
   int starts = 12, holders = 12, readouts = 3;
   double sigma_um = 1.0;
+  plan::ProgramOptions program;  // where the output is a program: of `axiscal plan` alone
 };
 
 // All of the struct but file, machine and output.

@@ -130,7 +130,7 @@ std::string WhyNotDetermined(const Side& first, const Side& second, const std::s
 }
 
 void AddNotes(const machine::Machine& machine, const Side& first, const Side& second,
-              const std::optional<Workspace>& workspace, Comparison* out) {
+              const std::optional<predict::Workspace>& workspace, Comparison* out) {
   const Side* sides[2] = {&first, &second};
   for (int side = 0; side < 2; ++side) {
     const Side& of = *sides[side];
@@ -177,21 +177,8 @@ void AddNotes(const machine::Machine& machine, const Side& first, const Side& se
 
 }  // namespace
 
-absl::StatusOr<Box> BoxOfTravel(const machine::Machine& machine) {
-  Box box;
-  for (const machine::Axis& axis : machine.axes) {
-    const bool is_stated = axis.min_position && axis.max_position;
-    if (!is_stated && axis.kind == machine::AxisKind::kLinear)
-      return absl::InvalidArgumentError(absl::StrCat("machine ", machine.id, " states no travel of ", axis.name,
-                                                     ", expected a box with a range of it"));
-    box.low.push_back(is_stated ? *axis.min_position : 0.0);
-    box.high.push_back(is_stated ? *axis.max_position : 2.0 * std::numbers::pi);
-  }
-  return box;
-}
-
 absl::StatusOr<Comparison> Compare(const machine::Machine& machine, const Side& first, const Side& second,
-                                   const std::optional<Workspace>& workspace) {
+                                   const std::optional<predict::Workspace>& workspace) {
   ASSIGN_OR_RETURN(const Numbers numbers, SideBySide(machine, first, second));
   const auto count = static_cast<Eigen::Index>(numbers.all.size());
   Comparison out;

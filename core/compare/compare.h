@@ -16,6 +16,7 @@
 
 #include "core/compare/side.h"
 #include "core/machine/machine.h"
+#include "core/predict/box_poses.h"
 
 namespace axiscal::compare {
 
@@ -44,11 +45,6 @@ struct Joint {
   double chi2 = 0.0;
   int degrees_of_freedom = 0;
   double probability = 1.0;
-};
-
-// Least and greatest position of each axis of the machine, mm or rad.
-struct Box {
-  std::vector<double> low, high;
 };
 
 struct Where {
@@ -82,23 +78,9 @@ struct Comparison {
   std::vector<std::string> notes;
 };
 
-// Where and in which state the tool point is compared. Poses: the box's corners and `poses` drawn from it, each axis at
-// rest after a move of either sense.
-struct Workspace {
-  Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero();  // nominal, at home, machine frame
-  Box box;
-  int poses = 400;
-  double time_s = 0.0;
-  double temperature_celsius = 20.0;
-};
-
-// Travel of the machine's axes, a full turn of a rotary axis that states none. INVALID_ARGUMENT naming a linear axis
-// without travel.
-absl::StatusOr<Box> BoxOfTravel(const machine::Machine& machine);
-
-// INVALID_ARGUMENT where a report's directions cannot be read.
+// `workspace`: where the tool point is compared. INVALID_ARGUMENT where a report's directions cannot be read.
 absl::StatusOr<Comparison> Compare(const machine::Machine& machine, const Side& first, const Side& second,
-                                   const std::optional<Workspace>& workspace);
+                                   const std::optional<predict::Workspace>& workspace);
 
 }  // namespace axiscal::compare
 

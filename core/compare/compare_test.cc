@@ -28,15 +28,15 @@ Side SideOf(const std::string& text) {
 }
 
 // X over 500 mm, C once around; Z, Y and B rest.
-Workspace Over() {
-  Workspace workspace;
+predict::Workspace Over() {
+  predict::Workspace workspace;
   workspace.tip_mm = {0, 0, -350};
   workspace.box.low = {-300, 10, -250, 0, 0};
   workspace.box.high = {-300, 10, 250, 0, 2 * M_PI};
   return workspace;
 }
 
-Comparison Compared(const Side& first, const Side& second, const std::optional<Workspace>& workspace = {}) {
+Comparison Compared(const Side& first, const Side& second, const std::optional<predict::Workspace>& workspace = {}) {
   auto made = Compare(Machine(), first, second, workspace);
   EXPECT_TRUE(made.ok()) << made.status();
   return made.ok() ? *std::move(made) : Comparison();
@@ -147,7 +147,7 @@ TEST(Compare, AnUnknownDirectionThatActsIsSaid) {
       SideOf(R"({"EX0B": 0, "EX0C": 50, "covariance": {"of": ["EX0C"], "sigma": [1], "correlation": [[]]}})").errors;
   first.has_report = true;
   first.not_separable = {"EX0B - EX0C"};
-  Workspace workspace = Over();
+  predict::Workspace workspace = Over();
   workspace.box.high[3] = 1.0;
   EXPECT_THAT(Compared(first, first, workspace).tool_point->unknown, SizeIs(1));
 }
@@ -227,12 +227,12 @@ TEST(ReadSide, ReportsAloneAndOtherMachinesAreRefused) {
 TEST(BoxOfTravel, NamesAnAxisWithoutTravel) {
   machine::Machine machine = Machine();
   for (machine::Axis& axis : machine.axes) axis.min_position = axis.max_position = {};
-  EXPECT_THAT(std::string(BoxOfTravel(machine).status().message()), HasSubstr("states no travel of Z"));
+  EXPECT_THAT(std::string(predict::BoxOfTravel(machine).status().message()), HasSubstr("states no travel of Z"));
   for (machine::Axis& axis : machine.axes) {
     axis.min_position = -1.0;
     axis.max_position = 2.0;
   }
-  EXPECT_THAT(BoxOfTravel(machine)->high, ElementsAre(2.0, 2.0, 2.0, 2.0, 2.0));
+  EXPECT_THAT(predict::BoxOfTravel(machine)->high, ElementsAre(2.0, 2.0, 2.0, 2.0, 2.0));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ struct OverBox {
 };
 
 OverBox DifferenceOver(const machine::Machine& machine, const Side& first, const Side& second, const Numbers& numbers,
-                       const Workspace& workspace);
+                       const predict::Workspace& workspace);
 
 }  // namespace axiscal::compare
 

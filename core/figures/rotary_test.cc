@@ -1,4 +1,4 @@
-// Figures of rotary axes: an R-test of one, and a bar that goes round a cone.
+// Figures of an R-test of one rotary axis.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -107,17 +107,6 @@ TEST(Rotary, AnOffsetAxisIsRadialAndTangential) {
   EXPECT_NEAR(Um(test, "E ax"), 0.0, kRoundingUm);
 }
 
-// A head's B with 8 um of play at its angle's end: backlash of 40 urad at 300 mm is 12 um tangentially, between senses.
-TEST(Rotary, AHeadsPlayIsBetweenTheSenses) {
-  const machine::Machine machine = machine::testing::MultiTasking();
-  const MeasuredTest test = TestOf(machine, Planned(machine, "rtest", ThereAndBack("B", -90, 90, 36), {200, 0, 50}),
-                                   R"({"terms": [{"symbol": "EBB", "shape": "backlash", "amplitude": 40}]})");
-  EXPECT_NEAR(Um(test, "E tan"), 12.0, kRoundingUm);
-  EXPECT_NEAR(Um(test, "E tan(up)"), 0.0, kRoundingUm);
-  EXPECT_NEAR(Um(test, "E tan(down)"), 0.0, kRoundingUm);
-  EXPECT_NEAR(Um(test, "E rad"), 0.0, kRoundingUm);
-}
-
 TEST(Rotary, ABallOnTheAxisHasNoRadialDirection) {
   const machine::Machine machine = machine::testing::MultiTasking();
   const session::Session planned = Planned(machine, "rtest", ThereAndBack("C", 0, 360, 12), {0, 0, 50});
@@ -125,40 +114,6 @@ TEST(Rotary, ABallOnTheAxisHasNoRadialDirection) {
   const Figures figures = FiguresOf(machine, {instruments::BindSession(session, machine).value()});
   ASSERT_THAT(figures.left_out, SizeIs(1));
   EXPECT_THAT(figures.left_out[0], HasSubstr("the ball stands on C"));
-}
-
-// A bar that goes round a cone of 30 deg about a tilted axis while B swings and C turns.
-std::vector<Pose> Cone() {
-  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 0, 1).normalized(), across = axis.unitOrthogonal();
-  std::vector<Pose> poses;
-  for (int sense : {1, -1}) {
-    for (int k = 0; k <= 120; ++k) {
-      const double t = sense * k * 3.0 * base::kRadPerDeg;
-      const Eigen::Vector3d out = Eigen::AngleAxisd(t, axis) * across;
-      Pose& pose = poses.emplace_back();
-      pose.rotary_deg = {{"B", 15.0 * std::sin(t)}, {"C", 20.0 * std::cos(t)}};
-      pose.offset_mm = 100.0 * (std::cos(30 * base::kRadPerDeg) * axis + std::sin(30 * base::kRadPerDeg) * out);
-    }
-  }
-  return poses;
-}
-
-TEST(Cone, TheBarIsReadAroundTheConesAxis) {
-  const machine::Machine machine = machine::testing::MultiTasking();
-  const session::Session planned = Planned(machine, "ballbar", Cone(), {40, 0, 50});
-  const MeasuredTest perfect = TestOf(machine, planned, "{}");
-  EXPECT_EQ(perfect.kind, "cone");
-  EXPECT_EQ(perfect.what, "cone of half angle 30 deg about (0.20 0.00 0.98), bar 100 mm");
-  constexpr double kOfAnglesUm = 0.6;  // commands of rotary axes to 0.0001 deg at 300 mm
-  EXPECT_NEAR(Um(perfect, "G ccw"), 0.0, kOfAnglesUm);
-  EXPECT_NEAR(Um(perfect, "G cw"), 0.0, kOfAnglesUm);
-  // A ball that stands elsewhere on the table moves the centre, and is no error of the circle.
-  session::Session moved = planned;
-  for (session::HeaderEntry& entry : moved.header)
-    if (entry.key == "table_ball_mm") entry.value = "40.01 0 50";
-  EXPECT_LT(Um(TestOf(machine, moved, "{}"), "G ccw"), kOfAnglesUm);
-  // Out of square by 100 urad: of the length 100 (u_x u_y) 1e-4 mm, twice per turn.
-  EXPECT_GT(Um(TestOf(machine, planned, R"({"EC0X": 100})"), "G ccw"), 1.0);
 }
 
 }  // namespace

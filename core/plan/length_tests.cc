@@ -1,9 +1,11 @@
-// Tests of one axis that moves alone, by lengths and directions, and of the work space by distances from anchors.
+// Tests of one axis that moves alone, by lengths and directions, and of the work space by distances from anchors and by
+// places in a tracker's frame.
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "core/base/units.h"
 #include "core/instruments/length/length_model.h"
+#include "core/plan/overrun.h"
 #include "core/plan/session_builder.h"
 #include "core/plan/tests_internal.h"
 
@@ -20,13 +22,16 @@ bool IsOnTable(const Machine& machine, int axis) {
   return std::find(machine.work_branch.begin(), machine.work_branch.end(), axis) != machine.work_branch.end();
 }
 
-// Where a test goes: nine tenths of the stated travel, what was measured so far, or 100 mm to either side of home.
+// Where a test goes: nine tenths of the stated travel, less where the overrun at the ends needs more room; what was
+// measured so far; or 100 mm to either side of home. Nothing where a travel is too short for any of it.
 Range WayOf(const Situation& situation, int axis) {
   const machine::Axis& a = situation.machine->axes[axis];
   constexpr double kEnds = 0.05, kAroundHomeMm = 100.0;
   if (a.min_position && a.max_position) {
-    const double end = kEnds * (*a.max_position - *a.min_position);
-    return {*a.min_position + end, *a.max_position - end};
+    constexpr double kRoom = 1.1;  // beside the overrun
+    const double travel = *a.max_position - *a.min_position;
+    const double end = std::max(kEnds * travel, kRoom * OverrunOf(a));
+    return 2.0 * end < travel ? Range{*a.min_position + end, *a.max_position - end} : Range{};
   }
   if (situation.Turns(axis)) return situation.ranges[axis];
   return a.kind == AxisKind::kLinear ? Range{-kAroundHomeMm, kAroundHomeMm} : Range{};
@@ -97,7 +102,7 @@ std::string WayText(const Situation& situation, int axis) {
   const double unit = is_rotary ? base::kDegPerRad : 1.0;
   return absl::StrFormat("%s from %g to %g %s, %d targets, %d times there and back, %g %s beyond at the ends", a.name,
                          Rounded(unit * way.lowest), Rounded(unit * way.highest), is_rotary ? "deg" : "mm", kTargets,
-                         kCycles, is_rotary ? 1.0 : 2.0, is_rotary ? "deg" : "mm");
+                         kCycles, is_rotary ? kOverrunDeg : kOverrunMm, is_rotary ? "deg" : "mm");
 }
 
 // Along the way that the tool takes against the table when the axis rises, table frame at home.
@@ -105,11 +110,35 @@ Eigen::Vector3d AlongOf(const Machine& machine, int axis) {
   return (IsOnTable(machine, axis) ? -1.0 : 1.0) * machine.axes[axis].direction;
 }
 
+// Of linear axes that have room to move.
 template <typename Add>
 void ForLinear(const Situation& situation, const Add& add) {
   for (int axis = 0; axis < situation.machine->axis_count(); ++axis) {
-    if (situation.machine->axes[axis].kind == AxisKind::kLinear) add(axis, situation.machine->axes[axis].name);
+    if (situation.machine->axes[axis].kind != AxisKind::kLinear) continue;
+    const Range way = WayOf(situation, axis);
+    if (way.lowest < way.highest) add(axis, situation.machine->axes[axis].name);
   }
+}
+
+// Lowest, middle and highest of every linear axis; none where the machine has fewer than three.
+std::vector<std::vector<double>> LinearGrid(const Situation& situation) {
+  std::vector<int> linear;
+  ForLinear(situation, [&](int axis, const std::string&) { linear.push_back(axis); });
+  if (linear.size() < 3) return {};
+  std::vector<std::vector<double>> poses = {RestOf(situation)};
+  for (const int axis : linear) {
+    const Range way = WayOf(situation, axis);
+    constexpr int kSteps = 3;
+    std::vector<std::vector<double>> finer;
+    for (const std::vector<double>& pose : poses) {
+      for (int k = 0; k < kSteps; ++k) {
+        finer.push_back(pose);
+        finer.back()[axis] = way.lowest + (way.highest - way.lowest) * k / (kSteps - 1);
+      }
+    }
+    poses = std::move(finer);
+  }
+  return poses;
 }
 
 }  // namespace
@@ -173,23 +202,9 @@ std::vector<PlannedSession> DirectionTurns(const Situation& situation) {
 
 std::vector<PlannedSession> DistanceGrids(const Situation& situation) {
   const Machine& machine = *situation.machine;
-  std::vector<int> linear;
-  ForLinear(situation, [&](int axis, const std::string&) { linear.push_back(axis); });
-  if (linear.size() < 3) return {};
-  std::vector<std::vector<double>> poses = {RestOf(situation)};
+  const std::vector<std::vector<double>> poses = LinearGrid(situation);
+  if (poses.empty()) return {};
   Eigen::Vector3d low_mm = Eigen::Vector3d::Constant(INFINITY), high_mm = -low_mm;
-  for (const int axis : linear) {
-    const Range way = WayOf(situation, axis);
-    constexpr int kSteps = 3;
-    std::vector<std::vector<double>> finer;
-    for (const std::vector<double>& pose : poses) {
-      for (int k = 0; k < kSteps; ++k) {
-        finer.push_back(pose);
-        finer.back()[axis] = way.lowest + (way.highest - way.lowest) * k / (kSteps - 1);
-      }
-    }
-    poses = std::move(finer);
-  }
   for (const std::vector<double>& pose : poses) {
     const auto chain = machine::EvaluateChain<double>(machine, pose.data(), machine::JointErrors<double>());
     const Eigen::Vector3d tip_mm = machine::TipInTable(chain, situation.tips_mm.front());
@@ -213,6 +228,27 @@ std::vector<PlannedSession> DistanceGrids(const Situation& situation) {
                                        number, poses.size())});
   }
   return planned;
+}
+
+// Poses of the linear axes, then those of the head's axes one after the other. What turns with the table is not seen.
+std::vector<PlannedSession> TrackerGrids(const Situation& situation) {
+  const Machine& machine = *situation.machine;
+  std::vector<std::vector<double>> poses = LinearGrid(situation);
+  if (poses.empty()) return {};
+  constexpr int kHeadSteps = 6;
+  for (const int axis : machine.tool_branch) {
+    if (machine.axes[axis].kind != AxisKind::kRotary || !situation.Turns(axis)) continue;
+    const Range way = WayOf(situation, axis);
+    for (int k = 0; k <= kHeadSteps; ++k) {
+      poses.push_back(RestOf(situation));
+      poses.back()[axis] = way.lowest + (way.highest - way.lowest) * k / kHeadSteps;
+    }
+  }
+  session::Session session = SessionOf(situation, "tracker", "tracker", 5.0, {});
+  for (const std::vector<double>& pose : poses) AddRow(situation, pose, &session);
+  return {{std::move(session), absl::StrFormat("a tracker's target on the tool at %u points of the work space and "
+                                               "positions of the head",
+                                               poses.size())}};
 }
 
 }  // namespace axiscal::plan

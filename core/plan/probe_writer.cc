@@ -25,26 +25,30 @@ std::vector<std::string> ControlOrder(const machine::Machine& machine) {
 
 }  // namespace
 
-ProbeWriter::ProbeWriter(const machine::Machine& machine, const Eigen::Vector3d& tip_mm, const ProbeDialect& dialect,
-                         double feed_mm_min)
-    : machine_(machine), tip_mm_(tip_mm), dialect_(dialect), feed_(absl::StrFormat(" F%.4f", feed_mm_min)) {
-  if (dialect.log == TouchLog::kOfTheControl) return;
+std::string PrintOf(const machine::Machine& machine, const ProbeDialect& dialect) {
+  if (dialect.log == TouchLog::kOfTheControl) return "";
   if (dialect.log == TouchLog::kSinumerik) {
     std::string form, values;
     for (const std::string& name : ControlOrder(machine)) {
       absl::StrAppend(&form, form.empty() ? "" : " ", name, "%.4F");
       absl::StrAppend(&values, ",$AA_MM[", name, "]");
     }
-    print_ =
-        absl::StrCat("STOPRE\nIF $AC_MEA[1]==0 GOTOF NO_TOUCH\nWRITE(ERR,LOG,SPRINT(\"", form, "\"", values, "))\n");
-    return;
+    return absl::StrCat("STOPRE\nIF $AC_MEA[1]==0 GOTOF NO_TOUCH\nWRITE(ERR,LOG,SPRINT(\"", form, "\"", values, "))\n");
   }
   int number = 5001;
   std::string prints;
   for (const std::string& name : ControlOrder(machine))
     absl::StrAppend(&prints, prints.empty() ? "" : "*", name, "#", number++, "[4 4]");
-  print_ = "DPRNT[" + prints + "]\n";
+  return "DPRNT[" + prints + "]\n";
 }
+
+ProbeWriter::ProbeWriter(const machine::Machine& machine, const Eigen::Vector3d& tip_mm, const ProbeDialect& dialect,
+                         double feed_mm_min)
+    : machine_(machine),
+      tip_mm_(tip_mm),
+      dialect_(dialect),
+      feed_(absl::StrFormat(" F%.4f", feed_mm_min)),
+      print_(PrintOf(machine, dialect)) {}
 
 absl::Status ProbeWriter::Move(const std::vector<double>& positions, const Eigen::Vector3d& target_mm) {
   return Block("G00", positions, target_mm, "");

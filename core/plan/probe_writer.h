@@ -19,6 +19,9 @@ struct ProbeDialect {
   TouchLog log = TouchLog::kDprnt;
 };
 
+// What prints where the axes stood at the trigger, behind the block that was stopped by it.
+std::string PrintOf(const machine::Machine& machine, const ProbeDialect& dialect);
+
 class ProbeWriter {
  public:
   // `tip_mm`: stylus centre at home, machine frame; the feed (mm/min) is that of touches.
@@ -38,8 +41,8 @@ class ProbeWriter {
   const machine::Machine& machine_;
   const Eigen::Vector3d tip_mm_;
   const ProbeDialect dialect_;
-  const std::string feed_;
-  std::string print_, text_;
+  const std::string feed_, print_;
+  std::string text_;
 };
 
 }  // namespace axiscal::plan

@@ -49,7 +49,7 @@ TEST(SphereProbing, StylusTouchesFromFiveSidesAndElseKeepsClear) {
   mounted.tips_mm = {{0, 0, -350}};
   mounted.balls_mm = {{90, 0, 60}};
   const auto planned = FindTest("sphere-probing")->plan(SituationOfMachine(machine, mounted));
-  ASSERT_EQ(planned.size(), 4u);  // B and C, two styli
+  ASSERT_EQ(planned.size(), 6u);  // B and C, two styli
   for (const PlannedSession& one : planned) {
     const auto program = ToProgram(machine, one.session, Dialect("mazak"));
     ASSERT_TRUE(program.ok()) << program.status();

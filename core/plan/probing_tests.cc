@@ -15,9 +15,19 @@ constexpr double kSecondsPerCentre = 60.0;  // five touches
 
 struct Part {
   int axis;
-  std::string tool;
+  std::string name;
   Eigen::Vector3d tip_mm;
+  int swung = -1;  // another rotary axis, which stands at `at` meanwhile
+  double at = 0.0;
 };
+
+// A quarter turn, or as far to either side as the axis gets; 0 where that is not far.
+double SwungTo(const Range& range) {
+  constexpr double kQuarter = 90.0 * base::kRadPerDeg, kFar = 20.0 * base::kRadPerDeg;
+  const double to =
+      range.highest >= -range.lowest ? std::min(range.highest, kQuarter) : std::max(range.lowest, -kQuarter);
+  return std::abs(to) < kFar ? 0.0 : to;
+}
 
 }  // namespace
 
@@ -27,12 +37,22 @@ std::vector<PlannedSession> SphereProbing(const Situation& situation) {
   std::vector<PlannedSession> planned;
   for (int axis = 0; axis < machine.axis_count(); ++axis) {
     if (machine.axes[axis].kind != machine::AxisKind::kRotary || !situation.Turns(axis)) continue;
-    const std::vector<Part> parts = {
-        {axis, "", situation.tips_mm.front()},
-        {axis, "-long", situation.tips_mm.front() + kOtherToolMm * machine.tool_direction}};
+    const std::string& axis_name = machine.axes[axis].name;
+    std::vector<Part> parts = {
+        {axis, axis_name, situation.tips_mm.front()},
+        {axis, axis_name + "-long", situation.tips_mm.front() + kOtherToolMm * machine.tool_direction}};
+    // Fang 2022: the head's B seen with C a quarter turn round shows what it hides at zero.
+    for (int other = 0; other < machine.axis_count(); ++other) {
+      if (other == axis || machine.axes[other].kind != machine::AxisKind::kRotary) continue;
+      const double at = SwungTo(situation.ranges[other]);
+      if (at == 0.0) continue;
+      parts.push_back({axis,
+                       absl::StrFormat("%s-at-%s%.4g", axis_name, machine.axes[other].name, at * base::kDegPerRad),
+                       situation.tips_mm.front(), other, at});
+    }
     for (const Part& part : parts) {
       const Eigen::Vector3d ball_mm = situation.balls_mm.front();
-      const std::string name = absl::StrCat("sphere-", machine.axes[axis].name, part.tool);
+      const std::string name = absl::StrCat("sphere-", part.name);
       PlannedSession session;
       session.session.header = HeaderOf(machine, name, part.tip_mm, ball_mm, 0.0, kSigmaMm);
       for (session::HeaderEntry& entry : session.session.header) {
@@ -53,6 +73,7 @@ std::vector<PlannedSession> SphereProbing(const Situation& situation) {
       for (int k = 0; k <= steps; ++k) {
         std::vector<double> positions(machine.axis_count(), 0.0);
         positions[axis] = range.lowest + k * step;
+        if (part.swung >= 0) positions[part.swung] = part.at;
         std::vector<double> commands = positions;
         is_possible &= centres::SolveNominalCommands(machine, part.tip_mm, ball_mm, commands.data()).ok();
         session.session.columns[0].values.push_back(Rounded(situation.start_s + k * kSecondsPerCentre));
@@ -64,7 +85,10 @@ std::vector<PlannedSession> SphereProbing(const Situation& situation) {
       }
       if (!is_possible) continue;
       session.text = absl::StrFormat("centres of a sphere on the table at %d positions of %s, stylus %.0f mm from home",
-                                     steps + 1, machine.axes[axis].name, part.tip_mm.dot(machine.tool_direction));
+                                     steps + 1, axis_name, part.tip_mm.dot(machine.tool_direction));
+      if (part.swung >= 0)
+        absl::StrAppendFormat(&session.text, ", %s at %.4g deg", machine.axes[part.swung].name,
+                              part.at * base::kDegPerRad);
       planned.push_back(std::move(session));
     }
   }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/units.h"
+#include "core/plan/overrun.h"
+
 namespace axiscal::plan {
 namespace {
 
@@ -33,8 +36,32 @@ const std::vector<Style>& Styles() {
   return styles;
 }
 
-std::string Position(const session::Column& column, size_t row) {
-  return absl::StrFormat("%.4f", column.values[row] + 0.0);
+std::string Position(double position) { return absl::StrFormat("%.4f", position + 0.0); }
+
+// Where axes first go so that row `row` is approached from the side that its sense states: per axis what is added to
+// its position, mm or deg. Empty where the move from the row before comes from there anyway. FAILED_PRECONDITION where
+// an axis has no room.
+absl::StatusOr<std::vector<double>> Overrun(const machine::Machine& machine,
+                                            const std::vector<const session::Column*>& columns,
+                                            const std::vector<const session::Column*>& senses, size_t row) {
+  std::vector<double> beyond(columns.size(), 0.0);
+  bool is_any = false;
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (senses[i] == nullptr || senses[i]->values[row] == 0.0) continue;
+    const double moved = row > 0 ? columns[i]->values[row] - columns[i]->values[row - 1] : 0.0;
+    if (moved * senses[i]->values[row] > 0.0) continue;
+    const machine::Axis& axis = machine.axes[i];
+    const double unit = axis.kind == machine::AxisKind::kRotary ? base::kRadPerDeg : 1.0;
+    beyond[i] = -senses[i]->values[row] * OverrunOf(axis) / unit;
+    const double to = (columns[i]->values[row] + beyond[i]) * unit;
+    if ((axis.min_position && to < *axis.min_position) || (axis.max_position && to > *axis.max_position))
+      return absl::FailedPreconditionError(absl::StrFormat(
+          "row %d: %s must go to %.4f and back to be approached from the stated side, beyond its travel", row + 1,
+          axis.name, to / unit));
+    is_any = true;
+  }
+  if (!is_any) beyond.clear();
+  return beyond;
 }
 
 // Text that a controller takes as a comment, whatever a session is called.
@@ -43,6 +70,8 @@ std::string Plain(const std::string& text) {
   for (const char c : text) plain += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.' ? c : ' ';
   return plain;
 }
+
+bool IsOfSetter(const std::string& instrument) { return instrument == "tool-setter" || instrument == "tool-curve"; }
 
 absl::StatusOr<std::string> ProbingProgram(const machine::Machine& machine, const session::Session& session,
                                            const Style& style, const ProgramOptions& options) {
@@ -59,16 +88,23 @@ absl::StatusOr<std::string> ProbingProgram(const machine::Machine& machine, cons
   const ProbeDialect dialect = is_linuxcnc    ? ProbeDialect{"G38.2", TouchLog::kOfTheControl}
                                : is_sinumerik ? ProbeDialect{"MEAS=1 G01", TouchLog::kSinumerik}
                                               : ProbeDialect{};
-  const bool is_of_touches = session::FindHeader(session, "instrument").value_or("") == "touch";
-  ASSIGN_OR_RETURN(const std::string blocks, is_of_touches ? TouchBlocks(machine, session, options.probing, dialect)
-                                                           : ProbingBlocks(machine, session, options.probing, dialect));
+  const std::string instrument = session::FindHeader(session, "instrument").value_or("");
+  const bool is_of_touches = instrument == "touch", is_of_setter = IsOfSetter(instrument);
+  const SpindleWords words = is_sinumerik ? SpindleWords{"SPOS=", "M00"} : SpindleWords{};
+  ASSIGN_OR_RETURN(const std::string blocks,
+                   is_of_setter    ? SetterBlocks(machine, session, options.setter, dialect, words)
+                   : is_of_touches ? TouchBlocks(machine, session, options.probing, dialect)
+                                   : ProbingBlocks(machine, session, options.probing, dialect));
   const std::string name = Plain(session::FindHeader(session, "session").value_or("session"));
-  const size_t touches = session.reading_count() * (is_of_touches ? 1 : kTouchesPerCentre);
+  const size_t touches = session.reading_count() * (is_of_touches || is_of_setter ? 1 : kTouchesPerCentre);
   const auto comment = [&](const std::string& text) { return style.comment_begin + text + style.comment_end + "\n"; };
-  const std::string comments = comment("MEASURING RUN " + name + " OF MACHINE " + Plain(machine.id)) +
-                               comment("AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD") +
-                               comment("CHECK THE WAY BETWEEN POSES");
-  const std::string kind = is_of_touches ? "TOUCH" : "SPHERE";
+  const std::string comments =
+      comment("MEASURING RUN " + name + " OF MACHINE " + Plain(machine.id)) +
+      comment(is_of_setter ? "AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH"
+                           : "AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD") +
+      comment(is_of_setter ? "CHECK THE WAY TO THE BEAM. AT EACH STOP: MOUNT THE NEXT ROD OF THE PLAN"
+                           : "CHECK THE WAY BETWEEN POSES");
+  const std::string kind = is_of_setter ? "TRIGGER" : is_of_touches ? "TOUCH" : "SPHERE";
   if (is_linuxcnc) {
     // No '%': within a program that has one, LinuxCNC reads nothing else.
     return absl::StrCat(comments, style.head, "(PROBEOPEN ", name, ".txt)\n", blocks, "(PROBECLOSE)\n", style.tail);
@@ -111,8 +147,9 @@ absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const ses
   if (!(options.dwell_s >= 0.0 && options.dwell_s <= 3600.0))
     return absl::InvalidArgumentError(absl::StrFormat("dwell_s = %g, expected 0 to 3600", options.dwell_s));
   const std::string instrument = session::FindHeader(session, "instrument").value_or("");
-  if (instrument == "centres" || instrument == "touch") return ProbingProgram(machine, session, *style, options);
-  std::vector<const session::Column*> columns;
+  if (instrument == "centres" || instrument == "touch" || IsOfSetter(instrument))
+    return ProbingProgram(machine, session, *style, options);
+  std::vector<const session::Column*> columns, senses;
   std::vector<std::string> words;
   for (const machine::Axis& axis : machine.axes) {
     const std::string name = axis.name + (axis.kind == machine::AxisKind::kRotary ? "_deg" : "_mm");
@@ -121,6 +158,7 @@ absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const ses
     if (axis.name.size() != 1)
       return absl::FailedPreconditionError("axis " + axis.name + " has no word of one letter: write the table instead");
     columns.push_back(column);
+    senses.push_back(session::FindColumn(session, axis.name + "_sense"));
     words.push_back(style->is_klartext && axis.name[0] >= 'A' ? " " + axis.name : " " + axis.name);
   }
   const session::Column* const time = session::FindColumn(session, "t_s");
@@ -139,10 +177,11 @@ absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const ses
   comment("MEASURING RUN " + name + " OF MACHINE " + Plain(machine.id));
   comment("AXIS POSITIONS: NO WORK OFFSET. NO TOOL LENGTH. SPINDLE HELD");
   absl::StrAppend(&out, style->head);
-  const auto block = [&](size_t row, const std::string& feed) {
+  // `beyond`: per axis what is added to the row's position, mm or deg; empty: nothing.
+  const auto block = [&](size_t row, const std::string& feed, const std::vector<double>& beyond = {}) {
     absl::StrAppend(&out, style->is_klartext ? "L" : "G01");
     for (size_t i = 0; i < columns.size(); ++i) {
-      const std::string position = Position(*columns[i], row);
+      const std::string position = Position(columns[i]->values[row] + (beyond.empty() ? 0.0 : beyond[i]));
       absl::StrAppend(&out, words[i], style->is_klartext && position[0] != '-' ? "+" : "", position);
     }
     absl::StrAppend(&out, feed, "\n");
@@ -152,6 +191,8 @@ absl::StatusOr<std::string> ToProgram(const machine::Machine& machine, const ses
     const double seconds = is_timed && row > 0 ? time->values[row] - time->values[row - 1] : 0.0;
     if (is_timed && row == 1 && !style->timed_begin.empty()) absl::StrAppend(&out, style->timed_begin, "\n");
     const bool has_time = is_timed && row > 0 && seconds > 0.0 && !style->timed_begin.empty();
+    ASSIGN_OR_RETURN(const std::vector<double> beyond, Overrun(machine, columns, senses, row));
+    if (!beyond.empty()) block(row, feed, beyond);
     block(row, has_time ? absl::StrFormat(" F%.4f", 60.0 / seconds) : feed);
     if (!is_timed && options.dwell_s > 0.0) absl::StrAppend(&out, style->dwell(options.dwell_s), "\n");
   }

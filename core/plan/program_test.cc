@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/identify/testing/scenario.h"
 #include "core/nc/decimal.h"
 #include "core/nc/move_reader.h"
@@ -63,12 +66,26 @@ TEST_P(EveryDialect, ProgramsVisitTheTablesPositions) {
         const auto program = ToProgram(machine, planned.session, options);
         ASSERT_TRUE(program.ok()) << program.status();
         const std::vector<std::vector<double>> visited = Visited(machine, *program, GetParam());
-        ASSERT_EQ(visited.size(), planned.session.reading_count()) << planned.text;
-        for (size_t row = 0; row < visited.size(); ++row) {
-          for (int i = 0; i < machine.axis_count(); ++i)
-            ASSERT_NEAR(visited[row][i], ColumnOf(planned.session, machine.axes[i]).values[row], 5.1e-5)
-                << planned.text << row;
+        size_t at = 0;
+        for (size_t row = 0; row < planned.session.reading_count(); ++row) {
+          const auto is_there = [&](size_t move) {
+            for (int i = 0; i < machine.axis_count(); ++i)
+              if (std::abs(visited[move][i] - ColumnOf(planned.session, machine.axes[i]).values[row]) > 5.1e-5)
+                return false;
+            return true;
+          };
+          // Beyond the target and back, where the stated side of approach asks for it.
+          if (at + 1 < visited.size() && !is_there(at)) ++at;
+          ASSERT_TRUE(at < visited.size() && is_there(at)) << planned.text << row;
+          for (int i = 0; i < machine.axis_count(); ++i) {
+            const session::Column* const sense = session::FindColumn(planned.session, machine.axes[i].name + "_sense");
+            if (sense == nullptr || sense->values[row] == 0.0) continue;
+            ASSERT_GT(at, 0u) << planned.text;
+            ASSERT_GT((visited[at][i] - visited[at - 1][i]) * sense->values[row], 0.0) << planned.text << row;
+          }
+          ++at;
         }
+        EXPECT_EQ(at, visited.size()) << planned.text;
         ++programs;
       }
     }
@@ -108,6 +125,30 @@ TEST(Program, TheTableIsASessionWithoutReadings) {
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->header, planned.header);
   for (size_t c = 0; c < planned.columns.size(); ++c) EXPECT_EQ(read->columns[c], planned.columns[c]);
+}
+
+// A short travel leaves room for the overrun at the ends, and one that is too short is no test.
+TEST(Program, OverrunsKeepToTheTravel) {
+  machine::Machine machine = machine::testing::MultiTasking();
+  machine::Axis& x = machine.axes[machine::FindAxis(machine, "X")];
+  x.min_position = 0.0;
+  x.max_position = 20.0;
+  const auto lines = FindTest("length-line")->plan(SituationOfMachine(machine, {}));
+  ASSERT_EQ(lines.size(), 3u);
+  for (const PlannedSession& line : lines) EXPECT_TRUE(ToProgram(machine, line.session).ok()) << line.text;
+  // By hand: a target at the end of the travel that is to be approached from beyond it.
+  session::Session by_hand = FindPlanned(SituationOfMachine(machine, {}), "line-X")->session;
+  for (session::Column& column : by_hand.columns) {
+    if (column.name != "X_mm") continue;
+    const double last = *std::max_element(column.values.begin(), column.values.end());
+    std::replace(column.values.begin(), column.values.end(), last, 19.0);
+  }
+  const auto refused = ToProgram(machine, by_hand);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_NE(refused.status().message().find("X must go to 21.0000 and back"), std::string::npos) << refused.status();
+  x.max_position = 4.0;
+  EXPECT_EQ(FindTest("length-line")->plan(SituationOfMachine(machine, {})).size(), 2u);
 }
 
 TEST(Program, RefusesWithWhatWasExpected) {

@@ -1,6 +1,8 @@
 #include <cmath>
 
+#include "absl/strings/numbers.h"
 #include "core/base/units.h"
+#include "core/plan/passes.h"
 #include "core/plan/tests_internal.h"
 
 namespace axiscal::plan {
@@ -39,6 +41,7 @@ const std::vector<Test>& FurtherTests() {
       {"straightness-line", "straightness across each linear axis, in two directions", StraightnessLines},
       {"direction-line", "turns of the tool along each linear axis: autocollimator, telescope, level", DirectionLines},
       {"direction-turn", "positioning of each rotary axis by an indexing table or a polygon", DirectionTurns},
+      {"tracker-grid", "places of a target on the tool over the work space, in a tracker's frame", TrackerGrids},
       {"distance-grid", "distances of the tool from three anchors over the work space: draw wire, tracker",
        DistanceGrids},
   };
@@ -101,7 +104,16 @@ std::optional<PlannedSession> FindPlanned(const Situation& situation, const std:
       }
     }
   }
-  return std::nullopt;
+  // "CR-350-x4": four passes of CR-350.
+  const size_t times = name.rfind("-x");
+  int passes = 0;
+  constexpr int kMostPasses = 100;
+  if (times == std::string::npos || !absl::SimpleAtoi(name.substr(times + 2), &passes) || passes < 2 ||
+      passes > kMostPasses)
+    return std::nullopt;
+  const std::optional<PlannedSession> once = FindPlanned(situation, name.substr(0, times));
+  if (!once) return std::nullopt;
+  return InPasses(*once, passes);
 }
 
 }  // namespace axiscal::plan

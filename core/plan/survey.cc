@@ -7,11 +7,15 @@
 #include "core/identify/naming.h"
 #include "core/identify/plausible_errors.h"
 #include "core/identify/reduction.h"
+#include "core/plan/passes.h"
 #include "core/plan/planned_run.h"
+#include "core/plan/state_setups.h"
 #include "core/session/column_rules.h"
 
 namespace axiscal::plan {
 namespace {
+
+constexpr int kPassesProposed[] = {2, 4, 8};  // beyond these the set-up, not the readings, limits what is reached
 
 absl::StatusOr<SurveyedTest> Judge(const machine::Machine& machine, const machine::ErrorModel& model,
                                    const std::vector<identify::Estimate>& errors, PlannedSession planned) {
@@ -98,7 +102,13 @@ class LeastTime {
     bool tells_all = false;  // that all tests together tell
   };
 
-  LeastTime(const Survey& survey, const std::vector<int>& asked) : survey_(survey), asked_(asked) {
+  // `wanted`: per asked error the largest standard uncertainty; empty: what counts as measured.
+  LeastTime(const Survey& survey, const std::vector<int>& asked, const std::vector<double>& wanted)
+      : survey_(survey), asked_(asked) {
+    for (size_t i = 0; i < asked.size(); ++i) {
+      const double measured = identify::kMeasuredWithin * identify::kPlausible * survey.errors[asked[i]].factor;
+      widest_.push_back(wanted.empty() ? measured : std::min(measured, wanted[i]));
+    }
     std::vector<int> all;
     for (int i = 0; i < static_cast<int>(survey.tests.size()); ++i) {
       const auto is_same = [&](int other) {
@@ -134,12 +144,9 @@ class LeastTime {
     Verdict verdict;
     verdict.told = {std::vector<bool>(asked_.size(), false), std::vector<double>(asked_.size(), NAN)};
     if (set.empty()) return verdict;
-    information::TestInformation together = survey_.tests[set[0]].tells;
-    for (size_t i = 1; i < set.size(); ++i) together += survey_.tests[set[i]].tells;
-    verdict.told = information::Tell(together, asked_);
+    verdict.told = ToldBy(set);
     for (size_t i = 0; i < asked_.size(); ++i) {
-      const double widest = identify::kMeasuredWithin * identify::kPlausible * survey_.errors[asked_[i]].factor;
-      if (!verdict.told.is_determined[i] || verdict.told.sigma[i] <= widest) continue;
+      if (!verdict.told.is_determined[i] || verdict.told.sigma[i] <= widest_[i]) continue;
       verdict.told.is_determined[i] = false;
       verdict.told.sigma[i] = NAN;
       --verdict.told.determined_count;
@@ -153,7 +160,18 @@ class LeastTime {
     return verdict;
   }
 
+  // Per asked error by all tests together, however uncertain.
+  std::vector<double> Best() const {
+    return candidates_.empty() ? std::vector<double>(asked_.size(), NAN) : ToldBy(candidates_).sigma;
+  }
+
  private:
+  information::Told ToldBy(const std::vector<int>& set) const {
+    information::TestInformation together = survey_.tests[set[0]].tells;
+    for (size_t i = 1; i < set.size(); ++i) together += survey_.tests[set[i]].tells;
+    return information::Tell(together, asked_);
+  }
+
   // Whether it is the best so far.
   bool Consider(const std::vector<int>& set) {
     Verdict verdict = TellOf(set);
@@ -203,6 +221,7 @@ class LeastTime {
 
   const Survey& survey_;
   const std::vector<int> asked_;
+  std::vector<double> widest_;   // per asked error, mm or rad
   std::vector<int> candidates_;  // no two the same motion
   information::Told told_by_all_;
   std::vector<int> best_;
@@ -228,31 +247,50 @@ absl::StatusOr<information::TestInformation> InformationOf(const machine::Machin
                                                            instruments::MeasuringRun run) {
   ASSIGN_OR_RETURN(const identify::Problem problem, identify::MakeProblem(machine, {std::move(run)}));
   const identify::Point point = identify::StartingPoint(problem, model);
-  const identify::NormalEquations normal =
-      identify::Assemble(problem, point, identify::ListParameters(model, false));
+  const identify::NormalEquations normal = identify::Assemble(problem, point, identify::ListParameters(model, false));
   return information::TestInformation{
       identify::InformationOf(identify::ReduceVisible(problem, point, normal)),
       identify::InformationOf(identify::Reduce(problem, point, normal, identify::Priors::kAll))};
 }
 
-absl::StatusOr<Survey> SurveyTests(const Situation& situation, const machine::ErrorModel& model) {
+absl::StatusOr<Survey> SurveyTests(const Situation& situation, const machine::ErrorModel& model,
+                                   const std::vector<std::string>& setups) {
   Survey survey;
   survey.model = model;
   for (const identify::Parameter& parameter : identify::ListParameters(model, false))
     survey.errors.push_back(identify::NamedEstimate(*situation.machine, model, parameter));
+  std::vector<std::pair<std::string, PlannedSession>> all;
   for (const auto* tests : {&Tests(), &FurtherTests()}) {
     for (const Test& test : *tests) {
       // "Farther than so far" means nothing on a machine that was never measured.
       if (situation.runs.empty() && test.name == "farther") continue;
       for (PlannedSession& planned : test.plan(situation)) {
-        if (!ReachOf(situation, planned.session).is_reachable) continue;
-        ASSIGN_OR_RETURN(SurveyedTest surveyed, Judge(*situation.machine, model, survey.errors, std::move(planned)));
-        surveyed.test = test.name;
-        survey.tests.push_back(std::move(surveyed));
+        if (ReachOf(situation, planned.session).is_reachable) all.emplace_back(test.name, std::move(planned));
       }
     }
   }
+  std::vector<session::Session*> sessions;
+  for (auto& [test, planned] : all) sessions.push_back(&planned.session);
+  RETURN_IF_ERROR(StateSetups(*situation.machine, setups, sessions));
+  for (auto& [test, planned] : all) {
+    ASSIGN_OR_RETURN(SurveyedTest surveyed, Judge(*situation.machine, model, survey.errors, std::move(planned)));
+    surveyed.test = test;
+    survey.tests.push_back(std::move(surveyed));
+  }
   return survey;
+}
+
+absl::Status AddPasses(const Situation& situation, Survey* survey) {
+  const size_t once = survey->tests.size();
+  for (size_t i = 0; i < once; ++i) {
+    for (const int passes : kPassesProposed) {
+      ASSIGN_OR_RETURN(SurveyedTest surveyed, Judge(*situation.machine, survey->model, survey->errors,
+                                                    InPasses(survey->tests[i].planned, passes)));
+      surveyed.test = survey->tests[i].test;
+      survey->tests.push_back(std::move(surveyed));
+    }
+  }
+  return absl::OkStatus();
 }
 
 std::vector<const Test*> TestsWithoutSession(const Survey& survey) {
@@ -277,9 +315,10 @@ absl::StatusOr<std::vector<int>> IndicesOf(const Survey& survey, const std::vect
   return indices;
 }
 
-Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked) {
-  LeastTime search(survey, asked);
+Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked, const std::vector<double>& wanted) {
+  LeastTime search(survey, asked, wanted);
   Proposal proposal;
+  proposal.best = search.Best();
   proposal.tests = search.Find();
   const information::Told told = search.TellOf(proposal.tests).told;
   proposal.undetermined = told.Undetermined();

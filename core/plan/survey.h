@@ -45,8 +45,13 @@ absl::StatusOr<information::TestInformation> InformationOf(const machine::Machin
                                                            const machine::ErrorModel& model,
                                                            instruments::MeasuringRun run);
 
-// Every session that the registry plans in `situation`, judged against `model`.
-absl::StatusOr<Survey> SurveyTests(const Situation& situation, const machine::ErrorModel& model);
+// Every session that the registry plans in `situation`, judged against `model`; `setups`: what is known of set-ups
+// (state_setups.h).
+absl::StatusOr<Survey> SurveyTests(const Situation& situation, const machine::ErrorModel& model,
+                                   const std::vector<std::string>& setups = {});
+
+// Adds each test of the survey in several passes (passes.h): more readings in one mounting.
+absl::Status AddPasses(const Situation& situation, Survey* survey);
 
 // Tests of the registry that no session of the survey belongs to.
 std::vector<const Test*> TestsWithoutSession(const Survey& survey);
@@ -62,15 +67,17 @@ struct Proposal {
   std::vector<double> sigma;      // expected standard uncertainty per asked error, mm or rad; NaN: no known test tells
   double seconds = 0.0;           // with mounting
   std::vector<int> undetermined;  // asked errors that no set of the known tests determines, as indices into `asked`
+  std::vector<double> best;       // per asked error: what all known tests together reach, mm or rad; NaN: nothing
 };
 
 // The set that takes the least time, mounting and all, and determines every error of `asked` (indices into
-// Survey::errors) beside all others of the survey, to a third of what an error may be (identify/plausible_errors.h). Of
+// Survey::errors) beside all others of the survey, to a third of what an error may be (identify/plausible_errors.h), or
+// to the standard uncertainty that is `wanted` of it (mm or rad, one per asked error; none: as said). Of
 // sets that take as many minutes the one with the least determinant of the covariance (information/choice.h). No two of
 // it are the same motion of the same instrument. Sets of up to two tests are all compared, larger ones are as good as
 // leaving out and exchange find. Where some errors cannot be determined by all tests together, the rest is; none where
 // none can.
-Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked);
+Proposal ProposeTests(const Survey& survey, const std::vector<int>& asked, const std::vector<double>& wanted = {});
 
 }  // namespace axiscal::plan
 

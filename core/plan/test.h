@@ -42,7 +42,8 @@ struct Reach {
 };
 Reach ReachOf(const Situation& situation, const session::Session& session);
 
-// The reachable session of that name, or the first one of the test of that name; nothing where the machine runs none.
+// The reachable session of that name, or the first one of the test of that name; behind either `-x4` asks for four
+// passes (passes.h). Nothing where the machine runs none.
 std::optional<PlannedSession> FindPlanned(const Situation& situation, const std::string& name);
 
 }  // namespace axiscal::plan

@@ -21,6 +21,7 @@ std::vector<PlannedSession> StraightnessLines(const Situation& situation);
 std::vector<PlannedSession> DirectionLines(const Situation& situation);
 std::vector<PlannedSession> DirectionTurns(const Situation& situation);
 std::vector<PlannedSession> DistanceGrids(const Situation& situation);
+std::vector<PlannedSession> TrackerGrids(const Situation& situation);
 std::vector<PlannedSession> RtestGrids(const Situation& situation);
 std::vector<PlannedSession> RtestApproaches(const Situation& situation);
 std::vector<PlannedSession> OtherSense(const Situation& situation);

@@ -11,14 +11,10 @@
 #include <vector>
 
 #include "core/instruments/run.h"
+#include "core/predict/box_poses.h"
 #include "core/predict/tool_point.h"
 
 namespace axiscal::predict {
-
-// Least and greatest position of each axis, mm or rad.
-struct Box {
-  std::vector<double> low, high;
-};
 
 // Positions that the readings of `runs` covered; empty without readings.
 Box MeasuredBox(const std::vector<instruments::MeasuringRun>& runs);

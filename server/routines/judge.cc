@@ -53,7 +53,7 @@ absl::StatusOr<compare::Comparison> CompareStored(storage::Database& database, c
   instruments::Covered covered;
   CoverSessions(database, machine, candidate, covered);
   CoverSessions(database, machine, in_use, covered);
-  std::optional<compare::Workspace> workspace;
+  std::optional<predict::Workspace> workspace;
   if (!covered.low.empty()) {
     workspace.emplace();
     workspace->tip_mm = *covered.tip_mm;

@@ -48,6 +48,38 @@ TEST_F(Plan, ForProposesTestsWithExpectedUncertainty) {
   EXPECT_EQ(Run("plan --json --for EX0C,EB0C" + Machine()).out, outcome.out);  // determined, not drawn
 }
 
+// Where the cubes' place is not known, the offsets of the head go with it; stated, they are told (Liu's errors).
+TEST_F(Plan, ACertificateSaysWhatAPlanReaches) {
+  const std::string certify = "plan --certify '" + Source("deploy/examples/liu-blocks/swivel-head/head.csv") +
+                              "' --declare EX0B,EY0B,EA0B,EB0B,EC0B" + " --travel 'B -90 90' --machine '" +
+                              Source("deploy/examples/liu-blocks/swivel-head/machine.json") + "' ";
+  const auto outcome = Run(certify + "--json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = outcome.Json();
+  ASSERT_EQ(json["errors"].size(), 5u);
+  for (const auto& error : json["errors"]) EXPECT_TRUE(error["identifiable"].get<bool>()) << error;
+  EXPECT_GT(json["tool_point"]["as_programmed"]["max_um"].get<double>(), 0.0);
+  const auto known = Run(certify + "--setup 'artefact_x 0.1' --json");
+  ASSERT_EQ(known.exit_code, 0) << known.err;
+  EXPECT_LT(known.Json()["errors"][0]["sigma"].get<double>(), json["errors"][0]["sigma"].get<double>());
+  const auto text = Run(certify + "--box 'X -200 200'");
+  EXPECT_THAT(text.out, HasSubstr("corrected for what the plan finds"));
+  EXPECT_EQ(Run(certify + "--setup 'bar_length 2'").exit_code, 3);
+  EXPECT_EQ(Run(certify + "--setup 'artefact_x'").exit_code, 3);
+  EXPECT_EQ(Run(certify + "--box 'Q 0 1'").exit_code, 3);
+  EXPECT_EQ(Run("plan --certify nothing.csv" + Machine()).exit_code, 4);
+  EXPECT_EQ(Run("plan --list --box 'X 0 1'" + Machine()).exit_code, 3);
+}
+
+TEST_F(Plan, TheFewestMinutesToAnUncertainty) {
+  const auto outcome = Run("plan --json --with ballbar-pattern,rtest-grid --for EX0C=1,EB0C=20" + Machine());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_LE(outcome.Json()["errors"][0]["sigma"].get<double>(), 1.0);
+  const auto never = Run("plan --with rtest-grid --for EX0C=0.000001" + Machine());
+  EXPECT_THAT(never.out, HasSubstr("not within 1e-06: all known tests together reach"));
+  EXPECT_EQ(Run("plan --for EX0C=-1" + Machine()).exit_code, 3);
+}
+
 TEST_F(Plan, UnknownErrorsTestsAndWaysAreRefused) {
   auto outcome = Run("plan --for EX0Q" + Machine());
   EXPECT_EQ(outcome.exit_code, 3);
