@@ -1,6 +1,7 @@
 // A disk that fails at each of its operations in turn, until a run passes without a failure: sessions, jobs, an
-// approval, programs, principals, marks, tables, removal by age, a backup, and the migration of an old file. After each: what was
-// acknowledged is there once, what was not is gone or goes on where it was left, and the whole file is looked through.
+// approval, programs, principals, marks, tables, removal by age, a backup, and the migration of an old file. After
+// each: what was acknowledged is there once, what was not is gone or goes on where it was left, and the whole file is
+// looked through.
 //
 // Then the same work killed at moments that chance chooses, and what puts a file in another's place: restore, compact.
 //

@@ -137,7 +137,7 @@ TEST(Map, AnArrowDownwardsIsFound) {
 class ThePage : public ::testing::Test {
  protected:
   const std::vector<Room> rooms_ = RoomsOf(ReadPage("docs/architecture.md"));
-  const std::vector<SourceFile> files_ = FilesBelow({"core", "proto/convert", "server", "client"});
+  const std::vector<SourceFile> files_ = FilesBelow({"core", "proto/convert", "proto/guard", "server", "client"});
 };
 
 TEST_F(ThePage, HasARoomForEveryFolder) {

@@ -222,7 +222,8 @@ void LookAfter(const std::string& path, const Told& told, const std::string& wha
   }
   std::filesystem::remove(path + ".copy");
   Work(path, [&](const std::string& step) { all.insert(step); });
-  for (const char* const step : {"open", "finish", "program", "approve", "table", "abort", "role", "revoke", "mark", "expire", "backup"})
+  for (const char* const step : {"open", "finish", "program", "approve", "table", "abort", "role", "revoke", "mark",
+                                 "expire", "backup"})
     EXPECT_TRUE(all.contains(step)) << what << ": " << step << " fails afterwards";
   const auto report = CheckStoreFile(path);
   ASSERT_TRUE(report.ok()) << what << ": " << report.status();
