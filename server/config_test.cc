@@ -74,7 +74,7 @@ TEST(Config, RefusalsNameFileLineKeyAndRule) {
       "etc/axiscald.toml:3: unknown key server.lisen; known keys here: listen, http, drain_seconds, ask_identity");
   EXPECT_THAT(Refusal("[sever]\nlisten = 'x'\n"),
               HasSubstr("etc/axiscald.toml:1: unknown key sever; known tables "
-                        "here: store, server, tls, jobs, limits, webhooks, backup, retention, metrics, log"));
+                        "here: store, server, tls, jobs, limits, webhooks, mail, backup, retention, metrics, log"));
   EXPECT_THAT(Refusal("jobs = 3"), HasSubstr("etc/axiscald.toml:1: jobs must be a table with the keys workers"));
   EXPECT_THAT(Refusal("[[jobs]]\nworkers = 3"), HasSubstr("jobs must be a table"));
   EXPECT_EQ(Refusal("[jobs]\n\nworkers = 0"), "etc/axiscald.toml:3: jobs.workers = 0, must be 1 to 1024");
