@@ -76,7 +76,7 @@ TEST_F(Plan, TheFewestMinutesToAnUncertainty) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_LE(outcome.Json()["errors"][0]["sigma"].get<double>(), 1.0);
   const auto never = Run("plan --with rtest-grid --for EX0C=0.000001" + Machine());
-  EXPECT_THAT(never.out, HasSubstr("not within 1e-06: all known tests together reach"));
+  EXPECT_THAT(never.out, HasSubstr("not within 0.000001: all known tests together reach"));
   EXPECT_EQ(Run("plan --for EX0C=-1" + Machine()).exit_code, 3);
 }
 

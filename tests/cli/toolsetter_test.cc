@@ -151,7 +151,7 @@ TEST_F(ToolSetter, PlanKnowsBothTestsOfTheMachine) {
   EXPECT_THAT(message("--machine machine.json tool-setter -o no.csv --tools " + cutter, 3),
               HasSubstr("expected a tool-setter session"));
   EXPECT_THAT(message("--machine machine.json tool-curve -o no.nc --tools " + cutter, 3),
-              HasSubstr("expected FILE.csv"));
+              HasSubstr("the position of Z over the beam is not stated"));
   EXPECT_THAT(
       message("--machine machine.json tool-curve -o no.csv --session \"$(printf 'a\\nb')\" --tools " + cutter, 3),
       HasSubstr("--session: expected a name on one line"));

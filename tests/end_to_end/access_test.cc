@@ -90,6 +90,8 @@ const std::map<std::string, Expected>& AllExpected() {
       {"Calibrations.GetCalibration", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.DrawCalibration", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.ListResiduals", {For::kWhatIsNamed, kViewers}},
+      {"Calibrations.GetVolumetricError", {For::kWhatIsNamed, kViewers}},
+      {"Calibrations.ListVolumetricErrors", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.ApproveCalibration", {For::kWhatIsNamed, kApprovers}},
       {"Calibrations.RetireCalibration", {For::kWhatIsNamed, kApprovers}},
       {"Programs.ListPrograms", {For::kLists, kViewers}},

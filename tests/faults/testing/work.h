@@ -25,9 +25,9 @@ std::unique_ptr<Database> OpenAt(const std::string& path, base::Clock& clock = b
 
 inline const Caller kAnn = {"ann", ""};
 
-// Opens the file and does everything that a plant does: a machine, principals, one of whom is revoked, a mark, sessions,
-// a program, jobs, a calibration, its approval and its table, removal by age, a backup in PATH.copy. Goes on after what
-// fails, as callers do who do not know of each other.
+// Opens the file and does everything that a plant does: a machine, principals, one of whom is revoked, a mark,
+// sessions, a program, jobs, a calibration, its approval and its table, removal by age, a backup in PATH.copy. Goes on
+// after what fails, as callers do who do not know of each other.
 void Work(const std::string& path, const Tell& tell, base::Clock& clock = base::SystemClock());
 
 // A dump of a file of the first schema, in use: its migration may be cut in half.
