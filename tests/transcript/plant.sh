@@ -26,6 +26,7 @@ done <<<"cell cell
 bob technician
 ann approver" >/dev/null
 
+: >server.out  # it is read before the server, in the background, may have opened it
 "$programs/axiscald" --db plant.db --listen 127.0.0.1:0 --http 127.0.0.1:0 --ask-identity >server.out 2>server.log &
 server_pid=$!
 for tries in $(seq 400); do
