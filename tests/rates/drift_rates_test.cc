@@ -41,7 +41,10 @@ TEST(DriftRates, CleanMachinesAreLeftAlone) {
   Group group;
   for (int number = 0; number < 40; ++number) Judge(synthetic::DrawMachineYears(asked, number), false, &group, &score);
   EXPECT_LE(score.after.at("all").alarms, 6 + 7) << ToText(score);  // 6 of 380 machine-years, and three of its roots
-  EXPECT_EQ(score.retractions + score.unstable, 0) << ToText(score);
+  EXPECT_EQ(score.unstable, 0) << ToText(score);
+  // A false alarm may be seen through by the calibrations behind it; seldom, and none of them was true.
+  EXPECT_LE(score.retractions, 2) << ToText(score);
+  EXPECT_EQ(score.retracted_right, 0) << ToText(score);
   EXPECT_TRUE(score.recall.empty());
 }
 
