@@ -39,6 +39,7 @@
 #include "core/records/routine.h"
 #include "core/records/session.h"
 #include "core/records/table.h"
+#include "core/records/volumetric.h"
 #include "core/records/webhook.h"
 #include "core/session/session.h"
 
@@ -222,6 +223,18 @@ class Client {
   absl::StatusOr<CalibrationRecord> ApproveCalibration(CalibrationId id, int64_t etag, const std::string& reason = "");
   // Takes it out of use, or gives a candidate up; likewise.
   absl::StatusOr<CalibrationRecord> RetireCalibration(CalibrationId id, int64_t etag, const std::string& reason = "");
+
+  // How far the tool point is off over a box of positions, before and after a calibration: its measured box, `box` of
+  // some axes (as of a part), or that in which the program of the COMPENSATE job `job` moves. FAILED_PRECONDITION
+  // VOLUMETRIC_UNKNOWN where nothing is known of how good its errors are.
+  absl::StatusOr<records::VolumetricError> GetVolumetricError(CalibrationId id,
+                                                              const std::vector<records::AxisSpan>& box = {},
+                                                              std::optional<JobId> job = {});
+  // Of each calibration of a machine that is or was in use or is a candidate, the newest first; 20 on a page, at most
+  // 100.
+  absl::StatusOr<Page<records::VolumetricError>> ListVolumetricErrors(const MachineId& machine,
+                                                                      const std::vector<records::AxisSpan>& box = {},
+                                                                      const PageRequest& page = {});
 
   // ---- programs, byte for byte; resumed when the stream breaks
   absl::StatusOr<ProgramRecord> PutProgram(const std::string& name, const std::string& bytes,

@@ -39,8 +39,10 @@ absl::StatusOr<records::WebhookTrial> Client::TestWebhook(const std::string& nam
   request.set_name(name);
   ASSIGN_OR_RETURN(const auto response,
                    impl_->Call<v1::TestWebhookResponse>(*impl_->webhooks, &v1::Webhooks::Stub::TestWebhook, request));
-  return records::WebhookTrial{
-      .status = response.http_status(), .error = response.error(), .took_ms = response.took_ms()};
+  return records::WebhookTrial{.status = response.http_status(),
+                               .error = response.error(),
+                               .is_mail = response.is_mail(),
+                               .took_ms = response.took_ms()};
 }
 
 absl::StatusOr<Page<records::DeadLetter>> Client::ListDeadLetters(const std::string& name, const PageRequest& page) {

@@ -1,7 +1,7 @@
-# Writes OUTPUT, a C++ file with the migrations in SQL_FILES (NNNN_name.sql, in order of version) as embedded text.
-# Run at build time: cmake -DOUTPUT=... -DSQL_FILES=a.sql|b.sql -P EmbedMigrations.cmake
-set(text "// Generated from migrations/*.sql; do not edit.\n#include \"server/storage/migrate.h\"\n\nnamespace axiscal::storage {\n\n")
-string(APPEND text "const std::vector<Migration>& EmbeddedMigrations() {\n  static const auto* const migrations = new std::vector<Migration>{\n")
+# Writes OUTPUT, a C++ file whose FUNCTION gives the migrations in SQL_FILES (NNNN_name.sql, in order of version) as embedded text.
+# Run at build time: cmake -DOUTPUT=... -DSQL_FILES=a.sql|b.sql -DFUNCTION=EmbeddedMigrations -P EmbedMigrations.cmake
+set(text "// Generated from migrations; do not edit.\n#include \"server/storage/migration.h\"\n\nnamespace axiscal::storage {\n\n")
+string(APPEND text "const std::vector<Migration>& ${FUNCTION}() {\n  static const auto* const migrations = new std::vector<Migration>{\n")
 string(REPLACE "|" ";" SQL_FILES "${SQL_FILES}")
 foreach(file IN LISTS SQL_FILES)
   get_filename_component(name ${file} NAME_WE)

@@ -1,6 +1,7 @@
 // axiscald: the server. Flags to options, signals to an orderly end. Its sub-commands do what needs the file alone.
 #include <pthread.h>
 #include <signal.h>
+#include <sysexits.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -240,7 +241,7 @@ int main(int argc, char** argv) {
   const absl::StatusOr<Configured> configured = ReadAndCheck(app, line);
   if (!configured.ok()) {
     std::fprintf(stderr, "axiscald: %s\n", std::string(configured.status().message()).c_str());
-    return 1;
+    return EX_CONFIG;
   }
   if (line.is_check) {
     PrintConfiguration(*configured);

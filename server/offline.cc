@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/base/utf8.h"
 #include "server/storage/backup.h"
 #include "server/storage/check.h"
 #include "server/storage/migrate.h"
@@ -13,7 +14,8 @@ namespace {
 void Print(const std::string& text) { std::printf("%s\n", text.c_str()); }
 
 int Fail(const absl::Status& status) {
-  std::fprintf(stderr, "axiscald: %s\n", std::string(status.message()).c_str());
+  // SQLite's words quote what is damaged.
+  std::fprintf(stderr, "axiscald: %s\n", base::ToUtf8(std::string(status.message())).c_str());
   return absl::IsDataLoss(status) ? kDamaged : 1;
 }
 

@@ -130,10 +130,21 @@ absl::Status Run(const std::function<absl::Status(const handlers::Call&)>& handl
   }
 }
 
+// By which a repeated request is known: of the message, or of the header that a stream begins with. Empty: it has none.
+std::string RequestIdOf(const google::protobuf::Message& message) {
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  if (const auto* id = message.GetDescriptor()->FindFieldByName("request_id"))
+    return reflection.GetString(message, id).substr(0, handlers::kMaxRequestIdBytes);
+  const auto* header = message.GetDescriptor()->FindFieldByName("header");
+  const bool is_one = header != nullptr && header->message_type() != nullptr && !header->is_repeated();
+  return !is_one ? "" : RequestIdOf(reflection.GetMessage(message, header));
+}
+
 // Who calls, whether it may, and then the handler.
 absl::Status Pass(handlers::Core& core, const std::shared_ptr<Admission>& admission,
-                  const google::protobuf::Message* request, handlers::Call& call,
+                  const google::protobuf::Message* request, handlers::Call& call, std::string& request_id,
                   const std::function<absl::Status(const handlers::Call&)>& handler) {
+  if (request != nullptr) request_id = RequestIdOf(*request);
   const absl::StatusOr<access::Identity> identified = admission->Identify();
   if (!identified.ok()) {
     // Who tries one token after the other is counted by where he is.
@@ -148,7 +159,10 @@ absl::Status Pass(handlers::Core& core, const std::shared_ptr<Admission>& admiss
   }
   call.grants = identity.grants;
   ASSIGN_OR_RETURN(call.visible, admission->Admit(identity, request));
-  call.admit = [&](const google::protobuf::Message& first) { return admission->Admit(identity, &first).status(); };
+  call.admit = [&](const google::protobuf::Message& first) {
+    request_id = RequestIdOf(first);
+    return admission->Admit(identity, &first).status();
+  };
   const handlers::OpenCalls::Place open(core.open, {[admission] { return admission->AskAgain(); }, call.cut_off});
   return Run(handler, call);
 }
@@ -181,10 +195,11 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
     Log(LogLevel::kDebug, "call_begin",
         {{"method", method}, {"peer", call.peer}, {"says", says.substr(0, kMaxUserBytes)}, {"trace", call.trace}});
   }
+  std::string request_id;
   absl::Status status = caller.ok() ? CheckUser(says) : caller.status();
   if (status.ok()) {
     const auto admission = std::make_shared<Admission>(core.gate, caller->credentials, method);
-    status = Pass(core, admission, request, call, handler);
+    status = Pass(core, admission, request, call, request_id, handler);
   }
   core.denied(call, method, status);
   --core.open_calls;
@@ -197,6 +212,7 @@ grpc::Status RespondStream(handlers::Core& core, grpc::ServerContext* context, c
                       {"says", says.substr(0, kMaxUserBytes)},
                       {"code", absl::StatusCodeToString(status.code())},
                       {"ms", absl::StrFormat("%.3f", took.count())}};
+  if (!request_id.empty()) fields.push_back({"request", request_id});
   if (!call.trace.empty()) fields.push_back({"trace", call.trace});
   if (!status.ok()) {
     fields.push_back({"reason", base::ErrorReason(status)});

@@ -162,6 +162,10 @@ absl::Status Validate(const ServerOptions& options) {
   }
   if (options.waiting_bytes < kMinWaitingBytes)
     return refuse(absl::StrCat("waiting_bytes = ", options.waiting_bytes, ", must be >= ", kMinWaitingBytes));
+  // Of one there would be nothing left for the others (handlers::Budget), so that nobody got it.
+  if (options.http_bytes < 2 || options.http_requests < 2)
+    return refuse(absl::StrCat("http_bytes = ", options.http_bytes, ", http_requests = ", options.http_requests,
+                               ", both must be > 1"));
   if (options.session_expiry.count() < 1) return refuse("session_expiry must be > 0");
   if (options.drain.count() < 0) return refuse(absl::StrCat("drain = ", options.drain.count(), " ms, must be >= 0"));
   return absl::OkStatus();
@@ -337,6 +341,8 @@ class Server::Impl {
     http.own_host = HostOf(options_.http_address);
     http.silence = options_.silence;
     http.idle = options_.connection_idle;
+    http.max_bytes = options_.http_bytes;
+    http.max_requests = options_.http_requests;
     http.end_of_certificate = EndOfCertificate;
     if (http_tls_ != nullptr) {
       http.new_tls = [tls = http_tls_]() -> std::optional<http::TlsText> {

@@ -65,6 +65,10 @@ struct ServerOptions {
   // What callers of gRPC have half sent, of all connections together: where it is more, calls are cancelled until it is
   // less. At least kMinWaitingBytes.
   int64_t waiting_bytes = int64_t{512} << 20;
+  // By HTTP, of all callers together and shared fairly between them (handlers::Budget): bytes of bodies, files and
+  // messages, and requests under way; more are refused. > 0.
+  int64_t http_bytes = int64_t{1} << 30;
+  int http_requests = 3000;
   // A session or program whose upload was left for so long is given up and what came of it is dropped. Only time that a
   // server was up counts. > 0.
   std::chrono::hours session_expiry = std::chrono::hours(24 * 7);

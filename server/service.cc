@@ -14,6 +14,7 @@
 #include "server/handlers/approve_calibration.h"
 #include "server/handlers/backup.h"
 #include "server/handlers/cancel_job.h"
+#include "server/handlers/compare_calibrations.h"
 #include "server/handlers/create_job.h"
 #include "server/handlers/create_machine.h"
 #include "server/handlers/delete_machine.h"
@@ -206,6 +207,12 @@ class CalibrationsService final : public v1::Calibrations::Service {
     return Respond(
         core_, context, "Calibrations.ListVolumetricErrors", request,
         [&](const auto& call) { return handlers::ListVolumetricErrors(core_, call, *request); }, response);
+  }
+  grpc::Status CompareCalibrations(grpc::ServerContext* context, const v1::CompareCalibrationsRequest* request,
+                                   v1::CompareCalibrationsResponse* response) override {
+    return Respond(
+        core_, context, "Calibrations.CompareCalibrations", request,
+        [&](const auto& call) { return handlers::CompareCalibrations(core_, call, *request); }, response);
   }
 
  private:

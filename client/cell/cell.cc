@@ -19,11 +19,19 @@ constexpr std::chrono::seconds kTellEvery(30);
 // What a round may take before somebody should look: a mount that hangs, or a file that takes its time.
 constexpr std::chrono::minutes kLongRound(10);
 constexpr std::chrono::seconds kReportDeadline(5);
+// A session file is read here before it is sent, and takes six times its size; a log goes up as it is.
+constexpr int64_t kSessionFilePart = 8;
 constexpr size_t kMaxProblemBytes = 500;  // convert::kMaxCellProblemBytes
+
+// Names of files may hold ends of lines.
+std::string OneLine(std::string text) {
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  return text;
+}
 
 // A line of the log, which is the journal's.
 void Say(const std::string& text) {
-  std::printf("%s\n", text.c_str());
+  std::printf("%s\n", OneLine(text).c_str());
   std::fflush(stdout);
 }
 
@@ -90,6 +98,7 @@ void Cell::Step(const std::function<bool()>& stops) {
 
 std::chrono::milliseconds Cell::Pause() const {
   const auto until = std::chrono::duration_cast<std::chrono::milliseconds>(next_attempt_ - Now());
+  if (status_.looks_on) return std::chrono::milliseconds(1);
   const bool waits = status_.spool.waiting > 0 && !sender_.holds();
   return std::clamp(waits ? until : config_.look_every, std::chrono::milliseconds(1), config_.look_every);
 }
@@ -98,12 +107,19 @@ std::chrono::milliseconds Cell::Pause() const {
 
 void Cell::Look() {
   status_.folders.clear();
+  status_.looks_on = false;
+  const base::SteadyTime end = Now() + config_.look_every;
   for (FolderWatcher& watcher : watchers_) {
     Do("looks through " + watcher.watch().folder);
     Found found = watcher.LookThrough(Now(), known_);
     FolderStatus folder{watcher.watch().folder, found.growing, found.without_end, found.links, ""};
     for (size_t i = 0; i < found.whole.size(); ++i) {
       if (!found.status.ok()) break;
+      // What is sent and known does not wait for a large folder; of each folder one file is taken in a round at least.
+      if (i > 0 && Now() >= end) {
+        status_.looks_on = true;
+        break;
+      }
       found.status = TakeIn(watcher.watch(), found.whole[i], found.looks[i]);
       // One file that cannot be taken holds up no other; a spool without room does.
       if (base::ErrorReason(found.status) == "SPOOL_FULL" || absl::IsResourceExhausted(found.status)) break;
@@ -137,10 +153,12 @@ void Cell::Look() {
 }
 
 absl::Status Cell::TakeIn(const Watch& watch, const std::string& path, const axiscal::cell::Look& look) {
-  if (look.size_bytes > config_.spool.max_file_bytes) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": ", look.size_bytes, " bytes, at most ",
-                                                   config_.spool.max_file_bytes,
-                                                   " are taken (spool.max_file_megabytes)"));
+  const bool is_log = !watch.log_template.empty();
+  const int64_t most = config_.spool.max_file_bytes / (is_log ? 1 : kSessionFilePart);
+  if (look.size_bytes > most) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        path, ": ", look.size_bytes, " bytes, at most ", most, " are taken (",
+        is_log ? "" : "of session files an eighth of ", "spool.max_file_megabytes)"));
   }
   const absl::StatusOr<std::string> bytes = ReadAsFound(path, look);
   if (absl::IsUnavailable(bytes.status())) return absl::OkStatus();  // the next look sees what it is now
@@ -231,6 +249,11 @@ void Cell::Report() {
                                           " files were refused and wait for a person: axiscal spool list --spool ",
                                           config_.spool.folder));
   }
+  for (const std::string& alarm : status_.alarms) {
+    if (!said_.contains(alarm)) Say("alarm: " + alarm);
+  }
+  if (status_.alarms.empty() && !said_.empty()) Say("no alarm any more");
+  said_ = {status_.alarms.begin(), status_.alarms.end()};
   const base::MutexLock lock(mutex_);
   const bool is_news =
       (status_.alarms.empty() && status_.problem.empty()) != (told_.alarms.empty() && told_.problem.empty());
@@ -282,9 +305,7 @@ void Cell::TellService(const Status& status) {
   // That the server is not there it need not be told when it is.
   report.problem = !status.alarms.empty() ? status.alarms.front() : status.is_later ? "" : status.problem;
   if (report.problem.size() > kMaxProblemBytes) report.problem.resize(kMaxProblemBytes);
-  report.problem = base::ToUtf8(report.problem);
-  std::replace_if(
-      report.problem.begin(), report.problem.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  report.problem = OneLine(base::ToUtf8(report.problem));
   while (report.problem.size() > kMaxProblemBytes) report.problem.resize(kMaxProblemBytes - 3);
   report.waiting_files = status.spool.waiting;
   report.waiting_bytes = status.spool.waiting_bytes;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -50,7 +51,7 @@ class Cell {
   std::chrono::milliseconds WaitAfter(int failures);
   // From now on it does this; empty: nothing.
   void Do(const std::string& what);
-  // What the status says from now on, and writes it.
+  // What the status says from now on, and writes it; alarms that are new go into the log.
   void Report();
   void Tell();  // the thread's loop
   void TellService(const Status& status);
@@ -65,6 +66,7 @@ class Cell {
   std::vector<FolderWatcher> watchers_;
   KnownFiles known_;
   std::string known_text_;  // as the file has it
+  std::set<std::string> said_;  // alarms that the log has
   std::mt19937_64 random_;
   int failures_ = 0;
   base::SteadyTime next_attempt_;

@@ -148,7 +148,7 @@ absl::Status Check(const Config& config, const std::string& path) {
 absl::StatusOr<Config> ReadConfig(const std::string& text, const std::string& path) {
   ASSIGN_OR_RETURN(const std::vector<TomlValue> values, base::ReadTomlValues(text, path));
   Config config;
-  config.spool.max_file_bytes = int64_t{16} << 20;
+  config.spool.max_file_bytes = int64_t{8} << 20;
   const fs::path beside = fs::path(path).parent_path();
   const Takers takers = TakersOf(config, beside);
   for (const TomlValue& value : values) {
@@ -187,9 +187,11 @@ std::string NameOf(const std::string& path) {
   const std::string bytes = fs::path(path).filename().string();
   std::string name;
   for (size_t at = 0; at < bytes.size();) {
-    const size_t count = base::Utf8Bytes(bytes, at);
+    const auto byte = static_cast<unsigned char>(bytes[at]);
+    const bool is_control = byte < 0x20 || byte == 0x7f;
+    const size_t count = is_control ? 0 : base::Utf8Bytes(bytes, at);
     absl::StrAppend(
-        &name, count > 0 ? bytes.substr(at, count) : absl::StrFormat("%%%02X", static_cast<unsigned char>(bytes[at])));
+        &name, count > 0 ? bytes.substr(at, count) : absl::StrFormat("%%%02X", byte));
     at += std::max<size_t>(count, 1);
   }
   return name;

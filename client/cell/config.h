@@ -43,7 +43,7 @@ struct Config {
 absl::StatusOr<Config> ReadConfig(const std::string& text, const std::string& path);
 
 // How a file is called on the server: its name without folders; bytes that are no UTF-8 (names in Latin-1, from old
-// controls) as "%E9", so that two names stay two.
+// controls) and control characters as "%E9", so that two names stay two.
 std::string NameOf(const std::string& path);
 
 // What a log of this folder is sent with, as template and plan are now. Errors of reading them.

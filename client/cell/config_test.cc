@@ -102,6 +102,7 @@ TEST(NameOf, KeepsTwoNamesTwo) {
   EXPECT_EQ(NameOf("/a/caf\xe9.log"), "caf%E9.log");
   EXPECT_EQ(NameOf("/a/caf\xe8.log"), "caf%E8.log");
   EXPECT_EQ(NameOf("/\xff/caf\xc3\xa9.log"), "caf\xc3\xa9.log") << "UTF-8 stays";
+  EXPECT_EQ(NameOf("/a/two\nlines\x7f.log"), "two%0Alines%7F.log") << "the server takes no control characters in names";
 }
 
 TEST(LongestWait, DoublesUpToItsEnd) {

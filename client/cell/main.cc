@@ -1,10 +1,13 @@
 // axiscal-cell: watches folders beside a machine and brings what controllers write there to the server (docs/cell.md).
 #include <signal.h>
+#include <sysexits.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 
 #include "absl/synchronization/mutex.h"
 #include "client/cell/cell.h"
@@ -62,8 +65,18 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
 
   const absl::StatusOr<Config> config = ReadConfiguration(path);
-  if (!config.ok()) return Fail(config.status());
+  if (!config.ok()) {
+    Fail(config.status());
+    return EX_CONFIG;
+  }
   if (is_check) {
+    const axiscal::client::Identity& identity = config->client.identity;
+    for (const std::string& file : {identity.ca, identity.certificate, identity.key, identity.token_file}) {
+      if (!file.empty() && access(file.c_str(), R_OK) != 0) {
+        Fail(absl::NotFoundError(absl::StrCat(path, ": ", file, ": ", std::strerror(errno))));
+        return EX_CONFIG;
+      }
+    }
     std::printf("%s: %zu folders, server %s, spool %s\n", path.c_str(), config->watches.size(), config->server.c_str(),
                 config->spool.folder.c_str());
     return 0;
@@ -80,7 +93,7 @@ int main(int argc, char** argv) {
       int growing = 0;
       for (const auto& folder : status.folders) growing += folder.growing - folder.without_end;
       const bool is_stuck = !status.problem.empty();
-      if (is_stuck || (growing == 0 && status.spool.waiting == 0))
+      if (!status.looks_on && (is_stuck || (growing == 0 && status.spool.waiting == 0)))
         return status.problem.empty() && status.alarms.empty() ? 0 : 1;
     }
     if (WaitForSignal(signals, (*cell)->Pause())) has_ended = true;

@@ -35,6 +35,7 @@ struct Status {
   std::string problem;    // of sending; empty: none
   bool is_later = false;  // it is that the server is not there or has no room now
   std::vector<FolderStatus> folders;
+  bool looks_on = false;  // whole files are left for the next round
   // What a person has to do something about, in words; empty: nothing.
   std::vector<std::string> alarms;
 };

@@ -131,7 +131,8 @@ Found FolderWatcher::LookThrough(base::SteadyTime now, KnownFiles& known) {
     if (old != known.end() && old->second == look) continue;
     Seen& seen = seen_.try_emplace(path, Seen{look, now}).first->second;
     if (!(seen.look == look)) seen = {look, now};
-    const bool has_settled = look.size_bytes > 0 && now - seen.since >= settle_;
+    const bool has_settled = now - seen.since >= settle_;
+    if (look.size_bytes == 0 && has_settled) continue;  // there is nothing to send, and nothing is known to come
     const bool is_whole = has_settled && HasEnd(path);
     if (is_whole) {
       whole.emplace_back(path, look);

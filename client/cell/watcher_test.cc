@@ -60,11 +60,21 @@ TEST_F(FolderWatcherTest, AFileIsWholeWhenItStaysAsItIs) {
 TEST_F(FolderWatcherTest, WhatIsWrittenUnderAnotherNameIsNotMeant) {
   FolderWatcher watcher(watch_, std::chrono::seconds(0));
   for (const char* const name : {".a.log", "b.log.tmp", "c.log.part", "d.log~", "e.txt", "f.log"}) Append(name, "x");
-  Append("empty.log", "");
   fs::create_directory(Path("folder.log"));
   const Found found = Look(watcher, 0);
   EXPECT_THAT(found.whole, ElementsAre(Path("f.log")));
-  EXPECT_EQ(found.growing, 1) << "the empty one";
+  EXPECT_EQ(found.growing, 0);
+}
+
+TEST_F(FolderWatcherTest, AnEmptyFileIsWaitedForNoLongerThanOthers) {
+  FolderWatcher watcher(watch_, std::chrono::seconds(10));
+  Append("empty.log", "");
+  EXPECT_EQ(Look(watcher, 0).growing, 1);
+  EXPECT_EQ(Look(watcher, 10).growing, 0) << "a look that waits for what grows ends";
+  EXPECT_THAT(Look(watcher, 11).whole, IsEmpty()) << "there is nothing to send";
+  Append("empty.log", "X1\n");
+  EXPECT_EQ(Look(watcher, 20).growing, 1);
+  EXPECT_THAT(Look(watcher, 30).whole, ElementsAre(Path("empty.log")));
 }
 
 TEST_F(FolderWatcherTest, TheOldestComesFirst) {

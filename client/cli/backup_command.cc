@@ -1,4 +1,6 @@
 // axiscal backup
+#include <sys/stat.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -11,7 +13,10 @@ namespace {
 
 absl::StatusOr<client::Backup> BringHere(client::Client& client, const std::string& output) {
   base::AtomicFile file;
-  RETURN_IF_ERROR(file.Open(output));
+  const mode_t before = umask(077);  // it holds everything, the hashes of tokens too
+  const absl::Status opened = file.Open(output);
+  umask(before);
+  RETURN_IF_ERROR(opened);
   ASSIGN_OR_RETURN(client::Backup backup,
                    client.MakeBackup([&](const std::string& bytes) { return file.Write(bytes); }));
   RETURN_IF_ERROR(file.Commit());

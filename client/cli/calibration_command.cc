@@ -30,12 +30,13 @@ absl::Status List(Context& context, const CalibrationArguments& arguments) {
   if (arguments.session != 0) filter.session = SessionId(arguments.session);
   ASSIGN_OR_RETURN(filter.measured, ParseSpan(arguments.from, arguments.to));
   ASSIGN_OR_RETURN(const auto page, client->ListCalibrations(filter, {arguments.page_size, arguments.page}));
-  std::vector<std::vector<std::string>> rows = {
-      {"id", "machine", "version", "state", "rms before um", "rms after um", "made (UTC)", "approved by"}};
+  std::vector<std::vector<std::string>> rows = {{"id", "machine", "version", "state", "rms before um", "rms after um",
+                                                 "made (UTC)", "approved by", "rejected sessions"}};
   for (const records::CalibrationRecord& record : page.rows) {
     rows.push_back({absl::StrCat(record.id.number()), record.content.machine.text(), absl::StrCat(record.version),
                     StateName(record.state), NumberText(record.content.rms_before_um),
-                    NumberText(record.content.rms_after_um), TimeText(record.created_at), record.approved_by});
+                    NumberText(record.content.rms_after_um), TimeText(record.created_at), record.approved_by,
+                    RejectedText(record)});
   }
   context.Print(PageJson("calibrations", page), Table(rows) + PageText(page));
   return absl::OkStatus();

@@ -34,6 +34,7 @@ void AddSimulateCommand(CLI::App& app, Context& context);
 void AddToolSetterCommand(CLI::App& app, Context& context);
 void AddPublishedCommand(CLI::App& app, Context& context);
 void AddDriftCommand(CLI::App& app, Context& context);
+void AddVolumetricCommand(CLI::App& app, Context& context);
 void AddExpectCommand(CLI::App& app, Context& context);
 void AddEventsCommand(CLI::App& app, Context& context);
 void AddRoutineCommand(CLI::App& app, Context& context);

@@ -1,8 +1,11 @@
 // axiscal doctor: is all well between here and the service, and there; what to do where it is not.
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <memory>
 
 #include "client/cli/commands.h"
@@ -20,6 +23,9 @@ using records::FindingState;
 // Marks may be 10 minutes ahead of the server's clock; people compare logs of two machines by the second.
 constexpr double kSkewWarning_s = 5.0, kSkewFailed_s = 600.0;
 constexpr int kDaysAhead = 14;
+constexpr char kIdentityAdvice[] =
+    "a token (--token-file) or certificate (--certificate, --key) of a principal that the server knows: axiscal admin "
+    "token add NAME";
 
 std::string WordOf(FindingState state) {
   switch (state) {
@@ -37,6 +43,8 @@ std::string WordOf(FindingState state) {
 
 // Nothing was said of TLS, and TLS is what the other side speaks: it closes the connection.
 std::string AdviceForNoAnswer(const Context& context, const TlsProbe& probe) {
+  if (probe.has_no_address)
+    return "is the name right (--server, AXISCAL_SERVER)? This machine finds no address for it: DNS, /etc/hosts";
   if (!probe.error.empty()) {
     return "is the address right (--server, AXISCAL_SERVER), does a firewall stand between? On the server: systemctl "
            "status axiscald; it must listen there (server.listen), not on 127.0.0.1 alone";
@@ -44,7 +52,9 @@ std::string AdviceForNoAnswer(const Context& context, const TlsProbe& probe) {
   if (context.identity.ca.empty() && probe.speaks_tls)
     return "the server speaks TLS: name its authority by --ca (AXISCAL_CA)";
   if (!context.identity.ca.empty() && !probe.speaks_tls)
-    return "the server does not speak TLS: leave --ca out, or set tls.certificate and tls.key on the server";
+    return "the server does not speak TLS: leave --ca out, or set tls.certificate and tls.key on the server; or it "
+           "closes each connection because its descriptors are used up: journalctl -u axiscald -n 50, LimitNOFILE= "
+           "of its unit";
   if (!probe.refused.empty()) return "see 'server's certificate, from here'";
   return "something else than axiscald may listen there; on the server: journalctl -u axiscald -n 50";
 }
@@ -61,8 +71,10 @@ void AddPath(const Context& context, const TlsProbe& probe, std::vector<Finding>
   const std::string text = absl::StrCat(probe.subject, ", ends in ", probe.days_left, " days");
   if (!probe.refused.empty()) {
     findings.push_back({"server's certificate, from here", FindingState::kFailed, probe.subject + ": " + probe.refused,
-                        "call the server by a name that stands in its certificate, with the authority that signed it "
-                        "(--ca); or make-certs ... --renew on the server"});
+                        probe.is_out_of_time
+                            ? "is this machine's clock right (timedatectl)? Else make-certs ... --renew on the server"
+                            : "call the server by a name that stands in its certificate, with the authority that "
+                              "signed it (--ca)"});
   } else {
     findings.push_back({"server's certificate, from here",
                         probe.days_left >= kDaysAhead ? FindingState::kOk : FindingState::kWarning, text,
@@ -78,7 +90,8 @@ void AddOwnFiles(const Context& context, std::vector<Finding>& findings) {
     if (!days.ok()) {
       own = {own.what, FindingState::kFailed, std::string(days.status().message()), "make-certs pki client NAME"};
     } else {
-      own.text = absl::StrCat(context.identity.certificate, " ends in ", *days, " days");
+      own.text = *days < 0 ? context.identity.certificate + " has ended"
+                           : absl::StrCat(context.identity.certificate, " ends in ", *days, " days");
       if (*days < kDaysAhead) {
         own.state = *days < 0 ? FindingState::kFailed : FindingState::kWarning;
         own.advice = "make-certs pki client NAME --renew";
@@ -86,13 +99,21 @@ void AddOwnFiles(const Context& context, std::vector<Finding>& findings) {
     }
     findings.push_back(own);
   }
-  std::string open;
+  std::string open, lacking;
   for (const std::string& file : {context.identity.key, context.identity.token_file}) {
     struct stat info {};
-    if (!file.empty() && stat(file.c_str(), &info) == 0 && (info.st_mode & 0007) != 0)
+    if (file.empty()) continue;
+    if (::access(file.c_str(), R_OK) != 0 || stat(file.c_str(), &info) != 0) {
+      absl::StrAppend(&lacking, lacking.empty() ? "" : ", ", file, ": ", std::strerror(errno));
+    } else if ((info.st_mode & 0007) != 0) {
       absl::StrAppend(&open, open.empty() ? "" : ", ", absl::StrFormat("%s (%04o)", file, info.st_mode & 07777));
+    }
   }
-  if (!context.identity.key.empty() || !context.identity.token_file.empty()) {
+  if (!lacking.empty()) {
+    findings.push_back({"own secrets", FindingState::kFailed, lacking,
+                        "name files that you may read (--key, --token-file); a new token: axiscal admin token add NAME "
+                        "-o FILE"});
+  } else if (!context.identity.key.empty() || !context.identity.token_file.empty()) {
     findings.push_back(open.empty() ? Finding{"own secrets", FindingState::kOk, "key and token are yours alone", ""}
                                     : Finding{"own secrets", FindingState::kWarning,
                                               "everybody on this machine may read " + open, "chmod 600 on each"});
@@ -123,9 +144,7 @@ Finding Refusal(const std::string& what, const absl::Status& status, const std::
 void AddServer(client::Client& client, std::vector<Finding>& findings) {
   const absl::StatusOr<records::PrincipalRecord> identity = client.GetIdentity();
   if (!identity.ok()) {
-    findings.push_back(Refusal("identity", identity.status(),
-                               "a token (--token-file) or certificate (--certificate, --key) of a principal that the "
-                               "server knows: axiscal admin token add NAME"));
+    findings.push_back(Refusal("identity", identity.status(), kIdentityAdvice));
     return;
   }
   std::string roles;
@@ -162,7 +181,11 @@ absl::Status Doctor(Context& context) {
     const absl::StatusOr<client::Client*> client = context.Connect();
     const absl::StatusOr<client::ServerInfo> info =
         client.ok() ? (*client)->GetServerInfo() : absl::StatusOr<client::ServerInfo>(client.status());
-    if (!info.ok()) {
+    if (absl::IsUnauthenticated(info.status())) {
+      findings.push_back(Refusal("identity", info.status(), kIdentityAdvice));
+    } else if (absl::IsNotFound(info.status())) {
+      findings.push_back(Refusal("answer", info.status(), "it was not asked: a file that is named here is missing"));
+    } else if (!info.ok()) {
       reached = info.status();
       findings.push_back(Refusal("answer", info.status(), AdviceForNoAnswer(context, probe)));
     } else {

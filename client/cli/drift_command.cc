@@ -121,7 +121,7 @@ void AddDriftCommand(CLI::App& app, Context& context) {
   drift->add_option("--machine", arguments->machine, "the machine")->required();
   drift->add_option("--limit", arguments->limits, "an error's limits, um or urad (EX0C=-20..20); again for more");
   drift->add_flag("--candidates", arguments->counts_candidates,
-                  "count the newest candidate of sessions of which none was ever approved");
+                  "count the newest candidate of sessions of which none was ever approved, whoever made it");
   drift->footer(
       "Example: axiscal drift --machine mt --limit EX0C=-20..20\nWhat counts, and how often it is right: "
       "docs/drift.md.");

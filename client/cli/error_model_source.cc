@@ -62,4 +62,21 @@ absl::StatusOr<MachineWithKnownErrors> FetchKnown(Context& context, const std::s
   return known;
 }
 
+std::vector<std::string> SplitErrors(const std::vector<std::string>& words) {
+  std::vector<std::string> errors;
+  for (const std::string& word : words) {
+    errors.emplace_back();
+    int depth = 0;
+    for (const char c : word) {
+      depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+      if (c == ',' && depth == 0) {
+        errors.emplace_back();
+      } else {
+        errors.back().push_back(c);
+      }
+    }
+  }
+  return errors;
+}
+
 }  // namespace axiscal::cli

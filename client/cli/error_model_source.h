@@ -3,6 +3,7 @@
 #define AXISCAL_CLIENT_CLI_ERROR_MODEL_SOURCE_H_
 
 #include <string>
+#include <vector>
 
 #include "client/cli/context.h"
 #include "core/machine/error_covariance.h"
@@ -34,6 +35,10 @@ absl::StatusOr<MachineWithCalibration> FetchCalibration(Context& context, const 
 // A stored machine under one of its calibrations, the approved one for 0.
 absl::StatusOr<MachineWithErrors> FetchModel(Context& context, const std::string& machine, int64_t calibration);
 absl::StatusOr<MachineWithKnownErrors> FetchKnown(Context& context, const std::string& machine, int64_t calibration);
+
+// What --declare says, each error by itself: `EX0C,{"symbol": "EBB", "shape": "harmonic", "order": 45},EA0C`. Commas
+// inside braces separate nothing.
+std::vector<std::string> SplitErrors(const std::vector<std::string>& words);
 
 }  // namespace axiscal::cli
 

@@ -102,7 +102,7 @@ void AddExpectCommand(CLI::App& app, Context& context) {
   expect->add_option("--calibration-days", arguments->calibration_days,
                      "the calibration in use was measured at most so many days ago");
   expect->add_flag("--candidates", arguments->counts_candidates,
-                   "count the newest candidate of sessions of which none was ever approved");
+                   "count the newest candidate of sessions of which none was ever approved, whoever made it");
   expect->add_flag("--nothing", arguments->expects_nothing, "nothing is expected any more");
   expect->footer(
       "What is said replaces all that was said before.\n"

@@ -7,6 +7,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/error_model_source.h"
 #include "client/cli/job_wait.h"
 #include "client/cli/output_paths.h"
 #include "client/cli/record_output.h"
@@ -50,24 +51,6 @@ absl::StatusOr<std::vector<std::string>> ErrorsOf(const std::string& path) {
   ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, base::kMaxJsonBytes));
   auto errors = machine::ListErrors(text);
   if (!errors.ok()) return base::Within(path, errors.status());
-  return errors;
-}
-
-// "EX0C,{"symbol": "EBB", "shape": "harmonic", "order": 45},EA0C": commas inside braces separate nothing.
-std::vector<std::string> SplitErrors(const std::vector<std::string>& words) {
-  std::vector<std::string> errors;
-  for (const std::string& word : words) {
-    errors.emplace_back();
-    int depth = 0;
-    for (const char c : word) {
-      depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
-      if (c == ',' && depth == 0) {
-        errors.emplace_back();
-      } else {
-        errors.back().push_back(c);
-      }
-    }
-  }
   return errors;
 }
 

@@ -48,7 +48,12 @@ std::string EffectText(const reports::Effect& effect) {
   if (!others.empty()) absl::StrAppend(&text, "      these sessions cannot tell it from ", Names(others), "\n");
   if (!same.empty()) absl::StrAppend(&text, "      the same by another name, in any measurement: ", Names(same), "\n");
   std::vector<std::string> orders;
-  for (const int order : effect.alias_orders) orders.push_back(std::to_string(order));
+  const std::string before = effect.is.name.substr(0, effect.is.name.find('(') + 1);
+  for (const int order : effect.alias_orders) {
+    // Likely ones stand in the class already.
+    if (std::find(others.begin(), others.end(), absl::StrCat(before, order, ")")) == others.end())
+      orders.push_back(std::to_string(order));
+  }
   if (!orders.empty())
     absl::StrAppend(&text, "      at these positions it would read the same with order ", Names(orders), "\n");
   return text;
@@ -227,6 +232,18 @@ std::string CausesText(const reports::Loop& report) {
   return text;
 }
 
+std::string HeldBackText(const reports::Loop& report) {
+  if (report.held_back.empty()) return "";
+  std::string text = "found and not corrected, as the machine could be worse for it over the measured box:\n";
+  for (const reports::HeldBack& held : report.held_back) {
+    absl::StrAppend(&text, "  ", held.subject,
+                    held.kind == reports::HeldBackKind::kUndecided ? ": these sessions do not tell what it is"
+                                                                   : ": these sessions hardly tell how large it is",
+                    absl::StrFormat(" (probability %.2g)\n      %s\n", held.harm, held.measure));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string UnexplainedText(const reports::Loop& report) {
@@ -245,6 +262,7 @@ std::string LoopText(const reports::Loop& report) {
   if (!report.effects.empty()) absl::StrAppend(&text, "effects that the declared model lacked:\n");
   for (const reports::Effect& effect : report.effects) text += EffectText(effect);
   text += CausesText(report);
+  text += HeldBackText(report);
   text += UnexplainedText(report);
   for (const std::string& name : report.withdrawn)
     absl::StrAppend(&text, "withdrawn: ", name, " does not help on the check sessions\n");

@@ -62,6 +62,7 @@ void AddCommands(CLI::App& app, Context& context) {
   AddPublishedCommand(app, context);
   AddHistoryCommand(app, context);
   AddDriftCommand(app, context);
+  AddVolumetricCommand(app, context);
   AddMarkCommand(app, context);
   AddExpectCommand(app, context);
   AddEventsCommand(app, context);

@@ -123,8 +123,9 @@ Json ToJson(const records::Estimate& estimate) {
 
 Json ToJson(const records::CalibrationRecord& record) {
   const records::NewCalibration& content = record.content;
-  Json sessions = Json::Array(), estimates = Json::Array();
+  Json sessions = Json::Array(), rejected = Json::Array(), estimates = Json::Array();
   for (const SessionId& id : content.sessions) sessions.push_back(id.number());
+  for (const SessionId& id : record.rejected_sessions) rejected.push_back(id.number());
   for (const records::Estimate& estimate : content.estimates) estimates.push_back(ToJson(estimate));
   Json json = {{"id", record.id.number()},
                {"machine", content.machine.text()},
@@ -132,6 +133,7 @@ Json ToJson(const records::CalibrationRecord& record) {
                {"state", StateName(record.state)},
                {"etag", record.etag},
                {"sessions", sessions},
+               {"rejected_sessions", rejected},
                {"rank", content.rank},
                {"condition", NumberJson(content.condition)},
                {"chi2_per_dof", NumberJson(content.chi2_per_dof)},
@@ -257,37 +259,15 @@ std::string EventText(const records::Event& event) {
   return text;
 }
 
-namespace {
-
-const char* ChangeName(records::EventChangeKind what) {
-  switch (what) {
-    case records::EventChangeKind::kRaised:
-      return "raised";
-    case records::EventChangeKind::kUpdated:
-      return "updated";
-    case records::EventChangeKind::kCleared:
-      return "cleared";
-    case records::EventChangeKind::kAcknowledged:
-      return "acknowledged";
-    case records::EventChangeKind::kShelved:
-      return "shelved";
-    case records::EventChangeKind::kBack:
-      return "back";
-  }
-  return "changed";
-}
-
-}  // namespace
-
 Json ToJson(const records::EventChange& change) {
-  return {{"change", change.id}, {"what", ChangeName(change.what)}, {"at", TimeJson(change.at)}, {"by", change.by},
+  return {{"change", change.id}, {"what", records::WordOf(change.what)}, {"at", TimeJson(change.at)}, {"by", change.by},
           {"note", change.note}, {"event", ToJson(change.event)}};
 }
 
 std::string ChangeText(const records::EventChange& change) {
-  std::string text =
-      absl::StrCat(change.id, " ", TimeText(change.at), " ", change.event.machine.text(), " ", ChangeName(change.what),
-                   " event ", change.event.id.number(), " (", records::WordOf(change.event.content.kind), ")");
+  std::string text = absl::StrCat(change.id, " ", TimeText(change.at), " ", change.event.machine.text(), " ",
+                                  records::WordOf(change.what), " event ", change.event.id.number(), " (",
+                                  records::WordOf(change.event.content.kind), ")");
   if (!change.by.empty()) absl::StrAppend(&text, " by ", change.by);
   return absl::StrCat(text, ": ", change.note.empty() ? change.event.content.text : change.note, "\n");
 }
@@ -435,10 +415,17 @@ std::string MonteCarloText(const reports::Fitted& fitted, bool with_held) {
   return text;
 }
 
+std::string RejectedText(const records::CalibrationRecord& record) {
+  return absl::StrJoin(record.rejected_sessions, ", ",
+                       [](std::string* text, SessionId id) { absl::StrAppend(text, id.number()); });
+}
+
 std::string CalibrationText(const records::CalibrationRecord& record) {
   const records::NewCalibration& content = record.content;
   std::string text = absl::StrCat("calibration ", record.id.number(), ": machine ", content.machine.text(),
                                   ", version ", record.version, ", ", StateName(record.state), "\n");
+  if (!record.rejected_sessions.empty())
+    absl::StrAppend(&text, "it counts in no history: rejected was session ", RejectedText(record), "\n");
   std::vector<std::vector<std::string>> rows = {{"error", "value", "sigma", "unit", ""}};
   for (const records::Estimate& estimate : content.estimates) {
     rows.push_back({estimate.symbol, NumberText(estimate.value), NumberText(estimate.sigma), UnitName(estimate.unit),

@@ -64,6 +64,8 @@ std::string MonteCarloText(const reports::Fitted& fitted, bool with_held);
 // The estimates of a calibration as a table, with the combinations that the data determine, and the rms before and
 // after; of a loop also its effects and verdict.
 std::string CalibrationText(const records::CalibrationRecord& record);
+// Its sessions that do not count any more: "5, 7".
+std::string RejectedText(const records::CalibrationRecord& record);
 
 // What whoever approves it should know: structure without a name, a poor fit. Empty when there is nothing.
 std::string CautionText(const records::CalibrationRecord& record);

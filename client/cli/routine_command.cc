@@ -6,6 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "client/cli/commands.h"
 #include "client/cli/context.h"
+#include "client/cli/error_model_source.h"
 #include "client/cli/record_output.h"
 #include "core/base/files.h"
 #include "core/base/json_limits.h"
@@ -148,6 +149,7 @@ absl::Status Put(Context& context, RoutineArguments& arguments) {
     ASSIGN_OR_RETURN(routine.at_utc_minute, ReadMinute(arguments.at));
   }
   if (arguments.closes_loop) routine.work = records::RoutineWork::kLoop;
+  routine.declared = SplitErrors(routine.declared);
   if (!arguments.budget_file.empty()) {
     ASSIGN_OR_RETURN(routine.budget_json, base::ReadFile(arguments.budget_file, base::kMaxJsonBytes));
   }
@@ -235,7 +237,7 @@ void AddPut(CLI::App& routine, Context& context) {
   put->add_option("--sessions", said.sessions, "names of the sessions to fit (BX,CX)")->required()->delimiter(',');
   put->add_option("--within-hours", said.within_hours, "a set is measured within so long");
   put->add_option("--at", arguments->at, "wait for this time of a UTC day (02:30); else it begins at once");
-  put->add_option("--declare", said.declared, "an error to fit, as of identify; again for more");
+  put->add_option("--declare", said.declared, "errors to fit, as of identify");
   put->add_flag("--close-loop", arguments->closes_loop, "close the loop in place of identifying");
   put->add_option("--check-sessions", said.check_sessions, "with --close-loop: names of sessions to prove on")
       ->delimiter(',');

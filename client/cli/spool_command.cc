@@ -178,6 +178,16 @@ void AddSpoolCommand(CLI::App& app, Context& context) {
   retry->add_option("NUMBER", arguments->number, "its number")->required()->check(CLI::PositiveNumber);
   SetAction(retry, context, [&context, arguments] { return MoveEntry(context, *arguments, &spool::Spool::Retry); });
 
+  CLI::App* resend = command("resend",
+                             "What was sent last waits again, for a server that was restored from a backup and may "
+                             "lack it; what it has it says");
+  SetAction(resend, context, [&context, arguments]() -> absl::Status {
+    ASSIGN_OR_RETURN(spool::Spool opened, OpenSpool(*arguments));
+    ASSIGN_OR_RETURN(const int count, opened.SendAgain());
+    context.Print({{"count", count}}, absl::StrCat(count, " wait again\n"));
+    return absl::OkStatus();
+  });
+
   CLI::App* drop = command("drop", "What was quarantined goes for good");
   drop->add_option("NUMBER", arguments->number, "its number")->required()->check(CLI::PositiveNumber);
   SetAction(drop, context, [&context, arguments] { return MoveEntry(context, *arguments, &spool::Spool::Drop); });

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <memory>
 
@@ -40,6 +41,23 @@ class Socket {
 
  private:
   const int descriptor_;
+};
+
+// While it lives, a connection that the other side has closed is an error of a write, not the end of the process:
+// OpenSSL answers an end within the handshake by an alert.
+class BrokenPipesAreErrors {
+ public:
+  BrokenPipesAreErrors() {
+    struct sigaction ignore {};
+    ignore.sa_handler = SIG_IGN;
+    sigaction(SIGPIPE, &ignore, &before_);
+  }
+  ~BrokenPipesAreErrors() { sigaction(SIGPIPE, &before_, nullptr); }
+  BrokenPipesAreErrors(const BrokenPipesAreErrors&) = delete;
+  BrokenPipesAreErrors& operator=(const BrokenPipesAreErrors&) = delete;
+
+ private:
+  struct sigaction before_ {};
 };
 
 // Empty, or why not.
@@ -71,6 +89,7 @@ int DaysLeft(const X509* certificate) {
 
 // What the handshake shows. The server may end it when we show no certificate; its own has come by then.
 void Handshake(int descriptor, const std::string& host, const std::string& ca, TlsProbe& probe) {
+  const BrokenPipesAreErrors pipes;
   const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> context(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free);
   if (context == nullptr) return;
   const bool has_ca = !ca.empty() && SSL_CTX_load_verify_locations(context.get(), ca.c_str(), nullptr) == 1;
@@ -103,6 +122,7 @@ void Handshake(int descriptor, const std::string& host, const std::string& ca, T
   probe.days_left = DaysLeft(certificate.get());
   const long verdict = SSL_get_verify_result(tls.get());
   if (has_ca && verdict != X509_V_OK) probe.refused = X509_verify_cert_error_string(verdict);
+  probe.is_out_of_time = has_ca && (verdict == X509_V_ERR_CERT_HAS_EXPIRED || verdict == X509_V_ERR_CERT_NOT_YET_VALID);
   if (!ca.empty() && !has_ca) probe.refused = ca + " holds no authority that can be read";
 }
 
@@ -134,6 +154,7 @@ TlsProbe ProbeServer(const std::string& address, const std::string& ca) {
   addrinfo* found = nullptr;
   if (const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); error != 0) {
     probe.error = gai_strerror(error);
+    probe.has_no_address = true;
     return probe;
   }
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(found, &freeaddrinfo);

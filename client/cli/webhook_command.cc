@@ -112,8 +112,9 @@ absl::Status Test(Context& context, const WebhookArguments& arguments) {
     return absl::FailedPreconditionError(
         absl::StrCat("webhook ", arguments.webhook.name, " did not take the test letter: ", trial.error));
   }
-  context.Print({{"http_status", trial.status}, {"took_ms", trial.took_ms}},
-                absl::StrCat("taken: HTTP ", trial.status, " after ", trial.took_ms, " ms\n"));
+  const char* const by = trial.is_mail ? "SMTP" : "HTTP";
+  context.Print({{"by", by}, {trial.is_mail ? "smtp_reply" : "http_status", trial.status}, {"took_ms", trial.took_ms}},
+                absl::StrCat("taken: ", by, " ", trial.status, " after ", trial.took_ms, " ms\n"));
   return absl::OkStatus();
 }
 

@@ -179,11 +179,13 @@ absl::StatusOr<Added> Spool::Add(const Item& item, const std::string& bytes) {
     }
   }
   ++entry.number;
-  std::vector<std::pair<std::string, std::string>> files = {{kContent, bytes}, {kEntry, WriteEntry(entry)}};
-  if (item.is_log) files.emplace_back(kTemplate, item.form.template_text);
-  if (!item.form.plan_text.empty()) files.emplace_back(kPlan, item.form.plan_text);
+  const std::string entry_text = WriteEntry(entry);
+  // No copies: the content may be as long as a file may be.
+  std::vector<std::pair<const char*, const std::string*>> files = {{kContent, &bytes}, {kEntry, &entry_text}};
+  if (item.is_log) files.emplace_back(kTemplate, &item.form.template_text);
+  if (!item.form.plan_text.empty()) files.emplace_back(kPlan, &item.form.plan_text);
   int64_t needed = 0;
-  for (const auto& [name, text] : files) needed += static_cast<int64_t>(text.size());
+  for (const auto& [name, text] : files) needed += static_cast<int64_t>(text->size());
   RETURN_IF_ERROR(MakeRoom(needed));
   const fs::path tmp = fs::path(options_.folder) / "tmp";
   std::error_code error;
@@ -195,7 +197,7 @@ absl::StatusOr<Added> Spool::Add(const Item& item, const std::string& bytes) {
   const std::string name = absl::StrCat(absl::StrFormat("%012d", entry.number), "-", entry.id);
   RETURN_IF_ERROR(MakeFolder((tmp / name).string()));
   for (const auto& [file, text] : files) {
-    const absl::Status written = base::WriteFileAtomically((tmp / name / file).string(), text);
+    const absl::Status written = base::WriteFileAtomically((tmp / name / file).string(), *text);
     if (written.ok()) continue;
     fs::remove_all(tmp / name, error);
     return written;
@@ -339,6 +341,14 @@ absl::Status Spool::Refuse(int64_t number, const Note& reason) {
 absl::Status Spool::Retry(int64_t number) {
   ASSIGN_OR_RETURN(const ChangeLock lock, ChangeLock::Take(options_.folder));
   return Move(Place::kRefused, Place::kWaiting, number, "", {});
+}
+
+absl::StatusOr<int> Spool::SendAgain() {
+  ASSIGN_OR_RETURN(const ChangeLock lock, ChangeLock::Take(options_.folder));
+  ASSIGN_OR_RETURN(const std::vector<Name> copies, NamesIn(FolderOf(Place::kSent)));
+  const fs::path from(FolderOf(Place::kSent)), to(FolderOf(Place::kWaiting));
+  for (const Name& copy : copies) RETURN_IF_ERROR(Rename(from / copy.text, to / copy.text));
+  return static_cast<int>(copies.size());
 }
 
 absl::Status Spool::Drop(int64_t number) {

@@ -69,6 +69,9 @@ class Spool {
   absl::Status Refuse(int64_t number, const Note& reason);
   // What was refused waits again, in its old place in the order.
   absl::Status Retry(int64_t number);
+  // Copies of what was sent wait again, in their old places in the order: a server that was restored from a backup may
+  // lack them, any other says that it has them. How many.
+  absl::StatusOr<int> SendAgain();
   // What was refused goes for good.
   absl::Status Drop(int64_t number);
 

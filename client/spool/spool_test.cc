@@ -141,6 +141,20 @@ TEST_F(SpoolTest, ASourceGoesOnceItWasSentUnlessItHasChanged) {
   EXPECT_FALSE(fs::exists(folder_ / "gone.log"));
 }
 
+TEST_F(SpoolTest, CopiesOfWhatWasSentWaitAgainBeforeWhatCameLater) {
+  Spool spool = Open();
+  for (const char* const name : {"a.log", "b.log", "c.log"}) ASSERT_TRUE(spool.Add(Log(name), name).ok());
+  ASSERT_TRUE(spool.MarkSent(1, {}).ok());
+  ASSERT_TRUE(spool.Refuse(2, {}).ok());
+  ASSERT_TRUE(spool.MarkSent(3, {}).ok());
+  ASSERT_TRUE(spool.Add(Log("d.log"), "d.log").ok());
+  EXPECT_EQ(*spool.SendAgain(), 2);
+  EXPECT_THAT(*spool.Numbers(Place::kWaiting), ElementsAre(1, 3, 4)) << "what was refused stays where it is";
+  EXPECT_EQ(*spool.Content(Place::kWaiting, 1), "a.log");
+  ASSERT_TRUE(spool.MarkSent(1, {}).ok());
+  EXPECT_THAT(*spool.Numbers(Place::kSent), ElementsAre(1));
+}
+
 TEST_F(SpoolTest, WhatTheDiskHasChangedIsSeen) {
   Spool spool = Open();
   for (const char* const file : {"content", "template", "plan", "entry.json"}) {

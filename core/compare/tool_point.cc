@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/units.h"
-#include "core/predict/taken_up.h"
+#include "core/predict/over_poses.h"
 #include "core/predict/tool_point.h"
 
 namespace axiscal::compare {
@@ -50,6 +50,7 @@ Size SizeOf(const Eigen::VectorXd& mm, const Eigen::MatrixXd& alone, const Eigen
 OverBox DifferenceOver(const machine::Machine& machine, const Side& first, const Side& second, const Numbers& numbers,
                        const predict::Workspace& workspace) {
   const predict::BoxPoses poses(workspace);
+  const predict::OverPoses over(machine, poses, workspace.tip_mm);
   const int count = poses.count();
   OverBox out;
   out.difference.poses = count;
@@ -68,13 +69,10 @@ OverBox DifferenceOver(const machine::Machine& machine, const Side& first, const
 
   machine::ErrorCovariance each;
   for (const Number& number : numbers.all) each.of.push_back(number.of);
-  const auto size = static_cast<Eigen::Index>(numbers.all.size());
-  each.root.setIdentity(size, size);
-  for (Eigen::Index i = 0; i < size; ++i) each.root(i, i) = numbers.all[static_cast<size_t>(i)].factor;
-  const Eigen::MatrixXd by_number =
-      predict::SpreadOver(machine, numbers.both, each, poses, workspace.tip_mm);  // mm per file unit
+  Eigen::MatrixXd by_number = over.ByNumber({numbers.both, each});  // mm per file unit
+  for (Eigen::Index i = 0; i < by_number.cols(); ++i) by_number.col(i) *= numbers.all[static_cast<size_t>(i)].factor;
   Eigen::MatrixXd alone = by_number;
-  for (Eigen::Index i = 0; i < size; ++i) {
+  for (Eigen::Index i = 0; i < by_number.cols(); ++i) {
     const Number& number = numbers.all[static_cast<size_t>(i)];
     alone.col(i) *= number.value[1] - number.value[0];
     out.rms_mm.push_back(predict::RmsOver(alone.col(i)));
@@ -82,18 +80,13 @@ OverBox DifferenceOver(const machine::Machine& machine, const Side& first, const
   Eigen::MatrixXd uncertain(3 * count, 0);
   for (const Side* side : {&first, &second}) {
     if (side->errors.covariance.is_empty()) continue;
-    const Eigen::MatrixXd spread =
-        predict::SpreadOver(machine, side->errors.model, side->errors.covariance, poses, workspace.tip_mm);
+    const Eigen::MatrixXd spread = over.ByNumber(side->errors) * side->errors.covariance.root;
     uncertain.conservativeResize(Eigen::NoChange, uncertain.cols() + spread.cols());
     uncertain.rightCols(spread.cols()) = spread;
   }
-  const Eigen::MatrixXd taken = predict::TakenUp(machine, count, [&](int k) { return poses.PositionsOf(k); });
-  const auto left = [&](const auto& columns) -> Eigen::MatrixXd {
-    return columns - taken * (taken.transpose() * columns);
-  };
   out.difference.as_programmed = SizeOf(mm, alone, uncertain, poses, numbers);
-  out.difference.set_anew = SizeOf(left(mm), left(alone), left(uncertain), poses, numbers);
-  const Eigen::MatrixXd of_unknown = left(Eigen::MatrixXd(by_number * numbers.unknown.transpose()));
+  out.difference.set_anew = SizeOf(over.Left(mm), over.Left(alone), over.Left(uncertain), poses, numbers);
+  const Eigen::MatrixXd of_unknown = over.Left(Eigen::MatrixXd(by_number * numbers.unknown.transpose()));
   for (Eigen::Index k = 0; k < numbers.unknown.rows(); ++k) {
     if (of_unknown.col(k).cwiseAbs().maxCoeff() < kNoticed * base::kMmPerUm) continue;
     out.difference.unknown.push_back(

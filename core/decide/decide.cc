@@ -7,6 +7,7 @@
 
 #include "core/base/units.h"
 #include "core/decide/effect_search.h"
+#include "core/decide/hold_back.h"
 #include "core/identify/noise.h"
 #include "core/loop/check.h"
 #include "core/loop/describe.h"
@@ -81,6 +82,7 @@ class Decider {
       RETURN_IF_ERROR(Describe(ending, runs_, &report));
       report.causes.push_back(*nominal);
       report.verdict = loop::Verdict::kUnexplained;
+      RETURN_IF_ERROR(HoldBack(machine_, ending.extension, ending.fit, policy_, identify_options_, &report));
       report.last_fit = std::make_shared<Fit>(std::move(ending.fit));
       return report;
     }
@@ -90,6 +92,7 @@ class Decider {
       ASSIGN_OR_RETURN(ending.fit, FitExtension(machine_, ending.extension, identify_options_));
     }
     RETURN_IF_ERROR(Settle(&ending.extension, &ending.fit, &report));
+    RETURN_IF_ERROR(DropUntold(&ending, &report));
     std::vector<loop::Unexplained> sessions;
     if (check_.is_empty()) {
       RETURN_IF_ERROR(Describe(ending, runs_, &report));
@@ -108,6 +111,8 @@ class Decider {
       }
       report.unexplained.insert(report.unexplained.end(), sessions.begin(), sessions.end());
     }
+    // Before anything is added to what was fitted: it may be fitted again.
+    RETURN_IF_ERROR(HoldBack(machine_, ending.extension, ending.fit, policy_, identify_options_, &report));
     ASSIGN_OR_RETURN(const std::vector<reports::WarningFacts> datum,
                      loop::ProposeDatum(ending.fit, ending.extension, identify_options_));
     report.fitted.warnings.insert(report.fitted.warnings.end(), datum.begin(), datum.end());
@@ -140,19 +145,16 @@ class Decider {
       *from = least;
       *to = greatest;
     };
-    for (machine::ErrorTerm& term : report->fitted.model.terms) {
-      const shapes::Shape found = term.shape;
-      if (auto* const lag = std::get_if<shapes::ThermalLag>(&term.shape)) {
+    const auto keep = [&](machine::ErrorTerm* term) {
+      if (auto* const lag = std::get_if<shapes::ThermalLag>(&term->shape)) {
         const auto late = [&](const shapes::State& state) { return lag->LateAt(state, lag->tau_s).celsius; };
         keep_to(late, &lag->from_celsius, &lag->to_celsius);
-      } else if (auto* const drift = std::get_if<shapes::Drift>(&term.shape)) {
+      } else if (auto* const drift = std::get_if<shapes::Drift>(&term->shape)) {
         keep_to([](const shapes::State& state) { return state.time_s; }, &drift->from_s, &drift->to_s);
-      } else {
-        continue;
       }
-      for (loop::Effect& effect : report->effects)
-        if (effect.term.shape == found) effect.term.shape = term.shape;
-    }
+    };
+    for (machine::ErrorTerm& term : report->fitted.model.terms) keep(&term);
+    for (loop::Effect& effect : report->effects) keep(&effect.term);
   }
 
   struct Ending {
@@ -162,7 +164,7 @@ class Decider {
 
   absl::Status Describe(const Ending& ending, const std::vector<MeasuringRun>& runs, loop::Report* report) {
     ASSIGN_OR_RETURN(report->check_after, CheckStatistics(ending.fit, &loop::SessionResiduals::after_mm, report));
-    loop::Describe(machine_, runs, ending.extension, ending.fit, report);
+    loop::Describe(machine_, runs, all_, ending.extension, ending.fit, {policy_.alike, policy_.order_falloff}, report);
     KeepResiduals(ending.fit, runs_, 0, &loop::SessionResiduals::after_mm, report);
     return absl::OkStatus();
   }
@@ -223,6 +225,42 @@ class Decider {
     for (const Added& one : extension.effects) keys.insert(KeyOf(machine_, one.candidate));
     for (const loop::BadRow& bad : extension.bad_rows) keys.insert({"row", bad.run, static_cast<int>(bad.row)});
     return keys;
+  }
+
+  // Takes off effects whose amplitudes the full fit does not tell: the linearised model had seen a trace of them.
+  absl::Status DropUntold(Ending* ending, loop::Report* report) const {
+    const std::vector<identify::Parameter> parameters = identify::ListParameters(ending->fit.point.model, true);
+    const auto is_untold = [&](size_t effect) {
+      if (!IsTerm(ending->extension.effects[effect].candidate.family)) return false;
+      const int term = ending->extension.TermOf(effect);
+      for (size_t i = 0; i < parameters.size(); ++i) {
+        const bool is_its = parameters[i].term == term && !parameters[i].is_nonlinear;
+        if (is_its && ending->fit.result.estimates[i].identifiable) return false;
+      }
+      return true;
+    };
+    Extension told = ending->extension;
+    std::vector<std::string> untold;
+    for (size_t i = told.effects.size(); i-- > 0;) {
+      if (!is_untold(i)) continue;
+      untold.push_back(ending->extension.NameOf(i));
+      const int term = ending->extension.TermOf(i);
+      told.effects.erase(told.effects.begin() + static_cast<std::ptrdiff_t>(i));
+      // Of what others may be the models hold it too.
+      for (Added& other : told.effects) {
+        const auto drop = [term](machine::ErrorModel& model) {
+          if (term < static_cast<int>(model.terms.size())) model.terms.erase(model.terms.begin() + term);
+        };
+        drop(other.choice.as_found);
+        for (auto& rival : other.choice.rivals) drop(rival.model);
+      }
+    }
+    if (untold.empty()) return absl::OkStatus();
+    ASSIGN_OR_RETURN(ending->fit, FitExtension(machine_, told, identify_options_));
+    ending->extension = std::move(told);
+    for (const std::string& name : untold)
+      report->steps.push_back({loop::SelectionStep::kDropped, name, ending->fit.result.fit.rms_mm});
+    return absl::OkStatus();
   }
 
   // Searches and fits until the set of effects stays.

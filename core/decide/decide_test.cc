@@ -28,12 +28,12 @@ struct Sessions {
   std::vector<MeasuringRun> fit, check;
 };
 
-Sessions MeasureWith(const std::string& effects, uint64_t seed = 1) {
+Sessions MeasureWith(const std::string& effects, uint64_t seed = 1, double step_deg = 2.0) {
   const machine::ErrorModel truth = Errors(kMachine, "{" + std::string(kDeclared) + ", \"terms\": [" + effects + "]}");
   synthetic::NoiseOptions noise;
   noise.seed = seed;
   ballbar::PatternOptions options;
-  options.step_deg = 2.0;
+  options.step_deg = step_deg;
   Sessions sessions;
   const auto fit = Measure(kMachine, truth, noise, identify::testing::FivePatterns(), options);
   sessions.fit = *identify::BindSessions(kMachine, fit);
@@ -177,7 +177,45 @@ TEST(Decide, ALateWarmthIsNamedWithItsChannelAndItsTimeConstant) {
   EXPECT_NEAR(std::abs(effect.amplitude), kPerKelvinMm, std::max(4.0 * effect.amplitude_sigma, 0.05 * kPerKelvinMm));
   EXPECT_GT(found->from_celsius, 19.0);
   EXPECT_LT(found->to_celsius, 32.0);
+  // These sessions do not tell it from others well enough: to correct it could do harm.
+  ASSERT_EQ(report.held_back.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<shapes::ThermalLag>(report.held_back[0].term.shape));
+  EXPECT_GT(report.held_back[0].harm, 0.05);
+  EXPECT_EQ(report.fitted.model.terms.size(), report.declared.terms.size());
   EXPECT_LT(report.check_after.rms_mm, 0.33e-3);
+}
+
+// The ripple of a drive that is no whole number per turn of the table; readings every 2 deg tell it from all others
+// that are likely.
+TEST(Decide, ARippleOfBrokenOrderIsNamedWithIt) {
+  constexpr double kOrder = 13.3;
+  const Report report =
+      Close(MeasureWith(R"({"symbol": "EXC", "shape": "harmonic", "order": 13.3, "amplitude": 3, "phase_deg": 40})"));
+  ASSERT_EQ(report.effects.size(), 1u) << NamesOf(report);
+  const auto* found = std::get_if<shapes::Harmonic>(&report.effects[0].term.shape);
+  ASSERT_NE(found, nullptr) << NamesOf(report);
+  EXPECT_NEAR(found->frequency, kOrder, 0.02);
+  EXPECT_EQ(machine::SymbolOf(kMachine, report.effects[0].term), "EXC");
+  EXPECT_TRUE(report.held_back.empty());
+  EXPECT_TRUE(report.volumetric->is_gain_held);
+}
+
+// Readings every 10 deg do not tell 31.2 per turn from 4.8: both stand in the class, and neither is corrected.
+TEST(Decide, ARippleThatThePositionsDoNotTellFromAnotherIsHeldBack) {
+  const Report report = Close(MeasureWith(
+      R"({"symbol": "EXC", "shape": "harmonic", "order": 31.2, "amplitude": 9, "phase_deg": 40})", 1, 10.0));
+  const loop::Effect* ripple = nullptr;
+  for (const loop::Effect& effect : report.effects)
+    if (std::holds_alternative<shapes::Harmonic>(effect.term.shape)) ripple = &effect;
+  ASSERT_NE(ripple, nullptr) << NamesOf(report);
+  bool has_truth = false;
+  for (const machine::ErrorTerm& other : ripple->equivalent) {
+    const auto* image = std::get_if<shapes::Harmonic>(&other.shape);
+    has_truth |= image != nullptr && std::abs(image->frequency - 31.2) < 0.1;
+  }
+  EXPECT_TRUE(has_truth) << NamesOf(report);
+  ASSERT_FALSE(report.held_back.empty()) << NamesOf(report);
+  EXPECT_FALSE(report.volumetric->is_gain_held);
 }
 
 // A smooth straightness that no harmonic or power is: one curve, and what it is beyond its numbers.

@@ -21,8 +21,10 @@ constexpr double kLeastGapDays = 1.0, kMostGapDays = 28.0;  // between which a s
 constexpr double kDaysOfWeek = 7.0;
 constexpr double kOutlierShare = 0.01;  // of calibrations
 // A higher score is told as a step. Calibrations that come daily are looked at seven times as often as weekly ones and
-// share their weather: they ask for more, so that false alarms in a year stay alike.
-constexpr double kWeeklyAlarm = -1.5, kDailyAlarm = -0.8;
+// share their weather: they ask for more, so that false alarms in a year stay alike, and for most where it takes many
+// of them to tell.
+constexpr double kWeeklyAlarm = -1.5, kDailyAlarm = -0.8, kDailyAlarmOfMany = 3.0;
+constexpr size_t kMany = 5;              // calibrations
 constexpr int kBaseline = 4;             // calibrations before anything can be called a step
 constexpr int kFirst = 26;               // calibrations in which false alarms are most frequent
 constexpr double kFirstCertainty = 0.5;  // ... so that nothing is more than possible
@@ -155,10 +157,11 @@ class Window {
   std::vector<Eigen::MatrixXd> noises_, informations_;
 };
 
-// Where calibrations are `days` apart, kLeastGapDays or more.
-double AlarmAt(double days) {
-  return days >= kDaysOfWeek ? kWeeklyAlarm
-                             : kDailyAlarm + (kWeeklyAlarm - kDailyAlarm) * std::log(days) / std::log(kDaysOfWeek);
+// Where calibrations are `days` apart, kLeastGapDays or more, and a step shows in `calibrations`.
+double AlarmAt(double days, size_t calibrations) {
+  if (days >= kDaysOfWeek) return kWeeklyAlarm;
+  const double daily = calibrations < kMany ? kDailyAlarm : kDailyAlarmOfMany;
+  return daily + (kWeeklyAlarm - daily) * std::log(days) / std::log(kDaysOfWeek);
 }
 
 struct Alarm {
@@ -179,7 +182,7 @@ std::optional<Alarm> BestStep(const State& state, const Window& window) {
     if (shift.errors.empty()) continue;
     const base::UtcTime before = since > 0 ? last[since - 1].at : state.before_window;
     const double days = std::clamp(kDaysOfWeek * WeeksBetween(before, last[since].at), kLeastGapDays, kMostGapDays);
-    const double alarm = AlarmAt(days);
+    const double alarm = AlarmAt(days, last.size() - since);
     double score = std::log(kStepsPerYear * days / 365.2425) + shift.score;
     // Outliers only lower it.
     if (score <= std::max(alarm, best ? best->score : alarm)) continue;
@@ -264,8 +267,8 @@ void RestartBanks(const std::vector<int>& errors, State* state) {
   }
 }
 
-Step StepOf(const Alarm& alarm, const State& state) {
-  Step step;
+StepChange StepOf(const Alarm& alarm, const State& state) {
+  StepChange step;
   step.after = alarm.since > 0 ? state.last[alarm.since - 1].at : state.before_window;
   step.by = state.last[alarm.since].at;
   step.found_at = state.last_at;
@@ -299,7 +302,7 @@ bool Revises(const Alarm& alarm, const State& state) {
 }
 
 // The told step with what the alarm adds to it. It is taken back where nothing is left of it.
-Finding Revise(const Alarm& alarm, Step step, State* state) {
+Finding Revise(const Alarm& alarm, StepChange step, State* state) {
   ToldStep& told = state->told;
   bool is_nothing_left = true;
   for (size_t i = 0; i < alarm.shift.errors.size(); ++i) {
@@ -330,7 +333,7 @@ Finding Revise(const Alarm& alarm, Step step, State* state) {
 }
 
 Finding TellStep(const Alarm& alarm, State* state) {
-  const Step step = StepOf(alarm, *state);
+  const StepChange step = StepOf(alarm, *state);
   if (Revises(alarm, *state)) return Revise(alarm, step, state);
   state->told = {step.after, step.by, state->calibrations, Eigen::VectorXd::Zero(state->joint.count()),
                  Eigen::VectorXd::Zero(state->joint.count())};

@@ -83,7 +83,7 @@ std::string CertaintyText(double certainty) {
   return absl::StrFormat(percent >= 99.0 ? "certainty %.1f %%" : "certainty %.0f %%", percent);
 }
 
-std::string TextOf(const Step& step) {
+std::string TextOf(const StepChange& step) {
   const Parts parts = PartsOf(step.amounts);
   return absl::StrCat(step.is_revision ? "corrected: " : "", BetweenText(step.after, step.by), " ", parts.symbols,
                       " jumped ", step.amounts.size() > 1 ? "together " : "", "by ", parts.sizes, ", ",

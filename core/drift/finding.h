@@ -23,7 +23,7 @@ struct Amount {
 };
 
 // Errors that moved together and stayed where they went.
-struct Step {
+struct StepChange {
   base::UtcTime after;          // the last calibration before it
   base::UtcTime by;             // the first calibration after it
   base::UtcTime found_at;       // the calibration with which it was found
@@ -78,7 +78,7 @@ struct Unstable {
   base::UtcTime since, at;
 };
 
-using Finding = std::variant<Step, Retraction, Suspect, Slope, Season, Noise, Unstable>;
+using Finding = std::variant<StepChange, Retraction, Suspect, Slope, Season, Noise, Unstable>;
 
 // One or two sentences: "between 5 and 12 May 2026 EX0C and EB0C jumped together by 21 um and 14 urad, certainty
 // 99.7 %". Dates are UTC.

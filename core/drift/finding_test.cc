@@ -12,14 +12,14 @@ base::UtcTime On(int year, unsigned month, unsigned day, std::chrono::minutes mi
   return std::chrono::sys_days(std::chrono::year(year) / std::chrono::month(month) / std::chrono::day(day)) + minutes;
 }
 
-Step Collision() {
-  Step step{On(2026, 5, 5), On(2026, 5, 12), On(2026, 5, 19), {}, 12.0, 0.997, Word::kCertain, false};
+StepChange Collision() {
+  StepChange step{On(2026, 5, 5), On(2026, 5, 12), On(2026, 5, 19), {}, 12.0, 0.997, Word::kCertain, false};
   step.amounts = {{"EX0C", Unit::kUm, 21.2, 1.1}, {"EB0C", Unit::kUrad, 14.3, 2.0}};
   return step;
 }
 
 TEST(FindingText, AStep) {
-  Step step = Collision();
+  StepChange step = Collision();
   EXPECT_EQ(Text(step),
             "between 5 and 12 May 2026 EX0C and EB0C jumped together by 21 um and 14 urad, certainty 99.7 %");
   step.amounts = {{"EX0C", Unit::kUm, -2.13, 0.4}};
@@ -36,7 +36,7 @@ TEST(FindingText, AStep) {
 }
 
 TEST(FindingText, DatesAreSaidAsShortlyAsTheyAreClear) {
-  Step step = Collision();
+  StepChange step = Collision();
   step.amounts.pop_back();
   step.after = On(2026, 4, 28);
   EXPECT_EQ(Text(step).substr(0, 34), "between 28 April and 12 May 2026 E");
@@ -49,7 +49,7 @@ TEST(FindingText, DatesAreSaidAsShortlyAsTheyAreClear) {
 }
 
 TEST(FindingText, NothingIsSaidToBeSureNorMinusZero) {
-  Step step = Collision();
+  StepChange step = Collision();
   step.amounts = {{"EX0C", Unit::kUm, -0.2, 3.0}};
   step.certainty = 1.0;
   EXPECT_EQ(Text(step), "between 5 and 12 May 2026 EX0C jumped by 0 um, certainty 99.9 %");

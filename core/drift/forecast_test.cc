@@ -64,7 +64,7 @@ TEST(Forecast, WhatHasJustBeenMeasuredCounts) {
   std::vector<Finding> all;
   machine.truth(0) += 40.0;
   for (int week = 100; week < 103; ++week) Tell(machine.Measure(week), &state, &all);
-  ASSERT_FALSE(Only<Step>(all).empty());
+  ASSERT_FALSE(Only<StepChange>(all).empty());
   const auto forecast = ForecastOf(state, "EX0C", Week(104));
   ASSERT_TRUE(forecast.ok());
   EXPECT_NEAR(forecast->value, 50.0, 5.0);

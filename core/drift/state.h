@@ -66,7 +66,7 @@ struct State {
   bool is_service = false;       // one since the last calibration was a service
 };
 
-inline constexpr int kWindow = 4;       // calibrations after which nothing more is learnt by waiting
+inline constexpr int kWindow = 6;       // calibrations in which a step is looked for
 inline constexpr int kMostSigmas = 16;  // enough that a quarter of them are of the usual plan
 
 // Time as the filters count it.

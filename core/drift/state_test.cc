@@ -38,7 +38,7 @@ TEST(State, RoundTripAtEveryCalibration) {
   }
   ASSERT_EQ(all.size(), all_read.size());
   for (size_t i = 0; i < all.size(); ++i) EXPECT_EQ(Text(all[i]), Text(all_read[i]));
-  EXPECT_FALSE(Only<Step>(all).empty());
+  EXPECT_FALSE(Only<StepChange>(all).empty());
   EXPECT_FALSE(Only<Suspect>(all).empty());
 }
 

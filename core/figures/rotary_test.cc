@@ -1,4 +1,4 @@
-// Figures of an R-test of one rotary axis.
+// Figures of an R-test of one rotary axis, and of cones, in which rotary axes move while a ball bar goes round.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -105,6 +105,71 @@ TEST(Rotary, AnOffsetAxisIsRadialAndTangential) {
   EXPECT_NEAR(Um(test, "E rad"), 24.0, kRoundingUm);
   EXPECT_NEAR(Um(test, "E tan(down)"), 24.0, kRoundingUm);
   EXPECT_NEAR(Um(test, "E ax"), 0.0, kRoundingUm);
+}
+
+// A head whose angle is off by 50 urad cos B, the tool point 300 mm below B: e = 15 um cos B along the way t that the
+// tool point takes. Less its mean m, which lies along X (t . x = - cos B, and the readings are symmetric about B = 0),
+// there is a radial part too: - m . r, r = (- sin B, 0, - cos B).
+TEST(Rotary, AHeadsAngleIsTangentialBesideWhereTheBallWasMounted) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  constexpr int kSteps = 36;
+  const MeasuredTest test =
+      TestOf(machine, Planned(machine, "rtest", ThereAndBack("B", -90, 90, kSteps), {0, 0, 50}),
+             R"({"terms": [{"symbol": "EBB", "shape": "harmonic", "order": 1, "amplitude": 50, "phase_deg": 0}]})");
+  constexpr double kAmplitudeUm = 50e-3 * 300.0;
+  double mean = 0.0;  // of cos^2 B
+  for (int k = 0; k <= kSteps; ++k) mean += std::pow(std::sin(M_PI * k / kSteps), 2) / (kSteps + 1);
+  EXPECT_EQ(test.what, "R-test of B from -90 to 90 deg");
+  EXPECT_NEAR(Um(test, "E tan"), kAmplitudeUm * (1.0 - mean), kRoundingUm);
+  EXPECT_NEAR(Um(test, "E rad"), kAmplitudeUm * 2.0 * mean, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E ax"), 0.0, kRoundingUm);
+  EXPECT_NEAR(Um(test, "E Y"), 0.0, kRoundingUm);
+}
+
+// A head's axis that stands 12 um beside its place moves all readings alike: that is where the ball was mounted.
+TEST(Rotary, AHeadBesideItsPlaceIsNotSeen) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const MeasuredTest test =
+      TestOf(machine, Planned(machine, "rtest", ThereAndBack("B", -60, 90, 30), {0, 0, 50}), R"({"EX0B": 12})");
+  for (const char* const symbol : {"E rad", "E tan", "E ax"}) EXPECT_NEAR(Um(test, symbol), 0.0, kRoundingUm) << symbol;
+}
+
+// The bar goes once round a cone about the table's z while C turns once. Seen from the bed it goes round twice, at
+// azimuth 2 t. X, which Y carries, is out of square by 100 urad, which puts the tool 100 urad x too far in Y:
+//   dL = 100 urad 100 mm sin^2(half angle) sin(2 t) cos(2 t), four periods, which no centre takes up.
+TEST(Cone, OfSquarenessByHand) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  constexpr double kHalfDeg = 60.0, kBarMm = 100.0;
+  const double across = std::sin(kHalfDeg * base::kRadPerDeg), along = std::cos(kHalfDeg * base::kRadPerDeg);
+  for (const bool is_ccw : {true, false}) {
+    std::vector<Pose> poses;
+    for (int k = 0; k <= 180; ++k) {
+      const double t_deg = is_ccw ? 2.0 * k : 360.0 - 2.0 * k, t = t_deg * base::kRadPerDeg;
+      poses.push_back({{{"C", t_deg}}, kBarMm * Eigen::Vector3d(across * std::cos(t), across * std::sin(t), along)});
+    }
+    const MeasuredTest test = TestOf(machine, Planned(machine, "ballbar", poses, {0, 0, 50}), R"({"EC0X": 100})");
+    EXPECT_EQ(test.kind, "cone");
+    EXPECT_EQ(test.what, "cone of half angle 60 deg about (0.00 0.00 1.00), bar 100 mm");
+    EXPECT_NEAR(Um(test, is_ccw ? "G ccw" : "G cw"), 100e-3 * kBarMm * across * across, kRoundingUm);
+    EXPECT_THAT(test.notes, SizeIs(1));  // the other sense was not measured
+  }
+}
+
+// 15 degrees of the cone's half angle to and fro: the bar follows no cone.
+TEST(Cone, ABarThatNodsHasNoFigures) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  std::vector<Pose> poses;
+  for (int k = 0; k <= 180; ++k) {
+    const double t = 2.0 * k * base::kRadPerDeg, half = (60.0 + 15.0 * std::sin(3.0 * t)) * base::kRadPerDeg;
+    poses.push_back(
+        {{{"C", 2.0 * k}},
+         100.0 * Eigen::Vector3d(std::sin(half) * std::cos(t), std::sin(half) * std::sin(t), std::cos(half))});
+  }
+  const auto session = synthetic::Simulate(machine, {}, Planned(machine, "ballbar", poses, {0, 0, 50}), {}).value();
+  const Figures figures = FiguresOf(machine, {instruments::BindSession(session, machine).value()});
+  EXPECT_THAT(figures.tests, SizeIs(0));
+  ASSERT_THAT(figures.left_out, SizeIs(1));
+  EXPECT_THAT(figures.left_out[0], HasSubstr("does not go round at a constant angle to an axis of the table"));
 }
 
 TEST(Rotary, ABallOnTheAxisHasNoRadialDirection) {

@@ -34,7 +34,7 @@ std::vector<Combination> DeterminedCombinations(const std::vector<Estimate>& est
     std::swap(order[0], order[j]);
     std::swap(coefficients[0], coefficients[j]);
     combinations.push_back({CombinationName(order, coefficients), estimates[j].unit, estimates[j].factor,
-                            dual.dot(values), std::sqrt(std::max(0.0, dual.dot(covariance * dual)))});
+                            dual.dot(values), std::sqrt(std::max(0.0, dual.dot(covariance * dual))), dual});
   }
   return combinations;
 }

@@ -6,6 +6,7 @@
 
 #include "core/identify/plausible_errors.h"
 #include "core/identify/profile_likelihood.h"
+#include "core/identify/unseen.h"
 #include "core/information/coverage_factor.h"
 
 namespace axiscal::identify {
@@ -128,6 +129,10 @@ absl::StatusOr<Judgement> Judge(const SolvedProblem& solved, const Options& opti
   judgement.coverage_factor =
       information::CoverageFactor(judgement.sigma_scale > 1.0, judgement.statistics.degrees_of_freedom);
   judgement.covariance = UncertaintyOf(solved, judgement.sigma_scale);
+  if (options.profile_intervals) {
+    const auto p = static_cast<Eigen::Index>(solved.parameters.size());
+    judgement.covariance.errors.topLeftCorner(p, p) += UnseenCovariance(solved, judgement.covariance);
+  }
   judgement.stated = AddStated(solved, &judgement.covariance);
   const Eigen::MatrixXd linear =
       InverseBeside(Reduce(solved.problem, solution.point, solution.normal, Priors::kAll), solved.held);

@@ -196,14 +196,39 @@ Covariance CovarianceOf(const Problem& problem, const Point& point, const Normal
     const int s = normal.groups[g].setup_count;
     const Eigen::MatrixXd by_errors = eliminated.setup.Solve(eliminated.setup_by_errors);
     const Eigen::MatrixXd own = scale * scale * eliminated.setup.Solve(Eigen::MatrixXd::Identity(s, s));
-    Eigen::VectorXd sigma = (own + by_errors * out.errors * by_errors.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
+    Eigen::MatrixXd setup = own + by_errors * out.errors * by_errors.transpose();
     for (int i = 0; i < s; ++i) {
-      if (problem.groups[g].parameters[i].held) sigma[i] = 0.0;
+      if (!problem.groups[g].parameters[i].held) continue;
+      setup.row(i).setZero();
+      setup.col(i).setZero();
     }
-    out.setup_sigma.push_back(std::move(sigma));
+    out.setup_sigma.push_back(setup.diagonal().cwiseMax(0.0).cwiseSqrt());
+    out.setup.push_back(std::move(setup));
     out.with_setup.push_back(-as_stated * by_errors.transpose());
   }
   return out;
+}
+
+std::vector<Eigen::MatrixXd> StepsOf(const Problem& problem, const Point& point, const NormalEquations& normal,
+                                     const std::vector<int>& held, const std::vector<Eigen::MatrixXd>& by_change) {
+  const Reduced reduced = Reduce(problem, point, normal, Priors::kAll);
+  const int p = static_cast<int>(reduced.gradient.size());
+  const std::vector<int> free = FreeErrors(p, held);
+  const ScaledFactor information(reduced.information(free, free));
+  std::vector<Eigen::MatrixXd> steps;
+  for (size_t g = 0; g < normal.groups.size(); ++g) {
+    const Eliminated eliminated = Eliminate(problem.groups[g], point.setup[g], normal.groups[g], Priors::kAll);
+    const int s = normal.groups[g].setup_count;
+    Eigen::MatrixXd by_setup = by_change[g].topRows(s);
+    for (int i = 0; i < s; ++i) {
+      if (problem.groups[g].parameters[i].held) by_setup.row(i).setZero();
+    }
+    const Eigen::MatrixXd gradient =
+        by_change[g].bottomRows(p) - eliminated.setup_by_errors.transpose() * eliminated.setup.Solve(by_setup);
+    steps.push_back(Eigen::MatrixXd::Zero(p, gradient.cols()));
+    steps.back()(free, Eigen::all) = -information.Solve(gradient(free, Eigen::all));
+  }
+  return steps;
 }
 
 namespace {

@@ -70,6 +70,7 @@ GaussNewtonStep SolveStep(const Problem& problem, const Point& point, const Norm
 struct Covariance {
   Eigen::MatrixXd errors;                    // p x p; zero rows and columns for held errors
   std::vector<Eigen::VectorXd> setup_sigma;  // per group
+  std::vector<Eigen::MatrixXd> setup;        // per group, of its offsets, as setup_sigma
   // Per group, errors x setup offsets, as the stated sigmas have it and without `known`: divided by an offset's prior
   // variance it is how the errors move with what the prior takes the offset for.
   std::vector<Eigen::MatrixXd> with_setup;
@@ -79,6 +80,11 @@ struct Covariance {
 // are not fitted but known from elsewhere; they and their share of the fitted ones' uncertainty are in the result.
 Covariance CovarianceOf(const Problem& problem, const Point& point, const NormalEquations& normal,
                         const std::vector<int>& held, double scale = 1.0, const Eigen::MatrixXd& known = {});
+
+// Gauss-Newton steps of the errors where residuals of one group change by the columns of a matrix D. `by_change`: per
+// group J' D, (set-up offsets, errors) x columns, of whitened rows. Per group, p x columns; zero for held errors.
+std::vector<Eigen::MatrixXd> StepsOf(const Problem& problem, const Point& point, const NormalEquations& normal,
+                                     const std::vector<int>& held, const std::vector<Eigen::MatrixXd>& by_change);
 
 // Sum of squares of the priors' residuals: of all, free curves' too; of those that judge the fit
 // (SetupParameter::is_placed).

@@ -33,6 +33,7 @@ struct Combination {
   std::string unit;
   double factor = 1.0;
   double value = 0.0, sigma = 0.0;
+  Eigen::VectorXd of;  // value = of . values of all errors, in the order of Result::estimates
 };
 
 struct SetupOffset {

@@ -11,10 +11,45 @@
 
 namespace axiscal::identify {
 
+// Where in Evaluation::by_error each parameter of a model acts.
+class ParameterColumns {
+ public:
+  ParameterColumns(const machine::ErrorModel& model, const std::vector<Parameter>& parameters) {
+    for (const Parameter& parameter : parameters) {
+      const machine::ErrorTerm& term = model.terms[parameter.term];
+      column_.push_back(machine::kComponents * term.joint + static_cast<int>(term.component));
+      is_along_approach_.push_back(shapes::IsAlongApproach(term.shape));
+    }
+  }
+
+  int operator[](size_t i) const { return column_[i]; }
+  // d(row r)/d(parameter i), mm per mm or rad. `slopes`: ErrorsOfRun's at `state`.
+  double Slope(const instruments::Evaluation& evaluation, int r, const shapes::State& state,
+               const Eigen::VectorXd& slopes, size_t i) const {
+    const double* const by_error = &evaluation.by_error(r, column_[i]);
+    const double slope = slopes[static_cast<Eigen::Index>(i)];
+    if (!is_along_approach_[i]) return *by_error * slope;
+    return machine::AlongApproach(state.approach, by_error, evaluation.by_error.outerStride()) * slope;
+  }
+
+ private:
+  std::vector<int> column_;
+  std::vector<bool> is_along_approach_;
+};
+
+// Which readings of a run are visited, of every `period` the first `stretch`: all of them where both are the same.
+struct ReadingSample {
+  int stretch = 1, period = 1;
+
+  bool Has(int reading) const { return reading % period < stretch; }
+  // The reading before a stretch is not known, so that the first of it is not whitened as it would be.
+  bool IsFirstOfStretch(int reading) const { return stretch < period && reading % period == 0; }
+};
+
 // VisitRows for readings taken along a path (eccentricities): each is a sum over states, and so are its slopes.
 template <typename Sink>
 void VisitPathRows(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
-                   const std::vector<int>& column, Sink* sink) {
+                   const ParameterColumns& column, const ReadingSample& sample, Sink* sink) {
   const instruments::MeasuringRun& run = problem.runs[run_index];
   const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
   const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
@@ -23,7 +58,7 @@ void VisitPathRows(const Problem& problem, int run_index, const Point& point, co
   Eigen::VectorXd by_parameter(count);
   instruments::Evaluation evaluation;
   for (int k = 0; k < run.reading_count(); ++k) {
-    if (!problem.is_used[run_index][k]) continue;
+    if (!sample.Has(k) || !problem.is_used[run_index][k]) continue;
     by_parameter.setZero();
     instruments::EvaluateAlongPath(
         *problem.machine, run, k,
@@ -46,31 +81,27 @@ void VisitPathRows(const Problem& problem, int run_index, const Point& point, co
   }
 }
 
-// For every used row of a run in time order: `sink.NextRow()` gives the storage of one row, which is filled with
+// For every used row of the readings of `sample` of a run in time order: `sink.NextRow()` gives the storage of one row,
+// which is filled with
 //   setup offsets of the run | errors (`parameters`) | predicted - measured           mm per mm or rad; mm
 // and handed back, raw, by `sink.Close(reading, row, evaluation, stored row)`. Rows start at the front of the storage.
 template <typename Sink>
 void VisitRows(const Problem& problem, int run_index, const Point& point, const std::vector<Parameter>& parameters,
-               Sink* sink) {
+               Sink* sink, const ReadingSample& sample = {}) {
   const instruments::MeasuringRun& run = problem.runs[run_index];
   const machine::Machine& machine = *problem.machine;
   const Eigen::VectorXd& setup = point.setup[problem.group_of_run[run_index]];
   const int setup_count = static_cast<int>(run.setup.size()), count = static_cast<int>(parameters.size());
-  std::vector<int> column(count);
-  bool any_along_approach = false;
-  for (int i = 0; i < count; ++i) {
-    const machine::ErrorTerm& term = point.model.terms[parameters[i].term];
-    column[i] = machine::kComponents * term.joint + static_cast<int>(term.component);
-    any_along_approach |= shapes::IsAlongApproach(term.shape);
-  }
+  const ParameterColumns column(point.model, parameters);
   ErrorsOfRun errors_of_run(problem, point, parameters);
   const Eigen::VectorXd& slopes = errors_of_run.slopes();
   instruments::Evaluation evaluation;
   if (run.path_readings != nullptr) {
-    VisitPathRows(problem, run_index, point, parameters, column, sink);
+    VisitPathRows(problem, run_index, point, parameters, column, sample, sink);
     return;
   }
   for (int k = 0; k < run.reading_count(); ++k) {
+    if (!sample.Has(k)) continue;
     const shapes::State state = run.StateOf(k);
     const machine::JointErrors<double>& errors = errors_of_run.At(state);
     instruments::Evaluate(machine, run, k, errors, setup.data(), &evaluation);
@@ -84,13 +115,7 @@ void VisitRows(const Problem& problem, int run_index, const Point& point, const 
       if (!problem.is_used[run_index][static_cast<size_t>(k) * run.row_count + r]) continue;
       auto row = sink->NextRow();
       row.head(setup_count) = evaluation.by_setup.row(r);
-      for (int i = 0; i < count; ++i) row[setup_count + i] = evaluation.by_error(r, column[i]) * slopes[i];
-      for (int i = 0; any_along_approach && i < count; ++i) {
-        if (!shapes::IsAlongApproach(point.model.terms[parameters[i].term].shape)) continue;
-        row[setup_count + i] = machine::AlongApproach(state.approach, &evaluation.by_error(r, column[i]),
-                                                      evaluation.by_error.outerStride()) *
-                               slopes[i];
-      }
+      for (int i = 0; i < count; ++i) row[setup_count + i] = column.Slope(evaluation, r, state, slopes, i);
       row[setup_count + count] = residual_mm[r];
       sink->Close(k, r, evaluation, row);
     }

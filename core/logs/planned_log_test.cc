@@ -1,5 +1,7 @@
 // Every test that can be planned, from the plan's file over the control's log to a session: the tests are those of the
 // planners' own lists, so that a new one is held to this as well.
+#include "core/logs/testing/planned_log.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,6 +22,7 @@
 #include "core/machine/testing/machines.h"
 #include "core/plan/program.h"
 #include "core/plan/test.h"
+#include "core/plan/testing/situations.h"
 #include "core/session/column_rules.h"
 #include "core/session/read_session.h"
 #include "core/session/write_session.h"
@@ -30,14 +33,20 @@ namespace axiscal::logs {
 namespace {
 
 using machine::Machine;
+using plan::testing::Machines;
+using plan::testing::Measured;
+using plan::testing::NeverMeasured;
 using session::Column;
 using session::Session;
+using testing::ColumnOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-std::vector<Machine> Machines() {
-  return {machine::testing::MultiTasking(), machine::testing::TiltingTable(), machine::testing::SwivelHead()};
-}
+using testing::HeaderOf;
+using testing::IsReading;
+using testing::Line;
+using testing::LogOf;
+using testing::ReduceText;
+using testing::TemplateOf;
 
 // 20 um and 50 urad of each declared error.
 machine::ErrorModel Truth(const Machine& machine) {
@@ -45,59 +54,6 @@ machine::ErrorModel Truth(const Machine& machine) {
   for (machine::ErrorTerm& term : truth.terms)
     term.amplitude[0] = term.component <= machine::Component::kZ ? 0.020 : 50e-6;
   return truth;
-}
-
-plan::Situation NeverMeasured(const Machine& machine) {
-  plan::Mounted mounted;
-  mounted.tips_mm = {{0, 0, -350}};
-  mounted.balls_mm = {{40, 0, 60}};
-  return plan::SituationOfMachine(machine, mounted);
-}
-
-// A machine that was measured before, with temperatures, for the tests that repeat sessions.
-plan::Situation Measured(const Machine& machine, std::vector<instruments::MeasuringRun>* runs) {
-  plan::Situation never = NeverMeasured(machine);
-  never.has_temperature = true;
-  for (const char* const name : {"rtest-grid", "ballbar-circle", "ballbar-turn"}) {
-    const std::vector<plan::PlannedSession> planned = plan::FindTest(name)->plan(never);
-    if (planned.empty()) continue;
-    Session half = planned[0].session;  // one way, which can be run backwards
-    for (Column& column : half.columns) column.values.resize(column.values.size() / 2);
-    const auto session = synthetic::Simulate(machine, {}, half, {});
-    EXPECT_TRUE(session.ok()) << session.status();
-    runs->push_back(instruments::BindSession(*session, machine).value());
-  }
-  return plan::SituationOf(machine, *runs);
-}
-
-std::string ColumnOf(const machine::Axis& axis) {
-  return axis.name + (axis.kind == machine::AxisKind::kLinear ? "_mm" : "_deg");
-}
-
-std::string HeaderOf(const Session& session, const std::string& key) {
-  return session::FindHeader(session, key).value_or("");
-}
-
-// Positions by axis (mm, deg) as a control prints them: "dprnt" and "sinumerik-write" by letters, "linuxcnc-probe" nine
-// numbers.
-std::string Line(const std::string& format, const Machine& machine, const std::vector<double>& positions) {
-  std::string line;
-  if (format != "linuxcnc-probe") {
-    for (int i = 0; i < machine.axis_count(); ++i)
-      absl::StrAppend(&line, machine.axes[i].name, absl::StrFormat("%.4f ", positions[i]));
-    return line + "\n";
-  }
-  for (const char* const axis : {"X", "Y", "Z", "A", "B", "C", "U", "V", "W"}) {
-    const int i = machine::FindAxis(machine, axis);
-    absl::StrAppend(&line, absl::StrFormat("%.6f ", i < 0 ? 0.0 : positions[i]));
-  }
-  return line + "\n";
-}
-
-absl::StatusOr<Reduced> ReduceText(const std::string& log, const LogTemplate& log_template, const Machine* machine,
-                                   const Session& plan) {
-  std::istringstream in(log);
-  return Reduce(in, "probe.log", log_template, {.machine = machine, .plan = &plan});
 }
 
 std::string Refusal(const absl::StatusOr<Reduced>& reduced) {
@@ -238,33 +194,6 @@ void CheckCentresSession(const Machine& machine, const Session& planned, const S
     EXPECT_FALSE(HeaderOf(session, "centre_sigma_um").empty());
     EXPECT_TRUE(session::ReadSessionText(session::WriteSession(session).value(), "s.csv").ok());
   }
-}
-
-// The line's form, every column by its name; or only what the instrument read.
-LogTemplate TemplateOf(const std::vector<const Column*>& columns) {
-  std::string text = "line:";
-  for (const Column* const column : columns) absl::StrAppend(&text, " ", column->name, "= {", column->name, "}");
-  return ParseTemplate(text + "\n", "t.txt").value();
-}
-
-std::string LogOf(const std::vector<const Column*>& columns, size_t count) {
-  std::string log;
-  for (size_t k = 0; k < count; ++k) {
-    for (const Column* const column : columns) {
-      absl::StrAppend(&log, column->name, "= ",
-                      column->texts.empty() ? absl::StrFormat("%.4f", column->values[k]) : column->texts[k], " ");
-    }
-    log += "\n";
-  }
-  return log;
-}
-
-bool IsReading(const Session& session, const Column& column) {
-  for (const session::ReadingColumn& reading :
-       session::FindInstrumentFormat(HeaderOf(session, "instrument"))->columns) {
-    if (reading.name == column.name) return reading.source != session::ColumnSource::kPlan;
-  }
-  return column.name == "temp_C";
 }
 
 // A log with all columns, and one with the readings alone.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/loop/aliases.h"
 #include "core/loop/causes.h"
@@ -19,18 +20,69 @@ using machine::Machine;
 
 namespace {
 
+// The lowest orders are eccentricity and ovality before they are the image of a gear with hundreds of teeth.
+constexpr int kLowOrder = 4;
+
+std::vector<double> PositionsOf(const std::vector<MeasuringRun>& runs, int axis) {
+  std::vector<double> positions;
+  for (const MeasuringRun& run : runs) {
+    for (int k = 0; k < run.reading_count(); ++k) positions.push_back(run.PositionsOf(k)[axis]);
+  }
+  return positions;
+}
+
 // Orders that the axis' positions in these sessions cannot tell from a harmonic's own.
-std::vector<int> AliasesOf(const Fit& fit, const ErrorTerm& term) {
+std::vector<int> AliasOrdersOf(const std::vector<MeasuringRun>& runs, const ErrorTerm& term) {
   const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape);
   if (harmonic == nullptr || harmonic->is_frequency_free) return {};
-  std::vector<double> positions;
-  for (const MeasuringRun& run : fit.problem.runs) {
-    for (int k = 0; k < run.reading_count(); ++k) positions.push_back(run.PositionsOf(k)[harmonic->axis]);
-  }
-  // The lowest orders are eccentricity and ovality before they are the image of a gear with hundreds of teeth.
-  constexpr int kLow = 4, kHighestOfLow = 100;
+  constexpr int kHighestOfLow = 100;
   const int order = static_cast<int>(std::lround(harmonic->frequency));
-  return AliasOrders(std::move(positions), order, order <= kLow ? kHighestOfLow : kHighestOrder);
+  return AliasOrders(PositionsOf(runs, harmonic->axis), order, order <= kLowOrder ? kHighestOfLow : kHighestOrder);
+}
+
+// Other frequencies of a harmonic that the axis' positions in these sessions cannot tell from its own, as terms with
+// its name but for the frequency. `evidence`: chi-square that the harmonic explains; of that, those that are listed
+// miss less than any member of a class may.
+std::vector<ErrorTerm> ImagesOf(const Machine& machine, const std::vector<MeasuringRun>& runs, const ErrorTerm& term,
+                                double evidence, double alike) {
+  const auto* harmonic = std::get_if<shapes::Harmonic>(&term.shape);
+  std::vector<ErrorTerm> images;
+  if (harmonic == nullptr || !(evidence > 0.0)) return images;
+  const bool is_rotary = machine.axes[harmonic->axis].kind == machine::AxisKind::kRotary;
+  if (is_rotary && !harmonic->is_frequency_free && harmonic->frequency < kLowOrder + 0.5) return images;
+  // The teeth of worm wheels and of strain wave gears 1:100; the ball screws of least lead.
+  constexpr double kHighest = 100.0, kLeastLeadMm = 4.0;
+  const double highest = is_rotary ? kHighest : 2.0 * std::numbers::pi / kLeastLeadMm;
+  for (const Alias& alias :
+       AliasesOf(PositionsOf(runs, harmonic->axis), harmonic->frequency, highest, alike / evidence)) {
+    ErrorTerm image = term;
+    // At even positions the images of whole orders are whole.
+    constexpr double kWhole = 1e-3;
+    const double whole = std::round(alias.frequency);
+    const bool is_whole = !harmonic->is_frequency_free && std::abs(alias.frequency - whole) < kWhole;
+    std::get<shapes::Harmonic>(image.shape).frequency = is_whole ? whole : alias.frequency;
+    const Eigen::Vector2d amplitudes = alias.of_amplitudes * Eigen::Map<const Eigen::Vector2d>(term.amplitude.data());
+    for (int k = 0; k < 2; ++k) image.amplitude[static_cast<size_t>(k)] = amplitudes[k];
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+// Adds them to what else the effect, term `at` of the fit, may be.
+void AddImages(const Machine& machine, const std::vector<MeasuringRun>& runs, const Fit& fit, int at, double evidence,
+               const ClassRule& rule, predict::OpenChoice* choice, std::vector<ErrorTerm>* equivalent) {
+  const bool is_alone = choice->rivals.empty();
+  const machine::ErrorModel as_found = is_alone ? fit.result.model : choice->as_found;
+  const ErrorTerm& found = as_found.terms[static_cast<size_t>(at)];
+  for (const ErrorTerm& image : ImagesOf(machine, runs, found, evidence, rule.alike)) {
+    const double odds =
+        std::pow(std::get<shapes::Harmonic>(found.shape).frequency / std::get<shapes::Harmonic>(image.shape).frequency,
+                 rule.order_falloff);
+    choice->rivals.push_back({as_found, odds});
+    choice->rivals.back().model.terms[static_cast<size_t>(at)] = image;
+    if (odds > std::exp(-0.5 * rule.alike)) equivalent->push_back(image);
+  }
+  if (is_alone && !choice->rivals.empty()) *choice = {machine::NameOf(machine, found), as_found, choice->rivals};
 }
 
 // Ranges of one axis that overlap are one structure, its place that of the strongest part.
@@ -80,8 +132,8 @@ Unexplained SlipOf(const MeasuringRun& run, const Candidate& candidate, size_t s
 
 }  // namespace
 
-void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, const Extension& extension, const Fit& fit,
-              Report* report) {
+void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, const std::vector<MeasuringRun>& named_by,
+              const Extension& extension, const Fit& fit, const ClassRule& rule, Report* report) {
   const std::vector<Added>& effects = extension.effects;
   const Signatures signatures(fit.problem, fit.point, {});
   const std::vector<identify::Parameter> parameters = identify::ListParameters(fit.point.model, true);
@@ -114,8 +166,10 @@ void Describe(const Machine& machine, const std::vector<MeasuringRun>& runs, con
     effect.rms_mm = rms_mm;
     effect.evidence = added.score;
     for (const Candidate& other : added.equivalent) effect.equivalent.push_back(other.term);
-    if (!added.choice.rivals.empty()) report->choices.push_back(added.choice);
-    effect.alias_orders = AliasesOf(fit, term);
+    predict::OpenChoice choice = added.choice;
+    AddImages(machine, named_by, fit, t, added.score, rule, &choice, &effect.equivalent);
+    if (!choice.rivals.empty()) report->choices.push_back(std::move(choice));
+    effect.alias_orders = AliasOrdersOf(named_by, term);
     double variance = 0.0;
     // Of a free curve the rms over what was measured.
     effect.amplitude = amplitude.size() > 1 ? amplitude.norm() : term.amplitude[0];

@@ -7,6 +7,7 @@
 
 #include "core/base/units.h"
 #include "core/identify/outliers.h"
+#include "core/loop/aliases.h"
 
 namespace axiscal::loop {
 namespace {
@@ -111,7 +112,7 @@ class Builder {
 
   void AddHarmonics(int axis, bool is_rotary) {
     const AxisSpan& span = spans_[axis];
-    const double highest = kBelowNyquist * std::numbers::pi / span.finest_step;
+    const double highest = kBelowNyquist * span.highest_frequency;
     if (is_rotary) {
       constexpr int kCoarse = 4;
       // On a part of a turn neighbouring orders are alike; an order must show at least half a period.
@@ -121,14 +122,15 @@ class Builder {
         Add(order <= kCoarse ? Family::kHarmonic : Family::kFineHarmonic, axis,
             shapes::Harmonic{axis, static_cast<double>(order)});
       }
-      return;
     }
-    // Pitch errors along a linear axis: at least three periods in the measured range, frequencies kPitchStep of a
-    // period apart.
-    const double range = span.highest - span.lowest, turn = 2.0 * std::numbers::pi;
-    for (double periods = 3.0; periods * turn / range < highest && periods <= 100.0; periods += kPitchStep) {
-      Add(Family::kPitch, axis, shapes::Harmonic{axis, periods * turn / range, true});
-    }
+    // Pitch errors along a linear axis, ripple of broken order of a rotary one: at least three periods in the measured
+    // range. Frequencies stand kPitchStep of a period apart; those of a rotary axis half-way between whole orders,
+    // which are there already, or a period apart where that is less.
+    const double range = span.highest - span.lowest, period = 2.0 * std::numbers::pi / range;
+    const double step = is_rotary ? std::min(1.0, period) : kPitchStep * period;
+    const double first = is_rotary ? std::floor(3.0 * period / step) * step + 0.5 * step : 3.0 * period;
+    for (double frequency = first; frequency < std::min(highest, kMostPeriods * period); frequency += step)
+      Add(Family::kPitch, axis, shapes::Harmonic{axis, frequency, true});
   }
 
   void AddMotionShapes(int axis) {
@@ -335,6 +337,12 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem) {
       }
       const double step = StepOf(machine, run, axis);
       if (step > 0.0) span.finest_step = span.finest_step == 0.0 ? step : std::min(span.finest_step, step);
+    }
+    if (span.finest_step > 0.0) {
+      const double limit = IsRotary(machine, axis)
+                               ? kHighestOrder / kBelowNyquist
+                               : kMostPeriods * 2.0 * std::numbers::pi / (span.highest - span.lowest) / kBelowNyquist;
+      span.highest_frequency = HighestFrequency(PositionsOf(problem, axis), limit);
     }
     constexpr double kOtherSpeed = 1.02;  // of one speed a lag is a backlash
     span.has_speeds = fastest > kOtherSpeed * slowest;

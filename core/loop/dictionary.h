@@ -15,7 +15,8 @@ inline constexpr double kStandsStillMm = 1e-3, kStandsStillRad = 1e-5;
 
 struct AxisSpan {
   double lowest = 0.0, highest = 0.0;  // mm or rad
-  double finest_step = 0.0;  // median step of the session that samples it finest; 0 for an axis that stands still
+  double finest_step = 0.0;        // median step of the session that samples it finest; 0 for an axis that stands still
+  double highest_frequency = 0.0;  // that its positions as a set tell from all lower ones, rad per mm or per rad
   bool reverses = false;
   bool has_speeds = false;  // more than one speed: lag is not just backlash
 };
@@ -27,6 +28,8 @@ std::vector<AxisSpan> SpansOf(const identify::Problem& problem);
 
 // Frequencies of the pitch scan stand this share of a period (over the measured range) apart.
 inline constexpr double kPitchStep = 1.0 / 3.0;
+// Of a wave in the measured range, at most: a coarse search takes as long as there are of them.
+inline constexpr double kMostPeriods = 100.0;
 
 // Time of the last reading, s; 0 where none has a time.
 double LastReadingS(const identify::Problem& problem);

@@ -1,12 +1,15 @@
 #include "core/loop/pictures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "core/base/units.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::loop {
 namespace {
@@ -33,8 +36,9 @@ class Painter {
       const std::string& name = machine_.axes[axis].name;
       const bool is_rotary = IsRotary(machine_, axis);
       const double unit = is_rotary ? kDegPerRad : 1.0;
-      AddResidual("residual-" + name, absl::StrCat(name, is_rotary ? ", deg" : ", mm"), name,
-                  [axis, unit](const MeasuringRun& run, int k) { return run.PositionsOf(k)[axis] * unit; });
+      AddResidual(
+          "residual-" + name, absl::StrCat(name, is_rotary ? ", deg" : ", mm"), name,
+          [axis, unit](const MeasuringRun& run, int k) { return run.PositionsOf(k)[axis] * unit; }, axis);
     }
     AddResidual("residual-time", "time, s", "time", [](const MeasuringRun& run, int k) { return run.time_s[k]; });
     AddResidual("residual-temperature", "temperature, deg C", "temperature",
@@ -56,6 +60,18 @@ class Painter {
       groups[key].push_back(i);
     }
     for (const std::string& key : order) AddTrace(groups[key]);
+  }
+
+  // Errors that change along one axis alone, as the model has them, and the orders that they are made of.
+  void AddFound() {
+    std::map<std::pair<std::string, int>, std::vector<const machine::ErrorTerm*>> groups;
+    for (const machine::ErrorTerm& term : report_.fitted.model.terms) {
+      const std::optional<int> axis = shapes::VariableAxis(term.shape);
+      const bool is_of_position = axis && !shapes::SecondAxis(term.shape) && !shapes::DependsOnTime(term.shape) &&
+                                  !shapes::ChannelOf(term.shape) && !shapes::IsAlongApproach(term.shape);
+      if (is_of_position && machine::HasName(term)) groups[{machine::SymbolOf(machine_, term), *axis}].push_back(&term);
+    }
+    for (const auto& [key, terms] : groups) AddFound(key.first, key.second, terms);
   }
 
   void AddRanking() {
@@ -98,8 +114,50 @@ class Painter {
     return is_after ? report_.residuals[run].after_mm : report_.residuals[run].before_mm;
   }
 
-  void AddResidual(const std::string& file, const std::string& label, const std::string& name,
-                   const Variable& variable) {
+  // Of each reading the sense in which the axis came there, as stated or as it moved: 1, -1, or 0 where that is not
+  // known.
+  static std::vector<int> SensesOf(const MeasuringRun& run, int axis) {
+    constexpr double kMoved = 1e-6;  // mm or rad
+    std::vector<int> senses(static_cast<size_t>(run.reading_count()), 0);
+    int sense = 0;
+    size_t unknown = 0;  // readings before the first motion came from where it begins
+    for (int k = 0; k < run.reading_count(); ++k) {
+      const size_t at = static_cast<size_t>(k) * run.axis_count + axis;
+      const double step = k > 0 ? run.PositionsOf(k)[axis] - run.PositionsOf(k - 1)[axis] : 0.0;
+      if (std::abs(step) > kMoved) sense = step > 0.0 ? 1 : -1;
+      if (sense != 0 && unknown == 0) {
+        std::fill(senses.begin(), senses.begin() + k, sense);
+        unknown = 1;
+      }
+      senses[static_cast<size_t>(k)] = sense;
+      if (!run.stated_senses.empty()) senses[static_cast<size_t>(k)] = static_cast<int>(run.stated_senses[at]);
+    }
+    return senses;
+  }
+
+  // The readings in series: those of an axis that was gone along both ways by the sense of its motion, as backlash
+  // shows between them.
+  static std::vector<plot::Series> BySense(const MeasuringRun& run, std::optional<int> axis, const std::string& name,
+                                           const Eigen::MatrixXd& residuals_um, const Variable& variable) {
+    std::vector<plot::Series> series = {{name, {}}};
+    std::vector<int> senses;
+    if (axis) senses = SensesOf(run, *axis);
+    constexpr int64_t kFew = 3;
+    const auto count = [&](int sense) { return std::count(senses.begin(), senses.end(), sense); };
+    const bool goes_both_ways = count(1) > kFew && count(-1) > kFew;
+    if (goes_both_ways) series = {{name + " +", {}}, {name + " -", {}}, {name, {}}};
+    for (Eigen::Index k = 0; k < residuals_um.cols(); ++k) {
+      const int sense = goes_both_ways ? senses[static_cast<size_t>(k)] : 1;
+      plot::Series& of = series[sense > 0 ? 0 : sense < 0 ? 1 : 2];
+      for (Eigen::Index row = 0; row < residuals_um.rows(); ++row)
+        of.points.push_back({variable(run, static_cast<int>(k)), residuals_um(row, k)});
+    }
+    std::erase_if(series, [](const plot::Series& one) { return one.points.empty(); });
+    return series;
+  }
+
+  void AddResidual(const std::string& file, const std::string& label, const std::string& name, const Variable& variable,
+                   std::optional<int> axis = {}) {
     double lowest = INFINITY, highest = -INFINITY;
     for (const MeasuringRun* run : runs_) {
       for (int k = 0; k < run->reading_count(); ++k) {
@@ -117,15 +175,12 @@ class Painter {
         const Eigen::MatrixXd residuals_um = -kUmPerMm * ResidualsOf(i, is_after);
         const std::string session =
             absl::StrCat(report_.residuals[i].session, report_.residuals[i].is_check ? " (check)" : "");
-        plot::Series series = {session, {}};
-        for (Eigen::Index k = 0; k < residuals_um.cols(); ++k) {
-          for (Eigen::Index row = 0; row < residuals_um.rows(); ++row)
-            series.points.push_back({variable(*runs_[i], static_cast<int>(k)), residuals_um(row, k)});
+        for (plot::Series& series : BySense(*runs_[i], axis, session, residuals_um, variable)) {
+          series.points = plot::Thinned(std::move(series.points));
+          panel.series.push_back(std::move(series));
         }
         sum += residuals_um.squaredNorm();
         count += static_cast<double>(residuals_um.size());
-        series.points = plot::Thinned(std::move(series.points));
-        panel.series.push_back(std::move(series));
       }
       panel.title = absl::StrCat(is_after ? "after: " : "before: ", RmsText(sum, count));
       panels.push_back(std::move(panel));
@@ -184,14 +239,104 @@ class Painter {
       for (const bool is_after : {false, true}) panels[is_after].series.push_back(OrdersOf(i, axis, period, is_after));
     }
     if (panels[0].series.empty()) return;
-    const std::string label =
-        is_rotary ? absl::StrCat("order: cycles per turn of ", name)
-                  : absl::StrFormat("order: cycles over the %.4g mm of %s that were measured", period, name);
+    const std::string label = OrderLabel(axis, period);
     constexpr char kAmplitude[] = "amplitude, um";
     pictures_.push_back(
         {"spectrum-" + name + ".svg",
          plot::ScatterChart("Spectrum of the residuals over " + name, label, kAmplitude, panels, plot::Ground::kBottom),
          label, kAmplitude, panels});
+  }
+
+  static constexpr int kFoundPoints = 720;  // of a curve
+
+  // um or urad at a position, mm or rad, that the axis came to in this sense.
+  double ErrorAt(const std::vector<const machine::ErrorTerm*>& terms, int axis, double position, double sense) const {
+    std::vector<shapes::AxisState> axes(static_cast<size_t>(machine_.axis_count()));
+    axes[static_cast<size_t>(axis)].position = position;
+    axes[static_cast<size_t>(axis)].sense = sense;
+    shapes::State state;
+    state.axes = axes;
+    double error = 0.0;
+    for (const machine::ErrorTerm* term : terms) {
+      std::array<double, shapes::kMaxBasisCount> basis = {};
+      shapes::Basis(term->shape, state, basis.data());
+      for (int i = 0; i < shapes::BasisCount(term->shape); ++i) error += term->amplitude[i] * basis[i];
+    }
+    return error * (machine::IsAngle(terms[0]->component) ? base::kUradPerRad : kUmPerMm);
+  }
+
+  void AddFound(const std::string& symbol, int axis, const std::vector<const machine::ErrorTerm*>& terms) {
+    double low = INFINITY, high = -INFINITY;
+    for (const MeasuringRun* run : runs_) {
+      const auto [least, greatest] = RangeOf(*run, axis);
+      low = std::min(low, least);
+      high = std::max(high, greatest);
+    }
+    constexpr double kStandsStill = 1e-3;
+    if (!(high - low > kStandsStill)) return;
+    const bool is_rotary = IsRotary(machine_, axis);
+    const std::string& name = machine_.axes[axis].name;
+    const std::string unit = machine::IsAngle(terms[0]->component) ? "urad" : "um";
+    plot::Panel panel = {"found", {{"+", {}}, {"-", {}}}};
+    bool is_by_sense = false;
+    for (int k = 0; k <= kFoundPoints; ++k) {
+      const double position = low + (high - low) * k / kFoundPoints;
+      for (const int way : {0, 1}) {
+        panel.series[static_cast<size_t>(way)].points.push_back(
+            {position * (is_rotary ? kDegPerRad : 1.0), ErrorAt(terms, axis, position, way == 0 ? 1.0 : -1.0)});
+      }
+      is_by_sense |= panel.series[0].points.back().y != panel.series[1].points.back().y;
+    }
+    if (!is_by_sense) {
+      panel.series.pop_back();
+      panel.series[0].name = symbol;
+    }
+    const std::string file = absl::StrCat(symbol, "-", name), label = absl::StrCat(name, is_rotary ? ", deg" : ", mm"),
+                      value = absl::StrCat(symbol, ", ", unit);
+    pictures_.push_back({absl::StrCat("found-", file, ".svg"),
+                         plot::ScatterChart(absl::StrCat(symbol, " over ", name, " as found"), label, value, {panel}),
+                         label,
+                         value,
+                         {panel}});
+    AddOrders(symbol, axis, terms, unit, is_rotary ? 2.0 * M_PI : high - low, low, high);
+  }
+
+  // Of a rotary axis over a turn, where the most of one was measured; of a linear one over the measured way.
+  void AddOrders(const std::string& symbol, int axis, const std::vector<const machine::ErrorTerm*>& terms,
+                 const std::string& unit, double period, double low, double high) {
+    constexpr double kMostOfIt = 0.8;
+    if (high - low < kMostOfIt * period) return;
+    constexpr int kOrders = 60;
+    std::vector<double> errors;
+    for (int k = 0; k < kFoundPoints; ++k) {
+      const double position = low + period * k / kFoundPoints;
+      errors.push_back(0.5 * (ErrorAt(terms, axis, position, 1.0) + ErrorAt(terms, axis, position, -1.0)));
+    }
+    plot::Series series = {symbol, {}};
+    for (int order = 1; order <= kOrders; ++order) {
+      double cosine = 0.0, sine = 0.0;
+      for (int k = 0; k < kFoundPoints; ++k) {
+        const double angle = 2.0 * M_PI * order * k / kFoundPoints;
+        cosine += errors[static_cast<size_t>(k)] * std::cos(angle);
+        sine += errors[static_cast<size_t>(k)] * std::sin(angle);
+      }
+      series.points.push_back({static_cast<double>(order), 2.0 / kFoundPoints * std::hypot(cosine, sine)});
+    }
+    const std::string &name = machine_.axes[axis].name, label = OrderLabel(axis, period),
+                      value = absl::StrCat("amplitude, ", unit);
+    const std::vector<plot::Panel> panels = {{"found", {series}}};
+    pictures_.push_back({absl::StrCat("orders-", symbol, "-", name, ".svg"),
+                         plot::ScatterChart(absl::StrCat("Spectrum of ", symbol, " over ", name, " as found"), label,
+                                            value, panels, plot::Ground::kBottom),
+                         label, value, panels});
+  }
+
+  // `period`: of order 1, mm or rad.
+  std::string OrderLabel(int axis, double period) const {
+    const std::string& name = machine_.axes[axis].name;
+    return IsRotary(machine_, axis)
+               ? absl::StrCat("order: cycles per turn of ", name)
+               : absl::StrFormat("order: cycles over the %.4g mm of %s that were measured", period, name);
   }
 
   std::vector<int> MovingAxes(const MeasuringRun& run) const {
@@ -329,6 +474,7 @@ std::vector<Picture> Pictures(const Machine& machine, const std::vector<Measurin
   painter.AddResiduals();
   painter.AddSpectra();
   painter.AddTraces();
+  painter.AddFound();
   painter.AddRanking();
   return painter.Finish();
 }

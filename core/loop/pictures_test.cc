@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <map>
 #include <set>
 
 #include "core/decide/close_loop.h"
@@ -86,6 +87,47 @@ TEST(Pictures, ShowEveryVariableTheTracesAndTheRanking) {
   const std::vector<Picture> again = Pictures(machine, fit, check, report);
   ASSERT_EQ(again.size(), pictures.size());
   for (size_t i = 0; i < again.size(); ++i) EXPECT_EQ(again[i].svg, pictures[i].svg);
+}
+
+// What was found stands in a curve and its spectrum; backlash lies between the two senses of motion.
+TEST(Pictures, ShowWhatWasFoundAlongAnAxis) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const machine::ErrorModel found = identify::testing::Errors(machine, R"({"EZ0T": 30, "terms": [
+      {"symbol": "EXX", "shape": "backlash", "amplitude": 6},
+      {"symbol": "EBC", "shape": "harmonic", "order": 3, "amplitude": 20, "phase_deg": 40}]})");
+  const auto sessions = identify::testing::Measure(machine, found, {}, {{"CR", ballbar::Pattern::kCR, 356.4}});
+  const auto runs = *identify::BindSessions(machine, sessions);
+  Report report;
+  report.fitted.model = found;
+  for (const instruments::MeasuringRun& run : runs) {
+    const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(run.row_count, run.reading_count());
+    report.residuals.push_back({run.session, false, zero, zero});
+  }
+  std::map<std::string, Picture> pictures;
+  for (const Picture& picture : Pictures(machine, runs, {}, report)) {
+    EXPECT_EQ(XmlError(picture.svg), "") << picture.file;
+    pictures[picture.file] = picture;
+  }
+  // X goes there and back.
+  ASSERT_TRUE(pictures.count("residual-X.svg"));
+  const std::vector<plot::Series>& readings = pictures["residual-X.svg"].panels[0].series;
+  ASSERT_EQ(readings.size(), 2u);
+  EXPECT_EQ(readings[0].name, "CR +");
+  EXPECT_EQ(readings[1].name, "CR -");
+  EXPECT_EQ(readings[0].points.size() + readings[1].points.size(), static_cast<size_t>(runs[0].reading_count()));
+
+  ASSERT_TRUE(pictures.count("found-EXX-X.svg"));
+  EXPECT_EQ(pictures["found-EXX-X.svg"].y_label, "EXX, um");
+  const std::vector<plot::Series>& backlash = pictures["found-EXX-X.svg"].panels[0].series;
+  ASSERT_EQ(backlash.size(), 2u);
+  EXPECT_NEAR(std::abs(backlash[0].points[10].y - backlash[1].points[10].y), 6.0, 1e-9);
+
+  ASSERT_TRUE(pictures.count("found-EBC-C.svg"));
+  EXPECT_EQ(pictures["found-EBC-C.svg"].y_label, "EBC, urad");
+  ASSERT_EQ(pictures["found-EBC-C.svg"].panels[0].series.size(), 1u);
+  ASSERT_TRUE(pictures.count("orders-EBC-C.svg"));
+  for (const plot::Point& order : pictures["orders-EBC-C.svg"].panels[0].series[0].points)
+    EXPECT_NEAR(order.y, order.x == 3.0 ? 20.0 : 0.0, 1e-6) << order.x;
 }
 
 TEST(Pictures, SessionsWhoseNamesDifferByOneSignHaveTheirOwn) {

@@ -1,7 +1,9 @@
 #include "core/loop/report.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "absl/strings/str_join.h"
 #include "core/base/units.h"
 #include "core/identify/report.h"
 #include "core/machine/error_json.h"
@@ -156,47 +158,53 @@ reports::Fitted FittedOf(const Report& found) {
   // warns of, the loop judges itself.
   std::erase_if(fitted.warnings, [](const reports::Warning& warning) {
     return warning.kind != reports::WarningKind::kResolution && warning.kind != reports::WarningKind::kDatum &&
-           warning.kind != reports::WarningKind::kCertificate &&
-           !reports::ComesFirst(warning.kind);
+           warning.kind != reports::WarningKind::kCertificate && !reports::ComesFirst(warning.kind);
   });
   fitted.budget_json = found.budget_json;
   if (found.monte_carlo) fitted.monte_carlo = identify::ReportOf(*found.monte_carlo);
   return fitted;
 }
 
+// Undecided where the readings do not tell it from others that were fitted in its place.
+reports::HeldBack HeldBackOf(const machine::Machine& machine, const Report& found, const HeldBack& held) {
+  reports::HeldBack out{.subject = machine::NameOf(machine, held.term), .evidence = held.evidence, .harm = held.harm};
+  const bool is_undecided = std::any_of(found.choices.begin(), found.choices.end(),
+                                        [&](const predict::OpenChoice& choice) { return choice.name == out.subject; });
+  if (is_undecided) out.kind = reports::HeldBackKind::kUndecided;
+  std::vector<std::string> tests;
+  for (const Proposal& proposal : found.next_measurement)
+    if (!proposal.test.empty() && IsSameEffect(proposal.effect, held.term)) tests.push_back(proposal.text);
+  if (is_undecided && !tests.empty()) {
+    out.measure = absl::StrCat("measure ", absl::StrJoin(tests, ", then "));
+  } else {
+    out.measure = "measure more poses, spread over the whole box";
+    if (const std::optional<int> axis = shapes::VariableAxis(held.term.shape))
+      absl::StrAppend(&out.measure, " and evenly along ", machine.axes[*axis].name);
+  }
+  return out;
+}
+
 reports::VolumetricFigure FigureOf(const predict::RootMeanSquare& figure) {
   return {figure.expected_mm * kUmPerMm, figure.low_mm * kUmPerMm, figure.high_mm * kUmPerMm};
 }
 
-std::optional<reports::Volumetric> VolumetricOf(const machine::Machine& machine, const Report& found) {
-  if (found.last_fit == nullptr) return std::nullopt;
-  machine::KnownErrors errors{found.fitted.model, {}};
-  const auto covariance = machine::CovarianceOf(
-      machine::OfWritten(found.fitted.covariance, machine, found.fitted.model), machine, found.fitted.model);
-  if (!covariance.ok()) return std::nullopt;
-  errors.covariance = *covariance;
-  std::vector<std::string> unknown;
-  for (const identify::Estimate& estimate : found.fitted.estimates)
-    if (!estimate.identifiable) unknown.push_back(estimate.name);
-  const std::optional<predict::VolumetricError> error = predict::VolumetricErrorOver(
-      machine, found.last_fit->problem.runs, found.declared, errors, unknown, found.choices);
-  if (!error) return std::nullopt;
+reports::Volumetric VolumetricOf(const machine::Machine& machine, const predict::VolumetricError& error) {
   reports::Volumetric out;
   for (int i = 0; i < machine.axis_count(); ++i) {
     const bool is_rotary = machine.axes[i].kind == machine::AxisKind::kRotary;
     const double unit = is_rotary ? kDegPerRad : 1.0;
-    if (error->box.low[i] == error->box.high[i]) continue;
+    if (error.box.low[i] == error.box.high[i]) continue;
     out.box.push_back(
-        {machine.axes[i].name, error->box.low[i] * unit, error->box.high[i] * unit, is_rotary ? "deg" : "mm"});
+        {machine.axes[i].name, error.box.low[i] * unit, error.box.high[i] * unit, is_rotary ? "deg" : "mm"});
   }
-  out.poses = error->poses;
-  out.uncorrected = FigureOf(error->uncorrected);
-  out.before = FigureOf(error->before);
-  out.after = FigureOf(error->after);
-  out.gain_is_held = error->is_gain_held;
-  out.weakest = error->weakest;
-  out.undecided = error->undecided;
-  out.unknown = error->unknown;
+  out.poses = error.poses;
+  out.uncorrected = FigureOf(error.uncorrected);
+  out.before = FigureOf(error.before);
+  out.after = FigureOf(error.after);
+  out.gain_is_held = error.is_gain_held;
+  out.weakest = error.weakest;
+  out.undecided = error.undecided;
+  out.unknown = error.unknown;
   return out;
 }
 
@@ -208,6 +216,7 @@ reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
   for (const Effect& effect : found.effects) report.effects.push_back(EffectOf(machine, effect));
   for (const Cause& cause : found.causes)
     report.causes.push_back({KindOf(cause.kind), cause.subject, cause.evidence, cause.correction});
+  for (const HeldBack& held : found.held_back) report.held_back.push_back(HeldBackOf(machine, found, held));
   report.fitted = FittedOf(found);
   report.fit = {StatisticsOf(found.fit_before), StatisticsOf(found.fit_after)};
   if (found.has_check) {
@@ -215,7 +224,7 @@ reports::Loop ReportOf(const machine::Machine& machine, const Report& found) {
                     .after = StatisticsOf(found.check_after),
                     .fitted = found.is_check_fitted};
   }
-  report.volumetric = VolumetricOf(machine, found);
+  if (found.volumetric) report.volumetric = VolumetricOf(machine, *found.volumetric);
   for (const SelectionStep& step : found.steps)
     report.steps.push_back({ChangeOf(step.change), step.name, step.rms_mm * kUmPerMm});
   for (const Unexplained& part : found.unexplained) report.unexplained.push_back(UnexplainedOf(machine, part));

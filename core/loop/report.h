@@ -46,6 +46,14 @@ struct Cause {
   std::string correction;  // what to do about it, with the values that were found
 };
 
+// An effect that was found and is not corrected: the machine could be worse for it where the sessions do not tell what
+// it does.
+struct HeldBack {
+  machine::ErrorTerm term;
+  double evidence = 0.0;  // score when it was found
+  double harm = 0.0;      // probability of that, with this effect and those that were held back after it
+};
+
 // Structure that was found but has no name.
 struct Unexplained {
   // a local defect along an axis; a slipped artefact or probe; a check session that reads more than chance under the
@@ -98,11 +106,12 @@ struct Report {
   Verdict::Kind verdict = Verdict::kAdequate;
   std::vector<Effect> effects;
   std::vector<Cause> causes;
+  std::vector<HeldBack> held_back;  // in the order in which they were taken off
   std::vector<Unexplained> unexplained;
   std::vector<std::string> withdrawn;  // effects that did not help on the check sessions
   std::vector<SelectionStep> steps;    // from fit_before to fit_after
   machine::ErrorModel declared;        // as fitted alone
-  identify::Result fitted;             // extended model
+  identify::Result fitted;             // extended model, without what is held back
   identify::FitStatistics fit_before, fit_after, check_before, check_after;
   bool has_check = false;
   // Only the check sessions told the effects apart: all sessions were fitted together, what is said of fit sessions is
@@ -120,7 +129,8 @@ struct Report {
   std::vector<std::string> axes_at_rest;                  // that the fit sessions never moved: nothing is known of them
   bool has_stopped_early = false;                         // at the most effects allowed: more may be there
   std::vector<predict::OpenChoice> choices;               // between members of the effects' classes
-  std::shared_ptr<const identify::Fit> last_fit;          // that of `fitted`, with its runs
+  std::optional<predict::VolumetricError> volumetric;     // corrected for `fitted`
+  std::shared_ptr<const identify::Fit> last_fit;          // of the extended model, with its runs
   std::string budget_json;                                // of the simulation, as it was given
   std::optional<identify::MonteCarloResult> monte_carlo;  // of the fit sessions under the extended model
 };

@@ -49,8 +49,10 @@ ErrorModel DeclaredModel(const Machine& machine) {
   return model;
 }
 
+bool HasName(const ErrorTerm& term) { return !std::holds_alternative<shapes::Bump>(term.shape); }
+
 ErrorModel NamedErrors(ErrorModel model) {
-  std::erase_if(model.terms, [](const ErrorTerm& term) { return std::holds_alternative<shapes::Bump>(term.shape); });
+  std::erase_if(model.terms, [](const ErrorTerm& term) { return !HasName(term); });
   return model;
 }
 

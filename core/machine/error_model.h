@@ -37,8 +37,9 @@ struct ErrorModel {
 ErrorTerm ConstantTerm(const Machine& machine, const ErrorSymbol& symbol, double amplitude = 0.0);
 // The declared constant errors, all zero.
 ErrorModel DeclaredModel(const Machine& machine);
-// What is written and corrected of a model: all but local defects (shapes::Bump), as structure without a name is
-// nothing to compensate.
+// Not a local defect (shapes::Bump): structure without a name is nothing to compensate.
+bool HasName(const ErrorTerm& term);
+// What is written and corrected of a model: terms with a name.
 ErrorModel NamedErrors(ErrorModel model);
 
 // "EX0C" for a constant term, "EXC" for the others; "ERT" along the approach of a touch (R: as the probe radiates).

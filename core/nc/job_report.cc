@@ -147,10 +147,14 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
   const std::vector<int>& axes = compensator_.linear_axes();
   Eigen::Vector3d after = Eigen::Vector3d::Zero();
   double shift_mm2 = 0;
+  corrections_mm_.resize(axes.size());
+  ends_mm_.resize(axes.size());
   for (size_t k = 0; k < axes.size(); ++k) {
     const int axis = axes[k];
     const double correction_mm = static_cast<double>(piece.targets[axis] - piece.nominal[axis]) / kTicksPerUnit;
     report_.axes[k].correction.Add(correction_mm);
+    corrections_mm_[k] = correction_mm;
+    ends_mm_[k] = static_cast<double>(piece.nominal[axis]) / kTicksPerUnit;
     shift_mm2 += correction_mm * correction_mm;
     if (std::abs(correction_mm) > options_.max_correction_mm) {
       Refused(block,
@@ -176,6 +180,7 @@ void JobReport::Account(const BlockText& block, const Piece& piece, const Comman
   if (options_.orientation) AccountRotary(piece, commanded);
   report_.error_before.Add(before_mm);
   report_.error_after.Add(after_mm);
+  report_.path.Add(block.line, corrections_mm_, ends_mm_, before_mm, after_mm);
   report_.path_before_max_mm =
       std::max({report_.path_before_max_mm, last_before_mm_ + departure_mm, before_mm + departure_mm});
   report_.path_after_max_mm =

@@ -88,6 +88,7 @@ class JobReport {
   bool has_travel_limits_ = false;
   bool has_exceeded_limit_ = false;  // listed once, counted on
   std::string source_;
+  std::vector<double> corrections_mm_, ends_mm_;  // of the piece that is accounted for
 };
 
 // Of a block in a message: its first bytes, as UTF-8 without control characters ('?' stands for what is none), whatever

@@ -1,6 +1,8 @@
 #include "core/nc/report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/base/units.h"
@@ -48,9 +50,69 @@ reports::Shift ShiftOf(const Shift& shift, const RewriteReport& report) {
   return said;
 }
 
+// To a thousandth: a picture's numbers, of which there are many.
+double Rounded(double value) { return std::round(value * 1000.0) / 1000.0; }
+
+reports::Stretch StretchOf(const Stretch& stretch, const RewriteReport& report) {
+  reports::Stretch said;
+  said.first = stretch.first_line;
+  said.last = stretch.last_line;
+  said.way_mm = Rounded(stretch.way_mm);
+  for (size_t k = 0; k < report.axes.size(); ++k) {
+    said.correction.emplace_back(report.axes[k].axis,
+                                 reports::Extremes{Rounded(stretch.least_mm[k] * base::kUmPerMm),
+                                                   Rounded(stretch.greatest_mm[k] * base::kUmPerMm)});
+  }
+  said.before_max_um = Rounded(stretch.before_max_mm * base::kUmPerMm);
+  said.after_max_um = Rounded(stretch.after_max_mm * base::kUmPerMm);
+  return said;
+}
+
 }  // namespace
 
 double Spread::rms_mm() const { return count == 0 ? 0.0 : std::sqrt(sum_squares_mm2 / static_cast<double>(count)); }
+
+void Path::Add(int64_t line, const std::vector<double>& corrections_mm, const std::vector<double>& end_mm,
+               double before_mm, double after_mm) {
+  double squares_mm2 = 0.0;
+  for (size_t k = 0; k < last_mm_.size(); ++k) squares_mm2 += (end_mm[k] - last_mm_[k]) * (end_mm[k] - last_mm_[k]);
+  way_mm_ += std::sqrt(squares_mm2);
+  last_mm_ = end_mm;
+  if (stretches_.empty() || stretches_.back().pieces >= pieces_) {
+    if (stretches_.size() == kMostStretches) Halve();
+    stretches_.push_back({line, line, 0, way_mm_, corrections_mm, corrections_mm, before_mm, after_mm});
+  }
+  Stretch& stretch = stretches_.back();
+  ++stretch.pieces;
+  stretch.last_line = line;
+  stretch.way_mm = way_mm_;
+  for (size_t k = 0; k < corrections_mm.size(); ++k) {
+    stretch.least_mm[k] = std::min(stretch.least_mm[k], corrections_mm[k]);
+    stretch.greatest_mm[k] = std::max(stretch.greatest_mm[k], corrections_mm[k]);
+  }
+  stretch.before_max_mm = std::max(stretch.before_max_mm, before_mm);
+  stretch.after_max_mm = std::max(stretch.after_max_mm, after_mm);
+}
+
+void Path::Halve() {
+  static_assert(kMostStretches % 2 == 0);
+  for (size_t i = 0; 2 * i < stretches_.size(); ++i) {
+    Stretch one = std::move(stretches_[2 * i]);
+    const Stretch& next = stretches_[2 * i + 1];
+    one.last_line = next.last_line;
+    one.pieces += next.pieces;
+    one.way_mm = next.way_mm;
+    for (size_t k = 0; k < one.least_mm.size(); ++k) {
+      one.least_mm[k] = std::min(one.least_mm[k], next.least_mm[k]);
+      one.greatest_mm[k] = std::max(one.greatest_mm[k], next.greatest_mm[k]);
+    }
+    one.before_max_mm = std::max(one.before_max_mm, next.before_max_mm);
+    one.after_max_mm = std::max(one.after_max_mm, next.after_max_mm);
+    stretches_[i] = std::move(one);
+  }
+  stretches_.resize(stretches_.size() / 2);
+  pieces_ *= 2;
+}
 
 double AngleSpread::rms_rad() const {
   return count == 0 ? 0.0 : std::sqrt(sum_squares_rad2 / static_cast<double>(count));
@@ -71,6 +133,7 @@ reports::Rewrite ReportOf(const RewriteReport& found) {
   report.error_after = SpreadOf(found.error_after);
   report.path_before_at_most_um = found.path_before_max_mm * base::kUmPerMm;
   report.path_after_at_most_um = found.path_after_max_mm * base::kUmPerMm;
+  for (const Stretch& stretch : found.path.stretches()) report.path.push_back(StretchOf(stretch, found));
   report.max_tilt_left_urad = found.max_tilt_left_rad * base::kUradPerRad;
   if (found.holes > 0)
     report.holes = {found.holes, found.max_hole_left_mm * base::kUmPerMm, found.holes_left, FindingsOf(found.left)};

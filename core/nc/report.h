@@ -93,6 +93,35 @@ struct LineRanges {
   void End() { is_open = false; }
 };
 
+// Pieces that follow each other along what is corrected.
+struct Stretch {
+  int64_t first_line = 0, last_line = 0;
+  int64_t pieces = 0;
+  double way_mm = 0;                          // of the whole path, to its end
+  std::vector<double> least_mm, greatest_mm;  // corrections of AxisSpread's axes
+  double before_max_mm = 0, after_max_mm = 0;
+};
+
+// What is corrected from the first piece to the last, in stretches of as many pieces each. When there are too many of
+// them, every two become one: the cost stays linear and the memory bounded.
+class Path {
+ public:
+  static constexpr size_t kMostStretches = 300;
+
+  // `corrections_mm`, `end_mm`: of the linear axes; the end as programmed.
+  void Add(int64_t line, const std::vector<double>& corrections_mm, const std::vector<double>& end_mm, double before_mm,
+           double after_mm);
+  const std::vector<Stretch>& stretches() const { return stretches_; }
+
+ private:
+  void Halve();
+
+  std::vector<Stretch> stretches_;
+  std::vector<double> last_mm_;
+  int64_t pieces_ = 1;  // of a stretch
+  double way_mm_ = 0;
+};
+
 struct RewriteReport {
   std::string calibration;
   bool is_null_correction = false;  // the output is the input, byte for byte
@@ -120,6 +149,7 @@ struct RewriteReport {
   Spread error_before, error_after;
   // Along the whole path (G01 and arcs), at most: the larger end of each piece and its departure inside.
   double path_before_max_mm = 0, path_after_max_mm = 0;
+  Path path;
   double max_tilt_left_rad = 0;  // orientation error that the corrected axes leave
   // With orientation: corrections of rotary axes, predicted error of the tool's direction at block ends without the
   // correction and with it as written, and the blocks where it was not reached (the first kMaxFindings).

@@ -290,6 +290,40 @@ TEST(Rewriter, TravelLimitsHoldForCorrectedPositions) {
               HasSubstr("line 2: 'X9.99': X = 10.0317 mm with its correction, beyond the travel limit of 10.0000 mm"));
 }
 
+// However long the program is: in order, without a gap, and no peak of a correction is lost.
+TEST(Rewriter, ThePathIsToldInBoundedStretches) {
+  constexpr int kMoves = 2500;
+  std::string program = "G1 X0. Y0. Z0. B0. C0.\n";
+  for (int i = 1; i < kMoves; ++i) absl::StrAppend(&program, "X", i, ". B", i == 1234 ? 90 : 0, "\n");
+  const Outcome outcome = Rewritten(program, kAtZero);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+  const std::vector<Stretch>& path = outcome.report.path.stretches();
+  ASSERT_GT(path.size(), Path::kMostStretches / 2);
+  ASSERT_LE(path.size(), Path::kMostStretches);
+  int64_t line = 0, pieces = 0;
+  double way_mm = 0.0, largest_mm = 0.0, error_mm = 0.0;
+  for (const Stretch& stretch : path) {
+    EXPECT_EQ(stretch.first_line, line + 1);
+    EXPECT_EQ(stretch.last_line - stretch.first_line + 1, stretch.pieces);
+    line = stretch.last_line;
+    pieces += stretch.pieces;
+    EXPECT_GE(stretch.way_mm, way_mm);
+    way_mm = stretch.way_mm;
+    for (const double correction_mm : stretch.greatest_mm) largest_mm = std::max(largest_mm, correction_mm);
+    error_mm = std::max(error_mm, stretch.before_max_mm);
+  }
+  EXPECT_EQ(pieces, kMoves);
+  EXPECT_DOUBLE_EQ(way_mm, kMoves - 1.0);
+  EXPECT_NEAR(largest_mm, 0.041658, 1e-6);
+  EXPECT_EQ(error_mm, outcome.report.error_before.max_mm);
+  // The block where B stands otherwise is the only one whose correction of X is another one.
+  size_t x = 0;
+  while (outcome.report.axes[x].axis != "X") ++x;
+  int others = 0;
+  for (const Stretch& stretch : path) others += stretch.least_mm[x] < 0.02;
+  EXPECT_EQ(others, 1);
+}
+
 TEST(Rewriter, TheReportCountsAndPredicts) {
   const Outcome outcome = Rewritten("G1 X0. Y0. Z0. B0. C0.\nB90.\n", kAtZero);
   ASSERT_TRUE(outcome.status.ok());

@@ -59,6 +59,14 @@ struct Policy {
   // Effects of one state, bad rows not counted: no machine has more that one data set tells; bounds the time of a
   // search.
   int most_effects = 200;
+  // An effect with a shape is corrected only where the machine cannot be worse for it over the measured box: by more
+  // than this share and this many mm rms (what nobody would notice does not count), with more than this probability
+  // (what 95 % intervals leave).
+  double harm_share = 0.1, harm_mm = 0.2e-3, harm_probability = 0.05;
+  // Odds of the orders or pitches that the measured positions do not tell from what was found fall with this power of
+  // the frequency: between 1 (a gear may have any number of teeth, and each factor of numbers is as likely) and 2 (the
+  // power spectrum of worn and ground surfaces).
+  double order_falloff = 1.5;
   // Of the columns that are drawn for the design effect: the same data give the same result.
   uint32_t seed = 1;
 };

@@ -10,7 +10,6 @@
 #include "core/identify/naming.h"
 #include "core/plan/planned_run.h"
 #include "core/plan/survey.h"
-#include "core/predict/taken_up.h"
 
 namespace axiscal::plan {
 namespace {
@@ -90,19 +89,13 @@ absl::StatusOr<Certificate> Certify(const machine::Machine& machine, const machi
   ASSIGN_OR_RETURN(errors.covariance, machine::CovarianceOf(fit.result.covariance, machine, model));
   const predict::BoxPoses poses(workspace);
   out.poses = poses.count();
-  const Eigen::MatrixXd taken = predict::TakenUp(machine, poses.count(), [&](int k) { return poses.PositionsOf(k); });
-  const auto left = [&](const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
-    return columns - taken * (taken.transpose() * columns);
-  };
+  const predict::OverPoses over(machine, poses, workspace.tip_mm);
   const auto by = [&](std::vector<machine::ErrorCovariance::Number> of) {
-    machine::ErrorCovariance each{std::move(of), {}};
-    const auto size = static_cast<Eigen::Index>(each.of.size());
-    each.root.setIdentity(size, size);
-    return predict::SpreadOver(machine, model, each, poses, workspace.tip_mm);
+    return over.ByNumber({model, {std::move(of), {}}});
   };
   const Eigen::MatrixXd by_number = by(errors.covariance.of);
   out.as_programmed = LeftOverOf(machine, errors, by_number, poses);
-  out.set_anew = LeftOverOf(machine, errors, left(by_number), poses);
+  out.set_anew = LeftOverOf(machine, errors, over.Left(by_number), poses);
 
   const std::vector<identify::Parameter> parameters = identify::ListParameters(model, false);
   std::vector<machine::ErrorCovariance::Number> amplitudes;
@@ -120,7 +113,7 @@ absl::StatusOr<Certificate> Certify(const machine::Machine& machine, const machi
     const identify::Estimate& of = names[static_cast<size_t>(first)];
     const Eigen::VectorXd moved = by_amplitude * (direction * (of.factor / direction[first]));
     Unseen unseen{identify::CombinationName(names, direction), of.name, of.unit, LongestOf(moved),
-                  LongestOf(left(moved))};
+                  LongestOf(over.Left(moved))};
     if (unseen.set_anew_mm < kNoticedMm) unseen.set_anew_mm = 0.0;
     if (unseen.as_programmed_mm < kNoticedMm) unseen.as_programmed_mm = 0.0;
     out.unseen.push_back(std::move(unseen));

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/identify/result.h"
-#include "core/predict/box_poses.h"
+#include "core/predict/over_poses.h"
 #include "core/session/session.h"
 
 namespace axiscal::plan {

@@ -114,9 +114,15 @@ std::vector<PlannedSession> Warmer(const Situation& situation) {
   Situation warmer = situation;
   warmer.temperature_celsius += kWarmerCelsius;
   warmer.start_s += kPauseS;
+  const auto is_planned = [&](const std::string& name) {
+    return std::any_of(planned.begin(), planned.end(),
+                       [&](const PlannedSession& one) { return session::FindHeader(one.session, "session") == name; });
+  };
   for (PlannedSession& grid : RtestGrids(warmer)) {
+    const std::string name = session::FindHeader(grid.session, "session").value_or("") + "-warmer";
+    if (is_planned(name)) continue;  // a grid that was measured is repeated as it was
     for (session::HeaderEntry& entry : grid.session.header) {
-      if (entry.key == "session") entry.value += "-warmer";
+      if (entry.key == "session") entry.value = name;
     }
     planned.push_back({std::move(grid.session), absl::StrCat(grid.text, ", ", text)});
   }

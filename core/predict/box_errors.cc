@@ -37,10 +37,10 @@ class Drawn {
     median_.push_back(Quantile(&lengths, kMedian));
     p95_.push_back(Quantile(&lengths, kP95));
   }
-  LengthFigures Figures(const BoxStates& states) && {
+  LengthFigures Figures(const BoxPoses& poses) && {
     const size_t worst = static_cast<size_t>(std::max_element(squares_.begin(), squares_.end()) - squares_.begin());
-    const double* const at = states.PositionsOf(poses_[worst]);
-    return {Of(&rms_), Of(&median_), Of(&p95_), Of(&max_), {at, at + states.box().low.size()}};
+    const double* const at = poses.PositionsOf(poses_[worst]);
+    return {Of(&rms_), Of(&median_), Of(&p95_), Of(&max_), {at, at + poses.box().low.size()}};
   }
 
  private:
@@ -73,13 +73,13 @@ std::optional<BoxErrors> ErrorsOverBox(const machine::Machine& machine,
   if (found.covariance.is_empty() || out.measured.low == out.measured.high) return std::nullopt;
   out.box = box.value_or(out.measured);
   if (out.box.low == out.box.high) return std::nullopt;
-  const BoxStates states(runs, kPoses, out.box);
-  const OverPoses over(machine, states, runs.front().tip_mm);
+  const BoxPoses poses(runs, kPoses, out.box);
+  const OverPoses over(machine, poses, runs.front().tip_mm);
   out.poses = kPoses;
   std::vector<int> all(kPoses), known;
   std::iota(all.begin(), all.end(), 0);
   for (const int k : all)
-    if (Holds(out.measured, states.PositionsOf(k))) known.push_back(k);
+    if (Holds(out.measured, poses.PositionsOf(k))) known.push_back(k);
   out.known_share = static_cast<double>(known.size()) / kPoses;
 
   const Eigen::MatrixXd by_number = over.Left(over.ByNumber(found));
@@ -101,10 +101,10 @@ std::optional<BoxErrors> ErrorsOverBox(const machine::Machine& machine,
     after.Add(left + off);
     if (is_mixed) where_known.Add(left + off);
   }
-  out.uncorrected = std::move(uncorrected).Figures(states);
-  if (before) out.before = std::move(at_before).Figures(states);
-  out.after = std::move(after).Figures(states);
-  if (is_mixed) out.after_where_known = std::move(where_known).Figures(states);
+  out.uncorrected = std::move(uncorrected).Figures(poses);
+  if (before) out.before = std::move(at_before).Figures(poses);
+  out.after = std::move(after).Figures(poses);
+  if (is_mixed) out.after_where_known = std::move(where_known).Figures(poses);
   return out;
 }
 

@@ -1,6 +1,6 @@
 // The error that a user cares about: how far the tool point is from where it should be, anywhere in a box of axis
 // positions. Of the machine as it is, corrected for one model, corrected for another; less what work offset and tool
-// centre take up (taken_up.h). What the models do not hold is in none of the figures.
+// centre take up (over_poses.h). What the models do not hold is in none of the figures.
 #ifndef AXISCAL_CORE_PREDICT_BOX_ERRORS_H_
 #define AXISCAL_CORE_PREDICT_BOX_ERRORS_H_
 

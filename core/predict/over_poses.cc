@@ -1,12 +1,21 @@
 #include "core/predict/over_poses.h"
 
+#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+
+#include "core/base/random.h"
+#include "core/machine/chain.h"
+#include "core/predict/tool_point.h"
 
 namespace axiscal::predict {
 namespace {
 
 // What of a number's effect is left beyond work offset and tool centre; less is rounding.
 constexpr double kLeftOver = 1e-6;
+constexpr uint64_t kChanceSeed = 230;
+constexpr int kChanceDraws = 1000;  // the 95 % quantile of what chance makes, to about 1 % of its place
+constexpr double kChanceQuantile = 0.95;
 
 // Numbers of the model by these names, each with one mm or rad.
 machine::ErrorCovariance NumbersNamed(const machine::Machine& machine, const machine::ErrorModel& model,
@@ -25,6 +34,19 @@ machine::ErrorCovariance NumbersNamed(const machine::Machine& machine, const mac
   return numbers;
 }
 
+// Orthonormal basis of what work offset and tool centre do to the tool point, 3 poses x rank.
+Eigen::MatrixXd TakenUp(const machine::Machine& machine, const BoxPoses& poses) {
+  Eigen::MatrixXd taken(3 * poses.count(), 6);
+  for (int k = 0; k < poses.count(); ++k) {
+    const machine::ChainPose<double> pose =
+        machine::EvaluateChain<double>(machine, poses.PositionsOf(k), machine::JointErrors<double>());
+    taken.block<3, 3>(3 * k, 0).setIdentity();
+    taken.block<3, 3>(3 * k, 3) = pose.bed_from_table.rotation.transpose() * pose.bed_from_tool.rotation;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(taken);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(3 * poses.count(), qr.rank());
+}
+
 }  // namespace
 
 double Quantile(std::vector<double>* values, double share) {
@@ -33,23 +55,45 @@ double Quantile(std::vector<double>* values, double share) {
   return (*values)[static_cast<size_t>(at)];
 }
 
-OverPoses::OverPoses(const machine::Machine& machine, const BoxStates& states, const Eigen::Vector3d& tip_mm)
-    : machine_(machine), states_(states), tip_mm_(tip_mm) {
-  taken_up_ = TakenUp(machine, states.count(), [&](int k) { return states.PositionsOf(k); });
+double RmsOver(const Eigen::VectorXd& mm) {
+  return std::sqrt(mm.squaredNorm() / (static_cast<double>(mm.size()) / 3.0));
 }
+
+int LongestAt(const Eigen::VectorXd& mm) {
+  int at = 0;
+  for (int k = 1; k < mm.size() / 3; ++k)
+    if (mm.segment<3>(3 * k).norm() > mm.segment<3>(3 * at).norm()) at = k;
+  return at;
+}
+
+ChanceOver ChanceOf(const Eigen::MatrixXd& spread) {
+  base::Random random(kChanceSeed);
+  std::vector<double> rms, max;
+  Eigen::VectorXd z(spread.cols());
+  for (int i = 0; i < kChanceDraws; ++i) {
+    for (double& one : z) one = random.Normal();
+    const Eigen::VectorXd drawn = spread * z;
+    rms.push_back(RmsOver(drawn));
+    max.push_back(drawn.segment<3>(3 * LongestAt(drawn)).norm());
+  }
+  return {Quantile(&rms, kChanceQuantile), Quantile(&max, kChanceQuantile)};
+}
+
+OverPoses::OverPoses(const machine::Machine& machine, const BoxPoses& poses, const Eigen::Vector3d& tip_mm)
+    : machine_(machine), poses_(poses), tip_mm_(tip_mm), taken_up_(TakenUp(machine, poses)) {}
 
 Eigen::VectorXd OverPoses::ErrorsOf(const machine::ErrorModel& model) const {
   const machine::KnownErrors errors{model, {}};
   ToolPoint tool(machine_, errors, tip_mm_);
   Eigen::VectorXd out(rows());
-  for (int k = 0; k < states_.count(); ++k) out.segment<3>(3 * k) = tool.ErrorAt(states_.At(k)).head<3>();
+  for (int k = 0; k < poses_.count(); ++k) out.segment<3>(3 * k) = tool.ErrorAt(poses_.At(k)).head<3>();
   return Left(out);
 }
 
 Eigen::MatrixXd OverPoses::ByNumber(const machine::KnownErrors& errors) const {
   ToolPoint tool(machine_, errors, tip_mm_);
   Eigen::MatrixXd out(rows(), static_cast<Eigen::Index>(errors.covariance.of.size()));
-  for (int k = 0; k < states_.count(); ++k) out.middleRows<3>(3 * k) = tool.ByNumberAt(states_.At(k)).topRows<3>();
+  for (int k = 0; k < poses_.count(); ++k) out.middleRows<3>(3 * k) = tool.ByNumberAt(poses_.At(k)).topRows<3>();
   return out;
 }
 

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/predict/taken_up.h"
-#include "core/predict/volumetric.h"
+#include "core/machine/error_covariance.h"
+#include "core/machine/machine.h"
+#include "core/predict/box_poses.h"
 
 namespace axiscal::predict {
 
@@ -19,17 +20,35 @@ inline constexpr double kLowQuantile = 0.025, kHighQuantile = 0.975;
 // Reorders `values`, at least one.
 double Quantile(std::vector<double>* values, double share);
 
-// Errors of all poses, less what work offset and tool centre take up. Rows 3 k .. 3 k + 2 are of pose k, mm.
+// Vectors of the tool point at poses stand one below the other: rows 3 k .. 3 k + 2 are those of pose k, in the table's
+// frame, mm.
+
+// Root of the mean square of their lengths.
+double RmsOver(const Eigen::VectorXd& mm);
+// The pose of the longest.
+int LongestAt(const Eigen::VectorXd& mm);
+
+// What uncertainties make of the rms over the poses and of the longest vector: exceeded in 5 of 100 cases, mm.
+struct ChanceOver {
+  double rms_mm = 0.0, max_mm = 0.0;
+};
+// `spread`: its product with standard normal numbers is what the uncertainties do.
+ChanceOver ChanceOf(const Eigen::MatrixXd& spread);
+
+// Errors at all poses, as vectors like these.
 class OverPoses {
  public:
-  // `machine` and `states` must outlive it.
-  OverPoses(const machine::Machine& machine, const BoxStates& states, const Eigen::Vector3d& tip_mm);
+  // `machine` and `poses` must outlive it. `tip_mm`: nominal, at home, machine frame.
+  OverPoses(const machine::Machine& machine, const BoxPoses& poses, const Eigen::Vector3d& tip_mm);
 
-  Eigen::Index rows() const { return 3 * states_.count(); }
-  // Of a machine with these errors, mm.
+  Eigen::Index rows() const { return 3 * poses_.count(); }
+  // Of a machine with these errors, less what work offset and tool centre take up.
   Eigen::VectorXd ErrorsOf(const machine::ErrorModel& model) const;
-  // By each number of the covariance, with what work offset and tool centre take up.
+  // By each number of the covariance, with what work offset and tool centre take up. Times the covariance's root: the
+  // product with standard normal numbers is what the uncertainties do.
   Eigen::MatrixXd ByNumber(const machine::KnownErrors& errors) const;
+  // Less what work offset (a shift in the table's frame) and the tool's length and centre (a shift in the tool's frame)
+  // take up: both are set anew before a part is cut, to suit all poses best.
   template <typename Columns>
   Columns Left(const Columns& columns) const {
     return columns - taken_up_ * (taken_up_.transpose() * columns);
@@ -43,9 +62,9 @@ class OverPoses {
 
  private:
   const machine::Machine& machine_;
-  const BoxStates& states_;
+  const BoxPoses& poses_;
   const Eigen::Vector3d tip_mm_;
-  Eigen::MatrixXd taken_up_;
+  Eigen::MatrixXd taken_up_;  // orthonormal
 };
 
 }  // namespace axiscal::predict

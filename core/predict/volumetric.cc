@@ -1,8 +1,11 @@
 #include "core/predict/volumetric.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "core/base/random.h"
 #include "core/predict/over_poses.h"
@@ -18,231 +21,235 @@ constexpr int kPoses = 400;
 constexpr int kDraws = 4000;
 constexpr uint64_t kSeed = 230;
 
-// The runs that hold positions: readings along a path hold those of their traces.
-std::vector<const MeasuringRun*> Positioned(const std::vector<MeasuringRun>& runs) {
-  std::vector<const MeasuringRun*> out;
-  for (const MeasuringRun& run : runs) {
-    if (run.path_readings == nullptr) {
-      if (run.reading_count() > 0) out.push_back(&run);
-      continue;
-    }
-    for (const MeasuringRun& trace : run.path_readings->traces)
-      if (!trace.time_s.empty()) out.push_back(&trace);
-  }
-  return out;
-}
+}  // namespace
 
-int CountOf(const MeasuringRun& run) { return static_cast<int>(run.time_s.size()); }
-
-// What a machine may be off by beyond a number's uncertainty: by a rival of each choice, drawn by its odds.
-class Choices {
+// The poses, and draws of errors V a + A z over them beside those that were found: z standard normal, a by the choices.
+class BoxOdds::Drawn {
  public:
-  // Columns: errors of each rival less those of what was found, mm.
-  Choices(const OverPoses& over, const std::vector<OpenChoice>& choices) {
-    Eigen::Index count = 0;
-    for (const OpenChoice& choice : choices) count += static_cast<Eigen::Index>(choice.rivals.size());
-    columns_.resize(over.rows(), count);
-    Eigen::Index at = 0;
-    for (const OpenChoice& choice : choices) {
-      const Eigen::VectorXd as_found = over.ErrorsOf(choice.as_found);
-      double odds = 1.0;
-      for (const OpenChoice::Rival& rival : choice.rivals) odds += rival.odds;
-      One& one = choices_.emplace_back(One{choice.name, at, {}, 0.0});
-      Eigen::VectorXd mean = Eigen::VectorXd::Zero(over.rows());
-      double squares = 0.0;
-      for (const OpenChoice::Rival& rival : choice.rivals) {
-        columns_.col(at) = over.ErrorsOf(rival.model) - as_found;
-        const double probability = rival.odds / odds;
-        one.probability.push_back(probability);
-        mean += probability * columns_.col(at);
-        squares += probability * columns_.col(at).squaredNorm();
-        ++at;
-      }
-      one.squares = squares;
-      scatter_ += squares - mean.squaredNorm();
-      mean_ = mean_.size() == 0 ? mean : Eigen::VectorXd(mean_ + mean);
-    }
-    if (mean_.size() == 0) mean_.setZero(over.rows());
+  // Per pose of the machine as it may be, and of each draw of it.
+  struct Left {
+    double expected_mm = 0.0;    // root of the expected mean square
+    std::vector<double> rms_mm;  // the n-th draw is of the same machine in all of these
+  };
+
+  static RootMeanSquare IntervalOf(Left left) {
+    return {left.expected_mm, Quantile(&left.rms_mm, kLowQuantile), Quantile(&left.rms_mm, kHighQuantile)};
   }
 
-  const Eigen::MatrixXd& columns() const { return columns_; }
-  const Eigen::VectorXd& mean() const { return mean_; }
-  // Of all choices, sum over the poses, mm^2: what their draws scatter about the mean.
-  double scatter() const { return scatter_; }
-  // One where its rival acts.
-  Eigen::VectorXd Draw(base::Random* random) const {
-    Eigen::VectorXd acts = Eigen::VectorXd::Zero(columns_.cols());
-    for (const One& one : choices_) {
-      double left = random->Uniform();
-      for (size_t k = 0; k < one.probability.size(); ++k) {
-        left -= one.probability[k];
-        if (left >= 0.0) continue;
-        acts[one.first + static_cast<Eigen::Index>(k)] = 1.0;
-        break;
-      }
+  static double ShareOf(const Worse& worse, const Left& before, const Left& after) {
+    int count = 0;
+    for (size_t i = 0; i < after.rms_mm.size(); ++i) {
+      const double mm = after.rms_mm[i] - before.rms_mm[i];
+      count += mm > worse.share * before.rms_mm[i] && mm > worse.mm;
     }
-    return acts;
+    return static_cast<double>(count) / static_cast<double>(after.rms_mm.size());
   }
-  // Those that make at least kWeak of this sum of squares, the largest first.
-  std::vector<std::string> Weak(double squares) const {
-    std::vector<std::pair<double, std::string>> shares;
-    for (const One& one : choices_)
-      if (one.squares > 0.0 && one.squares >= kWeak * squares) shares.emplace_back(-one.squares, one.name);
-    std::sort(shares.begin(), shares.end());
-    std::vector<std::string> names;
-    for (const auto& [share, name] : shares) names.push_back(name);
-    return names;
+
+  Drawn(const machine::Machine& machine, const std::vector<MeasuringRun>& runs, const machine::ErrorModel& before,
+        machine::KnownErrors found, const std::vector<OpenChoice>& choices)
+      : poses_(runs, kPoses, MeasuredBox(runs)),
+        over_(machine, poses_, runs.front().tip_mm),
+        found_(std::move(found)),
+        found_mm_(over_.ErrorsOf(found_.model)),
+        by_number_(over_.Left(over_.ByNumber(found_))),
+        uncertain_(by_number_ * found_.covariance.root),
+        choices_(over_, choices) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain_.transpose() * uncertain_ / kPoses);
+    axes_ = eigen.eigenvectors();
+    const Eigen::VectorXd squares = eigen.eigenvalues().cwiseMax(0.0);
+    scatter_ = choices_.scatter() / kPoses + squares.sum();
+    const Eigen::MatrixXd of_choices = axes_.transpose() * (uncertain_.transpose() * choices_.columns()) / kPoses;
+    const Eigen::MatrixXd choices_gram = choices_.columns().transpose() * choices_.columns() / kPoses;
+    z_.resize(uncertain_.cols(), kDraws);
+    acts_.resize(choices_.columns().cols(), kDraws);
+    squares_.resize(kDraws);
+    base::Random random(kSeed);
+    for (Eigen::Index i = 0; i < kDraws; ++i) {
+      for (double& one : z_.col(i)) one = random.Normal();
+      acts_.col(i) = choices_.Draw(&random);
+      const auto z = z_.col(i), acts = acts_.col(i);
+      squares_[i] = acts.dot(choices_gram * acts) + 2.0 * z.dot(of_choices * acts) + squares.dot(z.cwiseAbs2());
+    }
+    before_ = LeftBy(over_.ErrorsOf(before));
+  }
+
+  const Box& box() const { return poses_.box(); }
+  const OverPoses& over() const { return over_; }
+  const machine::ErrorModel& model() const { return found_.model; }
+  const Left& before() const { return before_; }
+  std::vector<std::string> Weakest() const { return over_.WeakestOf(found_, by_number_, uncertain_); }
+  std::vector<std::string> Undecided() const {
+    return choices_.Weak(uncertain_.squaredNorm() + choices_.mean().squaredNorm() + choices_.scatter());
+  }
+
+  // Where errors over the poses are corrected.
+  Left LeftBy(const Eigen::VectorXd& corrected_mm) const {
+    const Eigen::VectorXd off = found_mm_ - corrected_mm;
+    const Eigen::VectorXd by_z = axes_.transpose() * (uncertain_.transpose() * off) / kPoses,
+                          by_acts = choices_.columns().transpose() * off / kPoses;
+    const Eigen::VectorXd squares =
+        (squares_ + 2.0 * (z_.transpose() * by_z + acts_.transpose() * by_acts)).array() + off.squaredNorm() / kPoses;
+    Left left{std::sqrt((off + choices_.mean()).squaredNorm() / kPoses + scatter_), {}};
+    for (const double square : squares) left.rms_mm.push_back(std::sqrt(std::max(0.0, square)));
+    return left;
+  }
+
+  // Of a fit whose numbers have the covariance C, those of the terms (H) held at zero: the others move by -C_rH C_HH^-1
+  // times what these were.
+  Eigen::VectorXd FittedWithout(const std::vector<int>& terms) const {
+    constexpr double kRidge = 1e-9;  // of a variance: there may be combinations that are known exactly
+    const auto is_out = [&terms](int term) { return std::find(terms.begin(), terms.end(), term) != terms.end(); };
+    machine::ErrorModel rest;
+    for (int i = 0; i < static_cast<int>(found_.model.terms.size()); ++i)
+      if (!is_out(i)) rest.terms.push_back(found_.model.terms[i]);
+    std::vector<Eigen::Index> out;
+    std::vector<double> were;
+    for (size_t i = 0; i < found_.covariance.of.size(); ++i) {
+      const machine::ErrorCovariance::Number& number = found_.covariance.of[i];
+      if (!is_out(number.term)) continue;
+      out.push_back(static_cast<Eigen::Index>(i));
+      were.push_back(number.is_nonlinear ? 0.0 : found_.model.terms[number.term].amplitude[number.basis]);
+    }
+    const Eigen::VectorXd left = over_.ErrorsOf(machine::NamedErrors(rest));
+    if (out.empty()) return left;
+    const Eigen::MatrixXd root = found_.covariance.root(out, Eigen::all);
+    const Eigen::VectorXd sigma = root.rowwise().norm().cwiseMax(std::numeric_limits<double>::min());
+    const Eigen::MatrixXd scaled = sigma.cwiseInverse().asDiagonal() * root;
+    Eigen::MatrixXd correlation = scaled * scaled.transpose();
+    correlation.diagonal().array() += kRidge;
+    const Eigen::VectorXd in_sigma =
+        Eigen::Map<const Eigen::VectorXd>(were.data(), static_cast<Eigen::Index>(were.size())).cwiseQuotient(sigma);
+    Eigen::VectorXd moved = found_.covariance.root * (scaled.transpose() * correlation.ldlt().solve(in_sigma));
+    moved(out).setZero();
+    return left - by_number_ * moved;
   }
 
  private:
-  struct One {
-    std::string name;
-    Eigen::Index first = 0;
-    std::vector<double> probability;
-    double squares = 0.0;  // expected
+  // What a machine may be off by beyond a number's uncertainty: by a rival of each choice, drawn by its odds.
+  class Choices {
+   public:
+    // Columns: errors of each rival less those of what was found, mm.
+    Choices(const OverPoses& over, const std::vector<OpenChoice>& choices) {
+      Eigen::Index count = 0;
+      for (const OpenChoice& choice : choices) count += static_cast<Eigen::Index>(choice.rivals.size());
+      columns_.resize(over.rows(), count);
+      Eigen::Index at = 0;
+      for (const OpenChoice& choice : choices) {
+        const Eigen::VectorXd as_found = over.ErrorsOf(choice.as_found);
+        double odds = 1.0;
+        for (const OpenChoice::Rival& rival : choice.rivals) odds += rival.odds;
+        One& one = choices_.emplace_back(One{choice.name, at, {}, 0.0});
+        Eigen::VectorXd mean = Eigen::VectorXd::Zero(over.rows());
+        double squares = 0.0;
+        for (const OpenChoice::Rival& rival : choice.rivals) {
+          columns_.col(at) = over.ErrorsOf(rival.model) - as_found;
+          const double probability = rival.odds / odds;
+          one.probability.push_back(probability);
+          mean += probability * columns_.col(at);
+          squares += probability * columns_.col(at).squaredNorm();
+          ++at;
+        }
+        one.squares = squares;
+        scatter_ += squares - mean.squaredNorm();
+        mean_ = mean_.size() == 0 ? mean : Eigen::VectorXd(mean_ + mean);
+      }
+      if (mean_.size() == 0) mean_.setZero(over.rows());
+    }
+
+    const Eigen::MatrixXd& columns() const { return columns_; }
+    const Eigen::VectorXd& mean() const { return mean_; }
+    // Of all choices, sum over the poses, mm^2: what their draws scatter about the mean.
+    double scatter() const { return scatter_; }
+    // One where its rival acts.
+    Eigen::VectorXd Draw(base::Random* random) const {
+      Eigen::VectorXd acts = Eigen::VectorXd::Zero(columns_.cols());
+      for (const One& one : choices_) {
+        double left = random->Uniform();
+        for (size_t k = 0; k < one.probability.size(); ++k) {
+          left -= one.probability[k];
+          if (left >= 0.0) continue;
+          acts[one.first + static_cast<Eigen::Index>(k)] = 1.0;
+          break;
+        }
+      }
+      return acts;
+    }
+    // Those that make at least kWeak of this sum of squares, the largest first.
+    std::vector<std::string> Weak(double squares) const {
+      std::vector<std::pair<double, std::string>> shares;
+      for (const One& one : choices_)
+        if (one.squares > 0.0 && one.squares >= kWeak * squares) shares.emplace_back(-one.squares, one.name);
+      std::sort(shares.begin(), shares.end());
+      std::vector<std::string> names;
+      for (const auto& [share, name] : shares) names.push_back(name);
+      return names;
+    }
+
+   private:
+    struct One {
+      std::string name;
+      Eigen::Index first = 0;
+      std::vector<double> probability;
+      double squares = 0.0;  // expected
+    };
+    Eigen::MatrixXd columns_;
+    std::vector<One> choices_;
+    Eigen::VectorXd mean_;
+    double scatter_ = 0.0;
   };
-  Eigen::MatrixXd columns_;
-  std::vector<One> choices_;
-  Eigen::VectorXd mean_;
-  double scatter_ = 0.0;
+
+  const BoxPoses poses_;
+  const OverPoses over_;
+  const machine::KnownErrors found_;
+  const Eigen::VectorXd found_mm_;
+  const Eigen::MatrixXd by_number_;  // of the found errors
+  const Eigen::MatrixXd uncertain_;  // the same times the root of their covariance: A
+  const Choices choices_;            // their columns are V
+  Eigen::MatrixXd axes_;             // of A' A: z is about these
+  Eigen::MatrixXd z_, acts_;         // a column per draw
+  Eigen::VectorXd squares_;          // |V a + A z|^2 / poses of each draw
+  double scatter_ = 0.0;             // expected
+  Left before_;
 };
 
-// Root mean square of d + V a + A z over the poses, z standard normal, a by the choices, for one d: by the eigenvectors
-// of A' A.
-struct Spread {
-  double constant = 0.0;            // d' d / poses
-  double mean_square = 0.0;         // expectation of |d + V a|^2 / poses
-  Eigen::VectorXd linear, squares;  // of the rotated z
-  Eigen::VectorXd with_choices;     // V' d / poses
-
-  // `choices`: |V a|^2 / poses; `linear_choices`: the rotated A' V a / poses.
-  double At(const Eigen::VectorXd& z, const Eigen::VectorXd& acts, double choices,
-            const Eigen::VectorXd& linear_choices) const {
-    return std::sqrt(std::max(0.0, constant + choices + 2.0 * with_choices.dot(acts) +
-                                       2.0 * (linear + linear_choices).dot(z) + squares.dot(z.cwiseAbs2())));
-  }
-  double Expected() const { return std::sqrt(mean_square + squares.sum()); }
-};
-
-RootMeanSquare IntervalOf(const Spread& spread, std::vector<double> draws) {
-  return {spread.Expected(), Quantile(&draws, kLowQuantile), Quantile(&draws, kHighQuantile)};
+std::unique_ptr<const BoxOdds> BoxOdds::Over(const machine::Machine& machine, const std::vector<MeasuringRun>& runs,
+                                             const machine::ErrorModel& before, machine::KnownErrors found,
+                                             const std::vector<OpenChoice>& choices) {
+  if (found.covariance.is_empty()) return nullptr;
+  const Box box = MeasuredBox(runs);
+  if (box.low == box.high) return nullptr;
+  return std::unique_ptr<const BoxOdds>(
+      new BoxOdds(std::make_unique<const Drawn>(machine, runs, before, std::move(found), choices)));
 }
 
-}  // namespace
+BoxOdds::BoxOdds(std::unique_ptr<const Drawn> drawn) : drawn_(std::move(drawn)) {}
+BoxOdds::~BoxOdds() = default;
 
-Box MeasuredBox(const std::vector<MeasuringRun>& runs) {
-  Box box;
-  for (const MeasuringRun* run : Positioned(runs)) {
-    const auto axes = static_cast<size_t>(run->axis_count);
-    box.low.resize(axes, std::numeric_limits<double>::infinity());
-    box.high.resize(axes, -std::numeric_limits<double>::infinity());
-    for (int k = 0; k < CountOf(*run); ++k) {
-      for (size_t i = 0; i < axes; ++i) {
-        box.low[i] = std::min(box.low[i], run->PositionsOf(k)[i]);
-        box.high[i] = std::max(box.high[i], run->PositionsOf(k)[i]);
-      }
-    }
-  }
-  return box;
+double BoxOdds::ProbabilityOf(const Worse& worse, const machine::ErrorModel& after) const {
+  return Drawn::ShareOf(worse, drawn_->before(), drawn_->LeftBy(drawn_->over().ErrorsOf(machine::NamedErrors(after))));
 }
 
-BoxStates::BoxStates(const std::vector<MeasuringRun>& runs, int count, const std::optional<Box>& box)
-    : box_(box ? *box : MeasuredBox(runs)) {
-  const std::vector<const MeasuringRun*> measured = Positioned(runs);
-  const int axes = measured.front()->axis_count;
-  std::vector<double> fastest(static_cast<size_t>(axes), 0.0);
-  std::vector<size_t> first;  // reading of all, per run
-  size_t readings = 0;
-  bool has_time = false;
-  for (const MeasuringRun* run : measured) {
-    first.push_back(readings);
-    readings += static_cast<size_t>(CountOf(*run));
-    has_time = has_time || run->has_time;
-    for (int k = 0; k < CountOf(*run); ++k) {
-      for (int i = 0; i < axes; ++i) {
-        const double speed = std::abs(run->axis_states[static_cast<size_t>(k * axes + i)].speed);
-        if (std::isfinite(speed)) fastest[i] = std::max(fastest[i], speed);
-      }
-    }
-  }
-  base::Random random(kSeed);
-  path_.axis_count = axes;
-  path_.has_time = has_time;
-  path_.measured_mm.setZero(1, count);
-  double time_s = 0.0;
-  for (int k = 0; k < count; ++k) {
-    for (int i = 0; i < axes; ++i) path_.positions.push_back(random.Uniform(box_.low[i], box_.high[i]));
-    for (int i = 0; k > 0 && i < axes; ++i) {
-      const double way = std::abs(path_.PositionsOf(k)[i] - path_.PositionsOf(k - 1)[i]);
-      if (fastest[i] > 0.0) time_s = std::max(time_s, path_.time_s.back() + way / fastest[i]);
-    }
-    path_.time_s.push_back(time_s);
-    const auto of_all = static_cast<size_t>(random.Below(readings));
-    const auto run = static_cast<size_t>(std::upper_bound(first.begin(), first.end(), of_all) - first.begin()) - 1;
-    at_.push_back({measured[run], static_cast<int>(of_all - first[run])});
-  }
-  instruments::DeriveMotion(&path_);
+double BoxOdds::ProbabilityWithout(const std::vector<int>& terms, const Worse& worse) const {
+  return Drawn::ShareOf(worse, drawn_->before(), drawn_->LeftBy(drawn_->FittedWithout(terms)));
 }
 
-shapes::State BoxStates::At(int pose) const {
-  shapes::State state = at_[static_cast<size_t>(pose)].run->StateOf(at_[static_cast<size_t>(pose)].reading);
-  const auto axes = static_cast<size_t>(path_.axis_count);
-  state.axes = {path_.axis_states.data() + static_cast<size_t>(pose) * axes, axes};
-  state.approach = {};
-  return state;
-}
-
-std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machine,
-                                                   const std::vector<MeasuringRun>& runs,
-                                                   const machine::ErrorModel& before, const machine::KnownErrors& found,
-                                                   const std::vector<std::string>& unknown,
-                                                   const std::vector<OpenChoice>& choices) {
-  if (found.covariance.is_empty() || Positioned(runs).empty()) return std::nullopt;
-  const BoxStates states(runs, kPoses);
-  if (states.box().low == states.box().high) return std::nullopt;
-  const OverPoses over(machine, states, runs.front().tip_mm);
+VolumetricError BoxOdds::Figures(const machine::ErrorModel& after, const std::vector<std::string>& unknown) const {
   VolumetricError out;
-  out.box = states.box();
+  out.box = drawn_->box();
   out.poses = kPoses;
-
-  const Eigen::MatrixXd by_number = over.Left(over.ByNumber(found));
-  const Eigen::MatrixXd uncertain = by_number * found.covariance.root;
-  out.weakest = over.WeakestOf(found, by_number, uncertain);
-  const Eigen::VectorXd as_found = over.ErrorsOf(found.model);
-  const Eigen::VectorXd missed = as_found - over.ErrorsOf(before);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(uncertain.transpose() * uncertain / kPoses);
-  const Choices open_choices(over, choices);
-  out.undecided =
-      open_choices.Weak(uncertain.squaredNorm() + open_choices.mean().squaredNorm() + open_choices.scatter());
-  const auto spread_of = [&](const Eigen::VectorXd& offset) {
-    return Spread{offset.squaredNorm() / kPoses,
-                  ((offset + open_choices.mean()).squaredNorm() + open_choices.scatter()) / kPoses,
-                  eigen.eigenvectors().transpose() * (uncertain.transpose() * offset) / kPoses,
-                  eigen.eigenvalues().cwiseMax(0.0), open_choices.columns().transpose() * offset / kPoses};
-  };
-  const Eigen::MatrixXd of_choices =
-      eigen.eigenvectors().transpose() * (uncertain.transpose() * open_choices.columns()) / kPoses;
-  const Eigen::MatrixXd choices_gram = open_choices.columns().transpose() * open_choices.columns() / kPoses;
-  const Spread uncorrected = spread_of(as_found), of_before = spread_of(missed),
-               of_after = spread_of(as_found - over.ErrorsOf(machine::NamedErrors(found.model)));
-  std::vector<double> at_uncorrected, at_before, at_after, gain;
-  base::Random random(kSeed);
-  Eigen::VectorXd z(uncertain.cols());
-  for (int i = 0; i < kDraws; ++i) {
-    for (double& one : z) one = random.Normal();
-    const Eigen::VectorXd acts = open_choices.Draw(&random), linear = of_choices * acts;
-    const double squares = acts.dot(choices_gram * acts);
-    at_uncorrected.push_back(uncorrected.At(z, acts, squares, linear));
-    at_before.push_back(of_before.At(z, acts, squares, linear));
-    at_after.push_back(of_after.At(z, acts, squares, linear));
-    gain.push_back(at_before.back() - at_after.back());
-  }
-  out.uncorrected = IntervalOf(uncorrected, std::move(at_uncorrected));
-  out.before = IntervalOf(of_before, std::move(at_before));
-  out.after = IntervalOf(of_after, std::move(at_after));
+  out.weakest = drawn_->Weakest();
+  out.undecided = drawn_->Undecided();
+  const OverPoses& over = drawn_->over();
+  const Drawn::Left& of_before = drawn_->before();
+  const Drawn::Left uncorrected = drawn_->LeftBy(Eigen::VectorXd::Zero(over.rows())),
+                    of_after = drawn_->LeftBy(over.ErrorsOf(machine::NamedErrors(after)));
+  out.uncorrected = Drawn::IntervalOf(uncorrected);
+  out.before = Drawn::IntervalOf(of_before);
+  out.after = Drawn::IntervalOf(of_after);
+  std::vector<double> gain;
+  for (size_t i = 0; i < of_after.rms_mm.size(); ++i) gain.push_back(of_before.rms_mm[i] - of_after.rms_mm[i]);
   out.is_gain_held = Quantile(&gain, kLowQuantile) > 0.0;
-
-  out.unknown = over.ActingOf(found.model, unknown);
+  out.unknown = over.ActingOf(drawn_->model(), unknown);
   return out;
 }
 

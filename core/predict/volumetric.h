@@ -6,6 +6,7 @@
 #define AXISCAL_CORE_PREDICT_VOLUMETRIC_H_
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,33 +16,6 @@
 #include "core/predict/tool_point.h"
 
 namespace axiscal::predict {
-
-// Positions that the readings of `runs` covered; empty without readings.
-Box MeasuredBox(const std::vector<instruments::MeasuringRun>& runs);
-
-// States at poses drawn evenly from a box, one after the other, no axis faster than it was in the runs.
-// Time, temperature and whatever else a state holds are those of readings drawn from the runs: nothing is said of times
-// and temperatures that nobody measured. The same runs give the same states.
-class BoxStates {
- public:
-  // `runs`: at least one reading; must outlive it. Without `box`: MeasuredBox().
-  BoxStates(const std::vector<instruments::MeasuringRun>& runs, int count, const std::optional<Box>& box = {});
-
-  const Box& box() const { return box_; }
-  int count() const { return path_.reading_count(); }
-  shapes::State At(int pose) const;
-  const double* PositionsOf(int pose) const { return path_.PositionsOf(pose); }
-
- private:
-  struct Reading {
-    const instruments::MeasuringRun* run = nullptr;
-    int reading = 0;
-  };
-
-  Box box_;
-  instruments::MeasuringRun path_;  // positions and motion of the poses
-  std::vector<Reading> at_;         // whose time and temperature a pose has
-};
 
 // Root of the expected mean square, and the 95 % interval, mm.
 struct RootMeanSquare {
@@ -75,15 +49,39 @@ struct VolumetricError {
   std::vector<std::string> unknown;
 };
 
-// `found`: errors with their covariance, as they were fitted to `runs`; `before`: the errors that would be corrected
-// without them. `unknown`: names (machine::NameNumber) of numbers of `found` that nothing is known of. `choices`: which
-// rival acts is drawn by its odds, each choice by itself. Nothing where there is no covariance or the runs moved no
-// axis.
-std::optional<VolumetricError> VolumetricErrorOver(const machine::Machine& machine,
-                                                   const std::vector<instruments::MeasuringRun>& runs,
-                                                   const machine::ErrorModel& before, const machine::KnownErrors& found,
-                                                   const std::vector<std::string>& unknown = {},
-                                                   const std::vector<OpenChoice>& choices = {});
+// Worse than before: by more than this share, and by more than this, mm rms.
+struct Worse {
+  double share = 0.0, mm = 0.0;
+};
+
+// What correcting a machine does to the tool point over the box of measured positions, for all that the machine may be:
+// its errors drawn from their covariance and from the open choices. What the errors do not model is in none of it.
+class BoxOdds {
+ public:
+  // `before`: the errors that would be corrected without those that were found. `found`: errors with their covariance,
+  // as they were fitted to `runs`. `choices`: which rival acts is drawn by its odds, each choice by itself. Null where
+  // there is no covariance or the runs moved no axis. The machine and the runs must outlive it.
+  static std::unique_ptr<const BoxOdds> Over(const machine::Machine& machine,
+                                             const std::vector<instruments::MeasuringRun>& runs,
+                                             const machine::ErrorModel& before, machine::KnownErrors found,
+                                             const std::vector<OpenChoice>& choices = {});
+  ~BoxOdds();
+
+  // Probability that a machine corrected for `after` is worse than one corrected for `before`.
+  double ProbabilityOf(const Worse& worse, const machine::ErrorModel& after) const;
+  // The same of the model that would have been fitted without these terms of `found`, to first order.
+  double ProbabilityWithout(const std::vector<int>& terms, const Worse& worse) const;
+
+  // `after`: the errors that are corrected. `unknown`: names (machine::NameNumber) of numbers of `found` that nothing
+  // is known of.
+  VolumetricError Figures(const machine::ErrorModel& after, const std::vector<std::string>& unknown = {}) const;
+
+ private:
+  class Drawn;
+  BoxOdds(std::unique_ptr<const Drawn> drawn);
+
+  std::unique_ptr<const Drawn> drawn_;
+};
 
 }  // namespace axiscal::predict
 

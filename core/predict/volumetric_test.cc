@@ -47,10 +47,11 @@ MeasuringRun Measured(int readings = 200) {
 
 VolumetricError Over(const std::string& before, const std::string& found,
                      const std::vector<std::string>& unknown = {}) {
-  const auto error =
-      VolumetricErrorOver(machine::testing::MultiTasking(), {Measured()}, Known(before).model, Known(found), unknown);
-  EXPECT_TRUE(error.has_value());
-  return error.value_or(VolumetricError());
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::vector<MeasuringRun> runs = {Measured()};
+  const auto odds = BoxOdds::Over(machine, runs, Known(before).model, Known(found));
+  EXPECT_NE(odds, nullptr);
+  return odds ? odds->Figures(Known(found).model, unknown) : VolumetricError();
 }
 
 // A scale error of a um/m over positions that are spread evenly over 0.5 m: 0.5 a / sqrt(12) about its mean.
@@ -97,10 +98,11 @@ TEST(Volumetric, WhatCannotBeToldIsInTheInterval) {
       "covariance": {"of": ["EXX:linear"], "sigma": [2], "correlation": [[]]}})";
   const VolumetricError alone = Over("{}", found);
   const machine::ErrorModel as_found = Known(found).model;
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::vector<MeasuringRun> runs = {Measured()};
   const auto over = [&](double odds) {
-    return VolumetricErrorOver(machine::testing::MultiTasking(), {Measured()}, {}, Known(found), {},
-                               {{"EXX:linear", as_found, {{machine::ErrorModel(), odds}}}})
-        .value();
+    return BoxOdds::Over(machine, runs, {}, Known(found), {{"EXX:linear", as_found, {{machine::ErrorModel(), odds}}}})
+        ->Figures(as_found);
   };
   const VolumetricError as_good = over(1.0);
   // The rival is a machine without the error: corrected for what was found it is as far off as that.
@@ -132,21 +134,57 @@ TEST(Volumetric, NumbersThatNobodyKnowsAreNamedWhereTheyAct) {
 
 TEST(Volumetric, WithoutACovarianceOrMotionThereIsNone) {
   const machine::Machine machine = machine::testing::MultiTasking();
-  EXPECT_FALSE(VolumetricErrorOver(machine, {Measured()}, {}, Known(R"({"EX0C": 30})")).has_value());
+  EXPECT_EQ(BoxOdds::Over(machine, {Measured()}, {}, Known(R"({"EX0C": 30})")), nullptr);
   const machine::KnownErrors known =
       Known(R"({"EX0C": 30, "covariance": {"of": ["EX0C"], "sigma": [1], "correlation": [[]]}})");
-  EXPECT_FALSE(VolumetricErrorOver(machine, {Measured(1)}, {}, known).has_value());
+  EXPECT_EQ(BoxOdds::Over(machine, {Measured(1)}, {}, known), nullptr);
 }
 
-TEST(BoxStates, StayWithinWhatWasMeasured) {
+// A slope of 10 +- s um/m that explains what 4 um/m of a gain would: worse where it is not half of that at least.
+TEST(BoxOdds, HarmIsAsProbableAsTheErrorIsUncertain) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::vector<MeasuringRun> runs = {Measured()};
+  const auto harm = [&](double sigma) {
+    const machine::KnownErrors found =
+        Known(absl::StrCat(R"({"terms": [{"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 10}],
+        "covariance": {"of": ["EXX:linear"], "sigma": [)",
+                           sigma, R"(], "correlation": [[]]}})"));
+    const auto odds = BoxOdds::Over(machine, runs, {}, found);
+    EXPECT_EQ(odds->ProbabilityOf({0.1, 0.0}, {}), 0.0);  // what was not corrected is not worse
+    EXPECT_EQ(odds->ProbabilityWithout({0}, {0.1, 0.0}), 0.0);
+    return odds->ProbabilityOf({0.1, 0.0}, found.model);
+  };
+  // |a - 10| > 1.1 |a|: a < 10 / 2.1 or a < -100.
+  const auto below = [](double sigma) { return 0.5 * std::erfc((10.0 - 10.0 / 2.1) / sigma / std::sqrt(2.0)); };
+  EXPECT_EQ(harm(1.0), 0.0);
+  for (const double sigma : {3.0, 10.0}) EXPECT_NEAR(harm(sigma), below(sigma), 0.02);
+}
+
+// What is left of a fit when one of two errors is taken off takes over what both do.
+TEST(BoxOdds, WithoutAnErrorTheOthersTakeItsPlace) {
+  const machine::Machine machine = machine::testing::MultiTasking();
+  const std::vector<MeasuringRun> runs = {Measured()};
+  // Only the sum of two slopes along X is known: 20 + 10 um/m.
+  const machine::KnownErrors found = Known(R"json({"terms": [
+      {"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 20},
+      {"symbol": "EXY", "shape": "linear", "variable": "X", "amplitude": 10}],
+      "covariance": {"of": ["EXX:linear", "EXY:linear(X)"], "sigma": [50, 50], "correlation": [[], [-0.9999]]}})json");
+  const auto odds = BoxOdds::Over(machine, runs, Known(R"({"terms": [
+      {"symbol": "EXX", "shape": "linear", "variable": "X", "amplitude": 30}]})").model,
+                                  found);
+  EXPECT_GT(odds->ProbabilityOf({0.1, 1e-6}, machine::ErrorModel({{found.model.terms[0]}})), 0.9);
+  EXPECT_EQ(odds->ProbabilityWithout({1}, {0.1, 1e-6}), 0.0);  // as what was corrected before
+}
+
+TEST(BoxPoses, OfRunsStayWithinWhatWasMeasured) {
   const MeasuringRun measured = Measured();
   const std::vector<MeasuringRun> runs = {measured};
-  const BoxStates states(runs, 300);
-  EXPECT_THAT(states.box().low, ElementsAre(-300.0, 10.0, -250.0, 0.0, 0.0));
-  EXPECT_THAT(states.box().high, ElementsAre(-300.0, 10.0, 250.0, 0.0, 2.0 * M_PI));
+  const BoxPoses poses(runs, 300);
+  EXPECT_THAT(poses.box().low, ElementsAre(-300.0, 10.0, -250.0, 0.0, 0.0));
+  EXPECT_THAT(poses.box().high, ElementsAre(-300.0, 10.0, 250.0, 0.0, 2.0 * M_PI));
   double low = 1e9, high = -1e9, warmest = 0.0;
-  for (int k = 0; k < states.count(); ++k) {
-    const shapes::State state = states.At(k);
+  for (int k = 0; k < poses.count(); ++k) {
+    const shapes::State state = poses.At(k);
     ASSERT_EQ(state.axes.size(), 5u);
     low = std::min(low, state.axes[2].position);
     high = std::max(high, state.axes[2].position);

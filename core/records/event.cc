@@ -40,4 +40,22 @@ const char* WordOf(EventKind kind) {
   return "unknown";
 }
 
+const char* WordOf(EventChangeKind what) {
+  switch (what) {
+    case EventChangeKind::kRaised:
+      return "raised";
+    case EventChangeKind::kUpdated:
+      return "updated";
+    case EventChangeKind::kCleared:
+      return "cleared";
+    case EventChangeKind::kAcknowledged:
+      return "acknowledged";
+    case EventChangeKind::kShelved:
+      return "shelved";
+    case EventChangeKind::kBack:
+      return "back";
+  }
+  return "changed";
+}
+
 }  // namespace axiscal::records

@@ -101,6 +101,9 @@ enum class EventChangeKind {
   kBack = 6,  // the time on the shelf is over, or was ended
 };
 
+// As people, the command line and letters call it: "raised".
+const char* WordOf(EventChangeKind what);
+
 // One step in the life of an event; numbered without a gap in time: a later one has a greater id.
 struct EventChange {
   int64_t id = 0;

@@ -51,6 +51,17 @@ struct Cause {
   std::string correction = {};  // what to do about it, with the values that were found
 };
 
+// An effect that was found and is not corrected, as the machine could be worse for it over the measured box: the
+// readings do not tell well enough how large it is (uncertain), or what it is (undecided).
+enum class HeldBackKind { kUncertain, kUndecided };
+struct HeldBack {
+  HeldBackKind kind = HeldBackKind::kUncertain;
+  std::string subject = {};     // name of the effect
+  double evidence = kNoNumber;  // of the effect
+  double harm = kNoNumber;      // probability of being worse, with this effect and those after it, less those before it
+  std::string measure = {};     // what would decide
+};
+
 // Structure that was found but has no name.
 struct Unexplained {
   PartKind kind = PartKind::kLocal;
@@ -116,6 +127,7 @@ struct Loop {
   Verdict verdict = Verdict::kAdequate;
   std::vector<Effect> effects = {};
   std::vector<Cause> causes = {};
+  std::vector<HeldBack> held_back = {};  // in none of `fitted`'s errors
   Fitted fitted = {};
   BeforeAfter fit = {};
   std::optional<Check> check = {};

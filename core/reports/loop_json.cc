@@ -23,6 +23,11 @@ const char* const* WordsOf(CauseKind) {
   return kWords;
 }
 
+const char* const* WordsOf(HeldBackKind) {
+  static constexpr const char* kWords[] = {"uncertain", "undecided", nullptr};
+  return kWords;
+}
+
 const char* const* WordsOf(Change) {
   static constexpr const char* kWords[] = {"added", "dropped", "replaced", "withdrawn", "refused", nullptr};
   return kWords;
@@ -54,6 +59,15 @@ void Members(Io& io, base::Like<Io, Cause> cause) {
   io.Required("subject", cause.subject);
   io.Member("evidence", cause.evidence);
   io.Member("correction", cause.correction);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, HeldBack> held) {
+  io.Required("kind", held.kind);
+  io.Required("subject", held.subject);
+  io.Member("evidence", held.evidence);
+  io.Member("harm", held.harm);
+  io.Member("measure", held.measure);
 }
 
 template <typename Io>
@@ -150,6 +164,7 @@ void Members(Io& io, base::Like<Io, Loop> report) {
   io.Required("verdict", report.verdict);
   io.Member("effects", report.effects);
   io.IfAny("causes", report.causes);
+  io.IfAny("held_back", report.held_back);
   io.Member("errors", report.fitted.errors);
   io.Member("coverage_factor", report.fitted.coverage_factor);
   io.Member("not_separable", report.fitted.not_separable);

@@ -68,6 +68,22 @@ struct Shift {
   base::Named<double> at = {};  // where: programmed axis positions, mm and deg
 };
 
+// Corrections of one axis, corrected less programmed.
+struct Extremes {
+  double low_um = 0.0, high_um = 0.0;
+};
+
+// Moves that follow each other, with the extremes of what was done to them.
+struct Stretch {
+  // Lines of the source, from 1, of its first and its last move; of moves in a subprogram those of its file.
+  int64_t first = 0, last = 0;
+  // Of the program from its first corrected position to the end of this stretch: straight ways of the linear axes
+  // between the ends of corrected moves.
+  double way_mm = 0.0;
+  base::Named<Extremes> correction = {};           // of each linear axis, at the ends of its moves
+  double before_max_um = 0.0, after_max_um = 0.0;  // predicted error of the tool point there
+};
+
 struct Rewrite {
   std::string calibration = {};
   std::string dialect = {};      // as which the program was read
@@ -80,6 +96,7 @@ struct Rewrite {
   std::vector<std::string> missing = {};       // options, in the words to add: --tool-length H5=...
   Spread error_before = {}, error_after = {};  // of the tool point, at block ends
   double path_before_at_most_um = 0.0, path_after_at_most_um = 0.0;
+  std::vector<Stretch> path = {};  // all that was corrected, in order, in at most a few hundred stretches
   double max_tilt_left_urad = 0.0;
   std::optional<Orientation> orientation = {};
   std::optional<Leftovers> holes = {}, contours = {};

@@ -73,6 +73,22 @@ void Members(Io& io, base::Like<Io, Shift> shift) {
 }
 
 template <typename Io>
+void Members(Io& io, base::Like<Io, Extremes> extremes) {
+  io.Member("low_um", extremes.low_um);
+  io.Member("high_um", extremes.high_um);
+}
+
+template <typename Io>
+void Members(Io& io, base::Like<Io, Stretch> stretch) {
+  io.Required("first", stretch.first);
+  io.Required("last", stretch.last);
+  io.Member("way_mm", stretch.way_mm);
+  io.IfAny("correction", stretch.correction);
+  io.Member("before_max_um", stretch.before_max_um);
+  io.Member("after_max_um", stretch.after_max_um);
+}
+
+template <typename Io>
 void Members(Io& io, base::Like<Io, Rewrite> report) {
   io.Member("calibration", report.calibration);
   io.Member("dialect", report.dialect);
@@ -90,6 +106,7 @@ void Members(Io& io, base::Like<Io, Rewrite> report) {
     path.Member("before_at_most_um", report.path_before_at_most_um);
     path.Member("after_at_most_um", report.path_after_at_most_um);
   });
+  io.IfAny("path", report.path);
   io.Member("max_tilt_left_urad", report.max_tilt_left_urad);
   io.Member("orientation", report.orientation);
   io.Member("holes", report.holes);

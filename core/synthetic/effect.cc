@@ -50,6 +50,12 @@ std::string NameOf(const machine::Machine& machine, const Effect& effect) {
   for (const int axis : {effect.axis, effect.second_axis}) {
     if (axis >= 0) absl::StrAppend(&of, of.empty() ? "" : ",", machine.axes[axis].name);
   }
+  if (effect.kind == EffectKind::kRipple) {
+    if (machine.axes[effect.axis].kind == machine::AxisKind::kRotary)
+      absl::StrAppendFormat(&of, ",%.5g", effect.frequency);
+    else
+      absl::StrAppendFormat(&of, ",%.5gmm", 2.0 * std::numbers::pi / effect.frequency);
+  }
   return absl::StrCat(symbol, ":", EffectWords()[static_cast<int>(effect.kind)], of.empty() ? "" : "(" + of + ")");
 }
 

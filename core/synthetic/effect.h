@@ -79,7 +79,7 @@ struct DrawnEffect {
 absl::StatusOr<DrawnEffect> DrawEffect(const machine::Machine& machine, const Surroundings& surroundings,
                                        const Effect& effect, Form form, const History& plan, base::Random* random);
 
-// "EYX:curve(X)", "ECC:ripple(C)", "EBY:crossed(Y,Z)": for messages and truth files.
+// "EYX:curve(X)", "ECC:ripple(C,45)", "EXX:ripple(X,10mm)", "EBY:crossed(Y,Z)": for messages and truth files.
 std::string NameOf(const machine::Machine& machine, const Effect& effect);
 
 // Root mean square about the mean.

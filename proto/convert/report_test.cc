@@ -70,6 +70,7 @@ reports::Loop ALoop() {
   effect.same_always = {"lobe(3)"};
   report.effects = {effect};
   report.causes = {{reports::CauseKind::kInstrument, "ball bar", 50.0, "0.1 %"}};
+  report.held_back = {{reports::HeldBackKind::kUndecided, "EBB:harmonic(45)", 50.0, 0.1, "a circle"}};
   report.check = reports::Check{{.rms_um = 1.0}, {.rms_um = 0.5}, true};
   report.volumetric =
       reports::Volumetric{{{"X", -100, 200, "mm"}}, 400, {3, 2, 4}, {2, 1, 3}, {1, 0, 2}, true, {"a"}, {"b"}, {"c"}};
@@ -108,6 +109,7 @@ reports::Rewrite ARewrite() {
                                             .not_reached = {{7, "N70", "cannot"}}};
   report.holes = report.contours = reports::Leftovers{3, 0.5, 1, {{9, "N90", "leans"}}};
   report.positions = {{"X", -10.0, 20.0, "mm"}};
+  report.path = {{3, 5, 12.5, {{"X", {-1.0, 2.0}}}, 9.0, 0.1}};
   report.passed = report.refused = {{3, "N30", "G91"}};
   report.ranges_not_corrected = 1;
   report.not_corrected = {{3, 5, "G91"}};

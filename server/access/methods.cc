@@ -53,6 +53,7 @@ const std::vector<MethodRule>& Methods() {
       {"Calibrations.ListResiduals", Reach::kNamed, {kViewer}},
       {"Calibrations.GetVolumetricError", Reach::kNamed, {kViewer}},
       {"Calibrations.ListVolumetricErrors", Reach::kNamed, {kViewer}},
+      {"Calibrations.CompareCalibrations", Reach::kNamed, {kViewer}},
       {"Calibrations.ApproveCalibration", Reach::kNamed, {kApprover}, kFourEyes},
       {"Calibrations.RetireCalibration", Reach::kNamed, {kApprover}},
 

@@ -32,6 +32,7 @@ const std::map<std::string, ResourceKind>& Kinds() {
       {"program_id", ResourceKind::kProgram},
       {"session_id", ResourceKind::kSession},
       {"session_ids", ResourceKind::kSession},
+      {"with_calibration_id", ResourceKind::kCalibration},
   };
   return *kinds;
 }

@@ -43,7 +43,7 @@ absl::Status RequireSpan(const records::TimeSpan& span) {
 }
 
 absl::Status RequireRequestId(const std::string& request_id) {
-  return convert::RequireText("request_id", request_id, 1, 64);
+  return convert::RequireText("request_id", request_id, 1, kMaxRequestIdBytes);
 }
 
 }  // namespace axiscal::handlers

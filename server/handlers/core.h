@@ -58,8 +58,9 @@ struct Core {
   std::atomic<int> open_calls = 0;
   HeldCalls held{};
   CallRates rates{kDefaultCallsPerSecond};
-  CallRates told_refusals{1};         // of those that are refused for calling too often, so many stand in the log
-  Budget reducing{int64_t{1} << 30};  // of logs that are reduced: their bytes, and what is made of them
+  CallRates told_refusals{1};  // of those that are refused for calling too often, so many stand in the log
+  // Bytes of logs that are reduced, and what is made of them; room for the longest log of one caller.
+  Budget reducing{((int64_t{1} << 30) / Budget::kMostOfOne + 1) * (Budget::kMostOfOne + 1)};
   OpenCalls open{};
   access::ForwardedCalls forwarded{};
   // Told of each call that was denied.
@@ -143,6 +144,7 @@ auto FirstWithRows(const Call& call, records::PageRequest page, const List& list
 }
 
 // 1 to 64 printable characters.
+constexpr size_t kMaxRequestIdBytes = 64;
 absl::Status RequireRequestId(const std::string& request_id);
 
 }  // namespace axiscal::handlers

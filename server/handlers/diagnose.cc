@@ -1,12 +1,16 @@
 #include "server/handlers/diagnose.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "absl/strings/str_join.h"
 #include "server/storage/file_mode.h"
+#include "server/storage/sqlite_database.h"
 
 namespace axiscal::handlers {
 namespace {
@@ -17,12 +21,16 @@ using records::FindingState;
 // The limits of deploy/prometheus/axiscal-alerts.yml, so that both say the same.
 constexpr int64_t kLowDiskBytes = 5'000'000'000;
 constexpr std::chrono::days kCertificateAhead(14);
-constexpr double kManyDescriptors = 0.8;
+// From three quarters of all descriptors on connections are refused (server/listener.h); this is four fifths of that.
+constexpr double kManyDescriptors = 0.6;
 constexpr std::chrono::minutes kLongQueued(30);
 // Backups are made daily (docs/operations.md); one may have failed.
 constexpr std::chrono::days kOldBackup(2);
 
 int64_t DaysOf(std::chrono::microseconds time) { return std::chrono::duration_cast<std::chrono::days>(time).count(); }
+
+// Where something could not be asked for.
+constexpr char kLookIntoLog[] = "journalctl -u axiscald -n 50 on the server says why";
 
 std::string Gigabytes(int64_t bytes) { return absl::StrFormat("%.1f GB", static_cast<double>(bytes) / 1e9); }
 
@@ -39,12 +47,15 @@ Finding OfStore(const ServerFacts& facts) {
 }
 
 Finding OfDisk(const ServerFacts& facts) {
-  if (!facts.disk_free_bytes) return {"disk", FindingState::kUnknown, "the free space could not be asked for", ""};
+  if (!facts.disk_free_bytes)
+    return {"disk", FindingState::kUnknown, "the free space could not be asked for", kLookIntoLog};
   const std::string text = absl::StrCat(Gigabytes(*facts.disk_free_bytes), " are free, the database has ",
                                         Gigabytes(facts.database_bytes.value_or(0)));
   if (*facts.disk_free_bytes >= kLowDiskBytes) return {"disk", FindingState::kOk, text, ""};
-  return {"disk", FindingState::kWarning, text,
-          "retention.readings_days, axiscald compact while the server is stopped, or a larger disk"};
+  const std::string advice = "retention.readings_days, axiscald compact while the server is stopped, or a larger disk";
+  if (*facts.disk_free_bytes < storage::kMinFreeBytes)
+    return {"disk", FindingState::kFailed, text + ": what comes is refused (DISK_LOW)", advice};
+  return {"disk", FindingState::kWarning, text, advice};
 }
 
 // The certificate that ends first.
@@ -74,12 +85,13 @@ Finding OfFiles(const ServerFacts& facts) {
 
 Finding OfDescriptors(const ServerFacts& facts) {
   if (!facts.descriptors || !facts.most_descriptors)
-    return {"descriptors", FindingState::kUnknown, "could not be counted", ""};
+    return {"descriptors", FindingState::kUnknown, "could not be counted", kLookIntoLog};
   const std::string text = absl::StrCat(*facts.descriptors, " of ", *facts.most_descriptors, " are open");
   if (static_cast<double>(*facts.descriptors) <= kManyDescriptors * static_cast<double>(*facts.most_descriptors))
     return {"descriptors", FindingState::kOk, text, ""};
   return {"descriptors", FindingState::kWarning, text,
-          "end clients that are idle, or raise LimitNOFILE= by systemctl edit axiscald"};
+          "from three quarters on connections are refused: end clients that are idle, or raise LimitNOFILE= by "
+          "systemctl edit axiscald"};
 }
 
 Finding OfBackup(const ServerFacts& facts) {
@@ -87,6 +99,11 @@ Finding OfBackup(const ServerFacts& facts) {
   if (facts.backup_folder.empty()) {
     return {"last backup", FindingState::kWarning, "the server has no folder for backups and knows of none",
             "set backup.folder; " + advice};
+  }
+  if (!facts.backup_problem.empty()) {
+    return {"last backup", FindingState::kFailed, facts.backup_folder + ": " + facts.backup_problem,
+            "the server's user must be able to write there: owner and rights of the folder, and ReadWritePaths= by "
+            "systemctl edit axiscald (docs/operations.md)"};
   }
   if (!facts.last_backup) return {"last backup", FindingState::kWarning, facts.backup_folder + " holds none", advice};
   const std::chrono::microseconds age = facts.now - *facts.last_backup;
@@ -97,8 +114,12 @@ Finding OfBackup(const ServerFacts& facts) {
 }
 
 void AddCells(const ServerFacts& facts, std::vector<Finding>& findings) {
+  if (!facts.cells) {
+    findings.push_back({"cells", FindingState::kUnknown, "could not be asked for", kLookIntoLog});
+    return;
+  }
   std::vector<std::string> silent, with_problem;
-  for (const records::CellRecord& cell : facts.cells) {
+  for (const records::CellRecord& cell : *facts.cells) {
     const std::string name = cell.report.name + " of " + cell.report.machine.text();
     if (cell.is_silent())
       silent.push_back(
@@ -107,8 +128,8 @@ void AddCells(const ServerFacts& facts, std::vector<Finding>& findings) {
   }
   findings.push_back(silent.empty()
                          ? Finding{"cells", FindingState::kOk,
-                                   facts.cells.empty() ? "none has ever reported"
-                                                       : absl::StrCat("all ", facts.cells.size(), " are heard"),
+                                   facts.cells->empty() ? "none has ever reported"
+                                                        : absl::StrCat("all ", facts.cells->size(), " are heard"),
                                    ""}
                          : Finding{"cells", FindingState::kWarning, "silent: " + absl::StrJoin(silent, ", "),
                                    "look at those PCs: power, network, systemctl status axiscal-cell; axiscal cells "
@@ -120,7 +141,7 @@ void AddCells(const ServerFacts& facts, std::vector<Finding>& findings) {
 }
 
 Finding OfJobs(const ServerFacts& facts) {
-  if (!facts.queued_jobs) return {"jobs", FindingState::kUnknown, "could not be counted", ""};
+  if (!facts.queued_jobs) return {"jobs", FindingState::kUnknown, "could not be counted", kLookIntoLog};
   const std::string text = absl::StrCat(
       *facts.queued_jobs, " wait",
       *facts.queued_jobs > 0
@@ -191,8 +212,12 @@ ServerFacts FactsOf(Core& core) {
   facts.descriptors = descriptors.open;
   facts.most_descriptors = descriptors.most;
   facts.backup_folder = core.limits.backup_folder;
-  if (!facts.backup_folder.empty()) facts.last_backup = NewestBackup(facts.backup_folder);
-  facts.cells = AllCells(core.database).value_or(std::vector<records::CellRecord>());
+  if (!facts.backup_folder.empty()) {
+    if (::access(facts.backup_folder.c_str(), W_OK | X_OK) != 0) facts.backup_problem = std::strerror(errno);
+    facts.last_backup = NewestBackup(facts.backup_folder);
+  }
+  if (absl::StatusOr<std::vector<records::CellRecord>> cells = AllCells(core.database); cells.ok())
+    facts.cells = *std::move(cells);
   const auto webhooks = core.database.ListWebhooks();
   if (webhooks.ok()) {
     for (const records::WebhookRecord& webhook : *webhooks) {

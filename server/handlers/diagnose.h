@@ -24,8 +24,9 @@ struct ServerFacts {
   std::vector<std::string> open_files;  // that everybody on the machine may read: "FILE (0644)"
   std::optional<int64_t> descriptors, most_descriptors;
   std::string backup_folder;  // empty: none
+  std::string backup_problem;  // why nothing can be written there; empty: it can
   std::optional<base::UtcTime> last_backup;
-  std::vector<records::CellRecord> cells;
+  std::optional<std::vector<records::CellRecord>> cells;
   std::optional<int64_t> queued_jobs;
   std::chrono::microseconds oldest_queued{0};
   std::vector<std::pair<std::string, int64_t>> dead_letters;  // webhooks that have some, and how many

@@ -30,7 +30,7 @@ ServerFacts Well() {
   records::CellRecord cell;
   cell.report.machine = MachineId("mt");
   cell.report.name = "seven";
-  facts.cells = {cell};
+  facts.cells = {{cell}};
   return facts;
 }
 
@@ -68,19 +68,24 @@ TEST(Findings, SayWhatIsNotWellAndWhatToDo) {
   expect([](auto& f) { f.read = absl::UnavailableError("gone"); }, "database", FindingState::kFailed, "gone");
   expect([](auto& f) { f.write = absl::ResourceExhaustedError("full"); }, "database", FindingState::kFailed, "full");
   expect([](auto& f) { f.disk_free_bytes = 4'999'999'999; }, "disk", FindingState::kWarning, "5.0 GB are free");
+  expect([](auto& f) { f.disk_free_bytes = (64 << 20) - 1; }, "disk", FindingState::kFailed, "DISK_LOW");
+  expect([](auto& f) { f.disk_free_bytes.reset(); }, "disk", FindingState::kUnknown, "could not be asked for");
   expect([](auto& f) { f.certificates[1].second = f.now + std::chrono::days(13); }, "server's certificates",
          FindingState::kWarning, "ca.crt ends in 13 days");
   expect([](auto& f) { f.certificates[0].second = f.now - std::chrono::hours(1); }, "server's certificates",
          FindingState::kFailed, "server.crt has ended");
   expect([](auto& f) { f.open_files = {"axiscal.db (0644)"}; }, "permissions", FindingState::kWarning, "(0644)");
-  expect([](auto& f) { f.descriptors = 801; }, "descriptors", FindingState::kWarning, "801 of 1000");
+  expect([](auto& f) { f.descriptors = 601; }, "descriptors", FindingState::kWarning, "601 of 1000");
   expect([](auto& f) { f.backup_folder = ""; }, "last backup", FindingState::kWarning, "no folder");
+  expect([](auto& f) { f.backup_problem = "Read-only file system"; }, "last backup", FindingState::kFailed,
+         "/backup: Read-only file system");
   expect([](auto& f) { f.last_backup.reset(); }, "last backup", FindingState::kWarning, "holds none");
   expect([](auto& f) { f.last_backup = f.now - std::chrono::hours(49); }, "last backup", FindingState::kWarning,
          "49 hours");
-  expect([](auto& f) { f.cells[0].silence = std::chrono::minutes(20); }, "cells", FindingState::kWarning,
+  expect([](auto& f) { f.cells->at(0).silence = std::chrono::minutes(20); }, "cells", FindingState::kWarning,
          "seven of mt (20 min)");
-  expect([](auto& f) { f.cells[0].report.problem = "spool full"; }, "files of cells", FindingState::kWarning,
+  expect([](auto& f) { f.cells.reset(); }, "cells", FindingState::kUnknown, "could not be asked for");
+  expect([](auto& f) { f.cells->at(0).report.problem = "spool full"; }, "files of cells", FindingState::kWarning,
          "seven of mt: spool full");
   expect(
       [](auto& f) {
@@ -93,6 +98,17 @@ TEST(Findings, SayWhatIsNotWellAndWhatToDo) {
 }
 
 class Doctor : public ::testing::Test, protected TestCore {};
+
+TEST_F(Doctor, TellsWhyNothingCanBeWrittenIntoTheFolderOfBackups) {
+  core.limits.backup_folder = "/no/such/folder";
+  const auto response = Diagnose(core, call, {});
+  ASSERT_TRUE(response.ok()) << response.status();
+  std::string text;
+  for (const v1::Finding& finding : response->findings()) {
+    if (finding.what() == "last backup") text = finding.text();
+  }
+  EXPECT_EQ(text, "/no/such/folder: No such file or directory");
+}
 
 TEST_F(Doctor, LooksAtTheServerThatRuns) {
   v1::CreateMachineRequest create;

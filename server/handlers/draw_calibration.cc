@@ -59,6 +59,7 @@ absl::StatusOr<v1::DrawCalibrationResponse> DrawCalibration(Core& core, const Ca
   v1::DrawCalibrationResponse response;
   response.set_readings(fit->readings());
   loop::Report report;
+  report.fitted.model = fit->model;
   for (size_t i = 0; i < fit->runs.size(); ++i)
     report.residuals.push_back({fit->runs[i].session, false, fit->before_mm[i], fit->after_mm[i]});
   std::vector<loop::Picture> pictures = loop::Pictures(fit->machine, fit->runs, {}, report);

@@ -32,7 +32,7 @@ void AddAmount(const drift::Amount& amount, v1::DriftFinding& message) {
 struct FillFinding {
   v1::DriftFinding& to;
 
-  void operator()(const drift::Step& step) const {
+  void operator()(const drift::StepChange& step) const {
     to.set_kind(v1::DRIFT_FINDING_KIND_STEP);
     to.set_at_utc_us(base::ToUtcUs(step.found_at));
     to.set_after_utc_us(base::ToUtcUs(step.after));
@@ -167,11 +167,8 @@ absl::StatusOr<v1::FindDriftResponse> FindDrift(Core& core, const Call& call, co
   }
   const MachineId machine(request.machine_id());
   RETURN_IF_ERROR(core.database.GetMachine(machine).status());
-  ASSIGN_OR_RETURN(
-      const inputs::MachineHistory history,
-      inputs::FollowHistory(
-          core.database, machine, [&](const records::CalibrationRecord&) { return request.counts_candidates(); },
-          call.is_cancelled));
+  ASSIGN_OR_RETURN(const inputs::MachineHistory history,
+                   inputs::FollowHistory(core.database, machine, request.counts_candidates(), call.is_cancelled));
   v1::FindDriftResponse response;
   for (const inputs::MachineHistory::LeftOut& left_out : history.left_out) {
     v1::NotCounted& message = *response.add_not_counted();

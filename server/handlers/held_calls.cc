@@ -79,17 +79,22 @@ void HeldCalls::Count(const HeldCall& call, int more) {
 }
 
 bool HeldCalls::MakeRoom(HeldKind kind, const std::string& who, std::chrono::milliseconds at_least) {
-  const auto longest = std::find_if(silent_.begin(), silent_.end(), [&](const HeldCall* call) {
-    return call->kind_ == kind && (who.empty() || call->who_ == who);
+  const base::SteadyTime now = clock_.SteadyNow();
+  const auto found = std::find_if(silent_.begin(), silent_.end(), [&](const HeldCall* call) {
+    return call->kind_ == kind && (who.empty() || call->who_ == who) && call->GivesWay(now, at_least);
   });
-  if (longest == silent_.end() || clock_.SteadyNow() - (*longest)->silent_since_ < at_least) return false;
-  (*longest)->CutOff("the caller was silent while others waited");
+  if (found == silent_.end()) return false;
+  (*found)->CutOff("the caller was silent while others waited");
   return true;
 }
 
 HeldCall::HeldCall(HeldCalls& calls, const HeldLimits& limits, HeldKind kind, std::function<void()> cut_off,
                    std::string who)
-    : calls_(calls), kind_(kind), who_(std::move(who)), cut_off_(std::move(cut_off)) {
+    : calls_(calls),
+      kind_(kind),
+      who_(std::move(who)),
+      cut_off_(std::move(cut_off)),
+      began_at_(calls.clock_.SteadyNow()) {
   const base::MutexLock lock(calls_.mutex_);
   if (!who_.empty()) {
     const auto found = calls_.of_one_.find({kind_, who_});
@@ -136,8 +141,16 @@ void HeldCall::BeginSilence() {
 // Also waits for who cuts it off just now: what `cut_off_` needs is there until then.
 void HeldCall::EndSilence() {
   const base::MutexLock lock(calls_.mutex_);
-  if (is_silent_) calls_.silent_.erase(place_);
+  if (!is_silent_) return;
+  calls_.silent_.erase(place_);
   is_silent_ = false;
+  was_silent_ += calls_.clock_.SteadyNow() - silent_since_;
+}
+
+bool HeldCall::GivesWay(base::SteadyTime now, std::chrono::milliseconds at_least) const {
+  const base::SteadyTime::duration lately = now - silent_since_, in_all = was_silent_ + lately;
+  return lately >= at_least ||
+         (kind_ == HeldKind::kRewrite && in_all >= at_least && 10 * in_all >= 9 * (now - began_at_));
 }
 
 // Its place is free at once, though its handler has yet to return.

@@ -167,5 +167,31 @@ TEST_F(HeldCallsTest, AnEndedCallLeavesItsPlace) {
   EXPECT_TRUE(HeldCall(calls_, kLimits, HeldKind::kWatch, [] {}).status().ok());
 }
 
+// One that is rewritten holds a core: who sends a byte every few seconds is never silent for long, and gives way all
+// the same; one that is at work most of the time does not.
+TEST_F(HeldCallsTest, WhoHoldsACoreAndSendsNextToNothingGivesWay) {
+  bool is_slow_cut = false;
+  HeldCall slow(calls_, kLimits, HeldKind::kRewrite, [&] { is_slow_cut = true; });
+  HeldCall busy(calls_, kLimits, HeldKind::kRewrite, [] { ADD_FAILURE() << "the one at work was cut off"; });
+  const auto is_refused = [&] { return !HeldCall(calls_, kLimits, HeldKind::kRewrite, [] {}).status().ok(); };
+  for (milliseconds waited(0); waited < milliseconds(9000); waited += milliseconds(1000)) {
+    slow.BeginSilence();
+    clock_.Advance(milliseconds(970));
+    slow.EndSilence();
+    clock_.Advance(milliseconds(30));
+    busy.BeginSilence();
+    busy.EndSilence();
+  }
+  busy.BeginSilence();
+  slow.BeginSilence();
+  EXPECT_TRUE(is_refused());  // not for kLimits.gives_way yet
+  EXPECT_FALSE(is_slow_cut);
+  clock_.Advance(milliseconds(2000));
+  EXPECT_FALSE(is_refused());
+  EXPECT_TRUE(is_slow_cut);
+  slow.EndSilence();
+  busy.EndSilence();
+}
+
 }  // namespace
 }  // namespace axiscal::handlers

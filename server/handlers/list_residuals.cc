@@ -20,13 +20,8 @@ void AddSession(const CalibrationFit& fit, size_t i, v1::ListResidualsResponse& 
   added.set_instrument(fit.sessions[i].instrument);
   added.set_sigma_um(fit.runs[i].sigma_mm * base::kUmPerMm);
   added.set_readings(fit.after_mm[i].cols());
-  const auto rms_um = [](const Eigen::MatrixXd& residuals_mm) {
-    return residuals_mm.size() == 0
-               ? 0.0
-               : base::kUmPerMm * std::sqrt(residuals_mm.squaredNorm() / static_cast<double>(residuals_mm.size()));
-  };
-  added.set_rms_before_um(rms_um(fit.before_mm[i]));
-  added.set_rms_after_um(rms_um(fit.after_mm[i]));
+  added.set_rms_before_um(fit.rms_before_mm[i] * base::kUmPerMm);
+  added.set_rms_after_um(fit.rms_after_mm[i] * base::kUmPerMm);
 }
 
 // measured - predicted.

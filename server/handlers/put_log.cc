@@ -116,12 +116,8 @@ absl::StatusOr<records::SessionRecord> Store(Core& core, const Call& call, const
 
 absl::Status PutLogStream::Receive(const v1::PutLogRequest& request) {
   RETURN_IF_ERROR(RequireAccepting(core_));
-  const bool is_expected = header_ ? request.part_case() == v1::PutLogRequest::kData : request.has_header();
-  if (!is_expected) {
-    return base::Error(absl::StatusCode::kInvalidArgument, "the header must come first and once, then data",
-                       {"STREAM_INVALID", {}});
-  }
-  return header_ ? Append(request.data()) : Begin(request.header());
+  RETURN_IF_ERROR(received_.CheckOrder(request.has_header(), request.part_case() == v1::PutLogRequest::kData));
+  return received_.is_declared() ? Append(request.data()) : Begin(request.header());
 }
 
 absl::Status PutLogStream::Begin(const v1::PutLogHeader& header) {
@@ -143,52 +139,40 @@ absl::Status PutLogStream::Begin(const v1::PutLogHeader& header) {
   RETURN_IF_ERROR(MachineOf(core_, MachineId(header.machine_id())).status());
   form_ = *std::move(form);
   header_ = header;
+  received_.Declare(header.size_bytes());
   return absl::OkStatus();
 }
 
 absl::Status PutLogStream::Append(const std::string& bytes) {
-  if (bytes.empty() || bytes.size() > static_cast<size_t>(convert::kMaxProgramPartBytes)) {
-    return convert::FieldError("data",
-                               absl::StrCat(bytes.size(), " bytes, must be 1 to ", convert::kMaxProgramPartBytes));
-  }
+  RETURN_IF_ERROR(received_.Take(bytes));
   // As they come: a stream that stands still holds no more than it has sent.
   RETURN_IF_ERROR(share_.Take(kBytesOfByte * static_cast<int64_t>(bytes.size())));
   bytes_ += bytes;
-  if (static_cast<int64_t>(bytes_.size()) > header_->size_bytes()) {
-    return base::Error(absl::StatusCode::kOutOfRange,
-                       absl::StrCat("more than the ", header_->size_bytes(), " bytes that the header says"),
-                       {"SIZE_EXCEEDED", {}});
-  }
   return absl::OkStatus();
 }
 
 absl::StatusOr<v1::PutLogResponse> PutLogStream::End() {
-  if (!header_ || static_cast<int64_t>(bytes_.size()) < header_->size_bytes()) {
-    return base::Error(
-        absl::StatusCode::kAborted,
-        absl::StrCat("the stream ended after ", bytes_.size(), " of ", header_ ? header_->size_bytes() : 0, " bytes"),
-        {"STREAM_INCOMPLETE", {}});
-  }
-  if (base::Sha256Hex(bytes_) != header_->sha256()) {
+  RETURN_IF_ERROR(received_.CheckEnd());
+  if (base::Sha256Hex(bytes_) != header_.sha256()) {
     return base::Error(absl::StatusCode::kFailedPrecondition,
                        "the bytes that came have another checksum than header.sha256 says", {"TOTALS_MISMATCH", {}});
   }
-  const MachineId machine_id(header_->machine_id());
+  const MachineId machine_id(header_.machine_id());
   ASSIGN_OR_RETURN(const machine::Machine machine, MachineOf(core_, machine_id));
-  absl::StatusOr<logs::Reduced> reduced = Reduce(bytes_, header_->name(), form_, machine, call_.is_cancelled);
+  absl::StatusOr<logs::Reduced> reduced = Reduce(bytes_, header_.name(), form_, machine, call_.is_cancelled);
   if (!reduced.ok()) return Invalid(reduced.status());
   session::Session& session = reduced->session;
   if (static_cast<int64_t>(session.reading_count()) > core_.limits.max_session_readings) {
     return base::Error(
         absl::StatusCode::kResourceExhausted,
-        absl::StrCat(header_->name(), ": ", session.reading_count(), " readings, at most ",
+        absl::StrCat(header_.name(), ": ", session.reading_count(), " readings, at most ",
                      core_.limits.max_session_readings, " may be in a session (limits.session_readings)"),
         {"SESSION_TOO_LARGE", {}});
   }
   RETURN_IF_ERROR(CheckSchema(core_, machine_id, records::SchemaOf(session)));
   records::StoredLog stored;
-  ASSIGN_OR_RETURN(stored.log, KeepAll(core_, call_, *header_, form_, bytes_, session));
-  ASSIGN_OR_RETURN(stored.session, Store(core_, call_, header_->request_id(), machine_id, session, &stored.was_there));
+  ASSIGN_OR_RETURN(stored.log, KeepAll(core_, call_, header_, form_, bytes_, session));
+  ASSIGN_OR_RETURN(stored.session, Store(core_, call_, header_.request_id(), machine_id, session, &stored.was_there));
   stored.notes = reduced->notes;
   stored.first_line = static_cast<int64_t>(reduced->lines.front());
   stored.last_line = static_cast<int64_t>(reduced->lines.back());

@@ -3,18 +3,18 @@
 #ifndef AXISCAL_SERVER_HANDLERS_PUT_LOG_H_
 #define AXISCAL_SERVER_HANDLERS_PUT_LOG_H_
 
-#include <optional>
 #include <string>
 
 #include "axiscal/v1/ingest_service.pb.h"
 #include "core/records/log.h"
 #include "server/handlers/core.h"
+#include "server/handlers/declared_bytes.h"
 
 namespace axiscal::handlers {
 
 class PutLogStream {
  public:
-  PutLogStream(Core& core, const Call& call) : core_(core), call_(call), share_(core.reducing) {}
+  PutLogStream(Core& core, const Call& call) : core_(core), call_(call), share_(core.reducing, call.user) {}
 
   // The next message. An error is the status of the call. STREAM_INVALID when messages come in another order,
   // OUT_OF_RANGE SIZE_EXCEEDED when more bytes come than the header says.
@@ -30,7 +30,8 @@ class PutLogStream {
   Core& core_;
   const Call call_;
   Share share_;
-  std::optional<v1::PutLogHeader> header_;
+  v1::PutLogHeader header_;
+  DeclaredBytes received_;
   records::LogForm form_;
   std::string bytes_;
 };

@@ -13,12 +13,8 @@ constexpr size_t kPartBytes = 1 << 20;
 
 absl::Status PutProgramStream::Receive(const v1::PutProgramRequest& request) {
   RETURN_IF_ERROR(RequireAccepting(core_));
-  const bool is_expected = header_ ? request.part_case() == v1::PutProgramRequest::kData : request.has_header();
-  if (!is_expected) {
-    return base::Error(absl::StatusCode::kInvalidArgument, "the header must come first and once, then data",
-                       {"STREAM_INVALID", {}});
-  }
-  return header_ ? Append(request.data()) : Begin(request.header());
+  RETURN_IF_ERROR(received_.CheckOrder(request.has_header(), request.part_case() == v1::PutProgramRequest::kData));
+  return received_.is_declared() ? Append(request.data()) : Begin(request.header());
 }
 
 absl::Status PutProgramStream::Begin(const v1::PutProgramHeader& header) {
@@ -34,23 +30,15 @@ absl::Status PutProgramStream::Begin(const v1::PutProgramHeader& header) {
                        {"PROGRAM_TOO_LARGE", {}});
   }
   RETURN_IF_ERROR(convert::RequireSha256("header.sha256", header.sha256()));
-  RETURN_IF_ERROR(convert::RequireText("header.request_id", header.request_id(), 1, 64));
+  RETURN_IF_ERROR(convert::RequireText("header.request_id", header.request_id(), 1, kMaxRequestIdBytes));
   ASSIGN_OR_RETURN(program_, core_.database.BeginProgram({"nc", header.name(), call_.By(header.request_id())}));
   header_ = header;
+  received_.Declare(header.size_bytes());
   return absl::OkStatus();
 }
 
 absl::Status PutProgramStream::Append(const std::string& bytes) {
-  if (bytes.empty() || bytes.size() > static_cast<size_t>(convert::kMaxProgramPartBytes)) {
-    return convert::FieldError("data",
-                               absl::StrCat(bytes.size(), " bytes, must be 1 to ", convert::kMaxProgramPartBytes));
-  }
-  received_ += static_cast<int64_t>(bytes.size());
-  if (received_ > header_->size_bytes()) {
-    return base::Error(absl::StatusCode::kOutOfRange,
-                       absl::StrCat("more than the ", header_->size_bytes(), " bytes that the header says"),
-                       {"SIZE_EXCEEDED", {}});
-  }
+  RETURN_IF_ERROR(received_.Take(bytes));
   gathered_ += bytes;
   size_t taken = 0;
   for (; gathered_.size() - taken >= kPartBytes; taken += kPartBytes)
@@ -68,15 +56,10 @@ absl::Status PutProgramStream::Store(const std::string& part) {
 }
 
 absl::StatusOr<v1::PutProgramResponse> PutProgramStream::End() {
-  if (!header_ || received_ < header_->size_bytes()) {
-    return base::Error(
-        absl::StatusCode::kAborted,
-        absl::StrCat("the stream ended after ", received_, " of ", header_ ? header_->size_bytes() : 0, " bytes"),
-        {"STREAM_INCOMPLETE", {}});
-  }
+  RETURN_IF_ERROR(received_.CheckEnd());
   if (!gathered_.empty()) RETURN_IF_ERROR(Store(gathered_));
   ASSIGN_OR_RETURN(const records::ProgramRecord record,
-                   core_.database.FinishProgram(program_.id, header_->size_bytes(), header_->sha256()));
+                   core_.database.FinishProgram(program_.id, header_.size_bytes(), header_.sha256()));
   v1::PutProgramResponse response;
   *response.mutable_program() = convert::ToProto(record);
   return response;

@@ -2,11 +2,11 @@
 #ifndef AXISCAL_SERVER_HANDLERS_PUT_PROGRAM_H_
 #define AXISCAL_SERVER_HANDLERS_PUT_PROGRAM_H_
 
-#include <optional>
 #include <string>
 
 #include "axiscal/v1/programs_service.pb.h"
 #include "server/handlers/core.h"
+#include "server/handlers/declared_bytes.h"
 
 namespace axiscal::handlers {
 
@@ -27,9 +27,9 @@ class PutProgramStream {
 
   Core& core_;
   const Call call_;
-  std::optional<v1::PutProgramHeader> header_;
+  v1::PutProgramHeader header_;
+  DeclaredBytes received_;
   records::ProgramRecord program_;
-  int64_t received_ = 0;  // bytes
   // Each part that is stored is a transaction that waits for the disk: messages are gathered into parts of one size,
   // the same ones when the program is sent again.
   std::string gathered_;

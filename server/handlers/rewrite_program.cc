@@ -14,12 +14,8 @@ RewriteProgramStream::RewriteProgramStream(Core& core, const Call& call,
 
 absl::Status RewriteProgramStream::Receive(const v1::RewriteProgramRequest& request) {
   RETURN_IF_ERROR(RequireAccepting(core_));
-  const bool is_expected = header_ ? request.part_case() == v1::RewriteProgramRequest::kData : request.has_header();
-  if (!is_expected) {
-    return base::Error(absl::StatusCode::kInvalidArgument, "the header must come first and once, then data",
-                       {"STREAM_INVALID", {}});
-  }
-  return header_ ? Rewrite(request.data()) : Begin(request.header());
+  RETURN_IF_ERROR(received_.CheckOrder(request.has_header(), request.part_case() == v1::RewriteProgramRequest::kData));
+  return received_.is_declared() ? Rewrite(request.data()) : Begin(request.header());
 }
 
 absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header) {
@@ -40,20 +36,12 @@ absl::Status RewriteProgramStream::Begin(const v1::RewriteProgramHeader& header)
                                         [this](const char* bytes, size_t size) { return Take(bytes, size); }));
   rewriter_.emplace(std::move(rewriter));
   header_ = header;
+  received_.Declare(header.size_bytes());
   return absl::OkStatus();
 }
 
 absl::Status RewriteProgramStream::Rewrite(const std::string& bytes) {
-  if (bytes.empty() || bytes.size() > static_cast<size_t>(convert::kMaxProgramPartBytes)) {
-    return convert::FieldError("data",
-                               absl::StrCat(bytes.size(), " bytes, must be 1 to ", convert::kMaxProgramPartBytes));
-  }
-  received_ += static_cast<int64_t>(bytes.size());
-  if (received_ > header_->size_bytes()) {
-    return base::Error(absl::StatusCode::kOutOfRange,
-                       absl::StrCat("more than the ", header_->size_bytes(), " bytes that the header says"),
-                       {"SIZE_EXCEEDED", {}});
-  }
+  RETURN_IF_ERROR(received_.Take(bytes));
   received_crc32c_ = base::Crc32c(received_crc32c_, bytes.data(), bytes.size());
   return rewriter_->Feed(bytes.data(), bytes.size());
 }
@@ -81,16 +69,11 @@ absl::Status RewriteProgramStream::SendData() {
 }
 
 absl::Status RewriteProgramStream::End() {
-  if (!header_ || received_ < header_->size_bytes()) {
-    return base::Error(
-        absl::StatusCode::kAborted,
-        absl::StrCat("the stream ended after ", received_, " of ", header_ ? header_->size_bytes() : 0, " bytes"),
-        {"STREAM_INCOMPLETE", {}});
-  }
-  if (received_crc32c_ != header_->crc32c()) {
+  RETURN_IF_ERROR(received_.CheckEnd());
+  if (received_crc32c_ != header_.crc32c()) {
     return base::Error(
         absl::StatusCode::kFailedPrecondition,
-        absl::StrFormat("the header says CRC-32C %08x, what came has %08x", header_->crc32c(), received_crc32c_),
+        absl::StrFormat("the header says CRC-32C %08x, what came has %08x", header_.crc32c(), received_crc32c_),
         {"TOTALS_MISMATCH", {}});
   }
   RETURN_IF_ERROR(rewriter_->Finish());

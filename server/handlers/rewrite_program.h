@@ -8,6 +8,7 @@
 #include "axiscal/v1/programs_service.pb.h"
 #include "core/nc/rewrite.h"
 #include "server/handlers/core.h"
+#include "server/handlers/declared_bytes.h"
 #include "server/inputs/compensation.h"
 
 namespace axiscal::handlers {
@@ -34,11 +35,12 @@ class RewriteProgramStream {
   Core& core_;
   const Call call_;
   const std::function<bool(const v1::RewriteProgramResponse&)> send_;
-  std::optional<v1::RewriteProgramHeader> header_;
+  v1::RewriteProgramHeader header_;
+  DeclaredBytes received_;
   std::optional<inputs::Compensation> compensation_;
   std::optional<nc::Rewriter> rewriter_;
   v1::RewriteProgramResponse response_;
-  int64_t received_ = 0, sent_ = 0;  // bytes
+  int64_t sent_ = 0;  // bytes
   uint32_t received_crc32c_ = 0, sent_crc32c_ = 0;
 };
 

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include "core/machine/error_json.h"
+#include "core/machine/machine_json.h"
 #include "proto/convert/field.h"
 #include "proto/convert/routine.h"
+#include "server/inputs/job_inputs.h"
 
 namespace axiscal::handlers {
 namespace {
@@ -23,6 +26,21 @@ absl::Status RequireWorksFor(Core& core, const std::string& name, const std::str
                      {"ROUTINE_NOT_FOUND", {{"routine", name}}});
 }
 
+// What a routine of one machine asks to fit is held to that machine as it is: each of its runs would fail. The machines
+// of a group are those of the time.
+absl::Status CheckOptions(Core& core, const records::Routine& routine) {
+  if (routine.scope.kind != records::Scope::Kind::kMachine) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const records::MachineRecord record, core.database.GetMachine(MachineId(routine.scope.name)));
+  ASSIGN_OR_RETURN(const machine::Machine machine, machine::MachineFromJson(record.description_json));
+  for (size_t i = 0; i < routine.declared.size(); ++i) {
+    const auto asked = machine::ReadAskedError(routine.declared[i], machine);
+    if (!asked.ok())
+      return convert::FieldError(absl::StrCat("routine.declared_errors[", i, "]"),
+                                 std::string(asked.status().message()));
+  }
+  return inputs::BudgetOf(machine, routine.budget_json, "routine.budget_json").status();
+}
+
 }  // namespace
 
 absl::StatusOr<v1::PutRoutineResponse> PutRoutine(Core& core, const Call& call, const v1::PutRoutineRequest& request) {
@@ -30,6 +48,7 @@ absl::StatusOr<v1::PutRoutineResponse> PutRoutine(Core& core, const Call& call, 
   RETURN_IF_ERROR(convert::RequireNotNegative("etag", request.etag()));
   const absl::StatusOr<records::Routine> routine = convert::FromProto(request.routine());
   if (!routine.ok()) return convert::InField("routine", routine.status());
+  RETURN_IF_ERROR(CheckOptions(core, *routine));
   ASSIGN_OR_RETURN(const records::RoutineRecord record, core.database.PutRoutine(*routine, request.etag(), call.By()));
   core.run_all_soon();
   v1::PutRoutineResponse response;

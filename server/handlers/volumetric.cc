@@ -1,7 +1,6 @@
 #include "server/handlers/volumetric.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/error_detail.h"
 #include "core/base/units.h"
@@ -12,6 +11,7 @@
 #include "core/reports/rewrite.h"
 #include "proto/convert/calibration.h"
 #include "proto/convert/field.h"
+#include "server/handlers/axis_spans.h"
 #include "server/jobs/job_sessions.h"
 #include "server/storage/page_token.h"
 
@@ -24,44 +24,10 @@ using records::CalibrationState;
 constexpr int kDefaultErrors = 20, kMostErrors = 100;
 constexpr size_t kMostKept = 2000;  // of 1 to 3 KB
 
-using Spans = google::protobuf::RepeatedPtrField<v1::AxisSpan>;
-
 absl::Status NoVolumetric(CalibrationId id, const std::string& why) {
   return base::Error(absl::StatusCode::kFailedPrecondition,
                      absl::StrCat("calibration ", id.number(), " has no volumetric error: ", why),
                      {"VOLUMETRIC_UNKNOWN", {{"calibration", std::to_string(id.number())}}});
-}
-
-double UnitOf(const machine::Axis& axis) { return axis.kind == machine::AxisKind::kRotary ? base::kRadPerDeg : 1.0; }
-
-// The measured positions, and of axes that are asked those.
-absl::StatusOr<predict::Box> BoxOf(const machine::Machine& machine, const predict::Box& measured, const Spans& asked) {
-  predict::Box box = measured;
-  for (int i = 0; i < asked.size(); ++i) {
-    const std::string field = absl::StrCat("box[", i, "]");
-    const auto axis = std::find_if(machine.axes.begin(), machine.axes.end(),
-                                   [&](const machine::Axis& one) { return one.name == asked[i].axis(); });
-    if (axis == machine.axes.end())
-      return convert::FieldError(field + ".axis", "'" + asked[i].axis() + "', is no axis of machine " + machine.id);
-    const double from = asked[i].from_mm_or_deg(), to = asked[i].to_mm_or_deg();
-    if (!std::isfinite(from) || !std::isfinite(to) || from > to)
-      return convert::FieldError(field, absl::StrCat(from, " to ", to, ", must be finite and not fall"));
-    for (int k = 0; k < i; ++k)
-      if (asked[k].axis() == asked[i].axis()) return convert::FieldError(field + ".axis", "stands twice");
-    const auto at = static_cast<size_t>(axis - machine.axes.begin());
-    box.low[at] = from * UnitOf(*axis);
-    box.high[at] = to * UnitOf(*axis);
-  }
-  return box;
-}
-
-void SetSpans(const machine::Machine& machine, const predict::Box& box, Spans* spans) {
-  for (size_t i = 0; i < box.low.size(); ++i) {
-    v1::AxisSpan& span = *spans->Add();
-    span.set_axis(machine.axes[i].name);
-    span.set_from_mm_or_deg(box.low[i] / UnitOf(machine.axes[i]));
-    span.set_to_mm_or_deg(box.high[i] / UnitOf(machine.axes[i]));
-  }
 }
 
 void SetFigure(const predict::Figure& figure, v1::VolumetricFigure* message) {
@@ -96,18 +62,6 @@ v1::VolumetricError ToProto(const machine::Machine& machine, const predict::BoxE
   return message;
 }
 
-// The calibration that this one took the place of, or would: nothing where none was in use.
-std::optional<CalibrationId> BeforeOf(const CalibrationRecord& record, const std::vector<CalibrationRecord>& all) {
-  const CalibrationRecord* before = nullptr;
-  for (const CalibrationRecord& other : all) {
-    if (other.id == record.id || !other.approved_at) continue;
-    if (record.approved_at ? *other.approved_at >= *record.approved_at : other.state != CalibrationState::kApproved)
-      continue;
-    if (before == nullptr || *before->approved_at < *other.approved_at) before = &other;
-  }
-  return before == nullptr ? std::nullopt : std::optional(before->id);
-}
-
 absl::StatusOr<v1::VolumetricError> Compute(Core& core, const Call& call, CalibrationId id,
                                             const std::optional<CalibrationId>& before_id, const Spans& asked) {
   storage::Database& database = core.database;
@@ -140,8 +94,8 @@ absl::StatusOr<v1::VolumetricError> Compute(Core& core, const Call& call, Calibr
 }
 
 absl::StatusOr<v1::VolumetricError> ErrorOf(Core& core, const Call& call, const CalibrationRecord& record,
-                                            const std::vector<CalibrationRecord>& all, const Spans& asked) {
-  const std::optional<CalibrationId> before = BeforeOf(record, all);
+                                            const Spans& asked) {
+  ASSIGN_OR_RETURN(const std::optional<CalibrationId> before, core.database.GetFormerOf(record.id));
   std::string key = absl::StrCat(record.id.number(), "|", before ? before->number() : 0);
   for (const v1::AxisSpan& span : asked) absl::StrAppend(&key, "|", span.SerializeAsString());
   std::optional<v1::VolumetricError> error = core.volumetric->Find(key);
@@ -153,20 +107,23 @@ absl::StatusOr<v1::VolumetricError> ErrorOf(Core& core, const Call& call, const 
   return *std::move(error);
 }
 
-// Of the machine, the newest first.
-absl::StatusOr<std::vector<CalibrationRecord>> CalibrationsOf(Core& core, const Call& call, const MachineId& machine) {
-  records::CalibrationFilter filter;
-  filter.machine = machine;
-  std::vector<CalibrationRecord> all;
-  records::PageRequest page = {1000, ""};
-  do {
-    if (call.is_cancelled())
-      return base::Error(absl::StatusCode::kCancelled, "the caller has left", {"CALLER_GONE", {}});
-    ASSIGN_OR_RETURN(records::Page<CalibrationRecord> rows, core.database.ListCalibrations(filter, page));
-    for (CalibrationRecord& row : rows.rows) all.push_back(std::move(row));
-    page.token = rows.next_token;
-  } while (!page.token.empty());
-  return all;
+// Whether a calibration stands in the history of the machine's error.
+bool IsListed(const CalibrationRecord& record) {
+  const bool was_given_up = record.state == CalibrationState::kRetired && !record.approved_at;
+  return !was_given_up && record.rejected_sessions.empty();
+}
+
+// Of one of which nothing can be said it says why: it hides none of the others.
+absl::StatusOr<v1::VolumetricError> ErrorOrProblem(Core& core, const Call& call, const CalibrationRecord& record,
+                                                   const Spans& asked) {
+  absl::StatusOr<v1::VolumetricError> error = ErrorOf(core, call, record, asked);
+  if (error.ok() || absl::IsCancelled(error.status()) || absl::IsUnavailable(error.status())) return error;
+  v1::VolumetricError problem;
+  problem.set_calibration_id(record.id.number());
+  problem.set_measured_utc_us(base::ToUtcUs(record.content.measured_at));
+  problem.set_state(convert::ToProto(record.state));
+  problem.set_problem(std::string(error.status().message()));
+  return problem;
 }
 
 // In which the corrected program of a job moves.
@@ -214,9 +171,8 @@ absl::StatusOr<v1::GetVolumetricErrorResponse> GetVolumetricError(Core& core, co
   if (request.has_job_id()) {
     ASSIGN_OR_RETURN(asked, SpansOfJob(core, JobId(request.job_id())));
   }
-  ASSIGN_OR_RETURN(const std::vector<CalibrationRecord> all, CalibrationsOf(core, call, record.content.machine));
   v1::GetVolumetricErrorResponse response;
-  ASSIGN_OR_RETURN(*response.mutable_error(), ErrorOf(core, call, record, all, asked));
+  ASSIGN_OR_RETURN(*response.mutable_error(), ErrorOf(core, call, record, asked));
   return response;
 }
 
@@ -226,32 +182,26 @@ absl::StatusOr<v1::ListVolumetricErrorsResponse> ListVolumetricErrors(Core& core
   std::string list = "volumetric|" + request.machine_id();
   for (const v1::AxisSpan& span : request.box()) absl::StrAppend(&list, "|", span.SerializeAsString());
   ASSIGN_OR_RETURN(const storage::PageStart start,
-                   storage::StartPageById({request.page_size(), request.page_token()}, list));
+                   storage::StartPage({request.page_size(), request.page_token()}, list));
   const int size = request.page_size() == 0 ? kDefaultErrors : std::min(request.page_size(), kMostErrors);
-  ASSIGN_OR_RETURN(const std::vector<CalibrationRecord> all,
-                   CalibrationsOf(core, call, MachineId(request.machine_id())));
+  records::CalibrationFilter filter;
+  filter.machine = MachineId(request.machine_id());
+  // A token holds the one of the list of calibrations: a page reads its own of them, and those between that are not
+  // listed.
+  std::string place = start.after.value_or("");
   v1::ListVolumetricErrorsResponse response;
-  for (const CalibrationRecord& record : all) {
-    const bool was_given_up = record.state == CalibrationState::kRetired && !record.approved_at;
-    if (record.id.number() >= start.before_id || was_given_up || !record.rejected_sessions.empty()) continue;
-    if (response.errors_size() == size) {
-      const int64_t last = response.errors(response.errors_size() - 1).calibration_id();
-      response.set_next_page_token(storage::MakePageToken(start, std::to_string(last)));
-      break;
+  do {
+    ASSIGN_OR_RETURN(const records::Page<CalibrationRecord> page,
+                     core.database.ListCalibrations(filter, {size - response.errors_size(), place}));
+    place = page.next_token;
+    for (const CalibrationRecord& record : page.rows) {
+      if (call.is_cancelled())
+        return base::Error(absl::StatusCode::kCancelled, "the caller has left", {"CALLER_GONE", {}});
+      if (!IsListed(record)) continue;
+      ASSIGN_OR_RETURN(*response.add_errors(), ErrorOrProblem(core, call, record, request.box()));
     }
-    absl::StatusOr<v1::VolumetricError> error = ErrorOf(core, call, record, all, request.box());
-    if (absl::IsCancelled(error.status()) || absl::IsUnavailable(error.status())) return error.status();
-    if (error.ok()) {
-      *response.add_errors() = *std::move(error);
-      continue;
-    }
-    // One of which nothing can be said hides none of the others.
-    v1::VolumetricError& problem = *response.add_errors();
-    problem.set_calibration_id(record.id.number());
-    problem.set_measured_utc_us(base::ToUtcUs(record.content.measured_at));
-    problem.set_state(convert::ToProto(record.state));
-    problem.set_problem(std::string(error.status().message()));
-  }
+  } while (response.errors_size() < size && !place.empty());
+  if (!place.empty()) response.set_next_page_token(storage::MakePageToken(start, place));
   return response;
 }
 

@@ -75,6 +75,7 @@ absl::StatusOr<v1::TestWebhookResponse> TestWebhook(Core& core, const Call& call
   response.set_http_status(trial.status);
   response.set_error(trial.error);
   response.set_took_ms(trial.took_ms);
+  response.set_is_mail(trial.is_mail);
   return response;
 }
 

@@ -63,7 +63,7 @@ class Service {
       reply = std::move(part);
       return true;
     });
-    handlers::Share share(budget_);
+    handlers::Share share(budget_, request_.counted_as);
     absl::StatusOr<std::string> body = ToBody(std::move(reply), share);
     if (!ended.ok()) {
       exchange_.Send(ErrorAnswer(ended.status()));
@@ -82,7 +82,7 @@ class Service {
     if (!exchange_.Begin(200, {{"Content-Type", NameOf(type_)}, {"X-Accel-Buffering", "no"}}, std::nullopt)) return;
     absl::Status written;
     absl::StatusOr<google::rpc::Status> ended = Run([&](std::string part) {
-      handlers::Share share(budget_);
+      handlers::Share share(budget_, request_.counted_as);
       absl::StatusOr<std::string> message = ToBody(std::move(part), share);
       if (!message.ok()) written = message.status();
       return message.ok() && exchange_.Write(Envelope(0, *message));
@@ -103,7 +103,7 @@ class Service {
     }
     const std::string& text = type_.is_stream ? unpacked : request_.body;
     const google::protobuf::Descriptor& type = *method_.input_type();
-    handlers::Share share(budget_);
+    handlers::Share share(budget_, request_.counted_as);
     RETURN_IF_ERROR(share.Take(BytesToRead(type, type_.codec, text)));
     ASSIGN_OR_RETURN(const std::string message, ToBinary(type, type_.codec, text, handlers::kMaxMessageBytes));
     ASSIGN_OR_RETURN(const std::unique_ptr<ForwardedCall> call,

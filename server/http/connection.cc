@@ -115,26 +115,6 @@ void TakeCertificate(SSL* ssl, const HttpOptions& options, Peer& peer) {
 
 }  // namespace
 
-// What a request holds of the budget.
-class Connection::Held {
- public:
-  explicit Held(handlers::Budget& budget) : budget_(budget) {}
-  ~Held() { budget_.Give(bytes_); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
-
-  bool GrowTo(int64_t bytes) {
-    if (bytes <= bytes_) return true;
-    if (!budget_.Take(bytes - bytes_)) return false;
-    bytes_ = bytes;
-    return true;
-  }
-
- private:
-  handlers::Budget& budget_;
-  int64_t bytes_ = 0;
-};
-
 // The answer's way from the request's thread to the strand.
 class Connection::RequestExchange final : public Exchange {
  public:
@@ -331,7 +311,8 @@ asio::awaitable<bool> Connection::ReadHead(Parser& parser) {
   co_return false;
 }
 
-asio::awaitable<bool> Connection::ReadBody(Parser& parser, const BodyRule& rule, Held& held, Request& request) {
+asio::awaitable<bool> Connection::ReadBody(Parser& parser, const BodyRule& rule, handlers::Share& held,
+                                           Request& request) {
   request.is_too_large = request.content_length.value_or(0) > rule.most_bytes;
   if (request.is_too_large || !HasBody(parser)) co_return true;
   if (absl::AsciiStrToLower(request.Field("expect")) == "100-continue") {
@@ -351,9 +332,9 @@ asio::awaitable<bool> Connection::ReadBody(Parser& parser, const BodyRule& rule,
       co_await Refuse(request, answer, false);
       co_return false;
     }
-    if (!held.GrowTo(size)) {
-      const Answer answer = ErrorAnswer(
-          base::Error(absl::StatusCode::kResourceExhausted, "too many bodies are under way", {"QUEUE_FULL", {}}));
+    const absl::Status grown = held.GrowTo(size);
+    if (!grown.ok()) {
+      const Answer answer = ErrorAnswer(grown);
       co_await Refuse(request, answer, false);
       co_return false;
     }
@@ -390,7 +371,8 @@ asio::awaitable<bool> Connection::ServeOne() {
     const bool goes_on = co_await Refuse(*request, *rule.refusal, stays && !HasBody(parser));
     co_return goes_on;
   }
-  Held held(context_.gateway.budget());
+  request->counted_as = rule.counted_as;
+  handlers::Share held(context_.gateway.budget(), rule.counted_as);
   const bool is_there = co_await ReadBody(parser, rule, held, *request);
   if (!is_there) co_return false;
   const bool is_read = !request->is_too_large;
@@ -399,7 +381,7 @@ asio::awaitable<bool> Connection::ServeOne() {
   const auto exchange = std::make_shared<RequestExchange>(shared_from_this(), stays && is_read, is_new);
   exchange_ = exchange;
   Gateway& gateway = context_.gateway;
-  const bool is_started = context_.start([exchange, request, &gateway] {
+  const bool is_started = context_.start(rule.counted_as, [exchange, request, &gateway] {
     try {
       gateway.Serve(*request, *exchange);
     } catch (const std::exception&) {
@@ -410,7 +392,8 @@ asio::awaitable<bool> Connection::ServeOne() {
   if (!is_started) {
     exchange_ = nullptr;
     const Answer answer =
-        ErrorAnswer(base::Error(absl::StatusCode::kUnavailable, "too many requests are under way", {"QUEUE_FULL", {}}));
+        ErrorAnswer(base::Error(absl::StatusCode::kUnavailable,
+                                "too many requests are under way, of all callers or of this one", {"QUEUE_FULL", {}}));
     const bool goes_on = co_await Refuse(*request, answer, stays && is_read);
     co_return goes_on;
   }

@@ -32,8 +32,8 @@ namespace asio = boost::asio;
 struct ConnectionContext {
   HttpOptions options;
   Gateway& gateway;
-  // Runs `work` on a thread of its own; false where there are too many.
-  std::function<bool(std::function<void()> work)> start;
+  // Runs `work` of that caller on a thread of its own; false where there are too many, of all or of this one.
+  std::function<bool(const std::string& who, std::function<void()> work)> start;
 };
 
 // Lives as long as something of it is under way. All but Start(), Close() and the Exchange run on its strand.
@@ -48,7 +48,6 @@ class Connection final : public std::enable_shared_from_this<Connection> {
  private:
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
   class RequestExchange;
-  class Held;
 
   // What is given by reference lives in the caller's frame, which waits. No coroutine takes an object by value, and
   // none is called with one that is made in the same expression: GCC 12 destroys such an object twice.
@@ -57,7 +56,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   // One request with its answer; whether another may follow.
   asio::awaitable<bool> ServeOne();
   asio::awaitable<bool> ReadHead(Parser& parser);
-  asio::awaitable<bool> ReadBody(Parser& parser, const BodyRule& rule, Held& held, Request& request);
+  asio::awaitable<bool> ReadBody(Parser& parser, const BodyRule& rule, handlers::Share& held, Request& request);
   asio::awaitable<bool> Fill();  // more bytes into buffer_; false at the connection's end
   asio::awaitable<bool> WriteAll(const std::string& bytes);
   asio::awaitable<bool> Refuse(const Request& request, const Answer& answer, bool may_stay);

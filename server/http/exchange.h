@@ -34,6 +34,8 @@ struct Request {
   std::string body;
   bool is_too_large = false;  // the body is longer than it may be, and was not read
   Peer peer;
+  // Whose requests and memory it counts as: the principal's name, or the address of who is nobody.
+  std::string counted_as;
 
   // Of a field; empty where there is none.
   std::string Field(const std::string& name) const {

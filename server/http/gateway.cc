@@ -127,31 +127,32 @@ absl::StatusOr<access::Credentials> Gateway::CredentialsOf(const Request& reques
   return credentials;
 }
 
-bool Gateway::IsSomebody(const Request& request) const {
-  const absl::StatusOr<access::Credentials> credentials = CredentialsOf(request);
-  return credentials.ok() && core_.gate.Identify(*credentials).ok();
+absl::StatusOr<access::Identity> Gateway::CallerOf(const Request& request) const {
+  ASSIGN_OR_RETURN(const access::Credentials credentials, CredentialsOf(request));
+  return core_.gate.Identify(credentials);
 }
 
 BodyRule Gateway::RuleFor(const Request& head) const {
+  const absl::StatusOr<access::Identity> caller = CallerOf(head);
+  BodyRule rule = RuleFor(head, caller);
+  rule.counted_as = caller.ok() ? caller->name : access::PeerHost(head.peer.address);
+  return rule;
+}
+
+BodyRule Gateway::RuleFor(const Request& head, const absl::StatusOr<access::Identity>& caller) const {
   // Pages hold no data: a link of another page may lead to them.
   if (pages_.Has(head.path)) return {};
   const absl::Status origin = CheckOrigin(head, core_.gate.asks(), own_host_);
   if (!origin.ok()) return {0, Refusal(head, origin)};
   // Of who is nobody no more than a small message: nothing of his is read, but he is told so as the method's protocol
   // has it.
-  if (FindMethod(head.path) != nullptr) {
-    const bool is_small = head.content_length && *head.content_length <= kMostOtherBytes;
-    return {is_small || IsSomebody(head) ? MostBodyBytes(head) : kMostOtherBytes, {}};
-  }
+  if (FindMethod(head.path) != nullptr) return {caller.ok() ? MostBodyBytes(head) : kMostOtherBytes};
   const Plain plain = PlainOf(PlaceOf(head.path));
-  if (head.method != "POST" || plain == Plain::kNone) return {kMostOtherBytes, {}};
+  if (head.method != "POST" || plain == Plain::kNone) return {kMostOtherBytes};
   if (!head.content_length) return {0, Answer{411, {}, ""}};
   // Nobody's file is taken in for nothing. What its role may do is asked with the call.
-  const absl::StatusOr<access::Credentials> credentials = CredentialsOf(head);
-  if (!credentials.ok()) return {0, Refusal(head, credentials.status())};
-  const absl::Status identified = core_.gate.Identify(*credentials).status();
-  if (!identified.ok()) return {0, Refusal(head, identified)};
-  return {kMostFileBytes, {}};
+  if (!caller.ok()) return {0, Refusal(head, caller.status())};
+  return {kMostFileBytes};
 }
 
 void Gateway::Serve(const Request& request, Exchange& exchange) {
@@ -162,7 +163,7 @@ void Gateway::Serve(const Request& request, Exchange& exchange) {
   if (const google::protobuf::MethodDescriptor* const method = FindMethod(request.path)) {
     absl::StatusOr<access::Credentials> credentials = CredentialsOf(request);
     if (credentials.ok() && request.is_too_large) {
-      const absl::Status identified = core_.gate.Identify(*credentials).status();
+      const absl::Status identified = CallerOf(request).status();
       if (!identified.ok()) credentials = identified;
     }
     if (!credentials.ok()) Refusal(request, credentials.status());  // the answer is the method's to write

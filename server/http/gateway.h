@@ -20,15 +20,17 @@ namespace axiscal::http {
 // What may follow the head of a request: a body of so many bytes, or nothing but this answer.
 struct BodyRule {
   int64_t most_bytes = 0;
-  std::optional<Answer> refusal;
+  std::optional<Answer> refusal = {};
+  std::string counted_as = {};  // as Request has it
 };
 
 // Safe from any thread.
 class Gateway {
  public:
-  // `core` must outlive it. `own_host`: a name for this machine that Host may have (CheckOrigin).
-  Gateway(handlers::Core& core, std::shared_ptr<grpc::Channel> channel, const std::string& own_host)
-      : core_(core), channel_(std::move(channel)), own_host_(own_host) {}
+  // `core` must outlive it. `own_host`: a name for this machine that Host may have (CheckOrigin). `max_bytes`: of all
+  // bodies, files and messages at a time.
+  Gateway(handlers::Core& core, std::shared_ptr<grpc::Channel> channel, const std::string& own_host, int64_t max_bytes)
+      : core_(core), channel_(std::move(channel)), own_host_(own_host), budget_(max_bytes) {}
 
   // Of a request without its body yet.
   BodyRule RuleFor(const Request& head) const;
@@ -40,7 +42,8 @@ class Gateway {
 
  private:
   absl::StatusOr<access::Credentials> CredentialsOf(const Request& request) const;
-  bool IsSomebody(const Request& request) const;
+  BodyRule RuleFor(const Request& head, const absl::StatusOr<access::Identity>& caller) const;
+  absl::StatusOr<access::Identity> CallerOf(const Request& request) const;
   // The answer to what is refused before it is a call; the audit hears of it where it was denied.
   Answer Refusal(const Request& request, const absl::Status& status) const;
   void ServePlain(const Request& request, const std::vector<std::string>& place, Exchange& exchange);
@@ -50,7 +53,7 @@ class Gateway {
   const std::string own_host_;
   const Pages pages_{EmbeddedPages()};
   SignIns sign_ins_;
-  handlers::Budget budget_{int64_t{1} << 30};
+  handlers::Budget budget_;
 };
 
 }  // namespace axiscal::http

@@ -60,8 +60,11 @@ class HttpServer::Impl {
  public:
   Impl(const HttpOptions& options, handlers::Core& core, std::shared_ptr<grpc::Channel> channel)
       : core_(core),
-        gateway_(core, std::move(channel), options.own_host),
-        context_{options, gateway_, [this](std::function<void()> work) { return StartRequest(std::move(work)); }},
+        gateway_(core, std::move(channel), options.own_host, options.max_bytes),
+        room_(options.max_requests),
+        context_{
+            options, gateway_,
+            [this](const std::string& who, std::function<void()> work) { return StartRequest(who, std::move(work)); }},
         guard_(asio::make_work_guard(io_)) {
     for (int i = 0; i < kThreads; ++i) threads_.emplace_back([this] { io_.run(); });
   }
@@ -123,26 +126,27 @@ class HttpServer::Impl {
     return tls_;
   }
 
-  bool StartRequest(std::function<void()> work) {
+  bool StartRequest(const std::string& who, std::function<void()> work) {
     {
       const base::MutexLock lock(mutex_);
-      if (is_stopping_ || requests_ >= context_.options.max_requests) return false;
+      if (is_stopping_ || !room_.Take(who, 1)) return false;
       ++requests_;
     }
     try {
-      std::thread([this, work = std::move(work)]() mutable {
+      std::thread([this, who, work = std::move(work)]() mutable {
         work();
         work = nullptr;
-        EndRequest();
+        EndRequest(who);
       }).detach();
     } catch (const std::system_error&) {
-      EndRequest();
+      EndRequest(who);
       return false;
     }
     return true;
   }
 
-  void EndRequest() {
+  void EndRequest(const std::string& who) {
+    room_.Give(who, 1);
     const base::MutexLock lock(mutex_);
     --requests_;
     changed_.NotifyAll();
@@ -150,6 +154,7 @@ class HttpServer::Impl {
 
   handlers::Core& core_;
   Gateway gateway_;
+  handlers::Budget room_;  // for requests
   ConnectionContext context_;
   base::Mutex mutex_;
   base::CondVar changed_;

@@ -38,8 +38,10 @@ struct HttpOptions {
   std::chrono::milliseconds silence = std::chrono::minutes(5);
   // A connection without a request is closed after so long. > 0.
   std::chrono::milliseconds idle = std::chrono::minutes(5);
-  // Requests under way at a time; more get UNAVAILABLE.
+  // Requests under way at a time; more get UNAVAILABLE. Bytes of all bodies, files and messages at a time; more get
+  // RESOURCE_EXHAUSTED. Both are shared fairly between callers (handlers::Budget).
   int max_requests = 3000;
+  int64_t max_bytes = int64_t{1} << 30;
 };
 
 // Safe from any thread.

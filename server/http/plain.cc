@@ -166,7 +166,7 @@ absl::StatusOr<Answer> LoadSession(const PlainCall& call, int64_t id) {
   ASSIGN_OR_RETURN(const v1::Session found, FindSession(call, *stub, id));
   const std::string etag = "\"" + found.sha256() + "\"";
   if (!found.sha256().empty() && Has(call.request, etag)) return Answer{304, {{"ETag", etag}}, ""};
-  handlers::Share share(call.budget);
+  handlers::Share share(call.budget, call.request.counted_as);
   ASSIGN_OR_RETURN(const session::Session session, Download(call, *stub, id, share));
   ASSIGN_OR_RETURN(std::string text, session::WriteSession(session));
   return Answer{200,
@@ -195,7 +195,7 @@ absl::StatusOr<std::map<std::string, FormPart>> ReadForm(const PlainCall& call) 
 }
 
 absl::StatusOr<Answer> StoreLog(const PlainCall& call, const std::string& machine) {
-  handlers::Share share(call.budget);
+  handlers::Share share(call.budget, call.request.counted_as);
   RETURN_IF_ERROR(share.Take(static_cast<int64_t>(call.request.body.size())));  // the parts are copies
   ASSIGN_OR_RETURN(auto form, ReadForm(call));
   const FormPart& log = form["log"];

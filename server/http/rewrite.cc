@@ -92,7 +92,7 @@ bool WantsReport(const Request& request) {
 
 absl::StatusOr<Answer> AnswerTo(const PlainCall& call, const std::string& machine) {
   ASSIGN_OR_RETURN(const v1::CompensateParams params, ParamsOf(call.request, machine));
-  handlers::Share share(call.budget);
+  handlers::Share share(call.budget, call.request.counted_as);
   ASSIGN_OR_RETURN(Rewritten rewritten, Rewrite(call, params, share));
   const bool wants_report = WantsReport(call.request);
   return Answer{200,

@@ -65,7 +65,7 @@ absl::StatusOr<sheet::CalibrationToPrint> LoadCalibrationToPrint(const PlainCall
 }  // namespace
 
 void GetSheet(const PlainCall& call, int64_t id) {
-  handlers::Share share(call.budget);
+  handlers::Share share(call.budget, call.request.counted_as);
   const absl::StatusOr<sheet::CalibrationToPrint> found = LoadCalibrationToPrint(call, id, share);
   if (!found.ok()) {
     call.exchange.Send(ErrorAnswer(found.status()));

@@ -40,14 +40,6 @@ absl::Status CheckSessions(storage::Database& database, const MachineId& machine
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::optional<identify::Budget>> ReadBudget(const machine::Machine& machine, const std::string& json,
-                                                           const std::string& field) {
-  if (json.empty()) return std::nullopt;
-  absl::StatusOr<identify::Budget> budget = identify::ReadBudget(json, machine);
-  if (!budget.ok()) return convert::FieldError(field, std::string(budget.status().message()));
-  return *std::move(budget);
-}
-
 absl::Status CheckIdentify(storage::Database& database, const machine::Machine& machine,
                            const records::IdentifyParams& params) {
   RETURN_IF_ERROR(ErrorsOf(database, machine, params).status());
@@ -156,14 +148,22 @@ absl::StatusOr<IdentifyErrors> ErrorsOf(storage::Database& database, const machi
   return errors;
 }
 
+absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine, const std::string& json,
+                                                         const std::string& field) {
+  if (json.empty()) return std::nullopt;
+  absl::StatusOr<identify::Budget> budget = identify::ReadBudget(json, machine);
+  if (!budget.ok()) return convert::FieldError(field, std::string(budget.status().message()));
+  return *std::move(budget);
+}
+
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
                                                          const records::IdentifyParams& params) {
-  return ReadBudget(machine, params.budget_json, "params.identify.budget_json");
+  return BudgetOf(machine, params.budget_json, "params.identify.budget_json");
 }
 
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
                                                          const records::CloseLoopParams& params) {
-  return ReadBudget(machine, params.budget_json, "params.close_loop.budget_json");
+  return BudgetOf(machine, params.budget_json, "params.close_loop.budget_json");
 }
 
 absl::StatusOr<machine::ErrorModel> DeclaredModel(const machine::Machine& machine,

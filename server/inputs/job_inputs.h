@@ -46,6 +46,9 @@ absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine&
                                                          const records::IdentifyParams& params);
 absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine,
                                                          const records::CloseLoopParams& params);
+// One that stands in `field`; empty: none.
+absl::StatusOr<std::optional<identify::Budget>> BudgetOf(const machine::Machine& machine, const std::string& json,
+                                                         const std::string& field);
 
 }  // namespace axiscal::inputs
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <set>
 
 #include "core/base/error_detail.h"
 #include "core/drift/detector.h"
@@ -70,6 +71,50 @@ absl::StatusOr<drift::Calibration> PointOf(storage::Database& database, const Ca
   return point;
 }
 
+// What the machine's routines have made.
+absl::StatusOr<std::set<CalibrationId>> MadeByRoutines(storage::Database& database, const MachineId& machine,
+                                                       const std::function<bool()>& is_cancelled) {
+  records::RunFilter filter;
+  filter.machine = machine;
+  ASSIGN_OR_RETURN(
+      const std::vector<records::RoutineRun> runs,
+      AllOf<records::RoutineRun>([&](const auto& page) { return database.ListRuns(filter, page, {}); }, is_cancelled));
+  std::set<CalibrationId> made;
+  for (const records::RoutineRun& run : runs) {
+    if (run.calibration) made.insert(*run.calibration);
+  }
+  return made;
+}
+
+// Those that count, the oldest first; `all` in any order.
+template <typename CountsCandidate>
+std::vector<CalibrationRecord> CountedCalibrations(const std::vector<CalibrationRecord>& all,
+                                                   const CountsCandidate& counts_candidate) {
+  // Whether `a` stands for its set rather than `b`.
+  const auto is_better = [](const CalibrationRecord& a, const CalibrationRecord& b) {
+    if (a.approved_at != b.approved_at) return a.approved_at > b.approved_at;  // never comes first
+    return a.version > b.version;
+  };
+  std::map<std::vector<SessionId>, const CalibrationRecord*> of_set;
+  for (const CalibrationRecord& record : all) {
+    if (!record.rejected_sessions.empty()) continue;
+    const bool is_candidate = record.state == records::CalibrationState::kCandidate;
+    if (!record.approved_at && !(is_candidate && counts_candidate(record))) continue;
+    std::vector<SessionId> set = record.content.sessions;
+    std::sort(set.begin(), set.end());
+    const CalibrationRecord*& chosen = of_set[set];
+    if (chosen == nullptr || is_better(record, *chosen)) chosen = &record;
+  }
+  std::map<base::UtcTime, const CalibrationRecord*> at;
+  for (const auto& [set, record] : of_set) {
+    const CalibrationRecord*& chosen = at[record->content.measured_at];
+    if (chosen == nullptr || record->version > chosen->version) chosen = record;
+  }
+  std::vector<CalibrationRecord> counted;
+  for (const auto& [time, record] : at) counted.push_back(*record);
+  return counted;
+}
+
 // Those that count, the oldest first.
 absl::StatusOr<std::vector<records::Mark>> MarksOf(storage::Database& database, const MachineId& machine,
                                                    const std::function<bool()>& is_cancelled) {
@@ -98,41 +143,20 @@ std::string DayText(base::UtcTime at) {
                          static_cast<unsigned>(day.day()));
 }
 
-std::vector<CalibrationRecord> CountedCalibrations(const std::vector<CalibrationRecord>& all,
-                                                   const CountsCandidate& counts_candidate) {
-  // Whether `a` stands for its set rather than `b`.
-  const auto is_better = [](const CalibrationRecord& a, const CalibrationRecord& b) {
-    if (a.approved_at != b.approved_at) return a.approved_at > b.approved_at;  // never comes first
-    return a.version > b.version;
-  };
-  std::map<std::vector<SessionId>, const CalibrationRecord*> of_set;
-  for (const CalibrationRecord& record : all) {
-    if (!record.rejected_sessions.empty()) continue;
-    const bool is_candidate = record.state == records::CalibrationState::kCandidate;
-    if (!record.approved_at && !(is_candidate && counts_candidate(record))) continue;
-    std::vector<SessionId> set = record.content.sessions;
-    std::sort(set.begin(), set.end());
-    const CalibrationRecord*& chosen = of_set[set];
-    if (chosen == nullptr || is_better(record, *chosen)) chosen = &record;
-  }
-  std::map<base::UtcTime, const CalibrationRecord*> at;
-  for (const auto& [set, record] : of_set) {
-    const CalibrationRecord*& chosen = at[record->content.measured_at];
-    if (chosen == nullptr || record->version > chosen->version) chosen = record;
-  }
-  std::vector<CalibrationRecord> counted;
-  for (const auto& [time, record] : at) counted.push_back(*record);
-  return counted;
-}
-
 absl::StatusOr<MachineHistory> FollowHistory(storage::Database& database, const MachineId& machine,
-                                             const CountsCandidate& counts_candidate,
-                                             const std::function<bool()>& is_cancelled) {
+                                             bool counts_candidates, const std::function<bool()>& is_cancelled) {
   records::CalibrationFilter filter;
   filter.machine = machine;
   ASSIGN_OR_RETURN(const std::vector<CalibrationRecord> all,
                    AllOf<CalibrationRecord>([&](const auto& page) { return database.ListCalibrations(filter, page); },
                                             is_cancelled));
+  std::set<CalibrationId> by_routines;
+  if (!counts_candidates) {
+    ASSIGN_OR_RETURN(by_routines, MadeByRoutines(database, machine, is_cancelled));
+  }
+  const auto counts = [&](const CalibrationRecord& candidate) {
+    return counts_candidates || by_routines.count(candidate.id) > 0;
+  };
   MachineHistory history;
   ASSIGN_OR_RETURN(history.marks, MarksOf(database, machine, is_cancelled));
   history.calibrations = static_cast<int64_t>(all.size());
@@ -147,7 +171,7 @@ absl::StatusOr<MachineHistory> FollowHistory(storage::Database& database, const 
       RETURN_IF_ERROR(drift::Put(ToDrift(history.marks[next_mark]), &history.state));
     return absl::OkStatus();
   };
-  for (const CalibrationRecord& record : CountedCalibrations(all, counts_candidate)) {
+  for (const CalibrationRecord& record : CountedCalibrations(all, counts)) {
     if (is_cancelled()) return CallerGone();
     RETURN_IF_ERROR(put_marks_before(record.content.measured_at));
     const absl::StatusOr<drift::Calibration> point = PointOf(database, record);

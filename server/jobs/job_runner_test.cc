@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "core/base/error_detail.h"
-#include "server/storage/connection.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::jobs {
@@ -59,7 +59,7 @@ class JobRunnerTest : public testing::Test {
   void WaitForBeat(JobId id) {
     const auto now = database.clock.SteadyNow().time_since_epoch();
     const auto expected = std::chrono::duration_cast<std::chrono::microseconds>(now + options.lease).count();
-    const auto file = storage::Connection::Open(database.path(), storage::Access::kReadOnly);
+    const auto file = storage::SqliteConnection::Open(database.path(), storage::Access::kReadOnly);
     DEMAND(file.ok());
     for (int64_t lease_until = 0; lease_until < expected; std::this_thread::yield()) {
       auto row = (*file)->Ask("SELECT lease_until_steady_us FROM job WHERE id = ?1", id);
@@ -231,6 +231,21 @@ TEST_F(JobRunnerTest, TheTimeLimitReachesTheRunningFunction) {
   const JobRecord ended = WaitForEnd(job.id);
   EXPECT_EQ(ended.state, JobState::kFailed);
   EXPECT_EQ(ended.error->reason, "DEADLINE");
+}
+
+TEST_F(JobRunnerTest, TheJobsOwnDeadlineReachesTheRunningFunction) {
+  kinds["patient"] = {Patient(), std::chrono::hours(1)};
+  StartRunner();
+  NewJob asked = Job("patient", "");
+  asked.deadline = database.clock.UtcNow() + std::chrono::seconds(20);
+  const absl::StatusOr<JobRecord> job = runner->Create(asked);
+  ASSERT_TRUE(job.ok()) << job.status();
+  WaitUntil(job->id, [](const JobRecord& record) { return record.progress.stage == "wait"; });
+  database.clock.Advance(std::chrono::seconds(21));
+  const JobRecord ended = WaitForEnd(job->id);
+  EXPECT_EQ(ended.state, JobState::kFailed);
+  EXPECT_EQ(ended.error->reason, "JOB_TOO_LATE");
+  EXPECT_EQ(ended.error->code, absl::StatusCode::kDeadlineExceeded);
 }
 
 TEST_F(JobRunnerTest, PassingTroubleIsTriedAgainAndAPoisonedJobDies) {

@@ -4,12 +4,8 @@
 #include <cmath>
 
 #include "absl/strings/str_join.h"
-#include "core/base/error_detail.h"
 #include "core/base/units.h"
-#include "core/identify/identify.h"
-#include "core/instruments/covered.h"
-#include "core/machine/error_json.h"
-#include "server/inputs/calibration_use.h"
+#include "server/inputs/compared.h"
 #include "server/inputs/tolerance.h"
 
 namespace axiscal::routines {
@@ -19,47 +15,10 @@ namespace {
 constexpr double kLeastProbability = 0.05;
 constexpr size_t kNamed = 5;  // of errors that differ, the clearest; more are counted
 
-struct Sided {
-  compare::Side side;
-  instruments::Covered covered;
-};
-
-absl::StatusOr<compare::Side> SideOf(const records::CalibrationRecord& record, const machine::Machine& machine) {
-  compare::Side side;
-  side.label = absl::StrCat("calibration ", record.id.number());
-  ASSIGN_OR_RETURN(side.errors, machine::ReadKnownErrors(record.content.model_json, machine));
-  ASSIGN_OR_RETURN(const reports::CalibrationReport report, reports::ReadCalibrationReport(record.content.report_json));
-  compare::AddReport(report, &side);
-  return side;
-}
-
-// Readings go by age (retention): what is left of them counts.
-void CoverSessions(storage::Database& database, const machine::Machine& machine,
-                   const records::CalibrationRecord& record, instruments::Covered& covered) {
-  for (const SessionId id : record.content.sessions) {
-    const absl::StatusOr<session::Session> session = database.ReadSession(id);
-    if (!session.ok()) continue;
-    const auto runs = identify::BindSessions(machine, {*session});
-    if (runs.ok()) instruments::Cover(*runs, covered);
-  }
-}
-
 absl::StatusOr<compare::Comparison> CompareStored(storage::Database& database, const records::CalibrationRecord& in_use,
                                                   const records::CalibrationRecord& candidate) {
-  RETURN_IF_ERROR(inputs::MachineFor(database, in_use).status());
-  ASSIGN_OR_RETURN(const machine::Machine machine, inputs::MachineFor(database, candidate));
-  ASSIGN_OR_RETURN(const compare::Side first, SideOf(in_use, machine));
-  ASSIGN_OR_RETURN(const compare::Side second, SideOf(candidate, machine));
-  instruments::Covered covered;
-  CoverSessions(database, machine, candidate, covered);
-  CoverSessions(database, machine, in_use, covered);
-  std::optional<predict::Workspace> workspace;
-  if (!covered.low.empty()) {
-    workspace.emplace();
-    workspace->tip_mm = *covered.tip_mm;
-    workspace->box = {covered.low, covered.high};
-  }
-  return compare::Compare(machine, first, second, workspace);
+  ASSIGN_OR_RETURN(const inputs::Compared compared, inputs::SidesOf(database, in_use, candidate));
+  return compare::Compare(compared.machine, compared.first, compared.second, compared.workspace);
 }
 
 bool Differs(const compare::Difference& one) {

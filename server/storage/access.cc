@@ -238,11 +238,10 @@ absl::StatusOr<Page<PrincipalRecord>> ListPrincipals(Connection& connection, con
 absl::StatusOr<TokenRecord> CreateToken(Connection& connection, UtcTime now, const NewToken& token,
                                         const Caller& caller) {
   ASSIGN_OR_RETURN(const int64_t key, LivePrincipalKey(connection, token.principal));
-  RETURN_IF_ERROR(
-      connection.Run("INSERT INTO token (principal_id, sha256, note, created_by, created_at_utc_us, expires_at_utc_us) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-                     key, token.sha256, token.note, caller.principal, now, token.expires_at));
-  const int64_t id = connection.last_insert_id();
+  ASSIGN_OR_RETURN(const int64_t id,
+                   connection.Insert("INSERT INTO token (principal_id, sha256, note, created_by, created_at_utc_us, "
+                                     "expires_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+                                     key, token.sha256, token.note, caller.principal, now, token.expires_at));
   RETURN_IF_ERROR(
       AuditChange(connection, now, caller, "token.create", absl::StrCat(PlaceOf(token.principal), "/tokens/", id)));
   return GetToken(connection, id);
@@ -270,8 +269,8 @@ absl::StatusOr<PrincipalRecord> ChangeRole(Connection& connection, UtcTime now, 
   if (grant.scope.kind == Scope::Kind::kGroup) RETURN_IF_ERROR(CheckAccessName("group", grant.scope.name));
   const int role = static_cast<int>(grant.role), scope = static_cast<int>(grant.scope.kind);
   RETURN_IF_ERROR(
-      holds ? connection.Run("INSERT OR IGNORE INTO principal_role (principal_id, role, scope, scope_name, created_by, "
-                             "created_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+      holds ? connection.Run("INSERT INTO principal_role (principal_id, role, scope, scope_name, created_by, "
+                             "created_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6) ON CONFLICT DO NOTHING",
                              key, role, scope, grant.scope.name, caller.principal, now)
             : connection.Run(
                   "DELETE FROM principal_role WHERE principal_id = ?1 AND role = ?2 AND scope = ?3 AND scope_name = ?4",
@@ -289,7 +288,8 @@ absl::StatusOr<MachineAccess> ChangeGroup(Connection& connection, UtcTime now, c
   RETURN_IF_ERROR(CheckAccessName("group", group));
   ASSIGN_OR_RETURN(const int64_t key, MachineKey(connection, machine));
   RETURN_IF_ERROR(
-      belongs ? connection.Run("INSERT OR IGNORE INTO machine_group (name, machine_id) VALUES (?1, ?2)", group, key)
+      belongs ? connection.Run("INSERT INTO machine_group (name, machine_id) VALUES (?1, ?2) ON CONFLICT DO NOTHING",
+                               group, key)
               : connection.Run("DELETE FROM machine_group WHERE name = ?1 AND machine_id = ?2", group, key));
   if (connection.changed_rows() > 0) {
     RETURN_IF_ERROR(AuditChange(connection, now, caller, belongs ? "group.add" : "group.remove",
@@ -397,31 +397,143 @@ absl::StatusOr<std::string> NewestOfMachines(Connection& connection, const std::
   return JsonOf(ids);
 }
 
-absl::StatusOr<LookedAt> LookAtNewest(Connection& connection, const std::string& table,
-                                      const std::optional<int64_t>& machine, const Visible& visible, int state,
-                                      int64_t before) {
-  constexpr int64_t kMost = 1000;
-  std::vector<int64_t> machines;
-  if (machine.has_value()) {
-    machines.push_back(*machine);
-  } else if (!visible.everything) {
-    ASSIGN_OR_RETURN(machines, MachinesIn(connection, visible.scopes));
-  } else {
-    machines.push_back(0);  // of all: it is not asked for
+namespace {
+
+// The newest of some rows below a number: all from `reached` on, falling. 0: there are no more.
+struct Newest {
+  std::vector<int64_t> ids;
+  int64_t reached = 0;
+
+  // Of ids that NewestIds() has found, kMostLookedAt at most.
+  static Newest Of(std::vector<int64_t> ids) {
+    const int64_t reached = static_cast<int64_t>(ids.size()) < kMostLookedAt ? 0 : ids.back();
+    return {std::move(ids), reached};
   }
-  const bool is_of_all = visible.everything && !machine.has_value();
-  const std::string sql =
-      absl::StrCat("SELECT id FROM ", table, " WHERE ", is_of_all ? "" : "machine_id = ?1 AND ", "id < ?2 AND id > ?3",
-                   state == 0 ? "" : " AND state = ?5", " ORDER BY id DESC LIMIT ?4");
-  ASSIGN_OR_RETURN(const std::vector<int64_t> ids, NewestIds(connection, sql, machines, before, kMost, state));
-  LookedAt looked = {JsonOf(ids)};
-  if (static_cast<int64_t>(ids.size()) == kMost) looked.last = ids.back();
-  return looked;
+};
+
+// Whether a page that looks at one gets farther than with the other, or looks at fewer rows.
+bool IsNarrower(const Newest& one, const Newest& other) {
+  return one.reached != other.reached ? one.reached < other.reached : one.ids.size() < other.ids.size();
 }
+
+constexpr int kBlockBits = 10;           // of the indices TABLE_at and TABLE_of_machine_at: id >> 10
+constexpr int64_t kMostBlocks = 1024;    // that a page looks at, of all machines
+constexpr int64_t kFewestOfMachine = 8;  // ... of one, however many there are
 
 std::string InSpan(const std::string& time, const TimeSpan& span, int first_parameter) {
   return absl::StrCat(span.from ? absl::StrCat(" AND ", time, " >= ?", first_parameter) : "",
                       span.to ? absl::StrCat(" AND ", time, " < ?", first_parameter + 1) : "");
+}
+
+// Statements on an index by blocks of numbers: ?1 is the machine, ?2 and ?3 are the span, ?4 is the block.
+struct OfBlocks {
+  std::string rows;    // of a block, in the span
+  std::string before;  // the number of the block before it that has any row
+};
+
+OfBlocks BlocksOf(const std::string& table, bool is_of_all, const Narrowing& narrowing) {
+  const std::string from_where = absl::StrCat(" FROM ", table, " INDEXED BY ", table, is_of_all ? "" : "_of_machine",
+                                              "_at WHERE ", is_of_all ? "" : "machine_id = ?1 AND ");
+  const std::string block = absl::StrCat("id >> ", kBlockBits);
+  return {absl::StrCat("SELECT id", from_where, block, " = ?4", InSpan(narrowing.time, narrowing.span, 2)),
+          absl::StrCat("SELECT ", block, from_where, block, " < ?4 ORDER BY ", block, " DESC LIMIT 1")};
+}
+
+// Of one machine, adding to what others have: looks at blocks from `before` down, at `most` of them, and no farther
+// than where enough was found.
+absl::Status AddInSpan(Connection& connection, const OfBlocks& sql, int64_t machine, int64_t before, int64_t most,
+                       const TimeSpan& span, Newest* newest) {
+  std::vector<int64_t>& ids = newest->ids;
+  int64_t found = 0;
+  for (int64_t block = (before - 1) >> kBlockBits, looked = 0;; ++looked) {
+    const int64_t last = (block << kBlockBits) | ((1 << kBlockBits) - 1);  // number of the block
+    if (last < newest->reached) return absl::OkStatus();
+    if (looked == most || found >= kMostLookedAt) {
+      newest->reached = last + 1;
+      return absl::OkStatus();
+    }
+    {
+      ASSIGN_OR_RETURN(Statement row, connection.Ask(sql.rows, machine, span.from, span.to, block));
+      while (true) {
+        ASSIGN_OR_RETURN(const bool more, row.Step());
+        if (!more) break;
+        if (row.Int(0) < before) ids.push_back(row.Int(0)), ++found;
+      }
+    }
+    ASSIGN_OR_RETURN(Statement row, connection.Ask(sql.before, machine, span.from, span.to, block));
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return absl::OkStatus();
+    block = row.Int(0);
+  }
+}
+
+absl::StatusOr<Newest> NewestInSpan(Connection& connection, const OfBlocks& sql, const std::vector<int64_t>& machines,
+                                    int64_t before, const TimeSpan& span) {
+  Newest newest;
+  const int64_t most = std::max(kFewestOfMachine, kMostBlocks / std::max<int64_t>(1, std::ssize(machines)));
+  for (const int64_t machine : machines) {
+    RETURN_IF_ERROR(AddInSpan(connection, sql, machine, before, most, span, &newest));
+    std::sort(newest.ids.begin(), newest.ids.end(), std::greater<>());
+    if (std::ssize(newest.ids) < kMostLookedAt) continue;
+    newest.ids.resize(kMostLookedAt);
+    newest.reached = std::max(newest.reached, newest.ids.back());
+  }
+  while (!newest.ids.empty() && newest.ids.back() < newest.reached) newest.ids.pop_back();
+  return newest;
+}
+
+}  // namespace
+
+absl::StatusOr<LookedAt> LookAtNarrowest(Connection& connection, const std::string& table,
+                                         const std::optional<int64_t>& machine, const Visible& visible, int state,
+                                         int64_t before, const Narrowing& narrowing) {
+  const bool is_of_all = visible.everything && !machine.has_value();
+  std::vector<int64_t> machines;
+  LookedAt looked;
+  if (machine.has_value()) {
+    machines.push_back(*machine);
+  } else if (!visible.everything) {
+    ASSIGN_OR_RETURN(machines, MachinesIn(connection, visible.scopes));
+    looked.machines = JsonOf(machines);
+  } else {
+    machines.push_back(0);  // of all: it is not asked for
+  }
+  const std::string of = is_of_all ? "" : "machine_id = ?1 AND ";
+  const std::string by_index = table + (is_of_all ? "" : "_of_machine");
+  const std::string newest = "id < ?2 AND id > ?3";
+  ASSIGN_OR_RETURN(std::vector<int64_t> ids,
+                   NewestIds(connection,
+                             absl::StrCat("SELECT id FROM ", table, " WHERE ", of, newest,
+                                          state == 0 ? "" : " AND state = ?5", " ORDER BY id DESC LIMIT ?4"),
+                             machines, before, kMostLookedAt, state));
+  Newest narrowest = Newest::Of(std::move(ids));
+  const auto take = [&](Newest other) {
+    if (IsNarrower(other, narrowest)) narrowest = std::move(other);
+  };
+  for (const Narrowing::Text& one : narrowing.texts) {
+    const std::string sql = absl::StrCat("SELECT id FROM ", table, " INDEXED BY ", by_index, "_with_", one.column,
+                                         " WHERE ", of, one.column, " = ?5 AND ", newest, " ORDER BY id DESC LIMIT ?4");
+    ASSIGN_OR_RETURN(std::vector<int64_t> with, NewestIds(connection, sql, machines, before, kMostLookedAt, one.text));
+    take(Newest::Of(std::move(with)));
+  }
+  if (narrowing.linked.has_value()) take(Newest::Of(*narrowing.linked));
+  if (!narrowing.span.is_all()) {
+    ASSIGN_OR_RETURN(Newest within,
+                     NewestInSpan(connection, BlocksOf(table, is_of_all, narrowing), machines, before, narrowing.span));
+    take(std::move(within));
+  }
+  looked.ids = JsonOf(narrowest.ids);
+  if (narrowest.reached > 0) looked.last = narrowest.reached;
+  return looked;
+}
+
+std::string HeldTo(const std::string& alias, const LookedAt& looked, bool has_machine, int state,
+                   const std::string& time, const TimeSpan& span) {
+  return absl::StrCat(
+      "WHERE ", alias, ".id IN (SELECT value FROM json_each(?5))",
+      has_machine ? absl::StrCat(" AND +", alias, ".machine_id = ?2") : "",
+      state != 0 ? absl::StrCat(" AND +", alias, ".state = ?3") : "", InSpan(time, span, 6),
+      looked.machines.empty() ? "" : absl::StrCat(" AND +", alias, ".machine_id IN (SELECT value FROM json_each(?8))"));
 }
 
 std::string TokenOf(const TimeSpan& span) {

@@ -65,19 +65,41 @@ absl::StatusOr<std::string> NewestOfMachines(Connection& connection, const std::
                                              const std::vector<records::Scope>& scopes, int state, int64_t before,
                                              int64_t limit);
 
-// What a list reads that is held to more than machine and state: no index fits that, so a page looks at so many rows
-// at most, the newest below `before` of those that have the state (0: any), and may have few or none of them. A page
-// costs the same however many rows there are.
+// Rows that a page of a narrow list looks at.
+inline constexpr int64_t kMostLookedAt = 1000;
+
+// What else than machine and state a list of a table is held to.
+struct Narrowing {
+  // Rows whose `column` is `text`: indices TABLE_with_COLUMN and TABLE_of_machine_with_COLUMN.
+  struct Text {
+    std::string column, text;
+  };
+  std::vector<Text> texts = {};
+  // Rows whose `time`, as the indices TABLE_at and TABLE_of_machine_at have it behind blocks of numbers, lies in the
+  // span.
+  std::string time = {};
+  TimeSpan span = {};
+  // Rows that another table names: NewestIds() of it, with the limit kMostLookedAt.
+  std::optional<std::vector<int64_t>> linked = {};
+};
+
+// The rows that a page of such a list looks at, the newest below `before` by whichever index leaves the fewest of them:
+// of the machine and state (0: any), of a text, of the time, of those that are linked. The page holds each row to all
+// else. Where one of them fits few rows, the page ends the list, however many fit none; else it looks at so many at
+// most (of a time, at so many blocks of numbers too), and the next one goes on.
 struct LookedAt {
-  std::string ids;                  // JSON
-  std::optional<int64_t> last = {};  // there may be more below this one
+  std::string ids = {};              // JSON
+  std::string machines = {};         // JSON: the keys that rows must have; empty: any
+  std::optional<int64_t> last = {};  // there may be more below this number
 };
 // Of that machine (its key), else of all that may be seen.
-absl::StatusOr<LookedAt> LookAtNewest(Connection& connection, const std::string& table,
-                                      const std::optional<int64_t>& machine, const Visible& visible, int state,
-                                      int64_t before);
-// " AND time >= ?i AND time < ?(i + 1)", of those ends that the span has.
-std::string InSpan(const std::string& time, const TimeSpan& span, int first_parameter);
+absl::StatusOr<LookedAt> LookAtNarrowest(Connection& connection, const std::string& table,
+                                         const std::optional<int64_t>& machine, const Visible& visible, int state,
+                                         int64_t before, const Narrowing& narrowing);
+// What the page holds each of its rows to beside texts and links, of a table called `alias`: "WHERE ...", with the
+// parameters ?2 (machine), ?3 (state), ?5 (LookedAt::ids), ?6 and ?7 (span, of `time`), ?8 (LookedAt::machines).
+std::string HeldTo(const std::string& alias, const LookedAt& looked, bool has_machine, int state,
+                   const std::string& time, const TimeSpan& span);
 // For the name of a list in its page token.
 std::string TokenOf(const TimeSpan& span);
 

@@ -104,13 +104,13 @@ absl::StatusOr<int64_t> LastId(Connection& connection) {
 }  // namespace
 
 absl::Status AppendAudit(Connection& connection, const AuditEntry& given) {
-  RETURN_IF_ERROR(
-      connection.Run("INSERT INTO audit (at_utc_us, principal, peer, action, resource, outcome, was, became, detail) "
-                     "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
-                     given.at, given.principal, given.peer, given.action, given.resource, given.outcome, given.was,
-                     given.became, given.detail));
   AuditEntry entry = given;
-  entry.id = connection.last_insert_id();
+  ASSIGN_OR_RETURN(entry.id,
+                   connection.Insert(
+                       "INSERT INTO audit (at_utc_us, principal, peer, action, resource, outcome, was, became, detail) "
+                       "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)",
+                       given.at, given.principal, given.peer, given.action, given.resource, given.outcome, given.was,
+                       given.became, given.detail));
   ASSIGN_OR_RETURN(AuditHead head, LastLink(connection));
   return AddLink(connection, entry, head);
 }

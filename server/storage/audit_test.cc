@@ -27,12 +27,7 @@ class Audit : public testing::Test {
   absl::Status CheckAfter(const std::string& sql) {
     database_.Close();
     {
-      const std::unique_ptr<Connection> connection = *Connection::Open(database_.path(), Access::kWrite);
-      for (const char* const trigger :
-           {"audit_is_never_changed", "audit_is_never_deleted", "audit_chain_is_never_changed",
-            "audit_chain_is_never_deleted", "audit_anchor_only_moves_on"})
-        EXPECT_TRUE(connection->Execute(absl::StrCat("DROP TRIGGER IF EXISTS ", trigger)).ok());
-      EXPECT_TRUE(connection->Execute("PRAGMA foreign_keys = OFF").ok());
+      const std::unique_ptr<Connection> connection = database_.PastGuards();
       const absl::Status done = connection->Execute(sql);
       EXPECT_TRUE(done.ok()) << done;
     }
@@ -182,7 +177,7 @@ TEST_F(Audit, AgeIsTimeThatTheFileWasOpen) {
 
 TEST_F(Audit, TriggersRefuseWhatTheProgramNeverDoes) {
   database_.Close();
-  const std::unique_ptr<Connection> connection = *Connection::Open(database_.path(), Access::kWrite);
+  const std::unique_ptr<Connection> connection = database_.Beside();
   for (const std::string sql : {"UPDATE audit_chain SET sha256 = ''", "DELETE FROM audit_chain", "DELETE FROM audit",
                                 "UPDATE audit_anchor SET is_chained = 0", "DELETE FROM audit_anchor"})
     EXPECT_FALSE(connection->Execute(sql).ok()) << sql;

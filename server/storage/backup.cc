@@ -18,9 +18,9 @@
 #include "core/base/files.h"
 #include "core/base/sha256.h"
 #include "server/storage/check.h"
-#include "server/storage/connection.h"
 #include "server/storage/file_lock.h"
 #include "server/storage/migrate.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/sqlite_error.h"
 #include "server/storage/transaction.h"
 
@@ -121,7 +121,8 @@ class Target {
 };
 
 // The source's connection is in a transaction: what others write meanwhile does not make the copy begin anew.
-absl::Status CopyPages(Connection& source, Target& target, NewFile& file, const std::function<absl::Status()>& go_on) {
+absl::Status CopyPages(SqliteConnection& source, Target& target, NewFile& file,
+                       const std::function<absl::Status()>& go_on) {
   sqlite3_backup* const copying = sqlite3_backup_init(target.handle(), "main", source.handle(), "main");
   if (copying == nullptr) return SqliteError(target.handle(), "copy");
   int code = SQLITE_OK;
@@ -144,7 +145,8 @@ absl::Status CopyPages(Connection& source, Target& target, NewFile& file, const 
 absl::Status CopyInto(const std::string& source, const std::string& path, NewFile& file,
                       const std::function<absl::Status()>& go_on) {
   {
-    ASSIGN_OR_RETURN(const std::unique_ptr<Connection> connection, Connection::Open(source, Access::kReadOnly));
+    ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection,
+                     SqliteConnection::Open(source, Access::kReadOnly));
     ASSIGN_OR_RETURN(const Transaction snapshot, Transaction::BeginRead(*connection));
     {
       // The first read is what fixes the state.
@@ -162,7 +164,7 @@ absl::Status CopyInto(const std::string& source, const std::string& path, NewFil
 }
 
 absl::StatusOr<CheckReport> Look(const std::string& path, const std::function<absl::Status()>& go_on = nullptr) {
-  ASSIGN_OR_RETURN(const std::unique_ptr<Connection> connection, Connection::Open(path, Access::kReadOnly));
+  ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection, SqliteConnection::Open(path, Access::kReadOnly));
   return CheckStore(*connection, go_on);
 }
 
@@ -192,7 +194,7 @@ absl::Status DamagedStore(const std::string& path, const CheckReport& report, co
 // is damaged anyway: its log goes with it.
 void MergeLog(const std::string& path, const std::string& aside) {
   const absl::StatusOr<int64_t> size = SizeOf(path);
-  if (size.ok() && *size > 0) static_cast<void>(Connection::Open(path, Access::kWrite));
+  if (size.ok() && *size > 0) static_cast<void>(SqliteConnection::Open(path, Access::kWrite));
   for (const char* const end : {"-wal", "-shm"}) {
     if (Exists(path + end)) std::rename((path + end).c_str(), (aside + end).c_str());
   }
@@ -236,7 +238,7 @@ absl::StatusOr<BackupResult> CopyStore(const std::string& source, const std::str
 }
 
 absl::Status MergeBeside(const std::string& path) {
-  ASSIGN_OR_RETURN(const std::unique_ptr<Connection> connection, Connection::Open(path, Access::kWrite));
+  ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection, SqliteConnection::Open(path, Access::kWrite));
   sqlite3* const db = connection->handle();
   const int code = sqlite3_wal_checkpoint_v2(db, nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
   return code == SQLITE_OK ? absl::OkStatus() : SqliteError(db, path);
@@ -279,7 +281,8 @@ absl::StatusOr<CompactResult> CompactStore(const std::string& path) {
   CompactResult result;
   ASSIGN_OR_RETURN(NewFile file, NewFile::Make(copy));
   {
-    ASSIGN_OR_RETURN(const std::unique_ptr<Connection> connection, Connection::Open(lock.path(), Access::kWrite));
+    ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection,
+                     SqliteConnection::Open(lock.path(), Access::kWrite));
     ASSIGN_OR_RETURN(const CheckReport before, CheckStore(*connection));
     if (before.damage_count > 0) return DamagedStore(lock.path(), before, "STORE_DAMAGED");
     RETURN_IF_ERROR(connection->Run("VACUUM INTO ?1", copy));

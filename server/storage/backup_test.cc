@@ -13,6 +13,7 @@
 #include "core/base/error_detail.h"
 #include "core/base/sha256.h"
 #include "server/storage/check.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -129,14 +130,15 @@ TEST_F(Backup, LeavesNothingBehindWhenItFails) {
 // A copy is made of what is damaged too: the rest is worth keeping.
 TEST_F(Backup, NamesWhatIsDamaged) {
   StoreSession(*database_, 2);
-  ASSERT_TRUE((*Connection::Open(database_.path(), Access::kWrite))
+  ASSERT_TRUE((*SqliteConnection::Open(database_.path(), Access::kWrite))
                   ->Execute("DROP TRIGGER chunk_is_never_changed; UPDATE chunk SET crc32c = 1 WHERE seq = 1")
                   .ok());
   const std::string path = folder_.File("copy.db");
   const auto made = database_->Backup(path, nullptr);
   ASSERT_TRUE(made.ok()) << made.status();
-  ASSERT_EQ(made->report.damage_count, 1);
-  EXPECT_EQ(made->report.damages[0].resource, "sessions/1/chunks/1");
+  ASSERT_EQ(made->report.damage_count, 2);
+  EXPECT_EQ(made->report.damages[0].resource, "schema");  // the trigger that would have refused the change
+  EXPECT_EQ(made->report.damages[1].resource, "sessions/1/chunks/1");
 
   const std::string target = folder_.File("target.db");
   const absl::Status refused = RestoreStore(path, target, false).status();
@@ -197,7 +199,7 @@ TEST_F(Backup, CompactingGivesBackWhatWasRemoved) {
   // Numbers are not given twice.
   EXPECT_EQ(database_->CreateSession(TestSession("next"))->id.number(), left.number() + 1);
   database_.Close();
-  ASSERT_TRUE((*Connection::Open(database_.path(), Access::kWrite))
+  ASSERT_TRUE((*SqliteConnection::Open(database_.path(), Access::kWrite))
                   ->Execute("DROP TRIGGER chunk_is_never_changed; UPDATE chunk SET crc32c = 1")
                   .ok());
   const std::string before = Bytes(database_.path());

@@ -13,6 +13,10 @@
 namespace axiscal::storage {
 namespace {
 
+constexpr char kOfSession[] =
+    "SELECT calibration_id FROM calibration_session INDEXED BY calibration_of_session WHERE session_id = ?1 AND "
+    "calibration_id < ?2 AND calibration_id > ?3 ORDER BY calibration_id DESC LIMIT ?4";
+
 // The three long texts come after these, with what else only a whole calibration needs: lists leave them out.
 constexpr char kColumns[] =
     "SELECT c.id, c.version, c.state, c.etag, c.job_id, m.name, c.machine_revision, c.measured_at_utc_us, "
@@ -191,17 +195,18 @@ absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcT
   RETURN_IF_ERROR(GetMachineRevision(connection, calibration.machine, calibration.machine_revision).status());
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, calibration.machine));
   ASSIGN_OR_RETURN(const int64_t version, NextVersion(connection, machine_key));
-  RETURN_IF_ERROR(
-      connection.Run("INSERT INTO calibration (machine_id, version, machine_revision, state, etag, job_id, "
-                     "measured_at_utc_us, model_json, options_json, "
-                     "report_json, engine_version, rank, condition, chi2_per_dof, rms_before_um, rms_after_um, "
-                     "created_by, created_at_utc_us) "
-                     "VALUES (?1, ?2, ?3, 1, 1, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)",
-                     machine_key, version, calibration.machine_revision, job, calibration.measured_at,
-                     calibration.model_json, calibration.options_json, calibration.report_json,
-                     calibration.engine_version, calibration.rank, calibration.condition, calibration.chi2_per_dof,
-                     calibration.rms_before_um, calibration.rms_after_um, calibration.created_by, now));
-  const CalibrationId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(
+      const int64_t number,
+      connection.Insert("INSERT INTO calibration (machine_id, version, machine_revision, state, etag, job_id, "
+                        "measured_at_utc_us, model_json, options_json, "
+                        "report_json, engine_version, rank, condition, chi2_per_dof, rms_before_um, rms_after_um, "
+                        "created_by, created_at_utc_us) "
+                        "VALUES (?1, ?2, ?3, 1, 1, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)",
+                        machine_key, version, calibration.machine_revision, job, calibration.measured_at,
+                        calibration.model_json, calibration.options_json, calibration.report_json,
+                        calibration.engine_version, calibration.rank, calibration.condition, calibration.chi2_per_dof,
+                        calibration.rms_before_um, calibration.rms_after_um, calibration.created_by, now));
+  const CalibrationId id(number);
   RETURN_IF_ERROR(InsertSessions(connection, machine_key, id, calibration.sessions));
   RETURN_IF_ERROR(InsertEstimates(connection, machine_key, calibration.measured_at, id, calibration.estimates));
   RETURN_IF_ERROR(SealCalibration(connection, id));
@@ -230,18 +235,38 @@ absl::StatusOr<CalibrationRecord> GetApprovedByPerson(Connection& connection, co
   {
     ASSIGN_OR_RETURN(
         Statement row,
-        connection.Ask(
-            "SELECT c.id FROM calibration AS c INDEXED BY calibration_ever_approved WHERE c.machine_id = ?1 "
+        connection.Ask("SELECT c.id FROM calibration AS c INDEXED BY calibration_ever_approved WHERE c.machine_id = ?1 "
                        "AND "
-            "c.approved_at_utc_us IS NOT NULL AND NOT EXISTS (SELECT 1 FROM routine_run AS u INDEXED BY "
-            "run_approved WHERE u.calibration_id = c.id AND u.state = 5) "
-            "ORDER BY c.approved_at_utc_us DESC LIMIT 1",
-            machine_key));
+                       "c.approved_at_utc_us IS NOT NULL AND NOT EXISTS (SELECT 1 FROM routine_run AS u INDEXED BY "
+                       "run_approved WHERE u.calibration_id = c.id AND u.state = 5) "
+                       "ORDER BY c.approved_at_utc_us DESC LIMIT 1",
+                       machine_key));
     ASSIGN_OR_RETURN(const bool found, row.Step());
     if (found) id = CalibrationId(row.Int(0));
   }
   if (!id) return NotFound("calibration", "CALIBRATION", "approved by a person for machine " + machine.text());
   return GetCalibration(connection, *id);
+}
+
+absl::StatusOr<std::optional<CalibrationId>> GetFormerOf(Connection& connection, CalibrationId id) {
+  int64_t machine_key = 0;
+  std::optional<UtcTime> approved_at;
+  {
+    ASSIGN_OR_RETURN(Statement row,
+                     connection.Ask("SELECT machine_id, approved_at_utc_us FROM calibration WHERE id = ?1", id));
+    ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return NotFound("calibration", "CALIBRATION", std::to_string(id.number()));
+    machine_key = row.Int(0);
+    approved_at = row.OptionalTime(1);
+  }
+  if (!approved_at) return FindApproved(connection, machine_key);
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT id FROM calibration INDEXED BY calibration_ever_approved WHERE machine_id = "
+                                  "?1 AND approved_at_utc_us < ?2 ORDER BY approved_at_utc_us DESC LIMIT 1",
+                                  machine_key, approved_at));
+  ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return std::nullopt;
+  return CalibrationId(row.Int(0));
 }
 
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
@@ -263,19 +288,28 @@ absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection,
   if (filter.state.has_value()) where += " AND c.state = ?3";
   LookedAt looked;
   if (is_narrow) {
-    ASSIGN_OR_RETURN(looked, LookAtNewest(connection, "calibration", machine_key, visible, state, start.before_id));
-    where = "WHERE c.id IN (SELECT value FROM json_each(?5))" + InSpan("+c.measured_at_utc_us", filter.measured, 6);
+    Narrowing narrowing;
+    narrowing.time = "measured_at_utc_us";
+    narrowing.span = filter.measured;
+    if (filter.session.has_value()) {
+      ASSIGN_OR_RETURN(narrowing.linked, NewestIds(connection, kOfSession, std::vector<SessionId>{*filter.session},
+                                                   start.before_id, kMostLookedAt, 0));
+    }
+    ASSIGN_OR_RETURN(
+        looked, LookAtNarrowest(connection, "calibration", machine_key, visible, state, start.before_id, narrowing));
+    where = HeldTo("c", looked, machine_key.has_value(), state, "+c.measured_at_utc_us", filter.measured);
     if (filter.session.has_value())
       where +=
-          " AND EXISTS (SELECT 1 FROM calibration_session AS s WHERE s.session_id = ?8 AND s.calibration_id = c.id)";
+          " AND EXISTS (SELECT 1 FROM calibration_session AS s WHERE s.session_id = ?9 AND s.calibration_id = c.id)";
   } else if (!visible.everything && !filter.machine.has_value()) {
     ASSIGN_OR_RETURN(looked.ids, NewestOfMachines(connection, "calibration", visible.scopes, state, start.before_id,
                                                   start.row_limit()));
     where += " AND c.id IN (SELECT value FROM json_each(?5))";
   }
-  ASSIGN_OR_RETURN(Statement row, connection.Ask(std::string(kColumns) + kFrom + where + " ORDER BY c.id DESC LIMIT ?4",
-                                                 start.before_id, machine_key, state, start.row_limit(), looked.ids,
-                                                 filter.measured.from, filter.measured.to, filter.session));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask(std::string(kColumns) + kFrom + where + " ORDER BY c.id DESC LIMIT ?4",
+                                  start.before_id, machine_key, state, start.row_limit(), looked.ids,
+                                  filter.measured.from, filter.measured.to, looked.machines, filter.session));
   Page<CalibrationRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

@@ -16,6 +16,7 @@ absl::StatusOr<CalibrationRecord> CreateCalibration(Connection& connection, UtcT
 absl::StatusOr<CalibrationRecord> GetCalibration(Connection& connection, CalibrationId id);
 absl::StatusOr<CalibrationRecord> GetApprovedCalibration(Connection& connection, const MachineId& machine);
 absl::StatusOr<CalibrationRecord> GetApprovedByPerson(Connection& connection, const MachineId& machine);
+absl::StatusOr<std::optional<CalibrationId>> GetFormerOf(Connection& connection, CalibrationId id);
 absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(Connection& connection, const CalibrationFilter& filter,
                                                          const PageRequest& request, const Visible& visible);
 absl::StatusOr<CalibrationRecord> ApproveCalibration(Connection& connection, UtcTime now, CalibrationId id,

@@ -77,6 +77,23 @@ TEST_F(Calibrations, OnlyOneIsApproved) {
   EXPECT_TRUE(absl::IsNotFound(database->GetApprovedCalibration(MachineId("mt")).status()));
 }
 
+TEST_F(Calibrations, TheFormerOfOneIsWhatItTookThePlaceOf) {
+  std::vector<CalibrationId> ids;
+  for (int i = 0; i < 4; ++i) ids.push_back(database->CreateCalibration(New())->id);
+  EXPECT_EQ(*database->GetFormerOf(ids[0]), std::nullopt);
+  for (const int i : {0, 2, 1}) {
+    database.clock.Advance(std::chrono::hours(1));
+    ASSERT_TRUE(database->ApproveCalibration(ids[i], 0, Cell("")).ok());
+  }
+  EXPECT_EQ(*database->GetFormerOf(ids[0]), std::nullopt);
+  EXPECT_EQ(*database->GetFormerOf(ids[2]), ids[0]);
+  EXPECT_EQ(*database->GetFormerOf(ids[1]), ids[2]);
+  EXPECT_EQ(*database->GetFormerOf(ids[3]), ids[1]);  // a candidate: it would
+  ASSERT_TRUE(database->RetireCalibration(ids[1], 0, Cell("")).ok());
+  EXPECT_EQ(*database->GetFormerOf(ids[3]), std::nullopt);  // none is in use
+  EXPECT_EQ(base::ErrorReason(database->GetFormerOf(CalibrationId(99)).status()), "CALIBRATION_NOT_FOUND");
+}
+
 TEST_F(Calibrations, ApprovingAnOldStateIsRefused) {
   const CalibrationRecord made = *database->CreateCalibration(New());
   ASSERT_TRUE(database->RetireCalibration(made.id, 0, Cell("")).ok());

@@ -39,9 +39,10 @@ CellRecord ReadCell(const Statement& row, const Moment& now) {
 }
 
 absl::Status CheckRoom(Connection& connection, int64_t machine_key, const CellReport& report) {
-  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT count(*), coalesce(sum(name = ?2), 0) FROM cell "
-                                                 "WHERE machine_id = ?1",
-                                                 machine_key, report.name));
+  ASSIGN_OR_RETURN(Statement row,
+                   connection.Ask("SELECT count(*), coalesce(sum(CASE WHEN name = ?2 THEN 1 ELSE 0 END), 0) FROM cell "
+                                  "WHERE machine_id = ?1",
+                                  machine_key, report.name));
   RETURN_IF_ERROR(row.Step().status());
   if (row.Int(0) < kMaxCellsOfMachine || row.Int(1) > 0) return absl::OkStatus();
   return base::Error(absl::StatusCode::kResourceExhausted,
@@ -115,15 +116,19 @@ absl::Status ForgetCell(Connection& connection, const Moment& now, const Machine
 absl::StatusOr<CellSums> SumCells(Connection& connection, const Moment& now) {
   ASSIGN_OR_RETURN(
       Statement row,
-      connection.Ask("SELECT count(*) - coalesce(sum(is_silent OR has_problem), 0), coalesce(sum(is_silent), 0), "
-                     "coalesce(sum(has_problem AND NOT is_silent), 0), "
-                     "coalesce(sum(files), 0), coalesce(sum(bytes), 0), coalesce(sum(bad), 0) FROM "
-                     "(SELECT min(?1 - c.reported_at_up_us > 1000000 * c.silent_after_s) AS is_silent, "
-                     "max(c.problem <> '') AS has_problem, max(c.waiting_files) AS files, "
-                     "max(c.waiting_bytes) AS bytes, max(c.quarantined_files) AS bad FROM cell AS c "
-                     "CROSS JOIN machine AS m ON m.id = c.machine_id WHERE m.deleted_at_utc_us IS NULL "
-                     "GROUP BY c.reported_by, c.name)",
-                     now.up_us));
+      connection.Ask(
+          "SELECT count(*) - coalesce(sum(CASE WHEN is_silent = 1 OR has_problem = 1 THEN 1 ELSE 0 END), 0), "
+          "coalesce(sum(is_silent), 0), "
+          "coalesce(sum(CASE WHEN has_problem = 1 AND is_silent = 0 THEN 1 ELSE 0 END), 0), "
+          "CAST(coalesce(sum(files), 0) AS BIGINT), CAST(coalesce(sum(bytes), 0) AS BIGINT), "
+          "CAST(coalesce(sum(bad), 0) AS BIGINT) FROM "
+          "(SELECT min(CASE WHEN ?1 - c.reported_at_up_us > 1000000 * c.silent_after_s THEN 1 ELSE 0 END) "
+          "AS is_silent, "
+          "max(CASE WHEN c.problem <> '' THEN 1 ELSE 0 END) AS has_problem, max(c.waiting_files) AS files, "
+          "max(c.waiting_bytes) AS bytes, max(c.quarantined_files) AS bad FROM cell AS c "
+          "CROSS JOIN machine AS m ON m.id = c.machine_id WHERE m.deleted_at_utc_us IS NULL "
+          "GROUP BY c.reported_by, c.name) AS spool",
+          now.up_us));
   RETURN_IF_ERROR(row.Step().status());
   return CellSums{row.Int(0), row.Int(1), row.Int(2), row.Int(3), row.Int(4), row.Int(5)};
 }

@@ -1,12 +1,14 @@
 #include "server/storage/check.h"
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/base/files.h"
 #include "core/base/sha256.h"
+#include "core/base/utf8.h"
 #include "core/session/checksum.h"
 #include "server/storage/audit.h"
 #include "server/storage/calibrations.h"
@@ -23,15 +25,49 @@
 namespace axiscal::storage {
 namespace {
 
+// Tables, indexes and triggers by kind and name, with the text that made them: without blanks and quotes, which SQLite
+// writes in its own way when a migration changes a table.
+using SchemaTexts = std::map<std::string, std::string>;
+
+absl::StatusOr<SchemaTexts> ReadSchema(Connection& connection) {
+  SchemaTexts texts;
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT type, name, tbl_name, sql FROM sqlite_schema"));
+  while (true) {
+    ASSIGN_OR_RETURN(const bool more, row.Step());
+    if (!more) return texts;
+    const std::string name = row.Text(1);
+    if (name.rfind("sqlite_", 0) == 0) continue;  // SQLite's own
+    std::string text = row.Text(2) + " " + row.Text(3);
+    std::erase_if(text, [](unsigned char c) { return c <= ' ' || c == '"'; });
+    texts[row.Text(0) + " " + name] = text;
+  }
+}
+
+// As the migrations make it.
+const absl::StatusOr<SchemaTexts>& PresentSchema() {
+  static const auto& texts = *new absl::StatusOr<SchemaTexts>([]() -> absl::StatusOr<SchemaTexts> {
+    ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection,
+                     SqliteConnection::Open(":memory:", Access::kWrite));
+    RETURN_IF_ERROR(Migrate(*connection, EmbeddedMigrations(), base::UtcTime()));
+    return ReadSchema(*connection);
+  }());
+  return texts;
+}
+
 // One look at a database. Whatever fails is a damage of the thing that was looked at, and the next one follows.
 class Check {
  public:
   explicit Check(Connection& connection) : connection_(connection) {}
 
-  CheckReport Run(bool is_present_schema) {
+  CheckReport File(bool is_present_schema) {
     Note("file", Structure());
     Note("file", References());
     if (!is_present_schema) return std::move(report_);
+    Note("schema", Schema());
+    return Rows();
+  }
+  // What any engine has.
+  CheckReport Rows() {
     Descriptions();
     ForEach("session", "sessions/", "", [&](int64_t id) { return OneSession(SessionId(id)); });
     ForEach("job", "jobs/", "", [&](int64_t id) { return OneJob(JobId(id)); });
@@ -70,6 +106,23 @@ class Check {
       Note("file", absl::StrCat("table ", row.Text(0), ", row ", row.Text(1), ": names a row of ", row.Text(2),
                                 " that is not there"));
     }
+  }
+
+  // A trigger or a rule that is not what it was lets through what it shall refuse.
+  absl::Status Schema() {
+    ASSIGN_OR_RETURN(const SchemaTexts expected, PresentSchema());
+    ASSIGN_OR_RETURN(SchemaTexts found, ReadSchema(connection_));
+    for (const auto& [name, text] : expected) {
+      const auto at = found.find(name);
+      if (at == found.end()) {
+        Note("schema", name + " is not there");
+        continue;
+      }
+      if (at->second != text) Note("schema", name + " is not what the migrations made");
+      found.erase(at);
+    }
+    for (const auto& [name, text] : found) Note("schema", base::ToUtf8(name) + " is none of the migrations'");
+    return absl::OkStatus();
   }
 
   // Each row of a table in the order of its numbers. `condition` is SQL.
@@ -185,7 +238,7 @@ class Check {
 // While it lives, statements of the connection end where `go_on` says so.
 class Interruptible {
  public:
-  Interruptible(Connection& connection, const std::function<absl::Status()>& go_on)
+  Interruptible(SqliteConnection& connection, const std::function<absl::Status()>& go_on)
       : connection_(connection), go_on_(go_on) {
     constexpr int kSteps = 100'000;  // of SQLite's virtual machine: some milliseconds
     if (go_on_) sqlite3_progress_handler(connection.handle(), kSteps, &Ask, this);
@@ -198,13 +251,13 @@ class Interruptible {
  private:
   static int Ask(void* self) { return static_cast<Interruptible*>(self)->status().ok() ? 0 : 1; }
 
-  Connection& connection_;
+  SqliteConnection& connection_;
   const std::function<absl::Status()>& go_on_;
 };
 
 }  // namespace
 
-absl::StatusOr<CheckReport> CheckStore(Connection& connection, const std::function<absl::Status()>& go_on) {
+absl::StatusOr<CheckReport> CheckStore(SqliteConnection& connection, const std::function<absl::Status()>& go_on) {
   const Interruptible asked(connection, go_on);
   ASSIGN_OR_RETURN(const Transaction snapshot, Transaction::BeginRead(connection));
   int64_t version = 0;
@@ -213,17 +266,20 @@ absl::StatusOr<CheckReport> CheckStore(Connection& connection, const std::functi
     RETURN_IF_ERROR(row.Step().status());
     version = row.Int(0);
   }
-  CheckReport report = Check(connection).Run(version == static_cast<int64_t>(EmbeddedMigrations().size()));
+  CheckReport report = Check(connection).File(version == static_cast<int64_t>(EmbeddedMigrations().size()));
   report.schema_version = static_cast<int>(version);
   RETURN_IF_ERROR(asked.status());
   return report;
 }
 
+CheckReport CheckRows(Connection& connection) { return Check(connection).Rows(); }
+
 absl::StatusOr<CheckReport> CheckStoreFile(const std::string& path) {
   RETURN_IF_ERROR(base::RequireFile(path));
   ASSIGN_OR_RETURN(const FileLock lock, FileLock::Take(path));
   RETURN_IF_ERROR(CheckFile(lock.path(), EmbeddedMigrations()));
-  ASSIGN_OR_RETURN(const std::unique_ptr<Connection> connection, Connection::Open(lock.path(), Access::kReadOnly));
+  ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection,
+                   SqliteConnection::Open(lock.path(), Access::kReadOnly));
   return CheckStore(*connection);
 }
 

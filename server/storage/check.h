@@ -6,17 +6,22 @@
 #include <functional>
 #include <string>
 
-#include "server/storage/connection.h"
 #include "server/storage/records.h"
+#include "server/storage/sqlite_connection.h"
 
 namespace axiscal::storage {
 
 // Looks at everything, in one consistent state, however much of it is damaged. Takes about as long as reading the whole
 // file. `go_on`, which may be empty, is asked now and then: its error ends the look, and is returned. Other errors only
 // where nothing can be read at all.
-absl::StatusOr<CheckReport> CheckStore(Connection& connection, const std::function<absl::Status()>& go_on = nullptr);
+absl::StatusOr<CheckReport> CheckStore(SqliteConnection& connection,
+                                       const std::function<absl::Status()>& go_on = nullptr);
 
-// The same of a file that no server has, which is left as it was; only a log that a crash has left is merged into it.
+// The same of the rows alone, on any engine: whether they are what their checksums say.
+CheckReport CheckRows(Connection& connection);
+
+// CheckStore() of a file that no server has, which is left as it was; only a log that a crash has left is merged into
+// it.
 //   UNAVAILABLE STORE_LOCKED, NOT_FOUND (no such file), FAILED_PRECONDITION SCHEMA_NEWER, NOT_A_DATABASE. Of a file of
 //   an older schema only structure and references are compared.
 absl::StatusOr<CheckReport> CheckStoreFile(const std::string& path);

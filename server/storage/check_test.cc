@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "core/base/error_detail.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -47,13 +48,21 @@ class CheckTest : public testing::Test {
   // What is named after something has changed the file, behind the store and past its triggers.
   std::vector<std::string> NamedAfter(const std::string& sql) {
     {
-      const std::unique_ptr<Connection> connection = *Connection::Open(database_.path(), Access::kWrite);
+      const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(database_.path(), Access::kWrite);
       EXPECT_TRUE(connection->Execute("PRAGMA foreign_keys = OFF").ok());
+      std::string triggers;
       for (const char* const trigger :
-           {"chunk_is_never_changed", "complete_session_keeps_its_chunks", "audit_is_never_changed"})
-        EXPECT_TRUE(connection->Execute(absl::StrCat("DROP TRIGGER IF EXISTS ", trigger)).ok());
+           {"chunk_is_never_changed", "complete_session_keeps_its_chunks", "audit_is_never_changed"}) {
+        {
+          Statement row = *connection->Ask("SELECT sql FROM sqlite_schema WHERE name = ?1", std::string(trigger));
+          EXPECT_TRUE(*row.Step());
+          absl::StrAppend(&triggers, row.Text(0), ";\n");
+        }
+        EXPECT_TRUE(connection->Execute(absl::StrCat("DROP TRIGGER ", trigger)).ok());
+      }
       const absl::Status done = connection->Execute(sql);
       EXPECT_TRUE(done.ok()) << sql << ": " << done;
+      EXPECT_TRUE(connection->Execute(triggers).ok());
     }
     const auto report = CheckStoreFile(database_.path());
     EXPECT_TRUE(report.ok()) << report.status();
@@ -125,12 +134,36 @@ TEST_F(CheckTest, WeeksOfRejectedCalibrationsAreWhole) {
   EXPECT_THAT(report->damages, IsEmpty()) << report->damages[0].resource << ": " << report->damages[0].text;
 }
 
+// A rule of the file that was changed, is missing or was put in: what it shall refuse would pass.
+TEST_F(CheckTest, AChangedSchemaIsNamed) {
+  const auto named_after = [&](const std::string& sql) {
+    {
+      const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(database_.path(), Access::kWrite);
+      const absl::Status done = connection->Execute(sql);
+      EXPECT_TRUE(done.ok()) << sql << ": " << done;
+    }
+    const auto report = CheckStoreFile(database_.path());
+    EXPECT_TRUE(report.ok()) << report.status();
+    std::string all;
+    for (const Damage& damage : report->damages) absl::StrAppend(&all, damage.resource, ": ", damage.text, "\n");
+    return all;
+  };
+  const std::string changed = "schema: trigger audit_is_never_changed is not what the migrations made\n";
+  EXPECT_EQ(named_after("PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, 'ABORT', 'FAIL') "
+                        "WHERE name = 'audit_is_never_changed'; PRAGMA writable_schema = OFF"),
+            changed);
+  const std::string missing = "schema: trigger chunk_is_never_changed is not there\n";
+  EXPECT_EQ(named_after("DROP TRIGGER chunk_is_never_changed"), changed + missing);
+  EXPECT_EQ(named_after("CREATE TABLE more (id INTEGER)"),
+            changed + missing + "schema: table more is none of the migrations'\n");
+}
+
 // One bit of the page that a table begins with.
 TEST_F(CheckTest, ADamagedStructureIsNamed) {
   std::string bytes = Bytes();
   int64_t page = 0;
   {
-    const std::unique_ptr<Connection> connection = *Connection::Open(database_.path(), Access::kReadOnly);
+    const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(database_.path(), Access::kReadOnly);
     Statement row = *connection->Ask("SELECT rootpage FROM sqlite_schema WHERE name = 'session_header'");
     ASSERT_TRUE(*row.Step());
     page = row.Int(0);

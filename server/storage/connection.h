@@ -1,13 +1,12 @@
-// One SQLite connection with its pragmas and its prepared statements. One thread at a time.
+// A connection of the store to its database. The store's SQL is written once, against this; an engine is one
+// implementation of Connection and Prepared (sqlite_connection.h). One thread at a time.
 #ifndef AXISCAL_SERVER_STORAGE_CONNECTION_H_
 #define AXISCAL_SERVER_STORAGE_CONNECTION_H_
 
-#include <sqlite3.h>
-
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
-#include <vector>
 
 #include "server/storage/statement.h"
 
@@ -17,11 +16,10 @@ enum class Access { kWrite, kReadOnly };
 
 class Connection {
  public:
-  // kWrite makes the file when it is missing and puts it into WAL mode with synchronous=FULL.
-  static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& path, Access access);
-  ~Connection();
+  Connection() = default;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
+  virtual ~Connection() = default;
 
   // A statement with `parameters` bound to ?1, ?2 ...
   template <typename... Parameters>
@@ -38,23 +36,47 @@ class Connection {
     ASSIGN_OR_RETURN(Statement statement, Ask(sql, parameters...));
     return statement.Step().status();
   }
+  // Runs an INSERT of one row into a table that numbers its rows: the number it was given, its id. Nothing where there
+  // was such a row and the statement leaves that as it is (ON CONFLICT DO NOTHING).
+  template <typename... Parameters>
+  absl::StatusOr<std::optional<int64_t>> InsertIfNew(const std::string& sql, const Parameters&... parameters) {
+    ASSIGN_OR_RETURN(Statement row, Ask(AskingForId(sql), parameters...));
+    ASSIGN_OR_RETURN(const bool has_row, row.Step());
+    if (!has_row) return last_id();
+    const int64_t id = row.Int(0);
+    RETURN_IF_ERROR(row.Step().status());
+    return id;
+  }
+  // The same of a row that must be new.
+  template <typename... Parameters>
+  absl::StatusOr<int64_t> Insert(const std::string& sql, const Parameters&... parameters) {
+    ASSIGN_OR_RETURN(const std::optional<int64_t> id, InsertIfNew(sql, parameters...));
+    return id.value();
+  }
   // Several statements without parameters.
-  absl::Status Execute(const std::string& script);
+  virtual absl::Status Execute(const std::string& script) = 0;
 
-  int64_t last_insert_id() const { return sqlite3_last_insert_rowid(db_); }
-  int64_t changed_rows() const { return sqlite3_changes64(db_); }
-  // Statements wait some seconds for a lock that another process holds; so it is from the start.
-  void WaitForLocks();
-  // False after SQLite has rolled a transaction back by itself (disk full, I/O error).
-  bool in_transaction() const { return sqlite3_get_autocommit(db_) == 0; }
-  sqlite3* handle() { return db_; }
+  // Begins a transaction (transaction.h).
+  //   kWrite: takes the write lock now; a read that turned into a write later could fail at once.
+  //   kReadOnly: several reads of one state.
+  virtual absl::Status Begin(Access access) = 0;
+  // False after the engine has rolled a transaction back by itself.
+  virtual bool in_transaction() const = 0;
+  virtual int64_t changed_rows() const = 0;  // by the last INSERT, UPDATE or DELETE
+
+ protected:
+  // How an INSERT asks for the id of its row: so that it gives a row with it, or as it is where last_id() tells it.
+  virtual std::string AskingForId(const std::string& sql) const = 0;
+  // Of an INSERT that gave no row; nothing where it made none.
+  virtual std::optional<int64_t> last_id() const = 0;
+  virtual absl::StatusOr<std::unique_ptr<Prepared>> Compile(const std::string& sql) = 0;
+  // Before an engine closes what its statements belong to.
+  void ForgetStatements() { idle_.clear(); }
 
  private:
-  explicit Connection(sqlite3* db) : db_(db) {}
   absl::StatusOr<Statement> Prepare(const std::string& sql);
 
-  sqlite3* const db_;
-  std::unordered_map<std::string, std::vector<sqlite3_stmt*>> idle_;  // prepared and not in use
+  std::unordered_map<std::string, Statement::Idle> idle_;  // by their SQL: prepared and not in use
 };
 
 }  // namespace axiscal::storage

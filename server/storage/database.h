@@ -151,9 +151,12 @@ class Database {
   // That which a person put in use last: the one in use, or what routines have replaced since. NOT_FOUND where none
   // was.
   virtual absl::StatusOr<CalibrationRecord> GetApprovedByPerson(const MachineId& machine) = 0;
-  // Both compare the checksum of all that was stored and of the machine's description that was fitted: DATA_LOSS
-  // CALIBRATION_DAMAGED (facts calibration, machine). Lists and history, which move no machine, do not.
-  // In lists `content` comes without model_json, options_json, report_json.
+  // The one that this one took the place of when it was approved last, or would take now; nothing where none was in
+  // use.
+  virtual absl::StatusOr<std::optional<CalibrationId>> GetFormerOf(CalibrationId id) = 0;
+  // Those that give a record compare the checksum of all that was stored and of the machine's description that was
+  // fitted: DATA_LOSS CALIBRATION_DAMAGED (facts calibration, machine). Lists and history, which move no machine, do
+  // not. In lists `content` comes without model_json, options_json, report_json.
   virtual absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter,
                                                                    const PageRequest& page, const Visible& visible) = 0;
   absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter, const PageRequest& page) {

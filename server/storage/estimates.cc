@@ -16,16 +16,20 @@ constexpr char kAddToWeek[] =
     "max_um_urad, "
     "sum_um_urad, first_at_utc_us, last_at_utc_us, last_sigma_um_urad, last_calibration_id) "
     "VALUES (?1, ?2, ?3, ?4, 1, 0, ?5, ?5, ?5, ?6, ?6, ?7, ?8) "
-    "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET estimate_count = estimate_count + 1, "
-    "min_um_urad = min(coalesce(min_um_urad, ?5), ?5), max_um_urad = max(coalesce(max_um_urad, ?5), ?5), "
-    "sum_um_urad = coalesce(sum_um_urad, 0.0) + ?5, first_at_utc_us = min(coalesce(first_at_utc_us, ?6), ?6), "
-    "last_sigma_um_urad = iif(?6 >= coalesce(last_at_utc_us, ?6), ?7, last_sigma_um_urad), "
-    "last_calibration_id = iif(?6 >= coalesce(last_at_utc_us, ?6), ?8, last_calibration_id), "
-    "last_at_utc_us = max(coalesce(last_at_utc_us, ?6), ?6)";
+    "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET estimate_count = estimate_week.estimate_count + 1, "
+    "min_um_urad = CASE WHEN estimate_week.min_um_urad < ?5 THEN estimate_week.min_um_urad ELSE ?5 END, "
+    "max_um_urad = CASE WHEN estimate_week.max_um_urad > ?5 THEN estimate_week.max_um_urad ELSE ?5 END, "
+    "sum_um_urad = coalesce(estimate_week.sum_um_urad, 0.0) + ?5, first_at_utc_us = CASE WHEN "
+    "estimate_week.first_at_utc_us < ?6 THEN estimate_week.first_at_utc_us ELSE ?6 END, "
+    "last_sigma_um_urad = CASE WHEN estimate_week.last_at_utc_us > ?6 THEN estimate_week.last_sigma_um_urad ELSE ?7 "
+    "END, last_calibration_id = CASE WHEN estimate_week.last_at_utc_us > ?6 THEN estimate_week.last_calibration_id "
+    "ELSE ?8 END, last_at_utc_us = CASE WHEN estimate_week.last_at_utc_us > ?6 THEN estimate_week.last_at_utc_us "
+    "ELSE ?6 END";
 constexpr char kAddUnknownToWeek[] =
     "INSERT INTO estimate_week (machine_id, symbol, week, unit, estimate_count, not_identifiable_count) VALUES (?1, "
     "?2, ?3, ?4, 0, 1) "
-    "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET not_identifiable_count = not_identifiable_count + 1";
+    "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET not_identifiable_count = "
+    "estimate_week.not_identifiable_count + 1";
 
 constexpr char kSealWeek[] =
     "UPDATE estimate_week SET crc32c = row_crc32c(machine_id, symbol, week, unit, estimate_count, "
@@ -35,7 +39,8 @@ constexpr char kSealWeek[] =
 constexpr char kSealEstimateAgain[] =
     "UPDATE estimate SET crc32c = row_crc32c(machine_id, symbol, measured_at_utc_us, calibration_id, position, unit, "
     "identifiable, estimated_um_urad, sigma_um_urad, ?6) WHERE machine_id = ?1 AND symbol = ?2 AND "
-    "measured_at_utc_us = ?3 AND calibration_id = ?4 AND crc32c IS row_crc32c(machine_id, symbol, measured_at_utc_us, "
+    "measured_at_utc_us = ?3 AND calibration_id = ?4 AND crc32c IS NOT DISTINCT FROM row_crc32c(machine_id, symbol, "
+    "measured_at_utc_us, "
     "calibration_id, position, unit, identifiable, estimated_um_urad, sigma_um_urad, ?5)";
 
 // The sums of a machine's week ?2 (of ?3 us) of symbol ?4 over all that counts now. Rows stay where nothing is left:
@@ -48,8 +53,8 @@ const std::string& SumWeekAgainSql() {
   (estimate_count, not_identifiable_count, min_um_urad, max_um_urad, sum_um_urad, first_at_utc_us, last_at_utc_us) =
     (SELECT count(e.estimated_um_urad), count(*) - count(e.estimated_um_urad), min(e.estimated_um_urad),
        max(e.estimated_um_urad), sum(e.estimated_um_urad),
-       min(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us)),
-       max(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us))
+       min(CASE WHEN e.estimated_um_urad IS NULL THEN NULL ELSE e.measured_at_utc_us END),
+       max(CASE WHEN e.estimated_um_urad IS NULL THEN NULL ELSE e.measured_at_utc_us END)
      FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
      WHERE $0 AND $1),
   (last_sigma_um_urad, last_calibration_id) =
@@ -184,19 +189,20 @@ absl::Status CheckHistory(Connection& connection, int64_t machine_key, const Tel
   ASSIGN_OR_RETURN(Statement row, connection.Ask(absl::Substitute(R"(WITH counted AS (
   SELECT e.symbol, e.measured_at_utc_us / ?2 AS week, count(e.estimated_um_urad) AS known, count(*) AS rows,
     min(e.estimated_um_urad) AS low, max(e.estimated_um_urad) AS high, sum(e.estimated_um_urad) AS total,
-    total(abs(e.estimated_um_urad)) AS size,
-    min(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us)) AS first,
-    max(iif(e.estimated_um_urad IS NULL, NULL, e.measured_at_utc_us)) AS last
+    coalesce(sum(abs(e.estimated_um_urad)), 0.0) AS size,
+    min(CASE WHEN e.estimated_um_urad IS NULL THEN NULL ELSE e.measured_at_utc_us END) AS first,
+    max(CASE WHEN e.estimated_um_urad IS NULL THEN NULL ELSE e.measured_at_utc_us END) AS last
   FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id
   WHERE e.machine_id = ?1 AND $0 GROUP BY e.symbol, week)
 SELECT w.symbol, w.week FROM estimate_week AS w LEFT JOIN counted AS n ON n.symbol = w.symbol AND n.week = w.week
 WHERE w.machine_id = ?1 AND $1 AND (w.estimate_count <> coalesce(n.known, 0)
-  OR w.not_identifiable_count <> coalesce(n.rows - n.known, 0) OR w.min_um_urad IS NOT n.low
-  OR w.max_um_urad IS NOT n.high OR w.first_at_utc_us IS NOT n.first OR w.last_at_utc_us IS NOT n.last
+  OR w.not_identifiable_count <> coalesce(n.rows - n.known, 0) OR w.min_um_urad IS DISTINCT FROM n.low
+  OR w.max_um_urad IS DISTINCT FROM n.high OR w.first_at_utc_us IS DISTINCT FROM n.first
+  OR w.last_at_utc_us IS DISTINCT FROM n.last
   OR abs(coalesce(w.sum_um_urad, 0.0) - coalesce(n.total, 0.0)) > 1e-9 * coalesce(n.size, 0.0)
   OR (w.last_calibration_id IS NOT NULL AND NOT EXISTS (SELECT 1 FROM estimate AS e WHERE e.machine_id = ?1
     AND e.symbol = w.symbol AND e.measured_at_utc_us = w.last_at_utc_us AND e.calibration_id = w.last_calibration_id
-    AND e.sigma_um_urad IS w.last_sigma_um_urad AND e.unit = w.unit)))
+    AND e.sigma_um_urad IS NOT DISTINCT FROM w.last_sigma_um_urad AND e.unit = w.unit)))
 UNION SELECT n.symbol, n.week FROM counted AS n WHERE NOT EXISTS (SELECT 1 FROM estimate_week AS w
   WHERE w.machine_id = ?1 AND w.symbol = n.symbol AND w.week = n.week) ORDER BY 1, 2)",
                                                                   kIsPoint, kIsIntactWeek),

@@ -12,18 +12,22 @@
 namespace axiscal::storage {
 
 inline constexpr int64_t kWeekUs = 7LL * 24 * 3600 * 1'000'000;
-// SQL of an estimate whose calibration is c: it was not rejected (a candidate that was retired without ever having been
-// approved).
+// SQL of an estimate whose calibration is c: it was rejected (a candidate that was retired without ever having been
+// approved), or not.
+inline constexpr char kIsRejected[] = "(c.state = 3 AND c.approved_at_utc_us IS NULL)";
 inline constexpr char kIsPoint[] = "NOT (c.state = 3 AND c.approved_at_utc_us IS NULL)";
-// SQL that is 1 where a row of `estimate` (e), and whether its calibration (c) was rejected, are what was stored; else
-// 0 (server/storage/row_checksum.h). Of most calibrations it reads no more than the state, which stands before their
+// SQL that is true where a row of `estimate` (e), and whether its calibration (c) was rejected, are what was stored
+// (server/storage/row_checksum.h). Of most calibrations it reads no more than the state, which stands before their
 // long texts.
 inline constexpr char kIsIntactEstimate[] =
-    "(e.crc32c IS row_crc32c(e.machine_id, e.symbol, e.measured_at_utc_us, e.calibration_id, e.position, e.unit, "
-    "e.identifiable, e.estimated_um_urad, e.sigma_um_urad, iif(c.state = 3, c.approved_at_utc_us IS NULL, 0)))";
+    "(e.crc32c IS NOT DISTINCT FROM row_crc32c(e.machine_id, e.symbol, e.measured_at_utc_us, e.calibration_id, "
+    "e.position, e.unit, "
+    "e.identifiable, e.estimated_um_urad, e.sigma_um_urad, CASE WHEN c.state = 3 AND c.approved_at_utc_us IS NULL THEN "
+    "1 ELSE 0 END))";
 // The same of a row of `estimate_week` (w).
 inline constexpr char kIsIntactWeek[] =
-    "(w.crc32c IS row_crc32c(w.machine_id, w.symbol, w.week, w.unit, w.estimate_count, w.not_identifiable_count, "
+    "(w.crc32c IS NOT DISTINCT FROM row_crc32c(w.machine_id, w.symbol, w.week, w.unit, w.estimate_count, "
+    "w.not_identifiable_count, "
     "w.min_um_urad, w.max_um_urad, w.sum_um_urad, w.first_at_utc_us, w.last_at_utc_us, w.last_sigma_um_urad, "
     "w.last_calibration_id))";
 

@@ -85,14 +85,16 @@ absl::Status WriteAmounts(Connection& connection, EventId id, const EventContent
 
 // Whether there was none yet.
 absl::StatusOr<bool> Raise(Connection& connection, UtcTime now, int64_t machine_key, const EventContent& content) {
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT OR IGNORE INTO event (machine_id, kind, subject, text, advice, certainty, calibration_id, from_utc_us, "
-      "to_utc_us, raised_at_utc_us, cleared_why, acknowledged_by, acknowledged_note, shelved_by, shelved_note) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, '', '', '', '', '')",
-      machine_key, static_cast<int>(content.kind), content.subject, content.text, content.advice, content.certainty,
-      content.calibration, content.from, content.to, now));
-  if (connection.changed_rows() == 0) return false;
-  const EventId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(
+      const std::optional<int64_t> number,
+      connection.InsertIfNew(
+          "INSERT INTO event (machine_id, kind, subject, text, advice, certainty, calibration_id, from_utc_us, "
+          "to_utc_us, raised_at_utc_us, cleared_why, acknowledged_by, acknowledged_note, shelved_by, shelved_note) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, '', '', '', '', '') ON CONFLICT DO NOTHING",
+          machine_key, static_cast<int>(content.kind), content.subject, content.text, content.advice, content.certainty,
+          content.calibration, content.from, content.to, now));
+  if (!number) return false;
+  const EventId id(*number);
   RETURN_IF_ERROR(WriteAmounts(connection, id, content));
   RETURN_IF_ERROR(AddChange(connection, now, id, EventChangeKind::kRaised, "", ""));
   return true;
@@ -178,7 +180,7 @@ std::string Place(EventId id) { return absl::StrCat("events/", id.number()); }
 absl::Status NoteChange(Connection& connection, int64_t machine_key) {
   return connection.Run(
       "INSERT INTO event_look (machine_id, changes, looked_at, looked_by) VALUES (?1, 1, 0, '') "
-      "ON CONFLICT (machine_id) DO UPDATE SET changes = changes + 1",
+      "ON CONFLICT (machine_id) DO UPDATE SET changes = event_look.changes + 1",
       machine_key);
 }
 
@@ -226,7 +228,8 @@ absl::StatusOr<ExpectationsRecord> SetExpectations(Connection& connection, UtcTi
   if (present.etag > 0 && IsSame(present.content, InOrder(expected))) return present;
   RETURN_IF_ERROR(connection.Run(
       "INSERT INTO expectation (machine_id, etag, calibration_days, counts_candidates, changed_by, changed_at_utc_us) "
-      "VALUES (?1, 1, ?2, ?3, ?4, ?5) ON CONFLICT (machine_id) DO UPDATE SET etag = etag + 1, calibration_days = ?2, "
+      "VALUES (?1, 1, ?2, ?3, ?4, ?5) ON CONFLICT (machine_id) DO UPDATE SET etag = expectation.etag + 1, "
+      "calibration_days = ?2, "
       "counts_candidates = ?3, changed_by = ?4, changed_at_utc_us = ?5",
       key, expected.calibration_days, expected.counts_candidates, caller.principal, now));
   RETURN_IF_ERROR(WriteLists(connection, key, expected));
@@ -239,10 +242,10 @@ absl::StatusOr<ExpectationsRecord> SetExpectations(Connection& connection, UtcTi
 absl::StatusOr<std::vector<std::pair<MachineId, int64_t>>> MachinesWithEvents(Connection& connection, int most) {
   ASSIGN_OR_RETURN(
       Statement row,
-      connection.Ask("SELECT m.name, count(*) AS events FROM event AS e INDEXED BY event_open_of_machine "
+      connection.Ask("SELECT min(m.name) AS name, count(*) AS events FROM event AS e INDEXED BY event_open_of_machine "
                      "CROSS JOIN machine AS m ON m.id = e.machine_id WHERE e.cleared_at_utc_us IS NULL AND "
                      "e.acknowledged_at_utc_us IS NULL AND e.shelved_until_utc_us IS NULL AND "
-                     "m.deleted_at_utc_us IS NULL GROUP BY e.machine_id ORDER BY events DESC, m.name "
+                     "m.deleted_at_utc_us IS NULL GROUP BY e.machine_id ORDER BY events DESC, name "
                      "LIMIT ?1",
                      most));
   std::vector<std::pair<MachineId, int64_t>> machines;
@@ -306,8 +309,8 @@ absl::StatusOr<std::vector<Event>> StandingEvents(Connection& connection, const 
   ASSIGN_OR_RETURN(std::vector<Event> events, ReadEvents(connection, std::move(open)));
   ASSIGN_OR_RETURN(Statement steps, connection.Ask(select + "INDEXED BY event_step " + kOfMachine +
                                                        "WHERE e.machine_id = ?1 AND e.kind = 3 AND "
-                                                       "e.cleared_at_utc_us NOT NULL AND "
-                                                       "e.acknowledged_at_utc_us NOT NULL",
+                                                       "e.cleared_at_utc_us IS NOT NULL AND "
+                                                       "e.acknowledged_at_utc_us IS NOT NULL",
                                                    key));
   ASSIGN_OR_RETURN(std::vector<Event> known, ReadEvents(connection, std::move(steps)));
   events.insert(events.end(), known.begin(), known.end());

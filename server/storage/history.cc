@@ -80,7 +80,7 @@ absl::Status SeriesBuilder::AddEstimates(const Span& span, int64_t origin_us, in
       Statement row,
       connection_.Ask(absl::StrCat("SELECT e.measured_at_utc_us, e.unit, e.estimated_um_urad, e.sigma_um_urad, "
                                    "e.calibration_id, ",
-                                   kIsIntactEstimate, ", iif(c.state = 3, c.approved_at_utc_us IS NULL, 0)",
+                                   kIsIntactEstimate, ", CASE WHEN ", kIsRejected, " THEN 1 ELSE 0 END",
                                    " FROM estimate AS e CROSS JOIN calibration AS c ON c.id = e.calibration_id "
                                    "WHERE e.machine_id = ?1 AND e.symbol = ?2 AND e.measured_at_utc_us >= ?3 AND "
                                    "e.measured_at_utc_us < ?4 ORDER BY e.measured_at_utc_us, e.calibration_id"),
@@ -141,7 +141,7 @@ absl::StatusOr<bool> SeriesBuilder::HasMoreThan(const Span& span, int limit) {
                                                 "calibration AS c ON c.id = e.calibration_id "
                                                 "WHERE e.machine_id = ?1 AND e.symbol = ?2 AND "
                                                 "e.measured_at_utc_us >= ?3 AND e.measured_at_utc_us < ?4 AND ",
-                                                kIsPoint, " LIMIT ?5)"),
+                                                kIsPoint, " LIMIT ?5) AS point"),
                                    machine_key_, series_.symbol, span.from, span.to, limit + 1));
   RETURN_IF_ERROR(row.Step().status());
   return row.Int(0) > limit;
@@ -206,7 +206,8 @@ absl::StatusOr<std::vector<LatestEstimate>> Latest(Connection& connection, int64
   {
     ASSIGN_OR_RETURN(
         Statement row,
-        connection.Ask("SELECT min(measured_at_utc_us) FROM calibration WHERE machine_id = ?1 AND state <> 3",
+        connection.Ask("SELECT min(measured_at_utc_us) FROM calibration INDEXED BY calibration_in_use WHERE "
+                       "machine_id = ?1 AND state <> 3",
                        machine_key));
     RETURN_IF_ERROR(row.Step().status());
     if (row.IsNull(0)) return latest;

@@ -6,7 +6,6 @@
 
 #include "core/base/error_detail.h"
 #include "server/storage/check.h"
-#include "server/storage/connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -58,13 +57,12 @@ class History : public testing::Test {
   }
   // Behind the store.
   void Execute(const std::string& sql) {
-    const absl::Status done = (*Connection::Open(database.path(), Access::kWrite))->Execute(sql);
+    const absl::Status done = database.Beside()->Execute(sql);
     ASSERT_TRUE(done.ok()) << sql << ": " << done;
   }
   std::vector<std::string> Damages() {
-    const auto report = CheckStoreFile(database.path());
     std::vector<std::string> named;
-    for (const Damage& damage : report->damages) named.push_back(damage.resource);
+    for (const Damage& damage : database.Check().damages) named.push_back(damage.resource);
     return named;
   }
 

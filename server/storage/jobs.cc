@@ -131,25 +131,27 @@ absl::StatusOr<JobRecord> CreateJob(Connection& connection, const Moment& now, c
   if (job.deadline && *job.deadline <= now.utc) return InvalidArgument("the deadline is over", "JOB_INVALID");
   RETURN_IF_ERROR(CheckRoom(connection, room, job.caller.principal, job.machine));
   ASSIGN_OR_RETURN(const std::optional<int64_t> machine_key, OptionalMachineKey(connection, job.machine));
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, "
-      "lease_token, cancel_requested, "
-      "progress_stage, progress_fraction, progress_detail, created_by, request_id, body_sha256, "
-      "created_at_utc_us, waits_from_up_us, wait_us, "
-      "version, deadline_at_utc_us, trace) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1, ?12, ?13)",
-      job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts, job.caller.principal,
-      RequestId(job.caller), body_sha256, now.utc, now.up_us, job.deadline, job.trace));
-  const JobId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(
+      const int64_t number,
+      connection.Insert(
+          "INSERT INTO job (kind, machine_id, params, input_hash, priority, state, attempt, max_attempts, "
+          "lease_token, cancel_requested, "
+          "progress_stage, progress_fraction, progress_detail, created_by, request_id, body_sha256, "
+          "created_at_utc_us, waits_from_up_us, wait_us, "
+          "version, deadline_at_utc_us, trace) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, 1, 0, ?6, 0, 0, '', 0.0, '', ?7, ?8, ?9, ?10, ?11, 0, 1, ?12, ?13)",
+          job.kind, machine_key, Blob{job.params}, job.input_hash, job.priority, job.max_attempts, job.caller.principal,
+          RequestId(job.caller), body_sha256, now.utc, now.up_us, job.deadline, job.trace));
+  const JobId id(number);
   if (job.program) RETURN_IF_ERROR(LinkProgram(connection, id, *job.program));
   return GetJob(connection, id);
 }
 
 absl::Status LinkProgram(Connection& connection, JobId job, ProgramId program) {
   return connection.Run(
-      "INSERT OR IGNORE INTO program_machine (machine_id, program_id) "
-      "SELECT j.machine_id, coalesce(p.same_as, p.id) FROM job AS j CROSS JOIN program AS p "
-      "WHERE j.id = ?1 AND p.id = ?2 AND j.machine_id IS NOT NULL",
+      "INSERT INTO program_machine (machine_id, program_id) "
+      "SELECT j.machine_id, coalesce(p.same_as, p.id) FROM job AS j CROSS JOIN program AS p ON p.id = ?2 "
+      "WHERE j.id = ?1 AND j.machine_id IS NOT NULL ON CONFLICT DO NOTHING",
       job, program);
 }
 
@@ -197,22 +199,27 @@ absl::StatusOr<Page<JobRecord>> ListJobs(Connection& connection, const JobFilter
   std::string where = "WHERE j.id < ?1";
   if (filter.machine.has_value()) where += " AND j.machine_id = ?2";
   if (filter.state.has_value()) where += " AND j.state = ?3";
-  if (!filter.input_hash.empty()) where += " AND j.input_hash = ?4 AND j.input_hash <> ''";
+  if (!filter.input_hash.empty()) where += " AND j.input_hash = ?10 AND j.input_hash <> ''";
   LookedAt looked;
   if (is_narrow) {
-    ASSIGN_OR_RETURN(looked, LookAtNewest(connection, "job", machine_key, visible, state, start.before_id));
-    where = "WHERE j.id IN (SELECT value FROM json_each(?6))" + InSpan("j.created_at_utc_us", filter.created, 7);
-    if (!filter.kind.empty()) where += " AND j.kind = ?9";
-    if (!filter.input_hash.empty()) where += " AND +j.input_hash = ?4 AND +j.input_hash <> ''";
+    Narrowing narrowing;
+    if (!filter.kind.empty()) narrowing.texts.push_back({"kind", filter.kind});
+    narrowing.time = "created_at_utc_us";
+    narrowing.span = filter.created;
+    ASSIGN_OR_RETURN(looked,
+                     LookAtNarrowest(connection, "job", machine_key, visible, state, start.before_id, narrowing));
+    where = HeldTo("j", looked, machine_key.has_value(), state, "+j.created_at_utc_us", filter.created);
+    if (!filter.kind.empty()) where += " AND +j.kind = ?9";
+    if (!filter.input_hash.empty()) where += " AND +j.input_hash = ?10 AND +j.input_hash <> ''";
   } else if (!visible.everything && !filter.machine.has_value()) {
     ASSIGN_OR_RETURN(looked.ids,
                      NewestOfMachines(connection, "job", visible.scopes, state, start.before_id, start.row_limit()));
-    where += " AND j.id IN (SELECT value FROM json_each(?6))";
+    where += " AND j.id IN (SELECT value FROM json_each(?5))";
   }
   ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask(Select(kNoReport) + where + " ORDER BY j.id DESC LIMIT ?5", start.before_id,
-                                  machine_key, state, filter.input_hash, start.row_limit(), looked.ids,
-                                  filter.created.from, filter.created.to, filter.kind));
+                   connection.Ask(Select(kNoReport) + where + " ORDER BY j.id DESC LIMIT ?4", start.before_id,
+                                  machine_key, state, start.row_limit(), looked.ids, filter.created.from,
+                                  filter.created.to, looked.machines, filter.kind, filter.input_hash));
   Page<JobRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());

@@ -73,9 +73,10 @@ absl::StatusOr<MachineRecord> CreateMachine(Connection& connection, UtcTime now,
   const absl::StatusOr<MachineRecord> present = GetMachine(connection, id);
   if (present.ok()) return KeepExisting(*present, description_json);
   if (!absl::IsNotFound(present.status())) return present;
-  RETURN_IF_ERROR(
-      connection.Run("INSERT INTO machine (name, revision, created_at_utc_us) VALUES (?1, 1, ?2)", id.text(), now));
-  RETURN_IF_ERROR(InsertRevision(connection, now, connection.last_insert_id(), 1, description_json, caller));
+  ASSIGN_OR_RETURN(
+      const int64_t key,
+      connection.Insert("INSERT INTO machine (name, revision, created_at_utc_us) VALUES (?1, 1, ?2)", id.text(), now));
+  RETURN_IF_ERROR(InsertRevision(connection, now, key, 1, description_json, caller));
   RETURN_IF_ERROR(AuditChange(connection, now, caller, "machine.create", "machines/" + id.text(), "", "revision 1"));
   return GetMachine(connection, id);
 }

@@ -63,11 +63,13 @@ absl::StatusOr<Mark> PutMark(Connection& connection, UtcTime now, const NewMark&
   if (base::ToUtcUs(mark.at) < 0 || mark.at > now + kAhead)
     return InvalidArgument("the time of a mark must lie between 1970 and now", "MARK_INVALID");
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, mark.machine));
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT INTO mark (machine_id, at_utc_us, kind, note, created_by, request_id, body_sha256, "
-      "created_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
-      machine_key, mark.at, static_cast<int>(mark.kind), mark.note, caller.principal, RequestId(caller), body, now));
-  const MarkId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(
+      const int64_t number,
+      connection.Insert("INSERT INTO mark (machine_id, at_utc_us, kind, note, created_by, request_id, body_sha256, "
+                        "created_at_utc_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+                        machine_key, mark.at, static_cast<int>(mark.kind), mark.note, caller.principal,
+                        RequestId(caller), body, now));
+  const MarkId id(number);
   for (size_t i = 0; i < mark.symbols.size(); ++i) {
     RETURN_IF_ERROR(connection.Run("INSERT INTO mark_symbol (mark_id, position, symbol) VALUES (?1, ?2, ?3)", id,
                                    static_cast<int64_t>(i), mark.symbols[i]));

@@ -6,18 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "server/storage/connection.h"
+#include "server/storage/migration.h"
+#include "server/storage/sqlite_connection.h"
 
 namespace axiscal::storage {
-
-struct Migration {
-  int version = 0;  // 1, 2, ...
-  std::string name;
-  std::string sql;
-};
-
-// migrations/*.sql as built into this program.
-const std::vector<Migration>& EmbeddedMigrations();
 
 // "Axis" in the file's header: PRAGMA application_id.
 inline constexpr int kApplicationId = 0x41786973;
@@ -28,7 +20,7 @@ inline constexpr int kApplicationId = 0x41786973;
 absl::Status CheckFile(const std::string& path, const std::vector<Migration>& migrations);
 
 // Applies what is missing. On failure the file stays at the last migration that succeeded.
-absl::Status Migrate(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now);
+absl::Status Migrate(SqliteConnection& connection, const std::vector<Migration>& migrations, base::UtcTime now);
 
 }  // namespace axiscal::storage
 

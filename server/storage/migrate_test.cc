@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/base/error_detail.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -27,11 +28,11 @@ class Migrations : public testing::Test {
  protected:
   absl::Status Apply(const std::vector<Migration>& migrations) {
     RETURN_IF_ERROR(CheckFile(path, migrations));
-    ASSIGN_OR_RETURN(const std::unique_ptr<Connection> connection, Connection::Open(path, Access::kWrite));
+    ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection, SqliteConnection::Open(path, Access::kWrite));
     return Migrate(*connection, migrations, base::FromUtcUs(1));
   }
   std::string Ask(const std::string& sql) {
-    const auto connection = Connection::Open(path, Access::kReadOnly);
+    const auto connection = SqliteConnection::Open(path, Access::kReadOnly);
     DEMAND(connection.ok());
     auto row = (*connection)->Ask(sql);
     DEMAND(row.ok() && row->Step().ok());

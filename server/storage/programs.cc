@@ -96,13 +96,15 @@ absl::StatusOr<ProgramRecord> BeginProgram(Connection& connection, const Moment&
     const bool is_damaged = std::find(damaged.begin(), damaged.end(), present.id) != damaged.end();
     if (present.state != ProgramState::kExpired && !is_damaged) return present;
   }
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT INTO program (kind, name, state, byte_count, created_by, request_id, body_sha256, created_at_utc_us, "
-      "last_seen_at_utc_us, last_seen_up_us) "
-      "VALUES (?1, ?2, 1, 0, ?3, ?4, ?5, ?6, ?6, ?7)",
-      program.kind, program.name, program.caller.principal, RequestId(program.caller), body_sha256, now.utc,
-      now.up_us));
-  const ProgramId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(
+      const int64_t number,
+      connection.Insert(
+          "INSERT INTO program (kind, name, state, byte_count, created_by, request_id, body_sha256, created_at_utc_us, "
+          "last_seen_at_utc_us, last_seen_up_us) "
+          "VALUES (?1, ?2, 1, 0, ?3, ?4, ?5, ?6, ?6, ?7)",
+          program.kind, program.name, program.caller.principal, RequestId(program.caller), body_sha256, now.utc,
+          now.up_us));
+  const ProgramId id(number);
   RETURN_IF_ERROR(
       connection.Run("INSERT INTO program_holder (holder, program_id) VALUES (?1, ?2)", program.caller.principal, id));
   if (program.machine) {
@@ -159,14 +161,15 @@ absl::StatusOr<ProgramRecord> FinishProgram(Connection& connection, ProgramId id
     RETURN_IF_ERROR(connection.Run("UPDATE program SET state = 3, same_as = ?2 WHERE id = ?1", id, *same));
     // Who sent it has what it was merged into.
     RETURN_IF_ERROR(
-        connection.Run("INSERT OR IGNORE INTO program_holder (holder, program_id) "
-                       "SELECT holder, ?2 FROM program_holder WHERE holder = ?3 AND program_id = ?1",
+        connection.Run("INSERT INTO program_holder (holder, program_id) "
+                       "SELECT holder, ?2 FROM program_holder WHERE holder = ?3 AND program_id = ?1 "
+                       "ON CONFLICT DO NOTHING",
                        id, *same, program.created_by));
     RETURN_IF_ERROR(
         connection.Run("DELETE FROM program_holder WHERE holder = ?2 AND program_id = ?1", id, program.created_by));
     RETURN_IF_ERROR(
-        connection.Run("INSERT OR IGNORE INTO program_machine (machine_id, program_id) "
-                       "SELECT machine_id, ?2 FROM program_machine WHERE program_id = ?1",
+        connection.Run("INSERT INTO program_machine (machine_id, program_id) "
+                       "SELECT machine_id, ?2 FROM program_machine WHERE program_id = ?1 ON CONFLICT DO NOTHING",
                        id, *same));
     RETURN_IF_ERROR(connection.Run("DELETE FROM program_machine WHERE program_id = ?1", id));
   } else {

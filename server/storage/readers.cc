@@ -17,7 +17,7 @@ absl::StatusOr<std::unique_ptr<Connection>> Readers::Borrow() {
       return connection;
     }
   }
-  return Connection::Open(path_, Access::kReadOnly);
+  return open_();
 }
 
 void Readers::GiveBack(std::unique_ptr<Connection> connection) {

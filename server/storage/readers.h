@@ -2,8 +2,8 @@
 #ifndef AXISCAL_SERVER_STORAGE_READERS_H_
 #define AXISCAL_SERVER_STORAGE_READERS_H_
 
+#include <functional>
 #include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,7 +15,8 @@ namespace axiscal::storage {
 // Safe from any thread.
 class Readers {
  public:
-  explicit Readers(std::string path) : path_(std::move(path)) {}
+  using Open = std::function<absl::StatusOr<std::unique_ptr<Connection>>()>;
+  explicit Readers(Open open) : open_(std::move(open)) {}
 
   // Runs `read(Connection&)` (StatusOr<T>) on one consistent state of the database.
   template <typename Read>
@@ -34,7 +35,7 @@ class Readers {
   absl::StatusOr<std::unique_ptr<Connection>> Borrow();
   void GiveBack(std::unique_ptr<Connection> connection);
 
-  const std::string path_;
+  const Open open_;
   base::Mutex mutex_;
   std::vector<std::unique_ptr<Connection>> idle_ AXISCAL_GUARDED_BY(mutex_);
 };

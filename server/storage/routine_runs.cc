@@ -101,11 +101,12 @@ absl::StatusOr<RoutineRun> BeginRun(Connection& connection, UtcTime now, const R
   ASSIGN_OR_RETURN(const RoutineRecord present, GetRoutine(connection, routine.content.name));
   RETURN_IF_ERROR(CheckEtag("routine " + routine.content.name, routine.etag, present.etag));
   ASSIGN_OR_RETURN(const int64_t key, LiveMachineKey(connection, machine));
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT INTO routine_run (routine_id, routine_etag, machine_id, principal, state, text, began_at_utc_us) VALUES "
-      "(?1, ?2, ?3, ?4, 1, '', ?5)",
-      routine.id, routine.etag, key, routine.content.principal, now));
-  const RunId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(const int64_t number,
+                   connection.Insert("INSERT INTO routine_run (routine_id, routine_etag, machine_id, principal, state, "
+                                     "text, began_at_utc_us) VALUES "
+                                     "(?1, ?2, ?3, ?4, 1, '', ?5)",
+                                     routine.id, routine.etag, key, routine.content.principal, now));
+  const RunId id(number);
   int64_t position = 0;
   const auto add = [&](const std::vector<std::string>& names, const std::vector<SessionId>& ids,
                        bool is_check) -> absl::Status {
@@ -156,11 +157,12 @@ absl::StatusOr<RoutineRun> RetryRoutine(Connection& connection, UtcTime now, con
   RETURN_IF_ERROR(AuditChange(connection, now, caller, "routine.retry", "routines/" + name,
                               absl::StrCat("run ", run->id.number(), " ", records::NameOf(run->state)),
                               absl::StrCat("machines/", machine.text(), " waiting")));
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT INTO routine_run (routine_id, routine_etag, machine_id, principal, state, text, began_at_utc_us) VALUES "
-      "(?1, ?2, ?3, ?4, 1, '', ?5)",
-      routine.id, routine.etag, key, routine.content.principal, now));
-  const RunId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(const int64_t number,
+                   connection.Insert("INSERT INTO routine_run (routine_id, routine_etag, machine_id, principal, state, "
+                                     "text, began_at_utc_us) VALUES "
+                                     "(?1, ?2, ?3, ?4, 1, '', ?5)",
+                                     routine.id, routine.etag, key, routine.content.principal, now));
+  const RunId id(number);
   RETURN_IF_ERROR(connection.Run(
       "INSERT INTO routine_run_session (run_id, position, is_check, name, session_id) SELECT ?1, position, is_check, "
       "name, session_id FROM routine_run_session WHERE run_id = ?2",

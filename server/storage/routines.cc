@@ -184,7 +184,10 @@ absl::StatusOr<RoutineRecord> PutRoutine(Connection& connection, UtcTime now, co
                            present->content.scope != routine.scope || present->content.sessions != routine.sessions ||
                            present->content.check_sessions != routine.check_sessions;
   ASSIGN_OR_RETURN(const int64_t newest_session, NewestSessionId(connection));
-  if (!present) {
+  RoutineId id;
+  if (present) {
+    id = present->id;
+  } else {
     ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT count(*) FROM routine WHERE removed_at_utc_us IS NULL"));
     RETURN_IF_ERROR(row.Step().status());
     if (row.Int(0) >= kMostRoutines) {
@@ -192,17 +195,21 @@ absl::StatusOr<RoutineRecord> PutRoutine(Connection& connection, UtcTime now, co
                          absl::StrCat("there are ", kMostRoutines, " routines, no more are kept: remove one"),
                          {"TOO_MANY_ROUTINES", {}});
     }
-    RETURN_IF_ERROR(connection.Run(
-        "INSERT INTO routine (name, scope, scope_name, principal, within_hours, work, budget_json, monte_carlo_seed, "
-        "is_enabled, note, after_session_id, etag, created_by, created_at_utc_us, changed_by, changed_at_utc_us, "
-        "removed_by) VALUES (?1, 3, '', '', 1, 1, '', 1, 0, '', ?2, 1, ?3, ?4, '', 0, '')",
-        routine.name, newest_session, caller.principal, now));
+    ASSIGN_OR_RETURN(
+        const int64_t number,
+        connection.Insert(
+            "INSERT INTO routine (name, scope, scope_name, principal, within_hours, work, budget_json, "
+            "monte_carlo_seed, "
+            "is_enabled, note, after_session_id, etag, created_by, created_at_utc_us, changed_by, changed_at_utc_us, "
+            "removed_by) VALUES (?1, 3, '', '', 1, 1, '', 1, 0, '', ?2, 1, ?3, ?4, '', 0, '')",
+            routine.name, newest_session, caller.principal, now));
+    id = RoutineId(number);
   }
-  const RoutineId id = present ? present->id : RoutineId(connection.last_insert_id());
   RETURN_IF_ERROR(connection.Run(
       "UPDATE routine SET scope = ?2, scope_name = ?3, principal = ?4, within_hours = ?5, at_utc_minute = ?6, work = "
       "?7, max_effects = ?8, budget_json = ?9, monte_carlo_runs = ?10, monte_carlo_seed = ?11, approve_within_um = "
-      "?12, is_enabled = ?13, note = ?14, after_session_id = iif(?15, ?16, after_session_id), etag = ?17, changed_by = "
+      "?12, is_enabled = ?13, note = ?14, after_session_id = CASE WHEN ?15 = 1 THEN ?16 ELSE after_session_id END, "
+      "etag = ?17, changed_by = "
       "?18, changed_at_utc_us = ?19 WHERE id = ?1",
       id, static_cast<int>(routine.scope.kind), routine.scope.name, routine.principal, routine.within_hours,
       routine.at_utc_minute, static_cast<int>(routine.work), routine.max_effects, routine.budget_json,

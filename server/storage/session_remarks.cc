@@ -28,7 +28,7 @@ absl::Status StoreRemark(Connection& connection, UtcTime now, SessionId id, cons
   return connection.Run(
       "INSERT INTO session_remark (session_id, note, is_rejected, reason, etag, changed_by, changed_at_utc_us) "
       "VALUES (?1, ?2, ?3, ?4, 1, ?5, ?6) ON CONFLICT (session_id) DO UPDATE SET note = ?2, is_rejected = ?3, "
-      "reason = ?4, etag = etag + 1, changed_by = ?5, changed_at_utc_us = ?6",
+      "reason = ?4, etag = session_remark.etag + 1, changed_by = ?5, changed_at_utc_us = ?6",
       id, remark.note, remark.is_rejected, remark.reason, caller.principal, now);
 }
 

@@ -22,6 +22,12 @@ constexpr char kSelectSession[] =
     "s.created_at_utc_us, s.last_seen_at_utc_us, s.closed_at_utc_us FROM session AS s JOIN machine AS m ON m.id = "
     "s.machine_id ";
 
+// As its indices have it.
+constexpr char kMeasuredAt[] = "coalesce(measured_at_utc_us, created_at_utc_us)";
+constexpr char kWithLabel[] =
+    "SELECT session_id FROM session_label INDEXED BY session_with_label WHERE label = ?1 AND session_id < ?2 AND "
+    "session_id > ?3 ORDER BY session_id DESC LIMIT ?4";
+
 std::string Place(SessionId id) { return absl::StrCat("session ", id.number()); }
 
 SessionRecord ReadSession(const Statement& row) {
@@ -183,14 +189,16 @@ absl::StatusOr<SessionRecord> CreateSession(Connection& connection, const Moment
   ASSIGN_OR_RETURN(std::optional<SessionRecord> same, FindSame(connection, session.caller, body_sha256, damaged));
   if (same.has_value()) return *std::move(same);
   ASSIGN_OR_RETURN(const int64_t machine_key, LiveMachineKey(connection, session.machine));
-  RETURN_IF_ERROR(connection.Run(
-      "INSERT INTO session (machine_id, name, instrument, measured_at_utc_us, state, next_seq, reading_count, "
-      "created_by, request_id, "
-      "body_sha256, created_at_utc_us, last_seen_at_utc_us, last_seen_up_us) "
-      "VALUES (?1, ?2, ?3, ?4, 1, 0, 0, ?5, ?6, ?7, ?8, ?8, ?9)",
-      machine_key, session.name, session.instrument, session.measured_at, session.caller.principal,
-      RequestId(session.caller), body_sha256, now.utc, now.up_us));
-  const SessionId id(connection.last_insert_id());
+  ASSIGN_OR_RETURN(
+      const int64_t number,
+      connection.Insert(
+          "INSERT INTO session (machine_id, name, instrument, measured_at_utc_us, state, next_seq, reading_count, "
+          "created_by, request_id, "
+          "body_sha256, created_at_utc_us, last_seen_at_utc_us, last_seen_up_us) "
+          "VALUES (?1, ?2, ?3, ?4, 1, 0, 0, ?5, ?6, ?7, ?8, ?8, ?9)",
+          machine_key, session.name, session.instrument, session.measured_at, session.caller.principal,
+          RequestId(session.caller), body_sha256, now.utc, now.up_us));
+  const SessionId id(number);
   RETURN_IF_ERROR(InsertLists(connection, id, session));
   return GetSession(connection, id);
 }
@@ -237,13 +245,23 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
   if (filter.state.has_value()) where += " AND s.state = ?3";
   LookedAt looked;
   if (is_narrow) {
-    ASSIGN_OR_RETURN(looked, LookAtNewest(connection, "session", machine_key, visible, state, start.before_id));
-    where = "WHERE s.id IN (SELECT value FROM json_each(?5))" +
-            InSpan("coalesce(s.measured_at_utc_us, s.created_at_utc_us)", filter.measured, 6);
-    if (!filter.instrument.empty()) where += " AND s.instrument = ?8";
-    if (!filter.name.empty()) where += " AND +s.name = ?9";
+    Narrowing narrowing;
+    if (!filter.instrument.empty()) narrowing.texts.push_back({"instrument", filter.instrument});
+    if (!filter.name.empty()) narrowing.texts.push_back({"name", filter.name});
+    narrowing.time = kMeasuredAt;
+    narrowing.span = filter.measured;
+    if (!filter.label.empty()) {
+      ASSIGN_OR_RETURN(narrowing.linked, NewestIds(connection, kWithLabel, std::vector<std::string>{filter.label},
+                                                   start.before_id, kMostLookedAt, 0));
+    }
+    ASSIGN_OR_RETURN(looked,
+                     LookAtNarrowest(connection, "session", machine_key, visible, state, start.before_id, narrowing));
+    where = HeldTo("s", looked, machine_key.has_value(), state, "coalesce(s.measured_at_utc_us, s.created_at_utc_us)",
+                   filter.measured);
+    if (!filter.instrument.empty()) where += " AND +s.instrument = ?9";
+    if (!filter.name.empty()) where += " AND +s.name = ?10";
     if (!filter.label.empty())
-      where += " AND EXISTS (SELECT 1 FROM session_label AS l WHERE l.session_id = s.id AND l.label = ?10)";
+      where += " AND EXISTS (SELECT 1 FROM session_label AS l WHERE l.session_id = s.id AND l.label = ?11)";
   } else if (!visible.everything && !filter.machine.has_value()) {
     ASSIGN_OR_RETURN(
         looked.ids, NewestOfMachines(connection, "session", visible.scopes, state, start.before_id, start.row_limit()));
@@ -252,7 +270,7 @@ absl::StatusOr<Page<SessionRecord>> ListSessions(Connection& connection, const S
   ASSIGN_OR_RETURN(Statement row,
                    connection.Ask(kSelectSession + where + " ORDER BY s.id DESC LIMIT ?4", start.before_id, machine_key,
                                   state, start.row_limit(), looked.ids, filter.measured.from, filter.measured.to,
-                                  filter.instrument, filter.name, filter.label));
+                                  looked.machines, filter.instrument, filter.name, filter.label));
   Page<SessionRecord> page;
   while (true) {
     ASSIGN_OR_RETURN(const bool more, row.Step());
@@ -324,8 +342,8 @@ absl::StatusOr<bool> IsNeeded(Connection& connection, SessionId id) {
     if (found) return true;
   }
   for (const int state : {1, 2}) {  // queued, running: what it reads is not told to the store
-    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT 1 FROM session AS s CROSS JOIN job AS j WHERE s.id = ?1 AND "
-                                                   "j.machine_id = s.machine_id AND j.state = ?2 LIMIT 1",
+    ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT 1 FROM session AS s CROSS JOIN job AS j ON j.machine_id = "
+                                                   "s.machine_id WHERE s.id = ?1 AND j.state = ?2 LIMIT 1",
                                                    id, state));
     ASSIGN_OR_RETURN(const bool found, row.Step());
     if (found) return true;

@@ -2,7 +2,6 @@
 
 #include "core/base/error_detail.h"
 #include "server/storage/check.h"
-#include "server/storage/connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -168,7 +167,7 @@ TEST_F(Sessions, ExpireAfterTheirTimeAlsoBehindACrash) {
   database.clock.Advance(hours(100));
   ASSERT_TRUE(AppendTest(0, 0).ok());
   database.Close();
-  ASSERT_TRUE((*Connection::Open(database.path(), Access::kWrite))->Execute("UPDATE up_time SET up_us = 0").ok());
+  ASSERT_TRUE(database.Beside()->Execute("UPDATE up_time SET up_us = 0").ok());
   database.Open();
   EXPECT_EQ(*database->ExpireSessions(hours(1)), 0);
   database.clock.Advance(hours(1) + std::chrono::minutes(1));
@@ -262,29 +261,89 @@ TEST_F(Sessions, ListsAreHeldToTimeInstrumentAndName) {
             "PAGE_INVALID");
 }
 
-// A page looks at some of the rows; those behind them come with the pages that follow.
+// What fits few rows ends with its first page, however many newer rows fit it not.
 TEST_F(Sessions, WhatFewRowsFitIsFoundHoweverManyDoNot) {
   constexpr int kOthers = 2250;
   NewSession session = TestSession("");
   session.name = "rare";
-  ASSERT_TRUE(database->CreateSession(session).ok());
-  const std::unique_ptr<Connection> connection = *Connection::Open(database.path(), Access::kWrite);
+  session.instrument = "ballbar";
+  session.measured_at = base::FromUtcUs(5);
+  const auto rare = database->CreateSession(session);
+  ASSERT_TRUE(rare.ok());
+  const std::unique_ptr<Connection> connection = database.Beside();
+  const std::string others = absl::StrCat("WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ",
+                                          kOthers, ") INSERT INTO ");
   ASSERT_TRUE(connection
-                  ->Execute(absl::StrCat(
-                      "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ", kOthers,
-                      ") INSERT INTO session (machine_id, name, instrument, state, next_seq, reading_count, "
-                      "created_by, body_sha256, created_at_utc_us, last_seen_at_utc_us) SELECT 1, 's', 'touch', 1, 0, "
-                      "0, 'u', 'b', i, i FROM n"))
+                  ->Execute(others +
+                            "session (machine_id, name, instrument, state, next_seq, reading_count, created_by, "
+                            "body_sha256, created_at_utc_us, last_seen_at_utc_us) SELECT 1, 's', 'touch', 1, 0, 0, "
+                            "'u', 'b', 100 + i, i FROM n")
                   .ok());
+  ASSERT_TRUE(connection->Execute("INSERT INTO session_label (session_id, label) SELECT id, 'cold' FROM session").ok());
+  ASSERT_TRUE(connection->Execute("INSERT INTO session_label (session_id, label) VALUES (2, 'warm')").ok());
+  const TimeSpan early = {{}, base::FromUtcUs(100)}, at_all = {base::FromUtcUs(1), {}};
+  const Visible all, some = {false, {{records::Scope::Kind::kMachine, "mt"}}, "u"};
   for (const std::optional<MachineId>& machine : {std::optional<MachineId>(), std::optional(MachineId("mt"))}) {
-    const Listed listed = ListAll(*database, {machine, {}, {}, "", "rare"}, 50);
-    EXPECT_EQ(listed.ids, std::vector<int64_t>{2});
-    EXPECT_EQ(listed.pages, 3);
-    EXPECT_EQ(ListAll(*database, {machine, {}, {}, "", "s"}, 300).ids.size(), static_cast<size_t>(kOthers));
+    for (const Visible& visible : {all, some}) {
+      for (const SessionFilter& filter :
+           {SessionFilter{machine, {}, {}, "", "rare"}, SessionFilter{machine, {}, {}, "ballbar"},
+            SessionFilter{machine, {}, early}, SessionFilter{machine, {}, {}, "", "", "warm"},
+            SessionFilter{machine, SessionState::kOpen, at_all, "ballbar", "rare", "cold"}}) {
+        const auto page = database->ListSessions(filter, {}, visible);
+        ASSERT_TRUE(page.ok()) << page.status();
+        ASSERT_EQ(page->rows.size(), 1u);
+        EXPECT_EQ(page->rows[0].id, rare->id);
+        EXPECT_EQ(page->next_token, "");
+      }
+      const auto none = database->ListSessions({machine, SessionState::kAborted, {}, "", "rare"}, {}, visible);
+      EXPECT_TRUE(none.ok() && none->rows.empty() && none->next_token.empty());
+    }
+    // What many fit comes in pages, each row once.
+    for (const SessionFilter& filter :
+         {SessionFilter{machine, {}, {}, "", "s"}, SessionFilter{machine, {}, {}, "touch"},
+          SessionFilter{machine, {}, {base::FromUtcUs(1), {}}, "", "s", "cold"}})
+      EXPECT_EQ(ListAll(*database, filter, 300).ids.size(), static_cast<size_t>(kOthers + filter.name.empty()));
   }
-  const Visible some = {false, {{records::Scope::Kind::kMachine, "mt"}}, "u"};
-  EXPECT_TRUE(database->ListSessions({{}, {}, {}, "", "rare"}, {}, some)->rows.empty());
-  EXPECT_FALSE(database->ListSessions({{}, {}, {}, "", "rare"}, {}, some)->next_token.empty());
+  // Of a label that other machines' sessions have, too, nobody sees those.
+  const Visible other = {false, {{records::Scope::Kind::kMachine, "other"}}, "u"};
+  for (const SessionFilter& filter :
+       {SessionFilter{{}, {}, {}, "", "", "warm"}, SessionFilter{{}, {}, {}, "", "rare"}, SessionFilter{{}, {}, early}})
+    EXPECT_TRUE(database->ListSessions(filter, {}, other)->rows.empty());
+}
+
+// A time that very many fit, behind very many that do not: each page has its rows, none is looked for in vain.
+TEST_F(Sessions, WhatManyOfATimeAreIsFoundBehindManyThatAreNot) {
+  constexpr int kOfTime = 7000, kOthers = 9000;
+  {
+    const std::unique_ptr<Connection> connection = database.Beside();
+    for (const auto& [rows, first_us] : {std::pair(kOfTime, 1'000'000), std::pair(kOthers, 2'000'000)})
+      ASSERT_TRUE(connection
+                      ->Execute(absl::StrCat(
+                          "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ", rows,
+                          ") INSERT INTO session (machine_id, name, instrument, state, next_seq, reading_count, "
+                          "created_by, body_sha256, created_at_utc_us, last_seen_at_utc_us) SELECT 1, 's', 'touch', "
+                          "1, 0, 0, 'u', 'b', ",
+                          first_us, " + i, i FROM n"))
+                      .ok());
+  }
+  const TimeSpan early = {base::FromUtcUs(1'000'000), base::FromUtcUs(2'000'000)};
+  const Visible all, some = {false, {{records::Scope::Kind::kMachine, "mt"}}, "u"};
+  for (const std::optional<MachineId>& machine : {std::optional<MachineId>(), std::optional(MachineId("mt"))}) {
+    for (const Visible& visible : {all, some}) {
+      std::vector<int64_t> ids;
+      PageRequest request = {1000, ""};
+      do {
+        const auto page = database->ListSessions({machine, {}, early}, request, visible);
+        ASSERT_TRUE(page.ok()) << page.status();
+        ASSERT_TRUE(!page->rows.empty() || page->next_token.empty());
+        for (const SessionRecord& session : page->rows) ids.push_back(session.id.number());
+        request.token = page->next_token;
+      } while (!request.token.empty());
+      ASSERT_EQ(ids.size(), static_cast<size_t>(kOfTime));
+      EXPECT_TRUE(std::is_sorted(ids.rbegin(), ids.rend()));
+      EXPECT_EQ(ids.front() - ids.back(), kOfTime - 1);
+    }
+  }
 }
 
 TEST_F(Sessions, ManyAppendsUnderWayAreAnsweredInOrder) {
@@ -369,9 +428,8 @@ TEST_F(Retention, RemovesOldReadingsThatNothingStandsOn) {
   // The same can be sent again, as a new session.
   EXPECT_NE(database->CreateSession(TestSession("old"))->id, old);
   database.Close();
-  const auto report = CheckStoreFile(database.path());
-  ASSERT_TRUE(report.ok()) << report.status();
-  EXPECT_EQ(report->damage_count, 0) << report->damages[0].text;
+  const CheckReport report = database.Check();
+  EXPECT_EQ(report.damage_count, 0) << report.damages[0].text;
 }
 
 TEST_F(Retention, TheFileItselfKeepsWhatACalibrationStandsOn) {
@@ -379,8 +437,7 @@ TEST_F(Retention, TheFileItselfKeepsWhatACalibrationStandsOn) {
   NewCalibration calibration = TestCalibration(database.clock.UtcNow(), 1.0);
   calibration.sessions = {kept};
   ASSERT_TRUE(database->CreateCalibration(calibration).ok());
-  const auto connection = Connection::Open(database.path(), Access::kWrite);
-  EXPECT_FALSE((*connection)->Execute("UPDATE session SET state = 4, hash = NULL").ok());
+  EXPECT_FALSE(database.Beside()->Execute("UPDATE session SET state = 4, hash = NULL").ok());
 }
 
 }  // namespace

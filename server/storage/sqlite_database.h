@@ -12,12 +12,15 @@
 
 namespace axiscal::storage {
 
+// What must stay free on the disk, or what grows is refused (DISK_LOW).
+inline constexpr int64_t kMinFreeBytes = int64_t{64} << 20;
+
 struct SqliteOptions {
   // The database file; made when it is not there. "FILE-wal", "FILE-shm" and "FILE.lock" stand beside it; through a
   // symbolic link, beside the file that it leads to.
   std::string path;
   // Refuse growing writes below this much free disk, so that ending, aborting and cleaning up still work.
-  int64_t min_free_bytes = 64 << 20;
+  int64_t min_free_bytes = kMinFreeBytes;
   // Free bytes on the disk of the file; empty: ask the file system.
   std::function<int64_t()> free_bytes;
   // Told on open, for each job that a process left RUNNING when it died, what became of it. May be empty.

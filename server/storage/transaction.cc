@@ -2,13 +2,13 @@
 
 namespace axiscal::storage {
 
-absl::StatusOr<Transaction> Transaction::Begin(Connection& connection, const std::string& sql) {
-  RETURN_IF_ERROR(connection.Run(sql));
+absl::StatusOr<Transaction> Transaction::Begin(Connection& connection, Access access) {
+  RETURN_IF_ERROR(connection.Begin(access));
   return Transaction(connection);
 }
 
 Transaction::~Transaction() {
-  // SQLite may have rolled back by itself; then there is nothing left to do.
+  // The engine may have rolled back by itself; then there is nothing left to do.
   if (connection_ != nullptr && connection_->in_transaction()) connection_->Run("ROLLBACK").IgnoreError();
 }
 

@@ -10,11 +10,9 @@ namespace axiscal::storage {
 
 class Transaction {
  public:
-  // BEGIN IMMEDIATE: takes the write lock now. A read that turns into a write later would fail at once with
-  // BUSY_SNAPSHOT.
-  static absl::StatusOr<Transaction> BeginWrite(Connection& connection) { return Begin(connection, "BEGIN IMMEDIATE"); }
-  // Several reads of one state.
-  static absl::StatusOr<Transaction> BeginRead(Connection& connection) { return Begin(connection, "BEGIN"); }
+  // As Connection::Begin() says.
+  static absl::StatusOr<Transaction> BeginWrite(Connection& connection) { return Begin(connection, Access::kWrite); }
+  static absl::StatusOr<Transaction> BeginRead(Connection& connection) { return Begin(connection, Access::kReadOnly); }
 
   Transaction(Transaction&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}
   Transaction& operator=(Transaction&&) = delete;
@@ -23,7 +21,7 @@ class Transaction {
 
  private:
   explicit Transaction(Connection& connection) : connection_(&connection) {}
-  static absl::StatusOr<Transaction> Begin(Connection& connection, const std::string& sql);
+  static absl::StatusOr<Transaction> Begin(Connection& connection, Access access);
 
   Connection* connection_;  // null: ended
 };

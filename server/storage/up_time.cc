@@ -4,12 +4,11 @@ namespace axiscal::storage {
 
 absl::StatusOr<std::chrono::microseconds> ReadUpTime(Connection& connection) {
   ASSIGN_OR_RETURN(Statement row,
-                   connection.Ask("SELECT max(up_us, "
-                                  "coalesce((SELECT max(last_seen_up_us) FROM session WHERE state = 1), 0), "
-                                  "coalesce((SELECT max(last_seen_up_us) FROM program WHERE state = 1), 0), "
-                                  "coalesce((SELECT max(reported_at_up_us) FROM cell), 0), "
-                                  "coalesce((SELECT max(waits_from_up_us) FROM job WHERE state = 1), 0)) "
-                                  "FROM up_time WHERE id = 1"));
+                   connection.Ask("SELECT max(up_us) FROM (SELECT up_us FROM up_time WHERE id = 1 "
+                                  "UNION ALL SELECT max(last_seen_up_us) FROM session WHERE state = 1 "
+                                  "UNION ALL SELECT max(last_seen_up_us) FROM program WHERE state = 1 "
+                                  "UNION ALL SELECT max(reported_at_up_us) FROM cell "
+                                  "UNION ALL SELECT max(waits_from_up_us) FROM job WHERE state = 1) AS stamp"));
   RETURN_IF_ERROR(row.Step().status());
   return std::chrono::microseconds(row.Int(0));
 }

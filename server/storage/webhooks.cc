@@ -112,7 +112,8 @@ absl::StatusOr<WebhookRecord> PutWebhook(Connection& connection, UtcTime now, co
   if (!present) RETURN_IF_ERROR(InsertWebhook(connection, now, webhook.name, secret.text, caller));
   // What was tried at another address is no reason to wait.
   RETURN_IF_ERROR(connection.Run(
-      "UPDATE webhook SET url = ?2, secret = iif(?3, ?4, secret), scope = ?5, scope_name = ?6, is_enabled = ?7, note = "
+      "UPDATE webhook SET url = ?2, secret = CASE WHEN ?3 = 1 THEN ?4 ELSE secret END, scope = ?5, scope_name = ?6, "
+      "is_enabled = ?7, note = "
       "?8, tries = 0, next_try_at_utc_us = NULL, last_error = '', etag = ?9, changed_by = ?10, changed_at_utc_us = ?11 "
       "WHERE name = ?1",
       webhook.name, webhook.url, secret.replaces, secret.text, static_cast<int>(webhook.scope.kind), webhook.scope.name,
@@ -154,7 +155,7 @@ absl::StatusOr<bool> StepWebhook(Connection& connection, UtcTime now, const Webh
   }
   RETURN_IF_ERROR(
       connection.Run("UPDATE webhook SET after_change_id = ?2, tries = ?3, next_try_at_utc_us = ?4, last_error = ?5, "
-                     "last_sent_at_utc_us = iif(?6, ?7, last_sent_at_utc_us) WHERE id = ?1",
+                     "last_sent_at_utc_us = CASE WHEN ?6 = 1 THEN ?7 ELSE last_sent_at_utc_us END WHERE id = ?1",
                      step.webhook, step.to, step.tries, step.next_try_at, step.error, step.is_sent, now));
   if (!step.dead) return true;
   RETURN_IF_ERROR(

@@ -20,17 +20,8 @@ absl::Status Separate(const absl::Status& status) {
 
 }  // namespace
 
-Writer::Writer(std::unique_ptr<Connection> connection, const LogLimits& limits)
-    : connection_(std::move(connection)), limits_(limits), merge_at_pages_(limits.merge_pages) {
-  sqlite3_wal_hook(
-      connection_->handle(),
-      [](void* pages, sqlite3*, const char*, int count) {
-        *static_cast<int*>(pages) = count;
-        return SQLITE_OK;
-      },
-      &log_pages_);
-  thread_ = std::thread([this] { Loop(); });
-}
+Writer::Writer(std::unique_ptr<Connection> connection, std::function<void()> between)
+    : connection_(std::move(connection)), between_(std::move(between)), thread_([this] { Loop(); }) {}
 
 Writer::~Writer() {
   {
@@ -63,7 +54,7 @@ void Writer::Loop() {
     if (group.empty()) return;
     RunGroup(group);
     for (Task& task : group) task.done(std::move(task.result));
-    LimitLog();
+    if (between_) between_();
   }
 }
 
@@ -102,33 +93,6 @@ absl::Status Writer::RunTasks(std::vector<Task>& group) {
   }
   if (!changed) return absl::OkStatus();
   return transaction.Commit();
-}
-
-void Writer::LimitLog() {
-  if (log_pages_ < merge_at_pages_ || long_readers_ > 0) return;
-  // A failure (disk full, a long reader) is not the callers': it is tried again when the log has grown. A backup by
-  // another process reads for minutes; waiting for it after each commit would hold up all that come then.
-  const bool is_long = log_pages_ >= limits_.max_pages;
-  const bool is_merged = Merge(is_long ? SQLITE_CHECKPOINT_RESTART : SQLITE_CHECKPOINT_PASSIVE);
-  merge_at_pages_ = (is_merged ? 0 : log_pages_) + limits_.merge_pages;
-  if (is_merged) log_pages_ = 0;
-}
-
-// Whether all of the log is in the file.
-bool Writer::Merge(int mode) {
-  sqlite3* const db = connection_->handle();
-  sqlite3_busy_handler(
-      db, [](void* writer, int pauses) { return static_cast<Writer*>(writer)->PauseForReaders(pauses); }, this);
-  int in_log = -1, merged = -1;
-  const int code = sqlite3_wal_checkpoint_v2(db, nullptr, mode, &in_log, &merged);
-  connection_->WaitForLocks();
-  return code == SQLITE_OK && merged == in_log;
-}
-
-int Writer::PauseForReaders(int pauses) {
-  if (pauses >= limits_.max_pauses) return 0;
-  limits_.pause();
-  return 1;
 }
 
 }  // namespace axiscal::storage

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 
+#include "server/storage/sqlite_log.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -15,10 +16,11 @@ constexpr int kPageBytes = 4096;
 class WriterTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto connection = Connection::Open(path_, Access::kWrite);
+    auto connection = SqliteConnection::Open(path_, Access::kWrite);
     ASSERT_TRUE(connection.ok()) << connection.status();
     ASSERT_TRUE((*connection)->Execute("CREATE TABLE piece (content BLOB NOT NULL)").ok());
-    writer_ = std::make_unique<Writer>(*std::move(connection), limits_);
+    log_ = std::make_unique<SqliteLog>(**connection, limits_);
+    writer_ = std::make_unique<Writer>(*std::move(connection), [this] { log_->Limit(); });
   }
   void Commit(int times) {
     for (int i = 0; i < times; ++i) {
@@ -36,13 +38,14 @@ class WriterTest : public ::testing::Test {
   const std::string path_ = directory_.File("test.db");
   std::atomic<int> pauses_ = 0;
   LogLimits limits_{.merge_pages = 100, .max_pages = 200, .max_pauses = 10, .pause = [this] { ++pauses_; }};
+  std::unique_ptr<SqliteLog> log_;
   std::unique_ptr<Writer> writer_;
 };
 
 // As the sqlite3 program's VACUUM INTO does: one state of the file is read for as long as it takes.
 TEST_F(WriterTest, ABackupDoesNotHoldUpEachCommit) {
   Commit(10);
-  const auto backup = Connection::Open(path_, Access::kReadOnly);
+  const auto backup = SqliteConnection::Open(path_, Access::kReadOnly);
   ASSERT_TRUE(backup.ok());
   ASSERT_TRUE((*backup)->Execute("BEGIN; SELECT count(*) FROM piece").ok());
   Commit(500);

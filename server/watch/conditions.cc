@@ -119,19 +119,19 @@ void AddTolerances(const HistoryFacts& facts, std::vector<Condition>& conditions
 }
 
 void AddSteps(const HistoryFacts& facts, std::vector<Condition>& conditions) {
-  std::vector<drift::Step> steps;
-  const auto is_of = [](const drift::Step& step, base::UtcTime after, base::UtcTime by) {
+  std::vector<drift::StepChange> steps;
+  const auto is_of = [](const drift::StepChange& step, base::UtcTime after, base::UtcTime by) {
     return step.after == after && step.by == by;
   };
   for (const drift::Finding& finding : facts.history.findings) {
-    if (const auto* const step = std::get_if<drift::Step>(&finding)) {
+    if (const auto* const step = std::get_if<drift::StepChange>(&finding)) {
       std::erase_if(steps, [&](const auto& told) { return is_of(told, step->after, step->by); });
       steps.push_back(*step);
     } else if (const auto* const back = std::get_if<drift::Retraction>(&finding)) {
       std::erase_if(steps, [&](const auto& told) { return is_of(told, back->after, back->by); });
     }
   }
-  for (const drift::Step& step : steps) {
+  for (const drift::StepChange& step : steps) {
     Condition condition;
     condition.raises = facts.now - step.by <= kNews;
     EventContent& content = condition.content;

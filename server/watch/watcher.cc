@@ -69,11 +69,8 @@ absl::StatusOr<HistoryFacts> ReadHistory(storage::Database& database, const Mach
   RETURN_IF_ERROR(ReadRoutines(database, machine, facts));
   RETURN_IF_ERROR(ReadPeers(database, machine, facts));
   RETURN_IF_ERROR(ReadRejected(database, machine, facts));
-  const bool counts_candidates = expected.content.counts_candidates;
-  ASSIGN_OR_RETURN(
-      facts.history,
-      inputs::FollowHistory(
-          database, machine, [&](const records::CalibrationRecord&) { return counts_candidates; }, is_cancelled));
+  ASSIGN_OR_RETURN(facts.history,
+                   inputs::FollowHistory(database, machine, expected.content.counts_candidates, is_cancelled));
   if (!facts.history.newest) return facts;
   const absl::StatusOr<records::CalibrationRecord> newest = database.GetCalibration(*facts.history.newest);
   if (!newest.ok()) return facts;  // a damaged one says nothing of the model; that it is damaged, others say

@@ -28,24 +28,6 @@ std::string JsonOf(const v1::WebhookLetter& letter) {
   return json;
 }
 
-const char* TypeOf(records::EventChangeKind what) {
-  switch (what) {
-    case records::EventChangeKind::kRaised:
-      return "event.raised";
-    case records::EventChangeKind::kUpdated:
-      return "event.updated";
-    case records::EventChangeKind::kCleared:
-      return "event.cleared";
-    case records::EventChangeKind::kAcknowledged:
-      return "event.acknowledged";
-    case records::EventChangeKind::kShelved:
-      return "event.shelved";
-    case records::EventChangeKind::kBack:
-      return "event.back";
-  }
-  return "event";
-}
-
 std::string PartOf(CURLU* url, CURLUPart part) {
   char* text = nullptr;
   if (curl_url_get(url, part, &text, 0) != CURLUE_OK) return "";
@@ -82,7 +64,7 @@ Letter LetterOf(const records::WebhookRecord& webhook, const records::EventChang
   const std::string id = absl::StrCat("webhook-", webhook.id.number(), "-change-", change.id);
   if (IsMail(webhook.content.url)) return {webhook.content.url, id, TextOf(change), "", SubjectOf(change)};
   v1::WebhookLetter letter;
-  letter.set_type(TypeOf(change.what));
+  letter.set_type(absl::StrCat("event.", records::WordOf(change.what)));
   *letter.mutable_change() = convert::ToProto(change);
   return {webhook.content.url, id, JsonOf(letter), webhook.secret};
 }

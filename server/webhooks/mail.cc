@@ -20,24 +20,6 @@ constexpr size_t kWordBytes = 45;
 // Of RFC 2045: a line of base64 has at most 76 characters, 57 bytes.
 constexpr size_t kLineBytes = 57;
 
-std::string WordOf(records::EventChangeKind what) {
-  switch (what) {
-    case records::EventChangeKind::kRaised:
-      return "raised";
-    case records::EventChangeKind::kUpdated:
-      return "updated";
-    case records::EventChangeKind::kCleared:
-      return "cleared";
-    case records::EventChangeKind::kAcknowledged:
-      return "acknowledged";
-    case records::EventChangeKind::kShelved:
-      return "shelved";
-    case records::EventChangeKind::kBack:
-      return "back";
-  }
-  return "";
-}
-
 std::string TimeText(base::UtcTime at) {
   const std::time_t seconds = base::ToUtcUs(at) / 1'000'000;
   std::tm utc = {};
@@ -96,15 +78,15 @@ bool IsToldByMail(records::EventChangeKind what) {
 std::string SubjectOf(const records::EventChange& change) {
   const records::EventContent& content = change.event.content;
   return absl::StrCat("[axiscal] ", change.event.machine.text(), ": ", records::WordOf(content.kind),
-                      content.subject.empty() ? "" : " ", content.subject, ", ", WordOf(change.what));
+                      content.subject.empty() ? "" : " ", content.subject, ", ", records::WordOf(change.what));
 }
 
 std::string TextOf(const records::EventChange& change) {
   const records::EventContent& content = change.event.content;
   std::string text = absl::StrCat("Machine ", change.event.machine.text(), ": ", records::WordOf(content.kind),
-                                  content.subject.empty() ? "" : " ", content.subject, ", ", WordOf(change.what), " ",
-                                  TimeText(change.at), "\n\n", content.text, "\n");
-  if (!change.note.empty()) absl::StrAppend(&text, "\n", WordOf(change.what), ": ", change.note, "\n");
+                                  content.subject.empty() ? "" : " ", content.subject, ", ",
+                                  records::WordOf(change.what), " ", TimeText(change.at), "\n\n", content.text, "\n");
+  if (!change.note.empty()) absl::StrAppend(&text, "\n", records::WordOf(change.what), ": ", change.note, "\n");
   const bool is_over = change.what == records::EventChangeKind::kCleared;
   if (!is_over && !content.advice.empty()) absl::StrAppend(&text, "\nWhat to do: ", content.advice, "\n");
   if (!is_over && content.certainty) absl::StrAppendFormat(&text, "\nCertainty: %.1f %%\n", 100 * *content.certainty);

@@ -281,6 +281,13 @@ TEST_F(MailSender, SendsWhatIsRaisedAndNotWhatPeopleSaid) {
   Happen("EY0C");
   sender->SendDue();
   EXPECT_EQ(mail.mails().size(), 2u);
+  // A test says by which protocol it was taken.
+  const auto trial = sender->Try(Get(), [] { return false; });
+  ASSERT_TRUE(trial.ok()) << trial.status();
+  EXPECT_EQ(trial->error, "");
+  EXPECT_TRUE(trial->is_mail);
+  EXPECT_EQ(trial->status, 250);
+  EXPECT_EQ(mail.mails().size(), 3u);
 }
 
 TEST_F(MailSender, ABusyServerIsTriedAgainARefusalFourTimes) {

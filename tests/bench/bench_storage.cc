@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "server/storage/chunk_codec.h"
-#include "server/storage/connection.h"
 #include "server/storage/estimates.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -204,7 +204,7 @@ class Fleet {
  private:
   // Rows as CreateCalibration makes them, many in one transaction.
   void Fill(const std::string& path) {
-    const std::unique_ptr<Connection> connection = *Connection::Open(path, Access::kWrite);
+    const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(path, Access::kWrite);
     std::mt19937 random(1);
     std::normal_distribution<double> step(0.0, 0.2);
     int64_t id = 0;
@@ -215,14 +215,12 @@ class Fleet {
         std::vector<Estimate> estimates;
         for (int s = 0; s < kSymbols; ++s)
           estimates.push_back({absl::StrFormat("E%02d", s), EstimateUnit::kUm, true, step(random), 0.5});
-        DEMAND(connection
-                   ->Run("INSERT INTO calibration (machine_id, version, machine_revision, state, etag, "
-                         "measured_at_utc_us, model_json, "
-                         "options_json, report_json, engine_version, rank, created_by, created_at_utc_us) "
-                         "VALUES (?1, ?2, 1, 1, 1, ?3, '{}', '{}', '{}', 'bench', 13, 'bench', ?3)",
-                         m + 1, day + 1, at)
-                   .ok());
-        id = connection->last_insert_id();
+        id = *connection->Insert(
+            "INSERT INTO calibration (machine_id, version, machine_revision, state, etag, "
+            "measured_at_utc_us, model_json, "
+            "options_json, report_json, engine_version, rank, created_by, created_at_utc_us) "
+            "VALUES (?1, ?2, 1, 1, 1, ?3, '{}', '{}', '{}', 'bench', 13, 'bench', ?3)",
+            m + 1, day + 1, at);
         DEMAND(InsertEstimates(*connection, m + 1, at, CalibrationId(id), estimates).ok());
       }
       DEMAND(connection->Execute("COMMIT").ok());

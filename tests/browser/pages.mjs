@@ -93,6 +93,7 @@ const kPages = [
   ["job", "#/jobs/4", (page) => page.locator("main table").first()],
   ["programs", "#/programs", (page) => page.locator("main table")],
   ["routines", "#/routines", (page) => page.getByRole("heading", { name: /^weekly/ })],
+  ["cells", "#/cells", (page) => page.getByRole("row", { name: /^hall-2/ })],
   ["webhooks", "#/webhooks", (page) => page.getByRole("heading", { name: /^mes/ })],
   ["wall", "#/wall", (page) => page.locator(".wall-list")],
   ["upload", "#/upload", (page) => page.locator("main input[type=file]")],
@@ -106,6 +107,15 @@ before(async () => {
   fs.copyFileSync(path.join(kHere, "data", "fleet.db"), path.join(kHere, "restart.db"));
   browser = await openBrowser();
   server = await startServer(path.join(kHere, "data", "fleet.db"));
+  // A cell that has a file which the server refused, as axiscal-cell tells it.
+  const told = await fetch(`${server.url}/axiscal.v1.Ingest/ReportCell`, {
+    method: "POST",
+    headers: { "content-type": "application/json", authorization: `Bearer ${tokenOf("cell-7")}` },
+    body: JSON.stringify({
+      report: { machineId: "mill-7", name: "hall-2", version: "0.1.0", silentAfterS: 86400, problem: "CA-350.csv: line 12, column 4: not a number", quarantinedFiles: 1, quarantinedBytes: 81234, maxBytes: 1e9 },
+    }),
+  });
+  assert.equal(told.status, 200);
 });
 after(async () => {
   await browser?.close();
@@ -154,6 +164,7 @@ for (const [scheme, language, width, height] of [
       await judge(page, name);
       const spill = await page.evaluate(() => document.scrollingElement.scrollWidth - innerWidth);
       assert.ok(spill <= 0, `${name} is ${spill} px wider than the window`);
+      if (width === 1200) assert.ok((await page.locator("header.top").boundingBox()).height < 70, `${name}: the menu takes two rows`);
       const kind = width < 600 ? "-phone" : scheme === "dark" ? "-dark" : "";
       const isWanted = kind === "" || ["fleet", "machine"].includes(name);
       if (isWanted && !["missing", "no-page", "loop-none", "machine-empty", "events-of-machine"].includes(name)) {
@@ -216,7 +227,7 @@ test("the sick machine stands first and says why", async () => {
   await page.waitForFunction((element) => element.scrollLeft > 0, await region.elementHandle());
   await judge(page, "a picture that is looked at larger");
   await figure.getByRole("button", { name: /^Smaller/ }).click();
-  await page.getByLabel("Error", { exact: true }).selectOption("EX0C");
+  await page.getByRole("combobox", { name: "Error", exact: true }).selectOption("EX0C");
   await page.getByLabel(/Least/).fill("-50");
   await page.getByLabel(/Greatest/).fill("70");
   await page.getByRole("button", { name: "Foretell" }).click();
@@ -315,7 +326,9 @@ test("an approver puts a calibration in use with a reason, and back", async () =
   const dialog = page.getByRole("dialog");
   await dialog.getByText("Calibration 16 retires").waitFor();
   // What would change stands there before.
-  await dialog.getByRole("row", { name: /EX0C/ }).getByText("beyond 95 %").waitFor();
+  await dialog.getByRole("row", { name: /^EX0C/ }).getByText("differs", { exact: true }).waitFor();
+  await dialog.getByText(/The tool point moves by up to [\d.]+ µm .* More than the [\d.]+ µm/).waitFor();
+  await dialog.getByRole("row", { name: /^as programmed/ }).getByText(/most of it by .*EX0C/).waitFor();
   await judge(page, "approve dialog");
   await page.screenshot({ path: path.join(kPictures, "approve.png") });
   await dialog.getByRole("button", { name: "Put in use" }).click();
@@ -378,6 +391,7 @@ test("residuals and ball-bar traces are drawn by the server and saved", async ()
   const lines = fs.readFileSync(await numbers.path(), "utf8").trim().split("\r\n");
   assert.equal(lines[0], 'panel,series,order: cycles per turn of C,"amplitude, um"');
   assert.equal(lines.length - 1, await spectrum.locator("tbody tr").count());
+  // Readings that an axis came to from either side stand apart, and what was found along an axis has its own picture.
   await judge(page, "pictures");
   const [file] = await Promise.all([page.waitForEvent("download"), trace.getByRole("button", { name: /SVG/ }).click()]);
   const svg = fs.readFileSync(await file.path(), "utf8");
@@ -395,6 +409,12 @@ test("a calibration is a page to print and sign", async () => {
   await sheet.getByRole("heading", { name: "Geometrische Abweichungen einer Werkzeugmaschine" }).waitFor();
   await sheet.getByRole("row", { name: /EX0C Lageabweichung von C in X/ }).waitFor();
   await sheet.getByText("Freigegeben: Datum, Name, Unterschrift").waitFor();
+  // The page of the calibration calls each error the same.
+  const printed = await sheet.evaluate(() => [...document.querySelectorAll("th[scope=row]")].map((th) => [th.textContent, th.nextElementSibling?.textContent]).filter(([name]) => /^E[XYZABC]/.test(name)));
+  assert.ok(printed.length >= 8, String(printed.length));
+  const table = page.getByRole("region", { name: "Was gefunden wurde, und wie sicher" });
+  for (const [name, words] of printed)
+    assert.equal(await table.getByRole("rowheader", { name: new RegExp(`^${name} `) }).innerText(), `${name} ${words}`);
   // Its style is let in, and it is a page of A4.
   assert.equal(await sheet.evaluate(() => getComputedStyle(document.querySelector("h1")).fontSize), "18.6667px");
   await judge(sheet, "the page to print");
@@ -631,6 +651,19 @@ test("a program is dropped, corrected, taken away", async () => {
   await page.getByRole("button", { name: "Compensate" }).click();
   await page.getByText("10 of 10 blocks corrected, 0 split, 0 passed unchanged").waitFor();
   await page.getByText(/calibration 1 cannot tell EB0X from/).waitFor();
+  // Corrections along the path: by a click, and on by keys.
+  const line = page.getByRole("slider", { name: /^Correction of each axis along the path, µm, n = 10 stretches/ });
+  await page.getByText("Click into a picture, or use the arrow keys in it").waitFor();
+  await line.press("Home");
+  const place = (text) => page.getByRole("status").filter({ hasText: text });
+  await place(/^Lines 1, 0 mm: Z [−-]?\d/).waitFor();
+  await line.press("ArrowRight");
+  await place(/^Lines 2, /).waitFor();
+  await line.press("End");
+  const figure = page.locator("figure", { hasText: "Correction of each axis along the path" });
+  await figure.getByText("The same as a table").click();
+  assert.equal(await figure.locator("tbody tr").count(), 10);
+  await page.getByRole("slider", { name: /^Predicted error of the tool point along the path/ }).waitFor();
   await judge(page, "a corrected program");
   await page.screenshot({ path: path.join(kPictures, "compensated.png"), fullPage: true });
   const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Download the corrected program" }).click()]);
@@ -665,11 +698,106 @@ test("sessions become a calibration, watched to its end", async () => {
   await go("#/machines/integrex-i200");
   for (const name of ["B-short-run1", "B-long-run1", "B-short-run2", "B-long-run2"])
     await page.getByLabel(`Use of session ${name}`, { exact: true }).selectOption("fit");
+  await page.getByLabel("Priority").selectOption({ label: "before the others that wait" });
   await page.getByRole("button", { name: /close the loop/ }).click();
   await page.locator("header .mark.good", { hasText: "done" }).waitFor();
+  await page.locator(".fact", { hasText: "Priority" }).getByText("before the others that wait").waitFor();
   await page.getByRole("link", { name: /^Calibration \d+$/ }).click();
   await page.getByRole("link", { name: /How the loop found it/ }).click();
   await page.getByText("Effects were missing and were added.").waitFor();
+  await done();
+});
+
+test("a calibration says that a session of it was rejected since", async () => {
+  const { page, go, done } = await openAs("bob");
+  const call = (method, message) =>
+    page.evaluate(
+      async ([method, message]) => {
+        const response = await fetch(`/axiscal.v1.${method}`, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(message) });
+        return { status: response.status, answer: await response.json() };
+      },
+      [method, message],
+    );
+  const { answer } = await call("Calibrations/GetCalibration", { calibrationId: "1" });
+  const [session] = answer.calibration.provenance.sessionIds;
+  const reject = (isRejected) => call("Ingest/RejectSession", { sessionId: session, isRejected, reason: "the probe was loose" });
+  const said = page.getByText(`Rejected since it was made: session ${session}.`);
+  await go("#/calibrations/1");
+  await page.getByRole("heading", { name: "Calibration 1" }).waitFor();
+  assert.equal(await said.count(), 0);
+  assert.equal((await reject(true)).status, 200);
+  await page.reload();
+  await said.waitFor();
+  await judge(page, "calibration on a rejected session");
+  assert.equal((await reject(false)).status, 200);
+  await done();
+});
+
+test("a technician rejects a session with a reason, and lets it count again", async () => {
+  const { page, go, done } = await openAs("bob");
+  await go("#/machines/mill-7");
+  const dialog = page.getByRole("dialog");
+  const row = page.getByRole("row", { name: /^CR-350 2026-10-19/ });
+  await row.getByRole("button", { name: /^Reject: CR-350/ }).click();
+  await dialog.getByRole("button", { name: "Reject" }).click();
+  await dialog.getByText("Write a word first.").waitFor();
+  await dialog.getByLabel(/^Why/).fill(`a chip under the ball ${kHostile}`);
+  await judge(page, "reject dialog");
+  await dialog.getByRole("button", { name: "Reject" }).click();
+  await row.getByText(`a chip under the ball ${kHostile}`).waitFor();
+  // No job takes it, and those that were rejected stand alone where they are asked for.
+  assert.equal(await row.getByRole("combobox").count(), 0);
+  await page.getByLabel("Only rejected sessions (1)").check();
+  await page.getByRole("row", { name: /^BX-350/ }).waitFor({ state: "detached" });
+  await judge(page, "rejected sessions");
+  await row.getByRole("button", { name: /^Let it count again/ }).click();
+  await dialog.getByLabel(/^Why/).fill("it was the other one");
+  await dialog.getByRole("button", { name: "Let it count again" }).click();
+  await page.getByLabel("Only rejected sessions (1)").waitFor({ state: "detached" });
+  await done();
+});
+
+test("how the error of the tool point was with each calibration", async () => {
+  const { page, go, done } = await openAs("eve");
+  await go("#/machines/mill-7");
+  await page.getByText("corrected for the one in use").waitFor();
+  await page.getByRole("button", { name: "Show how it was with each calibration" }).click();
+  const table = page.getByRole("region", { name: "Show how it was with each calibration" });
+  await table.getByRole("link", { name: "Calibration 18" }).waitFor();
+  const figure = page.locator("figure", { hasText: "Error of the tool point of the machine as it is" });
+  assert.equal(await figure.locator("circle").count(), await table.locator("tbody tr").count());
+  // The collision moved it.
+  const first = async (row) => parseFloat(await table.locator("tbody tr").nth(row).locator("td").nth(1).innerText());
+  assert.ok((await first(0)) > 1.1 * (await first(2)), `${await first(0)} after the collision, ${await first(2)} before`);
+  await judge(page, "volumetric history");
+  await done();
+});
+
+test("cells are listed, those that want a person first, and forgotten by technicians alone", async () => {
+  const eve = await openAs("eve");
+  await eve.go("#/cells");
+  const row = (page) => page.getByRole("row", { name: /^hall-2/ });
+  await row(eve.page).getByText("wants a person", { exact: true }).waitFor();
+  await row(eve.page).getByText("CA-350.csv: line 12, column 4: not a number").waitFor();
+  assert.equal(await eve.page.getByRole("button", { name: /^Forget/ }).count(), 0);
+  await eve.done();
+  const bob = await openAs("bob");
+  await bob.go("#/cells");
+  await row(bob.page).getByRole("button", { name: /^Forget/ }).click();
+  await bob.page.getByRole("dialog").getByRole("button", { name: /^Forget/ }).click();
+  await bob.page.getByText("No cell has been heard of yet.").waitFor();
+  await bob.done();
+});
+
+test("the fleet is filtered by a label of sessions", async () => {
+  const { page, done } = await openAs("eve");
+  await historiesAreLooked(page);
+  await page.getByLabel("Label of a session").fill("cold");
+  await page.keyboard.press("Enter");
+  await page.getByRole("link", { name: "mill-8", exact: true }).waitFor({ state: "detached" });
+  assert.equal(await page.locator("tbody tr").count(), 1);
+  await page.getByLabel("Label of a session").fill("");
+  await page.getByRole("link", { name: "mill-8", exact: true }).waitFor();
   await done();
 });
 
@@ -762,7 +890,7 @@ test("an empty service says what to do first, and asks nobody", async () => {
   const { page, go, done } = await openPage({ server: own });
   await page.getByText("axiscal machine add machine.json").waitFor();
   await judge(page, "an empty fleet");
-  for (const [hash, text] of [["#/events", "Nothing to hear of."], ["#/jobs", "No job was made yet."], ["#/programs", "No program is stored yet."], ["#/routines", "No routine was made yet."], ["#/webhooks", "Nobody is told."], ["#/upload", "No machine is described yet."]]) {
+  for (const [hash, text] of [["#/events", "Nothing to hear of."], ["#/jobs", "No job was made yet."], ["#/programs", "No program is stored yet."], ["#/routines", "No routine was made yet."], ["#/cells", "No cell has been heard of yet."], ["#/webhooks", "Nobody is told."], ["#/upload", "No machine is described yet."]]) {
     await go(hash);
     await page.getByText(text).waitFor();
     await judge(page, hash);

@@ -136,6 +136,9 @@ TEST_F(Plant, EachDoesHisPartAndNobodyElses) {
   EXPECT_EQ(Run(As("bob") + "backup -o copy.db").exit_code, kRefused);
   EXPECT_THAT(Run(As("ann") + "backup").err, HasSubstr("BACKUP_FOLDER_MISSING"));
   EXPECT_THAT(Ok(As("ann") + "backup -o copy.db").out, HasSubstr("copy.db: "));
+  struct stat copy = {};
+  ASSERT_EQ(stat(File("copy.db").c_str(), &copy), 0);
+  EXPECT_EQ(copy.st_mode & 0777, 0600u);  // it holds the hashes of tokens
   server_->Signal(SIGKILL);
   server_->Wait();
   std::string output;

@@ -76,5 +76,39 @@ TEST_F(Report, SaysWhatIsWrong) {
   EXPECT_FALSE(Exists("page.pdf"));
 }
 
+// axiscal volumetric: of one calibration, of a part, and all of a machine.
+TEST_F(Report, TheVolumetricErrorIsPrintedBeforeAndAfter) {
+  const Outcome one = Run("volumetric 1");
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_THAT(one.out, AllOf(HasSubstr("calibration 1 (candidate), tool point over Z "), HasSubstr("machine as it is"),
+                             HasSubstr("corrected for 1"), HasSubstr("less work offset and tool, um [95 % interval]")));
+  const auto json = Run("volumetric 1 --json").Json();
+  EXPECT_EQ(json["calibration"], 1);
+  EXPECT_EQ(json["known_share"], 1.0);
+  EXPECT_FALSE(json.contains("before"));
+  EXPECT_LE(json["after"]["rms"]["low_um"], json["after"]["rms"]["high_um"]);
+
+  const Outcome part = Run("volumetric 1 --box 'X -900 -50' --json");
+  ASSERT_EQ(part.exit_code, 0) << part.err;
+  EXPECT_LT(part.Json()["known_share"], 1.0);
+  ASSERT_EQ(Run("approve 1").exit_code, 0);
+  ASSERT_EQ(Run("identify --machine integrex-i200 --sessions B-short-run1,B-long-run1 --declare EZ0T").exit_code, 0);
+  const auto history = Run("volumetric --machine integrex-i200 --json").Json();
+  ASSERT_EQ(history["errors"].size(), 2u);
+  EXPECT_EQ(history["errors"][0]["calibration"], 2);
+  EXPECT_EQ(history["errors"][0]["before_calibration"], 1);
+  EXPECT_TRUE(history["errors"][0].contains("before"));
+  EXPECT_EQ(history["errors"][1]["state"], "approved");
+  const Outcome table = Run("volumetric --machine integrex-i200 --page-size 1");
+  EXPECT_THAT(table.out, AllOf(HasSubstr("as it is, um rms"), HasSubstr("more: --page ")));
+
+  EXPECT_EQ(Run("volumetric").exit_code, 3);
+  EXPECT_EQ(Run("volumetric 1 --machine integrex-i200").exit_code, 2);
+  EXPECT_EQ(Run("volumetric 99").exit_code, 4);
+  const Outcome refused = Run("volumetric 1 --box 'X 5 1'");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("--box 'X 5 1': expected \"AXIS MIN MAX\""));
+}
+
 }  // namespace
 }  // namespace axiscal

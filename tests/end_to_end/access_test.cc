@@ -95,6 +95,7 @@ const std::map<std::string, Expected>& AllExpected() {
       {"Calibrations.ListResiduals", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.GetVolumetricError", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.ListVolumetricErrors", {For::kWhatIsNamed, kViewers}},
+      {"Calibrations.CompareCalibrations", {For::kWhatIsNamed, kViewers}},
       {"Calibrations.ApproveCalibration", {For::kWhatIsNamed, kApprovers}},
       {"Calibrations.RetireCalibration", {For::kWhatIsNamed, kApprovers}},
       {"Programs.ListPrograms", {For::kLists, kViewers}},

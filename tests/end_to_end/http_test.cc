@@ -591,7 +591,9 @@ class HttpAccess : public Http {
     Add(database, "cell", {Role::kCell, {records::Scope::Kind::kMachine, "mt"}});
     Add(database, "viewer", {Role::kViewer, {records::Scope::Kind::kMachine, "mt"}});
     opened->reset();
-    server::ServerOptions options;
+    StartAsking({});
+  }
+  void StartAsking(server::ServerOptions options) {
     options.asks_identity = true;
     options.ask_again = std::chrono::milliseconds(20);
     Start(options);
@@ -695,6 +697,48 @@ TEST_F(HttpAccess, NothingLargeIsReadOfNobody) {
                        As("viewer"))
                   .body,
               HasSubstr("MESSAGE_TOO_LARGE"));
+}
+
+// Bodies that are half sent and go no further: bob's fill the room that he may have, and others still have theirs.
+TEST_F(HttpAccess, OneCallerCannotHoldTheMemoryOfAll) {
+  server::ServerOptions options;
+  options.http_bytes = 1 << 20;
+  StartAsking(options);
+  const std::string head = absl::StrCat("POST /axiscal.v1.Machines/GetMachine HTTP/1.1\r\nHost: localhost\r\n",
+                                        "Content-Type: application/json\r\nContent-Length: 4000000\r\n");
+  std::vector<HttpConnection> half_sent;
+  for (int i = 0; i < 40; ++i) {
+    HttpConnection& connection = half_sent.emplace_back(port());
+    connection.Send(head + "Authorization: Bearer " + tokens_["bob"] + "\r\n\r\n" + std::string(50'000, ' '));
+  }
+  HttpConnection one_more(port());
+  one_more.Send(head + "Authorization: Bearer " + tokens_["bob"] + "\r\n\r\n" + std::string(1'500'000, ' '));
+  const HttpAnswer refused = one_more.Receive();
+  EXPECT_EQ(refused.status, 429) << refused.body;
+  EXPECT_THAT(refused.body, HasSubstr("QUEUE_FULL"));
+  for (int i = 0; i < 5; ++i) {
+    const HttpAnswer answer =
+        CallJson(port(), "Machines/GetMachine", R"({"machineId": "mt")" + std::string(5'000, ' ') + "}", As("viewer"));
+    EXPECT_EQ(answer.status, 200) << answer.body;
+  }
+}
+
+// Requests that last: those that bob may have are under way, and others are served.
+TEST_F(HttpAccess, OneCallerCannotHoldTheRequestsOfAll) {
+  server::ServerOptions options;
+  options.http_requests = 16;
+  StartAsking(options);
+  std::vector<HttpConnection> streams;
+  int under_way = 0;
+  for (int status = 200; status == 200 && under_way < 40;) {
+    HttpConnection& stream = streams.emplace_back(port());
+    stream.SendRequest("POST", "/axiscal.v1.Events/WatchEvents", As("bob", kJsonStream), Envelope(0, "{}"));
+    status = stream.ReceiveSome(0).status;
+    under_way += status == 200 ? 1 : 0;
+    EXPECT_THAT(status, ::testing::AnyOf(200, 503));
+  }
+  EXPECT_EQ(under_way, 14);
+  EXPECT_EQ(CallJson(port(), "Machines/GetMachine", R"({"machineId": "mt"})", As("viewer")).status, 200);
 }
 
 TEST_F(HttpAccess, MetricsAreForViewersOfAllMachines) {

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "axiscal/v1/calibrations_service.grpc.pb.h"
+#include "axiscal/v1/jobs_service.grpc.pb.h"
 #include "axiscal/v1/programs_service.grpc.pb.h"
 #include "core/base/error_detail.h"
 #include "proto/convert/job_params.h"
@@ -125,6 +127,85 @@ TEST_F(Job, ACalibrationIsDrawnWithoutAndWithItsErrors) {
   request.set_calibration_id(id.number() + 1);
   grpc::ClientContext other;
   EXPECT_EQ(stub->DrawCalibration(&other, request, &drawn).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(Job, ACalibrationIsComparedBeforeItTakesAnothersPlace) {
+  const CalibrationId in_use = Identify();  // EX0C = 12 um
+  // 80 um less of EX0C, which is far beyond what the set-ups leave open.
+  session::Session session = testing::BallbarSession("mt", "BX-later", 720);
+  for (size_t k = 0; k < session.columns[1].values.size(); ++k)
+    session.columns.back().values[k] += 0.080 * session.columns[1].values[k] / 100;
+  const client::JobRecord job = RunJob(records::IdentifyParams{MachineId("mt"), {UploadSession(session)}, {}});
+  ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+  const auto stub = v1::Calibrations::NewStub(channel());
+  v1::CompareCalibrationsRequest request;
+  request.set_calibration_id(job.calibration->number());
+  const auto compare = [&](v1::CompareCalibrationsResponse* response) {
+    grpc::ClientContext context;
+    response->Clear();
+    return stub->CompareCalibrations(&context, request, response);
+  };
+  v1::CompareCalibrationsResponse made;
+  EXPECT_EQ(compare(&made).error_code(), grpc::StatusCode::NOT_FOUND);  // none is in use
+  ASSERT_OK(client().ApproveCalibration(in_use, client().GetCalibration(in_use)->etag));
+  ASSERT_TRUE(compare(&made).ok());
+  EXPECT_EQ(made.calibration_id(), job.calibration->number());
+  EXPECT_EQ(made.with_calibration_id(), in_use.number());
+  ASSERT_EQ(made.errors_size(), 2);
+  EXPECT_EQ(made.errors(0).name(), "EX0C");
+  EXPECT_NEAR(made.errors(0).other(), 12, kToleranceUm);
+  EXPECT_NEAR(made.errors(0).difference(), -80, 2 * kToleranceUm);
+  EXPECT_EQ(made.errors(0).verdict(), v1::DIFFERENCE_VERDICT_DIFFERS);
+  EXPECT_EQ(made.errors(1).verdict(), v1::DIFFERENCE_VERDICT_AGREES);
+  EXPECT_LT(made.probability(), 1e-6);
+  // Over what was measured; a set-up that is made anew takes all of a shift up.
+  const auto span_of = [&made](const std::string& axis) {
+    for (const v1::AxisSpan& one : made.box())
+      if (one.axis() == axis) return one;
+    return v1::AxisSpan();
+  };
+  ASSERT_EQ(made.box_size(), 5);
+  EXPECT_NEAR(span_of("X").from_mm_or_deg(), -100, 1e-6);
+  EXPECT_GT(made.poses(), 100);
+  EXPECT_NEAR(made.as_programmed().max_um(), 80, 2 * kToleranceUm);
+  EXPECT_EQ(made.as_programmed().largest_at_mm_or_deg_size(), 5);
+  EXPECT_EQ(made.as_programmed().by(0), "EX0C");
+  EXPECT_GT(made.as_programmed().max_um(), made.as_programmed().chance_max_um());
+  EXPECT_LE(made.set_anew().rms_um(), made.as_programmed().rms_um());
+  // Over a part's box, and the other way round.
+  v1::AxisSpan& span = *request.add_box();
+  span.set_axis("C");
+  span.set_from_mm_or_deg(10);
+  span.set_to_mm_or_deg(20);
+  request.set_calibration_id(in_use.number());
+  request.set_with_calibration_id(job.calibration->number());
+  ASSERT_TRUE(compare(&made).ok());
+  EXPECT_NEAR(made.errors(0).difference(), 80, 2 * kToleranceUm);
+  EXPECT_NEAR(span_of("C").from_mm_or_deg(), 10, 1e-9);
+  EXPECT_NEAR(span_of("C").to_mm_or_deg(), 20, 1e-9);
+  span.set_axis("Q");
+  EXPECT_THAT(compare(&made).error_message(), HasSubstr("box[0].axis"));
+  request.clear_box();
+  request.set_with_calibration_id(99);
+  EXPECT_EQ(compare(&made).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+// Nothing of another machine takes a calibration's place.
+TEST_F(Job, ACalibrationIsComparedWithItsOwnMachinesAlone) {
+  const CalibrationId id = Identify();
+  ASSERT_OK(client().CreateMachine(MachineJson("other")));
+  const auto upload = client().Upload(MachineId("other"), testing::BallbarSession("other", "BX", 720));
+  ASSERT_OK(upload);
+  const client::JobRecord job = RunJob(records::IdentifyParams{MachineId("other"), {upload->session.id}, {}});
+  ASSERT_EQ(job.state, JobState::kSucceeded) << (job.error ? job.error->message : "");
+  v1::CompareCalibrationsRequest request;
+  request.set_calibration_id(id.number());
+  request.set_with_calibration_id(job.calibration->number());
+  v1::CompareCalibrationsResponse made;
+  grpc::ClientContext context;
+  const grpc::Status status = v1::Calibrations::NewStub(channel())->CompareCalibrations(&context, request, &made);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("with_calibration_id"));
 }
 
 TEST_F(Job, ResidualsComeInPages) {
@@ -322,6 +403,157 @@ TEST_F(Job, CompensateRewritesForTheApprovedCalibration) {
   const client::JobRecord turned = RunJob(params);
   ASSERT_EQ(turned.state, JobState::kSucceeded) << (turned.error ? turned.error->message : "");
   EXPECT_NE(turned.result.find("\"orientation\""), std::string::npos) << turned.result;
+}
+
+// The same words and numbers as the JSON text beside it, and of another kind another message.
+TEST_F(Job, AReportComesAsAMessageToo) {
+  const auto stub = v1::Jobs::NewStub(channel());
+  v1::GetReportRequest request;
+  v1::GetReportResponse response;
+  const auto ask = [&](JobId id) {
+    grpc::ClientContext context;
+    request.set_job_id(id.number());
+    response.Clear();
+    return stub->GetReport(&context, request, &response);
+  };
+  const client::JobRecord identified = RunJob(records::IdentifyParams{MachineId("mt"), {UploadSession("BX")}, {}});
+  ASSERT_EQ(identified.state, JobState::kSucceeded);
+  ASSERT_TRUE(ask(identified.id).ok());
+  ASSERT_TRUE(response.report().has_identification());
+  const v1::IdentificationReport& report = response.report().identification();
+  const nlohmann::json text = nlohmann::json::parse(identified.result, nullptr, false);
+  ASSERT_EQ(report.errors_size(), 2);
+  for (int i = 0; i < report.errors_size(); ++i) {
+    const v1::ReportError& error = report.errors(i);
+    EXPECT_EQ(error.symbol(), text["errors"][i]["symbol"]);
+    EXPECT_EQ(error.value(), text["errors"][i]["value"].get<double>());
+    EXPECT_EQ(error.sigma(), text["errors"][i]["sigma"].get<double>());
+    EXPECT_EQ(error.unit(), "um");
+    EXPECT_TRUE(error.identifiable());
+  }
+  EXPECT_NEAR(report.errors(0).value(), 12.0, kToleranceUm);
+  EXPECT_EQ(report.rank(), 2);
+  ASSERT_EQ(report.sessions_size(), 1);
+  EXPECT_EQ(report.sessions(0).session(), "BX");
+
+  records::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.program = client().PutProgram("part.nc", "G90 G21\nG01 X100 Y0 Z421.9 B0 C0 F1000\n")->id;
+  params.tool_tip_mm = {0, 0, -356.4};
+  params.calibration = identified.calibration;
+  const client::JobRecord rewritten = RunJob(params);
+  ASSERT_EQ(rewritten.state, JobState::kSucceeded) << (rewritten.error ? rewritten.error->message : "");
+  ASSERT_TRUE(ask(rewritten.id).ok());
+  ASSERT_TRUE(response.report().has_rewrite());
+  EXPECT_EQ(response.report().rewrite().blocks().corrected(), 1);
+
+  EXPECT_EQ(ask(JobId(999)).error_code(), grpc::StatusCode::NOT_FOUND);
+  params.program = client().PutProgram("bad.nc", "G90 G21\nG999 X100\n")->id;
+  const client::JobRecord failed = RunJob(params);
+  ASSERT_EQ(failed.state, JobState::kFailed);
+  const grpc::Status refused = ask(failed.id);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(refused.error_message(), HasSubstr(absl::StrCat("job ", failed.id.number(), " has no report")));
+}
+
+// The tool point's error before and after a calibration: over what was measured, over a part, over a program's moves.
+TEST_F(Job, TheVolumetricErrorIsOfABoxAPartOrAProgram) {
+  // X is too long by 100 um/m: 10 um at 100 mm, which no work offset takes up. A bar along X reads all of it.
+  const auto identify = [&](const std::string& name) {
+    session::Session session = testing::BallbarSession("mt", name, 720);
+    for (size_t i = 0; i < session.reading_count(); ++i)
+      session.columns[6].values[i] = 0.01 * std::pow(session.columns[1].values[i] / 100.0, 2);
+    return RunJob(records::IdentifyParams{
+                      MachineId("mt"), {UploadSession(session)}, {R"({"symbol": "EXX", "shape": "linear"})"}})
+        .calibration.value_or(CalibrationId());
+  };
+  const CalibrationId first = identify("BX");
+  const auto of_measured = client().GetVolumetricError(first);
+  ASSERT_OK(of_measured);
+  EXPECT_EQ(of_measured->calibration, first);
+  EXPECT_EQ(of_measured->state, CalibrationState::kCandidate);
+  EXPECT_FALSE(of_measured->before_calibration.has_value());
+  EXPECT_FALSE(of_measured->before.has_value());
+  EXPECT_EQ(of_measured->known_share, 1.0);
+  ASSERT_EQ(of_measured->box.size(), 5u);
+  EXPECT_NEAR(of_measured->uncorrected.max.expected_um, 10.0, 1.0);
+  EXPECT_LT(of_measured->after.rms.expected_um, 0.1 * of_measured->uncorrected.rms.expected_um);
+  EXPECT_LE(of_measured->after.rms.low_um, of_measured->after.rms.expected_um);
+  EXPECT_GE(of_measured->after.rms.high_um, of_measured->after.rms.expected_um);
+
+  // A part that lies half beyond what was measured in X.
+  const auto of_part = client().GetVolumetricError(first, {{"X", 0.0, 200.0}, {"C", 0.0, 90.0}});
+  ASSERT_OK(of_part);
+  EXPECT_NEAR(of_part->known_share, 0.5, 0.1);
+  const auto span_of = [](const records::VolumetricError& error, const std::string& axis) {
+    for (const records::AxisSpan& span : error.box) {
+      if (span.axis == axis) return span;
+    }
+    return records::AxisSpan{};
+  };
+  EXPECT_EQ(span_of(*of_part, "X").from, 0.0);
+  EXPECT_EQ(span_of(*of_part, "X").to, 200.0);
+  EXPECT_GT(of_part->uncorrected.max.expected_um, of_part->uncorrected.rms.expected_um);
+  ASSERT_TRUE(of_part->after_where_known.has_value());
+  EXPECT_THAT(std::string(client().GetVolumetricError(first, {{"Q", 0.0, 1.0}}).status().message()),
+              HasSubstr("'Q', is no axis"));
+
+  records::CompensateParams params;
+  params.machine = MachineId("mt");
+  params.program = client().PutProgram("part.nc", "G90 G21\nG01 X50 Y0 Z421.9 B0 C0 F1000\nX80 C45\n")->id;
+  params.tool_tip_mm = {0, 0, -356.4};
+  params.calibration = first;
+  const client::JobRecord rewritten = RunJob(params);
+  ASSERT_EQ(rewritten.state, JobState::kSucceeded) << (rewritten.error ? rewritten.error->message : "");
+  const auto of_program = client().GetVolumetricError(first, {}, rewritten.id);
+  ASSERT_OK(of_program);
+  EXPECT_NEAR(span_of(*of_program, "X").from, 50.0, 1e-3);
+  EXPECT_NEAR(span_of(*of_program, "X").to, 80.0, 1e-3);
+  EXPECT_NEAR(span_of(*of_program, "C").to, 45.0, 1e-3);
+  EXPECT_THAT(std::string(client().GetVolumetricError(first, {{"X", 0.0, 1.0}}, rewritten.id).status().message()),
+              HasSubstr("at most one of box and job_id"));
+  const JobId identified = *client().GetCalibration(first)->job;
+  EXPECT_THAT(std::string(client().GetVolumetricError(first, {}, identified).status().message()),
+              HasSubstr("must be of a COMPENSATE job"));
+
+  // The history: the newest first, each with what was in use before it.
+  ASSERT_OK(client().ApproveCalibration(first, client().GetCalibration(first)->etag));
+  const CalibrationId second = identify("BY");
+  const auto newest = client().ListVolumetricErrors(MachineId("mt"), {}, {1, ""});
+  ASSERT_OK(newest);
+  ASSERT_EQ(newest->rows.size(), 1u);
+  EXPECT_EQ(newest->rows[0].calibration, second);
+  EXPECT_EQ(newest->rows[0].before_calibration, first);
+  ASSERT_TRUE(newest->rows[0].before.has_value());
+  EXPECT_LT(newest->rows[0].before->rms.expected_um, 0.1 * newest->rows[0].uncorrected.rms.expected_um);
+  const auto older = client().ListVolumetricErrors(MachineId("mt"), {}, {1, newest->next_token});
+  ASSERT_OK(older);
+  ASSERT_EQ(older->rows.size(), 1u);
+  EXPECT_EQ(older->rows[0].calibration, first);
+  EXPECT_EQ(older->rows[0].state, CalibrationState::kApproved);
+  EXPECT_EQ(older->next_token, "");
+}
+
+// A job whose answer nobody wants any more is stopped while it works.
+TEST_F(Job, AJobIsStoppedAtItsDeadline) {
+  records::IdentifyParams endless{MachineId("mt"), {UploadSession("a", 10'000)}, {}};
+  endless.monte_carlo_runs = 100'000;
+  const base::UtcTime deadline =
+      std::chrono::time_point_cast<base::UtcTime::duration>(std::chrono::system_clock::now() + std::chrono::seconds(2));
+  const auto job = client().CreateJob(endless, "", {.deadline = deadline});
+  ASSERT_OK(job);
+  EXPECT_EQ(job->deadline, deadline);
+  const auto ended = client().WaitJob(job->id, std::chrono::seconds(60));
+  ASSERT_OK(ended);
+  ASSERT_EQ(ended->state, JobState::kFailed);
+  EXPECT_EQ(ended->error->code, absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(ended->error->reason, "JOB_TOO_LATE");
+  EXPECT_GE(*ended->ended_at, deadline);
+  EXPECT_TRUE(client().ListCalibrations()->rows.empty());
+  EXPECT_EQ(base::ErrorReason(client().RequeueJob(job->id).status()), "JOB_TOO_LATE");
+  // Of the same sessions and without haste it is made all the same.
+  const client::JobRecord other = RunJob(records::IdentifyParams{MachineId("mt"), endless.sessions, {}});
+  EXPECT_EQ(other.state, JobState::kSucceeded);
 }
 
 // Nothing is stored, and the bytes are those of the job.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sysexits.h>
 
 #include <atomic>
 #include <filesystem>
@@ -177,7 +178,8 @@ TEST_F(Process, CheckConfigTellsWhatHoldsAndTouchesNothing) {
   EXPECT_NE(output.find("limits.max_uploads = 500 (default)\n"), std::string::npos) << output;
   EXPECT_FALSE(std::filesystem::exists(dir_.File("a.db")));
   std::ofstream(dir_.File("axiscald.toml")) << "[jobs]\nwrkers = 7\n";
-  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "--config", dir_.File("axiscald.toml"), "--check-config"}, &output), 1);
+  EXPECT_EQ(testing::RunProgram({AXISCALD_PATH, "--config", dir_.File("axiscald.toml"), "--check-config"}, &output),
+            EX_CONFIG);
 }
 
 TEST_F(Process, ADatabaseThatEverybodyMayReadIsNamedInTheLog) {
@@ -200,6 +202,24 @@ TEST_F(Process, NoServerIsSaidSo) {
   const auto client = client::Client::Connect("127.0.0.1:1", {.connect_deadline = std::chrono::milliseconds(200)});
   EXPECT_EQ(client.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(base::ErrorReason(client.status()), "NO_CONNECTION");
+}
+
+TEST_F(Process, TheLineOfACallHasItsRequest) {
+  absl::StatusOr<ServerProcess> server = StartServer();
+  ASSERT_OK(server);
+  absl::StatusOr<client::Client> client = client::Client::Connect(server->address());
+  ASSERT_OK(client);
+  ASSERT_OK(client->CreateMachine(MachineJson("mt")));
+  ASSERT_OK(client->Upload(MachineId("mt"), BallbarSession("mt", "BX", 10)));
+  ASSERT_OK(client->PutProgram("part.nc", "G1 X1 F100\n"));
+  server->Signal(SIGTERM);
+  EXPECT_EQ(server->Wait(), 0);
+  // Of a message, and of the header that a stream begins with; a call without one has none.
+  for (const char* event : {"method=Ingest.CreateSession [^\n]* request=[^ ]+ trace=",
+                            "method=Programs.PutProgram [^\n]* request=[^ ]+ trace="}) {
+    EXPECT_THAT(Log(), ::testing::ContainsRegex(event));
+  }
+  EXPECT_THAT(Log(), ::testing::Not(::testing::ContainsRegex("method=Machines.CreateMachine [^\n]* request=")));
 }
 
 TEST_F(Process, AnUploadSurvivesKillsOfTheServer) {
@@ -268,7 +288,8 @@ void Process::KillDuringAJob(const std::function<records::JobParams(client::Clie
   EXPECT_EQ(ended->attempt, 2);
   // Between the attempt and what became of it stand the request and its trace.
   for (const std::string event :
-       {"event=job_start job=1 kind=", "attempt=1 request=once[^\n]* outcome=RETRY reason=OWNER_LOST",
+       {"event=call method=Jobs.CreateJob [^\n]*code=OK [^\n]*request=once trace=", "event=job_start job=1 kind=",
+        "attempt=1 request=once[^\n]* outcome=RETRY reason=OWNER_LOST",
         "event=job_start [^\n]*machine=mt attempt=2 request=once", "attempt=2 request=once[^\n]* outcome=SUCCEEDED"}) {
     EXPECT_THAT(Log(), ::testing::ContainsRegex(event));
   }

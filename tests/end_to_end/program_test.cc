@@ -6,7 +6,7 @@
 #include "core/base/error_detail.h"
 #include "core/base/sha256.h"
 #include "core/base/testing/fake_clock.h"
-#include "server/storage/connection.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/sqlite_database.h"
 #include "tests/end_to_end/testing/fixture.h"
 #include "tests/end_to_end/testing/raw_upload.h"
@@ -58,7 +58,7 @@ TEST_F(Program, AHalfSentOneIsDroppedByTheServer) {
     clock.Advance(std::chrono::hours(24 * 8));  // the server is up
   }
   Restart();
-  const auto connection = storage::Connection::Open(dir_.File("axiscal.db"), storage::Access::kReadOnly);
+  const auto connection = storage::SqliteConnection::Open(dir_.File("axiscal.db"), storage::Access::kReadOnly);
   ASSERT_OK(connection);
   const auto is_dropped = [&] {
     auto row = (*connection)->Ask("SELECT count(*) FROM program_part WHERE program_id = ?1", half);

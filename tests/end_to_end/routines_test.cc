@@ -93,6 +93,24 @@ TEST_F(Routines, ProposeThenApproveWhatMovesLittleAndNothingElse) {
                                            ": reason: routine nightly, run 2\n")));
 }
 
+// The history has what routines measure although nobody has approved it, and of people only what was approved.
+TEST_F(Routines, StandInTheHistoryBeforeAnybodyApproves) {
+  ASSERT_OK(client().PutRoutine(Nightly()));
+  const RoutineRun run = Measure(1);
+  ASSERT_EQ(run.state, RunState::kProposed) << run.text;
+  const auto by_person = RunJob(records::IdentifyParams{kMt, {UploadSession(ScatteredSession("CX", 5))}, {}});
+  ASSERT_EQ(by_person.state, records::JobState::kSucceeded);
+  const auto counted = [&](bool counts_candidates) {
+    const auto found = client().FindDrift({kMt, {}, counts_candidates});
+    EXPECT_TRUE(found.ok()) << found.status();
+    return found.ok() ? found->counted : std::vector<CalibrationId>();
+  };
+  EXPECT_EQ(counted(false), std::vector<CalibrationId>{*run.calibration});
+  EXPECT_EQ(counted(true).size(), 2u);
+  ASSERT_OK(client().RetireCalibration(*run.calibration, client().GetCalibration(*run.calibration)->etag));
+  EXPECT_TRUE(counted(false).empty());
+}
+
 TEST_F(Routines, SayWhatAgreesAndNeverApproveWhereFourEyesAreAsked) {
   ASSERT_OK(client().PutRoutine(Nightly()));
   const RoutineRun first = Measure(1);
@@ -112,8 +130,9 @@ TEST_F(Routines, SayWhatAgreesAndNeverApproveWhereFourEyesAreAsked) {
 }
 
 TEST_F(Routines, SurviveARestartAndAreStoppedAndTriedAgain) {
+  ASSERT_OK(client().CreatePrincipal("weak"));
   records::Routine routine = Nightly();
-  routine.declared = {"EZ9Q"};
+  routine.principal = "weak";  // it has no role
   ASSERT_OK(client().PutRoutine(routine));
   Restart();
   EXPECT_EQ(Measure(1).state, RunState::kFailed);
@@ -161,6 +180,9 @@ TEST_F(Routines, WhatCannotBeMeantIsRefused) {
         routine.check_sessions = {"BX"};
       },
       "routine.check_sessions[0]: BX stands twice");
+  // Each run would fail.
+  refused([](auto& routine) { routine.declared = {"EX0C", "EX0Q"}; }, "FIELD_INVALID: routine.declared_errors[1]: ");
+  refused([](auto& routine) { routine.budget_json = R"({"nonsense": 1})"; }, "FIELD_INVALID: routine.budget_json: ");
   EXPECT_TRUE(client().ListRoutines()->empty());
 }
 

@@ -5,7 +5,7 @@
 
 #include "core/base/error_detail.h"
 #include "core/base/sha256.h"
-#include "server/storage/connection.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -15,20 +15,20 @@ class Damage : public testing::Test {
  protected:
   // Changes rows behind the store's back, as a disk may.
   void Execute(const std::string& sql) {
-    const auto connection = Connection::Open(database.path(), Access::kWrite);
+    const auto connection = SqliteConnection::Open(database.path(), Access::kWrite);
     DEMAND(connection.ok());
     const absl::Status status = (*connection)->Execute(sql);
     ASSERT_TRUE(status.ok()) << status;
   }
   std::string ReadContent(const std::string& sql) {
-    const auto connection = Connection::Open(database.path(), Access::kReadOnly);
+    const auto connection = SqliteConnection::Open(database.path(), Access::kReadOnly);
     DEMAND(connection.ok());
     auto row = (*connection)->Ask(sql);
     DEMAND(row.ok() && row->Step().ok());
     return row->Text(0);
   }
   void WriteContent(const std::string& sql, const std::string& content) {
-    const auto connection = Connection::Open(database.path(), Access::kWrite);
+    const auto connection = SqliteConnection::Open(database.path(), Access::kWrite);
     DEMAND(connection.ok());
     const absl::Status status = (*connection)->Run(sql, Blob{content});
     ASSERT_TRUE(status.ok()) << status;
@@ -69,7 +69,7 @@ TEST_F(Damage, AMissingChunkIsNoticed) {
 
 TEST_F(Damage, TheStoreItselfCannotChangeRawReadings) {
   StoreSession(*database, 1);
-  const auto connection = Connection::Open(database.path(), Access::kWrite);
+  const auto connection = SqliteConnection::Open(database.path(), Access::kWrite);
   EXPECT_FALSE((*connection)->Execute("UPDATE chunk SET crc32c = 0").ok());
   EXPECT_FALSE((*connection)->Execute("DELETE FROM chunk").ok());
   EXPECT_FALSE((*connection)->Execute("DELETE FROM audit").ok());

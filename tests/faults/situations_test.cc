@@ -16,7 +16,7 @@
 #include "core/base/mutex.h"
 #include "server/storage/backup.h"
 #include "server/storage/check.h"
-#include "server/storage/connection.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 #include "tests/faults/testing/work.h"
 
@@ -118,7 +118,7 @@ TEST_P(Situations, ANewerSchema) {
   Told told;
   Work(path(), [&](const std::string& step) { told.insert(step); });
   const auto set_version = [&](int version) {
-    const std::unique_ptr<Connection> connection = *Connection::Open(path(), Access::kWrite);
+    const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(path(), Access::kWrite);
     DEMAND(connection->Execute(absl::StrCat("PRAGMA user_version = ", version)).ok());
   };
   const int present = OpenAt(path())->schema_version();

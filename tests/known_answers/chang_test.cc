@@ -11,6 +11,7 @@
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
 #include "tests/known_answers/chang_linked.h"
+#include "tests/known_answers/published.h"
 
 namespace axiscal::known_answers::linked {
 namespace {
@@ -74,7 +75,8 @@ TEST(Chang, ExactLengths) {
     const double no_setup[6] = {};
     double dl_mm = NAN;
     instruments::Predict(Machine(), run, 0, machine::ErrorsAt(Machine(), Table2(), run.StateOf(0)), no_setup, &dl_mm);
-    EXPECT_NEAR(dl_mm * base::kUmPerMm, length_um, 1e-3) << t_deg;
+    ExpectPublished(dl_mm * base::kUmPerMm, length_um, 1e-3,
+                    absl::StrFormat("Chang 2019, Table 2, XC: dL at t = %g deg, um", t_deg));
   }
 }
 
@@ -165,7 +167,8 @@ TEST(Chang, TheThreeCombinationsComeBack) {
   const identify::Result result = Identified(Exact({{'X', 100}}, Table2(), kKnownUm), {"EX0C", "EY0C", "EC0X"});
   const double expected[] = {32.03, 48.21, 21.60};
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(result.estimates[i].value / result.estimates[i].factor, expected[i], 0.01) << result.estimates[i].name;
+    ExpectPublished(result.estimates[i].value / result.estimates[i].factor, expected[i], 0.01,
+                    absl::StrFormat("Chang 2019, Table 2, XC: c%d, %s", i + 1, i < 2 ? "um" : "urad"));
   }
 }
 

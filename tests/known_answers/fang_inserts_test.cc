@@ -7,16 +7,19 @@
 #include "core/base/units.h"
 #include "core/toolsetter/insert_edge.h"
 #include "core/toolsetter/length_curve.h"
+#include "tests/known_answers/published.h"
 
 namespace axiscal::toolsetter {
 namespace {
 
+using known_answers::ExpectPublished;
+
 using base::kDegPerRad;
 using base::kRadPerDeg;
 
-constexpr double kExactMm = 2e-8;                                 // digits of Zc
+constexpr double kExactMm = 2e-8;                                   // digits of Zc
 constexpr double kClosedFormMm = 4e-7, kClosedFormOfR4Mm = 5.5e-7;  // what the closed form neglects
-constexpr double kCurveMm = 2e-6;                                 // digits of the curve
+constexpr double kCurveMm = 2e-6;                                   // digits of the curve
 
 Cutter Table31() {
   Cutter cutter;
@@ -254,11 +257,12 @@ TEST(FangInserts, PublishedPolygonAndTimeStep) {
   };
   const auto fast = stepped(30, 0), slow = stepped(10, 0);
   constexpr double kPrintedMm = 2e-4;  // of its own last digits and step
-  EXPECT_NEAR(fast[0], -0.0014, kPrintedMm);
-  EXPECT_NEAR(fast[1], -0.0135, kPrintedMm);
-  EXPECT_NEAR(fast[2], -0.0065, kPrintedMm);
-  EXPECT_NEAR(slow[0], -0.0014, kPrintedMm);
-  EXPECT_NEAR(slow[1], -0.0061, kPrintedMm);
+  const std::string example = "Fang 2022, ch. 3, example 1 with its chords and time step: ";
+  ExpectPublished(fast[0], -0.0014, kPrintedMm, example + "highest at 30 mm/min, mm");
+  ExpectPublished(fast[1], -0.0135, kPrintedMm, example + "lowest at 30 mm/min, mm");
+  ExpectPublished(fast[2], -0.0065, kPrintedMm, example + "at start 0, 30 mm/min, mm");
+  ExpectPublished(slow[0], -0.0014, kPrintedMm, example + "highest at 10 mm/min, mm");
+  ExpectPublished(slow[1], -0.0061, kPrintedMm, example + "lowest at 10 mm/min, mm");
 }
 
 }  // namespace

@@ -8,9 +8,12 @@
 #include "core/base/units.h"
 #include "core/session/read_session.h"
 #include "core/toolsetter/reference.h"
+#include "tests/known_answers/published.h"
 
 namespace axiscal::toolsetter {
 namespace {
+
+using known_answers::ExpectPublished;
 
 constexpr double kPrintedMm = 0.0005001;  // half of the last printed digit
 
@@ -33,9 +36,10 @@ TEST(FangReadings, Aligned) {
   const Reference reference = Fit(Read("tool-setter-aligned"));
   ASSERT_EQ(reference.rods.size(), 2u);  // the readouts of rod 2 are not printed
   EXPECT_NEAR(reference.rods[0].reference_mm, -510.2880, 1e-9);
-  EXPECT_NEAR(reference.rods[0].reference_mm, -510.288, kPrintedMm);
+  ExpectPublished(reference.rods[0].reference_mm, -510.288, kPrintedMm,
+                  "Fang 2022, Table 2.4: reference by the standard, mm");
   EXPECT_NEAR(reference.rods[1].reference_mm, -510.2901, 0.00005);
-  EXPECT_NEAR(reference.rods[1].reference_mm, -510.290, kPrintedMm);
+  ExpectPublished(reference.rods[1].reference_mm, -510.290, kPrintedMm, "Fang 2022, Table 2.4: reference by rod 1, mm");
   EXPECT_NEAR(reference.range_mm, 0.0021, 0.00005);
 }
 
@@ -43,7 +47,8 @@ TEST(FangReadings, Aligned) {
 TEST(FangReadings, AlignedRod2AsPrinted) {
   RodSession session = Read("tool-setter-aligned");
   session.rods[2].readouts_mm = {-330.327};
-  EXPECT_NEAR(Fit(session).rods[2].reference_mm, -510.287, kPrintedMm);
+  ExpectPublished(Fit(session).rods[2].reference_mm, -510.287, kPrintedMm,
+                  "Fang 2022, Table 2.4: reference by rod 2 (readout not printed), mm");
 }
 
 TEST(FangReadings, Misaligned) {
@@ -52,11 +57,12 @@ TEST(FangReadings, Misaligned) {
   const double exact_mm[] = {-509.8636, -509.8695, -509.8659}, printed_mm[] = {-509.864, -509.870, -509.866};
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(reference.rods[i].reference_mm, exact_mm[i], 0.00005);
-    EXPECT_NEAR(reference.rods[i].reference_mm, printed_mm[i], kPrintedMm);
+    ExpectPublished(reference.rods[i].reference_mm, printed_mm[i], kPrintedMm,
+                    absl::StrFormat("Fang 2022, misaligned beam: reference by rod %d, mm", i));
     EXPECT_EQ(reference.rods[i].range_mm, 0.0);  // three readouts are equal to 1 um
   }
   EXPECT_NEAR(reference.range_mm, 0.0059, 0.00005);
-  EXPECT_NEAR(reference.range_mm, 0.006, kPrintedMm);
+  ExpectPublished(reference.range_mm, 0.006, kPrintedMm, "Fang 2022, misaligned beam: range of the references, mm");
   // The range is no repeatability: the uncertainty carries what the rods differ by.
   EXPECT_GT(reference.between_rods_mm, 0.002);
   EXPECT_GT(reference.parameters[kReferenceZ].sigma, 0.001);

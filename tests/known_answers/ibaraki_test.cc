@@ -6,11 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "core/identify/identify.h"
 #include "core/decide/close_loop.h"
+#include "core/identify/identify.h"
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
 #include "tests/known_answers/ibaraki_columns.h"
+#include "tests/known_answers/published.h"
 
 namespace axiscal::known_answers {
 namespace {
@@ -47,7 +48,9 @@ TEST(Ibaraki, TablePoseErrorsExactAndToFirstOrder) {
     constexpr double kTolerance = 1e-5, kPrinted = 1e-6, kRelative = 1e-4;  // digits
     for (int i = 0; i < 6; ++i) {
       EXPECT_NEAR(ours[i], row.exact[i], kTolerance) << row.a_deg << ' ' << i;
-      EXPECT_NEAR(equation_11[i], row.first_order[i], kPrinted) << row.a_deg << ' ' << i;
+      ExpectPublished(equation_11[i], row.first_order[i], kPrinted,
+                      absl::StrFormat("Ibaraki 2010, eq 11 at A %g C %g: E%c of the table, %s", row.a_deg, row.c_deg,
+                                      "XYZABC"[i], i < 3 ? "um" : "urad"));
     }
     EXPECT_LT((ours - equation_11).norm(), kRelative * ours.norm());
     EXPECT_GT((ours - equation_11).norm(), 1e-6 * ours.norm());  // it is an approximation
@@ -171,10 +174,13 @@ TEST(Ibaraki, NoiseOfTheMaps) {
     }
   }
   constexpr double kShare = 0.1, kUradPerUmPerMm = 1e3;
-  EXPECT_NEAR(kNoiseUm * std::sqrt(squares_a[0]), 0.23, kShare * 0.23);
-  EXPECT_NEAR(kNoiseUm * std::sqrt(squares_a[1]) * kUradPerUmPerMm, 1.4, kShare * 1.4);
-  EXPECT_NEAR(kNoiseUm * std::sqrt(squares_c[0]), 0.41, kShare * 0.41);
-  EXPECT_NEAR(kNoiseUm * std::sqrt(squares_c[1]) * kUradPerUmPerMm, 3.4, kShare * 3.4);
+  const auto expect = [&](double ours, double published, const std::string& what) {
+    ExpectPublished(ours, published, kShare * published, "Ibaraki 2010, noise of the maps: " + what);
+  };
+  expect(kNoiseUm * std::sqrt(squares_a[0]), 0.23, "A, shifts, um");
+  expect(kNoiseUm * std::sqrt(squares_a[1]) * kUradPerUmPerMm, 1.4, "A, turns, urad");
+  expect(kNoiseUm * std::sqrt(squares_c[0]), 0.41, "C, shifts, um");
+  expect(kNoiseUm * std::sqrt(squares_c[1]) * kUradPerUmPerMm, 3.4, "C, turns, urad");
 }
 
 absl::StatusOr<identify::Result> JointFit(const machine::ErrorModel& truth, const machine::ErrorModel& asked) {

@@ -10,6 +10,7 @@
 #include "core/machine/error_json.h"
 #include "core/machine/machine_json.h"
 #include "core/session/case.h"
+#include "tests/known_answers/published.h"
 
 namespace axiscal::known_answers {
 namespace {
@@ -46,7 +47,9 @@ class Integrex : public testing::Test {
 };
 
 constexpr double kShare = 0.01;
-void ExpectWithin(double ours, double published) { EXPECT_NEAR(ours, published, kShare * std::abs(published)); }
+void ExpectRms(double ours_um, double published_um, const std::string& what) {
+  ExpectPublished(ours_um, published_um, kShare * published_um, "Yao 2022, Table 5.2, rms: " + what + ", um");
+}
 
 TEST_F(Integrex, NominalMachineAndNominalSphere) {
   const identify::Problem problem = identify::MakeProblem(machine_, BRuns()).value();
@@ -57,14 +60,14 @@ TEST_F(Integrex, NominalMachineAndNominalSphere) {
     numbers += static_cast<int>(residual.size());
   }
   EXPECT_EQ(numbers, 24);
-  ExpectWithin(kUmPerMm * std::sqrt(squares / numbers), 1840.0);
+  ExpectRms(kUmPerMm * std::sqrt(squares / numbers), 1840.0, "nominal machine, nominal sphere");
 }
 
 TEST_F(Integrex, LadderOfTheBSetUps) {
-  ExpectWithin(RmsUm("{}"), 1299.0);
-  ExpectWithin(RmsUm(R"({"EZ0T": 0})"), 19.6);
-  ExpectWithin(RmsUm(R"({"EZ0T": 0, "EX0T": 0})"), 12.2);
-  ExpectWithin(RmsUm(R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0})"), 2.97);
+  ExpectRms(RmsUm("{}"), 1299.0, "sphere free");
+  ExpectRms(RmsUm(R"({"EZ0T": 0})"), 19.6, "and EZ0T");
+  ExpectRms(RmsUm(R"({"EZ0T": 0, "EX0T": 0})"), 12.2, "and EX0T");
+  ExpectRms(RmsUm(R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0})"), 2.97, "and EA0B, EC0B");
 }
 
 // The rungs below the sphere's place: one error of the machine alone, the sphere where it is stated.
@@ -76,8 +79,8 @@ TEST_F(Integrex, OneErrorAloneOnTheNominalSphere) {
       parameter.is_weak = false;
     }
   }
-  ExpectWithin(kUmPerMm * Fit(runs, R"({"EX0B": 0, "EZ0B": 0})").result.fit.rms_mm, 1299.0);
-  ExpectWithin(kUmPerMm * Fit(runs, R"({"EZ0T": 0})").result.fit.rms_mm, 1589.0);
+  ExpectRms(kUmPerMm * Fit(runs, R"({"EX0B": 0, "EZ0B": 0})").result.fit.rms_mm, 1299.0, "B's place alone");
+  ExpectRms(kUmPerMm * Fit(runs, R"({"EZ0T": 0})").result.fit.rms_mm, 1589.0, "tool or pivot length alone");
 }
 
 // Two probes, two lengths. A session's temperature says which probe it was (one degree more with the long one), so that
@@ -92,7 +95,7 @@ TEST_F(Integrex, LengthsOfTheTwoProbesApart) {
   }
   const identify::Fit fit = Fit(runs, R"({"EZ0T": 0, "EX0T": 0, "EA0B": 0, "EC0B": 0,
       "terms": [{"symbol": "EZT", "shape": "thermal", "amplitude": 0}]})");
-  ExpectWithin(kUmPerMm * fit.result.fit.rms_mm, 2.53);
+  ExpectRms(kUmPerMm * fit.result.fit.rms_mm, 2.53, "and the probes' lengths apart");
 }
 
 // A place of the sphere for each run (it wandered by up to 10.6 um from one run to the next) and each probe's own
@@ -107,7 +110,7 @@ TEST_F(Integrex, DriftFromRunToRun) {
   double largest_mm = 0.0;
   for (const int run : {0, 2})
     largest_mm = std::max(largest_mm, (runs[run + 1].measured_mm - runs[run].measured_mm).cwiseAbs().maxCoeff());
-  EXPECT_NEAR(kUmPerMm * largest_mm, 10.6, 0.05);
+  ExpectPublished(kUmPerMm * largest_mm, 10.6, 0.05, "Yao 2022, Table 5.2: largest drift from run to run, um");
   for (instruments::MeasuringRun& run : runs) {
     const bool is_long = run.session.starts_with("B-long");
     run.has_temperature = true;
@@ -118,7 +121,8 @@ TEST_F(Integrex, DriftFromRunToRun) {
       "terms": [{"symbol": "EZT", "shape": "thermal", "amplitude": 0},
                 {"symbol": "EXT", "shape": "thermal", "amplitude": 0},
                 {"symbol": "EAB", "shape": "thermal", "amplitude": 0}]})");
-  EXPECT_NEAR(kUmPerMm * fit.result.fit.rms_mm, 0.25, 0.01);
+  ExpectPublished(kUmPerMm * fit.result.fit.rms_mm, 0.25, 0.01,
+                  "Yao 2022, Table 5.2, rms: and each run's place, each probe's own errors, um");
 }
 
 // Differences between B = 0 and 90 that no datum moves, mean of all runs:
@@ -158,13 +162,15 @@ TEST_F(Integrex, CentreRadiusAndTiltOfTheCSetUp) {
   const double a_rad = result.estimates[2].value, b_rad = result.estimates[3].value;
   constexpr double kSphereHeightMm = -472.0, kCentreXMm = -490.0, kRadiusMm = 100.0;
   constexpr double kPrintedMm = 5e-5, kPrintedArcsec = 0.005 + 0.01;  // half the last digit; the sphere's mounting
-  EXPECT_NEAR(kCentreXMm + x_mm + b_rad * kSphereHeightMm, -489.7202, kPrintedMm);
-  EXPECT_NEAR(y_mm - a_rad * kSphereHeightMm, -0.0188, kPrintedMm);
-  EXPECT_NEAR(a_rad * base::kArcsecPerRad, 4.40, kPrintedArcsec);
-  EXPECT_NEAR(b_rad * base::kArcsecPerRad, -30.46, kPrintedArcsec);
+  const std::string table = "Yao 2022, Table 5.2, C set-up: ";
+  ExpectPublished(kCentreXMm + x_mm + b_rad * kSphereHeightMm, -489.7202, kPrintedMm, table + "circle's centre X, mm");
+  ExpectPublished(y_mm - a_rad * kSphereHeightMm, -0.0188, kPrintedMm, table + "circle's centre Y, mm");
+  ExpectPublished(a_rad * base::kArcsecPerRad, 4.40, kPrintedArcsec, table + "tilt about X, arcsec");
+  ExpectPublished(b_rad * base::kArcsecPerRad, -30.46, kPrintedArcsec, table + "tilt about Y, arcsec");
   const auto& setup = result.sessions[0].setup;
   EXPECT_EQ(setup[0].name, "ball_x");
-  EXPECT_NEAR(std::hypot(kRadiusMm + setup[0].value, setup[1].value), 99.7194, kPrintedMm);
+  ExpectPublished(std::hypot(kRadiusMm + setup[0].value, setup[1].value), 99.7194, kPrintedMm,
+                  table + "circle's radius, mm");
   EXPECT_LT(kUmPerMm * result.fit.rms_mm, 1.0);
 }
 

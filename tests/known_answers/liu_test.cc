@@ -12,6 +12,7 @@
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
 #include "tests/known_answers/liu_blocks.h"
+#include "tests/known_answers/published.h"
 
 namespace axiscal::known_answers::blocks {
 namespace {
@@ -128,10 +129,11 @@ TEST(LiuBlocks, TheHeadsCoefficientsAreThoseOfTheChain) {
   Eigen::MatrixXd scaled = HeadFormulas(kHeadMm);
   scaled.rightCols(3) /= kHeadMm;
   const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(scaled).singularValues();
-  EXPECT_NEAR(values[0] / values[4], 13.7, 0.1);
+  ExpectPublished(values[0] / values[4], 13.7, 0.1, "Liu, head: condition of the coefficients, 1");
   // dy, a, g of 2-a, 2-c and 3: 1 - cos 30 - sin 30, in units of the coefficients 2 and 2 L.
   const Eigen::Matrix3d y_block = HeadFormulas(kHeadMm)({1, 3, 4}, {1, 2, 4}) / 2.0;
-  EXPECT_NEAR(std::abs(y_block.determinant()) / (kHeadMm * kHeadMm), 0.366, 5e-4);
+  ExpectPublished(std::abs(y_block.determinant()) / (kHeadMm * kHeadMm), 0.366, 5e-4,
+                  "Liu, head: determinant of the y block, 1");
 }
 
 TEST(LiuBlocks, HeadSumsAndWhatTheLinearEquationsRecover) {
@@ -141,7 +143,8 @@ TEST(LiuBlocks, HeadSumsAndWhatTheLinearEquationsRecover) {
   const Eigen::VectorXd recovered = Solved(HeadFormulas(kHeadMm), sums);
   const double published[] = {0.029985, 0.025000, 0.015000, -0.010004, 0.019997};  // second order: 15 nm off in dx
   for (int i = 0; i < 5; ++i)
-    EXPECT_NEAR(recovered[i] * (i < 2 ? 1.0 : base::kDegPerRad), published[i], 1e-6) << kHeadErrors[i];
+    ExpectPublished(recovered[i] * (i < 2 ? 1.0 : base::kDegPerRad), published[i], 1e-6,
+                    absl::StrCat("Liu, head, linear equations: ", kHeadErrors[i], i < 2 ? ", mm" : ", deg"));
 }
 
 TEST(LiuBlocks, TableSumsAndThePrintedSignOf3_6) {
@@ -151,11 +154,11 @@ TEST(LiuBlocks, TableSumsAndThePrintedSignOf3_6) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(sums[i], expected[i], 1e-8) << i;
   constexpr double kZMm = 30, kPrinted = 5e-5;
   const double a = sums[3] / (2.0 * kPairMm), y = sums[1] / 2.0 + kZMm * a;
-  EXPECT_NEAR(a * base::kDegPerRad, 0.0150, kPrinted);
-  EXPECT_NEAR(y, 0.0250, kPrinted);
+  ExpectPublished(a * base::kDegPerRad, 0.0150, kPrinted, "Liu, table: a, deg");
+  ExpectPublished(y, 0.0250, kPrinted, "Liu, table: dy, mm");
   const double b = sums[0] / (-2.0 * kPairMm), x = sums[2] / 2.0 - kZMm * b;
-  EXPECT_NEAR(b * base::kDegPerRad, -0.0100, kPrinted);
-  EXPECT_NEAR(x, 0.0300, kPrinted);
+  ExpectPublished(b * base::kDegPerRad, -0.0100, kPrinted, "Liu, table: b, the sign of 3-6 put right, deg");
+  ExpectPublished(x, 0.0300, kPrinted, "Liu, table: dx, mm");
   // Printed with +: b comes out with the wrong sign, and dx 10.5 um off.
   const double b_printed = -b, x_printed = sums[2] / 2.0 - kZMm * b_printed;
   EXPECT_NEAR(b_printed * base::kDegPerRad, 0.0100, kPrinted);
@@ -188,7 +191,9 @@ TEST(LiuBlocks, DoubleHeadSumsAndWhatTheLinearEquationsRecover) {
   const double published[] = {0.030000, 0.025035, 0.014989, -0.009999, 0.019986, 0.012013, 0.010015};
   for (int i = 0; i < 7; ++i) {
     const bool is_angle = i >= 2 && i < 6;
-    EXPECT_NEAR(recovered[i] * (is_angle ? base::kDegPerRad : 1.0), published[i], 1e-6) << kDoubleErrors[i];
+    ExpectPublished(
+        recovered[i] * (is_angle ? base::kDegPerRad : 1.0), published[i], 1e-6,
+        absl::StrCat("Liu, double head, linear equations: ", kDoubleErrors[i], is_angle ? ", deg" : ", mm"));
   }
 }
 

@@ -5,6 +5,7 @@
 #include "core/base/units.h"
 #include "core/identify/identify.h"
 #include "tests/known_answers/loop_truth.h"
+#include "tests/known_answers/published.h"
 
 namespace axiscal::known_answers {
 namespace {
@@ -54,15 +55,16 @@ class LoopOracle : public testing::TestWithParam<std::string> {
 TEST_P(LoopOracle, DeclaredModelFitsAsWellAsTheOracle) {
   const identify::Result fit = FitAndCheck(case_, model_).fit;
   const double oracle_um = OracleUm("fit_before_um");
-  RecordProperty("fit_before_um", std::to_string(base::kUmPerMm * fit.fit.rms_mm));
-  EXPECT_NEAR(base::kUmPerMm * fit.fit.rms_mm, oracle_um, 0.01 * oracle_um);
+  ExpectPublished(base::kUmPerMm * fit.fit.rms_mm, oracle_um, 0.01 * oracle_um,
+                  absl::StrCat("independent simulator, ", GetParam(), ": rms of the declared model, um"));
 }
 
 TEST_P(LoopOracle, TrueEffectsDeclaredByHandFitAsWellAsTheOracle) {
   if (!DeclareEffects()) GTEST_SKIP() << "an effect that is no error term: " << truth_["effects"].dump();
   const Numbers numbers = FitAndCheck(case_, model_);
   const double fit_um = OracleUm("fit_after_um"), check_um = OracleUm("check_after_um");
-  EXPECT_NEAR(base::kUmPerMm * numbers.fit.fit.rms_mm, fit_um, 0.02 * fit_um);
+  ExpectPublished(base::kUmPerMm * numbers.fit.fit.rms_mm, fit_um, 0.02 * fit_um,
+                  absl::StrCat("independent simulator, ", GetParam(), ": rms with the true effects, um"));
   if (IsDirty(truth_)) return;
   EXPECT_NEAR(base::kUmPerMm * numbers.check.fit.rms_mm, check_um, 0.02 * check_um);
 }

@@ -7,6 +7,7 @@
 #include "core/identify/identify.h"
 #include "core/instruments/ballbar/ballbar_plan.h"
 #include "core/synthetic/simulate.h"
+#include "tests/known_answers/published.h"
 #include "tests/known_answers/yao_machine.h"
 #include "tests/known_answers/yao_tables.h"
 
@@ -17,8 +18,8 @@ using ballbar::Pattern;
 
 // Rows of Table 4.5 to one in a hundred, or to half of the last printed digit.
 constexpr double kShare = 0.01, kPrinted = 0.005;
-void ExpectPublished(double ours, double published, const std::string& what) {
-  EXPECT_NEAR(ours, published, std::max(kShare * std::abs(published), kPrinted)) << what;
+void ExpectTable45(double ours, double published, const std::string& what) {
+  ExpectPublished(ours, published, std::max(kShare * std::abs(published), kPrinted), "Yao 2022, Table 4.5: " + what);
 }
 
 TEST(YaoTable45, ClosedFormulasGiveThePublishedDeviations) {
@@ -28,18 +29,18 @@ TEST(YaoTable45, ClosedFormulasGiveThePublishedDeviations) {
   constexpr double kRcMm = 50.0;
   const double rb = bx.tool_length_mm, zc = bx.zc_mm, zt = bx.zt_mm, zt_long = with_long.zt_mm, xt = bx.xt_mm;
   constexpr double kArcsec = base::kArcsecPerRad;
-  ExpectPublished(kArcsec * (-e("CA ey") / kRcMm), 1.10, "aCZ");
-  ExpectPublished(kArcsec * (e("CA ex") / kRcMm), -25.16, "bCZ");
-  ExpectPublished(kArcsec * (e("BY ez") / rb), -20.89, "aXB");
-  ExpectPublished(kArcsec * (e("BX ez") / rb), -24.11, "bXB");
-  ExpectPublished(kArcsec * (-e("BY ex") / rb), 5.63, "gXB");
+  ExpectTable45(kArcsec * (-e("CA ey") / kRcMm), 1.10, "aCZ, arcsec");
+  ExpectTable45(kArcsec * (e("CA ex") / kRcMm), -25.16, "bCZ, arcsec");
+  ExpectTable45(kArcsec * (e("BY ez") / rb), -20.89, "aXB, arcsec");
+  ExpectTable45(kArcsec * (e("BX ez") / rb), -24.11, "bXB, arcsec");
+  ExpectTable45(kArcsec * (-e("BY ex") / rb), 5.63, "gXB, arcsec");
   const double slope = (e("CR-long ey") - e("CR ey")) / (zt_long - zt);
-  ExpectPublished(kArcsec * (slope - e("BY ez") / rb), 9.63, "aBT");
-  ExpectPublished(base::kUmPerMm * (-e("CR ex") + zc * e("CA ex") / kRcMm - zt * e("BX ez") / rb), 53.13,
-                  "dxCZ - dxBT");
+  ExpectTable45(kArcsec * (slope - e("BY ez") / rb), 9.63, "aBT, arcsec");
+  ExpectTable45(base::kUmPerMm * (-e("CR ex") + zc * e("CA ex") / kRcMm - zt * e("BX ez") / rb), 53.13,
+                "dxCZ - dxBT, um");
   const double dy_cz =
       zc * e("CA ey") / kRcMm + (zt * e("CR-long ey") - zt_long * e("CR ey")) / (zt_long - zt) + xt * e("BY ex") / rb;
-  ExpectPublished(base::kUmPerMm * dy_cz, -45.63, "dyCZ");
+  ExpectTable45(base::kUmPerMm * dy_cz, -45.63, "dyCZ, um");
 }
 
 // The fifth test repeats ex of CR with a longer tool. Predicted from the others it misses by ten times its
@@ -50,7 +51,7 @@ TEST(YaoTable45, TheRedundantEccentricityDoesNotClose) {
   const double lever_change = m.setups.at("CR-long").zt_mm - m.setups.at("CR").zt_mm;
   const double predicted_um =
       base::kUmPerMm * (e("CR ex") - lever_change * e("BX ez") / m.setups.at("BX").tool_length_mm);
-  EXPECT_NEAR(predicted_um, -53.85, 0.01);
+  ExpectPublished(predicted_um, -53.85, 0.01, "Yao 2022, Table 4.4: ex of CR-long by the others, um");
   EXPECT_NEAR(base::kUmPerMm * e("CR-long ex") - predicted_um, -3.88, 0.01);
 }
 

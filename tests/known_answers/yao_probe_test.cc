@@ -17,6 +17,7 @@
 #include "core/instruments/touch/sphere_fit.h"
 #include "core/machine/error_json.h"
 #include "core/synthetic/simulate.h"
+#include "tests/known_answers/published.h"
 #include "tests/known_answers/yao_machine.h"
 #include "tests/known_answers/yao_tables.h"
 
@@ -79,8 +80,8 @@ TEST(YaoProbe, AFixedRadiusLeaksIntoBothComponents) {
   }
   const Eigen::Vector2d leak = fixed.colPivHouseholderQr().solve(Eigen::VectorXd::Ones(kSteps + 1));
   constexpr double kPrinted = 0.005;
-  EXPECT_NEAR(leak[0], 0.78, kPrinted);
-  EXPECT_NEAR(leak[1], 0.78, kPrinted);
+  ExpectPublished(leak[0], 0.78, kPrinted, "Yao 2022, ch. 2: leak of a fixed radius into sin, um per um");
+  ExpectPublished(leak[1], 0.78, kPrinted, "Yao 2022, ch. 2: leak of a fixed radius into cos, um per um");
 
   const machine::Machine machine = YaoMachine();
   session::Session session;
@@ -126,7 +127,7 @@ TEST(YaoProbe, CommandedDirectionsAreUpToThreeDegreesOffTheNormal) {
     largest_deg = std::max(largest_deg, angle_rad * base::kDegPerRad);
   }
   constexpr double kPrinted = 0.05;
-  EXPECT_NEAR(largest_deg, 3.4, kPrinted);
+  ExpectPublished(largest_deg, 3.4, kPrinted, "Yao 2022, Fig 5.13: commanded directions off the normal, deg");
 }
 
 // "dxBT and dxCZ cannot be separated" is false with two tools: dxBT is what is left of BX at a tool of length 0. But
@@ -176,7 +177,8 @@ TEST(YaoProbe, TwoToolsSeparateTheSpindlesOffsetPoorly) {
 TEST(YaoProbe, TheTwoToolLengthsOfTable43) {
   const YaoTables m = ReadYaoTables();
   const double tool_mm = m.setups.at("BX").tool_length_mm, compensated_mm = 356.3673;
-  EXPECT_NEAR(base::kUmPerMm * (tool_mm - compensated_mm), 27.2, 0.05);
+  ExpectPublished(base::kUmPerMm * (tool_mm - compensated_mm), 27.2, 0.05,
+                  "Yao 2022, Table 4.3 and Fig 4.30: two tool lengths apart, um");
   const double e_mm = base::kMmPerUm * m.MeanUm("BX ez");
   EXPECT_NEAR(base::kArcsecPerRad * e_mm / tool_mm, base::kArcsecPerRad * e_mm / compensated_mm, 0.005);
 }

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "core/base/testing/source_path.h"
-#include "server/storage/connection.h"
 #include "server/storage/migrate.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -20,7 +20,7 @@ std::string Dump(const std::string& name) {
 }
 
 std::string Schema(const std::string& path) {
-  const std::unique_ptr<Connection> connection = *Connection::Open(path, Access::kReadOnly);
+  const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(path, Access::kReadOnly);
   Statement row =
       *connection->Ask("SELECT type, name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' ORDER BY type, name");
   std::string schema;
@@ -32,7 +32,7 @@ class Upgrade : public testing::TestWithParam<std::string> {
  protected:
   Upgrade() {
     options.path = directory.File("old.db");
-    const std::unique_ptr<Connection> connection = *Connection::Open(options.path, Access::kWrite);
+    const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(options.path, Access::kWrite);
     DEMAND(connection->Execute(Dump(GetParam())).ok());
   }
 
@@ -88,7 +88,7 @@ TEST_P(Upgrade, KeepsEveryRow) {
 // A candidate that was retired without ever having been approved is no point of the history: sums over weeks that were
 // made with it are made again. Beside it stand two that count.
 TEST_P(Upgrade, TakesRejectedCandidatesOutOfTheHistory) {
-  DEMAND((*Connection::Open(options.path, Access::kWrite))
+  DEMAND((*SqliteConnection::Open(options.path, Access::kWrite))
              ->Execute("UPDATE calibration SET state = 3, retired_at_utc_us = 1700086400000000 WHERE id = 2;"
                        "INSERT INTO calibration SELECT 3, machine_id, 3, machine_revision, 1, 1, NULL, "
                        "1700050000000000, model_json, options_json, report_json, engine_version, rank, condition, "
@@ -102,7 +102,7 @@ TEST_P(Upgrade, TakesRejectedCandidatesOutOfTheHistory) {
   const auto rejected = database->GetCalibration(CalibrationId(2));
   ASSERT_TRUE(rejected.ok()) << rejected.status();
   EXPECT_EQ(rejected->state, CalibrationState::kRetired);
-  const std::unique_ptr<Connection> connection = *Connection::Open(options.path, Access::kReadOnly);
+  const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(options.path, Access::kReadOnly);
   Statement week = *connection->Ask(
       "SELECT symbol, estimate_count, not_identifiable_count, min_um_urad, max_um_urad, "
       "round(sum_um_urad, 6), last_at_utc_us, last_sigma_um_urad, last_calibration_id "
@@ -119,13 +119,13 @@ TEST_P(Upgrade, GivesCalibrationsAndDescriptionsTheirChecksums) {
   std::unique_ptr<Database> database = *OpenSqlite(options);
   ASSERT_TRUE(database->GetApprovedCalibration(MachineId("mt")).ok());
   database.reset();
-  DEMAND((*Connection::Open(options.path, Access::kWrite))
+  DEMAND((*SqliteConnection::Open(options.path, Access::kWrite))
              ->Execute("UPDATE estimate SET estimated_um_urad = 7.0 WHERE identifiable = 1")
              .ok());
   database = *OpenSqlite(options);
   EXPECT_TRUE(absl::IsDataLoss(database->GetApprovedCalibration(MachineId("mt")).status()));
   database.reset();
-  DEMAND((*Connection::Open(options.path, Access::kWrite))
+  DEMAND((*SqliteConnection::Open(options.path, Access::kWrite))
              ->Execute("UPDATE machine_revision SET description_json = '9'")
              .ok());
   database = *OpenSqlite(options);

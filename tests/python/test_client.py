@@ -355,6 +355,8 @@ class Restarts(unittest.TestCase):
             with axiscal.connect(running.address, call_deadline_s=0.3) as client:
                 client.create_machine(server.EXAMPLE / "machine.json")
                 running.process.send_signal(19)  # SIGSTOP: it is there and says nothing
+                # The signal is sent before every thread stands still; the parent is told when they all do.
+                os.waitid(os.P_PID, running.process.pid, os.WSTOPPED)
                 try:
                     with self.assertRaises((axiscal.DeadlineExceeded, axiscal.Unavailable)) as caught:
                         client.server_info()

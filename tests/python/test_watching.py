@@ -11,6 +11,7 @@ import threading
 import unittest
 
 import axiscal
+from axiscal.v1 import ingest_service_pb2
 
 import server
 
@@ -162,6 +163,25 @@ class Watching(unittest.TestCase):
         self.assertEqual(caught.exception.reason, "RUN_NOT_FAILED")
         self.assertEqual(self.client.remove_routine("nightly").name, "nightly")
         self.assertEqual(self.client.routines(), ())
+
+    def test_a_cell_and_what_the_server_finds_of_itself(self):
+        report = ingest_service_pb2.CellReport(machine_id=server.MACHINE, name="cell-7", version="1", silent_after_s=60, problem="a file was refused",
+                                               waiting_files=2, waiting_bytes=30, quarantined_files=1, quarantined_bytes=4, max_bytes=500)
+        self.client.call("Ingest", "ReportCell", ingest_service_pb2.ReportCellRequest(report=report))
+        cell, = self.client.cells(server.MACHINE)
+        self.assertEqual((cell.machine, cell.name, cell.is_silent, cell.problem), (server.MACHINE, "cell-7", False, "a file was refused"))
+        self.assertEqual((cell.waiting_files, cell.waiting_bytes, cell.quarantined_files, cell.quarantined_bytes, cell.max_bytes), (2, 30, 1, 4, 500))
+        self.assertEqual(cell.silent_after, datetime.timedelta(minutes=1))
+        self.assertLess(abs(datetime.datetime.now(UTC) - cell.reported), datetime.timedelta(minutes=10))
+        found = {finding.what: finding for finding in self.client.diagnose()}
+        self.assertEqual((found["cells"].state, found["files of cells"].state), ("ok", "warning"))
+        self.assertIn("cell-7 of integrex-i200: a file was refused", found["files of cells"].text)
+        self.assertIn("axiscal spool list", found["files of cells"].advice)
+        self.assertEqual((found["database"].state, found["database"].advice), ("ok", ""))
+        self.client.forget_cell(server.MACHINE, "cell-7")
+        self.assertEqual(list(self.client.cells()), [])
+        with self.assertRaises(axiscal.NotFound):
+            self.client.forget_cell(server.MACHINE, "cell-7")
 
     def test_webhooks_are_told_and_keep_what_was_not_taken(self):
         url = f"http://{self.receiver.address}/axiscal"

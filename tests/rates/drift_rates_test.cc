@@ -16,7 +16,7 @@ TEST(DriftRates, OfAFleetOverTenYears) {
     Judge(synthetic::DrawMachineYears(asked, number), true, &group, &score);
   const std::string text = ToText(score);
   EXPECT_EQ(score.machines, kMachines);
-  // 0.48 in 10 machine-years are 27 of 560; three of their roots more.
+  // 0.57 in 10 machine-years are 32 of 565; two of their roots more.
   EXPECT_LE(score.after.at("all").alarms, 43) << text;
   EXPECT_GT(score.after.at("all").years, 540.0) << text;
   const Recall& large = score.recall.at("d >= 6");
@@ -32,7 +32,8 @@ TEST(DriftRates, OfAFleetOverTenYears) {
   EXPECT_NEAR(measured.share(), 0.91, 0.06) << text;
 }
 
-// A clean machine is the one that must not be disturbed: 0.15 in 10 machine-years.
+// A clean machine is the one that must not be disturbed: 0.23 false alarms in 10 machine-years (133 in 5,691 of the
+// seeds 2026112701 to 2026112703).
 TEST(DriftRates, CleanMachinesAreLeftAlone) {
   synthetic::YearsToDraw asked;
   asked.seed = 2027;
@@ -42,7 +43,10 @@ TEST(DriftRates, CleanMachinesAreLeftAlone) {
   for (int number = 0; number < 40; ++number) Judge(synthetic::DrawMachineYears(asked, number), false, &group, &score);
   EXPECT_LE(score.after.at("all").alarms, 6 + 7) << ToText(score);  // 6 of 380 machine-years, and three of its roots
   EXPECT_EQ(score.unstable, 0) << ToText(score);
-  // A false alarm may be seen through by the calibrations behind it; seldom, and none of them was true.
+  // Some of them are seen through by the calibrations behind them and taken back: 16 in the same 5,691 machine-years,
+  // so 1.1 in these 380, and more than two in 9 of 100 such fleets. No threshold of the score keeps that at none: where
+  // a step needed -1 there were 11 (none in 48 of 100 such fleets), and steps of five sigma were found too late
+  // (docs/drift.md); to wait for those calibrations would be as late.
   EXPECT_LE(score.retractions, 2) << ToText(score);
   EXPECT_EQ(score.retracted_right, 0) << ToText(score);
   EXPECT_TRUE(score.recall.empty());

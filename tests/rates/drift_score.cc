@@ -222,7 +222,7 @@ void Judge(const synthetic::MachineYears& machine, bool with_forecasts, Group* g
     ++score->calibrations;
     DEMAND(findings.ok());
     for (const drift::Finding& finding : *findings) {
-      if (const auto* const step = std::get_if<drift::Step>(&finding)) {
+      if (const auto* const step = std::get_if<drift::StepChange>(&finding)) {
         if (step->is_revision) {
           ++score->revisions;
           continue;

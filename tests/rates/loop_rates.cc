@@ -53,10 +53,10 @@ int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool w
     std::fprintf(stderr, "\n");
     return 2;
   }
-  std::vector<double> before, after, told, known, seconds;
+  std::vector<double> before, all, after, told, known, seconds;
   std::map<std::string, int> verdicts;
   int causes = 0, right = 0, in_class = 0, silent = 0, wrong = 0, harmed = 0, promised = 0, broken = 0;
-  int intervals = 0, held = 0;
+  int intervals = 0, held = 0, would_harm = 0, held_back = 0;
   for (int seed = first; seed < first + count; ++seed) {
     const axiscal::rates::PhysicsScore score = axiscal::rates::JudgePhysics(
         axiscal::rates::DrawPhysics(static_cast<axiscal::rates::Physics>(kind), seed), with_told);
@@ -72,6 +72,9 @@ int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool w
     silent += score.silent;
     wrong += score.wrong;
     harmed += score.IsHarmed();
+    would_harm += score.WouldBeHarmed();
+    held_back += score.held_back > 0;
+    all.push_back(score.all_um);
     promised += score.is_gain_held;
     broken += score.is_gain_held && score.after_um > score.before_um;
     intervals += score.has_interval;
@@ -84,9 +87,9 @@ int PhysicsRates(const char* word, int count, int first, bool is_verbose, bool w
   }
   std::printf(
       "physics %s: %d cases, over the box %.3f -> %.3f um (medians; told the form %.3f, who knows %.3f), harmed %d; "
-      "%.2f s median, %.2f s worst\n",
+      "%.2f s median, %.2f s worst\n  held back in %d; if nothing were: %.3f um, harmed %d\n",
       word, count, Quantile(before, 0.5), Quantile(after, 0.5), Quantile(told, 0.5), Quantile(known, 0.5), harmed,
-      Quantile(seconds, 0.5), Quantile(seconds, 1.0));
+      Quantile(seconds, 0.5), Quantile(seconds, 1.0), held_back, Quantile(all, 0.5), would_harm);
   std::printf(
       "  cases right %d, in class %d, silent %d, wrong %d; causes named %d of %d, %d more in classes, %d not; beside "
       "them %d\n  a gain over the box promised in %d, %d of them worse; %d of %d intervals hold what is left\n",

@@ -65,7 +65,7 @@ PhysicsScore JudgePhysics(const PhysicsCase& physics, bool with_told) {
   const auto closed = decide::CloseLoop(physics.machine, physics.fit, physics.check);
   score.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto error_um = [&](const ErrorModel& model) { return base::kUmPerMm * ErrorOverBox(physics, model); };
-  score.before_um = score.after_um = error_um(declared.ok() ? declared->model : ErrorModel());
+  score.before_um = score.after_um = score.all_um = error_um(declared.ok() ? declared->model : ErrorModel());
   score.known_um = base::kUmPerMm * ErrorOfOneWhoKnows(physics);
   if (with_told) {
     decide::Options told;
@@ -83,6 +83,10 @@ PhysicsScore JudgePhysics(const PhysicsCase& physics, bool with_told) {
   }
   const ErrorModel found = machine::NamedErrors(closed->fitted.model);
   score.after_um = error_um(found);
+  score.all_um = error_um(machine::NamedErrors(closed->last_fit->result.model));
+  score.held_back = static_cast<int>(closed->held_back.size());
+  for (const loop::HeldBack& one : closed->held_back)
+    score.text += absl::StrFormat(" held back %s (harm %.3f);", machine::NameOf(physics.machine, one.term), one.harm);
   CountNames(physics, *closed, &score);
   const reports::Loop report = loop::ReportOf(physics.machine, *closed);
   if (report.volumetric) {

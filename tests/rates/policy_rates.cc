@@ -62,6 +62,10 @@ std::vector<Setting> SettingsOf() {
   add("trials", &Policy::trials);
   add("alike", &Policy::alike);
   add("most_effects", &Policy::most_effects);
+  add("harm_share", &Policy::harm_share);
+  add("harm_mm", &Policy::harm_mm);
+  add("harm_probability", &Policy::harm_probability);
+  add("order_falloff", &Policy::order_falloff);
   return settings;
 }
 

@@ -260,6 +260,16 @@ class Client(Watching):
         request = calibrations_service_pb2.ListVolumetricErrorsRequest(machine_id=machine, box=spans, page_size=100)
         return volumetric_frame(list(self._pages("Calibrations", "ListVolumetricErrors", request, "errors")))
 
+    def compare(self, calibration_id: int, with_calibration: Optional[int] = None,
+                box: Optional[Mapping[str, Tuple[float, float]]] = None) -> calibrations_service_pb2.CompareCalibrationsResponse:
+        """What a calibration says otherwise than another one (none named: the one in use), and how far the tool point would move over `box` (as of
+        volumetric) if it took the other's place. All differences are of calibration_id less the other; docs/compare.md. NotFound where none is in use."""
+        spans = [volumetric_pb2.AxisSpan(axis=axis, from_mm_or_deg=low, to_mm_or_deg=high) for axis, (low, high) in (box or {}).items()]
+        request = calibrations_service_pb2.CompareCalibrationsRequest(
+            calibration_id=calibration_id, with_calibration_id=with_calibration, box=spans)
+        response: calibrations_service_pb2.CompareCalibrationsResponse = self.call("Calibrations", "CompareCalibrations", request)
+        return response
+
     def approve(self, calibration: Calibration, reason: str = "") -> Calibration:
         """Puts it in use, as it was read: Aborted where somebody has changed it meanwhile. The reason stands in the audit."""
         request = calibrations_service_pb2.ApproveCalibrationRequest(

@@ -6,8 +6,9 @@ from typing import Any, Iterable, Iterator, Mapping, Optional, Tuple
 from axiscal import errors
 from axiscal._connection import Backoff, Connection, is_broken, new_request_id
 from axiscal.records import utc_us
-from axiscal.v1 import events_service_pb2, history_service_pb2, routines_service_pb2, webhooks_service_pb2
-from axiscal.watching import (DeadLetter, Event, EventChange, Expectations, Mark, Routine, RoutineRun, Webhook, name_of, scope_message)
+from axiscal.v1 import admin_service_pb2, events_service_pb2, history_service_pb2, ingest_service_pb2, routines_service_pb2, webhooks_service_pb2
+from axiscal.watching import (Cell, DeadLetter, Event, EventChange, Expectations, Finding, Mark, Routine, RoutineRun, Webhook, name_of,
+                              scope_message)
 
 
 class Watching:
@@ -178,3 +179,19 @@ class Watching:
         if change is not None:
             request.change_id = change
         return int(self.call("Webhooks", "ResendDeadLetters", request).count)
+
+    # ---- cells, and the server itself
+
+    def cells(self, machine: str = "") -> Iterator[Cell]:
+        """The PCs beside this machine, or beside all that may be seen."""
+        for message in self._pages("Ingest", "ListCells", ingest_service_pb2.ListCellsRequest(machine_id=machine), "cells"):
+            yield Cell.from_message(message)
+
+    def forget_cell(self, machine: str, name: str) -> None:
+        """It is no longer there: nobody waits for it any more, and its events are cleared."""
+        self.call("Ingest", "ForgetCell", ingest_service_pb2.ForgetCellRequest(machine_id=machine, name=name))
+
+    def diagnose(self) -> Tuple[Finding, ...]:
+        """What the server finds of itself: database, disk, certificates, files, descriptors, last backup, jobs, cells, webhooks. `axiscal doctor`
+        looks at the way to it, too. For viewers of all machines."""
+        return tuple(Finding.from_message(message) for message in self.call("Admin", "Diagnose", admin_service_pb2.DiagnoseRequest()).findings)

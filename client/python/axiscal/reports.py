@@ -175,6 +175,15 @@ class Cause:
 
 
 @dataclasses.dataclass(frozen=True)
+class HeldBack:
+    kind: str  # uncertain, undecided
+    subject: str
+    evidence: Optional[float] = None
+    harm: Optional[float] = None
+    measure: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
 class BeforeAfter:
     before: Statistics = Statistics()
     after: Statistics = Statistics()
@@ -271,6 +280,7 @@ class Loop:
     verdict: str  # adequate, extended, unexplained
     effects: Tuple[Effect, ...] = ()
     causes: Tuple[Cause, ...] = ()
+    held_back: Tuple[HeldBack, ...] = ()  # found, but the machine could be worse for it: not corrected
     errors: Tuple[Error, ...] = ()
     coverage_factor: Optional[float] = None
     not_separable: Tuple[str, ...] = ()
@@ -383,6 +393,24 @@ class Shift:
 
 
 @dataclasses.dataclass(frozen=True)
+class Extremes:
+    """Corrections of one axis, corrected less programmed."""
+    low_um: float = 0.0
+    high_um: float = 0.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Stretch:
+    """Moves that follow each other, with the extremes of what was done to them."""
+    first: int  # line of the source, from 1, of its first move
+    last: int
+    way_mm: float = 0.0  # from the first corrected position to the end of this stretch
+    correction: Mapping[str, Extremes] = dataclasses.field(default_factory=dict)  # of each linear axis
+    before_max_um: float = 0.0  # predicted error of the tool point there
+    after_max_um: float = 0.0
+
+
+@dataclasses.dataclass(frozen=True)
 class Rewrite:
     calibration: str = ""
     dialect: str = ""
@@ -394,6 +422,7 @@ class Rewrite:
     missing: Tuple[str, ...] = ()  # options, in the words to add
     tool_point_error: SpreadBeforeAfter = SpreadBeforeAfter()
     tool_point_error_along_path: AlongPath = AlongPath()
+    path: Tuple[Stretch, ...] = ()  # all that was corrected, in order
     max_tilt_left_urad: float = 0.0
     orientation: Optional[Orientation] = None
     holes: Optional[Holes] = None

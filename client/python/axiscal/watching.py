@@ -1,11 +1,11 @@
-"""What the service watches and does by itself, as plain data: events, marks, what is expected, routines, webhooks."""
+"""What the service watches and does by itself, as plain data: events, marks, what is expected, routines, webhooks, cells, findings."""
 import dataclasses
 import datetime
 from typing import Any, Dict, Optional, Tuple
 
 from axiscal.drift import Amount
 from axiscal.records import UNITS, utc
-from axiscal.v1 import access_service_pb2, events_service_pb2, history_service_pb2, routines_service_pb2
+from axiscal.v1 import access_service_pb2, admin_service_pb2, events_service_pb2, history_service_pb2, routines_service_pb2
 
 
 def _optional(message: Any, field: str) -> Any:
@@ -230,3 +230,42 @@ class DeadLetter:
     def from_message(cls, message: Any) -> "DeadLetter":
         return cls(message.change_id, message.event_id, message.machine_id, message.tries, message.error, utc(message.tried_utc_us),
                    message.is_wanted)
+
+
+@dataclasses.dataclass(frozen=True)
+class Cell:
+    """A PC beside a machine that brings its files (docs/cell.md), as it last said that it stands."""
+    machine: str
+    name: str
+    is_silent: bool  # not heard for longer than `silent_after`
+    problem: str  # what wants a person there; empty: nothing
+    reported: datetime.datetime
+    reported_by: str
+    silence: datetime.timedelta  # since then, without the time that no server had the database
+    silent_after: datetime.timedelta
+    version: str
+    waiting_files: int
+    waiting_bytes: int
+    quarantined_files: int
+    quarantined_bytes: int
+    max_bytes: int
+
+    @classmethod
+    def from_message(cls, message: Any) -> "Cell":
+        report = message.report
+        return cls(report.machine_id, report.name, message.is_silent, report.problem, utc(message.reported_utc_us), message.reported_by,
+                   datetime.timedelta(microseconds=message.silence_us), datetime.timedelta(seconds=report.silent_after_s), report.version,
+                   report.waiting_files, report.waiting_bytes, report.quarantined_files, report.quarantined_bytes, report.max_bytes)
+
+
+@dataclasses.dataclass(frozen=True)
+class Finding:
+    """What the server says of one thing that was looked at (docs/operations.md, "Doctor")."""
+    what: str
+    state: str  # ok, warning, failed, unknown
+    text: str
+    advice: str  # what to do; empty where it is well
+
+    @classmethod
+    def from_message(cls, message: Any) -> "Finding":
+        return cls(message.what, _word(admin_service_pb2.FindingState, "FINDING_STATE_", message.state), message.text, message.advice)

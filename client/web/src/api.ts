@@ -92,7 +92,11 @@ export interface Problem {
   isConnection: boolean;
 }
 
+// What the page itself refuses to send, in the reader's language.
+export class Refusal extends Error {}
+
 export function problemOf(error: unknown): Problem {
+  if (error instanceof Refusal) return { text: error.message, reason: "", isConnection: false };
   const e = ConnectError.from(error);
   const reason = e.findDetails(ErrorInfoSchema)[0]?.reason ?? "";
   if (e.code === Code.Unauthenticated) mustSignIn.value = true;
@@ -159,12 +163,12 @@ export function jsonOf<Type>(text: string): Type | undefined {
 
 // Queues a job and returns its number. Asked again after an answer that was lost, the same job is meant.
 const asked = new Map<string, string>();
-export async function createJob(kind: JobParams["kind"]): Promise<bigint> {
+export async function createJob(kind: JobParams["kind"], priority = 0): Promise<bigint> {
   const params = create(JobParamsSchema, { kind });
-  const key = toJsonString(JobParamsSchema, params);
+  const key = `${priority} ${toJsonString(JobParamsSchema, params)}`;
   const requestId = asked.get(key) ?? crypto.randomUUID();
   asked.set(key, requestId);
-  const { job } = await jobs.createJob({ requestId, params });
+  const { job } = await jobs.createJob({ requestId, params, priority });
   asked.delete(key);
   return job!.jobId;
 }

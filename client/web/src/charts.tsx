@@ -227,7 +227,7 @@ export function PathChart(props: {
   chosen?: number;
   onChoose: (stretch: number) => void;
 }) {
-  const height = 260, top = 10, bottom = 48, right = 60;
+  const height = 260, top = 10, bottom = 48, right = 84;
   const { way, series } = props;
   const last = Math.max(way[way.length - 1] ?? 0, 1e-9);
   // Where nothing goes along a linear axis there is only the order.
@@ -263,7 +263,7 @@ export function PathChart(props: {
       aria-valuemin={1}
       aria-valuemax={way.length}
       aria-valuenow={(props.chosen ?? 0) + 1}
-      tabIndex={0}
+      tabindex={0}
       onClick={nearest}
       onKeyDown={step}
     >

@@ -9,6 +9,7 @@ import { language, setLanguage, t, type Language } from "./text";
 import { Title } from "./parts";
 import { AuditPage } from "./pages/audit";
 import { CalibrationPage } from "./pages/calibration";
+import { CellsPage } from "./pages/cells";
 import { EventsPage } from "./pages/events";
 import { FleetPage } from "./pages/fleet";
 import { JobPage, JobsPage } from "./pages/jobs";
@@ -74,6 +75,8 @@ function Page() {
       return <UploadPage key={word ?? ""} machineId={word} />;
     case "routines":
       return <RoutinesPage />;
+    case "cells":
+      return <CellsPage />;
     case "webhooks":
       return <WebhooksPage />;
     case "audit":
@@ -151,6 +154,7 @@ function Menu() {
     ["programs", t("programs"), true],
     ["upload", t("upload"), may(Role.CELL)],
     ["routines", t("routines"), true],
+    ["cells", t("cells"), true],
     ["webhooks", t("webhooks"), isAdminOfAll()],
     ["audit", t("audit"), isAdminOfAll()],
   ];

@@ -1,10 +1,11 @@
 // What all pages are made of.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { problemOf, type Loaded, type Problem } from "./api";
+import { problemOf, Refusal, type Loaded, type Problem } from "./api";
 import { CalibrationState } from "./gen/axiscal/v1/calibration_pb";
 import type { CalibrationPicture } from "./gen/axiscal/v1/calibrations_service_pb";
 import { countText, csv, numberText, save } from "./format";
+import { isoWords } from "./iso";
 import { t } from "./text";
 
 // The server writes English.
@@ -76,6 +77,22 @@ export function Table(props: { label: string; head: ComponentChildren[]; numbers
   );
 }
 
+// An error by its symbol, and what ISO 230-1 calls it.
+export function ErrorName(props: { name: string }) {
+  const words = isoWords(props.name);
+  return (
+    <>
+      {props.name}
+      {words && (
+        <>
+          {" "}
+          <small class="muted">{words}</small>
+        </>
+      )}
+    </>
+  );
+}
+
 export function StateMark(props: { state: CalibrationState }) {
   const [kind, text] =
     props.state === CalibrationState.APPROVED
@@ -94,7 +111,7 @@ function Zoomed(props: { label: string; children: ComponentChildren }) {
     <>
       <div
         class={`zoom zoom-${kZooms[zoom]}`}
-        {...(zoom > 0 ? { role: "region", "aria-label": props.label, tabIndex: 0 } : {})}
+        {...(zoom > 0 ? { role: "region", "aria-label": `${t("pictureLarger")}: ${props.label}`, tabIndex: 0 } : {})}
       >
         {props.children}
       </div>
@@ -320,48 +337,81 @@ export function Dialog(props: { title: string; onClose: () => void; children: Co
   );
 }
 
+// A form in a dialog, which closes once `onSend` has done what it asks; what it throws stands above the buttons. `intro`: what stands above the
+// form. `isPlain`: the browser itself refuses nothing, `onSend` says what is missing. `stays`: a short form below a
+// long intro stays in sight.
+export function FormDialog(props: {
+  title: string;
+  submit: string;
+  intro: ComponentChildren;
+  isPlain?: boolean;
+  stays?: boolean;
+  onSend: (form: FormData) => Promise<void>;
+  onClose: () => void;
+  children?: ComponentChildren;
+}) {
+  const [problem, setProblem] = useState<Problem>();
+  const send = async (event: SubmitEvent) => {
+    event.preventDefault();
+    try {
+      await props.onSend(new FormData(event.currentTarget as HTMLFormElement));
+    } catch (error) {
+      return setProblem(problemOf(error));
+    }
+    props.onClose();
+  };
+  return (
+    <Dialog title={props.title} onClose={props.onClose}>
+      {props.intro}
+      <form class={props.stays ? "form stays" : "form"} onSubmit={send} noValidate={props.isPlain}>
+        {props.children}
+        <div role="status">{problem && <ProblemBox problem={problem} />}</div>
+        <p class="buttons">
+          <button type="submit">{props.submit}</button>
+          <button type="button" class="quiet" onClick={props.onClose}>
+            {t("cancel")}
+          </button>
+        </p>
+      </form>
+    </Dialog>
+  );
+}
+
+// Of a form: a field's text without blanks around it.
+export const fieldOf = (form: FormData, name: string) => String(form.get(name) ?? "").trim();
+
+// The word of a person in the field `note`, of at most so many bytes: the server takes no longer one.
+export function noteOf(form: FormData, isNeeded: boolean, mostBytes = 1000): string {
+  const note = fieldOf(form, "note");
+  if (isNeeded && note === "") throw new Refusal(t("wordNeeded"));
+  if (new TextEncoder().encode(note).length > mostBytes) throw new Refusal(t("wordTooLong", { n: mostBytes }));
+  return note;
+}
+
 // A button that asks once more, with what it will do, before it does it; with `note` for a word of the person.
 export function Asking(props: { text: string; of: string; effect: string; note?: string; onSure: (note: string) => Promise<void> }) {
   const [isAsked, setAsked] = useState(false);
-  const [problem, setProblem] = useState<Problem>();
-  const close = () => {
-    setAsked(false);
-    setProblem(undefined);
-  };
-  const sure = async (event: SubmitEvent) => {
-    event.preventDefault();
-    const form = new FormData(event.currentTarget as HTMLFormElement);
-    try {
-      await props.onSure(String(form.get("note") ?? "").trim());
-      close();
-    } catch (error) {
-      setProblem(problemOf(error));
-    }
-  };
   return (
     <>
       <button type="button" class="quiet" aria-label={`${props.text}: ${props.of}`} onClick={() => setAsked(true)}>
         {props.text}
       </button>
       {isAsked && (
-        <Dialog title={`${props.text}: ${props.of}`} onClose={close}>
-          <p>{props.effect}</p>
-          <form onSubmit={sure}>
-            {props.note !== undefined && (
-              <label>
-                {props.note}
-                <input name="note" autocomplete="off" maxLength={250} />
-              </label>
-            )}
-            {problem && <ProblemBox problem={problem} />}
-            <p class="buttons">
-              <button type="submit">{props.text}</button>
-              <button type="button" class="quiet" onClick={close}>
-                {t("cancel")}
-              </button>
-            </p>
-          </form>
-        </Dialog>
+        <FormDialog
+          title={`${props.text}: ${props.of}`}
+          submit={props.text}
+          intro={<p>{props.effect}</p>}
+          isPlain
+          onSend={(form) => props.onSure(noteOf(form, false, 250))}
+          onClose={() => setAsked(false)}
+        >
+          {props.note !== undefined && (
+            <label>
+              {props.note}
+              <input name="note" autocomplete="off" />
+            </label>
+          )}
+        </FormDialog>
       )}
     </>
   );

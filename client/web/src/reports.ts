@@ -41,6 +41,7 @@ export interface LoopReport {
     same_always?: (string | { name: string })[];
   }[];
   causes?: { kind: string; subject: string; evidence: number; correction: string }[];
+  held_back?: { kind: string; subject: string; evidence: number; harm: number; measure: string }[];
   fit: { before: Fit; after: Fit };
   check?: { before?: Fit; after?: Fit; fitted?: boolean };
   volumetric?: {

@@ -68,9 +68,9 @@ std::vector<Kind> Only(const std::vector<Finding>& findings) {
 }
 
 // Steps that are more than possible: of a hundred machine-years a few have one of the others by chance.
-inline std::vector<Step> Clear(const std::vector<Finding>& findings) {
-  std::vector<Step> steps = Only<Step>(findings);
-  std::erase_if(steps, [](const Step& step) { return step.word == Word::kPossible; });
+inline std::vector<StepChange> Clear(const std::vector<Finding>& findings) {
+  std::vector<StepChange> steps = Only<StepChange>(findings);
+  std::erase_if(steps, [](const StepChange& step) { return step.word == Word::kPossible; });
   return steps;
 }
 

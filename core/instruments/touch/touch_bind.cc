@@ -1,10 +1,12 @@
 #include "core/instruments/touch/touch_bind.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "core/instruments/ballbar/ballbar_model.h"
+#include "core/instruments/centres/centres_model.h"
 
 namespace axiscal::touch {
 namespace {
@@ -60,6 +62,22 @@ shapes::Approach InSpindle(const machine::Machine& machine, const MeasuringRun& 
   return approach;
 }
 
+// A touch ends a move along its approach: each linear axis that it moves came from that side, whatever the positions
+// that were latched before. Axes whose side is stated or that stand still on the approach are left alone.
+void SetSenses(const machine::Machine& machine, int k, MeasuringRun* run) {
+  const Eigen::Matrix3Xd directions = centres::LinearDirections(machine, run->PositionsOf(k));
+  const Eigen::Matrix3d reach = directions * directions.transpose();
+  const Eigen::VectorXd along = directions.transpose() * reach.ldlt().solve(run->touches.approach[k]);
+  const std::vector<int> linear = centres::LinearAxes(machine);
+  constexpr double kMoves = 1e-3;  // of the approach; less is the rounding of its direction
+  if (run->stated_senses.empty()) run->stated_senses.assign(run->positions.size(), 0.0);
+  for (size_t i = 0; i < linear.size(); ++i) {
+    double& sense = run->stated_senses[static_cast<size_t>(k) * run->axis_count + linear[i]];
+    const double share = along[static_cast<Eigen::Index>(i)];
+    if (sense == 0.0 && std::abs(share) > kMoves) sense = share > 0.0 ? 1.0 : -1.0;
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<Feature> ParseFeature(const std::string& key, const std::string& value) {
@@ -106,6 +124,7 @@ absl::Status BindTouches(const machine::Machine& machine, const session::Session
     }
     touches.approach.push_back(approach.normalized());
     touches.approach_in_spindle.push_back(InSpindle(machine, *run, static_cast<int>(k)));
+    SetSenses(machine, static_cast<int>(k), run);
     const auto at = std::find_if(touches.features.begin(), touches.features.end(),
                                  [&](const Feature& feature) { return feature.name == columns[3]->texts[k]; });
     if (at == touches.features.end()) {

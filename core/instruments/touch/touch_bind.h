@@ -14,7 +14,8 @@ namespace axiscal::touch {
 absl::StatusOr<Feature> ParseFeature(const std::string& key, const std::string& value);
 
 // Fills run->touches from the headers `stylus_radius_mm`, `sphere NAME`, `plane NAME` and the columns nx, ny, nz,
-// feature. INVALID_ARGUMENT naming key or reading and the rule: unknown or twice-named feature, an approach that is no
+// feature, and from which side each linear axis came (run->stated_senses) by the approach where nothing else states it.
+// INVALID_ARGUMENT naming key or reading and the rule: unknown or twice-named feature, an approach that is no
 // unit vector (1e-3).
 absl::Status BindTouches(const machine::Machine& machine, const session::Session& session,
                          instruments::MeasuringRun* run);

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/base/units.h"
 #include "core/instruments/touch/sphere_fit.h"
@@ -45,83 +47,105 @@ struct Group {
   std::vector<Eigen::Vector3d> in_table_mm, turned_mm;
 };
 
-void Reject(int reading, const char* gate, double off_mm, double limit_mm, std::vector<Rejection>* rejected) {
-  const auto is_it = [reading](const Rejection& one) { return one.reading == reading; };
-  if (std::none_of(rejected->begin(), rejected->end(), is_it)) rejected->push_back({reading, gate, off_mm, limit_mm});
+double MedianOf(const std::vector<double>& sorted) {
+  const size_t middle = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
 }
 
-double MedianOf(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+// Of all but the k-th.
+double MedianWithout(const std::vector<double>& sorted, size_t k) {
+  const size_t count = sorted.size() - 1, middle = count / 2;
+  const auto at = [&](size_t i) { return sorted[i < k ? i : i + 1]; };
+  return count % 2 == 1 ? at(middle) : 0.5 * (at(middle - 1) + at(middle));
 }
+
+// Touches of a group that went the same way, by the foot of their line of approach: the point of it that is nearest to
+// the origin. Finds those of one line without looking at all others.
+class Lines {
+ public:
+  Lines(const MeasuringRun& run, const Group& group) {
+    for (size_t i = 0; i < group.readings.size(); ++i) {
+      const Eigen::Vector3d& approach = run.touches.approach[group.readings[i]];
+      foot_mm_.push_back(group.turned_mm[i] - group.turned_mm[i].dot(approach) * approach);
+      way_.push_back(CellOf(approach, kSameWay));
+      cells_[{way_.back(), CellOf(foot_mm_.back(), kSameLineMm)}].push_back(i);
+    }
+  }
+
+  // Takes out the touches whose foot is within kSameLineMm of the i-th's, in time order; none if it was taken before.
+  std::vector<size_t> Take(size_t i) {
+    std::vector<size_t> out;
+    const Cell cell = CellOf(foot_mm_[i], kSameLineMm);
+    for (int64_t n = 0; n < 27; ++n) {
+      const auto found = cells_.find({way_[i], {cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1}});
+      if (found == cells_.end()) continue;
+      std::erase_if(found->second, [&](size_t j) {
+        if ((foot_mm_[j] - foot_mm_[i]).norm() > kSameLineMm) return false;
+        out.push_back(j);
+        return true;
+      });
+    }
+    std::sort(out.begin(), out.end());
+    return std::binary_search(out.begin(), out.end(), i) ? out : std::vector<size_t>();
+  }
+
+ private:
+  using Cell = std::array<int64_t, 3>;
+  static constexpr double kSameWay = 1e-6;      // of a unit vector: six decimals, as files state it
+  static constexpr double kSameLineMm = 0.010;  // across the approach: what a control's positioning leaves
+
+  static Cell CellOf(const Eigen::Vector3d& v, double size) {
+    return {std::llround(v.x() / size), std::llround(v.y() / size), std::llround(v.z() / size)};
+  }
+
+  std::vector<Eigen::Vector3d> foot_mm_;
+  std::vector<Cell> way_;
+  std::map<std::pair<Cell, Cell>, std::vector<size_t>> cells_;
+};
 
 // Repeats of one touch have one place across the approach. Of two that differ nobody can say which is wrong; of three
 // or more it is the one that is off the median of the others.
 void GateRepeats(const MeasuringRun& run, const Group& group, double gate_mm, std::vector<Rejection>* rejected) {
-  constexpr double kSamePlaceMm = 0.010;  // across the approach: what a control's positioning leaves
-  std::vector<bool> is_seen(group.readings.size(), false);
+  Lines lines(run, group);
   for (size_t i = 0; i < group.readings.size(); ++i) {
-    if (is_seen[i]) continue;
+    const std::vector<size_t> repeats = lines.Take(i);
+    if (repeats.size() < 2) continue;
     const Eigen::Vector3d& approach = run.touches.approach[group.readings[i]];
-    std::vector<int> repeats;
     std::vector<double> along_mm;
-    for (size_t j = i; j < group.readings.size(); ++j) {
-      const Eigen::Vector3d apart_mm = group.turned_mm[j] - group.turned_mm[i];
-      const double along = apart_mm.dot(approach);
-      if ((approach - run.touches.approach[group.readings[j]]).norm() > 1e-6 ||
-          (apart_mm - along * approach).norm() > kSamePlaceMm)
-        continue;
-      is_seen[j] = true;
-      repeats.push_back(group.readings[j]);
-      along_mm.push_back(along);
-    }
+    for (const size_t j : repeats) along_mm.push_back((group.turned_mm[j] - group.turned_mm[i]).dot(approach));
+    std::vector<double> sorted_mm = along_mm;
+    std::sort(sorted_mm.begin(), sorted_mm.end());
     for (size_t k = 0; k < repeats.size(); ++k) {
-      std::vector<double> others_mm = along_mm;
-      others_mm.erase(others_mm.begin() + static_cast<std::ptrdiff_t>(k));
-      if (others_mm.empty()) continue;
-      const double off_mm = std::abs(along_mm[k] - MedianOf(others_mm));
-      const double from_all_mm = std::abs(along_mm[k] - MedianOf(along_mm));
+      const auto at = std::lower_bound(sorted_mm.begin(), sorted_mm.end(), along_mm[k]);
+      const double off_mm =
+          std::abs(along_mm[k] - MedianWithout(sorted_mm, static_cast<size_t>(at - sorted_mm.begin())));
+      const double from_all_mm = std::abs(along_mm[k] - MedianOf(sorted_mm));
       if (off_mm > gate_mm && (repeats.size() < 3 || from_all_mm > 0.5 * gate_mm))
-        Reject(repeats[k], "repeat", off_mm, gate_mm, rejected);
+        rejected->push_back({group.readings[repeats[k]], "repeat", off_mm, gate_mm});
     }
   }
 }
 
-// Rejects, one after the other, the touches that stand off the sphere of the other touches. A sphere of another radius
-// is refused.
-absl::Status GateSphere(const MeasuringRun& run, const Feature& feature, Group group, double gate_mm,
+// Rejects the touches that stand off the sphere of the other touches, but for those that are rejected already. A sphere
+// of another radius is refused.
+absl::Status GateSphere(const MeasuringRun& run, const Feature& feature, const Group& group, double gate_mm,
                         std::vector<Rejection>* rejected) {
   const int first = run.readings_before + group.readings[0] + 1;
-  const size_t most = group.readings.size() / 3 + 1;
-  while (rejected->size() < most) {
-    const std::optional<Sphere> of_all = FitSphere(group.in_table_mm);
-    if (of_all && of_all->max_mm <= 0.25 * gate_mm) break;  // nor is any far off the others'
-    // The one without which the others agree best.
-    double least_rms_mm = INFINITY, worst_mm = 0.0;
-    size_t worst = 0;
-    for (size_t k = 0; k < group.readings.size(); ++k) {
-      std::vector<Eigen::Vector3d> fellows_mm = group.in_table_mm;
-      fellows_mm.erase(fellows_mm.begin() + static_cast<std::ptrdiff_t>(k));
-      const std::optional<Sphere> sphere = FitSphere(fellows_mm);
-      if (!sphere || sphere->rms_mm >= least_rms_mm) continue;
-      least_rms_mm = sphere->rms_mm;
-      worst_mm = std::abs((group.in_table_mm[k] - sphere->centre_mm).norm() - sphere->radius_mm);
-      worst = k;
-    }
-    if (worst_mm <= gate_mm) break;
-    Reject(group.readings[worst], "sphere", worst_mm, gate_mm, rejected);
-    group.readings.erase(group.readings.begin() + static_cast<std::ptrdiff_t>(worst));
-    group.in_table_mm.erase(group.in_table_mm.begin() + static_cast<std::ptrdiff_t>(worst));
+  const SphereOfMost judged = FitSphereOfMost(group.in_table_mm, gate_mm);
+  const std::optional<Sphere>& sphere = judged.sphere;
+  std::set<int> known;
+  for (const Rejection& one : *rejected) known.insert(one.reading);
+  for (const OffSphere& off : judged.off) {
+    const int reading = group.readings[off.point];
+    if (known.count(reading) == 0) rejected->push_back({reading, "sphere", off.off_mm, gate_mm});
   }
-  const std::optional<Sphere> sphere = FitSphere(group.in_table_mm);
   const double expected_mm = feature.radius_mm + run.touches.stylus_radius_mm;
   if (!sphere || std::abs(sphere->radius_mm - expected_mm) <= gate_mm) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrFormat(
       "session '%s': the %d touches of sphere '%s' from reading %d lie on a radius of %.4f mm, expected %.4f "
       "(sphere %g + stylus_radius_mm %g) within radius_gate_um = %g: was it measured with another stylus?",
-      run.session, group.readings.size(), feature.name, first, sphere->radius_mm, expected_mm, feature.radius_mm,
-      run.touches.stylus_radius_mm, gate_mm / base::kMmPerUm));
+      run.session, group.readings.size() - judged.off.size(), feature.name, first, sphere->radius_mm, expected_mm,
+      feature.radius_mm, run.touches.stylus_radius_mm, gate_mm / base::kMmPerUm));
 }
 
 // Where the stylus centre stood on the nominal machine, table frame.

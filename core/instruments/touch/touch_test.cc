@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include "core/base/testing/source_path.h"
 #include "core/instruments/evaluation.h"
@@ -43,6 +45,53 @@ TEST(SphereFit, PointsOfOneCircleOrAFlatCapAreNoSphere) {
   EXPECT_FALSE(FitSphere({kFig513.begin(), kFig513.begin() + 4}).has_value());
   EXPECT_FALSE(FitSphere({kFig513.begin(), kFig513.begin() + 6}).has_value());  // all at Y = 0
   EXPECT_FALSE(FitSphere(std::vector<Eigen::Vector3d>(6, kFig513[0])).has_value());
+}
+
+// On the upper half of a sphere of 8 mm, evenly spread (golden spiral); every `bad_every`-th stands 0.1 mm and more
+// inside, each by another amount.
+std::vector<Eigen::Vector3d> HalfSphere(int count, int bad_every) {
+  std::vector<Eigen::Vector3d> points_mm;
+  for (int k = 0; k < count; ++k) {
+    const double z = (k + 0.5) / count, turn = 2.39996322972865332 * k;
+    const double bad_mm = bad_every > 0 && k % bad_every == bad_every / 2 ? 0.1 + 1.0 * k / count : 0.0;
+    const double across = std::sqrt(1.0 - z * z);
+    points_mm.push_back((8.0 - bad_mm) * Eigen::Vector3d(across * std::cos(turn), across * std::sin(turn), z));
+  }
+  return points_mm;
+}
+
+// A session may hold as many touches of one ball as it likes, a third of them bad: the number of spheres that are
+// fitted for it does not grow with them.
+TEST(SphereFit, OfMostFindsAllThatAreOffAtACostThatIsBounded) {
+  for (const int count : {21, 64, 65, 1000, 100'000}) {
+    const SphereOfMost judged = FitSphereOfMost(HalfSphere(count, 5), 0.020);
+    EXPECT_LE(judged.fits, kMostSphereFits) << count;
+    ASSERT_TRUE(judged.sphere.has_value()) << count;
+    EXPECT_NEAR(judged.sphere->radius_mm, 8.0, 1e-9) << count;
+    EXPECT_LT(judged.sphere->max_mm, 1e-9) << count;
+    std::vector<size_t> off;
+    for (const OffSphere& one : judged.off) {
+      off.push_back(one.point);
+      EXPECT_NEAR(one.off_mm, 0.1 + 1.0 * static_cast<double>(one.point) / count, 0.2) << count;
+    }
+    std::sort(off.begin(), off.end());
+    std::vector<size_t> bad;
+    for (int k = 2; k < count; k += 5) bad.push_back(static_cast<size_t>(k));
+    EXPECT_EQ(off, bad) << count;
+  }
+}
+
+// What agrees with nothing: all are tried, and no more than a third and one of a few are named.
+TEST(SphereFit, OfMostOfPointsThatAgreeWithNothingIsBounded) {
+  std::mt19937 random(5);
+  for (const int count : {4, 5, 6, 9, 40, 64, 5000}) {
+    std::vector<Eigen::Vector3d> points_mm;
+    for (int k = 0; k < count; ++k) points_mm.push_back(Eigen::Vector3d(random() % 9000, random() % 9000, k) / 1000.0);
+    const SphereOfMost judged = FitSphereOfMost(points_mm, 0.020);
+    EXPECT_LE(judged.fits, kMostSphereFits) << count;
+    EXPECT_LE(judged.off.size(), count <= 64 ? static_cast<size_t>(count / 3 + 1) : points_mm.size()) << count;
+  }
+  EXPECT_FALSE(FitSphereOfMost({}, 0.020).sphere.has_value());
 }
 
 // The log as a session of the machine it came from: the ball nominally at (-390, 0, -472); the stylus centre at home in
@@ -143,6 +192,30 @@ TEST(TouchGates, PlacesThatTheTableMovesToAreNoRepeats) {
   EXPECT_EQ(run->touches.rejected[0].reading, 0);
   EXPECT_EQ(run->touches.rejected[1].reading, 4);
   EXPECT_NEAR(run->touches.rejected[0].off_mm, 0.1, 1e-9);
+}
+
+// 900 places 2 mm apart, each touched three times, round after round; the control stands some 4 um aside of its place.
+TEST(TouchGates, RepeatsAreFoundAmongManyPlaces) {
+  session::Session session;
+  session.header = {{"machine", "mt"},        {"session", "plate"},      {"instrument", "touch"},     {"sigma_um", "1"},
+                    {"tool_tip_mm", "0 0 0"}, {"stylus_radius_mm", "3"}, {"plane top", "0 0 0 0 0 1"}};
+  for (const char* name : {"t_s", "X_mm", "Y_mm", "Z_mm", "B_deg", "C_deg", "nx", "ny", "nz", "feature"})
+    session.columns.push_back({name, {}, {}});
+  constexpr int kPlaces = 900;
+  for (int k = 0; k < 3 * kPlaces; ++k) {
+    const int place = k % kPlaces;
+    const double aside_mm = 0.003 * (k / kPlaces - 1);
+    const double values[] = {1.0 * k, 2.0 * (place % 30) + aside_mm, 2.0 * (place / 30) - aside_mm, 3.0, 0, 0, 0, 0,
+                             -1};
+    for (int i = 0; i < 9; ++i) session.columns[i].values.push_back(values[i]);
+    session.columns[9].texts.push_back("top");
+  }
+  EXPECT_TRUE(Rejected(session).empty());
+  session.columns[3].values[kPlaces + 437] += 0.030;
+  const std::vector<Rejection> rejected = Rejected(session);
+  ASSERT_EQ(rejected.size(), 1u);
+  EXPECT_EQ(rejected[0].reading, kPlaces + 437);
+  EXPECT_NEAR(rejected[0].off_mm, 0.030, 1e-9);
 }
 
 TEST(TouchGates, OneTouchOfAChipIsRejectedAndNamed) {

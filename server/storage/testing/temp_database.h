@@ -10,6 +10,10 @@
 #include "core/base/demand.h"
 #include "core/base/testing/fake_clock.h"
 #include "core/session/checksum.h"
+#include "server/storage/check.h"
+#include "server/storage/postgres_connection.h"
+#include "server/storage/postgres_database.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/sqlite_database.h"
 
 namespace axiscal::storage {
@@ -29,30 +33,89 @@ class TempDirectory {
   std::filesystem::path path_;
 };
 
+// A database server that tests are run against instead of SQLite.
+class TestServer {
+ public:
+  virtual ~TestServer() = default;
+  // A new database, empty or with the present schema: its URL.
+  virtual std::string MakeDatabase(bool has_schema) = 0;
+  virtual void DropDatabase(const std::string& url) = 0;
+
+  static inline TestServer* present = nullptr;
+};
+
 // Open from the start; Close() and Open() play a restart.
 class TempDatabase {
  public:
-  TempDatabase() { Open(); }
+  TempDatabase() : url_(TestServer::present == nullptr ? "" : TestServer::present->MakeDatabase(true)) { Open(); }
+  ~TempDatabase() {
+    Close();
+    if (!url_.empty()) TestServer::present->DropDatabase(url_);
+  }
+  TempDatabase(const TempDatabase&) = delete;
   Database* operator->() { return database_.get(); }
   Database& operator*() { return *database_; }
   void Close() { database_.reset(); }
   void Open() {
-    SqliteOptions options;
-    options.path = path();
-    options.clock = &clock;
-    options.free_bytes = [this] { return free_bytes; };
-    options.damaged = [this](const absl::Status& status) { damages.push_back(status); };
-    absl::StatusOr<std::unique_ptr<Database>> opened = OpenSqlite(options);
+    absl::StatusOr<std::unique_ptr<Database>> opened = url_.empty() ? OpenFile() : OpenServer();
     DEMAND(opened.ok());
     database_ = *std::move(opened);
   }
+  const std::string& url() const { return url_; }  // empty: of a file
+  // Of SQLite alone.
   std::string path() const { return directory_.File("test.db"); }
+
+  // What writes beside the store.
+  std::unique_ptr<Connection> Beside() const {
+    if (url_.empty()) return *SqliteConnection::Open(path(), Access::kWrite);
+    std::unique_ptr<Connection> connection = *PostgresConnection::Open(url_, Access::kReadOnly);
+    DEMAND(connection->Execute("SET default_transaction_read_only = off").ok());
+    return connection;
+  }
+  // The same as somebody would who has the file, or is the server's owner: past triggers and references.
+  std::unique_ptr<Connection> PastGuards() const {
+    std::unique_ptr<Connection> connection = Beside();
+    if (!url_.empty()) {
+      DEMAND(connection->Execute("SET session_replication_role = replica").ok());
+      return connection;
+    }
+    std::string drop = "PRAGMA foreign_keys = OFF;";
+    {
+      absl::StatusOr<Statement> row = connection->Ask("SELECT name FROM sqlite_schema WHERE type = 'trigger'");
+      while (*row->Step()) drop += "DROP TRIGGER " + row->Text(0) + ";";
+    }
+    DEMAND(connection->Execute(drop).ok());
+    return connection;
+  }
+  // What is damaged in a store that is closed.
+  CheckReport Check() const {
+    if (url_.empty()) return *CheckStoreFile(path());
+    const std::unique_ptr<Connection> connection = Beside();
+    return CheckRows(*connection);
+  }
 
   base::FakeClock clock;
   int64_t free_bytes = int64_t{1} << 40;
   std::vector<absl::Status> damages;  // as told; by the test's own thread alone
 
  private:
+  absl::StatusOr<std::unique_ptr<Database>> OpenFile() {
+    SqliteOptions options;
+    options.path = path();
+    options.clock = &clock;
+    options.free_bytes = [this] { return free_bytes; };
+    options.damaged = [this](const absl::Status& status) { damages.push_back(status); };
+    return OpenSqlite(options);
+  }
+  absl::StatusOr<std::unique_ptr<Database>> OpenServer() {
+    PostgresOptions options;
+    options.url = url_;
+    options.clock = &clock;
+    options.damaged = [this](const absl::Status& status) { damages.push_back(status); };
+    return OpenPostgres(options);
+  }
+
+  const std::string url_;  // empty: a SQLite file
   TempDirectory directory_;
   std::unique_ptr<Database> database_;
 };

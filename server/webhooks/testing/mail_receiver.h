@@ -2,8 +2,6 @@
 #ifndef AXISCAL_SERVER_WEBHOOKS_TESTING_MAIL_RECEIVER_H_
 #define AXISCAL_SERVER_WEBHOOKS_TESTING_MAIL_RECEIVER_H_
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -15,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/demand.h"
 #include "core/base/mutex.h"
+#include "server/webhooks/testing/listening.h"
 
 namespace axiscal::webhooks {
 
@@ -27,25 +26,15 @@ struct ReceivedMail {
 class MailReceiver {
  public:
   MailReceiver() {
-    sockaddr_in address = {};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    DEMAND(bind(listening_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0);
-    DEMAND(listen(listening_, 16) == 0);
-    socklen_t size = sizeof(address);
-    DEMAND(getsockname(listening_, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-    port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] {
-      for (int connection; (connection = accept(listening_, nullptr, nullptr)) >= 0; close(connection))
-        Serve(connection);
+      for (int connection; (connection = listening_.Accept()) >= 0; close(connection)) Serve(connection);
     });
   }
   ~MailReceiver() {
-    shutdown(listening_, SHUT_RDWR);
+    listening_.Stop();
     thread_.join();
-    close(listening_);
   }
-  std::string Url() const { return absl::StrCat("smtp://127.0.0.1:", port_); }
+  std::string Url() const { return absl::StrCat("smtp://127.0.0.1:", listening_.port()); }
   // From now on the answer to commands that begin so: "RCPT", "451 try again".
   void Say(const std::string& command, const std::string& answer) {
     const base::MutexLock lock(mutex_);
@@ -105,8 +94,7 @@ class MailReceiver {
     }
   }
 
-  const int listening_ = socket(AF_INET, SOCK_STREAM, 0);
-  int port_ = 0;
+  Listening listening_;
   base::Mutex mutex_;
   std::string command_ AXISCAL_GUARDED_BY(mutex_), answer_ AXISCAL_GUARDED_BY(mutex_), said_ AXISCAL_GUARDED_BY(mutex_);
   std::vector<ReceivedMail> mails_ AXISCAL_GUARDED_BY(mutex_);

@@ -2,8 +2,6 @@
 #ifndef AXISCAL_SERVER_WEBHOOKS_TESTING_RECEIVER_H_
 #define AXISCAL_SERVER_WEBHOOKS_TESTING_RECEIVER_H_
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -19,6 +17,7 @@
 #include "absl/strings/str_split.h"
 #include "core/base/demand.h"
 #include "core/base/mutex.h"
+#include "server/webhooks/testing/listening.h"
 
 namespace axiscal::webhooks {
 
@@ -34,14 +33,6 @@ inline std::string Answer(int status, const std::string& more = "") {
 class Receiver {
  public:
   Receiver() {
-    sockaddr_in address = {};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    DEMAND(bind(listening_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0);
-    DEMAND(listen(listening_, 16) == 0);
-    socklen_t size = sizeof(address);
-    DEMAND(getsockname(listening_, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-    port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { Accept(); });
   }
   ~Receiver() {
@@ -50,13 +41,14 @@ class Receiver {
       closing_ = true;
       changed_.NotifyAll();
     }
-    shutdown(listening_, SHUT_RDWR);
+    listening_.Stop();
     thread_.join();
     for (std::thread& thread : connections_) thread.join();
-    close(listening_);
   }
-  int port() const { return port_; }
-  std::string Url(const std::string& path = "/hook") const { return absl::StrCat("http://127.0.0.1:", port_, path); }
+  int port() const { return listening_.port(); }
+  std::string Url(const std::string& path = "/hook") const {
+    return absl::StrCat("http://127.0.0.1:", listening_.port(), path);
+  }
 
   // What is answered from now on; "hang" never ends.
   void Say(const std::string& answer) {
@@ -81,7 +73,7 @@ class Receiver {
  private:
   void Accept() {
     while (true) {
-      const int connection = accept(listening_, nullptr, nullptr);
+      const int connection = listening_.Accept();
       if (connection < 0) return;
       connections_.emplace_back([this, connection] { Serve(connection); });
     }
@@ -93,7 +85,10 @@ class Receiver {
     Received one;
     while (end == std::string::npos || text.size() < end + 4 + length) {
       const ssize_t count = recv(connection, bytes, sizeof(bytes), 0);
-      if (count <= 0) break;
+      if (count <= 0) {  // the sender was killed on the way: no request has come
+        close(connection);
+        return;
+      }
       text.append(bytes, static_cast<size_t>(count));
       if (end != std::string::npos || (end = text.find("\r\n\r\n")) == std::string::npos) continue;
       const std::vector<std::string> lines = absl::StrSplit(text.substr(0, end), "\r\n");
@@ -104,7 +99,7 @@ class Receiver {
       }
       DEMAND(absl::SimpleAtoi(one.headers["content-length"], &length));
     }
-    one.body = end == std::string::npos ? "" : text.substr(end + 4);
+    one.body = text.substr(end + 4);
     std::string answer;
     {
       const base::MutexLock lock(mutex_);
@@ -118,8 +113,7 @@ class Receiver {
     close(connection);
   }
 
-  const int listening_ = socket(AF_INET, SOCK_STREAM, 0);
-  int port_ = 0;
+  Listening listening_;
   base::Mutex mutex_;
   base::CondVar changed_;
   bool closing_ AXISCAL_GUARDED_BY(mutex_) = false;

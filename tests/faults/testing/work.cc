@@ -17,7 +17,7 @@
 #include "core/base/sha256.h"
 #include "core/base/testing/source_path.h"
 #include "server/storage/check.h"
-#include "server/storage/connection.h"
+#include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
 namespace axiscal::storage {
@@ -137,7 +137,7 @@ void Clear(const std::string& path, const std::string& dump) {
   for (const char* const end : {"", "-wal", "-shm", "-journal", ".lock", ".copy", ".copy.lock", ".copy.part"})
     std::filesystem::remove(path + end);
   if (dump.empty()) return;
-  const std::unique_ptr<Connection> connection = *Connection::Open(path, Access::kWrite);
+  const std::unique_ptr<SqliteConnection> connection = *SqliteConnection::Open(path, Access::kWrite);
   DEMAND(connection->Execute(dump).ok());
 }
 

@@ -1,14 +1,15 @@
 // One calibration: what was found, how sure, what cannot be told apart; tables of it; and the decision to use it.
 import { useState } from "preact/hooks";
-import { calibrations, epoch, jsonOf, problemOf, tables, useLoad, type Problem } from "../api";
+import { calibrations, epoch, jsonOf, problemOf, tables, useLoad, type Problem, Refusal } from "../api";
 import { Intervals } from "../charts";
-import { countText, dayText, numberText, save, sigmaText, timeText, unitText, valueText } from "../format";
+import { countText, dayText, numberText, probabilityText, save, sigmaText, timeText, unitText, valueText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import { Dialog, Empty, Fact, Figure, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title } from "../parts";
+import { DifferenceVerdict, type CompareCalibrationsResponse, type ToolPointChange } from "../gen/axiscal/v1/calibrations_service_pb";
+import { Empty, ErrorName, Fact, Figure, FormDialog, ProblemBox, Server, ServerPicture, Show, StateMark, Table, Title, fieldOf } from "../parts";
 import type { IdentificationReport, LoopReport } from "../reports";
 import { may } from "../session";
-import { language, t } from "../text";
+import { language, t, tMaybe } from "../text";
 
 const kNormal95 = 1.959964;
 // As the server takes it.
@@ -39,7 +40,9 @@ function Found(props: { it: Calibration; coverage: number; readings?: number }) 
       <Table label={t("found")} head={[t("error"), t("value"), "± 1 σ", t("interval"), t("unit")]} numbers={[1, 2, 3]}>
         {it.estimates.map((e) => (
           <tr>
-            <th scope="row">{e.symbol}</th>
+            <th scope="row" class="text">
+              <ErrorName name={e.symbol} />
+            </th>
             {e.value === undefined ? (
               <td colSpan={3} class="muted">
                 {t("notTellable")}
@@ -141,75 +144,152 @@ function NotSeparable(props: { it: Calibration; loop?: LoopReport }) {
   );
 }
 
-// What would change for the machine: this one less the one in use.
-function Differences(props: { it: Calibration; inUse?: Calibration }) {
-  const { it, inUse } = props;
-  if (inUse === undefined) return <p>{t("differencesNone")}</p>;
-  if (inUse.calibrationId === it.calibrationId) return <p>{t("differencesSelf")}</p>;
-  const symbols = [...new Set([...inUse.estimates, ...it.estimates].map((e) => e.symbol))];
-  const of = (calibration: Calibration, symbol: string) => calibration.estimates.find((e) => e.symbol === symbol);
+const kVerdictMark: Record<number, string> = {
+  [DifferenceVerdict.AGREES]: "good",
+  [DifferenceVerdict.DIFFERS]: "bad",
+  [DifferenceVerdict.MAY_DIFFER]: "wait",
+};
+
+// What moves stands first.
+const kVerdictOrder = [
+  DifferenceVerdict.DIFFERS,
+  DifferenceVerdict.MAY_DIFFER,
+  DifferenceVerdict.ONLY_ONE,
+  DifferenceVerdict.NO_UNCERTAINTY,
+  DifferenceVerdict.AGREES,
+  DifferenceVerdict.NOT_DETERMINED,
+];
+
+// "X −100, C 30": mm of linear axes, degrees of rotary ones.
+const poseText = (made: CompareCalibrationsResponse, change: ToolPointChange) =>
+  made.box.map((span, i) => `${span.axis} ${numberText(change.largestAtMmOrDeg[i], 4)}`).join(", ");
+
+// How far the tool point would move over the box.
+function Moves(props: { made: CompareCalibrationsResponse }) {
+  const { made } = props;
+  const first = made.asProgrammed;
+  if (first === undefined || made.setAnew === undefined) return <p class="box">{t("movesNotKnown")}</p>;
+  const rows = [
+    ["asProgrammed", first],
+    ["setAnew", made.setAnew],
+  ] as const;
+  const chance = (um?: number) => (um === undefined ? "–" : numberText(um));
   return (
     <>
-      <p>{t("differencesHelp", { n: inUse.calibrationId })}</p>
+      <p class="lead">
+        {t("movesBy", { max: numberText(first.maxUm), rms: numberText(first.rmsUm) })}{" "}
+        {first.chanceMaxUm !== undefined && t(first.maxUm > first.chanceMaxUm ? "movesBeyond" : "movesWithin", { n: numberText(first.chanceMaxUm) })}
+      </p>
+      <p>
+        {t("overBox")}{" "}
+        {made.box
+          .filter((span) => span.toMmOrDeg > span.fromMmOrDeg)
+          .map((span) => `${span.axis} ${numberText(span.fromMmOrDeg, 4)} … ${numberText(span.toMmOrDeg, 4)}`)
+          .join(", ")}{" "}
+        ({t("mmOrDeg")}), {t("poses", { n: countText(made.poses) })}
+      </p>
       <Table
-        label={t("differences")}
-        head={[t("error"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("isClear")]}
+        label={t("movesTitle")}
+        head={[t("state"), t("rmsUm"), t("byChance"), t("maxUm"), t("byChance"), t("largestAt")]}
         numbers={[1, 2, 3, 4]}
       >
-        {symbols.map((symbol) => {
-          const a = of(inUse, symbol), b = of(it, symbol);
-          const isBoth = a?.value !== undefined && b?.value !== undefined;
-          const sigma = isBoth ? Math.hypot(a?.sigma ?? 0, b?.sigma ?? 0) : undefined;
-          const difference = isBoth ? b!.value! - a!.value! : undefined;
-          const isClear = difference !== undefined && sigma !== undefined && Math.abs(difference) > kNormal95 * sigma;
-          return (
-            <tr>
-              <th scope="row">{symbol}</th>
-              <td class="number">{a?.value === undefined ? "–" : valueText(a.value, a.sigma)}</td>
-              <td class="number">{b?.value === undefined ? "–" : valueText(b.value, b.sigma)}</td>
-              <td class="number">{difference === undefined ? "–" : valueText(difference, sigma)}</td>
-              <td class="number">{sigma === undefined ? "–" : sigmaText(sigma)}</td>
-              <td>{unitText((a ?? b)!.unit)}</td>
-              <td>{isClear && <span class="mark wait">{t("clear")}</span>}</td>
-            </tr>
-          );
-        })}
+        {rows.map(([name, change]) => (
+          <tr>
+            <th scope="row" class="text">
+              {t(name)}
+            </th>
+            <td class="number">{numberText(change.rmsUm)}</td>
+            <td class="number">{chance(change.chanceRmsUm)}</td>
+            <td class="number">{numberText(change.maxUm)}</td>
+            <td class="number">{chance(change.chanceMaxUm)}</td>
+            <td class="text">
+              {poseText(made, change)}
+              {change.by.length > 0 && `; ${t("mostBy")} ${change.by.join(", ")}`}
+            </td>
+          </tr>
+        ))}
       </Table>
+      {made.unknown.length > 0 && (
+        <p class="box">
+          {t("movesUnknown")} {made.unknown.join("; ")}
+        </p>
+      )}
     </>
+  );
+}
+
+// What would change for the machine: this one less the one in use, as the server compares them.
+function Differences(props: { it: Calibration; inUse?: Calibration }) {
+  const { it, inUse } = props;
+  const isOther = inUse !== undefined && inUse.calibrationId !== it.calibrationId;
+  const found = useLoad(`differences ${it.calibrationId} ${inUse?.calibrationId}`, async () =>
+    isOther ? calibrations.compareCalibrations({ calibrationId: it.calibrationId, withCalibrationId: inUse.calibrationId }) : undefined,
+  );
+  if (inUse === undefined) return <p>{t("differencesNone")}</p>;
+  if (!isOther) return <p>{t("differencesSelf")}</p>;
+  return (
+    <Show of={{ data: found.data, problem: found.problem }} rows={8}>
+      {(made) => (
+        <>
+          <Moves made={made} />
+          <p>{t("differencesHelp", { n: made.withCalibrationId })}</p>
+          <Table
+            label={t("differences")}
+            head={[t("error"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("atToolPoint"), t("isClear")]}
+            numbers={[1, 2, 3, 4, 6]}
+          >
+            {[...made.errors, ...made.combinations].sort((a, b) => kVerdictOrder.indexOf(a.verdict) - kVerdictOrder.indexOf(b.verdict)).map((one) => (
+              <tr>
+                <th scope="row" class="text">
+                  <ErrorName name={one.name} />
+                </th>
+                <td class="number">{one.other === undefined ? "–" : valueText(one.other, one.sigma)}</td>
+                <td class="number">{one.value === undefined ? "–" : valueText(one.value, one.sigma)}</td>
+                <td class="number">{one.difference === undefined ? "–" : valueText(one.difference, one.sigma)}</td>
+                <td class="number">{one.sigma === undefined ? "–" : sigmaText(one.sigma)}</td>
+                <td>{unitText(one.unit)}</td>
+                <td class="number">{one.toolPointRmsUm === undefined ? "–" : `${numberText(one.toolPointRmsUm)} µm`}</td>
+                <td>
+                  <span class={`mark ${kVerdictMark[one.verdict] ?? "old"}`}>{tMaybe(`differs_${one.verdict}`)}</span>
+                </td>
+              </tr>
+            ))}
+          </Table>
+          {made.probability !== undefined && <p>{t("differencesChance", { p: probabilityText(made.probability) })}</p>}
+          {made.notComparable.length > 0 && (
+            <p>
+              {t("notComparable")}: {made.notComparable.join("; ")}
+            </p>
+          )}
+          {made.notes.map((note) => (
+            <p>
+              <Server text={note} />
+            </p>
+          ))}
+        </>
+      )}
+    </Show>
   );
 }
 
 function Decide(props: { data: CalibrationData }) {
   const { it, inUse } = props.data;
   const [asked, setAsked] = useState<"approve" | "retire">();
-  const [problem, setProblem] = useState<Problem>();
   const [note, setNote] = useState("");
-  const [reason, setReason] = useState("");
   if (!may(Role.APPROVER, it.machineId)) return <p class="muted no-print">{t("approverOnly")}</p>;
-  const close = () => {
-    setAsked(undefined);
-    setProblem(undefined);
-  };
-  const decide = async (event: SubmitEvent) => {
-    event.preventDefault();
-    if (reason.trim() === "") return setProblem({ text: t("reasonNeeded"), reason: "", isConnection: false });
-    const request = { calibrationId: it.calibrationId, etag: it.etag, reason: reason.trim() };
+  const decide = async (form: FormData) => {
+    const reason = fieldOf(form, "reason");
+    if (reason === "") throw new Refusal(t("reasonNeeded"));
+    if (new TextEncoder().encode(reason).length > kMaxReasonBytes) throw new Refusal(t("wordTooLong", { n: kMaxReasonBytes }));
+    const request = { calibrationId: it.calibrationId, etag: it.etag, reason };
     try {
       if (asked === "approve") await calibrations.approveCalibration(request);
       else await calibrations.retireCalibration(request);
-      close();
-      setReason("");
-      epoch.value++;
     } catch (error) {
-      const found = problemOf(error);
-      if (found.reason === "ETAG_MISMATCH") {
-        close();
-        setNote(t("changedMeanwhile"));
-        epoch.value++;
-      } else {
-        setProblem(found);
-      }
+      if (problemOf(error).reason !== "ETAG_MISMATCH") throw error;
+      setNote(t("changedMeanwhile"));
     }
+    epoch.value++;
   };
   const isInUse = it.state === CalibrationState.APPROVED;
   const wasInUse = it.approvedUtcUs !== undefined;
@@ -233,38 +313,31 @@ function Decide(props: { data: CalibrationData }) {
         )}
       </p>
       {asked && (
-        <Dialog title={t(asked === "approve" ? "approveTitle" : isInUse ? "retireTitle" : "giveUp", { n: it.calibrationId })} onClose={close}>
-          <p>
-            {asked === "approve"
-              ? inUse
-                ? t("approveEffect", { old: inUse.calibrationId })
-                : t("approveEffectFirst")
-              : t(isInUse ? "retireEffect" : "giveUpEffect")}
-          </p>
-          {asked === "approve" && inUse && <Differences it={it} inUse={inUse} />}
-          <form onSubmit={decide} noValidate>
-            <label>
-              {t("reason")}
-              <input
-                value={reason}
-                required
-                autocomplete="off"
-                onInput={(event) => {
-                  const text = event.currentTarget.value;
-                  if (new TextEncoder().encode(text).length <= kMaxReasonBytes) setReason(text);
-                  else event.currentTarget.value = reason;
-                }}
-              />
-            </label>
-            {problem && <ProblemBox problem={problem} />}
-            <p class="buttons">
-              <button type="submit">{t(asked === "approve" ? (wasInUse ? "approveAgain" : "approve") : isInUse ? "retire" : "giveUp")}</button>
-              <button type="button" class="quiet" onClick={close}>
-                {t("cancel")}
-              </button>
-            </p>
-          </form>
-        </Dialog>
+        <FormDialog
+          title={t(asked === "approve" ? "approveTitle" : isInUse ? "retireTitle" : "giveUp", { n: it.calibrationId })}
+          submit={t(asked === "approve" ? (wasInUse ? "approveAgain" : "approve") : isInUse ? "retire" : "giveUp")}
+          intro={
+            <>
+              <p>
+                {asked === "approve"
+                  ? inUse
+                    ? t("approveEffect", { old: inUse.calibrationId })
+                    : t("approveEffectFirst")
+                  : t(isInUse ? "retireEffect" : "giveUpEffect")}
+              </p>
+              {asked === "approve" && inUse && <Differences it={it} inUse={inUse} />}
+            </>
+          }
+          isPlain
+          stays
+          onSend={decide}
+          onClose={() => setAsked(undefined)}
+        >
+          <label>
+            {t("reason")}
+            <input name="reason" required autocomplete="off" />
+          </label>
+        </FormDialog>
       )}
     </div>
   );
@@ -374,6 +447,11 @@ function captionOf(file: string, readings: bigint): string {
   const [kind, name] = [file.slice(0, file.indexOf("-")), file.slice(file.indexOf("-") + 1).replace(/\.svg$/, "")];
   if (kind === "trace") return `${t("traceOf", { session: name })}, µm`;
   const variable = name === "time" ? t("time") : name === "temperature" ? t("temperature") : name;
+  // "EXX-X": an error and the axis that it changes along.
+  if (kind === "found" || kind === "orders") {
+    const [symbol, axis] = name.split("-");
+    return `${t(kind === "found" ? "foundOver" : "ordersOf", { name: symbol, axis })}`;
+  }
   return `${t(kind === "spectrum" ? "spectrumOver" : "residualsOver", { variable })}, µm, n = ${countText(readings)}`;
 }
 
@@ -432,6 +510,7 @@ export function CalibrationPage(props: { id: bigint }) {
               <a href={`#/machines/${encodeURIComponent(it.machineId)}`}>{it.machineId}</a>, {t("versionN", { n: it.version })},{" "}
               {it.provenance && t("measuredOn", { day: dayText(it.provenance.measuredUtcUs) })}
             </p>
+            {it.rejectedSessionIds.length > 0 && <p class="box bad">{t("standsOnRejected", { list: it.rejectedSessionIds.join(", ") })}</p>}
             <Decide data={data} />
             {loop && (
               <p>

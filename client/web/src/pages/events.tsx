@@ -1,17 +1,16 @@
 // What people should hear of, as it happens: of one machine or of all; who has seen it, and what is on the shelf.
 import { useState } from "preact/hooks";
-import { events, problemOf, type Problem } from "../api";
+import { events, problemOf, type Problem, Refusal } from "../api";
 import { isNew, isOpen, isShelved, useEvents } from "../events";
 import { dayText, numberText, sigmaText, timeText, valueText, unitText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { EventKind, type Event } from "../gen/axiscal/v1/events_service_pb";
-import { Dialog, Empty, ProblemBox, Server, Show, Title } from "../parts";
+import { Empty, FormDialog, ProblemBox, Server, Show, Title, fieldOf, noteOf } from "../parts";
 import { may } from "../session";
 import { t, tMaybe } from "../text";
 
 const kShownAtOnce = 50;
 // As the server takes them.
-const kMaxNoteBytes = 1000;
 const kLongestShelfDays = 365;
 const kDayMs = 86_400_000;
 const kKinds = Object.values(EventKind).filter((kind): kind is EventKind => typeof kind === "number" && kind !== EventKind.UNSPECIFIED);
@@ -39,63 +38,52 @@ function dayOf(ms: number): string {
 
 function Act(props: { event: Event; what: "acknowledge" | "shelve"; onClose: () => void }) {
   const { event, what, onClose } = props;
-  const [problem, setProblem] = useState<Problem>();
-  const submit = async (submitted: SubmitEvent) => {
-    submitted.preventDefault();
-    const form = new FormData(submitted.currentTarget as HTMLFormElement);
-    const note = String(form.get("note")).trim();
-    const refuse = (text: string) => setProblem({ text, reason: "", isConnection: false });
-    if (what === "acknowledge" && note === "") return refuse(t("wordNeeded"));
-    if (new TextEncoder().encode(note).length > kMaxNoteBytes) return refuse(t("wordTooLong", { n: kMaxNoteBytes }));
-    try {
-      if (what === "acknowledge") {
-        await events.acknowledgeEvent({ eventId: event.eventId, note });
-      } else {
-        // From midnight of that day on, where the reader is.
-        const until = Date.parse(`${String(form.get("until"))}T00:00`);
-        if (Number.isNaN(until)) return refuse(t("dayNeeded"));
-        await events.shelveEvent({ eventId: event.eventId, untilUtcUs: BigInt(until) * 1000n, note });
-      }
-      // The page hears of it by the stream.
-      onClose();
-    } catch (error) {
-      setProblem(problemOf(error));
+  const send = async (form: FormData) => {
+    const note = noteOf(form, what === "acknowledge");
+    if (what === "acknowledge") {
+      await events.acknowledgeEvent({ eventId: event.eventId, note });
+    } else {
+      // From midnight of that day on, where the reader is.
+      const until = Date.parse(`${fieldOf(form, "until")}T00:00`);
+      if (Number.isNaN(until)) throw new Refusal(t("dayNeeded"));
+      await events.shelveEvent({ eventId: event.eventId, untilUtcUs: BigInt(until) * 1000n, note });
     }
+    // The page hears of it by the stream.
   };
+  const effect = what === "shelve" ? "shelveEffect" : event.kind === EventKind.STEP ? "acknowledgeStep" : "acknowledgeEffect";
   return (
-    <Dialog title={t(what === "acknowledge" ? "acknowledgeTitle" : "shelveTitle", { n: event.eventId })} onClose={onClose}>
-      <p>
-        <Server text={event.text} />
-      </p>
-      <p>{t(what === "acknowledge" ? (event.kind === EventKind.STEP ? "acknowledgeStep" : "acknowledgeEffect") : "shelveEffect")}</p>
-      <form onSubmit={submit} noValidate>
-        {what === "shelve" && (
-          <label>
-            {t("shelveUntil")}
-            <input
-              name="until"
-              type="date"
-              min={dayOf(Date.now() + kDayMs)}
-              max={dayOf(Date.now() + (kLongestShelfDays - 1) * kDayMs)}
-              defaultValue={dayOf(Date.now() + 7 * kDayMs)}
-            />
-          </label>
-        )}
+    <FormDialog
+      title={t(what === "acknowledge" ? "acknowledgeTitle" : "shelveTitle", { n: event.eventId })}
+      submit={t(what)}
+      intro={
+        <>
+          <p>
+            <Server text={event.text} />
+          </p>
+          <p>{t(effect)}</p>
+        </>
+      }
+      isPlain
+      onSend={send}
+      onClose={onClose}
+    >
+      {what === "shelve" && (
         <label>
-          {t(what === "acknowledge" ? "word" : "wordOptional")}
-          <input name="note" autocomplete="off" />
+          {t("shelveUntil")}
+          <input
+            name="until"
+            type="date"
+            min={dayOf(Date.now() + kDayMs)}
+            max={dayOf(Date.now() + (kLongestShelfDays - 1) * kDayMs)}
+            defaultValue={dayOf(Date.now() + 7 * kDayMs)}
+          />
         </label>
-        <div role="status">
-          {problem && <ProblemBox problem={problem} />}
-        </div>
-        <p class="buttons">
-          <button type="submit">{t(what)}</button>
-          <button type="button" class="quiet" onClick={onClose}>
-            {t("cancel")}
-          </button>
-        </p>
-      </form>
-    </Dialog>
+      )}
+      <label>
+        {t(what === "acknowledge" ? "word" : "wordOptional")}
+        <input name="note" autocomplete="off" />
+      </label>
+    </FormDialog>
   );
 }
 

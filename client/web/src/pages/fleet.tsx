@@ -1,17 +1,18 @@
 // Every machine at a glance, those that need care first.
 import { useEffect, useState } from "preact/hooks";
-import { access, all, calibrations, epoch, history, isConnected, machines, problemOf, useLoad } from "../api";
+import { access, all, calibrations, epoch, history, ingest, isConnected, machines, problemOf, useLoad, type Problem } from "../api";
 import { careOf, kCares, known, open, type Care, type Known } from "../care";
 import { isNew, listEvents } from "../events";
 import { countText, dayText, numberText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import type { Event } from "../gen/axiscal/v1/events_service_pb";
 import type { DriftFinding } from "../gen/axiscal/v1/history_service_pb";
-import { Empty, ProblemBox, Server, Show, Table, Title } from "../parts";
+import { Empty, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
 import { isAdminOfAll } from "../session";
 import { t } from "../text";
 
 const kMostMachines = 5000;
+const kMostLabelled = 5000; // sessions with a label
 const kShownAtOnce = 100;
 // Histories asked for at a time: a browser has six connections.
 const kAtATime = 2;
@@ -134,15 +135,32 @@ export function Why(props: { what: Known; findings?: DriftFinding[]; news: Event
   return <>{props.findings ? t("whyGood") : ""}</>;
 }
 
+// Machines of which a session has this label; none asked: undefined.
+function useLabelled(label: string): { ids?: Set<string>; isWhole: boolean; problem?: Problem } {
+  const found = useLoad(`label ${label}`, async () =>
+    label === ""
+      ? undefined
+      : await all(kMostLabelled, async (pageToken) => {
+          const page = await ingest.listSessions({ label, pageSize: 1000, pageToken });
+          return { rows: page.sessions.map((s) => s.machineId), nextPageToken: page.nextPageToken };
+        }),
+  );
+  if (label === "") return { isWhole: true };
+  return { ids: new Set(found.data?.rows), isWhole: found.data?.isWhole ?? true, problem: found.problem };
+}
+
 function FleetTable(props: { fleet: Fleet }) {
   const { fleet } = props;
   const [filter, setFilter] = useState("");
   const [group, setGroup] = useState("");
+  const [label, setLabel] = useState("");
+  const labelled = useLabelled(label);
   const [most, setMost] = useState(kShownAtOnce);
   const { rated, looked, left, problem } = useRated(fleet);
   const words = filter.toLowerCase();
   const fits = rated.filter(
-    (row) => row.id.toLowerCase().includes(words) && (group === "" || (fleet.groups.get(row.id) ?? []).includes(group)),
+    (row) => row.id.toLowerCase().includes(words) && (group === "" || (fleet.groups.get(row.id) ?? []).includes(group)) &&
+      (labelled.ids === undefined || labelled.ids.has(row.id)),
   );
   const groups = [...new Set([...fleet.groups.values()].flat())].sort();
   return (
@@ -173,7 +191,24 @@ function FleetTable(props: { fleet: Fleet }) {
             </select>
           </label>
         )}
+        <form
+          class="filters"
+          onSubmit={(event) => {
+            event.preventDefault();
+            setLabel(fieldOf(new FormData(event.currentTarget), "label"));
+          }}
+        >
+          <label>
+            {t("labelFilter")}
+            <input name="label" type="search" autocomplete="off" onInput={(event) => event.currentTarget.value === "" && setLabel("")} />
+          </label>
+          <button type="submit" class="quiet">
+            {t("filterButton")}
+          </button>
+        </form>
       </div>
+      {labelled.problem && <ProblemBox problem={labelled.problem} />}
+      {!labelled.isWhole && <p>{t("notAll", { n: countText(kMostLabelled) })}</p>}
       {fits.length === 0 ? (
         <Empty text={t("fleetNothing")} />
       ) : (

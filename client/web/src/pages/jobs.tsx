@@ -29,6 +29,26 @@ export function JobMark(props: { job: Job }) {
   return <span class={`mark ${kind}`}>{tMaybe(`job_${state}`) ?? state}</span>;
 }
 
+// Waiting jobs of a higher one run first, whosever they are.
+const kPriorities = [-5, 0, 5] as const;
+const priorityText = (priority: number) =>
+  t(priority < 0 ? "priorityLater" : priority > 0 ? "priorityFirst" : "priorityUsual") + (kPriorities.some((one) => one === priority) ? "" : ` (${priority})`);
+
+export function Priority(props: { value: number; onChange: (priority: number) => void }) {
+  return (
+    <p class="filters">
+      <label>
+        {t("priority")}
+        <select value={props.value} onChange={(event) => props.onChange(Number(event.currentTarget.value))}>
+          {kPriorities.map((one) => (
+            <option value={one}>{priorityText(one)}</option>
+          ))}
+        </select>
+      </label>
+    </p>
+  );
+}
+
 export function JobsPage() {
   const [most, setMost] = useState(kPageSize);
   const found = useLoad(`jobs ${most}`, () => jobs.listJobs({ pageSize: most }), kEveryMs);
@@ -41,7 +61,7 @@ export function JobsPage() {
             <Empty text={t("jobsEmpty")} first={t("jobsFirst")} />
           ) : (
             <>
-              <Table label={t("jobs")} head={[t("job"), t("kind"), t("machine"), t("state"), t("progress"), t("created"), t("by")]}>
+              <Table label={t("jobs")} head={[t("job"), t("kind"), t("machine"), t("state"), t("priority"), t("progress"), t("created"), t("by")]}>
                 {page.jobs.map((job) => (
                   <tr key={String(job.jobId)}>
                     <th scope="row">
@@ -54,6 +74,7 @@ export function JobsPage() {
                     <td>
                       <JobMark job={job} />
                     </td>
+                    <td>{priorityText(job.priority)}</td>
                     <td>
                       <Server text={job.error?.message ?? (hasEnded(job) ? "" : (job.progress?.stage ?? ""))} />
                     </td>
@@ -171,6 +192,8 @@ export function JobPage(props: { id: bigint }) {
                 <Fact name={t("took")}>
                   {it.startedUtcUs !== undefined && it.finishedUtcUs !== undefined ? secondsText(it.finishedUtcUs - it.startedUtcUs) : "–"}
                 </Fact>
+                <Fact name={t("priority")}>{priorityText(it.priority)}</Fact>
+                {it.deadlineUtcUs !== undefined && <Fact name={t("deadline")}>{timeText(it.deadlineUtcUs)}</Fact>}
                 <Fact name={t("state")}>{t("attempt", { n: it.attempt, all: it.maxAttempts })}</Fact>
               </dl>
               <p class="buttons">

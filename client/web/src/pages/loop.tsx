@@ -1,8 +1,8 @@
 // How the loop found a calibration: what it added and what that bought, what else it might be, what to measure next.
 import { calibrations, jsonOf, useLoad } from "../api";
 import { LogBars } from "../charts";
-import { countText, numberText, percentText, sigmaText, unitText, valueText } from "../format";
-import { Empty, Figure, Server, Show, Table, Title } from "../parts";
+import { countText, numberText, percentText, probabilityText, sigmaText, unitText, valueText } from "../format";
+import { Empty, ErrorName, Figure, Server, Show, Table, Title } from "../parts";
 import { nameOf, type BoxError, type LoopReport } from "../reports";
 import { t, tMaybe } from "../text";
 import { Pictures, Warnings } from "./calibration";
@@ -106,7 +106,9 @@ function Effects(props: { report: LoopReport }) {
         const others = (effect.equivalent ?? []).map(nameOf).filter((name) => !same.includes(name));
         return (
           <article class="box">
-            <h3>{effect.name}</h3>
+            <h3>
+              <ErrorName name={effect.name} />
+            </h3>
             <p>
               {t("amplitude")}: {valueText(effect.amplitude, effect.amplitude_sigma)} ± {sigmaText(effect.amplitude_sigma)}{" "}
               {unitText(effect.unit)}; {numberText(effect.rms_um)} µm rms
@@ -128,29 +130,46 @@ function Effects(props: { report: LoopReport }) {
   );
 }
 
+// What was found and is not corrected, and what to do about it. `harm`: the probability that the machine would be worse for it.
+function Todo(props: { title: string; rows: { subject: string; evidence?: number; harm?: number; todo: string }[] }) {
+  const { rows } = props;
+  if (rows.length === 0) return null;
+  const hasHarm = rows.some((one) => one.harm !== undefined);
+  return (
+    <section>
+      <h2>{props.title}</h2>
+      <Table label={props.title} head={[t("subject"), t("evidence"), ...(hasHarm ? [t("harm")] : []), t("todo")]} numbers={hasHarm ? [1, 2] : [1]}>
+        {rows.map((one) => (
+          <tr>
+            <th scope="row" class="text" lang="en">
+              {one.subject}
+            </th>
+            <td class="number">{one.evidence === undefined ? "–" : numberText(one.evidence)}</td>
+            {hasHarm && <td class="number">{one.harm === undefined ? "–" : probabilityText(one.harm)}</td>}
+            <td class="text" lang="en">
+              {one.todo}
+            </td>
+          </tr>
+        ))}
+      </Table>
+    </section>
+  );
+}
+
 function Rest(props: { report: LoopReport }) {
-  const { causes, unexplained, next_measurement, noise, axes_at_rest, not_visible } = props.report;
+  const { causes, held_back, unexplained, next_measurement, noise, axes_at_rest, not_visible } = props.report;
   // The same session may serve several effects.
   const next = (next_measurement ?? []).filter((one, i, list) => list.findIndex((o) => o.text === one.text && o.effect === one.effect) === i);
   return (
     <>
-      {causes && causes.length > 0 && (
-        <section>
-          <h2>{t("causes")}</h2>
-          <Table label={t("causes")} head={[t("subject"), t("todo")]}>
-            {causes.map((cause) => (
-              <tr>
-                <th scope="row" class="text" lang="en">
-                  {cause.subject}
-                </th>
-                <td class="text" lang="en">
-                  {cause.correction}
-                </td>
-              </tr>
-            ))}
-          </Table>
-        </section>
-      )}
+      <Todo
+        title={t("causes")}
+        rows={(causes ?? []).map((one) => ({ subject: one.subject, evidence: one.evidence, todo: one.correction }))}
+      />
+      <Todo
+        title={t("heldBack")}
+        rows={(held_back ?? []).map((one) => ({ subject: one.subject, evidence: one.evidence, harm: one.harm, todo: one.measure }))}
+      />
       {unexplained.length > 0 && (
         <section>
           <h2>{t("unexplained")}</h2>

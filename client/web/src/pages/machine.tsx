@@ -1,7 +1,7 @@
 // One machine: what happened to it, each error over time, its calibrations and sessions, and a new calibration from them.
 import { create } from "@bufbuild/protobuf";
 import { useState } from "preact/hooks";
-import { all, calibrations, createJob, epoch, events, history, ingest, jsonOf, machines, problemOf, useLoad, type Problem } from "../api";
+import { all, calibrations, createJob, epoch, events, history, ingest, machines, problemOf, useLoad, type Problem, Refusal } from "../api";
 import { known, open } from "../care";
 import { countText, dayText, numberText, sigmaText, timeText, unitText, valueText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
@@ -12,10 +12,12 @@ import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { isNew, isOpen, isShelved, listEvents } from "../events";
 import type { Event, GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
 import { TimeLine, type Band, type TimePoint } from "../charts";
-import type { LoopReport } from "../reports";
-import { Dialog, Empty, Fact, Figure, ProblemBox, Server, Show, StateMark, Table, Title } from "../parts";
+import type { VolumetricError, VolumetricFigures } from "../gen/axiscal/v1/volumetric_pb";
+import { Empty, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, fieldOf, noteOf } from "../parts";
+import { isoWords } from "../iso";
 import { may } from "../session";
 import { kindText } from "./events";
+import { Priority } from "./jobs";
 import { t, tMaybe } from "../text";
 
 const kMostCalibrations = 2000;
@@ -143,55 +145,36 @@ function expectedSessionsOf(text: string): { name: string; everyHours: number }[
 // Says what is expected of a machine; what is not named is not expected any more.
 function Expect(props: { machineId: string; expected: GetExpectationsResponse; onClose: () => void }) {
   const said = props.expected.expectations;
-  const [problem, setProblem] = useState<Problem>();
-  const save = async (event: SubmitEvent) => {
-    event.preventDefault();
-    const form = new FormData(event.currentTarget as HTMLFormElement);
-    const refuse = (text: string) => setProblem({ text, reason: "", isConnection: false });
-    const tolerances = tolerancesOf(String(form.get("tolerances"))), sessions = expectedSessionsOf(String(form.get("sessions")));
-    if (tolerances === undefined) return refuse(t("tolerancesWrong"));
-    if (sessions === undefined) return refuse(t("sessionsWrong"));
-    const days = String(form.get("days"));
-    try {
-      await events.setExpectations({
-        machineId: props.machineId,
-        etag: props.expected.etag,
-        expectations: { tolerances, sessions, calibrationDays: days === "" ? undefined : Number(days), countsCandidates: form.get("candidates") !== null },
-      });
-      props.onClose();
-      epoch.value++;
-    } catch (error) {
-      setProblem(problemOf(error));
-    }
+  const save = async (form: FormData) => {
+    const tolerances = tolerancesOf(fieldOf(form, "tolerances")), sessions = expectedSessionsOf(fieldOf(form, "sessions"));
+    if (tolerances === undefined) throw new Refusal(t("tolerancesWrong"));
+    if (sessions === undefined) throw new Refusal(t("sessionsWrong"));
+    const days = fieldOf(form, "days");
+    await events.setExpectations({
+      machineId: props.machineId,
+      etag: props.expected.etag,
+      expectations: { tolerances, sessions, calibrationDays: days === "" ? undefined : Number(days), countsCandidates: form.get("candidates") !== null },
+    });
+    epoch.value++;
   };
   return (
-    <Dialog title={t("expect")} onClose={props.onClose}>
-      <p>{t("expectHelp")}</p>
-      <form class="form" onSubmit={save}>
-        <label>
-          {t("expectTolerances")}
-          <textarea name="tolerances" rows={4} defaultValue={said?.tolerances.map((one) => `${one.symbol} ${one.low} ${one.high}`).join("\n")} />
-        </label>
-        <label>
-          {t("expectSessions")}
-          <textarea name="sessions" rows={3} defaultValue={said?.sessions.map((one) => `${one.name} ${one.everyHours}`).join("\n")} />
-        </label>
-        <label>
-          {t("expectDays")}
-          <input name="days" type="number" min="1" max="3650" defaultValue={said?.calibrationDays === undefined ? "" : String(said.calibrationDays)} />
-        </label>
-        <label class="check">
-          <input name="candidates" type="checkbox" defaultChecked={said?.countsCandidates} /> {t("expectCandidates")}
-        </label>
-        {problem && <ProblemBox problem={problem} />}
-        <p class="buttons">
-          <button type="submit">{t("save")}</button>
-          <button type="button" class="quiet" onClick={props.onClose}>
-            {t("cancel")}
-          </button>
-        </p>
-      </form>
-    </Dialog>
+    <FormDialog title={t("expect")} submit={t("save")} intro={<p>{t("expectHelp")}</p>} onSend={save} onClose={props.onClose}>
+      <label>
+        {t("expectTolerances")}
+        <textarea name="tolerances" rows={4} defaultValue={said?.tolerances.map((one) => `${one.symbol} ${one.low} ${one.high}`).join("\n")} />
+      </label>
+      <label>
+        {t("expectSessions")}
+        <textarea name="sessions" rows={3} defaultValue={said?.sessions.map((one) => `${one.name} ${one.everyHours}`).join("\n")} />
+      </label>
+      <label>
+        {t("expectDays")}
+        <input name="days" type="number" min="1" max="3650" defaultValue={said?.calibrationDays === undefined ? "" : String(said.calibrationDays)} />
+      </label>
+      <label class="check">
+        <input name="candidates" type="checkbox" defaultChecked={said?.countsCandidates} /> {t("expectCandidates")}
+      </label>
+    </FormDialog>
   );
 }
 
@@ -254,54 +237,141 @@ function Due(props: { data: MachineData; machineId: string }) {
   );
 }
 
-// The tool point's error over the measured box, as the loop that made the calibration in use told it.
-function Volumetric(props: { inUse?: Calibration }) {
+const figureText = (figures?: VolumetricFigures) =>
+  figures?.rms === undefined ? "–" : `${numberText(figures.rms.expectedUm)} [${numberText(figures.rms.lowUm)}, ${numberText(figures.rms.highUm)}]`;
+
+// How far the tool point is off over the measured box: of the calibration in use, and of those before it where they are asked for.
+function Volumetric(props: { machineId: string; inUse?: Calibration }) {
   const id = props.inUse?.calibrationId;
+  const [isAsked, setAsked] = useState(false);
   const found = useLoad(`volumetric ${id}`, async () =>
-    id === undefined ? undefined : (await calibrations.getCalibration({ calibrationId: id })).calibration,
+    id === undefined ? undefined : (await calibrations.getVolumetricError({ calibrationId: id })).error,
   );
-  if (id === undefined || found.data === undefined) return null;
-  const report = jsonOf<Partial<LoopReport>>(found.data.reportJson);
-  const volumetric = report?.volumetric;
+  const past = useLoad(`volumetric history ${props.machineId} ${isAsked}`, async () =>
+    isAsked ? (await calibrations.listVolumetricErrors({ machineId: props.machineId, pageSize: 40 })).errors : undefined,
+  );
+  if (id === undefined) return null;
   return (
     <section>
       <h2>{t("volumetric")}</h2>
-      {volumetric === undefined ? (
-        <p>{t("volumetricNone")}</p>
+      {found.problem && !found.problem.isConnection ? (
+        <p>
+          <Server text={found.problem.text} />
+        </p>
       ) : (
-        <>
-          <p>
-            {t("overBox")}{" "}
-            {volumetric.box
-              .filter((b) => b.to > b.from)
-              .map((b) => `${b.axis} ${numberText(b.from, 4)} … ${numberText(b.to, 4)} ${b.unit === "deg" ? "°" : b.unit}`)
-              .join(", ")}
-          </p>
-          <dl class="facts">
-            {(
-              [
-                ["asIs", volumetric.uncorrected],
-                ["correctedAll", volumetric.after],
-              ] as const
-            ).map(([name, error]) => (
-              <Fact name={t(name)}>
-                {numberText(error.rms_um)} µm [{numberText(error.low_um)}, {numberText(error.high_um)}]
-              </Fact>
-            ))}
-          </dl>
-          <p class="muted">{t("volumetricHelp")}</p>
-          {volumetric.unknown && volumetric.unknown.length > 0 && (
-            <p class="box">
-              {t("volumetricUnknown")} {volumetric.unknown.join(", ")}
-            </p>
+        <Show of={{ data: found.data }} rows={3}>
+          {(error) => (
+            <>
+              <p>
+                {t("overBox")}{" "}
+                {error.box
+                  .filter((span) => span.toMmOrDeg > span.fromMmOrDeg)
+                  .map((span) => `${span.axis} ${numberText(span.fromMmOrDeg, 4)} … ${numberText(span.toMmOrDeg, 4)}`)
+                  .join(", ")}{" "}
+                ({t("mmOrDeg")}), {t("poses", { n: countText(error.poses) })}
+              </p>
+              <dl class="facts">
+                <Fact name={t("asIs")}>{figureText(error.uncorrected)} µm</Fact>
+                {error.before && <Fact name={t("correctedBefore", { n: error.beforeCalibrationId ?? "" })}>{figureText(error.before)} µm</Fact>}
+                <Fact name={t("correctedNow")}>{figureText(error.after)} µm</Fact>
+              </dl>
+              <p class="muted">{t("volumetricHelp")}</p>
+              {error.unknown.length > 0 && (
+                <p class="box">
+                  {t("volumetricUnknown")} {error.unknown.join(", ")}
+                </p>
+              )}
+            </>
           )}
-        </>
+        </Show>
+      )}
+      {!isAsked ? (
+        <p class="buttons">
+          <button type="button" class="quiet" onClick={() => setAsked(true)}>
+            {t("volumetricPast")}
+          </button>
+        </p>
+      ) : (
+        <Show of={{ data: past.data, problem: past.problem }} rows={6}>
+          {(list) => <VolumetricPast machineId={props.machineId} list={list} />}
+        </Show>
       )}
     </section>
   );
 }
 
-const kMaxNoteBytes = 1000;
+function VolumetricPast(props: { machineId: string; list: VolumetricError[] }) {
+  const known = props.list.filter((one) => one.uncorrected?.rms !== undefined).reverse();
+  const caption = t("volumetricOverTime", { n: countText(known.length) });
+  const times = known.map((one) => one.measuredUtcUs);
+  const first = times[0] ?? 0n, last = times[times.length - 1] ?? 0n;
+  const room = (last - first) / 50n + kDayUs / 2n;
+  const head = [t("calibration"), t("measured"), t("asIs"), t("before"), t("after")];
+  const shown = props.list.map((one) => [
+    t("calibrationN", { n: one.calibrationId }),
+    dayText(one.measuredUtcUs),
+    figureText(one.uncorrected),
+    figureText(one.before),
+    one.problem === "" ? figureText(one.after) : one.problem,
+  ]);
+  return (
+    <>
+      {known.length > 1 && (
+        <Figure
+          name={`${props.machineId}-volumetric`}
+          caption={caption}
+          head={[t("time"), "calibration", "as it is, um", "95 % −", "95 % +", "after, um", "95 % −", "95 % +"]}
+          rows={known.map((one) => [
+            new Date(Number(one.measuredUtcUs / 1000n)).toISOString(),
+            String(one.calibrationId),
+            one.uncorrected!.rms!.expectedUm,
+            one.uncorrected!.rms!.lowUm,
+            one.uncorrected!.rms!.highUm,
+            one.after?.rms?.expectedUm,
+            one.after?.rms?.lowUm,
+            one.after?.rms?.highUm,
+          ])}
+        >
+          <TimeLine
+            title={caption}
+            points={known.map((one) => ({
+              us: one.measuredUtcUs,
+              value: one.uncorrected!.rms!.expectedUm,
+              low: one.uncorrected!.rms!.lowUm,
+              high: one.uncorrected!.rms!.highUm,
+              wasApproved: one.state !== CalibrationState.CANDIDATE,
+              label: `${dayText(one.measuredUtcUs)}: ${figureText(one.uncorrected)} µm`,
+              href: `#/calibrations/${one.calibrationId}`,
+            }))}
+            bands={[]}
+            approvals={[]}
+            marks={[]}
+            foretold={[]}
+            fromUs={first - room}
+            toUs={last + room}
+          />
+        </Figure>
+      )}
+      <p>{t("volumetricPastHelp")}</p>
+      <Table label={t("volumetricPast")} head={head} numbers={[2, 3, 4]}>
+        {shown.map((row, i) => (
+          <tr>
+            <th scope="row">
+              <a href={`#/calibrations/${props.list[i].calibrationId}`}>{row[0]}</a>
+            </th>
+            <td>{row[1]}</td>
+            <td class="number">{row[2]}</td>
+            <td class="number">{row[3]}</td>
+            <td class={props.list[i].problem === "" ? "number" : "text"} lang={props.list[i].problem === "" ? undefined : "en"}>
+              {row[4]}
+            </td>
+          </tr>
+        ))}
+      </Table>
+    </>
+  );
+}
+
 const kMarkKinds = [MarkKind.COLLISION, MarkKind.SERVICE, MarkKind.REFIXTURING];
 
 // What people say has happened: where it stands, and what was known ends there.
@@ -311,30 +381,18 @@ function Marks(props: { data: MachineData; machineId: string }) {
   const [problem, setProblem] = useState<Problem>();
   const mayAct = may(Role.TECHNICIAN, props.machineId) || may(Role.APPROVER, props.machineId);
   const marks = [...props.data.drift.marks].reverse();
-  const put = async (event: SubmitEvent) => {
-    event.preventDefault();
-    const form = new FormData(event.currentTarget as HTMLFormElement);
-    const at = Date.parse(String(form.get("at")));
-    const note = String(form.get("note")).trim();
-    const refuse = (text: string) => setProblem({ text, reason: "", isConnection: false });
-    if (Number.isNaN(at)) return refuse(t("timeNeeded"));
-    if (note === "") return refuse(t("wordNeeded"));
-    if (new TextEncoder().encode(note).length > kMaxNoteBytes) return refuse(t("wordTooLong", { n: kMaxNoteBytes }));
-    try {
-      await history.putMark({
-        requestId: isAsked,
-        machineId: props.machineId,
-        atUtcUs: BigInt(at) * 1000n,
-        kind: Number(form.get("kind")) as MarkKind,
-        symbols: form.getAll("symbol").map(String).filter(Boolean),
-        note,
-      });
-      setAsked("");
-      setProblem(undefined);
-      epoch.value++;
-    } catch (error) {
-      setProblem(problemOf(error));
-    }
+  const put = async (form: FormData) => {
+    const at = Date.parse(fieldOf(form, "at"));
+    if (Number.isNaN(at)) throw new Refusal(t("timeNeeded"));
+    await history.putMark({
+      requestId: isAsked,
+      machineId: props.machineId,
+      atUtcUs: BigInt(at) * 1000n,
+      kind: Number(form.get("kind")) as MarkKind,
+      symbols: form.getAll("symbol").map(String).filter(Boolean),
+      note: noteOf(form, true),
+    });
+    epoch.value++;
   };
   const withdraw = async (mark: Mark) => {
     try {
@@ -346,10 +404,6 @@ function Marks(props: { data: MachineData; machineId: string }) {
     }
   };
   const symbols = props.data.series.map((s) => s.symbol);
-  const close = () => {
-    setAsked("");
-    setProblem(undefined);
-  };
   return (
     <section>
       <h2>{t("marks")}</h2>
@@ -376,7 +430,7 @@ function Marks(props: { data: MachineData; machineId: string }) {
           ))}
         </Table>
       )}
-      {!isAsked && problem && <ProblemBox problem={problem} />}
+      {problem && <ProblemBox problem={problem} />}
       {mayAct && !props.data.isDeleted && (
         <p class="buttons">
           <button type="button" class="quiet" onClick={() => setAsked(crypto.randomUUID())}>
@@ -385,44 +439,34 @@ function Marks(props: { data: MachineData; machineId: string }) {
         </p>
       )}
       {isAsked && (
-        <Dialog title={t("putMark")} onClose={close}>
-          <p>{t("marksHelp")}</p>
-          <form onSubmit={put} noValidate>
+        <FormDialog title={t("putMark")} submit={t("putMark")} intro={<p>{t("marksHelp")}</p>} isPlain onSend={put} onClose={() => setAsked("")}>
+          <label>
+            {t("kind")}
+            <select name="kind">
+              {kMarkKinds.map((kind) => (
+                <option value={kind}>{tMaybe(`mark_${kind}`)}</option>
+              ))}
+            </select>
+          </label>
+          <label>
+            {t("happenedAt")}
+            <input name="at" type="datetime-local" required />
+          </label>
+          {symbols.length > 0 && (
             <label>
-              {t("kind")}
-              <select name="kind">
-                {kMarkKinds.map((kind) => (
-                  <option value={kind}>{tMaybe(`mark_${kind}`)}</option>
+              {t("markErrorsHelp")}
+              <select name="symbol" multiple size={Math.min(5, symbols.length)}>
+                {symbols.map((symbol) => (
+                  <option value={symbol}>{symbol}</option>
                 ))}
               </select>
             </label>
-            <label>
-              {t("happenedAt")}
-              <input name="at" type="datetime-local" required />
-            </label>
-            {symbols.length > 0 && (
-              <label>
-                {t("markErrorsHelp")}
-                <select name="symbol" multiple size={Math.min(5, symbols.length)}>
-                  {symbols.map((symbol) => (
-                    <option value={symbol}>{symbol}</option>
-                  ))}
-                </select>
-              </label>
-            )}
-            <label>
-              {t("word")}
-              <input name="note" required autocomplete="off" />
-            </label>
-            {problem && <ProblemBox problem={problem} />}
-            <p class="buttons">
-              <button type="submit">{t("putMark")}</button>
-              <button type="button" class="quiet" onClick={close}>
-                {t("cancel")}
-              </button>
-            </p>
-          </form>
-        </Dialog>
+          )}
+          <label>
+            {t("word")}
+            <input name="note" required autocomplete="off" />
+          </label>
+        </FormDialog>
       )}
     </section>
   );
@@ -493,7 +537,8 @@ function History(props: { data: MachineData; machineId: string; limits: Map<stri
               };
             });
           const n = series.points.reduce((sum, p) => sum + p.count, 0n);
-          const caption = t("timeLineOf", { name: series.symbol, unit, n: countText(n) });
+          const words = isoWords(series.symbol);
+          const caption = t("timeLineOf", { name: series.symbol, unit, n: countText(n) }) + (words && `; ${words}`);
           const forecast = forecasts.get(series.symbol);
           const later = forecast?.points ?? [];
           const told = t("forecast");
@@ -639,14 +684,57 @@ function CalibrationList(props: { data: MachineData }) {
   );
 }
 
+// What people say of a session, and whether it counts; who may says otherwise with a reason.
+function Remark(props: { session: Session; mayAct: boolean }) {
+  const { sessionId, name, remark } = props.session;
+  const [isAsked, setAsked] = useState(false);
+  const isRejected = remark?.isRejected ?? false;
+  const decide = async (form: FormData) => {
+    await ingest.rejectSession({ sessionId, isRejected: !isRejected, reason: noteOf(form, true) });
+    epoch.value++;
+  };
+  const text = t(isRejected ? "sessionAccept" : "sessionReject");
+  return (
+    <>
+      {isRejected && <span class="mark bad">{t("sessionRejected")}</span>} {isRejected && remark?.reason}
+      {remark?.note} {remark?.labels.map((label) => <span class="mark old">{label}</span>)}{" "}
+      {props.mayAct && (
+        <button type="button" class="quiet" aria-label={`${text}: ${name}`} onClick={() => setAsked(true)}>
+          {text}
+        </button>
+      )}
+      {isAsked && (
+        <FormDialog
+          title={`${text}: ${name}`}
+          submit={text}
+          intro={<p>{t(isRejected ? "sessionAcceptEffect" : "sessionRejectEffect")}</p>}
+          isPlain
+          onSend={decide}
+          onClose={() => setAsked(false)}
+        >
+          <label>
+            {t("whyWord")}
+            <input name="note" required autocomplete="off" />
+          </label>
+        </FormDialog>
+      )}
+    </>
+  );
+}
+
 // Sessions with what a new calibration shall do with each.
 function NewCalibration(props: { data: MachineData; machineId: string }) {
   const [roles, setRoles] = useState(new Map<bigint, "fit" | "check">());
   const [most, setMost] = useState(10);
   const [problem, setProblem] = useState<Problem>();
   const { sessions } = props.data;
+  const [onlyRejected, setOnlyRejected] = useState(false);
+  const [priority, setPriority] = useState(0);
   const mayRun = may(Role.TECHNICIAN, props.machineId) && !props.data.isDeleted;
-  const of = (role: string) => sessions.filter((s) => roles.get(s.sessionId) === role).map((s) => s.sessionId);
+  const mayReject = may(Role.TECHNICIAN, props.machineId) || may(Role.APPROVER, props.machineId);
+  const rejected = sessions.filter((s) => s.remark?.isRejected);
+  const listed = onlyRejected ? rejected : sessions;
+  const of = (role: string) => sessions.filter((s) => roles.get(s.sessionId) === role && !s.remark?.isRejected).map((s) => s.sessionId);
   const fit = of("fit"), check = of("check");
   const run = async (isLoop: boolean) => {
     try {
@@ -654,6 +742,7 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
         isLoop
           ? { case: "closeLoop", value: create(CloseLoopParamsSchema, { machineId: props.machineId, fitSessionIds: fit, checkSessionIds: check }) }
           : { case: "identify", value: create(IdentifyParamsSchema, { machineId: props.machineId, sessionIds: fit }) },
+        priority,
       );
       location.hash = `#/jobs/${id}`;
     } catch (error) {
@@ -670,19 +759,26 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
       ) : (
         <>
           {mayRun && <p>{t("chooseSessions")}</p>}
+          {rejected.length > 0 && (
+            <label class="check">
+              <input type="checkbox" checked={onlyRejected} onChange={(event) => setOnlyRejected(event.currentTarget.checked)} />{" "}
+              {t("onlyRejected", { n: countText(rejected.length) })}
+            </label>
+          )}
           <Table
             label={t("sessions")}
-            head={[t("name"), t("instrument"), t("readings"), t("measured"), t("by"), ...(mayRun ? [t("use")] : []), t("download")]}
+            head={[t("name"), t("instrument"), t("readings"), t("measured"), t("by"), ...(mayRun ? [t("use")] : []), t("remark"), t("download")]}
             numbers={[2]}
           >
-            {sessions.slice(0, most).map((s) => (
+            {listed.slice(0, most).map((s) => (
               <tr>
                 <th scope="row">{s.name}</th>
                 <td>{s.instrument}</td>
                 <td class="number">{countText(s.readings)}</td>
                 <td>{dayText(s.measuredUtcUs ?? s.createdUtcUs)}</td>
                 <td>{s.createdBy}</td>
-                {mayRun && (
+                {mayRun && s.remark?.isRejected && <td>–</td>}
+                {mayRun && !s.remark?.isRejected && (
                   <td>
                     <select
                       aria-label={t("useOf", { name: s.name })}
@@ -701,6 +797,9 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
                     </select>
                   </td>
                 )}
+                <td class="text">
+                  <Remark session={s} mayAct={mayReject} />
+                </td>
                 <td>
                   <a href={`v1/sessions/${s.sessionId}`} download={`${s.name}.csv`}>
                     CSV
@@ -710,9 +809,9 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
             ))}
           </Table>
           <p class="buttons">
-            {sessions.length > most && (
+            {listed.length > most && (
               <>
-                {t("shownOf", { n: most, all: sessions.length })}{" "}
+                {t("shownOf", { n: most, all: listed.length })}{" "}
                 <button type="button" class="quiet" onClick={() => setMost(most + 50)}>
                   {t("more")}
                 </button>
@@ -720,6 +819,7 @@ function NewCalibration(props: { data: MachineData; machineId: string }) {
             )}
             {!props.data.sessionsWhole && t("notAll", { n: sessions.length })}
           </p>
+          {mayRun && <Priority value={priority} onChange={setPriority} />}
           {mayRun && (
             <p class="buttons">
               <button type="button" disabled={fit.length === 0 || check.length > 0} onClick={() => void run(false)}>
@@ -746,7 +846,7 @@ export function MachinePage(props: { machineId: string }) {
       <Title text={props.machineId} />
       <Show of={machine} rows={8}>
         {(data) => {
-          const inUse = data.list.find((c) => c.state === CalibrationState.APPROVED);
+          const { inUse, waiting } = known(data.list);
           return (
             <>
               {data.isDeleted && <p class="box">{t("deleted")}</p>}
@@ -756,12 +856,23 @@ export function MachinePage(props: { machineId: string }) {
                   {inUse.provenance && t("measuredOn", { day: dayText(inUse.provenance.measuredUtcUs) })}
                 </p>
               )}
+              {waiting.length > 0 && (
+                <p class="lead">
+                  {t("waitsForDecision")}:{" "}
+                  {waiting.slice(0, 3).map((one, i) => (
+                    <>
+                      {i > 0 && ", "}
+                      <a href={`#/calibrations/${one.calibrationId}`}>{t("calibrationN", { n: one.calibrationId })}</a>
+                    </>
+                  ))}
+                </p>
+              )}
               <section>
                 <h2>{t("happened")}</h2>
                 <Findings data={data} />
               </section>
               <OpenEvents data={data} machineId={props.machineId} />
-              <Volumetric inUse={inUse} />
+              <Volumetric machineId={props.machineId} inUse={inUse} />
               <Due data={data} machineId={props.machineId} />
               <History data={data} machineId={props.machineId} limits={limits} />
               <Marks data={data} machineId={props.machineId} />

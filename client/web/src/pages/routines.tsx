@@ -5,7 +5,7 @@ import { epoch, machines, all, problemOf, routines, useLoad, type Problem } from
 import { countText, timeText } from "../format";
 import { Role, ScopeSchema, type Scope } from "../gen/axiscal/v1/access_service_pb";
 import { RoutineRunState, RoutineSchema, RoutineWork, type Routine, type RoutineRun } from "../gen/axiscal/v1/routines_service_pb";
-import { Asking, Dialog, Empty, Fact, ProblemBox, Server, Show, Table, Title } from "../parts";
+import { Asking, Empty, Fact, FormDialog, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
 import { isAdminOfAll, may } from "../session";
 import { t, tMaybe } from "../text";
 
@@ -54,106 +54,94 @@ export function scopeFrom(form: FormData): Scope {
 
 function Edit(props: { routine?: Routine; onClose: () => void }) {
   const { routine } = props;
-  const [problem, setProblem] = useState<Problem>();
   const [work, setWork] = useState(routine?.work ?? RoutineWork.IDENTIFY);
-  const save = async (event: SubmitEvent) => {
-    event.preventDefault();
-    const form = new FormData(event.currentTarget as HTMLFormElement);
-    const text = (name: string) => String(form.get(name) ?? "").trim();
+  const save = async (form: FormData) => {
+    const text = (name: string) => fieldOf(form, name);
     const number = (name: string) => (text(name) === "" ? undefined : Number(text(name)));
     const at = text("at").split(":").map(Number);
-    try {
-      await routines.putRoutine({
-        etag: routine?.etag ?? 0n,
-        // What this form does not show stays as it is.
-        routine: Object.assign(routine ? clone(RoutineSchema, routine) : create(RoutineSchema), {
-          name: routine?.name ?? text("name"),
-          scope: scopeFrom(form),
-          principal: text("principal"),
-          sessions: namesOf(text("sessions")),
-          checkSessions: work === RoutineWork.CLOSE_LOOP ? namesOf(text("checks")) : [],
-          withinHours: number("within") ?? 0,
-          atUtcMinute: at.length === 2 ? 60 * at[0] + at[1] : undefined,
-          work,
-          declaredErrors: work === RoutineWork.IDENTIFY ? namesOf(text("declared")) : [],
-          approveWithinUm: number("approve"),
-          disabled: form.get("disabled") !== null,
-          note: text("note"),
-        }),
-      });
-      props.onClose();
-      epoch.value++;
-    } catch (error) {
-      setProblem(problemOf(error));
-    }
+    await routines.putRoutine({
+      etag: routine?.etag ?? 0n,
+      // What this form does not show stays as it is.
+      routine: Object.assign(routine ? clone(RoutineSchema, routine) : create(RoutineSchema), {
+        name: routine?.name ?? text("name"),
+        scope: scopeFrom(form),
+        principal: text("principal"),
+        sessions: namesOf(text("sessions")),
+        checkSessions: work === RoutineWork.CLOSE_LOOP ? namesOf(text("checks")) : [],
+        withinHours: number("within") ?? 0,
+        atUtcMinute: at.length === 2 ? 60 * at[0] + at[1] : undefined,
+        work,
+        declaredErrors: work === RoutineWork.IDENTIFY ? namesOf(text("declared")) : [],
+        approveWithinUm: number("approve"),
+        disabled: form.get("disabled") !== null,
+        note: text("note"),
+      }),
+    });
+    epoch.value++;
   };
   const minute = routine?.atUtcMinute;
   const two = (n: number) => String(n).padStart(2, "0");
   return (
-    <Dialog title={routine ? t("routineChange", { name: routine.name }) : t("routineNew")} onClose={props.onClose}>
-      <p>{t("routineHelp")}</p>
-      <form class="form" onSubmit={save}>
-        {!routine && (
-          <label>
-            {t("name")}
-            <input name="name" required autocomplete="off" />
-          </label>
-        )}
-        <ScopeFields scope={routine?.scope} mayBeAll={false} />
+    <FormDialog
+      title={routine ? t("routineChange", { name: routine.name }) : t("routineNew")}
+      submit={t("save")}
+      intro={<p>{t("routineHelp")}</p>}
+      onSend={save}
+      onClose={props.onClose}
+    >
+      {!routine && (
         <label>
-          {t("actsAs")}
-          <input name="principal" required autocomplete="off" defaultValue={routine?.principal} />
+          {t("name")}
+          <input name="name" required autocomplete="off" />
         </label>
+      )}
+      <ScopeFields scope={routine?.scope} mayBeAll={false} />
+      <label>
+        {t("actsAs")}
+        <input name="principal" required autocomplete="off" defaultValue={routine?.principal} />
+      </label>
+      <label>
+        {t("routineWork")}
+        <select name="work" value={work} onChange={(event) => setWork(Number(event.currentTarget.value) as RoutineWork)}>
+          <option value={RoutineWork.IDENTIFY}>{t("identify")}</option>
+          <option value={RoutineWork.CLOSE_LOOP}>{t("closeLoop")}</option>
+        </select>
+      </label>
+      <label>
+        {t("routineSessions")}
+        <textarea name="sessions" required rows={3} defaultValue={routine?.sessions.join("\n")} />
+      </label>
+      {work === RoutineWork.CLOSE_LOOP ? (
         <label>
-          {t("routineWork")}
-          <select name="work" value={work} onChange={(event) => setWork(Number(event.currentTarget.value) as RoutineWork)}>
-            <option value={RoutineWork.IDENTIFY}>{t("identify")}</option>
-            <option value={RoutineWork.CLOSE_LOOP}>{t("closeLoop")}</option>
-          </select>
+          {t("routineChecks")}
+          <textarea name="checks" rows={2} defaultValue={routine?.checkSessions.join("\n")} />
         </label>
+      ) : (
         <label>
-          {t("routineSessions")}
-          <textarea name="sessions" required rows={3} defaultValue={routine?.sessions.join("\n")} />
+          {t("routineDeclared")}
+          <textarea name="declared" rows={2} defaultValue={routine?.declaredErrors.join("\n")} />
         </label>
-        {work === RoutineWork.CLOSE_LOOP ? (
-          <label>
-            {t("routineChecks")}
-            <textarea name="checks" rows={2} defaultValue={routine?.checkSessions.join("\n")} />
-          </label>
-        ) : (
-          <label>
-            {t("routineDeclared")}
-            <textarea name="declared" rows={2} defaultValue={routine?.declaredErrors.join("\n")} />
-          </label>
-        )}
-        <label>
-          {t("withinHours")}
-          <input name="within" type="number" min="1" max="8760" defaultValue={String(routine?.withinHours || 24)} />
-        </label>
-        <label>
-          {t("atUtc")}
-          <input name="at" type="time" defaultValue={minute === undefined ? "" : `${two(Math.floor(minute / 60))}:${two(minute % 60)}`} />
-        </label>
-        <label>
-          {t("approveWithin")}
-          <input name="approve" type="number" min="0" step="any" defaultValue={routine?.approveWithinUm === undefined ? "" : String(routine.approveWithinUm)} />
-        </label>
-        <label>
-          {t("note")}
-          <input name="note" autocomplete="off" defaultValue={routine?.note} />
-        </label>
-        <label class="check">
-          <input name="disabled" type="checkbox" defaultChecked={routine?.disabled} /> {t("routineDisabled")}
-        </label>
-        {problem && <ProblemBox problem={problem} />}
-        <p class="buttons">
-          <button type="submit">{t("save")}</button>
-          <button type="button" class="quiet" onClick={props.onClose}>
-            {t("cancel")}
-          </button>
-        </p>
-      </form>
-    </Dialog>
+      )}
+      <label>
+        {t("withinHours")}
+        <input name="within" type="number" min="1" max="8760" defaultValue={String(routine?.withinHours || 24)} />
+      </label>
+      <label>
+        {t("atUtc")}
+        <input name="at" type="time" defaultValue={minute === undefined ? "" : `${two(Math.floor(minute / 60))}:${two(minute % 60)}`} />
+      </label>
+      <label>
+        {t("approveWithin")}
+        <input name="approve" type="number" min="0" step="any" defaultValue={routine?.approveWithinUm === undefined ? "" : String(routine.approveWithinUm)} />
+      </label>
+      <label>
+        {t("note")}
+        <input name="note" autocomplete="off" defaultValue={routine?.note} />
+      </label>
+      <label class="check">
+        <input name="disabled" type="checkbox" defaultChecked={routine?.disabled} /> {t("routineDisabled")}
+      </label>
+    </FormDialog>
   );
 }
 

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { epoch, problemOf, useLoad, webhooks, type Problem } from "../api";
 import { countText, timeText } from "../format";
 import { WebhookSchema, type Webhook } from "../gen/axiscal/v1/webhooks_service_pb";
-import { Asking, Dialog, Empty, Fact, ProblemBox, Server, Show, Table, Title } from "../parts";
+import { Asking, Empty, Fact, FormDialog, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
 import { isAdminOfAll } from "../session";
 import { t } from "../text";
 import { ScopeFields, scopeFrom, scopeText } from "./routines";
@@ -13,66 +13,53 @@ const kEveryMs = 5000;
 
 function Edit(props: { webhook?: Webhook; onClose: () => void; onSecret: (secret: string) => void }) {
   const { webhook } = props;
-  const [problem, setProblem] = useState<Problem>();
-  const save = async (event: SubmitEvent) => {
-    event.preventDefault();
-    const form = new FormData(event.currentTarget as HTMLFormElement);
-    const text = (name: string) => String(form.get(name) ?? "").trim();
-    try {
-      const answer = await webhooks.putWebhook({
-        etag: webhook?.etag ?? 0n,
-        newSecret: form.get("secret") !== null,
-        webhook: create(WebhookSchema, {
-          name: webhook?.name ?? text("name"),
-          url: text("url"),
-          scope: scopeFrom(form),
-          disabled: form.get("disabled") !== null,
-          note: text("note"),
-        }),
-      });
-      props.onClose();
-      props.onSecret(answer.secret);
-      epoch.value++;
-    } catch (error) {
-      setProblem(problemOf(error));
-    }
+  const save = async (form: FormData) => {
+    const answer = await webhooks.putWebhook({
+      etag: webhook?.etag ?? 0n,
+      newSecret: form.get("secret") !== null,
+      webhook: create(WebhookSchema, {
+        name: webhook?.name ?? fieldOf(form, "name"),
+        url: fieldOf(form, "url"),
+        scope: scopeFrom(form),
+        disabled: form.get("disabled") !== null,
+        note: fieldOf(form, "note"),
+      }),
+    });
+    props.onSecret(answer.secret);
+    epoch.value++;
   };
   return (
-    <Dialog title={webhook ? t("webhookChange", { name: webhook.name }) : t("webhookNew")} onClose={props.onClose}>
-      <p>{t("webhookHelp")}</p>
-      <form class="form" onSubmit={save}>
-        {!webhook && (
-          <label>
-            {t("name")}
-            <input name="name" required autocomplete="off" />
-          </label>
-        )}
+    <FormDialog
+      title={webhook ? t("webhookChange", { name: webhook.name }) : t("webhookNew")}
+      submit={t("save")}
+      intro={<p>{t("webhookHelp")}</p>}
+      onSend={save}
+      onClose={props.onClose}
+    >
+      {!webhook && (
         <label>
-          {t("address")}
-          <input name="url" type="url" required autocomplete="off" defaultValue={webhook?.url} />
+          {t("name")}
+          <input name="name" required autocomplete="off" />
         </label>
-        <ScopeFields scope={webhook?.scope} mayBeAll />
-        <label>
-          {t("note")}
-          <input name="note" autocomplete="off" defaultValue={webhook?.note} />
-        </label>
+      )}
+      <label>
+        {t("address")}
+        <input name="url" type="url" required autocomplete="off" defaultValue={webhook?.url} />
+      </label>
+      <ScopeFields scope={webhook?.scope} mayBeAll />
+      <label>
+        {t("note")}
+        <input name="note" autocomplete="off" defaultValue={webhook?.note} />
+      </label>
+      <label class="check">
+        <input name="disabled" type="checkbox" defaultChecked={webhook?.disabled} /> {t("webhookDisabled")}
+      </label>
+      {webhook && (
         <label class="check">
-          <input name="disabled" type="checkbox" defaultChecked={webhook?.disabled} /> {t("webhookDisabled")}
+          <input name="secret" type="checkbox" /> {t("newSecret")}
         </label>
-        {webhook && (
-          <label class="check">
-            <input name="secret" type="checkbox" /> {t("newSecret")}
-          </label>
-        )}
-        {problem && <ProblemBox problem={problem} />}
-        <p class="buttons">
-          <button type="submit">{t("save")}</button>
-          <button type="button" class="quiet" onClick={props.onClose}>
-            {t("cancel")}
-          </button>
-        </p>
-      </form>
-    </Dialog>
+      )}
+    </FormDialog>
   );
 }
 
@@ -119,7 +106,7 @@ function WebhookBox(props: { webhook: Webhook; onSecret: (secret: string) => voi
   const test = async () => {
     setAnswer("");
     const came = await webhooks.testWebhook({ name: webhook.name });
-    setAnswer(came.error === "" ? t("testTaken", { n: came.httpStatus, ms: countText(came.tookMs) }) : came.error);
+    setAnswer(came.error === "" ? t("testTaken", { by: came.isMail ? "SMTP" : "HTTP", n: came.httpStatus, ms: countText(came.tookMs) }) : came.error);
   };
   return (
     <article class="box">

@@ -1,4 +1,4 @@
-#include "server/storage/sqlite_store.h"
+#include "server/storage/sql_store.h"
 
 #include <algorithm>
 #include <random>
@@ -6,25 +6,26 @@
 #include "core/base/sha256.h"
 #include "core/session/checksum.h"
 #include "server/storage/refusal.h"
+#include "server/storage/seal.h"
 
 namespace axiscal::storage {
 
-std::string SqliteStore::MakeOwnerId() {
+std::string SqlStore::MakeOwnerId() {
   std::random_device random;
   return absl::StrFormat("%08x%08x%08x", random(), random(), random());
 }
 
-absl::Status SqliteStore::CheckDisk(Growth growth) const {
-  if (growth == Growth::kStays) return absl::OkStatus();
-  const int64_t free_bytes = options_.free_bytes();
-  if (free_bytes >= options_.min_free_bytes) return absl::OkStatus();
-  return base::Error(absl::StatusCode::kResourceExhausted,
-                     absl::StrCat(options_.path, ": ", free_bytes, " bytes free on the disk, at least ",
-                                  options_.min_free_bytes, " must stay free"),
-                     {"DISK_LOW", {{"free_bytes", std::to_string(free_bytes)}}});
+absl::StatusOr<std::unique_ptr<Database>> SqlStore::Open(const StoreOptions& options, std::unique_ptr<Engine> engine,
+                                                         std::unique_ptr<Connection> connection) {
+  RETURN_IF_ERROR(SealOldRows(*connection));
+  ASSIGN_OR_RETURN(const std::chrono::microseconds up, ReadUpTime(*connection));
+  std::unique_ptr<SqlStore> store(new SqlStore(options, up, std::move(engine), std::move(connection)));
+  ASSIGN_OR_RETURN(const std::vector<JobRecord> rescued, store->RescueJobs());
+  if (options.rescued) std::for_each(rescued.begin(), rescued.end(), options.rescued);
+  return store;
 }
 
-absl::Status SqliteStore::CheckWhole(const SessionRecord& session) {
+absl::Status SqlStore::CheckWhole(const SessionRecord& session) {
   std::vector<uint32_t> crcs;
   RETURN_IF_ERROR(VisitChunks(session, 0, [&](const records::Chunk& chunk) {
     crcs.push_back(chunk.crc32c());
@@ -36,7 +37,7 @@ absl::Status SqliteStore::CheckWhole(const SessionRecord& session) {
                      {"SESSION_DAMAGED", {{"session", std::to_string(session.id.number())}}});
 }
 
-absl::StatusOr<SessionRecord> SqliteStore::CreateSession(const NewSession& session) {
+absl::StatusOr<SessionRecord> SqlStore::CreateSession(const NewSession& session) {
   std::vector<SessionId> damaged;
   while (true) {
     ASSIGN_OR_RETURN(SessionRecord record, Write<SessionRecord>(Growth::kGrows, [&](Connection& c) {
@@ -54,7 +55,7 @@ absl::StatusOr<SessionRecord> SqliteStore::CreateSession(const NewSession& sessi
   }
 }
 
-absl::StatusOr<SqliteStore::SharedSpecs> SqliteStore::Specs(SessionId id) {
+absl::StatusOr<SqlStore::SharedSpecs> SqlStore::Specs(SessionId id) {
   constexpr size_t kMaxRemembered = 4096;
   {
     const base::MutexLock lock(specs_mutex_);
@@ -70,20 +71,20 @@ absl::StatusOr<SqliteStore::SharedSpecs> SqliteStore::Specs(SessionId id) {
   return specs;
 }
 
-absl::StatusOr<EncodedChunk> SqliteStore::Encode(SessionId id, const records::Chunk& chunk) {
-  RETURN_IF_ERROR(CheckDisk(Growth::kGrows));
+absl::StatusOr<EncodedChunk> SqlStore::Encode(SessionId id, const records::Chunk& chunk) {
+  RETURN_IF_ERROR(CheckRoom(Growth::kGrows));
   ASSIGN_OR_RETURN(const SharedSpecs specs, Specs(id));
   return PrepareChunk(chunk, *specs);
 }
 
-absl::StatusOr<AppendResult> SqliteStore::AppendChunk(SessionId id, const records::Chunk& chunk) {
+absl::StatusOr<AppendResult> SqlStore::AppendChunk(SessionId id, const records::Chunk& chunk) {
   ASSIGN_OR_RETURN(const EncodedChunk encoded, Encode(id, chunk));
   return Write<AppendResult>(Growth::kStays,
                              [&](Connection& c) { return storage::AppendChunk(c, Present(), id, encoded); });
 }
 
-void SqliteStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
-                                   std::function<void(absl::StatusOr<AppendResult>)> done) {
+void SqlStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
+                                std::function<void(absl::StatusOr<AppendResult>)> done) {
   // A refusal goes through the writer too, so that answers keep the order of the calls.
   auto encoded = std::make_shared<absl::StatusOr<EncodedChunk>>(Encode(id, chunk));
   auto result = std::make_shared<AppendResult>();
@@ -102,7 +103,7 @@ void SqliteStore::AppendChunkAsync(SessionId id, const records::Chunk& chunk,
 }
 
 // Some at a time, so that other writes go on between.
-absl::StatusOr<int> SqliteStore::ExpireReadings(std::chrono::microseconds age) {
+absl::StatusOr<int> SqlStore::ExpireReadings(std::chrono::microseconds age) {
   int count = 0;
   for (std::optional<SessionId> after = SessionId(0); after.has_value();) {
     ASSIGN_OR_RETURN(const ExpiredReadings expired, Write<ExpiredReadings>(Growth::kStays, [&](Connection& c) {
@@ -117,8 +118,8 @@ absl::StatusOr<int> SqliteStore::ExpireReadings(std::chrono::microseconds age) {
   }
 }
 
-absl::Status SqliteStore::VisitChunks(const SessionRecord& session, int64_t first_seq,
-                                      const std::function<absl::Status(const records::Chunk&)>& visit) {
+absl::Status SqlStore::VisitChunks(const SessionRecord& session, int64_t first_seq,
+                                   const std::function<absl::Status(const records::Chunk&)>& visit) {
   // One short read per chunk: what is durable cannot change, and a slow visitor must not keep the log from being
   // merged.
   for (int64_t seq = std::max<int64_t>(first_seq, 0);; ++seq) {
@@ -130,7 +131,7 @@ absl::Status SqliteStore::VisitChunks(const SessionRecord& session, int64_t firs
 }
 
 // What was given up or has expired meanwhile is not damaged.
-absl::Status SqliteStore::NotDamagedIfGone(const SessionRecord& session, const absl::Status& status) {
+absl::Status SqlStore::NotDamagedIfGone(const SessionRecord& session, const absl::Status& status) {
   if (!absl::IsDataLoss(status)) return status;
   const absl::StatusOr<SessionRecord> present = GetSession(session.id);
   if (!present.ok() || present->state == session.state) return status;
@@ -138,8 +139,8 @@ absl::Status SqliteStore::NotDamagedIfGone(const SessionRecord& session, const a
                             "SESSION_NOT_COMPLETE");
 }
 
-absl::Status SqliteStore::ReadChunks(SessionId id, int64_t first_seq,
-                                     const std::function<absl::Status(const records::Chunk&)>& visit) {
+absl::Status SqlStore::ReadChunks(SessionId id, int64_t first_seq,
+                                  const std::function<absl::Status(const records::Chunk&)>& visit) {
   ASSIGN_OR_RETURN(const SessionRecord session, GetSession(id));
   if (session.state != SessionState::kComplete && session.state != SessionState::kOpen) {
     return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
@@ -148,7 +149,7 @@ absl::Status SqliteStore::ReadChunks(SessionId id, int64_t first_seq,
   return NotDamagedIfGone(session, VisitChunks(session, first_seq, visit));
 }
 
-absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
+absl::StatusOr<session::Session> SqlStore::ReadSession(SessionId id) {
   ASSIGN_OR_RETURN(const SessionRecord record, GetSession(id));
   if (record.state != SessionState::kComplete) {
     return FailedPrecondition(absl::StrCat("session ", id.number(), " is not complete"), "SESSION_NOT_COMPLETE");
@@ -170,8 +171,8 @@ absl::StatusOr<session::Session> SqliteStore::ReadSession(SessionId id) {
   return session;
 }
 
-absl::Status SqliteStore::VisitParts(const ProgramRecord& program, int64_t offset,
-                                     const std::function<absl::Status(const std::string&)>& visit) {
+absl::Status SqlStore::VisitParts(const ProgramRecord& program, int64_t offset,
+                                  const std::function<absl::Status(const std::string&)>& visit) {
   while (true) {
     ASSIGN_OR_RETURN(const std::optional<std::string> bytes,
                      readers_.Run([&](Connection& c) { return ReadPart(c, program, offset); }));
@@ -181,8 +182,8 @@ absl::Status SqliteStore::VisitParts(const ProgramRecord& program, int64_t offse
   }
 }
 
-absl::Status SqliteStore::ReadProgram(ProgramId id, int64_t offset,
-                                      const std::function<absl::Status(const std::string& bytes)>& visit) {
+absl::Status SqlStore::ReadProgram(ProgramId id, int64_t offset,
+                                   const std::function<absl::Status(const std::string& bytes)>& visit) {
   if (offset < 0) return InvalidArgument(absl::StrCat("offset = ", offset, ", must be >= 0"), "PART_INVALID");
   ASSIGN_OR_RETURN(const ProgramRecord program, GetProgram(id));
   if (program.state != ProgramState::kComplete) {
@@ -191,7 +192,7 @@ absl::Status SqliteStore::ReadProgram(ProgramId id, int64_t offset,
   return VisitParts(program, offset, visit);
 }
 
-absl::Status SqliteStore::CheckWhole(const ProgramRecord& program) {
+absl::Status SqlStore::CheckWhole(const ProgramRecord& program) {
   base::Sha256 sha;
   RETURN_IF_ERROR(VisitParts(program, 0, [&](const std::string& bytes) {
     sha.Add(bytes);
@@ -204,7 +205,7 @@ absl::Status SqliteStore::CheckWhole(const ProgramRecord& program) {
       {"PART_DAMAGED", {{"program", std::to_string(program.id.number())}, {"offset", "0"}}});
 }
 
-absl::StatusOr<ProgramRecord> SqliteStore::BeginProgram(const NewProgram& program) {
+absl::StatusOr<ProgramRecord> SqlStore::BeginProgram(const NewProgram& program) {
   std::vector<ProgramId> damaged;
   while (true) {
     ASSIGN_OR_RETURN(ProgramRecord record, Write<ProgramRecord>(Growth::kGrows, [&](Connection& c) {
@@ -221,7 +222,7 @@ absl::StatusOr<ProgramRecord> SqliteStore::BeginProgram(const NewProgram& progra
   }
 }
 
-absl::StatusOr<ProgramRecord> SqliteStore::FinishProgram(ProgramId id, int64_t byte_count, const std::string& sha256) {
+absl::StatusOr<ProgramRecord> SqlStore::FinishProgram(ProgramId id, int64_t byte_count, const std::string& sha256) {
   ASSIGN_OR_RETURN(const ProgramRecord program, GetProgram(id));
   // Parts are only ever added, so their hash may be taken outside the writer's turn.
   base::Sha256 sha;

@@ -1,7 +1,7 @@
-// The Database on one SQLite file: each call is a function of connection and request, given to the writer's thread or
-// to a reader. Used through OpenSqlite() alone.
-#ifndef AXISCAL_SERVER_STORAGE_SQLITE_STORE_H_
-#define AXISCAL_SERVER_STORAGE_SQLITE_STORE_H_
+// The Database on an engine that takes SQL: each call is a function of connection and request, given to the writer's
+// thread or to a reader. Used through OpenSqlite() and OpenPostgres() alone.
+#ifndef AXISCAL_SERVER_STORAGE_SQL_STORE_H_
+#define AXISCAL_SERVER_STORAGE_SQL_STORE_H_
 
 #include <functional>
 #include <memory>
@@ -10,50 +10,49 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/clock.h"
 #include "core/base/mutex.h"
 #include "server/storage/access.h"
 #include "server/storage/audit.h"
-#include "server/storage/backup.h"
 #include "server/storage/calibrations.h"
 #include "server/storage/cells.h"
 #include "server/storage/chunks.h"
+#include "server/storage/database.h"
+#include "server/storage/engine.h"
 #include "server/storage/events.h"
-#include "server/storage/file_lock.h"
 #include "server/storage/handed_tables.h"
 #include "server/storage/history.h"
 #include "server/storage/jobs.h"
 #include "server/storage/machines.h"
 #include "server/storage/marks.h"
-#include "server/storage/migrate.h"
 #include "server/storage/programs.h"
 #include "server/storage/readers.h"
 #include "server/storage/routine_runs.h"
 #include "server/storage/routines.h"
 #include "server/storage/session_remarks.h"
 #include "server/storage/sessions.h"
-#include "server/storage/sqlite_database.h"
 #include "server/storage/up_time.h"
 #include "server/storage/webhooks.h"
 #include "server/storage/writer.h"
 
 namespace axiscal::storage {
 
+struct StoreOptions {
+  // As SqliteOptions and PostgresOptions say. May be empty.
+  std::function<void(const JobRecord&)> rescued;
+  std::function<void(const absl::Status&)> damaged;
+  base::Clock* clock = &base::SystemClock();
+};
+
 // Whether a write adds to the disk (refused when it runs low) or ends, changes and cleans up (always let through).
 enum class Growth { kGrows, kStays };
 
-class SqliteStore final : public Database {
+class SqlStore final : public Database {
  public:
-  // `up`: ReadUpTime() of the file.
-  SqliteStore(const SqliteOptions& options, std::chrono::microseconds up, FileLock lock,
-              std::unique_ptr<Connection> connection)
-      : options_(options),
-        up_at_open_(up),
-        opened_at_(options.clock->SteadyNow()),
-        owner_id_(MakeOwnerId()),
-        lock_(std::move(lock)),
-        readers_(options.path),
-        writer_(std::move(connection)) {}
-  ~SqliteStore() override {
+  // `connection`, the one that writes, has the present schema.
+  static absl::StatusOr<std::unique_ptr<Database>> Open(const StoreOptions& options, std::unique_ptr<Engine> engine,
+                                                        std::unique_ptr<Connection> connection);
+  ~SqlStore() override {
     // What fails here is lost as after a crash: a little of the time that is counted.
     static_cast<void>(writer_.Run([&](Connection& c) { return SaveUpTime(c, UpTime()); }));
   }
@@ -185,6 +184,9 @@ class SqliteStore final : public Database {
   }
   absl::StatusOr<CalibrationRecord> GetApprovedByPerson(const MachineId& machine) override {
     return readers_.Run([&](Connection& c) { return storage::GetApprovedByPerson(c, machine); });
+  }
+  absl::StatusOr<std::optional<CalibrationId>> GetFormerOf(CalibrationId id) override {
+    return readers_.Run([&](Connection& c) { return storage::GetFormerOf(c, id); });
   }
   absl::StatusOr<Page<CalibrationRecord>> ListCalibrations(const CalibrationFilter& filter, const PageRequest& page,
                                                            const Visible& visible) override {
@@ -481,12 +483,7 @@ class SqliteStore final : public Database {
   }
 
   absl::StatusOr<BackupResult> Backup(const std::string& path, const std::function<absl::Status()>& go_on) override {
-    auto reader = std::make_unique<Writer::LongReader>(writer_);
-    return CopyStore(options_.path, path, go_on, [&] {
-      // What was written meanwhile would hold up the commit after which the writer merges it. What fails here, it does.
-      static_cast<void>(MergeBeside(options_.path));
-      reader.reset();
-    });
+    return engine_->Backup(path, go_on);
   }
 
   // What it writes is of use, too: how long the file was open.
@@ -497,11 +494,20 @@ class SqliteStore final : public Database {
     return readers_.Run([&](Connection& c) { return storage::MachinesWithEvents(c, most); });
   }
 
-  int schema_version() const override { return static_cast<int>(EmbeddedMigrations().size()); }
+  int schema_version() const override { return engine_->schema_version(); }
 
  private:
   using SharedSpecs = std::shared_ptr<const std::vector<ColumnSpec>>;
 
+  SqlStore(const StoreOptions& options, std::chrono::microseconds up, std::unique_ptr<Engine> engine,
+           std::unique_ptr<Connection> connection)
+      : engine_(std::move(engine)),
+        options_(options),
+        up_at_open_(up),
+        opened_at_(options.clock->SteadyNow()),
+        owner_id_(MakeOwnerId()),
+        readers_([this] { return engine_->OpenReader(); }),
+        writer_(std::move(connection), [this] { engine_->Between(); }) {}
   static std::string MakeOwnerId();
   UtcTime Now() const { return options_.clock->UtcNow(); }
   std::chrono::microseconds UpTime() const {
@@ -514,10 +520,12 @@ class SqliteStore final : public Database {
     return {owner_id_, Present(), std::chrono::duration_cast<std::chrono::microseconds>(steady).count()};
   }
 
-  absl::Status CheckDisk(Growth growth) const;
+  absl::Status CheckRoom(Growth growth) const {
+    return growth == Growth::kGrows ? engine_->CheckRoom() : absl::OkStatus();
+  }
   template <typename T, typename Work>
   absl::StatusOr<T> Write(Growth growth, const Work& work) {
-    RETURN_IF_ERROR(CheckDisk(growth));
+    RETURN_IF_ERROR(CheckRoom(growth));
     std::optional<T> result;
     RETURN_IF_ERROR(writer_.Run([&](Connection& connection) {
       absl::StatusOr<T> made = work(connection);
@@ -557,11 +565,11 @@ class SqliteStore final : public Database {
   absl::Status VisitParts(const ProgramRecord& program, int64_t offset,
                           const std::function<absl::Status(const std::string&)>& visit);
 
-  const SqliteOptions options_;
+  const std::unique_ptr<Engine> engine_;  // closed last
+  const StoreOptions options_;
   const std::chrono::microseconds up_at_open_;
   const base::SteadyTime opened_at_;
   const std::string owner_id_;
-  const FileLock lock_;  // released last
   Readers readers_;
   base::Mutex specs_mutex_;
   // Of recent sessions; they never change.
@@ -574,4 +582,4 @@ class SqliteStore final : public Database {
 
 }  // namespace axiscal::storage
 
-#endif  // AXISCAL_SERVER_STORAGE_SQLITE_STORE_H_
+#endif  // AXISCAL_SERVER_STORAGE_SQL_STORE_H_

@@ -1,0 +1,82 @@
+#include "core/decide/hold_back.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <variant>
+
+#include "core/loop/fitting.h"
+
+namespace axiscal::decide {
+namespace {
+
+using loop::Extension;
+
+machine::KnownErrors KnownOf(const machine::Machine& machine, const identify::Result& result) {
+  machine::KnownErrors known{result.model, {}};
+  auto covariance = machine::CovarianceOf(result.covariance, machine, result.model);
+  if (covariance.ok()) known.covariance = *std::move(covariance);
+  return known;
+}
+
+// Without effects, by their place.
+Extension Without(Extension extension, std::vector<size_t> effects) {
+  std::sort(effects.rbegin(), effects.rend());
+  for (const size_t effect : effects)
+    extension.effects.erase(extension.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  return extension;
+}
+
+}  // namespace
+
+absl::Status HoldBack(const machine::Machine& machine, const Extension& extension, const identify::Fit& fit,
+                      const objective::Policy& policy, const identify::Options& options, loop::Report* report) {
+  const auto over = [&](const machine::ErrorModel& before) {
+    return predict::BoxOdds::Over(machine, fit.problem.runs, before, KnownOf(machine, fit.result), report->choices);
+  };
+  const auto figures = over(report->declared);
+  if (figures == nullptr) return absl::OkStatus();
+  const predict::Worse worse{policy.harm_share, policy.harm_mm};
+  std::vector<size_t> kept, out;  // effects that may be held back, those that are
+  std::vector<int> terms;         // of those that are
+  for (size_t i = 0; i < extension.effects.size(); ++i) {
+    const loop::Candidate& candidate = extension.effects[i].candidate;
+    if (IsTerm(candidate.family) && !std::holds_alternative<shapes::Constant>(candidate.term.shape)) kept.push_back(i);
+  }
+  std::unique_ptr<const predict::BoxOdds> odds;
+  double harm = 0.0;
+  if (!kept.empty()) {
+    ASSIGN_OR_RETURN(const identify::Fit constants, FitExtension(machine, Without(extension, kept), options));
+    odds = over(constants.result.model);
+    harm = odds->ProbabilityOf(worse, fit.result.model);
+  }
+  while (harm > policy.harm_probability && !kept.empty()) {
+    do {
+      const auto without = [&](size_t effect) {
+        std::vector<int> all = terms;
+        all.push_back(extension.TermOf(effect));
+        return odds->ProbabilityWithout(all, worse);
+      };
+      std::vector<double> left;
+      for (const size_t effect : kept) left.push_back(without(effect));
+      const auto least = std::min_element(left.begin(), left.end());
+      const auto effect = kept.begin() + (least - left.begin());
+      const machine::ErrorTerm& term = fit.result.model.terms[extension.TermOf(*effect)];
+      if (machine::HasName(term)) report->held_back.push_back({term, extension.effects[*effect].score, harm});
+      harm = *least;
+      terms.push_back(extension.TermOf(*effect));
+      out.push_back(*effect);
+      kept.erase(effect);
+    } while (harm > policy.harm_probability && !kept.empty());
+    ASSIGN_OR_RETURN(const identify::Fit again, FitExtension(machine, Without(extension, out), options));
+    report->fitted = again.result;
+    harm = odds->ProbabilityOf(worse, report->fitted.model);
+  }
+  std::vector<std::string> unknown;
+  for (const identify::Estimate& estimate : report->fitted.estimates)
+    if (!estimate.identifiable) unknown.push_back(estimate.name);
+  report->volumetric = figures->Figures(report->fitted.model, unknown);
+  return absl::OkStatus();
+}
+
+}  // namespace axiscal::decide

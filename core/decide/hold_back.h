@@ -1,0 +1,23 @@
+// Which of the effects that were found are corrected: those whose correction could do harm where the sessions do not
+// tell what they do are held back.
+#ifndef AXISCAL_CORE_DECIDE_HOLD_BACK_H_
+#define AXISCAL_CORE_DECIDE_HOLD_BACK_H_
+
+#include "core/identify/identify.h"
+#include "core/loop/extension.h"
+#include "core/loop/report.h"
+#include "core/objective/policy.h"
+
+namespace axiscal::decide {
+
+// `fit`: of the extension, as it was described in the report. Where a machine corrected for it could be worse over the
+// measured box than one corrected for constants alone, declared or found (Policy::harm_probability), takes off effects
+// until it could not, first the one without which that is least likely, and fits what is left. Constants stay: they are
+// corrected as those that are declared, by the first of those that these sessions do not tell apart. Sets the report's
+// `volumetric`, and where something is taken off `held_back` and `fitted`. Errors of FitExtension.
+absl::Status HoldBack(const machine::Machine& machine, const loop::Extension& extension, const identify::Fit& fit,
+                      const objective::Policy& policy, const identify::Options& options, loop::Report* report);
+
+}  // namespace axiscal::decide
+
+#endif  // AXISCAL_CORE_DECIDE_HOLD_BACK_H_

@@ -1,0 +1,187 @@
+#include "core/identify/unseen.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "core/identify/errors_of_run.h"
+#include "core/identify/plausible_errors.h"
+#include "core/identify/rows.h"
+#include "core/identify/whitening.h"
+#include "core/instruments/distortion.h"
+
+namespace axiscal::identify {
+namespace {
+
+using instruments::MeasuringRun;
+
+ReadingSample SampleOf(const MeasuringRun& run, int stretches) {
+  constexpr int kStretch = 4;
+  if (run.reading_count() / stretches <= kStretch) return {};
+  return {kStretch, (run.reading_count() + stretches - 1) / stretches};
+}
+
+// Of solved.null_space, those whose error is held at the solution: a row each.
+Eigen::MatrixXd HeldDirections(const SolvedProblem& solved) {
+  std::vector<int> rows;
+  for (size_t k = 0; k < solved.null_space.fixed.size(); ++k) {
+    if (solved.IsHeld(solved.null_space.fixed[k])) rows.push_back(static_cast<int>(k));
+  }
+  return solved.null_space.directions(rows, Eigen::all);
+}
+
+// The solution with its errors moved along each direction by as much as an error of a plausible size (`sizes`) does.
+struct MovedPoint {
+  Point point;
+  double size;  // of the move, in units of the direction
+};
+
+std::vector<MovedPoint> MovedAlong(const SolvedProblem& solved, const Eigen::MatrixXd& directions,
+                                   const Eigen::VectorXd& sizes) {
+  std::vector<MovedPoint> out;
+  for (const auto direction : directions.rowwise()) {
+    out.push_back({solved.solution.point, 1.0 / direction.transpose().cwiseQuotient(sizes).cwiseAbs().maxCoeff()});
+    for (size_t i = 0; i < solved.parameters.size(); ++i) {
+      const Parameter& parameter = solved.parameters[i];
+      const double move = out.back().size * direction[static_cast<Eigen::Index>(i)];
+      if (move != 0.0) SetValue(parameter, ValueOf(out.back().point.model, parameter) + move, &out.back().point.model);
+    }
+  }
+  return out;
+}
+
+// Takes the rows of a run (VisitRows) and sums J' D: column K i + k of D is d(J n_k)/ds_i, column K s + k is J n_k.
+// d(J n_k)/ds_i is also how far the derivative by s_i moves with the errors along n_k: one evaluation for all offsets.
+class ProductSink {
+ public:
+  // `is_unknown`: 1 for an offset that counts, 0 for one that does not.
+  ProductSink(const SolvedProblem& solved, int run, const Eigen::MatrixXd& directions,
+              const std::vector<MovedPoint>& moved, const Eigen::RowVectorXd& is_unknown, const ReadingSample& sample)
+      : problem_(solved.problem),
+        run_(run),
+        setup_(solved.solution.point.setup[solved.problem.group_of_run[run]]),
+        directions_(directions),
+        moved_(moved),
+        is_unknown_(is_unknown),
+        sample_(sample),
+        row_(setup_.size() + directions.cols() + 1 + (setup_.size() + 1) * directions.rows()),
+        whiteners_(Run().row_count, SeriesWhitener(solved.problem.noise[run], row_.size())),
+        by_setup_(moved.size()),
+        sum_(Eigen::MatrixXd::Zero(setup_.size() + directions.cols(), (setup_.size() + 1) * directions.rows())) {
+    errors_of_run_.reserve(moved.size());
+    for (const MovedPoint& one : moved) errors_of_run_.emplace_back(problem_, one.point);
+  }
+
+  Eigen::VectorBlock<Eigen::RowVectorXd> NextRow() { return row_.head(row_.size()); }
+
+  template <typename Row>
+  void Close(int reading, int r, const instruments::Evaluation&, Row& row) {
+    if (reading != evaluated_) EvaluateMoved(reading);
+    const Eigen::Index s = setup_.size(), p = directions_.cols(), k = directions_.rows();
+    for (Eigen::Index z = 0; z < k; ++z) {
+      const auto n = static_cast<size_t>(z);
+      for (Eigen::Index i = 0; i < s; ++i)
+        row[s + p + 1 + i * k + z] = is_unknown_[i] * (by_setup_[n](r, i) - row[i]) / moved_[n].size;
+    }
+    row.tail(k) = row.segment(s, p) * directions_.transpose();
+    whiteners_[static_cast<size_t>(r)].Apply(reading, row);
+    if (sample_.IsFirstOfStretch(reading)) return;
+    sum_.noalias() += row.head(s + p).transpose() * row.tail((s + 1) * k);
+    ++summed_;
+  }
+
+  // J' D of all used rows of the run, from those that were taken.
+  Eigen::MatrixXd Sum() const {
+    const std::vector<bool>& is_used = problem_.is_used[run_];
+    const auto used = static_cast<double>(std::count(is_used.begin(), is_used.end(), true));
+    return summed_ == 0 ? sum_ : used / static_cast<double>(summed_) * sum_;
+  }
+
+ private:
+  const MeasuringRun& Run() const { return problem_.runs[run_]; }
+
+  // Derivatives of a reading by the offsets, at each of the moved points.
+  void EvaluateMoved(int reading) {
+    evaluated_ = reading;
+    const shapes::State state = Run().StateOf(reading);
+    const RowWeight* const weight = problem_.WeightOf(run_, reading);
+    for (size_t n = 0; n < moved_.size(); ++n) {
+      const auto errors_at = [&](const shapes::State& at) -> const machine::JointErrors<double>& {
+        return errors_of_run_[n].At(at);
+      };
+      if (Run().path_readings != nullptr) {
+        instruments::EvaluateAlongPath(*problem_.machine, Run(), reading, errors_at, setup_.data(), &evaluation_,
+                                       [](const shapes::State&, const instruments::Evaluation&, double) {});
+      } else {
+        instruments::Evaluate(*problem_.machine, Run(), reading, errors_at(state), setup_.data(), &evaluation_);
+      }
+      by_setup_[n] = evaluation_.by_setup;
+      if (weight != nullptr) by_setup_[n] = *weight * by_setup_[n];
+    }
+  }
+
+  const Problem& problem_;
+  const size_t run_;
+  const Eigen::VectorXd& setup_;
+  const Eigen::MatrixXd& directions_;
+  const std::vector<MovedPoint>& moved_;
+  const Eigen::RowVectorXd& is_unknown_;
+  const ReadingSample sample_;
+  std::vector<ErrorsOfRun> errors_of_run_;  // per direction
+  Eigen::RowVectorXd row_;
+  std::vector<SeriesWhitener> whiteners_;
+  std::vector<Eigen::MatrixXd> by_setup_;  // per direction, of the reading that was evaluated last
+  Eigen::MatrixXd sum_;
+  std::int64_t summed_ = 0;
+  instruments::Evaluation evaluation_;
+  int evaluated_ = -1;
+};
+
+}  // namespace
+
+Eigen::MatrixXd UnseenCovariance(const SolvedProblem& solved, const Covariance& covariance, int stretches) {
+  const Problem& problem = solved.problem;
+  const auto p = static_cast<Eigen::Index>(solved.parameters.size());
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(p, p);
+  const Eigen::MatrixXd directions = HeldDirections(solved);
+  const Eigen::Index k = directions.rows();
+  if (k == 0) return out;
+  // Sizes along the directions, each error by itself of a plausible size: precision N P N'.
+  const Eigen::VectorXd sizes = kMeasuredWithin * PlausibleSizes(solved.solution.point.model, solved.parameters);
+  const Eigen::MatrixXd precision = directions * sizes.cwiseAbs2().cwiseInverse().asDiagonal() * directions.transpose();
+  const Eigen::MatrixXd root = precision.llt().matrixU().solve(Eigen::MatrixXd::Identity(k, k));  // root root' = 1 / P
+
+  const std::vector<MovedPoint> moved = MovedAlong(solved, directions, sizes);
+  std::vector<Eigen::MatrixXd> by_change;
+  for (size_t g = 0; g < problem.groups.size(); ++g) {
+    const Eigen::Index s = static_cast<Eigen::Index>(problem.groups[g].parameters.size());
+    Eigen::RowVectorXd is_unknown = (covariance.setup_sigma[g].array() > 0.0).cast<double>().transpose();
+    const Eigen::Index own = instruments::OwnSetupCount(problem.runs[problem.groups[g].runs[0]]);
+    is_unknown.tail(s - own).setZero();
+    by_change.push_back(Eigen::MatrixXd::Zero(s + p, (s + 1) * k));
+    for (const int run : problem.groups[g].runs) {
+      const ReadingSample sample = SampleOf(problem.runs[run], stretches);
+      ProductSink sink(solved, run, directions, moved, is_unknown, sample);
+      VisitRows(problem, run, solved.solution.point, solved.parameters, &sink, sample);
+      by_change.back() += sink.Sum();
+    }
+  }
+  const std::vector<Eigen::MatrixXd> moves =
+      StepsOf(problem, solved.solution.point, solved.solution.normal, solved.held, by_change);
+  for (size_t g = 0; g < moves.size(); ++g) {
+    const Eigen::Index s = static_cast<Eigen::Index>(problem.groups[g].parameters.size());
+    for (Eigen::Index z = 0; z < k; ++z) {
+      Eigen::MatrixXd by_offset = Eigen::MatrixXd::Zero(p, s);
+      for (Eigen::Index i = 0; i < s; ++i) by_offset.col(i) = moves[g].middleCols(i * k, k) * root.col(z);
+      out += by_offset * covariance.setup[g] * by_offset.transpose();
+    }
+  }
+  // An error is the same in all groups.
+  Eigen::MatrixXd at_solution = Eigen::MatrixXd::Zero(p, k);
+  for (const Eigen::MatrixXd& move : moves) at_solution += move.rightCols(k) * root;
+  out += at_solution * at_solution.transpose();
+  return out;
+}
+
+}  // namespace axiscal::identify

@@ -1,0 +1,34 @@
+// What a store asks of the database system below it, beside connections that take its SQL (connection.h).
+#ifndef AXISCAL_SERVER_STORAGE_ENGINE_H_
+#define AXISCAL_SERVER_STORAGE_ENGINE_H_
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/storage/connection.h"
+#include "server/storage/records.h"
+
+namespace axiscal::storage {
+
+// Safe from any thread, but Between(). Outlives all connections.
+class Engine {
+ public:
+  Engine() = default;
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  virtual ~Engine() = default;
+
+  virtual absl::StatusOr<std::unique_ptr<Connection>> OpenReader() = 0;
+  // RESOURCE_EXHAUSTED DISK_LOW where room is so low that what grows is refused.
+  virtual absl::Status CheckRoom() const = 0;
+  // Between groups of writes, on the writer's thread.
+  virtual void Between() = 0;
+  // Database::Backup().
+  virtual absl::StatusOr<BackupResult> Backup(const std::string& path, const std::function<absl::Status()>& go_on) = 0;
+  virtual int schema_version() const = 0;
+};
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_ENGINE_H_

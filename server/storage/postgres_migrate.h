@@ -1,0 +1,20 @@
+// Brings a database of PostgreSQL to the schema of this program. Forward only: each migration is one transaction,
+// remembered with its checksum.
+#ifndef AXISCAL_SERVER_STORAGE_POSTGRES_MIGRATE_H_
+#define AXISCAL_SERVER_STORAGE_POSTGRES_MIGRATE_H_
+
+#include <vector>
+
+#include "server/storage/migration.h"
+
+namespace axiscal::storage {
+
+// Applies what is missing, all of it where the schema is empty. `connection` writes, so that the store is its own. On
+// failure the database stays at the last migration that succeeded.
+//   FAILED_PRECONDITION NOT_A_DATABASE: the schema holds something else, or texts are not kept as UTF-8; SCHEMA_NEWER,
+//   SCHEMA_CHANGED as CheckMigrations().
+absl::Status MigratePostgres(Connection& connection, const std::vector<Migration>& migrations, base::UtcTime now);
+
+}  // namespace axiscal::storage
+
+#endif  // AXISCAL_SERVER_STORAGE_POSTGRES_MIGRATE_H_
