@@ -1,5 +1,7 @@
 #include "server/storage/postgres_connection.h"
 
+#include <libpq-fe.h>
+
 #include <bit>
 #include <optional>
 #include <utility>

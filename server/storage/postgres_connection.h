@@ -7,12 +7,13 @@
 #ifndef AXISCAL_SERVER_STORAGE_POSTGRES_CONNECTION_H_
 #define AXISCAL_SERVER_STORAGE_POSTGRES_CONNECTION_H_
 
-#include <libpq-fe.h>
-
 #include <memory>
 #include <string>
 
 #include "server/storage/connection.h"
+
+// libpq's PGconn: its header is for the sources alone, so that who includes this one needs no path to it.
+struct pg_conn;
 
 namespace axiscal::storage {
 
@@ -33,7 +34,7 @@ class PostgresConnection final : public Connection {
  private:
   class Statements;
 
-  PostgresConnection(std::string url, Access access, PGconn* connection)
+  PostgresConnection(std::string url, Access access, pg_conn* connection)
       : url_(std::move(url)), access_(access), connection_(connection) {}
   std::string AskingForId(const std::string& sql) const override { return sql + " RETURNING id"; }
   std::optional<int64_t> last_id() const override { return std::nullopt; }
@@ -43,7 +44,7 @@ class PostgresConnection final : public Connection {
 
   const std::string url_;
   const Access access_;
-  PGconn* const connection_;
+  pg_conn* const connection_;
   int64_t changed_rows_ = 0;
   // What has a name on the server: a new connection knows none of them.
   int64_t connections_ = 1, statements_ = 0;
