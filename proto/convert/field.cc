@@ -2,8 +2,10 @@
 
 #include <cmath>
 
+#include "absl/strings/escaping.h"
 #include "core/base/error_detail.h"
 #include "core/base/utf8.h"
+#include "core/records/access.h"
 
 namespace axiscal::convert {
 
@@ -41,6 +43,15 @@ absl::Status RequireText(const std::string& field, const std::string& text, size
 absl::Status RequireSha256(const std::string& field, const std::string& text) {
   if (text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos) return absl::OkStatus();
   return FieldError(field, "must be 64 lower-case hexadecimal digits");
+}
+
+absl::Status RequireAccessName(const std::string& field, const std::string& name) {
+  if (records::IsAccessName(name)) return absl::OkStatus();
+  constexpr size_t kShown = 80;  // more than such a name may have
+  const std::string shown = absl::Utf8SafeCEscape(name.substr(0, kShown)) + (name.size() > kShown ? "..." : "");
+  return FieldError(field, absl::StrCat("'", shown,
+                                        "', must be 1 to 64 letters, digits, '.', '_', '@', '-', with a letter or "
+                                        "digit at both ends"));
 }
 
 absl::Status RequireAtMost(const std::string& field, int count, int max) {

@@ -20,6 +20,8 @@ absl::Status RequireNotNegative(const std::string& field, int64_t value);
 absl::Status RequireText(const std::string& field, const std::string& text, size_t min, size_t max);
 // 64 lower-case hexadecimal digits.
 absl::Status RequireSha256(const std::string& field, const std::string& text);
+// records::IsAccessName(): names of principals, groups, routines, webhooks, labels.
+absl::Status RequireAccessName(const std::string& field, const std::string& name);
 // Of a repeated field: at most `max` entries.
 absl::Status RequireAtMost(const std::string& field, int count, int max);
 // OK when present.

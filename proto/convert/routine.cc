@@ -21,11 +21,6 @@ constexpr double kMostApprovedUm = 10'000;
 constexpr size_t kMostNoteBytes = 1000;
 constexpr size_t kMostOptionBytes = 8192;  // of budget and declared errors: all routines are listed in one message
 
-absl::Status RequireName(const std::string& field, const std::string& name) {
-  if (records::IsAccessName(name)) return absl::OkStatus();
-  return FieldError(field, "must be 1 to 64 letters, digits, '.', '_', '@', '-', with a letter or digit at both ends");
-}
-
 // Each once, also over both lists.
 template <typename Texts>
 absl::Status ReadNames(const std::string& field, const Texts& texts, std::set<std::string>& seen,
@@ -137,12 +132,12 @@ v1::Routine ToProto(const records::RoutineRecord& record) {
 
 absl::StatusOr<records::Routine> FromProto(const v1::Routine& message) {
   records::Routine routine;
-  RETURN_IF_ERROR(RequireName("name", message.name()));
+  RETURN_IF_ERROR(RequireAccessName("name", message.name()));
   routine.name = message.name();
   ASSIGN_OR_RETURN(routine.scope, FromProto(message.scope()));
   if (routine.scope.kind == Scope::Kind::kAll)
     return FieldError("scope", "must be a machine or a group: nobody looks after a routine of all machines");
-  RETURN_IF_ERROR(RequireName("principal", message.principal()));
+  RETURN_IF_ERROR(RequireAccessName("principal", message.principal()));
   routine.principal = message.principal();
   RETURN_IF_ERROR(RequireMessage("sessions", message.sessions_size() > 0));
   std::set<std::string> seen;

@@ -39,10 +39,7 @@ v1::Webhook ToProto(const records::WebhookRecord& record) {
 
 absl::StatusOr<records::Webhook> FromProto(const v1::Webhook& message) {
   records::Webhook webhook;
-  if (!records::IsAccessName(message.name())) {
-    return FieldError("name",
-                      "must be 1 to 64 letters, digits, '.', '_', '@', '-', with a letter or digit at both ends");
-  }
+  RETURN_IF_ERROR(RequireAccessName("name", message.name()));
   webhook.name = message.name();
   webhook.url = message.url();
   ASSIGN_OR_RETURN(webhook.scope, FromProto(message.scope()));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/records/access.h"
 #include "proto/convert/field.h"
 #include "proto/convert/session.h"
 
@@ -18,10 +17,7 @@ absl::StatusOr<std::vector<std::string>> LabelsOf(const v1::AnnotateSessionReque
   std::vector<std::string> labels(request.labels().begin(), request.labels().end());
   for (size_t i = 0; i < labels.size(); ++i) {
     const std::string field = absl::StrCat("labels[", i, "]");
-    if (!records::IsAccessName(labels[i])) {
-      return convert::FieldError(
-          field, "must be 1 to 64 letters, digits, '.', '_', '@', '-', with a letter or digit at both ends");
-    }
+    RETURN_IF_ERROR(convert::RequireAccessName(field, labels[i]));
     if (std::count(labels.begin(), labels.end(), labels[i]) > 1)
       return convert::FieldError(field, "'" + labels[i] + "' stands twice");
   }

@@ -20,7 +20,8 @@ absl::StatusOr<v1::PutWebhookResponse> PutWebhook(Core& core, const Call& call, 
   RETURN_IF_ERROR(convert::RequireNotNegative("etag", request.etag()));
   const absl::StatusOr<records::Webhook> webhook = convert::FromProto(request.webhook());
   if (!webhook.ok()) return convert::InField("webhook", webhook.status());
-  RETURN_IF_ERROR(webhooks::CheckUrl(webhook->url));
+  RETURN_IF_ERROR(
+      webhooks::CheckUrl(webhook->url, core.webhook_sender != nullptr ? &core.webhook_sender->addresses() : nullptr));
   if (webhooks::IsMail(webhook->url) && core.webhook_sender != nullptr && !core.webhook_sender->has_mail())
     return convert::FieldError("webhook.url", "no mail server is configured: mail.server in axiscald.toml");
   const storage::NewSecret secret = {webhooks::NewSecret(), request.new_secret()};

@@ -157,10 +157,19 @@ bool IsOfThisMachine(const Address& ip) {
 std::string AddressRule::WhyNot(const sockaddr* address) const {
   const auto read = Read(address);
   if (!read) return "no address of the network";
-  const auto& [ip, port] = *read;
+  return WhyNot(read->first, read->second);
+}
+
+std::string AddressRule::WhyNotHost(const std::string& host, int port) const {
+  const bool has_brackets = host.size() >= 2 && host.front() == '[' && host.back() == ']';
+  const std::optional<Address> ip = AddressOf(has_brackets ? host.substr(1, host.size() - 2) : host);
+  return ip ? WhyNot(*ip, port) : "";
+}
+
+std::string AddressRule::WhyNot(const Address& ip, int port) const {
   for (const Allowed& one : allowed_)
     if (one.address == ip && (one.port == 0 || one.port == port)) return "";
-  const auto refuse = [ip = ip](const char* what) {
+  const auto refuse = [&](const char* what) {
     return absl::StrCat(TextOf(ip), " is ", what, ", which webhooks.allowed does not name");
   };
   const Address judged = Within(ip);

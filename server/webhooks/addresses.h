@@ -28,8 +28,13 @@ class AddressRule {
 
   // Why it may not be called; empty: it may.
   std::string WhyNot(const sockaddr* address) const;
+  // The same of a URL's host and port, where the host is an address; a name is judged by where it leads when it is
+  // called, here by "".
+  std::string WhyNotHost(const std::string& host, int port) const;
 
  private:
+  std::string WhyNot(const Address& ip, int port) const;
+
   struct Allowed {
     Address address;
     int port = 0;  // 0: any

@@ -10,6 +10,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
+#include "absl/strings/numbers.h"
 #include "axiscal/v1/webhooks_service.pb.h"
 #include "core/base/demand.h"
 #include "proto/convert/event.h"
@@ -28,9 +29,9 @@ std::string JsonOf(const v1::WebhookLetter& letter) {
   return json;
 }
 
-std::string PartOf(CURLU* url, CURLUPart part) {
+std::string PartOf(CURLU* url, CURLUPart part, unsigned flags = 0) {
   char* text = nullptr;
-  if (curl_url_get(url, part, &text, 0) != CURLUE_OK) return "";
+  if (curl_url_get(url, part, &text, flags) != CURLUE_OK) return "";
   std::string copy = text;
   curl_free(text);
   return copy;
@@ -79,8 +80,8 @@ Letter TestLetter(const records::WebhookRecord& webhook, base::UtcTime now) {
   return {webhook.content.url, id, JsonOf(letter), webhook.secret};
 }
 
-absl::Status CheckUrl(const std::string& url) {
-  const auto refuse = [](const std::string& rule) { return convert::FieldError("webhook.url", rule); };
+absl::Status CheckUrl(const std::string& url, const AddressRule* rule) {
+  const auto refuse = [](const std::string& why) { return convert::FieldError("webhook.url", why); };
   RETURN_IF_ERROR(convert::RequireText("webhook.url", url, 1, kMostUrlBytes));
   if (IsMail(url)) return RecipientsOf(url).status();
   const std::unique_ptr<CURLU, decltype(&curl_url_cleanup)> parsed(curl_url(), &curl_url_cleanup);
@@ -92,6 +93,12 @@ absl::Status CheckUrl(const std::string& url) {
   if (!PartOf(parsed.get(), CURLUPART_USER).empty() || !PartOf(parsed.get(), CURLUPART_PASSWORD).empty())
     return refuse("must hold neither a user nor a password: letters are signed");
   if (!PartOf(parsed.get(), CURLUPART_FRAGMENT).empty()) return refuse("must hold no fragment (#...)");
+  if (rule == nullptr) return absl::OkStatus();
+  int port = 0;
+  // Always there: the scheme's own where the URL has none.
+  static_cast<void>(absl::SimpleAtoi(PartOf(parsed.get(), CURLUPART_PORT, CURLU_DEFAULT_PORT), &port));
+  const std::string why_not = rule->WhyNotHost(PartOf(parsed.get(), CURLUPART_HOST), port);
+  if (!why_not.empty()) return refuse(why_not);
   return absl::OkStatus();
 }
 

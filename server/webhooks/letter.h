@@ -9,6 +9,7 @@
 #include "core/base/status.h"
 #include "core/records/event.h"
 #include "core/records/webhook.h"
+#include "server/webhooks/addresses.h"
 
 namespace axiscal::webhooks {
 
@@ -31,8 +32,9 @@ Letter LetterOf(const records::WebhookRecord& webhook, const records::EventChang
 Letter TestLetter(const records::WebhookRecord& webhook, base::UtcTime now);
 
 // INVALID_ARGUMENT, field "webhook.url": no URL by http or https, a user, a password or a fragment in it, more than
-// 2000 bytes, or no addresses behind mailto:.
-absl::Status CheckUrl(const std::string& url);
+// 2000 bytes, no addresses behind mailto:, or an address that `rule` refuses as it stands there (null: who sends
+// is not here, and judges it).
+absl::Status CheckUrl(const std::string& url, const AddressRule* rule);
 
 }  // namespace axiscal::webhooks
 

@@ -39,12 +39,22 @@ TEST(WebhookLetter, SaysWhatTheStreamSays) {
 
 TEST(WebhookUrl, IsHttpWithoutSecrets) {
   for (const char* const url : {"http://mes.shop/hook?line=3", "https://192.0.2.7:8443/", "http://[2001:db8::1]:80/x"})
-    EXPECT_TRUE(CheckUrl(url).ok()) << url << " " << CheckUrl(url);
+    EXPECT_TRUE(CheckUrl(url, nullptr).ok()) << url << " " << CheckUrl(url, nullptr);
   for (const char* const url :
        {"", "mes", "ftp://mes/", "file:///etc/passwd", "http://ann:secret@mes/", "http://ann@mes/", "http://mes/#part",
         "http://", "http://mes\n/", "gopher://mes:25/"}) {
-    EXPECT_EQ(base::ErrorReason(CheckUrl(url)), "FIELD_INVALID") << url;
+    EXPECT_EQ(base::ErrorReason(CheckUrl(url, nullptr)), "FIELD_INVALID") << url;
   }
+  // An address is judged where it is put, with the port that the URL or its scheme means.
+  const auto allowed = AddressRule::Allowing("127.0.0.1:8080,127.0.0.1:443");
+  ASSERT_TRUE(allowed.ok());
+  EXPECT_TRUE(CheckUrl("http://127.0.0.1:8080/events", &*allowed).ok());
+  EXPECT_TRUE(CheckUrl("https://127.0.0.1/events", &*allowed).ok());
+  for (const char* const url : {"http://127.0.0.1/", "https://127.0.0.1:8081/", "http://127.1/", "http://0x7f.1:8081/",
+                                "http://[::1]/", "http://[::ffff:127.0.0.1]:8081/", "http://169.254.169.254/latest"})
+    EXPECT_EQ(base::ErrorReason(CheckUrl(url, &*allowed)), "FIELD_INVALID") << url;
+  EXPECT_THAT(std::string(CheckUrl("http://127.0.0.1/", &*allowed).message()),
+              HasSubstr("127.0.0.1 is a loopback address, which webhooks.allowed does not name"));
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ class Sender {
   Sender& operator=(const Sender&) = delete;
 
   bool has_mail() const { return options_.post.mail.has_value(); }
+  const AddressRule& addresses() const { return options_.post.addresses; }
   void Start();
   // Gives up what is under way, which is sent again after the next start. Harmless when repeated, or not started.
   void Stop();

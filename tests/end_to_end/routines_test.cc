@@ -161,7 +161,7 @@ TEST_F(Routines, WhatCannotBeMeantIsRefused) {
     spoil(routine);
     EXPECT_THAT(WhyNot(routine), HasSubstr(text));
   };
-  refused([](auto& routine) { routine.name = "a b"; }, "FIELD_INVALID: routine.name: must be 1 to 64 letters");
+  refused([](auto& routine) { routine.name = "a b"; }, "FIELD_INVALID: routine.name: 'a b', must be 1 to 64 letters");
   refused([](auto& routine) { routine.scope = {}; }, "routine.scope: must be a machine or a group");
   refused([](auto& routine) { routine.scope.name = "none"; }, "MACHINE_NOT_FOUND");
   refused([](auto& routine) { routine.scope = {Scope::Kind::kGroup, "g"}; }, "GROUP_NOT_FOUND: group g does not exist");

@@ -188,6 +188,8 @@ class Watching(unittest.TestCase):
         webhook, self.receiver.secret = self.client.put_webhook("mes", url, machine=server.MACHINE)
         self.assertTrue(self.receiver.secret.startswith("whsec_"))
         self.assertEqual((webhook.machine, webhook.group), (server.MACHINE, ""))
+        with self.assertRaisesRegex(axiscal.InvalidArgument, "webhook.url: 127.0.0.1 is a loopback address, which webhooks.allowed"):
+            self.client.put_webhook("other", "http://127.0.0.1:9/", machine=server.MACHINE)
         self.assertEqual(self.client.test_webhook("mes"), "")
         self.receiver.wait_for('"type": "test"')
         self.client.set_expectations(server.MACHINE, {"EZ0T": (-2, -1)})
