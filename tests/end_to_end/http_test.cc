@@ -4,6 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <cstdlib>
+#include <regex>
 
 #include "absl/strings/str_replace.h"
 #include "axiscal/v1/admin_service.pb.h"
@@ -504,10 +505,10 @@ HttpAnswer PutForm(int port, const std::string& path, const HttpFields& fields,
   return Fetch(port, "POST", path, With(fields, "Content-Type", "multipart/form-data; boundary=b"), body + "--b--\r\n");
 }
 
-std::vector<std::pair<std::string, std::string>> BallbarLog(const std::string& log) {
+std::vector<std::pair<std::string, std::string>> BallbarLog(const std::string& log, const std::string& machine = "mt") {
   return {{"name=\"log\"; filename=\"bar.log\"", log},
           {"name=\"template\"", "line: {t_s} {dL_mm}\n"},
-          {"name=\"plan\"; filename=\"BX.csv\"", *session::WriteSession(testing::BallbarSession("mt", "BX", 3))}};
+          {"name=\"plan\"; filename=\"BX.csv\"", *session::WriteSession(testing::BallbarSession(machine, "BX", 3))}};
 }
 
 TEST_F(Http, ALogGoesUpAsAFormAndIsReducedByTheServer) {
@@ -589,6 +590,7 @@ class HttpAccess : public Http {
     Add(database, "ann", {Role::kApprover, {}});
     Add(database, "bob", {Role::kTechnician, {}});
     Add(database, "cell", {Role::kCell, {records::Scope::Kind::kMachine, "mt"}});
+    Add(database, "other-cell", {Role::kCell, {records::Scope::Kind::kMachine, "other"}});
     Add(database, "viewer", {Role::kViewer, {records::Scope::Kind::kMachine, "mt"}});
     opened->reset();
     StartAsking({});
@@ -668,6 +670,45 @@ TEST_F(HttpAccess, FilesNeedTheRolesOfTheirCalls) {
   HttpConnection nobody(port());
   nobody.Send("POST /v1/machines/mt/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000000\r\n\r\n");
   EXPECT_EQ(nobody.Receive().status, 401);
+}
+
+// Neither status, fields nor words of an answer tell what is hidden from what is not there.
+TEST_F(HttpAccess, AFileOutsideTheScopeIsAnsweredAsOneThatIsNowhere) {
+  const std::string text = absl::StrReplaceAll(SessionText("BX"), {{"# machine: mt\n", "# machine: other\n"}});
+  const HttpAnswer session = Fetch(port(), "POST", "/v1/machines/other/sessions", As("other-cell"), text);
+  ASSERT_EQ(session.status, 201) << session.body;
+  const HttpAnswer log = PutForm(port(), "/v1/machines/other/logs", As("other-cell"),
+                                 BallbarLog("0.0 0.001\n0.1 0.002\n0.2 0.003\n", "other"));
+  ASSERT_EQ(log.status, 201) << log.body;
+  const int64_t kept = FromJson<v1::PutLogResponse>(log.body).log().program_id();
+  const auto told = [](HttpAnswer answer, const std::string& name) {
+    answer.fields.erase("date");
+    std::string all = absl::StrCat(answer.status, "\n");
+    for (const auto& [field, value] : answer.fields)
+      if (field != "content-length") absl::StrAppend(&all, field, ": ", value, "\n");
+    // What was asked for stands in the words, and in the facts, whose bytes stand beside them as text.
+    absl::StrAppend(&all, std::regex_replace(answer.body, std::regex("\"value\":\"[^\"]*\""), ""));
+    return absl::StrReplaceAll(all, {{name, "#"}});
+  };
+  const auto compare = [&](const std::string& method, const std::string& before, const std::string& hidden,
+                           const std::string& missing, const std::string& after, const std::string& who) {
+    const auto ask = [&](const std::string& name) {
+      return told(Fetch(port(), method, before + name + after, As(who), method == "POST" ? text : ""), name);
+    };
+    EXPECT_EQ(ask(hidden), ask(missing)) << before << after;
+    EXPECT_EQ(ask(hidden).substr(0, 4), "404\n") << before << after;
+  };
+  const std::string session_id = absl::StrCat(FromJson<v1::Session>(session.body).session_id());
+  compare("GET", "/v1/sessions/", session_id, "777001", "", "viewer");
+  compare("GET", "/v1/programs/", absl::StrCat(kept), "777002", "", "viewer");
+  compare("POST", "/v1/machines/", "other", "nowhere", "/sessions", "cell");
+  compare("POST", "/v1/machines/", "other", "nowhere", "/rewrite?calibration=1", "viewer");
+  for (const std::string name : {"other", "nowhere"}) {
+    const HttpAnswer answer = PutForm(port(), "/v1/machines/" + name + "/logs", As("cell"),
+                                      BallbarLog("0.0 0.001\n0.1 0.002\n0.2 0.003\n", "other"));
+    EXPECT_EQ(answer.status, 404);
+    EXPECT_THAT(answer.body, HasSubstr("machine " + name + " does not exist"));
+  }
 }
 
 TEST_F(HttpAccess, NothingLargeIsReadOfNobody) {
