@@ -54,7 +54,7 @@ struct Setting {
   std::variant<std::string Config::*, int64_t Config::*, bool Config::*> field;
   // Of a number: the least and the largest one.
   int64_t least = 0, most = 0;
-  // A file: a relative one in axiscald.toml is looked for beside axiscald.toml.
+  // A file: a relative one in axiscald.toml is looked for beside axiscald.toml. A URL of PostgreSQL stays as it is.
   bool is_path = false;
 
   bool is_switch() const { return std::holds_alternative<bool Config::*>(field); }

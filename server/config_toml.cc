@@ -4,6 +4,7 @@
 
 #include "core/base/toml.h"
 #include "server/config.h"
+#include "server/storage/postgres_url.h"
 
 namespace axiscal::server {
 namespace {
@@ -33,7 +34,8 @@ absl::Status ReadValue(const Setting& setting, const TomlValue& value, const std
   if (std::holds_alternative<std::string Config::*>(setting.field)) {
     if (!std::holds_alternative<std::string>(value.value)) return wrong("a text in quotes");
     std::string text = std::get<std::string>(value.value);
-    if (setting.is_path && !text.empty()) text = (std::filesystem::path(path).parent_path() / text).string();
+    if (setting.is_path && !text.empty() && !storage::IsPostgresUrl(text))
+      text = (std::filesystem::path(path).parent_path() / text).string();
     return SetText(setting, text, value.place, read);
   }
   if (setting.is_switch()) {

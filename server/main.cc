@@ -18,6 +18,7 @@
 #include "server/offline.h"
 #include "server/server.h"
 #include "server/service_manager.h"
+#include "server/storage/postgres_url.h"
 #include "server/webhooks/addresses.h"
 
 namespace {
@@ -150,6 +151,11 @@ int RunOffline(const CLI::App& app, const CommandLine& line) {
     return 1;
   }
   const std::string command = app.get_subcommands().front()->get_name();
+  if (axiscal::storage::IsPostgresUrl(*file)) {
+    std::fprintf(stderr, "axiscald %s: %s is no file: pg_dump and pg_restore are for it (docs/scale.md)\n",
+                 command.c_str(), axiscal::storage::WithoutPassword(*file).c_str());
+    return 1;
+  }
   if (command == "check") return axiscal::server::CheckOffline(*file);
   if (command == "compact") return axiscal::server::CompactOffline(*file);
   return axiscal::server::RestoreOffline(line.backup, *file, line.take_damaged);
@@ -164,7 +170,8 @@ absl::StatusOr<Configured> ReadAndCheck(const CLI::App& app, const CommandLine& 
 void PrintConfiguration(const Configured& configured) {
   for (const Setting& setting : axiscal::server::Settings()) {
     const auto place = configured.place.find(setting.key);
-    std::printf("%s = %s (%s)\n", setting.key.c_str(), axiscal::server::ValueText(setting, configured.config).c_str(),
+    std::printf("%s = %s (%s)\n", setting.key.c_str(),
+                axiscal::storage::WithoutPassword(axiscal::server::ValueText(setting, configured.config)).c_str(),
                 place == configured.place.end() ? "default" : place->second.c_str());
   }
 }
@@ -255,7 +262,7 @@ int main(int argc, char** argv) {
   const int64_t descriptors = axiscal::server::RaiseDescriptorLimit();
   Log(LogLevel::kInfo, "start",
       {{"version", AXISCAL_VERSION},
-       {"db", options.database_path},
+       {"db", axiscal::storage::WithoutPassword(options.database_path)},
        {"listen", options.listen_address},
        {"http", options.http_address},
        {"workers", std::to_string(options.workers)},

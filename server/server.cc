@@ -30,6 +30,8 @@
 #include "server/routines/keeper.h"
 #include "server/service.h"
 #include "server/storage/file_mode.h"
+#include "server/storage/postgres_database.h"
+#include "server/storage/postgres_url.h"
 #include "server/storage/sqlite_database.h"
 #include "server/tls.h"
 #include "server/watch/watcher.h"
@@ -126,11 +128,43 @@ void SetChannelArguments(const ServerOptions& options, grpc::ServerBuilder& buil
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
 }
 
+// The store that `database` names, a file or a URL of PostgreSQL, and what it tells goes into the log.
+absl::StatusOr<std::unique_ptr<storage::Database>> OpenStore(const std::string& database) {
+  const auto rescued = [](const records::JobRecord& job) {
+    LogJob({jobs::JobEvent::What::kLost, job, jobs::OutcomeOf(job), {}});
+  };
+  const auto damaged = [](const absl::Status& status) {
+    const std::string reason = base::ErrorReason(status);
+    Log(LogLevel::kWarning, "damaged",
+        {{"reason", reason},
+         {"text", std::string(status.message())},
+         {"then", reason == "HISTORY_DAMAGED" ? "histories leave it out; axiscald check names all, a backup has it"
+                                              : "it is being sent again, and stored anew"}});
+  };
+  if (storage::IsPostgresUrl(database)) {
+    storage::PostgresOptions options;
+    options.url = database;
+    options.rescued = rescued;
+    options.damaged = damaged;
+    return storage::OpenPostgres(options);
+  }
+  storage::SqliteOptions options;
+  options.path = database;
+  options.rescued = rescued;
+  options.damaged = damaged;
+  ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> store, storage::OpenSqlite(options));
+  if (const std::vector<std::string> files = storage::OpenToOthers(database); !files.empty()) {
+    Log(LogLevel::kWarning, "readable_by_others",
+        {{"files", absl::StrJoin(files, ", ")}, {"text", "everybody on this machine may read them: chmod 600"}});
+  }
+  return store;
+}
+
 }  // namespace
 
 absl::Status Validate(const ServerOptions& options) {
   const auto refuse = [](const std::string& text) { return absl::InvalidArgumentError(text); };
-  if (options.database_path.empty()) return refuse("database_path is empty, must name a file");
+  if (options.database_path.empty()) return refuse("database_path is empty, must name a file or a database");
   if (options.workers < 1 || options.workers > kMaxWorkers) {
     return refuse(absl::StrCat("workers = ", options.workers, ", must be 1 to ", kMaxWorkers, ": each uses one core"));
   }
@@ -191,7 +225,7 @@ class Server::Impl {
                          .max_program_bytes = options.program_bytes,
                          .backup_folder = options.backup_folder,
                          .measured_machines = options.metrics_machines,
-                         .scratch_path = options.database_path},
+                         .database_file = storage::IsPostgresUrl(options.database_path) ? "" : options.database_path},
               .workers = options.workers,
               .rates = handlers::CallRates(options.calls_per_second),
               .events = events_,
@@ -559,24 +593,7 @@ class Server::Impl {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(Validate(options));
-  storage::SqliteOptions sqlite;
-  sqlite.path = options.database_path;
-  sqlite.rescued = [](const records::JobRecord& job) {
-    LogJob({jobs::JobEvent::What::kLost, job, jobs::OutcomeOf(job), {}});
-  };
-  sqlite.damaged = [](const absl::Status& status) {
-    const std::string reason = base::ErrorReason(status);
-    Log(LogLevel::kWarning, "damaged",
-        {{"reason", reason},
-         {"text", std::string(status.message())},
-         {"then", reason == "HISTORY_DAMAGED" ? "histories leave it out; axiscald check names all, a backup has it"
-                                              : "it is being sent again, and stored anew"}});
-  };
-  ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> database, storage::OpenSqlite(sqlite));
-  if (const std::vector<std::string> files = storage::OpenToOthers(options.database_path); !files.empty()) {
-    Log(LogLevel::kWarning, "readable_by_others",
-        {{"files", absl::StrJoin(files, ", ")}, {"text", "everybody on this machine may read them: chmod 600"}});
-  }
+  ASSIGN_OR_RETURN(std::unique_ptr<storage::Database> database, OpenStore(options.database_path));
   auto impl = std::make_unique<Impl>(options, std::move(database));
   RETURN_IF_ERROR(impl->Start());
   return std::unique_ptr<Server>(new Server(std::move(impl)));

@@ -26,7 +26,7 @@ inline constexpr int64_t kMinWaitingBytes = 16 << 20;
 inline constexpr int kMinWindowBytes = 64 << 10, kMaxWindowBytes = 16 << 20;
 
 struct ServerOptions {
-  // The SQLite file; made when it is not there.
+  // The SQLite file, made when it is not there, or the URL of a database of PostgreSQL (storage::PostgresOptions::url).
   std::string database_path;
   // Where to listen, as gRPC takes it ("127.0.0.1:7410", "unix:/run/axiscal.sock"). Port 0 picks a free one. Empty: on
   // no port.

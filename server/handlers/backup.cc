@@ -90,6 +90,8 @@ v1::BackupResponse Summary(const storage::BackupResult& result, const std::strin
 absl::Status Backup(Core& core, const Call& call, const v1::BackupRequest& request,
                     const std::function<bool(const v1::BackupResponse&)>& send) {
   RETURN_IF_ERROR(RequireAccepting(core));
+  // A server's database refuses, and says who makes its backups.
+  if (core.limits.database_file.empty()) return core.database.Backup("", [] { return absl::OkStatus(); }).status();
   const std::filesystem::path folder(core.limits.backup_folder);
   if (folder.empty() && !request.download()) {
     return base::Error(absl::StatusCode::kFailedPrecondition,
@@ -101,7 +103,7 @@ absl::Status Backup(Core& core, const Call& call, const v1::BackupRequest& reque
     return base::Error(absl::StatusCode::kResourceExhausted, "a backup is being made", {"BACKUP_RUNNING", {}});
   // What is sent is made beside the database where there is no folder.
   const std::filesystem::path path = request.download()
-                                         ? folder.empty() ? std::filesystem::path(core.limits.scratch_path + ".backup")
+                                         ? folder.empty() ? std::filesystem::path(core.limits.database_file + ".backup")
                                                           : folder / "axiscal-download.db"
                                          : NewName(folder, base::SystemClock().UtcNow());
   if (request.download()) unlink(path.c_str());

@@ -40,7 +40,7 @@ struct Limits {
   int64_t max_program_bytes = int64_t{1} << 30;  // of one program
   std::string backup_folder = {};                // where backups stay; empty: nowhere
   int measured_machines = 0;                     // that metrics name, those with most open events
-  std::string scratch_path = {};                 // of the database: beside it is room for what is made for a caller
+  std::string database_file = {};                // empty: the database is a server's, and has no file here
 };
 
 // Ten times as many as a dashboard that is looked at by many makes, a tenth of what one core serves.

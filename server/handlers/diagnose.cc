@@ -8,7 +8,9 @@
 #include <cstring>
 #include <filesystem>
 
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "core/base/error_detail.h"
 #include "server/storage/file_mode.h"
 #include "server/storage/sqlite_database.h"
 
@@ -37,16 +39,22 @@ std::string Gigabytes(int64_t bytes) { return absl::StrFormat("%.1f GB", static_
 Finding OfStore(const ServerFacts& facts) {
   if (!facts.read.ok()) {
     return {"database", FindingState::kFailed, "does not answer: " + std::string(facts.read.message()),
-            "df and dmesg on the server: is its disk full, unmounted or broken? Then systemctl restart axiscald"};
+            facts.has_file
+                ? "df and dmesg on the server: is its disk full, unmounted or broken? Then systemctl restart axiscald"
+                : "is the server of PostgreSQL up, and does it let axiscald in? Once it does, axiscald goes on by "
+                  "itself"};
   }
   if (!facts.write.ok()) {
     return {"database", FindingState::kFailed, "takes nothing: " + std::string(facts.write.message()),
-            "make room on its disk, or give the user of the service the right to write there"};
+            facts.has_file ? "make room on its disk, or give the user of the service the right to write there"
+                           : "is it a standby, or its disk full? Its own log says so"};
   }
   return {"database", FindingState::kOk, "answers and takes what is written", ""};
 }
 
 Finding OfDisk(const ServerFacts& facts) {
+  if (!facts.has_file)
+    return {"disk", FindingState::kOk, "the database is PostgreSQL's, and so is its disk: look there", ""};
   if (!facts.disk_free_bytes)
     return {"disk", FindingState::kUnknown, "the free space could not be asked for", kLookIntoLog};
   const std::string text = absl::StrCat(Gigabytes(*facts.disk_free_bytes), " are free, the database has ",
@@ -78,7 +86,8 @@ Finding OfCertificates(const ServerFacts& facts) {
 
 Finding OfFiles(const ServerFacts& facts) {
   if (facts.open_files.empty())
-    return {"permissions", FindingState::kOk, "database and keys are their owner's alone", ""};
+    return {"permissions", FindingState::kOk,
+            facts.has_file ? "database and keys are their owner's alone" : "keys are their owner's alone", ""};
   return {"permissions", FindingState::kWarning,
           "everybody on the server may read " + absl::StrJoin(facts.open_files, ", "), "chmod 600 on each"};
 }
@@ -96,6 +105,10 @@ Finding OfDescriptors(const ServerFacts& facts) {
 
 Finding OfBackup(const ServerFacts& facts) {
   const std::string advice = "axiscal backup every day, and a copy on another machine; restore one twice a year";
+  if (!facts.has_file) {
+    return {"last backup", FindingState::kUnknown, "the database is PostgreSQL's: its server knows of its backups",
+            "pg_dump every day, and a copy on another machine (docs/scale.md); restore one twice a year"};
+  }
   if (facts.backup_folder.empty()) {
     return {"last backup", FindingState::kWarning, "the server has no folder for backups and knows of none",
             "set backup.folder; " + advice};
@@ -198,11 +211,14 @@ ServerFacts FactsOf(Core& core) {
     facts.queued_jobs = jobs->queued;
     if (jobs->oldest_queued) facts.oldest_queued = std::chrono::microseconds(facts.now - *jobs->oldest_queued);
   }
-  const std::string& path = core.limits.scratch_path;
-  facts.disk_free_bytes = metrics::DiskFreeBytes(path);
-  facts.database_bytes = metrics::FileBytes(path);
   facts.certificates = core.certificates();
-  facts.open_files = storage::OpenToOthers(path);
+  const std::string& path = core.limits.database_file;
+  facts.has_file = !path.empty();
+  if (facts.has_file) {
+    facts.disk_free_bytes = metrics::DiskFreeBytes(path);
+    facts.database_bytes = metrics::FileBytes(path);
+    facts.open_files = storage::OpenToOthers(path);
+  }
   for (const std::string& file : core.private_files) {
     struct stat info {};
     if (stat(file.c_str(), &info) == 0 && (info.st_mode & 0007) != 0)

@@ -19,11 +19,12 @@ struct ServerFacts {
   std::string version;
   int schema_version = 0;
   absl::Status read, write;  // of the store
+  bool has_file = true;      // the store is a file here, and not a server's database
   std::optional<int64_t> disk_free_bytes, database_bytes;
   std::vector<std::pair<std::string, base::UtcTime>> certificates;  // file, and when it ends
   std::vector<std::string> open_files;  // that everybody on the machine may read: "FILE (0644)"
   std::optional<int64_t> descriptors, most_descriptors;
-  std::string backup_folder;  // empty: none
+  std::string backup_folder;   // empty: none
   std::string backup_problem;  // why nothing can be written there; empty: it can
   std::optional<base::UtcTime> last_backup;
   std::optional<std::vector<records::CellRecord>> cells;

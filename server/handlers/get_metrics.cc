@@ -20,10 +20,11 @@ absl::StatusOr<v1::GetMetricsResponse> GetMetrics(Core& core, const Call& call, 
       gauges.oldest_queued =
           std::max(std::chrono::microseconds(0), std::chrono::microseconds(now - *jobs->oldest_queued));
   }
-  const std::string& path = core.limits.scratch_path;
-  gauges.database_bytes = metrics::FileBytes(path);
-  gauges.write_ahead_log_bytes = metrics::FileBytes(path + "-wal");
-  gauges.disk_free_bytes = metrics::DiskFreeBytes(path);
+  if (const std::string& path = core.limits.database_file; !path.empty()) {
+    gauges.database_bytes = metrics::FileBytes(path);
+    gauges.write_ahead_log_bytes = metrics::FileBytes(path + "-wal");
+    gauges.disk_free_bytes = metrics::DiskFreeBytes(path);
+  }
   const HeldLimits& held = core.limits.held;
   gauges.streams = {{"upload", core.held.count(HeldKind::kUpload), held.max_uploads},
                     {"download", core.held.count(HeldKind::kDownload), held.max_downloads},
