@@ -41,12 +41,13 @@ absl::StatusOr<v1::GetMetricsResponse> GetMetrics(Core& core, const Call& call, 
                     .quarantined_files = cells->quarantined_files};
   }
   if (const auto webhooks = core.database.ListWebhooks(); webhooks.ok()) {
-    gauges.webhooks.emplace();
+    metrics::Gauges::Webhooks sums;
     for (const records::WebhookRecord& webhook : *webhooks) {
-      ++gauges.webhooks->webhooks;
-      gauges.webhooks->failing += webhook.tries > 0 ? 1 : 0;
-      gauges.webhooks->dead_letters += webhook.dead_letters;
+      ++sums.webhooks;
+      sums.failing += webhook.tries > 0 ? 1 : 0;
+      sums.dead_letters += webhook.dead_letters;
     }
+    gauges.webhooks = sums;
   }
   if (core.limits.measured_machines > 0) {
     const auto machines = core.database.MachinesWithEvents(core.limits.measured_machines);

@@ -111,9 +111,10 @@ class PostgresConnection::Statements final : public Prepared {
   }
 
  private:
-  void Set(int index, PostgresParameter value) {
+  // A statement may name a parameter several times.
+  void Set(int index, const PostgresParameter& value) {
     for (size_t i = 0; i < values_.size(); ++i) {
-      if (sql_.parameters[i] == index) values_[i] = std::move(value);
+      if (sql_.parameters[i] == index) values_[i] = value;
     }
   }
 
