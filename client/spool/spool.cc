@@ -220,10 +220,20 @@ absl::StatusOr<Usage> Spool::Measure() const {
       {Place::kWaiting, {&usage.waiting, &usage.waiting_bytes}},
       {Place::kRefused, {&usage.refused, &usage.refused_bytes}},
       {Place::kSent, {&usage.sent, &usage.sent_bytes}}};
+  const base::MutexLock lock(sizes_->mutex);
   for (const auto& [place, counts] : places) {
     ASSIGN_OR_RETURN(const std::vector<Name> names, NamesIn(FolderOf(place)));
     *counts.first = static_cast<int64_t>(names.size());
-    for (const Name& name : names) *counts.second += BytesIn(absl::StrCat(FolderOf(place), "/", name.text));
+    std::unordered_map<std::string, int64_t>& known = sizes_->bytes[static_cast<size_t>(place)];
+    std::unordered_map<std::string, int64_t> present;
+    for (const Name& name : names) {
+      const auto found = known.find(name.text);
+      const int64_t bytes =
+          found == known.end() ? BytesIn(absl::StrCat(FolderOf(place), "/", name.text)) : found->second;
+      *counts.second += bytes;
+      present.emplace(name.text, bytes);
+    }
+    known = std::move(present);
   }
   return usage;
 }

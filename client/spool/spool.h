@@ -13,11 +13,14 @@
 #define AXISCAL_CLIENT_SPOOL_SPOOL_H_
 
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "client/spool/entry.h"
+#include "core/base/mutex.h"
 
 namespace axiscal::spool {
 
@@ -78,7 +81,14 @@ class Spool {
   const SpoolOptions& options() const { return options_; }
 
  private:
-  explicit Spool(SpoolOptions options) : options_(std::move(options)) {}
+  // Sizes of entries that were asked for, by place and name: what an entry holds does not change while it stays in its
+  // place, and a spool of thousands is measured for each file that comes and goes.
+  struct Sizes {
+    base::Mutex mutex;
+    std::unordered_map<std::string, int64_t> bytes[3] AXISCAL_GUARDED_BY(mutex);
+  };
+
+  explicit Spool(SpoolOptions options) : options_(std::move(options)), sizes_(std::make_shared<Sizes>()) {}
   std::string FolderOf(Place place) const;
   absl::StatusOr<std::string> Find(Place place, int64_t number) const;
   absl::Status Move(Place from, Place to, int64_t number, const std::string& note_file, const Note& note);
@@ -86,6 +96,7 @@ class Spool {
   absl::Status MakeRoom(int64_t bytes) const;
 
   SpoolOptions options_;
+  std::shared_ptr<Sizes> sizes_;
 };
 
 // Whoever holds it sends; nobody else does meanwhile.

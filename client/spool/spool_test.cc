@@ -117,6 +117,32 @@ TEST_F(SpoolTest, CopiesOfWhatWasSentAreCounted) {
   EXPECT_THAT(*spool.Numbers(Place::kSent), ElementsAre(3, 4));
 }
 
+// Two who share a spool remember sizes of entries, and what they remember is what is there.
+TEST_F(SpoolTest, WhatIsRememberedOfSizesIsWhatIsThere) {
+  Spool one = Open(), other = Open();
+  const auto agree = [&] {
+    const Usage fresh = *Open().Measure();
+    for (const Spool& spool : {one, other}) {
+      const Usage usage = *spool.Measure();
+      EXPECT_EQ(usage.waiting_bytes, fresh.waiting_bytes);
+      EXPECT_EQ(usage.refused_bytes, fresh.refused_bytes);
+      EXPECT_EQ(usage.sent_bytes, fresh.sent_bytes);
+    }
+    return fresh.bytes();
+  };
+  for (const char* name : {"a.log", "b.log", "c.log"}) EXPECT_TRUE(one.Add(Log(name), std::string(1000, 'x')).ok());
+  const int64_t added = agree();
+  EXPECT_GT(added, 3000);
+  EXPECT_TRUE(one.MarkSent(1, {}).ok());
+  EXPECT_TRUE(other.Refuse(2, {}).ok());
+  EXPECT_GT(agree(), added) << "what was answered is kept with it";
+  EXPECT_TRUE(one.Retry(2).ok());
+  agree();
+  EXPECT_TRUE(other.Refuse(2, {}).ok());
+  EXPECT_TRUE(other.Drop(2).ok());
+  EXPECT_LT(agree(), added);
+}
+
 TEST_F(SpoolTest, ASourceGoesOnceItWasSentUnlessItHasChanged) {
   Spool spool = Open();
   for (const char* const name : {"kept.log", "gone.log", "changed.log"}) {
