@@ -76,7 +76,7 @@ constexpr size_t kMaxConfigBytes = 1 << 20;
 struct CommandLine {
   std::string config_path;
   bool is_check = false;
-  std::string file, backup;  // of sub-commands
+  std::string file, backup, from, to;  // of sub-commands
   bool take_damaged = false;
   std::map<std::string, std::string> texts;
   std::map<std::string, bool> switches;
@@ -117,6 +117,11 @@ void AddCommands(CLI::App& app, CommandLine& line) {
   CLI::App* const compact =
       app.add_subcommand("compact", "Write the database anew without the space of what was removed");
   compact->add_option("FILE", line.file, file);
+  CLI::App* const copy = app.add_subcommand(
+      "copy",
+      "Carry a store over from a file to a new database of PostgreSQL, or back; goes on where it was broken off");
+  copy->add_option("--from", line.from, "the file, or postgresql://USER@HOST/DATABASE; no server has it")->required();
+  copy->add_option("--to", line.to, "the same, new")->required();
 }
 
 absl::StatusOr<Configured> ReadConfiguration(const CLI::App& app, const CommandLine& line) {
@@ -145,6 +150,7 @@ absl::StatusOr<std::string> DatabaseOf(const CLI::App& app, const CommandLine& l
 }
 
 int RunOffline(const CLI::App& app, const CommandLine& line) {
+  if (!line.from.empty()) return axiscal::server::CopyOffline(line.from, line.to);
   const absl::StatusOr<std::string> file = DatabaseOf(app, line);
   if (!file.ok()) {
     std::fprintf(stderr, "axiscald: %s\n", std::string(file.status().message()).c_str());

@@ -1,12 +1,16 @@
 #include "server/offline.h"
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 
+#include "core/base/clock.h"
 #include "core/base/utf8.h"
 #include "server/storage/backup.h"
 #include "server/storage/check.h"
+#include "server/storage/copy_store.h"
 #include "server/storage/migrate.h"
+#include "server/storage/postgres_url.h"
 
 namespace axiscal::server {
 namespace {
@@ -58,6 +62,27 @@ int CompactOffline(const std::string& path) {
   const absl::StatusOr<storage::CompactResult> result = storage::CompactStore(path);
   if (!result.ok()) return Fail(result.status());
   Print(absl::StrCat(path, ": ", result->before_bytes, " bytes before, ", result->after_bytes, " now"));
+  return 0;
+}
+
+int CopyOffline(const std::string& from, const std::string& to) {
+  base::SteadyTime next_word = base::SystemClock().SteadyNow();
+  const absl::StatusOr<storage::CopyResult> result = storage::CopyStoreTo(
+      from, to, base::SystemClock().UtcNow(), [&](const storage::CopyProgress& progress) -> absl::Status {
+        const base::SteadyTime now = base::SystemClock().SteadyNow();
+        if (now < next_word) return absl::OkStatus();
+        next_word = now + std::chrono::seconds(2);
+        Print(
+            absl::StrCat(progress.doing, " ", progress.table, ": ", progress.rows, " of ", progress.all_rows, " rows"));
+        std::fflush(stdout);
+        return absl::OkStatus();
+      });
+  if (!result.ok()) return Fail(result.status());
+  if (result->rows_before > 0)
+    Print(absl::StrCat(result->rows_before, " rows were there from a copy that was broken off"));
+  Print(absl::StrCat(storage::WithoutPassword(to), ": ", result->rows, " rows of ", result->tables,
+                     " tables, the same as in ", storage::WithoutPassword(from), " (SHA-256 ", result->sha256,
+                     "), whole by their own checksums"));
   return 0;
 }
 

@@ -53,6 +53,7 @@ class Connection {
     ASSIGN_OR_RETURN(const std::optional<int64_t> id, InsertIfNew(sql, parameters...));
     return id.value();
   }
+  virtual absl::StatusOr<bool> HasTable(const std::string& name) = 0;
   // Several statements without parameters.
   virtual absl::Status Execute(const std::string& script) = 0;
 

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/substitute.h"
 #include "server/storage/refusal.h"
+#include "server/storage/transaction.h"
 
 namespace axiscal::storage {
 namespace {
@@ -31,10 +32,11 @@ constexpr char kAddUnknownToWeek[] =
     "ON CONFLICT (machine_id, symbol, week) DO UPDATE SET not_identifiable_count = "
     "estimate_week.not_identifiable_count + 1";
 
-constexpr char kSealWeek[] =
+constexpr char kSealWeeks[] =
     "UPDATE estimate_week SET crc32c = row_crc32c(machine_id, symbol, week, unit, estimate_count, "
     "not_identifiable_count, min_um_urad, max_um_urad, sum_um_urad, first_at_utc_us, last_at_utc_us, "
-    "last_sigma_um_urad, last_calibration_id) WHERE machine_id = ?1 AND symbol = ?2 AND week = ?3";
+    "last_sigma_um_urad, last_calibration_id)";
+constexpr char kOfWeek[] = " WHERE machine_id = ?1 AND symbol = ?2 AND week = ?3";
 // Where it was intact while its calibration was rejected (?5) it is so while that is ?6.
 constexpr char kSealEstimateAgain[] =
     "UPDATE estimate SET crc32c = row_crc32c(machine_id, symbol, measured_at_utc_us, calibration_id, position, unit, "
@@ -74,7 +76,7 @@ absl::Status SumWeekAgain(Connection& connection, int64_t machine_key, int64_t w
   ASSIGN_OR_RETURN(const std::vector<std::string> symbols, MachineSymbols(connection, machine_key));
   for (const std::string& symbol : symbols) {
     RETURN_IF_ERROR(connection.Run(SumWeekAgainSql(), machine_key, week, kWeekUs, symbol));
-    RETURN_IF_ERROR(connection.Run(kSealWeek, machine_key, symbol, week));
+    RETURN_IF_ERROR(connection.Run(absl::StrCat(kSealWeeks, kOfWeek), machine_key, symbol, week));
   }
   return absl::OkStatus();
 }
@@ -109,7 +111,7 @@ absl::Status InsertOne(Connection& connection, int64_t machine_key, UtcTime meas
   RETURN_IF_ERROR(estimate.identifiable ? connection.Run(kAddToWeek, machine_key, estimate.symbol, week, unit,
                                                          estimate.value, measured_at, estimate.sigma, id)
                                         : connection.Run(kAddUnknownToWeek, machine_key, estimate.symbol, week, unit));
-  return connection.Run(kSealWeek, machine_key, estimate.symbol, week);
+  return connection.Run(absl::StrCat(kSealWeeks, kOfWeek), machine_key, estimate.symbol, week);
 }
 
 }  // namespace
@@ -250,6 +252,29 @@ absl::StatusOr<std::vector<std::string>> MachineSymbols(Connection& connection, 
     last = row.Text(0);
     symbols.push_back(last);
   }
+}
+
+absl::StatusOr<int64_t> CountDamagedEstimates(Connection& connection) {
+  int64_t count = 0;
+  for (const std::string& sql :
+       {absl::StrCat("SELECT count(*) FROM estimate AS e JOIN calibration AS c ON c.id = e.calibration_id WHERE NOT ",
+                     kIsIntactEstimate),
+        absl::StrCat("SELECT count(*) FROM estimate_week AS w WHERE NOT ", kIsIntactWeek)}) {
+    ASSIGN_OR_RETURN(Statement row, connection.Ask(sql));
+    RETURN_IF_ERROR(row.Step().status());
+    count += row.Int(0);
+  }
+  return count;
+}
+
+absl::Status SealEstimatesAnew(Connection& connection) {
+  ASSIGN_OR_RETURN(Transaction transaction, Transaction::BeginWrite(connection));
+  RETURN_IF_ERROR(connection.Run(absl::StrCat(
+      "UPDATE estimate SET crc32c = row_crc32c(machine_id, symbol, measured_at_utc_us, calibration_id, position, unit, "
+      "identifiable, estimated_um_urad, sigma_um_urad, (SELECT CASE WHEN ",
+      kIsRejected, " THEN 1 ELSE 0 END FROM calibration AS c WHERE c.id = estimate.calibration_id))")));
+  RETURN_IF_ERROR(connection.Run(kSealWeeks));
+  return transaction.Commit();
 }
 
 }  // namespace axiscal::storage

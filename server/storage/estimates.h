@@ -45,6 +45,11 @@ absl::Status NoteRejection(Connection& connection, int64_t machine_key, UtcTime 
 // digits.
 absl::Status CheckHistory(Connection& connection, int64_t machine_key,
                           const std::function<void(const std::string& place, const std::string& what)>& tell);
+// Rows that are not what was stored, of all machines.
+absl::StatusOr<int64_t> CountDamagedEstimates(Connection& connection);
+// Each row is what was stored from now on: of rows that came from another engine, whose checksums are made in another
+// way (migrations/postgresql), and that were whole there.
+absl::Status SealEstimatesAnew(Connection& connection);
 // The estimates of one calibration, in the order in which they were given.
 absl::StatusOr<std::vector<Estimate>> ReadEstimates(Connection& connection, int64_t machine_key, UtcTime measured_at,
                                                     CalibrationId id);

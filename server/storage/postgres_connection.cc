@@ -2,6 +2,7 @@
 
 #include <libpq-fe.h>
 
+#include <algorithm>
 #include <bit>
 #include <optional>
 #include <utility>
@@ -111,11 +112,11 @@ class PostgresConnection::Statements final : public Prepared {
   }
 
  private:
-  // A statement may name a parameter several times.
-  void Set(int index, const PostgresParameter& value) {
-    for (size_t i = 0; i < values_.size(); ++i) {
-      if (sql_.parameters[i] == index) values_[i] = value;
-    }
+  // Each parameter of the store stands there once, or not at all.
+  void Set(int index, PostgresParameter value) {
+    const auto found = std::find(sql_.parameters.begin(), sql_.parameters.end(), index);
+    if (found != sql_.parameters.end())
+      values_[static_cast<size_t>(found - sql_.parameters.begin())] = std::move(value);
   }
 
   // The server knows the statement with these types from now on.
@@ -217,6 +218,12 @@ absl::Status PostgresConnection::Reconnect() {
 
 absl::StatusOr<std::unique_ptr<Prepared>> PostgresConnection::Compile(const std::string& sql) {
   return std::make_unique<Statements>(*this, sql);
+}
+
+absl::StatusOr<bool> PostgresConnection::HasTable(const std::string& name) {
+  ASSIGN_OR_RETURN(Statement row,
+                   Ask("SELECT 1 FROM pg_tables WHERE schemaname = current_schema() AND tablename = ?1", name));
+  return row.Step();
 }
 
 absl::Status PostgresConnection::Execute(const std::string& script) {

@@ -25,6 +25,7 @@ class PostgresConnection final : public Connection {
   static absl::StatusOr<std::unique_ptr<PostgresConnection>> Open(const std::string& url, Access access);
   ~PostgresConnection() override;
 
+  absl::StatusOr<bool> HasTable(const std::string& name) override;
   absl::Status Execute(const std::string& script) override;
   // Connects again where the connection was lost meanwhile.
   absl::Status Begin(Access access) override;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "server/storage/copy_store.h"
 #include "server/storage/postgres_connection.h"
 #include "server/storage/postgres_migrate.h"
 #include "server/storage/postgres_url.h"
@@ -38,6 +39,7 @@ absl::StatusOr<std::unique_ptr<Database>> OpenPostgres(const PostgresOptions& op
     ASSIGN_OR_RETURN(std::unique_ptr<PostgresConnection> connection,
                      PostgresConnection::Open(options.url, Access::kWrite));
     RETURN_IF_ERROR(MigratePostgres(*connection, PostgresMigrations(), options.clock->UtcNow()));
+    RETURN_IF_ERROR(RefuseUnfinishedCopy(*connection));
     return SqlStore::Open({options.rescued, options.damaged, options.clock},
                           std::make_unique<PostgresEngine>(options.url), std::move(connection));
   };

@@ -91,6 +91,11 @@ absl::StatusOr<std::unique_ptr<Prepared>> SqliteConnection::Compile(const std::s
   return std::make_unique<SqlitePrepared>(statement);
 }
 
+absl::StatusOr<bool> SqliteConnection::HasTable(const std::string& name) {
+  ASSIGN_OR_RETURN(Statement row, Ask("SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1", name));
+  return row.Step();
+}
+
 absl::Status SqliteConnection::Execute(const std::string& script) {
   if (sqlite3_exec(db_, script.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) return SqliteError(db_, script);
   return absl::OkStatus();

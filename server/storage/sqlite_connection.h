@@ -17,6 +17,7 @@ class SqliteConnection final : public Connection {
   static absl::StatusOr<std::unique_ptr<SqliteConnection>> Open(const std::string& path, Access access);
   ~SqliteConnection() override;
 
+  absl::StatusOr<bool> HasTable(const std::string& name) override;
   absl::Status Execute(const std::string& script) override;
   absl::Status Begin(Access access) override { return Run(access == Access::kWrite ? "BEGIN IMMEDIATE" : "BEGIN"); }
   // SQLite rolls back by itself where the disk is full or fails.

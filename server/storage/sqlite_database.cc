@@ -7,6 +7,7 @@
 
 #include "core/base/error_detail.h"
 #include "server/storage/backup.h"
+#include "server/storage/copy_store.h"
 #include "server/storage/file_lock.h"
 #include "server/storage/migrate.h"
 #include "server/storage/sql_store.h"
@@ -73,6 +74,7 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& given)
   RETURN_IF_ERROR(CheckFile(options.path, EmbeddedMigrations()));
   ASSIGN_OR_RETURN(std::unique_ptr<SqliteConnection> connection, SqliteConnection::Open(options.path, Access::kWrite));
   RETURN_IF_ERROR(base::Within(options.path, Migrate(*connection, EmbeddedMigrations(), options.clock->UtcNow())));
+  RETURN_IF_ERROR(base::Within(options.path, RefuseUnfinishedCopy(*connection)));
   auto engine = std::make_unique<SqliteEngine>(options, std::move(lock), *connection);
   absl::StatusOr<std::unique_ptr<Database>> database =
       SqlStore::Open({options.rescued, options.damaged, options.clock}, std::move(engine), std::move(connection));

@@ -83,6 +83,7 @@ class Statement {
   void Bind(int index, const std::string& text) { prepared_->BindText(index, text); }
   void Bind(int index, const char* text) = delete;
   void Bind(int index, Blob blob) { prepared_->BindBlob(index, blob); }
+  void BindNull(int index, ValueType type) { prepared_->BindNull(index, type); }
   void Bind(int index, base::UtcTime time) { Bind(index, base::ToUtcUs(time)); }
   template <typename Tag>
   void Bind(int index, base::NumberId<Tag> id) {
