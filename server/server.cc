@@ -615,7 +615,8 @@ absl::Status Server::Check() {
   records::PageRequest one;
   one.size = 1;
   RETURN_IF_ERROR(impl_->database_->ListMachines(one).status());
-  return impl_->database_->NextJobWait().status();
+  RETURN_IF_ERROR(impl_->database_->NextJobWait().status());
+  return impl_->database_->TryReadAnew();
 }
 void Server::Shutdown() { impl_->Shutdown(); }
 

@@ -108,8 +108,8 @@ class Server {
   int port() const;
   int http_port() const;
 
-  // OK where the store reads: a machine, and the queue of jobs. Its errors otherwise; blocks for as long as the store
-  // does. Not after Shutdown().
+  // OK where the store reads: a machine, the queue of jobs, and something anew from its disk. Its errors otherwise;
+  // blocks for as long as the store does. Not after Shutdown().
   absl::Status Check();
 
   // NOT_SERVING, no new work, lets calls and jobs finish for as long as options say, parks jobs that did not. Repeating

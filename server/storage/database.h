@@ -260,6 +260,10 @@ class Database {
   // Whether something can be written now. UNAVAILABLE STORE_DOWN, RESOURCE_EXHAUSTED DISK_FULL ...
   virtual absl::Status TryWrite() = 0;
 
+  // Whether something can be read now from where it is kept: by a connection of its own, as one that is open may answer
+  // for long from what it has in memory. UNAVAILABLE STORE_DOWN, DATA_LOSS STORE_DAMAGED.
+  virtual absl::Status TryReadAnew() = 0;
+
   // Schema version of the file, for GetServerInfo.
   virtual int schema_version() const = 0;
 

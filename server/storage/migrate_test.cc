@@ -117,6 +117,22 @@ TEST(SqliteDatabase, IsHeldByOneOnly) {
 }
 
 // A file is the same under every name.
+// What an open connection has in memory it goes on answering from, whatever has become of the file.
+TEST(SqliteDatabase, WhatIsReadAnewTellsOfAFileThatIsLost) {
+  TempDatabase database;
+  ASSERT_TRUE(database->CreateMachine(MachineId("mt"), "{}", Cell("")).ok());
+  ASSERT_TRUE(database->ListMachines({}).ok());
+  EXPECT_TRUE(database->TryReadAnew().ok());
+  {
+    std::fstream file(database.path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.write(std::string(409'600, '\0').data(), 409'600);
+    ASSERT_TRUE(file.flush().good());
+  }
+  std::filesystem::remove(database.path() + "-wal");
+  EXPECT_TRUE(database->ListMachines({}).ok()) << "from memory";
+  EXPECT_FALSE(database->TryReadAnew().ok());
+}
+
 TEST(SqliteDatabase, IsHeldByOneOnlyThroughLinksToo) {
   TempDatabase database;
   const TempDirectory elsewhere;

@@ -490,6 +490,11 @@ class SqlStore final : public Database {
   absl::Status TryWrite() override {
     return writer_.Run([&](Connection& c) { return SaveUpTime(c, UpTime()); });
   }
+  absl::Status TryReadAnew() override {
+    ASSIGN_OR_RETURN(const std::unique_ptr<Connection> connection, engine_->OpenReader());
+    ASSIGN_OR_RETURN(Statement row, connection->Ask("SELECT up_us FROM up_time WHERE id = 1"));
+    return row.Step().status();
+  }
   absl::StatusOr<std::vector<std::pair<MachineId, int64_t>>> MachinesWithEvents(int most) override {
     return readers_.Run([&](Connection& c) { return storage::MachinesWithEvents(c, most); });
   }
