@@ -71,7 +71,8 @@ export async function watchedFetch(input: RequestInfo | URL, init?: RequestInit)
   }
 }
 
-const transport = createConnectTransport({ baseUrl: location.origin, fetch: watchedFetch });
+// In protobuf's own bytes: the lists of a large fleet are a third as long as in JSON, and read in a fraction of the time.
+const transport = createConnectTransport({ baseUrl: location.origin, fetch: watchedFetch, useBinaryFormat: true });
 export const access = createClient(Access, transport);
 export const admin = createClient(Admin, transport);
 export const calibrations = createClient(Calibrations, transport);

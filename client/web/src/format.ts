@@ -2,34 +2,50 @@
 import { EstimateUnit } from "./gen/axiscal/v1/calibration_pb";
 import { language } from "./text";
 
-const locale = () => (language.value === "de" ? "de-DE" : "en-GB");
+// To make a format costs a hundred times what it costs to use one, so each is made once. A page of a hundred machines writes hundreds of
+// numbers and dates at each key.
+const kNumberFormats = new Map<string, Intl.NumberFormat>();
+const kDateFormats = new Map<string, Intl.DateTimeFormat>();
+function kept<Format, Options>(
+  formats: Map<string, Format>,
+  make: new (locale: string, options: Options) => Format,
+  options: Options,
+): Format {
+  const locale = language.value === "de" ? "de-DE" : "en-GB";
+  const key = locale + JSON.stringify(options);
+  let format = formats.get(key);
+  if (format === undefined) formats.set(key, (format = new make(locale, options)));
+  return format;
+}
+const numbers = (options: Intl.NumberFormatOptions = {}) => kept(kNumberFormats, Intl.NumberFormat, options);
+const dates = (options: Intl.DateTimeFormatOptions) => kept(kDateFormats, Intl.DateTimeFormat, options);
 
 // A value to the digits that its uncertainty allows: two digits of sigma; without one, four digits.
 export function valueText(value: number, sigma?: number): string {
   if (sigma !== undefined && sigma > 0 && Number.isFinite(sigma)) {
     const digits = Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(sigma))));
-    return new Intl.NumberFormat(locale(), { minimumFractionDigits: digits, maximumFractionDigits: digits }).format(
+    return numbers({ minimumFractionDigits: digits, maximumFractionDigits: digits }).format(
       sigma > 100 ? Math.round(value) : value,
     );
   }
-  return new Intl.NumberFormat(locale(), { maximumSignificantDigits: 4 }).format(value);
+  return numbers({ maximumSignificantDigits: 4 }).format(value);
 }
 export function sigmaText(sigma: number): string {
-  return new Intl.NumberFormat(locale(), { minimumSignificantDigits: 2, maximumSignificantDigits: 2 }).format(sigma);
+  return numbers({ minimumSignificantDigits: 2, maximumSignificantDigits: 2 }).format(sigma);
 }
 export function numberText(value: number, digits = 3): string {
-  return new Intl.NumberFormat(locale(), { maximumSignificantDigits: digits }).format(value);
+  return numbers({ maximumSignificantDigits: digits }).format(value);
 }
 // Of a share, signed: "−42 %".
 export function percentText(share: number): string {
-  return new Intl.NumberFormat(locale(), { style: "percent", maximumFractionDigits: 1, signDisplay: "exceptZero" }).format(-share);
+  return numbers({ style: "percent", maximumFractionDigits: 1, signDisplay: "exceptZero" }).format(-share);
 }
 // "0,03"; a small one only says that it is small.
 export function probabilityText(value: number): string {
   return value < 0.001 ? `< ${numberText(0.001)}` : numberText(value, 2);
 }
 export function countText(value: number | bigint): string {
-  return new Intl.NumberFormat(locale()).format(value);
+  return numbers().format(value);
 }
 export function unitText(unit: EstimateUnit | string): string {
   const name = typeof unit === "string" ? unit : unit === EstimateUnit.UM ? "um" : unit === EstimateUnit.URAD ? "urad" : "";
@@ -41,13 +57,13 @@ export function dateOf(us: bigint): Date {
   return new Date(Number(us / 1000n));
 }
 export function dayText(us: bigint): string {
-  return new Intl.DateTimeFormat(locale(), { dateStyle: "medium" }).format(dateOf(us));
+  return dates({ dateStyle: "medium" }).format(dateOf(us));
 }
 export function timeText(us: bigint): string {
-  return new Intl.DateTimeFormat(locale(), { dateStyle: "medium", timeStyle: "short" }).format(dateOf(us));
+  return dates({ dateStyle: "medium", timeStyle: "short" }).format(dateOf(us));
 }
 export function nowText(): string {
-  return new Intl.DateTimeFormat(locale(), { dateStyle: "medium", timeStyle: "short" }).format(new Date());
+  return dates({ dateStyle: "medium", timeStyle: "short" }).format(new Date());
 }
 export function secondsText(us: bigint): string {
   const s = Number(us) / 1e6;

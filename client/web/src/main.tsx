@@ -178,8 +178,7 @@ function App() {
   const [failed, setFailed] = useState("");
   useEffect(() => {
     const ask = () => whoAmI().catch((error) => setFailed(mustSignIn.value || !isConnected.value ? "" : problemOf(error).text));
-    void ask();
-    // After a restart the server does not know the cookie, so ask again when it is back.
+    // At once; and after a restart the server does not know the cookie, so again when it is back.
     return isConnected.subscribe((is) => {
       if (is) void ask();
     });
@@ -224,7 +223,7 @@ function App() {
         ) : who ? (
           <Page />
         ) : (
-          <p class="waiting" role={failed ? "alert" : "status"}>
+          <p class={failed ? "waiting" : "waiting who-first"} role={failed ? "alert" : "status"}>
             {failed || t("loading")}
           </p>
         )}

@@ -112,11 +112,12 @@ const kTexts = {
   whyFirst: ["{n} waiting for approval, none in use", "{n} warten auf Freigabe, keine in Gebrauch"],
   whyNever: ["never calibrated: upload a session, then identify", "nie kalibriert: Messung hochladen, dann identifizieren"],
   whyGood: ["no jump and no doubt since the calibration in use", "kein Sprung und kein Zweifel seit der benutzten Kalibrierung"],
-  fleetCounts: ["{n} machines, {sick} to look at now, {wait} to decide", "{n} Maschinen, {sick} jetzt anzusehen, {wait} zu entscheiden"],
+  fleetCounts: ["{n} machines, {sick} to look at now, {wait} to decide.", "{n} Maschinen, {sick} jetzt anzusehen, {wait} zu entscheiden."],
   fleetLooked: [
     "The history of {n} of {all} machines has been looked through so far.",
     "Die Geschichte von {n} von {all} Maschinen ist bisher durchgesehen.",
   ],
+  fleetAllLooked: ["The history of all {n} calibrated machines was looked through.", "Die Geschichte aller {n} kalibrierten Maschinen ist durchgesehen."],
   // machine
   waitsForDecision: ["Newer, waiting for a decision", "Neuer, wartet auf eine Entscheidung"],
   happened: ["What happened", "Was geschah"],

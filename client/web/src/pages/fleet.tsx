@@ -1,5 +1,5 @@
 // Every machine at a glance, those that need care first.
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { access, all, calibrations, epoch, history, ingest, isConnected, machines, problemOf, useLoad, type Problem } from "../api";
 import { careOf, kCares, known, open, type Care, type Known } from "../care";
 import { isNew, listEvents } from "../events";
@@ -9,14 +9,15 @@ import type { Event } from "../gen/axiscal/v1/events_service_pb";
 import type { DriftFinding } from "../gen/axiscal/v1/history_service_pb";
 import { Empty, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
 import { isAdminOfAll } from "../session";
-import { t } from "../text";
+import { language, t } from "../text";
 
 const kMostMachines = 5000;
 const kMostLabelled = 5000; // sessions with a label
-const kShownAtOnce = 100;
+const kShownAtOnce = 50;
 // Histories asked for at a time: a browser has six connections.
 const kAtATime = 2;
 const kEveryMs = 60_000;
+const kNoEvents: Event[] = [];
 
 export interface Fleet {
   rows: { id: string; what: Known; news: Event[] }[]; // news: events that nobody has seen, newest first
@@ -30,7 +31,7 @@ export async function loadFleet(): Promise<Fleet> {
       const page = await calibrations.listCalibrations({ state, pageSize: 1000, pageToken });
       return { rows: page.calibrations, nextPageToken: page.nextPageToken };
     });
-  const [found, inUse, candidates, events] = await Promise.all([
+  const [found, inUse, candidates, events, rights] = await Promise.all([
     all(kMostMachines, async (pageToken) => {
       const page = await machines.listMachines({ pageSize: 1000, pageToken });
       return { rows: page.machines.map((m) => m.machineId), nextPageToken: page.nextPageToken };
@@ -38,17 +39,17 @@ export async function loadFleet(): Promise<Fleet> {
     list(CalibrationState.APPROVED),
     list(CalibrationState.CANDIDATE),
     listEvents("", true),
+    isAdminOfAll()
+      ? all(kMostMachines, async (pageToken) => {
+          const page = await access.listMachineAccess({ pageSize: 1000, pageToken });
+          return { rows: page.machines, nextPageToken: page.nextPageToken };
+        })
+      : undefined,
   ]);
   const news = new Map<string, Event[]>();
   for (const event of events.rows.filter(isNew)) news.set(event.machineId, [...(news.get(event.machineId) ?? []), event]);
   const groups = new Map<string, string[]>();
-  if (isAdminOfAll()) {
-    const rights = await all(kMostMachines, async (pageToken) => {
-      const page = await access.listMachineAccess({ pageSize: 1000, pageToken });
-      return { rows: page.machines, nextPageToken: page.nextPageToken };
-    });
-    for (const machine of rights.rows) groups.set(machine.machineId, machine.groups);
-  }
+  for (const machine of rights?.rows ?? []) groups.set(machine.machineId, machine.groups);
   const of = new Map<string, Calibration[]>();
   for (const calibration of [...inUse.rows, ...candidates.rows]) {
     const list = of.get(calibration.machineId);
@@ -56,7 +57,7 @@ export async function loadFleet(): Promise<Fleet> {
     else of.set(calibration.machineId, [calibration]);
   }
   return {
-    rows: found.rows.map((id) => ({ id, what: known(of.get(id) ?? []), news: news.get(id) ?? [] })),
+    rows: found.rows.map((id) => ({ id, what: known(of.get(id) ?? []), news: news.get(id) ?? kNoEvents })),
     groups,
     isWhole: found.isWhole && inUse.isWhole && candidates.isWhole && events.isWhole,
   };
@@ -105,15 +106,22 @@ export interface Rated {
 
 // Those that need care first; `left`: how many were not looked through yet.
 export function useRated(fleet: Fleet): { rated: Rated[]; looked: number; left: number; problem?: string } {
-  const withData = fleet.rows.filter((row) => row.what.inUse || row.what.waiting.length > 0).map((row) => row.id);
+  const withData = useMemo(
+    () => fleet.rows.filter((row) => row.what.inUse || row.what.waiting.length > 0).map((row) => row.id),
+    [fleet],
+  );
   const found = useFindings(withData);
-  const rated = fleet.rows
-    .map((row) => {
-      const findings = found.of.get(row.id);
-      const care = careOf(row.what, findings, row.news);
-      return { ...row, findings, care, told: row.news.length + open(findings ?? [], row.what.inUse).length };
-    })
-    .sort((a, b) => kCares.indexOf(a.care) - kCares.indexOf(b.care) || b.told - a.told || (a.id < b.id ? -1 : 1));
+  const rated = useMemo(
+    () =>
+      fleet.rows
+        .map((row) => {
+          const findings = found.of.get(row.id);
+          const care = careOf(row.what, findings, row.news);
+          return { ...row, findings, care, told: row.news.length + open(findings ?? [], row.what.inUse).length };
+        })
+        .sort((a, b) => kCares.indexOf(a.care) - kCares.indexOf(b.care) || b.told - a.told || (a.id < b.id ? -1 : 1)),
+    [fleet, found.of],
+  );
   return { rated, looked: found.of.size, left: withData.length - found.of.size, problem: found.problem };
 }
 
@@ -149,6 +157,49 @@ function useLabelled(label: string): { ids?: Set<string>; isWhole: boolean; prob
   return { ids: new Set(found.data?.rows), isWhole: found.data?.isWhole ?? true, problem: found.problem };
 }
 
+// Made anew only when something of its machine is new, not at each key in the filter.
+function FleetRow(props: { of: Rated }) {
+  const { id, what, news, care, findings } = props.of;
+  return useMemo(() => {
+    const { inUse } = what;
+    const fit = inUse?.statistics;
+    return (
+      <tr>
+        <th scope="row">
+          <a href={`#/machines/${encodeURIComponent(id)}`}>{id}</a>
+        </th>
+        <td>
+          <CareMark of={props.of} />
+        </td>
+        <td class="text">
+          <Why what={what} care={care} findings={findings} news={news} />
+        </td>
+        <td class="number">
+          <a href={`#/events/${encodeURIComponent(id)}`} aria-label={`${countText(news.length)}: ${t("eventsOf", { machine: id })}`}>
+            {countText(news.length)}
+          </a>
+        </td>
+        <td class="whole">
+          {inUse ? (
+            <>
+              <a href={`#/calibrations/${inUse.calibrationId}`}>{t("versionN", { n: inUse.version })}</a>
+              <br />
+              <small>{inUse.provenance && dayText(inUse.provenance.measuredUtcUs)}</small>
+            </>
+          ) : (
+            t("none")
+          )}
+        </td>
+        <td class="number">
+          {fit?.rmsBeforeUm !== undefined && fit.rmsAfterUm !== undefined
+            ? `${numberText(fit.rmsBeforeUm)} → ${numberText(fit.rmsAfterUm)} µm`
+            : "–"}
+        </td>
+      </tr>
+    );
+  }, [id, what, news, care, findings, language.value]);
+}
+
 function FleetTable(props: { fleet: Fleet }) {
   const { fleet } = props;
   const [filter, setFilter] = useState("");
@@ -162,7 +213,7 @@ function FleetTable(props: { fleet: Fleet }) {
     (row) => row.id.toLowerCase().includes(words) && (group === "" || (fleet.groups.get(row.id) ?? []).includes(group)) &&
       (labelled.ids === undefined || labelled.ids.has(row.id)),
   );
-  const groups = [...new Set([...fleet.groups.values()].flat())].sort();
+  const groups = useMemo(() => [...new Set([...fleet.groups.values()].flat())].sort(), [fleet]);
   return (
     <>
       <p class="lead">
@@ -171,7 +222,7 @@ function FleetTable(props: { fleet: Fleet }) {
           sick: rated.filter((row) => row.care === "now").length,
           wait: rated.filter((row) => row.care === "decide").length,
         })}{" "}
-        {left > 0 && t("fleetLooked", { n: looked, all: looked + left })}
+        {looked + left > 0 && (left > 0 ? t("fleetLooked", { n: looked, all: looked + left }) : t("fleetAllLooked", { n: looked }))}
         {!fleet.isWhole && t("notAll", { n: rated.length })}
       </p>
       {problem && <ProblemBox problem={{ text: problem, reason: "", isConnection: false }} />}
@@ -213,44 +264,9 @@ function FleetTable(props: { fleet: Fleet }) {
         <Empty text={t("fleetNothing")} />
       ) : (
         <Table label={t("fleet")} head={[t("machine"), t("care"), t("why"), t("openEvents"), t("inUse"), t("residual")]} numbers={[3, 5]}>
-          {fits.slice(0, most).map((row) => {
-            const inUse = row.what.inUse;
-            const fit = inUse?.statistics;
-            return (
-              <tr key={row.id}>
-                <th scope="row">
-                  <a href={`#/machines/${encodeURIComponent(row.id)}`}>{row.id}</a>
-                </th>
-                <td>
-                  <CareMark of={row} />
-                </td>
-                <td class="text">
-                  <Why what={row.what} care={row.care} findings={row.findings} news={row.news} />
-                </td>
-                <td class="number">
-                  <a href={`#/events/${encodeURIComponent(row.id)}`} aria-label={`${countText(row.news.length)}: ${t("eventsOf", { machine: row.id })}`}>
-                    {countText(row.news.length)}
-                  </a>
-                </td>
-                <td class="whole">
-                  {inUse ? (
-                    <>
-                      <a href={`#/calibrations/${inUse.calibrationId}`}>{t("versionN", { n: inUse.version })}</a>
-                      <br />
-                      <small>{inUse.provenance && dayText(inUse.provenance.measuredUtcUs)}</small>
-                    </>
-                  ) : (
-                    t("none")
-                  )}
-                </td>
-                <td class="number">
-                  {fit?.rmsBeforeUm !== undefined && fit.rmsAfterUm !== undefined
-                    ? `${numberText(fit.rmsBeforeUm)} → ${numberText(fit.rmsAfterUm)} µm`
-                    : "–"}
-                </td>
-              </tr>
-            );
-          })}
+          {fits.slice(0, most).map((row) => (
+            <FleetRow key={row.id} of={row} />
+          ))}
         </Table>
       )}
       {fits.length > most && (
