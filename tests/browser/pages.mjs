@@ -192,6 +192,9 @@ test("the sick machine stands first and says why", async () => {
   const first = page.locator("tbody tr").first();
   await historiesAreLooked(page);
   assert.match(await first.innerText(), /mill-7[\s\S]*EB0C and EX0C jumped together|mill-7[\s\S]*EX0C and EB0C jumped together/);
+  // Also what those symbols are, and that a decision waits.
+  await first.getByText("EB0C: squareness error of C to X").waitFor();
+  await first.getByText("2 newer than what is in use, waiting for approval").waitFor();
   await first.getByRole("link", { name: "mill-7", exact: true }).click();
   await page.locator(".findings .now").first().waitFor();
   // The picture has a mark for each of fifteen calibrations, and its table a row.
@@ -333,6 +336,7 @@ test("an approver puts a calibration in use with a reason, and back", async () =
   await page.screenshot({ path: path.join(kPictures, "approve.png") });
   await dialog.getByRole("button", { name: "Put in use" }).click();
   await dialog.getByText("Write a reason first.").waitFor();
+  assert.equal(await dialog.getByText("The server says").count(), 0);
   await page.keyboard.press("Escape");
   await dialog.waitFor({ state: "hidden" });
   await page.getByText("candidate").first().waitFor();
@@ -641,15 +645,41 @@ test("a program is dropped, corrected, taken away", async () => {
   await go("#/programs");
   await page.locator("input[type=file]").setInputFiles(path.join(kExample, "fig-4.30-original.nc"));
   await page.getByText(/Program \d+: fig-4.30-original.nc/).waitFor();
+  // What a program need not say is asked before anything is sent, and nothing is taken for granted.
+  const missing = () =>
+    page.locator("main form").evaluate((form) => [...form.elements].filter((one) => one.willValidate && !one.validity.valid).map((one) => one.closest("label").innerText.split("\n")[0]));
+  assert.deepEqual(await missing(), ["Machine", "Tool point at home, machine frame, mm: X Y Z", "Controller", "Unit of the program"]);
+  await page.getByRole("combobox", { name: "Machine" }).selectOption("mill-8");
+  await page.getByText("No calibration of mill-8 is in use.").waitFor();
+  // Its description says how its programs are to be read.
+  await page.getByText("Filled in from the machine's description.").waitFor();
+  assert.deepEqual(await missing(), ["Calibration"]);
+  assert.deepEqual(
+    await page.locator("main form").evaluate((form) => ["tip", "dialect", "unit"].map((name) => form.elements.namedItem(name).value)),
+    ["0 0 -150", "haas", "1"],
+  );
   await page.getByRole("combobox", { name: "Machine" }).selectOption("integrex-i200");
-  await page.getByLabel(/Tool point/).fill("0 0 -356.3945");
+  await page.getByText(/The largest error in this calibration is E\w+: [\d,.]+ µm/).waitFor();
+  // By a hair another one than that of the data: what comes of it is another file, whose row is new.
+  await page.getByLabel(/Tool point/).fill("0 0 -356.3946");
+  await page.getByLabel("Controller").selectOption("mazak");
+  // That the program says its unit is not so.
+  await page.getByLabel("Unit of the program").selectOption("0");
+  assert.deepEqual(await missing(), []);
+  assert.equal(await page.getByLabel(/Largest correction/).inputValue(), "500");
   await page.getByRole("button", { name: "Compensate" }).click();
-  // Its correction is larger than what is allowed unasked, and its unit is not known.
   await page.getByText("Refused: nothing was written.").waitFor();
-  await page.getByLabel("Unit where the program states none").selectOption("1");
+  await page.getByText("Look at: Unit of the program.").waitFor();
+  await judge(page, "a refused program");
+  await page.getByLabel("Unit of the program").selectOption("1");
+  await page.getByRole("button", { name: "Compensate" }).click();
+  await page.getByText("Look at: Largest correction of an axis, µm.").waitFor();
   await page.getByLabel(/Largest correction/).fill("5000");
+  const listed = page.getByRole("row", { name: /^fig-4.30-original.nc corrected/ });
+  const before = await listed.count();
   await page.getByRole("button", { name: "Compensate" }).click();
   await page.getByText("10 of 10 blocks corrected, 0 split, 0 passed unchanged").waitFor();
+  await listed.nth(before).waitFor();
   await page.getByText(/calibration 1 cannot tell EB0X from/).waitFor();
   // Corrections along the path: by a click, and on by keys.
   const line = page.getByRole("slider", { name: /^Correction of each axis along the path, µm, n = 10 stretches/ });

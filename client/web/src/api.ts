@@ -91,13 +91,14 @@ export interface Problem {
   text: string;
   reason: string;
   isConnection: boolean;
+  isOwn?: boolean; // the page says it, in the reader's language, not the server
 }
 
 // What the page itself refuses to send, in the reader's language.
 export class Refusal extends Error {}
 
 export function problemOf(error: unknown): Problem {
-  if (error instanceof Refusal) return { text: error.message, reason: "", isConnection: false };
+  if (error instanceof Refusal) return { text: error.message, reason: "", isConnection: false, isOwn: true };
   const e = ConnectError.from(error);
   const reason = e.findDetails(ErrorInfoSchema)[0]?.reason ?? "";
   if (e.code === Code.Unauthenticated) mustSignIn.value = true;

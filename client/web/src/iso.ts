@@ -44,6 +44,11 @@ function wordsOf(component: string, isConstant: boolean, axis: string): [string,
     : ["radial error motion of %1 in %2", "Radialabweichung von %1 in %2"];
 }
 
+// The errors that a text names, each once.
+export function errorsIn(text: string): string[] {
+  return [...new Set(text.match(/\bE[XYZABC]0?[XYZUVWABCT][0-9]*\b/g) ?? [])];
+}
+
 // "squareness error of Y to X" of "EC0Y", also of an effect of it ("EXX:backlash"). A text that is no symbol: empty.
 export function isoWords(name: string): string {
   const [, component, zero, axis] = /^E([XYZABC])(0?)([A-Z][0-9]*)(?::.*)?$/.exec(name) ?? [];

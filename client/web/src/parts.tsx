@@ -5,7 +5,7 @@ import { problemOf, Refusal, type Loaded, type Problem } from "./api";
 import { CalibrationState } from "./gen/axiscal/v1/calibration_pb";
 import type { CalibrationPicture } from "./gen/axiscal/v1/calibrations_service_pb";
 import { countText, csv, numberText, save } from "./format";
-import { isoWords } from "./iso";
+import { errorsIn, isoWords } from "./iso";
 import { t } from "./text";
 
 // The server writes English.
@@ -28,7 +28,13 @@ export function Title(props: { text: string; children?: ComponentChildren }) {
 export function ProblemBox(props: { problem: Problem }) {
   return (
     <div class="box bad" role="alert">
-      <strong>{t("problem")}:</strong> <Server text={props.problem.text} />
+      {props.problem.isOwn ? (
+        props.problem.text
+      ) : (
+        <>
+          <strong>{t("problem")}:</strong> <Server text={props.problem.text} />
+        </>
+      )}
       {props.problem.reason && <code class="reason">{props.problem.reason}</code>}
     </div>
   );
@@ -57,10 +63,11 @@ export function Empty(props: { text: string; first?: string; children?: Componen
   );
 }
 
-// Wide tables scroll in a box of their own, which the keyboard reaches.
-export function Table(props: { label: string; head: ComponentChildren[]; numbers?: number[]; children: ComponentChildren }) {
+// Wide tables scroll in a box of their own, which the keyboard reaches. With `cards` a row is a card where there is no room for columns; a cell
+// then says by `data-head` what it is.
+export function Table(props: { label: string; head: ComponentChildren[]; numbers?: number[]; cards?: boolean; children: ComponentChildren }) {
   return (
-    <div class="scroll" role="region" aria-label={props.label} tabIndex={0}>
+    <div class={props.cards ? "scroll cards" : "scroll"} role="region" aria-label={props.label} tabIndex={0}>
       <table>
         <thead>
           <tr>
@@ -91,6 +98,12 @@ export function ErrorName(props: { name: string }) {
       )}
     </>
   );
+}
+
+// What the errors are that a text of the server names by their symbols.
+export function ErrorWords(props: { text: string }) {
+  const words = errorsIn(props.text).map((name) => `${name}: ${isoWords(name)}`);
+  return words.length === 0 ? null : <small class="error-words muted">{words.join("; ")}</small>;
 }
 
 export function StateMark(props: { state: CalibrationState }) {
@@ -292,7 +305,8 @@ function standalone(svg: SVGSVGElement): string {
   return new XMLSerializer().serializeToString(copy);
 }
 
-export function DropZone(props: { label: string; many?: boolean; disabled?: boolean; onFiles: (files: File[]) => void }) {
+// The browser's own field says in its own language that no file is chosen, also when one has gone up: it is there for the keyboard alone.
+export function DropZone(props: { label: string; button: string; many?: boolean; disabled?: boolean; onFiles: (files: File[]) => void }) {
   const [isOver, setOver] = useState(false);
   return (
     <label
@@ -309,7 +323,11 @@ export function DropZone(props: { label: string; many?: boolean; disabled?: bool
       }}
     >
       <span>{props.label}</span>
+      <span class={props.disabled ? "button off" : "button"} aria-hidden="true">
+        {props.button}
+      </span>
       <input
+        class="unseen"
         type="file"
         multiple={props.many}
         disabled={props.disabled}

@@ -353,7 +353,7 @@ function MakeTable(props: { it: Calibration }) {
     event.preventDefault();
     const form = new FormData(event.currentTarget as HTMLFormElement);
     const tip = tipOf(String(form.get("tip")));
-    if (tip === undefined) return setAnswer({ problem: { text: t("tipWrong"), reason: "", isConnection: false } });
+    if (tip === undefined) return setAnswer({ problem: { text: t("tipWrong"), reason: "", isConnection: false, isOwn: true } });
     try {
       const made = await tables.makeTable({
         machineId: props.it.machineId,

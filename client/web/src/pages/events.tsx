@@ -5,7 +5,7 @@ import { isNew, isOpen, isShelved, useEvents } from "../events";
 import { dayText, numberText, sigmaText, timeText, valueText, unitText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { EventKind, type Event } from "../gen/axiscal/v1/events_service_pb";
-import { Empty, FormDialog, ProblemBox, Server, Show, Title, fieldOf, noteOf } from "../parts";
+import { Empty, ErrorWords, FormDialog, ProblemBox, Server, Show, Title, fieldOf, noteOf } from "../parts";
 import { may } from "../session";
 import { t, tMaybe } from "../text";
 
@@ -58,7 +58,7 @@ function Act(props: { event: Event; what: "acknowledge" | "shelve"; onClose: () 
       intro={
         <>
           <p>
-            <Server text={event.text} />
+            <Server text={event.text} /> <ErrorWords text={event.text} />
           </p>
           <p>{t(effect)}</p>
         </>

@@ -7,7 +7,7 @@ import { countText, dayText, numberText } from "../format";
 import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import type { Event } from "../gen/axiscal/v1/events_service_pb";
 import type { DriftFinding } from "../gen/axiscal/v1/history_service_pb";
-import { Empty, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
+import { Empty, ErrorWords, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
 import { isAdminOfAll } from "../session";
 import { language, t } from "../text";
 
@@ -137,7 +137,17 @@ const kCareMark = { now: "bad", decide: "wait", unknown: "old", good: "good" } a
 
 export function Why(props: { what: Known; findings?: DriftFinding[]; news: Event[]; care: Care }) {
   const { what, care } = props;
-  if (care === "now") return <Server text={(open(props.findings ?? [], what.inUse)[0] ?? props.news[0]).text} />;
+  if (care === "now") {
+    const finding: DriftFinding | undefined = open(props.findings ?? [], what.inUse)[0];
+    const { text } = finding ?? props.news[0];
+    return (
+      <>
+        <Server text={text} /> <ErrorWords text={text} />
+        {!finding && <p>{t("whyNews")}</p>}
+        {what.waiting.length > 0 && <p>{t(what.inUse ? "whyWaitsToo" : "whyFirst", { n: what.waiting.length })}</p>}
+      </>
+    );
+  }
   if (care === "decide") return <>{t(what.inUse ? "whyWaits" : "whyFirst", { n: what.waiting.length })}</>;
   if (care === "unknown") return <>{t("whyNever")}</>;
   return <>{props.findings ? t("whyGood") : ""}</>;
@@ -174,12 +184,12 @@ function FleetRow(props: { of: Rated }) {
         <td class="text">
           <Why what={what} care={care} findings={findings} news={news} />
         </td>
-        <td class="number">
+        <td class="number" data-head={t("openEvents")}>
           <a href={`#/events/${encodeURIComponent(id)}`} aria-label={`${countText(news.length)}: ${t("eventsOf", { machine: id })}`}>
             {countText(news.length)}
           </a>
         </td>
-        <td class="whole">
+        <td class="whole" data-head={t("inUse")}>
           {inUse ? (
             <>
               <a href={`#/calibrations/${inUse.calibrationId}`}>{t("versionN", { n: inUse.version })}</a>
@@ -190,7 +200,7 @@ function FleetRow(props: { of: Rated }) {
             t("none")
           )}
         </td>
-        <td class="number">
+        <td class="number" data-head={t("residual")}>
           {fit?.rmsBeforeUm !== undefined && fit.rmsAfterUm !== undefined
             ? `${numberText(fit.rmsBeforeUm)} → ${numberText(fit.rmsAfterUm)} µm`
             : "–"}
@@ -220,7 +230,7 @@ function FleetTable(props: { fleet: Fleet }) {
         {t("fleetCounts", {
           n: rated.length,
           sick: rated.filter((row) => row.care === "now").length,
-          wait: rated.filter((row) => row.care === "decide").length,
+          wait: rated.filter((row) => row.what.waiting.length > 0).length,
         })}{" "}
         {looked + left > 0 && (left > 0 ? t("fleetLooked", { n: looked, all: looked + left }) : t("fleetAllLooked", { n: looked }))}
         {!fleet.isWhole && t("notAll", { n: rated.length })}
@@ -263,7 +273,7 @@ function FleetTable(props: { fleet: Fleet }) {
       {fits.length === 0 ? (
         <Empty text={t("fleetNothing")} />
       ) : (
-        <Table label={t("fleet")} head={[t("machine"), t("care"), t("why"), t("openEvents"), t("inUse"), t("residual")]} numbers={[3, 5]}>
+        <Table cards label={t("fleet")} head={[t("machine"), t("care"), t("why"), t("openEvents"), t("inUse"), t("residual")]} numbers={[3, 5]}>
           {fits.slice(0, most).map((row) => (
             <FleetRow key={row.id} of={row} />
           ))}

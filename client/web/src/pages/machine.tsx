@@ -13,7 +13,7 @@ import { isNew, isOpen, isShelved, listEvents } from "../events";
 import type { Event, GetExpectationsResponse } from "../gen/axiscal/v1/events_service_pb";
 import { TimeLine, type Band, type TimePoint } from "../charts";
 import type { VolumetricError, VolumetricFigures } from "../gen/axiscal/v1/volumetric_pb";
-import { Empty, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, fieldOf, noteOf } from "../parts";
+import { Empty, ErrorWords, Fact, Figure, FormDialog, ProblemBox, Server, Show, StateMark, Table, Title, fieldOf, noteOf } from "../parts";
 import { isoWords } from "../iso";
 import { may } from "../session";
 import { kindText } from "./events";
@@ -79,7 +79,7 @@ function Findings(props: { data: MachineData }) {
       <ul class="findings">
         {[...data.drift.findings].reverse().map((finding) => (
           <li class={finding.isOver ? "over" : now.includes(finding) ? "now" : ""}>
-            <Server text={finding.text} />{" "}
+            <Server text={finding.text} /> <ErrorWords text={finding.text} />{" "}
             {finding.isOver && <span class="mark old">{t("over")}</span>}
             {now.includes(finding) && inUse && <span class="mark bad">{t("since")}</span>}
           </li>
@@ -107,7 +107,7 @@ function OpenEvents(props: { data: MachineData; machineId: string }) {
         <ul class="findings">
           {heard.map((event) => (
             <li class={isNew(event) ? "now" : ""}>
-              <strong>{kindText(event)}</strong>: <Server text={event.text} />{" "}
+              <strong>{kindText(event)}</strong>: <Server text={event.text} /> <ErrorWords text={event.text} />{" "}
               {isNew(event) ? <span class="mark bad">{t("eventNew")}</span> : <span class="mark wait">{t("eventSeen")}</span>}
             </li>
           ))}
@@ -863,6 +863,7 @@ export function MachinePage(props: { machineId: string }) {
                     <>
                       {i > 0 && ", "}
                       <a href={`#/calibrations/${one.calibrationId}`}>{t("calibrationN", { n: one.calibrationId })}</a>
+                      {one.provenance && ` (${t("measuredOn", { day: dayText(one.provenance.measuredUtcUs) })})`}
                     </>
                   ))}
                 </p>

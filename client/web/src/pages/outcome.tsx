@@ -95,6 +95,21 @@ function Blocks(props: { title: string; list: { line: number; block: string; rea
   );
 }
 
+// What the engine asks for in the words of the command line: by its name in the form, where the form asks for it.
+function Missing(props: { option: string }) {
+  const [name, ...value] = props.option.split(" ");
+  const field = name === "--unit" ? t("programUnit") : name === "--max-correction-um" ? t("maxCorrection") : name === "--tool-tip" ? t("tip") : "";
+  return field ? (
+    <>
+      {field} ({t("missingInForm")}): <code>{value.join(" ")}</code>
+    </>
+  ) : (
+    <>
+      {t("missingOnline")}: <code>{props.option}</code>
+    </>
+  );
+}
+
 export function Outcome(props: { report: CompensationReport; programId?: bigint }) {
   const { report } = props;
   const left = report.not_corrected ?? [];
@@ -156,7 +171,7 @@ export function Outcome(props: { report: CompensationReport; programId?: bigint 
           <ul class="findings">
             {report.missing.map((option) => (
               <li>
-                <code>{option}</code>
+                <Missing option={option} />
               </li>
             ))}
           </ul>

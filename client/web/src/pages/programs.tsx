@@ -1,10 +1,10 @@
 // NC programs: drop one, choose machine and calibration, see what was corrected and what was left, take it away.
 import { create } from "@bufbuild/protobuf";
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { all, calibrations, createJob, epoch, jsonOf, machines, problemOf, programs, useLoad, watchedFetch, type Problem } from "../api";
-import { bytesText, dayText, timeText } from "../format";
+import { bytesText, dayText, numberText, timeText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
-import { CalibrationState } from "../gen/axiscal/v1/calibration_pb";
+import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
 import { CompensateParamsSchema, JobState, ProgramUnit, RewriteOptionsSchema } from "../gen/axiscal/v1/job_pb";
 import type { Program } from "../gen/axiscal/v1/program_pb";
 import { DropZone, Empty, ProblemBox, Show, Table, Title } from "../parts";
@@ -17,6 +17,15 @@ import { Outcome } from "./outcome";
 
 const kDialects = ["fanuc", "mazak", "haas", "linuxcnc", "sinumerik", "heidenhain"];
 const kMostMachines = 5000;
+// RewriteOptions.max_correction_mm where none is stated (docs/nc.md), in µm. It stands in the form, so that nobody meets it first in a refusal.
+const kMaxCorrectionUm = 500;
+
+// What the description of a machine says of all its programs (docs/formats.md), of which this form asks.
+interface Profile {
+  tool_tip?: string;
+  dialect?: string;
+  unit?: string;
+}
 
 interface Chosen {
   id: bigint;
@@ -40,8 +49,70 @@ export async function putProgram(file: File): Promise<Chosen | Problem> {
     const program = (await response.json()) as { programId: string; name: string };
     return { id: BigInt(program.programId), name: program.name };
   } catch {
-    return { text: t("notSent"), reason: "", isConnection: true };
+    return { text: t("notSent"), reason: "", isConnection: true, isOwn: true };
   }
+}
+
+const nameOf = (c: Calibration) =>
+  t("calibrationN", { n: c.calibrationId }) + (c.provenance ? `, ${t("measuredOn", { day: dayText(c.provenance.measuredUtcUs) })}` : "");
+
+// The fields of the form that a refusal is about: the engine names them by the options of the command line.
+const fieldsOf = (refusal: string) => [
+  ...(/--unit\b/.test(refusal) ? [t("programUnit")] : []),
+  ...(/correction of \S+ = .*the limit is/.test(refusal) ? [t("maxCorrection")] : []),
+  ...(/--tool-tip\b/.test(refusal) ? [t("tip")] : []),
+];
+
+// Of about what size corrections will be.
+function LargestError(props: { of: Calibration }) {
+  const lengths = props.of.estimates.filter((one) => one.unit === EstimateUnit.UM && one.value !== undefined);
+  if (lengths.length === 0) return null;
+  const most = lengths.reduce((a, b) => (Math.abs(b.value!) > Math.abs(a.value!) ? b : a));
+  return <>{t("largestError", { name: most.symbol, n: numberText(Math.abs(most.value!), 4) })}</>;
+}
+
+// How the program is to be read. Nothing is taken for granted that a program need not say: it is asked, unless the machine's description says it.
+function Reading(props: { profile?: Profile }) {
+  const { profile } = props;
+  return (
+    <>
+      {profile && <p class="muted">{t("fromProfile")}</p>}
+      <label>
+        {t("tip")}
+        <input name="tip" required autocomplete="off" placeholder="0 0 -350" defaultValue={profile?.tool_tip ?? ""} aria-describedby="tip-help" />
+      </label>
+      <p id="tip-help" class="muted help">
+        {t("tipHelp")}
+      </p>
+      <label>
+        {t("dialect")}
+        <select name="dialect" required>
+          <option value="">{t("pleaseChoose")}</option>
+          {kDialects.map((name) => (
+            <option value={name} selected={profile?.dialect === name}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        {t("programUnit")}
+        <select name="unit" required aria-describedby="unit-help">
+          <option value="">{t("pleaseChoose")}</option>
+          <option value={ProgramUnit.UNSPECIFIED}>{t("unitStated")}</option>
+          <option value={ProgramUnit.MILLIMETRE} selected={profile?.unit === "mm"}>
+            {t("mm")}
+          </option>
+          <option value={ProgramUnit.INCH} selected={profile?.unit === "inch"}>
+            {t("inch")}
+          </option>
+        </select>
+      </label>
+      <p id="unit-help" class="muted help">
+        {t("unitHelp")}
+      </p>
+    </>
+  );
 }
 
 function Compensate(props: { chosen: Chosen }) {
@@ -50,22 +121,33 @@ function Compensate(props: { chosen: Chosen }) {
   const [problem, setProblem] = useState<Problem>();
   const [jobId, setJob] = useState<bigint>();
   const { job, problem: lost } = useJob(jobId);
+  // What it made stands in the list below, too.
+  const isDone = job?.state === JobState.SUCCEEDED;
+  useEffect(() => {
+    if (isDone) epoch.value++;
+  }, [isDone]);
   const list = useLoad("machines", () =>
     all(kMostMachines, async (pageToken) => {
       const page = await machines.listMachines({ pageSize: 1000, pageToken });
-      return { rows: page.machines.map((m) => m.machineId), nextPageToken: page.nextPageToken };
+      const rows = page.machines.map((m) => ({ id: m.machineId, profile: jsonOf<{ programs?: Profile }>(m.descriptionJson)?.programs }));
+      return { rows, nextPageToken: page.nextPageToken };
     }),
   );
-  const chosenMachine = machineId || list.data?.rows[0] || "";
+  // Which machine it is must be said: a program that is corrected for another one is scrap.
+  const chosenMachine = machineId || (list.data?.rows.length === 1 ? list.data.rows[0].id : "");
+  const profile = list.data?.rows.find((row) => row.id === chosenMachine)?.profile;
   const versions = useLoad(`versions ${chosenMachine}`, async () =>
     chosenMachine === "" ? [] : (await calibrations.listCalibrations({ machineId: chosenMachine, pageSize: 50 })).calibrations,
   );
+  const inUse = versions.data?.find((c) => c.state === CalibrationState.APPROVED);
+  const isNoneInUse = chosenMachine !== "" && versions.data !== undefined && inUse === undefined;
+  const basis = calibration === "" ? inUse : versions.data?.find((c) => String(c.calibrationId) === calibration);
   const run = async (event: SubmitEvent) => {
     event.preventDefault();
     const form = new FormData(event.currentTarget as HTMLFormElement);
     const tip = tipOf(String(form.get("tip")));
     setProblem(undefined);
-    if (tip === undefined) return setProblem({ text: t("tipWrong"), reason: "", isConnection: false });
+    if (tip === undefined) return setProblem({ text: t("tipWrong"), reason: "", isConnection: false, isOwn: true });
     const limit = String(form.get("limit"));
     try {
       setJob(
@@ -80,7 +162,7 @@ function Compensate(props: { chosen: Chosen }) {
             options: create(RewriteOptionsSchema, {
               dialect: String(form.get("dialect")),
               unit: Number(form.get("unit")) as ProgramUnit,
-              maxCorrectionMm: limit === "" ? undefined : Number(limit) / 1000,
+              maxCorrectionMm: Number(limit) / 1000,
             }),
           }),
         }),
@@ -89,7 +171,8 @@ function Compensate(props: { chosen: Chosen }) {
       setProblem(problemOf(error));
     }
   };
-  const report = job?.state === JobState.SUCCEEDED ? jsonOf<CompensationReport>(job.result?.reportJson ?? "") : undefined;
+  const fields = fieldsOf(job?.error?.message ?? "");
+  const report = isDone ? jsonOf<CompensationReport>(job.result?.reportJson ?? "") : undefined;
   return (
     <section>
       <h2>{t("compensateTitle")}</h2>
@@ -102,56 +185,46 @@ function Compensate(props: { chosen: Chosen }) {
             <label>
               {t("machine")}
               <select
+                required
                 value={chosenMachine}
                 onChange={(event) => {
                   setMachine(event.currentTarget.value);
                   setCalibration("");
                 }}
               >
-                {found.rows.map((id) => (
+                {found.rows.length !== 1 && <option value="">{t("pleaseChoose")}</option>}
+                {found.rows.map(({ id }) => (
                   <option value={id}>{id}</option>
                 ))}
               </select>
             </label>
             <label>
               {t("calibration")}
-              <select value={calibration} onChange={(event) => setCalibration(event.currentTarget.value)}>
-                <option value="">{t("calibrationInUse")}</option>
+              <select required={isNoneInUse} value={calibration} onChange={(event) => setCalibration(event.currentTarget.value)}>
+                <option value="">{inUse ? `${t("calibrationInUse")}: ${nameOf(inUse)}` : t(isNoneInUse ? "pleaseChoose" : "calibrationInUse")}</option>
                 {(versions.data ?? [])
-                  .filter((c) => c.state !== CalibrationState.RETIRED)
+                  .filter((c) => c.state === CalibrationState.CANDIDATE)
                   .map((c) => (
                     <option value={String(c.calibrationId)}>
-                      {t("calibrationN", { n: c.calibrationId })},{" "}
-                      {t(c.state === CalibrationState.APPROVED ? "approved" : "candidate")},{" "}
-                      {c.provenance ? dayText(c.provenance.measuredUtcUs) : ""}
+                      {nameOf(c)}, {t("candidate")}
                     </option>
                   ))}
               </select>
             </label>
-            <label>
-              {t("tip")}
-              <input name="tip" required autocomplete="off" />
-            </label>
-            <label>
-              {t("dialect")}
-              <select name="dialect">
-                {kDialects.map((name) => (
-                  <option value={name}>{name}</option>
-                ))}
-              </select>
-            </label>
-            <label>
-              {t("programUnit")}
-              <select name="unit">
-                <option value={ProgramUnit.UNSPECIFIED}>{t("unitNone")}</option>
-                <option value={ProgramUnit.MILLIMETRE}>{t("mm")}</option>
-                <option value={ProgramUnit.INCH}>{t("inch")}</option>
-              </select>
-            </label>
+            {isNoneInUse && (
+              <p class="box">
+                {t("noneInUse", { machine: chosenMachine })}{" "}
+                <a href={`#/machines/${encodeURIComponent(chosenMachine)}`}>{t("toMachine", { machine: chosenMachine })}</a>
+              </p>
+            )}
+            <Reading key={profile ? chosenMachine : ""} profile={profile} />
             <label>
               {t("maxCorrection")}
-              <input name="limit" type="number" min="1" step="any" />
+              <input name="limit" type="number" min="1" step="any" required defaultValue={String(kMaxCorrectionUm)} aria-describedby="limit-help" />
             </label>
+            <p id="limit-help" class="muted help">
+              {t("maxCorrectionHelp")} {basis && <LargestError of={basis} />}
+            </p>
             <label class="check">
               <input name="tablesOff" type="checkbox" /> {t("tablesOff")}
             </label>
@@ -171,7 +244,11 @@ function Compensate(props: { chosen: Chosen }) {
           </p>
         )}
         {job && !hasEnded(job) && <JobProgressBar job={job} />}
-        {job?.error && <p>{t("putBack")}</p>}
+        {job?.error && (
+          <p>
+            {t("putBack")} {fields.length > 0 && t("lookAt", { fields: fields.join("; ") })}
+          </p>
+        )}
       </div>
       {job?.error && <ProblemBox problem={{ text: job.error.message, reason: job.error.reason, isConnection: false }} />}
       {lost && !job && <ProblemBox problem={lost} />}
@@ -199,10 +276,12 @@ export function ProgramsPage() {
       <th scope="row" class="text">
         {program.name}
       </th>
-      <td>{program.kind === "compensated-nc" ? t("corrected") : t("original")}</td>
-      <td class="number">{bytesText(program.sizeBytes)}</td>
-      <td>{timeText(program.createdUtcUs)}</td>
-      <td>{program.createdBy}</td>
+      <td data-head={t("kind")}>{program.kind === "compensated-nc" ? t("corrected") : t("original")}</td>
+      <td class="number" data-head={t("size")}>
+        {bytesText(program.sizeBytes)}
+      </td>
+      <td data-head={t("created")}>{timeText(program.createdUtcUs)}</td>
+      <td data-head={t("by")}>{program.createdBy}</td>
       <td>
         <a href={`v1/programs/${program.programId}`} download={program.name} aria-label={`${t("download")}: ${program.name}`}>
           {t("download")}
@@ -227,7 +306,7 @@ export function ProgramsPage() {
   return (
     <>
       <Title text={t("programs")} />
-      {mayRun ? <DropZone label={t("dropProgram")} onFiles={(files) => void take(files)} /> : <p class="muted">{t("technicianOnly")}</p>}
+      {mayRun ? <DropZone label={t("dropProgram")} button={t("chooseFile")} onFiles={(files) => void take(files)} /> : <p class="muted">{t("technicianOnly")}</p>}
       {problem && <ProblemBox problem={problem} />}
       {chosen && <Compensate key={String(chosen.id)} chosen={chosen} />}
       {!chosen && mayRun && <p>{t("chooseProgramFirst")}</p>}
@@ -238,6 +317,7 @@ export function ProgramsPage() {
           ) : (
             <>
               <Table
+                cards
                 label={t("programs")}
                 head={[t("name"), t("kind"), t("size"), t("created"), t("by"), t("download"), ...(mayRun ? [t("choose")] : [])]}
                 numbers={[2]}

@@ -89,7 +89,7 @@ export function UploadPage(props: { machineId?: string }) {
                   </select>
                 </label>
               </div>
-              <DropZone label={t("dropSessions")} many disabled={chosen === ""} onFiles={(files) => void take(files)} />
+              <DropZone label={t("dropSessions")} button={t("chooseFile")} many disabled={chosen === ""} onFiles={(files) => void take(files)} />
             </>
           )
         }
