@@ -119,7 +119,7 @@ export function EventItem(props: { event: Event; isOfOneMachine?: boolean }) {
         <span class="muted">{t("eventRaised", { n: event.eventId, time: timeText(event.raisedUtcUs) })}</span>
       </p>
       <p id={id}>
-        <Server text={event.text} />
+        <Server text={event.text} /> <ErrorWords text={event.text} />
       </p>
       {isOpen(event) && event.advice && (
         <p>
