@@ -97,9 +97,26 @@ TEST(Findings, SayWhatIsNotWellAndWhatToDo) {
   expect([](auto& f) { f.is_draining = true; }, "server", FindingState::kWarning, "stopping");
 }
 
+// What is PostgreSQL's business is not called well or ill here.
+TEST(Findings, OfADatabaseOfAServerAskForNoFile) {
+  ServerFacts facts = Well();
+  facts.has_file = false;
+  facts.disk_free_bytes = facts.database_bytes = std::nullopt;
+  facts.backup_folder = "";
+  facts.last_backup = std::nullopt;
+  for (const Finding& finding : FindingsOf(facts)) {
+    EXPECT_NE(finding.state, FindingState::kFailed) << finding.what;
+    EXPECT_NE(finding.state, FindingState::kWarning) << finding.what << ": " << finding.text;
+    if (finding.what == "last backup") {
+      EXPECT_THAT(finding.advice, HasSubstr("pg_dump"));
+    }
+  }
+}
+
 class Doctor : public ::testing::Test, protected TestCore {};
 
 TEST_F(Doctor, TellsWhyNothingCanBeWrittenIntoTheFolderOfBackups) {
+  core.limits.database_file = "/no/such/axiscal.db";
   core.limits.backup_folder = "/no/such/folder";
   const auto response = Diagnose(core, call, {});
   ASSERT_TRUE(response.ok()) << response.status();

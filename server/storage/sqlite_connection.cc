@@ -92,7 +92,7 @@ absl::StatusOr<std::unique_ptr<Prepared>> SqliteConnection::Compile(const std::s
 }
 
 absl::StatusOr<bool> SqliteConnection::HasTable(const std::string& name) {
-  ASSIGN_OR_RETURN(Statement row, Ask("SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1", name));
+  ASSIGN_OR_RETURN(Statement row, Ask("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?1", name));
   return row.Step();
 }
 
