@@ -150,13 +150,13 @@ absl::StatusOr<std::string> DatabaseOf(const CLI::App& app, const CommandLine& l
 }
 
 int RunOffline(const CLI::App& app, const CommandLine& line) {
-  if (!line.from.empty()) return axiscal::server::CopyOffline(line.from, line.to);
+  const std::string command = app.get_subcommands().front()->get_name();
+  if (command == "copy") return axiscal::server::CopyOffline(line.from, line.to);
   const absl::StatusOr<std::string> file = DatabaseOf(app, line);
   if (!file.ok()) {
     std::fprintf(stderr, "axiscald: %s\n", std::string(file.status().message()).c_str());
     return 1;
   }
-  const std::string command = app.get_subcommands().front()->get_name();
   if (axiscal::storage::IsPostgresUrl(*file)) {
     std::fprintf(stderr, "axiscald %s: %s is no file: pg_dump and pg_restore are for it (docs/scale.md)\n",
                  command.c_str(), axiscal::storage::WithoutPassword(*file).c_str());

@@ -134,38 +134,45 @@ struct Side {
   std::unique_ptr<Connection> connection;  // goes before the lock
 };
 
-absl::StatusOr<Side> OpenSide(const std::string& database, bool is_source, base::UtcTime now) {
+// Whether a source is of this schema, and whole as far as copying goes.
+absl::Status CheckSource(Connection& connection, const std::vector<Migration>& migrations) {
+  ASSIGN_OR_RETURN(const bool is_store, connection.HasTable("migration"));
+  if (!is_store) return FailedPrecondition("is empty, and no store of axiscald", "NOT_A_DATABASE");
+  ASSIGN_OR_RETURN(Statement row, connection.Ask("SELECT coalesce(max(version), 0) FROM migration"));
+  RETURN_IF_ERROR(row.Step().status());
+  RETURN_IF_ERROR(CheckMigrations(connection, migrations, row.Int(0)));
+  if (row.Int(0) < migrations.back().version)
+    return FailedPrecondition("is of an older version: let axiscald open it once", "SCHEMA_OLDER");
+  return RefuseUnfinishedCopy(connection);
+}
+
+absl::StatusOr<Side> OpenPostgresSide(const std::string& url, bool is_source, base::UtcTime now) {
   Side side;
-  side.name = WithoutPassword(database);
-  side.is_postgres = IsPostgresUrl(database);
-  if (side.is_postgres) {
-    ASSIGN_OR_RETURN(side.connection, PostgresConnection::Open(database, Access::kWrite));
-  } else {
-    if (is_source) RETURN_IF_ERROR(base::RequireFile(database));
-    ASSIGN_OR_RETURN(FileLock lock, FileLock::Take(database));
-    side.lock.emplace(std::move(lock));
-    RETURN_IF_ERROR(CheckFile(side.lock->path(), EmbeddedMigrations()));
-    ASSIGN_OR_RETURN(std::unique_ptr<SqliteConnection> connection,
-                     SqliteConnection::Open(side.lock->path(), Access::kWrite));
-    if (!is_source) RETURN_IF_ERROR(Migrate(*connection, EmbeddedMigrations(), now));
-    side.connection = std::move(connection);
-  }
-  const std::vector<Migration>& migrations = side.is_postgres ? PostgresMigrations() : EmbeddedMigrations();
-  if (is_source) {
-    ASSIGN_OR_RETURN(const bool has_any, side.connection->HasTable("migration"));
-    int64_t version = 0;
-    if (has_any) {
-      ASSIGN_OR_RETURN(Statement row, side.connection->Ask("SELECT coalesce(max(version), 0) FROM migration"));
-      RETURN_IF_ERROR(row.Step().status());
-      version = row.Int(0);
-    }
-    RETURN_IF_ERROR(CheckMigrations(*side.connection, migrations, version));
-    if (version < migrations.back().version)
-      return FailedPrecondition("is of an older version: let axiscald open it once", "SCHEMA_OLDER");
-    RETURN_IF_ERROR(RefuseUnfinishedCopy(*side.connection));
-  } else if (side.is_postgres) {
-    RETURN_IF_ERROR(MigratePostgres(*side.connection, migrations, now));
-  }
+  side.name = WithoutPassword(url);
+  side.is_postgres = true;
+  const absl::Status opened = [&]() -> absl::Status {
+    ASSIGN_OR_RETURN(side.connection, PostgresConnection::Open(url, Access::kWrite));
+    return is_source ? CheckSource(*side.connection, PostgresMigrations())
+                     : MigratePostgres(*side.connection, PostgresMigrations(), now);
+  }();
+  if (!opened.ok()) return base::Within(side.name, opened);
+  return side;
+}
+
+// A source is not written to. What is no file of ours is left as it was, without a lock beside it.
+absl::StatusOr<Side> OpenFileSide(const std::string& path, bool is_source, base::UtcTime now) {
+  Side side;
+  side.name = path;
+  if (is_source) RETURN_IF_ERROR(base::RequireFile(path));
+  RETURN_IF_ERROR(CheckFile(path, EmbeddedMigrations()));
+  ASSIGN_OR_RETURN(FileLock lock, FileLock::Take(path));
+  side.lock.emplace(std::move(lock));
+  ASSIGN_OR_RETURN(std::unique_ptr<SqliteConnection> connection,
+                   SqliteConnection::Open(side.lock->path(), is_source ? Access::kReadOnly : Access::kWrite));
+  const absl::Status checked =
+      is_source ? CheckSource(*connection, EmbeddedMigrations()) : Migrate(*connection, EmbeddedMigrations(), now);
+  if (!checked.ok()) return base::Within(path, checked);
+  side.connection = std::move(connection);
   return side;
 }
 
@@ -469,12 +476,9 @@ absl::StatusOr<CopyResult> Copy(Side& from, Side& to, const Tell& tell) {
 
 absl::StatusOr<CopyResult> CopyStoreTo(const std::string& from, const std::string& to, base::UtcTime now,
                                        const std::function<absl::Status(const CopyProgress&)>& tell) {
-  const auto open = [&](const std::string& database, bool is_source) -> absl::StatusOr<Side> {
-    absl::StatusOr<Side> side = OpenSide(database, is_source, now);
-    // What a file is refused for names it.
-    const bool is_named = absl::StartsWith(side.status().message(), database);
-    if (!side.ok() && !is_named) return base::Within(WithoutPassword(database), side.status());
-    return side;
+  const auto open = [now](const std::string& database, bool is_source) {
+    return IsPostgresUrl(database) ? OpenPostgresSide(database, is_source, now)
+                                   : OpenFileSide(database, is_source, now);
   };
   ASSIGN_OR_RETURN(Side source, open(from, true));
   ASSIGN_OR_RETURN(Side target, open(to, false));

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "core/base/error_detail.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -131,6 +134,51 @@ TEST_F(CopyStore, WhatIsNoNewDatabaseOrHasChangedIsRefused) {
     ASSERT_TRUE(held->RetireCalibration(CalibrationId(1), 0, Cell("")).ok());
   }
   EXPECT_EQ(base::ErrorReason(Copy(File("a.db"), url_).status()), "COPY_DIFFERS");
+}
+
+// The audit begins where age has left it, and its chain at the anchor.
+TEST_F(CopyStore, AnAuditWhoseStartHasLeftIsCarriedOver) {
+  TempDirectory other;
+  SqliteOptions options;
+  options.path = other.File("aged.db");
+  base::FakeClock clock;
+  options.clock = &clock;
+  {
+    const std::unique_ptr<Database> database = *OpenSqlite(options);
+    const auto keep_house = [&] { ASSERT_TRUE(database->ExpireSessions(std::chrono::hours(24'000)).ok()); };
+    for (int day = 0; day < 6; ++day) {
+      ASSERT_TRUE(database->CreateMachine(MachineId(absl::StrCat("m", day)), "{}", Cell("")).ok());
+      keep_house();
+      clock.Advance(std::chrono::hours(24));
+    }
+    keep_house();
+    ASSERT_GT(*database->ExpireAudit(std::chrono::hours(48)), 0);
+  }
+  const auto there = Copy(options.path, url_);
+  ASSERT_TRUE(there.ok()) << there.status();
+  const auto back = Copy(url_, other.File("back.db"));
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->sha256, there->sha256);
+  const auto check = CheckStoreFile(other.File("back.db"));
+  ASSERT_TRUE(check.ok()) << check.status();
+  EXPECT_EQ(check->damage_count, 0);
+  EXPECT_EQ(check->audit.sha256, CheckStoreFile(options.path)->audit.sha256);
+}
+
+// Nothing is changed, and no lock is left beside what is no file of ours.
+TEST_F(CopyStore, WhatIsNoStoreIsLeftAsItWas) {
+  std::ofstream(File("words")) << std::string(5000, 'x');
+  std::ofstream(File("empty")) << "";
+  for (const auto& [from, to] : {std::pair("words", "c.db"), {"empty", "c.db"}, {"a.db", "words"}, {"a.db", "a.db"}}) {
+    const absl::Status status = Copy(File(from), File(to)).status();
+    EXPECT_FALSE(status.ok()) << from << " " << to;
+    // Named once.
+    EXPECT_THAT(std::string(status.message()), testing::Not(testing::ContainsRegex("\\.db: .*\\.db: "))) << status;
+  }
+  EXPECT_EQ(std::filesystem::file_size(File("words")), 5000u);
+  EXPECT_EQ(std::filesystem::file_size(File("empty")), 0u);
+  EXPECT_FALSE(std::filesystem::exists(File("words.lock")));
+  EXPECT_FALSE(std::filesystem::exists(File("c.db")));
 }
 
 TEST_F(CopyStore, WhatIsDamagedIsNotCarriedOverAsWhole) {
