@@ -15,6 +15,9 @@ namespace {
 // Thousands of authorities.
 constexpr size_t kMaxPemBytes = 16 << 20;
 
+// How long before its end a certificate is warned of: long enough for an IT department to make another.
+constexpr std::chrono::hours kWarnAhead = std::chrono::days(30);
+
 using Bio = std::unique_ptr<BIO, decltype(&BIO_free)>;
 using X509Pointer = std::unique_ptr<X509, decltype(&X509_free)>;
 using KeyPointer = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
@@ -116,11 +119,11 @@ std::optional<base::UtcTime> EndOfCertificate(const std::string& pem) {
   return TimeOf(X509_get0_notAfter(one.get()));
 }
 
-std::vector<std::string> EndingSoon(const std::vector<Certificate>& certificates, base::UtcTime now,
-                                    std::chrono::hours ahead) {
+std::vector<std::string> EndWarnings::Due(const std::vector<Certificate>& certificates, base::UtcTime now) {
+  std::erase_if(named_, [&](const auto& one) { return now - one.second >= std::chrono::days(1); });
   std::vector<std::string> sentences;
   for (const Certificate& one : certificates) {
-    if (one.ends - now > ahead) continue;
+    if (one.ends - now > kWarnAhead || !named_.emplace(std::pair(one.file, one.ends), now).second) continue;
     const auto days = std::chrono::floor<std::chrono::days>(one.ends - now).count();
     sentences.push_back(absl::StrCat(one.file, ": the certificate of ", one.subject,
                                      one.ends <= now ? " ended on " : absl::StrCat(" ends in ", days, " days, on "),

@@ -3,8 +3,10 @@
 #ifndef AXISCAL_SERVER_CERTIFICATES_H_
 #define AXISCAL_SERVER_CERTIFICATES_H_
 
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/clock.h"
@@ -40,12 +42,16 @@ absl::StatusOr<TlsMaterial> ReadTls(const TlsFiles& files, base::UtcTime now);
 // When a certificate ends; nothing where it cannot be read.
 std::optional<base::UtcTime> EndOfCertificate(const std::string& pem);
 
-// Those that end within `ahead` of `now` or have ended, each as a sentence.
-std::vector<std::string> EndingSoon(const std::vector<Certificate>& certificates, base::UtcTime now,
-                                    std::chrono::hours ahead);
+// Warns of certificates a month before they end: once a day of each, and at once of one that took another's place.
+class EndWarnings {
+ public:
+  // A sentence for each that ends within 30 days of `now` or has ended, and was not named within the day before.
+  std::vector<std::string> Due(const std::vector<Certificate>& certificates, base::UtcTime now);
 
-// How long before its end a certificate is warned of.
-inline constexpr std::chrono::hours kWarnAhead = std::chrono::hours(24 * 30);
+ private:
+  // When it was named last, by file and end: a file that was renewed is another certificate.
+  std::map<std::pair<std::string, base::UtcTime>, base::UtcTime> named_;
+};
 
 }  // namespace axiscal::server
 

@@ -14,6 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 // A plant's authority with one certificate for a server, as deploy/make-certs makes them.
 class Certificates : public testing::Test {
@@ -88,14 +89,26 @@ TEST_F(Certificates, ThatAreNotValidNowAreRefusedWithTheirDays) {
 
 TEST_F(Certificates, AreWarnedOfAMonthBeforeTheirEnd) {
   const auto good = ReadTls(good_, now_);
-  EXPECT_THAT(EndingSoon(good->certificates, now_, kWarnAhead), IsEmpty());
+  EndWarnings warnings;
+  EXPECT_THAT(warnings.Due(good->certificates, now_), IsEmpty());
   const std::string file = File("server/other.crt");
   const auto ending = ReadTls({file, File("server/other.key"), File("ca.crt")}, now_);
   ASSERT_TRUE(ending.ok()) << ending.status();
-  EXPECT_THAT(EndingSoon(ending->certificates, now_, kWarnAhead),
+  EXPECT_THAT(warnings.Due(ending->certificates, now_),
               ElementsAre(HasSubstr(file + ": the certificate of CN = other ends in 19 days, on ")));
-  EXPECT_THAT(EndingSoon(ending->certificates, now_ + std::chrono::days(21), kWarnAhead),
+  EXPECT_THAT(warnings.Due(ending->certificates, now_ + std::chrono::hours(23)), IsEmpty());
+  EXPECT_THAT(warnings.Due(ending->certificates, now_ + std::chrono::days(21)),
               ElementsAre(HasSubstr("the certificate of CN = other ended on ")));
+}
+
+TEST_F(Certificates, ThatTakeThePlaceOfOthersAreWarnedOfAtOnce) {
+  const auto ending = ReadTls({File("server/other.crt"), File("server/other.key"), File("ca.crt")}, now_);
+  ASSERT_TRUE(ending.ok()) << ending.status();
+  EndWarnings warnings;
+  EXPECT_THAT(warnings.Due(ending->certificates, now_), SizeIs(1));
+  std::vector<Certificate> renewed = ending->certificates;
+  renewed.front().ends -= std::chrono::days(10);
+  EXPECT_THAT(warnings.Due(renewed, now_), ElementsAre(HasSubstr("ends in 9 days")));
 }
 
 }  // namespace

@@ -493,14 +493,10 @@ class Server::Impl {
                : "one-of-" + absl::StrJoin(users, "-", [](std::string* out, uid_t user) { *out += LoginOfUser(user); });
   }
 
-  // Once a day for each.
   void WarnOfCertificates() {
-    const base::UtcTime now = base::SystemClock().UtcNow();
-    if (tls_ == nullptr || (warned_at_ && now - *warned_at_ < std::chrono::days(1))) return;
-    for (const std::string& sentence : EndingSoon(tls_->certificates(), now, kWarnAhead)) {
-      warned_at_ = now;
+    if (tls_ == nullptr) return;
+    for (const std::string& sentence : end_warnings_.Due(tls_->certificates(), base::SystemClock().UtcNow()))
       Log(LogLevel::kWarning, "certificate_ends", {{"text", sentence}});
-    }
   }
 
   static void LogExpired(const std::string& what, const absl::StatusOr<int>& count) {
@@ -524,7 +520,7 @@ class Server::Impl {
   base::Mutex housekeeper_mutex_;
   base::CondVar wake_housekeeper_;
   bool stop_housekeeper_ AXISCAL_GUARDED_BY(housekeeper_mutex_) = false;
-  std::optional<base::UtcTime> warned_at_;  // of certificates; the housekeeper's alone
+  EndWarnings end_warnings_;  // the housekeeper's alone
   std::thread housekeeper_;
   std::thread asker_;
   Denials denials_;

@@ -274,8 +274,7 @@ absl::StatusOr<CheckReport> RestoreStore(const std::string& backup, const std::s
 
 absl::StatusOr<CompactResult> CompactStore(const std::string& path) {
   RETURN_IF_ERROR(base::RequireFile(path));
-  ASSIGN_OR_RETURN(const FileLock lock, FileLock::Take(path));
-  RETURN_IF_ERROR(CheckFile(lock.path(), EmbeddedMigrations()));
+  ASSIGN_OR_RETURN(const FileLock lock, LockStoreFile(path, EmbeddedMigrations()));
   const std::string copy = lock.path() + ".compacting";
   Remove(copy);
   CompactResult result;

@@ -276,8 +276,7 @@ CheckReport CheckRows(Connection& connection) { return Check(connection).Rows();
 
 absl::StatusOr<CheckReport> CheckStoreFile(const std::string& path) {
   RETURN_IF_ERROR(base::RequireFile(path));
-  ASSIGN_OR_RETURN(const FileLock lock, FileLock::Take(path));
-  RETURN_IF_ERROR(CheckFile(lock.path(), EmbeddedMigrations()));
+  ASSIGN_OR_RETURN(const FileLock lock, LockStoreFile(path, EmbeddedMigrations()));
   ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection,
                    SqliteConnection::Open(lock.path(), Access::kReadOnly));
   return CheckStore(*connection);

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "core/base/error_detail.h"
+#include "server/storage/backup.h"
 #include "server/storage/sqlite_connection.h"
 #include "server/storage/testing/temp_database.h"
 
@@ -181,8 +183,14 @@ TEST_F(CheckTest, WhatCannotBeLookedAtIsRefused) {
   database_.Open();
   EXPECT_EQ(base::ErrorReason(CheckStoreFile(database_.path()).status()), "STORE_LOCKED");
   database_.Close();
+  std::filesystem::remove(database_.path() + ".lock");
   std::ofstream(database_.path(), std::ios::binary) << std::string(4096, 'x');
   EXPECT_EQ(base::ErrorReason(CheckStoreFile(database_.path()).status()), "NOT_A_DATABASE");
+  EXPECT_EQ(base::ErrorReason(CompactStore(database_.path()).status()), "NOT_A_DATABASE");
+  SqliteOptions options;
+  options.path = database_.path();
+  EXPECT_EQ(base::ErrorReason(OpenSqlite(options).status()), "NOT_A_DATABASE");
+  EXPECT_FALSE(std::filesystem::exists(database_.path() + ".lock"));
 }
 
 }  // namespace

@@ -159,13 +159,12 @@ absl::StatusOr<Side> OpenPostgresSide(const std::string& url, bool is_source, ba
   return side;
 }
 
-// A source is not written to. What is no file of ours is left as it was, without a lock beside it.
+// A source is not written to.
 absl::StatusOr<Side> OpenFileSide(const std::string& path, bool is_source, base::UtcTime now) {
   Side side;
   side.name = path;
   if (is_source) RETURN_IF_ERROR(base::RequireFile(path));
-  RETURN_IF_ERROR(CheckFile(path, EmbeddedMigrations()));
-  ASSIGN_OR_RETURN(FileLock lock, FileLock::Take(path));
+  ASSIGN_OR_RETURN(FileLock lock, LockStoreFile(path, EmbeddedMigrations()));
   side.lock.emplace(std::move(lock));
   ASSIGN_OR_RETURN(std::unique_ptr<SqliteConnection> connection,
                    SqliteConnection::Open(side.lock->path(), is_source ? Access::kReadOnly : Access::kWrite));

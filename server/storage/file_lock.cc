@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <set>
+#include <string_view>
 
 #include "core/base/error_detail.h"
 #include "core/base/mutex.h"
@@ -61,6 +62,14 @@ absl::StatusOr<bool> LockByte(const std::string& path, int descriptor) {
   if (fcntl(descriptor, F_OFD_SETLK, &byte) == 0) return true;
   if (errno == EAGAIN || errno == EACCES) return false;
   return CannotOpen(path);
+}
+
+// Whether a file that is not empty is certainly no database (SQLite file format, "The Database Header").
+bool IsForeign(int descriptor, off_t size) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  char head[kMagic.size()] = {};
+  return size > 0 &&
+         (pread(descriptor, head, sizeof(head), 0) != sizeof(head) || std::string_view(head, sizeof(head)) != kMagic);
 }
 
 }  // namespace
@@ -116,7 +125,9 @@ absl::StatusOr<FileLock> FileLock::Take(const std::string& path) {
                        {"STORE_LINKED", {}});
   }
   const std::string beside = lock.path_ + ".lock";
-  lock.beside_descriptor_ = open(beside.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const bool is_foreign = IsForeign(lock.descriptor_, info.st_size);
+  lock.beside_descriptor_ = open(beside.c_str(), O_RDWR | O_CLOEXEC | (is_foreign ? 0 : O_CREAT), 0600);
+  if (lock.beside_descriptor_ < 0 && is_foreign && errno == ENOENT) return lock;
   if (lock.beside_descriptor_ < 0) return CannotOpen(beside);
   if (flock(lock.beside_descriptor_, LOCK_EX | LOCK_NB) != 0) return Locked(lock.path_);
   // Only informs.

@@ -19,7 +19,7 @@ namespace axiscal::storage {
 // opened when this process holds it already, and the lock is to be released after the last connection.
 class FileLock {
  public:
-  // Of the database at `path`, which is made, empty, when it is missing.
+  // Of the database at `path`, which is made, empty, when it is missing. What is no database gets no "FILE.lock".
   //   UNAVAILABLE STORE_LOCKED names the process that holds it, if it can; FAILED_PRECONDITION STORE_READ_ONLY;
   //   FAILED_PRECONDITION STORE_LINKED for a file with hard links: SQLite's log stands beside one of its names, and
   //   opened by another the file lacks what was written last.

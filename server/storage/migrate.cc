@@ -42,9 +42,14 @@ absl::Status Apply(SqliteConnection& connection, const Migration& migration, bas
 absl::Status CheckFile(const std::string& path, const std::vector<Migration>& migrations) {
   struct stat info;
   if (stat(path.c_str(), &info) != 0 || info.st_size == 0) return absl::OkStatus();
-  absl::StatusOr<std::unique_ptr<SqliteConnection>> connection = SqliteConnection::Open(path, Access::kReadOnly);
-  const absl::Status status = connection.ok() ? CheckConnection(**connection, migrations) : connection.status();
-  return base::Within(path, status);
+  ASSIGN_OR_RETURN(const std::unique_ptr<SqliteConnection> connection, SqliteConnection::Open(path, Access::kReadOnly));
+  return base::Within(path, CheckConnection(*connection, migrations));
+}
+
+absl::StatusOr<FileLock> LockStoreFile(const std::string& path, const std::vector<Migration>& migrations) {
+  ASSIGN_OR_RETURN(FileLock lock, FileLock::Take(path));
+  RETURN_IF_ERROR(CheckFile(lock.path(), migrations));
+  return lock;
 }
 
 absl::Status Migrate(SqliteConnection& connection, const std::vector<Migration>& migrations, base::UtcTime now) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/storage/file_lock.h"
 #include "server/storage/migration.h"
 #include "server/storage/sqlite_connection.h"
 
@@ -18,6 +19,10 @@ inline constexpr int kApplicationId = 0x41786973;
 //   FAILED_PRECONDITION SCHEMA_NEWER (written by a newer program), NOT_A_DATABASE (something else), SCHEMA_CHANGED (a
 //   migration it has seen differs from ours).
 absl::Status CheckFile(const std::string& path, const std::vector<Migration>& migrations);
+
+// The file at `path`, locked and found to be one that Migrate() may touch. The errors of FileLock::Take() and of
+// CheckFile().
+absl::StatusOr<FileLock> LockStoreFile(const std::string& path, const std::vector<Migration>& migrations);
 
 // Applies what is missing. On failure the file stays at the last migration that succeeded.
 absl::Status Migrate(SqliteConnection& connection, const std::vector<Migration>& migrations, base::UtcTime now);

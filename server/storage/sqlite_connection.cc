@@ -71,8 +71,7 @@ absl::StatusOr<std::unique_ptr<SqliteConnection>> SqliteConnection::Open(const s
   std::unique_ptr<SqliteConnection> connection(new SqliteConnection(db));
   if (code != SQLITE_OK || AddRowChecksum(db) != SQLITE_OK) return SqliteError(db, path);
   connection->WaitForLocks();
-  const absl::Status set = connection->Execute(access == Access::kWrite ? kWritePragmas : kReadPragmas);
-  if (!set.ok()) return base::Within(path, set);
+  if (!connection->Execute(access == Access::kWrite ? kWritePragmas : kReadPragmas).ok()) return SqliteError(db, path);
   return connection;
 }
 

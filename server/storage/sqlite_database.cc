@@ -69,9 +69,8 @@ absl::StatusOr<std::unique_ptr<Database>> OpenSqlite(const SqliteOptions& given)
   SqliteOptions options = given;
   if (!options.free_bytes) options.free_bytes = [path = given.path] { return FreeBytes(path); };
   IgnoreFileSizeSignal();
-  ASSIGN_OR_RETURN(FileLock lock, FileLock::Take(options.path));
+  ASSIGN_OR_RETURN(FileLock lock, LockStoreFile(options.path, EmbeddedMigrations()));
   options.path = lock.path();
-  RETURN_IF_ERROR(CheckFile(options.path, EmbeddedMigrations()));
   ASSIGN_OR_RETURN(std::unique_ptr<SqliteConnection> connection, SqliteConnection::Open(options.path, Access::kWrite));
   RETURN_IF_ERROR(base::Within(options.path, Migrate(*connection, EmbeddedMigrations(), options.clock->UtcNow())));
   RETURN_IF_ERROR(base::Within(options.path, RefuseUnfinishedCopy(*connection)));
