@@ -29,6 +29,7 @@
 #include "server/handlers/get_server_info.h"
 #include "server/handlers/latest_fleet.h"
 #include "server/handlers/list_calibrations.h"
+#include "server/handlers/list_care.h"
 #include "server/handlers/list_jobs.h"
 #include "server/handlers/list_machines.h"
 #include "server/handlers/list_residuals.h"
@@ -240,6 +241,12 @@ class HistoryService final : public v1::History::Service {
     return Respond(
         core_, context, "History.FindDrift", request,
         [&](const auto& call) { return handlers::FindDrift(core_, call, *request); }, response);
+  }
+  grpc::Status ListCare(grpc::ServerContext* context, const v1::ListCareRequest* request,
+                        v1::ListCareResponse* response) override {
+    return Respond(
+        core_, context, "History.ListCare", request,
+        [&](const auto& call) { return handlers::ListCare(core_, call, *request); }, response);
   }
   grpc::Status PutMark(grpc::ServerContext* context, const v1::PutMarkRequest* request,
                        v1::PutMarkResponse* response) override {

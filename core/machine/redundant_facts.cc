@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/base/error_detail.h"
+
 namespace axiscal::machine {
 namespace {
 
@@ -27,7 +29,7 @@ std::string Plain(const std::string& structure) {
 }  // namespace
 
 absl::Status CheckToolTip(const Machine& machine, const Eigen::Vector3d& tool_tip_mm) {
-  constexpr double kAboutTheTool = 0.999;  // cosine: such an axis turns the tool about itself
+  constexpr double kAboutTheTool = 0.999;    // cosine: such an axis turns the tool about itself
   const double kOpposite = std::sqrt(0.75);  // cosine of 30 deg
   constexpr double kOnAxisMm = 1e-6;
   for (auto name = machine.tool_branch.rbegin(); name != machine.tool_branch.rend(); ++name) {
@@ -38,11 +40,12 @@ absl::Status CheckToolTip(const Machine& machine, const Eigen::Vector3d& tool_ti
     const double along_mm = from_point_mm.dot(machine.tool_direction), away_mm = from_point_mm.norm();
     if (away_mm < kOnAxisMm || along_mm > -kOpposite * away_mm) return absl::OkStatus();
     const Eigen::Vector3d& d = machine.tool_direction;
-    return absl::InvalidArgumentError(absl::StrFormat(
+    const std::string text = absl::StrFormat(
         "tool tip %g %g %g: stands %.4g mm behind axis %s, on the other side than tool_direction %g %g %g of machine "
         "%s "
         "points to, expected a tip on that side (is a sign wrong?)",
-        tool_tip_mm.x(), tool_tip_mm.y(), tool_tip_mm.z(), -along_mm, axis.name, d.x(), d.y(), d.z(), machine.id));
+        tool_tip_mm.x(), tool_tip_mm.y(), tool_tip_mm.z(), -along_mm, axis.name, d.x(), d.y(), d.z(), machine.id);
+    return base::Error(absl::StatusCode::kInvalidArgument, text, {"TOOL_TIP_INVALID", {}});
   }
   return absl::OkStatus();
 }

@@ -82,7 +82,7 @@ std::vector<std::string> MissingOptions(const std::string& reason, const machine
     add(absl::StrCat("--tool-radius ", radius, "=..."));
   if (const std::string code = NumberBehind(reason, kHarmless); !code.empty()) add(kHarmless + code);
   if (Has(reason, "state --block-delete")) add("--block-delete executed (or skipped)");
-  if (Has(reason, "--unit mm or --unit")) add("--unit mm (or inch)");
+  if (Has(reason, "--unit mm or --unit")) add(kUnitAdvice);
   if (Has(reason, "nor in a file of --subprograms")) add("--subprograms FOLDER --subprograms-out FOLDER");
   return options;
 }

@@ -11,6 +11,7 @@
 namespace axiscal::nc {
 
 inline constexpr size_t kMaxAdvice = 50;
+inline constexpr char kUnitAdvice[] = "--unit mm (or inch)";
 
 // The options that the reason of a refusal asks for, in the words to type: "..." stands for a value that only the shop
 // knows. None where no option helps.

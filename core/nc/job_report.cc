@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/error_detail.h"
 #include "core/base/units.h"
 #include "core/compensate/compensator.h"
 #include "core/nc/advice.h"
@@ -285,14 +286,22 @@ void JobReport::CheckTravel(const BlockText& block, int index, double commanded)
 }
 
 absl::Status JobReport::Refusal() const {
+  // Which setting a person should look at first: without a unit no correction is known.
+  const bool asks_unit =
+      std::find(report_.missing.begin(), report_.missing.end(), kUnitAdvice) != report_.missing.end();
+  const std::string cause = asks_unit             ? "UNIT_NOT_STATED"
+                            : has_exceeded_limit_ ? "CORRECTION_TOO_LARGE"
+                                                  : "PROGRAM_REFUSED";
+  const auto refuse = [&cause](const std::string& text) {
+    return base::Error(absl::StatusCode::kFailedPrecondition, text, {cause, {}});
+  };
   const std::string count =
       absl::StrCat(report_.blocks_refused, report_.blocks_refused == 1 ? " block" : " blocks", " refused");
   std::string add;
   for (const std::string& option : report_.missing) absl::StrAppend(&add, add.empty() ? "; add " : " ", option);
-  if (report_.refused.empty()) return absl::FailedPreconditionError(count + add);
+  if (report_.refused.empty()) return refuse(count + add);
   const Finding& first = report_.refused.front();
-  return absl::FailedPreconditionError(
-      absl::StrCat(count, "; line ", first.line, ": '", first.block, "': ", first.reason, add));
+  return refuse(absl::StrCat(count, "; line ", first.line, ": '", first.block, "': ", first.reason, add));
 }
 
 }  // namespace axiscal::nc

@@ -61,7 +61,8 @@ class JobReport {
   // The next piece does not begin where the last one ended.
   void BreakPath() { last_before_mm_ = last_after_mm_ = 0; }
 
-  // FAILED_PRECONDITION with the number of refused blocks and the first of them.
+  // FAILED_PRECONDITION with the number of refused blocks and the first of them: UNIT_NOT_STATED, CORRECTION_TOO_LARGE,
+  // else PROGRAM_REFUSED.
   absl::Status Refusal() const;
 
   // The program is read.

@@ -278,6 +278,19 @@ TEST(Rewriter, ALargeCorrectionStopsTheJob) {
   EXPECT_REFUSED(options, "G1 X1.\n", "correction of X = 41.7 um, the limit is 40.0 um");
 }
 
+// What a program that shows the refusal goes by, whatever its words are.
+TEST(Rewriter, ARefusalNamesItsCause) {
+  RewriteOptions options = kAtZero;
+  const auto cause_of = [&](const std::string& program) {
+    return base::ErrorReason(testing::Rewritten(program, options).status);
+  };
+  EXPECT_EQ(cause_of("G1 X1.\nG41 D1 X2.\n"), "PROGRAM_REFUSED");
+  options.max_correction_mm = 0.040;
+  EXPECT_EQ(cause_of("G1 X1.\n"), "CORRECTION_TOO_LARGE");
+  options.unit = ProgramUnit::kUnstated;
+  EXPECT_EQ(cause_of("G1 X1.\n"), "UNIT_NOT_STATED");
+}
+
 TEST(Rewriter, TravelLimitsHoldForCorrectedPositions) {
   machine::Machine machine = testing::CountingOn(machine::testing::MultiTasking());
   machine.axes[static_cast<size_t>(machine::FindAxis(machine, "X"))].min_position = -400.0;

@@ -68,6 +68,7 @@ const std::vector<MethodRule>& Methods() {
       {"History.QueryDrift", Reach::kNamed, {kViewer}},
       {"History.FindDrift", Reach::kNamed, {kViewer}},
       {"History.LatestFleet", Reach::kList, {kViewer}},
+      {"History.ListCare", Reach::kList, {kViewer}},
       {"History.PutMark", Reach::kNamed, {kTechnician, kApprover}},
       {"History.ListMarks", Reach::kNamed, {kViewer}},
       {"History.WithdrawMark", Reach::kNamed, {kTechnician, kApprover}},

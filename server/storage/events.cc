@@ -393,6 +393,14 @@ absl::StatusOr<int> ChangeEvents(Connection& connection, UtcTime now, const Even
         connection.Run("INSERT INTO event_look (machine_id, changes, looked_at, looked_by) VALUES (?1, ?2, ?2, ?3) "
                        "ON CONFLICT (machine_id) DO UPDATE SET looked_at = ?2, looked_by = ?3",
                        key, *changes.looked_at, changes.looked_by));
+    RETURN_IF_ERROR(connection.Run("DELETE FROM standing_finding WHERE machine_id = ?1", key));
+    for (size_t i = 0; i < changes.findings.size(); ++i) {
+      const StandingFinding& finding = changes.findings[i];
+      RETURN_IF_ERROR(
+          connection.Run("INSERT INTO standing_finding (machine_id, position, kind, at_utc_us, text) VALUES (?1, ?2, "
+                         "?3, ?4, ?5)",
+                         key, static_cast<int64_t>(i), static_cast<int64_t>(finding.kind), finding.at, finding.text));
+    }
   }
   return count;
 }

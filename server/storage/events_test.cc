@@ -182,6 +182,65 @@ TEST_F(Events, ChangesAreHandedOutInOrderAndOnlyToWhoMaySeeThem) {
   EXPECT_EQ(listed, 100);
 }
 
+// At a glance: what is in use, what waits, what nobody has seen, and what the last look has found.
+TEST_F(Events, CareOfEachMachineIsListedByName) {
+  ASSERT_TRUE(database->CreateMachine(MachineId("a"), R"({"id": "a"})", Cell("")).ok());
+  const auto list = [&](const PageRequest& page = {}) { return *database->ListCare(page, {}); };
+  ASSERT_EQ(list().rows.size(), 2u);
+  EXPECT_EQ(list().rows[0].machine, MachineId("a"));
+  const auto mt = [&] { return list().rows[1]; };
+  EXPECT_FALSE(mt().in_use.has_value());
+  EXPECT_TRUE(mt().is_followed);  // there is no history
+  const UtcTime start = database.clock.UtcNow();
+  const auto used = database->CreateCalibration(TestCalibration(start, 1.0));
+  ASSERT_TRUE(used.ok() && database->ApproveCalibration(used->id, 0, Cell("")).ok());
+  const auto older = database->CreateCalibration(TestCalibration(start - std::chrono::hours(1), 2.0));
+  const auto newer = database->CreateCalibration(TestCalibration(start + std::chrono::hours(1), 3.0));
+  ASSERT_TRUE(older.ok() && newer.ok());
+  EXPECT_EQ(mt().in_use->id, used->id);
+  EXPECT_EQ(mt().in_use->measured_at, start);
+  EXPECT_EQ(mt().waiting, 1);  // the older one is news of the past
+  EXPECT_FALSE(mt().is_followed);
+  EventContent first, second;
+  first.kind = EventKind::kWear;
+  first.text = "wears";
+  second.kind = EventKind::kScatter;
+  second.text = "scatters";
+  const int64_t changes = database->GetLookStand(kMt)->changes;
+  const std::vector<StandingFinding> findings = {{DriftKind::kStep, start, "jumped"},
+                                                 {DriftKind::kSuspect, start, "doubtful"}};
+  ASSERT_TRUE(
+      database
+          ->ChangeEvents(
+              {.machine = kMt, .raised = {first, second}, .looked_at = changes, .looked_by = "1", .findings = findings})
+          .ok());
+  EXPECT_TRUE(mt().is_followed);
+  EXPECT_EQ(mt().new_events, 2);
+  EXPECT_EQ(mt().newest_event, "scatters");
+  ASSERT_EQ(mt().findings.size(), 2u);
+  EXPECT_EQ(mt().findings[1].kind, DriftKind::kSuspect);
+  EXPECT_EQ(mt().findings[0].text, "jumped");
+  // Seen, or on the shelf, an event is no news; time alone leaves the findings, another look replaces them.
+  const std::vector<Event> open = database->ListEvents({kMt, true}, {}, {})->rows;
+  ASSERT_TRUE(database->AcknowledgeEvent(open[0].id, "seen", Cell("")).ok());
+  const UtcTime until = database.clock.UtcNow() + std::chrono::hours(1);
+  ASSERT_TRUE(database->ShelveEvent(open[1].id, until, "", Cell("")).ok());
+  EXPECT_EQ(mt().new_events, 0);
+  EXPECT_EQ(mt().newest_event, "");
+  database.clock.Advance(std::chrono::hours(2));
+  EXPECT_EQ(mt().new_events, 1);
+  EXPECT_EQ(mt().findings.size(), 2u);
+  ASSERT_TRUE(database->ChangeEvents({.machine = kMt, .looked_at = changes, .looked_by = "1"}).ok());
+  EXPECT_TRUE(mt().findings.empty());
+  // Pages, and what one may see.
+  EXPECT_EQ(list({1, ""}).rows[0].machine, MachineId("a"));
+  EXPECT_EQ(list({1, list({1, ""}).next_token}).rows[0].machine, kMt);
+  const Visible one{false, {{records::Scope::Kind::kMachine, "a"}}, "ann"};
+  ASSERT_EQ(database->ListCare({}, one)->rows.size(), 1u);
+  ASSERT_TRUE(database->DeleteMachine(MachineId("a"), 0, Cell("")).ok());
+  EXPECT_EQ(list().rows.size(), 1u);
+}
+
 // Whatever events follow from makes its machine one to look at, until it was looked at as it stands.
 TEST_F(Events, MachinesThatChangeAreLookedAt) {
   EXPECT_TRUE(database->MachinesToLookAt("1")->empty());

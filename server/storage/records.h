@@ -13,6 +13,7 @@
 #include "core/records/access.h"
 #include "core/records/calibration.h"
 #include "core/records/cell.h"
+#include "core/records/drift.h"
 #include "core/records/event.h"
 #include "core/records/history.h"
 #include "core/records/job.h"
@@ -37,6 +38,7 @@ using records::CellRecord;
 using records::CellReport;
 using records::ColumnSpec;
 using records::DeadLetter;
+using records::DriftKind;
 using records::DriftPoint;
 using records::DriftQuery;
 using records::DriftSeries;
@@ -257,6 +259,31 @@ struct LookStand {
   std::string looked_by;
 };
 
+// What a machine's history says that its calibration in use cannot know of: a jump after it, or a last calibration that
+// is doubtful. Candidates count.
+struct StandingFinding {
+  DriftKind kind = DriftKind::kStep;  // kStep, kSuspect or kUnstable
+  UtcTime at;                         // of the calibration with which it was found
+  std::string text;                   // in words
+};
+
+// What there is to say of a machine at a glance.
+struct CareRow {
+  struct InUse {
+    CalibrationId id;
+    int64_t version = 0;
+    UtcTime measured_at;
+    std::optional<double> rms_before_um, rms_after_um;  // of its residuals
+  };
+  MachineId machine;
+  std::optional<InUse> in_use;
+  int64_t waiting = 0;       // candidates that were measured later than what is in use
+  int64_t new_events = 0;    // that stand, are not shelved, and that nobody has acknowledged
+  std::string newest_event;  // the words of the newest of these
+  std::vector<StandingFinding> findings;
+  bool is_followed = false;  // nothing has changed since its history was looked through
+};
+
 // What a look at a machine has found, stored in one transaction.
 struct EventChanges {
   struct Update {
@@ -274,6 +301,8 @@ struct EventChanges {
   // That it was looked at as it stood then, and by which version; absent: only time has passed.
   std::optional<int64_t> looked_at = {};
   std::string looked_by = {};
+  // What it has found besides, in place of what the look before has: read where looked_at is there.
+  std::vector<StandingFinding> findings = {};
 
   bool empty() const { return raised.empty() && updated.empty() && cleared.empty() && !looked_at; }
 };

@@ -15,6 +15,7 @@
 #include "server/storage/access.h"
 #include "server/storage/audit.h"
 #include "server/storage/calibrations.h"
+#include "server/storage/care.h"
 #include "server/storage/cells.h"
 #include "server/storage/chunks.h"
 #include "server/storage/database.h"
@@ -370,6 +371,9 @@ class SqlStore final : public Database {
   }
   absl::StatusOr<LookStand> GetLookStand(const MachineId& machine) override {
     return readers_.Run([&](Connection& c) { return storage::GetLookStand(c, machine); });
+  }
+  absl::StatusOr<Page<CareRow>> ListCare(const PageRequest& page, const Visible& visible) override {
+    return readers_.Run([&](Connection& c) { return storage::ListCare(c, Now(), page, visible); });
   }
   absl::StatusOr<std::vector<MachineId>> MachinesToLookAt(const std::string& version) override {
     return readers_.Run([&](Connection& c) { return storage::MachinesToLookAt(c, version); });

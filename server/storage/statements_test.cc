@@ -111,6 +111,7 @@ void CallAll(TempDatabase& database, SessionId stored) {
                                     AuditFilter{base::FromUtcUs(1'000'000), base::FromUtcUs(2'000'000), "", ""}})
     ASSERT_TRUE(database->ListAudit(filter, {}).ok());
   ASSERT_TRUE(database->LatestFleet({}, {}).ok());
+  ASSERT_TRUE(database->ListCare({}, {}).ok());
   ASSERT_TRUE(database->LatestFleet({"EX0C"}, {}).ok());
   ASSERT_TRUE(database->QueryDrift({mt, {"EX0C"}, UtcTime(), base::FromUtcUs(10), 5}).ok());
   ASSERT_TRUE(database->QueryDrift({mt, {"EX0C"}, UtcTime(), base::FromUtcUs(1'000'000'000), 50}).ok());
@@ -131,13 +132,17 @@ void CallAll(TempDatabase& database, SessionId stored) {
     ASSERT_TRUE(database->ListPrograms({"none"}, page, some).ok());
     ASSERT_TRUE(database->ListMachines(page, some).ok());
     ASSERT_TRUE(database->LatestFleet({}, page, some).ok());
+    ASSERT_TRUE(database->ListCare(page, some).ok());
   }
   ASSERT_TRUE(database->SetExpectations({mt, {{"EX0C", -1, 1}}, 90, {{"CR", 24}}, false}, 0, Cell("")).ok());
   ASSERT_TRUE(database->GetExpectations(mt).ok());
   EventContent content;
   content.kind = EventKind::kWear;
   content.amounts = {{"EX0C", EstimateUnit::kUm, 1.0, 0.1}};
-  ASSERT_EQ(*database->ChangeEvents({.machine = mt, .raised = {content}, .looked_at = 1, .looked_by = "1"}), 1);
+  const StandingFinding finding{DriftKind::kStep, UtcTime(), "jumped"};
+  ASSERT_EQ(*database->ChangeEvents(
+                {.machine = mt, .raised = {content}, .looked_at = 1, .looked_by = "1", .findings = {finding}}),
+            1);
   const EventId event = database->ListEvents({{}, true}, {}, {})->rows.at(0).id;
   ASSERT_EQ(*database->ChangeEvents({.machine = mt, .updated = {{event, content}}}), 1);
   for (const bool is_open_only : {false, true}) {

@@ -118,12 +118,13 @@ void AddTolerances(const HistoryFacts& facts, std::vector<Condition>& conditions
   }
 }
 
-void AddSteps(const HistoryFacts& facts, std::vector<Condition>& conditions) {
+// Each as it was told last, without those that went back.
+std::vector<drift::StepChange> StandingSteps(const inputs::MachineHistory& history) {
   std::vector<drift::StepChange> steps;
   const auto is_of = [](const drift::StepChange& step, base::UtcTime after, base::UtcTime by) {
     return step.after == after && step.by == by;
   };
-  for (const drift::Finding& finding : facts.history.findings) {
+  for (const drift::Finding& finding : history.findings) {
     if (const auto* const step = std::get_if<drift::StepChange>(&finding)) {
       std::erase_if(steps, [&](const auto& told) { return is_of(told, step->after, step->by); });
       steps.push_back(*step);
@@ -131,7 +132,11 @@ void AddSteps(const HistoryFacts& facts, std::vector<Condition>& conditions) {
       std::erase_if(steps, [&](const auto& told) { return is_of(told, back->after, back->by); });
     }
   }
-  for (const drift::StepChange& step : steps) {
+  return steps;
+}
+
+void AddSteps(const HistoryFacts& facts, std::vector<Condition>& conditions) {
+  for (const drift::StepChange& step : StandingSteps(facts.history)) {
     Condition condition;
     condition.raises = facts.now - step.by <= kNews;
     EventContent& content = condition.content;
@@ -384,6 +389,25 @@ void AddConditionsOf(const records::CellRecord& cell, std::vector<Condition>& co
 }
 
 }  // namespace
+
+std::vector<storage::StandingFinding> StandingFindings(const inputs::MachineHistory& history,
+                                                       std::optional<base::UtcTime> in_use) {
+  std::vector<storage::StandingFinding> standing;
+  for (const drift::StepChange& step : StandingSteps(history)) {
+    if (!in_use || step.by > *in_use) standing.push_back({records::DriftKind::kStep, step.found_at, drift::Text(step)});
+  }
+  if (!standing.empty()) return standing;  // a doubt that became a jump is told by the jump
+  if (in_use && history.state.last_at <= *in_use) return standing;
+  for (const drift::Finding& finding : history.findings) {
+    const auto* const suspect = std::get_if<drift::Suspect>(&finding);
+    const auto* const unstable = std::get_if<drift::Unstable>(&finding);
+    if (suspect != nullptr && suspect->at == history.state.last_at)
+      standing.push_back({records::DriftKind::kSuspect, suspect->at, drift::Text(finding)});
+    if (unstable != nullptr && unstable->at == history.state.last_at)
+      standing.push_back({records::DriftKind::kUnstable, unstable->at, drift::Text(finding)});
+  }
+  return standing;
+}
 
 std::vector<Condition> ConditionsOf(const HistoryFacts& facts) {
   std::vector<Condition> conditions;

@@ -15,6 +15,7 @@
 #include "core/records/routine.h"
 #include "core/reports/calibration.h"
 #include "server/inputs/machine_history.h"
+#include "server/storage/records.h"
 
 namespace axiscal::watch {
 
@@ -46,6 +47,12 @@ inline constexpr records::EventKind kOfHistory[] = {
     records::EventKind::kScatter,         records::EventKind::kModelLacks,      records::EventKind::kRoutineFailed,
     records::EventKind::kRoutineProposes, records::EventKind::kSessionRejected, records::EventKind::kUnlikeGroup};
 std::vector<Condition> ConditionsOf(const HistoryFacts& facts);
+
+// What the history, candidates counted, says that a calibration measured at `in_use` (absent: none is in use) cannot
+// know of: each jump that stands and came after it, the oldest first; where there is none, that its last calibration is
+// doubtful.
+std::vector<storage::StandingFinding> StandingFindings(const inputs::MachineHistory& history,
+                                                       std::optional<base::UtcTime> in_use);
 
 // What follows from the time.
 struct TimeFacts {

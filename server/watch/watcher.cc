@@ -79,6 +79,20 @@ absl::StatusOr<HistoryFacts> ReadHistory(storage::Database& database, const Mach
   return facts;
 }
 
+// The history with candidates counted; `counted` is what the machine is expected to hold to.
+absl::StatusOr<inputs::MachineHistory> WithCandidates(storage::Database& database, const MachineId& machine,
+                                                      const HistoryFacts& counted,
+                                                      const std::function<bool()>& is_cancelled) {
+  if (counted.expected.content.counts_candidates) return counted.history;
+  records::CalibrationFilter candidates;
+  candidates.machine = machine;
+  candidates.state = records::CalibrationState::kCandidate;
+  ASSIGN_OR_RETURN(const records::Page<records::CalibrationRecord> page,
+                   database.ListCalibrations(candidates, {1, ""}));
+  if (page.rows.empty()) return counted.history;
+  return inputs::FollowHistory(database, machine, true, is_cancelled);
+}
+
 absl::StatusOr<TimeFacts> ReadTimes(storage::Database& database, const MachineId& machine, base::UtcTime now,
                                     const records::ExpectationsRecord& expected) {
   TimeFacts facts;
@@ -149,10 +163,13 @@ absl::Status Watcher::Look(const MachineId& machine) {
   ASSIGN_OR_RETURN(const TimeFacts times, ReadTimes(database_, machine, now, expected));
   std::vector<Condition> conditions = ConditionsOf(times);
   const bool has_changed = stand.changes != stand.looked_at || stand.looked_by != options_.version;
+  std::vector<storage::StandingFinding> findings;
   if (has_changed) {
     kinds.insert(std::begin(kOfHistory), std::end(kOfHistory));
-    ASSIGN_OR_RETURN(const HistoryFacts facts,
-                     ReadHistory(database_, machine, now, expected, [this] { return stopping_.load(); }));
+    const auto is_cancelled = [this] { return stopping_.load(); };
+    ASSIGN_OR_RETURN(const HistoryFacts facts, ReadHistory(database_, machine, now, expected, is_cancelled));
+    ASSIGN_OR_RETURN(const inputs::MachineHistory all, WithCandidates(database_, machine, facts, is_cancelled));
+    findings = StandingFindings(all, times.approved_measured_at);
     for (Condition& condition : ConditionsOf(facts)) conditions.push_back(std::move(condition));
   }
   ASSIGN_OR_RETURN(const std::vector<records::Event> standing, database_.StandingEvents(machine));
@@ -160,6 +177,7 @@ absl::Status Watcher::Look(const MachineId& machine) {
   if (has_changed) {
     changes.looked_at = stand.changes;
     changes.looked_by = options_.version;
+    changes.findings = std::move(findings);
   }
   if (changes.empty()) return absl::OkStatus();
   ASSIGN_OR_RETURN(const int count, database_.ChangeEvents(changes));

@@ -182,6 +182,46 @@ TEST_F(Steps, AMarkExplainsThem) {
   EXPECT_EQ(Open(EventKind::kStep).size(), 1u);
 }
 
+// What a list of the fleet says of the machine without going through its history.
+TEST_F(Steps, AreKeptUntilACalibrationBehindThemIsInUse) {
+  const auto care = [&] {
+    const auto page = database->ListCare({}, {});
+    DEMAND(page.ok() && page->rows.size() == 1);
+    return page->rows[0];
+  };
+  Calibrate(10, -5);
+  EXPECT_FALSE(care().is_followed);
+  Look();
+  EXPECT_TRUE(care().is_followed);
+  EXPECT_TRUE(care().findings.empty());
+  for (int week = 0; week < 30; ++week) {
+    Week();
+    Calibrate(10 + Noise(), -5 + Noise());
+  }
+  const base::UtcTime in_use = database.clock.UtcNow();
+  // Nobody approves what comes after the jump: it counts here although nothing says that candidates are expected to.
+  CalibrationId last;
+  for (int week = 0; week < 4; ++week) {
+    Week();
+    last = Calibrate(30 + Noise(), -25 + Noise(), "{}", false);
+  }
+  Look();
+  EXPECT_TRUE(Open(EventKind::kStep).empty());
+  ASSERT_EQ(care().findings.size(), 1u);
+  EXPECT_EQ(care().findings[0].kind, records::DriftKind::kStep);
+  EXPECT_THAT(care().findings[0].text, HasSubstr("jumped together"));
+  EXPECT_GT(care().findings[0].at, in_use);
+  EXPECT_EQ(care().waiting, 4);
+  EXPECT_EQ(care().in_use->measured_at, in_use);
+  // One that was measured behind the jump knows of it.
+  ASSERT_TRUE(database->ApproveCalibration(last, 0, Cell("")).ok());
+  EXPECT_FALSE(care().is_followed);
+  Look();
+  EXPECT_TRUE(care().findings.empty());
+  EXPECT_EQ(care().in_use->id, last);
+  EXPECT_EQ(care().waiting, 0);
+}
+
 TEST_F(Steps, OnesOfLongAgoAreNoNews) {
   for (int week = 0; week < 34; ++week) {
     Week();

@@ -73,11 +73,22 @@ async function judge(page, what) {
   );
 }
 
-// The fleet's rows are sorted anew as the histories come in.
+// The rows are there, and the server has looked through all histories.
 async function historiesAreLooked(page) {
   await page.getByRole("link", { name: "mill-7", exact: true }).waitFor();
   await page.getByText(/has been looked through so far|bisher durchgesehen/).waitFor({ state: "hidden" });
 }
+
+// What the browser itself saw moving on the page, but for what a touch or key has moved (layout instability).
+const watchMoves = (page) =>
+  page.addInitScript(() => {
+    window.moves = [];
+    new PerformanceObserver((list) => {
+      for (const entry of list.getEntries())
+        if (!entry.hadRecentInput) for (const source of entry.sources) window.moves.push(source.node?.outerHTML?.slice(0, 120) ?? "gone");
+    }).observe({ type: "layout-shift", buffered: true });
+  });
+const rowNames = (page) => page.locator("tbody tr th a").allInnerTexts();
 
 // Every page, and what must be seen on it before it is judged.
 const kPages = [
@@ -175,6 +186,20 @@ for (const [scheme, language, width, height] of [
     await done();
   });
 }
+
+test("nothing on the fleet page moves while it loads", async () => {
+  for (const [width, height] of [[1200, 900], [390, 844]]) {
+    const { page, done } = await openAs("eve", { viewport: { width, height } });
+    await historiesAreLooked(page);
+    const order = await rowNames(page);
+    await watchMoves(page);
+    await page.reload();
+    await historiesAreLooked(page);
+    assert.deepEqual(await rowNames(page), order);
+    assert.deepEqual(await page.evaluate(() => window.moves), [], `${width} wide`);
+    await done();
+  }
+});
 
 test("numbers and words are German where the reader is", async () => {
   const { page, go, done } = await openAs("ada", { locale: "de-DE" });
@@ -360,6 +385,32 @@ test("an approver puts a calibration in use with a reason, and back", async () =
   await ada.done();
 });
 
+test("what differs is said where a phone shows it, and names keep their words whole", async () => {
+  const { page, go, done } = await openAs("eve", { viewport: { width: 390, height: 844 }, locale: "de-DE" });
+  await go("#/calibrations/17");
+  const verdict = page.getByRole("row", { name: /^EX0C/ }).locator("td .mark").first();
+  await verdict.waitFor();
+  const box = await verdict.boundingBox();
+  assert.ok(box.x + box.width <= 390, `the verdict ends at ${box.x + box.width} px`);
+  await go("#/machines/mill-7");
+  const date = page.getByRole("row", { name: /spindle bearings changed/ }).getByRole("rowheader");
+  await date.waitFor();
+  // A word that is broken has its letters in more than one line.
+  const lines = await date.evaluate((cell) => {
+    const range = document.createRange();
+    const text = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT).nextNode();
+    range.setStart(text, 0);
+    range.setEnd(text, text.data.search(/[ ,]|$/));
+    return range.getClientRects().length;
+  });
+  assert.equal(lines, 1);
+  // How a job stands is seen without scrolling in its table.
+  await go("#/jobs");
+  const state = await page.locator("tr", { has: page.getByRole("link", { name: "Auftrag 4", exact: true }) }).locator(".mark").boundingBox();
+  assert.ok(state.x + state.width <= 390, `the state ends at ${state.x + state.width} px`);
+  await done();
+});
+
 test("a decision on what has changed meanwhile is not taken", async () => {
   const one = await openAs("ann"), two = await openAs("ann");
   for (const { go } of [one, two]) await go("#/calibrations/17");
@@ -463,6 +514,9 @@ test("a wall display stays signed in, and changes nothing", async () => {
   await page.locator(".wall-list").getByText("mill-8").waitFor();
   assert.equal(await page.getByRole("navigation").count(), 0);
   assert.equal(await page.locator("main button, main input").count(), 0);
+  // Nor does it say what to choose.
+  await page.locator(".wall-list").getByText("nobody has seen this event yet", { exact: true }).waitFor();
+  assert.equal(await page.locator(".wall-list").getByText(/choose/).count(), 0);
   await page.screenshot({ path: path.join(kPictures, "wall.png") });
   // The sign-in lives with the server: after a restart the display signs in again by itself.
   await own.stop();
@@ -479,20 +533,37 @@ test("a wall display stays signed in, and changes nothing", async () => {
 
 test("a thousand machines with ten years each", async () => {
   const own = await startServer(path.join(kHere, "data", "thousand.db"), 0, []);
-  const { page, go, done } = await openPage({ server: own });
-  await page.locator("tbody tr").first().waitFor();
+  const { page, go, context, done } = await openPage({ server: own });
+  const rows = page.locator("tbody tr");
+  await rows.nth(49).waitFor();
   await page.getByText(/1,?000 machines/).waitFor();
-  assert.equal(await page.locator("tbody tr").count(), 50);
+  assert.equal(await rows.count(), 50);
   await page.getByLabel(/^Filter/).fill("m0777");
   await page.getByRole("link", { name: "m0777", exact: true }).waitFor();
-  assert.equal(await page.locator("tbody tr").count(), 1);
+  await rows.nth(1).waitFor({ state: "detached" });
   await page.getByLabel(/^Filter/).fill("");
+  await rows.nth(49).waitFor();
+  // While the server looks through what it has never looked at, no row leaves its place; the reader asks for the order of now.
+  const before = await rowNames(page);
+  await page.getByText(/has been looked through so far/).waitFor({ state: "hidden", timeout: 10 * kPatience });
+  assert.deepEqual(await rowNames(page), before);
+  await page.getByRole("button", { name: "Order anew" }).click();
+  await page.waitForFunction(() => /^m\d\d[05]0/.test(document.querySelector("tbody tr").innerText));
   await page.getByRole("button", { name: "Show more" }).click();
-  assert.equal(await page.locator("tbody tr").count(), 100);
-  // All histories are looked through, and the machine that jumped stands first.
-  await page.getByText(/has been looked through so far/).waitFor({ state: "hidden", timeout: 5 * kPatience });
-  assert.match(await page.locator("tbody tr").first().innerText(), /^m\d\d[05]0/);
+  await rows.nth(99).waitFor();
+  assert.equal(await rows.count(), 100);
   await judge(page, "a thousand machines");
+  // Whoever comes later finds that order at once: one call for all, and nothing that moves.
+  const later = await context.newPage();
+  const calls = [];
+  later.on("request", (request) => /axiscal\.v1\./.test(request.url()) && calls.push(new URL(request.url()).pathname));
+  await watchMoves(later);
+  await later.goto(`${own.url}/`);
+  await later.locator("tbody tr").nth(49).waitFor();
+  await later.getByText("The history of all 1,000 calibrated machines was looked through.").waitFor();
+  assert.deepEqual((await rowNames(later)).slice(0, 20), (await rowNames(page)).slice(0, 20));
+  assert.deepEqual(calls.sort(), ["/axiscal.v1.Access/GetIdentity", "/axiscal.v1.Access/ListMachineAccess", "/axiscal.v1.History/ListCare"]);
+  assert.deepEqual(await later.evaluate(() => window.moves), []);
   // Ten years of one of them.
   await go("#/machines/m0100");
   await page.locator("figure svg").first().waitFor();
@@ -667,10 +738,20 @@ test("a program is dropped, corrected, taken away", async () => {
   await page.getByLabel("Unit of the program").selectOption("0");
   assert.deepEqual(await missing(), []);
   assert.equal(await page.getByLabel(/Largest correction/).inputValue(), "500");
+  // A wrong sign: the tool would stand behind its own axis.
+  await page.getByLabel(/Tool point/).fill("0 0 356.3946");
+  await page.getByRole("button", { name: "Compensate" }).click();
+  await page.getByText("Look at: Tool point at home, machine frame, mm: X Y Z.").waitFor();
+  await page.getByLabel(/Tool point/).fill("0 0 -356.3946");
   await page.getByRole("button", { name: "Compensate" }).click();
   await page.getByText("Refused: nothing was written.").waitFor();
   await page.getByText("Look at: Unit of the program.").waitFor();
+  await page.getByText("UNIT_NOT_STATED").waitFor();
   await judge(page, "a refused program");
+  // In German, too: the page goes by the reason, not by the server's words.
+  await page.getByLabel("Language").selectOption("de");
+  await page.getByText("Zu prüfen: Einheit des Programms.").waitFor();
+  await page.getByLabel("Sprache").selectOption("en");
   await page.getByLabel("Unit of the program").selectOption("1");
   await page.getByRole("button", { name: "Compensate" }).click();
   await page.getByText("Look at: Largest correction of an axis, µm.").waitFor();
@@ -698,6 +779,32 @@ test("a program is dropped, corrected, taken away", async () => {
   await page.screenshot({ path: path.join(kPictures, "compensated.png"), fullPage: true });
   const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Download the corrected program" }).click()]);
   assert.match(fs.readFileSync(await file.path(), "utf8"), /G01 X-389\.9345 Y-0\.0357 Z-115\.4778/);
+  await done();
+});
+
+test("blocks that are left as they are stand with their lines, and what would help", async () => {
+  const { page, go, done } = await openAs("bob", { locale: "de-DE" });
+  await go("#/programs");
+  // A work offset whose values nobody has stated: its moves cannot be corrected, those in front of it can.
+  const lines = ["G90 G21", "G00 X-350. Y0. Z-100. B0. C0.", "G01 X-340. F500", "G54.1 P6", "G01 X-10. F500", "G01 X-20.", "M30"];
+  await page.locator("input[type=file]").setInputFiles({ name: "two-offsets.nc", mimeType: "text/plain", buffer: Buffer.from(lines.join("\n") + "\n") });
+  await page.getByText(/Programm \d+: two-offsets.nc/).waitFor();
+  await page.getByRole("combobox", { name: "Maschine" }).selectOption("integrex-i200");
+  await page.getByLabel(/^Werkzeugpunkt/).fill("0 0 -356.3945");
+  await page.getByRole("combobox", { name: "Steuerung" }).selectOption("mazak");
+  await page.getByLabel("Einheit des Programms").selectOption("0");
+  await page.getByLabel(/Größte Korrektur/).fill("5000");
+  await page.getByRole("button", { name: "Kompensieren" }).click();
+  await page.getByText("Abgelehnt: nichts wurde geschrieben.").waitFor();
+  await page.getByText("PROGRAM_REFUSED").waitFor();
+  assert.equal(await page.getByText("Zu prüfen:").count(), 0);
+  await page.getByLabel(/Sätze, die nicht korrigiert werden können/).check();
+  await page.getByRole("button", { name: "Kompensieren" }).click();
+  const left = page.getByRole("region", { name: "Zeilen, die blieben, wie sie sind" });
+  await left.getByRole("row", { name: /^[45] – 6 .*G54\.1 P6/ }).waitFor();
+  const help = page.locator("section", { has: page.getByRole("heading", { name: "Was helfen würde" }) }).last();
+  await help.getByText('--offset "G54.1 P6 X=... Y=... Z=... B=... C=..."').waitFor();
+  await judge(page, "a program of which blocks were left");
   await done();
 });
 

@@ -107,6 +107,7 @@ const std::map<std::string, Expected>& AllExpected() {
       {"History.QueryDrift", {For::kWhatIsNamed, kViewers}},
       {"History.FindDrift", {For::kWhatIsNamed, kViewers}},
       {"History.LatestFleet", {For::kLists, kViewers}},
+      {"History.ListCare", {For::kLists, kViewers}},
       {"Events.GetExpectations", {For::kWhatIsNamed, kViewers}},
       {"Events.SetExpectations", {For::kWhatIsNamed, kTechniciansAndApprovers}},
       {"Events.ListEvents", {For::kLists, kViewers}},

@@ -125,27 +125,32 @@ export interface Loaded<Data> {
   problem?: Problem;
 }
 
-// Loads when `key` changes, when the connection is back and, with `everyMs`, again and again while the page is seen. What was
-// there stays until the new is there.
-export function useLoad<Data>(key: string, load: () => Promise<Data>, everyMs = 0): Loaded<Data> {
+// Loads when `key` changes, when the connection is back and, with `everyMs`, again and again while the page is seen: it may depend
+// on what was found last. What was there stays until the new is there.
+export function useLoad<Data>(key: string, load: () => Promise<Data>, everyMs: number | ((found?: Data) => number) = 0): Loaded<Data> {
   const [state, setState] = useState<Loaded<Data> & { key: string }>({ key });
   const now = epoch.value;
   useEffect(() => {
     let isOver = false;
     let timer: number | undefined;
+    let data: Data | undefined;
     const run = async () => {
       try {
-        const data = await load();
+        data = await load();
         if (!isOver) setState({ key, data });
       } catch (error) {
         const problem = problemOf(error);
         // While the connection is lost what was there stays; the banner says so.
         if (!isOver) setState((old) => (problem.isConnection && old.key === key ? old : { key, problem }));
       }
-      if (!isOver && everyMs > 0) timer = window.setTimeout(again, everyMs);
+      later();
     };
-    const again = () => (document.visibilityState === "visible" ? run() : (timer = window.setTimeout(again, everyMs)));
-    run();
+    const later = () => {
+      const ms = typeof everyMs === "number" ? everyMs : everyMs(data);
+      if (!isOver && ms > 0) timer = window.setTimeout(again, ms);
+    };
+    const again = () => (document.visibilityState === "visible" ? void run() : later());
+    void run();
     return () => {
       isOver = true;
       clearTimeout(timer);

@@ -194,6 +194,17 @@ function App() {
           Axiscal
         </a>
         {who && !mustSignIn.value && !isWall.value ? <Menu /> : <span class="grow" />}
+        {/* A box of its own in front of the settings: when it comes they stay where they are. */}
+        {who && !mustSignIn.value && (
+          <div class="account">
+            <span class="who">{who.name}</span>
+            {!who.isLocal && (
+              <button type="button" class="quiet" onClick={() => void signOut()}>
+                {t("signOut")}
+              </button>
+            )}
+          </div>
+        )}
         <div class="settings">
           <select
             aria-label={t("language")}
@@ -208,16 +219,11 @@ function App() {
             <option value="light">{t("themeLight")}</option>
             <option value="dark">{t("themeDark")}</option>
           </select>
-          {who && !mustSignIn.value && <span class="who">{who.name}</span>}
-          {who && !who.isLocal && !mustSignIn.value && (
-            <button type="button" class="quiet" onClick={() => void signOut()}>
-              {t("signOut")}
-            </button>
-          )}
         </div>
       </header>
       <div aria-live="assertive">{!isConnected.value && <div class="lost">{t("lost")}</div>}</div>
-      <main id="main" tabIndex={-1}>
+      {/* Another one once it is known who is there: the menu that comes above it moves nothing that was seen. */}
+      <main key={who ? "known" : "first"} id="main" tabIndex={-1}>
         {mustSignIn.value && !isWall.value ? (
           <SignInPage />
         ) : who ? (

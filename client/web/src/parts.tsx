@@ -65,9 +65,16 @@ export function Empty(props: { text: string; first?: string; children?: Componen
 
 // Wide tables scroll in a box of their own, which the keyboard reaches. With `cards` a row is a card where there is no room for columns; a cell
 // then says by `data-head` what it is.
-export function Table(props: { label: string; head: ComponentChildren[]; numbers?: number[]; cards?: boolean; children: ComponentChildren }) {
+export function Table(props: {
+  label: string;
+  head: ComponentChildren[];
+  numbers?: number[];
+  cards?: boolean;
+  kind?: string; // a class of its own
+  children: ComponentChildren;
+}) {
   return (
-    <div class={props.cards ? "scroll cards" : "scroll"} role="region" aria-label={props.label} tabIndex={0}>
+    <div class={`scroll ${props.cards ? "cards" : ""} ${props.kind ?? ""}`} role="region" aria-label={props.label} tabIndex={0}>
       <table>
         <thead>
           <tr>

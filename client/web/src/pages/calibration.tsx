@@ -235,23 +235,23 @@ function Differences(props: { it: Calibration; inUse?: Calibration }) {
           <p>{t("differencesHelp", { n: made.withCalibrationId })}</p>
           <Table
             label={t("differences")}
-            head={[t("error"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("atToolPoint"), t("isClear")]}
-            numbers={[1, 2, 3, 4, 6]}
+            head={[t("error"), t("isClear"), t("nowValue"), t("thisValue"), t("difference"), "± 1 σ", t("unit"), t("atToolPoint")]}
+            numbers={[2, 3, 4, 5, 7]}
           >
             {[...made.errors, ...made.combinations].sort((a, b) => kVerdictOrder.indexOf(a.verdict) - kVerdictOrder.indexOf(b.verdict)).map((one) => (
               <tr>
                 <th scope="row" class="text">
                   <ErrorName name={one.name} />
                 </th>
+                <td>
+                  <span class={`mark ${kVerdictMark[one.verdict] ?? "old"}`}>{tMaybe(`differs_${one.verdict}`)}</span>
+                </td>
                 <td class="number">{one.other === undefined ? "–" : valueText(one.other, one.sigma)}</td>
                 <td class="number">{one.value === undefined ? "–" : valueText(one.value, one.sigma)}</td>
                 <td class="number">{one.difference === undefined ? "–" : valueText(one.difference, one.sigma)}</td>
                 <td class="number">{one.sigma === undefined ? "–" : sigmaText(one.sigma)}</td>
                 <td>{unitText(one.unit)}</td>
                 <td class="number">{one.toolPointRmsUm === undefined ? "–" : `${numberText(one.toolPointRmsUm)} µm`}</td>
-                <td>
-                  <span class={`mark ${kVerdictMark[one.verdict] ?? "old"}`}>{tMaybe(`differs_${one.verdict}`)}</span>
-                </td>
               </tr>
             ))}
           </Table>

@@ -1,12 +1,8 @@
 // Every machine at a glance, those that need care first.
-import { useEffect, useMemo, useState } from "preact/hooks";
-import { access, all, calibrations, epoch, history, ingest, isConnected, machines, problemOf, useLoad, type Problem } from "../api";
-import { careOf, kCares, known, open, type Care, type Known } from "../care";
-import { isNew, listEvents } from "../events";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { access, all, history, ingest, useLoad, type Problem } from "../api";
 import { countText, dayText, numberText } from "../format";
-import { CalibrationState, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import type { Event } from "../gen/axiscal/v1/events_service_pb";
-import type { DriftFinding } from "../gen/axiscal/v1/history_service_pb";
+import { Care, type MachineCare } from "../gen/axiscal/v1/history_service_pb";
 import { Empty, ErrorWords, ProblemBox, Server, Show, Table, Title, fieldOf } from "../parts";
 import { isAdminOfAll } from "../session";
 import { language, t } from "../text";
@@ -14,143 +10,80 @@ import { language, t } from "../text";
 const kMostMachines = 5000;
 const kMostLabelled = 5000; // sessions with a label
 const kShownAtOnce = 50;
-// Histories asked for at a time: a browser has six connections.
-const kAtATime = 2;
+// Rows that fill a screen. Others of those that are shown come one frame later, so that a key in the filter is answered at once.
+const kFirstRows = 15;
 const kEveryMs = 60_000;
-const kNoEvents: Event[] = [];
+// While the server looks through histories, as after one was changed.
+const kSoonMs = 2000;
 
 export interface Fleet {
-  rows: { id: string; what: Known; news: Event[] }[]; // news: events that nobody has seen, newest first
-  groups: Map<string, string[]>; // of each machine; empty where one may not know
+  rows: MachineCare[];
   isWhole: boolean;
 }
 
 export async function loadFleet(): Promise<Fleet> {
-  const list = (state: CalibrationState) =>
-    all(2 * kMostMachines, async (pageToken) => {
-      const page = await calibrations.listCalibrations({ state, pageSize: 1000, pageToken });
-      return { rows: page.calibrations, nextPageToken: page.nextPageToken };
-    });
-  const [found, inUse, candidates, events, rights] = await Promise.all([
-    all(kMostMachines, async (pageToken) => {
-      const page = await machines.listMachines({ pageSize: 1000, pageToken });
-      return { rows: page.machines.map((m) => m.machineId), nextPageToken: page.nextPageToken };
-    }),
-    list(CalibrationState.APPROVED),
-    list(CalibrationState.CANDIDATE),
-    listEvents("", true),
-    isAdminOfAll()
-      ? all(kMostMachines, async (pageToken) => {
-          const page = await access.listMachineAccess({ pageSize: 1000, pageToken });
-          return { rows: page.machines, nextPageToken: page.nextPageToken };
-        })
-      : undefined,
-  ]);
-  const news = new Map<string, Event[]>();
-  for (const event of events.rows.filter(isNew)) news.set(event.machineId, [...(news.get(event.machineId) ?? []), event]);
-  const groups = new Map<string, string[]>();
-  for (const machine of rights?.rows ?? []) groups.set(machine.machineId, machine.groups);
-  const of = new Map<string, Calibration[]>();
-  for (const calibration of [...inUse.rows, ...candidates.rows]) {
-    const list = of.get(calibration.machineId);
-    if (list) list.push(calibration);
-    else of.set(calibration.machineId, [calibration]);
-  }
-  return {
-    rows: found.rows.map((id) => ({ id, what: known(of.get(id) ?? []), news: news.get(id) ?? kNoEvents })),
-    groups,
-    isWhole: found.isWhole && inUse.isWhole && candidates.isWhole && events.isWhole,
-  };
+  return await all(kMostMachines, async (pageToken) => {
+    const page = await history.listCare({ pageSize: 1000, pageToken });
+    return { rows: page.machines, nextPageToken: page.nextPageToken };
+  });
+}
+export const everyMs = (fleet?: Fleet) => (fleet?.rows.some((row) => !row.isFollowed) ? kSoonMs : kEveryMs);
+
+const told = (row: MachineCare) => Number(row.newEvents) + row.findings.length;
+// Those that need care first, those with most to tell before others.
+export const byNeed = (a: MachineCare, b: MachineCare) => a.care - b.care || told(b) - told(a) || (a.machineId < b.machineId ? -1 : 1);
+
+// The rows in an order that nothing changes under the reader's eyes: that of the first load, until he asks for it anew. What came since stands
+// last. `isStale`: the order of now would be another one.
+function useOrdered(fleet: Fleet): { rows: MachineCare[]; placed: Map<string, Care>; isStale: boolean; order: () => void } {
+  const [asked, setAsked] = useState(0);
+  const held = useRef<{ asked: number; placed: Map<string, Care> } | undefined>(undefined);
+  return useMemo(() => {
+    const now = [...fleet.rows].sort(byNeed);
+    if (held.current?.asked !== asked) held.current = { asked, placed: new Map(now.map((row) => [row.machineId, row.care])) };
+    const { placed } = held.current;
+    const of = new Map(fleet.rows.map((row) => [row.machineId, row]));
+    const rows = [
+      ...[...placed.keys()].flatMap((id) => of.get(id) ?? []),
+      ...now.filter((row) => !placed.has(row.machineId)),
+    ];
+    const isStale = now.some((row) => placed.get(row.machineId) !== row.care);
+    return { rows, placed, isStale, order: () => setAsked(asked + 1) };
+  }, [fleet, asked]);
 }
 
-// The findings of each machine, asked for one after the other.
-function useFindings(ids: string[]): { of: Map<string, DriftFinding[]>; problem?: string } {
-  const [state, setState] = useState<{ of: Map<string, DriftFinding[]>; problem?: string }>({ of: new Map() });
-  const key = ids.join("\n");
-  useEffect(() => {
-    let isOver = false;
-    const left = [...ids];
-    const found = new Map<string, DriftFinding[]>();
-    let shownAt = 0;
-    const work = async () => {
-      for (let id = left.shift(); id !== undefined && !isOver; id = left.shift()) {
-        try {
-          found.set(id, (await history.findDrift({ machineId: id, countsCandidates: true })).findings);
-        } catch (error) {
-          if (!isOver && isConnected.value) setState({ of: new Map(found), problem: problemOf(error).text });
-          return;
-        }
-        // Not for each of a thousand machines.
-        if (!isOver && (left.length === 0 || performance.now() - shownAt > 500)) {
-          shownAt = performance.now();
-          setState({ of: new Map(found) });
-        }
-      }
-    };
-    for (let i = 0; i < kAtATime; ++i) void work();
-    return () => {
-      isOver = true;
-    };
-  }, [key, epoch.value]);
-  return state;
-}
-
-export interface Rated {
-  id: string;
-  what: Known;
-  news: Event[];
-  care: Care;
-  told: number;
-  findings?: DriftFinding[];
-}
-
-// Those that need care first; `left`: how many were not looked through yet.
-export function useRated(fleet: Fleet): { rated: Rated[]; looked: number; left: number; problem?: string } {
-  const withData = useMemo(
-    () => fleet.rows.filter((row) => row.what.inUse || row.what.waiting.length > 0).map((row) => row.id),
-    [fleet],
-  );
-  const found = useFindings(withData);
-  const rated = useMemo(
-    () =>
-      fleet.rows
-        .map((row) => {
-          const findings = found.of.get(row.id);
-          const care = careOf(row.what, findings, row.news);
-          return { ...row, findings, care, told: row.news.length + open(findings ?? [], row.what.inUse).length };
-        })
-        .sort((a, b) => kCares.indexOf(a.care) - kCares.indexOf(b.care) || b.told - a.told || (a.id < b.id ? -1 : 1)),
-    [fleet, found.of],
-  );
-  return { rated, looked: found.of.size, left: withData.length - found.of.size, problem: found.problem };
-}
-
-export function CareMark(props: { of: Rated }) {
-  const { care, findings, what } = props.of;
+export function CareMark(props: { of: MachineCare }) {
+  const { care, inUse, isFollowed } = props.of;
   // Nothing is good before its history was looked through.
-  if (care === "good" && what.inUse && !findings) return <span class="mark old">{t("careLooking")}</span>;
-  return <span class={`mark ${kCareMark[care]}`}>{t(kCareText[care])}</span>;
+  if (care === Care.GOOD && inUse && !isFollowed) return <span class="mark old">{t("careLooking")}</span>;
+  const [kind, text] = kCareMarks[care] ?? kCareMarks[Care.UNKNOWN]!;
+  return <span class={`mark ${kind}`}>{t(text)}</span>;
 }
 
-const kCareText = { now: "careNow", decide: "careDecide", unknown: "careUnknown", good: "careGood" } as const;
-const kCareMark = { now: "bad", decide: "wait", unknown: "old", good: "good" } as const;
+export const kCareMarks: Partial<Record<Care, readonly ["bad" | "wait" | "old" | "good", "careNow" | "careDecide" | "careUnknown" | "careGood"]>> = {
+  [Care.NOW]: ["bad", "careNow"],
+  [Care.DECIDE]: ["wait", "careDecide"],
+  [Care.UNKNOWN]: ["old", "careUnknown"],
+  [Care.GOOD]: ["good", "careGood"],
+};
 
-export function Why(props: { what: Known; findings?: DriftFinding[]; news: Event[]; care: Care }) {
-  const { what, care } = props;
-  if (care === "now") {
-    const finding: DriftFinding | undefined = open(props.findings ?? [], what.inUse)[0];
-    const { text } = finding ?? props.news[0];
+// `isWall`: nothing can be chosen there.
+export function Why(props: { of: MachineCare; isWall?: boolean }) {
+  const { care, findings, newestEvent, inUse, waiting, isFollowed } = props.of;
+  const n = countText(waiting);
+  if (care === Care.NOW) {
+    const text = findings[0]?.text ?? newestEvent;
     return (
       <>
         <Server text={text} /> <ErrorWords text={text} />
-        {!finding && <p>{t("whyNews")}</p>}
-        {what.waiting.length > 0 && <p>{t(what.inUse ? "whyWaitsToo" : "whyFirst", { n: what.waiting.length })}</p>}
+        {findings.length === 0 && <p>{t(props.isWall ? "whyNewsWall" : "whyNews")}</p>}
+        {waiting > 0n && <p>{t(!inUse ? "whyFirst" : props.isWall ? "whyWaits" : "whyWaitsToo", { n })}</p>}
       </>
     );
   }
-  if (care === "decide") return <>{t(what.inUse ? "whyWaits" : "whyFirst", { n: what.waiting.length })}</>;
-  if (care === "unknown") return <>{t("whyNever")}</>;
-  return <>{props.findings ? t("whyGood") : ""}</>;
+  if (care === Care.DECIDE) return <>{t(inUse ? "whyWaits" : "whyFirst", { n })}</>;
+  if (care === Care.UNKNOWN) return <>{t("whyNever")}</>;
+  return <>{isFollowed ? t("whyGood") : ""}</>;
 }
 
 // Machines of which a session has this label; none asked: undefined.
@@ -167,26 +100,37 @@ function useLabelled(label: string): { ids?: Set<string>; isWhole: boolean; prob
   return { ids: new Set(found.data?.rows), isWhole: found.data?.isWhole ?? true, problem: found.problem };
 }
 
-// Made anew only when something of its machine is new, not at each key in the filter.
-function FleetRow(props: { of: Rated }) {
-  const { id, what, news, care, findings } = props.of;
+// Of admins alone: others may not know in which groups a machine is.
+function useGroups(): Map<string, string[]> {
+  const found = useLoad("groups", async () =>
+    isAdminOfAll()
+      ? await all(kMostMachines, async (pageToken) => {
+          const page = await access.listMachineAccess({ pageSize: 1000, pageToken });
+          return { rows: page.machines, nextPageToken: page.nextPageToken };
+        })
+      : undefined,
+  );
+  return useMemo(() => new Map((found.data?.rows ?? []).map((machine) => [machine.machineId, machine.groups])), [found.data]);
+}
+
+// Made anew only when something of its machine is new, not at each key in the filter. `isNews`: it needs something else now than by its place.
+function FleetRow(props: { of: MachineCare; isNews: boolean }) {
+  const { of, isNews } = props;
   return useMemo(() => {
-    const { inUse } = what;
-    const fit = inUse?.statistics;
+    const { machineId, inUse, newEvents } = of;
+    const events = countText(newEvents);
     return (
       <tr>
         <th scope="row">
-          <a href={`#/machines/${encodeURIComponent(id)}`}>{id}</a>
+          <a href={`#/machines/${encodeURIComponent(machineId)}`}>{machineId}</a>
         </th>
         <td>
-          <CareMark of={props.of} />
+          <CareMark of={of} />
         </td>
-        <td class="text">
-          <Why what={what} care={care} findings={findings} news={news} />
-        </td>
+        <td class="text">{isNews ? t("whyMoved") : <Why of={of} />}</td>
         <td class="number" data-head={t("openEvents")}>
-          <a href={`#/events/${encodeURIComponent(id)}`} aria-label={`${countText(news.length)}: ${t("eventsOf", { machine: id })}`}>
-            {countText(news.length)}
+          <a href={`#/events/${encodeURIComponent(machineId)}`} aria-label={`${events}: ${t("eventsOf", { machine: machineId })}`}>
+            {events}
           </a>
         </td>
         <td class="whole" data-head={t("inUse")}>
@@ -194,20 +138,30 @@ function FleetRow(props: { of: Rated }) {
             <>
               <a href={`#/calibrations/${inUse.calibrationId}`}>{t("versionN", { n: inUse.version })}</a>
               <br />
-              <small>{inUse.provenance && dayText(inUse.provenance.measuredUtcUs)}</small>
+              <small>{dayText(inUse.measuredUtcUs)}</small>
             </>
           ) : (
             t("none")
           )}
         </td>
         <td class="number" data-head={t("residual")}>
-          {fit?.rmsBeforeUm !== undefined && fit.rmsAfterUm !== undefined
-            ? `${numberText(fit.rmsBeforeUm)} → ${numberText(fit.rmsAfterUm)} µm`
+          {inUse?.rmsBeforeUm !== undefined && inUse.rmsAfterUm !== undefined
+            ? `${numberText(inUse.rmsBeforeUm)} → ${numberText(inUse.rmsAfterUm)} µm`
             : "–"}
         </td>
       </tr>
     );
-  }, [id, what, news, care, findings, language.value]);
+  }, [of, isNews, language.value]);
+}
+
+// Of rows that are new to the reader as many as fill a screen at once, the others in the next frame.
+function useFew(key: string, most: number): number {
+  const [whole, setWhole] = useState("");
+  useEffect(() => {
+    const frame = requestAnimationFrame(() => setWhole(key));
+    return () => cancelAnimationFrame(frame);
+  }, [key]);
+  return whole === key ? most : Math.min(most, kFirstRows);
 }
 
 function FleetTable(props: { fleet: Fleet }) {
@@ -216,32 +170,38 @@ function FleetTable(props: { fleet: Fleet }) {
   const [group, setGroup] = useState("");
   const [label, setLabel] = useState("");
   const labelled = useLabelled(label);
+  const groupsOf = useGroups();
   const [most, setMost] = useState(kShownAtOnce);
-  const { rated, looked, left, problem } = useRated(fleet);
+  const { rows, placed, isStale, order } = useOrdered(fleet);
   const words = filter.toLowerCase();
-  const fits = rated.filter(
-    (row) => row.id.toLowerCase().includes(words) && (group === "" || (fleet.groups.get(row.id) ?? []).includes(group)) &&
-      (labelled.ids === undefined || labelled.ids.has(row.id)),
+  const fits = rows.filter(
+    (row) => row.machineId.toLowerCase().includes(words) && (group === "" || (groupsOf.get(row.machineId) ?? []).includes(group)) &&
+      (labelled.ids === undefined || labelled.ids.has(row.machineId)),
   );
-  const groups = useMemo(() => [...new Set([...fleet.groups.values()].flat())].sort(), [fleet]);
+  const shown = fits.slice(0, useFew(JSON.stringify([words, group, label]), most));
+  const groups = useMemo(() => [...new Set([...groupsOf.values()].flat())].sort(), [groupsOf]);
+  const calibrated = rows.filter((row) => row.inUse || row.waiting > 0n);
+  const looked = calibrated.filter((row) => row.isFollowed).length;
   return (
     <>
       <p class="lead">
         {t("fleetCounts", {
-          n: rated.length,
-          sick: rated.filter((row) => row.care === "now").length,
-          wait: rated.filter((row) => row.what.waiting.length > 0).length,
+          n: countText(rows.length),
+          sick: countText(rows.filter((row) => row.care === Care.NOW).length),
+          wait: countText(rows.filter((row) => row.waiting > 0n).length),
         })}{" "}
-        {looked + left > 0 && (left > 0 ? t("fleetLooked", { n: looked, all: looked + left }) : t("fleetAllLooked", { n: looked }))}
-        {!fleet.isWhole && t("notAll", { n: rated.length })}
+        {calibrated.length > 0 &&
+          (looked < calibrated.length
+            ? t("fleetLooked", { n: countText(looked), all: countText(calibrated.length) })
+            : t("fleetAllLooked", { n: countText(looked) }))}
+        {!fleet.isWhole && t("notAll", { n: countText(rows.length) })}
       </p>
-      {problem && <ProblemBox problem={{ text: problem, reason: "", isConnection: false }} />}
       <div class="filters">
         <label>
           {t("filter")}
           <input type="search" value={filter} onInput={(event) => setFilter(event.currentTarget.value)} />
         </label>
-        {groups.length > 0 && (
+        {isAdminOfAll() && (
           <label>
             {t("group")}
             <select value={group} onChange={(event) => setGroup(event.currentTarget.value)}>
@@ -267,21 +227,31 @@ function FleetTable(props: { fleet: Fleet }) {
             {t("filterButton")}
           </button>
         </form>
+        {/* Its place is kept: what comes while one reads moves nothing. */}
+        <button type="button" class="quiet" disabled={!isStale} onClick={order}>
+          {t("fleetOrder")}
+        </button>
       </div>
       {labelled.problem && <ProblemBox problem={labelled.problem} />}
       {!labelled.isWhole && <p>{t("notAll", { n: countText(kMostLabelled) })}</p>}
       {fits.length === 0 ? (
         <Empty text={t("fleetNothing")} />
       ) : (
-        <Table cards label={t("fleet")} head={[t("machine"), t("care"), t("why"), t("openEvents"), t("inUse"), t("residual")]} numbers={[3, 5]}>
-          {fits.slice(0, most).map((row) => (
-            <FleetRow key={row.id} of={row} />
+        <Table
+          cards
+          kind="fleet"
+          label={t("fleet")}
+          head={[t("machine"), t("care"), t("why"), t("openEvents"), t("inUse"), t("residual")]}
+          numbers={[3, 5]}
+        >
+          {shown.map((row) => (
+            <FleetRow key={row.machineId} of={row} isNews={placed.has(row.machineId) && placed.get(row.machineId) !== row.care} />
           ))}
         </Table>
       )}
       {fits.length > most && (
         <p class="buttons">
-          {t("shownOf", { n: most, all: fits.length })}{" "}
+          {t("shownOf", { n: countText(most), all: countText(fits.length) })}{" "}
           <button type="button" class="quiet" onClick={() => setMost(most + kShownAtOnce)}>
             {t("more")}
           </button>
@@ -292,7 +262,7 @@ function FleetTable(props: { fleet: Fleet }) {
 }
 
 export function FleetPage() {
-  const fleet = useLoad("fleet", loadFleet, kEveryMs);
+  const fleet = useLoad("fleet", loadFleet, everyMs);
   return (
     <>
       <Title text={t("fleetTitle")} />

@@ -61,25 +61,29 @@ export function JobsPage() {
             <Empty text={t("jobsEmpty")} first={t("jobsFirst")} />
           ) : (
             <>
-              <Table label={t("jobs")} head={[t("job"), t("kind"), t("machine"), t("state"), t("priority"), t("progress"), t("created"), t("by")]}>
+              <Table
+                cards
+                label={t("jobs")}
+                head={[t("job"), t("state"), t("kind"), t("machine"), t("priority"), t("progress"), t("created"), t("by")]}
+              >
                 {page.jobs.map((job) => (
                   <tr key={String(job.jobId)}>
                     <th scope="row">
                       <a href={`#/jobs/${job.jobId}`}>{t("jobN", { n: job.jobId })}</a>
                     </th>
-                    <td>{kindOf(job)}</td>
-                    <td>
-                      <a href={`#/machines/${encodeURIComponent(machineOf(job))}`}>{machineOf(job)}</a>
-                    </td>
                     <td>
                       <JobMark job={job} />
                     </td>
-                    <td>{priorityText(job.priority)}</td>
-                    <td>
+                    <td data-head={t("kind")}>{kindOf(job)}</td>
+                    <td data-head={t("machine")}>
+                      <a href={`#/machines/${encodeURIComponent(machineOf(job))}`}>{machineOf(job)}</a>
+                    </td>
+                    <td data-head={t("priority")}>{priorityText(job.priority)}</td>
+                    <td class="whole">
                       <Server text={job.error?.message ?? (hasEnded(job) ? "" : (job.progress?.stage ?? ""))} />
                     </td>
-                    <td>{timeText(job.createdUtcUs)}</td>
-                    <td>{job.createdBy}</td>
+                    <td data-head={t("created")}>{timeText(job.createdUtcUs)}</td>
+                    <td data-head={t("by")}>{job.createdBy}</td>
                   </tr>
                 ))}
               </Table>

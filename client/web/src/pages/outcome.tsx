@@ -98,14 +98,13 @@ function Blocks(props: { title: string; list: { line: number; block: string; rea
 // What the engine asks for in the words of the command line: by its name in the form, where the form asks for it.
 function Missing(props: { option: string }) {
   const [name, ...value] = props.option.split(" ");
-  const field = name === "--unit" ? t("programUnit") : name === "--max-correction-um" ? t("maxCorrection") : name === "--tool-tip" ? t("tip") : "";
-  return field ? (
+  return name === "--unit" ? (
     <>
-      {field} ({t("missingInForm")}): <code>{value.join(" ")}</code>
+      {t("programUnit")} ({t("missingInForm")}): <code lang="en">{value.join(" ")}</code>
     </>
   ) : (
     <>
-      {t("missingOnline")}: <code>{props.option}</code>
+      {t("missingOnline")}: <code lang="en">{props.option}</code>
     </>
   );
 }

@@ -5,7 +5,7 @@ import { all, calibrations, createJob, epoch, jsonOf, machines, problemOf, progr
 import { bytesText, dayText, numberText, timeText } from "../format";
 import { Role } from "../gen/axiscal/v1/access_service_pb";
 import { CalibrationState, EstimateUnit, type Calibration } from "../gen/axiscal/v1/calibration_pb";
-import { CompensateParamsSchema, JobState, ProgramUnit, RewriteOptionsSchema } from "../gen/axiscal/v1/job_pb";
+import { CompensateParamsSchema, JobState, OnUnsupported, ProgramUnit, RewriteOptionsSchema } from "../gen/axiscal/v1/job_pb";
 import type { Program } from "../gen/axiscal/v1/program_pb";
 import { DropZone, Empty, ProblemBox, Show, Table, Title } from "../parts";
 import type { CompensationReport } from "../reports";
@@ -56,12 +56,12 @@ export async function putProgram(file: File): Promise<Chosen | Problem> {
 const nameOf = (c: Calibration) =>
   t("calibrationN", { n: c.calibrationId }) + (c.provenance ? `, ${t("measuredOn", { day: dayText(c.provenance.measuredUtcUs) })}` : "");
 
-// The fields of the form that a refusal is about: the engine names them by the options of the command line.
-const fieldsOf = (refusal: string) => [
-  ...(/--unit\b/.test(refusal) ? [t("programUnit")] : []),
-  ...(/correction of \S+ = .*the limit is/.test(refusal) ? [t("maxCorrection")] : []),
-  ...(/--tool-tip\b/.test(refusal) ? [t("tip")] : []),
-];
+// The field of the form that a refusal is about, by its reason (proto/README.md).
+const kFieldOf: Record<string, "programUnit" | "maxCorrection" | "tip"> = {
+  UNIT_NOT_STATED: "programUnit",
+  CORRECTION_TOO_LARGE: "maxCorrection",
+  TOOL_TIP_INVALID: "tip",
+};
 
 // Of about what size corrections will be.
 function LargestError(props: { of: Calibration }) {
@@ -163,6 +163,7 @@ function Compensate(props: { chosen: Chosen }) {
               dialect: String(form.get("dialect")),
               unit: Number(form.get("unit")) as ProgramUnit,
               maxCorrectionMm: Number(limit) / 1000,
+              onUnsupported: form.get("passes") === null ? OnUnsupported.REFUSE : OnUnsupported.PASS,
             }),
           }),
         }),
@@ -171,7 +172,7 @@ function Compensate(props: { chosen: Chosen }) {
       setProblem(problemOf(error));
     }
   };
-  const fields = fieldsOf(job?.error?.message ?? "");
+  const field = kFieldOf[(problem ?? job?.error)?.reason ?? ""];
   const report = isDone ? jsonOf<CompensationReport>(job.result?.reportJson ?? "") : undefined;
   return (
     <section>
@@ -228,6 +229,12 @@ function Compensate(props: { chosen: Chosen }) {
             <label class="check">
               <input name="tablesOff" type="checkbox" /> {t("tablesOff")}
             </label>
+            <label class="check">
+              <input name="passes" type="checkbox" aria-describedby="passes-help" /> {t("passes")}
+            </label>
+            <p id="passes-help" class="muted help">
+              {t("passesHelp")}
+            </p>
             <p class="buttons">
               <button type="submit" disabled={job !== undefined && !hasEnded(job)}>
                 {t("compensate")}
@@ -244,9 +251,9 @@ function Compensate(props: { chosen: Chosen }) {
           </p>
         )}
         {job && !hasEnded(job) && <JobProgressBar job={job} />}
-        {job?.error && (
+        {(job?.error || field) && (
           <p>
-            {t("putBack")} {fields.length > 0 && t("lookAt", { fields: fields.join("; ") })}
+            {t("putBack")} {field && t("lookAt", { field: t(field) })}
           </p>
         )}
       </div>
