@@ -184,6 +184,7 @@ std::vector<reports::WarningFacts> ListWarnings(const SolvedProblem& solved, con
     warnings.insert(warnings.end(), further.begin(), further.end());
   for (reports::WarningFacts& warning : FindCoarseReadings(solved.problem)) warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : FindExpired(solved.problem)) warnings.push_back(std::move(warning));
+  for (reports::WarningFacts& warning : FindTwoClocks(solved.problem, result)) warnings.push_back(std::move(warning));
   for (reports::WarningFacts& warning : SharedWithHeld(solved.problem, judgement.covariance, result.held_from))
     warnings.push_back(std::move(warning));
   // Set-up offsets of which nothing is known beforehand take a reading each as errors do.

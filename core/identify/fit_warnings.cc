@@ -6,7 +6,9 @@
 #include "absl/time/time.h"
 #include "core/base/units.h"
 #include "core/identify/plausible_errors.h"
+#include "core/instruments/clock.h"
 #include "core/instruments/resolution.h"
+#include "core/shapes/depends_on.h"
 
 namespace axiscal::identify {
 
@@ -65,6 +67,17 @@ std::vector<reports::WarningFacts> FindExpired(const Problem& problem) {
     }
   }
   return warnings;
+}
+
+std::vector<reports::WarningFacts> FindTwoClocks(const Problem& problem, const Result& result) {
+  const auto overlap = instruments::FindOverlap(problem.runs);
+  if (!overlap) return {};
+  std::vector<std::string> errors;
+  for (const machine::ErrorTerm& term : result.model.terms) {
+    if (shapes::NeedsOneClock(term.shape)) errors.push_back(machine::NameOf(*problem.machine, term));
+  }
+  if (errors.empty()) return {};
+  return {reports::TwoClocks{overlap->first, overlap->second, std::move(errors)}};
 }
 
 namespace {

@@ -24,6 +24,9 @@ std::vector<reports::WarningFacts> FindCoarseReadings(const Problem& problem);
 // Certificates that were not valid when their session began, and those of sessions that do not say when that was.
 std::vector<reports::WarningFacts> FindExpired(const Problem& problem);
 
+// Where sessions overlap in time and the model has errors that depend on it.
+std::vector<reports::WarningFacts> FindTwoClocks(const Problem& problem, const Result& result);
+
 // Errors and set-up offsets that are surely larger than a machine of this size can have, after its fit.
 std::vector<reports::WarningFacts> FindBeyondSize(const Problem& problem, const Result& result);
 

@@ -7,6 +7,7 @@
 
 #include "core/base/units.h"
 #include "core/identify/outliers.h"
+#include "core/instruments/clock.h"
 #include "core/loop/aliases.h"
 
 namespace axiscal::loop {
@@ -168,7 +169,7 @@ class Builder {
       }
     }
     constexpr double kShortest = 60.0, kSmallestWarming = 0.05;
-    if (last_s - first_s > kShortest && AllTimed()) {
+    if (last_s - first_s > kShortest && HaveOneClock()) {
       AddAtAllJoints(Family::kDrift, shapes::Drift{});
       for (const double share : {0.04, 0.08, 0.16, 0.32, kSlowestWarming})
         AddAtAllJoints(Family::kDriftExp, shapes::DriftExp{share * last_s});
@@ -211,8 +212,9 @@ class Builder {
       candidates_.push_back({Family::kLobe, term, -1, 0});
   }
 
-  bool AllTimed() const {
-    return std::all_of(problem_.runs.begin(), problem_.runs.end(),
+  bool HaveOneClock() const {
+    return !instruments::FindOverlap(problem_.runs) &&
+           std::all_of(problem_.runs.begin(), problem_.runs.end(),
                        [](const MeasuringRun& run) { return run.has_time; });
   }
 

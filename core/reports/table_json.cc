@@ -1,6 +1,5 @@
-#include "core/reports/table.h"
-
 #include "core/reports/report_json.h"
+#include "core/reports/table.h"
 
 namespace axiscal::reports {
 

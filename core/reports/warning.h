@@ -24,6 +24,7 @@ enum class WarningKind {
   kDatum,        // sessions disagree by a constant of the commanded positions
   kNoFreedom,    // as many unknowns as readings: nothing is left that would judge the model or the stated sigmas
   kCertificate,  // a certificate was not valid when its session was measured
+  kClock,        // sessions do not count their times from one start
   kOther,        // of a newer version; its text says what
 };
 
@@ -99,8 +100,13 @@ struct Expired {
   std::string session, of, number;  // "BX", "bar_length", of the certificate
   std::string due, started;         // dates; started is empty where nothing states it
 };
+// Sessions of which two overlap in time, though no machine is measured twice at a time.
+struct TwoClocks {
+  std::string session, other;
+  std::vector<std::string> errors;  // that need one clock, as fitted; of the loop, which looks for none: empty
+};
 using WarningFacts = std::variant<Scatter, SetAside, NoInterval, NoNumber, SharedStages, CoarseReadings, BeyondSize,
-                                  Quiet, DatumMoved, NoFreedom, Expired>;
+                                  Quiet, DatumMoved, NoFreedom, Expired, TwoClocks>;
 
 // Whether nothing else of the report is worth reading before it is settled: such warnings stand first.
 inline bool ComesFirst(WarningKind kind) { return kind == WarningKind::kSize || kind == WarningKind::kQuiet; }

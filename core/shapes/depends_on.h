@@ -12,6 +12,11 @@ inline bool DependsOnTime(const Shape& shape) {
          std::holds_alternative<Lag>(shape) || std::holds_alternative<TimeCurve>(shape) ||
          (std::holds_alternative<ThermalLag>(shape) && std::get<ThermalLag>(shape).tau_s > 0.0);
 }
+// One clock of all sessions: what lasts longer than one of them.
+inline bool NeedsOneClock(const Shape& shape) {
+  return std::holds_alternative<Drift>(shape) || std::holds_alternative<DriftExp>(shape) ||
+         std::holds_alternative<TimeCurve>(shape);
+}
 // The channel of a temperature: "temp_C", "T_spindle_C".
 inline std::optional<std::string> ChannelOf(const Shape& shape) {
   if (std::holds_alternative<Thermal>(shape)) return kTemperatureChannel;
