@@ -124,6 +124,12 @@ class Builder {
       }
       item.group.largest_amplitude = INFINITY;
       item.group.largest_variance = LargestCurveOf(one.term) * LargestCurveOf(one.term);
+      if (const auto* curve = std::get_if<shapes::Curve>(&one.term.shape)) {  // of any smoothness: one effect
+        const auto kin = std::make_tuple(static_cast<int>(one.term.shape.index()), curve->axis, item.sensitivity,
+                                         std::string(curve->span.is_turn ? "turn" : ""));
+        item.group.kin = kins_.try_emplace(kin, static_cast<int>(kins_.size())).first->second;
+        item.group.apart = 1.0;  // they have no place
+      }
       return item;
     }
     const auto* bump = std::get_if<shapes::Bump>(&one.term.shape);
@@ -225,7 +231,8 @@ class Builder {
       one.term = {joint, static_cast<machine::Component>(component), shape, {}};
       const bool is_known = std::any_of(known_.begin(), known_.end(), [&](const Candidate& known) {
         return known.family == family && loop::IsSameEffect(known.term, one.term) &&
-               std::abs(PlaceOf(known.term.shape) - PlaceOf(shape)) < kApart;
+               std::abs(PlaceOf(known.term.shape) - PlaceOf(shape)) < kApart &&
+               (!std::holds_alternative<shapes::Curve>(shape) || known.term.shape == shape);
       });
       if (!is_known) candidates->push_back(one);
     }
@@ -286,7 +293,9 @@ class Builder {
     return {span.lowest, span.highest};
   }
 
-  // Curves of an axis over its own position.
+  // Curves of an axis over its own position. How smooth one is the data say: each function has its price, so that a
+  // smooth error that had to have all of them would cost more than a few local defects that lie about it.
+  static constexpr int kFewestFunctions = 6;  // three orders of a turn: fewer are slopes and single harmonics
   void AddCurves(std::vector<Candidate>* candidates) const {
     for (int axis = 0; axis < machine_.axis_count(); ++axis) {
       const loop::AxisSpan& span = spans_[axis];
@@ -297,11 +306,15 @@ class Builder {
       const double told =
           curve.span.is_turn ? 2.0 * std::floor(highest) : highest * (span.highest - span.lowest) / std::numbers::pi;
       if (told < 4.0) continue;
-      curve.functions = static_cast<int>(std::min<double>(shapes::kMaxBasisCount, told));
-      AddAtJoint(Family::kCurve, axis, curve, candidates);
-      if (curve.span.is_turn) {  // what does not close, as of a cable or a scale that was wound on
-        curve.span = {span.lowest, span.highest};
-        AddAtJoint(Family::kCurve, axis, curve, candidates);
+      const int finest = static_cast<int>(std::min<double>(shapes::kMaxBasisCount, told));
+      std::vector<shapes::Span> spans = {curve.span};
+      // What does not close, as of a cable or a scale that was wound on.
+      if (curve.span.is_turn) spans.push_back({span.lowest, span.highest});
+      for (const shapes::Span& one : spans) {
+        curve.span = one;
+        for (curve.functions = finest; curve.functions >= std::min(finest, kFewestFunctions);
+             curve.functions = curve.functions / 4 * 2)  // of turns in pairs
+          AddAtJoint(Family::kCurve, axis, curve, candidates);
       }
     }
   }

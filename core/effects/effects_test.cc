@@ -270,6 +270,45 @@ TEST(Effects, CrossedErrorsAreWhatSingleAxesLeave) {
   EXPECT_GT(share_left(runs), 0.01);
 }
 
+// A curve pays for each of its functions: a smooth one is taken with few, one with detail with all, never one beside
+// the other, and both are the same effect.
+TEST(Effects, ACurveIsAsSmoothAsTheReadingsSay) {
+  const auto measured = [](const machine::ErrorModel& truth) {
+    synthetic::NoiseOptions noise;
+    ballbar::PatternOptions options;
+    options.step_deg = 2.0;
+    return *identify::BindSessions(kMachine,
+                                   Measure(kMachine, truth, noise, identify::testing::FivePatterns(), options));
+  };
+  const identify::Fit plain = FitOf(Runs(), Declared());
+  const Scored without(plain, {});
+  machine::ErrorTerm curve = without.catalogue.effects[without.Find("EXX:curve")].candidate.term;
+  ASSERT_EQ(std::get<shapes::Curve>(curve.shape).functions, shapes::kMaxBasisCount);
+  const auto functions_of = [](const Scored& scored, int group) {
+    return std::get<shapes::Curve>(scored.catalogue.effects[group].candidate.term.shape).functions;
+  };
+  for (const bool is_smooth : {true, false}) {
+    constexpr double kSmoothMm[] = {2e-3, 4e-3, -3e-3}, kDetailMm = 4e-3;
+    std::copy(std::begin(kSmoothMm), std::end(kSmoothMm), curve.amplitude.begin());
+    curve.amplitude[13] = is_smooth ? 0.0 : kDetailMm;
+    machine::ErrorModel truth = Declared();
+    truth.terms.push_back(curve);
+    const identify::Fit fit = FitOf(measured(truth), Declared());
+    const Scored scored(fit, {});
+    const std::string name = "EXX:curve";
+    std::vector<bool> curves;
+    for (const Effect& effect : scored.catalogue.effects)
+      curves.push_back(effect.bad_row < 0 && loop::IsTerm(effect.candidate.family) &&
+                       machine::NameOf(kMachine, effect.candidate.term) == name);
+    const std::vector<objective::Move> moves = scored.scorer->Additions({}, 1.0, curves, 10);
+    ASSERT_EQ(moves.size(), 3u);
+    EXPECT_EQ(functions_of(scored, moves[0].member.group) < 8, is_smooth);
+    EXPECT_TRUE(scored.scorer->Additions({moves[0].member}, 1.0, curves, 10).empty());
+    const auto term = [&](int i) { return scored.catalogue.effects[moves[i].member.group].candidate.term; };
+    EXPECT_TRUE(loop::IsSameEffect(term(0), term(1)));
+  }
+}
+
 // What was moved to the same place before is that group, and what a state knew before of all others holds of it too.
 TEST(Effects, AGroupAtAnotherPlaceIsAddedOnce) {
   const identify::Fit fit = FitOf(Runs(), Declared());

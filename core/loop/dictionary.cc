@@ -389,6 +389,8 @@ bool IsSameEffect(const ErrorTerm& a, const ErrorTerm& b) {
   shapes::Shape one = Everywhere(a.shape), other = Everywhere(b.shape);
   double *of_one = shapes::NonlinearParameter(one), *of_other = shapes::NonlinearParameter(other);
   if (of_one != nullptr && of_other != nullptr) *of_one = *of_other = 1.0;
+  auto *curve = std::get_if<shapes::Curve>(&one), *other_curve = std::get_if<shapes::Curve>(&other);
+  if (curve != nullptr && other_curve != nullptr) curve->functions = other_curve->functions;  // of any smoothness
   return one == other;
 }
 
