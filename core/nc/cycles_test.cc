@@ -181,6 +181,9 @@ TEST(Cycles, CallsThatAreNotFollowedAreRefused) {
         "MCALL CYCLE81(20,0,2,-10)\nG18\nX10.", "MCALL CYCLE81(20,0,2,-10)\nROT Z30\nX10.",
         "MCALL HOLES1(0,0,0,5,5,3)\nX10.", "/MCALL CYCLE81(20,0,2,-10)\nX10.", "MCALL CYCLE81(20,0,2,-10)\nSUPA G0 Z0"})
     EXPECT_FALSE(testing::Rewritten(head + block + "\n", In("sinumerik")).status.ok()) << block;
+  // D in front of M6: which length is in force behind it is the builder's to choose.
+  EXPECT_REFUSED(In("sinumerik"), "G71 G90 G17 G94 D1\nM6\nG0 X0 Y0 Z50 B0 C0\nMCALL CYCLE81(20,0,2,-10)\nX10\n",
+                 "the tool length is not known");
   const std::string definition = "CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10 ~\n Q203=+0\n",
                     call = "L X+10 FMAX M99\n";
   EXPECT_TRUE(testing::Rewritten(definition + call, In("heidenhain")).status.ok());
